@@ -59,7 +59,7 @@ static bw_status order_columns(bw_context *context, bwi_linear_program *program,
   int32_t *place = NULL;
   program->levels = 1;
   for (int64_t size = n / basis->directions / LEVEL_FACTOR;
-       size >= LEVEL_SMALLEST && program->levels < BWI_LEVELS; size /= LEVEL_FACTOR)
+       size >= LEVEL_SMALLEST && program->levels < BWI_TWO_LEVEL; size /= LEVEL_FACTOR)
     program->levels++;
   size_t groups = (size_t)program->levels * (size_t)bodies;
   place = BW_NEW0(context, int32_t, groups + 1);

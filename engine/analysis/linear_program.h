@@ -15,7 +15,7 @@
 
 #include "barwright/analysis.h"
 
-enum { BWI_LOCAL_ROWS = 6, BWI_LEVELS = 8 };
+enum { BWI_LOCAL_ROWS = 6, BWI_TWO_LEVEL = 8 };
 
 /* Columns begin..end-1 have their local rows 0..rows-1 at global rows row.. */
 typedef struct bwi_segment {
@@ -45,8 +45,8 @@ typedef struct bwi_linear_program {
   int32_t segment_count;
   bwi_segment *segment;
   int levels;
-  int32_t level_end[BWI_LEVELS];      /* columns of levels 0..k: whole groups */
-  int32_t level_segments[BWI_LEVELS]; /* their segments */
+  int32_t level_end[BWI_TWO_LEVEL];      /* columns of levels 0..k: whole groups */
+  int32_t level_segments[BWI_TWO_LEVEL]; /* their segments */
   int32_t body_count;
   bwi_balance *body;
   int32_t motion_count;

@@ -2,7 +2,7 @@
 /* Between the files of distributed/.
  *
  * Every operation is one function that all ranks run (collective). On rank 0 it is called by the
- * engine through bw_outside; the others are in bw_world_serve and run it when rank 0's command
+ * engine through bw_external; the others are in bw_world_serve and run it when rank 0's command
  * arrives. What only rank 0 knows (matrix, fields) is given to the function there, NULL elsewhere.
  *
  * Failures. Between two agreements (bwd_agree) a rank may fail by itself; at the agreement all
@@ -53,7 +53,7 @@ bw_status bwd_petsc_status(bw_context *context, PetscErrorCode code);
 typedef struct bwd_system {
   int rank, ranks;
   int32_t nodes, first, local; /* all; those of this rank */
-  bw_outside_options options;
+  bw_external_options options;
   bool direct; /* by a factor */
   int motions;
   int mass_width; /* numbers of M sent per pair: 0, 3 (the block's diagonal), 9 */
@@ -67,7 +67,7 @@ typedef struct bwd_system {
   double seconds_send, seconds_setup, seconds_solve;
   double processor; /* of this process when the system was opened */
   /* Rank 0 alone: */
-  const bw_outside_matrix *matrix;
+  const bw_external_matrix *matrix;
   int32_t *place;      /* nodes: where each has gone */
   int32_t *start;      /* ranks + 1: first place of each rank; on every rank */
   int *counts, *where; /* ranks: numbers of a field and where they begin */
@@ -105,15 +105,15 @@ bw_status bwd_count_below(bw_context *context, bwd_system *system, double sigma,
 
 /* modes.c: `modes` on rank 0, NULL elsewhere. */
 bw_status bwd_modes(bw_context *context, bwd_system *system, const bw_modes_options *options,
-                    bw_outside_modes *modes);
+                    bw_external_modes *modes);
 
-/* outside.c: one operation on this rank; arguments on rank 0, NULL elsewhere. */
-bw_status bwd_run_open(bw_context *context, const bw_outside_matrix *matrix,
-                       const bw_outside_options *options);
+/* external.c: one operation on this rank; arguments on rank 0, NULL elsewhere. */
+bw_status bwd_run_open(bw_context *context, const bw_external_matrix *matrix,
+                       const bw_external_options *options);
 bw_status bwd_run_solve(bw_context *context, const double *force, double *displacement);
 bw_status bwd_run_modes(bw_context *context, const bw_modes_options *options,
-                        bw_outside_modes *modes);
-void bwd_run_close(bw_context *context, bw_outside_report *report);
-extern const bw_outside bwd_outside;
+                        bw_external_modes *modes);
+void bwd_run_close(bw_context *context, bw_external_report *report);
+extern const bw_external bwd_external;
 
 #endif

@@ -323,7 +323,7 @@ done:
  */
 
 static bw_status deliver(bw_context *context, bwd_system *system, const set *s, int count,
-                         bw_outside_modes *modes) {
+                         bw_external_modes *modes) {
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)system->nodes;
   if (modes) {
@@ -350,7 +350,7 @@ done:
 }
 
 bw_status bwd_modes(bw_context *context, bwd_system *system, const bw_modes_options *given,
-                    bw_outside_modes *modes) {
+                    bw_external_modes *modes) {
   bw_status status = BW_OK;
   bw_modes_options options = {0};
   elastic e = {.context = context, .system = system};

@@ -75,7 +75,7 @@ typedef struct plan {
 static bw_status make_plan(bw_context *context, bwd_system *system, int32_t **own, int32_t **other,
                            plan *p) {
   bw_status status = BW_OK;
-  const bw_outside_matrix *m = system->matrix;
+  const bw_external_matrix *m = system->matrix;
   system->nodes = m->graph->node_count;
   if (system->nodes > INT32_MAX / 3 - 1)
     return bw_fail(context, BW_LIMIT, "%d nodes are more than PETSc's 32-bit numbers take",
@@ -176,8 +176,8 @@ bw_status bwd_share(bw_context *context, bwd_system *system) {
   system->motions = p.motions;
   system->mass_width = p.mass_width;
   system->options =
-      (bw_outside_options){.method = p.method, .iterations = p.iterations, .rtol = p.rtol};
-  system->direct = p.method == BW_OUTSIDE_CHOLESKY;
+      (bw_external_options){.method = p.method, .iterations = p.iterations, .rtol = p.rtol};
+  system->direct = p.method == BW_EXTERNAL_CHOLESKY;
   system->first = system->start[system->rank];
   system->local = system->start[system->rank + 1] - system->first;
 

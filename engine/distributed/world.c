@@ -117,7 +117,7 @@ bw_status bw_world_start(bw_context *context, bool together) {
   one_thread();
   atexit(leave);
   if (world.rank == 0)
-    bw_outside_register(&bwd_outside);
+    bw_external_register(&bwd_external);
   return BW_OK;
 refuse:
   return bw_fail(context, BW_UNSUPPORTED,

@@ -139,7 +139,7 @@ bw_status bwi_direct_factor(bw_context *context, bwi_direct *direct, const bw_gr
                             const uint8_t *held, const double *stiffness, bool *definite,
                             int32_t *node) {
   bw_status status = BW_OK;
-  bwi_reach *reach = NULL;
+  bwi_elimination_reach *reach = NULL;
   bwi_matrix matrix = {.graph = graph, .stiffness = stiffness};
   int32_t bad_node = -1;
   direct->usable = false;
@@ -148,7 +148,7 @@ bw_status bwi_direct_factor(bw_context *context, bwi_direct *direct, const bw_gr
   if (direct->factor)
     status = bwi_factor_update(context, direct->factor, &matrix, NULL, NULL, &bad_node);
   else {
-    BW_TRY(bwi_reach_create_whole(context, direct->symbolic, &reach));
+    BW_TRY(bwi_elimination_reach_create_whole(context, direct->symbolic, &reach));
     status = bwi_factor_create_kept(context, direct->symbolic, &matrix, reach, &direct->factor,
                                     &bad_node);
   }

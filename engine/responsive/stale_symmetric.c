@@ -11,7 +11,7 @@
 #include <amd.h>
 
 #include "responsive/stale.h"
-#include "responsive/sweep.h"
+#include "responsive/triangular_solve.h"
 #include "solve/order.h"
 
 #define WORN 1.25
@@ -23,8 +23,8 @@ struct bwi_stale_symmetric {
   double ordered;                    /* operations under the order when it was new */
   const bw_plane_topology *topology; /* retained: what symbolic is of */
   bwi_symbolic *symbolic;
-  bwi_factor *factor; /* of this symbolic or, until the next factorisation, an older one */
-  bwi_sweep *sweep;   /* of it; NULL until it is worth making */
+  bwi_factor *factor;          /* of this symbolic or, until the next factorisation, an older one */
+  bwi_triangular_solve *sweep; /* of it; NULL until it is worth making */
 };
 
 bw_status bwi_stale_symmetric_create(bw_context *context, int components,
@@ -46,7 +46,7 @@ static void forget_analysis(bwi_stale_symmetric *s) {
 
 void bwi_stale_symmetric_forget(bwi_stale_symmetric *s) {
   forget_analysis(s);
-  bwi_sweep_free(s->sweep);
+  bwi_triangular_solve_free(s->sweep);
   s->sweep = NULL;
   bw_release(s->factor);
   bw_release(s->nodes);
@@ -193,7 +193,7 @@ bw_status bwi_stale_symmetric_factor(bw_context *context, bwi_stale_symmetric *s
                                      const bw_plane_graph *graph, const double *values,
                                      bwi_stale_work *work) {
   bw_status status = BW_OK;
-  bwi_reach *reach = NULL;
+  bwi_elimination_reach *reach = NULL;
   bwi_factor *factor = NULL;
   int32_t bad_node = -1;
   *work = (bwi_stale_work){0};
@@ -208,12 +208,12 @@ bw_status bwi_stale_symmetric_factor(bw_context *context, bwi_stale_symmetric *s
   if (!rows.upper_start)
     return BW_MEMORY;
   BW_TRY(analyse(context, s, graph, work));
-  bwi_sweep_free(s->sweep);
+  bwi_triangular_solve_free(s->sweep);
   s->sweep = NULL;
   if (s->factor && s->factor->symbolic == s->symbolic) {
     status = bwi_factor_update(context, s->factor, &matrix, NULL, NULL, &bad_node);
   } else {
-    BW_TRY(bwi_reach_create_whole(context, s->symbolic, &reach));
+    BW_TRY(bwi_elimination_reach_create_whole(context, s->symbolic, &reach));
     status = bwi_factor_create_kept(context, s->symbolic, &matrix, reach, &factor, &bad_node);
     bw_release(s->factor);
     s->factor = factor;
@@ -246,8 +246,8 @@ bw_status bwi_stale_symmetric_apply(bw_context *context, bwi_stale_symmetric *s,
   if (!old)
     return bwi_solve_fields(context, s->factor, NULL, 1, r, z);
   if (!s->sweep)
-    BW_TRY(bwi_sweep_create(context, s->factor, &s->sweep));
-  bwi_sweep_apply(s->sweep, r, z);
+    BW_TRY(bwi_triangular_solve_create(context, s->factor, &s->sweep));
+  bwi_triangular_solve_apply(s->sweep, r, z);
 done:
   return status;
 }

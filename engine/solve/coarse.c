@@ -18,7 +18,7 @@ struct bwi_coarse {
   bw_dof_map dof_map; /* of the corners: what the factor and its fields read of one */
   int32_t *unknown;   /* count x 3: 0 where there is one, else -1 */
   bwi_symbolic *symbolic;
-  bwi_reach *reach; /* the whole of it: factors are made again in place */
+  bwi_elimination_reach *reach; /* the whole of it: factors are made again in place */
   bwi_factor *factor;
 };
 
@@ -192,7 +192,7 @@ static bw_status bring_symbolic(bw_context *context, bwi_coarse *c) {
     take[k] = c->unknown[3 * k] >= 0 || c->unknown[3 * k + 1] >= 0 || c->unknown[3 * k + 2] >= 0;
   BW_TRY(bwi_order_create(context, c->graph, take, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, c->unknown, &c->symbolic));
-  BW_TRY(bwi_reach_create_whole(context, c->symbolic, &c->reach));
+  BW_TRY(bwi_elimination_reach_create_whole(context, c->symbolic, &c->reach));
 done:
   bw_free(take);
   bw_release(order);

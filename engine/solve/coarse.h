@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The coarse space of multilevel.h on quadratic elements: the fields that are linear in every
+/* The coarse space of two_level.h on quadratic elements: the fields that are linear in every
  * element, which the corner nodes span. Their Galerkin matrix is the stiffness of the linear
  * elements; it has an eighth of the unknowns and is factored in a hundredth of the time.
  *

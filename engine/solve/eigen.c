@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "solve/blas.h"
-#include "solve/krylov.h"
+#include "solve/block_lanczos.h"
 #include "solve/multivector.h"
 
 enum { RECOVERIES = 6 };

@@ -8,7 +8,7 @@
  * and within the top, update matrices live on a stack: those of the children of the supernode at
  * work are its uppermost blocks. A task's root puts its update matrix in a place of its own, since
  * it outlives the task's stack; so do supernodes whose update matrix is kept for later updates of
- * the factor (reach.c).
+ * the factor (elimination_reach.c).
  *
  * Numbers are double or float; what computes with them is in the factor's kernels, and here are
  * only their places. */
@@ -42,10 +42,10 @@ typedef struct store {
 
 /* What makes a factor one that can be brought up to date in part. */
 typedef struct bwi_kept {
-  bwi_reach *reach; /* retained */
-  void *block;      /* the update matrices kept */
-  int64_t *at;      /* super_count: where in it; those not kept have none */
-  uint8_t *wanted;  /* super_count */
+  bwi_elimination_reach *reach; /* retained */
+  void *block;                  /* the update matrices kept */
+  int64_t *at;                  /* super_count: where in it; those not kept have none */
+  uint8_t *wanted;              /* super_count */
   store store;
   bool broken;
 } bwi_kept;
@@ -375,8 +375,8 @@ static bw_status judge(const factorisation *f, bw_status status, int32_t *bad_no
   return status;
 }
 
-static bw_status kept_create(bw_context *context, const bwi_symbolic *symbolic, bwi_reach *reach,
-                             bwi_factor *factor) {
+static bw_status kept_create(bw_context *context, const bwi_symbolic *symbolic,
+                             bwi_elimination_reach *reach, bwi_factor *factor) {
   int32_t supers = symbolic->order->super_count;
   bwi_kept *kept = factor->kept = BW_NEW0(context, bwi_kept, 1);
   if (!kept)
@@ -418,7 +418,7 @@ static double unit_of(const bwi_kernels *kernels, const bwi_matrix *matrix, int 
 }
 
 static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
-                        bwi_reach *reach, const bwi_kernels *kernels, bwi_factor **out,
+                        bwi_elimination_reach *reach, const bwi_kernels *kernels, bwi_factor **out,
                         int32_t *bad_node) {
   bw_status status = BW_OK;
   store room = {0};
@@ -464,13 +464,13 @@ bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const b
 }
 
 bw_status bwi_factor_create_kept(bw_context *context, bwi_symbolic *symbolic,
-                                 const bwi_matrix *matrix, bwi_reach *reach, bwi_factor **factor,
-                                 int32_t *bad_node) {
+                                 const bwi_matrix *matrix, bwi_elimination_reach *reach,
+                                 bwi_factor **factor, int32_t *bad_node) {
   return create(context, symbolic, matrix, reach, &bwi_kernels_double, factor, bad_node);
 }
 
 bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
-                               const bwi_matrix *matrix, bwi_reach *reach,
+                               const bwi_matrix *matrix, bwi_elimination_reach *reach,
                                const bwi_kernels *kernels, bwi_factor **factor, int32_t *bad_node) {
   return create(context, symbolic, matrix, reach, kernels, factor, bad_node);
 }
@@ -501,7 +501,7 @@ bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_m
                    "a factor whose last update failed has to be made again as a whole");
   f.store = &kept->store;
   if (touched_domain) {
-    if (bwi_reach_supernodes(kept->reach, touched_domain, kept->wanted) == 0)
+    if (bwi_elimination_reach_supernodes(kept->reach, touched_domain, kept->wanted) == 0)
       goto done;
     f.wanted = kept->wanted;
   } else

@@ -98,11 +98,12 @@ bw_status bwi_plan_create(bw_context *context, const bwi_symbolic *symbolic, con
                           const uint8_t *keep, bwi_plan *plan);
 void bwi_plan_clear(bwi_plan *plan);
 
-/* ---- which domains reach which supernodes (reach.c) ---------------------------------------- */
+/* ---- which domains reach which supernodes (elimination_reach.c)
+ * ---------------------------------------- */
 
 /* A matrix entry is of the domains whose elements contribute to its pair of nodes; it sits in the
  * supernode of the node eliminated first. */
-typedef struct bwi_reach {
+typedef struct bwi_elimination_reach {
   bw_object object;
   const bwi_symbolic *symbolic; /* retained */
   int32_t domain_count;
@@ -111,15 +112,20 @@ typedef struct bwi_reach {
                     of any below it */
   uint8_t *keep; /* super_count: its update matrix is kept, its set differs from its parent's */
   int64_t kept_numbers; /* in all those update matrices */
-} bwi_reach;
-bw_status bwi_reach_create(bw_context *context, bwi_symbolic *symbolic, const bw_mesh *mesh,
-                           int32_t domain_count, const int32_t *element_domain, bwi_reach **reach);
+} bwi_elimination_reach;
+bw_status bwi_elimination_reach_create(bw_context *context, bwi_symbolic *symbolic,
+                                       const bw_mesh *mesh, int32_t domain_count,
+                                       const int32_t *element_domain,
+                                       bwi_elimination_reach **reach);
 /* Of one domain that is everything: for factors made again as a whole, in place. */
-bw_status bwi_reach_create_whole(bw_context *context, bwi_symbolic *symbolic, bwi_reach **reach);
+bw_status bwi_elimination_reach_create_whole(bw_context *context, bwi_symbolic *symbolic,
+                                             bwi_elimination_reach **reach);
 /* wanted: super_count, 1 where the set meets touched_domain (domain_count). Returns the work. */
-double bwi_reach_supernodes(const bwi_reach *reach, const uint8_t *touched_domain, uint8_t *wanted);
+double bwi_elimination_reach_supernodes(const bwi_elimination_reach *reach,
+                                        const uint8_t *touched_domain, uint8_t *wanted);
 /* The work that refactoring for these domains would take. */
-double bwi_reach_flops(const bwi_reach *reach, const uint8_t *touched_domain);
+double bwi_elimination_reach_flops(const bwi_elimination_reach *reach,
+                                   const uint8_t *touched_domain);
 
 /* ---- factor -------------------------------------------------------------------------------- */
 
@@ -155,11 +161,11 @@ bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const b
 /* The same, keeping the update matrices that `reach` (retained) names and the memory that updates
  * work in. */
 bw_status bwi_factor_create_kept(bw_context *context, bwi_symbolic *symbolic,
-                                 const bwi_matrix *matrix, bwi_reach *reach, bwi_factor **factor,
-                                 int32_t *bad_node);
+                                 const bwi_matrix *matrix, bwi_elimination_reach *reach,
+                                 bwi_factor **factor, int32_t *bad_node);
 /* The same with numbers of the precision asked for. */
 bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
-                               const bwi_matrix *matrix, bwi_reach *reach,
+                               const bwi_matrix *matrix, bwi_elimination_reach *reach,
                                const struct bwi_kernels *kernels, bwi_factor **factor,
                                int32_t *bad_node);
 /* Factor again, in place, what entries of the touched domains (NULL: all) reach: the same bits as

@@ -42,12 +42,12 @@ static void inner_free(bwi_local *inner) {
   bw_free(inner->supports);
   bw_free(inner->touched);
   bw_free(inner->latest);
-  bw_free(inner->experienced);
+  bw_free(inner->iterated_on);
   bw_free(inner->factored_frame);
   bw_release(inner->factored);
   bw_release(inner->reach);
   bw_release(inner->factor);
-  bw_release(inner->levels);
+  bw_release(inner->two_level);
   bw_free(inner);
 }
 
@@ -68,14 +68,14 @@ void bw_local_system_memory(const bw_local_system *local, size_t *factor, size_t
   }
 }
 
-size_t bw_local_system_levels_bytes(const bw_local_system *local) {
-  return bw_bytes(local->inner->levels);
+size_t bw_local_system_two_level_bytes(const bw_local_system *local) {
+  return bw_bytes(local->inner->two_level);
 }
 
 static size_t local_bytes(const void *object) {
   const bw_local_system *local = object;
   return sizeof *local + bw_bytes(local->stiffness) + bw_bytes(local->system->graph) +
-         bw_bytes(local->inner->factor) + bw_bytes(local->inner->levels);
+         bw_bytes(local->inner->factor) + bw_bytes(local->inner->two_level);
 }
 
 static const bw_kind local_kind = {"local system", local_destroy, local_bytes};
@@ -112,10 +112,10 @@ static bw_status inner_create(bw_context *context, const bw_model *model, bool m
   inner->factored_frame = BW_NEW0(context, double, 9 * domains);
   inner->touched = BW_NEW0(context, uint8_t, domains);
   inner->latest = BW_NEW0(context, uint8_t, domains);
-  inner->experienced = BW_NEW0(context, uint8_t, domains);
-  inner->experience = 1;
+  inner->iterated_on = BW_NEW0(context, uint8_t, domains);
+  inner->iteration_ratio = 1;
   if (!inner->element_domain || !inner->node_domain || !inner->motion || !inner->frame ||
-      !inner->factored_frame || !inner->touched || !inner->latest || !inner->experienced) {
+      !inner->factored_frame || !inner->touched || !inner->latest || !inner->iterated_on) {
     inner_free(inner);
     return BW_MEMORY;
   }

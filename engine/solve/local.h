@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* What the files local*.c and conjugate.c share: the inside of a system that follows edits.
+/* What the files local*.c and pcg.c share: the inside of a system that follows edits.
  *
  * Invariants. Numbering and stiffness are of the model last synchronised. The factor, where there
  * is one, fits the present unknowns. It is that of the stiffness when it was last brought up to
@@ -10,7 +10,7 @@
 #define BWI_SOLVE_LOCAL_H
 
 #include "solve/internal.h"
-#include "solve/multilevel.h"
+#include "solve/two_level.h"
 
 typedef struct bwi_local {
   const bw_model *rest;  /* retained: all domains at rest */
@@ -18,32 +18,32 @@ typedef struct bwi_local {
   bool material_turns;
   int32_t domain_count;
   int32_t *element_domain, *node_domain;
-  bw_edits edits;             /* count 0: none are known */
-  int32_t *edit_start, *edit; /* what `edits` points to */
-  bw_domain_motion *motion;   /* domain_count: since rest */
-  double *frame;              /* domain_count x 9: those of `motion` */
-  double *supports;           /* rows of the DOF map that are supports' x 9: as last reported */
-  bwi_factor *factor;         /* or NULL */
-  int wanted_bits;            /* of its numbers, asked for: 32, 64; 0: as is cheaper */
-  bool lost;                  /* single precision did not serve this body: no more of it */
-  double refinements;         /* iterations with a factor in single precision, when last solved */
-  bwi_reach *reach;           /* of the factor's symbolic; or NULL */
-  uint8_t *touched;           /* domain_count */
-  const bw_mesh *factored;    /* retained: the shape the factor was last brought up to date with */
-  double *factored_frame;     /* domain_count x 9: and the frames then */
+  bw_edits edits;               /* count 0: none are known */
+  int32_t *edit_start, *edit;   /* what `edits` points to */
+  bw_domain_motion *motion;     /* domain_count: since rest */
+  double *frame;                /* domain_count x 9: those of `motion` */
+  double *supports;             /* rows of the DOF map that are supports' x 9: as last reported */
+  bwi_factor *factor;           /* or NULL */
+  int wanted_bits;              /* of its numbers, asked for: 32, 64; 0: as is cheaper */
+  bool lost;                    /* single precision did not serve this body: no more of it */
+  double refinements;           /* iterations with a factor in single precision, when last solved */
+  bwi_elimination_reach *reach; /* of the factor's symbolic; or NULL */
+  uint8_t *touched;             /* domain_count */
+  const bw_mesh *factored; /* retained: the shape the factor was last brought up to date with */
+  double *factored_frame;  /* domain_count x 9: and the frames then */
   /* iterations with the factor as it is */
-  double experience;    /* iterations needed over predicted, when last iterated */
-  uint8_t *experienced; /* domain_count: what was touched then */
-  double spent;         /* s of the model's machine on iterations since the last edit */
+  double iteration_ratio; /* iterations needed over predicted, when last iterated */
+  uint8_t *iterated_on;   /* domain_count: what was touched then */
+  double spent;           /* s of the model's machine on iterations since the last edit */
   /* what solves without the factor; made and followed when first needed at a shape */
-  bwi_multilevel *levels;
-  bool levels_known, levels_usable; /* of the present shape */
-  double levels_experience[2]; /* iterations needed over predicted, when last used: from nothing,
+  bwi_two_level *two_level;
+  bool two_level_known, two_level_usable; /* of the present shape */
+  double two_level_ratio[2]; /* iterations needed over predicted, when last used: from nothing,
                                   from a solution near by; 0: not yet */
-  uint8_t *latest;             /* domain_count: touched since the system was last solved */
-  bool answered;               /* it was solved since the last update */
-  double regret; /* s: what solutions over levels cost more than bringing a factor up to date would
-                    have cost that had always been, since it last was */
+  uint8_t *latest;           /* domain_count: touched since the system was last solved */
+  bool answered;             /* it was solved since the last update */
+  double excess_seconds; /* s: what solutions by two-level PCG cost more than bringing a factor up
+                    to date would have cost that had always been, since it last was */
   double change; /* of the touched domains' shape since it was factored; negative: not known */
 } bwi_local;
 
@@ -72,7 +72,7 @@ bw_status bwi_local_lose_single(bw_context *context, bw_local_system *local, bw_
 
 /* *bits: 32 or 64, that of the factor there is, or 0; becomes what the factor is to be. */
 bw_status bwi_local_choose_bits(bw_context *context, const bw_local_system *local,
-                                const bwi_reach *reach, int *bits);
+                                const bwi_elimination_reach *reach, int *bits);
 /* Iterations to be expected with the factor of the present shape: 0 in double precision. */
 double bwi_local_refinements(const bw_local_system *local, double tolerance);
 
@@ -90,18 +90,18 @@ typedef struct bwi_local_cost {
   double refactor, iterate; /* for all right-hand sides, and those still to come */
   double one_iteration;     /* of all right-hand sides together, without those to come */
   double iterations;        /* predicted */
-  double factor;            /* what the bound was multiplied by: experience or hope */
-  double again;             /* refactor, had the factor been up to date before the last edit */
-  bool near;                /* a guess has done a part of it */
-  double levels;            /* over levels, for all right-hand sides; INFINITY: there are none */
+  double factor; /* what the bound was multiplied by: iteration_ratio or max_iteration_ratio */
+  double again;  /* refactor, had the factor been up to date before the last edit */
+  bool near;     /* a guess has done a part of it */
+  double pcg;    /* by two-level PCG, for all right-hand sides; INFINITY: there are none */
   double one_level_iteration, level_iterations;
 } bwi_local_cost;
 void bwi_local_predict(bw_local_system *local, const bw_local_options *options, double tolerance,
                        int64_t count, bwi_local_cost *cost);
 
-/* ---- conjugate.c --------------------------------------------------------------------------- */
+/* ---- pcg.c --------------------------------------------------------------------------- */
 
-typedef struct bwi_conjugate {
+typedef struct bwi_pcg {
   const bw_graph *graph;
   const double *stiffness;
   const bw_dof_map *dof_map;
@@ -112,44 +112,45 @@ typedef struct bwi_conjugate {
   const double *load, *energy;
   bool energy_alone; /* the tolerance is on the error in energy alone */
   int limit;         /* on iterations */
-  /* Give up as soon as more iterations than this are foreseen to be left; 0: never. */
-  double patience;
+  /* Give up as soon as more iterations than this are predicted to be left; 0: never. */
+  double max_remaining;
   /* out */
-  int iterations;  /* of the right-hand side that took most */
-  double foreseen; /* iterations in all, where it was given up */
-  bool converged;  /* false: given up, the limit was reached, or the matrix is not positive definite
-                    */
-} bwi_conjugate;
+  int iterations;              /* of the right-hand side that took most */
+  double predicted_iterations; /* iterations in all, where it was given up */
+  bool converged; /* false: given up, the limit was reached, or the matrix is not positive definite
+                   */
+} bwi_pcg;
 /* K u = f at the unknowns for fields in global directions; u is 0 elsewhere. Not converged is no
  * failure; `displacement` is then what was reached. The two may not be the same block. */
-bw_status bwi_conjugate_solve(bw_context *context, bwi_conjugate *problem, int64_t count,
-                              const double *force, double *displacement);
+bw_status bwi_pcg_solve(bw_context *context, bwi_pcg *problem, int64_t count, const double *force,
+                        double *displacement);
 
-/* ---- guess.c ------------------------------------------------------------------------------- */
+/* ---- initial_guess.c
+ * ------------------------------------------------------------------------------- */
 
 /* What is left to iterate where options->guess has fields near the solution. Without any, only the
- * tolerance is set. Release with bwi_rest_clear. */
-typedef struct bwi_rest {
+ * tolerance is set. Release with bwi_initial_guess_clear. */
+typedef struct bwi_initial_guess {
   double *guess, *force; /* by right-hand side: where to begin, and f - K guess */
-  double *load, *energy; /* see bwi_conjugate */
+  double *load, *energy; /* see bwi_pcg */
   double tolerance;      /* of the side that has farthest to go, relative to what is left of it */
-} bwi_rest;
-bw_status bwi_rest_make(bw_context *context, const bw_local_system *local,
-                        const bw_local_options *options, int64_t count, const double *force,
-                        bwi_rest *rest);
-void bwi_rest_clear(bwi_rest *rest);
+} bwi_initial_guess;
+bw_status bwi_initial_guess_make(bw_context *context, const bw_local_system *local,
+                                 const bw_local_options *options, int64_t count,
+                                 const double *force, bwi_initial_guess *rest);
+void bwi_initial_guess_clear(bwi_initial_guess *rest);
 
-/* ---- local_levels.c ------------------------------------------------------------------------ */
+/* ---- local_pcg.c ------------------------------------------------------------------------ */
 
-/* Whether the body can be solved over levels. */
-bool bwi_local_has_levels(const bw_local_system *local);
+/* Whether the body can be solved by two-level PCG. */
+bool bwi_local_has_two_level(const bw_local_system *local);
 /* That, in `displacement`, where the balanced force is, beginning where `left` says; as few
  * iterations as `limit` may not be enough: then *converged is false, `displacement` still the
  * force. */
-bw_status bwi_local_by_levels(bw_context *context, bw_local_system *local,
-                              const bw_local_options *options, int limit, const bwi_rest *left,
-                              int64_t count, double *displacement, int *iterations,
-                              bool *converged);
+bw_status bwi_local_by_two_level(bw_context *context, bw_local_system *local,
+                                 const bw_local_options *options, int limit,
+                                 const bwi_initial_guess *left, int64_t count, double *displacement,
+                                 int *iterations, bool *converged);
 
 /* ---- local_check.c ------------------------------------------------------------------------- */
 

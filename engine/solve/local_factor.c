@@ -27,7 +27,7 @@ static bw_status factor_anew(bw_context *context, bw_local_system *local, const 
   const bwi_symbolic *old = inner->reach ? inner->reach->symbolic : NULL;
   bw_solve_times *times = &local->system->times;
   bwi_symbolic *symbolic = NULL;
-  bwi_reach *reach = NULL;
+  bwi_elimination_reach *reach = NULL;
   double start = bw_seconds();
   bw_release(inner->factor);
   inner->factor = NULL;
@@ -35,8 +35,8 @@ static bw_status factor_anew(bw_context *context, bw_local_system *local, const 
   BW_TRY(bwi_symbolic_for(context, matrix->graph, matrix->dof_map, inner->domain_count,
                           inner->element_domain, inner->edits.count ? &inner->edits : NULL,
                           (bwi_symbolic *)old, &symbolic));
-  BW_TRY(bwi_reach_create(context, symbolic, inner->model->mesh, inner->domain_count,
-                          inner->element_domain, &reach));
+  BW_TRY(bwi_elimination_reach_create(context, symbolic, inner->model->mesh, inner->domain_count,
+                                      inner->element_domain, &reach));
   if (reuse)
     reuse->ordering = old && symbolic->order == old->order;
   bw_release(inner->reach);
@@ -60,7 +60,7 @@ static void is_current(bw_local_system *local) {
   bwi_local *inner = local->inner;
   const bw_system *view = local->system;
   memset(inner->touched, 0, (size_t)inner->domain_count);
-  inner->regret = 0;
+  inner->excess_seconds = 0;
   bw_retain(view->mesh);
   bw_release(inner->factored);
   inner->factored = view->mesh;

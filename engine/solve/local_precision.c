@@ -44,7 +44,7 @@ static double cost_of(const bw_local_system *local, const bwi_symbolic *symbolic
 }
 
 bw_status bwi_local_choose_bits(bw_context *context, const bw_local_system *local,
-                                const bwi_reach *reach, int *bits) {
+                                const bwi_elimination_reach *reach, int *bits) {
   const bwi_local *inner = local->inner;
   const bw_edits *edits = &inner->edits;
   int32_t count = edits->count > 0 ? edits->count : inner->domain_count;
@@ -65,7 +65,7 @@ bw_status bwi_local_choose_bits(bw_context *context, const bw_local_system *loca
            k < (edits->count ? edits->start[d + 1] : 0); k++)
         touched[d] |= edits->edit[k] == e;
     }
-    flops += bwi_reach_flops(reach, touched);
+    flops += bwi_elimination_reach_flops(reach, touched);
   }
   bw_free(touched);
   double single = cost_of(local, reach->symbolic, 32, flops, count);

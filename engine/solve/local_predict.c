@@ -12,11 +12,11 @@
  * Preconditioned by the former matrix, the eigenvalues spread over about (1 + SPREAD e)^2; the
  * bound of conjugate gradients for that spread is the prediction, times what the last solve needed
  * over what was predicted for it. A long slender limb has more spread than that, a stiff block
- * less: hence the experience, and the limit that a solve sets itself. What was learnt from one edit
- * says nothing about others: experience holds for the same touched domains only. No bound by the
- * elements alone would do: a body that turns without strain in one shape strains in the other, by
- * as much as it turns, so that their stiffnesses have no ratio. What a prediction misses, the rate
- * of convergence shows after a few iterations (conjugate.c).
+ * less: hence the iteration_ratio, and the limit that a solve sets itself. What was learnt from one
+ * edit says nothing about others: iteration_ratio holds for the same touched domains only. No bound
+ * by the elements alone would do: a body that turns without strain in one shape strains in the
+ * other, by as much as it turns, so that their stiffnesses have no ratio. What a prediction misses,
+ * the rate of convergence shows after a few iterations (pcg.c).
  *
  * Levels leave the factor behind, and what it would cost to catch up grows with every edit. So they
  * are not compared with that alone: where they cost less than the last edit's own refactoring they
@@ -84,29 +84,29 @@ static void predict_levels(const bw_local_system *local, double tolerance, doubl
                            double later, bool many, bwi_local_cost *cost) {
   const bwi_local *inner = local->inner;
   const bw_graph *graph = local->system->graph;
-  cost->levels = INFINITY;
+  cost->pcg = INFINITY;
   cost->one_level_iteration = cost->level_iterations = 0;
-  if (!bwi_local_has_levels(local) || (inner->levels_known && !inner->levels_usable))
+  if (!bwi_local_has_two_level(local) || (inner->two_level_known && !inner->two_level_usable))
     return;
-  double bytes = inner->levels ? bwi_multilevel_bytes(inner->levels)
-                               : 1.5 * bwi_sweeps_bytes(graph->pair_count - graph->node_count);
-  double one = BWI_LEVELS_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND, follow = 0;
-  if (!inner->levels)
-    follow = BWI_LEVELS_BEGIN * one;
-  else if (!inner->levels_known)
-    follow = bwi_multilevel_flops(inner->levels) / bwi_local_flops_per_second(32) +
+  double bytes = inner->two_level ? bwi_two_level_bytes(inner->two_level)
+                                  : 1.5 * bwi_smoother_bytes(graph->pair_count - graph->node_count);
+  double one = BWI_TWO_LEVEL_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND, follow = 0;
+  if (!inner->two_level)
+    follow = BWI_TWO_LEVEL_BEGIN * one;
+  else if (!inner->two_level_known)
+    follow = bwi_two_level_flops(inner->two_level) / bwi_local_flops_per_second(32) +
              (216 + 6 * 72.0) * (double)graph->pair_count / BWI_LOCAL_BYTES_PER_SECOND;
-  double seen = inner->levels_experience[cost->near];
+  double seen = inner->two_level_ratio[cost->near];
   double factor = seen > 0 ? seen : cost->near ? NEAR : 1;
-  cost->level_iterations = 1 + factor * BWI_LEVELS_RATE * log(2 / tolerance);
-  cost->one_level_iteration = one * passes * (many ? BWI_LEVELS_SIDES : 1);
-  cost->levels = follow + cost->level_iterations *
-                              (cost->one_level_iteration + later * one * BWI_LEVELS_SIDES);
+  cost->level_iterations = 1 + factor * BWI_TWO_LEVEL_RATE * log(2 / tolerance);
+  cost->one_level_iteration = one * passes * (many ? BWI_TWO_LEVEL_SIDES : 1);
+  cost->pcg = follow + cost->level_iterations *
+                           (cost->one_level_iteration + later * one * BWI_TWO_LEVEL_SIDES);
 }
 
 static double refactoring(const bwi_local *inner, const uint8_t *touched, double factor_bytes) {
   const bwi_symbolic *symbolic = inner->factor->symbolic;
-  double flops = bwi_reach_flops(inner->reach, touched);
+  double flops = bwi_elimination_reach_flops(inner->reach, touched);
   double part = symbolic->flops > 0 ? flops / symbolic->flops : 0;
   return flops / bwi_local_flops_per_second(inner->factor->kernels->bits) +
          2 * part * factor_bytes / BWI_LOCAL_BYTES_PER_SECOND;
@@ -128,10 +128,10 @@ void bwi_local_predict(bw_local_system *local, const bw_local_options *options, 
   cost->again = refactoring(inner, inner->latest, factor_bytes) + solutions;
   if (inner->change < 0)
     inner->change = largest_change(local);
-  bool known = memcmp(inner->experienced, inner->touched, (size_t)inner->domain_count) == 0;
-  cost->factor = known ? inner->experience : 1;
-  if (options->hope > 0)
-    cost->factor = fmin(cost->factor, options->hope);
+  bool known = memcmp(inner->iterated_on, inner->touched, (size_t)inner->domain_count) == 0;
+  cost->factor = known ? inner->iteration_ratio : 1;
+  if (options->max_iteration_ratio > 0)
+    cost->factor = fmin(cost->factor, options->max_iteration_ratio);
   cost->iterations =
       1 + refinements + cost->factor * bound(SPREAD * inner->change, log(2 / tolerance));
   cost->near = tolerance > 2 * options->tolerance;

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Solving with a system that follows edits: directly, once the factor is brought up to date, by
- * iterating with the factor as it is, or over levels of elements without it, whichever is predicted
+ * iterating with the factor as it is, or by two-level PCG without it, whichever is predicted
  * to cost less.
  *
  * Iterating is bounded by the cost of the direct way: with a factor that stays behind, as many
@@ -34,7 +34,7 @@ static bw_status options_of(bw_context *context, const bw_local_options *given,
   if (options->precision != 0 && options->precision != 32 && options->precision != 64)
     return bw_fail(context, BW_INVALID, "the factor's precision is 32 or 64 bits, not %d",
                    options->precision);
-  if (options->method < BW_LOCAL_AUTO || options->method > BW_LOCAL_LEVELS)
+  if (options->method < BW_LOCAL_AUTO || options->method > BW_LOCAL_PCG)
     return bw_fail(context, BW_INVALID, "there is no method %d", (int)options->method);
   return BW_OK;
 }
@@ -43,8 +43,9 @@ static bw_status options_of(bw_context *context, const bw_local_options *given,
 
 /* By conjugate gradients, in `displacement`, where the balanced force is; where they do not
  * converge, it still is. */
-static bw_status conjugate(bw_context *context, const bw_local_system *local, const bwi_rest *left,
-                           int64_t count, bwi_conjugate *problem, double *displacement) {
+static bw_status conjugate(bw_context *context, const bw_local_system *local,
+                           const bwi_initial_guess *left, int64_t count, bwi_pcg *problem,
+                           double *displacement) {
   bw_status status = BW_OK;
   const bw_system *system = local->system;
   size_t size = (size_t)count * 3 * (size_t)system->mesh->node_count;
@@ -60,8 +61,8 @@ static bw_status conjugate(bw_context *context, const bw_local_system *local, co
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_conjugate_solve(context, problem, count, left->force ? left->force : displacement,
-                             solution));
+  BW_TRY(
+      bwi_pcg_solve(context, problem, count, left->force ? left->force : displacement, solution));
   if (problem->converged) {
     memcpy(displacement, solution, size * sizeof(double));
     for (size_t i = 0; left->guess && i < size; i++)
@@ -74,18 +75,18 @@ done:
 
 /* With the factor of the present shape, in `displacement`, where the balanced force is. */
 static bw_status solve_directly(bw_context *context, bw_local_system *local,
-                                const bw_local_options *options, bwi_rest *left, int64_t count,
-                                double *displacement, bw_reuse *reuse) {
+                                const bw_local_options *options, bwi_initial_guess *left,
+                                int64_t count, double *displacement, bw_reuse *reuse) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
   const bw_dof_map *dof_map = local->system->dof_map;
   bool solved = false;
   if (inner->factor->kernels->bits == 32) {
-    bwi_conjugate problem = {.tolerance = options->tolerance,
-                             .energy_alone = options->energy,
-                             .limit = MOST_REFINEMENTS};
+    bwi_pcg problem = {.tolerance = options->tolerance,
+                       .energy_alone = options->energy,
+                       .limit = MOST_REFINEMENTS};
     if (!left->force)
-      BW_TRY(bwi_rest_make(context, local, options, count, displacement, left));
+      BW_TRY(bwi_initial_guess_make(context, local, options, count, displacement, left));
     BW_TRY(conjugate(context, local, left, count, &problem, displacement));
     solved = problem.converged;
     if (reuse)
@@ -105,24 +106,25 @@ done:
 /* With the factor of a former shape. *converged is false when the limit was reached;
  * `displacement` then still is the force. */
 static bw_status iterate(bw_context *context, bw_local_system *local,
-                         const bw_local_options *options, int limit, double patience,
-                         const bwi_local_cost *cost, const bwi_rest *left, int64_t count,
+                         const bw_local_options *options, int limit, double max_remaining,
+                         const bwi_local_cost *cost, const bwi_initial_guess *left, int64_t count,
                          double *displacement, int *iterations, bool *converged) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
-  bwi_conjugate problem = {.tolerance = options->tolerance,
-                           .energy_alone = options->energy,
-                           .limit = limit,
-                           .patience = patience};
+  bwi_pcg problem = {.tolerance = options->tolerance,
+                     .energy_alone = options->energy,
+                     .limit = limit,
+                     .max_remaining = max_remaining};
   BW_TRY(conjugate(context, local, left, count, &problem, displacement));
   *iterations = problem.iterations;
   *converged = problem.converged;
   inner->spent += problem.iterations * cost->one_iteration;
-  /* what is foreseen errs to the high side: not to be believed for ever */
-  double needed = problem.converged ? problem.iterations : fmax(problem.foreseen, limit);
+  /* what is predicted errs to the high side: not to be believed for ever */
+  double needed =
+      problem.converged ? problem.iterations : fmax(problem.predicted_iterations, limit);
   double seen = cost->factor * needed / cost->iterations;
-  inner->experience = fmin(fmax(seen, 0.1), problem.converged ? 10 : 3);
-  memcpy(inner->experienced, inner->touched, (size_t)inner->domain_count);
+  inner->iteration_ratio = fmin(fmax(seen, 0.1), problem.converged ? 10 : 3);
+  memcpy(inner->iterated_on, inner->touched, (size_t)inner->domain_count);
   if (problem.converged) {
     BW_TRY(bwi_steady_fields(context, local->system->dof_map, count, displacement));
   }
@@ -130,9 +132,9 @@ done:
   return status;
 }
 
-/* How many iterations to make with the factor as it is and over levels, 0: none. */
+/* How many iterations to make with the factor as it is and by two-level PCG, 0: none. */
 typedef struct limits {
-  int iterate, levels;
+  int iterate, pcg;
 } limits;
 
 static int within(double budget, double predicted, double one) {
@@ -149,13 +151,12 @@ static limits iterations_worth(const bw_local_system *local, bw_local_method met
     return (limits){0};
   double budget = cost->refactor - local->inner->spent;
   limits most = {0};
-  double more = cost->levels - cost->again; /* than with a factor always up to date */
-  if ((more <= 0 || local->inner->regret + more < cost->refactor - cost->again) &&
-      within(budget, cost->levels, cost->one_level_iteration) > 0)
-    most.levels =
-        (int)(2 * cost->level_iterations) + 8; /* what is close to its end is not given up */
-  if (most.levels > 0)
-    budget = fmin(budget, cost->levels);
+  double more = cost->pcg - cost->again; /* than with a factor always up to date */
+  if ((more <= 0 || local->inner->excess_seconds + more < cost->refactor - cost->again) &&
+      within(budget, cost->pcg, cost->one_level_iteration) > 0)
+    most.pcg = (int)(2 * cost->level_iterations) + 8; /* what is close to its end is not given up */
+  if (most.pcg > 0)
+    budget = fmin(budget, cost->pcg);
   most.iterate = within(budget, cost->iterate, cost->one_iteration);
   return most;
 }
@@ -172,11 +173,11 @@ static bw_status fail_convergence(bw_context *context, int iterations, double to
 
 static bw_status fail_levels(bw_context *context, const bw_local_system *local, int iterations,
                              double tolerance) {
-  if (!bwi_local_has_levels(local))
-    return bw_fail(
-        context, BW_INVALID,
-        "the method levels needs quadratic elements, and supports that hold the body: %s",
-        local->inner->rest->mesh->order == 2 ? "this one is free to move" : "these are linear");
+  if (!bwi_local_has_two_level(local))
+    return bw_fail(context, BW_INVALID,
+                   "the method pcg needs quadratic elements, and supports that hold the body: %s",
+                   local->inner->rest->mesh->order == 2 ? "this one is free to move"
+                                                        : "these are linear");
   bw_fail(context, BW_CONVERGENCE,
           "conjugate gradients over linear elements did not reach a relative residual of %g in %d "
           "iterations: the body is nearly a mechanism, or elements are very flat; solve directly "
@@ -188,36 +189,37 @@ static bw_status fail_levels(bw_context *context, const bw_local_system *local, 
 
 /* By iterations, where that is asked for or predicted to cost least. */
 static bw_status solve_by_iterations(bw_context *context, bw_local_system *local,
-                                     const bw_local_options *options, bwi_rest *left, int64_t count,
-                                     double *displacement, bw_reuse *reuse, bool *solved) {
+                                     const bw_local_options *options, bwi_initial_guess *left,
+                                     int64_t count, double *displacement, bw_reuse *reuse,
+                                     bool *solved) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
-  bwi_local_cost cost = {.levels = INFINITY};
+  bwi_local_cost cost = {.pcg = INFINITY};
   limits most = {0};
   int iterations = 0;
   double start = bw_seconds();
   bool usable = bwi_local_usable(local) && !bwi_local_current(local);
-  if (options->method == BW_LOCAL_LEVELS && !bwi_local_has_levels(local))
+  if (options->method == BW_LOCAL_PCG && !bwi_local_has_two_level(local))
     return fail_levels(context, local, 0, 0);
-  if (options->method != BW_LOCAL_LEVELS && !usable)
+  if (options->method != BW_LOCAL_PCG && !usable)
     return BW_OK;
   if (options->method == BW_LOCAL_REFACTOR || options->method == BW_LOCAL_SCRATCH)
     left->tolerance = options->tolerance;
   else
-    BW_TRY(bwi_rest_make(context, local, options, count, displacement, left));
+    BW_TRY(bwi_initial_guess_make(context, local, options, count, displacement, left));
   if (usable) {
     bwi_local_predict(local, options, left->tolerance, count, &cost);
     most = iterations_worth(local, options->method, &cost);
     if (reuse) {
       reuse->predicted_refactor = cost.refactor;
       reuse->predicted_iterate = cost.iterate;
-      reuse->predicted_levels = isfinite(cost.levels) ? cost.levels : 0;
+      reuse->predicted_pcg = isfinite(cost.pcg) ? cost.pcg : 0;
     }
   }
-  if (options->method == BW_LOCAL_LEVELS)
-    most.levels = MOST_ITERATIONS;
+  if (options->method == BW_LOCAL_PCG)
+    most.pcg = MOST_ITERATIONS;
   if (most.iterate > 0) {
-    double instead = most.levels > 0 ? fmin(cost.refactor, cost.levels) : cost.refactor;
+    double instead = most.pcg > 0 ? fmin(cost.refactor, cost.pcg) : cost.refactor;
     BW_TRY(iterate(context, local, options, most.iterate,
                    options->method == BW_LOCAL_AUTO ? instead / cost.one_iteration : 0, &cost, left,
                    count, displacement, &iterations, solved));
@@ -228,24 +230,24 @@ static bw_status solve_by_iterations(bw_context *context, bw_local_system *local
     if (*solved && reuse)
       reuse->method = BW_LOCAL_ITERATE;
   }
-  if (!*solved && most.levels > 0) {
+  if (!*solved && most.pcg > 0) {
     int before = iterations;
-    BW_TRY(bwi_local_by_levels(context, local, options, most.levels, left, count, displacement,
-                               &iterations, solved));
+    BW_TRY(bwi_local_by_two_level(context, local, options, most.pcg, left, count, displacement,
+                                  &iterations, solved));
     int needed = iterations - before;
     inner->spent += needed * cost.one_level_iteration;
     if (needed > 1 && cost.level_iterations > 0) {
-      double fair = 1 + BWI_LEVELS_RATE * log(2 / left->tolerance);
-      inner->levels_experience[cost.near] = fmin(fmax((needed - 1) / (fair - 1), 0.2), 5);
+      double fair = 1 + BWI_TWO_LEVEL_RATE * log(2 / left->tolerance);
+      inner->two_level_ratio[cost.near] = fmin(fmax((needed - 1) / (fair - 1), 0.2), 5);
     }
-    if (!*solved && options->method == BW_LOCAL_LEVELS) {
+    if (!*solved && options->method == BW_LOCAL_PCG) {
       status = fail_levels(context, local, iterations, options->tolerance);
       goto done;
     }
     if (*solved && reuse)
-      reuse->method = BW_LOCAL_LEVELS;
-    if (*solved && isfinite(cost.levels))
-      inner->regret = fmax(0, inner->regret + cost.levels - cost.again);
+      reuse->method = BW_LOCAL_PCG;
+    if (*solved && isfinite(cost.pcg))
+      inner->excess_seconds = fmax(0, inner->excess_seconds + cost.pcg - cost.again);
   }
   if (reuse) {
     reuse->iterations += iterations;
@@ -268,7 +270,7 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
   double *load = NULL;
   bw_local_options options;
   bool solved = false;
-  bwi_rest left = {.tolerance = 0};
+  bwi_initial_guess left = {.tolerance = 0};
   BW_TRY(options_of(context, given, &options));
   local->inner->wanted_bits = options.precision;
   if (options.check) { /* the force may be overwritten */
@@ -292,7 +294,7 @@ bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
   if (options.check)
     BW_TRY(bwi_local_check(context, local, options.tolerance, count, load, displacement, reuse));
 done:
-  bwi_rest_clear(&left);
+  bwi_initial_guess_clear(&left);
   bw_free(load);
   return status;
 }

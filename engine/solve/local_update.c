@@ -219,7 +219,7 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
   if (inner->factor && inner->factored)
     forget_undone(inner, model->mesh, dof_map, touched);
   inner->spent = 0;
-  inner->levels_known &= same && count == 0 && local->stiffness->revision == revision;
+  inner->two_level_known &= same && count == 0 && local->stiffness->revision == revision;
   inner->change = -1;
   bw_retain(model);
   bw_release(inner->model);

@@ -21,7 +21,7 @@ static void modes_destroy(void *object) {
   bw_free(modes->frequency);
   bw_free(modes->shape);
   bw_free(modes->residual);
-  bw_free(modes->outside);
+  bw_free(modes->external);
   bw_free(modes);
 }
 

@@ -165,8 +165,8 @@ static int ascending(const void *a, const void *b) {
 }
 
 /* The work of each edit: of the domains that it touches. Returns how many touch any. */
-static int32_t work_of_edits(const bwi_reach *reach, const bw_edits *edits, uint8_t *touched,
-                             double *flops) {
+static int32_t work_of_edits(const bwi_elimination_reach *reach, const bw_edits *edits,
+                             uint8_t *touched, double *flops) {
   int32_t domains = reach->domain_count, count = 0;
   for (int32_t e = 0; e < (edits ? edits->count : domains); e++) {
     bool any = false;
@@ -177,7 +177,7 @@ static int32_t work_of_edits(const bwi_reach *reach, const bw_edits *edits, uint
       any |= touched[d] != 0;
     }
     if (any)
-      flops[count++] = bwi_reach_flops(reach, touched);
+      flops[count++] = bwi_elimination_reach_flops(reach, touched);
   }
   return count;
 }
@@ -191,7 +191,7 @@ static bw_status predict(bw_context *context, bwi_order *order, const bw_mesh *m
   const double operations = 40e9, bytes = 15e9;
   bw_status status = BW_OK;
   bwi_symbolic *symbolic = NULL;
-  bwi_reach *reach = NULL;
+  bwi_elimination_reach *reach = NULL;
   int32_t *unknown = BW_NEW(context, int32_t, 3 * (size_t)order->node_count);
   uint8_t *touched = BW_NEW(context, uint8_t, domain_count);
   double *flops = BW_NEW(context, double, edits ? edits->count : domain_count), mean = 0;
@@ -203,7 +203,8 @@ static bw_status predict(bw_context *context, bwi_order *order, const bw_mesh *m
     for (int c = 0; c < 3; c++)
       unknown[3 * i + c] = order->place[i] >= 0 ? 0 : -1;
   BW_TRY(bwi_symbolic_create(context, order, 3, unknown, &symbolic));
-  BW_TRY(bwi_reach_create(context, symbolic, mesh, domain_count, element_domain, &reach));
+  BW_TRY(
+      bwi_elimination_reach_create(context, symbolic, mesh, domain_count, element_domain, &reach));
   int32_t count = work_of_edits(reach, edits, touched, flops);
   for (int32_t e = 0; e < count; e++)
     mean += flops[e] / count;

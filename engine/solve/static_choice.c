@@ -1,15 +1,15 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Static solutions of a model: by the factor of its system, or over levels of elements without one.
+/* Static solutions of a model: by the factor of its system, or by two-level PCG without one.
  *
  * A factor serves whatever comes next: other loads, modes, the worst case. So it is left alone
- * where it costs little. Where it costs much, levels are taken, which serve one solution; those
+ * where it costs little. Where it costs much, PCG is taken, which serve one solution; those
  * that follow are counted, and when they would come to more than the factor, that is made: whatever
  * comes, no more than twice the better way. */
 #include <math.h>
 
 #include "barwright/job.h"
 #include "solve/local.h"
-#include "solve/static_levels.h"
+#include "solve/static_pcg.h"
 
 enum {
   ITERATIONS = 2000, /* no way to solve */
@@ -19,7 +19,7 @@ enum {
  * memory than this, but few. */
 #define CHEAP 5.0
 #define LARGE 4e9
-/* Of the factor's cost that levels may be at most: it may serve again. */
+/* Of the factor's cost that PCG may be at most: it may serve again. */
 #define WORTH 0.5
 
 typedef struct statics {
@@ -30,13 +30,13 @@ typedef struct statics {
   bwi_symbolic *old; /* of a former system, or NULL */
   bw_static *result;
   int limit, passes;
-  bool levels;
+  bool pcg;
 } statics;
 
 static bw_status check_options(bw_context *context, const bw_statics_options *given,
                                bw_statics_options *wish) {
   *wish = given ? *given : (bw_statics_options){0};
-  if (wish->method < BW_STATICS_AUTO || wish->method > BW_STATICS_LEVELS)
+  if (wish->method < BW_STATICS_AUTO || wish->method > BW_STATICS_PCG)
     return bw_fail(context, BW_INVALID, "there is no method %d of static solutions",
                    (int)wish->method);
   if (wish->iterations == 0)
@@ -54,7 +54,7 @@ static bw_status bring_system(statics *s, const bw_dof_map *dof_map, bw_system *
   const bw_model *model = s->model;
   if (given && !bwi_same_topology(given->mesh, model->mesh))
     given = NULL;
-  if (given && (given->factor || given->levels) && given->mesh == model->mesh &&
+  if (given && (given->factor || given->two_level) && given->mesh == model->mesh &&
       given->material == model->material && bwi_same_supports(given->dof_map, dof_map)) {
     s->result->system = bw_retain(given);
     return BW_OK;
@@ -66,62 +66,64 @@ static bw_status bring_system(statics *s, const bw_dof_map *dof_map, bw_system *
 
 /* ---- the choice ---------------------------------------------------------------------------- */
 
-static double next_by_levels(const bwi_forecast *cost) {
-  return (1 + BWI_LEVELS_RATE * log(2 / bwi_refine_to)) * cost->one_iteration;
+static double next_by_pcg(const bwi_cost_prediction *cost) {
+  return (1 + BWI_TWO_LEVEL_RATE * log(2 / bwi_refine_to)) * cost->one_iteration;
 }
 
-static bool has_room(const statics *s, const bwi_forecast *cost) {
+static bool has_room(const statics *s, const bwi_cost_prediction *cost) {
   return cost->factor_bytes <= s->room;
 }
 
-static bool levels_are_better(const statics *s, const bw_system *system) {
-  const bwi_levels *levels = system->levels;
-  const bwi_forecast *cost = &levels->forecast;
+static bool pcg_is_better(const statics *s, const bw_system *system) {
+  const bwi_two_level_solver *two_level = system->two_level;
+  const bwi_cost_prediction *cost = &two_level->prediction;
   if (cost->factor_bytes > LARGE || !has_room(s, cost))
     return true;
-  if (levels->multilevel)
-    return levels->spent + next_by_levels(cost) <= cost->factor;
-  return cost->factor >= CHEAP && cost->levels <= WORTH * cost->factor;
+  if (two_level->preconditioner)
+    return two_level->spent + next_by_pcg(cost) <= cost->factor;
+  return cost->factor >= CHEAP && cost->pcg <= WORTH * cost->factor;
 }
 
 static bw_status choose(statics *s) {
   bw_status status = BW_OK;
   bw_system *system = s->result->system;
   bw_statics_method method = s->wish.method;
-  bool fit = bwi_levels_fit(system);
-  s->levels = false;
-  if (method == BW_STATICS_LEVELS && !fit)
-    return bw_fail(s->context, BW_INVALID,
-                   "a solution over levels needs quadratic elements, and supports that hold the "
-                   "body: %s",
-                   system->mesh->order == 2 ? "this one is free to move" : "these are linear");
+  bool fit = bwi_two_level_applies(system);
+  s->pcg = false;
+  if (method == BW_STATICS_PCG && !fit)
+    return bw_fail(
+        s->context, BW_INVALID,
+        "a solution by two-level PCG needs quadratic elements, and supports that hold the "
+        "body: %s",
+        system->mesh->order == 2 ? "this one is free to move" : "these are linear");
   if (method == BW_STATICS_FACTOR || !fit || (method == BW_STATICS_AUTO && system->factor) ||
       (method == BW_STATICS_AUTO && system->dof_map->unknown_count < SMALL))
     return BW_OK;
-  if (!system->levels)
-    BW_TRY(bwi_levels_foresee(s->context, system));
-  s->levels = method == BW_STATICS_LEVELS || levels_are_better(s, system);
+  if (!system->two_level)
+    BW_TRY(bwi_two_level_predict(s->context, system));
+  s->pcg = method == BW_STATICS_PCG || pcg_is_better(s, system);
 done:
   return status;
 }
 
 /* As many iterations as the factor would have cost, where there is room for it. */
-static int limit_of(const statics *s, const bwi_forecast *cost) {
-  if (s->wish.method == BW_STATICS_LEVELS || !has_room(s, cost))
+static int limit_of(const statics *s, const bwi_cost_prediction *cost) {
+  if (s->wish.method == BW_STATICS_PCG || !has_room(s, cost))
     return s->wish.iterations;
-  double worth = fmax(cost->factor, 2 * next_by_levels(cost)) / cost->one_iteration;
+  double worth = fmax(cost->factor, 2 * next_by_pcg(cost)) / cost->one_iteration;
   return worth < s->wish.iterations ? (int)worth : s->wish.iterations;
 }
 
-/* ---- over levels --------------------------------------------------------------------------- */
+/* ---- by two-level PCG ---------------------------------------------------------------------------
+ */
 
 static bw_status fail_convergence(const statics *s, double reached) {
   const bw_system *system = s->result->system;
   int iterations = s->result->report.iterations;
-  double bytes = system->levels->forecast.factor_bytes;
+  double bytes = system->two_level->prediction.factor_bytes;
   bw_fail(
       s->context, BW_CONVERGENCE,
-      "conjugate gradients over levels of elements came to a residual of %.2g of the load in %d "
+      "conjugate gradients by two-level PCG came to a residual of %.2g of the load in %d "
       "iterations, and %.0e was asked for: elements are very flat, walls thinner than elements "
       "are long, the material is nearly incompressible, or the body nearly a mechanism. Solve "
       "by a factor (with = \"factor\"), which would take about %.3g GB of memory, or mesh again "
@@ -138,12 +140,12 @@ static bw_status solve_over(bw_context *context, void *data, const double *force
   bw_status status = BW_OK;
   statics *s = data;
   bw_system *system = s->result->system;
-  bwi_levels *levels = system->levels;
-  bwi_multilevel_problem problem = {.tolerance = bwi_refine_to, .limit = s->limit};
+  bwi_two_level_solver *two_level = system->two_level;
+  bwi_two_level_problem problem = {.tolerance = bwi_refine_to, .limit = s->limit};
   double start = bw_seconds();
-  BW_TRY(bwi_multilevel_solve(context, levels->multilevel, &problem, 1, force, displacement));
+  BW_TRY(bwi_two_level_solve(context, two_level->preconditioner, &problem, 1, force, displacement));
   s->result->report.iterations += problem.iterations;
-  levels->spent += (1 + problem.iterations) * levels->forecast.one_iteration;
+  two_level->spent += (1 + problem.iterations) * two_level->prediction.one_iteration;
   system->times.solve += bw_seconds() - start;
   if (!problem.converged && s->passes == 0) /* a refinement need not: it is taken if it helped */
     status = fail_convergence(s, problem.reached);
@@ -158,12 +160,12 @@ static bw_status run(statics *s, const bwi_static_solver *solver) {
                           s->result);
 }
 
-static bw_status solve_by_levels(statics *s) {
+static bw_status solve_by_pcg(statics *s) {
   bw_status status = BW_OK;
   bw_system *system = s->result->system;
   bool usable;
   const bwi_static_solver solver = {.solve = solve_over, .data = s, .refine_to = bwi_refine_to};
-  BW_TRY(bwi_levels_make(s->context, s->model, system, &usable));
+  BW_TRY(bwi_two_level_make(s->context, s->model, system, &usable));
   if (!usable) {
     status =
         bw_fail(s->context, BW_SINGULAR,
@@ -173,10 +175,10 @@ static bw_status solve_by_levels(statics *s) {
                 "says where)");
     goto done;
   }
-  s->limit = limit_of(s, &system->levels->forecast);
+  s->limit = limit_of(s, &system->two_level->prediction);
   BW_TRY(run(s, &solver));
-  s->result->report.method = BW_STATICS_LEVELS;
-  s->result->report.coarse_unknowns = bwi_coarse_unknowns(system->levels->coarse);
+  s->result->report.method = BW_STATICS_PCG;
+  s->result->report.coarse_unknowns = bwi_coarse_unknowns(system->two_level->coarse);
 done:
   return status;
 }
@@ -194,9 +196,9 @@ static bw_status solve_by_factor(statics *s) {
   bw_statics_report *report = &s->result->report;
   const bwi_static_solver solver = {
       .solve = solve_system, .data = system, .refine_to = bwi_refine_to};
-  if (system->levels) { /* their memory first */
-    bw_release(system->levels->multilevel);
-    system->levels->multilevel = NULL;
+  if (system->two_level) { /* their memory first */
+    bw_release(system->two_level->preconditioner);
+    system->two_level->preconditioner = NULL;
   }
   BW_TRY(bwi_system_factor(s->context, system, s->old, s->room));
   report->method = BW_STATICS_FACTOR;
@@ -207,15 +209,15 @@ done:
   return status;
 }
 
-static void note_forecast(statics *s) {
-  const bwi_levels *levels = s->result->system->levels;
+static void note_prediction(statics *s) {
+  const bwi_two_level_solver *two_level = s->result->system->two_level;
   bw_statics_report *report = &s->result->report;
-  if (!levels)
+  if (!two_level)
     return;
-  report->factor_flops = levels->forecast.factor_flops;
-  report->factor_bytes = levels->forecast.factor_bytes;
-  report->predicted_factor = levels->forecast.factor;
-  report->predicted_levels = levels->forecast.levels;
+  report->factor_flops = two_level->prediction.factor_flops;
+  report->factor_bytes = two_level->prediction.factor_bytes;
+  report->predicted_factor = two_level->prediction.factor;
+  report->predicted_pcg = two_level->prediction.pcg;
 }
 
 /* Whether a failure of one way is no failure while the other may do. */
@@ -223,34 +225,35 @@ static bool other_way(const statics *s, bw_status status) {
   const bw_system *system = s->result->system;
   if (s->wish.method != BW_STATICS_AUTO)
     return false;
-  if (s->levels)
-    return (status == BW_CONVERGENCE && has_room(s, &system->levels->forecast)) ||
+  if (s->pcg)
+    return (status == BW_CONVERGENCE && has_room(s, &system->two_level->prediction)) ||
            status == BW_SINGULAR;
-  return status == BW_MEMORY && bwi_levels_fit(system) && system->dof_map->unknown_count >= SMALL;
+  return status == BW_MEMORY && bwi_two_level_applies(system) &&
+         system->dof_map->unknown_count >= SMALL;
 }
 
 static bw_status solve(statics *s) {
   bw_status status = BW_OK;
   bw_context *context = s->context;
   BW_TRY(choose(s));
-  note_forecast(s);
-  status = s->levels ? solve_by_levels(s) : solve_by_factor(s);
+  note_prediction(s);
+  status = s->pcg ? solve_by_pcg(s) : solve_by_factor(s);
   if (status == BW_OK || !other_way(s, status))
     goto done;
   bw_clear_failure(context);
-  if (s->levels) {
+  if (s->pcg) {
     if (status == BW_CONVERGENCE)
       bw_remark(context,
-                "iterating over levels of elements did not converge in %d iterations; the solution "
+                "iterating by two-level PCG did not converge in %d iterations; the solution "
                 "is by a factor",
                 s->result->report.iterations);
     BW_TRY(solve_by_factor(s));
   } else {
     s->room = 0; /* there is none */
-    if (!s->result->system->levels)
-      BW_TRY(bwi_levels_foresee(context, s->result->system));
-    note_forecast(s);
-    BW_TRY(solve_by_levels(s));
+    if (!s->result->system->two_level)
+      BW_TRY(bwi_two_level_predict(context, s->result->system));
+    note_prediction(s);
+    BW_TRY(solve_by_pcg(s));
   }
 done:
   return status;

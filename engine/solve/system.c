@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "barwright/job.h"
-#include "solve/static_levels.h"
+#include "solve/static_pcg.h"
 
 static void system_destroy(void *object) {
   bw_system *system = object;
@@ -18,7 +18,7 @@ static void system_destroy(void *object) {
   bw_release(system->dof_map);
   bw_release(system->graph);
   bw_release(system->factor);
-  bw_release(system->levels);
+  bw_release(system->two_level);
   bw_free(system->stiffness);
   bw_free(system->mass);
   bw_free(system);
@@ -28,7 +28,7 @@ static size_t system_bytes(const void *object) {
   const bw_system *system = object;
   size_t pairs = system->graph ? (size_t)system->graph->pair_count : 0;
   return sizeof *system + pairs * (system->mass ? 10 : 9) * sizeof(double) +
-         bw_bytes(system->graph) + bw_bytes(system->factor) + bw_bytes(system->levels);
+         bw_bytes(system->graph) + bw_bytes(system->factor) + bw_bytes(system->two_level);
 }
 
 static const bw_kind system_kind = {"system", system_destroy, system_bytes};
@@ -181,7 +181,7 @@ static bw_status check_room(bw_context *context, const bwi_symbolic *symbolic, d
   bw_fail(context, BW_MEMORY,
           "the factor of %d unknowns takes %.3g GB of memory, more than the %.3g GB that there are "
           "for it. Take fewer elements; or a machine with more memory; a static solution on "
-          "quadratic elements that supports hold needs no factor (with = \"levels\"), and several "
+          "quadratic elements that supports hold needs no factor (with = \"pcg\"), and several "
           "machines can share one (with = \"petsc\")",
           (int)symbolic->unknowns, wanted / 1e9, room / 1e9);
   bw_detail_number(context, "bytes", wanted);
@@ -215,8 +215,8 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic
   system->times.factor_entries = symbolic->panel[symbolic->order->super_count];
   system->times.factor_flops = symbolic->flops;
   system->times.factor += bw_seconds() - start;
-  bw_release(system->levels); /* of no more use */
-  system->levels = NULL;
+  bw_release(system->two_level); /* of no more use */
+  system->two_level = NULL;
 done:
   bw_release(symbolic);
   return status;
@@ -297,9 +297,9 @@ done:
 bw_status bwi_need_factor(bw_context *context, const bw_system *system) {
   if (system->factor)
     return BW_OK;
-  if (system->levels)
+  if (system->two_level)
     return bw_fail(context, BW_INVALID,
-                   "the system was made for solutions over levels of elements and has no factor: "
+                   "the system was made for solutions by two-level PCG and has no factor: "
                    "make it first (bw_system_factor)");
   return bw_fail(context, BW_INVALID,
                  "the system follows an edited shape and its factor is not up to date: bring it up "

@@ -30,7 +30,7 @@ local static_rules = with_common {
   memory_limit = {type = "number", above = 0},
   inertia_relief = {type = "boolean"},
   tolerance = {type = "number", above = 0},
-  with = {type = "string", one_of = {"auto", "factor", "levels"}},
+  with = {type = "string", one_of = {"auto", "factor", "pcg"}},
 }
 
 -- The parts of the elements in the error, and the error that is their sum. Without a dual problem these are the

@@ -331,7 +331,7 @@ end
 -- ---- solving -------------------------------------------------------------------------------------
 
 --- Stresses of the part as it is now; an edit session's result says what was `reused`. Options:
---- method = "auto" | "refactor" | "iterate" | "levels" | "scratch", tolerance, precision = 32 | 64 (of the
+--- method = "auto" | "refactor" | "iterate" | "pcg" | "scratch", tolerance, precision = 32 | 64 (of the
 --- factor; else by cost), check, inertia_relief, balance_tolerance; part = another load case, a model
 --- of the mesh as it was given.
 function class:solve(given)

@@ -73,7 +73,7 @@ core.classes.static.properties.reused = function(static) return reused[static] e
 local methods = {
   refactor = function(reuse) return ("%.0f %% of the factor"):format(100 * reuse.factor_kept) end,
   iterate = function(reuse) return ("the factor as it was, %d iterations"):format(reuse.iterations) end,
-  levels = function(reuse) return ("levels in place of a factor, %d iterations"):format(reuse.iterations) end,
+  pcg = function(reuse) return ("two-level PCG in place of a factor, %d iterations"):format(reuse.iterations) end,
   scratch = function() return "nothing of the factor" end,
 }
 
@@ -92,7 +92,7 @@ local function complete_new(reuse, pieces)
   reuse.pattern, reuse.ordering = false, false
   reuse.pieces, reuse.pieces_kept, reuse.pieces_turned = pieces, 0, 0
   reuse.pieces_touched, reuse.factor_kept = pieces, 0
-  if reuse.method ~= "levels" then reuse.method = "scratch" end
+  if reuse.method ~= "pcg" then reuse.method = "scratch" end
 end
 
 local solutions = 2 -- of each load case, that are kept to begin iterations with

@@ -14,7 +14,7 @@ stage.__index = stage
 -- Errors in energy, relative: of the solutions that steps are judged by, of the one that is the answer,
 -- and of adjoint solutions. The highest stress is off by less than a tenth of that.
 local close, exact, slopes_close = 3e-5, 3e-6, 3e-3
-local hope = 0.3 -- of the iterations predicted, which the slenderest of parts would need
+local max_iteration_ratio = 0.3 -- of the iterations predicted, which the slenderest of parts would need
 local displacements, adjoints = 4, 8 -- of each load case, that are kept to begin others with
 
 --- On the current state of a session. `parts`: load cases, on the session's original mesh.
@@ -23,7 +23,8 @@ function stage.new(session, parts, inertia_relief)
   local relaxed = state.shape and state.shape.how == "relaxed"
   return setmetatable({session = session, state = state, topology = state.topology, parts = parts,
     pose = state.pose, inertia_relief = inertia_relief, relaxing = relaxed or false,
-    near = {}, hope = hope, counts = {shapes = 0, factorisations = 0, solves = 0, adjoints = 0}}, stage)
+    near = {}, max_iteration_ratio = max_iteration_ratio,
+    counts = {shapes = 0, factorisations = 0, solves = 0, adjoints = 0}}, stage)
 end
 
 --- The factors of a bone at the start.
@@ -67,10 +68,10 @@ local function solve(self, state, part, i, tolerance, further, known)
   local result, reuse
   result, reuse, details = record.system:statics(record.model, {inertia_relief = self.inertia_relief,
     tolerance = tolerance, energy = true, guess = known and {known} or guess(self, i),
-    further = further, hope = self.hope}, record.reuse)
+    further = further, max_iteration_ratio = self.max_iteration_ratio}, record.reuse)
   if not result then return nil, reuse, details end
-  local current = not record.reuse or reuse.method ~= "iterate" and reuse.method ~= "levels"
-  if current and reuse.iterations > 0 then self.hope = nil end -- in vain
+  local current = not record.reuse or reuse.method ~= "iterate" and reuse.method ~= "pcg"
+  if current and reuse.iterations > 0 then self.max_iteration_ratio = nil end -- in vain
   if not known then remember_displacement(self.near[i], result.displacement) end
   if current then
     local kept = record.reuse and reuse.factor_kept or 0
@@ -78,7 +79,7 @@ local function solve(self, state, part, i, tolerance, further, known)
   end
   self.counts.solves = self.counts.solves + 1
   return {result = result, model = record.model, system = record.system, von_mises = result.von_mises,
-    many = current or reuse.method == "levels", exact = tolerance <= exact or current and reuse.precision == 64}
+    many = current or reuse.method == "pcg", exact = tolerance <= exact or current and reuse.precision == 64}
 end
 
 -- The highest stress under any load.
@@ -162,7 +163,7 @@ function stage:slopes(point, i, nodes, motions)
   self.counts.adjoints = self.counts.adjoints + #nodes
   local values, slopes, fields = core.von_mises_slopes(case.model, case.system,
     case.result.displacement, nodes, motions, {tolerance = slopes_close,
-    energy = true, guess = guess(self, i), hope = self.hope})
+    energy = true, guess = guess(self, i), max_iteration_ratio = self.max_iteration_ratio})
   if not values then return nil, slopes, fields end
   local count = case.model.mesh.node_count
   for k, node in ipairs(nodes) do

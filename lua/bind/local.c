@@ -15,7 +15,7 @@ static int32_t piece_count(lua_State *L) {
   return ((const bw_domains *)box->extra)->piece_count;
 }
 
-const char *const lbw_local_methods[] = {"auto", "refactor", "iterate", "scratch", "levels", NULL};
+const char *const lbw_local_methods[] = {"auto", "refactor", "iterate", "scratch", "pcg", NULL};
 
 /* ---- what was reused ------------------------------------------------------------------------- */
 
@@ -33,7 +33,7 @@ const char *const lbw_local_methods[] = {"auto", "refactor", "iterate", "scratch
   INTEGER(refinements, refinements)                                                                \
   NUMBER(predicted_refactor, predicted_refactor)                                                   \
   NUMBER(predicted_iterate, predicted_iterate)                                                     \
-  NUMBER(predicted_levels, predicted_levels)                                                       \
+  NUMBER(predicted_pcg, predicted_pcg)                                                             \
   NUMBER(seconds_unknowns, seconds_unknowns)                                                       \
   NUMBER(seconds_stiffness, seconds_stiffness)                                                     \
   NUMBER(seconds_factor, seconds_factor)                                                           \
@@ -185,7 +185,7 @@ static void read_options(lua_State *L, int index, const char *function, bw_local
       {"check", LBW_BOOLEAN, offsetof(struct wish, local.check)},
       {"guess", LBW_OTHER, 0},
       {"further", LBW_INT, offsetof(struct wish, local.further)},
-      {"hope", LBW_REAL, offsetof(struct wish, local.hope)},
+      {"max_iteration_ratio", LBW_REAL, offsetof(struct wish, local.max_iteration_ratio)},
       {"energy", LBW_BOOLEAN, offsetof(struct wish, local.energy)},
       {"precision", LBW_INT, offsetof(struct wish, local.precision)},
       {"inertia_relief", LBW_BOOLEAN, offsetof(struct wish, statics.inertia_relief)},
@@ -264,8 +264,7 @@ static int local_view(lua_State *L) {
 /* ---- views ----------------------------------------------------------------------------------- */
 
 /* local:memory(): bytes of the factor, of the update matrices, of the domains' coefficients, of
- * levels
- */
+ * the two-level preconditioner */
 static int local_memory(lua_State *L) {
   const bw_local_system *local = self(L);
   size_t factor = 0, updates = 0;
@@ -274,7 +273,7 @@ static int local_memory(lua_State *L) {
   lua_pushinteger(L, (lua_Integer)updates);
   lua_pushinteger(L,
                   local->stiffness ? (lua_Integer)bw_domain_stiffness_bytes(local->stiffness) : 0);
-  lua_pushinteger(L, (lua_Integer)bw_local_system_levels_bytes(local));
+  lua_pushinteger(L, (lua_Integer)bw_local_system_two_level_bytes(local));
   return 4;
 }
 

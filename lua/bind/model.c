@@ -311,26 +311,26 @@ bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system
   return status;
 }
 
-/* Which solver, and the options of one outside of the engine. */
-typedef struct outside_wish {
+/* Which solver, and the options of one external. */
+typedef struct external_wish {
   int with; /* place in the names */
-  bool outside;
-  bw_outside_options options;
-} outside_wish;
+  bool external;
+  bw_external_options options;
+} external_wish;
 
-/* `names`: of solvers, the one outside of the engine last. */
-static void read_outside(lua_State *L, const char *function, const char *const names[],
-                         outside_wish *wish) {
+/* `names`: of solvers, the one external last. */
+static void read_external(lua_State *L, const char *function, const char *const names[],
+                          external_wish *wish) {
   static const char *const methods[] = {"auto", "cg", "cholesky", NULL};
   int last = 0;
   while (names[last + 1])
     last++;
   wish->with = lbw_word_option(L, 2, function, "with", names, 0);
-  wish->outside = wish->with == last;
+  wish->external = wish->with == last;
   wish->options.method =
-      (bw_outside_method)lbw_word_option(L, 2, function, "method", methods, BW_OUTSIDE_AUTO);
+      (bw_external_method)lbw_word_option(L, 2, function, "method", methods, BW_EXTERNAL_AUTO);
   static const char *const own[] = {"method", "rtol"};
-  for (int i = 0; i < 2 && !wish->outside; i++)
+  for (int i = 0; i < 2 && !wish->external; i++)
     if (lbw_option_get(L, 2, own[i]) != LUA_TNIL)
       lbw_error(L, "%s: option '%s' belongs to with = \"%s\"", function, own[i], names[last]);
   lua_settop(L, 2);
@@ -346,7 +346,7 @@ static void check_belongs(lua_State *L, const char *function, const char *key, b
 
 /* Loads barwright.distributed, which registers the solver. On failure nil, message, details are on
  * the stack. */
-static bool outside_ready(lua_State *L) {
+static bool external_ready(lua_State *L) {
   int top = lua_gettop(L);
   lua_getglobal(L, "require");
   lua_pushliteral(L, "barwright.distributed");
@@ -373,7 +373,7 @@ static bool outside_ready(lua_State *L) {
 static int model_solve(lua_State *L) {
   struct wish {
     bw_statics_options options;
-    outside_wish with;
+    external_wish with;
   } wish = {.options = {.tolerance = 1e-6}};
   static const lbw_option list[] = {
       {"inertia_relief", LBW_BOOLEAN, offsetof(struct wish, options.inertia_relief)},
@@ -384,26 +384,26 @@ static int model_solve(lua_State *L) {
       {"rtol", LBW_REAL, offsetof(struct wish, with.options.rtol)},
       {"iterations", LBW_INT, offsetof(struct wish, with.options.iterations)},
       {NULL, LBW_OTHER, 0}};
-  static const char *const names[] = {"auto", "factor", "levels", "petsc", NULL};
+  static const char *const names[] = {"auto", "factor", "pcg", "petsc", NULL};
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
   lua_settop(L, 2);
-  bw_outside_options_default(&wish.with.options);
+  bw_external_options_default(&wish.with.options);
   lbw_options(L, 2, "solve", list, &wish);
-  read_outside(L, "solve", names, &wish.with);
-  check_belongs(L, "solve", "iterations", wish.with.outside || wish.with.with == BW_STATICS_LEVELS,
-                "with = \"levels\" and with = \"petsc\"");
+  read_external(L, "solve", names, &wish.with);
+  check_belongs(L, "solve", "iterations", wish.with.external || wish.with.with == BW_STATICS_PCG,
+                "with = \"pcg\" and with = \"petsc\"");
   check_belongs(L, "solve", "memory_limit",
                 wish.with.with == BW_STATICS_AUTO || wish.with.with == BW_STATICS_FACTOR,
                 "with = \"auto\" and with = \"factor\"");
-  if (wish.with.outside && !outside_ready(L))
+  if (wish.with.external && !external_ready(L))
     return 3;
   lbw_box *box = lbw_box_new(L, &lbw_static_class);
   bw_static *result = NULL;
   bw_context *context = lbw_enter(L);
   bw_status status;
-  if (wish.with.outside)
-    status = bw_statics_outside(context, (const bw_model *)model->object, &wish.options,
-                                &wish.with.options, &result);
+  if (wish.with.external)
+    status = bw_statics_external(context, (const bw_model *)model->object, &wish.options,
+                                 &wish.with.options, &result);
   else {
     wish.options.method = (bw_statics_method)wish.with.with;
     wish.options.iterations = wish.with.options.iterations;
@@ -426,7 +426,7 @@ static int model_modes(lua_State *L) {
   struct wish {
     bw_modes_options options;
     bool laplacian;
-    outside_wish with;
+    external_wish with;
   } wish = {.laplacian = false};
   static const lbw_option list[] = {
       {"count", LBW_INT, offsetof(struct wish, options.count)},
@@ -442,14 +442,14 @@ static int model_modes(lua_State *L) {
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
   lua_settop(L, 2);
   bw_modes_options_default(&wish.options);
-  bw_outside_options_default(&wish.with.options);
+  bw_external_options_default(&wish.with.options);
   lbw_options(L, 2, "modes", list, &wish);
   static const char *const names[] = {"factor", "slepc", NULL};
-  read_outside(L, "modes", names, &wish.with);
-  check_belongs(L, "modes", "iterations", wish.with.outside, "with = \"slepc\"");
-  if (wish.with.outside && wish.laplacian)
+  read_external(L, "modes", names, &wish.with);
+  check_belongs(L, "modes", "iterations", wish.with.external, "with = \"slepc\"");
+  if (wish.with.external && wish.laplacian)
     return lbw_error(L, "modes: Laplacian modes are the engine's own: no with = \"slepc\" there");
-  if (wish.with.outside && !outside_ready(L))
+  if (wish.with.external && !external_ready(L))
     return 3;
   lbw_box *box = lbw_box_new(L, &lbw_modes_class);
   bw_modes *modes = NULL;
@@ -464,9 +464,9 @@ static int model_modes(lua_State *L) {
     if (status == BW_OK)
       status = bw_modes_laplacian(context, mesh, graph, &wish.options, &modes);
     bw_release(graph);
-  } else if (wish.with.outside) {
-    status = bw_modes_outside(context, (const bw_model *)model->object, &wish.options,
-                              &wish.with.options, &modes);
+  } else if (wish.with.external) {
+    status = bw_modes_external(context, (const bw_model *)model->object, &wish.options,
+                               &wish.with.options, &modes);
   } else {
     status = lbw_model_system(context, model, &system);
     if (status == BW_OK)

@@ -41,12 +41,13 @@ typedef struct request {
 
 /* The arguments model, system or local system, displacement, nodes; options at `options`. */
 static request check_request(lua_State *L, int options) {
-  static const lbw_option list[] = {{"tolerance", LBW_REAL, offsetof(bw_local_options, tolerance)},
-                                    {"method", LBW_OTHER, 0},
-                                    {"guess", LBW_OTHER, 0},
-                                    {"hope", LBW_REAL, offsetof(bw_local_options, hope)},
-                                    {"energy", LBW_BOOLEAN, offsetof(bw_local_options, energy)},
-                                    {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {
+      {"tolerance", LBW_REAL, offsetof(bw_local_options, tolerance)},
+      {"method", LBW_OTHER, 0},
+      {"guess", LBW_OTHER, 0},
+      {"max_iteration_ratio", LBW_REAL, offsetof(bw_local_options, max_iteration_ratio)},
+      {"energy", LBW_BOOLEAN, offsetof(bw_local_options, energy)},
+      {NULL, LBW_OTHER, 0}};
   request r = {.model = (const bw_model *)lbw_check(L, 1, &lbw_model_class)};
   bw_local_options_default(&r.solver.options);
   lbw_options(L, options, "von_mises_slopes", list, &r.solver.options);

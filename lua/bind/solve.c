@@ -181,8 +181,8 @@ static void push_times(lua_State *L, const bw_solve_times *times) {
   lua_setfield(L, -2, "order");
   lua_pushnumber(L, times->factor);
   lua_setfield(L, -2, "factor");
-  lua_pushnumber(L, times->levels);
-  lua_setfield(L, -2, "levels");
+  lua_pushnumber(L, times->pcg);
+  lua_setfield(L, -2, "pcg");
   lua_pushnumber(L, times->solve);
   lua_setfield(L, -2, "solve");
   lua_pushinteger(L, times->factor_entries);
@@ -200,8 +200,8 @@ static int static_times(lua_State *L) {
   return 1;
 }
 
-/* How a solver outside of the engine did it; nil for the engine's own. */
-static int push_outside(lua_State *L, const char *with, const bw_outside_report *report) {
+/* How a external solver did it; nil for the engine's own. */
+static int push_outside(lua_State *L, const char *with, const bw_external_report *report) {
   if (!report) {
     lua_pushnil(L);
     return 1;
@@ -234,9 +234,9 @@ static int static_solver(lua_State *L) {
   const bw_static *result = self(L);
   const bw_statics_report *report = &result->report;
   if (report->method == BW_STATICS_AUTO) /* by a solver outside, or in an edit session */
-    return push_outside(L, "petsc", result->outside);
+    return push_outside(L, "petsc", result->external);
   lua_createtable(L, 0, 8);
-  lua_pushstring(L, report->method == BW_STATICS_LEVELS ? "levels" : "factor");
+  lua_pushstring(L, report->method == BW_STATICS_PCG ? "pcg" : "factor");
   lua_setfield(L, -2, "with");
   lua_pushinteger(L, report->iterations);
   lua_setfield(L, -2, "iterations");
@@ -246,15 +246,15 @@ static int static_solver(lua_State *L) {
   lua_setfield(L, -2, "factor_bytes");
   lua_pushnumber(L, report->factor_flops);
   lua_setfield(L, -2, "factor_flops");
-  if (report->method == BW_STATICS_LEVELS) {
+  if (report->method == BW_STATICS_PCG) {
     lua_pushinteger(L, report->coarse_unknowns);
     lua_setfield(L, -2, "coarse_unknowns");
   }
   if (report->predicted_factor > 0) {
     lua_pushnumber(L, report->predicted_factor);
     lua_setfield(L, -2, "predicted_factor");
-    lua_pushnumber(L, report->predicted_levels);
-    lua_setfield(L, -2, "predicted_levels");
+    lua_pushnumber(L, report->predicted_pcg);
+    lua_setfield(L, -2, "predicted_pcg");
   }
   return 1;
 }
@@ -267,8 +267,8 @@ static int static_tostring(lua_State *L) {
     largest = length > largest ? length : largest;
   }
   char text[280], how[60] = "";
-  if (result->report.method == BW_STATICS_LEVELS)
-    snprintf(how, sizeof how, ", in %d iterations over levels", result->report.iterations);
+  if (result->report.method == BW_STATICS_PCG)
+    snprintf(how, sizeof how, ", in %d iterations by two-level PCG", result->report.iterations);
   snprintf(text, sizeof text,
            "static solution on %d nodes: largest displacement %.4g mm, strain energy %.4g J, "
            "residual %.1e%s; " LBW_ERROR_UNKNOWN,
@@ -367,7 +367,7 @@ static int modes_mesh(lua_State *L) {
 }
 
 static int modes_solver(lua_State *L) {
-  return push_outside(L, "slepc", modes_self(L)->outside);
+  return push_outside(L, "slepc", modes_self(L)->external);
 }
 
 static int modes_length(lua_State *L) {

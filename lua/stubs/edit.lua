@@ -167,7 +167,7 @@ function Session:commit(change) end
 function Session:solve(options) end
 
 ---@class bw.SessionSolveOptions
----@field method? "auto"|"refactor"|"iterate"|"levels"|"scratch"
+---@field method? "auto"|"refactor"|"iterate"|"pcg"|"scratch"
 ---@field tolerance? number
 ---@field precision? 32|64
 ---@field check? boolean

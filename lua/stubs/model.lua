@@ -110,9 +110,9 @@ function Model:free_motions() end
 
 ---Static solution. A load that is not balanced on a free body is refused, unless inertia relief is
 ---asked for. So are a body whose whole boundary is fixed at zero and a load that acts on supports only; a load of
----which at least 5 % of the area lies on supports is a remark with the share. with "auto" (default): by a factor, or over levels where that counts as much cheaper or the
+---which at least 5 % of the area lies on supports is a remark with the share. with "auto" (default): by a factor, or by two-level PCG where that counts as much cheaper or the
 ---factor would take more than 4 GB or more than memory_limit bytes (what is free); "factor": a sparse factor, which other
----loads, modes and the worst case then use; "levels": conjugate gradients over linear and quadratic elements without
+---loads, modes and the worst case then use; "pcg": conjugate gradients over linear and quadratic elements without
 ---one, in a tenth of the memory, at most that many iterations (2000): quadratic elements, and supports that hold the
 ---body (docs/theory/solving.md). with "petsc": by PETSc on all processes that mpirun started (docs/howto_cluster.md),
 ---method "cg" (default: conjugate gradients with multigrid) or "cholesky" (MUMPS), down to a residual of rtol
@@ -137,7 +137,7 @@ function Model:solve(options) end
 ---@class bw.ModelSolveOptions
 ---@field inertia_relief? boolean
 ---@field tolerance? number
----@field with? "auto"|"factor"|"levels"|"petsc"
+---@field with? "auto"|"factor"|"pcg"|"petsc"
 ---@field memory_limit? number
 ---@field iterations? integer
 ---@field method? "auto"|"cg"|"cholesky"

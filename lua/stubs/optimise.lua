@@ -16,18 +16,18 @@ local bw = {}
 ---@param system bw.System|bw.LocalSystem of the part
 ---@param displacement bw.Array
 ---@param nodes integer[]|bw.Array
----@param options? bw.VonMisesGradientOptions where a local system iterates: relative residual, or (energy) error in energy; fields to begin with; iterations hoped for over predicted
+---@param options? bw.VonMisesGradientOptions where a local system iterates: relative residual, or (energy) error in energy; fields to begin with; iterations at most over predicted
 ---@return bw.Array? von_mises
 ---@return bw.Array|string gradient or a message
 ---@return bw.Details? details
 function bw.von_mises_gradient(part, system, displacement, nodes, options) end
 
 ---@class bw.VonMisesGradientOptions
----@field method? "auto"|"refactor"|"iterate"|"levels"|"scratch"
+---@field method? "auto"|"refactor"|"iterate"|"pcg"|"scratch"
 ---@field tolerance? number
 ---@field energy? boolean
 ---@field guess? bw.Array[]
----@field hope? number
+---@field max_iteration_ratio? number
 
 ---The same for some motions of all nodes: a row for each of the nodes, a column for each motion.
 ---@param part bw.Model

@@ -28,9 +28,9 @@
 ---@field locking string? as of bw.Model
 ---@field mesh bw.Mesh
 ---@field material bw.Material
----@field times table? seconds of graph, stiffness, order, factor, levels, solve; factor_entries, factor_flops; nil in an edit session and of PETSc
----@field solver table? with ("factor", "levels"), iterations (over levels), residual, factor_bytes and factor_flops (over levels: as foreseen), coarse_unknowns (of the linear elements), and where a choice was made predicted_factor and predicted_levels (s, of the model's machine); of PETSc: with, method, ranks, iterations, send_seconds, setup_seconds, solve_seconds, processor_seconds and peak_bytes of all ranks, largest_rank_bytes; nil in an edit session
----@field reused table? in an edit session: pattern, ordering, pieces, pieces_kept, pieces_turned, pieces_touched, method, factor_kept, iterations, precision (of the factor, bits: 32 or 64), refinements (iterations that a factor of 32 bits took), predicted_refactor, predicted_iterate, predicted_levels, seconds_unknowns, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
+---@field times table? seconds of graph, stiffness, order, factor, pcg, solve; factor_entries, factor_flops; nil in an edit session and of PETSc
+---@field solver table? with ("factor", "pcg"), iterations (by two-level PCG), residual, factor_bytes and factor_flops (by two-level PCG: as predicted), coarse_unknowns (of the linear elements), and where a choice was made predicted_factor and predicted_pcg (s, of the model's machine); of PETSc: with, method, ranks, iterations, send_seconds, setup_seconds, solve_seconds, processor_seconds and peak_bytes of all ranks, largest_rank_bytes; nil in an edit session
+---@field reused table? in an edit session: pattern, ordering, pieces, pieces_kept, pieces_turned, pieces_touched, method, factor_kept, iterations, precision (of the factor, bits: 32 or 64), refinements (iterations that a factor of 32 bits took), predicted_refactor, predicted_iterate, predicted_pcg, seconds_unknowns, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
 local Static = {}
 
 ---Zienkiewicz-Zhu: relative error of the whole body in the energy norm, and the error energy of every element. It is

@@ -34,7 +34,7 @@ local function measure(body, cells, with)
   local tip = static.displacement:column(3):min()
   print(("| %s %d, %d tet10 | %d | %s | %.1f | %.1f | %s | %.2f | %.2f | %.1e | %.12g |"):format(body, cells,
     mesh.element_count, mesh.node_count * 3, solver.with, seconds, spent,
-    solver.with == "levels" and solver.iterations or "", peak() / 1e9, solver.factor_bytes / 1e9, static.residual,
+    solver.with == "pcg" and solver.iterations or "", peak() / 1e9, solver.factor_bytes / 1e9, static.residual,
     tip))
 end
 
@@ -49,8 +49,8 @@ print("| body | unknowns | solved | seconds | processor seconds | iterations | p
 print "|---|---|---|---|---|---|---|---|---|---|"
 for _, wish in ipairs(#arg > 0 and arg or {"block:12", "block:19", "block:26", "block:37:levels"}) do
   local body, cells, only = wish:match "^(%a+):(%d+):?(%a*)$"
-  assert(shapes[body] and (only == "" or only == "levels"), "usage: see the head of the script")
-  for _, with in ipairs {"levels", "factor"} do
+  assert(shapes[body] and (only == "" or only == "pcg"), "usage: see the head of the script")
+  for _, with in ipairs {"pcg", "factor"} do
     if only == "" or with == only then
       os.execute(("BARWRIGHT_QUIET=1 %s %s one %s %s %s"):format(program, arg[0], body, cells, with))
     end

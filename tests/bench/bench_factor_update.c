@@ -107,7 +107,7 @@ static bw_status run(bw_context *context, const limbs *body, const scene *s, con
   bw_status status = BW_OK;
   bwi_order *order = NULL;
   bwi_symbolic *symbolic = NULL;
-  bwi_reach *reach = NULL;
+  bwi_elimination_reach *reach = NULL;
   bwi_factor *factor = NULL;
   bwi_matrix matrix = {.graph = s->graph, .stiffness = s->stiffness};
   double *x = NULL, *fraction = malloc((size_t)s->domains * sizeof(double)),
@@ -118,7 +118,7 @@ static bw_status run(bw_context *context, const limbs *body, const scene *s, con
   BW_TRY(make(context, s->graph, s->take, s->mesh, s->domains, s->domain, &order));
   double seconds_order = bw_seconds() - start;
   BW_TRY(bwi_symbolic_create(context, order, 3, s->unknown, &symbolic));
-  BW_TRY(bwi_reach_create(context, symbolic, s->mesh, s->domains, s->domain, &reach));
+  BW_TRY(bwi_elimination_reach_create(context, symbolic, s->mesh, s->domains, s->domain, &reach));
   start = bw_seconds();
   BW_TRY(bwi_factor_create_kept(context, symbolic, &matrix, reach, &factor, NULL));
   double first = bw_seconds() - start;

@@ -64,12 +64,12 @@ describe("a solve", function()
     assert(session:solve {check = true})
   end)
 
-  it("over levels says so, from the first solution on", function()
+  it("by two-level PCG says so, from the first solution on", function()
     local session = body()
     for k = 1, 2 do
-      local result = assert(session:solve {method = "levels", check = true})
-      assert.equal("levels", result.reused.method)
-      assert.truthy(tostring(result.reused):find "levels in place of a factor, %d+ iterations")
+      local result = assert(session:solve {method = "pcg", check = true})
+      assert.equal("pcg", result.reused.method)
+      assert.truthy(tostring(result.reused):find "two%-level PCG in place of a factor, %d+ iterations")
       assert.is_true(result.reused.iterations > 3 and result.reused.difference_solution < 1e-8)
       assert(session:bone("trunk"):scale {1, 1 + 0.1 * k, 1})
     end

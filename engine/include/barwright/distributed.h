@@ -2,7 +2,7 @@
  * MPI, PETSc and SLEPc), which nothing else links: loading it is asking for it.
  *
  * Rank 0 decides. The others serve it, in one of two ways: bw_world_serve, as hands of the solver
- * that is registered on rank 0 (bw_outside, solve.h), or with byte strings of the caller's own
+ * that is registered on rank 0 (bw_external, solve.h), or with byte strings of the caller's own
  * meaning (bw_world_send, bw_world_receive). All waiting sleeps: a rank that has nothing to do
  * costs next to nothing. */
 #ifndef BARWRIGHT_DISTRIBUTED_H

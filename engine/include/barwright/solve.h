@@ -9,20 +9,20 @@ extern "C" {
 #endif
 
 typedef struct bw_solve_times {
-  double graph, stiffness, order, factor, levels, solve; /* seconds spent so far */
-  int64_t factor_entries;                                /* of L; 0 where there is no factor */
+  double graph, stiffness, order, factor, pcg, solve; /* seconds spent so far */
+  int64_t factor_entries;                             /* of L; 0 where there is no factor */
   double factor_flops;
 } bw_solve_times;
 
 /* The equations of a body: stiffness, mass, DOF map and the factor of the reduced stiffness. One
  * factor serves statics, modes, objectives and stresses. Solves may not run on one system from two
  * threads at once (the context is busy); a solve itself uses all threads. The equations never
- * change; only how they are solved may: those that bw_statics made to be solved over levels of
+ * change; only how they are solved may: those that bw_statics made to be solved by two-level PCG of
  * elements have no factor and no mass until bw_system_factor is called, or a static solution finds
  * that by now a factor would have been cheaper. */
 typedef struct bw_system bw_system;
 struct bwi_factor;
-struct bwi_levels;
+struct bwi_two_level_solver;
 struct bw_system {
   bw_object object;
   const bw_mesh *mesh;         /* retained */
@@ -32,8 +32,8 @@ struct bw_system {
   double *stiffness;           /* 9 per pair */
   double *mass; /* 1 per pair, times density (density 1 when the material has none) */
   double density;
-  struct bwi_factor *factor; /* or NULL */
-  struct bwi_levels *levels; /* or NULL */
+  struct bwi_factor *factor;              /* or NULL */
+  struct bwi_two_level_solver *two_level; /* or NULL */
   bw_solve_times times;
 };
 /* `previous` (may be NULL): a system of the same topology whose graph, ordering and analysis are
@@ -56,34 +56,34 @@ BW_API bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t
 /* ---- statics --------------------------------------------------------------------------------- */
 
 typedef enum bw_statics_method {
-  BW_STATICS_AUTO,   /* the factor, unless it would be dear or large and levels are not */
+  BW_STATICS_AUTO,   /* the factor, unless it would be expensive or large and PCG is not */
   BW_STATICS_FACTOR, /* a sparse factor of the stiffness, which other solutions and modes can use */
-  BW_STATICS_LEVELS  /* conjugate gradients, preconditioned by sweeps over the nodes and the linear
-                        elements on the same corners: a tenth of the memory; quadratic elements and
-                        supports that hold the body alone (BW_INVALID otherwise) */
+  BW_STATICS_PCG     /* conjugate gradients, preconditioned by sweeps over the nodes and the linear
+                           elements on the same corners: a tenth of the memory; quadratic elements and
+                           supports that hold the body alone (BW_INVALID otherwise) */
 } bw_statics_method;
 
 /* How a static solution was found. */
 typedef struct bw_statics_report {
   bw_statics_method method; /* FACTOR or LEVELS; AUTO: neither (an edit session, outside) */
-  int iterations;           /* over levels; where the method is FACTOR: those that were in vain */
-  int32_t coarse_unknowns;  /* of the linear elements that were factored; 0 by factor */
-  double factor_flops, factor_bytes; /* of the factor: counted, or where there is none as foreseen
+  int iterations; /* by two-level PCG; where the method is FACTOR: those that were in vain */
+  int32_t coarse_unknowns;           /* of the linear elements that were factored; 0 by factor */
+  double factor_flops, factor_bytes; /* of the factor: counted, or where there is none as predicted
                                         from the linear elements' */
-  double predicted_factor, predicted_levels; /* s of the model's machine, that the choice was by;
+  double predicted_factor, predicted_pcg; /* s of the model's machine, that the choice was by;
                                                 0 where there was none */
 } bw_statics_report;
 
 typedef struct bw_static {
   bw_object object;
-  const bw_model *model;             /* retained */
-  bw_system *system;                 /* retained; NULL: of an edit session */
-  double *displacement;              /* node_count x 3 */
-  double *force;                     /* node_count x 3: applied */
-  double *reaction;                  /* node_count x 3: K u - f at held components, 0 elsewhere */
-  double energy;                     /* strain energy, J */
-  double residual;                   /* |K u - f| at unknowns over |f| */
-  struct bw_outside_report *outside; /* how a solver outside of the engine did it, or NULL */
+  const bw_model *model;               /* retained */
+  bw_system *system;                   /* retained; NULL: of an edit session */
+  double *displacement;                /* node_count x 3 */
+  double *force;                       /* node_count x 3: applied */
+  double *reaction;                    /* node_count x 3: K u - f at held components, 0 elsewhere */
+  double energy;                       /* strain energy, J */
+  double residual;                     /* |K u - f| at unknowns over |f| */
+  struct bw_external_report *external; /* how a external solver did it, or NULL */
   bw_statics_report report;
 } bw_static;
 typedef struct bw_statics_options {
@@ -93,21 +93,21 @@ typedef struct bw_statics_options {
                          fraction   of its size; default 1e-6 */
   /* Of bw_statics alone. */
   bw_statics_method method;
-  int iterations; /* over levels, at most; default 2000 */
+  int iterations; /* by two-level PCG, at most; default 2000 */
   double memory;  /* bytes that a factor may take; default: what is free (bw_free_memory) */
 } bw_statics_options;
 /* BW_UNCONSTRAINED names the unconstrained rigid-body modes when the load is not balanced against
  * them. `system` may be NULL or the system of an earlier solve (reused when mesh, material and
- * supports are the same; it may gain a factor, or lose what it has to solve over levels).
+ * supports are the same; it may gain a factor, or lose what it has to solve by two-level PCG).
  *
  * Left to itself, a static solution is by a factor where there is one already, where that counts as
- * cheap (less than five seconds of the model's machine), where levels do not apply and where they
- * would cost more than half as much; else over levels, and so where the factor would take more than
- * four gigabytes or more than `memory`. Costs are operations and bytes, counted, over the rates of
- * one fixed machine, so that the choice is the same everywhere. Solutions over levels are kept
- * account of: when the next one would make their sum more than the factor, that is made. Where
- * iterating does not converge, a factor takes its place, and a remark says so; BW_CONVERGENCE where
- * there is no room for one, or levels were asked for. */
+ * cheap (less than five seconds of the model's machine), where PCG does not apply and where it
+ * would cost more than half as much; else by two-level PCG, and so where the factor would take more
+ * than four gigabytes or more than `memory`. Costs are operations and bytes, counted, over the
+ * rates of one fixed machine, so that the choice is the same everywhere. Solutions by two-level PCG
+ * are kept account of: when the next one would make their sum more than the factor, that is made.
+ * Where iterating does not converge, a factor takes its place, and a remark says so; BW_CONVERGENCE
+ * where there is no room for one, or PCG was asked for. */
 BW_API bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
                             const bw_statics_options *options, bw_static **result);
 
@@ -119,9 +119,9 @@ typedef enum bw_local_method {
   BW_LOCAL_REFACTOR, /* the supernodes that the edits touched, and their ancestors */
   BW_LOCAL_ITERATE,  /* conjugate gradients, preconditioned by the factor as it is */
   BW_LOCAL_SCRATCH,  /* every supernode again: for checks and baselines */
-  BW_LOCAL_LEVELS    /* conjugate gradients, preconditioned by sweeps over the nodes and the linear
-                        elements on the same corners: needs no factor, but quadratic elements and
-                        supports that hold the body (BW_INVALID otherwise) */
+  BW_LOCAL_PCG       /* conjugate gradients, preconditioned by sweeps over the nodes and the linear
+                           elements on the same corners: needs no factor, but quadratic elements and
+                           supports that hold the body (BW_INVALID otherwise) */
 } bw_local_method;
 
 /* What an update and a solve reused and what they cost. */
@@ -134,12 +134,12 @@ typedef struct bw_reuse {
   bw_local_method
       method;         /* REFACTOR (also where nothing had to be done), ITERATE, SCRATCH, LEVELS */
   double factor_kept; /* fraction of the factor's work that was not done again */
-  int iterations;     /* of conjugate gradients with a factor of a former shape, or over levels,
-                         in all solves since the update */
-  int precision;      /* bits of the factor's numbers: 64, or 32 */
-  int refinements;    /* iterations that made solutions with a factor of 32 bits as exact as
-                         asked for, in all solves since the update */
-  double predicted_refactor, predicted_iterate, predicted_levels; /* s, of the model's machine; 0
+  int iterations;  /* of conjugate gradients with a factor of a former shape, or by two-level PCG,
+                      in all solves since the update */
+  int precision;   /* bits of the factor's numbers: 64, or 32 */
+  int refinements; /* iterations that made solutions with a factor of 32 bits as exact as
+                      asked for, in all solves since the update */
+  double predicted_refactor, predicted_iterate, predicted_pcg; /* s, of the model's machine; 0
                                                                      for a way that there is not */
   double seconds_unknowns; /* following the supports and the frames of the unknowns */
   double seconds_stiffness, seconds_factor, seconds_solve;
@@ -165,7 +165,7 @@ typedef struct bw_local_options {
   /* For the choice by cost: right-hand sides still to come for the same shape; and iterations
      needed over predicted that may be hoped for (0: as experienced). */
   int further;
-  double hope;
+  double max_iteration_ratio;
   /* Iterations end when the error in energy alone is below the tolerance, relative to the
      solution's: for values that are means over many elements. Residuals, which single elements may
      rule, are not looked at. */
@@ -232,8 +232,8 @@ BW_API bw_status bw_local_baseline(bw_context *context, const bw_local_system *l
                                    bool own_order, bw_baseline_times *times);
 /* Bytes: of the factor, and of the update matrices kept beside it. */
 BW_API void bw_local_system_memory(const bw_local_system *local, size_t *factor, size_t *updates);
-/* Bytes of what solves over levels of elements; 0 until it is first used. */
-BW_API size_t bw_local_system_levels_bytes(const bw_local_system *local);
+/* Bytes of what solves by two-level PCG; 0 until it is first used. */
+BW_API size_t bw_local_system_two_level_bytes(const bw_local_system *local);
 
 /* ---- modes --------------------------------------------------------------------------------- */
 
@@ -261,7 +261,7 @@ typedef struct bw_modes {
   int solves;         /* right-hand sides solved for, in blocks of eight */
   int recovered;      /* modes found only after the Sturm count called for them */
   bool counted;       /* the Sturm count confirmed that none is missing */
-  struct bw_outside_report *outside; /* how a solver outside of the engine did it, or NULL */
+  struct bw_external_report *external; /* how a external solver did it, or NULL */
 } bw_modes;
 /* The lowest elastic modes K u = lambda M u (consistent mass) by block Lanczos on the inverse, with
  * the system's own factor; unconstrained rigid-body modes are projected out exactly. Fewer than
@@ -273,75 +273,76 @@ BW_API bw_status bw_modes_elastic(bw_context *context, bw_system *system,
 BW_API bw_status bw_modes_laplacian(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
                                     const bw_modes_options *options, bw_modes **modes);
 
-/* ---- solvers outside of the engine --------------------------------------------------------- */
+/* ---- external solvers --------------------------------------------------------- */
 
 /* Systems that are too large for a factor on one machine are given to a solver that works on
  * several: engine/distributed, a library of its own over MPI, PETSc and SLEPc, which the engine
  * does not link. Who loads it registers it here. Matrix, right-hand side and the check of what
  * comes back are the engine's. */
-typedef enum bw_outside_method {
-  BW_OUTSIDE_AUTO,    /* statics: CG; modes: CHOLESKY */
-  BW_OUTSIDE_CG,      /* conjugate gradients with algebraic multigrid over the rigid-body motions */
-  BW_OUTSIDE_CHOLESKY /* a factor, spread over the processes */
-} bw_outside_method;
-typedef struct bw_outside_options {
-  bw_outside_method method;
+typedef enum bw_external_method {
+  BW_EXTERNAL_AUTO, /* statics: CG; modes: CHOLESKY */
+  BW_EXTERNAL_CG,   /* conjugate gradients with algebraic multigrid over the rigid-body motions */
+  BW_EXTERNAL_CHOLESKY /* a factor, spread over the processes */
+} bw_external_method;
+typedef struct bw_external_options {
+  bw_external_method method;
   double rtol;    /* |K u - f| / |f| to be reached; default 1e-10 */
   int iterations; /* of conjugate gradients, at most; default 2000 */
-} bw_outside_options;
-BW_API void bw_outside_options_default(bw_outside_options *options);
+} bw_external_options;
+BW_API void bw_external_options_default(bw_external_options *options);
 
-typedef struct bw_outside_report {
+typedef struct bw_external_report {
   char method[96];           /* "conjugate gradients, GAMG" */
   int ranks;                 /* processes */
   int iterations;            /* of conjugate gradients, in all solves */
   double send, setup, solve; /* s: matrix to the ranks; multigrid or factor; solves */
   double processor;      /* s of all processes while the system was open, waiting in MPI included */
   double bytes, largest; /* memory of all processes at their peaks, of the largest of them */
-} bw_outside_report;
+} bw_external_report;
 
 /* The equations at hand. K and M have the pattern of the graph; which components are unknowns, held
  * or pinned, and in which frames, is the DOF map's. */
-typedef struct bw_outside_matrix {
+typedef struct bw_external_matrix {
   const bw_dof_map *dof_map;
   const bw_graph *graph;
   const double *stiffness; /* 9 per pair */
   const double *mass;      /* 1 per pair, or NULL: no modes wanted */
-} bw_outside_matrix;
+} bw_external_matrix;
 
 /* What it finds; the lists are allocated with bw_alloc for the caller. */
-typedef struct bw_outside_modes {
+typedef struct bw_external_modes {
   int count;
   double *value; /* ascending */
   double
       *vector; /* count x node_count x 3, global directions, M-norm 1, without rigid-body motion */
   int solves, recovered;
   bool counted;
-} bw_outside_modes;
+} bw_external_modes;
 
 /* One system is open at a time. After a failure of any of these the system is closed. */
-typedef struct bw_outside {
-  bw_status (*open)(bw_context *context, const bw_outside_matrix *matrix,
-                    const bw_outside_options *options);
+typedef struct bw_external {
+  bw_status (*open)(bw_context *context, const bw_external_matrix *matrix,
+                    const bw_external_options *options);
   /* Fields as those of bw_system_solve, the force balanced already; displacement up to a rigid
    * motion. */
   bw_status (*solve)(bw_context *context, const double *force, double *displacement);
-  bw_status (*modes)(bw_context *context, const bw_modes_options *options, bw_outside_modes *modes);
-  void (*close)(bw_context *context, bw_outside_report *report);
-} bw_outside;
+  bw_status (*modes)(bw_context *context, const bw_modes_options *options,
+                     bw_external_modes *modes);
+  void (*close)(bw_context *context, bw_external_report *report);
+} bw_external;
 /* One for the process; NULL takes it away. Not copied. */
-BW_API void bw_outside_register(const bw_outside *outside);
-BW_API const bw_outside *bw_outside_registered(void);
+BW_API void bw_external_register(const bw_external *outside);
+BW_API const bw_external *bw_external_registered(void);
 
 /* As bw_statics and bw_modes_elastic: BW_UNSUPPORTED when none is registered, BW_CONVERGENCE when
  * the residual, computed with the engine's own K, is above what was asked for. result->system is
  * NULL. */
-BW_API bw_status bw_statics_outside(bw_context *context, const bw_model *model,
-                                    const bw_statics_options *statics,
-                                    const bw_outside_options *options, bw_static **result);
-BW_API bw_status bw_modes_outside(bw_context *context, const bw_model *model,
-                                  const bw_modes_options *options,
-                                  const bw_outside_options *outside, bw_modes **modes);
+BW_API bw_status bw_statics_external(bw_context *context, const bw_model *model,
+                                     const bw_statics_options *statics,
+                                     const bw_external_options *options, bw_static **result);
+BW_API bw_status bw_modes_external(bw_context *context, const bw_model *model,
+                                   const bw_modes_options *options,
+                                   const bw_external_options *outside, bw_modes **modes);
 
 /* Name and version of the BLAS in use, the thread libraries, CHOLMOD, METIS, GLPK...: one line
  * each. A BLAS known to be slow here (OpenMP variant) is said. Release with bw_free. */

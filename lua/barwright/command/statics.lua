@@ -243,8 +243,8 @@ local function tell(static, part, read, loads, wish, accuracy, out)
       model.digits(100 * used), wish.material, model.percent(judged_error), words)
   end
   local solver = static.solver
-  if solver.with == "levels" then
-    out:say("Solved over two levels of elements in %d iterations; a factor would have taken about %.2g GB.",
+  if solver.with == "pcg" then
+    out:say("Solved by two-level PCG in %d iterations; a factor would have taken about %.2g GB.",
       solver.iterations, solver.factor_bytes / 1e9)
   end
   out:json {verdict = verdict, value = stress, quantity = "largest von Mises stress, Pa",
@@ -315,9 +315,9 @@ local options = {
   {name = "formulation", value = "standard|b_bar", type = "string", default = "standard",
     one_of = {"standard", "b_bar"},
     what = "of quadratic elements: b_bar does not lock where Poisson's ratio is near 0.5"},
-  {name = "with", value = "auto|factor|levels", type = "string", default = "auto",
-    one_of = {"auto", "factor", "levels"},
-    what = "by a factor; over two levels of elements, which takes a tenth of its memory; or as is cheaper"},
+  {name = "with", value = "auto|factor|pcg", type = "string", default = "auto",
+    one_of = {"auto", "factor", "pcg"},
+    what = "by a factor; by two-level PCG, which takes a tenth of its memory; or as is cheaper"},
   {name = "report", value = "FILE.html", type = "file", endings = {"html", "htm"},
     what = "write a page with a 3D view that turns"},
   {name = "picture", value = "FILE.png", type = "file", endings = {"png"},

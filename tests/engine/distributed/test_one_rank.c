@@ -26,22 +26,22 @@ static bw_model *body(bw_context *context, int order, bool held) {
   return model;
 }
 
-static bw_status statics(bw_context *context, const bw_model *model, bw_outside_method method,
+static bw_status statics(bw_context *context, const bw_model *model, bw_external_method method,
                          bw_static **result) {
-  bw_outside_options options;
-  bw_outside_options_default(&options);
+  bw_external_options options;
+  bw_external_options_default(&options);
   options.method = method;
   const bw_statics_options wish = {.inertia_relief = true};
-  return bw_statics_outside(context, model, &wish, &options, result);
+  return bw_statics_external(context, model, &wish, &options, result);
 }
 
-static bw_status modes_of(bw_context *context, const bw_model *model, bw_outside_method method,
+static bw_status modes_of(bw_context *context, const bw_model *model, bw_external_method method,
                           bw_modes **modes) {
-  bw_outside_options options;
-  bw_outside_options_default(&options);
+  bw_external_options options;
+  bw_external_options_default(&options);
   options.method = method;
   const bw_modes_options wish = {.count = 2, .tolerance = 1e-8, .sturm = true, .seed = 1};
-  return bw_modes_outside(context, model, &wish, &options, modes);
+  return bw_modes_external(context, model, &wish, &options, modes);
 }
 
 /* Each allocation fails once with all that follow: the message comes back, nothing stays behind,
@@ -50,7 +50,7 @@ static void test_memory(void **state) {
   bw_context *context = check_context(state);
   check_ok(context, bw_world_start(context, false));
   for (int kind = 0; kind < 8; kind++) {
-    bw_outside_method method = kind & 1 ? BW_OUTSIDE_CHOLESKY : BW_OUTSIDE_CG;
+    bw_external_method method = kind & 1 ? BW_EXTERNAL_CHOLESKY : BW_EXTERNAL_CG;
     bw_model *model = body(context, 1, kind & 2);
     bw_status status = BW_MEMORY;
     int64_t n = 1;
@@ -84,14 +84,14 @@ static void test_cancel(void **state) {
   bw_static *result = NULL;
   bw_modes *modes = NULL;
   bw_set_progress(context, stop, context);
-  check_fails(context, BW_CANCELLED, "cancel", statics(context, model, BW_OUTSIDE_CG, &result));
+  check_fails(context, BW_CANCELLED, "cancel", statics(context, model, BW_EXTERNAL_CG, &result));
   bw_clear_cancel(context);
   check_fails(context, BW_CANCELLED, "cancel",
-              modes_of(context, model, BW_OUTSIDE_CHOLESKY, &modes));
+              modes_of(context, model, BW_EXTERNAL_CHOLESKY, &modes));
   bw_clear_cancel(context);
   bw_set_progress(context, NULL, NULL);
-  check_ok(context, statics(context, model, BW_OUTSIDE_CG, &result));
-  check_ok(context, modes_of(context, model, BW_OUTSIDE_CHOLESKY, &modes));
+  check_ok(context, statics(context, model, BW_EXTERNAL_CG, &result));
+  check_ok(context, modes_of(context, model, BW_EXTERNAL_CHOLESKY, &modes));
   assert_true(modes->counted);
   assert_int_equal(modes->rigid_count, 6);
   bw_release(result);
@@ -107,8 +107,8 @@ static void test_fall(void **state) {
   bw_static *result = NULL;
   bw_model_clear_loads(model);
   check_ok(context, bw_model_gravity(context, model, (double[3]){1, 2, 9.81}));
-  for (int method = BW_OUTSIDE_CG; method <= BW_OUTSIDE_CHOLESKY; method++) {
-    check_ok(context, statics(context, model, (bw_outside_method)method, &result));
+  for (int method = BW_EXTERNAL_CG; method <= BW_EXTERNAL_CHOLESKY; method++) {
+    check_ok(context, statics(context, model, (bw_external_method)method, &result));
     for (int64_t i = 0; i < 3 * (int64_t)model->mesh->node_count; i++)
       check_near(result->displacement[i], 0, 1e-18);
     bw_release(result);
@@ -132,7 +132,7 @@ static void test_small(void **state) {
   check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &system));
   const bw_modes_options wish = {.count = 100, .tolerance = 1e-8, .sturm = true, .seed = 1};
   check_ok(context, bw_modes_elastic(context, system, &wish, &own));
-  check_ok(context, bw_modes_outside(context, model, &wish, NULL, &other));
+  check_ok(context, bw_modes_external(context, model, &wish, NULL, &other));
   assert_int_equal(other->count, own->count);
   for (int k = 0; k < own->count; k++)
     check_near(other->eigenvalue[k] / own->eigenvalue[k], 1, 1e-8);

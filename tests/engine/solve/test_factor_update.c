@@ -19,7 +19,7 @@ typedef struct problem {
   double *node;
   bwi_order *order;
   bwi_symbolic *symbolic;
-  bwi_reach *reach;
+  bwi_elimination_reach *reach;
   bwi_matrix matrix;
 } problem;
 
@@ -93,8 +93,8 @@ static void open_problem(bw_context *context, const int cells[3], int order, int
     }
   check_ok(context, make_order(context, p, &p->order));
   check_ok(context, bwi_symbolic_create(context, p->order, 3, p->unknown, &p->symbolic));
-  check_ok(context, bwi_reach_create(context, p->symbolic, p->mesh, p->domain_count,
-                                     p->element_domain, &p->reach));
+  check_ok(context, bwi_elimination_reach_create(context, p->symbolic, p->mesh, p->domain_count,
+                                                 p->element_domain, &p->reach));
   p->matrix = (bwi_matrix){.graph = p->graph, .stiffness = p->stiffness};
 }
 
@@ -161,7 +161,7 @@ static void random_edits(void **state) {
         edit(context, &p, touched, &random);
         double flops = -1;
         check_ok(context, bwi_factor_update(context, factor, &p.matrix, touched, &flops, NULL));
-        check_near(flops, bwi_reach_flops(p.reach, touched), 1e-9 * flops);
+        check_near(flops, bwi_elimination_reach_flops(p.reach, touched), 1e-9 * flops);
         same_as_from_scratch(context, &p, factor);
       }
       double flops = -1;
@@ -246,7 +246,7 @@ static void sets(void **state) {
         for (; s >= 0; s = order->parent[s])
           expected[s] = 1;
       }
-    bwi_reach_supernodes(p.reach, touched, wanted);
+    bwi_elimination_reach_supernodes(p.reach, touched, wanted);
     assert_memory_equal(wanted, expected, (size_t)order->super_count);
   }
   free(touched);
@@ -355,15 +355,15 @@ static void neck(void **state) {
   for (int k = 0; k < 2; k++) {
     bwi_order *order = NULL;
     bwi_symbolic *symbolic = NULL;
-    bwi_reach *reach = NULL;
+    bwi_elimination_reach *reach = NULL;
     check_ok(context,
              k ? bwi_order_create_domains(context, graph, NULL, mesh, 3, domain, NULL, &order)
                : bwi_order_create(context, graph, NULL, &order));
     check_ok(context, bwi_symbolic_create(context, order, 3, unknown, &symbolic));
-    check_ok(context, bwi_reach_create(context, symbolic, mesh, 3, domain, &reach));
+    check_ok(context, bwi_elimination_reach_create(context, symbolic, mesh, 3, domain, &reach));
     for (int d = 0; d < 3; d++) {
       const uint8_t touched[3] = {d == 0, d == 1, d == 2};
-      flops[k][d] = bwi_reach_flops(reach, touched) / symbolic->flops;
+      flops[k][d] = bwi_elimination_reach_flops(reach, touched) / symbolic->flops;
     }
     bw_release(reach);
     bw_release(symbolic);
@@ -384,11 +384,12 @@ static bw_status whole(bw_context *context, const problem *p, const uint8_t *tou
   bw_status status = BW_OK;
   bwi_order *order = NULL;
   bwi_symbolic *symbolic = NULL;
-  bwi_reach *reach = NULL;
+  bwi_elimination_reach *reach = NULL;
   bwi_factor *factor = NULL;
   BW_TRY(domain_order(context, p, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, p->unknown, &symbolic));
-  BW_TRY(bwi_reach_create(context, symbolic, p->mesh, p->domain_count, p->element_domain, &reach));
+  BW_TRY(bwi_elimination_reach_create(context, symbolic, p->mesh, p->domain_count,
+                                      p->element_domain, &reach));
   BW_TRY(bwi_factor_create_in(context, symbolic, &p->matrix, reach, &bwi_kernels_single, &factor,
                               NULL));
   BW_TRY(bwi_factor_update(context, factor, &p->matrix, touched, NULL, NULL));

@@ -37,30 +37,31 @@ static void work_is_foreseen(void **state) {
   bar_make(context, 2, 1, &b);
   load_bar(context, &b, 0);
   bw_local_system *local = local_of(context, &b);
-  const bwi_reach *reach = local->inner->reach;
+  const bwi_elimination_reach *reach = local->inner->reach;
   int32_t domains = local->inner->domain_count;
-  uint8_t *foreseen = calloc((size_t)domains, 1);
+  uint8_t *predicted = calloc((size_t)domains, 1);
   for (int edit = 0; edit < 20; edit++) {
     int k = (int)(bw_random_uniform(&random) * RIGID);
     for (int c = 0; c < 3; c++)
       b.now.scale[k][c] = 0.9 + 0.2 * bw_random_uniform(&random);
     for (int32_t d = 0; d < domains; d++)
-      foreseen[d] = abs(d - 2 * k) <= 1;
+      predicted[d] = abs(d - 2 * k) <= 1;
     bw_model *model = posed(context, &b);
     assert_non_null(model);
     bw_reuse r = {0};
     check_ok(context, bw_local_system_update(context, local, model, b.motion, &r));
-    assert_memory_equal(local->inner->touched, foreseen, (size_t)domains);
+    assert_memory_equal(local->inner->touched, predicted, (size_t)domains);
     check_ok(context, bw_local_system_refactor(context, local, &r));
-    check_near(r.factor_kept, 1 - bwi_reach_flops(reach, foreseen) / reach->symbolic->flops, 1e-12);
+    check_near(r.factor_kept,
+               1 - bwi_elimination_reach_flops(reach, predicted) / reach->symbolic->flops, 1e-12);
     bw_release(model);
   }
-  free(foreseen);
+  free(predicted);
   bw_release(local);
   bar_clear(&b);
 }
 
-/* Iterating is given up when too many iterations are foreseen: early, and not where it would soon
+/* Iterating is given up when too many iterations are predicted: early, and not where it would soon
  * be done. */
 static void given_up_early(void **state) {
   bw_context *context = check_context(state);
@@ -76,23 +77,24 @@ static void given_up_early(void **state) {
   double *f = numbers(3 * size), *u = numbers(3 * size);
   random_field(1, 3 * size, f);
   const bw_system *system = local->system;
-  bwi_conjugate problem = {.graph = system->graph,
-                           .stiffness = system->stiffness,
-                           .dof_map = system->dof_map,
-                           .factor = local->inner->factor,
-                           .tolerance = 1e-10,
-                           .limit = 2000};
-  check_ok(context, bwi_conjugate_solve(context, &problem, 3, f, u));
+  bwi_pcg problem = {.graph = system->graph,
+                     .stiffness = system->stiffness,
+                     .dof_map = system->dof_map,
+                     .factor = local->inner->factor,
+                     .tolerance = 1e-10,
+                     .limit = 2000};
+  check_ok(context, bwi_pcg_solve(context, &problem, 3, f, u));
   assert_true(problem.converged);
   int needed = problem.iterations;
   assert_true(needed > 20);
-  problem.patience = 5;
-  check_ok(context, bwi_conjugate_solve(context, &problem, 3, f, u));
+  problem.max_remaining = 5;
+  check_ok(context, bwi_pcg_solve(context, &problem, 3, f, u));
   assert_false(problem.converged);
   assert_true(problem.iterations <= needed / 3);
-  assert_true(problem.foreseen > 0.5 * needed && problem.foreseen < 2 * needed);
-  problem.patience = 10.0 * needed;
-  check_ok(context, bwi_conjugate_solve(context, &problem, 3, f, u));
+  assert_true(problem.predicted_iterations > 0.5 * needed &&
+              problem.predicted_iterations < 2 * needed);
+  problem.max_remaining = 10.0 * needed;
+  check_ok(context, bwi_pcg_solve(context, &problem, 3, f, u));
   assert_true(problem.converged);
   assert_int_equal(problem.iterations, needed);
   free(f);
@@ -116,7 +118,7 @@ static void too_hopeful(void **state) {
   edit_and_compare(context, &b, local, BW_LOCAL_ITERATE);
   b.now.scale[1][0] *= 1.3;
   turn_domain(&b, 2, 0.2);
-  local->inner->experience = 1e-3;
+  local->inner->iteration_ratio = 1e-3;
   bw_reuse r = edit_and_compare(context, &b, local, BW_LOCAL_AUTO);
   assert_int_equal(r.method, BW_LOCAL_REFACTOR);
   assert_true(r.predicted_iterate < r.predicted_refactor);

@@ -133,7 +133,7 @@ add {
     if r:chance(0.2) then
       return {error = 0.2, of = r:one_of {"von_mises", "displacement", {0, 0, 0}}, most_elements = 2000}
     end
-    return {with = r:one_of {"auto", "factor", "levels"}, inertia_relief = r:chance(0.5)}
+    return {with = r:one_of {"auto", "factor", "pcg"}, inertia_relief = r:chance(0.5)}
   end,
   ["Model:refined"] = function(p, r)
     local mesh = p.Model.mesh
@@ -243,7 +243,7 @@ add {
   ["Session:adopt"] = function(p) return p.Session:fork() end,
   ["Session:commit"] = function(p) return {script = "x", pose = p.Skeleton:rest_pose()} end,
   ["Session:solve"] = function(_, r) return {method = r:one_of {"auto", "refactor", "iterate", "scratch",
-    "levels"}, precision = r:one_of {32, 64},
+    "pcg"}, precision = r:one_of {32, 64},
     check = r:chance(0.2)} end,
   ["Session:optimise"] = function(_, r) return {von_mises = r:one_of {1e12, 1e4, 1e3}, iterations = 1,
     bones = {"lower"}} end,

@@ -124,7 +124,7 @@ kind.operations = {
     return subject.session:adopt(fork)
   end},
   solve = {3, function(subject)
-    local methods = {"auto", "refactor", "iterate", "levels", "scratch"}
+    local methods = {"auto", "refactor", "iterate", "pcg", "scratch"}
     return one_of(subject):solve {method = methods[math.random(5)], check = math.random() < 0.3,
       tolerance = 10 ^ uniform(-12, -3)}
   end},

@@ -1,11 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Static solutions over levels of elements: the same as by a factor, under every kind of support,
+/* Static solutions by two-level PCG: the same as by a factor, under every kind of support,
  * of straight and of curved elements; when they are chosen, what is kept, and what is said where
  * they do not serve. */
 #include "local_bar.h"
-#include "solve/static_levels.h"
+#include "solve/static_pcg.h"
 
-static const bw_statics_options by_levels = {.method = BW_STATICS_LEVELS},
+static const bw_statics_options by_levels = {.method = BW_STATICS_PCG},
                                 by_factor = {.method = BW_STATICS_FACTOR};
 
 /* Displacements, reactions, energy and estimated error of both ways. */
@@ -21,11 +21,11 @@ static void compare_ways(bw_context *context, const bw_model *model) {
   check_near(b->energy / a->energy, 1, 1e-8);
   assert_true(b->residual < 1e-10 || b->residual < 10 * a->residual); /* or as rounding leaves it */
   assert_int_equal(a->report.method, BW_STATICS_FACTOR);
-  assert_int_equal(b->report.method, BW_STATICS_LEVELS);
+  assert_int_equal(b->report.method, BW_STATICS_PCG);
   assert_in_range(b->report.iterations, 5, 100);
   assert_non_null(a->system->factor);
   assert_null(b->system->factor);
-  assert_true(bw_bytes(b->system->levels) > 0);
+  assert_true(bw_bytes(b->system->two_level) > 0);
   check_ok(context,
            bw_error_estimate(context, mesh, model->material, a->displacement, error, &estimate[0]));
   check_ok(context,
@@ -45,7 +45,7 @@ static void as_a_factor(void **state) {
     if (scene == 3) { /* free to move */
       bw_static *result = NULL;
       bw_statics_options options = relief;
-      options.method = BW_STATICS_LEVELS;
+      options.method = BW_STATICS_PCG;
       check_fails(context, BW_INVALID, "free to move",
                   bw_statics(context, b.model, NULL, &options, &result));
       options.method = BW_STATICS_AUTO;
@@ -120,7 +120,7 @@ static void clear_block(block *b) {
   bw_release(b->mesh);
 }
 
-/* What is foreseen of a factor is near what it is, for thick, long and flat bodies. */
+/* What is predicted of a factor is near what it is, for thick, long and flat bodies. */
 static void factor_is_foreseen(void **state) {
   bw_context *context = check_context(state);
   const int cells[4][3] = {{8, 8, 7}, {3, 3, 40}, {20, 20, 1}, {12, 12, 3}};
@@ -139,7 +139,7 @@ static void factor_is_foreseen(void **state) {
 }
 
 /* Small bodies: the factor, in the bits that it has always had; also where nothing is said. Without
- * room for it, levels; and said so where these do not serve. */
+ * room for it, two_level; and said so where these do not serve. */
 static void small_bodies(void **state) {
   bw_context *context = check_context(state);
   bw_static *result = NULL, *same = NULL;
@@ -150,9 +150,9 @@ static void small_bodies(void **state) {
   assert_memory_equal(result->displacement, same->displacement,
                       3 * (size_t)b.mesh->node_count * sizeof(double));
   bw_release(same);
-  /* levels when asked for, beside the factor that is there; which then serves again */
+  /* PCG when asked for, beside the factor that is there; which then serves again */
   check_ok(context, bw_statics(context, b.model, result->system, &by_levels, &same));
-  assert_int_equal(same->report.method, BW_STATICS_LEVELS);
+  assert_int_equal(same->report.method, BW_STATICS_PCG);
   assert_ptr_equal(same->system, result->system);
   bw_release(same);
   check_ok(context, bw_statics(context, b.model, result->system, NULL, &same));
@@ -161,7 +161,7 @@ static void small_bodies(void **state) {
   bw_release(same);
   bw_release(result);
   const bw_statics_options narrow = {.method = BW_STATICS_FACTOR, .memory = 1e6};
-  check_fails(context, BW_MEMORY, "with = \"levels\"",
+  check_fails(context, BW_MEMORY, "with = \"pcg\"",
               bw_statics(context, b.model, NULL, &narrow, &result));
   clear_block(&b);
   b = make_block(context, 4, 4, 4, 1);
@@ -177,8 +177,8 @@ static void small_bodies(void **state) {
   check_fails(context, BW_INVALID, "memory", bw_statics(context, NULL, NULL, &wrong, &result));
 }
 
-/* A body that has no room for a factor is solved over levels, as exactly; asked for again, the
- * factor is made once the sum of what levels cost would come to more. It then serves modes. */
+/* A body that has no room for a factor is solved by two-level PCG, as exactly; asked for again, the
+ * factor is made once the sum of what PCG costs would come to more. It then serves modes. */
 static void large_bodies(void **state) {
   bw_context *context = check_context(state);
   bw_static *first = NULL, *next = NULL;
@@ -188,7 +188,7 @@ static void large_bodies(void **state) {
   int64_t size = 3 * (int64_t)b.mesh->node_count;
   int over_levels = 0;
   check_ok(context, bw_statics(context, b.model, NULL, &narrow, &first));
-  assert_int_equal(first->report.method, BW_STATICS_LEVELS);
+  assert_int_equal(first->report.method, BW_STATICS_PCG);
   assert_true(first->residual < 1e-10);
   double sum[3] = {1e6, 2e6, 3e6};
   for (int64_t i = 0; i < size; i++)
@@ -205,12 +205,12 @@ static void large_bodies(void **state) {
     check_near(difference(next->displacement, first->displacement, size), 0, 1e-8);
     if (next->report.method == BW_STATICS_FACTOR)
       break;
-    assert_true(system->levels->spent < next->report.predicted_factor);
+    assert_true(system->two_level->spent < next->report.predicted_factor);
     over_levels++;
     bw_release(next);
   }
   assert_in_range(over_levels, 1, 12);
-  assert_null(system->levels);
+  assert_null(system->two_level);
   const bw_modes_options few = {.count = 1, .tolerance = 1e-6, .sturm = false};
   check_ok(context, bw_modes_elastic(context, system, &few, &modes));
   assert_int_equal(modes->count, 1);
@@ -261,7 +261,7 @@ static void not_converged(void **state) {
   bw_context *context = check_context(state);
   bw_static *first = NULL, *result = NULL;
   block b = make_block(context, 11, 11, 11, 2);
-  bw_statics_options options = {.method = BW_STATICS_LEVELS, .iterations = 4};
+  bw_statics_options options = {.method = BW_STATICS_PCG, .iterations = 4};
   check_fails(context, BW_CONVERGENCE, "with = \"factor\"",
               bw_statics(context, b.model, NULL, &options, &result));
   options = (bw_statics_options){.iterations = 4, .memory = 1e6};

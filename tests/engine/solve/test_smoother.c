@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Sweeps over the rows of a stiffness beside Gauss and Seidel's iteration written down plainly, and
  * products beside those of the graph. */
-#include "solve/sweeps.h"
+#include "solve/smoother.h"
 
 #include "local_bar.h"
 
@@ -30,17 +30,17 @@ static void scene_clear(scene *s) {
   bar_clear(&s->b);
 }
 
-static bwi_sweeps *sweeps_of(bw_context *context, const scene *s, bool even) {
-  bwi_sweeps *sweeps = NULL;
+static bwi_smoother *smoother_of(bw_context *context, const scene *s, bool even) {
+  bwi_smoother *smoother = NULL;
   bool usable = false;
-  check_ok(context, bwi_sweeps_create(context, s->b.mesh, s->graph, even, &sweeps));
-  check_ok(context, bwi_sweeps_follow(context, sweeps, s->stiffness, s->dof_map, &usable));
+  check_ok(context, bwi_smoother_create(context, s->b.mesh, s->graph, even, &smoother));
+  check_ok(context, bwi_smoother_follow(context, smoother, s->stiffness, s->dof_map, &usable));
   assert_true(usable);
-  return sweeps;
+  return smoother;
 }
 
 /* Numbers of field f of `width`, from nodes to rows. */
-static double *packed(const bwi_sweeps *s, int width, int f, double *row, const double *field) {
+static double *packed(const bwi_smoother *s, int width, int f, double *row, const double *field) {
   for (int64_t k = 0; k < s->count; k++)
     for (int d = 0; d < 3; d++)
       row[(3 * k + d) * width + f] = field[3 * (int64_t)s->node[k] + d];
@@ -52,19 +52,19 @@ static void chunks_are_apart(void **state) {
   bw_context *context = check_context(state);
   scene s;
   scene_make(context, 4, 0, &s);
-  bwi_sweeps *sweeps = sweeps_of(context, &s, true);
-  assert_true(sweeps->chunk_count > 1);
-  assert_int_equal(sweeps->chunk_start[0], 0);
-  int32_t inside = sweeps->chunk_start[sweeps->chunk_count];
-  assert_true(8 * (sweeps->count - inside) < sweeps->count);
-  for (int64_t i = 0; i < sweeps->count; i++)
+  bwi_smoother *smoother = smoother_of(context, &s, true);
+  assert_true(smoother->chunk_count > 1);
+  assert_int_equal(smoother->chunk_start[0], 0);
+  int32_t inside = smoother->chunk_start[smoother->chunk_count];
+  assert_true(8 * (smoother->count - inside) < smoother->count);
+  for (int64_t i = 0; i < smoother->count; i++)
     for (int64_t p = s.graph->start[i]; p < s.graph->start[i + 1]; p++) {
-      int32_t a = sweeps->place[i], b = sweeps->place[s.graph->column[p]];
-      for (int c = 0; c < sweeps->chunk_count && a < inside && b < inside; c++)
-        assert_int_equal(a >= sweeps->chunk_start[c] && a < sweeps->chunk_start[c + 1],
-                         b >= sweeps->chunk_start[c] && b < sweeps->chunk_start[c + 1]);
+      int32_t a = smoother->place[i], b = smoother->place[s.graph->column[p]];
+      for (int c = 0; c < smoother->chunk_count && a < inside && b < inside; c++)
+        assert_int_equal(a >= smoother->chunk_start[c] && a < smoother->chunk_start[c + 1],
+                         b >= smoother->chunk_start[c] && b < smoother->chunk_start[c + 1]);
     }
-  bw_release(sweeps);
+  bw_release(smoother);
   scene_clear(&s);
 }
 
@@ -75,23 +75,24 @@ static void products(void **state) {
   scene_make(context, 2, 0, &s);
   double *x = numbers(s.size), *y = numbers(s.size);
   for (int even = 0; even < 2; even++) {
-    bwi_sweeps *sweeps = sweeps_of(context, &s, even);
-    assert_int_equal(even, sweeps->even.start[sweeps->count] > sweeps->odd.start[sweeps->count]);
-    for (int width = 1; width <= BWI_SWEEP_SIDES; width += BWI_SWEEP_SIDES - 1) {
-      double *px = numbers(width * s.size + BWI_SWEEP_SPARE);
-      double *py = numbers(width * s.size + BWI_SWEEP_SPARE);
+    bwi_smoother *smoother = smoother_of(context, &s, even);
+    assert_int_equal(even,
+                     smoother->even.start[smoother->count] > smoother->odd.start[smoother->count]);
+    for (int width = 1; width <= BWI_SMOOTHER_SIDES; width += BWI_SMOOTHER_SIDES - 1) {
+      double *px = numbers(width * s.size + BWI_SMOOTHER_SPARE);
+      double *py = numbers(width * s.size + BWI_SMOOTHER_SPARE);
       for (int f = 0; f < width; f++) {
         random_field(7 + (uint64_t)f, s.size, x);
-        packed(sweeps, width, f, px, x);
+        packed(smoother, width, f, px, x);
       }
-      check_ok(context, bwi_sweeps_product(context, sweeps, width, px, py));
+      check_ok(context, bwi_smoother_product(context, smoother, width, px, py));
       for (int f = 0; f < width; f++) {
         double largest = 0, off = 0;
         random_field(7 + (uint64_t)f, s.size, x);
         check_ok(context, bw_graph_multiply(context, s.graph, s.stiffness, 9, 3, 1, x, y));
-        for (int64_t k = 0; k < sweeps->count; k++)
+        for (int64_t k = 0; k < smoother->count; k++)
           for (int d = 0; d < 3; d++) {
-            double wanted = y[3 * (int64_t)sweeps->node[k] + d] * sweeps->unit;
+            double wanted = y[3 * (int64_t)smoother->node[k] + d] * smoother->unit;
             largest = fmax(largest, fabs(wanted));
             off = fmax(off, fabs(py[(3 * k + d) * width + f] - wanted));
           }
@@ -100,7 +101,7 @@ static void products(void **state) {
       free(px);
       free(py);
     }
-    bw_release(sweeps);
+    bw_release(smoother);
   }
   free(x);
   free(y);
@@ -160,9 +161,9 @@ static void sweeps(void **state) {
     scene_make(context, 2, supports[k], &s);
     double *r = numbers(s.size), *z = numbers(s.size), *again = numbers(s.size);
     double *left = numbers(s.size);
-    bwi_sweeps *w = sweeps_of(context, &s, true);
-    for (int width = 1; width <= BWI_SWEEP_SIDES; width += BWI_SWEEP_SIDES - 1) {
-      size_t room = (size_t)(width * s.size) + BWI_SWEEP_SPARE;
+    bwi_smoother *w = smoother_of(context, &s, true);
+    for (int width = 1; width <= BWI_SMOOTHER_SIDES; width += BWI_SMOOTHER_SIDES - 1) {
+      size_t room = (size_t)(width * s.size) + BWI_SMOOTHER_SPARE;
       float *pr = calloc(room, sizeof *pr), *pz = calloc(room, sizeof *pz);
       float *rest = calloc(room, sizeof *rest);
       double *p = numbers((int64_t)room);
@@ -175,7 +176,7 @@ static void sweeps(void **state) {
       memset(z, 0, (size_t)s.size * sizeof *z);
       for (int32_t n = 0; n < w->count; n++)
         relax(&s, w->node[n], r, z);
-      check_ok(context, bwi_sweeps_forward(context, w, width, pr, pz, rest));
+      check_ok(context, bwi_smoother_forward(context, w, width, pr, pz, rest));
       check_ok(context, bw_graph_multiply(context, s.graph, s.stiffness, 9, 3, 1, z, left));
       for (int64_t i = 0; i < s.size; i++)
         left[i] = r[i] - left[i];
@@ -198,7 +199,7 @@ static void sweeps(void **state) {
           break;
         for (int32_t n = w->count - 1; n >= 0; n--)
           relax(&s, w->node[n], r, z);
-        check_ok(context, bwi_sweeps_backward(context, w, width, pr, pz, rest));
+        check_ok(context, bwi_smoother_backward(context, w, width, pr, pz, rest));
       }
       free(pr);
       free(pz);
@@ -219,11 +220,11 @@ static void singular_nodes_are_told(void **state) {
   scene s;
   bool usable = true;
   scene_make(context, 1, 0, &s);
-  bwi_sweeps *w = sweeps_of(context, &s, true);
+  bwi_smoother *w = smoother_of(context, &s, true);
   int64_t own = s.graph->start[s.b.mesh->node_count] - 1; /* the last node, at the free end */
   for (int c = 0; c < 9; c++)
     s.stiffness[9 * own + c] = 0;
-  check_ok(context, bwi_sweeps_follow(context, w, s.stiffness, s.dof_map, &usable));
+  check_ok(context, bwi_smoother_follow(context, w, s.stiffness, s.dof_map, &usable));
   assert_false(usable);
   bw_release(w);
   scene_clear(&s);
@@ -234,9 +235,9 @@ static void no_memory(void **state) {
   scene s;
   scene_make(context, 1, 0, &s);
   for (int64_t n = 1;; n++) {
-    bwi_sweeps *w = NULL;
+    bwi_smoother *w = NULL;
     bw_fail_allocation(n, true);
-    bw_status status = bwi_sweeps_create(context, s.b.mesh, s.graph, true, &w);
+    bw_status status = bwi_smoother_create(context, s.b.mesh, s.graph, true, &w);
     bw_fail_allocation(0, false);
     bw_release(w);
     if (status == BW_OK)

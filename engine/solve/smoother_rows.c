@@ -1,17 +1,17 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* How the rows of sweeps.h are ordered, and what stands in them. */
+/* How the rows of smoother.h are ordered, and what stands in them. */
 #include <math.h>
 #include <string.h>
 
 #include "assemble/internal.h"
-#include "solve/sweeps.h"
+#include "solve/smoother.h"
 
-enum { ROWS = BWI_SWEEP_ROWS };
+enum { ROWS = BWI_SMOOTHER_ROWS };
 
 /* ---- the matrix ---------------------------------------------------------------------------- */
 
 typedef struct taking {
-  bwi_sweeps *s;
+  bwi_smoother *s;
   const double *stiffness;
   const bw_dof_map *dof_map;
 } taking;
@@ -66,8 +66,8 @@ static const int of_six[6] = {0, 1, 2, 4, 5, 8}; /* of the nine of a block */
 static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const taking *t = data;
-  const bwi_sweeps *s = t->s;
-  const bwi_sweep_part *even = &s->even, *odd = &s->odd;
+  const bwi_smoother *s = t->s;
+  const bwi_smoother_part *even = &s->even, *odd = &s->odd;
   for (int64_t k = begin; k < end; k++) {
     int64_t i = s->node[k];
     const double *own = t->stiffness + 9 * (s->graph->start[i + 1] - 1); /* the last of its row */
@@ -97,8 +97,8 @@ static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-bw_status bwi_sweeps_follow(bw_context *context, bwi_sweeps *s, const double *stiffness,
-                            const bw_dof_map *dof_map, bool *usable) {
+bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *s, const double *stiffness,
+                              const bw_dof_map *dof_map, bool *usable) {
   bw_status status = BW_OK;
   double most = 0;
   int exponent = 0;
@@ -166,8 +166,8 @@ static bool is_between(const bw_graph *graph, int32_t i, const int32_t *at, int3
 
 /* From nodes by distance (`at`: the inverse) to the order of rows, in as many chunks as leave few
  * nodes between them, whose rows are swept one after the other. */
-static void cut(bwi_sweeps *s, const int32_t *near, const int32_t *at) {
-  int32_t chunks = BWI_SWEEP_MOST_CHUNKS, row = 0, chunk = -1;
+static void cut(bwi_smoother *s, const int32_t *near, const int32_t *at) {
+  int32_t chunks = BWI_SMOOTHER_MOST_CHUNKS, row = 0, chunk = -1;
   for (; chunks > 1; chunks /= 2) {
     int32_t shared = 0;
     for (int32_t i = 0; i < s->count; i++)
@@ -190,7 +190,7 @@ static void cut(bwi_sweeps *s, const int32_t *near, const int32_t *at) {
     s->place[s->node[k]] = k;
 }
 
-static bw_status order_nodes(bw_context *context, bwi_sweeps *s) {
+static bw_status order_nodes(bw_context *context, bwi_smoother *s) {
   bw_status status = BW_OK;
   int32_t *near = BW_NEW(context, int32_t, s->count), *at = BW_NEW0(context, int32_t, s->count);
   if (!near || !at) {
@@ -228,18 +228,18 @@ static void sort_row(entry *row, int64_t count) {
   }
 }
 
-static bw_status make_part(bw_context *context, bwi_sweep_part *part, int64_t rows, int64_t entries,
-                           int numbers) {
+static bw_status make_part(bw_context *context, bwi_smoother_part *part, int64_t rows,
+                           int64_t entries, int numbers) {
   part->start = BW_NEW0(context, int64_t, rows + 1);
   part->column = BW_NEW(context, int32_t, entries + 1);
   part->pair = BW_NEW(context, int64_t, entries + 1);
-  part->value = BW_NEW0(context, float, numbers *entries + BWI_SWEEP_SPARE);
-  part->exact = BW_NEW0(context, double, numbers *entries + BWI_SWEEP_SPARE);
+  part->value = BW_NEW0(context, float, numbers *entries + BWI_SMOOTHER_SPARE);
+  part->exact = BW_NEW0(context, double, numbers *entries + BWI_SMOOTHER_SPARE);
   return part->start && part->column && part->pair && part->value && part->exact ? BW_OK
                                                                                  : BW_MEMORY;
 }
 
-static void free_part(bwi_sweep_part *part) {
+static void free_part(bwi_smoother_part *part) {
   bw_free(part->start);
   bw_free(part->column);
   bw_free(part->pair);
@@ -248,9 +248,9 @@ static void free_part(bwi_sweep_part *part) {
 }
 
 /* Entries of all rows; `odd`: by pair; row: room for one. */
-static void list_rows(bwi_sweeps *s, const uint8_t *odd, entry *row) {
+static void list_rows(bwi_smoother *s, const uint8_t *odd, entry *row) {
   const bw_graph *graph = s->graph;
-  bwi_sweep_part *parts[2] = {&s->even, &s->odd};
+  bwi_smoother_part *parts[2] = {&s->even, &s->odd};
   for (int32_t k = 0; k < s->count; k++) {
     int32_t i = s->node[k];
     int64_t count = 0;
@@ -264,7 +264,7 @@ static void list_rows(bwi_sweeps *s, const uint8_t *odd, entry *row) {
     for (int n = 0; n < 2; n++)
       parts[n]->start[k + 1] = parts[n]->start[k];
     for (int64_t e = 0; e < count; e++) {
-      bwi_sweep_part *part = parts[odd[row[e].pair >> 1]];
+      bwi_smoother_part *part = parts[odd[row[e].pair >> 1]];
       int64_t at = part->start[k + 1]++;
       part->column[at] = row[e].column;
       part->pair[at] = row[e].pair;
@@ -272,7 +272,7 @@ static void list_rows(bwi_sweeps *s, const uint8_t *odd, entry *row) {
   }
 }
 
-static bw_status make_rows(bw_context *context, bwi_sweeps *s, const bw_mesh *mesh, bool even) {
+static bw_status make_rows(bw_context *context, bwi_smoother *s, const bw_mesh *mesh, bool even) {
   bw_status status = BW_OK;
   const bw_graph *graph = s->graph;
   int64_t pairs = graph->pair_count, longest = 0, entries[2] = {0, 0};
@@ -306,8 +306,8 @@ done:
 
 /* ---- life ---------------------------------------------------------------------------------- */
 
-static void sweeps_destroy(void *object) {
-  bwi_sweeps *s = object;
+static void smoother_destroy(void *object) {
+  bwi_smoother *s = object;
   bw_release(s->graph);
   bw_free(s->node);
   bw_free(s->place);
@@ -318,7 +318,7 @@ static void sweeps_destroy(void *object) {
   bw_free(s);
 }
 
-static size_t part_bytes(const bwi_sweep_part *part, size_t rows, size_t numbers) {
+static size_t part_bytes(const bwi_smoother_part *part, size_t rows, size_t numbers) {
   size_t entries = part->start ? (size_t)part->start[rows] : 0;
   return (rows + 1) * sizeof *part->start +
          entries * (sizeof *part->column + sizeof *part->pair +
@@ -327,27 +327,27 @@ static size_t part_bytes(const bwi_sweep_part *part, size_t rows, size_t numbers
 
 /* The graph is its user's. */
 static size_t sweeps_bytes(const void *object) {
-  const bwi_sweeps *s = object;
+  const bwi_smoother *s = object;
   size_t rows = (size_t)s->count;
   return sizeof *s + rows * (2 * sizeof(int32_t) + 9 * (sizeof(float) + sizeof(double))) +
          part_bytes(&s->even, rows, 6) + part_bytes(&s->odd, rows, 9);
 }
 
-static const bw_kind sweeps_kind = {"sweeps", sweeps_destroy, sweeps_bytes};
+static const bw_kind smoother_kind = {"sweeps", smoother_destroy, sweeps_bytes};
 
-bw_status bwi_sweeps_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
-                            bool even, bwi_sweeps **out) {
+bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
+                              bool even, bwi_smoother **out) {
   bw_status status = BW_OK;
-  bwi_sweeps *s = BW_NEW0(context, bwi_sweeps, 1);
+  bwi_smoother *s = BW_NEW0(context, bwi_smoother, 1);
   if (!s)
     return BW_MEMORY;
-  bw_object_init(s, &sweeps_kind);
+  bw_object_init(s, &smoother_kind);
   s->graph = bw_retain(graph);
   s->count = graph->node_count;
   s->node = BW_NEW(context, int32_t, s->count);
   s->place = BW_NEW(context, int32_t, s->count);
-  s->inverse = BW_NEW0(context, float, 9 * (int64_t)s->count + BWI_SWEEP_SPARE);
-  s->diagonal = BW_NEW0(context, double, 9 * (int64_t)s->count + BWI_SWEEP_SPARE);
+  s->inverse = BW_NEW0(context, float, 9 * (int64_t)s->count + BWI_SMOOTHER_SPARE);
+  s->diagonal = BW_NEW0(context, double, 9 * (int64_t)s->count + BWI_SMOOTHER_SPARE);
   if (!s->node || !s->place || !s->inverse || !s->diagonal) {
     status = BW_MEMORY;
     goto done;

@@ -1,12 +1,12 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Two levels of elements and what goes between them (multilevel.h). */
-#include "solve/multilevel.h"
+/* Two levels of elements and what goes between them (two_level.h). */
+#include "solve/two_level.h"
 
 #include <string.h>
 
-enum { ROWS = BWI_SWEEP_ROWS };
+enum { ROWS = BWI_SMOOTHER_ROWS };
 
-static void free_room(bwi_multilevel *l) {
+static void free_room(bwi_two_level *l) {
   bw_free(l->u);
   bw_free(l->r);
   bw_free(l->p);
@@ -21,11 +21,11 @@ static void free_room(bwi_multilevel *l) {
   l->width = 0;
 }
 
-static void multilevel_destroy(void *object) {
-  bwi_multilevel *l = object;
+static void two_level_destroy(void *object) {
+  bwi_two_level *l = object;
   free_room(l);
   bw_release(l->coarse);
-  bw_release(l->sweeps);
+  bw_release(l->smoother);
   bw_release(l->dof_map);
   bw_free(l->child_start);
   bw_free(l->child);
@@ -34,21 +34,22 @@ static void multilevel_destroy(void *object) {
   bw_free(l);
 }
 
-static size_t multilevel_bytes(const void *object) {
-  const bwi_multilevel *l = object;
-  size_t rows = (size_t)l->sweeps->count, corners = (size_t)bwi_coarse_corners(l->coarse);
+static size_t two_level_bytes(const void *object) {
+  const bwi_two_level *l = object;
+  size_t rows = (size_t)l->smoother->count, corners = (size_t)bwi_coarse_corners(l->coarse);
   size_t fields = 5 * sizeof(double) + 3 * sizeof(float);
-  return sizeof *l + bw_bytes(l->coarse) + bw_bytes(l->sweeps) + (corners + 1) * sizeof(int64_t) +
+  return sizeof *l + bw_bytes(l->coarse) + bw_bytes(l->smoother) + (corners + 1) * sizeof(int64_t) +
          5 * rows * sizeof(int32_t) +
          3 * (size_t)l->width * (rows * fields + corners * sizeof(double));
 }
 
-static const bw_kind multilevel_kind = {"levels of elements", multilevel_destroy, multilevel_bytes};
+static const bw_kind two_level_kind = {"two-level preconditioner", two_level_destroy,
+                                       two_level_bytes};
 
 /* ---- between the levels -------------------------------------------------------------------- */
 
-static bw_status join_levels(bw_context *context, bwi_multilevel *l) {
-  const bwi_sweeps *s = l->sweeps;
+static bw_status join_levels(bw_context *context, bwi_two_level *l) {
+  const bwi_smoother *s = l->smoother;
   const int32_t *parent = bwi_coarse_parents(l->coarse);
   int64_t corners = bwi_coarse_corners(l->coarse);
   l->parent = BW_NEW(context, int32_t, 2 * (int64_t)s->count);
@@ -76,7 +77,7 @@ static bw_status join_levels(bw_context *context, bwi_multilevel *l) {
 }
 
 typedef struct passage {
-  const bwi_multilevel *l;
+  const bwi_two_level *l;
   int width, used;
   int64_t corners;
   double unit; /* of the corners' equations over those of the rows */
@@ -86,9 +87,9 @@ typedef struct passage {
 static bw_status restrict_rest(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const passage *m = data;
-  const bwi_multilevel *l = m->l;
+  const bwi_two_level *l = m->l;
   for (int64_t c = begin; c < end; c++) {
-    double sum[3 * BWI_SWEEP_SIDES] = {0};
+    double sum[3 * BWI_SMOOTHER_SIDES] = {0};
     for (int64_t k = l->child_start[c]; k < l->child_start[c + 1]; k++) {
       const float *rest = l->rest + 3 * (int64_t)m->width * l->child[k];
       for (int i = 0; i < 3 * m->width; i++)
@@ -104,7 +105,7 @@ static bw_status restrict_rest(void *data, int64_t begin, int64_t end, int worke
 static bw_status prolong(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const passage *m = data;
-  const bwi_multilevel *l = m->l;
+  const bwi_two_level *l = m->l;
   for (int64_t k = begin; k < end; k++)
     for (int f = 0; f < m->used; f++) {
       const double *x = l->corner + 3 * f * m->corners;
@@ -116,40 +117,40 @@ static bw_status prolong(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-bw_status bwi_multilevel_precondition(bw_context *context, bwi_multilevel *l, int width, int used) {
+bw_status bwi_two_level_precondition(bw_context *context, bwi_two_level *l, int width, int used) {
   bw_status status = BW_OK;
-  passage m = {l, width, used, bwi_coarse_corners(l->coarse), 1 / l->sweeps->unit};
-  BW_TRY(bwi_sweeps_forward(context, l->sweeps, width, l->floats, l->z, l->rest));
+  passage m = {l, width, used, bwi_coarse_corners(l->coarse), 1 / l->smoother->unit};
+  BW_TRY(bwi_smoother_forward(context, l->smoother, width, l->floats, l->z, l->rest));
   BW_TRY(bw_parallel(context, m.corners, ROWS, restrict_rest, &m));
   BW_TRY(bwi_coarse_solve(context, l->coarse, used, l->corner));
-  BW_TRY(bw_parallel(context, l->sweeps->count, ROWS, prolong, &m));
-  BW_TRY(bwi_sweeps_backward(context, l->sweeps, width, l->floats, l->z, l->rest));
+  BW_TRY(bw_parallel(context, l->smoother->count, ROWS, prolong, &m));
+  BW_TRY(bwi_smoother_backward(context, l->smoother, width, l->floats, l->z, l->rest));
 done:
   return status;
 }
 
 /* ---- life ---------------------------------------------------------------------------------- */
 
-bw_status bwi_multilevel_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
-                                bool even, bwi_multilevel **out) {
+bw_status bwi_two_level_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
+                               bool even, bwi_two_level **out) {
   bw_status status = BW_OK;
   bwi_coarse *coarse = NULL;
   BW_TRY(bwi_coarse_create(context, mesh, &coarse));
-  BW_TRY(bwi_multilevel_create_over(context, coarse, mesh, graph, even, out));
+  BW_TRY(bwi_two_level_create_over(context, coarse, mesh, graph, even, out));
 done:
   bw_release(coarse);
   return status;
 }
 
-bw_status bwi_multilevel_create_over(bw_context *context, bwi_coarse *coarse, const bw_mesh *mesh,
-                                     const bw_graph *graph, bool even, bwi_multilevel **out) {
+bw_status bwi_two_level_create_over(bw_context *context, bwi_coarse *coarse, const bw_mesh *mesh,
+                                    const bw_graph *graph, bool even, bwi_two_level **out) {
   bw_status status = BW_OK;
-  bwi_multilevel *l = BW_NEW0(context, bwi_multilevel, 1);
+  bwi_two_level *l = BW_NEW0(context, bwi_two_level, 1);
   if (!l)
     return BW_MEMORY;
-  bw_object_init(l, &multilevel_kind);
+  bw_object_init(l, &two_level_kind);
   l->coarse = bw_retain(coarse);
-  BW_TRY(bwi_sweeps_create(context, mesh, graph, even, &l->sweeps));
+  BW_TRY(bwi_smoother_create(context, mesh, graph, even, &l->smoother));
   BW_TRY(join_levels(context, l));
 done:
   if (status == BW_OK)
@@ -159,27 +160,27 @@ done:
   return status;
 }
 
-bw_status bwi_multilevel_follow(bw_context *context, bwi_multilevel *l, const bw_model *model,
-                                const bw_dof_map *dof_map, const double *stiffness, bool *usable) {
+bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *l, const bw_model *model,
+                               const bw_dof_map *dof_map, const double *stiffness, bool *usable) {
   bw_status status = BW_OK;
   bw_retain(dof_map);
   bw_release(l->dof_map);
   l->dof_map = (bw_dof_map *)dof_map;
   l->held_count = 0;
-  for (int32_t k = 0; k < l->sweeps->count; k++) {
-    const uint8_t *state = dof_map->state + 3 * (int64_t)l->sweeps->node[k];
+  for (int32_t k = 0; k < l->smoother->count; k++) {
+    const uint8_t *state = dof_map->state + 3 * (int64_t)l->smoother->node[k];
     if (state[0] != BW_DOF_UNKNOWN || state[1] != BW_DOF_UNKNOWN || state[2] != BW_DOF_UNKNOWN)
       l->held[l->held_count++] = k;
   }
   BW_TRY(bwi_coarse_follow(context, l->coarse, model, dof_map, usable));
   if (*usable)
-    BW_TRY(bwi_sweeps_follow(context, l->sweeps, stiffness, dof_map, usable));
+    BW_TRY(bwi_smoother_follow(context, l->smoother, stiffness, dof_map, usable));
 done:
   return status;
 }
 
-bw_status bwi_multilevel_room(bw_context *context, bwi_multilevel *l, int width) {
-  size_t numbers = 3 * (size_t)l->sweeps->count * (size_t)width + BWI_SWEEP_SPARE;
+bw_status bwi_two_level_room(bw_context *context, bwi_two_level *l, int width) {
+  size_t numbers = 3 * (size_t)l->smoother->count * (size_t)width + BWI_SMOOTHER_SPARE;
   if (l->width >= width)
     return BW_OK;
   free_room(l);
@@ -200,11 +201,11 @@ bw_status bwi_multilevel_room(bw_context *context, bwi_multilevel *l, int width)
   return BW_OK;
 }
 
-double bwi_multilevel_bytes(const bwi_multilevel *l) {
-  return bwi_sweeps_bytes(l->sweeps->graph->pair_count - l->sweeps->count) +
+double bwi_two_level_bytes(const bwi_two_level *l) {
+  return bwi_smoother_bytes(l->smoother->graph->pair_count - l->smoother->count) +
          bwi_coarse_bytes(l->coarse);
 }
 
-double bwi_multilevel_flops(const bwi_multilevel *l) {
+double bwi_two_level_flops(const bwi_two_level *l) {
   return bwi_coarse_flops(l->coarse);
 }

@@ -15,59 +15,59 @@
  * brings its largest diagonal entry near 1.
  *
  * Fields are packed: in the order of the rows, three numbers a node; `width` of them, 1 or
- * BWI_SWEEP_SIDES, interleaved number by number. */
-#ifndef BWI_SOLVE_SWEEPS_H
-#define BWI_SOLVE_SWEEPS_H
+ * BWI_SMOOTHER_SIDES, interleaved number by number. */
+#ifndef BWI_SOLVE_SMOOTHER_H
+#define BWI_SOLVE_SMOOTHER_H
 
 #include "solve/internal.h"
 
-enum { BWI_SWEEP_SIDES = 8, BWI_SWEEP_ROWS = 512, BWI_SWEEP_MOST_CHUNKS = 16 };
+enum { BWI_SMOOTHER_SIDES = 8, BWI_SMOOTHER_ROWS = 512, BWI_SMOOTHER_MOST_CHUNKS = 16 };
 /* Numbers that a packed field has room for behind its end. */
-enum { BWI_SWEEP_SPARE = 8 };
+enum { BWI_SMOOTHER_SPARE = 8 };
 
 /* The entries below the diagonal whose blocks have 6 numbers (xx xy xz yy yz zz), or those that
  * have 9 (by columns). */
-typedef struct bwi_sweep_part {
+typedef struct bwi_smoother_part {
   int64_t *start;  /* rows + 1: entries */
   int32_t *column; /* of an entry: a row, ascending in each row */
   int64_t *pair;   /* 2 * pair of the graph, + 1 where transposed */
   float *value;    /* unit * K */
   double *exact;
-} bwi_sweep_part;
+} bwi_smoother_part;
 
-typedef struct bwi_sweeps {
+typedef struct bwi_smoother {
   bw_object object;
   const bw_graph *graph; /* retained */
   int32_t count;         /* nodes */
   int32_t *node;         /* count: in the order of the rows */
   int32_t *place;        /* count: and the row of each */
   int32_t chunk_count;
-  int32_t chunk_start[BWI_SWEEP_MOST_CHUNKS + 1]; /* rows after the last are between chunks */
-  bwi_sweep_part even, odd;                       /* of 6 numbers, of 9 */
+  int32_t chunk_start[BWI_SMOOTHER_MOST_CHUNKS + 1]; /* rows after the last are between chunks */
+  bwi_smoother_part even, odd;                       /* of 6 numbers, of 9 */
   float *inverse;   /* 9 by row, by columns: of the diagonal block at the unknowns, of unit * K */
   double *diagonal; /* 9 by row: unit * K */
   double unit;
-} bwi_sweeps;
+} bwi_smoother;
 
 /* For matrices on the graph of a mesh. `even`: of straight elements and one material, so that most
  * blocks are symmetric. Release with bw_release. */
-bw_status bwi_sweeps_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
-                            bool even, bwi_sweeps **out);
+bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
+                              bool even, bwi_smoother **out);
 /* Take over a stiffness (9 numbers per pair) at the unknowns of a DOF map. *usable is false where
  * a node's own block is not positive definite. */
-bw_status bwi_sweeps_follow(bw_context *context, bwi_sweeps *sweeps, const double *stiffness,
-                            const bw_dof_map *dof_map, bool *usable);
+bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *smoother, const double *stiffness,
+                              const bw_dof_map *dof_map, bool *usable);
 /* z = (D + L)^-1 r and rest = r - K z, where z is 0 off the unknowns and rest of no meaning. */
-bw_status bwi_sweeps_forward(bw_context *context, const bwi_sweeps *sweeps, int width,
-                             const float *r, float *z, float *rest);
+bw_status bwi_smoother_forward(bw_context *context, const bwi_smoother *smoother, int width,
+                               const float *r, float *z, float *rest);
 /* z += (D + U)^-1 (r - K z); `work` has room for a field. */
-bw_status bwi_sweeps_backward(bw_context *context, const bwi_sweeps *sweeps, int width,
-                              const float *r, float *z, float *work);
+bw_status bwi_smoother_backward(bw_context *context, const bwi_smoother *smoother, int width,
+                                const float *r, float *z, float *work);
 /* y = K x */
-bw_status bwi_sweeps_product(bw_context *context, const bwi_sweeps *sweeps, int width,
-                             const double *x, double *y);
+bw_status bwi_smoother_product(bw_context *context, const bwi_smoother *smoother, int width,
+                               const double *x, double *y);
 /* What one product and a sweep forwards and backwards read, about, for `pairs` pairs off the
  * diagonal. */
-double bwi_sweeps_bytes(int64_t pairs);
+double bwi_smoother_bytes(int64_t pairs);
 
 #endif

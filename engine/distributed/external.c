@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The solver that the engine sees (bw_outside): each operation begins on rank 0 with a command to
+/* The solver that the engine sees (bw_external): each operation begins on rank 0 with a command to
  * the others, runs on all, and ends with an agreement. */
 #include <string.h>
 #include <sys/resource.h>
@@ -42,8 +42,8 @@ static bw_status ended(bw_context *context, bw_status status) {
   return status;
 }
 
-bw_status bwd_run_open(bw_context *context, const bw_outside_matrix *matrix,
-                       const bw_outside_options *options) {
+bw_status bwd_run_open(bw_context *context, const bw_external_matrix *matrix,
+                       const bw_external_options *options) {
   bw_status status = BW_OK;
   destroy(current);
   current = BW_NEW0(context, bwd_system, 1);
@@ -75,7 +75,7 @@ done:
 }
 
 bw_status bwd_run_modes(bw_context *context, const bw_modes_options *options,
-                        bw_outside_modes *modes) {
+                        bw_external_modes *modes) {
   return ended(context, bwd_modes(context, current, options, modes));
 }
 
@@ -83,7 +83,7 @@ static const char *method_name(const bwd_system *system) {
   return system->direct ? "Cholesky factor, MUMPS" : "conjugate gradients, GAMG";
 }
 
-void bwd_run_close(bw_context *context, bw_outside_report *report) {
+void bwd_run_close(bw_context *context, bw_external_report *report) {
   (void)context;
   struct rusage usage;
   getrusage(RUSAGE_SELF, &usage);
@@ -94,14 +94,14 @@ void bwd_run_close(bw_context *context, bw_outside_report *report) {
   MPI_Reduce(own, sum, 2, MPI_DOUBLE, MPI_SUM, 0, bwd_comm());
   MPI_Reduce(own, &most, 1, MPI_DOUBLE, MPI_MAX, 0, bwd_comm());
   if (report && current) {
-    *report = (bw_outside_report){.ranks = current->ranks,
-                                  .iterations = current->iterations,
-                                  .send = current->seconds_send,
-                                  .setup = current->seconds_setup,
-                                  .solve = current->seconds_solve,
-                                  .processor = sum[1],
-                                  .bytes = sum[0],
-                                  .largest = most};
+    *report = (bw_external_report){.ranks = current->ranks,
+                                   .iterations = current->iterations,
+                                   .send = current->seconds_send,
+                                   .setup = current->seconds_setup,
+                                   .solve = current->seconds_solve,
+                                   .processor = sum[1],
+                                   .bytes = sum[0],
+                                   .largest = most};
     strncpy(report->method, method_name(current), sizeof report->method - 1);
   }
   destroy(current);
@@ -111,8 +111,8 @@ void bwd_run_close(bw_context *context, bw_outside_report *report) {
 /* ---- on rank 0 ---------------------------------------------------------------------------------
  */
 
-static bw_status outside_open(bw_context *context, const bw_outside_matrix *matrix,
-                              const bw_outside_options *options) {
+static bw_status outside_open(bw_context *context, const bw_external_matrix *matrix,
+                              const bw_external_options *options) {
   bw_status status = bwd_command(context, BWD_OPEN);
   return status == BW_OK ? bwd_run_open(context, matrix, options) : status;
 }
@@ -123,15 +123,15 @@ static bw_status outside_solve(bw_context *context, const double *force, double 
 }
 
 static bw_status outside_modes(bw_context *context, const bw_modes_options *options,
-                               bw_outside_modes *modes) {
+                               bw_external_modes *modes) {
   bw_status status = bwd_command(context, BWD_MODES);
   return status == BW_OK ? bwd_run_modes(context, options, modes) : status;
 }
 
-static void outside_close(bw_context *context, bw_outside_report *report) {
+static void outside_close(bw_context *context, bw_external_report *report) {
   if (bwd_command(context, BWD_CLOSE) == BW_OK)
     bwd_run_close(context, report);
 }
 
-const bw_outside bwd_outside = {
+const bw_external bwd_external = {
     .open = outside_open, .solve = outside_solve, .modes = outside_modes, .close = outside_close};

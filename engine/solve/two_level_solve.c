@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Conjugate gradients over a coarse space (multilevel.h), for one right-hand side or up to eight
+/* Conjugate gradients over a coarse space (two_level.h), for one right-hand side or up to eight
  * side by side, each with its own coefficients.
  *
  * The equations are taken times a power of two for the matrix and one for each right-hand side, so
@@ -7,19 +7,19 @@
  * last one by the product at hand (Polak and Ribiere): the preconditioner, in floats, is not quite
  * symmetric.
  *
- * A right-hand side is done as in conjugate.c: when its error in energy is below the tolerance, and
+ * A right-hand side is done as in pcg.c: when its error in energy is below the tolerance, and
  * so is its residual, computed anew; or the first alone. The error in energy is r . K^-1 r, between
  * r . z and that over the smallest eigenvalue of the preconditioned matrix; the largest is 1. */
-#include "solve/multilevel.h"
+#include "solve/two_level.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
-enum { SIDES = BWI_SWEEP_SIDES, ROWS = BWI_SWEEP_ROWS, STARTS = 4 };
+enum { SIDES = BWI_SMOOTHER_SIDES, ROWS = BWI_SMOOTHER_ROWS, STARTS = 4 };
 
 /* In one iteration the energy of the error falls by at least this fraction of what the residual
- * falls by, and mostly by this (as in conjugate.c). */
+ * falls by, and mostly by this (as in pcg.c). */
 #define ENERGY_FALLS 0.03
 #define ENERGY_FALLS_MOSTLY 0.3
 
@@ -29,9 +29,9 @@ enum { SIDES = BWI_SWEEP_SIDES, ROWS = BWI_SWEEP_ROWS, STARTS = 4 };
 /* ---- one block of right-hand sides ---------------------------------------------------------- */
 
 typedef struct column {
-  bool done, fresh; /* fresh: its next direction is its z alone */
-  double unit;      /* the force was taken times it */
-  double rz, step, back;
+  bool done, restarted; /* restarted: its next direction is its z alone */
+  double unit;          /* the force was taken times it */
+  double r_dot_z, alpha, beta;
   double load, energy; /* |f| and f . M f, of the force taken times its unit */
   double size, residual;
   int starts;
@@ -39,8 +39,8 @@ typedef struct column {
 
 typedef struct iteration {
   bw_context *context;
-  bwi_multilevel *l;
-  bwi_multilevel_problem *problem;
+  bwi_two_level *l;
+  bwi_two_level_problem *problem;
   int width, used;
   const double *force; /* of the first field */
   double *solution;
@@ -51,8 +51,8 @@ typedef struct iteration {
 
 static bw_status summed(iteration *it, bw_body *body) {
   bw_status status = BW_OK;
-  int64_t chunks = (it->l->sweeps->count + ROWS - 1) / ROWS;
-  BW_TRY(bw_parallel(it->context, it->l->sweeps->count, ROWS, body, it));
+  int64_t chunks = (it->l->smoother->count + ROWS - 1) / ROWS;
+  BW_TRY(bw_parallel(it->context, it->l->smoother->count, ROWS, body, it));
   for (int i = 0; i < 2 * SIDES; i++) {
     it->sum[i] = 0;
     for (int64_t c = 0; c < chunks; c++)
@@ -81,12 +81,12 @@ static void held_out(const bw_dof_map *dof_map, int64_t node, const double *f, d
 }
 
 /* Fields of doubles at the unknowns alone. */
-static void keep_unknowns(const bwi_multilevel *l, int width, double *field) {
+static void keep_unknowns(const bwi_two_level *l, int width, double *field) {
   for (int32_t h = 0; h < l->held_count; h++) {
     double *x = field + 3 * (int64_t)width * l->held[h];
     for (int f = 0; f < width; f++) {
       double value[3] = {x[f], x[width + f], x[2 * width + f]};
-      held_out(l->dof_map, l->sweeps->node[l->held[h]], value, value);
+      held_out(l->dof_map, l->smoother->node[l->held[h]], value, value);
       for (int d = 0; d < 3; d++)
         x[d * width + f] = value[d];
     }
@@ -96,17 +96,17 @@ static void keep_unknowns(const bwi_multilevel *l, int width, double *field) {
 /* q = K p at the unknowns */
 static bw_status multiply(iteration *it, const double *p, double *q) {
   bw_status status = BW_OK;
-  BW_TRY(bwi_sweeps_product(it->context, it->l->sweeps, it->width, p, q));
+  BW_TRY(bwi_smoother_product(it->context, it->l->smoother, it->width, p, q));
   keep_unknowns(it->l, it->width, q);
 done:
   return status;
 }
 
 /* p . q and p . r */
-static bw_status curve(void *data, int64_t begin, int64_t end, int worker) {
+static bw_status p_dot_Ap(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const iteration *it = data;
-  const bwi_multilevel *l = it->l;
+  const bwi_two_level *l = it->l;
   double *sum = it->part + 2 * SIDES * (begin / ROWS);
   int width = it->width;
   memset(sum, 0, 2 * SIDES * sizeof *sum);
@@ -121,13 +121,13 @@ static bw_status curve(void *data, int64_t begin, int64_t end, int worker) {
 
 /* r = f - K u (where `renewed`; else f) with its floats, and r . r */
 static bw_status take_force(iteration *it, int64_t begin, int64_t end, bool renewed) {
-  bwi_multilevel *l = it->l;
+  bwi_two_level *l = it->l;
   int width = it->width;
   double *sum = it->part + 2 * SIDES * (begin / ROWS);
-  int64_t size = 3 * (int64_t)l->sweeps->count;
+  int64_t size = 3 * (int64_t)l->smoother->count;
   memset(sum, 0, 2 * SIDES * sizeof *sum);
   for (int64_t k = begin; k < end; k++) {
-    int64_t node = l->sweeps->node[k];
+    int64_t node = l->smoother->node[k];
     for (int f = 0; f < width; f++) {
       double value[3] = {0, 0, 0};
       if (f < it->used && renewed) {
@@ -162,7 +162,7 @@ static bw_status take_again(void *data, int64_t begin, int64_t end, int worker) 
 static bw_status scale(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const iteration *it = data;
-  bwi_multilevel *l = it->l;
+  bwi_two_level *l = it->l;
   for (int64_t i = 3 * begin; i < 3 * end; i++)
     for (int f = 0; f < it->width; f++) {
       int64_t at = i * it->width + f;
@@ -177,12 +177,12 @@ static bw_status scale(void *data, int64_t begin, int64_t end, int worker) {
 static bw_status advance(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const iteration *it = data;
-  bwi_multilevel *l = it->l;
+  bwi_two_level *l = it->l;
   double *sum = it->part + 2 * SIDES * (begin / ROWS), step[SIDES];
   int width = it->width;
   memset(sum, 0, 2 * SIDES * sizeof *sum);
   for (int f = 0; f < width; f++)
-    step[f] = it->column[f].step;
+    step[f] = it->column[f].alpha;
   for (int64_t i = 3 * begin; i < 3 * end; i++)
     for (int f = 0; f < width; f++) {
       int64_t at = i * width + f;
@@ -196,10 +196,10 @@ static bw_status advance(void *data, int64_t begin, int64_t end, int worker) {
 }
 
 /* r . z and z . q */
-static bw_status look(void *data, int64_t begin, int64_t end, int worker) {
+static bw_status r_dot_z(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const iteration *it = data;
-  const bwi_multilevel *l = it->l;
+  const bwi_two_level *l = it->l;
   double *sum = it->part + 2 * SIDES * (begin / ROWS);
   int width = it->width;
   memset(sum, 0, 2 * SIDES * sizeof *sum);
@@ -213,19 +213,19 @@ static bw_status look(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-/* p = z + back p */
-static bw_status turn(void *data, int64_t begin, int64_t end, int worker) {
+/* p = z + beta p */
+static bw_status update_direction(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const iteration *it = data;
-  const bwi_multilevel *l = it->l;
+  const bwi_two_level *l = it->l;
   int width = it->width;
-  double back[SIDES];
+  double beta[SIDES];
   for (int f = 0; f < width; f++)
-    back[f] = it->column[f].back;
+    beta[f] = it->column[f].beta;
   for (int64_t i = 3 * begin; i < 3 * end; i++)
     for (int f = 0; f < width; f++) {
       int64_t at = i * width + f;
-      l->p[at] = (double)l->z[at] + back[f] * l->p[at];
+      l->p[at] = (double)l->z[at] + beta[f] * l->p[at];
     }
   return BW_OK;
 }
@@ -233,7 +233,7 @@ static bw_status turn(void *data, int64_t begin, int64_t end, int worker) {
 /* That, without what the floats of z leave along directions that are held. */
 static bw_status turn_all(iteration *it) {
   bw_status status = BW_OK;
-  BW_TRY(bw_parallel(it->context, it->l->sweeps->count, ROWS, turn, it));
+  BW_TRY(bw_parallel(it->context, it->l->smoother->count, ROWS, update_direction, it));
   keep_unknowns(it->l, it->width, it->l->p);
 done:
   return status;
@@ -242,25 +242,25 @@ done:
 static bw_status hand_over(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const iteration *it = data;
-  const bwi_multilevel *l = it->l;
-  int64_t size = 3 * (int64_t)l->sweeps->count;
+  const bwi_two_level *l = it->l;
+  int64_t size = 3 * (int64_t)l->smoother->count;
   for (int64_t k = begin; k < end; k++)
     for (int d = 0; d < 3; d++)
       for (int f = 0; f < it->used; f++)
-        it->solution[f * size + 3 * (int64_t)l->sweeps->node[k] + d] =
-            l->u[(3 * k + d) * it->width + f] * (l->sweeps->unit / it->column[f].unit);
+        it->solution[f * size + 3 * (int64_t)l->smoother->node[k] + d] =
+            l->u[(3 * k + d) * it->width + f] * (l->smoother->unit / it->column[f].unit);
   return BW_OK;
 }
 
 /* The size to which rounding lets the residual of field f fall, as bwi_residual_noise has it. */
 static double noise(const iteration *it, int f) {
-  const bwi_multilevel *l = it->l;
+  const bwi_two_level *l = it->l;
   double sum = 0;
-  for (int64_t k = 0; k < l->sweeps->count; k++)
+  for (int64_t k = 0; k < l->smoother->count; k++)
     for (int d = 0; d < 3; d++) {
       double term = 0;
       for (int c = 0; c < 3; c++)
-        term += fabs(l->sweeps->diagonal[9 * k + 3 * c + d] * l->u[(3 * k + c) * it->width + f]);
+        term += fabs(l->smoother->diagonal[9 * k + 3 * c + d] * l->u[(3 * k + c) * it->width + f]);
       sum += term * term;
     }
   return BWI_RESIDUAL_NOISE * DBL_EPSILON * sqrt(sum);
@@ -277,7 +277,7 @@ static double allowed(const iteration *it, int f) {
 /* r = f, z = M r, p = z, for all fields; forces that are 0 are done at once. */
 static bw_status begin(iteration *it) {
   bw_status status = BW_OK;
-  const bwi_multilevel_problem *problem = it->problem;
+  const bwi_two_level_problem *problem = it->problem;
   BW_TRY(summed(it, take_new));
   for (int f = 0; f < it->width; f++) {
     column *c = &it->column[f];
@@ -292,18 +292,18 @@ static bw_status begin(iteration *it) {
     c->load = problem->load ? c->unit * problem->load[f] : c->size;
     c->residual = c->size / c->load;
   }
-  BW_TRY(bw_parallel(it->context, it->l->sweeps->count, ROWS, scale, it));
-  BW_TRY(bwi_multilevel_precondition(it->context, it->l, it->width, it->used));
-  size_t numbers = 3 * (size_t)it->l->sweeps->count * (size_t)it->width;
+  BW_TRY(bw_parallel(it->context, it->l->smoother->count, ROWS, scale, it));
+  BW_TRY(bwi_two_level_precondition(it->context, it->l, it->width, it->used));
+  size_t numbers = 3 * (size_t)it->l->smoother->count * (size_t)it->width;
   memset(it->l->q, 0, numbers * sizeof *it->l->q);
   memset(it->l->p, 0, numbers * sizeof *it->l->p);
-  BW_TRY(summed(it, look));
+  BW_TRY(summed(it, r_dot_z));
   for (int f = 0; f < it->used; f++) {
     column *c = &it->column[f];
-    c->rz = c->energy = it->sum[f];
+    c->r_dot_z = c->energy = it->sum[f];
     if (problem
             ->energy) /* in equations taken times units: u . f goes with unit^2 over the matrix' */
-      c->energy = fmax(c->energy, problem->energy[f] * c->unit * c->unit / it->l->sweeps->unit);
+      c->energy = fmax(c->energy, problem->energy[f] * c->unit * c->unit / it->l->smoother->unit);
   }
   BW_TRY(turn_all(it));
 done:
@@ -313,15 +313,15 @@ done:
 /* What r . z is to fall to. Where solutions are to be as exact as a direct one, errors must be
  * small beside any part of the solution that is seen, and the energy of a load at a support, say,
  * is that of its neighbourhood: ten times less. */
-static double aim(const bwi_multilevel_problem *problem) {
+static double aim(const bwi_two_level_problem *problem) {
   return sqrt(SMALLEST) * problem->tolerance * (problem->energy_alone ? 1 : 0.1);
 }
 
 /* Fields whose iteration ended: is the residual, computed anew, small enough too? Those for which
- * it is not, and still falls, start again from it: they are fresh. */
+ * it is not, and still falls, start again from it: they are restarted. */
 static bw_status judge(iteration *it, const bool *ended) {
   bw_status status = BW_OK;
-  bwi_multilevel *l = it->l;
+  bwi_two_level *l = it->l;
   bool any = false;
   for (int f = 0; f < it->used; f++) {
     any |= ended[f];
@@ -340,33 +340,33 @@ static bw_status judge(iteration *it, const bool *ended) {
     double residual = c->size / c->load;
     bool helped = residual < 0.5 * c->residual;
     c->residual = residual;
-    c->fresh = c->size > allowed(it, f) && helped && ++c->starts < STARTS;
-    c->done = !c->fresh;
+    c->restarted = c->size > allowed(it, f) && helped && ++c->starts < STARTS;
+    c->done = !c->restarted;
   }
 done:
   return status;
 }
 
 /* z = M r, and from it what the next directions take of the last ones. Those that are done by it go
- * to `ended`. `once_more`: for those that are fresh, after it was called for all. */
+ * to `ended`. `once_more`: for those that are restarted, after it was called for all. */
 static bw_status look_ahead(iteration *it, bool once_more, bool *ended) {
   bw_status status = BW_OK;
   double tolerance = aim(it->problem);
-  BW_TRY(bwi_multilevel_precondition(it->context, it->l, it->width, it->used));
-  BW_TRY(summed(it, look));
+  BW_TRY(bwi_two_level_precondition(it->context, it->l, it->width, it->used));
+  BW_TRY(summed(it, r_dot_z));
   for (int f = 0; f < it->used; f++) {
     column *c = &it->column[f];
     double rz = it->sum[f];
     ended[f] = false;
-    if (c->done || c->fresh)
-      c->back = 0;
+    if (c->done || c->restarted)
+      c->beta = 0;
     else if (!once_more) {
       ended[f] = rz <= tolerance * tolerance * c->energy && c->size <= allowed(it, f);
-      c->back = -c->step * it->sum[SIDES + f] / c->rz;
+      c->beta = -c->alpha * it->sum[SIDES + f] / c->r_dot_z;
     }
     if (!c->done)
-      c->rz = rz;
-    c->fresh = false;
+      c->r_dot_z = rz;
+    c->restarted = false;
   }
 done:
   return status;
@@ -380,7 +380,8 @@ static bool find_sure(const iteration *it, const double *before, bool *ended) {
   for (int f = 0; f < it->used; f++) {
     const column *c = &it->column[f];
     double fall = c->size / (before[f] * least);
-    ended[f] = !c->done && fall < 1 && c->rz * fall * fall <= tolerance * tolerance * c->energy &&
+    ended[f] = !c->done && fall < 1 &&
+               c->r_dot_z * fall * fall <= tolerance * tolerance * c->energy &&
                c->size <= allowed(it, f);
     any |= ended[f];
   }
@@ -392,7 +393,7 @@ static double fraction_done(const iteration *it) {
   double wanted = log(aim(it->problem)), least = 1;
   for (int f = 0; f < it->used; f++)
     if (!it->column[f].done)
-      least = fmin(least, 0.5 * log(it->column[f].rz / it->column[f].energy) / wanted);
+      least = fmin(least, 0.5 * log(it->column[f].r_dot_z / it->column[f].energy) / wanted);
   return fmax(0, least);
 }
 
@@ -413,7 +414,7 @@ static bool going_on(const iteration *it) {
 
 static bool any_fresh(const iteration *it) {
   for (int f = 0; f < it->used; f++)
-    if (it->column[f].fresh)
+    if (it->column[f].restarted)
       return true;
   return false;
 }
@@ -422,14 +423,14 @@ static bool any_fresh(const iteration *it) {
 static bw_status step_on(iteration *it, double *before, bool *sound) {
   bw_status status = BW_OK;
   BW_TRY(multiply(it, it->l->p, it->l->q));
-  BW_TRY(summed(it, curve));
+  BW_TRY(summed(it, p_dot_Ap));
   for (int f = 0; f < it->used; f++) {
     column *c = &it->column[f];
     before[f] = c->size;
     /* p . r in place of r . z: where r was computed anew the two are not the same, and only the
        first lets no step make the error in energy larger */
-    c->step = c->done ? 0 : it->sum[SIDES + f] / it->sum[f];
-    *sound &= c->done || (it->sum[f] > 0 && isfinite(c->step));
+    c->alpha = c->done ? 0 : it->sum[SIDES + f] / it->sum[f];
+    *sound &= c->done || (it->sum[f] > 0 && isfinite(c->alpha));
   }
   if (!*sound)
     return BW_OK;
@@ -442,7 +443,7 @@ done:
 
 static bw_status run(iteration *it) {
   bw_status status = BW_OK;
-  bwi_multilevel_problem *problem = it->problem;
+  bwi_two_level_problem *problem = it->problem;
   int iterations = 0;
   BW_TRY(begin(it));
   while (going_on(it)) {
@@ -470,25 +471,24 @@ static bw_status run(iteration *it) {
       BW_TRY(look_ahead(it, true, ended));
     BW_TRY(turn_all(it));
   }
-  BW_TRY(bw_parallel(it->context, it->l->sweeps->count, ROWS, hand_over, it));
+  BW_TRY(bw_parallel(it->context, it->l->smoother->count, ROWS, hand_over, it));
   problem->reached = largest_residual(it);
 done:
   problem->iterations = iterations;
   return status;
 }
 
-bw_status bwi_multilevel_solve(bw_context *context, bwi_multilevel *l,
-                               bwi_multilevel_problem *problem, int64_t count, const double *force,
-                               double *displacement) {
+bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *l, bwi_two_level_problem *problem,
+                              int64_t count, const double *force, double *displacement) {
   bw_status status = BW_OK;
-  int64_t size = 3 * (int64_t)l->sweeps->count;
+  int64_t size = 3 * (int64_t)l->smoother->count;
   iteration it = {.context = context, .l = l, .width = count > 1 ? SIDES : 1};
-  bwi_multilevel_problem part = *problem;
+  bwi_two_level_problem part = *problem;
   problem->iterations = 0;
   problem->converged = true;
   it.problem = &part;
-  BW_TRY(bwi_multilevel_room(context, l, it.width));
-  it.part = BW_NEW(context, double, 2 * SIDES * (l->sweeps->count / ROWS + 1));
+  BW_TRY(bwi_two_level_room(context, l, it.width));
+  it.part = BW_NEW(context, double, 2 * SIDES * (l->smoother->count / ROWS + 1));
   if (!it.part) {
     status = BW_MEMORY;
     goto done;

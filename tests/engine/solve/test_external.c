@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Solvers outside of the engine, seen from the engine: one that is the engine's own in disguise
+/* Solvers external, seen from the engine: one that is the engine's own in disguise
  * gives the engine's answers; one that fails, lies or runs out of memory is found out. What MPI
  * does with it is tests/lua/distributed_spec.lua. */
 #include "bodies.h"
@@ -11,8 +11,8 @@ static struct fake {
   int opened, closed, solves;
 } fake;
 
-static bw_status fake_open(bw_context *context, const bw_outside_matrix *matrix,
-                           const bw_outside_options *options) {
+static bw_status fake_open(bw_context *context, const bw_external_matrix *matrix,
+                           const bw_external_options *options) {
   (void)options;
   fake.opened++;
   bw_material *material = NULL;
@@ -45,7 +45,7 @@ static bw_status fake_solve(bw_context *context, const double *force, double *di
 }
 
 static bw_status fake_modes(bw_context *context, const bw_modes_options *options,
-                            bw_outside_modes *out) {
+                            bw_external_modes *out) {
   bw_modes *modes = NULL;
   bw_status status = bw_modes_elastic(context, fake.system, options, &modes);
   if (status != BW_OK)
@@ -67,16 +67,16 @@ static bw_status fake_modes(bw_context *context, const bw_modes_options *options
   return forget(status);
 }
 
-static void fake_close(bw_context *context, bw_outside_report *report) {
+static void fake_close(bw_context *context, bw_external_report *report) {
   (void)context;
   fake.closed++;
   bw_release(fake.system);
   fake.system = NULL;
   if (report)
-    *report = (bw_outside_report){.method = "fake", .ranks = 1};
+    *report = (bw_external_report){.method = "fake", .ranks = 1};
 }
 
-static const bw_outside outside = {fake_open, fake_solve, fake_modes, fake_close};
+static const bw_external outside = {fake_open, fake_solve, fake_modes, fake_close};
 
 static bw_model *cantilever(bw_context *context, bool held) {
   bw_mesh *mesh = body_box(context, 1, 0.1, 0.1, 6, 2, 2, 1);
@@ -105,7 +105,7 @@ static bw_model *cantilever(bw_context *context, bool held) {
 static void begin(void) {
   memset(&fake, 0, sizeof fake);
   fake.scale = 1;
-  bw_outside_register(&outside);
+  bw_external_register(&outside);
 }
 
 static void test_same_answers(void **state) {
@@ -118,16 +118,16 @@ static void test_same_answers(void **state) {
     const bw_statics_options options = {.inertia_relief = !held};
     const bw_modes_options wish = {.count = 4, .tolerance = 1e-8, .seed = 1};
     check_ok(context, bw_statics(context, model, NULL, &options, &own));
-    check_ok(context, bw_statics_outside(context, model, &options, NULL, &other));
+    check_ok(context, bw_statics_external(context, model, &options, NULL, &other));
     for (int64_t i = 0; i < 3 * (int64_t)model->mesh->node_count; i++) {
       check_near(other->displacement[i], own->displacement[i], 1e-14);
       check_near(other->reaction[i], own->reaction[i], 1e-6);
     }
     assert_null(other->system);
-    assert_null(own->outside);
-    assert_string_equal(other->outside->method, "fake");
+    assert_null(own->external);
+    assert_string_equal(other->external->method, "fake");
     check_ok(context, bw_modes_elastic(context, own->system, &wish, &modes));
-    check_ok(context, bw_modes_outside(context, model, &wish, NULL, &others));
+    check_ok(context, bw_modes_external(context, model, &wish, NULL, &others));
     assert_int_equal(others->count, 4);
     assert_int_equal(others->rigid_count, held ? 0 : 6);
     for (int k = 0; k < 4; k++) {
@@ -141,7 +141,7 @@ static void test_same_answers(void **state) {
     bw_release(model);
   }
   assert_int_equal(fake.opened, fake.closed);
-  bw_outside_register(NULL);
+  bw_external_register(NULL);
 }
 
 /* The engine refines what it is given, with its own residuals, and does not believe the rest. */
@@ -151,26 +151,26 @@ static void test_lies(void **state) {
   bw_model *model = cantilever(context, true);
   bw_static *result = NULL;
   fake.scale = 1 - 1e-4; /* two more passes leave 1e-12 */
-  check_ok(context, bw_statics_outside(context, model, NULL, NULL, &result));
+  check_ok(context, bw_statics_external(context, model, NULL, NULL, &result));
   assert_true(result->residual < 1e-10);
   assert_int_equal(fake.solves, 3);
   bw_release(result);
   result = NULL;
   fake.scale = 0.5;
   check_fails(context, BW_CONVERGENCE, "residual is",
-              bw_statics_outside(context, model, NULL, NULL, &result));
+              bw_statics_external(context, model, NULL, NULL, &result));
   assert_null(result);
   fake.scale = NAN;
   check_fails(context, BW_SINGULAR, "not finite",
-              bw_statics_outside(context, model, NULL, NULL, &result));
+              bw_statics_external(context, model, NULL, NULL, &result));
   assert_int_equal(fake.opened, fake.closed);
   fake.scale = 1;
   fake.status = BW_LIMIT;
   check_fails(context, BW_LIMIT, "the fake has failed",
-              bw_statics_outside(context, model, NULL, NULL, &result));
+              bw_statics_external(context, model, NULL, NULL, &result));
   assert_int_equal(fake.opened, fake.closed + 1); /* it has closed itself */
   bw_release(model);
-  bw_outside_register(NULL);
+  bw_external_register(NULL);
 }
 
 static void test_misuse(void **state) {
@@ -179,26 +179,26 @@ static void test_misuse(void **state) {
   bw_static *result = NULL;
   bw_modes *modes = NULL;
   check_fails(context, BW_UNSUPPORTED, "barwright.distributed",
-              bw_statics_outside(context, model, NULL, NULL, &result));
+              bw_statics_external(context, model, NULL, NULL, &result));
   check_fails(context, BW_UNSUPPORTED, "barwright.distributed",
-              bw_modes_outside(context, model, NULL, NULL, &modes));
+              bw_modes_external(context, model, NULL, NULL, &modes));
   begin();
-  bw_outside_options options;
-  bw_outside_options_default(&options);
+  bw_external_options options;
+  bw_external_options_default(&options);
   options.rtol = 0;
   check_fails(context, BW_INVALID, "rtol is 0",
-              bw_statics_outside(context, model, NULL, &options, &result));
+              bw_statics_external(context, model, NULL, &options, &result));
   options.rtol = 1e-8;
   options.iterations = 0;
   check_fails(context, BW_INVALID, "at least 1",
-              bw_statics_outside(context, model, NULL, &options, &result));
+              bw_statics_external(context, model, NULL, &options, &result));
   assert_int_equal(fake.opened, 0);
   bw_release(model);
   bw_model *free_model = cantilever(context, false);
   check_fails(context, BW_UNCONSTRAINED, "not balanced",
-              bw_statics_outside(context, free_model, NULL, NULL, &result));
+              bw_statics_external(context, free_model, NULL, NULL, &result));
   bw_release(free_model);
-  bw_outside_register(NULL);
+  bw_external_register(NULL);
 }
 
 static void test_memory(void **state) {
@@ -212,8 +212,8 @@ static void test_memory(void **state) {
       bw_static *result = NULL;
       bw_modes *modes = NULL;
       bw_fail_allocation(n, true);
-      status = what == 0 ? bw_statics_outside(context, model, NULL, NULL, &result)
-                         : bw_modes_outside(context, model, &wish, NULL, &modes);
+      status = what == 0 ? bw_statics_external(context, model, NULL, NULL, &result)
+                         : bw_modes_external(context, model, &wish, NULL, &modes);
       bw_fail_allocation(0, false);
       if (status != BW_MEMORY)
         check_ok(context, status);
@@ -222,7 +222,7 @@ static void test_memory(void **state) {
     }
   }
   bw_release(model);
-  bw_outside_register(NULL);
+  bw_external_register(NULL);
 }
 
 int main(void) {

@@ -1,11 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Sweeps over the rows of a stiffness, and products with it (sweeps.h). Chunks go side by side, the
- * rows between them one after the other: no two rows that meet are ever worked on at once. */
-#include "solve/sweeps.h"
+/* Sweeps over the rows of a stiffness, and products with it (smoother.h). Chunks go side by side,
+ * the rows between them one after the other: no two rows that meet are ever worked on at once. */
+#include "solve/smoother.h"
 
 #include <string.h>
 
-enum { SIDES = BWI_SWEEP_SIDES };
+enum { SIDES = BWI_SMOOTHER_SIDES };
 
 /* Three numbers of a node, and one that is ignored. */
 typedef float quad __attribute__((vector_size(16), aligned(4), may_alias));
@@ -52,8 +52,8 @@ typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
       y[d] = a[3 * d] * x[0] + a[3 * d + 1] * x[1] + a[3 * d + 2] * x[2];                          \
   }                                                                                                \
   /* sum + the entries of row k times x */                                                         \
-  static inline three row_times##suffix(const bwi_sweep_part *even, const real *six,               \
-                                        const bwi_sweep_part *odd, const real *nine, int64_t k,    \
+  static inline three row_times##suffix(const bwi_smoother_part *even, const real *six,            \
+                                        const bwi_smoother_part *odd, const real *nine, int64_t k, \
                                         const real *x, three sum) {                                \
     three column[3];                                                                               \
     for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {                                \
@@ -67,8 +67,8 @@ typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
     return sum;                                                                                    \
   }                                                                                                \
   /* y of the columns of row k += their entries, transposed, times x */                            \
-  static inline void row_across##suffix(const bwi_sweep_part *even, const real *six,               \
-                                        const bwi_sweep_part *odd, const real *nine, int64_t k,    \
+  static inline void row_across##suffix(const bwi_smoother_part *even, const real *six,            \
+                                        const bwi_smoother_part *odd, const real *nine, int64_t k, \
                                         three x, real *y) {                                        \
     three column[3];                                                                               \
     real own[4] = {x[0], x[1], x[2], 0}, add[3];                                                   \
@@ -87,8 +87,8 @@ typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
         to[d] += add[d];                                                                           \
     }                                                                                              \
   }                                                                                                \
-  static inline void rows_times##suffix(const bwi_sweep_part *even, const real *six,               \
-                                        const bwi_sweep_part *odd, const real *nine, int64_t k,    \
+  static inline void rows_times##suffix(const bwi_smoother_part *even, const real *six,            \
+                                        const bwi_smoother_part *odd, const real *nine, int64_t k, \
                                         const all *x, all sum[3]) {                                \
     all add[3];                                                                                    \
     for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {                                \
@@ -102,9 +102,9 @@ typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
         sum[d] += add[d];                                                                          \
     }                                                                                              \
   }                                                                                                \
-  static inline void rows_across##suffix(const bwi_sweep_part *even, const real *six,              \
-                                         const bwi_sweep_part *odd, const real *nine, int64_t k,   \
-                                         const all x[3], all *y) {                                 \
+  static inline void rows_across##suffix(const bwi_smoother_part *even, const real *six,           \
+                                         const bwi_smoother_part *odd, const real *nine,           \
+                                         int64_t k, const all x[3], all *y) {                      \
     all add[3];                                                                                    \
     for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {                                \
       six_times##suffix(six + 6 * e, x, add);                                                      \
@@ -127,7 +127,7 @@ BLOCKS(_d, double, quad2, eight2)
 /* ---- sweeps -------------------------------------------------------------------------------- */
 
 typedef struct sweep {
-  const bwi_sweeps *s;
+  const bwi_smoother *s;
   int width;
   const float *r;
   float *z, *rest;
@@ -136,7 +136,7 @@ typedef struct sweep {
 /* z of row k so that its equation holds, the rows before it as they are; `rest` of these then
  * loses what it does to them. Backwards, `rest` of the row is what rows behind it did. */
 static inline void satisfy(const sweep *w, int64_t k, bool backwards) {
-  const bwi_sweeps *s = w->s;
+  const bwi_smoother *s = w->s;
   const float *a = s->inverse + 9 * k;
   if (w->width == 1) {
     const float *r = w->r + 3 * k;
@@ -192,20 +192,20 @@ static bw_status leave(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-bw_status bwi_sweeps_forward(bw_context *context, const bwi_sweeps *s, int width, const float *r,
-                             float *z, float *rest) {
+bw_status bwi_smoother_forward(bw_context *context, const bwi_smoother *s, int width,
+                               const float *r, float *z, float *rest) {
   bw_status status = BW_OK;
   sweep w = {s, width, r, z, rest};
   BW_TRY(bw_parallel(context, s->chunk_count, 1, chunk_forward, &w));
   for (int64_t k = s->chunk_start[s->chunk_count]; k < s->count; k++)
     satisfy(&w, k, false);
-  BW_TRY(bw_parallel(context, s->count, BWI_SWEEP_ROWS, leave, &w));
+  BW_TRY(bw_parallel(context, s->count, BWI_SMOOTHER_ROWS, leave, &w));
 done:
   return status;
 }
 
-bw_status bwi_sweeps_backward(bw_context *context, const bwi_sweeps *s, int width, const float *r,
-                              float *z, float *work) {
+bw_status bwi_smoother_backward(bw_context *context, const bwi_smoother *s, int width,
+                                const float *r, float *z, float *work) {
   sweep w = {s, width, r, z, work};
   memset(work, 0, 3 * (size_t)s->count * (size_t)width * sizeof *work);
   for (int64_t k = s->count - 1; k >= s->chunk_start[s->chunk_count]; k--)
@@ -216,7 +216,7 @@ bw_status bwi_sweeps_backward(bw_context *context, const bwi_sweeps *s, int widt
 /* ---- products ------------------------------------------------------------------------------ */
 
 typedef struct product {
-  const bwi_sweeps *s;
+  const bwi_smoother *s;
   int width;
   const double *x;
   double *y;
@@ -224,7 +224,7 @@ typedef struct product {
 
 /* y of row k, to which only rows behind it have still to add, and what it adds to those before. */
 static inline void multiply(const product *m, int64_t k) {
-  const bwi_sweeps *s = m->s;
+  const bwi_smoother *s = m->s;
   const double *a = s->diagonal + 9 * k;
   if (m->width == 1) {
     const double *x = m->x + 3 * k;
@@ -253,8 +253,8 @@ static bw_status chunk_product(void *data, int64_t begin, int64_t end, int worke
   return BW_OK;
 }
 
-bw_status bwi_sweeps_product(bw_context *context, const bwi_sweeps *s, int width, const double *x,
-                             double *y) {
+bw_status bwi_smoother_product(bw_context *context, const bwi_smoother *s, int width,
+                               const double *x, double *y) {
   bw_status status = BW_OK;
   product m = {s, width, x, y};
   BW_TRY(bw_parallel(context, s->chunk_count, 1, chunk_product, &m));
@@ -264,7 +264,7 @@ done:
   return status;
 }
 
-double bwi_sweeps_bytes(int64_t pairs) {
+double bwi_smoother_bytes(int64_t pairs) {
   return (double)pairs *
          (2 * 32 + 60); /* two sweeps and a product: about seven numbers, a column */
 }

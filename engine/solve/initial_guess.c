@@ -119,7 +119,7 @@ done:
   return status;
 }
 
-void bwi_rest_clear(bwi_rest *rest) {
+void bwi_initial_guess_clear(bwi_initial_guess *rest) {
   bw_free(rest->guess);
   bw_free(rest->force);
   bw_free(rest->load);
@@ -137,9 +137,9 @@ static double norm(const bw_dof_map *dof_map, const double *a, double *work) {
   return sqrt(sum);
 }
 
-bw_status bwi_rest_make(bw_context *context, const bw_local_system *local,
-                        const bw_local_options *options, int64_t count, const double *force,
-                        bwi_rest *rest) {
+bw_status bwi_initial_guess_make(bw_context *context, const bw_local_system *local,
+                                 const bw_local_options *options, int64_t count,
+                                 const double *force, bwi_initial_guess *rest) {
   bw_status status = BW_OK;
   const bw_dof_map *dof_map = local->system->dof_map;
   int64_t size = 3 * (int64_t)dof_map->mesh->node_count;

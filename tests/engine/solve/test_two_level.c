@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Solving over levels of elements: as exact as a factor under every kind of support, in a number of
+/* Solving by two-level PCG: as exact as a factor under every kind of support, in a number of
  * iterations that sizes and edits do not change, in the same bits on any number of threads. */
 #include "local_bar.h"
 
@@ -14,16 +14,16 @@ static void as_a_factor(void **state) {
     bw_local_system *local = local_of(context, &b);
     if (local->system->dof_map->motion_count > 0) {
       bw_static *result = NULL;
-      const bw_local_options options = {.method = BW_LOCAL_LEVELS};
+      const bw_local_options options = {.method = BW_LOCAL_PCG};
       check_fails(context, BW_INVALID, "free to move",
                   bw_local_statics(context, local, b.model, &relief, &options, &result, NULL));
     } else {
-      bw_reuse r = edit_and_compare(context, &b, local, BW_LOCAL_LEVELS);
-      assert_int_equal(r.method, BW_LOCAL_LEVELS);
+      bw_reuse r = edit_and_compare(context, &b, local, BW_LOCAL_PCG);
+      assert_int_equal(r.method, BW_LOCAL_PCG);
       turn_domain(&b, 0, 0.5);
       turn_domain(&b, 1, 0.3);
       b.now.scale[2][1] *= 1.3;
-      r = edit_and_compare(context, &b, local, BW_LOCAL_LEVELS);
+      r = edit_and_compare(context, &b, local, BW_LOCAL_PCG);
       assert_in_range(r.iterations, 5, 120);
       assert_false(bwi_local_current(local));
     }
@@ -37,7 +37,7 @@ static void linear_elements_are_refused(void **state) {
   bw_context *context = check_context(state);
   bar b;
   bw_static *result = NULL;
-  const bw_local_options options = {.method = BW_LOCAL_LEVELS};
+  const bw_local_options options = {.method = BW_LOCAL_PCG};
   bar_make(context, 1, 1, &b);
   load_bar(context, &b, 0);
   bw_local_system *local = local_of(context, &b);
@@ -72,7 +72,7 @@ static int iterations_of(bw_context *context, int cells) {
   bar b;
   bw_local_system *local = block_of(context, 2 * cells, cells, &b);
   bw_reuse reuse = {0};
-  compare(context, local, b.model, BW_LOCAL_LEVELS, &reuse);
+  compare(context, local, b.model, BW_LOCAL_PCG, &reuse);
   bw_release(local);
   bar_clear(&b);
   return reuse.iterations;
@@ -102,7 +102,7 @@ static void many_sides(void **state) {
   force[size + size - 2] = 1e6;
   bw_local_options options = {.method = BW_LOCAL_SCRATCH};
   check_ok(context, bw_local_system_solve(context, local, &options, SIDES, force, v, NULL));
-  options = (bw_local_options){.method = BW_LOCAL_LEVELS};
+  options = (bw_local_options){.method = BW_LOCAL_PCG};
   bw_reuse reuse = {0};
   check_ok(context, bw_local_system_solve(context, local, &options, SIDES, force, u, &reuse));
   for (int k = 0; k < SIDES; k++)
@@ -122,7 +122,7 @@ static void many_sides(void **state) {
   check_ok(context, bw_local_system_solve(context, local, &options, 1, force, u, &begun));
   check_near(difference(u, v, size), 0, 1e-8);
   assert_true(begun.iterations < reuse.iterations - 3);
-  options = (bw_local_options){.method = BW_LOCAL_LEVELS, .tolerance = 1e-3, .energy = true};
+  options = (bw_local_options){.method = BW_LOCAL_PCG, .tolerance = 1e-3, .energy = true};
   check_ok(context, bw_local_system_solve(context, local, &options, 2, force, u, NULL));
   for (int k = 0; k < 2; k++) {
     double error = 0, whole = 0;
@@ -154,7 +154,7 @@ static void same_bits(void **state) {
   int64_t size = 3 * (int64_t)b.mesh->node_count;
   double *force = numbers(2 * size), *u = numbers(2 * size), *v = numbers(2 * size);
   random_field(5, 2 * size, force);
-  const bw_local_options options = {.method = BW_LOCAL_LEVELS};
+  const bw_local_options options = {.method = BW_LOCAL_PCG};
   for (int threads = 1; threads <= 4; threads += 3) {
     check_ok(context, bw_set_threads(context, threads));
     bw_local_system *local = local_of(context, &b);
@@ -174,7 +174,7 @@ static void same_bits(void **state) {
 }
 
 /* Left to itself, a system takes the factor where it is at hand, and else what it says to be the
- * cheapest. Of a body as small as this one that is not the levels.
+ * cheapest. Of a body as small as this one that is not PCG.
  */
 static void chosen_by_cost(void **state) {
   bw_context *context = check_context(state);
@@ -184,19 +184,19 @@ static void chosen_by_cost(void **state) {
   bw_local_system *local = local_of(context, &b);
   bw_reuse r = edit_and_compare(context, &b, local, BW_LOCAL_AUTO);
   assert_int_equal(r.method, BW_LOCAL_REFACTOR);
-  assert_true(r.predicted_levels == 0);
+  assert_true(r.predicted_pcg == 0);
   for (int k = 0; k < RIGID; k++)
     b.now.scale[k][1] *= 1.3;
   r = edit_and_compare(context, &b, local, BW_LOCAL_AUTO);
-  assert_true(r.predicted_levels > 0 && r.predicted_refactor > 0);
-  bool cheaper = r.predicted_levels < fmin(r.predicted_refactor, r.predicted_iterate);
+  assert_true(r.predicted_pcg > 0 && r.predicted_refactor > 0);
+  bool cheaper = r.predicted_pcg < fmin(r.predicted_refactor, r.predicted_iterate);
   assert_false(cheaper);
-  assert_int_not_equal(r.method, BW_LOCAL_LEVELS);
+  assert_int_not_equal(r.method, BW_LOCAL_PCG);
   bw_release(local);
   bar_clear(&b);
 }
 
-/* Of a block all of whose factor an edit does again, levels are chosen, and serve as well: a thick
+/* Of a block all of whose factor an edit does again, PCG is chosen, and serves as well: a thick
  * body's factor is dear for its size. What they hold is counted. */
 static void chosen_for_a_thick_body(void **state) {
   bw_context *context = check_context(state);
@@ -204,7 +204,7 @@ static void chosen_for_a_thick_body(void **state) {
   bw_local_system *local = block_of(context, 10, 10, &b);
   int64_t size = 3 * (int64_t)b.mesh->node_count;
   size_t before = bw_bytes(local), factor, updates;
-  assert_true(bw_local_system_levels_bytes(local) == 0);
+  assert_true(bw_local_system_two_level_bytes(local) == 0);
   bw_mesh *moved = NULL;
   bw_model *model = NULL;
   bw_static *result = NULL;
@@ -218,16 +218,15 @@ static void chosen_for_a_thick_body(void **state) {
   bw_reuse r = {0};
   check_ok(context, bw_local_system_update(context, local, model, &motion, &r));
   check_ok(context, bw_local_statics(context, local, model, NULL, NULL, &result, &r));
-  assert_int_equal(r.method, BW_LOCAL_LEVELS);
-  assert_true(r.predicted_levels < r.predicted_refactor &&
-              r.predicted_levels < r.predicted_iterate);
+  assert_int_equal(r.method, BW_LOCAL_PCG);
+  assert_true(r.predicted_pcg < r.predicted_refactor && r.predicted_pcg < r.predicted_iterate);
   assert_in_range(r.iterations, 5, 60);
   assert_true(result->residual < 1e-10);
   assert_false(bwi_local_current(local));
   bw_local_system_memory(local, &factor, &updates);
-  size_t levels = bw_local_system_levels_bytes(local);
-  assert_in_range(levels, factor / 10, factor); /* a third: the body is small */
-  assert_true(bw_bytes(local) >= before + levels);
+  size_t two_level = bw_local_system_two_level_bytes(local);
+  assert_in_range(two_level, factor / 10, factor); /* a third: the body is small */
+  assert_true(bw_bytes(local) >= before + two_level);
   bw_release(result);
   bw_release(model);
   bw_release(moved);
@@ -253,10 +252,10 @@ static void followed_once(void **state) {
       bw_model *model = posed(context, &b);
       assert_non_null(model);
       check_ok(context, bw_local_system_update(context, local, model, b.motion, NULL));
-      assert_true(inner->levels_known == (edit == 2));
+      assert_true(inner->two_level_known == (edit == 2));
       bw_reuse reuse = {0};
-      compare(context, local, model, BW_LOCAL_LEVELS, &reuse);
-      assert_true(inner->levels_known);
+      compare(context, local, model, BW_LOCAL_PCG, &reuse);
+      assert_true(inner->two_level_known);
       bw_release(model);
     }
     bw_release(local);
@@ -272,7 +271,7 @@ static void no_memory(void **state) {
   int64_t size = 3 * (int64_t)b.mesh->node_count;
   double *force = numbers(2 * size), *u = numbers(2 * size);
   random_field(5, 2 * size, force);
-  const bw_local_options options = {.method = BW_LOCAL_LEVELS, .tolerance = 1e-3};
+  const bw_local_options options = {.method = BW_LOCAL_PCG, .tolerance = 1e-3};
   for (int64_t n = 1;; n++) {
     bw_local_system *local = local_of(context, &b);
     bw_fail_allocation(n, true);

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Levels of elements of a plain system (static_levels.h).
+/* Levels of elements of a plain system (static_pcg.h).
  *
  * What a factor costs is known when its order is, and making that takes seconds where it matters.
  * The linear elements on the same corners have to be ordered in any case, have a seventh of the
@@ -8,7 +8,7 @@
  * separator has w / 2 times as many. Fronts are dense: entries go with the square of that,
  * operations with its cube, for blocks, bars and plates alike, whose w differ. What is left over
  * was measured on these. */
-#include "solve/static_levels.h"
+#include "solve/static_pcg.h"
 
 #include <math.h>
 
@@ -21,27 +21,28 @@
 /* Seconds of the model's machine to order a pair of nodes. */
 #define ORDER_PAIR 5e-7
 
-static void levels_destroy(void *object) {
-  bwi_levels *l = object;
-  bw_release(l->multilevel);
+static void two_level_solver_destroy(void *object) {
+  bwi_two_level_solver *l = object;
+  bw_release(l->preconditioner);
   bw_release(l->coarse);
   bw_free(l);
 }
 
-/* With the levels made, the coarse space is theirs too. */
-static size_t levels_bytes(const void *object) {
-  const bwi_levels *l = object;
-  return sizeof *l + (l->multilevel ? bw_bytes(l->multilevel) : bw_bytes(l->coarse));
+/* With the preconditioner made, the coarse space is its own too. */
+static size_t two_level_solver_bytes(const void *object) {
+  const bwi_two_level_solver *l = object;
+  return sizeof *l + (l->preconditioner ? bw_bytes(l->preconditioner) : bw_bytes(l->coarse));
 }
 
-static const bw_kind levels_kind = {"levels of a system", levels_destroy, levels_bytes};
+static const bw_kind two_level_solver_kind = {"two-level solver", two_level_solver_destroy,
+                                              two_level_solver_bytes};
 
-bool bwi_levels_fit(const bw_system *system) {
+bool bwi_two_level_applies(const bw_system *system) {
   return bwi_coarse_fits(system->mesh, system->dof_map);
 }
 
-static bwi_forecast foresee(const bw_system *system, const bwi_coarse *coarse) {
-  bwi_forecast cost = {0};
+static bwi_cost_prediction predict(const bw_system *system, const bwi_coarse *coarse) {
+  bwi_cost_prediction cost = {0};
   double pairs = (double)(system->graph->pair_count - system->graph->node_count);
   double unknowns = bwi_coarse_unknowns(coarse);
   double wider = unknowns > 0 ? system->dof_map->unknown_count / (2 * unknowns) : 0;
@@ -49,27 +50,27 @@ static bwi_forecast foresee(const bw_system *system, const bwi_coarse *coarse) {
   cost.factor_bytes = MORE_ENTRIES * wider * wider * bwi_coarse_entries(coarse) * sizeof(double);
   cost.factor = cost.factor_flops / bwi_local_flops_per_second(64) +
                 4 * cost.factor_bytes / BWI_LOCAL_BYTES_PER_SECOND + ORDER_PAIR * pairs;
-  double bytes = bwi_sweeps_bytes((int64_t)pairs) + 8 * bwi_coarse_entries(coarse);
-  cost.one_iteration = BWI_LEVELS_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND;
-  cost.levels =
-      (BWI_LEVELS_BEGIN + 1 + BWI_LEVELS_RATE * log(2 / bwi_refine_to)) * cost.one_iteration +
+  double bytes = bwi_smoother_bytes((int64_t)pairs) + 8 * bwi_coarse_entries(coarse);
+  cost.one_iteration = BWI_TWO_LEVEL_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND;
+  cost.pcg =
+      (BWI_TWO_LEVEL_BEGIN + 1 + BWI_TWO_LEVEL_RATE * log(2 / bwi_refine_to)) * cost.one_iteration +
       bwi_coarse_flops(coarse) / bwi_local_flops_per_second(32);
   return cost;
 }
 
-bw_status bwi_levels_foresee(bw_context *context, bw_system *system) {
+bw_status bwi_two_level_predict(bw_context *context, bw_system *system) {
   bw_status status = BW_OK;
-  bwi_levels *l = BW_NEW0(context, bwi_levels, 1);
+  bwi_two_level_solver *l = BW_NEW0(context, bwi_two_level_solver, 1);
   if (!l)
     return BW_MEMORY;
-  bw_object_init(l, &levels_kind);
+  bw_object_init(l, &two_level_solver_kind);
   bw_progress(context, "order", 0);
   BW_TRY(bwi_coarse_create(context, system->mesh, &l->coarse));
   BW_TRY(bwi_coarse_count(context, l->coarse, system->dof_map));
-  l->forecast = foresee(system, l->coarse);
+  l->prediction = predict(system, l->coarse);
 done:
   if (status == BW_OK)
-    system->levels = l;
+    system->two_level = l;
   else
     bw_release(l);
   return status;
@@ -85,24 +86,24 @@ static bw_status find_even(bw_context *context, const bw_system *system, bool *e
   return status;
 }
 
-bw_status bwi_levels_make(bw_context *context, const bw_model *model, bw_system *system,
-                          bool *usable) {
+bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_system *system,
+                             bool *usable) {
   bw_status status = BW_OK;
-  bwi_levels *l = system->levels;
-  bwi_multilevel *made = NULL;
+  bwi_two_level_solver *l = system->two_level;
+  bwi_two_level *made = NULL;
   bool even;
   double start = bw_seconds();
   *usable = true;
-  if (l->multilevel)
+  if (l->preconditioner)
     return BW_OK;
   bw_progress(context, "factor", 0);
   BW_TRY(find_even(context, system, &even));
-  BW_TRY(bwi_multilevel_create_over(context, l->coarse, system->mesh, system->graph, even, &made));
-  BW_TRY(bwi_multilevel_follow(context, made, model, system->dof_map, system->stiffness, usable));
+  BW_TRY(bwi_two_level_create_over(context, l->coarse, system->mesh, system->graph, even, &made));
+  BW_TRY(bwi_two_level_follow(context, made, model, system->dof_map, system->stiffness, usable));
   if (*usable) {
-    l->multilevel = made;
+    l->preconditioner = made;
     made = NULL;
-    system->times.levels += bw_seconds() - start;
+    system->times.pcg += bw_seconds() - start;
   }
 done:
   bw_release(made);

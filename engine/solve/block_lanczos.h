@@ -11,8 +11,8 @@
  * are the next block, with R its coupling, so that Op V = V T + V_next R. A restart keeps the best
  * Ritz vectors in front of the next block; the coupling comes back by the projection, which always
  * is taken on the whole basis. */
-#ifndef BWI_SOLVE_KRYLOV_H
-#define BWI_SOLVE_KRYLOV_H
+#ifndef BWI_SOLVE_BLOCK_LANCZOS_H
+#define BWI_SOLVE_BLOCK_LANCZOS_H
 
 #include "solve/internal.h"
 

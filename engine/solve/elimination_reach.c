@@ -11,7 +11,7 @@
 #include "solve/internal.h"
 
 static void reach_destroy(void *object) {
-  bwi_reach *reach = object;
+  bwi_elimination_reach *reach = object;
   bw_release(reach->symbolic);
   bw_free(reach->set);
   bw_free(reach->keep);
@@ -19,15 +19,16 @@ static void reach_destroy(void *object) {
 }
 
 static size_t reach_bytes(const void *object) {
-  const bwi_reach *reach = object;
+  const bwi_elimination_reach *reach = object;
   return sizeof *reach +
          (size_t)reach->symbolic->order->super_count * (size_t)(8 * reach->words + 1);
 }
 
 static const bw_kind reach_kind = {"reach of domains", reach_destroy, reach_bytes};
 
-bw_status bwi_reach_create(bw_context *context, bwi_symbolic *symbolic, const bw_mesh *mesh,
-                           int32_t domain_count, const int32_t *element_domain, bwi_reach **out) {
+bw_status bwi_elimination_reach_create(bw_context *context, bwi_symbolic *symbolic,
+                                       const bw_mesh *mesh, int32_t domain_count,
+                                       const int32_t *element_domain, bwi_elimination_reach **out) {
   bw_status status = BW_OK;
   const bwi_order *order = symbolic->order;
   int32_t supers = order->super_count, *super_of = NULL;
@@ -35,7 +36,7 @@ bw_status bwi_reach_create(bw_context *context, bwi_symbolic *symbolic, const bw
   if (mesh->node_count != order->node_count)
     return bw_fail(context, BW_INTERNAL, "the order is of %d nodes, the mesh has %d",
                    order->node_count, mesh->node_count);
-  bwi_reach *reach = BW_NEW0(context, bwi_reach, 1);
+  bwi_elimination_reach *reach = BW_NEW0(context, bwi_elimination_reach, 1);
   if (!reach)
     return BW_MEMORY;
   bw_object_init(reach, &reach_kind);
@@ -91,7 +92,7 @@ done:
   return status;
 }
 
-static bool meets(const bwi_reach *reach, int32_t s, const uint8_t *touched_domain) {
+static bool meets(const bwi_elimination_reach *reach, int32_t s, const uint8_t *touched_domain) {
   const uint64_t *set = reach->set + (size_t)s * (size_t)reach->words;
   for (int w = 0; w < reach->words; w++)
     for (uint64_t left = set[w]; left; left &= left - 1)
@@ -100,8 +101,8 @@ static bool meets(const bwi_reach *reach, int32_t s, const uint8_t *touched_doma
   return false;
 }
 
-double bwi_reach_supernodes(const bwi_reach *reach, const uint8_t *touched_domain,
-                            uint8_t *wanted) {
+double bwi_elimination_reach_supernodes(const bwi_elimination_reach *reach,
+                                        const uint8_t *touched_domain, uint8_t *wanted) {
   double flops = 0;
   for (int32_t s = 0; s < reach->symbolic->order->super_count; s++) {
     wanted[s] = meets(reach, s, touched_domain);
@@ -111,7 +112,8 @@ double bwi_reach_supernodes(const bwi_reach *reach, const uint8_t *touched_domai
   return flops;
 }
 
-double bwi_reach_flops(const bwi_reach *reach, const uint8_t *touched_domain) {
+double bwi_elimination_reach_flops(const bwi_elimination_reach *reach,
+                                   const uint8_t *touched_domain) {
   double flops = 0;
   for (int32_t s = 0; s < reach->symbolic->order->super_count; s++)
     if (meets(reach, s, touched_domain))
@@ -119,9 +121,10 @@ double bwi_reach_flops(const bwi_reach *reach, const uint8_t *touched_domain) {
   return flops;
 }
 
-bw_status bwi_reach_create_whole(bw_context *context, bwi_symbolic *symbolic, bwi_reach **out) {
+bw_status bwi_elimination_reach_create_whole(bw_context *context, bwi_symbolic *symbolic,
+                                             bwi_elimination_reach **out) {
   int32_t supers = symbolic->order->super_count;
-  bwi_reach *reach = BW_NEW0(context, bwi_reach, 1);
+  bwi_elimination_reach *reach = BW_NEW0(context, bwi_elimination_reach, 1);
   if (!reach)
     return BW_MEMORY;
   bw_object_init(reach, &reach_kind);

@@ -1,10 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Block Lanczos: the steps. What they keep true stands in krylov.h. */
+/* Block Lanczos: the steps. What they keep true stands in block_lanczos.h. */
 #include <math.h>
 #include <string.h>
 
 #include "solve/blas.h"
-#include "solve/krylov.h"
+#include "solve/block_lanczos.h"
 #include "solve/multivector.h"
 
 enum { BLOCK = BWI_BLOCK, ATTEMPTS = 40 };

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Static solutions and modes by a solver outside of the engine. The engine assembles, hands over,
+/* Static solutions and modes by a external solver. The engine assembles, hands over,
  * and judges: residuals are computed here, with its own matrices, whatever the solver says. */
 #include <math.h>
 #include <string.h>
@@ -7,26 +7,26 @@
 #include "solve/internal.h"
 #include "solve/modes.h"
 
-static const bw_outside *registered;
+static const bw_external *registered;
 
-void bw_outside_register(const bw_outside *outside) {
+void bw_external_register(const bw_external *outside) {
   registered = outside;
 }
 
-const bw_outside *bw_outside_registered(void) {
+const bw_external *bw_external_registered(void) {
   return registered;
 }
 
-void bw_outside_options_default(bw_outside_options *options) {
-  *options = (bw_outside_options){.method = BW_OUTSIDE_AUTO, .rtol = 1e-10, .iterations = 2000};
+void bw_external_options_default(bw_external_options *options) {
+  *options = (bw_external_options){.method = BW_EXTERNAL_AUTO, .rtol = 1e-10, .iterations = 2000};
 }
 
-static bw_status check_options(bw_context *context, const bw_outside_options *given,
-                               bw_outside_method otherwise, bw_outside_options *options) {
-  bw_outside_options_default(options);
+static bw_status check_options(bw_context *context, const bw_external_options *given,
+                               bw_external_method otherwise, bw_external_options *options) {
+  bw_external_options_default(options);
   if (given)
     *options = *given;
-  if (options->method == BW_OUTSIDE_AUTO)
+  if (options->method == BW_EXTERNAL_AUTO)
     options->method = otherwise;
   if (!(options->rtol > 0 && options->rtol < 1))
     return bw_fail(context, BW_INVALID, "rtol is %g; it must lie between 0 and 1", options->rtol);
@@ -35,13 +35,13 @@ static bw_status check_options(bw_context *context, const bw_outside_options *gi
                    options->iterations);
   if (!registered)
     return bw_fail(context, BW_UNSUPPORTED,
-                   "no solver outside of the engine is loaded: require \"barwright.distributed\"");
+                   "no external solver is loaded: require \"barwright.distributed\"");
   return BW_OK;
 }
 
 /* What is assembled for one call. */
 typedef struct equations {
-  bw_outside_matrix matrix;
+  bw_external_matrix matrix;
   bw_dof_map *dof_map;
   bw_graph *graph;
   double *stiffness, *mass;
@@ -66,19 +66,20 @@ static bw_status assemble(bw_context *context, const bw_model *model, bool mass,
     for (int64_t k = 0; k < pairs; k++)
       e->mass[k] *= density;
   }
-  e->matrix = (bw_outside_matrix){
+  e->matrix = (bw_external_matrix){
       .dof_map = e->dof_map, .graph = e->graph, .stiffness = e->stiffness, .mass = e->mass};
 done:
   return status;
 }
 
-static bw_status open_system(bw_context *context, const bw_outside_options *options, equations *e) {
+static bw_status open_system(bw_context *context, const bw_external_options *options,
+                             equations *e) {
   bw_status status = registered->open(context, &e->matrix, options);
   e->open = status == BW_OK;
   return status;
 }
 
-static void clear(bw_context *context, equations *e, bw_outside_report *report) {
+static void clear(bw_context *context, equations *e, bw_external_report *report) {
   if (e->open)
     registered->close(context, report);
   e->open = false;
@@ -148,18 +149,18 @@ done:
   return status;
 }
 
-bw_status bw_statics_outside(bw_context *context, const bw_model *model,
-                             const bw_statics_options *statics, const bw_outside_options *given,
-                             bw_static **out) {
+bw_status bw_statics_external(bw_context *context, const bw_model *model,
+                              const bw_statics_options *statics, const bw_external_options *given,
+                              bw_static **out) {
   bw_status status = BW_OK;
-  bw_outside_options options;
+  bw_external_options options;
   equations e = {0};
   bw_static *result = NULL;
-  BW_TRY(check_options(context, given, BW_OUTSIDE_CG, &options));
+  BW_TRY(check_options(context, given, BW_EXTERNAL_CG, &options));
   BW_TRY(bw_dof_map_create(context, model, &e.dof_map));
   BW_TRY(bwi_static_begin(context, model, statics, e.dof_map, &result));
-  result->outside = BW_NEW0(context, bw_outside_report, 1);
-  if (!result->outside) {
+  result->external = BW_NEW0(context, bw_external_report, 1);
+  if (!result->external) {
     status = BW_MEMORY;
     goto done;
   }
@@ -171,7 +172,7 @@ bw_status bw_statics_outside(bw_context *context, const bw_model *model,
   if (result->residual > options.rtol)
     BW_TRY(judge(context, &e, options.rtol, result));
 done:
-  clear(context, &e, result ? result->outside : NULL);
+  clear(context, &e, result ? result->external : NULL);
   if (status == BW_OK)
     *out = result;
   else
@@ -212,19 +213,19 @@ done:
   return status;
 }
 
-bw_status bw_modes_outside(bw_context *context, const bw_model *model,
-                           const bw_modes_options *options, const bw_outside_options *given,
-                           bw_modes **modes) {
+bw_status bw_modes_external(bw_context *context, const bw_model *model,
+                            const bw_modes_options *options, const bw_external_options *given,
+                            bw_modes **modes) {
   bw_status status = BW_OK;
   bw_modes_options wish;
-  bw_outside_options outside;
+  bw_external_options outside;
   equations e = {0};
-  bw_outside_modes found = {0};
+  bw_external_modes found = {0};
   bwi_eigen_result result = {0};
-  bw_outside_report *report = NULL;
+  bw_external_report *report = NULL;
   BW_TRY(bwi_modes_options_check(context, options, &wish));
-  BW_TRY(check_options(context, given, BW_OUTSIDE_CHOLESKY, &outside));
-  report = BW_NEW0(context, bw_outside_report, 1);
+  BW_TRY(check_options(context, given, BW_EXTERNAL_CHOLESKY, &outside));
+  report = BW_NEW0(context, bw_external_report, 1);
   if (!report) {
     status = BW_MEMORY;
     goto done;
@@ -254,7 +255,7 @@ done:
   clear(context, &e, report);
   bwi_eigen_result_clear(&result);
   if (status == BW_OK)
-    (*modes)->outside = report;
+    (*modes)->external = report;
   else
     bw_free(report);
   return status;

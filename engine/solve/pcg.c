@@ -32,18 +32,18 @@ enum { JUDGED_FROM = 6, REMEMBERED = 512 };
 
 typedef struct column {
   int64_t side;
-  double rz;           /* r . z */
-  double step;         /* along p */
+  double r_dot_z;      /* r . z */
+  double alpha;        /* step along p */
   double load, energy; /* |f|, f . M f at the start */
   double size;         /* |r| */
   double residual;     /* true, at the last start; relative */
   int starts;
-  bool fresh; /* started again in this iteration */
+  bool restarted; /* started again in this iteration */
 } column;
 
 typedef struct iteration {
   bw_context *context;
-  bwi_conjugate *problem;
+  bwi_pcg *problem;
   int64_t size;
   const double *force;
   double *solution;
@@ -119,9 +119,9 @@ static bw_status restart(iteration *it, int k, bool *more) {
   if (*more) {
     BW_TRY(precondition(it, k, 1));
     memcpy(p, z, (size_t)it->size * sizeof *p);
-    c->rz = dot(r, z, it->size);
+    c->r_dot_z = dot(r, z, it->size);
     c->size = residual * c->load;
-    c->fresh = true;
+    c->restarted = true;
   }
 done:
   return status;
@@ -148,8 +148,8 @@ static bw_status begin(iteration *it, int64_t first, int count) {
   memcpy(it->p, it->z, (size_t)it->active * (size_t)size * sizeof(double));
   for (int k = 0; k < it->active; k++) {
     column *c = &it->column[k];
-    c->rz = dot(it->r + k * size, it->z + k * size, size);
-    c->energy = c->rz;
+    c->r_dot_z = dot(it->r + k * size, it->z + k * size, size);
+    c->energy = c->r_dot_z;
     if (it->problem->energy)
       c->energy = fmax(c->energy, it->problem->energy[c->side]);
   }
@@ -157,25 +157,25 @@ done:
   return status;
 }
 
-/* Whether more iterations are to come than patience allows, judged by how r . z has fallen since
- * half of those made. Rates grow as the outlying eigenvalues are found one by one, mostly to twice
- * of what is seen; while they are, hardly anything may fall. Where that makes it give up a little
- * too soon, no more is lost than what patience would have been lost on. */
-static bool hopeless(iteration *it, int made) {
-  bwi_conjugate *problem = it->problem;
+/* Whether more iterations are to come than max_remaining allows, judged by how r . z has fallen
+ * since half of those made. Rates grow as the outlying eigenvalues are found one by one, mostly to
+ * twice of what is seen; while they are, hardly anything may fall. Where that makes it give up a
+ * little too soon, no more is lost than what max_remaining would have been lost on. */
+static bool beyond_bound(iteration *it, int made) {
+  bwi_pcg *problem = it->problem;
   double worst = 0, wanted = problem->tolerance * problem->tolerance;
-  if (!(problem->patience > 0) || made >= REMEMBERED)
+  if (!(problem->max_remaining > 0) || made >= REMEMBERED)
     return false;
   for (int k = 0; k < it->active; k++)
-    worst = fmax(worst, it->column[k].rz / it->column[k].energy);
+    worst = fmax(worst, it->column[k].r_dot_z / it->column[k].energy);
   it->level[made] = made > 1 ? fmin(worst, it->level[made - 1]) : worst;
   if (made < JUDGED_FROM || it->active == 0 || !(it->level[made] > wanted))
     return false;
   double fallen = log(it->level[made / 2] / it->level[made]) / (made - made / 2);
   double left = 0.5 * log(it->level[made] / wanted) / fallen;
-  if (left <= problem->patience)
+  if (left <= problem->max_remaining)
     return false;
-  problem->foreseen = made + left;
+  problem->predicted_iterations = made + left;
   return true;
 }
 
@@ -185,12 +185,12 @@ static void step(iteration *it, int k, bool *sound) {
   int64_t size = it->size;
   double *r = it->r + k * size, *u = it->solution + c->side * size;
   const double *p = it->p + k * size, *q = it->q + k * size;
-  double curvature = dot(p, q, size);
-  c->step = c->rz / curvature;
-  *sound = curvature > 0 && isfinite(c->step);
+  double p_dot_Ap = dot(p, q, size);
+  c->alpha = c->r_dot_z / p_dot_Ap;
+  *sound = p_dot_Ap > 0 && isfinite(c->alpha);
   for (int64_t i = 0; *sound && i < size; i++) {
-    u[i] += c->step * p[i];
-    r[i] -= c->step * q[i];
+    u[i] += c->alpha * p[i];
+    r[i] -= c->alpha * q[i];
   }
 }
 
@@ -204,9 +204,9 @@ static bw_status retire_sure(iteration *it) {
     const double *r = it->r + k * it->size;
     double size = sqrt(dot(r, r, it->size)), fall = size / (c->size * least);
     bool more = true;
-    c->fresh = false;
+    c->restarted = false;
     c->size = size;
-    if (fall < 1 && c->rz * fall * fall <= tolerance * tolerance * c->energy &&
+    if (fall < 1 && c->r_dot_z * fall * fall <= tolerance * tolerance * c->energy &&
         size <= allowed(it, c))
       BW_TRY(restart(it, k, &more));
     if (more)
@@ -219,25 +219,25 @@ done:
 }
 
 /* The next direction of column k; *more is false when it is done. */
-static bw_status turn(iteration *it, int k, bool *more) {
+static bw_status update_direction(iteration *it, int k, bool *more) {
   column *c = &it->column[k];
   int64_t size = it->size;
   double tolerance = it->problem->tolerance;
   const double *z = it->z + k * size;
-  double *p = it->p + k * size, rz = dot(it->r + k * size, z, size);
-  if (rz <= tolerance * tolerance * c->energy && c->size <= allowed(it, c))
+  double *p = it->p + k * size, r_dot_z = dot(it->r + k * size, z, size);
+  if (r_dot_z <= tolerance * tolerance * c->energy && c->size <= allowed(it, c))
     return restart(it, k, more);
-  double back = -c->step * dot(z, it->q + k * size, size) / c->rz;
-  c->rz = rz;
+  double beta = -c->alpha * dot(z, it->q + k * size, size) / c->r_dot_z;
+  c->r_dot_z = r_dot_z;
   for (int64_t i = 0; i < size; i++)
-    p[i] = z[i] + back * p[i];
+    p[i] = z[i] + beta * p[i];
   return BW_OK;
 }
 
 /* One block of right-hand sides. */
 static bw_status run(iteration *it, int64_t first, int count) {
   bw_status status = BW_OK;
-  bwi_conjugate *problem = it->problem;
+  bwi_pcg *problem = it->problem;
   int iterations = 0;
   BW_TRY(begin(it, first, count));
   while (it->active > 0) {
@@ -261,14 +261,14 @@ static bw_status run(iteration *it, int64_t first, int count) {
       BW_TRY(precondition(it, 0, it->active));
     for (int k = 0; k < it->active;) {
       bool more = true;
-      if (!it->column[k].fresh)
-        BW_TRY(turn(it, k, &more));
+      if (!it->column[k].restarted)
+        BW_TRY(update_direction(it, k, &more));
       if (more)
         k++;
       else
         retire(it, k);
     }
-    if (hopeless(it, iterations)) {
+    if (beyond_bound(it, iterations)) {
       problem->converged = false;
       break;
     }
@@ -279,8 +279,8 @@ done:
   return status;
 }
 
-bw_status bwi_conjugate_solve(bw_context *context, bwi_conjugate *problem, int64_t count,
-                              const double *force, double *displacement) {
+bw_status bwi_pcg_solve(bw_context *context, bwi_pcg *problem, int64_t count, const double *force,
+                        double *displacement) {
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)problem->dof_map->mesh->node_count;
   int64_t width = count < WIDTH ? count : WIDTH;
@@ -290,7 +290,7 @@ bw_status bwi_conjugate_solve(bw_context *context, bwi_conjugate *problem, int64
                   .force = force,
                   .solution = displacement};
   problem->iterations = 0;
-  problem->foreseen = 0;
+  problem->predicted_iterations = 0;
   problem->converged = true;
   it.r = BW_NEW(context, double, width *size);
   it.z = BW_NEW(context, double, width *size);

@@ -1,12 +1,12 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Triangular solves in single precision (sweep.h).
+/* Triangular solves in single precision (triangular_solve.h).
  *
  * A supernode is stored as its triangle, column by column with the diagonal inverted, and then the
  * rows below, a column-major matrix with rows filled up to a multiple of WIDE by zeros. Vectors go
  * in elimination order, so that a supernode's own part is contiguous; the part below is gathered
  * into a block, and scattered from it, node by node. The factor is divided by its largest diagonal
  * entry and right-hand sides by their largest number, so that no unit of measure overflows. */
-#include "responsive/sweep.h"
+#include "responsive/triangular_solve.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,7 +15,7 @@ enum { WIDE = 8 };
 typedef float wide __attribute__((vector_size(4 * WIDE), aligned(4), may_alias));
 typedef float quad __attribute__((vector_size(16), aligned(4), may_alias));
 
-struct bwi_sweep {
+struct bwi_triangular_solve {
   const bwi_symbolic *symbolic; /* retained */
   float *entry;
   int64_t *start; /* super_count + 1 */
@@ -27,7 +27,7 @@ static int64_t padded(int64_t rows) {
   return (rows + WIDE - 1) / WIDE * WIDE;
 }
 
-void bwi_sweep_free(bwi_sweep *sweep) {
+void bwi_triangular_solve_free(bwi_triangular_solve *sweep) {
   if (!sweep)
     return;
   bw_release(sweep->symbolic);
@@ -38,13 +38,13 @@ void bwi_sweep_free(bwi_sweep *sweep) {
   bw_free(sweep);
 }
 
-double bwi_sweep_bytes(const bwi_sweep *sweep) {
+double bwi_triangular_solve_bytes(const bwi_triangular_solve *sweep) {
   return 8.0 * (double)sweep->start[sweep->symbolic->order->super_count];
 }
 
 typedef struct copy {
   const bwi_factor *factor;
-  bwi_sweep *sweep;
+  bwi_triangular_solve *sweep;
   double scale;
 } copy;
 
@@ -74,14 +74,15 @@ static bw_status copy_supernodes(void *data, int64_t begin, int64_t end, int wor
   return BW_OK;
 }
 
-bw_status bwi_sweep_create(bw_context *context, const bwi_factor *factor, bwi_sweep **out) {
+bw_status bwi_triangular_solve_create(bw_context *context, const bwi_factor *factor,
+                                      bwi_triangular_solve **out) {
   bw_status status = BW_OK;
   const bwi_symbolic *symbolic = factor->symbolic;
   int32_t supers = symbolic->order->super_count;
   int64_t most = 0;
   double largest = 0;
   const double *value = factor->value;
-  bwi_sweep *sweep = BW_NEW0(context, bwi_sweep, 1);
+  bwi_triangular_solve *sweep = BW_NEW0(context, bwi_triangular_solve, 1);
   if (!sweep)
     return BW_MEMORY;
   sweep->symbolic = bw_retain(symbolic);
@@ -112,7 +113,7 @@ done:
   if (status == BW_OK)
     *out = sweep;
   else
-    bwi_sweep_free(sweep);
+    bwi_triangular_solve_free(sweep);
   return status;
 }
 
@@ -184,7 +185,7 @@ static void backward(const float *entry, int32_t n, int64_t ld, float *x, const 
 
 /* ---- both sweeps --------------------------------------------------------------------------- */
 
-static inline __attribute__((always_inline)) void sweep_both(bwi_sweep *sweep, int C) {
+static inline __attribute__((always_inline)) void sweep_both(bwi_triangular_solve *sweep, int C) {
   const bwi_order *order = sweep->symbolic->order;
   float *x = sweep->x, *y = sweep->below;
   for (int32_t s = 0; s < order->super_count; s++) {
@@ -210,7 +211,7 @@ static inline __attribute__((always_inline)) void sweep_both(bwi_sweep *sweep, i
   }
 }
 
-void bwi_sweep_apply(bwi_sweep *sweep, const double *r, double *z) {
+void bwi_triangular_solve_apply(bwi_triangular_solve *sweep, const double *r, double *z) {
   const bwi_order *order = sweep->symbolic->order;
   int C = sweep->symbolic->components;
   int64_t size = sweep->symbolic->unknowns;
