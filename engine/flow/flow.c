@@ -58,7 +58,7 @@ static void flow_destroy(void *object) {
     bw_free(in->condition);
     bw_release(in->now);
     bw_plane_locator_free(in->locator);
-    bw_stale_free(in->stale);
+    bw_lagged_factor_free(in->lagged);
     bwi_flow_room_clear(&in->room);
     bw_free(in);
   }
@@ -145,7 +145,7 @@ bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
     memcpy(in->condition, description->condition,
            (size_t)description->condition_count * sizeof *in->condition);
   in->about.condition = in->condition;
-  BW_TRY(bw_stale_create(context, false, flow->components, &in->stale));
+  BW_TRY(bw_lagged_factor_create(context, false, flow->components, &in->lagged));
   BW_TRY(bw_plane_graph_create(context, mesh->topology, &graph));
   BW_TRY(bwi_flow_blank(context, flow, mesh, graph, &first));
   size_t unknowns = (size_t)mesh->topology->nodes->node_count * (size_t)flow->components;
@@ -172,7 +172,7 @@ done:
 
 /* Everything is made beside what there is, and takes its place at the end. */
 bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh *mesh,
-                         bw_kept *kept) {
+                         bw_plane_reuse *kept) {
   bw_status status = BW_OK;
   const struct bwi_flow *in = flow->inner;
   const bw_flow_state *now = in->now;
@@ -211,8 +211,8 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
     for (int i = 0; i < next->condition_count; i++)
       next->condition[i] = conditions[i];
   }
-  BW_TRY(bw_plane_carry(context, flow->mesh, mesh, c, flow->state, next->state));
-  BW_TRY(bw_plane_carry(context, flow->mesh, mesh, c, flow->before, next->before));
+  BW_TRY(bw_plane_transfer(context, flow->mesh, mesh, c, flow->state, next->state));
+  BW_TRY(bw_plane_transfer(context, flow->mesh, mesh, c, flow->before, next->before));
   next->last_step = now->last_step;
   /* Interpolated fields are not free of divergence: known stays 1, damp by implicit Euler. */
   if (same_nodes) {

@@ -83,7 +83,7 @@ struct bwi_flow {
   const bw_flow_state *now; /* retained; the public fields are its own */
   /* What follows from it, or makes it faster. */
   bw_plane_locator *locator; /* of the current mesh; NULL until it is asked for */
-  bw_stale *stale;
+  bw_lagged_factor *lagged;
   bwi_flow_room room;      /* of the current graph; empty until it is needed */
   bool conflicts_reported; /* of the conditions' prescribed values */
 };

@@ -16,7 +16,7 @@ enum {
 
 void bw_flow_options_default(bw_flow_options *options) {
   *options = (bw_flow_options){.bdf = 2, .tolerance = 1e-8};
-  bw_stale_options_default(&options->linear);
+  bw_lagged_factor_options_default(&options->linear);
   options->linear.tolerance = 1e-6;
 }
 
@@ -141,7 +141,7 @@ static void balance(const bw_flow *flow) {
 
 /* Assembles and solves; room.solution is the first guess and the result, room.reaction follows. */
 static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *linear, double time,
-                       const bw_flow_options *options, bw_kept *kept) {
+                       const bw_flow_options *options, bw_plane_reuse *kept) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   bwi_flow_room *room = &in->room;
@@ -170,8 +170,8 @@ static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *lin
     if (room->held[i])
       room->solution[i] = room->prescribed[i];
   kept->seconds_assemble += bw_seconds() - started;
-  BW_TRY(bw_stale_solve(context, in->stale, in->now->graph, room->system, room->rhs, room->solution,
-                        &options->linear, kept));
+  BW_TRY(bw_lagged_factor_solve(context, in->lagged, in->now->graph, room->system, room->rhs,
+                                room->solution, &options->linear, kept));
   BW_TRY(
       bw_plane_multiply(context, in->now->graph, c, room->values, room->solution, room->reaction));
   for (size_t i = 0; i < unknowns; i++)
@@ -223,7 +223,7 @@ static void carried_by(const bw_flow *flow, const double *state, const scheme *m
 }
 
 static bw_status march(bw_context *context, bw_flow *flow, const bw_flow_options *options,
-                       bw_flow_state *next, bw_kept *kept) {
+                       bw_flow_state *next, bw_plane_reuse *kept) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   int c = flow->components;
@@ -287,7 +287,8 @@ static double fastest(const bw_flow *flow, const bwi_linear *linear) {
 /* Rounds from room.solution. `pseudo`: the rate of the first implicit step, falling as the change
  * from round to round allows; 0: none, Picard and Newton at once. */
 static bw_status search(bw_context *context, bw_flow *flow, const bw_flow_options *options,
-                        double pseudo, int rounds, double *reached, double *last, bw_kept *kept) {
+                        double pseudo, int rounds, double *reached, double *last,
+                        bw_plane_reuse *kept) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   int c = flow->components;
@@ -345,7 +346,7 @@ static bool heats_up(const bw_flow *flow) {
 }
 
 static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_options *options,
-                        bw_flow_state *next, bw_kept *kept) {
+                        bw_flow_state *next, bw_plane_reuse *kept) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   if (heats_up(flow))
@@ -392,12 +393,12 @@ done:
 
 /* The next state is made beside the one that stands, which is in nobody's way until then. */
 bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options *given,
-                       bw_kept *kept) {
+                       bw_plane_reuse *kept) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   bw_flow_state *next = NULL;
   bw_flow_options options;
-  bw_kept ignored = {0};
+  bw_plane_reuse ignored = {0};
   bw_flow_options_default(&options);
   if (given)
     options = *given;

@@ -97,14 +97,14 @@ static bw_status fresh_grid(bwi_coarsening *c) {
 /* Collapse to this length. Where shapes bring that to a halt, worse ones are let pass for a while:
  * exchanges and moves mend them afterwards. */
 static bw_status coarsen_to(bwi_coarsening *c, double length, double shorter) {
-  static const double floors[] = {0.45, 0.3, 0.15};
+  static const double contact_planes[] = {0.45, 0.3, 0.15};
   bw_status status = BW_OK;
   c->length = length;
   c->shorter = shorter;
   int easier = 0;
   for (int i = 0; i < 12 && !c->late; i++) {
     int64_t collapsed, living = 0;
-    c->floor = floors[easier];
+    c->floor = contact_planes[easier];
     BW_TRY(fresh_grid(c));
     BW_TRY(bwi_coarsen_collapse(c, &collapsed));
     BW_TRY(bwi_coarsen_exchange(c));

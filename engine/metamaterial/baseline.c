@@ -18,7 +18,7 @@ double bwi_block_density(const bwi_coarse_maker *maker, const bwi_fine_block *bl
   for (int p = 0; p < count; p++) {
     if (!block->key[p])
       continue;
-    double density = maker->palette->material[block->key[p]]->density;
+    double density = maker->material_table->material[block->key[p]]->density;
     if (!(density > 0))
       return 0;
     sum += density * block->fraction[p];
@@ -31,7 +31,7 @@ static void naive(const bwi_coarse_maker *maker, const bwi_fine_block *block, ui
   double mean_mu = 0, mean_lambda = 0;
   int there = 0, count = maker->rule->count;
   for (int p = 0; p < count; p++) {
-    const bw_solid_material *m = maker->palette->material[block->key[p]];
+    const bw_solid_material *m = maker->material_table->material[block->key[p]];
     double part = fmax(block->fraction[p], BWI_LEAST_FRACTION);
     law[p] = m ? m->law[0] : BWI_VOID_LAW;
     mu[p] = m ? part * m->mu[0] : 0;
@@ -80,22 +80,24 @@ bw_status bwi_baseline_material(bw_context *context, const bwi_coarse_maker *mak
                                   mu, lambda, 0, NULL, NULL, material);
 }
 
-bw_status bwi_same_palette(bw_context *context, const bw_palette *palette,
-                           const bw_palette *of_library) {
-  if (palette->count != of_library->count)
-    return bw_fail(context, BW_INVALID,
-                   "the palette has %d materials, the library is of %d: a library serves the "
-                   "palette it was built of",
-                   (int)palette->count - 1, (int)of_library->count - 1);
-  for (int32_t i = 1; i < palette->count; i++) {
-    const bw_solid_material *a = palette->material[i], *b = of_library->material[i];
+bw_status bwi_same_material_table(bw_context *context, const bw_material_table *material_table,
+                                  const bw_material_table *of_library) {
+  if (material_table->count != of_library->count)
+    return bw_fail(
+        context, BW_INVALID,
+        "the material table has %d materials, the library is of %d: a library serves the "
+        "material table it was built of",
+        (int)material_table->count - 1, (int)of_library->count - 1);
+  for (int32_t i = 1; i < material_table->count; i++) {
+    const bw_solid_material *a = material_table->material[i], *b = of_library->material[i];
     if (a->law[0] != b->law[0] || a->mu[0] != b->mu[0] || a->lambda[0] != b->lambda[0])
-      return bw_fail(context, BW_INVALID,
-                     "material %d is %s (%s, mu = %g Pa, lambda = %g Pa), that of the library %s "
-                     "(%s, mu = %g Pa, lambda = %g Pa): a library serves the palette it was built "
-                     "of",
-                     (int)i, a->name, bw_law_word((bw_law)a->law[0]), a->mu[0], a->lambda[0],
-                     b->name, bw_law_word((bw_law)b->law[0]), b->mu[0], b->lambda[0]);
+      return bw_fail(
+          context, BW_INVALID,
+          "material %d is %s (%s, mu = %g Pa, lambda = %g Pa), that of the library %s "
+          "(%s, mu = %g Pa, lambda = %g Pa): a library serves the material table it was built "
+          "of",
+          (int)i, a->name, bw_law_word((bw_law)a->law[0]), a->mu[0], a->lambda[0], b->name,
+          bw_law_word((bw_law)b->law[0]), b->mu[0], b->lambda[0]);
   }
   return BW_OK;
 }

@@ -2,9 +2,9 @@
 /* Grids made coarse: each block of 8 or 64 fine elements becomes one, whose material its key
  * decides.
  *
- * Only materials that occur are made. Their rows of the palette are numbered in the order in which
- * blocks first have them, so that what an edit leads to does not depend on the way there. A block
- * with partial cells has a row of its own, since its constants are scaled point by point.
+ * Only materials that occur are made. Their rows of the material table are numbered in the order in
+ * which blocks first have them, so that what an edit leads to does not depend on the way there. A
+ * block with partial cells has a row of its own, since its constants are scaled point by point.
  *
  * Invariant: inner->key has the key of row r at width (r - 1), its first entry -1 for a row of a
  * block with partial cells, which no other block may share. */
@@ -17,10 +17,10 @@
 static void destroy(void *object) {
   bw_coarse *it = (bw_coarse *)object;
   bw_release(it->library);
-  bw_release(it->fine_palette);
+  bw_release(it->fine_material_table);
   bw_release(it->fine);
   bw_release(it->grid);
-  bw_release(it->palette);
+  bw_release(it->material_table);
   for (int l = 0; l < 2; l++)
     bw_release(it->coarsening[l]);
   if (it->inner)
@@ -32,7 +32,7 @@ static void destroy(void *object) {
 static size_t bytes(const void *object) {
   const bw_coarse *it = (const bw_coarse *)object;
   return sizeof *it + sizeof *it->inner +
-         sizeof(int32_t) * (size_t)it->inner->width * (size_t)(it->palette->count - 1);
+         sizeof(int32_t) * (size_t)it->inner->width * (size_t)(it->material_table->count - 1);
 }
 
 static const bw_kind coarse_kind = {"coarse", destroy, bytes};
@@ -60,11 +60,12 @@ void bwi_block_gather(const bw_grid *fine, const bw_coarsening *const *coarsenin
                  block);
 }
 
-/* Number the materials in the order of first use, and make palette, keys and the coarse grid. */
+/* Number the materials in the order of first use, and make material table, keys and the coarse
+ * grid. */
 static bw_status finish(bw_context *context, bw_coarse *it, const bwi_rows *list, int32_t *id) {
   bw_status status = BW_OK;
   const bw_grid *shape = it->coarsening[it->levels - 1]->coarse;
-  bw_palette *palette = NULL;
+  bw_material_table *material_table = NULL;
   bw_grid *grid = NULL;
   int32_t count = 0, *row = BW_NEW0(context, int32_t, list->count + 1);
   const bw_solid_material **used = BW_NEW(context, const bw_solid_material *, list->count);
@@ -84,8 +85,8 @@ static bw_status finish(bw_context *context, bw_coarse *it, const bwi_rows *list
     }
     material[e] = row[id[e]];
   }
-  BW_TRY(bw_palette_create(context, count + 1, used, &palette));
-  it->palette = palette;
+  BW_TRY(bw_material_table_create(context, count + 1, used, &material_table));
+  it->material_table = material_table;
   BW_TRY(bw_grid_with_materials(context, shape, material, &grid));
   it->grid = grid;
 done:
@@ -95,30 +96,31 @@ done:
   return status;
 }
 
-static bw_status check_materials(bw_context *context, const bw_palette *palette,
+static bw_status check_materials(bw_context *context, const bw_material_table *material_table,
                                  const bw_grid *fine) {
-  for (int32_t i = 1; i < palette->count; i++)
-    if (palette->material[i]->b_bar)
+  for (int32_t i = 1; i < material_table->count; i++)
+    if (material_table->material[i]->b_bar)
       return bw_fail(context, BW_INVALID,
                      "material %d (%s) is of the B-bar formulation: only grids of the standard one "
                      "are coarsened",
-                     (int)i, palette->material[i]->name);
-    else if (!palette->material[i]->uniform)
+                     (int)i, material_table->material[i]->name);
+    else if (!material_table->material[i]->uniform)
       return bw_fail(context, BW_INVALID,
                      "material %d (%s) differs from point to point: only grids of uniform "
                      "materials are coarsened",
-                     (int)i, palette->material[i]->name);
+                     (int)i, material_table->material[i]->name);
   for (int32_t e = 0; e < fine->element_count; e++)
-    if (fine->material[e] >= palette->count)
+    if (fine->material[e] >= material_table->count)
       return bw_fail(context, BW_INVALID,
-                     "element %d (cell %d) is of material %d, the palette has 1 to %d", (int)e + 1,
-                     (int)fine->cell[e] + 1, (int)fine->material[e], (int)palette->count - 1);
+                     "element %d (cell %d) is of material %d, the material table has 1 to %d",
+                     (int)e + 1, (int)fine->cell[e] + 1, (int)fine->material[e],
+                     (int)material_table->count - 1);
   return BW_OK;
 }
 
 bw_status bwi_coarse_check(bw_context *context, const bw_library *library,
-                           const bw_palette *palette, const bw_grid *fine) {
-  bw_status status = check_materials(context, palette, fine);
+                           const bw_material_table *material_table, const bw_grid *fine) {
+  bw_status status = check_materials(context, material_table, fine);
   const double *h = fine->spacing;
   if (status != BW_OK)
     return status;
@@ -128,27 +130,27 @@ bw_status bwi_coarse_check(bw_context *context, const bw_library *library,
                      "the cells are %g x %g x %g m; a library is of cubes: make the spacing the "
                      "same in all directions",
                      h[0], h[1], h[2]);
-  return bwi_same_palette(context, palette, library->palette);
+  return bwi_same_material_table(context, material_table, library->material_table);
 }
 
 static bw_status check(bw_context *context, bw_coarse_method method, const bw_library *library,
-                       const bw_palette *palette, const bw_grid *fine, int levels) {
+                       const bw_material_table *material_table, const bw_grid *fine, int levels) {
   if ((unsigned)method > BW_COARSE_AVERAGE)
     return bw_fail(context, BW_INVALID, "there is no method of coarsening %d", (int)method);
   if (levels < 1 || levels > 2)
     return bw_fail(context, BW_INVALID, "coarsening by %d levels; 1 or 2", levels);
   if (method != BW_COARSE_LOOKUP)
-    return check_materials(context, palette, fine);
+    return check_materials(context, material_table, fine);
   if (!library)
     return bw_fail(context, BW_INVALID, "coarsening by lookup needs a library");
   if (levels > library->levels)
     return bw_fail(context, BW_INVALID, "coarsening by %d levels with a library of %d", levels,
                    library->levels);
-  return bwi_coarse_check(context, library, palette, fine);
+  return bwi_coarse_check(context, library, material_table, fine);
 }
 
 static bw_status begin(bw_context *context, bw_coarse_method method, const bw_library *library,
-                       const bw_palette *palette, const bw_grid *fine, int levels,
+                       const bw_material_table *material_table, const bw_grid *fine, int levels,
                        bw_coarse **out) {
   bw_coarse *it = BW_NEW0(context, bw_coarse, 1);
   if (!it)
@@ -156,7 +158,7 @@ static bw_status begin(bw_context *context, bw_coarse_method method, const bw_li
   bw_object_init(it, &coarse_kind);
   it->method = method;
   it->levels = levels;
-  it->fine_palette = (const bw_palette *)bw_retain(palette);
+  it->fine_material_table = (const bw_material_table *)bw_retain(material_table);
   it->fine = (const bw_grid *)bw_retain(fine);
   if (method == BW_COARSE_LOOKUP)
     it->library = (const bw_library *)bw_retain(library);
@@ -189,7 +191,7 @@ done:
 static bw_status assign(bw_context *context, bw_coarse *it, const bw_coarse *before, int32_t *id) {
   bw_status status = BW_OK;
   bw_rule *rule = NULL;
-  bwi_coarse_maker maker = {it->method, it->levels, it->library, it->fine_palette, NULL};
+  bwi_coarse_maker maker = {it->method, it->levels, it->library, it->fine_material_table, NULL};
   bwi_rows list;
   memset(&list, 0, sizeof list);
   double start = bw_seconds();
@@ -216,12 +218,13 @@ done:
 }
 
 bw_status bw_coarsen(bw_context *context, bw_coarse_method method, const bw_library *library,
-                     const bw_palette *palette, const bw_grid *fine, int levels, bw_coarse **out) {
+                     const bw_material_table *material_table, const bw_grid *fine, int levels,
+                     bw_coarse **out) {
   bw_status status = BW_OK;
   bw_coarse *it = NULL;
   int32_t *id = NULL;
-  BW_TRY(check(context, method, library, palette, fine, levels));
-  BW_TRY(begin(context, method, library, palette, fine, levels, &it));
+  BW_TRY(check(context, method, library, material_table, fine, levels));
+  BW_TRY(begin(context, method, library, material_table, fine, levels, &it));
   BW_TRY(make_lattice(context, it));
   id = BW_NEW0(context, int32_t, it->coarsening[levels - 1]->coarse->element_count);
   if (!id) {
@@ -288,14 +291,14 @@ bw_status bw_coarse_follow(bw_context *context, const bw_coarse *before, const b
                      "x %d, or moved): coarsen it anew",
                      (int)fine->cells[0], (int)fine->cells[1], (int)fine->cells[2],
                      (int)old->cells[0], (int)old->cells[1], (int)old->cells[2]);
-  BW_TRY(
-      check(context, before->method, before->library, before->fine_palette, fine, before->levels));
+  BW_TRY(check(context, before->method, before->library, before->fine_material_table, fine,
+               before->levels));
   if (fine == old) {
     *out = (bw_coarse *)bw_retain(before);
     return BW_OK;
   }
-  BW_TRY(begin(context, before->method, before->library, before->fine_palette, fine, before->levels,
-               &it));
+  BW_TRY(begin(context, before->method, before->library, before->fine_material_table, fine,
+               before->levels, &it));
   if (bw_grid_same_elements(old, fine))
     for (int l = 0; l < it->levels; l++)
       it->coarsening[l] = (const bw_coarsening *)bw_retain(before->coarsening[l]);

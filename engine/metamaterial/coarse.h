@@ -9,9 +9,9 @@
 typedef struct bwi_coarse_maker {
   bw_coarse_method method;
   int levels;
-  const bw_library *library; /* NULL for baselines */
-  const bw_palette *palette; /* of the fine grid */
-  const bw_rule *rule;       /* of these levels, points at Gauss's places */
+  const bw_library *library;               /* NULL for baselines */
+  const bw_material_table *material_table; /* of the fine grid */
+  const bw_rule *rule;                     /* of these levels, points at Gauss's places */
 } bwi_coarse_maker;
 
 /* A block's 8 or 64 fine elements: their materials (0: void), child by child, and the parts of
@@ -39,17 +39,18 @@ bw_status bwi_lookup_material(bw_context *context, const bwi_coarse_maker *maker
 bw_status bwi_level2_material(bw_context *context, const bw_library *library,
                               const bwi_fine_block *block, double density, int32_t *fit,
                               bw_solid_material **material);
-/* Whether a grid's blocks can be looked up: uniform materials of the library's palette, cubes. */
+/* Whether a grid's blocks can be looked up: uniform materials of the library's material table,
+ * cubes. */
 bw_status bwi_coarse_check(bw_context *context, const bw_library *library,
-                           const bw_palette *palette, const bw_grid *fine);
+                           const bw_material_table *material_table, const bw_grid *fine);
 /* Materials, laws and constants of the two must be the same, row by row. */
-bw_status bwi_same_palette(bw_context *context, const bw_palette *palette,
-                           const bw_palette *of_library);
+bw_status bwi_same_material_table(bw_context *context, const bw_material_table *material_table,
+                                  const bw_material_table *of_library);
 
-/* Behind bw_coarse: the keys of its palette's rows. */
+/* Behind bw_coarse: the keys of its material table's rows. */
 typedef struct bwi_coarse {
   int32_t width; /* 8 or 64 */
-  int32_t *key;  /* (palette->count - 1) x width */
+  int32_t *key;  /* (material table->count - 1) x width */
 } bwi_coarse;
 
 /* Materials while blocks are gone through: those of the coarse grid followed first, new ones

@@ -63,8 +63,8 @@ bw_status bwi_rows_begin(bwi_rows *it, bw_context *context, const bwi_coarse_mak
   it->maker = maker;
   it->width = maker->rule->count;
   size_t slots = 64;
-  for (int32_t r = 1; before && r < before->palette->count; r++)
-    BW_TRY(add(it, before->palette->material[r],
+  for (int32_t r = 1; before && r < before->material_table->count; r++)
+    BW_TRY(add(it, before->material_table->material[r],
                before->inner->key + (size_t)it->width * (size_t)(r - 1)));
   while (slots < 4 * (size_t)it->count)
     slots *= 2;

@@ -142,10 +142,11 @@ bw_status bwi_keys_create(bw_context *context, int32_t base, bool voids, bool or
     power[c] = (int32_t)codes;
     codes *= base;
     if (codes > MOST_CODES)
-      return bw_fail(context, BW_LIMIT,
-                     "a palette of %d materials and void has %d^8 blocks of 2 x 2 x 2, more than "
-                     "2^24: a library takes up to 7 materials",
-                     (int)base - 1, (int)base);
+      return bw_fail(
+          context, BW_LIMIT,
+          "a material table of %d materials and void has %d^8 blocks of 2 x 2 x 2, more than "
+          "2^24: a library takes up to 7 materials",
+          (int)base - 1, (int)base);
   }
   for (int s = 0; s < BWI_SYMMETRIES; s++)
     for (int c = 0; c < 8; c++)

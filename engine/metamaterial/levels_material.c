@@ -45,7 +45,7 @@ static cell take_cell(const bw_library *library, int32_t code) {
     it.mu += (fit->mu[p] + fibres) / 8;
     it.lambda += (fit->lambda[p] + fibres) / 8;
     if (key[p] > 0)
-      votes[library->palette->material[key[p]]->law[0]]++;
+      votes[library->material_table->material[key[p]]->law[0]]++;
   }
   it.law = 0;
   for (uint8_t l = 1; l < BW_LAWS; l++)

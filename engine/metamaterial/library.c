@@ -28,7 +28,7 @@ void bw_library_options_default(bw_library_options *options) {
 static void destroy(void *object) {
   bw_library *it = (bw_library *)object;
   bwi_library *inner = it->inner;
-  bw_release(it->palette);
+  bw_release(it->material_table);
   for (int l = 0; inner && l < 2; l++)
     bwi_grown_clear(&inner->grown[l]);
   for (int l = 0; inner && !inner->of && l < 2; l++) {
@@ -93,21 +93,21 @@ done:
   return status;
 }
 
-bw_status bwi_library_begin(bw_context *context, const bw_palette *palette,
+bw_status bwi_library_begin(bw_context *context, const bw_material_table *material_table,
                             const bw_library_options *options, bw_library **out) {
   bw_status status = BW_OK;
   bw_library *it = NULL;
   BW_TRY(bwi_check_options(context, options));
-  for (int32_t i = 1; i < palette->count; i++)
-    if (!palette->material[i]->uniform)
+  for (int32_t i = 1; i < material_table->count; i++)
+    if (!material_table->material[i]->uniform)
       return bw_fail(context, BW_INVALID,
                      "material %d (%s) differs from point to point: a library is of uniform ones",
-                     (int)i, palette->material[i]->name);
+                     (int)i, material_table->material[i]->name);
   it = BW_NEW0(context, bw_library, 1);
   if (!it)
     return BW_MEMORY;
   bw_object_init(it, &library_kind);
-  it->palette = (const bw_palette *)bw_retain(palette);
+  it->material_table = (const bw_material_table *)bw_retain(material_table);
   it->options = *options;
   it->levels = options->levels;
   it->inner = BW_NEW0(context, bwi_library, 1);
@@ -115,8 +115,8 @@ bw_status bwi_library_begin(bw_context *context, const bw_palette *palette,
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(
-      bwi_keys_create(context, palette->count, options->voids, it->levels > 0, &it->inner->keys));
+  BW_TRY(bwi_keys_create(context, material_table->count, options->voids, it->levels > 0,
+                         &it->inner->keys));
   BW_TRY(bwi_library_room(context, it, 1, it->levels > 0 ? it->inner->keys->orbit_count : 0));
   bwi_library_show(it);
   *out = it;
@@ -147,7 +147,7 @@ bw_status bwi_library_with(bw_context *context, const bw_library *of, bwi_grown 
     return BW_MEMORY;
   }
   bw_object_init(it, &library_kind);
-  it->palette = (const bw_palette *)bw_retain(of->palette);
+  it->material_table = (const bw_material_table *)bw_retain(of->material_table);
   it->options = of->options;
   it->levels = owner->levels;
   it->inner = inner;
@@ -329,16 +329,16 @@ bw_status bw_library_material(bw_context *context, const bw_library *library, in
   bw_status status = BW_OK;
   bw_rule *rule = NULL;
   bwi_fine_block block;
-  bwi_coarse_maker maker = {BW_COARSE_LOOKUP, level, library, library->palette, NULL};
+  bwi_coarse_maker maker = {BW_COARSE_LOOKUP, level, library, library->material_table, NULL};
   int32_t which = -1, solid = 0;
   if (level < 1 || level > library->levels)
     return bw_fail(context, BW_INVALID, "level %d of a library of %d", level, library->levels);
   block.partial = false;
   for (int p = 0; p < (level == 1 ? 8 : 64); p++) {
-    if (key[p] < 0 || key[p] >= library->palette->count)
+    if (key[p] < 0 || key[p] >= library->material_table->count)
       return bw_fail(context, BW_INVALID,
                      "number %d of the key is %d; the library has materials 0 (void) to %d", p + 1,
-                     (int)key[p], (int)library->palette->count - 1);
+                     (int)key[p], (int)library->material_table->count - 1);
     block.key[p] = key[p];
     block.fraction[p] = 1;
     solid += key[p] > 0;

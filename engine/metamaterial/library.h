@@ -18,7 +18,7 @@ typedef struct bwi_library {
 } bwi_library;
 
 /* A library without fits, its keys numbered. Palette, options and key limits are checked. */
-bw_status bwi_library_begin(bw_context *context, const bw_palette *palette,
+bw_status bwi_library_begin(bw_context *context, const bw_material_table *material_table,
                             const bw_library_options *options, bw_library **library);
 /* Room for `count` fits of a level, all NULL. */
 bw_status bwi_library_room(bw_context *context, bw_library *library, int level, int32_t count);
@@ -76,12 +76,14 @@ bw_status bwi_unpack_fail(bwi_unpack *from, const char *format, ...) BW_PRINTF(2
 bw_status bwi_unpack_end(bwi_unpack *from);
 
 /* Palette and options: what makes a library this one and no other. */
-void bwi_pack_head(bwi_pack *pack, const bw_palette *palette, const bw_library_options *options);
-bw_status bwi_unpack_head(bwi_unpack *from, bw_palette **palette, bw_library_options *options);
+void bwi_pack_head(bwi_pack *pack, const bw_material_table *material_table,
+                   const bw_library_options *options);
+bw_status bwi_unpack_head(bwi_unpack *from, bw_material_table **material_table,
+                          bw_library_options *options);
 /* A sentence on the first difference of two heads, or false when there is none. */
-bool bwi_head_differs(const bw_palette *palette, const bw_library_options *options,
-                      const bw_palette *other, const bw_library_options *other_options, char *text,
-                      size_t size);
+bool bwi_head_differs(const bw_material_table *material_table, const bw_library_options *options,
+                      const bw_material_table *other, const bw_library_options *other_options,
+                      char *text, size_t size);
 /* One fit: of 8 points at either level. */
 enum { BWI_FIT_LEAST_BYTES = 100 };
 void bwi_pack_fit(bwi_pack *pack, const bw_solid_material *fit, const bw_fit_error *error);
@@ -91,14 +93,15 @@ bw_status bwi_unpack_fit(bwi_unpack *from, int level, int32_t number, bw_solid_m
 /* ---- checkpoints
  * ---------------------------------------------------------------------------------
  *
- * A head with palette and options, then finished fits in any order, each with a checksum. What
- * follows the last sound record is cut off on opening: a kill may leave part of one. */
+ * A head with material table and options, then finished fits in any order, each with a checksum.
+ * What follows the last sound record is cut off on opening: a kill may leave part of one. */
 typedef struct bwi_checkpoint bwi_checkpoint;
 typedef bw_status bwi_checkpoint_fit(void *data, int level, int32_t fit, const uint8_t *key,
                                      bw_solid_material *material,
                                      const bw_fit_error *error); /* takes the material over */
 /* `fit` is called for each record; `seconds`: what earlier runs took. */
-bw_status bwi_checkpoint_open(bw_context *context, const char *path, const bw_palette *palette,
+bw_status bwi_checkpoint_open(bw_context *context, const char *path,
+                              const bw_material_table *material_table,
                               const bw_library_options *options, bwi_checkpoint_fit *fit,
                               void *data, double *seconds, bwi_checkpoint **checkpoint);
 /* From any thread. `packed` is what bwi_pack_fit made. Grown fits have a key, the others a number.

@@ -33,7 +33,7 @@ static bw_status make_block(void *data, int32_t fit, bwi_block *block, bw_solid_
     int32_t key[8];
     bwi_key_of(library->inner->keys->base, library->inner->keys->first[fit], key);
     for (int c = 0; c < 8; c++)
-      block->child[c] = library->palette->material[key[c]];
+      block->child[c] = library->material_table->material[key[c]];
     return BW_OK;
   }
   bw_status status = bwi_level2_block(it->fits.context, library, fit, owned);
@@ -122,7 +122,7 @@ done:
   return status;
 }
 
-bw_status bw_library_build(bw_context *context, const bw_palette *palette,
+bw_status bw_library_build(bw_context *context, const bw_material_table *material_table,
                            const bw_library_options *given, const char *checkpoint,
                            bw_library **out) {
   bw_status status = BW_OK;
@@ -137,12 +137,12 @@ bw_status bw_library_build(bw_context *context, const bw_palette *palette,
     options = *given;
   to.it = &it;
   BW_TRY(bwi_fits_begin(context, make_block, &it, &it.fits));
-  BW_TRY(bwi_library_begin(context, palette, &options, &library));
+  BW_TRY(bwi_library_begin(context, material_table, &options, &library));
   it.library = library;
   it.fits.library = library;
   if (checkpoint)
-    BW_TRY(bwi_checkpoint_open(context, checkpoint, palette, &options, take, &to, &it.fits.before,
-                               &it.fits.checkpoint));
+    BW_TRY(bwi_checkpoint_open(context, checkpoint, material_table, &options, take, &to,
+                               &it.fits.before, &it.fits.checkpoint));
   if (options.levels > 0)
     BW_TRY(fit_level(&it, 1));
   if (options.levels == 2) {

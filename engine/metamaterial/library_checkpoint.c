@@ -86,10 +86,11 @@ static bw_status write_all(bw_context *context, int file, const char *path,
 
 /* mark, length, head, checksum; *used is their size, 0 where the file is cut short within them. */
 static bw_status check_head(bw_context *context, const char *path, const unsigned char *bytes,
-                            size_t count, const bwi_pack *head, const bw_palette *palette,
+                            size_t count, const bwi_pack *head,
+                            const bw_material_table *material_table,
                             const bw_library_options *options, size_t *used) {
   bwi_unpack from = {context, path, "head", bytes, bytes + count, false};
-  bw_palette *other = NULL;
+  bw_material_table *other = NULL;
   bw_library_options other_options;
   char why[512];
   size_t marked = count < MARK_BYTES ? count : MARK_BYTES;
@@ -113,12 +114,12 @@ static bw_status check_head(bw_context *context, const char *path, const unsigne
   bw_status status = bwi_unpack_head(&inside, &other, &other_options);
   if (status != BW_OK)
     return status;
-  if (!bwi_head_differs(palette, options, other, &other_options, why, sizeof why))
+  if (!bwi_head_differs(material_table, options, other, &other_options, why, sizeof why))
     snprintf(why, sizeof why, "its materials have other names");
   bw_release(other);
   return bw_fail(
       context, BW_INVALID,
-      "%s is a checkpoint of another library: %s. Name another file, or the same palette "
+      "%s is a checkpoint of another library: %s. Name another file, or the same material table "
       "and options",
       path, why);
 }
@@ -175,7 +176,8 @@ static bw_status write_head(bw_context *context, const bwi_checkpoint *it, const
   return status;
 }
 
-bw_status bwi_checkpoint_open(bw_context *context, const char *path, const bw_palette *palette,
+bw_status bwi_checkpoint_open(bw_context *context, const char *path,
+                              const bw_material_table *material_table,
                               const bw_library_options *options, bwi_checkpoint_fit *fit,
                               void *data, double *seconds, bwi_checkpoint **out) {
   bw_status status = BW_OK;
@@ -205,10 +207,10 @@ bw_status bwi_checkpoint_open(bw_context *context, const char *path, const bw_pa
       status = fail_system(context, path, "cannot lock the checkpoint");
     goto done;
   }
-  bwi_pack_head(&head, palette, options);
+  bwi_pack_head(&head, material_table, options);
   BW_TRY(head.status);
   BW_TRY(read_all(context, it->file, path, &bytes, &count));
-  BW_TRY(check_head(context, path, bytes, count, &head, palette, options, &used));
+  BW_TRY(check_head(context, path, bytes, count, &head, material_table, options, &used));
   *seconds = 0;
   if (used > 0)
     BW_TRY(take_records(context, path, bytes, count, fit, data, seconds, &used));

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* What a library is, in a few lines: palette, options, errors by class of block. */
+/* What a library is, in a few lines: material table, options, errors by class of block. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,7 +37,7 @@ typedef struct class_of {
 static class_of classify(const bw_library *it, int count, const int32_t *key) {
   class_of found = {0, 0, false};
   double least = INFINITY, most = 0;
-  for (int32_t m = 0; m < it->palette->count; m++) {
+  for (int32_t m = 0; m < it->material_table->count; m++) {
     bool there = false;
     for (int p = 0; p < count; p++)
       there = there || key[p] == m;
@@ -48,8 +48,8 @@ static class_of classify(const bw_library *it, int count, const int32_t *key) {
       continue;
     }
     found.materials++;
-    least = fmin(least, it->palette->material[m]->mu[0]);
-    most = fmax(most, it->palette->material[m]->mu[0]);
+    least = fmin(least, it->material_table->material[m]->mu[0]);
+    most = fmax(most, it->material_table->material[m]->mu[0]);
   }
   found.decades = least > 0 && most > 0 ? (int)floor(log10(most) - log10(least) + 0.5) : 0;
   return found;
@@ -125,7 +125,7 @@ static bw_status describe_level(bwi_pack *text, const bw_library *it, int level,
   line(text, "  %-34s %6s  %15s  %15s  %15s\n", "blocks of", "fits", "energy, median",
        "energy, 95 %", "force, median");
   for (int empty = 0; empty < 2; empty++)
-    for (int materials = 1; materials < it->palette->count; materials++)
+    for (int materials = 1; materials < it->material_table->count; materials++)
       for (int decades = 0; decades <= most; decades++) {
         int32_t members = 0;
         char name[64];
@@ -163,10 +163,10 @@ bw_status bw_library_describe(bw_context *context, const bw_library *it, char **
   bwi_pack text;
   bwi_pack_begin(&text, context);
   line(&text, "library of %d material%s, %d level%s, blocks with%s void\n",
-       (int)it->palette->count - 1, it->palette->count > 2 ? "s" : "", it->levels,
+       (int)it->material_table->count - 1, it->material_table->count > 2 ? "s" : "", it->levels,
        it->levels > 1 ? "s" : "", o->voids ? "" : "out");
-  for (int32_t i = 1; i < it->palette->count; i++) {
-    const bw_solid_material *m = it->palette->material[i];
+  for (int32_t i = 1; i < it->material_table->count; i++) {
+    const bw_solid_material *m = it->material_table->material[i];
     line(&text, "  %d %s: %s, mu = %.4g Pa, lambda = %.4g Pa, E = %.4g Pa, %.4g kg/m3\n", (int)i,
          m->name, bw_law_word((bw_law)m->law[0]), m->mu[0], m->lambda[0], young_of(m), m->density);
   }

@@ -8,11 +8,11 @@
  *                       unpacked bytes, the bytes packed by zlib
  *   u32                 CRC-32 of all before it
  *
- * Sections: HEAD (palette, options), FIT1 and FIT2 (fits with their errors, one after the other),
- * TAB2 (what was chosen for level 2, and the tables of pairs); the last two are empty in a library
- * of one level, FIT1 too in one of none. Keys and symmetries follow from the palette and are not
- * stored. A library that was grown is of version 2 and has a fifth section, GROW: for each of two
- * levels u32 number, keys (8 or 64 bytes each, ascending), fits.
+ * Sections: HEAD (material table, options), FIT1 and FIT2 (fits with their errors, one after the
+ * other), TAB2 (what was chosen for level 2, and the tables of pairs); the last two are empty in a
+ * library of one level, FIT1 too in one of none. Keys and symmetries follow from the material table
+ * and are not stored. A library that was grown is of version 2 and has a fifth section, GROW: for
+ * each of two levels u32 number, keys (8 or 64 bytes each, ascending), fits.
  *
  * A file that came from anywhere is read with care: lengths are compared with what is there and
  * with what they can be before memory is taken. */
@@ -90,7 +90,7 @@ static bw_status pack_section(bwi_pack *pack, const bw_library *it, int section)
     for (int l = 0; l < 2; l++)
       pack_grown(pack, &inner->grown[l]);
   else if (section == 0)
-    bwi_pack_head(pack, it->palette, &it->options);
+    bwi_pack_head(pack, it->material_table, &it->options);
   else if (section < 3)
     for (int32_t f = 0; f < it->fit_count[section - 1]; f++)
       bwi_pack_fit(pack, inner->fit[section - 1][f], &inner->error[section - 1][f]);
@@ -267,9 +267,9 @@ static bw_status check_grown_key(bwi_unpack *from, const bw_library *it, const b
   uint8_t first[64];
   int32_t solid = 0;
   for (size_t p = 0; p < w; p++) {
-    if (key[p] >= it->palette->count)
+    if (key[p] >= it->material_table->count)
       return bwi_unpack_fail(from, "block %d has a material %d; there are 1 to %d", (int)entry + 1,
-                             (int)key[p], (int)it->palette->count - 1);
+                             (int)key[p], (int)it->material_table->count - 1);
     solid += key[p] > 0;
   }
   bwi_key_first(grown->width, key, first);
@@ -323,15 +323,15 @@ static bw_status check_orbits(bw_context *context, const char *name, const bwi_s
 bw_status bwi_library_of_sections(bw_context *context, const char *name,
                                   const bwi_section section[BWI_SECTIONS], bw_library **out) {
   bw_status status = BW_OK;
-  bw_palette *palette = NULL;
+  bw_material_table *material_table = NULL;
   bw_library *it = NULL;
   bw_library_options options;
   bwi_unpack from = {context, name, "head", section[0].bytes, section[0].bytes + section[0].count,
                      false};
-  BW_TRY(bwi_unpack_head(&from, &palette, &options));
+  BW_TRY(bwi_unpack_head(&from, &material_table, &options));
   if (options.levels > 0)
-    BW_TRY(check_orbits(context, name, &section[1], palette->count, options.voids));
-  BW_TRY(bwi_library_begin(context, palette, &options, &it));
+    BW_TRY(check_orbits(context, name, &section[1], material_table->count, options.voids));
+  BW_TRY(bwi_library_begin(context, material_table, &options, &it));
   BW_TRY(unpack_fits(context, name, &section[1], it, 1));
   if (options.levels == 2) {
     BW_TRY(unpack_tables(context, name, &section[3], it));
@@ -346,7 +346,7 @@ bw_status bwi_library_of_sections(bw_context *context, const char *name,
   it = NULL;
 done:
   bw_release(it);
-  bw_release(palette);
+  bw_release(material_table);
   return status;
 }
 

@@ -85,7 +85,7 @@ done:
 
 /* ---- fits ----------------------------------------------------------------------------------- */
 
-/* Children are materials of the palette, or fits of level 1, turned. */
+/* Children are materials of the material table, or fits of level 1, turned. */
 static bw_status make_block(void *data, int32_t entry, bwi_block *block,
                             bw_solid_material *owned[8], uint64_t *seed) {
   bw_status status = BW_OK;
@@ -103,7 +103,7 @@ static bw_status make_block(void *data, int32_t entry, bwi_block *block,
       const bw_solid_material *fit = bwi_library_cell(library, cell, &symmetry);
       BW_TRY(bwi_material_turned(it->fits.context, fit, symmetry, &owned[c]));
     }
-    block->child[c] = it->level == 1 ? library->palette->material[key[c]] : owned[c];
+    block->child[c] = it->level == 1 ? library->material_table->material[key[c]] : owned[c];
   }
   *seed = bwi_fit_seed(library, it->level, code);
 done:
@@ -146,7 +146,7 @@ static bw_status grow_level(grower *it, int level, const bw_grid *fine,
   if (fresh->count == 0)
     return BW_OK;
   if (checkpoint)
-    BW_TRY(bwi_checkpoint_open(it->fits.context, checkpoint, it->fits.library->palette,
+    BW_TRY(bwi_checkpoint_open(it->fits.context, checkpoint, it->fits.library->material_table,
                                &it->fits.library->options, take, it, &it->fits.before,
                                &it->fits.checkpoint));
   BW_TRY(bwi_fits_run(&it->fits, level, stage[level - 1], fresh->count, fresh->key, fresh->width,
@@ -173,9 +173,9 @@ done:
   return status;
 }
 
-bw_status bw_library_grow(bw_context *context, const bw_library *library, const bw_palette *palette,
-                          const bw_grid *fine, int levels, const char *checkpoint,
-                          bw_library **out) {
+bw_status bw_library_grow(bw_context *context, const bw_library *library,
+                          const bw_material_table *material_table, const bw_grid *fine, int levels,
+                          const char *checkpoint, bw_library **out) {
   bw_status status = BW_OK;
   bw_library *with_cells = NULL, *grown = NULL;
   bw_coarsening *coarsening[2] = {NULL};
@@ -183,7 +183,7 @@ bw_status bw_library_grow(bw_context *context, const bw_library *library, const 
   memset(&it, 0, sizeof it);
   if (levels < 1 || levels > 2)
     return bw_fail(context, BW_INVALID, "growing for %d levels; 1 or 2", levels);
-  BW_TRY(bwi_coarse_check(context, library, palette, fine));
+  BW_TRY(bwi_coarse_check(context, library, material_table, fine));
   BW_TRY(bwi_fits_begin(context, make_block, &it, &it.fits));
   it.fits.library = library;
   for (int l = 0; l < levels; l++)

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Libraries as bytes: palette, options, fits. */
+/* Libraries as bytes: material table, options, fits. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -118,12 +118,14 @@ bw_status bwi_unpack_end(bwi_unpack *from) {
   return BW_OK;
 }
 
-/* ---- palette and options ------------------------------------------------------------------ */
+/* ---- material table and options
+ * ------------------------------------------------------------------ */
 
-void bwi_pack_head(bwi_pack *pack, const bw_palette *palette, const bw_library_options *o) {
-  bwi_pack_u32(pack, (uint32_t)palette->count);
-  for (int32_t i = 1; i < palette->count; i++) {
-    const bw_solid_material *m = palette->material[i];
+void bwi_pack_head(bwi_pack *pack, const bw_material_table *material_table,
+                   const bw_library_options *o) {
+  bwi_pack_u32(pack, (uint32_t)material_table->count);
+  for (int32_t i = 1; i < material_table->count; i++) {
+    const bw_solid_material *m = material_table->material[i];
     char name[BW_NAME] = {0};
     snprintf(name, sizeof name, "%s", m->name);
     bwi_pack_bytes(pack, name, sizeof name);
@@ -174,13 +176,15 @@ static bw_status unpack_material(bwi_unpack *from, int32_t number, const bw_rule
   return status;
 }
 
-bw_status bwi_unpack_head(bwi_unpack *from, bw_palette **palette, bw_library_options *o) {
+bw_status bwi_unpack_head(bwi_unpack *from, bw_material_table **material_table,
+                          bw_library_options *o) {
   bw_status status = BW_OK;
   bw_solid_material *material[7] = {NULL};
   bw_rule *rule = NULL;
   uint32_t count = bwi_unpack_u32(from);
   if (count < 2 || count > 8) {
-    status = bwi_unpack_fail(from, "a palette of %lld materials; 1 to 7", (long long)count - 1);
+    status =
+        bwi_unpack_fail(from, "a material table of %lld materials; 1 to 7", (long long)count - 1);
     goto done;
   }
   BW_TRY(bw_rule_create(from->context, 0, &rule));
@@ -204,8 +208,8 @@ bw_status bwi_unpack_head(bwi_unpack *from, bw_palette **palette, bw_library_opt
     status = bwi_unpack_fail(from, "options that cannot be: %s", why);
     goto done;
   }
-  BW_TRY(bw_palette_create(from->context, (int32_t)count,
-                           (const bw_solid_material *const *)material, palette));
+  BW_TRY(bw_material_table_create(from->context, (int32_t)count,
+                                  (const bw_solid_material *const *)material, material_table));
 done:
   for (int i = 0; i < 7; i++)
     bw_release(material[i]);
@@ -213,8 +217,9 @@ done:
   return status;
 }
 
-bool bwi_head_differs(const bw_palette *p, const bw_library_options *a, const bw_palette *q,
-                      const bw_library_options *b, char *text, size_t size) {
+bool bwi_head_differs(const bw_material_table *p, const bw_library_options *a,
+                      const bw_material_table *q, const bw_library_options *b, char *text,
+                      size_t size) {
   if (p->count != q->count) {
     snprintf(text, size, "it has %d materials instead of %d", (int)q->count - 1, (int)p->count - 1);
     return true;

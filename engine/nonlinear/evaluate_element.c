@@ -274,7 +274,7 @@ void bwi_element_evaluate(const bw_solid *solid, int32_t element, const double *
   const bw_grid *grid = solid->grid;
   double own[8][3];
   corners(grid, element, u, own);
-  bwi_cell_evaluate(solid->palette->material[grid->material[element]], grid->spacing,
+  bwi_cell_evaluate(solid->material_table->material[grid->material[element]], grid->spacing,
                     bwi_solid_volume(grid, element), (const double(*)[3])own, want, project, state,
                     force, stiffness);
 }
@@ -282,7 +282,7 @@ void bwi_element_evaluate(const bw_solid *solid, int32_t element, const double *
 bool bwi_element_kirchhoff(const bw_solid *solid, int32_t element, const double *u,
                            double tensor[9], double *ratio) {
   const bw_grid *grid = solid->grid;
-  const bw_solid_material *m = solid->palette->material[grid->material[element]];
+  const bw_solid_material *m = solid->material_table->material[grid->material[element]];
   double own[8][3];
   points p;
   bwi_lanes h[9], sum[9], volume = BWI_ALL(0.0);

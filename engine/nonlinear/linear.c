@@ -79,7 +79,7 @@ static bw_status add_elements(void *of, int64_t begin, int64_t end, int worker) 
   (void)worker;
   for (int64_t e = begin; e < end; e++) {
     double *k = d->linear->stiffness + BWI_ELEMENT_NUMBERS * e;
-    double density = solid->palette->material[solid->grid->material[e]]->density;
+    double density = solid->material_table->material[solid->grid->material[e]]->density;
     double mass = d->of_mass * density * bwi_solid_volume(solid->grid, (int32_t)e) / 8;
     for (int i = 0; d->other && i < BWI_ELEMENT_NUMBERS; i++)
       k[i] += d->part * d->other->stiffness[BWI_ELEMENT_NUMBERS * e + i];

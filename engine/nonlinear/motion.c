@@ -27,7 +27,7 @@ static void destroy(void *object) {
   bw_free(motion->displacement);
   bw_free(motion->velocity);
   bw_free(motion->acceleration);
-  bw_release(motion->the);
+  bw_release(motion->load_case);
   bw_release(motion->solid);
   bw_free(motion);
 }
@@ -180,7 +180,7 @@ static bw_status begin(bw_context *context, bw_solid_motion *motion) {
     goto done;
   }
   memcpy(force, inner->dead, (size_t)size * sizeof *force);
-  BW_TRY(bwi_case_follow(context, motion->the, motion->displacement, 1, force));
+  BW_TRY(bwi_load_case_follow(context, motion->load_case, motion->displacement, 1, force));
   for (int64_t i = 0; i < size; i++)
     force[i] -= other[i];
   if (motion->options.stiffness_damping > 0) {
@@ -190,7 +190,7 @@ static bw_status begin(bw_context *context, bw_solid_motion *motion) {
   }
   for (int64_t i = 0; i < size; i++)
     motion->acceleration[i] =
-        motion->the->held[i]
+        motion->load_case->held[i]
             ? 0
             : force[i] / solid->mass[i / 3] - motion->options.mass_damping * motion->velocity[i];
   motion->kinetic = bwi_motion_kinetic(solid, motion->velocity);
@@ -200,7 +200,7 @@ done:
 }
 
 bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
-                                 const bw_solid_case *the, const bw_motion_options *options,
+                                 const bw_load_case *load_case, const bw_motion_options *options,
                                  const double *u, const double *v, bw_solid_motion **out) {
   bw_status status = BW_OK;
   bw_solid_motion *motion = NULL;
@@ -209,7 +209,7 @@ bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
   bw_motion_options_default(&plain);
   options = options ? options : &plain;
   BW_TRY(bwi_motion_check(context, options));
-  if (!bwi_grid_same_places(the->grid, solid->grid))
+  if (!bwi_grid_same_places(load_case->grid, solid->grid))
     return bw_fail(context, BW_INVALID, "the supports and loads belong to another grid");
   if (solid->weightless)
     return bw_fail(context, BW_INVALID,
@@ -223,14 +223,14 @@ bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
     return BW_MEMORY;
   bw_object_init(motion, &motion_kind);
   motion->solid = bw_retain(solid);
-  motion->the = bw_retain(the);
+  motion->load_case = bw_retain(load_case);
   motion->options = *options;
   BW_TRY(make_room(context, motion));
   for (int64_t i = 0; i < size; i++) {
-    motion->displacement[i] = the->held[i] ? the->value[i] : u ? u[i] : 0;
-    motion->velocity[i] = the->held[i] || !v ? 0 : v[i];
+    motion->displacement[i] = load_case->held[i] ? load_case->value[i] : u ? u[i] : 0;
+    motion->velocity[i] = load_case->held[i] || !v ? 0 : v[i];
   }
-  BW_TRY(bwi_case_dead(context, solid, the, motion->inner->dead));
+  BW_TRY(bwi_load_case_dead(context, solid, load_case, motion->inner->dead));
   BW_TRY(begin(context, motion));
   *out = motion;
   motion = NULL;
@@ -246,8 +246,8 @@ bw_status bw_solid_motion_check(bw_context *context, const bw_solid_motion *moti
   const double number[] = {motion->time, motion->kinetic, motion->strain, motion->potential,
                            motion->dissipated};
   int64_t size = 3 * (int64_t)motion->solid->grid->node_count;
-  if (!bwi_grid_same_places(motion->the->grid, motion->solid->grid) || motion->steps < 0 ||
-      (inner->contact && inner->contact->the != motion->the))
+  if (!bwi_grid_same_places(motion->load_case->grid, motion->solid->grid) || motion->steps < 0 ||
+      (inner->contact && inner->contact->load_case != motion->load_case))
     return bw_fail(context, BW_INTERNAL, "a motion's case is of another solid");
   for (size_t k = 0; k < sizeof number / sizeof *number; k++)
     if (!isfinite(number[k]))
@@ -257,8 +257,8 @@ bw_status bw_solid_motion_check(bw_context *context, const bw_solid_motion *moti
       if (!isfinite(field[k][i]))
         return bw_fail(context, BW_INTERNAL, "node %lld of a motion has %g in field %zu",
                        (long long)(i / 3), field[k][i], k);
-    if (motion->the->held[i] && (motion->displacement[i] != motion->the->value[i] ||
-                                 motion->velocity[i] != 0 || motion->acceleration[i] != 0))
+    if (motion->load_case->held[i] && (motion->displacement[i] != motion->load_case->value[i] ||
+                                       motion->velocity[i] != 0 || motion->acceleration[i] != 0))
       return bw_fail(context, BW_INTERNAL, "node %lld of a motion is held and moves",
                      (long long)(i / 3));
   }

@@ -3,8 +3,8 @@
  *
  * Invariants between steps: held components of u are the case's values, and their velocities and
  * accelerations 0; kinetic + strain + potential + dissipated changes by the work of follower
- * pressures only; Newmark's acceleration is without the push of floors. A step that fails has
- * written nothing but what is marked as room. */
+ * pressures only; Newmark's acceleration is without the push of contact planes. A step that fails
+ * has written nothing but what is marked as room. */
 #ifndef BWI_NONLINEAR_MOTION_H
 #define BWI_NONLINEAR_MOTION_H
 

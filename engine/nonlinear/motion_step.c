@@ -13,7 +13,8 @@
 
 /* Contact is set up for the matrix of a step: as stiff against it as a static one against the
  * solid. */
-static bw_status prepare_floors(bw_context *context, bw_solid_motion *motion, double of_mass) {
+static bw_status prepare_contact_planes(bw_context *context, bw_solid_motion *motion,
+                                        double of_mass) {
   bw_status status = BW_OK;
   bwi_motion *inner = motion->inner;
   const bw_solid *solid = motion->solid;
@@ -22,7 +23,8 @@ static bw_status prepare_floors(bw_context *context, bw_solid_motion *motion, do
   double *blocks = NULL, *matrix = NULL;
   bwi_contact *contact = NULL;
   bw_solid_shape shape;
-  if (motion->the->floor_count == 0 || (inner->contact && inner->contact_for == of_mass))
+  if (motion->load_case->contact_plane_count == 0 ||
+      (inner->contact && inner->contact_for == of_mass))
     return BW_OK;
   blocks = BW_NEW(context, double, 9 * nodes);
   matrix = BW_NEW(context, double, 9 * graph->pair_count);
@@ -37,7 +39,7 @@ static bw_status prepare_floors(bw_context *context, bw_solid_motion *motion, do
     for (int c = 0; c < 3; c++)
       blocks[9 * i + 4 * c] += of_mass * solid->mass[i];
   }
-  BW_TRY(bwi_contact_create(context, motion->the, blocks, &contact));
+  BW_TRY(bwi_contact_create(context, motion->load_case, blocks, &contact));
   double *before = BW_NEW0(context, double, contact->count);
   if (!before) {
     status = BW_MEMORY;
@@ -65,7 +67,7 @@ static bw_status set_centre(bw_context *context, bw_solid_motion *motion,
   bwi_motion *inner = motion->inner;
   int64_t size = 3 * (int64_t)solid->grid->node_count;
   for (int64_t i = 0; i < size; i++) {
-    bool held = motion->the->held[i];
+    bool held = motion->load_case->held[i];
     inner->centre[i] = motion->displacement[i];
     inner->next_velocity[i] = 0;
     if (held)
@@ -88,39 +90,39 @@ done:
 /* Where to begin: at the shape that the accelerations lead to if they stay, where that is lower
  * than the shape now. The linearly implicit step is linear about the shape now. */
 static bw_status choose_start(bw_solid_motion *motion, const bwi_motion_rule *rule,
-                              bwi_walk *walk) {
+                              bwi_newton_state *state) {
   bw_status status = BW_OK;
-  bwi_balance *now = &walk->now, *ahead = &walk->trial;
-  memcpy(now->u, motion->displacement, (size_t)walk->size * sizeof(double));
+  bwi_balance *now = &state->now, *ahead = &state->trial;
+  memcpy(now->u, motion->displacement, (size_t)state->size * sizeof(double));
   if (motion->options.iterations == 1)
     return BW_OK;
-  for (int64_t i = 0; i < walk->size; i++)
+  for (int64_t i = 0; i < state->size; i++)
     ahead->u[i] =
         motion->inner->centre[i] + rule->displacement * motion->acceleration[i]; /* held: 0 */
-  BW_TRY(bwi_walk_balance(walk, now));
-  BW_TRY(bwi_walk_balance(walk, ahead));
+  BW_TRY(bwi_newton_state_balance(state, now));
+  BW_TRY(bwi_newton_state_balance(state, ahead));
   if (!ahead->shape.defined)
     goto done;
   double change = 0, work = 0;
-  for (int64_t i = 0; i < walk->size; i++)
+  for (int64_t i = 0; i < state->size; i++)
     work += motion->inner->dead[i] * (ahead->u[i] - now->u[i]);
   change = ahead->energy + ahead->quadratic_energy + ahead->contact_energy - now->energy -
            now->quadratic_energy - now->contact_energy - work;
   if (change < 0)
-    memcpy(now->u, ahead->u, (size_t)walk->size * sizeof(double));
+    memcpy(now->u, ahead->u, (size_t)state->size * sizeof(double));
 done:
   return status;
 }
 
 static bw_status say_failed(bw_context *context, const bw_solid_motion *motion,
-                            const bwi_walk *walk) {
+                            const bwi_newton_state *state) {
   const bw_motion_options *o = &motion->options;
-  const bw_solid_shape *shape = &walk->now.shape;
+  const bw_solid_shape *shape = &state->now.shape;
   double at[3];
   bw_status status;
   int32_t worst = shape->worst;
   bw_grid_position(motion->solid->grid, motion->solid->grid->element[8 * (int64_t)worst], at);
-  if (walk->obstacle == BWI_INVERTED)
+  if (state->obstacle == BWI_INVERTED)
     status = bw_fail(context, BW_GEOMETRY,
                      "the step from %g s, %g s long, ends with %lld elements turned inside out, "
                      "the worst element %d at (%g, %g, %g) m with det F = %.3g. Make the step "
@@ -133,12 +135,12 @@ static bw_status say_failed(bw_context *context, const bw_solid_motion *motion,
                      "The residual is %.2e of the forces at work, the tolerance %.2e; the most "
                      "squeezed element is %d at (%g, %g, %g) m, det F = %.3g. Make the step "
                      "shorter, or allow more iterations",
-                     motion->time, o->step, walk->report->iterations,
-                     bwi_obstacle_text(walk->obstacle), walk->relative, o->tolerance,
+                     motion->time, o->step, state->report->iterations,
+                     bwi_obstacle_text(state->obstacle), state->relative, o->tolerance,
                      (int)worst + 1, at[0], at[1], at[2], shape->least_ratio);
   bw_detail_number(context, "time", motion->time);
   bw_detail_number(context, "step", o->step);
-  bw_detail_number(context, "residual", walk->relative);
+  bw_detail_number(context, "residual", state->relative);
   bw_detail_number(context, "element", worst + 1);
   for (int d = 0; d < 3; d++)
     bw_detail_number(context, d == 0 ? "x" : d == 1 ? "y" : "z", at[d]);
@@ -146,22 +148,22 @@ static bw_status say_failed(bw_context *context, const bw_solid_motion *motion,
 }
 
 /* Nothing fails from here on. */
-static void take(bw_solid_motion *motion, const bwi_motion_rule *rule, const bwi_walk *walk,
-                 double follower_work) {
+static void take(bw_solid_motion *motion, const bwi_motion_rule *rule,
+                 const bwi_newton_state *state, double follower_work) {
   bwi_motion *inner = motion->inner;
   const bw_solid *solid = motion->solid;
   double before = motion->kinetic + motion->strain + motion->potential;
-  for (int64_t i = 0; i < walk->size; i++) {
-    double moved = walk->now.u[i] - inner->centre[i];
-    if (motion->the->held[i])
+  for (int64_t i = 0; i < state->size; i++) {
+    double moved = state->now.u[i] - inner->centre[i];
+    if (motion->load_case->held[i])
       continue;
-    motion->displacement[i] = walk->now.u[i];
+    motion->displacement[i] = state->now.u[i];
     motion->velocity[i] = inner->next_velocity[i] + rule->velocity * moved;
     motion->acceleration[i] = moved / rule->displacement;
-    if (walk->now.contact && motion->options.scheme == BW_NEWMARK)
-      motion->acceleration[i] -= walk->now.contact[i] / solid->mass[i / 3];
+    if (state->now.contact && motion->options.scheme == BW_NEWMARK)
+      motion->acceleration[i] -= state->now.contact[i] / solid->mass[i / 3];
   }
-  motion->strain = walk->now.energy;
+  motion->strain = state->now.energy;
   motion->kinetic = bwi_motion_kinetic(solid, motion->velocity);
   motion->potential = -bwi_motion_work(motion, motion->displacement);
   motion->dissipated +=
@@ -176,14 +178,15 @@ bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion) {
   bwi_motion *inner = motion->inner;
   bw_newton_options newton;
   bw_newton_report report = {0};
-  bwi_walk walk = {.context = context, .solid = motion->solid, .the = motion->the};
+  bwi_newton_state state = {
+      .context = context, .solid = motion->solid, .load_case = motion->load_case};
   double start = bw_seconds(), work = 0;
   bool found = false, stiff = o->stiffness_damping > 0, direct = o->linear == BW_NEWTON_DIRECT;
   BW_TRY(bwi_motion_check(context, o));
   BW_TRY(bw_check_cancel(context));
   bwi_motion_rule rule = bwi_motion_rule_of(o);
   double of_mass = 1 / rule.displacement + rule.velocity * o->mass_damping;
-  BW_TRY(prepare_floors(context, motion, of_mass));
+  BW_TRY(prepare_contact_planes(context, motion, of_mass));
   BW_TRY(set_centre(context, motion, &rule));
   bwi_quadratic inertia = {.centre = inner->centre,
                            .force = inner->room[0],
@@ -199,52 +202,52 @@ bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion) {
   if (o->iterations == 1) /* no other follows that would make up for it */
     newton.cg_tolerance = o->tolerance;
   newton.allow_inverted = o->allow_inverted;
-  walk.newton = inner->newton;
+  state.newton = inner->newton;
   newton.most_iterations = INT_MAX; /* a step has one load step */
-  walk.options = &newton;
-  walk.report = &report;
-  BW_TRY(bwi_walk_create(&walk));
-  walk.load = 1;
-  walk.quadratic = &inertia;
-  walk.contact = inner->contact;
+  state.options = &newton;
+  state.report = &report;
+  BW_TRY(bwi_newton_state_create(&state));
+  state.load = 1;
+  state.quadratic = &inertia;
+  state.contact = inner->contact;
   if (inner->contact) {
     memcpy(inner->multiplier, inner->contact->multiplier,
            (size_t)inner->contact->count * sizeof(double));
     bwi_contact_place(inner->contact, 1, false);
   }
-  BW_TRY(choose_start(motion, &rule, &walk));
-  BW_TRY(bwi_tangent_blocks(&walk)); /* what rounding leaves is told from them */
-  BW_TRY(bwi_newton_equilibrium(&walk, 1, &found));
+  BW_TRY(choose_start(motion, &rule, &state));
+  BW_TRY(bwi_tangent_blocks(&state)); /* what rounding leaves is told from them */
+  BW_TRY(bwi_newton_equilibrium(&state, 1, &found));
   bool went = report.history_count > 0 && report.history[report.history_count - 1].step > 0;
-  if (!found && !(o->iterations == 1 && walk.obstacle == BWI_ITERATIONS && went)) {
-    status = say_failed(context, motion, &walk);
+  if (!found && !(o->iterations == 1 && state.obstacle == BWI_ITERATIONS && went)) {
+    status = say_failed(context, motion, &state);
     goto done;
   }
-  if (walk.follows) { /* by the trapezoidal rule */
-    const double *u[2] = {motion->displacement, walk.now.u};
-    memset(inner->room[1], 0, (size_t)walk.size * sizeof(double));
+  if (state.follows) { /* by the trapezoidal rule */
+    const double *u[2] = {motion->displacement, state.now.u};
+    memset(inner->room[1], 0, (size_t)state.size * sizeof(double));
     for (int k = 0; k < 2; k++)
-      BW_TRY(bwi_case_follow(context, motion->the, u[k], 0.5, inner->room[1]));
-    for (int64_t i = 0; i < walk.size; i++)
+      BW_TRY(bwi_load_case_follow(context, motion->load_case, u[k], 0.5, inner->room[1]));
+    for (int64_t i = 0; i < state.size; i++)
       work += inner->room[1][i] * (u[1][i] - u[0][i]);
   }
   BW_TRY(bw_check_cancel(context)); /* a result would surprise who asked to stop */
-  take(motion, &rule, &walk, work);
-  report.shape = walk.now.shape;
-  report.contacts = walk.now.contacts;
+  take(motion, &rule, &state, work);
+  report.shape = state.now.shape;
+  report.contacts = state.now.contacts;
   report.load = 1;
   report.load_steps = 1;
-  report.residual = walk.relative;
+  report.residual = state.relative;
   report.seconds = bw_seconds() - start;
   bw_free(motion->report.history);
   motion->report = report;
   report.history = NULL;
 done:
-  if (status != BW_OK && inner->contact && walk.contact)
+  if (status != BW_OK && inner->contact && state.contact)
     memcpy(inner->contact->multiplier, inner->multiplier,
            (size_t)inner->contact->count * sizeof(double));
-  walk.contact = NULL; /* the motion's */
-  bwi_walk_clear(&walk);
+  state.contact = NULL; /* the motion's */
+  bwi_newton_state_clear(&state);
   bw_free(report.history);
   return status;
 }

@@ -54,129 +54,132 @@ void bwi_balance_clear(bwi_balance *at) {
   *at = (bwi_balance){0};
 }
 
-double bwi_walk_dot(const bwi_walk *walk, const double *a, const double *b) {
+double bwi_newton_state_dot(const bwi_newton_state *state, const double *a, const double *b) {
   double sum = 0;
-  for (int64_t i = 0; i < walk->size; i++)
-    if (!walk->the->held[i])
+  for (int64_t i = 0; i < state->size; i++)
+    if (!state->load_case->held[i])
       sum += a[i] * b[i];
   return sum;
 }
 
-bw_status bwi_walk_loads(bwi_walk *walk, const double *u, double *load) {
-  double factor = walk->fade ? 1 : walk->load;
-  for (int64_t i = 0; i < walk->size; i++)
-    load[i] = factor * walk->dead[i] + (walk->fade ? (1 - walk->load) * walk->fade[i] : 0);
-  return walk->follows ? bwi_case_follow(walk->context, walk->the, u, factor, load) : BW_OK;
+bw_status bwi_newton_state_loads(bwi_newton_state *state, const double *u, double *load) {
+  double factor = state->initial_residual ? 1 : state->load;
+  for (int64_t i = 0; i < state->size; i++)
+    load[i] = factor * state->dead[i] +
+              (state->initial_residual ? (1 - state->load) * state->initial_residual[i] : 0);
+  return state->follows ? bwi_load_case_follow(state->context, state->load_case, u, factor, load)
+                        : BW_OK;
 }
 
-bw_status bwi_walk_balance(bwi_walk *walk, bwi_balance *at) {
+bw_status bwi_newton_state_balance(bwi_newton_state *state, bwi_balance *at) {
   bw_status status = BW_OK;
   double before = bw_seconds(), sum = 0;
-  BW_TRY(bw_solid_evaluate(walk->context, walk->solid, at->u, false, &at->energy, at->internal,
+  BW_TRY(bw_solid_evaluate(state->context, state->solid, at->u, false, &at->energy, at->internal,
                            NULL, &at->shape));
-  walk->report->evaluations++;
-  walk->report->seconds_quadrature += bw_seconds() - before;
+  state->report->evaluations++;
+  state->report->seconds_quadrature += bw_seconds() - before;
   if (!at->shape.defined)
     goto done;
-  BW_TRY(bwi_walk_loads(walk, at->u, at->load));
-  if (walk->quadratic)
-    BW_TRY(bwi_quadratic_evaluate(walk, at));
+  BW_TRY(bwi_newton_state_loads(state, at->u, at->load));
+  if (state->quadratic)
+    BW_TRY(bwi_quadratic_evaluate(state, at));
   at->contact_energy = 0;
   at->contacts = 0;
-  if (walk->contact) {
-    memset(at->contact, 0, (size_t)walk->size * sizeof *at->contact);
-    at->contacts = bwi_contact_evaluate(walk->contact, at->u, &at->contact_energy, at->contact);
-    for (int64_t i = 0; i < walk->size; i++)
+  if (state->contact) {
+    memset(at->contact, 0, (size_t)state->size * sizeof *at->contact);
+    at->contacts = bwi_contact_evaluate(state->contact, at->u, &at->contact_energy, at->contact);
+    for (int64_t i = 0; i < state->size; i++)
       at->load[i] += at->contact[i];
   }
-  for (int64_t i = 0; i < walk->size; i++)
+  for (int64_t i = 0; i < state->size; i++)
     sum += fabs(at->internal[i]) + fabs(at->load[i]);
   at->shape.defined = isfinite(sum) && isfinite(at->energy) && isfinite(at->contact_energy);
 done:
   return status;
 }
 
-void bwi_walk_measure(bwi_walk *walk) {
-  const bwi_balance *now = &walk->now;
-  const bw_grid *grid = walk->solid->grid;
+void bwi_newton_state_measure(bwi_newton_state *state) {
+  const bwi_balance *now = &state->now;
+  const bw_grid *grid = state->solid->grid;
   double left = 0, applied = 0, held = 0, contact = 0, noise = 0, elastic = 0;
   double cell = fmax(grid->spacing[0], fmax(grid->spacing[1], grid->spacing[2]));
-  for (int64_t i = 0; i < walk->size; i++) {
+  for (int64_t i = 0; i < state->size; i++) {
     double touching = now->contact ? now->contact[i] : 0, other = now->load[i] - touching;
     double r = now->internal[i] - now->load[i];
-    walk->residual[i] = walk->the->held[i] ? 0 : r;
-    *(walk->the->held[i] ? &held : &left) += r * r;
+    state->residual[i] = state->load_case->held[i] ? 0 : r;
+    *(state->load_case->held[i] ? &held : &left) += r * r;
     applied += other * other;
     contact += touching * touching;
-    if (!walk->the->held[i]) {
-      double stiff = walk->blocks[3 * i + i % 3], term = stiff * (fabs(now->u[i]) + cell);
+    if (!state->load_case->held[i]) {
+      double stiff = state->blocks[3 * i + i % 3], term = stiff * (fabs(now->u[i]) + cell);
       elastic += fabs(stiff) * cell * cell;
       noise += term * term;
     }
   }
-  walk->noise = NOISE * sqrt(noise);
-  walk->elastic = elastic;
-  walk->reference = sqrt(applied) + sqrt(held) + sqrt(contact) + now->quadratic_size;
-  double least = walk->noise / walk->options->tolerance;
-  walk->relative = left > 0 ? sqrt(left) / fmax(walk->reference, least) : 0;
-  if (!isfinite(walk->relative))
-    walk->relative = DBL_MAX;
+  state->noise = NOISE * sqrt(noise);
+  state->elastic = elastic;
+  state->reference = sqrt(applied) + sqrt(held) + sqrt(contact) + now->quadratic_size;
+  double least = state->noise / state->options->tolerance;
+  state->relative = left > 0 ? sqrt(left) / fmax(state->reference, least) : 0;
+  if (!isfinite(state->relative))
+    state->relative = DBL_MAX;
 }
 
-void bwi_walk_accept(bwi_walk *walk) {
-  bwi_balance old = walk->now;
-  walk->now = walk->trial;
-  walk->trial = old;
-  walk->fresh = false;
+void bwi_newton_state_accept(bwi_newton_state *state) {
+  bwi_balance old = state->now;
+  state->now = state->trial;
+  state->trial = old;
+  state->fresh = false;
 }
 
-static bw_status record(bwi_walk *walk, double step, int32_t cg, double residual) {
-  bw_newton_report *report = walk->report;
+static bw_status record(bwi_newton_state *state, double step, int32_t cg, double residual) {
+  bw_newton_report *report = state->report;
   report->iterations++;
-  if (!bw_grow(walk->context, (void **)&report->history, &walk->history_capacity,
+  if (!bw_grow(state->context, (void **)&report->history, &state->history_capacity,
                (size_t)report->history_count, 1, sizeof *report->history))
     return BW_MEMORY;
   report->history[report->history_count++] = (bw_newton_entry){
-      .load = walk->load,
-      .energy = walk->now.energy,
+      .load = state->load,
+      .energy = state->now.energy,
       .residual = residual,
       .step = step,
       .cg = cg,
-      .contacts = (int32_t)(walk->now.contacts < INT32_MAX ? walk->now.contacts : INT32_MAX),
-      .projected = walk->tangent != BWI_PLAIN};
+      .contacts = (int32_t)(state->now.contacts < INT32_MAX ? state->now.contacts : INT32_MAX),
+      .projected = state->tangent != BWI_PLAIN};
   return BW_OK;
 }
 
 /* Move what is held to where it is at this load factor, and the rest along. */
-static bw_status move_held(bwi_walk *walk, bool *moved) {
+static bw_status move_held(bwi_newton_state *state, bool *moved) {
   bw_status status = BW_OK;
   int32_t cg = 0;
-  double *d = walk->direction, *moving = walk->work, residual = walk->relative;
+  double *d = state->direction, *moving = state->work, residual = state->relative;
   *moved = false;
-  for (int64_t i = 0; i < walk->size; i++)
-    moving[i] = walk->the->held[i] ? bwi_walk_target(walk, i) - walk->now.u[i] : 0;
-  if (walk->free > 0) {
-    BW_TRY(bwi_tangent_multiply(walk, moving, d));
-    for (int64_t i = 0; i < walk->size; i++)
-      d[i] = walk->the->held[i] ? 0 : -walk->residual[i] - d[i];
-    BW_TRY(bwi_tangent_solve(walk, d, 1e-4, d, &cg));
-    if (walk->negative && walk->tangent == BWI_PLAIN)
+  for (int64_t i = 0; i < state->size; i++)
+    moving[i] = state->load_case->held[i] ? bwi_newton_state_target(state, i) - state->now.u[i] : 0;
+  if (state->free > 0) {
+    BW_TRY(bwi_tangent_multiply(state, moving, d));
+    for (int64_t i = 0; i < state->size; i++)
+      d[i] = state->load_case->held[i] ? 0 : -state->residual[i] - d[i];
+    BW_TRY(bwi_tangent_solve(state, d, 1e-4, d, &cg));
+    if (state->negative && state->tangent == BWI_PLAIN)
       return BW_OK; /* not yet: with another tangent */
   } else
-    memset(d, 0, (size_t)walk->size * sizeof *d);
-  for (int64_t i = 0; i < walk->size; i++) {
+    memset(d, 0, (size_t)state->size * sizeof *d);
+  for (int64_t i = 0; i < state->size; i++) {
     d[i] += moving[i];
-    walk->trial.u[i] = walk->the->held[i] ? bwi_walk_target(walk, i) : walk->now.u[i] + d[i];
+    state->trial.u[i] =
+        state->load_case->held[i] ? bwi_newton_state_target(state, i) : state->now.u[i] + d[i];
   }
-  BW_TRY(bwi_walk_balance(walk, &walk->trial));
-  bool inverting = walk->trial.shape.inverted > 0 && walk->now.shape.inverted == 0;
-  if (!walk->trial.shape.defined || inverting) {
-    BW_TRY(bwi_newton_cap(walk->context, walk->solid, walk->now.u, d, inverting, &walk->part));
-    walk->obstacle = BWI_INVERTING;
+  BW_TRY(bwi_newton_state_balance(state, &state->trial));
+  bool inverting = state->trial.shape.inverted > 0 && state->now.shape.inverted == 0;
+  if (!state->trial.shape.defined || inverting) {
+    BW_TRY(bwi_newton_cap(state->context, state->solid, state->now.u, d, inverting, &state->part));
+    state->obstacle = BWI_INVERTING;
     goto done;
   }
-  bwi_walk_accept(walk);
-  BW_TRY(record(walk, 1, cg, residual));
+  bwi_newton_state_accept(state);
+  BW_TRY(record(state, 1, cg, residual));
   *moved = true;
 done:
   return status;
@@ -184,63 +187,65 @@ done:
 
 /* Floors are stiff: a direction that does not know of them ends at the first that it meets, a
  * little of the way. So the direction is found again for the points that push at its end, until
- * these are those that it was found for: the minimum of the potential's parabola with floors. It
- * goes down, since what is added to a parabola where a point is about to push, or taken away where
- * it is about to leave, only makes a step towards its minimum lower. */
-static bw_status foresee_contacts(bwi_walk *walk, double tolerance, double *slope, int32_t *cg) {
+ * these are those that it was found for: the minimum of the potential's parabola with contact
+ * planes. It goes down, since what is added to a parabola where a point is about to push, or taken
+ * away where it is about to leave, only makes a step towards its minimum lower. */
+static bw_status foresee_contacts(bwi_newton_state *state, double tolerance, double *slope,
+                                  int32_t *cg) {
   bw_status status = BW_OK;
-  size_t size = (size_t)walk->size * sizeof(double);
-  double *first = walk->trial.internal, *linear = walk->trial.load; /* not in use here */
-  memcpy(first, walk->direction, size);
+  size_t size = (size_t)state->size * sizeof(double);
+  double *first = state->trial.internal, *linear = state->trial.load; /* not in use here */
+  memcpy(first, state->direction, size);
   for (int k = 0; k < FORESEEN; k++) {
     bool changed, definite;
     int32_t more = 0;
-    BW_TRY(bwi_tangent_foresee(walk, &changed, &definite));
+    BW_TRY(bwi_tangent_predict_contact(state, &changed, &definite));
     if (!changed || !definite)
       break;
     memset(linear, 0, size);
-    bwi_contact_linear(walk->contact, linear);
-    for (int64_t i = 0; i < walk->size; i++)
-      walk->work[i] = walk->the->held[i] ? 0 : linear[i] - walk->now.contact[i] - walk->residual[i];
-    BW_TRY(bwi_tangent_solve(walk, walk->work, tolerance, walk->direction, &more));
+    bwi_contact_linear(state->contact, linear);
+    for (int64_t i = 0; i < state->size; i++)
+      state->work[i] =
+          state->load_case->held[i] ? 0 : linear[i] - state->now.contact[i] - state->residual[i];
+    BW_TRY(bwi_tangent_solve(state, state->work, tolerance, state->direction, &more));
     *cg += more;
   }
-  double along = bwi_walk_dot(walk, walk->residual, walk->direction);
+  double along = bwi_newton_state_dot(state, state->residual, state->direction);
   if (along < 0)
     *slope = along;
   else
-    memcpy(walk->direction, first, size);
+    memcpy(state->direction, first, size);
 done:
   return status;
 }
 
 /* The direction -K^-1 r; where it does not go down (with follower pressures, whose tangent is not
  * symmetric, or an inexact solution), *slope is not negative. */
-static bw_status find_direction(bwi_walk *walk, double *slope, int32_t *cg) {
+static bw_status find_direction(bwi_newton_state *state, double *slope, int32_t *cg) {
   bw_status status = BW_OK;
-  double rate = walk->previous > 0 ? walk->relative / walk->previous : 1;
+  double rate = state->previous > 0 ? state->relative / state->previous : 1;
   /* Eisenstat and Walker, choice 2 */
   double tolerance = fmin(0.1, 0.9 * rate * rate);
-  tolerance = fmax(tolerance, fmin(0.1, 0.3 * walk->options->tolerance / walk->relative));
-  if (walk->tangent == BWI_SHIFTED)
+  tolerance = fmax(tolerance, fmin(0.1, 0.3 * state->options->tolerance / state->relative));
+  if (state->tangent == BWI_SHIFTED)
     tolerance = fmin(tolerance, 1e-3);
-  if (walk->contact) /* gaps are to be closed much further than residuals */
+  if (state->contact) /* gaps are to be closed much further than residuals */
     tolerance = fmin(tolerance, 1e-4);
-  if (walk->options->cg_tolerance > 0)
-    tolerance = walk->options->cg_tolerance;
-  for (int64_t i = 0; i < walk->size; i++)
-    walk->work[i] = -walk->residual[i];
-  BW_TRY(bwi_tangent_solve(walk, walk->work, tolerance, walk->direction, cg));
-  *slope = bwi_walk_dot(walk, walk->residual, walk->direction);
-  if (walk->contact && *slope < 0)
-    BW_TRY(foresee_contacts(walk, tolerance, slope, cg));
+  if (state->options->cg_tolerance > 0)
+    tolerance = state->options->cg_tolerance;
+  for (int64_t i = 0; i < state->size; i++)
+    state->work[i] = -state->residual[i];
+  BW_TRY(bwi_tangent_solve(state, state->work, tolerance, state->direction, cg));
+  *slope = bwi_newton_state_dot(state, state->residual, state->direction);
+  if (state->contact && *slope < 0)
+    BW_TRY(foresee_contacts(state, tolerance, slope, cg));
 done:
   return status;
 }
 
-static bool must_move(const bwi_walk *walk) {
-  for (int64_t i = 0; i < walk->size; i++)
-    if (walk->the->held[i] && walk->now.u[i] != bwi_walk_target(walk, i))
+static bool must_move(const bwi_newton_state *state) {
+  for (int64_t i = 0; i < state->size; i++)
+    if (state->load_case->held[i] && state->now.u[i] != bwi_newton_state_target(state, i))
       return true;
   return false;
 }
@@ -260,31 +265,31 @@ static double largest(const double *u, int64_t size) {
 }
 
 /* At a residual that is small enough: whether the state is stable; if not, leave it. */
-static bw_status check_stable(bwi_walk *walk, int *escapes, bool *stable) {
+static bw_status check_stable(bwi_newton_state *state, int *escapes, bool *stable) {
   bw_status status = BW_OK;
   bool definite = true, lower = false, decided = true, by_factor = false;
   *stable = true;
-  walk->undecided = false;
+  state->undecided = false;
   /* a definite tangent one iteration ago says it for here, if that was near */
-  bool near = walk->previous < NEARBY && walk->have_tangent && walk->tangent == BWI_PLAIN &&
-              !walk->iterative;
-  if (walk->free == 0 || walk->quadratic || near)
+  bool near = state->previous < NEARBY && state->have_tangent && state->tangent == BWI_PLAIN &&
+              !state->iterative;
+  if (state->free == 0 || state->quadratic || near)
     return BW_OK;
-  if (walk->iterative)
-    BW_TRY(bwi_choice_factor_search(walk, &by_factor));
+  if (state->iterative)
+    BW_TRY(bwi_choice_factor_search(state, &by_factor));
   if (by_factor) {
-    walk->iterative = walk->fresh = false;
-    status = bwi_tangent_set(walk, BWI_PLAIN, &definite);
-    walk->iterative = true;
-    walk->fresh = false;
+    state->iterative = state->fresh = false;
+    status = bwi_tangent_set(state, BWI_PLAIN, &definite);
+    state->iterative = true;
+    state->fresh = false;
     if (status != BW_OK || definite)
       return status;
   }
-  BW_TRY(bwi_tangent_set(walk, BWI_PLAIN, &definite));
-  if (definite && !walk->iterative)
+  BW_TRY(bwi_tangent_set(state, BWI_PLAIN, &definite));
+  if (definite && !state->iterative)
     return BW_OK;
-  BW_TRY(bwi_newton_leave(walk, &lower, &decided));
-  walk->undecided = !decided;
+  BW_TRY(bwi_newton_leave(state, &lower, &decided));
+  state->undecided = !decided;
   if (!lower)
     return BW_OK;
   *stable = false;
@@ -293,9 +298,9 @@ done:
   return status;
 }
 
-double bwi_newton_left(const bwi_walk *walk, int64_t *of_cg) {
-  const bw_newton_options *o = walk->options;
-  const bw_newton_report *report = walk->report;
+double bwi_newton_left(const bwi_newton_state *state, int64_t *of_cg) {
+  const bw_newton_options *o = state->options;
+  const bw_newton_report *report = state->report;
   int64_t most = CG * (o->most_iterations > 0 ? o->most_iterations
                                               : MOST + (int64_t)MOST_OF_STEP * (o->steps - 1));
   int64_t left =
@@ -305,99 +310,100 @@ double bwi_newton_left(const bwi_walk *walk, int64_t *of_cg) {
   return left > 0 ? (double)left / (double)most : 0;
 }
 
-bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
+bw_status bwi_newton_equilibrium(bwi_newton_state *state, double load, bool *found) {
   bw_status status = BW_OK;
-  const bw_newton_options *options = walk->options;
+  const bw_newton_options *options = state->options;
   bwi_tangent kind = BWI_PLAIN;
   bool moving, crushed = false;
   double plain_below = 1; /* residual below which the tangent may be tried as it is again */
   int escapes = 0, projected = 0, creeping = 0;
   *found = false;
-  walk->load = load;
-  walk->obstacle = BWI_NO_OBSTACLE;
-  walk->part = walk->previous = walk->shift = walk->lift = 0;
-  walk->step = 1;
-  walk->have_tangent = walk->negative = false;
-  if (walk->contact)
-    bwi_contact_place(walk->contact, load, walk->begin != NULL);
-  moving = must_move(walk);
-  BW_TRY(bwi_walk_balance(walk, &walk->now));
+  state->load = load;
+  state->obstacle = BWI_NO_OBSTACLE;
+  state->part = state->previous = state->shift = state->projected_shift = 0;
+  state->step = 1;
+  state->have_tangent = state->negative = false;
+  if (state->contact)
+    bwi_contact_place(state->contact, load, state->begin != NULL);
+  moving = must_move(state);
+  BW_TRY(bwi_newton_state_balance(state, &state->now));
   for (int k = 0; k <= options->iterations; k++) {
     bool definite = false;
     int32_t cg = 0;
     double slope = 0, step = 0;
-    if (!walk->quadratic)
-      bw_progress(walk->context, "equilibrium",
-                  fmax(walk->reached, 1 - bwi_newton_left(walk, NULL)));
-    BW_TRY(bw_check_cancel(walk->context));
-    bwi_walk_measure(walk);
-    if (!walk->quadratic && largest(walk->now.u, walk->size) > AWAY * size_of(walk->solid->grid)) {
-      walk->obstacle = BWI_STIFFNESS;
+    if (!state->quadratic)
+      bw_progress(state->context, "equilibrium",
+                  fmax(state->reached, 1 - bwi_newton_left(state, NULL)));
+    BW_TRY(bw_check_cancel(state->context));
+    bwi_newton_state_measure(state);
+    if (!state->quadratic &&
+        largest(state->now.u, state->size) > AWAY * size_of(state->solid->grid)) {
+      state->obstacle = BWI_STIFFNESS;
       goto done;
     }
-    double gap = walk->contact ? bwi_contact_error(walk->contact) : 0;
-    bool small = walk->relative <= options->tolerance;
-    if (!moving && gap > GAP * size_of(walk->solid->grid) &&
-        walk->relative <= fmax(SETTLE_BELOW, options->tolerance)) {
-      bwi_contact_settle(walk->contact);
-      BW_TRY(bwi_walk_balance(walk, &walk->now));
-      bwi_walk_measure(walk);
+    double gap = state->contact ? bwi_contact_error(state->contact) : 0;
+    bool small = state->relative <= options->tolerance;
+    if (!moving && gap > GAP * size_of(state->solid->grid) &&
+        state->relative <= fmax(SETTLE_BELOW, options->tolerance)) {
+      bwi_contact_settle(state->contact);
+      BW_TRY(bwi_newton_state_balance(state, &state->now));
+      bwi_newton_state_measure(state);
     } else if (!moving && small) {
       bool stable;
-      if (walk->now.shape.inverted > 0 && !options->allow_inverted) {
-        walk->obstacle = BWI_INVERTED;
+      if (state->now.shape.inverted > 0 && !options->allow_inverted) {
+        state->obstacle = BWI_INVERTED;
         goto done;
       }
-      BW_TRY(check_stable(walk, &escapes, &stable));
+      BW_TRY(check_stable(state, &escapes, &stable));
       *found = stable;
       if (stable)
         goto done;
       if (escapes > ESCAPES) {
-        walk->obstacle = BWI_UNSTABLE;
+        state->obstacle = BWI_UNSTABLE;
         goto done;
       }
       kind = BWI_SHIFTED;
       plain_below = 1e-2;
-      bwi_walk_measure(walk);
+      bwi_newton_state_measure(state);
     }
     if (k == options->iterations)
       break;
-    if (bwi_newton_left(walk, NULL) <= 0) {
-      walk->obstacle = BWI_WORK;
+    if (bwi_newton_left(state, NULL) <= 0) {
+      state->obstacle = BWI_WORK;
       goto done;
     }
-    double residual = walk->relative;
-    if (walk->iterative) {
+    double residual = state->relative;
+    if (state->iterative) {
       bool by_factor;
-      BW_TRY(bwi_choice_factor(walk, &by_factor));
+      BW_TRY(bwi_choice_factor(state, &by_factor));
       if (by_factor)
-        walk->iterative = walk->fresh = false;
+        state->iterative = state->fresh = false;
     }
-    if (walk->free > 0) {
+    if (state->free > 0) {
       if (kind == BWI_PROJECTED && ++projected > PATIENCE)
         kind = BWI_SHIFTED;
-      BW_TRY(bwi_tangent_set(walk, kind, &definite));
+      BW_TRY(bwi_tangent_set(state, kind, &definite));
       if (!definite && kind == BWI_PLAIN) {
-        kind = walk->relative < NEAR || projected > PATIENCE ? BWI_SHIFTED : BWI_PROJECTED;
-        plain_below = fmin(plain_below, walk->relative) * 1e-2;
-        BW_TRY(bwi_tangent_set(walk, kind, &definite));
+        kind = state->relative < NEAR || projected > PATIENCE ? BWI_SHIFTED : BWI_PROJECTED;
+        plain_below = fmin(plain_below, state->relative) * 1e-2;
+        BW_TRY(bwi_tangent_set(state, kind, &definite));
       }
       if (!definite && kind == BWI_SHIFTED && !crushed) { /* what elements need, at least once */
         crushed = true;
         kind = BWI_PROJECTED;
         projected = 0;
-        plain_below = fmin(plain_below, walk->relative) * 1e-2;
-        BW_TRY(bwi_tangent_set(walk, kind, &definite));
+        plain_below = fmin(plain_below, state->relative) * 1e-2;
+        BW_TRY(bwi_tangent_set(state, kind, &definite));
       }
       if (!definite) {
-        walk->obstacle = kind == BWI_SHIFTED ? BWI_CRUSHED : BWI_STIFFNESS;
+        state->obstacle = kind == BWI_SHIFTED ? BWI_CRUSHED : BWI_STIFFNESS;
         goto done;
       }
     }
     if (moving) {
       bool moved;
-      BW_TRY(move_held(walk, &moved));
-      if (!moved && walk->obstacle == BWI_NO_OBSTACLE) {
+      BW_TRY(move_held(state, &moved));
+      if (!moved && state->obstacle == BWI_NO_OBSTACLE) {
         kind = BWI_PROJECTED;
         plain_below *= 1e-2;
         continue;
@@ -405,58 +411,58 @@ bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found) {
       if (!moved)
         goto done;
       moving = false;
-      walk->have_tangent = false; /* it was that of another shape */
+      state->have_tangent = false; /* it was that of another shape */
       continue;
     }
-    BW_TRY(find_direction(walk, &slope, &cg));
-    while (walk->negative && walk->tangent != BWI_PROJECTED) { /* as where a factor fails */
+    BW_TRY(find_direction(state, &slope, &cg));
+    while (state->negative && state->tangent != BWI_PROJECTED) { /* as where a factor fails */
       int32_t further = 0;
       bool stiffer;
-      BW_TRY(bwi_tangent_stiffen(walk, &stiffer));
+      BW_TRY(bwi_tangent_stiffen(state, &stiffer));
       if (!stiffer) {
-        bool close = walk->relative < NEAR || projected > PATIENCE;
+        bool close = state->relative < NEAR || projected > PATIENCE;
         kind = close && kind == BWI_PLAIN ? BWI_SHIFTED : BWI_PROJECTED;
-        plain_below = fmin(plain_below, walk->relative) * 1e-2;
-        BW_TRY(bwi_tangent_set(walk, kind, &definite));
+        plain_below = fmin(plain_below, state->relative) * 1e-2;
+        BW_TRY(bwi_tangent_set(state, kind, &definite));
       }
-      BW_TRY(find_direction(walk, &slope, &further));
+      BW_TRY(find_direction(state, &slope, &further));
       cg += further;
     }
     if (slope < 0)
-      BW_TRY(bwi_newton_search(walk, slope, &step));
+      BW_TRY(bwi_newton_search(state, slope, &step));
     if (step == 0) {
-      BW_TRY(record(walk, 0, cg, residual));
+      BW_TRY(record(state, 0, cg, residual));
       /* as good as it gets: some laws round more than the noise allows for */
-      double least = walk->noise / options->tolerance;
-      double left = walk->relative * fmax(walk->reference, least);
-      if (left <= ROUGH * walk->noise && gap <= GAP * size_of(walk->solid->grid) &&
-          (walk->now.shape.inverted == 0 || options->allow_inverted)) {
+      double least = state->noise / options->tolerance;
+      double left = state->relative * fmax(state->reference, least);
+      if (left <= ROUGH * state->noise && gap <= GAP * size_of(state->solid->grid) &&
+          (state->now.shape.inverted == 0 || options->allow_inverted)) {
         *found = true;
         goto done;
       }
       if (kind == BWI_PLAIN) { /* once more with a direction that is sure to go down */
         kind = BWI_PROJECTED;
-        plain_below = fmin(plain_below, walk->relative) * 1e-2;
+        plain_below = fmin(plain_below, state->relative) * 1e-2;
         continue;
       }
-      walk->obstacle = BWI_SEARCH;
+      state->obstacle = BWI_SEARCH;
       goto done;
     }
-    walk->previous = residual;
-    walk->step = step;
-    BW_TRY(record(walk, step, cg, residual));
+    state->previous = residual;
+    state->step = step;
+    BW_TRY(record(state, step, cg, residual));
     creeping = step < SHORT ? creeping + 1 : 0;
     if (creeping == CREEPING) {
-      walk->obstacle = BWI_CREEPING;
+      state->obstacle = BWI_CREEPING;
       goto done;
     }
     if (kind != BWI_PLAIN && step >= 1) {
-      bwi_walk_measure(walk);
-      if (walk->relative <= fmin(plain_below, NEAR))
+      bwi_newton_state_measure(state);
+      if (state->relative <= fmin(plain_below, NEAR))
         kind = BWI_PLAIN;
     }
   }
-  walk->obstacle = BWI_ITERATIONS;
+  state->obstacle = BWI_ITERATIONS;
 done:
   return status;
 }

@@ -10,18 +10,18 @@
 #ifndef BWI_NONLINEAR_NEWTON_H
 #define BWI_NONLINEAR_NEWTON_H
 
-#include "nonlinear/case.h"
+#include "nonlinear/contact_plane.h"
 #include "nonlinear/direct.h"
-#include "nonlinear/floor.h"
+#include "nonlinear/load_case.h"
 #include "nonlinear/precondition.h"
 
 /* What solutions by conjugate gradients needed, those of solids with so many elements. */
-typedef struct bwi_experience {
+typedef struct bwi_cg_statistics {
   int64_t elements;
   double solutions, iterations; /* with the guess that was there before */
   double taken;                 /* without it */
   double nepers;                /* by how many factors of e they brought residuals down */
-} bwi_experience;
+} bwi_cg_statistics;
 
 /* What is kept between solves. */
 struct bw_newton {
@@ -31,7 +31,7 @@ struct bw_newton {
   int64_t pairs;
   bw_solid_linear *linear; /* of linear_of (retained), or NULL */
   const bw_solid *linear_of;
-  bwi_experience learnt;
+  bwi_cg_statistics cg_statistics;
 };
 
 /* What may be added to the potential: 1/2 (u - centre) . Q (u - centre) + force . (u - centre),
@@ -41,17 +41,18 @@ typedef struct bwi_quadratic {
   const double *centre, *force; /* node_count x 3 */
   double of_mass;               /* 1/s2 */
   double of_stiffness;
-  const double *stiffness;       /* K, 9 per pair of the graph, */
-  const bw_solid_linear *linear; /* or element by element where the walk is iterative; or NULL */
-  double *room[2];               /* node_count x 3 */
+  const double *stiffness; /* K, 9 per pair of the graph, */
+  const bw_solid_linear
+      *linear;     /* or element by element where the Newton state is iterative; or NULL */
+  double *room[2]; /* node_count x 3 */
 } bwi_quadratic;
 
 /* Energy and forces at displacements u. */
 typedef struct bwi_balance {
   double *u;
   double *internal; /* gradient of the energy of strain and of the quadratic term */
-  double *load;     /* all else, floors included */
-  double *contact;  /* of floors alone, or NULL */
+  double *load;     /* all else, contact planes included */
+  double *contact;  /* of contact planes alone, or NULL */
   double energy;    /* of strain */
   double contact_energy, quadratic_energy;
   double quadratic_size; /* norm of the quadratic term's gradient */
@@ -88,21 +89,21 @@ typedef enum bwi_obstacle {
 } bwi_obstacle;
 const char *bwi_obstacle_text(bwi_obstacle obstacle); /* "the iterations did not suffice" */
 
-typedef struct bwi_walk {
+typedef struct bwi_newton_state {
   bw_context *context;
   const bw_solid *solid;
-  const bw_solid_case *the;
+  const bw_load_case *load_case;
   bw_newton *newton;
   const bw_newton_options *options;
-  int64_t size;  /* 3 node_count */
-  int64_t free;  /* components that are not held */
-  double *dead;  /* dead loads at full */
-  double *begin; /* displacements at load factor 0, or NULL: rest */
-  double *fade;  /* what is out of balance there under full loads, or NULL. Balanced at load factor
-                    0, it fades: at load factor s, 1 - s of it is left */
-  bool follows;  /* the case has follower pressures */
-  double *follower;     /* 9 per pair: what follower pressures add to the tangent, or NULL */
-  bwi_contact *contact; /* or NULL */
+  int64_t size;             /* 3 node_count */
+  int64_t free;             /* components that are not held */
+  double *dead;             /* dead loads at full */
+  double *begin;            /* displacements at load factor 0, or NULL: rest */
+  double *initial_residual; /* what is out of balance there under full loads, or NULL. Balanced at
+                   load factor 0, it fades: at load factor s, 1 - s of it is left */
+  bool follows;             /* the case has follower pressures */
+  double *follower;         /* 9 per pair: what follower pressures add to the tangent, or NULL */
+  bwi_contact *contact;     /* or NULL */
   const bwi_quadratic *quadratic; /* or NULL */
   double load;
   double reached; /* load factor of the last equilibrium, for progress */
@@ -116,8 +117,8 @@ typedef struct bwi_walk {
   double relative; /* the residual now */
   bwi_tangent tangent; /* the last one */
   bool have_tangent;
-  double step;  /* the last length along a direction */
-  double lift;  /* that of projected tangents, which followers may need; or 0 */
+  double step;            /* the last length along a direction */
+  double projected_shift; /* that of projected tangents, which followers may need; or 0 */
   double shift; /* of the last shifted tangent that was definite, over the diagonal's mean; or 0 */
   bool iterative; /* solutions by conjugate gradients, without a matrix */
   bool negative;  /* the last of those met a direction of negative curvature */
@@ -131,77 +132,80 @@ typedef struct bwi_walk {
   double part; /* how much of the movement of what is held would have been possible, 0: not known */
   bw_newton_report *report;
   size_t history_capacity;
-} bwi_walk;
+} bwi_newton_state;
 
 /* BW_INVALID for a case of another grid and for options out of range, BW_UNCONSTRAINED where
  * nothing holds.
  */
-bw_status bwi_newton_check(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
-                           const bw_newton_options *options);
-/* Room for a walk whose context, solid, case, newton, options and report are set; it begins at
- * rest, at load factor 0. The contact is not made. */
-bw_status bwi_walk_create(bwi_walk *walk);
-void bwi_walk_clear(bwi_walk *walk);
+bw_status bwi_newton_check(bw_context *context, const bw_solid *solid,
+                           const bw_load_case *load_case, const bw_newton_options *options);
+/* Room for a Newton state whose context, solid, case, newton, options and report are set; it begins
+ * at rest, at load factor 0. The contact is not made. */
+bw_status bwi_newton_state_create(bwi_newton_state *state);
+void bwi_newton_state_clear(bwi_newton_state *state);
 
 /* The quadratic term's energy at at->u; its gradient is added to at->internal (quadratic.c). */
-bw_status bwi_quadratic_evaluate(bwi_walk *walk, bwi_balance *at);
-/* Its second derivatives, added to the stiffness kept and to the walk's blocks. Of iterative walks
- * bwi_solid_linear_add takes care. */
-void bwi_quadratic_stiffness(bwi_walk *walk);
+bw_status bwi_quadratic_evaluate(bwi_newton_state *state, bwi_balance *at);
+/* Its second derivatives, added to the stiffness kept and to the Newton state's blocks. Of
+ * iterative states bwi_solid_linear_add takes care. */
+void bwi_quadratic_stiffness(bwi_newton_state *state);
 
 bw_status bwi_balance_create(bw_context *context, int64_t size, bool contact, bwi_balance *at);
 void bwi_balance_clear(bwi_balance *at);
-/* Energy and forces at at->u under the load factor of the walk. Nothing but at->shape is to be used
- * where that says undefined, or where energy or forces are not finite. */
-bw_status bwi_walk_balance(bwi_walk *walk, bwi_balance *at);
+/* Energy and forces at at->u under the load factor of the Newton state. Nothing but at->shape is to
+ * be used where that says undefined, or where energy or forces are not finite. */
+bw_status bwi_newton_state_balance(bwi_newton_state *state, bwi_balance *at);
 /* The trial becomes the state now, and the other way round. */
-void bwi_walk_accept(bwi_walk *walk);
-/* Loads but for those of floors, at displacements u. */
-bw_status bwi_walk_loads(bwi_walk *walk, const double *u, double *load);
+void bwi_newton_state_accept(bwi_newton_state *state);
+/* Loads but for those of contact planes, at displacements u. */
+bw_status bwi_newton_state_loads(bwi_newton_state *state, const double *u, double *load);
 /* Residual (0 where held), its size relative to the forces at work, and what those are. */
-void bwi_walk_measure(bwi_walk *walk);
-static inline double bwi_walk_target(const bwi_walk *walk, int64_t i) {
-  double from = walk->begin ? walk->begin[i] : 0;
-  return walk->load >= 1 ? walk->the->value[i] : from + walk->load * (walk->the->value[i] - from);
+void bwi_newton_state_measure(bwi_newton_state *state);
+static inline double bwi_newton_state_target(const bwi_newton_state *state, int64_t i) {
+  double from = state->begin ? state->begin[i] : 0;
+  return state->load >= 1 ? state->load_case->value[i]
+                          : from + state->load * (state->load_case->value[i] - from);
 }
-double bwi_walk_dot(const bwi_walk *walk, const double *a, const double *b); /* free components */
+double bwi_newton_state_dot(const bwi_newton_state *state, const double *a,
+                            const double *b); /* free components */
 
 /* What is left of the iterations that all load steps may take together, as a part of them and in
  * iterations of conjugate gradients. */
-double bwi_newton_left(const bwi_walk *walk, int64_t *of_cg);
-/* Equilibrium at `load` from walk->now.u, which is left where it ends. BW_OK with *found false and
- * walk->obstacle where there is none to be found. */
-bw_status bwi_newton_equilibrium(bwi_walk *walk, double load, bool *found);
+double bwi_newton_left(const bwi_newton_state *state, int64_t *of_cg);
+/* Equilibrium at `load` from state->now.u, which is left where it ends. BW_OK with *found
+ * false and state->obstacle where there is none to be found. */
+bw_status bwi_newton_equilibrium(bwi_newton_state *state, double load, bool *found);
 
-/* Node blocks of the plain stiffness at walk->now.u to walk->blocks. */
-bw_status bwi_tangent_blocks(bwi_walk *walk);
-/* The tangent at walk->now.u. *definite false: nothing to solve with; for kinds but BWI_PLAIN that
- * is a solid which can move freely, or numbers that are not finite. */
-bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite);
+/* Node blocks of the plain stiffness at state->now.u to state->blocks. */
+bw_status bwi_tangent_blocks(bwi_newton_state *state);
+/* The tangent at state->now.u. *definite false: nothing to solve with; for kinds but
+ * BWI_PLAIN that is a solid which can move freely, or numbers that are not finite. */
+bw_status bwi_tangent_set(bwi_newton_state *state, bwi_tangent kind, bool *definite);
 /* A shifted tangent that a solution without a matrix found not to be definite: more of a shift.
  * *stiffer false: there is none such, or no more to be had. */
-bw_status bwi_tangent_stiffen(bwi_walk *walk, bool *stiffer);
-/* The same tangent for the points that will push after walk->direction (floor.h); *changed false:
- * they are those that it is for. */
-bw_status bwi_tangent_foresee(bwi_walk *walk, bool *changed, bool *definite);
+bw_status bwi_tangent_stiffen(bwi_newton_state *state, bool *stiffer);
+/* The same tangent for the points that will push after state->direction (contact_plane.h);
+ * *changed false: they are those that it is for. */
+bw_status bwi_tangent_predict_contact(bwi_newton_state *state, bool *changed, bool *definite);
 /* y = K x with all components, followers left out where that is without a matrix. */
-bw_status bwi_tangent_multiply(bwi_walk *walk, const double *x, double *y);
+bw_status bwi_tangent_multiply(bwi_newton_state *state, const double *x, double *y);
 /* K d = f for free components, to a relative tolerance where that is iterative; *iterations (may be
  * NULL) gets those. With follower pressures their derivative is a part of K. */
-bw_status bwi_tangent_solve(bwi_walk *walk, const double *force, double tolerance,
+bw_status bwi_tangent_solve(bwi_newton_state *state, const double *force, double tolerance,
                             double *displacement, int32_t *iterations);
 
-/* What the choice is about, where the options leave one; begins an experience. */
-void bwi_choice_begin(bwi_walk *walk);
-void bwi_choice_learn(bwi_walk *walk, int32_t iterations, double residual);
-int32_t bwi_choice_limit(const bwi_walk *walk); /* iterations that a solution may take */
+/* What the choice is about, where the options leave one; begins the statistics. */
+void bwi_choice_begin(bwi_newton_state *state);
+void bwi_choice_learn(bwi_newton_state *state, int32_t iterations, double residual);
+int32_t bwi_choice_limit(const bwi_newton_state *state); /* iterations that a solution may take */
 /* Whether a factor is cheaper: for a tangent to solve with, to see that it is definite. */
-bw_status bwi_choice_factor(bwi_walk *walk, bool *factor);
-bw_status bwi_choice_factor_search(bwi_walk *walk, bool *factor);
+bw_status bwi_choice_factor(bwi_newton_state *state, bool *factor);
+bw_status bwi_choice_factor_search(bwi_newton_state *state, bool *factor);
 
-/* Go along walk->direction, along which the potential falls by `slope` < 0 at first: walk->now
- * becomes a state that is lower, *step says how far; 0: none was found, and nothing changed. */
-bw_status bwi_newton_search(bwi_walk *walk, double slope, double *step);
+/* Go along state->direction, along which the potential falls by `slope` < 0 at first: Newton
+ * state->now becomes a state that is lower, *step says how far; 0: none was found, and nothing
+ * changed. */
+bw_status bwi_newton_search(bwi_newton_state *state, double slope, double *step);
 /* The largest part of d, up to 1, with which no neo-Hookean point (`all`: no point) loses its
  * volume. */
 bw_status bwi_newton_cap(bw_context *context, const bw_solid *solid, const double *u,
@@ -209,6 +213,6 @@ bw_status bwi_newton_cap(bw_context *context, const bw_solid *solid, const doubl
 
 /* At an equilibrium whose tangent is not positive definite: go to a state of lower potential.
  * *lower false: there is none, or, with *decided false too, the iterations allowed did not tell. */
-bw_status bwi_newton_leave(bwi_walk *walk, bool *lower, bool *decided);
+bw_status bwi_newton_leave(bwi_newton_state *state, bool *lower, bool *decided);
 
 #endif

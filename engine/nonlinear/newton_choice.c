@@ -7,9 +7,9 @@
  * stiffnesses, and a solution with the coarsest factor; how many there will be is what solutions of
  * the same elements have needed so far, and a guess before there were any. The analysis costs as
  * much as some tens of iterations: it is put off until iterations have cost four times that, so
- * that short solutions go without. Then, and whenever it is kept from before, a walk takes what
- * seems cheaper; from iterations it goes over to the factor for good. No solution may take more of
- * them than a few factors are worth.
+ * that short solutions go without. Then, and whenever it is kept from before, a Newton state takes
+ * what seems cheaper; from iterations it goes over to the factor for good. No solution may take
+ * more of them than a few factors are worth.
  *
  * The search for a direction of negative curvature has to go on until its residual has fallen by
  * some sixteen factors of e, which is dear where convergence is slow: one factor then does the same
@@ -46,26 +46,26 @@ enum { PRODUCTS = 5, PRODUCTS_BELOW = 4, PRODUCTS_TO_SET = 3 };
 /* Factors of e by which the search's residual falls: half of log(n 30 10^8), n some 10^4. */
 #define SEARCH_NEPERS 16.0
 
-void bwi_choice_begin(bwi_walk *walk) {
-  const bw_newton_options *o = walk->options;
-  bwi_choice *c = &walk->choice;
-  const bw_grid *grid = walk->solid->grid;
-  if (!walk->iterative || !o->by_cost || walk->free == 0)
+void bwi_choice_begin(bwi_newton_state *state) {
+  const bw_newton_options *o = state->options;
+  bwi_choice *c = &state->choice;
+  const bw_grid *grid = state->solid->grid;
+  if (!state->iterative || !o->by_cost || state->free == 0)
     return;
-  if (walk->newton->learnt.elements != grid->element_count)
-    walk->newton->learnt = (bwi_experience){.elements = grid->element_count,
-                                            .solutions = GUESS_WEIGHT,
-                                            .iterations = GUESS * GUESS_WEIGHT,
-                                            .nepers = 3 * GUESS_WEIGHT};
+  if (state->newton->cg_statistics.elements != grid->element_count)
+    state->newton->cg_statistics = (bwi_cg_statistics){.elements = grid->element_count,
+                                                       .solutions = GUESS_WEIGHT,
+                                                       .iterations = GUESS * GUESS_WEIGHT,
+                                                       .nepers = 3 * GUESS_WEIGHT};
   double product = ELEMENT_BYTES * (double)grid->element_count;
   double bytes = PRODUCTS * product + NODE_BYTES * (double)grid->node_count;
   c->set = PRODUCTS_TO_SET * product / BYTES_PER_SECOND;
   for (int k = 0; k < o->coarse_count; k++) {
     const bw_grid *below = o->coarse[k]->grid;
-    const bw_palette *palette = o->coarse[k]->palette;
+    const bw_material_table *material_table = o->coarse[k]->material_table;
     double nodes = below->node_count;
     for (int64_t e = 0; e < below->element_count; e++)
-      c->set += SECONDS_PER_POINT * palette->material[below->material[e]]->rule->count;
+      c->set += SECONDS_PER_POINT * material_table->material[below->material[e]]->rule->count;
     if (k + 1 < o->coarse_count)
       bytes += PRODUCTS_BELOW * ELEMENT_BYTES * (double)below->element_count;
     else {
@@ -78,62 +78,64 @@ void bwi_choice_begin(bwi_walk *walk) {
 }
 
 /* What iterations with these elements took so far, over what an analysis takes. */
-static double spent(const bwi_walk *walk) {
-  return walk->choice.iteration * walk->newton->learnt.taken /
-         (ANALYSIS * walk->solid->grid->node_count);
+static double spent(const bwi_newton_state *state) {
+  return state->choice.iteration * state->newton->cg_statistics.taken /
+         (ANALYSIS * state->solid->grid->node_count);
 }
 
 /* Analyses once that is worth it. */
-static bw_status consider(bwi_walk *walk) {
+static bw_status consider(bwi_newton_state *state) {
   bw_status status = BW_OK;
-  bwi_choice *c = &walk->choice;
+  bwi_choice *c = &state->choice;
   double flops, entries, before = bw_seconds();
-  if (!c->open || c->factor > 0 || spent(walk) * ANALYSIS_SHARE < 1)
+  if (!c->open || c->factor > 0 || spent(state) * ANALYSIS_SHARE < 1)
     return BW_OK;
-  walk->report->analyses +=
-      !bwi_direct_keeps(walk->newton->direct, walk->solid->graph, walk->the->held);
-  BW_TRY(
-      bwi_direct_analyse(walk->context, walk->newton->direct, walk->solid->graph, walk->the->held));
-  walk->report->seconds_analysis += bw_seconds() - before;
-  bwi_direct_count(walk->newton->direct, &flops, &entries);
+  state->report->analyses +=
+      !bwi_direct_keeps(state->newton->direct, state->solid->graph, state->load_case->held);
+  BW_TRY(bwi_direct_analyse(state->context, state->newton->direct, state->solid->graph,
+                            state->load_case->held));
+  state->report->seconds_analysis += bw_seconds() - before;
+  bwi_direct_count(state->newton->direct, &flops, &entries);
   c->factor = flops / FLOPS_PER_SECOND + ENTRY_BYTES * entries / BYTES_PER_SECOND;
 done:
   return status;
 }
 
-void bwi_choice_learn(bwi_walk *walk, int32_t iterations, double residual) {
-  bwi_experience *learnt = &walk->newton->learnt;
-  learnt->solutions += 1;
-  learnt->iterations += iterations;
-  learnt->taken += iterations;
-  learnt->nepers += residual > 0 && residual < 1 ? -log(residual) : 0;
+void bwi_choice_learn(bwi_newton_state *state, int32_t iterations, double residual) {
+  bwi_cg_statistics *cg_statistics = &state->newton->cg_statistics;
+  cg_statistics->solutions += 1;
+  cg_statistics->iterations += iterations;
+  cg_statistics->taken += iterations;
+  cg_statistics->nepers += residual > 0 && residual < 1 ? -log(residual) : 0;
 }
 
-int32_t bwi_choice_limit(const bwi_walk *walk) {
-  const bwi_choice *c = &walk->choice;
-  double most = walk->options->cg_iterations;
+int32_t bwi_choice_limit(const bwi_newton_state *state) {
+  const bwi_choice *c = &state->choice;
+  double most = state->options->cg_iterations;
   if (c->factor > 0)
     most = fmin(most, fmax(LEAST, LIMIT * c->factor / c->iteration));
   else if (c->open)
-    most = fmin(most, fmax(LEAST, (1 / ANALYSIS_SHARE - spent(walk)) * ANALYSIS *
-                                      walk->solid->grid->node_count / c->iteration));
+    most = fmin(most, fmax(LEAST, (1 / ANALYSIS_SHARE - spent(state)) * ANALYSIS *
+                                      state->solid->grid->node_count / c->iteration));
   return (int32_t)most;
 }
 
-bw_status bwi_choice_factor(bwi_walk *walk, bool *factor) {
-  const bwi_choice *c = &walk->choice;
-  const bwi_experience *learnt = &walk->newton->learnt;
-  bw_status status = consider(walk);
+bw_status bwi_choice_factor(bwi_newton_state *state, bool *factor) {
+  const bwi_choice *c = &state->choice;
+  const bwi_cg_statistics *cg_statistics = &state->newton->cg_statistics;
+  bw_status status = consider(state);
   *factor =
-      c->factor > 0 && c->set + c->iteration * learnt->iterations / learnt->solutions > c->factor;
+      c->factor > 0 &&
+      c->set + c->iteration * cg_statistics->iterations / cg_statistics->solutions > c->factor;
   return status;
 }
 
-bw_status bwi_choice_factor_search(bwi_walk *walk, bool *factor) {
-  const bwi_choice *c = &walk->choice;
-  const bwi_experience *learnt = &walk->newton->learnt;
-  bw_status status = consider(walk);
-  *factor = c->factor > 0 &&
-            c->iteration * SEARCH_NEPERS * learnt->iterations / fmax(1, learnt->nepers) > c->factor;
+bw_status bwi_choice_factor_search(bwi_newton_state *state, bool *factor) {
+  const bwi_choice *c = &state->choice;
+  const bwi_cg_statistics *cg_statistics = &state->newton->cg_statistics;
+  bw_status status = consider(state);
+  *factor = c->factor > 0 && c->iteration * SEARCH_NEPERS * cg_statistics->iterations /
+                                     fmax(1, cg_statistics->nepers) >
+                                 c->factor;
   return status;
 }

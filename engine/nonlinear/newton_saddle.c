@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Leaving equilibria that are not stable.
  *
- * A slab pressed straight down stays straight in exact arithmetic: Newton's method walks to an
+ * A slab pressed straight down stays straight in exact arithmetic: Newton's method states to an
  * equilibrium whose tangent K has negative eigenvalues. Conjugate gradients on K with a right-hand
  * side f of random numbers, preconditioned by M, meet a direction p with p . K p < 0 as soon as
  * their Krylov space holds one. That they do not is an answer too, once they have converged: the
@@ -32,64 +32,66 @@ enum { DOUBLINGS = 12 };
 #define NEUTRAL 1e-12
 
 /* Random forces: the diagonal's square root times normal numbers. */
-static bw_status random_forces(bwi_walk *walk, double *force) {
+static bw_status random_forces(bwi_newton_state *state, double *force) {
   bw_random random;
-  double *blocks = walk->blocks, *own = NULL;
-  if (walk->contact) {
-    own = BW_NEW(walk->context, double, 3 * walk->size);
+  double *blocks = state->blocks, *own = NULL;
+  if (state->contact) {
+    own = BW_NEW(state->context, double, 3 * state->size);
     if (!own)
       return BW_MEMORY;
-    memcpy(own, blocks, 3 * (size_t)walk->size * sizeof *own);
-    bwi_contact_blocks(walk->contact, own);
+    memcpy(own, blocks, 3 * (size_t)state->size * sizeof *own);
+    bwi_contact_blocks(state->contact, own);
     blocks = own;
   }
   bw_random_seed(&random, 1);
-  for (int64_t i = 0; i < walk->size; i++) {
+  for (int64_t i = 0; i < state->size; i++) {
     double number = bw_random_normal(&random);
-    force[i] = walk->the->held[i] ? 0 : sqrt(fabs(blocks[3 * i + i % 3])) * number;
+    force[i] = state->load_case->held[i] ? 0 : sqrt(fabs(blocks[3 * i + i % 3])) * number;
   }
   bw_free(own);
   return BW_OK;
 }
 
-/* A direction of negative curvature of `plain` (of the walk's tangent where that is iterative) to
- * walk->direction. Neither *found nor *none: the iterations allowed did not tell. */
-static bw_status find_negative(bwi_walk *walk, const double *plain, bool *found, bool *none) {
+/* A direction of negative curvature of `plain` (of the Newton state's tangent where that is
+ * iterative) to state->direction. Neither *found nor *none: the iterations allowed did not
+ * tell. */
+static bw_status find_negative(bwi_newton_state *state, const double *plain, bool *found,
+                               bool *none) {
   bw_status status = BW_OK;
-  bw_context *context = walk->context;
-  int64_t n = walk->size;
+  bw_context *context = state->context;
+  int64_t n = state->size;
   double *r = BW_NEW(context, double, n), *z = BW_NEW(context, double, n),
-         *q = BW_NEW(context, double, n), *p = walk->direction;
+         *q = BW_NEW(context, double, n), *p = state->direction;
   double before = 0;
   *found = *none = false;
   if (!r || !z || !q) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(random_forces(walk, r));
-  for (int k = 0; k < walk->options->cg_iterations && bwi_newton_left(walk, NULL) > 0; k++) {
+  BW_TRY(random_forces(state, r));
+  for (int k = 0; k < state->options->cg_iterations && bwi_newton_left(state, NULL) > 0; k++) {
     BW_TRY(bw_check_cancel(context));
-    if (walk->iterative)
-      BW_TRY(bwi_precondition_apply(context, walk->precondition, r, z));
+    if (state->iterative)
+      BW_TRY(bwi_precondition_apply(context, state->precondition, r, z));
     else
-      BW_TRY(bwi_direct_solve(context, walk->newton->direct, r, z));
-    double rz = bwi_walk_dot(walk, r, z), curvature, size = 0;
+      BW_TRY(bwi_direct_solve(context, state->newton->direct, r, z));
+    double rz = bwi_newton_state_dot(state, r, z), curvature, size = 0;
     if (!isfinite(rz))
       goto done;
     *none = rz >= 0 && rz < LEAST_PART * LEAST_PART * LEAST_VARIANCE;
     if (*none || rz < 0)
       goto done;
     for (int64_t i = 0; i < n; i++)
-      p[i] = walk->the->held[i] ? 0 : z[i] + (before > 0 ? rz / before * p[i] : 0);
+      p[i] = state->load_case->held[i] ? 0 : z[i] + (before > 0 ? rz / before * p[i] : 0);
     before = rz;
-    if (walk->iterative) /* 0 where held: reactions are nothing that coarse solids should see */
-      BW_TRY(bwi_precondition_multiply(context, walk->precondition, p, q));
+    if (state->iterative) /* 0 where held: reactions are nothing that coarse solids should see */
+      BW_TRY(bwi_precondition_multiply(context, state->precondition, p, q));
     else
-      BW_TRY(bw_graph_multiply(context, walk->solid->graph, plain, 9, 3, 1, p, q));
-    walk->report->stability_iterations++;
-    curvature = bwi_walk_dot(walk, p, q);
+      BW_TRY(bw_graph_multiply(context, state->solid->graph, plain, 9, 3, 1, p, q));
+    state->report->stability_iterations++;
+    curvature = bwi_newton_state_dot(state, p, q);
     for (int64_t i = 0; i < n; i++)
-      size += fabs(walk->blocks[3 * i + i % 3]) * p[i] * p[i];
+      size += fabs(state->blocks[3 * i + i % 3]) * p[i] * p[i];
     if (!isfinite(curvature))
       goto done;
     *found = curvature < -NEUTRAL * size;
@@ -107,44 +109,44 @@ done:
 }
 
 /* The potential at now.u + t direction less that at now.u; HUGE_VAL where it is not defined. */
-static bw_status potential_at(bwi_walk *walk, double t, double *change) {
+static bw_status potential_at(bwi_newton_state *state, double t, double *change) {
   bw_status status = BW_OK;
   double work = 0;
-  for (int64_t i = 0; i < walk->size; i++) {
-    walk->trial.u[i] = walk->now.u[i] + t * walk->direction[i];
-    if (!walk->the->held[i])
-      work += (walk->now.load[i] - (walk->now.contact ? walk->now.contact[i] : 0)) * t *
-              walk->direction[i];
+  for (int64_t i = 0; i < state->size; i++) {
+    state->trial.u[i] = state->now.u[i] + t * state->direction[i];
+    if (!state->load_case->held[i])
+      work += (state->now.load[i] - (state->now.contact ? state->now.contact[i] : 0)) * t *
+              state->direction[i];
   }
-  BW_TRY(bwi_walk_balance(walk, &walk->trial));
+  BW_TRY(bwi_newton_state_balance(state, &state->trial));
   *change = HUGE_VAL;
-  if (!walk->trial.shape.defined)
+  if (!state->trial.shape.defined)
     goto done;
   /* of follower pressures: the mean of the forces at both ends */
-  for (int64_t i = 0; walk->follows && i < walk->size; i++)
-    if (!walk->the->held[i])
-      work += 0.5 * t * walk->direction[i] *
-              (walk->trial.load[i] - (walk->trial.contact ? walk->trial.contact[i] : 0) -
-               walk->now.load[i] + (walk->now.contact ? walk->now.contact[i] : 0));
-  *change = walk->trial.energy - walk->now.energy + walk->trial.contact_energy -
-            walk->now.contact_energy - work;
+  for (int64_t i = 0; state->follows && i < state->size; i++)
+    if (!state->load_case->held[i])
+      work += 0.5 * t * state->direction[i] *
+              (state->trial.load[i] - (state->trial.contact ? state->trial.contact[i] : 0) -
+               state->now.load[i] + (state->now.contact ? state->now.contact[i] : 0));
+  *change = state->trial.energy - state->now.energy + state->trial.contact_energy -
+            state->now.contact_energy - work;
 done:
   return status;
 }
 
-static bw_status go_down(bwi_walk *walk, bool *lower) {
+static bw_status go_down(bwi_newton_state *state, bool *lower) {
   bw_status status = BW_OK;
-  const double *spacing = walk->solid->grid->spacing;
+  const double *spacing = state->solid->grid->spacing;
   double longest = 0, best = 0, at = 0;
-  for (int64_t i = 0; i < walk->size; i++)
-    longest = fmax(longest, fabs(walk->direction[i]));
+  for (int64_t i = 0; i < state->size; i++)
+    longest = fmax(longest, fabs(state->direction[i]));
   if (!(longest > 0) || !isfinite(longest))
     return BW_OK;
   double first = FIRST * fmin(spacing[0], fmin(spacing[1], spacing[2])) / longest;
   for (int side = 0; side < 2; side++)
     for (int k = 0; k < DOUBLINGS; k++) {
       double t = ldexp(side ? -first : first, k), change;
-      BW_TRY(potential_at(walk, t, &change));
+      BW_TRY(potential_at(state, t, &change));
       if (change < best * (1 + 1e-6)) { /* clearly better, so that rounding does not choose */
         best = change;
         at = t;
@@ -153,35 +155,35 @@ static bw_status go_down(bwi_walk *walk, bool *lower) {
     }
   if (best < 0) {
     double change;
-    BW_TRY(potential_at(walk, at, &change));
-    bwi_walk_accept(walk);
+    BW_TRY(potential_at(state, at, &change));
+    bwi_newton_state_accept(state);
     *lower = true;
   } else
-    BW_TRY(bwi_walk_balance(walk, &walk->now));
+    BW_TRY(bwi_newton_state_balance(state, &state->now));
 done:
   return status;
 }
 
-bw_status bwi_newton_leave(bwi_walk *walk, bool *lower, bool *decided) {
+bw_status bwi_newton_leave(bwi_newton_state *state, bool *lower, bool *decided) {
   bw_status status = BW_OK;
-  bw_newton *newton = walk->newton;
+  bw_newton *newton = state->newton;
   double *plain = newton->stiffness;
   bool definite = false, found = false, none = false;
   *lower = *decided = false;
-  if (walk->iterative) { /* the tangent is as it is, the node blocks made definite */
-    status = find_negative(walk, NULL, &found, &none);
+  if (state->iterative) { /* the tangent is as it is, the node blocks made definite */
+    status = find_negative(state, NULL, &found, &none);
     if (status == BW_OK && found)
-      status = go_down(walk, lower);
+      status = go_down(state, lower);
     *decided = found || none;
     return status;
   }
   newton->stiffness = NULL;
   newton->pairs = 0;
-  BW_TRY(bwi_tangent_set(walk, BWI_PROJECTED, &definite));
+  BW_TRY(bwi_tangent_set(state, BWI_PROJECTED, &definite));
   if (definite)
-    BW_TRY(find_negative(walk, plain, &found, &none));
+    BW_TRY(find_negative(state, plain, &found, &none));
   if (found)
-    BW_TRY(go_down(walk, lower));
+    BW_TRY(go_down(state, lower));
   *decided = found || none;
 done:
   bw_free(plain);

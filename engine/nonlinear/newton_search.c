@@ -71,7 +71,7 @@ static bw_status cap_chunk(void *data, int64_t begin, int64_t end, int worker) {
   const bw_grid *grid = c->solid->grid;
   double least = 1;
   for (int64_t e = begin; e < end; e++) {
-    const bw_solid_material *m = c->solid->palette->material[grid->material[e]];
+    const bw_solid_material *m = c->solid->material_table->material[grid->material[e]];
     for (int32_t q = 0; q < m->rule->count; q++) {
       if (!c->all && m->law[q] != BW_NEO_HOOKEAN)
         continue;
@@ -122,15 +122,16 @@ done:
 /* ---- the search ----------------------------------------------------------------------------- */
 
 /* Work per unit step of follower pressures at u + a d. */
-static bw_status follower_power(bwi_walk *walk, double a, double *power) {
+static bw_status follower_power(bwi_newton_state *state, double a, double *power) {
   bw_status status = BW_OK;
-  double *at = walk->trial.u, *load = walk->work; /* both are overwritten before they are used */
-  for (int64_t i = 0; i < walk->size; i++) {
-    at[i] = walk->now.u[i] + a * walk->direction[i];
+  double *at = state->trial.u, *load = state->work; /* both are overwritten before they are used */
+  for (int64_t i = 0; i < state->size; i++) {
+    at[i] = state->now.u[i] + a * state->direction[i];
     load[i] = 0;
   }
-  BW_TRY(bwi_case_follow(walk->context, walk->the, at, walk->fade ? 1 : walk->load, load));
-  *power = bwi_walk_dot(walk, load, walk->direction);
+  BW_TRY(bwi_load_case_follow(state->context, state->load_case, at,
+                              state->initial_residual ? 1 : state->load, load));
+  *power = bwi_newton_state_dot(state, load, state->direction);
 done:
   return status;
 }
@@ -143,20 +144,20 @@ typedef struct line {
   double rounding; /* what of that may be rounding */
 } line;
 
-/* walk->trial at `a` along the line. */
-static bw_status try_length(bwi_walk *walk, double a, line *l) {
+/* state->trial at `a` along the line. */
+static bw_status try_length(bwi_newton_state *state, double a, line *l) {
   bw_status status = BW_OK;
-  const bwi_balance *now = &walk->now, *trial = &walk->trial;
+  const bwi_balance *now = &state->now, *trial = &state->trial;
   double work = l->constant * a, power[2];
-  if (walk->follows) {
-    BW_TRY(follower_power(walk, 0.5 * a, &power[0]));
-    BW_TRY(follower_power(walk, a, &power[1]));
+  if (state->follows) {
+    BW_TRY(follower_power(state, 0.5 * a, &power[0]));
+    BW_TRY(follower_power(state, a, &power[1]));
     work += a / 6 * (l->power + 4 * power[0] + power[1]);
   }
-  for (int64_t i = 0; i < walk->size; i++)
-    walk->trial.u[i] = now->u[i] + a * walk->direction[i];
-  BW_TRY(bw_check_cancel(walk->context));
-  BW_TRY(bwi_walk_balance(walk, &walk->trial));
+  for (int64_t i = 0; i < state->size; i++)
+    state->trial.u[i] = now->u[i] + a * state->direction[i];
+  BW_TRY(bw_check_cancel(state->context));
+  BW_TRY(bwi_newton_state_balance(state, &state->trial));
   l->change = trial->energy - now->energy + trial->contact_energy - now->contact_energy +
               trial->quadratic_energy - now->quadratic_energy - work;
   l->rounding = ROUNDING * (fabs(trial->energy) + fabs(now->energy) + fabs(work) +
@@ -164,17 +165,18 @@ static bw_status try_length(bwi_walk *walk, double a, line *l) {
                             fabs(trial->quadratic_energy) + fabs(now->quadratic_energy));
   /* a strain e has the energy K e^2 / 2 and, when it is the difference of F and a rotation, an
      error of some DBL_EPSILON: that makes K e DBL_EPSILON of energy */
-  l->rounding += 16 * DBL_EPSILON * sqrt(walk->elastic * (fabs(trial->energy) + fabs(now->energy)));
+  l->rounding +=
+      16 * DBL_EPSILON * sqrt(state->elastic * (fabs(trial->energy) + fabs(now->energy)));
 done:
   return status;
 }
 
 /* Whether the trial's slope says that the way was good, where energies no longer can. */
-static bool slope_is_less(const bwi_walk *walk, double slope) {
+static bool slope_is_less(const bwi_newton_state *state, double slope) {
   double ahead = 0;
-  for (int64_t i = 0; i < walk->size; i++)
-    if (!walk->the->held[i])
-      ahead += (walk->trial.internal[i] - walk->trial.load[i]) * walk->direction[i];
+  for (int64_t i = 0; i < state->size; i++)
+    if (!state->load_case->held[i])
+      ahead += (state->trial.internal[i] - state->trial.load[i]) * state->direction[i];
   return fabs(ahead) <= 0.9 * fabs(slope);
 }
 
@@ -185,12 +187,12 @@ static bool worth_more(const line *l, double a, double slope) {
   return l->change < 0.6 * a * slope && -l->change > l->rounding;
 }
 
-static bw_status extend(bwi_walk *walk, double slope, line *l, double *step) {
+static bw_status extend(bwi_newton_state *state, double slope, line *l, double *step) {
   bw_status status = BW_OK;
   double best = l->change, a = *step;
-  while (walk->tangent != BWI_PLAIN && a < 1e6 && worth_more(l, a, slope)) {
-    BW_TRY(try_length(walk, 2 * a, l));
-    if (!walk->trial.shape.defined || !(l->change < best))
+  while (state->tangent != BWI_PLAIN && a < 1e6 && worth_more(l, a, slope)) {
+    BW_TRY(try_length(state, 2 * a, l));
+    if (!state->trial.shape.defined || !(l->change < best))
       break;
     a *= 2;
     best = l->change;
@@ -198,41 +200,41 @@ static bw_status extend(bwi_walk *walk, double slope, line *l, double *step) {
   if (a == *step && l->change == best)
     goto done; /* the trial is that step */
   *step = a;
-  BW_TRY(try_length(walk, a, l));
+  BW_TRY(try_length(state, a, l));
 done:
   return status;
 }
 
-bw_status bwi_newton_search(bwi_walk *walk, double slope, double *step) {
+bw_status bwi_newton_search(bwi_newton_state *state, double slope, double *step) {
   bw_status status = BW_OK;
-  const double *d = walk->direction;
+  const double *d = state->direction;
   double a = 1, longest = 0;
   line l = {0};
   *step = 0;
-  for (int64_t i = 0; i < walk->size; i++)
+  for (int64_t i = 0; i < state->size; i++)
     longest = fmax(longest, fabs(d[i]));
   if (!isfinite(longest) || !isfinite(slope))
     return BW_OK;
-  for (int64_t i = 0; i < walk->size; i++)
-    if (!walk->the->held[i])
-      l.constant += (walk->now.load[i] - (walk->now.contact ? walk->now.contact[i] : 0)) * d[i];
-  if (walk->follows) {
-    BW_TRY(follower_power(walk, 0, &l.power));
+  for (int64_t i = 0; i < state->size; i++)
+    if (!state->load_case->held[i])
+      l.constant += (state->now.load[i] - (state->now.contact ? state->now.contact[i] : 0)) * d[i];
+  if (state->follows) {
+    BW_TRY(follower_power(state, 0, &l.power));
     l.constant -= l.power;
   }
   for (int k = 0; k < TRIALS; k++) {
-    BW_TRY(try_length(walk, a, &l));
-    if (!walk->trial.shape.defined) {
+    BW_TRY(try_length(state, a, &l));
+    if (!state->trial.shape.defined) {
       double part;
-      BW_TRY(bwi_newton_cap(walk->context, walk->solid, walk->now.u, d, false, &part));
+      BW_TRY(bwi_newton_cap(state->context, state->solid, state->now.u, d, false, &part));
       a = fmin(0.5 * a, 0.8 * part);
       continue;
     }
-    if (l.change <= ARMIJO * a * slope || (l.change <= l.rounding && slope_is_less(walk, slope))) {
+    if (l.change <= ARMIJO * a * slope || (l.change <= l.rounding && slope_is_less(state, slope))) {
       *step = a;
       if (k == 0)
-        BW_TRY(extend(walk, slope, &l, step));
-      bwi_walk_accept(walk);
+        BW_TRY(extend(state, slope, &l, step));
+      bwi_newton_state_accept(state);
       return BW_OK;
     }
     double curvature = l.change - a * slope; /* of the parabola, times a^2 */
@@ -240,8 +242,8 @@ bw_status bwi_newton_search(bwi_walk *walk, double slope, double *step) {
     a = fmin(0.5 * a, fmax(0.1 * a, best));
   }
   /* the contact's forces are those of the last trial */
-  if (walk->contact)
-    BW_TRY(bwi_walk_balance(walk, &walk->now));
+  if (state->contact)
+    BW_TRY(bwi_newton_state_balance(state, &state->now));
 done:
   return status;
 }

@@ -15,153 +15,155 @@ enum { BASIS = 40 };
 #define GROWTH 5 /* of shifts that are not enough */
 #define FOLLOWER_TOLERANCE 1e-6
 
-static bw_status make_room(bwi_walk *walk) {
-  bw_newton *newton = walk->newton;
-  int64_t pairs = walk->solid->graph->pair_count;
+static bw_status make_room(bwi_newton_state *state) {
+  bw_newton *newton = state->newton;
+  int64_t pairs = state->solid->graph->pair_count;
   if (newton->pairs == pairs)
     return BW_OK;
   bw_free(newton->stiffness);
   newton->pairs = 0;
-  newton->stiffness = BW_NEW(walk->context, double, 9 * pairs);
+  newton->stiffness = BW_NEW(state->context, double, 9 * pairs);
   if (!newton->stiffness)
     return BW_MEMORY;
   newton->pairs = pairs;
   return BW_OK;
 }
 
-static bw_status linearise(bwi_walk *walk, bool project) {
+static bw_status linearise(bwi_newton_state *state, bool project) {
   bw_status status = BW_OK;
-  bw_newton *newton = walk->newton;
+  bw_newton *newton = state->newton;
   double before = bw_seconds();
-  if (newton->linear_of != walk->solid) {
+  if (newton->linear_of != state->solid) {
     bw_solid_linear_free(newton->linear);
     bw_release(newton->linear_of);
     newton->linear = NULL;
     newton->linear_of = NULL;
-    BW_TRY(bw_solid_linear_create(walk->context, walk->solid, &newton->linear));
-    newton->linear_of = (const bw_solid *)bw_retain(walk->solid);
+    BW_TRY(bw_solid_linear_create(state->context, state->solid, &newton->linear));
+    newton->linear_of = (const bw_solid *)bw_retain(state->solid);
   }
-  BW_TRY(bw_solid_linear_set(walk->context, newton->linear, walk->now.u, project));
-  if (walk->quadratic)
-    BW_TRY(bwi_solid_linear_add(walk->context, newton->linear, walk->quadratic->of_mass,
-                                walk->quadratic->linear, walk->quadratic->of_stiffness));
-  BW_TRY(bw_solid_linear_diagonal(walk->context, newton->linear, walk->blocks));
-  walk->report->evaluations++;
-  walk->report->seconds_quadrature += bw_seconds() - before;
+  BW_TRY(bw_solid_linear_set(state->context, newton->linear, state->now.u, project));
+  if (state->quadratic)
+    BW_TRY(bwi_solid_linear_add(state->context, newton->linear, state->quadratic->of_mass,
+                                state->quadratic->linear, state->quadratic->of_stiffness));
+  BW_TRY(bw_solid_linear_diagonal(state->context, newton->linear, state->blocks));
+  state->report->evaluations++;
+  state->report->seconds_quadrature += bw_seconds() - before;
 done:
   return status;
 }
 
-static double mean_diagonal(const bwi_walk *walk) {
+static double mean_diagonal(const bwi_newton_state *state) {
   double mean = 0;
-  for (int64_t i = 0; i < walk->size; i++)
-    mean += walk->blocks[3 * i + i % 3] / (double)walk->size;
+  for (int64_t i = 0; i < state->size; i++)
+    mean += state->blocks[3 * i + i % 3] / (double)state->size;
   return mean;
 }
 
 /* The preconditioner for what is linearised, with `shift` on the diagonal, and the points that
  * push. */
-static bw_status precondition(bwi_walk *walk, double shift) {
+static bw_status precondition(bwi_newton_state *state, double shift) {
   bw_status status = BW_OK;
   double before = bw_seconds();
   int factorisations = 0;
-  double *shifted = NULL; /* the walk's own blocks say how large forces are */
-  if (!walk->precondition)
-    BW_TRY(bwi_precondition_create(walk->context, walk->solid, walk->the->held, walk->options,
-                                   walk->contact, &walk->precondition));
-  factorisations = bwi_precondition_factorisations(walk->precondition);
+  double *shifted = NULL; /* the Newton state's own blocks say how large forces are */
+  if (!state->precondition)
+    BW_TRY(bwi_precondition_create(state->context, state->solid, state->load_case->held,
+                                   state->options, state->contact, &state->precondition));
+  factorisations = bwi_precondition_factorisations(state->precondition);
   if (shift > 0) {
-    shifted = BW_NEW(walk->context, double, 3 * walk->size);
+    shifted = BW_NEW(state->context, double, 3 * state->size);
     if (!shifted)
       return BW_MEMORY;
-    memcpy(shifted, walk->blocks, 3 * (size_t)walk->size * sizeof *shifted);
-    for (int64_t i = 0; i < walk->size; i++)
+    memcpy(shifted, state->blocks, 3 * (size_t)state->size * sizeof *shifted);
+    for (int64_t i = 0; i < state->size; i++)
       shifted[3 * i + i % 3] += shift;
   }
-  BW_TRY(bwi_precondition_set(walk->context, walk->precondition, walk->newton->linear, walk->now.u,
-                              shifted ? shifted : walk->blocks));
-  walk->report->seconds_factor += bw_seconds() - before;
-  walk->report->factorisations +=
-      bwi_precondition_factorisations(walk->precondition) - factorisations;
+  BW_TRY(bwi_precondition_set(state->context, state->precondition, state->newton->linear,
+                              state->now.u, shifted ? shifted : state->blocks));
+  state->report->seconds_factor += bw_seconds() - before;
+  state->report->factorisations +=
+      bwi_precondition_factorisations(state->precondition) - factorisations;
 done:
   bw_free(shifted);
   return status;
 }
 
-static bw_status evaluate(bwi_walk *walk, bool project) {
+static bw_status evaluate(bwi_newton_state *state, bool project) {
   bw_status status = BW_OK;
-  if (walk->iterative) {
-    if (project || !walk->fresh)
-      BW_TRY(linearise(walk, project));
-    walk->fresh = !project;
+  if (state->iterative) {
+    if (project || !state->fresh)
+      BW_TRY(linearise(state, project));
+    state->fresh = !project;
     goto done;
   }
-  const bw_graph *graph = walk->solid->graph;
+  const bw_graph *graph = state->solid->graph;
   double before = bw_seconds();
   bw_solid_shape shape;
-  BW_TRY(make_room(walk));
-  if (project || !walk->fresh) {
-    BW_TRY(bw_solid_evaluate(walk->context, walk->solid, walk->now.u, project, NULL, NULL,
-                             walk->newton->stiffness, &shape));
-    walk->report->evaluations++;
-    walk->report->seconds_quadrature += bw_seconds() - before;
+  BW_TRY(make_room(state));
+  if (project || !state->fresh) {
+    BW_TRY(bw_solid_evaluate(state->context, state->solid, state->now.u, project, NULL, NULL,
+                             state->newton->stiffness, &shape));
+    state->report->evaluations++;
+    state->report->seconds_quadrature += bw_seconds() - before;
   }
-  walk->fresh = !project;
+  state->fresh = !project;
   for (int64_t n = 0; n < graph->node_count; n++)
-    memcpy(walk->blocks + 9 * n, walk->newton->stiffness + 9 * (graph->start[n + 1] - 1),
+    memcpy(state->blocks + 9 * n, state->newton->stiffness + 9 * (graph->start[n + 1] - 1),
            9 * sizeof(double));
 done:
   return status;
 }
 
-bw_status bwi_tangent_blocks(bwi_walk *walk) {
-  return evaluate(walk, false);
+bw_status bwi_tangent_blocks(bwi_newton_state *state) {
+  return evaluate(state, false);
 }
 
-static bw_status factor(bwi_walk *walk, bool *definite) {
-  const bw_graph *graph = walk->solid->graph;
-  bw_newton *newton = walk->newton;
+static bw_status factor(bwi_newton_state *state, bool *definite) {
+  const bw_graph *graph = state->solid->graph;
+  bw_newton *newton = state->newton;
   double before = bw_seconds();
-  walk->report->analyses += !bwi_direct_keeps(newton->direct, graph, walk->the->held);
-  bw_status status = bwi_direct_analyse(walk->context, newton->direct, graph, walk->the->held);
+  state->report->analyses += !bwi_direct_keeps(newton->direct, graph, state->load_case->held);
+  bw_status status =
+      bwi_direct_analyse(state->context, newton->direct, graph, state->load_case->held);
   double between = bw_seconds();
-  walk->report->seconds_analysis += between - before;
+  state->report->seconds_analysis += between - before;
   if (status == BW_OK)
-    status = bwi_direct_factor(walk->context, newton->direct, graph, walk->the->held,
+    status = bwi_direct_factor(state->context, newton->direct, graph, state->load_case->held,
                                newton->stiffness, definite, NULL);
-  walk->report->seconds_factor += bw_seconds() - between;
-  walk->report->factorisations++;
+  state->report->seconds_factor += bw_seconds() - between;
+  state->report->factorisations++;
   return status;
 }
 
 /* Add to the diagonal, `part` of its mean and then more and more, until the matrix is definite. A
  * step then is between Newton's and one along the residual, and goes down in any case. */
-static bw_status factor_shifted(bwi_walk *walk, double part, double growth, bool *definite) {
+static bw_status factor_shifted(bwi_newton_state *state, double part, double growth,
+                                bool *definite) {
   bw_status status = BW_OK;
-  const bw_graph *graph = walk->solid->graph;
-  double mean = mean_diagonal(walk), shift = 0;
-  walk->fresh = false;
-  walk->shift = 0;
+  const bw_graph *graph = state->solid->graph;
+  double mean = mean_diagonal(state), shift = 0;
+  state->fresh = false;
+  state->shift = 0;
   for (; part <= 1 && !*definite && mean > 0; part *= growth) {
     for (int64_t n = 0; n < graph->node_count; n++)
       for (int c = 0; c < 3; c++)
-        walk->newton->stiffness[9 * (graph->start[n + 1] - 1) + 4 * c] += part * mean - shift;
+        state->newton->stiffness[9 * (graph->start[n + 1] - 1) + 4 * c] += part * mean - shift;
     shift = part * mean;
-    walk->shift = part;
-    BW_TRY(factor(walk, definite));
+    state->shift = part;
+    BW_TRY(factor(state, definite));
   }
 done:
   return status;
 }
 
 /* `part` of the diagonal's mean on the diagonal of the plain tangent that is linearised. */
-static bw_status shift_linear(bwi_walk *walk, double part) {
+static bw_status shift_linear(bwi_newton_state *state, double part) {
   bw_status status = BW_OK;
-  double value = part * mean_diagonal(walk);
-  walk->fresh = false;
-  walk->shift = part;
-  BW_TRY(bwi_solid_linear_shift(walk->context, walk->newton->linear, value));
-  BW_TRY(precondition(walk, value));
+  double value = part * mean_diagonal(state);
+  state->fresh = false;
+  state->shift = part;
+  BW_TRY(bwi_solid_linear_shift(state->context, state->newton->linear, value));
+  BW_TRY(precondition(state, value));
 done:
   return status;
 }
@@ -170,155 +172,159 @@ done:
  * is needed; after a short one above it, as where to go is seen no further than that. */
 #define FIRST_SHIFT 1e-3
 #define LEAST_SHIFT 1e-7
-/* Projected tangents with followers, or of a solid that floors alone hold, may need one too. */
+/* Projected tangents with followers, or of a solid that contact planes alone hold, may need one
+ * too. */
 #define LEAST_LIFT 1e-9
 #define LIFT_GROWTH 30
 
-bw_status bwi_tangent_set(bwi_walk *walk, bwi_tangent kind, bool *definite) {
+bw_status bwi_tangent_set(bwi_newton_state *state, bwi_tangent kind, bool *definite) {
   bw_status status = BW_OK;
-  double change = walk->step >= 1 ? 0.2 : walk->step > 0.5 ? 1 : 4;
-  double shift = walk->shift > 0 ? fmin(0.3, fmax(LEAST_SHIFT, change * walk->shift)) : FIRST_SHIFT;
+  double change = state->step >= 1 ? 0.2 : state->step > 0.5 ? 1 : 4;
+  double shift =
+      state->shift > 0 ? fmin(0.3, fmax(LEAST_SHIFT, change * state->shift)) : FIRST_SHIFT;
   *definite = false;
-  walk->tangent = kind;
-  walk->have_tangent = true;
-  if (walk->iterative) { /* what is not definite shows when it is solved with */
-    BW_TRY(evaluate(walk, kind == BWI_PROJECTED));
-    walk->shift = kind == BWI_PROJECTED ? 0 : walk->shift;
+  state->tangent = kind;
+  state->have_tangent = true;
+  if (state->iterative) { /* what is not definite shows when it is solved with */
+    BW_TRY(evaluate(state, kind == BWI_PROJECTED));
+    state->shift = kind == BWI_PROJECTED ? 0 : state->shift;
     if (kind == BWI_SHIFTED)
-      BW_TRY(shift_linear(walk, shift));
+      BW_TRY(shift_linear(state, shift));
     else
-      BW_TRY(precondition(walk, 0));
+      BW_TRY(precondition(state, 0));
     *definite = true;
     goto done;
   }
-  BW_TRY(evaluate(walk, kind == BWI_PROJECTED));
-  if (walk->quadratic) {
-    bwi_quadratic_stiffness(walk);
-    walk->fresh = false;
+  BW_TRY(evaluate(state, kind == BWI_PROJECTED));
+  if (state->quadratic) {
+    bwi_quadratic_stiffness(state);
+    state->fresh = false;
   }
-  if (walk->contact) {
-    bwi_contact_stiffness(walk->contact, walk->solid->graph, walk->newton->stiffness);
-    walk->fresh = false;
+  if (state->contact) {
+    bwi_contact_stiffness(state->contact, state->solid->graph, state->newton->stiffness);
+    state->fresh = false;
   }
-  if (walk->follows) {
-    size_t size = 9 * (size_t)walk->solid->graph->pair_count;
-    memset(walk->follower, 0, size * sizeof(double));
-    BW_TRY(bwi_case_follow_stiffness(walk->context, walk->the, walk->now.u,
-                                     walk->fade ? 1 : walk->load, walk->solid->graph,
-                                     walk->follower));
+  if (state->follows) {
+    size_t size = 9 * (size_t)state->solid->graph->pair_count;
+    memset(state->follower, 0, size * sizeof(double));
+    BW_TRY(bwi_load_case_follow_stiffness(state->context, state->load_case, state->now.u,
+                                          state->initial_residual ? 1 : state->load,
+                                          state->solid->graph, state->follower));
     for (size_t i = 0; i < size; i++)
-      walk->newton->stiffness[i] += walk->follower[i];
-    walk->fresh = false;
+      state->newton->stiffness[i] += state->follower[i];
+    state->fresh = false;
   }
   if (kind == BWI_SHIFTED) {
-    BW_TRY(factor_shifted(walk, shift, GROWTH, definite));
+    BW_TRY(factor_shifted(state, shift, GROWTH, definite));
     goto done;
   }
-  double lift = kind == BWI_PROJECTED ? walk->lift / LIFT_GROWTH : 0;
-  if (lift < LEAST_LIFT)
-    BW_TRY(factor(walk, definite));
-  walk->lift = 0;
+  double projected_shift = kind == BWI_PROJECTED ? state->projected_shift / LIFT_GROWTH : 0;
+  if (projected_shift < LEAST_LIFT)
+    BW_TRY(factor(state, definite));
+  state->projected_shift = 0;
   if (kind == BWI_PROJECTED && !*definite) {
-    BW_TRY(factor_shifted(walk, fmax(lift, LEAST_LIFT), LIFT_GROWTH, definite));
-    walk->lift = walk->shift;
+    BW_TRY(factor_shifted(state, fmax(projected_shift, LEAST_LIFT), LIFT_GROWTH, definite));
+    state->projected_shift = state->shift;
   }
   if (kind == BWI_PROJECTED)
-    walk->shift = 0;
+    state->shift = 0;
 done:
   return status;
 }
 
-bw_status bwi_tangent_stiffen(bwi_walk *walk, bool *stiffer) {
+bw_status bwi_tangent_stiffen(bwi_newton_state *state, bool *stiffer) {
   bw_status status = BW_OK;
-  *stiffer = walk->iterative && walk->tangent == BWI_SHIFTED && GROWTH * walk->shift <= 1;
+  *stiffer = state->iterative && state->tangent == BWI_SHIFTED && GROWTH * state->shift <= 1;
   if (*stiffer) {
-    BW_TRY(evaluate(walk, false));
-    BW_TRY(shift_linear(walk, GROWTH * walk->shift));
+    BW_TRY(evaluate(state, false));
+    BW_TRY(shift_linear(state, GROWTH * state->shift));
   }
 done:
   return status;
 }
 
-bw_status bwi_tangent_foresee(bwi_walk *walk, bool *changed, bool *definite) {
-  *changed = bwi_contact_foresee(walk->contact, walk->direction, walk->solid->graph,
-                                 walk->iterative ? NULL : walk->newton->stiffness) > 0;
+bw_status bwi_tangent_predict_contact(bwi_newton_state *state, bool *changed, bool *definite) {
+  *changed = bwi_contact_foresee(state->contact, state->direction, state->solid->graph,
+                                 state->iterative ? NULL : state->newton->stiffness) > 0;
   *definite = true;
-  if (walk->iterative)
+  if (state->iterative)
     return *changed
-               ? precondition(walk,
-                              walk->tangent == BWI_SHIFTED ? walk->shift * mean_diagonal(walk) : 0)
+               ? precondition(
+                     state, state->tangent == BWI_SHIFTED ? state->shift * mean_diagonal(state) : 0)
                : BW_OK;
-  return *changed ? factor(walk, definite) : BW_OK;
+  return *changed ? factor(state, definite) : BW_OK;
 }
 
-bw_status bwi_tangent_multiply(bwi_walk *walk, const double *x, double *y) {
-  if (!walk->iterative)
-    return bw_graph_multiply(walk->context, walk->solid->graph, walk->newton->stiffness, 9, 3, 1, x,
-                             y);
-  bw_status status = bw_solid_linear_multiply(walk->context, walk->newton->linear, x, y);
-  if (walk->contact)
-    bwi_contact_multiply(walk->contact, x, y);
+bw_status bwi_tangent_multiply(bwi_newton_state *state, const double *x, double *y) {
+  if (!state->iterative)
+    return bw_graph_multiply(state->context, state->solid->graph, state->newton->stiffness, 9, 3, 1,
+                             x, y);
+  bw_status status = bw_solid_linear_multiply(state->context, state->newton->linear, x, y);
+  if (state->contact)
+    bwi_contact_multiply(state->contact, x, y);
   return status;
 }
 
 /* d = K^-1 f */
-static bw_status solve(bwi_walk *walk, const double *force, double tolerance, double *displacement,
-                       int32_t *iterations) {
+static bw_status solve(bwi_newton_state *state, const double *force, double tolerance,
+                       double *displacement, int32_t *iterations) {
   *iterations = 0;
-  if (walk->iterative) {
+  if (state->iterative) {
     bwi_cg_report report;
     int64_t left;
-    bwi_newton_left(walk, &left);
-    int32_t limit = bwi_choice_limit(walk);
+    bwi_newton_left(state, &left);
+    int32_t limit = bwi_choice_limit(state);
     limit = left < limit ? (int32_t)left + 1 : limit;
-    double *x = BW_NEW(walk->context, double, walk->size); /* force may be displacement */
+    double *x = BW_NEW(state->context, double, state->size); /* force may be displacement */
     if (!x)
       return BW_MEMORY;
-    bw_status status = bwi_cg_solve(walk->context, walk->precondition,
-                                    walk->follows ? 1e-8 : tolerance, limit, force, x, &report);
-    walk->report->cg_iterations += report.iterations;
-    memcpy(displacement, x, (size_t)walk->size * sizeof *x);
+    bw_status status = bwi_cg_solve(state->context, state->precondition,
+                                    state->follows ? 1e-8 : tolerance, limit, force, x, &report);
+    state->report->cg_iterations += report.iterations;
+    memcpy(displacement, x, (size_t)state->size * sizeof *x);
     bw_free(x);
-    walk->negative = report.negative;
+    state->negative = report.negative;
     if (status == BW_OK && !report.negative)
-      bwi_choice_learn(walk, report.iterations, report.residual);
+      bwi_choice_learn(state, report.iterations, report.residual);
     *iterations = report.iterations;
     return status;
   }
-  return bwi_direct_solve(walk->context, walk->newton->direct, force, displacement);
+  return bwi_direct_solve(state->context, state->newton->direct, force, displacement);
 }
 
 /* v = M^-1 (K + K') v0 */
-static bw_status exact(bwi_walk *walk, const double *v0, double tolerance, double *work, double *v,
-                       int32_t *iterations) {
+static bw_status exact(bwi_newton_state *state, const double *v0, double tolerance, double *work,
+                       double *v, int32_t *iterations) {
   bw_status status = BW_OK;
   int32_t cg;
-  if (walk->follower)
-    BW_TRY(bw_graph_multiply(walk->context, walk->solid->graph, walk->follower, 9, 3, 1, v0, work));
+  if (state->follower)
+    BW_TRY(
+        bw_graph_multiply(state->context, state->solid->graph, state->follower, 9, 3, 1, v0, work));
   else
-    memset(work, 0, (size_t)walk->size * sizeof *work);
-  BW_TRY(bwi_case_follow_along(walk->context, walk->the, walk->now.u, v0,
-                               walk->fade ? 1 : walk->load, work));
-  for (int64_t i = 0; i < walk->size; i++)
-    if (walk->the->held[i])
+    memset(work, 0, (size_t)state->size * sizeof *work);
+  BW_TRY(bwi_load_case_follow_along(state->context, state->load_case, state->now.u, v0,
+                                    state->initial_residual ? 1 : state->load, work));
+  for (int64_t i = 0; i < state->size; i++)
+    if (state->load_case->held[i])
       work[i] = 0;
-  BW_TRY(solve(walk, work, tolerance, work, &cg));
+  BW_TRY(solve(state, work, tolerance, work, &cg));
   *iterations += cg;
-  for (int64_t i = 0; i < walk->size; i++)
+  for (int64_t i = 0; i < state->size; i++)
     v[i] = v0[i] - work[i];
 done:
   return status;
 }
 
 /* GMRES without restarts: d holds M^-1 f and becomes the solution. */
-static bw_status with_followers(bwi_walk *walk, double tolerance, double *d, int32_t *iterations) {
+static bw_status with_followers(bwi_newton_state *state, double tolerance, double *d,
+                                int32_t *iterations) {
   bw_status status = BW_OK;
-  int64_t n = walk->size;
+  int64_t n = state->size;
   double h[BASIS + 1][BASIS], cosine[BASIS], sine[BASIS], right[BASIS + 1] = {0};
-  double *basis[BASIS + 1] = {NULL}, *work = BW_NEW(walk->context, double, n);
+  double *basis[BASIS + 1] = {NULL}, *work = BW_NEW(state->context, double, n);
   int used = 0;
-  double size = sqrt(bwi_walk_dot(walk, d, d));
-  basis[0] = BW_NEW(walk->context, double, n);
+  double size = sqrt(bwi_newton_state_dot(state, d, d));
+  basis[0] = BW_NEW(state->context, double, n);
   if (!work || !basis[0]) {
     status = BW_MEMORY;
     goto done;
@@ -330,18 +336,18 @@ static bw_status with_followers(bwi_walk *walk, double tolerance, double *d, int
   right[0] = size;
   while (used < BASIS && fabs(right[used]) > FOLLOWER_TOLERANCE * size) {
     int j = used;
-    double *next = basis[j + 1] = BW_NEW(walk->context, double, n);
+    double *next = basis[j + 1] = BW_NEW(state->context, double, n);
     if (!next) {
       status = BW_MEMORY;
       goto done;
     }
-    BW_TRY(exact(walk, basis[j], tolerance, work, next, iterations));
+    BW_TRY(exact(state, basis[j], tolerance, work, next, iterations));
     for (int i = 0; i <= j; i++) {
-      h[i][j] = bwi_walk_dot(walk, basis[i], next);
+      h[i][j] = bwi_newton_state_dot(state, basis[i], next);
       for (int64_t k = 0; k < n; k++)
         next[k] -= h[i][j] * basis[i][k];
     }
-    double length = h[j + 1][j] = sqrt(bwi_walk_dot(walk, next, next));
+    double length = h[j + 1][j] = sqrt(bwi_newton_state_dot(state, next, next));
     for (int i = 0; i < j; i++) {
       double a = h[i][j], b = h[i + 1][j];
       h[i][j] = cosine[i] * a + sine[i] * b;
@@ -378,23 +384,23 @@ done:
   return status;
 }
 
-bw_status bwi_tangent_solve(bwi_walk *walk, const double *force, double tolerance,
+bw_status bwi_tangent_solve(bwi_newton_state *state, const double *force, double tolerance,
                             double *displacement, int32_t *iterations) {
   bw_status status = BW_OK;
   double before = bw_seconds();
   int32_t cg = 0;
-  BW_TRY(solve(walk, force, tolerance, displacement, &cg));
-  if (walk->follows) {
+  BW_TRY(solve(state, force, tolerance, displacement, &cg));
+  if (state->follows) {
     /* where pressures alone decide, the direction may point up: then without them */
-    double down = bwi_walk_dot(walk, force, displacement);
-    double *plain = walk->trial.u; /* not in use here */
-    memcpy(plain, displacement, (size_t)walk->size * sizeof *plain);
-    BW_TRY(with_followers(walk, tolerance, displacement, &cg));
-    double now = bwi_walk_dot(walk, force, displacement);
+    double down = bwi_newton_state_dot(state, force, displacement);
+    double *plain = state->trial.u; /* not in use here */
+    memcpy(plain, displacement, (size_t)state->size * sizeof *plain);
+    BW_TRY(with_followers(state, tolerance, displacement, &cg));
+    double now = bwi_newton_state_dot(state, force, displacement);
     if (down > 0 && !(now > 0))
-      memcpy(displacement, plain, (size_t)walk->size * sizeof *plain);
+      memcpy(displacement, plain, (size_t)state->size * sizeof *plain);
   }
-  walk->report->seconds_solve += bw_seconds() - before;
+  state->report->seconds_solve += bw_seconds() - before;
 done:
   if (iterations)
     *iterations = cg;

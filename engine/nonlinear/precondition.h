@@ -9,8 +9,8 @@
 #ifndef BWI_NONLINEAR_PRECONDITION_H
 #define BWI_NONLINEAR_PRECONDITION_H
 
+#include "nonlinear/contact_plane.h"
 #include "nonlinear/direct.h"
-#include "nonlinear/floor.h"
 
 typedef struct bwi_precondition bwi_precondition;
 

@@ -4,27 +4,27 @@
 
 #include "nonlinear/newton.h"
 
-bw_status bwi_quadratic_evaluate(bwi_walk *walk, bwi_balance *at) {
+bw_status bwi_quadratic_evaluate(bwi_newton_state *state, bwi_balance *at) {
   bw_status status = BW_OK;
-  const bwi_quadratic *q = walk->quadratic;
+  const bwi_quadratic *q = state->quadratic;
   double *moved = q->room[0], *product = q->room[1], energy = 0, size = 0;
   bool stiff = q->stiffness || q->linear;
-  for (int64_t i = 0; stiff && i < walk->size; i++)
+  for (int64_t i = 0; stiff && i < state->size; i++)
     moved[i] = at->u[i] - q->centre[i];
   if (q->linear)
-    BW_TRY(bw_solid_linear_multiply(walk->context, q->linear, moved, product));
+    BW_TRY(bw_solid_linear_multiply(state->context, q->linear, moved, product));
   else if (stiff)
-    BW_TRY(bw_graph_multiply(walk->context, walk->solid->graph, q->stiffness, 9, 3, 1, moved,
+    BW_TRY(bw_graph_multiply(state->context, state->solid->graph, q->stiffness, 9, 3, 1, moved,
                              product));
-  for (int64_t i = 0; i < walk->size; i++) {
+  for (int64_t i = 0; i < state->size; i++) {
     double off = at->u[i] - q->centre[i];
-    double slope = q->of_mass * walk->solid->mass[i / 3] * off;
+    double slope = q->of_mass * state->solid->mass[i / 3] * off;
     if (stiff)
       slope += q->of_stiffness * product[i];
     energy += (0.5 * slope + q->force[i]) * off;
     slope += q->force[i];
     at->internal[i] += slope;
-    if (!walk->the->held[i])
+    if (!state->load_case->held[i])
       size += slope * slope;
   }
   at->quadratic_energy = energy;
@@ -33,17 +33,17 @@ done:
   return status;
 }
 
-void bwi_quadratic_stiffness(bwi_walk *walk) {
-  const bwi_quadratic *q = walk->quadratic;
-  const bw_graph *graph = walk->solid->graph;
-  double *stiffness = walk->newton->stiffness;
+void bwi_quadratic_stiffness(bwi_newton_state *state) {
+  const bwi_quadratic *q = state->quadratic;
+  const bw_graph *graph = state->solid->graph;
+  double *stiffness = state->newton->stiffness;
   for (int64_t k = 0; q->stiffness && k < 9 * graph->pair_count; k++)
     stiffness[k] += q->of_stiffness * q->stiffness[k];
   for (int64_t n = 0; n < graph->node_count; n++) {
     double *block = stiffness + 9 * (graph->start[n + 1] - 1);
     for (int c = 0; c < 3; c++)
-      block[4 * c] += q->of_mass * walk->solid->mass[n];
+      block[4 * c] += q->of_mass * state->solid->mass[n];
     for (int k = 0; k < 9; k++)
-      walk->blocks[9 * n + k] = block[k];
+      state->blocks[9 * n + k] = block[k];
   }
 }

@@ -8,7 +8,7 @@
 static void destroy(void *object) {
   bw_solid *solid = (bw_solid *)object;
   bw_release(solid->grid);
-  bw_release(solid->palette);
+  bw_release(solid->material_table);
   bw_release(solid->graph);
   bw_free(solid->mass);
   bw_free(solid);
@@ -22,15 +22,16 @@ static size_t bytes(const void *object) {
 static const bw_kind solid_kind = {"solid", destroy, bytes};
 
 static bw_status check_materials(bw_context *context, const bw_grid *grid,
-                                 const bw_palette *palette) {
+                                 const bw_material_table *material_table) {
   for (int32_t e = 0; e < grid->element_count; e++) {
     int32_t m = grid->material[e];
-    if (m >= 1 && m < palette->count && palette->material[m])
+    if (m >= 1 && m < material_table->count && material_table->material[m])
       continue;
-    bw_status status = bw_fail(context, BW_INVALID,
-                               "element %d (cell %d) is of material %d; the palette has materials "
-                               "1 to %d",
-                               (int)e + 1, (int)grid->cell[e] + 1, (int)m, (int)palette->count - 1);
+    bw_status status =
+        bw_fail(context, BW_INVALID,
+                "element %d (cell %d) is of material %d; the material table has materials "
+                "1 to %d",
+                (int)e + 1, (int)grid->cell[e] + 1, (int)m, (int)material_table->count - 1);
     bw_detail_number(context, "element", e + 1);
     bw_detail_number(context, "material", m);
     return status;
@@ -38,9 +39,10 @@ static bw_status check_materials(bw_context *context, const bw_grid *grid,
   return BW_OK;
 }
 
-bw_status bw_solid_create(bw_context *context, const bw_grid *grid, const bw_palette *palette,
-                          const bw_solid *previous, bw_solid **out) {
-  bw_status status = check_materials(context, grid, palette);
+bw_status bw_solid_create(bw_context *context, const bw_grid *grid,
+                          const bw_material_table *material_table, const bw_solid *previous,
+                          bw_solid **out) {
+  bw_status status = check_materials(context, grid, material_table);
   if (status != BW_OK)
     return status;
   bw_solid *solid = BW_NEW0(context, bw_solid, 1);
@@ -48,7 +50,7 @@ bw_status bw_solid_create(bw_context *context, const bw_grid *grid, const bw_pal
     return BW_MEMORY;
   bw_object_init(solid, &solid_kind);
   solid->grid = (const bw_grid *)bw_retain(grid);
-  solid->palette = (const bw_palette *)bw_retain(palette);
+  solid->material_table = (const bw_material_table *)bw_retain(material_table);
   if (previous && bw_grid_same_elements(previous->grid, grid))
     solid->graph = (bw_graph *)bw_retain(previous->graph);
   else
@@ -60,7 +62,7 @@ bw_status bw_solid_create(bw_context *context, const bw_grid *grid, const bw_pal
     goto done;
   }
   for (int32_t e = 0; e < grid->element_count; e++) {
-    double density = palette->material[grid->material[e]]->density;
+    double density = material_table->material[grid->material[e]]->density;
     solid->weightless = solid->weightless || !(density > 0);
     for (int c = 0; c < 8; c++)
       solid->mass[grid->element[8 * (int64_t)e + c]] += density * bwi_solid_volume(grid, e) / 8;
@@ -73,8 +75,8 @@ done:
 }
 
 const char *bw_solid_locking(const bw_solid *solid) {
-  for (int32_t i = 1; i < solid->palette->count; i++) {
-    const bw_solid_material *m = solid->palette->material[i];
+  for (int32_t i = 1; i < solid->material_table->count; i++) {
+    const bw_solid_material *m = solid->material_table->material[i];
     if (m->uniform && m->lambda[0] > 2 * 0.48 * (m->lambda[0] + m->mu[0]))
       return "volumetric locking: a material's Poisson's ratio is above 0.48, and hexahedra of the "
              "standard formulation are far too stiff there. Give the material with formulation = "

@@ -199,36 +199,37 @@ void bw_solid_material_constants(const bw_solid_material *m, double *mu, double 
 }
 
 static void destroy_palette(void *object) {
-  bw_palette *palette = (bw_palette *)object;
-  for (int32_t i = 0; palette->material && i < palette->count; i++)
-    bw_release(palette->material[i]);
-  bw_free((void *)palette->material);
-  bw_free(palette);
+  bw_material_table *material_table = (bw_material_table *)object;
+  for (int32_t i = 0; material_table->material && i < material_table->count; i++)
+    bw_release(material_table->material[i]);
+  bw_free((void *)material_table->material);
+  bw_free(material_table);
 }
 
 static size_t bytes_of_palette(const void *object) {
-  const bw_palette *palette = (const bw_palette *)object;
-  return sizeof *palette + sizeof(void *) * (size_t)palette->count;
+  const bw_material_table *material_table = (const bw_material_table *)object;
+  return sizeof *material_table + sizeof(void *) * (size_t)material_table->count;
 }
 
-static const bw_kind palette_kind = {"palette", destroy_palette, bytes_of_palette};
+static const bw_kind material_table_kind = {"palette", destroy_palette, bytes_of_palette};
 
-bw_status bw_palette_create(bw_context *context, int32_t count,
-                            const bw_solid_material *const *material, bw_palette **out) {
+bw_status bw_material_table_create(bw_context *context, int32_t count,
+                                   const bw_solid_material *const *material,
+                                   bw_material_table **out) {
   if (count < 2)
-    return bw_fail(context, BW_INVALID, "a palette needs a material beside void");
-  bw_palette *palette = BW_NEW0(context, bw_palette, 1);
-  if (!palette)
+    return bw_fail(context, BW_INVALID, "a material table needs a material beside void");
+  bw_material_table *material_table = BW_NEW0(context, bw_material_table, 1);
+  if (!material_table)
     return BW_MEMORY;
-  bw_object_init(palette, &palette_kind);
-  palette->count = count;
-  palette->material = BW_NEW0(context, const bw_solid_material *, count);
-  if (!palette->material) {
-    bw_release(palette);
+  bw_object_init(material_table, &material_table_kind);
+  material_table->count = count;
+  material_table->material = BW_NEW0(context, const bw_solid_material *, count);
+  if (!material_table->material) {
+    bw_release(material_table);
     return BW_MEMORY;
   }
   for (int32_t i = 1; i < count; i++)
-    palette->material[i] = bw_retain(material[i - 1]);
-  *out = palette;
+    material_table->material[i] = bw_retain(material[i - 1]);
+  *out = material_table;
   return BW_OK;
 }

@@ -1,10 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Statics of a solid: load steps from rest, or from a first guess, to load factor 1.
  *
- * At load factor s the loads, the gravity, the movements of what is held and of floors are s times
- * theirs. From a first guess the loads are there in full at once, and what is out of balance at the
- * guess is balanced by forces that fade, 1 - s of them being left: so a guess that is the
- * equilibrium of another case leads on from there, and a path exists in any case.
+ * At load factor s the loads, the gravity, the movements of what is held and of contact planes are
+ * s times theirs. From a first guess the loads are there in full at once, and what is out of
+ * balance at the guess is balanced by forces that fade, 1 - s of them being left: so a guess that
+ * is the equilibrium of another case leads on from there, and a path exists in any case.
  *
  * A load step that fails is halved, with what the failure said about how far it could have gone;
  * steps grow again after two that went well. A load that failed is not tried again until it is a
@@ -60,7 +60,7 @@ bw_status bw_newton_create(bw_context *context, bw_newton **out) {
 static void destroy(void *object) {
   bw_solid_static *it = (bw_solid_static *)object;
   bw_release(it->solid);
-  bw_release(it->the);
+  bw_release(it->load_case);
   bw_free(it->displacement);
   bw_free(it->reaction);
   bw_free(it->report.history);
@@ -93,14 +93,14 @@ static bw_status check_coarse(bw_context *context, const bw_solid *solid,
   return BW_OK;
 }
 
-bw_status bwi_newton_check(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
-                           const bw_newton_options *o) {
+bw_status bwi_newton_check(bw_context *context, const bw_solid *solid,
+                           const bw_load_case *load_case, const bw_newton_options *o) {
   bw_status status = BW_OK;
-  if (!bwi_grid_same_places(solid->grid, the->grid))
+  if (!bwi_grid_same_places(solid->grid, load_case->grid))
     return bw_fail(context, BW_INVALID,
                    "the case is for a grid of %d elements (cells of %g m), not for the solid's, "
                    "which has %d (%g m), or lies elsewhere",
-                   (int)the->grid->element_count, the->grid->spacing[0],
+                   (int)load_case->grid->element_count, load_case->grid->spacing[0],
                    (int)solid->grid->element_count, solid->grid->spacing[0]);
   if (o->linear == BW_NEWTON_COARSE)
     BW_TRY(check_coarse(context, solid, o));
@@ -126,94 +126,95 @@ bw_status bwi_newton_check(bw_context *context, const bw_solid *solid, const bw_
     if (!isfinite(o->start[i]))
       return bw_fail(context, BW_INVALID, "the first guess is %g at node %lld; it must be finite",
                      o->start[i], (long long)(i / 3) + 1);
-  BW_TRY(bwi_case_check_held(context, the));
+  BW_TRY(bwi_load_case_check_held(context, load_case));
 done:
   return status;
 }
 
-void bwi_walk_clear(bwi_walk *walk) {
-  bw_free(walk->dead);
-  bw_free(walk->begin);
-  bw_free(walk->fade);
-  bw_free(walk->follower);
-  bwi_precondition_free(walk->precondition);
-  bwi_contact_free(walk->contact);
-  bwi_balance_clear(&walk->now);
-  bwi_balance_clear(&walk->trial);
-  bw_free(walk->blocks);
-  bw_free(walk->residual);
-  bw_free(walk->direction);
-  bw_free(walk->work);
+void bwi_newton_state_clear(bwi_newton_state *state) {
+  bw_free(state->dead);
+  bw_free(state->begin);
+  bw_free(state->initial_residual);
+  bw_free(state->follower);
+  bwi_precondition_free(state->precondition);
+  bwi_contact_free(state->contact);
+  bwi_balance_clear(&state->now);
+  bwi_balance_clear(&state->trial);
+  bw_free(state->blocks);
+  bw_free(state->residual);
+  bw_free(state->direction);
+  bw_free(state->work);
 }
 
-static bw_status say_undefined(bwi_walk *walk) {
-  int32_t e = walk->now.shape.worst;
+static bw_status say_undefined(bwi_newton_state *state) {
+  int32_t e = state->now.shape.worst;
   double at[3];
-  const bw_grid *grid = walk->solid->grid;
+  const bw_grid *grid = state->solid->grid;
   bw_grid_position(grid, grid->element[8 * (int64_t)e], at);
-  bw_status status = bw_fail(walk->context, BW_GEOMETRY,
+  bw_status status = bw_fail(state->context, BW_GEOMETRY,
                              "the first guess turns element %d at (%g, %g, %g) m inside out (det F "
                              "= %.3g), where its law has no energy: begin at rest",
-                             (int)e + 1, at[0], at[1], at[2], walk->now.shape.least_ratio);
-  bw_detail_number(walk->context, "element", e + 1);
+                             (int)e + 1, at[0], at[1], at[2], state->now.shape.least_ratio);
+  bw_detail_number(state->context, "element", e + 1);
   return status;
 }
 
-bw_status bwi_walk_create(bwi_walk *walk) {
+bw_status bwi_newton_state_create(bwi_newton_state *state) {
   bw_status status = BW_OK;
-  bw_context *context = walk->context;
-  int64_t n = walk->size = 3 * (int64_t)walk->solid->grid->node_count;
+  bw_context *context = state->context;
+  int64_t n = state->size = 3 * (int64_t)state->solid->grid->node_count;
   for (int64_t i = 0; i < n; i++)
-    walk->free += !walk->the->held[i];
-  walk->follows = bwi_case_follows(walk->the);
-  walk->dead = BW_NEW(context, double, n);
-  walk->blocks = BW_NEW0(context, double, 3 * n);
-  walk->residual = BW_NEW0(context, double, n);
-  walk->direction = BW_NEW0(context, double, n);
-  walk->work = BW_NEW0(context, double, n);
-  if (!walk->dead || !walk->blocks || !walk->residual || !walk->direction || !walk->work)
+    state->free += !state->load_case->held[i];
+  state->follows = bwi_load_case_follows(state->load_case);
+  state->dead = BW_NEW(context, double, n);
+  state->blocks = BW_NEW0(context, double, 3 * n);
+  state->residual = BW_NEW0(context, double, n);
+  state->direction = BW_NEW0(context, double, n);
+  state->work = BW_NEW0(context, double, n);
+  if (!state->dead || !state->blocks || !state->residual || !state->direction || !state->work)
     return BW_MEMORY;
-  BW_TRY(bwi_balance_create(context, n, walk->the->floor_count > 0, &walk->now));
-  BW_TRY(bwi_balance_create(context, n, walk->the->floor_count > 0, &walk->trial));
-  walk->iterative = walk->options->linear != BW_NEWTON_DIRECT;
-  if (walk->follows && (!walk->iterative || walk->options->by_cost)) {
-    walk->follower = BW_NEW(context, double, 9 * walk->solid->graph->pair_count);
-    if (!walk->follower)
+  BW_TRY(bwi_balance_create(context, n, state->load_case->contact_plane_count > 0, &state->now));
+  BW_TRY(bwi_balance_create(context, n, state->load_case->contact_plane_count > 0, &state->trial));
+  state->iterative = state->options->linear != BW_NEWTON_DIRECT;
+  if (state->follows && (!state->iterative || state->options->by_cost)) {
+    state->follower = BW_NEW(context, double, 9 * state->solid->graph->pair_count);
+    if (!state->follower)
       return BW_MEMORY;
   }
-  BW_TRY(bwi_case_dead(context, walk->solid, walk->the, walk->dead));
+  BW_TRY(bwi_load_case_dead(context, state->solid, state->load_case, state->dead));
 done:
   return status;
 }
 
 /* Everything at load factor 0. */
-static bw_status walk_begin(bwi_walk *walk) {
+static bw_status walk_begin(bwi_newton_state *state) {
   bw_status status = BW_OK;
-  bw_context *context = walk->context;
-  const double *start = walk->options->start;
+  bw_context *context = state->context;
+  const double *start = state->options->start;
   bool by_factor;
-  BW_TRY(bwi_walk_create(walk));
-  int64_t n = walk->size;
+  BW_TRY(bwi_newton_state_create(state));
+  int64_t n = state->size;
   if (start) {
-    walk->begin = BW_NEW(context, double, n);
-    walk->fade = BW_NEW0(context, double, n);
-    if (!walk->begin || !walk->fade)
+    state->begin = BW_NEW(context, double, n);
+    state->initial_residual = BW_NEW0(context, double, n);
+    if (!state->begin || !state->initial_residual)
       return BW_MEMORY;
-    memcpy(walk->begin, start, (size_t)n * sizeof *start);
-    memcpy(walk->now.u, start, (size_t)n * sizeof *start);
-    BW_TRY(bwi_walk_balance(walk, &walk->now));
-    if (!walk->now.shape.defined)
-      return say_undefined(walk);
+    memcpy(state->begin, start, (size_t)n * sizeof *start);
+    memcpy(state->now.u, start, (size_t)n * sizeof *start);
+    BW_TRY(bwi_newton_state_balance(state, &state->now));
+    if (!state->now.shape.defined)
+      return say_undefined(state);
     for (int64_t i = 0; i < n; i++)
-      walk->fade[i] = walk->the->held[i] ? 0 : walk->now.internal[i] - walk->now.load[i];
+      state->initial_residual[i] =
+          state->load_case->held[i] ? 0 : state->now.internal[i] - state->now.load[i];
   }
-  bwi_choice_begin(walk);
-  BW_TRY(bwi_choice_factor(walk, &by_factor));
-  walk->iterative = walk->iterative && !by_factor;
-  BW_TRY(bwi_tangent_blocks(walk));
-  BW_TRY(bwi_contact_create(context, walk->the, walk->blocks, &walk->contact));
-  if (walk->contact && start)
-    bwi_contact_begin(walk->contact, walk->now.u);
+  bwi_choice_begin(state);
+  BW_TRY(bwi_choice_factor(state, &by_factor));
+  state->iterative = state->iterative && !by_factor;
+  BW_TRY(bwi_tangent_blocks(state));
+  BW_TRY(bwi_contact_create(context, state->load_case, state->blocks, &state->contact));
+  if (state->contact && start)
+    bwi_contact_begin(state->contact, state->now.u);
 done:
   return status;
 }
@@ -243,9 +244,9 @@ const char *bwi_obstacle_text(bwi_obstacle obstacle) {
   return why[obstacle];
 }
 
-static bw_status say_failure(bwi_walk *walk, double reached, const failure *f) {
-  bw_context *context = walk->context;
-  const bw_grid *grid = walk->solid->grid;
+static bw_status say_failure(bwi_newton_state *state, double reached, const failure *f) {
+  bw_context *context = state->context;
+  const bw_grid *grid = state->solid->grid;
   double at[3];
   int32_t e = f->shape.worst >= 0 && f->shape.worst < grid->element_count ? f->shape.worst : 0;
   bw_grid_position(grid, grid->element[8 * (int64_t)e], at);
@@ -262,9 +263,9 @@ static bw_status say_failure(bwi_walk *walk, double reached, const failure *f) {
       "iterations in %d load steps, %d of which failed). The load may be more than the solid "
       "carries; otherwise take smaller or more load steps, %s",
       inverted ? "regular " : "", reached, f->load, bwi_obstacle_text(f->obstacle), f->residual,
-      walk->options->tolerance, (int)e + 1, at[0], at[1], at[2], f->shape.least_ratio,
-      (long long)f->shape.inverted, walk->report->iterations,
-      walk->report->load_steps + walk->report->failed_steps, walk->report->failed_steps,
+      state->options->tolerance, (int)e + 1, at[0], at[1], at[2], f->shape.least_ratio,
+      (long long)f->shape.inverted, state->report->iterations,
+      state->report->load_steps + state->report->failed_steps, state->report->failed_steps,
       f->obstacle == BWI_WORK ? "or allow more iterations (most_iterations)" : "or smaller cells");
   bw_detail_number(context, "load", reached);
   bw_detail_number(context, "residual", f->residual);
@@ -276,12 +277,12 @@ static bw_status say_failure(bwi_walk *walk, double reached, const failure *f) {
 
 /* Load steps until load factor 1 or the least step. `u` and `multiplier` (may be NULL) hold the
  * last equilibrium, *reached its load factor. */
-static bw_status follow_path(bwi_walk *walk, double *u, double *multiplier, double *reached,
-                             failure *failed) {
+static bw_status follow_path(bwi_newton_state *state, double *u, double *multiplier,
+                             double *reached, failure *failed) {
   bw_status status = BW_OK;
-  const bw_newton_options *o = walk->options;
-  size_t size = (size_t)walk->size * sizeof(double),
-         contact = walk->contact ? (size_t)walk->contact->count * sizeof(double) : 0;
+  const bw_newton_options *o = state->options;
+  size_t size = (size_t)state->size * sizeof(double),
+         contact = state->contact ? (size_t)state->contact->count * sizeof(double) : 0;
   double step = 1.0 / o->steps, least = fmin(o->least_step, step);
   double barrier = 2, away = 0; /* the least load that failed, and from how far */
   int good = 0;
@@ -294,36 +295,36 @@ static bw_status follow_path(bwi_walk *walk, double *u, double *multiplier, doub
       load = near ? barrier : 0.5 * (*reached + barrier);
     }
     step = load - *reached;
-    walk->reached = *reached;
-    BW_TRY(bwi_newton_equilibrium(walk, load, &found));
+    state->reached = *reached;
+    BW_TRY(bwi_newton_equilibrium(state, load, &found));
     if (found) {
       *reached = load;
       if (load >= barrier)
         barrier = 2;
-      memcpy(u, walk->now.u, size);
+      memcpy(u, state->now.u, size);
       if (contact)
-        memcpy(multiplier, walk->contact->multiplier, contact);
-      walk->report->load_steps++;
-      walk->report->residual = walk->relative;
-      walk->report->undecided += walk->undecided;
+        memcpy(multiplier, state->contact->multiplier, contact);
+      state->report->load_steps++;
+      state->report->residual = state->relative;
+      state->report->undecided += state->undecided;
       if (++good % 2 == 0)
         step = fmin(2 * step, 1);
       continue;
     }
-    *failed = (failure){walk->obstacle, load, walk->relative, walk->now.shape};
-    walk->report->failed_steps++;
-    memcpy(walk->now.u, u, size);
-    walk->fresh = false;
+    *failed = (failure){state->obstacle, load, state->relative, state->now.shape};
+    state->report->failed_steps++;
+    memcpy(state->now.u, u, size);
+    state->fresh = false;
     if (contact)
-      memcpy(walk->contact->multiplier, multiplier, contact);
+      memcpy(state->contact->multiplier, multiplier, contact);
     good = 0;
-    if (step <= least * (1 + 1e-9) || walk->obstacle == BWI_WORK)
+    if (step <= least * (1 + 1e-9) || state->obstacle == BWI_WORK)
       break;
-    if (!(walk->part > 0)) {
+    if (!(state->part > 0)) {
       barrier = load;
       away = step;
     }
-    step = fmax(least, step * (walk->part > 0 ? fmin(0.5, fmax(0.1, 0.8 * walk->part)) : 0.5));
+    step = fmax(least, step * (state->part > 0 ? fmin(0.5, fmax(0.1, 0.8 * state->part)) : 0.5));
   }
 done:
   return status;
@@ -331,82 +332,82 @@ done:
 
 /* A residual that passes as rounding may be as large as the loads themselves, where these are tiny
  * against the stiffest elements: no wrong answer without a word. */
-static void remark_rounding(bwi_walk *walk) {
+static void remark_rounding(bwi_newton_state *state) {
   double applied = 0;
-  bwi_walk_measure(walk);
-  double least = walk->noise / walk->options->tolerance;
-  double left = walk->relative * fmax(walk->reference, least);
-  for (int64_t i = 0; i < walk->size; i++) {
-    double load = walk->now.load[i] - (walk->now.contact ? walk->now.contact[i] : 0);
-    applied += walk->the->held[i] ? 0 : load * load;
+  bwi_newton_state_measure(state);
+  double least = state->noise / state->options->tolerance;
+  double left = state->relative * fmax(state->reference, least);
+  for (int64_t i = 0; i < state->size; i++) {
+    double load = state->now.load[i] - (state->now.contact ? state->now.contact[i] : 0);
+    applied += state->load_case->held[i] ? 0 : load * load;
   }
   applied = sqrt(applied);
-  if (applied > 0 && left > 1e-2 * applied && left > walk->options->tolerance * walk->reference)
-    bw_remark(walk->context,
+  if (applied > 0 && left > 1e-2 * applied && left > state->options->tolerance * state->reference)
+    bw_remark(state->context,
               "the loads (%.3g N) are out of balance by %.3g N, which rounding of the stiffest "
               "elements' forces (%.3g N) hides: the displacements are not to be relied on",
-              applied, left, walk->noise);
+              applied, left, state->noise);
 }
 
 /* An unstable equilibrium must not pass for a stable one without a word. */
-static void remark_stability(bwi_walk *walk) {
-  const bw_newton_report *report = walk->report;
+static void remark_stability(bwi_newton_state *state) {
+  const bw_newton_report *report = state->report;
   if (report->undecided > 0)
-    bw_remark(walk->context,
+    bw_remark(state->context,
               "whether the solid is stable is not known at %d of %d load steps: %d iterations of "
               "conjugate gradients met no direction in which it gives way, and did not rule one "
               "out. Solve by a factor (\"direct\") or allow more iterations to find out",
-              report->undecided, report->load_steps, walk->options->cg_iterations);
+              report->undecided, report->load_steps, state->options->cg_iterations);
 }
 
 /* Reactions and energies of the state that was reached. */
-static bw_status finish(bwi_walk *walk, double reached, bw_solid_static *result) {
+static bw_status finish(bwi_newton_state *state, double reached, bw_solid_static *result) {
   bw_status status = BW_OK;
-  memcpy(walk->now.u, result->displacement, (size_t)walk->size * sizeof(double));
-  walk->load = reached;
-  if (walk->contact)
-    bwi_contact_place(walk->contact, reached, walk->begin != NULL);
-  BW_TRY(bwi_walk_balance(walk, &walk->now));
-  for (int64_t i = 0; i < walk->size; i++) {
-    double contact = walk->now.contact ? walk->now.contact[i] : 0;
+  memcpy(state->now.u, result->displacement, (size_t)state->size * sizeof(double));
+  state->load = reached;
+  if (state->contact)
+    bwi_contact_place(state->contact, reached, state->begin != NULL);
+  BW_TRY(bwi_newton_state_balance(state, &state->now));
+  for (int64_t i = 0; i < state->size; i++) {
+    double contact = state->now.contact ? state->now.contact[i] : 0;
     result->reaction[i] =
-        walk->the->held[i] ? walk->now.internal[i] - walk->now.load[i] + contact : contact;
+        state->load_case->held[i] ? state->now.internal[i] - state->now.load[i] + contact : contact;
   }
-  result->energy = walk->now.energy;
+  result->energy = state->now.energy;
   result->report.load = reached;
-  result->report.shape = walk->now.shape;
-  result->report.contacts = walk->now.contacts;
+  result->report.shape = state->now.shape;
+  result->report.contacts = state->now.contacts;
   result->complete = reached >= 1;
-  if (bw_solid_locking(walk->solid))
-    bw_remark(walk->context, "%s", bw_solid_locking(walk->solid));
+  if (bw_solid_locking(state->solid))
+    bw_remark(state->context, "%s", bw_solid_locking(state->solid));
   if (result->complete)
-    remark_rounding(walk);
-  remark_stability(walk);
+    remark_rounding(state);
+  remark_stability(state);
 done:
   return status;
 }
 
-bw_status bw_solid_statics(bw_context *context, const bw_solid *solid, const bw_solid_case *the,
-                           bw_newton *newton, const bw_newton_options *options,
-                           bw_solid_static **out) {
+bw_status bw_solid_statics(bw_context *context, const bw_solid *solid,
+                           const bw_load_case *load_case, bw_newton *newton,
+                           const bw_newton_options *options, bw_solid_static **out) {
   bw_status status = BW_OK;
   bw_newton *own = NULL;
   bw_newton_options chosen;
   bw_solid_static *result = NULL;
-  bwi_walk walk = {.context = context, .solid = solid, .the = the};
+  bwi_newton_state state = {.context = context, .solid = solid, .load_case = load_case};
   double *multiplier = NULL, reached = 0, before = bw_seconds();
   failure failed = {0};
   if (options)
     chosen = *options;
   else
     bw_newton_options_default(&chosen);
-  BW_TRY(bwi_newton_check(context, solid, the, &chosen));
+  BW_TRY(bwi_newton_check(context, solid, load_case, &chosen));
   result = BW_NEW0(context, bw_solid_static, 1);
   if (!result)
     return BW_MEMORY;
   bw_object_init(result, &static_kind);
   result->solid = bw_retain(solid);
-  result->the = bw_retain(the);
+  result->load_case = bw_retain(load_case);
   result->displacement = BW_NEW0(context, double, 3 * (int64_t)solid->grid->node_count);
   result->reaction = BW_NEW0(context, double, 3 * (int64_t)solid->grid->node_count);
   if (!result->displacement || !result->reaction) {
@@ -417,27 +418,27 @@ bw_status bw_solid_statics(bw_context *context, const bw_solid *solid, const bw_
     BW_TRY(bw_newton_create(context, &own));
     newton = own;
   }
-  walk.newton = newton;
-  walk.options = &chosen;
-  walk.report = &result->report;
-  BW_TRY(walk_begin(&walk));
-  memcpy(result->displacement, walk.now.u, (size_t)walk.size * sizeof(double));
-  if (walk.contact) {
-    multiplier = BW_NEW0(context, double, walk.contact->count);
+  state.newton = newton;
+  state.options = &chosen;
+  state.report = &result->report;
+  BW_TRY(walk_begin(&state));
+  memcpy(result->displacement, state.now.u, (size_t)state.size * sizeof(double));
+  if (state.contact) {
+    multiplier = BW_NEW0(context, double, state.contact->count);
     if (!multiplier) {
       status = BW_MEMORY;
       goto done;
     }
   }
-  BW_TRY(follow_path(&walk, result->displacement, multiplier, &reached, &failed));
-  BW_TRY(finish(&walk, reached, result));
+  BW_TRY(follow_path(&state, result->displacement, multiplier, &reached, &failed));
+  BW_TRY(finish(&state, reached, result));
   result->report.seconds = bw_seconds() - before;
   if (reached < 1)
-    status = say_failure(&walk, reached, &failed);
+    status = say_failure(&state, reached, &failed);
   *out = result;
   result = NULL;
 done:
-  bwi_walk_clear(&walk);
+  bwi_newton_state_clear(&state);
   bw_release(own);
   bw_free(multiplier);
   bw_release(result);

@@ -257,7 +257,7 @@ static bw_status fill_bins(scene *s) {
 }
 
 /* v / SNAP rounded down. */
-static int64_t floor_snap(int64_t v) {
+static int64_t contact_plane_snap(int64_t v) {
   return v >= 0 ? v / SNAP : -((-v + SNAP - 1) / SNAP);
 }
 
@@ -307,8 +307,8 @@ static void draw_facet(const scene *s, int64_t number, int64_t top, int64_t rows
       most = axis[k][c] > most ? axis[k][c] : most;
     }
     /* samples lie at (i + 1/2) SNAP */
-    low[k] = floor_snap(least - SNAP / 2 + SNAP - 1);
-    high[k] = floor_snap(most - SNAP / 2);
+    low[k] = contact_plane_snap(least - SNAP / 2 + SNAP - 1);
+    high[k] = contact_plane_snap(most - SNAP / 2);
     int64_t end = k == 0 ? wide - 1 : rows - 1;
     low[k] = low[k] < 0 ? 0 : low[k];
     high[k] = high[k] > end ? end : high[k];

@@ -73,8 +73,8 @@ done:
   return status;
 }
 
-bw_status bw_plane_carry(bw_context *context, const bw_plane_mesh *from, const bw_plane_mesh *to,
-                         int components, const double *value, double *carried) {
+bw_status bw_plane_transfer(bw_context *context, const bw_plane_mesh *from, const bw_plane_mesh *to,
+                            int components, const double *value, double *carried) {
   bw_status status = BW_OK;
   const bw_plane_nodes *nodes = to->topology->nodes;
   bw_plane_locator *locator = NULL;

@@ -2,8 +2,8 @@
 /* From the triangles of a filling to a mesh: nodes that were put on boundary edges go onto the
  * curves, nodes and elements are numbered along a Morton curve, smoothing and flips take turns,
  * middles of edges are made. */
+#include "plane/edge_flips.h"
 #include "plane/fill_internal.h"
-#include "plane/weave.h"
 
 #include <string.h>
 
@@ -37,10 +37,10 @@ static bw_status place_nodes(bw_context *context, const bw_outline *outline,
   return BW_OK;
 }
 
-/* Three-node topology of the filling in Morton order, and its weave. */
+/* Three-node topology of the filling in Morton order, and its edge flips. */
 static bw_status open_weave(bw_context *context, const bw_outline *outline,
                             const bwi_fill_boundary *boundary, bwi_filling *filling,
-                            bw_plane_topology **topology, bwi_weave *weave) {
+                            bw_plane_topology **topology, bwi_edge_flips *flipping) {
   bw_status status = BW_OK;
   int32_t nodes = filling->node_count, elements = filling->element_count;
   int32_t *segment = NULL, *number = NULL, *element = NULL, *region = NULL, *segments = NULL;
@@ -93,7 +93,7 @@ static bw_status open_weave(bw_context *context, const bw_outline *outline,
   status = bwi_plane_topology_own(context, made, outline, elements, element, region, topology);
   element = region = NULL;
   BW_TRY(status);
-  BW_TRY(bwi_weave_open(context, *topology, point, weave));
+  BW_TRY(bwi_edge_flips_open(context, *topology, point, flipping));
 done:
   bw_release(made);
   bw_free(order);
@@ -111,16 +111,16 @@ done:
 
 /* Middles on all edges, numbered element by element, those on sides on their curve. */
 static bw_status add_middles(bw_context *context, const bw_outline *outline,
-                             const bw_plane_topology *topology, const bwi_weave *weave,
+                             const bw_plane_topology *topology, const bwi_edge_flips *flipping,
                              int32_t *nodes, int32_t **segment, double **parameter, double **point,
                              int32_t **element) {
   bw_status status = BW_OK;
   const bw_plane_nodes *corners = topology->nodes;
-  int32_t count = corners->corner_count, elements = weave->element_count;
+  int32_t count = corners->corner_count, elements = flipping->element_count;
   /* edges = (halves + open ones) / 2 */
   int64_t open = 0;
   for (int64_t h = 0; h < 3 * (int64_t)elements; h++)
-    open += weave->neighbour[h] < 0;
+    open += flipping->neighbour[h] < 0;
   int64_t total = count + (3 * (int64_t)elements + open) / 2;
   if (total > INT32_MAX / 2)
     return bw_fail(context, BW_LIMIT, "%lld nodes: a plane mesh holds at most %d", (long long)total,
@@ -136,14 +136,14 @@ static bw_status add_middles(bw_context *context, const bw_outline *outline,
   }
   memcpy(*segment, corners->segment, (size_t)count * sizeof **segment);
   memcpy(*parameter, corners->parameter, (size_t)count * sizeof **parameter);
-  memcpy(*point, weave->point, 2 * (size_t)count * sizeof **point);
+  memcpy(*point, flipping->point, 2 * (size_t)count * sizeof **point);
   for (int64_t h = 0; h < 3 * (int64_t)elements; h++) {
-    int32_t e = (int32_t)(h / 3), other = weave->neighbour[h];
-    const int32_t *n = weave->element + 3 * (size_t)e;
+    int32_t e = (int32_t)(h / 3), other = flipping->neighbour[h];
+    const int32_t *n = flipping->element + 3 * (size_t)e;
     int k = (int)(h % 3);
     int32_t a = n[k], b = n[(k + 1) % 3];
     if (other >= 0 && other < e) {
-      const int32_t *m = weave->element + 3 * (size_t)other;
+      const int32_t *m = flipping->element + 3 * (size_t)other;
       int at = m[0] == b ? 0 : m[1] == b ? 1 : 2;
       middle[h] = middle[3 * (size_t)other + (size_t)at];
       continue;
@@ -152,7 +152,7 @@ static bw_status add_middles(bw_context *context, const bw_outline *outline,
     (*segment)[count] = -1;
     for (size_t i = 0; i < 2; i++)
       (*point)[2 * (size_t)count + i] =
-          (weave->point[2 * (size_t)a + i] + weave->point[2 * (size_t)b + i]) / 2;
+          (flipping->point[2 * (size_t)a + i] + flipping->point[2 * (size_t)b + i]) / 2;
     count++;
   }
   for (int32_t s = 0; s < topology->side_count; s++) {
@@ -160,19 +160,19 @@ static bw_status add_middles(bw_context *context, const bw_outline *outline,
     int one = topology->side_element[2 * s] >= 0 ? 0 : 1;
     int32_t e = -1, k = -1;
     /* flips left the sides' elements behind: look around the corner */
-    int32_t from = one == 0 ? a : b, to = one == 0 ? b : a, at = weave->star[from];
+    int32_t from = one == 0 ? a : b, to = one == 0 ? b : a, at = flipping->star[from];
     for (int turn = 0; turn < 2 && k < 0; turn++) {
-      at = weave->star[from];
+      at = flipping->star[from];
       while (at >= 0) {
-        const int32_t *n = weave->element + 3 * (size_t)at;
+        const int32_t *n = flipping->element + 3 * (size_t)at;
         int c = n[0] == from ? 0 : n[1] == from ? 1 : 2;
         if (n[(c + 1) % 3] == to) {
           e = at;
           k = c;
           break;
         }
-        at = weave->neighbour[3 * (size_t)at + (size_t)(turn == 0 ? (c + 2) % 3 : c)];
-        if (at == weave->star[from])
+        at = flipping->neighbour[3 * (size_t)at + (size_t)(turn == 0 ? (c + 2) % 3 : c)];
+        if (at == flipping->star[from])
           break;
       }
     }
@@ -188,7 +188,7 @@ static bw_status add_middles(bw_context *context, const bw_outline *outline,
   }
   for (int32_t e = 0; e < elements; e++)
     for (size_t k = 0; k < 3; k++) {
-      (*element)[6 * (size_t)e + k] = weave->element[3 * (size_t)e + k];
+      (*element)[6 * (size_t)e + k] = flipping->element[3 * (size_t)e + k];
       (*element)[6 * (size_t)e + 3 + k] = middle[3 * (size_t)e + k];
     }
   *nodes = count;
@@ -203,21 +203,21 @@ bw_status bwi_fill_mesh(bw_context *context, const bw_outline *outline,
   bw_status status = BW_OK;
   bw_plane_topology *corners = NULL, *topology = NULL;
   bw_plane_nodes *made = NULL;
-  bwi_weave weave = {0};
+  bwi_edge_flips flipping = {0};
   int32_t *segment = NULL, *element = NULL, *region = NULL, nodes = 0, which = 0;
   double *parameter = NULL, *point = NULL;
   *fits = true;
-  BW_TRY(open_weave(context, outline, boundary, filling, &corners, &weave));
-  bwi_weave_queue_all(&weave);
-  bwi_weave_flip(&weave);
+  BW_TRY(open_weave(context, outline, boundary, filling, &corners, &flipping));
+  bwi_edge_flips_queue_all(&flipping);
+  bwi_edge_flips_flip(&flipping);
   for (int round = 0; round < SMOOTHING; round++) {
-    bwi_weave_smooth(&weave, 2, 0.75);
-    bwi_weave_flip(&weave);
+    bwi_edge_flips_smooth(&flipping, 2, 0.75);
+    bwi_edge_flips_flip(&flipping);
     BW_TRY(bw_check_cancel(context));
   }
   nodes = corners->nodes->node_count;
   if (order == 2) {
-    BW_TRY(add_middles(context, outline, corners, &weave, &nodes, &segment, &parameter, &point,
+    BW_TRY(add_middles(context, outline, corners, &flipping, &nodes, &segment, &parameter, &point,
                        &element));
   } else {
     segment = BW_NEW(context, int32_t, nodes);
@@ -228,10 +228,10 @@ bw_status bwi_fill_mesh(bw_context *context, const bw_outline *outline,
     }
     memcpy(segment, corners->nodes->segment, (size_t)nodes * sizeof *segment);
     memcpy(parameter, corners->nodes->parameter, (size_t)nodes * sizeof *parameter);
-    point = weave.point;
-    element = weave.element;
-    weave.point = NULL;
-    weave.element = NULL;
+    point = flipping.point;
+    element = flipping.element;
+    flipping.point = NULL;
+    flipping.element = NULL;
   }
   region = BW_NEW(context, int32_t, filling->element_count);
   if (!region) {
@@ -252,7 +252,7 @@ bw_status bwi_fill_mesh(bw_context *context, const bw_outline *outline,
   status = bwi_plane_mesh_own(context, topology, outline, point, mesh);
   point = NULL;
 done:
-  bwi_weave_clear(&weave);
+  bwi_edge_flips_clear(&flipping);
   bw_release(corners);
   bw_release(topology);
   bw_release(made);

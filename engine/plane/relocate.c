@@ -6,7 +6,7 @@
  * handle, the displacement of the boundary is w d with one weight w per node and one vector d; then
  * H w is kept, and the next frame costs one multiplication per node. */
 #include "plane/harmonic.h"
-#include "plane/mover.h"
+#include "plane/mesh_motion.h"
 
 #include <math.h>
 #include <string.h>
@@ -222,7 +222,7 @@ bw_status bwi_relocate_adjoint(bw_context *context, bwi_relocator *r, const bw_p
   if (mesh->topology->nodes != nodes)
     return bw_fail(
         context, BW_INVALID,
-        "a gradient by %d nodes of a mesh that this mover does not move: its mesh has %d",
+        "a gradient by %d nodes of a mesh that this mesh motion does not move: its mesh has %d",
         mesh->topology->nodes->node_count, nodes->node_count);
   double *g = BW_NEW(context, double, 2 * (size_t)nodes->node_count);
   if (!g)

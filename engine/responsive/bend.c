@@ -21,7 +21,7 @@
 
 void bw_bend_options_default(bw_bend_options *options) {
   *options = (bw_bend_options){.tolerance = 1e-8, .iterations = 30, .load_steps = 64};
-  bw_stale_options_default(&options->linear);
+  bw_lagged_factor_options_default(&options->linear);
 }
 
 /* A tangent is kept after a step that left no more than this of the residual. */
@@ -42,7 +42,7 @@ typedef struct newton {
   double *u, *trial, *step;      /* displacement */
   double *way;                   /* a second direction */
   double *inside, *inside_trial; /* forces inside, at u and at trial */
-  bw_kept *kept;
+  bw_plane_reuse *kept;
   bw_bend_report *report;
   double reached; /* load factor at which all is in equilibrium */
 } newton;
@@ -158,10 +158,10 @@ done:
 static bw_status solve_tangent(newton *n, double load, double accuracy, bool keep) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = n->inner;
-  bw_stale_options linear = n->options->linear;
+  bw_lagged_factor_options linear = n->options->linear;
   linear.tolerance = fmax(linear.tolerance, accuracy);
-  if (keep && linear.method != BW_STALE_AUTO)
-    linear.method = BW_STALE_ITERATE; /* its factor is there */
+  if (keep && linear.method != BW_LAGGED_FACTOR_AUTO)
+    linear.method = BW_LAGGED_FACTOR_ITERATE; /* its factor is there */
   n->bend.u = n->u;
   for (int attempt = keep ? 0 : 1; attempt < 3; attempt++) {
     double start = bw_seconds();
@@ -177,8 +177,8 @@ static bw_status solve_tangent(newton *n, double load, double accuracy, bool kee
                                 inner->work));
     }
     n->kept->seconds_assemble += bw_seconds() - start;
-    status = bw_stale_solve(n->context, inner->stale, inner->graph, inner->matrix, inner->work,
-                            n->step, &linear, n->kept);
+    status = bw_lagged_factor_solve(n->context, inner->lagged, inner->graph, inner->matrix,
+                                    inner->work, n->step, &linear, n->kept);
     if (status != BW_SINGULAR && status != BW_CONVERGENCE)
       break;
   }
@@ -313,11 +313,11 @@ static bw_status remember(newton *n) {
 }
 
 bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_options *options,
-                        bw_bend_report *report, bw_kept *kept) {
+                        bw_bend_report *report, bw_plane_reuse *kept) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
   bw_bend_options defaults;
-  bw_kept ignored = {0};
+  bw_plane_reuse ignored = {0};
   bw_bend_report unread;
   newton n = {.context = context, .sheet = sheet, .inner = inner};
   double *room = NULL;

@@ -204,12 +204,12 @@ done:
 }
 
 bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
-                         const bw_stale_options *options, bw_kept *kept) {
+                         const bw_lagged_factor_options *options, bw_plane_reuse *kept) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
   bw_newmark defaults;
   bw_sheet_state *next = NULL;
-  bw_kept ignored = {0};
+  bw_plane_reuse ignored = {0};
   double *room = NULL;
   bool made;
   bw_newmark_default(&defaults);
@@ -274,8 +274,8 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
       inner->work[i] =
           next->displacement[i] + h * next->velocity[i] + 0.5 * h * h * next->acceleration[i];
   kept->seconds_assemble += bw_seconds() - start;
-  BW_TRY(bw_stale_solve(context, inner->stale, inner->graph, inner->matrix, inner->rhs, inner->work,
-                        options, kept));
+  BW_TRY(bw_lagged_factor_solve(context, inner->lagged, inner->graph, inner->matrix, inner->rhs,
+                                inner->work, options, kept));
   /* v and a hold what is known of the new ones */
   for (size_t i = 0; i < size; i++) {
     bool held = inner->held[i];

@@ -11,7 +11,7 @@ static void plate_destroy(void *object) {
   if (in) {
     bw_release(in->now);
     bw_free(in->origin);
-    bwi_stale_symmetric_free(in->factor);
+    bwi_lagged_symmetric_free(in->factor);
     bw_free(in);
   }
   bw_release(plate->material);
@@ -177,7 +177,7 @@ bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
   plate->material = bw_retain(material);
   BW_TRY(bwi_plate_law_create(context, material, thickness, &in->law));
   bwi_plate_reference_fill(&in->reference);
-  BW_TRY(bwi_stale_symmetric_create(context, 3, &in->factor));
+  BW_TRY(bwi_lagged_symmetric_create(context, 3, &in->factor));
   BW_TRY(bw_plane_graph_create(context, mesh->topology, &graph));
   BW_TRY(make_matrices(context, in, graph, mesh, &matrices));
   BW_TRY(bwi_plate_blank(context, mesh, matrices, &first));
@@ -204,7 +204,7 @@ static bw_status copy(bw_context *context, const double *from, int count, double
 
 /* Everything is made beside what there is, and takes its place at the end. */
 bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_mesh *mesh,
-                          bw_kept *kept) {
+                          bw_plane_reuse *kept) {
   bw_status status = BW_OK;
   struct bwi_plate *in = plate->inner;
   const bw_plate_state *was = in->now;
@@ -234,9 +234,9 @@ bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_m
     goto done;
   }
   for (int k = 0; k < was->known; k++)
-    BW_TRY(bw_plane_carry(context, plate->mesh, mesh, 3,
-                          was->shape + k * 3 * (int64_t)before->nodes->node_count,
-                          next->shape + k * 3 * nodes));
+    BW_TRY(bw_plane_transfer(context, plate->mesh, mesh, 3,
+                             was->shape + k * 3 * (int64_t)before->nodes->node_count,
+                             next->shape + k * 3 * nodes));
   if (same_nodes) {
     BW_TRY(bwi_plate_turns(context, &in->reference, now, plate->mesh->point, mesh->point, turn));
     for (int k = 0; k < was->known; k++)

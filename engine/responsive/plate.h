@@ -5,7 +5,7 @@
 #ifndef BWI_PLATE_H
 #define BWI_PLATE_H
 
-#include "responsive/stale.h"
+#include "responsive/lagged_factor.h"
 
 enum {
   BWI_PLATE_NODES = 6,
@@ -85,7 +85,7 @@ struct bwi_plate {
   bwi_plate_reference reference;
   const bw_plate_state *now; /* retained; the public fields are its own */
   /* What makes the next frame faster. */
-  bwi_stale_symmetric *factor;
+  bwi_lagged_symmetric *factor;
   bool factored;   /* there is a factor of these nodes, of whatever shape */
   double *origin;  /* node_count x 2: where the nodes were then */
   int fresh, last; /* iterations with a new factor, and in the last solve */

@@ -12,7 +12,7 @@ enum { RIGID = 3, GUARDS = 2, ROUNDS = 400 };
 typedef struct inplane {
   bw_context *context;
   const bw_sheet *sheet;
-  bwi_stale_symmetric *factor;
+  bwi_lagged_symmetric *factor;
 } inplane;
 
 static bw_status times_stiffness(void *data, const double *x, double *y) {
@@ -37,7 +37,7 @@ static bw_status times_mass(void *data, const double *x, double *y) {
 
 static bw_status precondition(void *data, const double *x, double *y) {
   const inplane *p = data;
-  return bwi_stale_symmetric_apply(p->context, p->factor, false, x, y);
+  return bwi_lagged_symmetric_apply(p->context, p->factor, false, x, y);
 }
 
 /* Two translations and the rotation, M-orthonormal, and M times them. */
@@ -79,8 +79,8 @@ bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count
   bw_sheet_section section = {plate->material, plate->thickness, false};
   bw_sheet_description description = {.section_count = 1, .section = &section};
   bw_sheet *sheet = NULL;
-  bwi_stale_symmetric *factor = NULL;
-  bwi_stale_work work;
+  bwi_lagged_symmetric *factor = NULL;
+  bwi_lagged_work work;
   bool made;
   double *shifted = NULL, *vector = NULL, *rigid = NULL, *value = NULL;
   int64_t nodes = plate->mesh->topology->nodes->node_count, n = 2 * nodes;
@@ -92,7 +92,7 @@ bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count
   BW_TRY(bwi_sheet_prepare(context, sheet, &made));
   BW_TRY(bwi_sheet_stiffness(context, sheet));
   BW_TRY(bwi_sheet_mass(context, sheet));
-  BW_TRY(bwi_stale_symmetric_create(context, 2, &factor));
+  BW_TRY(bwi_lagged_symmetric_create(context, 2, &factor));
   const bw_plane_graph *graph = sheet->inner->graph;
   shifted = BW_NEW(context, double, 4 * graph->pair_count);
   vector = BW_NEW0(context, double, block *n);
@@ -115,7 +115,7 @@ bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count
     for (int c = 0; c < 4; c++)
       shifted[4 * k + c] =
           sheet->inner->stiffness[4 * k + c] + (c % 3 == 0 ? shift * sheet->inner->mass[k] : 0);
-  BW_TRY(bwi_stale_symmetric_factor(context, factor, graph, shifted, &work));
+  BW_TRY(bwi_lagged_symmetric_factor(context, factor, graph, shifted, &work));
   inplane data = {context, sheet, factor};
   BW_TRY(rigid_motions(&data, rigid, rigid + RIGID * n));
   bwi_ritz ritz = {.size = n,
@@ -134,7 +134,7 @@ bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count
   for (int k = 0; k < count; k++)
     frequency[k] = sqrt(fmax(value[k], 0)) / (2 * pi);
 done:
-  bwi_stale_symmetric_free(factor);
+  bwi_lagged_symmetric_free(factor);
   bw_release(sheet);
   bw_free(shifted);
   bw_free(vector);

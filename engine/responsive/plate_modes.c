@@ -32,13 +32,13 @@ static bw_status times_mass(void *data, const double *x, double *y) {
 
 static bw_status precondition(void *data, const double *x, double *y) {
   const problem *p = data;
-  bwi_stale_symmetric *factor = p->plate->inner->factor;
+  bwi_lagged_symmetric *factor = p->plate->inner->factor;
   int64_t nodes = p->plate->mesh->topology->nodes->node_count;
   if (!p->turn)
-    return bwi_stale_symmetric_apply(p->context, factor, false, x, y);
+    return bwi_lagged_symmetric_apply(p->context, factor, false, x, y);
   memcpy(p->room, x, (size_t)(3 * nodes) * sizeof *x);
   bwi_plate_turn(nodes, p->turn, true, p->room);
-  bw_status status = bwi_stale_symmetric_apply(p->context, factor, true, p->room, y);
+  bw_status status = bwi_lagged_symmetric_apply(p->context, factor, true, p->room, y);
   if (status == BW_OK)
     bwi_plate_turn(nodes, p->turn, false, y);
   return status;
@@ -96,11 +96,12 @@ static void fix_sign(double *shape, int64_t nodes) {
       shape[i] = -shape[i];
 }
 
-static bw_status refactor(bw_context *context, const bw_plate *plate, bool scratch, bw_kept *kept) {
+static bw_status refactor(bw_context *context, const bw_plate *plate, bool scratch,
+                          bw_plane_reuse *kept) {
   struct bwi_plate *in = plate->inner;
   const bwi_plate_matrices *m = in->now->matrices;
   double before = bw_seconds();
-  bwi_stale_work work;
+  bwi_lagged_work work;
   size_t numbers = 2 * (size_t)plate->mesh->topology->nodes->node_count;
   double *origin = BW_NEW(context, double, numbers);
   if (!origin)
@@ -109,9 +110,9 @@ static bw_status refactor(bw_context *context, const bw_plate *plate, bool scrat
   bw_free(in->origin);
   in->origin = origin;
   if (scratch)
-    bwi_stale_symmetric_forget(in->factor);
+    bwi_lagged_symmetric_reset(in->factor);
   in->factored = false;
-  bw_status status = bwi_stale_symmetric_factor(context, in->factor, m->graph, m->shifted, &work);
+  bw_status status = bwi_lagged_symmetric_factor(context, in->factor, m->graph, m->shifted, &work);
   in->factored = status == BW_OK;
   kept->analyses += work.analysed;
   kept->factorisations++;
@@ -120,7 +121,7 @@ static bw_status refactor(bw_context *context, const bw_plate *plate, bool scrat
 }
 
 bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_options *given,
-                         bw_kept *kept) {
+                         bw_plane_reuse *kept) {
   bw_status status = BW_OK;
   bw_plate_options options;
   bw_plate_options_default(&options);
@@ -132,7 +133,7 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   int64_t nodes = plate->mesh->topology->nodes->node_count, n = 3 * nodes;
   double *vector = NULL, *rigid = NULL, *value = NULL, *residual = NULL, *frequency = NULL,
          *turn = NULL;
-  bw_kept none = {0};
+  bw_plane_reuse none = {0};
   kept = kept ? kept : &none;
   if (options.modes < 1 || options.modes >= n - GUARDS - RIGID)
     return bw_fail(context, BW_INVALID, "%d modes of a plate with %lld unknowns", options.modes,

@@ -17,7 +17,7 @@ static void sheet_destroy(void *object) {
     bw_free(inner->section);
     bw_free(inner->thickness);
     bw_free(inner->condition);
-    bw_stale_free(inner->stale);
+    bw_lagged_factor_free(inner->lagged);
     bw_release(inner->graph);
     bw_free(inner->stiffness);
     bw_free(inner->matrix);
@@ -104,7 +104,7 @@ bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
   bwi_sheet_adopt(sheet, first);
   BW_TRY(
       bwi_conditions_check(context, mesh, 2, description->condition_count, description->condition));
-  BW_TRY(bw_stale_create(context, true, 2, &sheet->inner->stale));
+  BW_TRY(bw_lagged_factor_create(context, true, 2, &sheet->inner->lagged));
 done:
   bw_release(first);
   if (status == BW_OK)
@@ -159,12 +159,12 @@ done:
   return status;
 }
 
-bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_options *options,
-                          bw_kept *kept) {
+bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet,
+                          const bw_lagged_factor_options *options, bw_plane_reuse *kept) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
   bw_sheet_state *next = NULL;
-  bw_kept ignored = {0};
+  bw_plane_reuse ignored = {0};
   bool made;
   kept = kept ? kept : &ignored;
   double start = bw_seconds();
@@ -184,8 +184,8 @@ bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet, const bw_stale_o
     goto done;
   }
   kept->seconds_assemble += bw_seconds() - start;
-  BW_TRY(bw_stale_solve(context, inner->stale, inner->graph, inner->matrix, inner->rhs, inner->work,
-                        options, kept));
+  BW_TRY(bw_lagged_factor_solve(context, inner->lagged, inner->graph, inner->matrix, inner->rhs,
+                                inner->work, options, kept));
   if (next->before)
     memcpy(next->before, sheet->displacement, size * sizeof(double));
   memcpy(next->displacement, inner->work, size * sizeof(double));

@@ -100,7 +100,7 @@ struct bwi_sheet {
 
   /* From here on what follows from all that, or makes it faster: made when it is needed, dropped
    * when it is not of the state's mesh any more. No result depends on what is there. */
-  bw_stale *stale;
+  bw_lagged_factor *lagged;
   /* By topology; NULL until used. */
   bw_plane_graph *graph;
   double *stiffness; /* 4 per pair: as assembled */

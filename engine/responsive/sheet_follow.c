@@ -7,7 +7,7 @@ static bw_status carry(bw_context *context, const bw_sheet *sheet, const bw_plan
   if (!value)
     return BW_OK;
   *carried = BW_NEW(context, double, 2 * (size_t)mesh->topology->nodes->node_count);
-  return *carried ? bw_plane_carry(context, sheet->mesh, mesh, 2, value, *carried) : BW_MEMORY;
+  return *carried ? bw_plane_transfer(context, sheet->mesh, mesh, 2, value, *carried) : BW_MEMORY;
 }
 
 /* Conditions by the names of tags on the outline of a new mesh, which must have a section for each
@@ -36,7 +36,7 @@ done:
 }
 
 bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_mesh *mesh,
-                          bw_kept *kept) {
+                          bw_plane_reuse *kept) {
   bw_status status = BW_OK;
   const bw_plane_topology *was = sheet->mesh->topology, *now = mesh->topology;
   bw_sheet_state *next = NULL;

@@ -143,11 +143,11 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
   for (size_t i = 0; i < size; i++)
     if (inner->held[i])
       inner->rhs[i] = 0;
-  bw_stale_options options;
-  bw_stale_options_default(&options);
+  bw_lagged_factor_options options;
+  bw_lagged_factor_options_default(&options);
   options.tolerance = 1e-10;
-  BW_TRY(bw_stale_solve(context, inner->stale, inner->graph, inner->matrix, inner->rhs, adjoint,
-                        &options, NULL));
+  BW_TRY(bw_lagged_factor_solve(context, inner->lagged, inner->graph, inner->matrix, inner->rhs,
+                                adjoint, &options, NULL));
   for (int32_t e = 0; e < topology->element_count; e++) {
     const int32_t *node = topology->element + (int64_t)e * rule.n;
     element_at(sheet, &rule, e, x, u);

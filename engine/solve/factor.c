@@ -41,14 +41,14 @@ typedef struct store {
 } store;
 
 /* What makes a factor one that can be brought up to date in part. */
-typedef struct bwi_kept {
+typedef struct bwi_refactor_data {
   bwi_elimination_reach *reach; /* retained */
   void *block;                  /* the update matrices kept */
   int64_t *at;                  /* super_count: where in it; those not kept have none */
   uint8_t *wanted;              /* super_count */
   store store;
   bool broken;
-} bwi_kept;
+} bwi_refactor_data;
 
 typedef struct factorisation {
   bw_context *context;
@@ -57,10 +57,10 @@ typedef struct factorisation {
   const bwi_kernels *kernels;
   double unit; /* the matrix is taken times this */
   bool signs;
-  void *value;           /* all panels, or NULL when L is not kept */
-  const bwi_plan *plan;  /* of the supernodes wanted */
-  const uint8_t *wanted; /* NULL: all */
-  const bwi_kept *kept;  /* or NULL */
+  void *value;                   /* all panels, or NULL when L is not kept */
+  const bwi_plan *plan;          /* of the supernodes wanted */
+  const uint8_t *wanted;         /* NULL: all */
+  const bwi_refactor_data *kept; /* or NULL */
   store *store;
   int64_t negative;     /* atomic */
   int32_t failed, weak; /* lowest position of such a pivot, or INT32_MAX; atomic */
@@ -305,7 +305,7 @@ done:
 
 /* ---- what others call ---------------------------------------------------------------------- */
 
-static void kept_destroy(bwi_kept *kept) {
+static void kept_destroy(bwi_refactor_data *kept) {
   if (!kept)
     return;
   bw_release(kept->reach);
@@ -331,7 +331,7 @@ size_t bwi_factor_bytes(const bwi_factor *factor) {
 
 void bwi_factor_kept_bytes(const bwi_factor *factor, size_t *updates, size_t *work) {
   *updates = *work = 0;
-  const bwi_kept *kept = factor->kept;
+  const bwi_refactor_data *kept = factor->kept;
   if (!kept)
     return;
   int64_t numbers = kept->store.own_size;
@@ -378,7 +378,7 @@ static bw_status judge(const factorisation *f, bw_status status, int32_t *bad_no
 static bw_status kept_create(bw_context *context, const bwi_symbolic *symbolic,
                              bwi_elimination_reach *reach, bwi_factor *factor) {
   int32_t supers = symbolic->order->super_count;
-  bwi_kept *kept = factor->kept = BW_NEW0(context, bwi_kept, 1);
+  bwi_refactor_data *kept = factor->kept = BW_NEW0(context, bwi_refactor_data, 1);
   if (!kept)
     return BW_MEMORY;
   kept->reach = bw_retain(reach);
@@ -483,7 +483,7 @@ bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_m
                             const uint8_t *touched_domain, double *flops, int32_t *bad_node) {
   bw_status status = BW_OK;
   const bwi_symbolic *symbolic = factor->symbolic;
-  bwi_kept *kept = factor->kept;
+  bwi_refactor_data *kept = factor->kept;
   bwi_plan plan = {0};
   factorisation f = {.context = context,
                      .symbolic = symbolic,

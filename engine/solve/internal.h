@@ -151,8 +151,8 @@ typedef struct bwi_factor {
   const struct bwi_kernels *kernels;
   void *value; /* panels, column-major, one leading dimension per supernode */
   double unit;
-  int64_t negative;      /* negative pivots */
-  struct bwi_kept *kept; /* of a factor that can be brought up to date in part, or NULL */
+  int64_t negative;               /* negative pivots */
+  struct bwi_refactor_data *kept; /* of a factor that can be brought up to date in part, or NULL */
 } bwi_factor;
 
 /* A = L L^T. *bad_node (may be NULL) is the mesh node of the failing pivot when BW_SINGULAR. */

@@ -147,7 +147,7 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
     lbw_material_class, lbw_model_class, lbw_static_class, lbw_modes_class, lbw_system_class,
     lbw_weak_regions_class, lbw_pressure_basis_class, lbw_skeleton_class, lbw_domains_class,
     lbw_local_system_class, lbw_live_server_class, lbw_outline_class, lbw_sheet_class,
-    lbw_plane_mesh_class, lbw_mover_class, lbw_flow_class, lbw_plate_class, lbw_grid_class,
+    lbw_plane_mesh_class, lbw_mesh_motion_class, lbw_flow_class, lbw_plate_class, lbw_grid_class,
     lbw_embedding_class, lbw_job_class, lbw_canvas_class, lbw_database_class, lbw_lock_class,
     lbw_temporary_class;
 
@@ -317,7 +317,7 @@ void lbw_open_outline(lua_State *L);
 void lbw_open_follow(lua_State *L);
 void lbw_open_sheet(lua_State *L);
 void lbw_open_plane(lua_State *L);
-void lbw_open_mover(lua_State *L);
+void lbw_open_mesh_motion(lua_State *L);
 void lbw_open_flow(lua_State *L);
 void lbw_open_plate(lua_State *L);
 void lbw_open_solid_material(lua_State *L);

@@ -49,7 +49,7 @@ static int flow_create(lua_State *L) {
 /* ---- following and stepping ------------------------------------------------------------------ */
 
 static bw_status follow_mesh(bw_context *context, void *flow, const bw_plane_mesh *mesh,
-                             bw_kept *kept) {
+                             bw_plane_reuse *kept) {
   return bw_flow_follow(context, (bw_flow *)flow, mesh, kept);
 }
 
@@ -101,16 +101,16 @@ static int flow_step(lua_State *L) {
   lua_settop(L, 5);
   lbw_check_type(L, 2, LUA_TTABLE);
   bw_flow_options options;
-  bw_kept kept;
+  bw_plane_reuse kept;
   bw_flow_options_default(&options);
   double tolerance = options.linear.tolerance;
-  lbw_read_stale(L, 3, &options.linear);
+  lbw_read_lagged_factor(L, 3, &options.linear);
   if (lbw_option_get(L, 3, "tolerance") == LUA_TNIL)
     options.linear.tolerance = tolerance;
   lua_settop(L, 5);
   lbw_options(L, 4, "step", list, &options);
   lua_Integer steps = lbw_integer_or(L, 5, 1);
-  lbw_load_kept(L, 2, &kept);
+  lbw_load_plane_reuse(L, 2, &kept);
   lbw_conditions_begin(L, 1);
   bw_context *context = lbw_enter(L);
   const bw_flow_state *before = bw_flow_keep(flow);

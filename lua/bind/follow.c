@@ -29,7 +29,7 @@ static const char *const method_words[] = {"auto", "iterate", "refactor", "scrat
   NUMBER(seconds_solve)
 
 /* Writes into the table at `index`. */
-static void store_kept(lua_State *L, int index, const bw_kept *kept) {
+static void store_kept(lua_State *L, int index, const bw_plane_reuse *kept) {
   index = lua_absindex(L, index);
 #define BOOLEAN(key) (lua_pushboolean(L, kept->key), lua_setfield(L, index, #key));
 #define INTEGER(key) (lua_pushinteger(L, kept->key), lua_setfield(L, index, #key));
@@ -43,7 +43,7 @@ static void store_kept(lua_State *L, int index, const bw_kept *kept) {
 }
 
 /* Reads back what a former call of the same frame wrote; the table's level is a word. */
-void lbw_load_kept(lua_State *L, int index, bw_kept *kept) {
+void lbw_load_plane_reuse(lua_State *L, int index, bw_plane_reuse *kept) {
   memset(kept, 0, sizeof *kept);
 #define BOOLEAN(key)                                                                               \
   (lua_getfield(L, index, #key), kept->key = lua_toboolean(L, -1), lua_pop(L, 1));
@@ -57,7 +57,8 @@ void lbw_load_kept(lua_State *L, int index, bw_kept *kept) {
   kept->level = (bw_level)lbw_word_option(L, index, "reused", "level", level_words, 0);
 }
 
-int lbw_leave_frame(lua_State *L, const lbw_class *class, bw_status status, const bw_kept *kept) {
+int lbw_leave_frame(lua_State *L, const lbw_class *class, bw_status status,
+                    const bw_plane_reuse *kept) {
   lua_pushvalue(L, 2);
   int results = lbw_leave(L, status, 1);
   if (status == BW_OK) {
@@ -108,14 +109,15 @@ void lbw_read_follow(lua_State *L, int index, const char *function, bw_follow_op
 
 static const lbw_option stale_list[] = {
     {"method", LBW_OTHER, 0},
-    {"tolerance", LBW_REAL, offsetof(bw_stale_options, tolerance)},
-    {"iterations", LBW_INT, offsetof(bw_stale_options, iterations)},
+    {"tolerance", LBW_REAL, offsetof(bw_lagged_factor_options, tolerance)},
+    {"iterations", LBW_INT, offsetof(bw_lagged_factor_options, iterations)},
     {NULL, LBW_OTHER, 0}};
 
-void lbw_read_stale(lua_State *L, int index, bw_stale_options *options) {
-  bw_stale_options_default(options);
+void lbw_read_lagged_factor(lua_State *L, int index, bw_lagged_factor_options *options) {
+  bw_lagged_factor_options_default(options);
   lbw_options(L, index, "solve", stale_list, options);
-  options->method = (bw_stale_method)lbw_word_option(L, index, "solve", "method", method_words, 0);
+  options->method =
+      (bw_lagged_factor_method)lbw_word_option(L, index, "solve", "method", method_words, 0);
 }
 
 /* ---- making and following -------------------------------------------------------------------- */
@@ -125,7 +127,7 @@ int lbw_follow_create(lua_State *L, const lbw_class *class, const bw_outline *ou
                       const void *description) {
   bw_status status = BW_OK;
   bw_plane_mesh *mesh = NULL;
-  bw_mover *mover = NULL;
+  bw_mesh_motion *motion = NULL;
   void *body = NULL;
   lbw_box *box = lbw_box_new(L, class);
   int made = lua_gettop(L);
@@ -135,14 +137,14 @@ int lbw_follow_create(lua_State *L, const lbw_class *class, const bw_outline *ou
   }
   bw_context *context = lbw_enter(L);
   BW_TRY(bw_plane_fill(context, outline, &follow->fill, &mesh));
-  BW_TRY(bw_mover_create(context, mesh, follow, &mover));
+  BW_TRY(bw_mesh_motion_create(context, mesh, follow, &motion));
   BW_TRY(create(context, mesh, description, &body));
 done:
   bw_release(mesh);
   if (status == BW_OK)
-    box->extra = mover;
+    box->extra = motion;
   else
-    bw_release(mover);
+    bw_release(motion);
   lbw_box_fill(L, box, body);
   lua_pushvalue(L, made);
   return lbw_leave(L, status, 1);
@@ -151,21 +153,21 @@ done:
 int lbw_follow(lua_State *L, const lbw_followed *followed) {
   bw_status status = BW_OK;
   lbw_box *box = lbw_check_box(L, 1, followed->class);
-  bw_mover *mover = (bw_mover *)box->extra;
+  bw_mesh_motion *motion = (bw_mesh_motion *)box->extra;
   lbw_check_type(L, 2, LUA_TTABLE);
   const bw_outline *outline = (const bw_outline *)lbw_check(L, 3, &lbw_outline_class);
   bw_follow_report report = {0};
-  bw_kept kept;
-  lbw_load_kept(L, 2, &kept);
+  bw_plane_reuse kept;
+  lbw_load_plane_reuse(L, 2, &kept);
   lua_settop(L, 3);
   lbw_conditions_begin(L, 1); /* the mesh's size may be a function */
   bw_context *context = lbw_enter(L);
-  const bw_mover_state *before = bw_mover_keep(mover);
-  BW_TRY(bw_mover_follow(context, mover, outline, &report));
+  const bw_mesh_motion_state *before = bw_mesh_motion_keep(motion);
+  BW_TRY(bw_mesh_motion_follow(context, motion, outline, &report));
   kept.level = report.level;
   kept.seconds_mesh += report.seconds;
-  if ((status = followed->follow(context, (void *)box->object, mover->mesh, &kept)) != BW_OK)
-    (void)bw_mover_return(context, mover, before); /* its own state: it cannot fail */
+  if ((status = followed->follow(context, (void *)box->object, motion->mesh, &kept)) != BW_OK)
+    (void)bw_mesh_motion_return(context, motion, before); /* its own state: it cannot fail */
 done:
   bw_release(before);
   if (lbw_leave_frame(L, followed->class, status, &kept) != 1)
@@ -190,7 +192,7 @@ int lbw_followed_keep(lua_State *L, const lbw_followed *followed) {
   lbw_box *box = lbw_box_new(L, &state_class);
   lua_pushlightuserdata(L, (void *)followed->class);
   lua_setiuservalue(L, -2, 1);
-  box->extra = bw_mover_keep((const bw_mover *)body->extra);
+  box->extra = bw_mesh_motion_keep((const bw_mesh_motion *)body->extra);
   lbw_box_fill(L, box, followed->keep(body->object));
   return 1;
 }
@@ -199,17 +201,17 @@ int lbw_followed_return(lua_State *L, const lbw_followed *followed) {
   bw_status status = BW_OK;
   lbw_box *body = lbw_check_box(L, 1, followed->class);
   const lbw_box *state = lbw_check_box(L, 2, &state_class);
-  bw_mover *mover = (bw_mover *)body->extra;
+  bw_mesh_motion *motion = (bw_mesh_motion *)body->extra;
   lua_settop(L, 2);
   lua_getiuservalue(L, 2, 1);
   if (lua_touserdata(L, -1) != (void *)followed->class)
     lbw_error(L, "the state that was kept is not of a %s", followed->class->name);
   lua_settop(L, 1);
   bw_context *context = lbw_enter(L);
-  const bw_mover_state *before = bw_mover_keep(mover);
-  BW_TRY(bw_mover_return(context, mover, (const bw_mover_state *)state->extra));
+  const bw_mesh_motion_state *before = bw_mesh_motion_keep(motion);
+  BW_TRY(bw_mesh_motion_return(context, motion, (const bw_mesh_motion_state *)state->extra));
   if ((status = followed->return_to(context, (void *)body->object, state->object)) != BW_OK)
-    (void)bw_mover_return(context, mover, before);
+    (void)bw_mesh_motion_return(context, motion, before);
 done:
   bw_release(before);
   return lbw_leave(L, status, 1);
@@ -218,11 +220,11 @@ done:
 int lbw_followed_check(lua_State *L, const lbw_followed *followed) {
   bw_status status = BW_OK;
   const lbw_box *box = lbw_check_box(L, 1, followed->class);
-  const bw_mover *mover = (const bw_mover *)box->extra;
+  const bw_mesh_motion *motion = (const bw_mesh_motion *)box->extra;
   bw_context *context = lbw_enter(L);
-  BW_TRY(bw_mover_check(context, mover));
+  BW_TRY(bw_mesh_motion_check(context, motion));
   BW_TRY(followed->check(context, box->object));
-  if (followed->mesh(box->object) != mover->mesh)
+  if (followed->mesh(box->object) != motion->mesh)
     status = bw_fail(context, BW_INTERNAL, "a body is on another mesh than its mover");
 done:
   lbw_leave_or_raise(L, status);

@@ -38,10 +38,10 @@ static int library_build(lua_State *L) {
   bw_library_options_default(&options);
   lbw_options(L, 2, "metamaterial.build", library_options, &options);
   const char *checkpoint = checkpoint_of(L, 2, "metamaterial.build");
-  const bw_palette *palette = lbw_check_palette(L, 1, "metamaterial.build");
+  const bw_material_table *material_table = lbw_check_material_table(L, 1, "metamaterial.build");
   lbw_box *box = lbw_box_new(L, &lbw_library_class);
   bw_library *library = NULL;
-  bw_status status = bw_library_build(lbw_enter(L), palette, &options, checkpoint, &library);
+  bw_status status = bw_library_build(lbw_enter(L), material_table, &options, checkpoint, &library);
   lbw_box_fill(L, box, library);
   return lbw_leave(L, status, 1);
 }
@@ -69,13 +69,15 @@ static int library_grow(lua_State *L) {
     return lbw_option_error(L, function, "levels", "1 or 2 expected");
   options.levels = 0;
   const char *checkpoint = checkpoint_of(L, 3, function);
-  const bw_palette *palette = of ? of->palette : lbw_check_palette(L, 1, function);
+  const bw_material_table *material_table =
+      of ? of->material_table : lbw_check_material_table(L, 1, function);
   lbw_box *box = lbw_box_new(L, &lbw_library_class);
   bw_library *library = NULL, *empty = NULL;
   bw_context *context = lbw_enter(L);
-  bw_status status = of ? BW_OK : bw_library_build(context, palette, &options, NULL, &empty);
+  bw_status status = of ? BW_OK : bw_library_build(context, material_table, &options, NULL, &empty);
   if (status == BW_OK)
-    status = bw_library_grow(context, of ? of : empty, palette, grid, levels, checkpoint, &library);
+    status = bw_library_grow(context, of ? of : empty, material_table, grid, levels, checkpoint,
+                             &library);
   bw_release(empty);
   lbw_box_fill(L, box, library);
   return lbw_leave(L, status, 1);
@@ -161,7 +163,7 @@ static int library_grown(lua_State *L) {
 }
 
 static int library_palette(lua_State *L) {
-  lbw_push(L, &lbw_palette_class, self(L)->palette);
+  lbw_push(L, &lbw_material_table_class, self(L)->material_table);
   return 1;
 }
 
@@ -220,10 +222,11 @@ static int coarse_create(lua_State *L) {
     method = lbw_check_word(L, 3, words) == 0 ? BW_COARSE_NAIVE : BW_COARSE_AVERAGE;
   lua_Integer levels = lbw_integer_or(L, 4, 1);
   lbw_argument_check(L, levels >= 1 && levels <= 2, 4, "1 or 2 levels expected");
-  const bw_palette *palette = lbw_check_palette(L, 2, "coarsen");
+  const bw_material_table *material_table = lbw_check_material_table(L, 2, "coarsen");
   lbw_box *box = lbw_box_new(L, &lbw_coarse_class);
   bw_coarse *coarse = NULL;
-  bw_status status = bw_coarsen(lbw_enter(L), method, library, palette, grid, (int)levels, &coarse);
+  bw_status status =
+      bw_coarsen(lbw_enter(L), method, library, material_table, grid, (int)levels, &coarse);
   lbw_box_fill(L, box, coarse);
   return lbw_leave(L, status, 1);
 }
@@ -268,8 +271,8 @@ static int coarse_fine(lua_State *L) {
   return 1;
 }
 
-static int coarse_palette(lua_State *L) {
-  lbw_push(L, &lbw_palette_class, self_coarse(L)->palette);
+static int coarse_material_table(lua_State *L) {
+  lbw_push(L, &lbw_material_table_class, self_coarse(L)->material_table);
   return 1;
 }
 
@@ -294,8 +297,8 @@ static int coarse_tostring(lua_State *L) {
   char text[200];
   snprintf(text, sizeof text,
            "coarse grid: %d elements for %d fine ones, %d materials, %lld blocks looked up",
-           (int)c->grid->element_count, (int)c->fine->element_count, (int)c->palette->count - 1,
-           (long long)c->looked_up);
+           (int)c->grid->element_count, (int)c->fine->element_count,
+           (int)c->material_table->count - 1, (long long)c->looked_up);
   lua_pushstring(L, text);
   return 1;
 }
@@ -306,7 +309,7 @@ static const luaL_Reg coarse_methods[] = {{"follow", coarse_follow},
                                           {NULL, NULL}};
 static const luaL_Reg coarse_properties[] = {{"grid", coarse_grid},
                                              {"fine", coarse_fine},
-                                             {"palette", coarse_palette},
+                                             {"palette", coarse_material_table},
                                              {"levels", coarse_levels},
                                              {"looked_up", coarse_looked_up},
                                              {"seconds", coarse_seconds},

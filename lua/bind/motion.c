@@ -27,7 +27,7 @@ static int motion_create(lua_State *L) {
   static const char *const linear[] = {"direct", "jacobi", NULL};
   lua_settop(L, 5);
   const bw_solid *solid = (const bw_solid *)lbw_check(L, 1, &lbw_solid_class);
-  const bw_solid_case *the = (const bw_solid_case *)lbw_check(L, 2, &lbw_solid_case_class);
+  const bw_load_case *load_case = (const bw_load_case *)lbw_check(L, 2, &lbw_load_case_class);
   bw_motion_options options;
   bw_motion_options_default(&options);
   lbw_options(L, 3, "motion", list, &options);
@@ -37,7 +37,8 @@ static int motion_create(lua_State *L) {
   const double *v = lbw_read_displacement(L, 5, "velocity", solid->grid);
   lbw_box *box = lbw_box_new(L, &lbw_solid_motion_class);
   bw_solid_motion *motion = NULL;
-  bw_status status = bw_solid_motion_create(lbw_enter(L), solid, the, &options, u, v, &motion);
+  bw_status status =
+      bw_solid_motion_create(lbw_enter(L), solid, load_case, &options, u, v, &motion);
   lbw_box_fill(L, box, motion);
   return lbw_leave(L, status, 1);
 }

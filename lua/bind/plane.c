@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* bw.plane: triangle meshes of outlines. What follows an outline is in mover.c. */
+/* bw.plane: triangle meshes of outlines. What follows an outline is in mesh_motion.c. */
 #include "bind.h"
 #include "follow.h"
 
@@ -192,7 +192,7 @@ static int plane_carry(lua_State *L) {
   double *value = lbw_to_doubles(L, 3, "values", 0, &rows);
   bw_array *carried = lbw_push_array(L, BW_F64, to->topology->nodes->node_count, components);
   bw_status status =
-      bw_plane_carry(lbw_enter(L), from, to, components, value, (double *)carried->data);
+      bw_plane_transfer(lbw_enter(L), from, to, components, value, (double *)carried->data);
   return lbw_leave(L, status, 1);
 }
 

@@ -10,8 +10,8 @@ static bw_plate *self(lua_State *L) {
   return (bw_plate *)lbw_check(L, 1, &lbw_plate_class);
 }
 
-static const bw_mover *mover_of(lua_State *L) {
-  return (const bw_mover *)lbw_check_box(L, 1, &lbw_plate_class)->extra;
+static const bw_mesh_motion *mover_of(lua_State *L) {
+  return (const bw_mesh_motion *)lbw_check_box(L, 1, &lbw_plate_class)->extra;
 }
 
 static int64_t nodes_of(const bw_plate *plate) {
@@ -48,7 +48,7 @@ static int plate_create(lua_State *L) {
 }
 
 static bw_status follow_mesh(bw_context *context, void *plate, const bw_plane_mesh *mesh,
-                             bw_kept *kept) {
+                             bw_plane_reuse *kept) {
   return bw_plate_follow(context, (bw_plate *)plate, mesh, kept);
 }
 
@@ -97,10 +97,10 @@ static int plate_solve(lua_State *L) {
   lua_settop(L, 3);
   lbw_check_type(L, 2, LUA_TTABLE);
   bw_plate_options options;
-  bw_kept kept;
+  bw_plane_reuse kept;
   bw_plate_options_default(&options);
   lbw_options(L, 3, "solve", list, &options);
-  lbw_load_kept(L, 2, &kept);
+  lbw_load_plane_reuse(L, 2, &kept);
   bw_status status = bw_plate_solve(lbw_enter(L), plate, &options, &kept);
   return lbw_leave_frame(L, &lbw_plate_class, status, &kept);
 }
@@ -140,8 +140,8 @@ static int plate_gradient(lua_State *L) {
   bw_array *points = lbw_push_array(L, BW_F64, plate->mesh->outline->point_count, 2);
   bw_context *context = lbw_enter(L);
   BW_TRY(bw_plate_gradient(context, plate, mode, (double *)nodes->data));
-  BW_TRY(bw_mover_pull_back(context, (bw_mover *)mover_of(L), plate->mesh,
-                            (const double *)nodes->data, (double *)points->data));
+  BW_TRY(bw_mesh_motion_pull_back(context, (bw_mesh_motion *)mover_of(L), plate->mesh,
+                                  (const double *)nodes->data, (double *)points->data));
 done:
   lua_settop(L, 3);
   return lbw_leave(L, status, 1);

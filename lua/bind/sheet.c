@@ -12,8 +12,8 @@ static bw_sheet *self(lua_State *L) {
   return (bw_sheet *)lbw_check(L, 1, &lbw_sheet_class);
 }
 
-static bw_mover *mover_of(lua_State *L) {
-  return (bw_mover *)lbw_check_box(L, 1, &lbw_sheet_class)->extra;
+static bw_mesh_motion *mover_of(lua_State *L) {
+  return (bw_mesh_motion *)lbw_check_box(L, 1, &lbw_sheet_class)->extra;
 }
 
 /* {{material = , thickness = , strain = }} */
@@ -70,7 +70,7 @@ static int sheet_create(lua_State *L) {
 /* ---- following and solving ------------------------------------------------------------------- */
 
 static bw_status follow_mesh(bw_context *context, void *sheet, const bw_plane_mesh *mesh,
-                             bw_kept *kept) {
+                             bw_plane_reuse *kept) {
   return bw_sheet_follow(context, (bw_sheet *)sheet, mesh, kept);
 }
 
@@ -114,10 +114,10 @@ static int sheet_static(lua_State *L) {
   bw_sheet *sheet = self(L);
   lua_settop(L, 3);
   lbw_check_type(L, 2, LUA_TTABLE);
-  bw_stale_options options;
-  bw_kept kept;
-  lbw_read_stale(L, 3, &options);
-  lbw_load_kept(L, 2, &kept);
+  bw_lagged_factor_options options;
+  bw_plane_reuse kept;
+  lbw_read_lagged_factor(L, 3, &options);
+  lbw_load_plane_reuse(L, 2, &kept);
   lbw_conditions_begin(L, 1);
   bw_status status = bw_sheet_static(lbw_enter(L), sheet, &options, &kept);
   return lbw_leave_frame(L, &lbw_sheet_class, status, &kept);
@@ -136,14 +136,14 @@ static int sheet_shake(lua_State *L) {
   bw_sheet *sheet = self(L);
   lua_settop(L, 5);
   lbw_check_type(L, 2, LUA_TTABLE);
-  bw_stale_options options;
+  bw_lagged_factor_options options;
   bw_newmark newmark;
-  bw_kept kept;
-  lbw_read_stale(L, 3, &options);
+  bw_plane_reuse kept;
+  lbw_read_lagged_factor(L, 3, &options);
   bw_newmark_default(&newmark);
   lbw_options(L, 4, "step", list, &newmark);
   lua_Integer steps = lbw_integer_or(L, 5, 1);
-  lbw_load_kept(L, 2, &kept);
+  lbw_load_plane_reuse(L, 2, &kept);
   lbw_conditions_begin(L, 1);
   bw_context *context = lbw_enter(L);
   const bw_sheet_state *before = bw_sheet_keep(sheet);
@@ -171,11 +171,11 @@ static int sheet_bend(lua_State *L) {
   lbw_check_type(L, 2, LUA_TTABLE);
   bw_bend_options options;
   bw_bend_report report = {0};
-  bw_kept kept;
+  bw_plane_reuse kept;
   bw_bend_options_default(&options);
   lbw_options(L, 4, "solve", list, &options);
-  lbw_read_stale(L, 3, &options.linear);
-  lbw_load_kept(L, 2, &kept);
+  lbw_read_lagged_factor(L, 3, &options.linear);
+  lbw_load_plane_reuse(L, 2, &kept);
   lbw_conditions_begin(L, 1);
   bw_status status = bw_sheet_bend(lbw_enter(L), sheet, &options, &report, &kept);
   int results = lbw_leave_frame(L, &lbw_sheet_class, status, &kept);
@@ -284,7 +284,7 @@ static int sheet_mesh(lua_State *L) {
 static int sheet_stress_norm(lua_State *L) {
   bw_status status = BW_OK;
   bw_sheet *sheet = self(L);
-  bw_mover *mover = mover_of(L);
+  bw_mesh_motion *motion = mover_of(L);
   double p = lbw_check_number(L, 2), norm = 0;
   lua_settop(L, 2);
   bw_array *nodes = lbw_push_array(L, BW_F64, nodes_of(sheet), 2);
@@ -292,8 +292,8 @@ static int sheet_stress_norm(lua_State *L) {
   lbw_conditions_begin(L, 1);
   bw_context *context = lbw_enter(L);
   BW_TRY(bw_sheet_stress_gradient(context, sheet, p, &norm, (double *)nodes->data));
-  BW_TRY(bw_mover_pull_back(context, mover, sheet->mesh, (const double *)nodes->data,
-                            (double *)points->data));
+  BW_TRY(bw_mesh_motion_pull_back(context, motion, sheet->mesh, (const double *)nodes->data,
+                                  (double *)points->data));
 done:
   lua_pushnumber(L, norm);
   lua_pushvalue(L, 4);

@@ -10,12 +10,13 @@ static const bw_solid *self(lua_State *L) {
   return (const bw_solid *)lbw_check(L, 1, &lbw_solid_class);
 }
 
-const bw_palette *lbw_check_palette(lua_State *L, int index, const char *function) {
-  const bw_palette *palette = (const bw_palette *)lbw_test(L, index, &lbw_palette_class);
-  if (!palette)
-    return lbw_read_palette(L, index, function);
+const bw_material_table *lbw_check_material_table(lua_State *L, int index, const char *function) {
+  const bw_material_table *material_table =
+      (const bw_material_table *)lbw_test(L, index, &lbw_material_table_class);
+  if (!material_table)
+    return lbw_read_material_table(L, index, function);
   lua_pushvalue(L, index);
-  return palette;
+  return material_table;
 }
 
 double *lbw_read_displacement(lua_State *L, int index, const char *what, const bw_grid *grid) {
@@ -94,11 +95,11 @@ void lbw_push_newton_report(lua_State *L, const bw_newton_report *r) {
 static int solid_create(lua_State *L) {
   lua_settop(L, 3);
   const bw_grid *grid = (const bw_grid *)lbw_check(L, 1, &lbw_grid_class);
-  const bw_palette *palette = lbw_check_palette(L, 2, "solid");
+  const bw_material_table *material_table = lbw_check_material_table(L, 2, "solid");
   const bw_solid *previous = (const bw_solid *)lbw_test(L, 3, &lbw_solid_class);
   lbw_box *box = lbw_box_new(L, &lbw_solid_class);
   bw_solid *solid = NULL;
-  bw_status status = bw_solid_create(lbw_enter(L), grid, palette, previous, &solid);
+  bw_status status = bw_solid_create(lbw_enter(L), grid, material_table, previous, &solid);
   lbw_box_fill(L, box, solid);
   return lbw_leave(L, status, 1);
 }
@@ -147,8 +148,8 @@ static int solid_grid(lua_State *L) {
   return 1;
 }
 
-static int solid_palette(lua_State *L) {
-  lbw_push(L, &lbw_palette_class, self(L)->palette);
+static int solid_material_table(lua_State *L) {
+  lbw_push(L, &lbw_material_table_class, self(L)->material_table);
   return 1;
 }
 
@@ -165,10 +166,10 @@ static int solid_locking(lua_State *L) {
 
 /* "b_bar" where a material of the palette is. */
 static int solid_formulation(lua_State *L) {
-  const bw_palette *palette = self(L)->palette;
+  const bw_material_table *material_table = self(L)->material_table;
   bool b_bar = false;
-  for (int32_t i = 1; i < palette->count; i++)
-    b_bar = b_bar || palette->material[i]->b_bar;
+  for (int32_t i = 1; i < material_table->count; i++)
+    b_bar = b_bar || material_table->material[i]->b_bar;
   lua_pushstring(L, b_bar ? "b_bar" : "standard");
   return 1;
 }
@@ -176,22 +177,22 @@ static int solid_formulation(lua_State *L) {
 static const luaL_Reg solid_methods[] = {
     {"evaluate", solid_evaluate}, {"stress", solid_stress}, {NULL, NULL}};
 static const luaL_Reg solid_properties[] = {
-    {"grid", solid_grid},       {"palette", solid_palette},         {"mass", solid_mass},
+    {"grid", solid_grid},       {"palette", solid_material_table},  {"mass", solid_mass},
     {"locking", solid_locking}, {"formulation", solid_formulation}, {NULL, NULL}};
 static const luaL_Reg no_meta[] = {{NULL, NULL}};
 const lbw_class lbw_solid_class = {"elastic_solid", solid_methods, solid_properties, no_meta, NULL};
 
 /* ---- cases ----------------------------------------------------------------------------------- */
 
-static bw_solid_case *self_case(lua_State *L) {
-  return (bw_solid_case *)lbw_check(L, 1, &lbw_solid_case_class);
+static bw_load_case *self_case(lua_State *L) {
+  return (bw_load_case *)lbw_check(L, 1, &lbw_load_case_class);
 }
 
 static int case_create(lua_State *L) {
   const bw_grid *grid = (const bw_grid *)lbw_check(L, 1, &lbw_grid_class);
-  lbw_box *box = lbw_box_new(L, &lbw_solid_case_class);
-  bw_solid_case *it = NULL;
-  bw_status status = bw_solid_case_create(lbw_enter(L), grid, &it);
+  lbw_box *box = lbw_box_new(L, &lbw_load_case_class);
+  bw_load_case *it = NULL;
+  bw_status status = bw_load_case_create(lbw_enter(L), grid, &it);
   lbw_box_fill(L, box, it);
   return lbw_leave(L, status, 1);
 }
@@ -206,7 +207,7 @@ static int32_t *read_nodes(lua_State *L, int index, const bw_grid *grid, int64_t
 
 /* case:hold(nodes, {x | false, y | false, z | false}): prescribed displacements */
 static int case_hold(lua_State *L) {
-  bw_solid_case *it = self_case(L);
+  bw_load_case *it = self_case(L);
   int64_t count;
   bool hold[3];
   double value[3];
@@ -218,13 +219,13 @@ static int case_hold(lua_State *L) {
     value[d] = hold[d] ? lua_tonumber(L, -1) : 0;
     lua_pop(L, 1);
   }
-  return lbw_leave(L, bw_solid_case_hold(lbw_enter(L), it, count, node, hold, value), 0);
+  return lbw_leave(L, bw_load_case_fix(lbw_enter(L), it, count, node, hold, value), 0);
 }
 
 /* case:hold_each(nodes, values): every node has displacements of its own, rows of three */
 static int case_hold_each(lua_State *L) {
   bw_status status = BW_OK;
-  bw_solid_case *it = self_case(L);
+  bw_load_case *it = self_case(L);
   int64_t count, rows;
   const bool hold[3] = {true, true, true};
   const int32_t *node = read_nodes(L, 2, it->grid, &count);
@@ -233,32 +234,32 @@ static int case_hold_each(lua_State *L) {
     return lbw_error(L, "hold: %d nodes, but displacements for %d", (int)count, (int)rows);
   bw_context *context = lbw_enter(L);
   for (int64_t i = 0; i < count; i++)
-    BW_TRY(bw_solid_case_hold(context, it, 1, node + i, hold, value + 3 * i));
+    BW_TRY(bw_load_case_fix(context, it, 1, node + i, hold, value + 3 * i));
 done:
   return lbw_leave(L, status, 0);
 }
 
 /* case:force(nodes, {x, y, z}): the total */
 static int case_force(lua_State *L) {
-  bw_solid_case *it = self_case(L);
+  bw_load_case *it = self_case(L);
   int64_t count;
   double total[3];
   const int32_t *node = read_nodes(L, 2, it->grid, &count);
   lbw_check_vector(L, 3, "force", total);
-  return lbw_leave(L, bw_solid_case_force(lbw_enter(L), it, count, node, total), 0);
+  return lbw_leave(L, bw_load_case_force(lbw_enter(L), it, count, node, total), 0);
 }
 
 /* case:gravity{x, y, z} */
 static int case_gravity(lua_State *L) {
-  bw_solid_case *it = self_case(L);
+  bw_load_case *it = self_case(L);
   double gravity[3];
   lbw_check_vector(L, 2, "gravity", gravity);
-  return lbw_leave(L, bw_solid_case_gravity(lbw_enter(L), it, gravity), 0);
+  return lbw_leave(L, bw_load_case_gravity(lbw_enter(L), it, gravity), 0);
 }
 
 /* case:pressure(embedding, triangles, pressures, follower) */
 static int case_pressure(lua_State *L) {
-  bw_solid_case *it = self_case(L);
+  bw_load_case *it = self_case(L);
   int64_t triangles, rows;
   lua_settop(L, 5);
   const bw_embedding *embedding = (const bw_embedding *)lbw_check(L, 2, &lbw_embedding_class);
@@ -267,15 +268,15 @@ static int case_pressure(lua_State *L) {
   if (rows != triangles)
     return lbw_error(L, "pressure: %d triangles, but %d pressures", (int)triangles, (int)rows);
   return lbw_leave(L,
-                   bw_solid_case_pressure(lbw_enter(L), it, embedding, triangles, triangle,
-                                          pressure, lua_toboolean(L, 5)),
+                   bw_load_case_pressure(lbw_enter(L), it, embedding, triangles, triangle, pressure,
+                                         lua_toboolean(L, 5)),
                    0);
 }
 
 /* case:press(nodes, pressure, factor, follower): on free faces; a number, a function of x, y, z or
  * a formula */
 static int case_press(lua_State *L) {
-  bw_solid_case *it = self_case(L);
+  bw_load_case *it = self_case(L);
   int64_t count;
   lua_settop(L, 5);
   const int32_t *node = read_nodes(L, 2, it->grid, &count);
@@ -283,15 +284,15 @@ static int case_press(lua_State *L) {
   double factor = lbw_check_real(L, 4, "factor");
   bw_context *context = lbw_enter(L);
   lbw_field_begin(field, context);
-  bw_status status = bw_solid_case_press(context, it, count, node, lbw_field_value, field, factor,
-                                         lua_toboolean(L, 5));
+  bw_status status = bw_load_case_surface_pressure(context, it, count, node, lbw_field_value, field,
+                                                   factor, lua_toboolean(L, 5));
   lbw_field_end(field, context);
   return lbw_leave(L, status, 0);
 }
 
 /* case:floor(point, normal, move, embedding | nil, points | nil) */
 static int case_floor(lua_State *L) {
-  bw_solid_case *it = self_case(L);
+  bw_load_case *it = self_case(L);
   double point[3], normal[3], move[3];
   int64_t rows = 0;
   lua_settop(L, 6);
@@ -307,12 +308,12 @@ static int case_floor(lua_State *L) {
       return lbw_error(L, "floor: %d embedded points, but positions of %d",
                        (int)embedding->point_count, (int)rows);
   }
-  return lbw_leave(L, bw_solid_case_floor(lbw_enter(L), it, point, normal, move, embedding, rest),
-                   0);
+  return lbw_leave(
+      L, bw_load_case_contact_plane(lbw_enter(L), it, point, normal, move, embedding, rest), 0);
 }
 
 static int case_applied(lua_State *L) {
-  const bw_solid_case *it = self_case(L);
+  const bw_load_case *it = self_case(L);
   return lbw_push_borrowed(L, BW_F64, it->grid->node_count, 3, it->force, it);
 }
 
@@ -321,7 +322,7 @@ static const luaL_Reg case_methods[] = {{"hold", case_hold},         {"hold_each
                                         {"pressure", case_pressure}, {"press", case_press},
                                         {"floor", case_floor},       {NULL, NULL}};
 static const luaL_Reg case_properties[] = {{"applied", case_applied}, {NULL, NULL}};
-const lbw_class lbw_solid_case_class = {"loading", case_methods, case_properties, no_meta, NULL};
+const lbw_class lbw_load_case_class = {"loading", case_methods, case_properties, no_meta, NULL};
 
 /* ---- statics --------------------------------------------------------------------------------- */
 
@@ -379,7 +380,7 @@ static int solid_solve(lua_State *L) {
   static const char *const linears[] = {"direct", "jacobi", "coarse", NULL};
   lua_settop(L, 5);
   const bw_solid *solid = self(L);
-  const bw_solid_case *the = (const bw_solid_case *)lbw_check(L, 2, &lbw_solid_case_class);
+  const bw_load_case *load_case = (const bw_load_case *)lbw_check(L, 2, &lbw_load_case_class);
   lbw_box *kept = lua_isnil(L, 3) ? NULL : lbw_check_box(L, 3, &lbw_newton_class);
   const bw_coarsening *coarsening[MOST_LEVELS];
   const bw_solid *coarse[MOST_LEVELS];
@@ -394,7 +395,7 @@ static int solid_solve(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_solid_static_class);
   int place = lua_gettop(L);
   bw_solid_static *result = NULL;
-  bw_status status = bw_solid_statics(lbw_enter(L), solid, the,
+  bw_status status = bw_solid_statics(lbw_enter(L), solid, load_case,
                                       kept ? (bw_newton *)kept->object : NULL, &options, &result);
   lbw_box_fill(L, box, result);
   if (kept)
@@ -419,7 +420,7 @@ static int solid_correct(lua_State *L) {
       {NULL, LBW_OTHER, 0}};
   lua_settop(L, 4);
   const bw_solid *solid = self(L);
-  const bw_solid_case *the = (const bw_solid_case *)lbw_check(L, 2, &lbw_solid_case_class);
+  const bw_load_case *load_case = (const bw_load_case *)lbw_check(L, 2, &lbw_load_case_class);
   const bw_coarsening *coarsening[MOST_LEVELS];
   const bw_solid *coarse[MOST_LEVELS];
   bw_newton_options options;
@@ -433,7 +434,7 @@ static int solid_correct(lua_State *L) {
   options.start = lbw_read_displacement(L, 4, "displacement", solid->grid);
   bw_array *out = lbw_push_array(L, BW_F64, solid->grid->node_count, 3);
   bw_status status =
-      bw_solid_correct(lbw_enter(L), solid, the, &options, (double *)out->data, &defined);
+      bw_solid_correct(lbw_enter(L), solid, load_case, &options, (double *)out->data, &defined);
   if (status == BW_OK && !defined)
     lua_pushnil(L);
   return lbw_leave(L, status, 1);
@@ -479,7 +480,7 @@ void lbw_open_solid(lua_State *L) {
   static const luaL_Reg solve[] = {
       {"solve", solid_solve}, {"correct", solid_correct}, {NULL, NULL}};
   lbw_class_register(L, &lbw_solid_class);
-  lbw_class_register(L, &lbw_solid_case_class);
+  lbw_class_register(L, &lbw_load_case_class);
   lbw_class_register(L, &lbw_solid_static_class);
   lbw_class_register(L, &lbw_newton_class);
   lbw_add_methods(L, &lbw_solid_class, solve);

@@ -5,14 +5,14 @@
 
 #include "bind.h"
 
-extern const lbw_class lbw_solid_material_class, lbw_palette_class, lbw_solid_class,
-    lbw_solid_case_class, lbw_solid_static_class, lbw_solid_motion_class, lbw_library_class,
+extern const lbw_class lbw_solid_material_class, lbw_material_table_class, lbw_solid_class,
+    lbw_load_case_class, lbw_solid_static_class, lbw_solid_motion_class, lbw_library_class,
     lbw_coarse_class, lbw_coarsening_class;
 
 /* A palette from the list of materials at `index`; its box is pushed. */
-bw_palette *lbw_read_palette(lua_State *L, int index, const char *function);
+bw_material_table *lbw_read_material_table(lua_State *L, int index, const char *function);
 /* The same, or a palette that is one already (nothing made; pushed again). */
-const bw_palette *lbw_check_palette(lua_State *L, int index, const char *function);
+const bw_material_table *lbw_check_material_table(lua_State *L, int index, const char *function);
 /* Displacements (node_count x 3) from the array at `index`, packed in a userdata that is pushed;
  * NULL (and nil pushed) for none. */
 double *lbw_read_displacement(lua_State *L, int index, const char *what, const bw_grid *grid);

@@ -58,7 +58,7 @@ static int material_create(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-bw_palette *lbw_read_palette(lua_State *L, int index, const char *function) {
+bw_material_table *lbw_read_material_table(lua_State *L, int index, const char *function) {
   index = lua_absindex(L, index);
   if (!lua_istable(L, index))
     lbw_error(L, "%s: palette: a list of materials expected, got %s", function,
@@ -74,17 +74,18 @@ bw_palette *lbw_read_palette(lua_State *L, int index, const char *function) {
                 (int)i + 1, lbw_type_name(L, -1));
     lua_pop(L, 1); /* the list keeps it alive */
   }
-  lbw_box *box = lbw_box_new(L, &lbw_palette_class);
-  bw_palette *palette = NULL;
-  bw_status status = bw_palette_create(lbw_enter(L), (int32_t)count + 1, material, &palette);
-  lbw_box_fill(L, box, palette);
+  lbw_box *box = lbw_box_new(L, &lbw_material_table_class);
+  bw_material_table *material_table = NULL;
+  bw_status status =
+      bw_material_table_create(lbw_enter(L), (int32_t)count + 1, material, &material_table);
+  lbw_box_fill(L, box, material_table);
   lbw_leave_or_raise(L, status);
   lua_remove(L, -2);
-  return palette;
+  return material_table;
 }
 
-static int palette_create(lua_State *L) {
-  lbw_read_palette(L, 1, "palette");
+static int material_table_create(lua_State *L) {
+  lbw_read_material_table(L, 1, "palette");
   return 1;
 }
 
@@ -212,39 +213,41 @@ const lbw_class lbw_solid_material_class = {"hyperelastic", methods, properties,
 
 /* ---- palettes -------------------------------------------------------------------------------- */
 
-static const bw_palette *self_palette(lua_State *L) {
-  return (const bw_palette *)lbw_check(L, 1, &lbw_palette_class);
+static const bw_material_table *self_material_table(lua_State *L) {
+  return (const bw_material_table *)lbw_check(L, 1, &lbw_material_table_class);
 }
 
-static int palette_count(lua_State *L) {
-  lua_pushinteger(L, self_palette(L)->count - 1);
+static int material_table_count(lua_State *L) {
+  lua_pushinteger(L, self_material_table(L)->count - 1);
   return 1;
 }
 
 /* palette:material(number) */
-static int palette_material(lua_State *L) {
-  const bw_palette *palette = self_palette(L);
-  int64_t i = lbw_check_index(L, 2, "material", palette->count - 1);
-  lbw_push(L, &lbw_solid_material_class, palette->material[i + 1]);
+static int material_table_material(lua_State *L) {
+  const bw_material_table *material_table = self_material_table(L);
+  int64_t i = lbw_check_index(L, 2, "material", material_table->count - 1);
+  lbw_push(L, &lbw_solid_material_class, material_table->material[i + 1]);
   return 1;
 }
 
-static int palette_tostring(lua_State *L) {
-  lua_pushfstring(L, "palette of %d materials", (int)self_palette(L)->count - 1);
+static int material_table_tostring(lua_State *L) {
+  lua_pushfstring(L, "palette of %d materials", (int)self_material_table(L)->count - 1);
   return 1;
 }
 
-static const luaL_Reg palette_methods[] = {{"material", palette_material}, {NULL, NULL}};
-static const luaL_Reg palette_properties[] = {{"count", palette_count}, {NULL, NULL}};
-static const luaL_Reg palette_meta[] = {{"__tostring", palette_tostring}, {NULL, NULL}};
-const lbw_class lbw_palette_class = {"palette", palette_methods, palette_properties, palette_meta,
-                                     NULL};
+static const luaL_Reg material_table_methods[] = {{"material", material_table_material},
+                                                  {NULL, NULL}};
+static const luaL_Reg material_table_properties[] = {{"count", material_table_count}, {NULL, NULL}};
+static const luaL_Reg material_table_meta[] = {{"__tostring", material_table_tostring},
+                                               {NULL, NULL}};
+const lbw_class lbw_material_table_class = {"palette", material_table_methods,
+                                            material_table_properties, material_table_meta, NULL};
 
 void lbw_open_solid_material(lua_State *L) {
   lbw_class_register(L, &lbw_solid_material_class);
-  lbw_class_register(L, &lbw_palette_class);
+  lbw_class_register(L, &lbw_material_table_class);
   lua_pushcfunction(L, material_create);
   lua_setfield(L, -2, "hyperelastic");
-  lua_pushcfunction(L, palette_create);
+  lua_pushcfunction(L, material_table_create);
   lua_setfield(L, -2, "palette");
 }

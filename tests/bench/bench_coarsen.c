@@ -46,7 +46,7 @@ static void run(bw_context *context, const bw_library *library, int kind) {
   static double fraction[CELLS];
   const double origin[3] = {0, 0, 0}, spacing[3] = {0.01, 0.01, 0.01};
   const int32_t cells[3] = {X, Y, Z};
-  int count = library->palette->count - 1;
+  int count = library->material_table->count - 1;
   bw_random random;
   bw_random_seed(&random, 1);
   for (int c = 0; c < CELLS; c++) {
@@ -68,16 +68,17 @@ static void run(bw_context *context, const bw_library *library, int kind) {
     for (int n = 0; n < REPEATS; n++) {
       bw_coarse *coarse, *next, *plain;
       double start = cpu();
-      OK(bw_coarsen(context, BW_COARSE_LOOKUP, library, library->palette, grid, levels, &coarse));
+      OK(bw_coarsen(context, BW_COARSE_LOOKUP, library, library->material_table, grid, levels,
+                    &coarse));
       whole[n] = cpu() - start;
       lookup[n] = coarse->seconds_lookup;
       start = cpu();
       OK(bw_coarse_follow(context, coarse, edited, &next));
       follow[n] = cpu() - start;
       start = cpu();
-      OK(bw_coarsen(context, BW_COARSE_NAIVE, NULL, library->palette, grid, levels, &plain));
+      OK(bw_coarsen(context, BW_COARSE_NAIVE, NULL, library->material_table, grid, levels, &plain));
       naive[n] = cpu() - start;
-      rows = (int)coarse->palette->count - 1;
+      rows = (int)coarse->material_table->count - 1;
       touched = (long long)next->looked_up;
       bw_release(coarse);
       bw_release(next);

@@ -30,7 +30,7 @@ int main(int arguments, char **argument) {
   bw_context *context = bw_context_create();
   int materials = arguments > 2 ? atoi(argument[2]) : 3;
   bw_solid_material *material[7];
-  bw_palette *palette;
+  bw_material_table *material_table;
   bw_library_options options;
   bw_library *library, *read;
   char *text;
@@ -46,10 +46,11 @@ int main(int arguments, char **argument) {
   options.directions = arguments > 4 ? atoi(argument[4]) : options.directions;
   for (int m = 0; m < materials; m++)
     OK(bw_solid_material_create(context, "", BW_NEO_HOOKEAN, young[m], 0.45, 1000, &material[m]));
-  OK(bw_palette_create(context, materials + 1, (const bw_solid_material *const *)material,
-                       &palette));
+  OK(bw_material_table_create(context, materials + 1, (const bw_solid_material *const *)material,
+                              &material_table));
   bw_set_progress(context, progress, &last);
-  OK(bw_library_build(context, palette, &options, arguments > 5 ? argument[5] : NULL, &library));
+  OK(bw_library_build(context, material_table, &options, arguments > 5 ? argument[5] : NULL,
+                      &library));
   OK(bw_library_write(context, library, argument[1]));
   double start = bw_seconds();
   OK(bw_library_read(context, argument[1], &read));
@@ -66,7 +67,7 @@ int main(int arguments, char **argument) {
   bw_free(text);
   bw_release(read);
   bw_release(library);
-  bw_release(palette);
+  bw_release(material_table);
   for (int m = 0; m < materials; m++)
     bw_release(material[m]);
   bw_context_destroy(context);

@@ -66,13 +66,14 @@ int main(int count, char **argument) {
       for (int fibres = level > 0, once = 1; once; once = 0)
         for (int project = 0; project < 2; project++) {
           bw_solid_material *material = material_of(context, (bw_law)law, level, fibres);
-          bw_palette *palette = NULL;
+          bw_material_table *material_table = NULL;
           bw_solid *solid = NULL;
           bw_solid_linear *linear = NULL;
           bw_solid_shape shape;
           double energy, whole[3], kernel[3], product = INFINITY, own[24], matrix[300];
-          OK(bw_palette_create(context, 2, (const bw_solid_material *const *)&material, &palette));
-          OK(bw_solid_create(context, grid, palette, NULL, &solid));
+          OK(bw_material_table_create(context, 2, (const bw_solid_material *const *)&material,
+                                      &material_table));
+          OK(bw_solid_create(context, grid, material_table, NULL, &solid));
           double *values = (double *)malloc(sizeof *u * 9 * (size_t)solid->graph->pair_count);
           for (int want = 0; want < 3; want++) {
             whole[want] = kernel[want] = INFINITY;
@@ -110,7 +111,7 @@ int main(int count, char **argument) {
           free(values);
           bw_solid_linear_free(linear);
           bw_release(solid);
-          bw_release(palette);
+          bw_release(material_table);
           bw_release(material);
         }
   free(u);

@@ -37,18 +37,18 @@ int main(int count, char **word) {
   bw_context *context = bw_context_create();
   bw_grid *grid;
   bw_solid_material *material;
-  bw_palette *palette;
+  bw_material_table *material_table;
   bw_solid *solid, *small = NULL;
-  bw_solid_case *the;
+  bw_load_case *load_case;
   bw_coarse *coarse = NULL;
   bw_newton_options options;
   bw_solid_static *result = NULL;
   CHECK(bw_grid_create(context, origin, spacing, cells, NULL, NULL, &grid));
   CHECK(bw_solid_material_create(context, "", BW_NEO_HOOKEAN, 1e6, 0.4, 1000, &material));
   const bw_solid_material *one = material;
-  CHECK(bw_palette_create(context, 2, &one, &palette));
-  CHECK(bw_solid_create(context, grid, palette, NULL, &solid));
-  CHECK(bw_solid_case_create(context, grid, &the));
+  CHECK(bw_material_table_create(context, 2, &one, &material_table));
+  CHECK(bw_solid_create(context, grid, material_table, NULL, &solid));
+  CHECK(bw_load_case_create(context, grid, &load_case));
   int32_t *node = BW_NEW(context, int32_t, grid->node_count);
   for (int high = 0; node && high < 2; high++) {
     int64_t nodes = 0;
@@ -62,9 +62,9 @@ int main(int count, char **word) {
     double area = (double)cells[0] * cells[1] * cells[2] / cells[axis];
     double force[3] = {0, 0, 1e4 * area * cells[2] / cells[axis]};
     if (high)
-      CHECK(bw_solid_case_force(context, the, nodes, node, force));
+      CHECK(bw_load_case_force(context, load_case, nodes, node, force));
     else
-      CHECK(bw_solid_case_hold(context, the, nodes, node, all, NULL));
+      CHECK(bw_load_case_fix(context, load_case, nodes, node, all, NULL));
   }
   bw_newton_options_default(&options);
   options.linear = strcmp(way, "direct") == 0   ? BW_NEWTON_DIRECT
@@ -74,15 +74,15 @@ int main(int count, char **word) {
     options.iterations = atoi(word[5]);
     options.least_step = 1;
   }
-  CHECK(bw_coarsen(context, BW_COARSE_NAIVE, NULL, palette, grid, 1, &coarse));
-  CHECK(bw_solid_create(context, coarse->grid, coarse->palette, NULL, &small));
+  CHECK(bw_coarsen(context, BW_COARSE_NAIVE, NULL, material_table, grid, 1, &coarse));
+  CHECK(bw_solid_create(context, coarse->grid, coarse->material_table, NULL, &small));
   const bw_coarsening *coarsening = coarse->coarsening[0];
   const bw_solid *of_coarse = small;
   options.coarse_count = 1;
   options.coarsening = &coarsening;
   options.coarse = &of_coarse;
   double before = processor();
-  if (bw_solid_statics(context, solid, the, NULL, &options, &result) != BW_OK)
+  if (bw_solid_statics(context, solid, load_case, NULL, &options, &result) != BW_OK)
     fprintf(stderr, "%s\n", bw_message(context));
   if (!result)
     return 1;
@@ -98,9 +98,9 @@ int main(int count, char **word) {
   bw_release(result);
   bw_release(small);
   bw_release(coarse);
-  bw_release(the);
+  bw_release(load_case);
   bw_release(solid);
-  bw_release(palette);
+  bw_release(material_table);
   bw_release(material);
   bw_release(grid);
   bw_free(node);

@@ -34,7 +34,7 @@ typedef struct bw_flow_options {
                        default 1e-8 */
   bool ale; /* nodes that moved since the last step carry a mesh velocity; default false: the
                shape is changed between steps, as in the paper */
-  bw_stale_options linear; /* default tolerance 1e-6 */
+  bw_lagged_factor_options linear; /* default tolerance 1e-6 */
 } bw_flow_options;
 BW_API void bw_flow_options_default(bw_flow_options *options);
 
@@ -52,10 +52,10 @@ typedef struct bw_flow {
 BW_API bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
                                 const bw_flow_description *description, bw_flow **flow);
 BW_API bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh *mesh,
-                                bw_kept *kept);
+                                bw_plane_reuse *kept);
 /* One implicit time step, or the steady state. BW_CONVERGENCE leaves the state as it was. */
 BW_API bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options *options,
-                              bw_kept *kept);
+                              bw_plane_reuse *kept);
 /* What a flow is at, an immutable object: bw_release gives it up. Keeping it copies nothing;
  * returning to it brings back mesh, fields, time and what the next step starts from bit for bit,
  * and fails only for the state of another flow. A flow's operations put a new state in the place of

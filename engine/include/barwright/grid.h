@@ -22,7 +22,7 @@ typedef struct bw_grid {
   int32_t *cell;     /* element_count: its cell, ascending */
   int32_t *element;  /* element_count x 8: its nodes, corner by corner */
   int32_t *node;     /* node_count: its lattice point, ascending */
-  int32_t *material; /* element_count: 1 and above, a row of a palette */
+  int32_t *material; /* element_count: 1 and above, a row of a material table */
   double *fraction;  /* element_count: the part of the cell that is inside the body, (0, 1]; NULL:
                         every cell is full */
   int32_t *at;       /* one per cell: its element, or -1: void */

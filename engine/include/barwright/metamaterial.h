@@ -44,7 +44,7 @@ typedef struct bw_fit_error {
 
 typedef struct bw_library {
   bw_object object;
-  const bw_palette *palette; /* retained: the base materials, uniform, of level 0 */
+  const bw_material_table *material_table; /* retained: the base materials, uniform, of level 0 */
   bw_library_options options;
   int levels;                   /* that something can be looked up at */
   int32_t fit_count[2];         /* of level 1 and 2, as it was built */
@@ -56,29 +56,29 @@ typedef struct bw_library {
 } bw_library;
 
 /* Builds on all threads, with progress. `checkpoint` (may be NULL): a file that finished fits are
- * added to and from which a build that was killed carries on; one of another palette or other
- * options is BW_INVALID. The same library, bit for bit, for any number of threads and kills.
+ * added to and from which a build that was killed carries on; one of another material table or
+ * other options is BW_INVALID. The same library, bit for bit, for any number of threads and kills.
  * BW_LIMIT for palettes whose keys are too many (more than 2^24). BW_CANCELLED keeps the
  * checkpoint. */
-BW_API bw_status bw_library_build(bw_context *context, const bw_palette *palette,
+BW_API bw_status bw_library_build(bw_context *context, const bw_material_table *material_table,
                                   const bw_library_options *options, const char *checkpoint,
                                   bw_library **library);
 /* The library with fits of its own for all blocks of a grid that have none: keys of level 1 that
  * were left out, and with `levels` 2 each block of 64 for which a representative would stand. They
  * are fitted as those of the library are, with its options, and are found before anything else.
- * `palette` as for bw_coarsen. Runs on all threads, with progress; `checkpoint` (may be NULL) keeps
- * what is done, for any grid that the library is grown for. The result depends on the library and
- * the set of blocks alone. */
+ * `material table` as for bw_coarsen. Runs on all threads, with progress; `checkpoint` (may be
+ * NULL) keeps what is done, for any grid that the library is grown for. The result depends on the
+ * library and the set of blocks alone. */
 BW_API bw_status bw_library_grow(bw_context *context, const bw_library *library,
-                                 const bw_palette *palette, const bw_grid *fine, int levels,
-                                 const char *checkpoint, bw_library **grown);
-/* One file (.bwm): version, palette, options, fits, errors, tables; zlib, with a checksum. A file
- * that is damaged, foreign or of another version is BW_FORMAT with the reason. */
+                                 const bw_material_table *material_table, const bw_grid *fine,
+                                 int levels, const char *checkpoint, bw_library **grown);
+/* One file (.bwm): version, material table, options, fits, errors, tables; zlib, with a checksum. A
+ * file that is damaged, foreign or of another version is BW_FORMAT with the reason. */
 BW_API bw_status bw_library_write(bw_context *context, const bw_library *library, const char *path);
 BW_API bw_status bw_library_read(bw_context *context, const char *path, bw_library **library);
 BW_API bw_status bw_library_parse(bw_context *context, const char *name, const unsigned char *bytes,
                                   size_t count, bw_library **library);
-/* A few lines: palette, levels, fits, errors by class of block. Release with bw_free. */
+/* A few lines: material table, levels, fits, errors by class of block. Release with bw_free. */
 BW_API bw_status bw_library_describe(bw_context *context, const bw_library *library, char **text);
 /* The fitted material of a key (level 1: 8 numbers; level 2: 64, child by child), and of which fit
  * (may be NULL): grown ones are numbered behind those of the library as it was built; -1: none. */
@@ -99,22 +99,23 @@ typedef struct bw_coarse {
   bw_object object;
   bw_coarse_method method;
   int levels;
-  const bw_library *library;      /* retained; NULL for baselines */
-  const bw_palette *fine_palette; /* retained */
-  const bw_grid *fine, *grid;     /* retained; the coarse grid's materials are rows of palette, its
-                                     elements those of the last coarsening */
-  const bw_palette *palette;      /* retained: the coarse materials there are */
-  const bw_coarsening *coarsening[2]; /* levels: from fine to coarse, retained */
-  int64_t looked_up;                  /* blocks assigned in making this one */
+  const bw_library *library;                    /* retained; NULL for baselines */
+  const bw_material_table *fine_material_table; /* retained */
+  const bw_grid *fine, *grid; /* retained; the coarse grid's materials are rows of material table,
+                                 its elements those of the last coarsening */
+  const bw_material_table *material_table; /* retained: the coarse materials there are */
+  const bw_coarsening *coarsening[2];      /* levels: from fine to coarse, retained */
+  int64_t looked_up;                       /* blocks assigned in making this one */
   double seconds_lattice, seconds_lookup;
   struct bwi_coarse *inner;
 } bw_coarse;
-/* In time linear in the elements. `library` NULL for baselines; `palette` is that of the grid, and
- * must be the library's (same laws and constants, BW_INVALID names the first that differs).
- * A library is of cubes: for lookup spacing must be the same in all directions (BW_INVALID). */
+/* In time linear in the elements. `library` NULL for baselines; `material table` is that of the
+ * grid, and must be the library's (same laws and constants, BW_INVALID names the first that
+ * differs). A library is of cubes: for lookup spacing must be the same in all directions
+ * (BW_INVALID). */
 BW_API bw_status bw_coarsen(bw_context *context, bw_coarse_method method, const bw_library *library,
-                            const bw_palette *palette, const bw_grid *fine, int levels,
-                            bw_coarse **coarse);
+                            const bw_material_table *material_table, const bw_grid *fine,
+                            int levels, bw_coarse **coarse);
 /* The same for an edited fine grid on the same lattice: only blocks in which something differs are
  * looked up again, and where no element came or went the coarse grid's lists are shared. */
 BW_API bw_status bw_coarse_follow(bw_context *context, const bw_coarse *coarse, const bw_grid *fine,

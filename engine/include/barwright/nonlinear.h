@@ -111,33 +111,34 @@ BW_API bw_status bw_solid_material_points(bw_context *context, const char *name,
                                           const double *fibre_stiffness, const double *fibre,
                                           bw_solid_material **material);
 /* The materials that a grid's numbers mean: material[0] is NULL, void. */
-typedef struct bw_palette {
+typedef struct bw_material_table {
   bw_object object;
   int32_t count;
   const bw_solid_material **material; /* count, retained */
-} bw_palette;
+} bw_material_table;
 /* `material` has count - 1 entries, those of 1 and above. */
-BW_API bw_status bw_palette_create(bw_context *context, int32_t count,
-                                   const bw_solid_material *const *material, bw_palette **palette);
+BW_API bw_status bw_material_table_create(bw_context *context, int32_t count,
+                                          const bw_solid_material *const *material,
+                                          bw_material_table **material_table);
 
 /* ---- solids ------------------------------------------------------------------------------------
  */
 
-/* A grid made of a palette: the body whose energy is a function of node displacements u
+/* A grid made of a material table: the body whose energy is a function of node displacements u
  * (node_count x 3, m). Partial cells count by their fraction, never below 1e-3. Does not change
  * once built; may be used from several threads. */
 typedef struct bw_solid {
   bw_object object;
-  const bw_grid *grid;       /* retained */
-  const bw_palette *palette; /* retained */
-  bw_graph *graph;           /* retained; its mesh is NULL */
-  double *mass;              /* node_count: lumped, kg; density 0 counts as 0 */
-  bool weightless;           /* some element's density is not known */
+  const bw_grid *grid;                     /* retained */
+  const bw_material_table *material_table; /* retained */
+  bw_graph *graph;                         /* retained; its mesh is NULL */
+  double *mass;                            /* node_count: lumped, kg; density 0 counts as 0 */
+  bool weightless;                         /* some element's density is not known */
 } bw_solid;
 /* `previous` (may be NULL): a solid whose graph is reused where the elements are the same.
- * BW_INVALID names the first element whose material is not in the palette. */
+ * BW_INVALID names the first element whose material is not in the material table. */
 BW_API bw_status bw_solid_create(bw_context *context, const bw_grid *grid,
-                                 const bw_palette *palette, const bw_solid *previous,
+                                 const bw_material_table *material_table, const bw_solid *previous,
                                  bw_solid **solid);
 
 /* How bad a shape is. */
@@ -178,8 +179,8 @@ BW_API bw_status bw_solid_stress(bw_context *context, const bw_solid *solid, con
 /* ---- what acts on a solid ----------------------------------------------------------------------
  */
 
-/* Supports, loads and floors, gathered call by call; then used, and not changed meanwhile. A case
- * serves solids on its grid or on one with the same elements at the same places, and so do
+/* Supports, loads and contact planes, gathered call by call; then used, and not changed meanwhile.
+ * A case serves solids on its grid or on one with the same elements at the same places, and so do
  * embeddings it is given: BW_INVALID otherwise, and for nodes or numbers that are none.
  * Loads, prescribed displacements and gravity grow with the load factor 0..1. */
 typedef struct bw_pressure_patch {
@@ -189,14 +190,14 @@ typedef struct bw_pressure_patch {
   double *pressure;  /* triangle_count, Pa; positive pushes inwards */
   bool follower;     /* along the normals of the deformed shape; else of the shape at rest */
 } bw_pressure_patch;
-typedef struct bw_floor {
+typedef struct bw_contact_plane {
   double point[3], normal[3];    /* the solid stays where (x - point) . normal >= 0; normal unit */
   double move[3];                /* the plane's displacement at load factor 1, m */
   const bw_embedding *embedding; /* retained: the points that touch it, with `rest` positions;
                                     NULL: the nodes */
   double *rest;                  /* point_count x 3, or NULL */
-} bw_floor;
-typedef struct bw_solid_case {
+} bw_contact_plane;
+typedef struct bw_load_case {
   bw_object object;
   const bw_grid *grid; /* retained */
   uint8_t *held;       /* node_count x 3 */
@@ -205,39 +206,40 @@ typedef struct bw_solid_case {
   double gravity[3];   /* m/s2 */
   int32_t patch_count;
   bw_pressure_patch *patch;
-  int32_t floor_count;
-  bw_floor *floor;
-} bw_solid_case;
-BW_API bw_status bw_solid_case_create(bw_context *context, const bw_grid *grid, bw_solid_case **it);
+  int32_t contact_plane_count;
+  bw_contact_plane *floor;
+} bw_load_case;
+BW_API bw_status bw_load_case_create(bw_context *context, const bw_grid *grid, bw_load_case **it);
 /* Components with hold[c] of the nodes are prescribed. A contradiction with an earlier call is
  * BW_INVALID and names the node. */
-BW_API bw_status bw_solid_case_hold(bw_context *context, bw_solid_case *it, int64_t count,
-                                    const int32_t *node, const bool hold[3], const double value[3]);
+BW_API bw_status bw_load_case_fix(bw_context *context, bw_load_case *it, int64_t count,
+                                  const int32_t *node, const bool hold[3], const double value[3]);
 /* A total force on the boundary faces all of whose nodes are among those given, by area; where no
  * face is, on the nodes alike. */
-BW_API bw_status bw_solid_case_force(bw_context *context, bw_solid_case *it, int64_t count,
-                                     const int32_t *node, const double total[3]);
-BW_API bw_status bw_solid_case_gravity(bw_context *context, bw_solid_case *it,
-                                       const double gravity[3]);
+BW_API bw_status bw_load_case_force(bw_context *context, bw_load_case *it, int64_t count,
+                                    const int32_t *node, const double total[3]);
+BW_API bw_status bw_load_case_gravity(bw_context *context, bw_load_case *it,
+                                      const double gravity[3]);
 /* Pressures (Pa, finite, one a triangle) on triangles between points of the embedding, which is of
  * the case's grid; copied. */
-BW_API bw_status bw_solid_case_pressure(bw_context *context, bw_solid_case *it,
-                                        const bw_embedding *embedding, int64_t triangles,
-                                        const int32_t *triangle, const double *pressure,
-                                        bool follower);
+BW_API bw_status bw_load_case_pressure(bw_context *context, bw_load_case *it,
+                                       const bw_embedding *embedding, int64_t triangles,
+                                       const int32_t *triangle, const double *pressure,
+                                       bool follower);
 /* The same on the free faces all of whose nodes are among those given: exact for faces that bend,
  * a quarter of it at each node of one that does not. The pressure is `factor` times
  * pressure(data, middle of a face at rest), or `factor` where that is NULL. BW_EMPTY without a
  * face. */
-BW_API bw_status bw_solid_case_press(bw_context *context, bw_solid_case *it, int64_t count,
-                                     const int32_t *node,
-                                     double (*pressure)(void *data, const double at[3]), void *data,
-                                     double factor, bool follower);
+BW_API bw_status bw_load_case_surface_pressure(bw_context *context, bw_load_case *it, int64_t count,
+                                               const int32_t *node,
+                                               double (*pressure)(void *data, const double at[3]),
+                                               void *data, double factor, bool follower);
 /* Nothing of the solid passes the plane, and nothing is held back by it: no friction. Points whose
  * nodes are all held along the normal are left out. `rest` is copied. */
-BW_API bw_status bw_solid_case_floor(bw_context *context, bw_solid_case *it, const double point[3],
-                                     const double normal[3], const double move[3],
-                                     const bw_embedding *embedding, const double *rest);
+BW_API bw_status bw_load_case_contact_plane(bw_context *context, bw_load_case *it,
+                                            const double point[3], const double normal[3],
+                                            const double move[3], const bw_embedding *embedding,
+                                            const double *rest);
 
 /* ---- statics -----------------------------------------------------------------------------------
  */
@@ -250,7 +252,7 @@ typedef enum bw_newton_linear {
 typedef struct bw_newton_options {
   bw_newton_linear linear;
   double tolerance;    /* |residual| over the norms of applied forces, reactions and pushes of
-                          floors, added up; default 1e-6 */
+                          contact planes, added up; default 1e-6 */
   int iterations;      /* Newton iterations in a load step; default 100 */
   int most_iterations; /* in all load steps together, failed ones included, where every 100 of
                           conjugate gradients count as one more; default 0: 500, and 20 more for
@@ -289,7 +291,7 @@ typedef struct bw_newton_report {
   double residual; /* relative, as reached */
   double seconds_quadrature, seconds_analysis, seconds_factor, seconds_solve, seconds;
   bw_solid_shape shape;
-  int64_t contacts; /* points on floors */
+  int64_t contacts; /* points on contact planes */
   int history_count;
   bw_newton_entry *history;
 } bw_newton_report;
@@ -301,23 +303,24 @@ BW_API bw_status bw_newton_create(bw_context *context, bw_newton **newton);
 
 typedef struct bw_solid_static {
   bw_object object;
-  const bw_solid *solid;    /* retained */
-  const bw_solid_case *the; /* retained */
-  double *displacement;     /* node_count x 3 */
-  double *reaction;         /* node_count x 3: of supports and floors */
-  double energy;            /* stored, J */
-  bool complete;            /* load factor 1 was reached within tolerance */
+  const bw_solid *solid;         /* retained */
+  const bw_load_case *load_case; /* retained */
+  double *displacement;          /* node_count x 3 */
+  double *reaction;              /* node_count x 3: of supports and contact planes */
+  double energy;                 /* stored, J */
+  bool complete;                 /* load factor 1 was reached within tolerance */
   bw_newton_report report;
 } bw_solid_static;
 /* The stable equilibrium that the load path from rest leads to: Newton's method on the total
  * potential with line search, where the tangent is not positive definite on one that is made so; an
  * equilibrium that is not stable is left. BW_UNCONSTRAINED for a solid that can move as a whole, or
- * that floors alone do not hold. BW_CONVERGENCE, and BW_GEOMETRY for inverted elements, name load
- * factor, residual, worst element and its place, and still give the last converged state in *result
- * (complete = false), as BW_UNCONSTRAINED does where that shows on the way. `newton` may be NULL.
+ * that contact planes alone do not hold. BW_CONVERGENCE, and BW_GEOMETRY for inverted elements,
+ * name load factor, residual, worst element and its place, and still give the last converged state
+ * in *result (complete = false), as BW_UNCONSTRAINED does where that shows on the way. `newton` may
+ * be NULL.
  */
 BW_API bw_status bw_solid_statics(bw_context *context, const bw_solid *solid,
-                                  const bw_solid_case *the, bw_newton *newton,
+                                  const bw_load_case *load_case, bw_newton *newton,
                                   const bw_newton_options *options, bw_solid_static **result);
 
 /* A few Newton steps from options->start, which is needed, at full load: options->iterations of
@@ -325,7 +328,7 @@ BW_API bw_status bw_solid_statics(bw_context *context, const bw_solid *solid,
  * but show where and about how far away it is; each lowers the potential. *defined false: there is
  * no energy at the start, and `displacement` (node_count x 3) is not written. */
 BW_API bw_status bw_solid_correct(bw_context *context, const bw_solid *solid,
-                                  const bw_solid_case *the, const bw_newton_options *options,
+                                  const bw_load_case *load_case, const bw_newton_options *options,
                                   double *displacement, bool *defined);
 
 /* ---- dynamics ----------------------------------------------------------------------------------
@@ -346,15 +349,15 @@ BW_API void bw_motion_options_default(bw_motion_options *options);
 /* A solid in motion under a constant case, its loads at full. Mutable. */
 typedef struct bw_solid_motion {
   bw_object object;
-  const bw_solid *solid;    /* retained */
-  const bw_solid_case *the; /* retained */
+  const bw_solid *solid;         /* retained */
+  const bw_load_case *load_case; /* retained */
   bw_motion_options options;
   double time;
   int64_t steps;
   double *displacement, *velocity, *acceleration; /* node_count x 3; Newmark's acceleration is
-                                                     without the push of floors */
+                                                     without the push of contact planes */
   double kinetic, strain, potential;              /* J; potential: of loads that do not follow */
-  double dissipated;       /* by damping, floors and the scheme, so that the sum of the four
+  double dissipated;       /* by damping, contact planes and the scheme, so that the sum of the four
                               changes by the work of pressures that follow only */
   bw_newton_report report; /* of the last step */
   struct bwi_motion *inner;
@@ -362,8 +365,9 @@ typedef struct bw_solid_motion {
 /* u and v (node_count x 3) may be NULL: at rest. What is held is where the case has it from the
  * start. BW_INVALID for a solid without density. */
 BW_API bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
-                                        const bw_solid_case *the, const bw_motion_options *options,
-                                        const double *u, const double *v, bw_solid_motion **motion);
+                                        const bw_load_case *load_case,
+                                        const bw_motion_options *options, const double *u,
+                                        const double *v, bw_solid_motion **motion);
 /* One step further. On failure the motion is as it was: BW_CONVERGENCE where no solution was found
  * (never with one iteration, unless nothing lowers the potential), BW_GEOMETRY where it has
  * inverted elements; both name time, residual, worst element and its place. */

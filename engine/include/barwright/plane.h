@@ -129,9 +129,9 @@ BW_API int32_t bw_plane_locate(const bw_plane_locator *locator, const double at[
 /* Values at the nodes of `from` (x components) carried to the nodes of `to`: copied where the nodes
  * are the same (middles of flipped edges are read from the field as it was), interpolated at the
  * nodes' places otherwise (the nearest place of `from` where they lie outside). */
-BW_API bw_status bw_plane_carry(bw_context *context, const bw_plane_mesh *from,
-                                const bw_plane_mesh *to, int components, const double *value,
-                                double *carried);
+BW_API bw_status bw_plane_transfer(bw_context *context, const bw_plane_mesh *from,
+                                   const bw_plane_mesh *to, int components, const double *value,
+                                   double *carried);
 
 /* ---- a mesh that follows its outline (responsive, section 3.3) ---------------------------------
  */
@@ -169,31 +169,34 @@ typedef struct bw_follow_report {
 } bw_follow_report;
 
 /* Holds the current mesh and what relocation computes once per topology. */
-typedef struct bw_mover {
+typedef struct bw_mesh_motion {
   bw_object object;
   const bw_plane_mesh *mesh; /* the current one, which lives as long as it is that */
   bw_follow_options options;
-  struct bwi_mover *inner;
-} bw_mover;
-BW_API bw_status bw_mover_create(bw_context *context, const bw_plane_mesh *mesh,
-                                 const bw_follow_options *options, bw_mover **mover);
+  struct bwi_mesh_motion *inner;
+} bw_mesh_motion;
+BW_API bw_status bw_mesh_motion_create(bw_context *context, const bw_plane_mesh *mesh,
+                                       const bw_follow_options *options, bw_mesh_motion **motion);
 /* Take the mesh to an outline of the same topology (bw_outline_moved); an outline of another
  * topology means reconstruction. On failure (a wall thinner than any mesh, no memory, cancelled)
- * the mover is as it was. */
-BW_API bw_status bw_mover_follow(bw_context *context, bw_mover *mover, const bw_outline *outline,
-                                 bw_follow_report *report);
-/* What a mover stands at, an immutable object: bw_release gives it up. Keeping it copies nothing;
- * returning to it brings back its mesh and all that following starts from, bit for bit (following
- * the outline back may end elsewhere), and fails only for the state of a mover of another order. */
-typedef struct bw_mover_state bw_mover_state;
-BW_API const bw_mover_state *bw_mover_keep(const bw_mover *mover);
-BW_API bw_status bw_mover_return(bw_context *context, bw_mover *mover, const bw_mover_state *state);
-BW_API bw_status bw_mover_check(bw_context *context, const bw_mover *mover);
+ * the mesh motion is as it was. */
+BW_API bw_status bw_mesh_motion_follow(bw_context *context, bw_mesh_motion *motion,
+                                       const bw_outline *outline, bw_follow_report *report);
+/* What a mesh motion stands at, an immutable object: bw_release gives it up. Keeping it copies
+ * nothing; returning to it brings back its mesh and all that following starts from, bit for bit
+ * (following the outline back may end elsewhere), and fails only for the state of a mesh motion of
+ * another order. */
+typedef struct bw_mesh_motion_state bw_mesh_motion_state;
+BW_API const bw_mesh_motion_state *bw_mesh_motion_keep(const bw_mesh_motion *motion);
+BW_API bw_status bw_mesh_motion_return(bw_context *context, bw_mesh_motion *motion,
+                                       const bw_mesh_motion_state *state);
+BW_API bw_status bw_mesh_motion_check(bw_context *context, const bw_mesh_motion *motion);
 /* d J / d outline points (of mesh->outline, point_count x 2) from d J / d nodes (node_count x 2):
- * the adjoint of harmonic relocation. For shape optimisation. The mesh is the mover's, or one that
- * has its nodes; BW_INVALID otherwise. */
-BW_API bw_status bw_mover_pull_back(bw_context *context, bw_mover *mover, const bw_plane_mesh *mesh,
-                                    const double *node_gradient, double *point_gradient);
+ * the adjoint of harmonic relocation. For shape optimisation. The mesh is the mesh motion's, or one
+ * that has its nodes; BW_INVALID otherwise. */
+BW_API bw_status bw_mesh_motion_pull_back(bw_context *context, bw_mesh_motion *motion,
+                                          const bw_plane_mesh *mesh, const double *node_gradient,
+                                          double *point_gradient);
 
 #ifdef __cplusplus
 }

@@ -1,4 +1,4 @@
-/* responsive: equations on plane meshes that follow an outline, with stale factors reused; elastic
+/* responsive: equations on plane meshes that follow an outline, with lagged factors reused; elastic
  * sheets (static, shaken, largely bent) and plates that ring. */
 #ifndef BARWRIGHT_RESPONSIVE_H
 #define BARWRIGHT_RESPONSIVE_H
@@ -48,54 +48,57 @@ BW_API bw_status bw_plane_prescribe(bw_context *context, const bw_plane_graph *g
                                     int components, const uint8_t *held, const double *prescribed,
                                     double *values, double *rhs);
 
-/* ---- stale factors (responsive, sections 3.2 and 3.3)
+/* ---- lagged factors (responsive, sections 3.2 and 3.3)
  * --------------------------------------------
  *
  * Solves A x = b with what is left of an earlier factorisation: conjugate gradients on a Cholesky
  * factor for symmetric positive definite matrices, BiCGSTAB on an LU factor for others. The
  * paper uses ILU(k); a complete factor costs little in the plane and keeps its worth for longer. */
-typedef enum bw_stale_method {
-  BW_STALE_AUTO,     /* by predicted cost: operations and bytes counted, and the iterations that
-                        recent solves took; never time measured */
-  BW_STALE_ITERATE,  /* on the factor as it is, as long as it converges */
-  BW_STALE_REFACTOR, /* numbers anew, analysis kept */
-  BW_STALE_SCRATCH   /* analysis too: for baselines */
-} bw_stale_method;
-typedef struct bw_stale_options {
-  bw_stale_method method;
+typedef enum bw_lagged_factor_method {
+  BW_LAGGED_FACTOR_AUTO, /* by predicted cost: operations and bytes counted, and the iterations that
+                    recent solves took; never time measured */
+  BW_LAGGED_FACTOR_ITERATE,  /* on the factor as it is, as long as it converges */
+  BW_LAGGED_FACTOR_REFACTOR, /* numbers anew, analysis kept */
+  BW_LAGGED_FACTOR_FULL      /* analysis too: for baselines */
+} bw_lagged_factor_method;
+typedef struct bw_lagged_factor_options {
+  bw_lagged_factor_method method;
   double tolerance; /* relative residual |b - A x| / |b|; default 1e-8 */
   int iterations;   /* before refactoring; default 60 */
-} bw_stale_options;
-BW_API void bw_stale_options_default(bw_stale_options *options);
+} bw_lagged_factor_options;
+BW_API void bw_lagged_factor_options_default(bw_lagged_factor_options *options);
 /* What one solve, or one frame of an application, reused and what it cost. Sums over the solves of
  * a frame; clear with memset before. */
-typedef struct bw_kept {
+typedef struct bw_plane_reuse {
   bw_level level; /* of the mesh in this frame */
   bool pattern;   /* of A: kept */
-  bool factor;    /* B: kept (stale) */
+  bool factor;    /* B: kept (lagged) */
   bool solution;  /* x: used as the first guess */
   int analyses, factorisations, solves, iterations;
   double residual;                            /* the largest, relative, as reached */
   double predicted_iterate, predicted_factor; /* s, of the model's machine */
   double seconds_mesh, seconds_assemble, seconds_factor, seconds_solve;
-} bw_kept;
+} bw_plane_reuse;
 
-typedef struct bw_stale bw_stale; /* mutable; one thread at a time */
+typedef struct bw_lagged_factor bw_lagged_factor; /* mutable; one thread at a time */
 /* 1 to 4 components at a node, 1 to 3 where symmetric. */
-BW_API bw_status bw_stale_create(bw_context *context, bool symmetric, int components,
-                                 bw_stale **stale);
-BW_API void bw_stale_free(bw_stale *stale);
+BW_API bw_status bw_lagged_factor_create(bw_context *context, bool symmetric, int components,
+                                         bw_lagged_factor **lagged);
+BW_API void bw_lagged_factor_free(bw_lagged_factor *lagged);
 /* x: the first guess on entry, the solution on return. The factor and its elimination order are
  * kept as long as the graph's nodes are the same object, the analysis as long as its topology is.
  * BW_SINGULAR, or BW_CONVERGENCE with the residual reached; x is then as it was. `options` and
  * `kept` may be NULL; `kept` is added to. */
-BW_API bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_graph *graph,
-                                const double *values, const double *rhs, double *x,
-                                const bw_stale_options *options, bw_kept *kept);
-/* Apply the factor alone (z = B r, current or stale): for eigenvalue iterations. */
-BW_API bw_status bw_stale_apply(bw_context *context, bw_stale *stale, const double *r, double *z);
+BW_API bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
+                                        const bw_plane_graph *graph, const double *values,
+                                        const double *rhs, double *x,
+                                        const bw_lagged_factor_options *options,
+                                        bw_plane_reuse *kept);
+/* Apply the factor alone (z = B r, current or lagged): for eigenvalue iterations. */
+BW_API bw_status bw_lagged_factor_apply(bw_context *context, bw_lagged_factor *lagged,
+                                        const double *r, double *z);
 /* Drop everything kept. */
-BW_API void bw_stale_forget(bw_stale *stale);
+BW_API void bw_lagged_factor_reset(bw_lagged_factor *lagged);
 
 /* ---- conditions by tag -------------------------------------------------------------------------
  */
@@ -162,11 +165,11 @@ typedef struct bw_sheet {
 } bw_sheet;
 BW_API bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
                                  const bw_sheet_description *description, bw_sheet **sheet);
-/* Go over to another mesh of the same problem; the solution is carried over (bw_plane_carry).
+/* Go over to another mesh of the same problem; the solution is carried over (bw_plane_transfer).
  * Conditions go by the names of their tags: the outline may be another one. On failure all is as it
  * was. */
 BW_API bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_mesh *mesh,
-                                 bw_kept *kept);
+                                 bw_plane_reuse *kept);
 /* What a sheet is at, an immutable object: bw_release gives it up. Keeping it copies nothing;
  * returning to it brings back mesh, fields and time bit for bit, and fails only for the state of a
  * sheet with other conditions. A sheet's operations put a new state in the place of the one that
@@ -178,7 +181,7 @@ BW_API bw_status bw_sheet_return(bw_context *context, bw_sheet *sheet, const bw_
 BW_API bw_status bw_sheet_check(bw_context *context, const bw_sheet *sheet);
 /* (e) Linear statics. BW_UNCONSTRAINED when rigid-body modes are unconstrained. */
 BW_API bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet,
-                                 const bw_stale_options *options, bw_kept *kept);
+                                 const bw_lagged_factor_options *options, bw_plane_reuse *kept);
 /* (a) One Newmark step of rho u'' + c = div sigma (eqs. 1, 2): beta, gamma (defaults 1/4, 1/2),
  * Rayleigh damping. Prescribed displacements are of the ground, as functions of time (read at the
  * new time and a step before and after it, at 0 and after; never below 0); the other conditions'
@@ -189,7 +192,7 @@ typedef struct bw_newmark {
 } bw_newmark;
 BW_API void bw_newmark_default(bw_newmark *newmark);
 BW_API bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
-                                const bw_stale_options *options, bw_kept *kept);
+                                const bw_lagged_factor_options *options, bw_plane_reuse *kept);
 /* (b) St. Venant-Kirchhoff statics (eq. 3) by Newton's method with a line search on the energy,
  * from the last solution; load steps where Newton fails from there. BW_CONVERGENCE says how far the
  * load went. */
@@ -197,7 +200,7 @@ typedef struct bw_bend_options {
   double tolerance; /* |residual| / |load|; default 1e-8 */
   int iterations;   /* of one load step; default 30 */
   int load_steps;   /* at most; default 64 */
-  bw_stale_options linear;
+  bw_lagged_factor_options linear;
 } bw_bend_options;
 BW_API void bw_bend_options_default(bw_bend_options *options);
 typedef struct bw_bend_report {
@@ -205,7 +208,7 @@ typedef struct bw_bend_report {
   double residual, energy;
 } bw_bend_report;
 BW_API bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_options *options,
-                               bw_bend_report *report, bw_kept *kept);
+                               bw_bend_report *report, bw_plane_reuse *kept);
 /* Stress xx yy xy zz at element points averaged to nodes (node_count x 4; Cauchy stress after
  * bw_sheet_bend) and von Mises (node_count); either may be NULL. */
 BW_API bw_status bw_sheet_stress(bw_context *context, const bw_sheet *sheet, double *stress,
@@ -242,7 +245,7 @@ typedef struct bw_plate {
 BW_API bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
                                  const bw_material *material, double thickness, bw_plate **plate);
 BW_API bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_mesh *mesh,
-                                 bw_kept *kept);
+                                 bw_plane_reuse *kept);
 /* What a plate is at, an immutable object: bw_release gives it up. Keeping it copies nothing;
  * returning to it brings back mesh and modes bit for bit. A plate's operations put a new state in
  * the place of the one that stands when all is done: those that fail change nothing. */
@@ -260,7 +263,7 @@ BW_API void bw_plate_options_default(bw_plate_options *options);
  * the last frame's factor; with a fresh factor at least as fast as inverse iteration.
  * BW_CONVERGENCE leaves the plate as it was. */
 BW_API bw_status bw_plate_solve(bw_context *context, bw_plate *plate,
-                                const bw_plate_options *options, bw_kept *kept);
+                                const bw_plate_options *options, bw_plane_reuse *kept);
 /* d frequency[mode] / d node positions (node_count x 2), Hz/m. */
 BW_API bw_status bw_plate_gradient(bw_context *context, const bw_plate *plate, int mode,
                                    double *gradient);

@@ -222,8 +222,8 @@ static bool judge_moving(bw_context *c) {
   char turn[256], away[256];
   snprintf(turn, sizeof turn, "%s", in("inside/turn"));
   snprintf(away, sizeof away, "%s", in("inside/away"));
-  pid_t mover = fork();
-  if (mover == 0)
+  pid_t motion = fork();
+  if (motion == 0)
     for (;;)
       if (renameat2(AT_FDCWD, turn, AT_FDCWD, away, RENAME_EXCHANGE) != 0)
         _exit(1);
@@ -241,8 +241,8 @@ static bool judge_moving(bw_context *c) {
     bw_make_folder(in("inside/turn/folder"));
     bw_remove(in("inside/turn/kept"));
   }
-  kill(mover, SIGKILL);
-  waitpid(mover, NULL, 0);
+  kill(motion, SIGKILL);
+  waitpid(motion, NULL, 0);
   return good && access(in("made"), F_OK) != 0 && access(in("folder"), F_OK) != 0 &&
          access(in("kept"), F_OK) == 0;
 }

@@ -15,9 +15,9 @@ static bool on_boundary(const bw_grid *grid, int32_t node) {
   return false;
 }
 
-static void hold_at(bw_context *context, bw_solid_case *the, int32_t node, const double u[3]) {
+static void hold_at(bw_context *context, bw_load_case *load_case, int32_t node, const double u[3]) {
   const bool hold[3] = {true, true, true};
-  check_ok(context, bw_solid_case_hold(context, the, 1, &node, hold, u));
+  check_ok(context, bw_load_case_fix(context, load_case, 1, &node, hold, u));
 }
 
 static void test_patch(void **state) {
@@ -31,17 +31,17 @@ static void test_patch(void **state) {
     body b = body_box(context, 4, 3, 3, size[0], size[1], size[2], (bw_law)law, 1e6, 0.3, 0);
     if (b_bar)
       body_take_b_bar(context, &b, (bw_law)law, 1e6, 0.3);
-    bw_solid_case *the;
-    check_ok(context, bw_solid_case_create(context, b.grid, &the));
+    bw_load_case *load_case;
+    check_ok(context, bw_load_case_create(context, b.grid, &load_case));
     double mu = 1e6 / 2.6, lambda = 0.3e6 / (1.3 * 0.4), energy, p[9], u[3], x[3];
     for (int32_t i = 0; i < b.nodes; i++) {
       bw_grid_position(b.grid, i, x);
       for (int c = 0; c < 3; c++)
         u[c] = bw_dot(f + 3 * (size_t)c, x) - x[c];
       if (on_boundary(b.grid, i))
-        hold_at(context, the, i, u);
+        hold_at(context, load_case, i, u);
     }
-    bw_solid_static *result = solve(context, &b, the, 1);
+    bw_solid_static *result = solve(context, &b, load_case, 1);
     double worst = 0;
     for (int32_t i = 0; i < b.nodes; i++) {
       bw_grid_position(b.grid, i, x);
@@ -65,7 +65,7 @@ static void test_patch(void **state) {
     for (int k = 0; k < 9; k++)
       check_near(moment[k], volume * p[k], 1e-8 * volume * 1e6);
     bw_release(result);
-    bw_release(the);
+    bw_release(load_case);
     body_release(&b);
   }
 }
@@ -160,23 +160,23 @@ static void integrate(const bw_grid *grid, bw_law law, double *force, const bw_s
 
 static void errors(bw_context *context, bw_law law, int cells, double *l2, double *h1) {
   body b = body_box(context, cells, cells, cells, 1, 1, 1, law, 1e6, 0.3, 0);
-  bw_solid_case *the;
-  check_ok(context, bw_solid_case_create(context, b.grid, &the));
+  bw_load_case *load_case;
+  check_ok(context, bw_load_case_create(context, b.grid, &load_case));
   for (int32_t i = 0; i < b.nodes; i++) {
     double x[3], u[3], f[9];
     bw_grid_position(b.grid, i, x);
     exact(x, u, f);
     if (on_boundary(b.grid, i))
-      hold_at(context, the, i, u);
+      hold_at(context, load_case, i, u);
   }
-  integrate(b.grid, law, the->force, NULL, NULL, NULL);
-  bw_solid_static *result = solve(context, &b, the, 1);
+  integrate(b.grid, law, load_case->force, NULL, NULL, NULL);
+  bw_solid_static *result = solve(context, &b, load_case, 1);
   *l2 = *h1 = 0;
   integrate(b.grid, law, NULL, result, l2, h1);
   *l2 = sqrt(*l2);
   *h1 = sqrt(*h1);
   bw_release(result);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 

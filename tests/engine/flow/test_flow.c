@@ -62,7 +62,7 @@ static void test_channel(void **state) {
   for (int k = 0; k < 3; k++) {
     bw_plane_mesh *mesh = rectangle(context, 2, 1, 8 << k, 4 << k, 0);
     bw_flow *flow = make_flow(context, mesh, 0.1, 6, channel);
-    bw_kept kept = {0};
+    bw_plane_reuse kept = {0};
     double force[2];
     check_ok(context, bw_flow_step(context, flow, NULL, &kept));
     error[k] = 0;
@@ -320,7 +320,7 @@ static void test_following(void **state) {
   check_ok(context, bw_plane_mesh_moved(context, mesh, mesh->outline, point, &moved));
   bw_flow *flow = make_flow(context, mesh, 0.02, 6, channel);
   bw_flow *anew = make_flow(context, moved, 0.02, 6, channel);
-  bw_kept kept = {0};
+  bw_plane_reuse kept = {0};
   double force[2], other[2];
   check_ok(context, bw_flow_step(context, flow, NULL, NULL));
   check_ok(context, bw_flow_follow(context, flow, moved, &kept));

@@ -7,20 +7,21 @@
 
 #include "metamaterial/library.h"
 
-static inline bw_palette *fixture_palette(bw_context *context, int count) {
+static inline bw_material_table *fixture_material_table(bw_context *context, int count) {
   static const double young[] = {1e5, 1e6, 1e7, 2e6}, density[] = {1000, 1200, 900, 1100};
   static const char *const name[] = {"soft", "middle", "stiff", "other"};
   bw_solid_material *material[4] = {NULL};
-  bw_palette *palette;
+  bw_material_table *material_table;
   for (int i = 0; i < count; i++)
     check_ok(context,
              bw_solid_material_create(context, name[i], i == 3 ? BW_COROTATED : BW_NEO_HOOKEAN,
                                       young[i], 0.45, density[i], &material[i]));
-  check_ok(context, bw_palette_create(context, count + 1,
-                                      (const bw_solid_material *const *)material, &palette));
+  check_ok(context,
+           bw_material_table_create(context, count + 1, (const bw_solid_material *const *)material,
+                                    &material_table));
   for (int i = 0; i < count; i++)
     bw_release(material[i]);
-  return palette;
+  return material_table;
 }
 
 /* A material for a block: its children's constants by a factor that depends on how mixed it is, and
@@ -82,20 +83,20 @@ static inline void fixture_keep(bw_context *context, bw_library *library, int le
 
 static inline bw_library *fixture_library(bw_context *context, int materials, bool voids,
                                           int levels, int representatives) {
-  bw_palette *palette = fixture_palette(context, materials);
+  bw_material_table *material_table = fixture_material_table(context, materials);
   bw_library_options options;
   bw_library *library;
   bw_library_options_default(&options);
   options.levels = levels;
   options.voids = voids;
   options.representatives = representatives;
-  check_ok(context, bwi_library_begin(context, palette, &options, &library));
+  check_ok(context, bwi_library_begin(context, material_table, &options, &library));
   for (int32_t f = 0; f < library->fit_count[0]; f++) {
     int32_t key[8];
     const bw_solid_material *child[8];
-    bwi_key_of(palette->count, library->inner->keys->first[f], key);
+    bwi_key_of(material_table->count, library->inner->keys->first[f], key);
     for (int c = 0; c < 8; c++)
-      child[c] = palette->material[key[c]];
+      child[c] = material_table->material[key[c]];
     fixture_keep(context, library, 1, f, fixture_fit(context, child));
   }
   if (levels == 2) {
@@ -112,7 +113,7 @@ static inline bw_library *fixture_library(bw_context *context, int materials, bo
         bw_release(child[c]);
     }
   }
-  bw_release(palette);
+  bw_release(material_table);
   return library;
 }
 
@@ -137,7 +138,7 @@ static inline void fixture_same_fits(int32_t count, bw_solid_material *const *a,
 }
 
 static inline void fixture_same(const bw_library *a, const bw_library *b) {
-  assert_int_equal(a->palette->count, b->palette->count);
+  assert_int_equal(a->material_table->count, b->material_table->count);
   assert_int_equal(a->levels, b->levels);
   for (int l = 0; l < 2; l++) {
     const bwi_grown *g = &a->inner->grown[l], *h = &b->inner->grown[l];

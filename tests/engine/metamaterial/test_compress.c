@@ -121,7 +121,7 @@ static void test_own_fits(void **state) {
     bw_solid_material *m, *expected;
     bwi_levels_block(levels, f, cell);
     for (int c = 0; c < 8; c++)
-      bwi_key_of(library->palette->count, levels->code[0][cell[c]], key + 8 * c);
+      bwi_key_of(library->material_table->count, levels->code[0][cell[c]], key + 8 * c);
     bwi_symmetry_key(f % 48, 64, key, image);
     check_ok(context, bw_library_material(context, library, 2, image, &m, &found));
     check_ok(context,

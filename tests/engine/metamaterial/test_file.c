@@ -125,7 +125,7 @@ static void test_sections(void **state) {
   bwi_pack head, fits;
   bwi_pack_begin(&head, context);
   bwi_pack_begin(&fits, context);
-  bwi_pack_head(&head, library->palette, &library->options);
+  bwi_pack_head(&head, library->material_table, &library->options);
   for (int32_t f = 0; f < library->fit_count[0]; f++)
     bwi_pack_fit(&fits, library->inner->fit[0][f], &library->error[0][f]);
   bwi_section section[BWI_SECTIONS] = {{head.bytes, head.count}, {fits.bytes, fits.count}};
@@ -140,7 +140,7 @@ static void test_sections(void **state) {
   check_fails(context, BW_FORMAT, "made: in its head",
               bwi_library_of_sections(context, "made", section, &read));
   head.bytes[0] = 200;
-  check_fails(context, BW_FORMAT, "a palette of 199 materials",
+  check_fails(context, BW_FORMAT, "a material table of 199 materials",
               bwi_library_of_sections(context, "made", section, &read));
   head.bytes[0] = 2;
   section[1].count = fits.count;
@@ -149,7 +149,7 @@ static void test_sections(void **state) {
   check_fails(context, BW_FORMAT, "material 1 cannot be",
               bwi_library_of_sections(context, "made", section, &read));
   section[2] = section[1];
-  memcpy(head.bytes + 4 + BW_NAME + 1, &library->palette->material[1]->mu[0], sizeof nan);
+  memcpy(head.bytes + 4 + BW_NAME + 1, &library->material_table->material[1]->mu[0], sizeof nan);
   check_fails(context, BW_FORMAT, "data of a second",
               bwi_library_of_sections(context, "made", section, &read));
   bwi_pack_clear(&head);
@@ -166,7 +166,7 @@ static void test_contrast(void **state) {
   bwi_pack head, fits;
   bwi_pack_begin(&head, context);
   bwi_pack_begin(&fits, context);
-  bwi_pack_head(&head, library->palette, &library->options);
+  bwi_pack_head(&head, library->material_table, &library->options);
   for (int32_t f = 0; f < library->fit_count[0]; f++)
     bwi_pack_fit(&fits, library->inner->fit[0][f], &library->error[0][f]);
   memcpy(head.bytes + 4 + BW_NAME + 1, &soft, sizeof soft);

@@ -20,17 +20,18 @@ static bw_library_options small_options(int levels) {
   return options;
 }
 
-static bw_library *build(bw_context *context, const bw_palette *palette, int levels) {
+static bw_library *build(bw_context *context, const bw_material_table *material_table, int levels) {
   bw_library_options options = small_options(levels);
   bw_library *library;
-  check_ok(context, bw_library_build(context, palette, &options, NULL, &library));
+  check_ok(context, bw_library_build(context, material_table, &options, NULL, &library));
   return library;
 }
 
 static bw_library *grow(bw_context *context, const bw_library *of, const bw_grid *grid, int levels,
                         const char *checkpoint) {
   bw_library *library;
-  check_ok(context, bw_library_grow(context, of, of->palette, grid, levels, checkpoint, &library));
+  check_ok(context,
+           bw_library_grow(context, of, of->material_table, grid, levels, checkpoint, &library));
   return library;
 }
 
@@ -98,8 +99,8 @@ static void key_of(const bw_grid *grid, int levels, int x, int32_t key[64]) {
  */
 static void test_as_built(void **state) {
   bw_context *context = check_context(state);
-  bw_palette *palette = fixture_palette(context, 1);
-  bw_library *whole = build(context, palette, 1), *empty = build(context, palette, 0);
+  bw_material_table *material_table = fixture_material_table(context, 1);
+  bw_library *whole = build(context, material_table, 1), *empty = build(context, material_table, 0);
   bw_grid *grid = make_grid(context, 4, 1, 0);
   assert_int_equal(empty->levels, 0);
   assert_int_equal(empty->fit_count[0], 0);
@@ -123,7 +124,7 @@ static void test_as_built(void **state) {
   int32_t fit;
   check_ok(context, bw_library_material(context, grown, 1, unknown, &naive, &fit));
   assert_int_equal(fit, -1);
-  assert_true(naive->mu[0] == palette->material[1]->mu[0]);
+  assert_true(naive->mu[0] == material_table->material[1]->mu[0]);
   bw_release(naive);
   /* nothing is missing in a library of all blocks */
   bw_library *same = grow(context, whole, grid, 1, NULL);
@@ -134,7 +135,7 @@ static void test_as_built(void **state) {
   bw_release(empty);
   bw_release(whole);
   bw_release(grid);
-  bw_release(palette);
+  bw_release(material_table);
 }
 
 /* Blocks of 64 have fits of their own, whichever way they are turned; others keep their
@@ -204,8 +205,8 @@ static void progress(void *data, const char *stage, double fraction) {
 /* From nothing over two levels, on one thread and several, through a checkpoint, into a file. */
 static void test_there_and_back(void **state) {
   bw_context *context = check_context(state);
-  bw_palette *palette = fixture_palette(context, 2);
-  bw_library *empty = build(context, palette, 0), *read = NULL;
+  bw_material_table *material_table = fixture_material_table(context, 2);
+  bw_library *empty = build(context, material_table, 0), *read = NULL;
   bw_grid *grid = make_grid(context, 2, 2, 1), *other = make_grid(context, 3, 2, 1);
   double last = 0;
   unlink(path);
@@ -238,10 +239,10 @@ static void test_there_and_back(void **state) {
   bw_library_options options = small_options(0);
   options.levels = 1;
   check_fails(context, BW_INVALID, "its option levels is 0 instead of 1",
-              bw_library_build(context, palette, &options, path, &read));
+              bw_library_build(context, material_table, &options, path, &read));
   options.levels = 0;
   check_fails(context, BW_INVALID, "grown for a grid",
-              bw_library_build(context, palette, &options, path, &read));
+              bw_library_build(context, material_table, &options, path, &read));
   char *text;
   check_ok(context, bw_library_describe(context, one, &text));
   assert_non_null(strstr(text, "level 2: 2 fits of blocks of grids it was grown for"));
@@ -254,58 +255,61 @@ static void test_there_and_back(void **state) {
   bw_release(empty);
   bw_release(grid);
   bw_release(other);
-  bw_release(palette);
+  bw_release(material_table);
 }
 
 /* Edits of a grid are followed; blocks that are new are looked up as ever. */
 static void test_follow(void **state) {
   bw_context *context = check_context(state);
-  bw_palette *palette = fixture_palette(context, 2);
-  bw_library *empty = build(context, palette, 0);
+  bw_material_table *material_table = fixture_material_table(context, 2);
+  bw_library *empty = build(context, material_table, 0);
   bw_grid *grid = make_grid(context, 2, 2, 1), *edited = make_grid(context, 3, 2, 1);
   bw_library *grown = grow(context, empty, grid, 2, NULL);
   for (int levels = 1; levels <= 2; levels++) {
     bw_coarse *coarse, *followed, *fresh;
-    check_ok(context, bw_coarsen(context, BW_COARSE_LOOKUP, grown, palette, grid, levels, &coarse));
+    check_ok(context,
+             bw_coarsen(context, BW_COARSE_LOOKUP, grown, material_table, grid, levels, &coarse));
     check_ok(context, bw_coarse_follow(context, coarse, edited, &followed));
     check_ok(context,
-             bw_coarsen(context, BW_COARSE_LOOKUP, grown, palette, edited, levels, &fresh));
-    assert_int_equal(followed->palette->count, fresh->palette->count);
-    for (int32_t r = 1; r < fresh->palette->count; r++)
-      assert_memory_equal(followed->palette->material[r]->mu, fresh->palette->material[r]->mu,
-                          (size_t)fresh->palette->material[r]->rule->count * sizeof(double));
+             bw_coarsen(context, BW_COARSE_LOOKUP, grown, material_table, edited, levels, &fresh));
+    assert_int_equal(followed->material_table->count, fresh->material_table->count);
+    for (int32_t r = 1; r < fresh->material_table->count; r++)
+      assert_memory_equal(followed->material_table->material[r]->mu,
+                          fresh->material_table->material[r]->mu,
+                          (size_t)fresh->material_table->material[r]->rule->count * sizeof(double));
     bw_release(coarse);
     bw_release(followed);
     bw_release(fresh);
   }
   bw_coarse *none = NULL;
   check_fails(context, BW_INVALID, "with a library of 0",
-              bw_coarsen(context, BW_COARSE_LOOKUP, empty, palette, grid, 1, &none));
+              bw_coarsen(context, BW_COARSE_LOOKUP, empty, material_table, grid, 1, &none));
   bw_release(grown);
   bw_release(empty);
   bw_release(grid);
   bw_release(edited);
-  bw_release(palette);
+  bw_release(material_table);
 }
 
 static void test_refusals(void **state) {
   bw_context *context = check_context(state);
-  bw_palette *palette = fixture_palette(context, 2), *other = fixture_palette(context, 3);
-  bw_library *empty = build(context, palette, 0), *library = NULL;
+  bw_material_table *material_table = fixture_material_table(context, 2),
+                    *other = fixture_material_table(context, 3);
+  bw_library *empty = build(context, material_table, 0), *library = NULL;
   bw_grid *grid = make_grid(context, 2, 2, 1);
   const double origin[3] = {0, 0, 0}, uneven[3] = {1, 2, 1};
   const int32_t cells[3] = {2, 1, 1}, material[2] = {1, 2};
   bw_grid *bricks;
   check_fails(context, BW_INVALID, "3 levels",
-              bw_library_grow(context, empty, palette, grid, 3, NULL, &library));
-  check_fails(context, BW_INVALID, "the palette has 3 materials",
+              bw_library_grow(context, empty, material_table, grid, 3, NULL, &library));
+  check_fails(context, BW_INVALID, "the material table has 3 materials",
               bw_library_grow(context, empty, other, grid, 1, NULL, &library));
   check_ok(context, bw_grid_create(context, origin, uneven, cells, material, NULL, &bricks));
   check_fails(context, BW_INVALID, "is of cubes",
-              bw_library_grow(context, empty, palette, bricks, 1, NULL, &library));
+              bw_library_grow(context, empty, material_table, bricks, 1, NULL, &library));
   unlink(path);
   bw_library_options options = small_options(1);
-  bw_palette *one = fixture_palette(context, 1);
+  bw_material_table *one = fixture_material_table(context, 1);
   bw_grid *small = make_grid(context, 2, 1, 0);
   options.voids = false; /* so that something is missing */
   bw_library *solid = NULL;
@@ -323,15 +327,15 @@ static void test_refusals(void **state) {
   bw_release(bricks);
   bw_release(grid);
   bw_release(empty);
-  bw_release(palette);
+  bw_release(material_table);
   bw_release(other);
 }
 
 /* What a damaged file can claim of blocks. */
 static void test_claims(void **state) {
   bw_context *context = check_context(state);
-  bw_palette *palette = fixture_palette(context, 1);
-  bw_library *empty = build(context, palette, 0), *read = NULL;
+  bw_material_table *material_table = fixture_material_table(context, 1);
+  bw_library *empty = build(context, material_table, 0), *read = NULL;
   bw_grid *grid = make_grid(context, 4, 1, 0);
   bw_library *grown = grow(context, empty, grid, 1, NULL);
   const bwi_grown *entries = &grown->inner->grown[0];
@@ -342,7 +346,7 @@ static void test_claims(void **state) {
     bwi_pack head, fits;
     bwi_pack_begin(&head, context);
     bwi_pack_begin(&fits, context);
-    bwi_pack_head(&head, palette, &grown->options);
+    bwi_pack_head(&head, material_table, &grown->options);
     bwi_pack_u32(&fits, wrong == 3 ? 1u << 30 : (uint32_t)entries->count);
     bwi_pack_bytes(&fits, entries->key, 8 * (size_t)entries->count);
     for (int32_t f = 0; f < entries->count; f++)
@@ -365,17 +369,17 @@ static void test_claims(void **state) {
   bw_release(grown);
   bw_release(grid);
   bw_release(empty);
-  bw_release(palette);
+  bw_release(material_table);
 }
 
 static void test_memory(void **state) {
   bw_context *context = check_context(state);
-  bw_palette *palette = fixture_palette(context, 1);
+  bw_material_table *material_table = fixture_material_table(context, 1);
   bw_library *empty, *grown = NULL, *read = NULL;
   bw_library_options options = small_options(0);
   options.fibres = 0; /* quick fits, for there are many */
   options.directions = 1;
-  check_ok(context, bw_library_build(context, palette, &options, NULL, &empty));
+  check_ok(context, bw_library_build(context, material_table, &options, NULL, &empty));
   const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
   const int32_t cells[3] = {4, 4, 2}, material[32] = {[0] = 1, [1] = 1, [4] = 1};
   bw_grid *grid;
@@ -386,7 +390,7 @@ static void test_memory(void **state) {
     int64_t blocks = bw_live_blocks();
     unlink(path);
     bw_fail_allocation(n, true);
-    status = bw_library_grow(context, empty, palette, grid, 2, path, &grown);
+    status = bw_library_grow(context, empty, material_table, grid, 2, path, &grown);
     bw_fail_allocation(0, false);
     assert_true(status == BW_OK || status == BW_MEMORY);
     if (status != BW_OK)
@@ -405,7 +409,7 @@ static void test_memory(void **state) {
   bw_release(grown);
   bw_release(empty);
   bw_release(grid);
-  bw_release(palette);
+  bw_release(material_table);
 }
 
 int main(void) {

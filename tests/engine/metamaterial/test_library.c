@@ -21,11 +21,11 @@ static bw_library_options small_options(int levels) {
   return options;
 }
 
-static bw_library *build(bw_context *context, const bw_palette *palette, int levels,
+static bw_library *build(bw_context *context, const bw_material_table *material_table, int levels,
                          const char *file) {
   bw_library_options options = small_options(levels);
   bw_library *library;
-  check_ok(context, bw_library_build(context, palette, &options, file, &library));
+  check_ok(context, bw_library_build(context, material_table, &options, file, &library));
   return library;
 }
 
@@ -38,41 +38,41 @@ static void progress(void *data, const char *stage, double fraction) {
 
 static void test_threads(void **state) {
   bw_context *context = check_context(state);
-  bw_palette *palette = fixture_palette(context, 1);
+  bw_material_table *material_table = fixture_material_table(context, 1);
   double most = 0;
   check_ok(context, bw_set_threads(context, 1));
-  bw_library *one = build(context, palette, 2, NULL);
+  bw_library *one = build(context, material_table, 2, NULL);
   check_ok(context, bw_set_threads(context, 3));
   bw_set_progress(context, progress, &most);
-  bw_library *three = build(context, palette, 2, NULL);
+  bw_library *three = build(context, material_table, 2, NULL);
   bw_set_progress(context, NULL, NULL);
   assert_int_equal(one->fit_count[0], 21); /* 22 by Burnside, one of them void alone */
   check_near(most, 1, 0);
   fixture_same(one, three);
   bw_release(one);
   bw_release(three);
-  bw_release(palette);
+  bw_release(material_table);
 }
 
 /* In a process of its own, so that it can be killed anywhere. */
 static void build_in_child(void) {
   bw_context *context = bw_context_create();
   bw_solid_material *material;
-  bw_palette *palette;
+  bw_material_table *material_table;
   bw_library *library;
   bw_library_options options = small_options(1);
   bool good = bw_solid_material_create(context, "soft", BW_NEO_HOOKEAN, 1e5, 0.45, 1000,
                                        &material) == BW_OK &&
-              bw_palette_create(context, 2, (const bw_solid_material *const *)&material,
-                                &palette) == BW_OK &&
-              bw_library_build(context, palette, &options, checkpoint, &library) == BW_OK;
+              bw_material_table_create(context, 2, (const bw_solid_material *const *)&material,
+                                       &material_table) == BW_OK &&
+              bw_library_build(context, material_table, &options, checkpoint, &library) == BW_OK;
   _exit(good ? 0 : 1);
 }
 
 static void test_kills(void **state) {
   bw_context *context = check_context(state);
-  bw_palette *palette = fixture_palette(context, 1);
-  bw_library *whole = build(context, palette, 1, NULL), *resumed;
+  bw_material_table *material_table = fixture_material_table(context, 1);
+  bw_library *whole = build(context, material_table, 1, NULL), *resumed;
   bw_random random;
   int ended = 0, kills = 0;
   bw_random_seed(&random, 77);
@@ -96,12 +96,12 @@ static void test_kills(void **state) {
     }
   }
   assert_true(kills > 0);
-  resumed = build(context, palette, 1, checkpoint);
+  resumed = build(context, material_table, 1, checkpoint);
   fixture_same(whole, resumed);
   assert_true(resumed->seconds > 0);
   bw_release(resumed);
   bw_release(whole);
-  bw_release(palette);
+  bw_release(material_table);
 }
 
 static void write_bytes(const unsigned char *bytes, size_t count) {
@@ -114,16 +114,16 @@ static void write_bytes(const unsigned char *bytes, size_t count) {
 /* Whatever a kill leaves of the last record, and whatever follows it. */
 static void test_cuts(void **state) {
   bw_context *context = check_context(state);
-  bw_palette *palette = fixture_palette(context, 1);
+  bw_material_table *material_table = fixture_material_table(context, 1);
   unsigned char *bytes;
   size_t count;
   unlink(checkpoint);
-  bw_library *whole = build(context, palette, 1, checkpoint), *resumed;
+  bw_library *whole = build(context, material_table, 1, checkpoint), *resumed;
   check_ok(context, bw_read_file(context, checkpoint, &bytes, &count));
   const size_t cut[] = {0, 3, 11, 60, count - 1, count - 3, count - 5, count - 200, count - 600};
   for (size_t i = 0; i < sizeof cut / sizeof cut[0]; i++) {
     write_bytes(bytes, cut[i]);
-    resumed = build(context, palette, 1, checkpoint);
+    resumed = build(context, material_table, 1, checkpoint);
     fixture_same(whole, resumed);
     bw_release(resumed);
     unsigned char *again;
@@ -134,45 +134,46 @@ static void test_cuts(void **state) {
   }
   bytes[count - 20] ^= 4; /* the last record is damaged: it is made again */
   write_bytes(bytes, count);
-  resumed = build(context, palette, 1, checkpoint);
+  resumed = build(context, material_table, 1, checkpoint);
   fixture_same(whole, resumed);
   bw_release(resumed);
   bw_free(bytes);
   bw_release(whole);
-  bw_release(palette);
+  bw_release(material_table);
 }
 
 static void test_refusals(void **state) {
   bw_context *context = check_context(state);
-  bw_palette *palette = fixture_palette(context, 1), *other = fixture_palette(context, 2);
+  bw_material_table *material_table = fixture_material_table(context, 1),
+                    *other = fixture_material_table(context, 2);
   bw_library_options options = small_options(1);
   bw_library *library = NULL;
   unlink(checkpoint);
-  bw_release(build(context, palette, 1, checkpoint));
+  bw_release(build(context, material_table, 1, checkpoint));
   check_fails(context, BW_INVALID, "it has 1 materials instead of 2",
               bw_library_build(context, other, &options, checkpoint, &library));
   options.directions = 5;
   check_fails(context, BW_INVALID, "its option directions is 4 instead of 5",
-              bw_library_build(context, palette, &options, checkpoint, &library));
+              bw_library_build(context, material_table, &options, checkpoint, &library));
   options.directions = 4;
   options.seed = 5;
   check_fails(context, BW_INVALID, "its seed is 1 instead of 5",
-              bw_library_build(context, palette, &options, checkpoint, &library));
+              bw_library_build(context, material_table, &options, checkpoint, &library));
   options = small_options(1);
   write_bytes((const unsigned char *)"solid cube, and more than that", 30);
   check_fails(context, BW_FORMAT, "no checkpoint",
-              bw_library_build(context, palette, &options, checkpoint, &library));
+              bw_library_build(context, material_table, &options, checkpoint, &library));
   check_fails(context, BW_IO, "cannot open",
-              bw_library_build(context, palette, &options, "/tmp/nowhere/at/all", &library));
+              bw_library_build(context, material_table, &options, "/tmp/nowhere/at/all", &library));
   options.levels = 3;
   check_fails(context, BW_INVALID, "levels is 3",
-              bw_library_build(context, palette, &options, NULL, &library));
+              bw_library_build(context, material_table, &options, NULL, &library));
   options = small_options(1);
   bw_cancel(context);
   check_fails(context, BW_CANCELLED, "",
-              bw_library_build(context, palette, &options, NULL, &library));
+              bw_library_build(context, material_table, &options, NULL, &library));
   bw_clear_cancel(context);
-  bw_release(palette);
+  bw_release(material_table);
   bw_release(other);
 }
 
@@ -201,14 +202,14 @@ static void test_lookup(void **state) {
     material[0] = 1;
     bw_grid *grid = make_grid(context, cells, material, NULL);
     bw_coarse *coarse;
-    check_ok(context, bw_coarsen(context, BW_COARSE_LOOKUP, library, library->palette, grid, levels,
-                                 &coarse));
+    check_ok(context, bw_coarsen(context, BW_COARSE_LOOKUP, library, library->material_table, grid,
+                                 levels, &coarse));
     assert_ptr_equal(coarse->library, library);
     double fine_mass = 0, coarse_mass = 0;
     for (int i = 0; i < CELLS; i++)
-      fine_mass += material[i] ? library->palette->material[material[i]]->density : 0;
+      fine_mass += material[i] ? library->material_table->material[material[i]]->density : 0;
     for (int32_t e = 0; e < coarse->grid->element_count; e++) {
-      const bw_solid_material *m = coarse->palette->material[coarse->grid->material[e]];
+      const bw_solid_material *m = coarse->material_table->material[coarse->grid->material[e]];
       bw_solid_material *expected;
       int32_t key[64], place = coarse->grid->cell[e], at[3];
       at[0] = place % coarse->grid->cells[0] << levels;
@@ -304,21 +305,22 @@ static void test_follow(void **state) {
     material[0] = 1;
     bw_grid *grid = make_grid(context, cells, material, round < 2 ? NULL : fraction);
     bw_coarse *coarse, *next, *fresh;
-    check_ok(context, bw_coarsen(context, BW_COARSE_LOOKUP, library, library->palette, grid, levels,
-                                 &coarse));
+    check_ok(context, bw_coarsen(context, BW_COARSE_LOOKUP, library, library->material_table, grid,
+                                 levels, &coarse));
     for (int step = 0; step < 8; step++) {
       for (int i = 0; i < 3; i++)
         material[1 + bw_random_bits(&random) % (CELLS - 1)] ^= 1;
       bw_grid *edited = make_grid(context, cells, material, round < 2 ? NULL : fraction);
       check_ok(context, bw_coarse_follow(context, coarse, edited, &next));
-      check_ok(context, bw_coarsen(context, BW_COARSE_LOOKUP, library, library->palette, edited,
-                                   levels, &fresh));
+      check_ok(context, bw_coarsen(context, BW_COARSE_LOOKUP, library, library->material_table,
+                                   edited, levels, &fresh));
       assert_true(next->looked_up <= 3);
-      assert_int_equal(next->palette->count, fresh->palette->count);
+      assert_int_equal(next->material_table->count, fresh->material_table->count);
       assert_memory_equal(next->grid->material, fresh->grid->material,
                           (size_t)fresh->grid->element_count * sizeof(int32_t));
-      for (int32_t r = 1; r < fresh->palette->count; r++) {
-        const bw_solid_material *a = next->palette->material[r], *b = fresh->palette->material[r];
+      for (int32_t r = 1; r < fresh->material_table->count; r++) {
+        const bw_solid_material *a = next->material_table->material[r],
+                                *b = fresh->material_table->material[r];
         assert_memory_equal(a->mu, b->mu, (size_t)a->rule->count * sizeof *a->mu);
         size_t fibres = (size_t)a->rule->count * (size_t)a->fibre_count;
         assert_int_equal(a->fibre_count, b->fibre_count);
@@ -340,7 +342,8 @@ static void test_follow(void **state) {
 static void test_lookup_refusals(void **state) {
   bw_context *context = check_context(state);
   bw_library *library = fixture_library(context, 2, false, 1, 8);
-  bw_palette *fewer = fixture_palette(context, 1), *other = fixture_palette(context, 4);
+  bw_material_table *fewer = fixture_material_table(context, 1),
+                    *other = fixture_material_table(context, 4);
   const int32_t cells[3] = {2, 2, 2};
   int32_t key[8] = {1, 1, 1, 2, 1, 1, 1, 3}, material[8] = {1, 2, 1, 1, 0, 1, 1, 1};
   bw_grid *grid = make_grid(context, cells, NULL, NULL),
@@ -349,28 +352,31 @@ static void test_lookup_refusals(void **state) {
   bw_solid_material *m;
   check_fails(context, BW_INVALID, "1 materials, the library is of 2",
               bw_coarsen(context, BW_COARSE_LOOKUP, library, fewer, grid, 1, &coarse));
-  check_fails(context, BW_INVALID, "2 levels with a library of 1",
-              bw_coarsen(context, BW_COARSE_LOOKUP, library, library->palette, grid, 2, &coarse));
+  check_fails(
+      context, BW_INVALID, "2 levels with a library of 1",
+      bw_coarsen(context, BW_COARSE_LOOKUP, library, library->material_table, grid, 2, &coarse));
   const bw_solid_material *pair[2] = {other->material[1], other->material[3]};
-  bw_palette *swapped;
-  check_ok(context, bw_palette_create(context, 3, pair, &swapped));
+  bw_material_table *swapped;
+  check_ok(context, bw_material_table_create(context, 3, pair, &swapped));
   check_fails(context, BW_INVALID, "material 2 is stiff (neo_hookean",
               bw_coarsen(context, BW_COARSE_LOOKUP, library, swapped, grid, 1, &coarse));
   const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 2};
   check_ok(context, bw_grid_create(context, origin, spacing, cells, NULL, NULL, &flat));
-  check_fails(context, BW_INVALID, "a library is of cubes",
-              bw_coarsen(context, BW_COARSE_LOOKUP, library, library->palette, flat, 1, &coarse));
+  check_fails(
+      context, BW_INVALID, "a library is of cubes",
+      bw_coarsen(context, BW_COARSE_LOOKUP, library, library->material_table, flat, 1, &coarse));
   check_fails(context, BW_INVALID, "number 8 of the key is 3",
               bw_library_material(context, library, 1, key, &m, NULL));
   memset(key, 0, sizeof key);
   check_fails(context, BW_EMPTY, "void alone",
               bw_library_material(context, library, 1, key, &m, NULL));
   /* A library without void: blocks with void are naive. */
+  check_ok(context, bw_coarsen(context, BW_COARSE_LOOKUP, library, library->material_table, empty,
+                               1, &coarse));
   check_ok(context,
-           bw_coarsen(context, BW_COARSE_LOOKUP, library, library->palette, empty, 1, &coarse));
-  check_ok(context, bw_coarsen(context, BW_COARSE_NAIVE, NULL, library->palette, empty, 1, &naive));
-  assert_memory_equal(coarse->palette->material[1]->mu, naive->palette->material[1]->mu,
-                      8 * sizeof(double));
+           bw_coarsen(context, BW_COARSE_NAIVE, NULL, library->material_table, empty, 1, &naive));
+  assert_memory_equal(coarse->material_table->material[1]->mu,
+                      naive->material_table->material[1]->mu, 8 * sizeof(double));
   bw_release(coarse);
   bw_release(naive);
   bw_release(grid);
@@ -384,7 +390,7 @@ static void test_lookup_refusals(void **state) {
 
 static void test_memory(void **state) {
   bw_context *context = check_context(state);
-  bw_palette *palette = fixture_palette(context, 1);
+  bw_material_table *material_table = fixture_material_table(context, 1);
   bw_library *fixture = fixture_library(context, 1, true, 2, 12);
   bw_library_options options = small_options(1);
   const int32_t cells[3] = {4, 4, 2};
@@ -397,9 +403,10 @@ static void test_memory(void **state) {
     int64_t blocks = bw_live_blocks();
     unlink(checkpoint);
     bw_fail_allocation(n, true);
-    bw_status status = bw_library_build(context, palette, &options, checkpoint, &library);
+    bw_status status = bw_library_build(context, material_table, &options, checkpoint, &library);
     if (status == BW_OK)
-      status = bw_coarsen(context, BW_COARSE_LOOKUP, fixture, fixture->palette, grid, 2, &coarse);
+      status =
+          bw_coarsen(context, BW_COARSE_LOOKUP, fixture, fixture->material_table, grid, 2, &coarse);
     bw_fail_allocation(0, false);
     bw_release(library);
     bw_release(coarse);
@@ -410,7 +417,7 @@ static void test_memory(void **state) {
   }
   bw_release(grid);
   bw_release(fixture);
-  bw_release(palette);
+  bw_release(material_table);
 }
 
 int main(void) {

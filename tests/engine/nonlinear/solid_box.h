@@ -6,9 +6,9 @@
 
 typedef struct box {
   bw_grid *grid;
-  bw_palette *palette;
+  bw_material_table *material_table;
   bw_solid *solid;
-  bw_solid_case *the;
+  bw_load_case *load_case;
   double size[3];
 } box;
 
@@ -24,16 +24,16 @@ static inline void box_make(bw_context *context, box *b, const int32_t cells[3],
   check_ok(context, bw_grid_create(context, origin, spacing, cells, NULL, NULL, &b->grid));
   check_ok(context, bw_solid_material_create(context, "", law, young, poisson, density, &material));
   const bw_solid_material *one = material;
-  check_ok(context, bw_palette_create(context, 2, &one, &b->palette));
-  check_ok(context, bw_solid_create(context, b->grid, b->palette, NULL, &b->solid));
-  check_ok(context, bw_solid_case_create(context, b->grid, &b->the));
+  check_ok(context, bw_material_table_create(context, 2, &one, &b->material_table));
+  check_ok(context, bw_solid_create(context, b->grid, b->material_table, NULL, &b->solid));
+  check_ok(context, bw_load_case_create(context, b->grid, &b->load_case));
   bw_release(material);
 }
 
 static inline void box_free(box *b) {
-  bw_release(b->the);
+  bw_release(b->load_case);
   bw_release(b->solid);
-  bw_release(b->palette);
+  bw_release(b->material_table);
   bw_release(b->grid);
 }
 
@@ -56,7 +56,7 @@ static inline void box_hold(bw_context *context, box *b, int axis, int high, boo
   bool hold[3] = {x, y, z};
   double values[3] = {0, 0, 0};
   values[axis] = hold[axis] ? value : 0;
-  check_ok(context, bw_solid_case_hold(context, b->the, count, node, hold, values));
+  check_ok(context, bw_load_case_fix(context, b->load_case, count, node, hold, values));
   free(node);
 }
 
@@ -65,7 +65,7 @@ static inline void box_force(bw_context *context, box *b, int axis, int high, do
   int32_t *node = malloc(sizeof *node * (size_t)b->grid->node_count);
   int64_t count = box_end(b, axis, high, node);
   double total[3] = {x, y, z};
-  check_ok(context, bw_solid_case_force(context, b->the, count, node, total));
+  check_ok(context, bw_load_case_force(context, b->load_case, count, node, total));
   free(node);
 }
 

@@ -44,22 +44,23 @@ static inline bw_solid_material *solids_simple(bw_context *context, bw_law law) 
 }
 
 /* Boxes of 0.1 x 0.2 x 0.15 m; `material` and `fraction` per cell as in bw_grid_create. Releases
- * the materials of the palette. */
+ * the materials of the material table. */
 static inline bw_solid *solids_create(bw_context *context, const int32_t cells[3], int count,
-                                      bw_solid_material **palette_materials,
+                                      bw_solid_material **material_table_materials,
                                       const int32_t *material, const double *fraction) {
   const double origin[3] = {-0.1, 0.2, 0}, spacing[3] = {0.1, 0.2, 0.15};
   bw_grid *grid = NULL;
-  bw_palette *palette = NULL;
+  bw_material_table *material_table = NULL;
   bw_solid *solid = NULL;
   check_ok(context,
-           bw_palette_create(context, count + 1,
-                             (const bw_solid_material *const *)palette_materials, &palette));
+           bw_material_table_create(context, count + 1,
+                                    (const bw_solid_material *const *)material_table_materials,
+                                    &material_table));
   check_ok(context, bw_grid_create(context, origin, spacing, cells, material, fraction, &grid));
-  check_ok(context, bw_solid_create(context, grid, palette, NULL, &solid));
+  check_ok(context, bw_solid_create(context, grid, material_table, NULL, &solid));
   for (int i = 0; i < count; i++)
-    bw_release(palette_materials[i]);
-  bw_release(palette);
+    bw_release(material_table_materials[i]);
+  bw_release(material_table);
   bw_release(grid);
   return solid;
 }

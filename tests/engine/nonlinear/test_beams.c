@@ -82,15 +82,15 @@ static void test_column(void **state) {
 /* The tip of a cantilever under a load across that keeps its direction. */
 static void bend(bw_context *context, int cells, double length, double load, double *w, double *u) {
   body b = body_box(context, cells, 1, 1, length, side, side, BW_COROTATED, young, 0, 0);
-  bw_solid_case *the;
-  check_ok(context, bw_solid_case_create(context, b.grid, &the));
-  hold_side(context, the, 0, 0, 7, 0, 0, 0);
-  push_side(context, the, 0, length, 0, 0, load * young * inertia() / (length * length));
+  bw_load_case *load_case;
+  check_ok(context, bw_load_case_create(context, b.grid, &load_case));
+  hold_side(context, load_case, 0, 0, 7, 0, 0, 0);
+  push_side(context, load_case, 0, length, 0, 0, load * young * inertia() / (length * length));
   bw_newton_options options;
   bw_solid_static *result = NULL;
   bw_newton_options_default(&options);
   options.tolerance = 1e-8;
-  check_ok(context, bw_solid_statics(context, b.solid, the, NULL, &options, &result));
+  check_ok(context, bw_solid_statics(context, b.solid, load_case, NULL, &options, &result));
   *w = *u = 0;
   for (int k = 0; k < 4; k++) {
     const double *at = result->displacement +
@@ -99,7 +99,7 @@ static void bend(bw_context *context, int cells, double length, double load, dou
     *u -= at[0] / 4 / length;
   }
   bw_release(result);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 
@@ -139,16 +139,16 @@ static void test_buckled(void **state) {
   double length = 2, tip[3] = {0}, cell = length / CELLS / side;
   double load = first * first * young * 2 * inertia() / (length * length) * (1 + cell * cell / 2);
   body b = body_box(context, CELLS, 1, 1, length, 2 * side, side, BW_COROTATED, young, 0, 0);
-  bw_solid_case *the;
-  check_ok(context, bw_solid_case_create(context, b.grid, &the));
-  hold_side(context, the, 0, 0, 7, 0, 0, 0);
-  push_side(context, the, 0, length, -load, 0, 0);
+  bw_load_case *load_case;
+  check_ok(context, bw_load_case_create(context, b.grid, &load_case));
+  hold_side(context, load_case, 0, 0, 7, 0, 0, 0);
+  push_side(context, load_case, 0, length, -load, 0, 0);
   bw_newton_options options;
   bw_solid_static *result = NULL;
   bw_newton_options_default(&options);
   options.tolerance = 1e-8;
   options.iterations = 200;
-  check_ok(context, bw_solid_statics(context, b.solid, the, NULL, &options, &result));
+  check_ok(context, bw_solid_statics(context, b.solid, load_case, NULL, &options, &result));
   for (int k = 0; k < 4; k++)
     for (int d = 0; d < 3; d++) {
       int32_t node = node_near(b.grid, length, 2 * side * (k & 1), side * (k >> 1));
@@ -164,7 +164,7 @@ static void test_buckled(void **state) {
   check_near(w * first, 1, 0.015);
   check_near(u / (2 - 2 * second / first), 1, 0.03);
   bw_release(result);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 

@@ -52,13 +52,13 @@ static void test_uniaxial(void **state) {
       else if (law == BW_COROTATED)
         check_near(nominal, young * (s - 1), 1e-12);
       body b = body_box(context, 2, 2, 3, 0.5, 0.4, 1.2, (bw_law)law, young, poisson, 0);
-      bw_solid_case *the;
-      check_ok(context, bw_solid_case_create(context, b.grid, &the));
-      hold_side(context, the, 0, 0, 1, 0, 0, 0);
-      hold_side(context, the, 1, 0, 2, 0, 0, 0);
-      hold_side(context, the, 2, 0, 4, 0, 0, 0);
-      hold_side(context, the, 2, 1.2, 4, 0, 0, 1.2 * (s - 1));
-      bw_solid_static *result = solve(context, &b, the, 4);
+      bw_load_case *load_case;
+      check_ok(context, bw_load_case_create(context, b.grid, &load_case));
+      hold_side(context, load_case, 0, 0, 1, 0, 0, 0);
+      hold_side(context, load_case, 1, 0, 2, 0, 0, 0);
+      hold_side(context, load_case, 2, 0, 4, 0, 0, 0);
+      hold_side(context, load_case, 2, 1.2, 4, 0, 0, 1.2 * (s - 1));
+      bw_solid_static *result = solve(context, &b, load_case, 4);
       side_reaction(context, result, 2, 1.2, sum);
       const double *corner = result->displacement + 3 * (int64_t)node_near(b.grid, 0.5, 0.4, 0.6);
       double value = sum[2] / (0.5 * 0.4);
@@ -70,7 +70,7 @@ static void test_uniaxial(void **state) {
       check_near(corner[0], 0.5 * (t - 1), 1e-8);
       check_near(corner[1], 0.4 * (t - 1), 1e-8);
       bw_release(result);
-      bw_release(the);
+      bw_release(load_case);
       body_release(&b);
     }
 }
@@ -82,8 +82,8 @@ static void test_shear(void **state) {
     for (int k = 0; k < 2; k++) {
       double gamma = k ? 0.5 : 0.1;
       body b = body_box(context, 3, 3, 3, 1, 1, 1, (bw_law)law, young, poisson, 0);
-      bw_solid_case *the;
-      check_ok(context, bw_solid_case_create(context, b.grid, &the));
+      bw_load_case *load_case;
+      check_ok(context, bw_load_case_create(context, b.grid, &load_case));
       for (int32_t i = 0; i < b.nodes; i++) {
         double x[3];
         const bool hold[3] = {true, true, true};
@@ -92,10 +92,10 @@ static void test_shear(void **state) {
         for (int d = 0; d < 3; d++)
           inside = inside && x[d] > 1e-9 && x[d] < 1 - 1e-9;
         if (!inside)
-          check_ok(context, bw_solid_case_hold(context, the, 1, &i, hold,
-                                               (const double[3]){gamma * x[1], 0, 0}));
+          check_ok(context, bw_load_case_fix(context, load_case, 1, &i, hold,
+                                             (const double[3]){gamma * x[1], 0, 0}));
       }
-      bw_solid_static *result = solve(context, &b, the, 1);
+      bw_solid_static *result = solve(context, &b, load_case, 1);
       double *cauchy = BW_NEW(context, double, 6 * b.grid->element_count);
       check_ok(context, bw_solid_stress(context, b.solid, result->displacement, cauchy, NULL));
       /* F = R S with the rotation by theta, tan theta = gamma / 2; S = R^T F; stretches in the
@@ -135,7 +135,7 @@ static void test_shear(void **state) {
           bw_law_word((bw_law)law), gamma, sigma[2], cauchy[5]);
       bw_free(cauchy);
       bw_release(result);
-      bw_release(the);
+      bw_release(load_case);
       body_release(&b);
     }
 }
@@ -172,7 +172,7 @@ static void test_pressed(void **state) {
       }
       body b = body_box(context, 2, 3, 2, 1, 1.5, 1, (bw_law)law, young, poisson, 0);
       bw_embedding *embedding;
-      bw_solid_case *the;
+      bw_load_case *load_case;
       boundary_of(context, b.grid, &embedding);
       int64_t triangles = embedding->point_count / 5 * 4;
       int32_t *triangle = BW_NEW(context, int32_t, 3 * triangles);
@@ -183,13 +183,13 @@ static void test_pressed(void **state) {
         triangle[3 * t + 1] = (int32_t)(t / 4 * 5 + (t + 1) % 4);
         triangle[3 * t + 2] = (int32_t)(t / 4 * 5 + 4);
       }
-      check_ok(context, bw_solid_case_create(context, b.grid, &the));
-      check_ok(context,
-               bw_solid_case_pressure(context, the, embedding, triangles, triangle, all, true));
-      hold_side(context, the, 0, 0, 1, 0, 0, 0);
-      hold_side(context, the, 1, 0, 2, 0, 0, 0);
-      hold_side(context, the, 2, 0, 4, 0, 0, 0);
-      bw_solid_static *result = solve(context, &b, the, 1);
+      check_ok(context, bw_load_case_create(context, b.grid, &load_case));
+      check_ok(context, bw_load_case_pressure(context, load_case, embedding, triangles, triangle,
+                                              all, true));
+      hold_side(context, load_case, 0, 0, 1, 0, 0, 0);
+      hold_side(context, load_case, 1, 0, 2, 0, 0, 0);
+      hold_side(context, load_case, 2, 0, 4, 0, 0, 0);
+      bw_solid_static *result = solve(context, &b, load_case, 1);
       double worst = 0;
       for (int32_t i = 0; i < b.nodes; i++) {
         double x[3];
@@ -205,7 +205,7 @@ static void test_pressed(void **state) {
       bw_free(triangle);
       bw_release(embedding);
       bw_release(result);
-      bw_release(the);
+      bw_release(load_case);
       body_release(&b);
     }
 }

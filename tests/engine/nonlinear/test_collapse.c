@@ -19,7 +19,7 @@ static void test_limit_point(void **state) {
     box_make(context, &b, cells, size, BW_ST_VENANT_KIRCHHOFF, 1, 0, 0);
     box_symmetric(context, &b);
     box_force(context, &b, 2, 1, 0, 0, -(k ? 1.1 : 0.95) * most * 0.04);
-    bw_status status = bw_solid_statics(context, b.solid, b.the, NULL, &options, &result);
+    bw_status status = bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result);
     assert_non_null(result);
     if (k == 0) {
       assert_int_equal(status, BW_OK);
@@ -72,9 +72,11 @@ static void test_bounded(void **state) {
       watch w = {.context = context, .stop_at = k == 2 ? 3 : k == 3 ? 30 : 0};
       box_make(context, &b, cells, size, BW_NEO_HOOKEAN, 1e5, 0.45, 1000);
       box_hold(context, &b, 2, 0, true, true, true, 0);
-      check_ok(context, bw_solid_case_gravity(context, b.the, gravity));
-      check_ok(context, bw_coarsen(context, BW_COARSE_NAIVE, NULL, b.palette, b.grid, 1, &coarse));
-      check_ok(context, bw_solid_create(context, coarse->grid, coarse->palette, NULL, &below));
+      check_ok(context, bw_load_case_gravity(context, b.load_case, gravity));
+      check_ok(context,
+               bw_coarsen(context, BW_COARSE_NAIVE, NULL, b.material_table, b.grid, 1, &coarse));
+      check_ok(context,
+               bw_solid_create(context, coarse->grid, coarse->material_table, NULL, &below));
       const bw_coarsening *coarsening = coarse->coarsening[0];
       const bw_solid *one = below;
       bw_newton_options_default(&options);
@@ -84,7 +86,7 @@ static void test_bounded(void **state) {
       options.coarse = &one;
       options.most_iterations = k == 1 ? 40 : 0;
       bw_set_progress(context, look, &w);
-      bw_status status = bw_solid_statics(context, b.solid, b.the, NULL, &options, &result);
+      bw_status status = bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result);
       bw_set_progress(context, NULL, NULL);
       if (w.stop_at) {
         assert_int_equal(status, BW_CANCELLED);
@@ -120,7 +122,7 @@ static void test_bounded(void **state) {
   box_make(context, &b, cells, size, BW_NEO_HOOKEAN, 1e5, 0.45, 1000);
   box_hold(context, &b, 2, 0, true, true, true, 0);
   check_fails(context, BW_INVALID, "over all load steps",
-              bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+              bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
   box_free(&b);
 }
 
@@ -135,7 +137,7 @@ static void test_barrier(void **state) {
   box_make(context, &b, cells, size, BW_ST_VENANT_KIRCHHOFF, 1, 0, 0);
   box_symmetric(context, &b);
   box_force(context, &b, 2, 1, 0, 0, -1 / (3 * sqrt(3)) * 0.04 / 0.47);
-  bw_status status = bw_solid_statics(context, b.solid, b.the, NULL, NULL, &result);
+  bw_status status = bw_solid_statics(context, b.solid, b.load_case, NULL, NULL, &result);
   assert_true(status == BW_CONVERGENCE || status == BW_GEOMETRY);
   const bw_newton_report *r = &result->report;
   assert_true(r->load <= 0.47 && r->load > 0.47 - 1.0 / 256);
@@ -160,7 +162,7 @@ static void test_creeping(void **state) {
   box_hold(context, &b, 2, 0, true, true, true, 0);
   box_force(context, &b, 2, 1, 0, 0, -100);
   check_fails(context, BW_CONVERGENCE, "very short steps",
-              bw_solid_statics(context, b.solid, b.the, NULL, NULL, &result));
+              bw_solid_statics(context, b.solid, b.load_case, NULL, NULL, &result));
   assert_true(result->report.iterations <= 9 * 8);
   bw_release(result);
   box_free(&b);
@@ -181,7 +183,7 @@ static void test_buckling(void **state) {
     box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0, 0);
     box_hold(context, &b, 2, 0, true, true, true, 0);
     box_hold(context, &b, 2, 1, true, true, true, -0.05);
-    check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+    check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
     double most = 0;
     for (int32_t n = 0; n < b.grid->node_count; n++)
       most = fmax(most, fabs(result->displacement[3 * (int64_t)n]));
@@ -213,8 +215,9 @@ static void test_column(void **state) {
     box_make(context, &b, cells, size, BW_NEO_HOOKEAN, 1e5, 0.45, 0);
     box_hold(context, &b, 2, 0, true, true, true, 0);
     box_hold(context, &b, 2, 1, true, true, true, -pressed[k] * size[2]);
-    check_ok(context, bw_coarsen(context, BW_COARSE_NAIVE, NULL, b.palette, b.grid, 1, &coarse));
-    check_ok(context, bw_solid_create(context, coarse->grid, coarse->palette, NULL, &below));
+    check_ok(context,
+             bw_coarsen(context, BW_COARSE_NAIVE, NULL, b.material_table, b.grid, 1, &coarse));
+    check_ok(context, bw_solid_create(context, coarse->grid, coarse->material_table, NULL, &below));
     const bw_coarsening *coarsening = coarse->coarsening[0];
     const bw_solid *one = below;
     for (int linear = 0; linear < 3; linear++) {
@@ -225,7 +228,7 @@ static void test_column(void **state) {
       options.coarse_count = 1;
       options.coarsening = &coarsening;
       options.coarse = &one;
-      check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+      check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
       assert_int_equal(result->report.undecided, 0);
       assert_true(linear == BW_NEWTON_DIRECT || result->report.stability_iterations > 10);
       energy[linear] = result->energy;
@@ -265,7 +268,7 @@ static void test_undecided(void **state) {
     box_make(context, &b, cells, bar_size, BW_NEO_HOOKEAN, 1e5, 0.3, 0);
     box_hold(context, &b, 2, 0, true, true, true, 0);
     box_force(context, &b, 2, 1, 0, 0, 10);
-    check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+    check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
     assert_int_equal(result->report.undecided, k ? 0 : 1);
     if (k)
       assert_null(bw_remark_at(context, 0));
@@ -289,13 +292,13 @@ static void test_twist(void **state) {
     check_ok(context, bw_newton_create(context, &newton));
     for (int step = 1; step <= 4; step++) {
       double angle = M_PI * step / 4;
-      bw_solid_case *the;
+      bw_load_case *load_case;
       bw_solid_static *result;
       bw_newton_options options;
       bool all[3] = {true, true, true};
       bw_newton_options_default(&options);
       options.start = before ? before->displacement : NULL;
-      check_ok(context, bw_solid_case_create(context, b.grid, &the));
+      check_ok(context, bw_load_case_create(context, b.grid, &load_case));
       for (int32_t n = 0; n < b.grid->node_count; n++) {
         double x[3], value[3] = {0, 0, 0};
         bw_grid_position(b.grid, n, x);
@@ -306,9 +309,9 @@ static void test_twist(void **state) {
           value[0] = cos(angle) * p - sin(angle) * q - p;
           value[1] = sin(angle) * p + cos(angle) * q - q;
         }
-        check_ok(context, bw_solid_case_hold(context, the, 1, &n, all, value));
+        check_ok(context, bw_load_case_fix(context, load_case, 1, &n, all, value));
       }
-      check_ok(context, bw_solid_statics(context, b.solid, the, newton, &options, &result));
+      check_ok(context, bw_solid_statics(context, b.solid, load_case, newton, &options, &result));
       assert_true(result->complete && result->report.shape.inverted == 0);
       assert_true(result->energy > 1.5 * energy);
       energy = result->energy;
@@ -323,7 +326,7 @@ static void test_twist(void **state) {
         check_near(turned, angle / 2, 1e-5);
       }
       bw_release(before);
-      bw_release(the);
+      bw_release(load_case);
       before = result;
     }
     bw_release(before);
@@ -342,7 +345,7 @@ static void test_crushed(void **state) {
     box_make(context, &b, cells, bar_size, (bw_law)law, 1e5, 0.3, 0);
     box_hold(context, &b, 2, 0, true, true, true, 0);
     box_hold(context, &b, 2, 1, false, false, true, 2 * 0.8);
-    check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, NULL, &result));
+    check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, NULL, &result));
     assert_true(result->complete);
     bw_release(result);
     box_free(&b);
@@ -360,7 +363,7 @@ static void test_crushed(void **state) {
   box_hold(context, &b, 2, 0, true, true, true, 0);
   box_hold(context, &b, 2, 1, true, true, true, -1.2 * 0.8);
   check_fails(context, BW_CONVERGENCE, "load factor",
-              bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+              bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
   assert_true(result->report.load < 1 / 1.2 && result->report.load > 0.2);
   assert_int_equal(result->report.shape.inverted, 0);
   bw_release(result);
@@ -378,7 +381,7 @@ static void test_pressed_flat(void **state) {
   box_make(context, &b, cells, size, BW_NEO_HOOKEAN, 1e6, 0.3, 0);
   box_hold(context, &b, 2, 0, true, true, true, 0);
   box_hold(context, &b, 2, 1, true, true, true, -0.9 * 0.06);
-  check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, NULL, &result));
+  check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, NULL, &result));
   assert_int_equal(result->report.shape.inverted, 0);
   assert_true(result->report.iterations < 200);
   bw_release(result);
@@ -406,11 +409,11 @@ static void test_cancel(void **state) {
   bent(context, &b);
   bw_set_progress(context, stop, context);
   check_fails(context, BW_CANCELLED, "",
-              bw_solid_statics(context, b.solid, b.the, NULL, NULL, &result));
+              bw_solid_statics(context, b.solid, b.load_case, NULL, NULL, &result));
   assert_null(result);
   bw_set_progress(context, NULL, NULL);
   bw_clear_cancel(context);
-  check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, NULL, &result));
+  check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, NULL, &result));
   bw_release(result);
   box_free(&b);
 }
@@ -429,8 +432,10 @@ static void test_no_memory(void **state) {
     bw_solid *coarse_solid;
     box_make(context, &b, cells, size, BW_NEO_HOOKEAN, 1e5, 0.3, 1000);
     box_hold(context, &b, 0, 0, true, true, true, 0);
-    check_ok(context, bw_coarsen(context, BW_COARSE_NAIVE, NULL, b.palette, b.grid, 1, &coarse));
-    check_ok(context, bw_solid_create(context, coarse->grid, coarse->palette, NULL, &coarse_solid));
+    check_ok(context,
+             bw_coarsen(context, BW_COARSE_NAIVE, NULL, b.material_table, b.grid, 1, &coarse));
+    check_ok(context,
+             bw_solid_create(context, coarse->grid, coarse->material_table, NULL, &coarse_solid));
     const bw_coarsening *coarsening = coarse->coarsening[0];
     const bw_solid *one = coarse_solid;
     bw_newton_options_default(&options);
@@ -441,25 +446,26 @@ static void test_no_memory(void **state) {
     check_ok(context, bw_newton_create(context, &newton));
     bool passed = false;
     for (int64_t n = 1; !passed && n < 5000; n++) {
-      bw_solid_case *the = NULL;
+      bw_load_case *load_case = NULL;
       bw_solid_static *result = NULL;
       bw_fail_allocation(n, true);
-      bw_status status = bw_solid_case_create(context, b.grid, &the);
+      bw_status status = bw_load_case_create(context, b.grid, &load_case);
       if (status == BW_OK)
-        status = bw_solid_case_floor(context, the, point, normal, NULL, NULL, NULL);
+        status = bw_load_case_contact_plane(context, load_case, point, normal, NULL, NULL, NULL);
       if (status == BW_OK)
-        status = bw_solid_case_gravity(context, the, gravity);
+        status = bw_load_case_gravity(context, load_case, gravity);
       int32_t node[9];
       bool all[3] = {true, true, true};
       if (status == BW_OK)
-        status = bw_solid_case_hold(context, the, box_end(&b, 0, 0, node), node, all, NULL);
+        status = bw_load_case_fix(context, load_case, box_end(&b, 0, 0, node), node, all, NULL);
       if (status == BW_OK)
-        status = bw_solid_case_force(context, the, box_end(&b, 0, 1, node), node, gravity);
+        status = bw_load_case_force(context, load_case, box_end(&b, 0, 1, node), node, gravity);
       if (status == BW_OK)
-        status = bw_solid_statics(context, b.solid, the, k == 1 ? newton : NULL, &options, &result);
+        status = bw_solid_statics(context, b.solid, load_case, k == 1 ? newton : NULL, &options,
+                                  &result);
       bw_fail_allocation(0, false);
       bw_release(result);
-      bw_release(the);
+      bw_release(load_case);
       passed = status == BW_OK;
       if (!passed)
         assert_int_equal(status, BW_MEMORY);

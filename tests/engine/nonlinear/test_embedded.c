@@ -40,10 +40,10 @@ static bw_grid *membrane(bw_context *context, int cells) {
 
 static double cook(bw_context *context, bw_law law, double nu, int cells) {
   body b = body_of(context, membrane(context, cells), law, 240.565, nu, 0);
-  bw_solid_case *the;
+  bw_load_case *load_case;
   check_near(bw_grid_volume(b.grid), 48 * (44 + 16) / 2, 0.05);
-  check_ok(context, bw_solid_case_create(context, b.grid, &the));
-  hold_side(context, the, 0, 0, 7, 0, 0, 0);
+  check_ok(context, bw_load_case_create(context, b.grid, &load_case));
+  hold_side(context, load_case, 0, 0, 7, 0, 0, 0);
   const bool plane[3] = {false, false, true};
   const double zero[3] = {0, 0, 0}, force[3] = {0, 100, 0};
   int32_t *edge = BW_NEW(context, int32_t, b.nodes);
@@ -51,19 +51,19 @@ static double cook(bw_context *context, bw_law law, double nu, int cells) {
   for (int32_t i = 0; i < b.nodes; i++) {
     double x[3];
     bw_grid_position(b.grid, i, x);
-    check_ok(context, bw_solid_case_hold(context, the, 1, &i, plane, zero));
+    check_ok(context, bw_load_case_fix(context, load_case, 1, &i, plane, zero));
     if (x[0] > 48 - 1e-6 && x[1] > 44 - 1e-6)
       edge[count++] = i;
   }
-  check_ok(context, bw_solid_case_force(context, the, count, edge, force));
+  check_ok(context, bw_load_case_force(context, load_case, count, edge, force));
   bw_newton_options options;
   bw_solid_static *result = NULL;
   bw_newton_options_default(&options);
-  check_ok(context, bw_solid_statics(context, b.solid, the, NULL, &options, &result));
+  check_ok(context, bw_solid_statics(context, b.solid, load_case, NULL, &options, &result));
   double y = result->displacement[3 * (int64_t)node_near(b.grid, 48, 52, 0) + 1];
   bw_free(edge);
   bw_release(result);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
   return y;
 }
@@ -221,21 +221,21 @@ static void blow(bw_context *context, int cells, double pressure, double *inside
       triangle[3 * t + 2] = other;
     }
   bw_embedding *embedding[2];
-  bw_solid_case *the;
+  bw_load_case *load_case;
   double *all = BW_NEW(context, double, triangles);
   for (int64_t t = 0; t < triangles; t++)
     all[t] = pressure;
   for (int k = 0; k < 2; k++)
     check_ok(context, bw_embedding_create(context, b.grid, points, point[k], 2, &embedding[k]));
-  check_ok(context, bw_solid_case_create(context, b.grid, &the));
+  check_ok(context, bw_load_case_create(context, b.grid, &load_case));
   check_ok(context,
-           bw_solid_case_pressure(context, the, embedding[0], triangles, triangle, all, true));
+           bw_load_case_pressure(context, load_case, embedding[0], triangles, triangle, all, true));
   for (int d = 0; d < 3; d++)
-    hold_side(context, the, d, 0, 1 << d, 0, 0, 0);
+    hold_side(context, load_case, d, 0, 1 << d, 0, 0, 0);
   bw_newton_options options;
   bw_solid_static *result = NULL;
   bw_newton_options_default(&options);
-  check_ok(context, bw_solid_statics(context, b.solid, the, NULL, &options, &result));
+  check_ok(context, bw_solid_statics(context, b.solid, load_case, NULL, &options, &result));
   static double moved[3 * POINTS];
   double mean[2] = {0};
   for (int k = 0; k < 2; k++) {
@@ -252,7 +252,7 @@ static void blow(bw_context *context, int cells, double pressure, double *inside
   *outside = mean[1];
   bw_free(all);
   bw_release(result);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 

@@ -78,7 +78,7 @@ static void test_patch(void **state) {
 static double plain_element(const bw_solid *solid, int32_t e, const double *u, bool project,
                             double *force, double *matrix) {
   const bw_grid *grid = solid->grid;
-  const bw_solid_material *m = solid->palette->material[grid->material[e]];
+  const bw_solid_material *m = solid->material_table->material[grid->material[e]];
   double volume = grid->fraction[e] * grid->spacing[0] * grid->spacing[1] * grid->spacing[2];
   double sum = 0;
   memset(force, 0, 24 * sizeof *force);
@@ -386,7 +386,7 @@ static void test_memory(void **state) {
     solid = NULL;
     assert_true(count < 200);
     bw_fail_allocation(count, true);
-    status = bw_solid_create(context, made->grid, made->palette, NULL, &solid);
+    status = bw_solid_create(context, made->grid, made->material_table, NULL, &solid);
     if (status == BW_OK)
       status = bw_solid_evaluate(context, solid, u, true, &energy, g, values, &shape);
     if (status == BW_OK)

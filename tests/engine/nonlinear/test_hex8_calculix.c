@@ -8,7 +8,7 @@
 /* Abaqus goes around the lower and then the upper face. */
 static const int corner[8] = {0, 1, 3, 2, 4, 5, 7, 6};
 
-static void write_deck(const char *path, const bw_grid *grid, const bw_solid_case *the,
+static void write_deck(const char *path, const bw_grid *grid, const bw_load_case *load_case,
                        double young, double poisson) {
   FILE *file = fopen(path, "w");
   assert_non_null(file);
@@ -29,14 +29,14 @@ static void write_deck(const char *path, const bw_grid *grid, const bw_solid_cas
   fprintf(file, "*SOLID SECTION, ELSET=BODY, MATERIAL=IT\n*BOUNDARY\n");
   for (int32_t i = 0; i < grid->node_count; i++)
     for (int c = 0; c < 3; c++)
-      if (the->held[3 * (int64_t)i + c])
+      if (load_case->held[3 * (int64_t)i + c])
         fprintf(file, "%d, %d, %d, %.15g\n", (int)i + 1, c + 1, c + 1,
-                the->value[3 * (int64_t)i + c]);
+                load_case->value[3 * (int64_t)i + c]);
   fprintf(file, "*STEP\n*STATIC\n*CLOAD\n");
   for (int32_t i = 0; i < grid->node_count; i++)
     for (int c = 0; c < 3; c++)
-      if (the->force[3 * (int64_t)i + c] != 0)
-        fprintf(file, "%d, %d, %.15g\n", (int)i + 1, c + 1, the->force[3 * (int64_t)i + c]);
+      if (load_case->force[3 * (int64_t)i + c] != 0)
+        fprintf(file, "%d, %d, %.15g\n", (int)i + 1, c + 1, load_case->force[3 * (int64_t)i + c]);
   fprintf(file, "*NODE PRINT, NSET=ALL\nU\n*END STEP\n");
   assert_int_equal(fclose(file), 0);
 }
@@ -68,15 +68,15 @@ static void test_same(void **state) {
   for (int law = 0; law < BW_LAWS; law++) {
     bw_retain(grid);
     body b = body_of(context, grid, (bw_law)law, young, poisson, 0);
-    bw_solid_case *the;
-    check_ok(context, bw_solid_case_create(context, grid, &the));
-    hold_side(context, the, 2, 0, 7, 0, 0, 0);
-    hold_side(context, the, 0, 0.5, 2, 0, 2e-9, 0);
-    push_side(context, the, 0, 0.5, 1e-6, 2e-6, -4e-6);
-    bw_solid_static *result = solve(context, &b, the, 1);
+    bw_load_case *load_case;
+    check_ok(context, bw_load_case_create(context, grid, &load_case));
+    hold_side(context, load_case, 2, 0, 7, 0, 0, 0);
+    hold_side(context, load_case, 0, 0.5, 2, 0, 2e-9, 0);
+    push_side(context, load_case, 0, 0.5, 1e-6, 2e-6, -4e-6);
+    bw_solid_static *result = solve(context, &b, load_case, 1);
     if (law == 0) {
       snprintf(path, sizeof path, "%s.inp", stem);
-      write_deck(path, grid, the, young, poisson);
+      write_deck(path, grid, load_case, young, poisson);
       snprintf(command, sizeof command, "cd /tmp && OMP_NUM_THREADS=1 ccx -i '%s' > '%s.log' 2>&1",
                stem, stem);
       assert_int_equal(system(command), 0);
@@ -101,7 +101,7 @@ static void test_same(void **state) {
         bw_law_word((bw_law)law), worst / largest);
     check_near(worst / largest, 0, 1e-6);
     bw_release(result);
-    bw_release(the);
+    bw_release(load_case);
     body_release(&b);
   }
   remove_files(stem);

@@ -3,7 +3,7 @@
  * theory, in the standard and in the B-bar formulation. */
 #include "nonlinear/whole.h"
 
-static void hold_at(bw_context *context, bw_solid_case *the, const bw_grid *grid,
+static void hold_at(bw_context *context, bw_load_case *load_case, const bw_grid *grid,
                     const double at[3], bool y, bool z) {
   const double zero[3] = {0, 0, 0};
   const bool hold[3] = {false, y, z};
@@ -11,7 +11,7 @@ static void hold_at(bw_context *context, bw_solid_case *the, const bw_grid *grid
     double x[3];
     bw_grid_position(grid, i, x);
     if (fabs(x[0] - at[0]) + fabs(x[1] - at[1]) + fabs(x[2] - at[2]) < 1e-9)
-      check_ok(context, bw_solid_case_hold(context, the, 1, &i, hold, zero));
+      check_ok(context, bw_load_case_fix(context, load_case, 1, &i, hold, zero));
   }
 }
 
@@ -26,20 +26,20 @@ static double cantilever(bw_context *context, double poisson, int cells, bool b_
   double theory = force[2] * (1 / (3 * young * 1e-4 / 12) + 1 / (factor * shear * 0.01));
   body b =
       body_box(context, 10 * cells, cells, cells, 1, 0.1, 0.1, BW_NEO_HOOKEAN, young, poisson, 0);
-  bw_solid_case *the;
+  bw_load_case *load_case;
   int64_t count;
   if (b_bar)
     body_take_b_bar(context, &b, BW_NEO_HOOKEAN, young, poisson);
-  check_ok(context, bw_solid_case_create(context, b.grid, &the));
+  check_ok(context, bw_load_case_create(context, b.grid, &load_case));
   int32_t *node = nodes_at(context, b.grid, 0, 0, &count);
-  check_ok(context, bw_solid_case_hold(context, the, count, node, along, zero));
+  check_ok(context, bw_load_case_fix(context, load_case, count, node, along, zero));
   bw_free(node);
-  hold_at(context, the, b.grid, low, true, true);
-  hold_at(context, the, b.grid, side, false, true);
+  hold_at(context, load_case, b.grid, low, true, true);
+  hold_at(context, load_case, b.grid, side, false, true);
   node = nodes_at(context, b.grid, 0, 1, &count);
-  check_ok(context, bw_solid_case_force(context, the, count, node, force));
+  check_ok(context, bw_load_case_force(context, load_case, count, node, force));
   bw_clear_remarks(context);
-  bw_solid_static *result = solve(context, &b, the, 1);
+  bw_solid_static *result = solve(context, &b, load_case, 1);
   *warned = bw_remark_at(context, 0) && strstr(bw_remark_at(context, 0), "volumetric locking");
   double sum = 0, work = 0;
   for (int64_t k = 0; k < count; k++)
@@ -48,7 +48,7 @@ static double cantilever(bw_context *context, double poisson, int cells, bool b_
   check_near(result->energy, work, 0.02 * work);
   bw_free(node);
   bw_release(result);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
   return sum / (double)count / theory;
 }
@@ -80,15 +80,16 @@ static void test_stress_is_that_of_the_reaction(void **state) {
   body_take_b_bar(context, &b, BW_NEO_HOOKEAN, 1e6, 0.499);
   const bool hold[3] = {true, true, true};
   const double zero[3] = {0, 0, 0}, pressed[3] = {0, 0, -0.01};
-  bw_solid_case *the;
+  bw_load_case *load_case;
   int64_t count;
-  check_ok(context, bw_solid_case_create(context, b.grid, &the));
+  check_ok(context, bw_load_case_create(context, b.grid, &load_case));
   for (int end = 0; end < 2; end++) {
     int32_t *node = nodes_at(context, b.grid, 2, end, &count);
-    check_ok(context, bw_solid_case_hold(context, the, count, node, hold, end ? pressed : zero));
+    check_ok(context,
+             bw_load_case_fix(context, load_case, count, node, hold, end ? pressed : zero));
     bw_free(node);
   }
-  bw_solid_static *result = solve(context, &b, the, 1);
+  bw_solid_static *result = solve(context, &b, load_case, 1);
   double *stress = BW_NEW(context, double, 6 * (int64_t)b.grid->element_count);
   check_ok(context, bw_solid_stress(context, b.solid, result->displacement, stress, NULL));
   double reaction = 0, through[4] = {0};
@@ -104,7 +105,7 @@ static void test_stress_is_that_of_the_reaction(void **state) {
     check_near(through[k], reaction, 0.02 * fabs(reaction));
   bw_free(stress);
   bw_release(result);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 

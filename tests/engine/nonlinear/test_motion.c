@@ -16,17 +16,17 @@ static bw_motion_options options_of(bw_motion_scheme scheme, double step) {
   return options;
 }
 
-static bw_solid_case *case_of(bw_context *context, const body *b) {
-  bw_solid_case *the;
-  check_ok(context, bw_solid_case_create(context, b->grid, &the));
-  return the;
+static bw_load_case *case_of(bw_context *context, const body *b) {
+  bw_load_case *load_case;
+  check_ok(context, bw_load_case_create(context, b->grid, &load_case));
+  return load_case;
 }
 
-static bw_solid_motion *motion_of(bw_context *context, const body *b, const bw_solid_case *the,
+static bw_solid_motion *motion_of(bw_context *context, const body *b, const bw_load_case *load_case,
                                   const bw_motion_options *options, const double *u,
                                   const double *v) {
   bw_solid_motion *motion;
-  check_ok(context, bw_solid_motion_create(context, b->solid, the, options, u, v, &motion));
+  check_ok(context, bw_solid_motion_create(context, b->solid, load_case, options, u, v, &motion));
   return motion;
 }
 
@@ -62,15 +62,15 @@ static void momenta(const bw_solid_motion *m, double linear[3], double angular[3
 static void test_free_fall(void **state) {
   bw_context *context = check_context(state);
   body b = body_box(context, 2, 1, 1, 2, 1, 1, BW_NEO_HOOKEAN, 1e5, 0.3, 1000);
-  bw_solid_case *the = case_of(context, &b);
-  the->gravity[2] = -9.81;
+  bw_load_case *load_case = case_of(context, &b);
+  load_case->gravity[2] = -9.81;
   double *v = BW_NEW(context, double, 3 * b.nodes);
   for (int32_t i = 0; i < b.nodes; i++)
     v[3 * i] = 2, v[3 * i + 1] = 0, v[3 * i + 2] = 3;
   for (int scheme = 0; scheme < 2; scheme++) {
     double h = 0.01, n = 50, t = n * h;
     bw_motion_options options = options_of((bw_motion_scheme)scheme, h);
-    bw_solid_motion *m = motion_of(context, &b, the, &options, NULL, v);
+    bw_solid_motion *m = motion_of(context, &b, load_case, &options, NULL, v);
     double first = sum_of(m);
     check_near(m->kinetic, 0.5 * 2000 * 13, 1e-8);
     steps(context, m, (int)n);
@@ -94,7 +94,7 @@ static void test_free_fall(void **state) {
     bw_release(m);
   }
   bw_free(v);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 
@@ -103,15 +103,15 @@ static void test_free_fall(void **state) {
 static void test_used_memory(void **state) {
   bw_context *context = check_context(state);
   body b = body_box(context, 2, 2, 4, 0.1, 0.1, 0.2, BW_NEO_HOOKEAN, 1e6, 0.3, 1000);
-  bw_solid_case *the = case_of(context, &b);
-  hold_side(context, the, 2, 0, 7, 0, 0, 0);
+  bw_load_case *load_case = case_of(context, &b);
+  hold_side(context, load_case, 2, 0, 7, 0, 0, 0);
   double *v = BW_NEW0(context, double, 3 * b.nodes);
   for (int32_t i = 9; i < b.nodes; i++)
     v[3 * i + 2] = 1;
   bw_motion_options options = options_of(BW_IMPLICIT_EULER, 0.01);
   double last[2];
   for (int used = 0; used < 2; used++) {
-    bw_solid_motion *m = motion_of(context, &b, the, &options, NULL, v);
+    bw_solid_motion *m = motion_of(context, &b, load_case, &options, NULL, v);
     for (int k = 0; k < 2; k++) {
       double *block[64];
       for (int j = 0; used && j < 64; j++) {
@@ -130,7 +130,7 @@ static void test_used_memory(void **state) {
   }
   assert_true(last[0] == last[1]);
   bw_free(v);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 
@@ -141,15 +141,15 @@ static void test_used_memory(void **state) {
 static void spring(bw_context *context, bw_motion_scheme scheme, double am, double ak, double h) {
   double young = 3e4, density = 500, length = 0.5, start = 0.2;
   body b = body_box(context, 1, 1, 1, 0.3, 0.2, length, BW_COROTATED, young, 0, density);
-  bw_solid_case *the = case_of(context, &b);
-  hold_side(context, the, 2, 0, 7, 0, 0, 0);
+  bw_load_case *load_case = case_of(context, &b);
+  hold_side(context, load_case, 2, 0, 7, 0, 0, 0);
   double *u = BW_NEW0(context, double, 3 * b.nodes);
   for (int32_t i = 4; i < 8; i++)
     u[3 * i + 2] = start * length;
   bw_motion_options options = options_of(scheme, h);
   options.mass_damping = am;
   options.stiffness_damping = ak;
-  bw_solid_motion *m = motion_of(context, &b, the, &options, u, NULL);
+  bw_solid_motion *m = motion_of(context, &b, load_case, &options, u, NULL);
   double w2 = 2 * young / (density * length * length), damping = am + ak * w2;
   check_near(m->acceleration[3 * 5 + 2], -w2 * start * length, 1e-9 * w2);
   check_near(m->strain, 0.5 * young * start * start * 0.3 * 0.2 * length, 1e-9);
@@ -177,7 +177,7 @@ static void spring(bw_context *context, bw_motion_scheme scheme, double am, doub
   }
   bw_release(m);
   bw_free(u);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 
@@ -201,8 +201,8 @@ typedef struct swing {
 static swing thrown(bw_context *context, bw_law law, bw_motion_scheme scheme, int count,
                     double tolerance, int iterations) {
   body b = body_box(context, 4, 1, 1, 1, 0.25, 0.25, law, 1e5, 0.3, 1000);
-  bw_solid_case *the = case_of(context, &b);
-  hold_side(context, the, 0, 0, 7, 0, 0, 0);
+  bw_load_case *load_case = case_of(context, &b);
+  hold_side(context, load_case, 0, 0, 7, 0, 0, 0);
   double *v = BW_NEW0(context, double, 3 * b.nodes);
   for (int32_t i = 0; i < b.nodes; i++) {
     double x[3];
@@ -213,7 +213,7 @@ static swing thrown(bw_context *context, bw_law law, bw_motion_scheme scheme, in
   bw_motion_options options = options_of(scheme, 0.1 / count);
   options.tolerance = tolerance;
   options.iterations = iterations;
-  bw_solid_motion *m = motion_of(context, &b, the, &options, NULL, v);
+  bw_solid_motion *m = motion_of(context, &b, load_case, &options, NULL, v);
   swing s = {.drift = 0};
   double first = m->kinetic + m->strain, last = first, full = sum_of(m);
   for (int k = 0; k < count; k++) {
@@ -230,7 +230,7 @@ static swing thrown(bw_context *context, bw_law law, bw_motion_scheme scheme, in
   assert_true(fabs(s.tip[1]) > 0.15);
   bw_free(v);
   bw_release(m);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
   return s;
 }
@@ -309,17 +309,18 @@ static void test_metamaterial(void **state) {
                                              stiffness, fibre, &material));
   check_ok(context, bw_grid_create(context, origin, spacing, cells, NULL, NULL, &b.grid));
   check_ok(context,
-           bw_palette_create(context, 2, (const bw_solid_material *const[]){material}, &b.palette));
-  check_ok(context, bw_solid_create(context, b.grid, b.palette, NULL, &b.solid));
+           bw_material_table_create(context, 2, (const bw_solid_material *const[]){material},
+                                    &b.material_table));
+  check_ok(context, bw_solid_create(context, b.grid, b.material_table, NULL, &b.solid));
   b.nodes = b.grid->node_count;
-  bw_solid_case *the = case_of(context, &b);
+  bw_load_case *load_case = case_of(context, &b);
   double *v = BW_NEW(context, double, 3 * b.nodes);
   for (int32_t i = 0; i < 3 * b.nodes; i++)
     v[i] = bw_random_uniform(&random) - 0.5 + (i % 3 == 0);
   for (int r = 0; r < 2; r++) {
     bw_motion_options options = options_of(BW_NEWMARK, 2e-3 / (1 << r));
     options.tolerance = 1e-10;
-    bw_solid_motion *m = motion_of(context, &b, the, &options, NULL, v);
+    bw_solid_motion *m = motion_of(context, &b, load_case, &options, NULL, v);
     double first = m->kinetic + m->strain, p0[3], p[3], l[3];
     momenta(m, p0, l);
     most[r] = 0;
@@ -340,7 +341,7 @@ static void test_metamaterial(void **state) {
   bw_free(v);
   bw_release(rule);
   bw_release(material);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 
@@ -349,8 +350,8 @@ static void test_metamaterial(void **state) {
 static void test_linear_energy(void **state) {
   bw_context *context = check_context(state);
   body b = body_box(context, 1, 1, 4, 0.1, 0.1, 1, BW_COROTATED, 1e5, 0, 1000);
-  bw_solid_case *the = case_of(context, &b);
-  hold_side(context, the, 2, 0, 7, 0, 0, 0);
+  bw_load_case *load_case = case_of(context, &b);
+  hold_side(context, load_case, 2, 0, 7, 0, 0, 0);
   double *u = BW_NEW0(context, double, 3 * b.nodes);
   bw_random random;
   bw_random_seed(&random, 3);
@@ -360,7 +361,7 @@ static void test_linear_energy(void **state) {
       u[3 * (4 * layer + i) + 2] = z;
   }
   bw_motion_options options = options_of(BW_NEWMARK, 0.01);
-  bw_solid_motion *m = motion_of(context, &b, the, &options, u, NULL);
+  bw_solid_motion *m = motion_of(context, &b, load_case, &options, u, NULL);
   double first = m->kinetic + m->strain, most = 0;
   for (int k = 0; k < 300; k++) {
     steps(context, m, 1);
@@ -372,7 +373,7 @@ static void test_linear_energy(void **state) {
   assert_true(first > 0 && most < 1e-10);
   bw_release(m);
   bw_free(u);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 
@@ -387,8 +388,8 @@ static void test_rod(void **state) {
   for (int r = 0; r < 2; r++) {
     int cells = 8 << r, count = 32 << r;
     body b = body_box(context, 1, 1, cells, 0.1, 0.1, length, BW_COROTATED, young, 0, density);
-    bw_solid_case *the = case_of(context, &b);
-    hold_side(context, the, 2, 0, 7, 0, 0, 0);
+    bw_load_case *load_case = case_of(context, &b);
+    hold_side(context, load_case, 2, 0, 7, 0, 0, 0);
     double *u = BW_NEW0(context, double, 3 * b.nodes);
     for (int32_t i = 0; i < b.nodes; i++) {
       double x[3];
@@ -396,7 +397,7 @@ static void test_rod(void **state) {
       u[3 * i + 2] = 1e-3 * sin(k * x[2]);
     }
     bw_motion_options options = options_of(BW_NEWMARK, period / count);
-    bw_solid_motion *m = motion_of(context, &b, the, &options, u, NULL);
+    bw_solid_motion *m = motion_of(context, &b, load_case, &options, u, NULL);
     double w = 2 * c * cells / length * sin(k * length / cells / 2);
     double theta = 2 * atan(w * options.step / 2);
     double tip = 1e-3;
@@ -409,7 +410,7 @@ static void test_rod(void **state) {
     check_near(acos(fmin(1, tip / 1e-3)), fabs(error[r]), 1e-5);
     bw_free(u);
     bw_release(m);
-    bw_release(the);
+    bw_release(load_case);
     body_release(&b);
   }
   double order = log2(error[0] / error[1]);
@@ -437,12 +438,12 @@ static void test_pressed(void **state) {
   for (int64_t t = 0; t < surface->triangle_count; t++)
     all[t] = pressure;
   for (int r = 0; r < 2; r++) {
-    bw_solid_case *the = case_of(context, &b);
-    check_ok(context, bw_solid_case_pressure(context, the, embedding, surface->triangle_count,
-                                             surface->triangle, all, true));
+    bw_load_case *load_case = case_of(context, &b);
+    check_ok(context, bw_load_case_pressure(context, load_case, embedding, surface->triangle_count,
+                                            surface->triangle, all, true));
     bw_motion_options options = options_of(BW_NEWMARK, 2e-3 / (1 << r));
     options.tolerance = 1e-10;
-    bw_solid_motion *m = motion_of(context, &b, the, &options, NULL, NULL);
+    bw_solid_motion *m = motion_of(context, &b, load_case, &options, NULL, NULL);
     double least = 1, worst = 0;
     for (int k = 0; k < 20 << r; k++) {
       steps(context, m, 1);
@@ -468,7 +469,7 @@ static void test_pressed(void **state) {
     assert_true(least < 0.75 && least > 0.5);
     assert_true(worst < 5e-3);
     bw_release(m);
-    bw_release(the);
+    bw_release(load_case);
   }
   check_near(log2(error[0] / error[1]), 2, 0.3);
   bw_free(all);
@@ -483,7 +484,7 @@ static void test_pressed(void **state) {
 static void test_momenta(void **state) {
   bw_context *context = check_context(state);
   body b = body_box(context, 3, 2, 1, 0.3, 0.2, 0.1, BW_FIXED_COROTATED, 2e5, 0.3, 1000);
-  bw_solid_case *the = case_of(context, &b);
+  bw_load_case *load_case = case_of(context, &b);
   double *u = BW_NEW(context, double, 6 * b.nodes), *v = u + 3 * b.nodes;
   const double middle[3] = {0.15, 0.1, 0.05};
   for (int scheme = 0; scheme < 2; scheme++) {
@@ -504,7 +505,7 @@ static void test_momenta(void **state) {
       v[3 * i + 1] += whole ? 2 : 0;
     }
     bw_motion_options options = options_of((bw_motion_scheme)scheme, h);
-    bw_solid_motion *m = motion_of(context, &b, the, &options, u, v);
+    bw_solid_motion *m = motion_of(context, &b, load_case, &options, u, v);
     double p0[3], l0[3], p[3], l[3], kept0[3] = {0, 0, 0};
     momenta(m, p0, l0);
     for (int k = 0; k <= 40; k++) {
@@ -546,7 +547,7 @@ static void test_momenta(void **state) {
     bw_release(m);
   }
   bw_free(u);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 
@@ -554,15 +555,15 @@ static void test_momenta(void **state) {
 static void test_comes_to_rest(void **state) {
   bw_context *context = check_context(state);
   body b = body_box(context, 4, 1, 1, 1, 0.25, 0.25, BW_NEO_HOOKEAN, 1e5, 0.3, 1000);
-  bw_solid_case *the = case_of(context, &b);
-  hold_side(context, the, 0, 0, 7, 0, 0, 0);
-  push_side(context, the, 0, 1, 0, 0, 60);
-  the->gravity[1] = -2;
-  bw_solid_static *rest = solve(context, &b, the, 1);
+  bw_load_case *load_case = case_of(context, &b);
+  hold_side(context, load_case, 0, 0, 7, 0, 0, 0);
+  push_side(context, load_case, 0, 1, 0, 0, 60);
+  load_case->gravity[1] = -2;
+  bw_solid_static *rest = solve(context, &b, load_case, 1);
   bw_motion_options options = options_of(BW_IMPLICIT_EULER, 0.2);
   options.mass_damping = 1;
   options.tolerance = 1e-10;
-  bw_solid_motion *m = motion_of(context, &b, the, &options, NULL, NULL);
+  bw_solid_motion *m = motion_of(context, &b, load_case, &options, NULL, NULL);
   double first = sum_of(m);
   steps(context, m, 120);
   double size = 0;
@@ -576,25 +577,25 @@ static void test_comes_to_rest(void **state) {
   assert_true(m->dissipated > 0);
   bw_release(rest);
   bw_release(m);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 
 /* A block falls on a floor: nothing passes through it, the energy never grows, and at last the
  * block lies there. */
-static void test_floor(void **state) {
+static void test_contact_plane(void **state) {
   bw_context *context = check_context(state);
   body b = body_box(context, 2, 2, 2, 0.2, 0.2, 0.2, BW_NEO_HOOKEAN, 1e5, 0.3, 1000);
   const double point[3] = {0, 0, -0.1}, up[3] = {0, 0, 1}, stay[3] = {0, 0, 0};
   for (int scheme = 0; scheme < 2; scheme++) {
-    bw_solid_case *the = case_of(context, &b);
-    the->gravity[2] = -9.81;
-    check_ok(context, bw_solid_case_floor(context, the, point, up, stay, NULL, NULL));
+    bw_load_case *load_case = case_of(context, &b);
+    load_case->gravity[2] = -9.81;
+    check_ok(context, bw_load_case_contact_plane(context, load_case, point, up, stay, NULL, NULL));
     bw_motion_options options = options_of((bw_motion_scheme)scheme, 2e-3);
     options.tolerance = 1e-8;
     options.mass_damping = scheme == BW_NEWMARK ? 4 : 0;
 
-    bw_solid_motion *m = motion_of(context, &b, the, &options, NULL, NULL);
+    bw_solid_motion *m = motion_of(context, &b, load_case, &options, NULL, NULL);
     double full = sum_of(m), last = m->kinetic + m->strain + m->potential, first = m->potential;
     double size = 8 * 9.81 * 0.1; /* weight times fall */
     for (int k = 0; k < 250; k++) {
@@ -611,7 +612,7 @@ static void test_floor(void **state) {
     }
     check_near(m->potential - first, -size, 0.15 * size);
     bw_release(m);
-    bw_release(the);
+    bw_release(load_case);
   }
   body_release(&b);
 }
@@ -620,14 +621,14 @@ static void test_floor(void **state) {
 static void test_held(void **state) {
   bw_context *context = check_context(state);
   body b = body_box(context, 2, 1, 1, 2, 1, 1, BW_ST_VENANT_KIRCHHOFF, 1e5, 0.3, 1000);
-  bw_solid_case *the = case_of(context, &b);
-  hold_side(context, the, 0, 0, 7, 0, 0, 0);
-  hold_side(context, the, 0, 2, 1, 0.1, 0, 0);
+  bw_load_case *load_case = case_of(context, &b);
+  hold_side(context, load_case, 0, 0, 7, 0, 0, 0);
+  hold_side(context, load_case, 0, 2, 1, 0.1, 0, 0);
   double *v = BW_NEW(context, double, 3 * b.nodes);
   for (int32_t i = 0; i < 3 * b.nodes; i++)
     v[i] = 0.5;
   bw_motion_options options = options_of(BW_NEWMARK, 1e-3);
-  bw_solid_motion *m = motion_of(context, &b, the, &options, NULL, v);
+  bw_solid_motion *m = motion_of(context, &b, load_case, &options, NULL, v);
   for (int k = 0; k < 5; k++) {
     for (int32_t i = 0; i < b.nodes; i++) {
       double x[3];
@@ -642,12 +643,12 @@ static void test_held(void **state) {
   }
   bw_free(v);
   bw_release(m);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 
-static bw_solid_motion *copy_of_motion(bw_context *context, const body *b, const bw_solid_case *the,
-                                       int iterations) {
+static bw_solid_motion *copy_of_motion(bw_context *context, const body *b,
+                                       const bw_load_case *load_case, int iterations) {
   bw_motion_options options = options_of(BW_NEWMARK, 0.02);
   options.iterations = iterations;
   options.stiffness_damping = 1e-3;
@@ -657,7 +658,7 @@ static bw_solid_motion *copy_of_motion(bw_context *context, const body *b, const
     bw_grid_position(b->grid, i, x);
     v[3 * i + 1] = 3 * x[0];
   }
-  bw_solid_motion *m = motion_of(context, b, the, &options, NULL, v);
+  bw_solid_motion *m = motion_of(context, b, load_case, &options, NULL, v);
   bw_free(v);
   return m;
 }
@@ -666,10 +667,10 @@ static bw_solid_motion *copy_of_motion(bw_context *context, const body *b, const
 static void test_failure(void **state) {
   bw_context *context = check_context(state);
   body b = body_box(context, 3, 1, 1, 1, 0.3, 0.3, BW_NEO_HOOKEAN, 1e5, 0.3, 1000);
-  bw_solid_case *the = case_of(context, &b);
-  hold_side(context, the, 0, 0, 7, 0, 0, 0);
-  bw_solid_motion *m = copy_of_motion(context, &b, the, 30), *other;
-  other = copy_of_motion(context, &b, the, 30);
+  bw_load_case *load_case = case_of(context, &b);
+  hold_side(context, load_case, 0, 0, 7, 0, 0, 0);
+  bw_solid_motion *m = copy_of_motion(context, &b, load_case, 30), *other;
+  other = copy_of_motion(context, &b, load_case, 30);
   steps(context, m, 2);
   steps(context, other, 2);
   size_t bytes = 3 * (size_t)b.nodes * sizeof(double);
@@ -697,7 +698,7 @@ static void test_failure(void **state) {
   }
   bw_release(m);
   bw_release(other);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 
@@ -706,14 +707,14 @@ static void test_refused(void **state) {
   body b = body_box(context, 1, 1, 1, 1, 1, 1, BW_NEO_HOOKEAN, 1, 0.3, 1);
   body light = body_box(context, 1, 1, 1, 1, 1, 1, BW_NEO_HOOKEAN, 1, 0.3, 0);
   body larger = body_box(context, 2, 1, 1, 1, 1, 1, BW_NEO_HOOKEAN, 1, 0.3, 1);
-  bw_solid_case *the = case_of(context, &b), *of_light = case_of(context, &light);
+  bw_load_case *load_case = case_of(context, &b), *of_light = case_of(context, &light);
   bw_solid_motion *m;
   bw_motion_options options;
   bw_motion_options_default(&options);
   check_fails(context, BW_INVALID, "density",
               bw_solid_motion_create(context, light.solid, of_light, NULL, NULL, NULL, &m));
   check_fails(context, BW_INVALID, "grid",
-              bw_solid_motion_create(context, larger.solid, the, NULL, NULL, NULL, &m));
+              bw_solid_motion_create(context, larger.solid, load_case, NULL, NULL, NULL, &m));
   const struct {
     const char *text;
     bw_motion_options options;
@@ -730,18 +731,18 @@ static void test_refused(void **state) {
     it.tolerance = options.tolerance;
     it.iterations = options.iterations;
     check_fails(context, BW_INVALID, wrong[k].text,
-                bw_solid_motion_create(context, b.solid, the, &it, NULL, NULL, &m));
+                bw_solid_motion_create(context, b.solid, load_case, &it, NULL, NULL, &m));
   }
   double u[24] = {0};
   u[5] = NAN;
   check_fails(context, BW_INVALID, "node 2",
-              bw_solid_motion_create(context, b.solid, the, NULL, NULL, u, &m));
+              bw_solid_motion_create(context, b.solid, load_case, NULL, NULL, u, &m));
   u[5] = 0;
   for (int i = 4; i < 8; i++)
     u[3 * i + 2] = -1.5; /* turned inside out */
   check_fails(context, BW_GEOMETRY, "element 1",
-              bw_solid_motion_create(context, b.solid, the, NULL, u, NULL, &m));
-  bw_release(the);
+              bw_solid_motion_create(context, b.solid, load_case, NULL, u, NULL, &m));
+  bw_release(load_case);
   bw_release(of_light);
   body_release(&b);
   body_release(&light);
@@ -753,10 +754,10 @@ static void test_without_matrix(void **state) {
   bw_context *context = check_context(state);
   body b = body_box(context, 5, 3, 3, 0.5, 0.3, 0.3, BW_FIXED_COROTATED, 1e5, 0.3, 1000);
   const double point[3] = {0, 0, -0.02}, up[3] = {0, 0, 1}, stay[3] = {0, 0, 0};
-  bw_solid_case *the = case_of(context, &b);
-  hold_side(context, the, 0, 0, 7, 0, 0, 0);
-  check_ok(context, bw_solid_case_floor(context, the, point, up, stay, NULL, NULL));
-  the->gravity[2] = -30;
+  bw_load_case *load_case = case_of(context, &b);
+  hold_side(context, load_case, 0, 0, 7, 0, 0, 0);
+  check_ok(context, bw_load_case_contact_plane(context, load_case, point, up, stay, NULL, NULL));
+  load_case->gravity[2] = -30;
   bw_solid_motion *m[2];
   for (int k = 0; k < 2; k++) {
     bw_motion_options options = options_of(BW_NEWMARK, 4e-3);
@@ -764,7 +765,7 @@ static void test_without_matrix(void **state) {
     options.mass_damping = 2;
     options.stiffness_damping = 2e-3;
     options.tolerance = 1e-10;
-    m[k] = motion_of(context, &b, the, &options, NULL, NULL);
+    m[k] = motion_of(context, &b, load_case, &options, NULL, NULL);
     steps(context, m[k], 25);
   }
   int32_t tip = node_near(b.grid, 0.5, 0, 0);
@@ -776,20 +777,20 @@ static void test_without_matrix(void **state) {
   assert_true(m[1]->report.cg_iterations > 0 && m[1]->report.factorisations == 0);
   bw_release(m[0]);
   bw_release(m[1]);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 
 static void test_threads(void **state) {
   bw_context *context = check_context(state);
   body b = body_box(context, 6, 4, 4, 1, 0.6, 0.6, BW_NEO_HOOKEAN, 1e5, 0.3, 1000);
-  bw_solid_case *the = case_of(context, &b);
-  hold_side(context, the, 0, 0, 7, 0, 0, 0);
-  the->gravity[1] = -9.81;
+  bw_load_case *load_case = case_of(context, &b);
+  hold_side(context, load_case, 0, 0, 7, 0, 0, 0);
+  load_case->gravity[1] = -9.81;
   bw_solid_motion *m[2];
   for (int k = 0; k < 2; k++) {
     check_ok(context, bw_set_threads(context, k ? 3 : 1));
-    m[k] = copy_of_motion(context, &b, the, 30);
+    m[k] = copy_of_motion(context, &b, load_case, 30);
     m[k]->options.tolerance = 1e-8;
     steps(context, m[k], 3);
   }
@@ -800,7 +801,7 @@ static void test_threads(void **state) {
               m[0]->dissipated == m[1]->dissipated);
   bw_release(m[0]);
   bw_release(m[1]);
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 
@@ -808,8 +809,8 @@ static void test_memory(void **state) {
   bw_context *context = check_context(state);
   check_ok(context, bw_set_threads(context, 1));
   body b = body_box(context, 2, 1, 1, 1, 0.3, 0.3, BW_NEO_HOOKEAN, 1e5, 0.3, 1000);
-  bw_solid_case *the = case_of(context, &b);
-  hold_side(context, the, 0, 0, 7, 0, 0, 0);
+  bw_load_case *load_case = case_of(context, &b);
+  hold_side(context, load_case, 0, 0, 7, 0, 0, 0);
   bw_motion_options options = options_of(BW_NEWMARK, 0.02);
   options.stiffness_damping = 1e-3;
   options.tolerance = 1e-8;
@@ -817,23 +818,23 @@ static void test_memory(void **state) {
   for (int n = 1; status != BW_OK; n++) {
     bw_solid_motion *m = NULL;
     bw_fail_allocation(n, true);
-    status = bw_solid_motion_create(context, b.solid, the, &options, NULL, NULL, &m);
+    status = bw_solid_motion_create(context, b.solid, load_case, &options, NULL, NULL, &m);
     bw_fail_allocation(0, false);
     assert_true(status == BW_OK || (status == BW_MEMORY && !m));
     assert_true(n < 1000);
     bw_release(m);
   }
-  the->gravity[1] = -9.81;
+  load_case->gravity[1] = -9.81;
   const double point[3] = {0, -1e-3, 0}, up[3] = {0, 1, 0}, stay[3] = {0, 0, 0};
-  check_ok(context, bw_solid_case_floor(context, the, point, up, stay, NULL, NULL));
+  check_ok(context, bw_load_case_contact_plane(context, load_case, point, up, stay, NULL, NULL));
   for (int way = 0; way < 2; way++) {
     options.linear = way ? BW_NEWTON_JACOBI : BW_NEWTON_DIRECT;
-    bw_solid_motion *plain = motion_of(context, &b, the, &options, NULL, NULL);
+    bw_solid_motion *plain = motion_of(context, &b, load_case, &options, NULL, NULL);
     steps(context, plain, 2);
     assert_true(plain->report.contacts > 0);
     status = BW_MEMORY;
     for (int n = 1; status != BW_OK; n++) {
-      bw_solid_motion *m = motion_of(context, &b, the, &options, NULL, NULL);
+      bw_solid_motion *m = motion_of(context, &b, load_case, &options, NULL, NULL);
       bw_fail_allocation(n, true);
       status = bw_solid_motion_step(context, m);
       bw_fail_allocation(0, false);
@@ -846,17 +847,20 @@ static void test_memory(void **state) {
     }
     bw_release(plain);
   }
-  bw_release(the);
+  bw_release(load_case);
   body_release(&b);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_free_fall),      check_test(test_spring),        check_test(test_order),
-      check_test(test_energy),         check_test(test_metamaterial),  check_test(test_momenta),
-      check_test(test_linear_energy),  check_test(test_rod),           check_test(test_pressed),
-      check_test(test_held),           check_test(test_comes_to_rest), check_test(test_floor),
-      check_test(test_failure),        check_test(test_refused),       check_test(test_threads),
-      check_test(test_without_matrix), check_test(test_used_memory),   check_test(test_memory)};
+      check_test(test_free_fall),     check_test(test_spring),
+      check_test(test_order),         check_test(test_energy),
+      check_test(test_metamaterial),  check_test(test_momenta),
+      check_test(test_linear_energy), check_test(test_rod),
+      check_test(test_pressed),       check_test(test_held),
+      check_test(test_comes_to_rest), check_test(test_contact_plane),
+      check_test(test_failure),       check_test(test_refused),
+      check_test(test_threads),       check_test(test_without_matrix),
+      check_test(test_used_memory),   check_test(test_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

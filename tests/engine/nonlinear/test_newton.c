@@ -7,7 +7,7 @@ static const double bar_size[3] = {0.2, 0.2, 0.8};
 static bw_solid_static *solve(bw_context *context, const box *b, bw_newton *newton,
                               const bw_newton_options *options) {
   bw_solid_static *result = NULL;
-  check_ok(context, bw_solid_statics(context, b->solid, b->the, newton, options, &result));
+  check_ok(context, bw_solid_statics(context, b->solid, b->load_case, newton, options, &result));
   assert_true(result->complete);
   return result;
 }
@@ -59,7 +59,7 @@ static void test_small_loads_are_linear(void **state) {
       double gravity[3] = {0, 0, k ? -2e-3 : -1e-3};
       box_make(context, &b, cells, size, (bw_law)law, 1e6, 0.3, 1000);
       box_hold(context, &b, 0, 0, true, true, true, 0);
-      check_ok(context, bw_solid_case_gravity(context, b.the, gravity));
+      check_ok(context, bw_load_case_gravity(context, b.load_case, gravity));
       bw_solid_static *result = solve(context, &b, NULL, NULL);
       deflection[k] = box_mean(&b, result->displacement, 0, 1, 2);
       check_near(box_sum(&b, result->reaction, 0, 0, 2), 40 * -gravity[2], 1e-8);
@@ -162,30 +162,30 @@ static void test_hidden_loads(void **state) {
     const bool all[3] = {true, true, true};
     bw_grid *grid;
     bw_solid_material *made[2];
-    bw_palette *palette;
+    bw_material_table *material_table;
     bw_solid *solid;
-    bw_solid_case *the;
+    bw_load_case *load_case;
     bw_solid_static *result;
     check_ok(context, bw_grid_create(context, origin, spacing, cells, material, NULL, &grid));
     for (int m = 0; m < 2; m++)
       check_ok(context, bw_solid_material_create(context, "", BW_NEO_HOOKEAN,
                                                  m ? 1 : (k ? 1e20 : 1e8), 0.3, 0, &made[m]));
-    check_ok(context,
-             bw_palette_create(context, 3, (const bw_solid_material *const *)made, &palette));
-    check_ok(context, bw_solid_create(context, grid, palette, NULL, &solid));
-    check_ok(context, bw_solid_case_create(context, grid, &the));
-    check_ok(context, bw_solid_case_hold(context, the, 4, low, all, NULL));
-    check_ok(context, bw_solid_case_force(context, the, 4, high, force));
+    check_ok(context, bw_material_table_create(context, 3, (const bw_solid_material *const *)made,
+                                               &material_table));
+    check_ok(context, bw_solid_create(context, grid, material_table, NULL, &solid));
+    check_ok(context, bw_load_case_create(context, grid, &load_case));
+    check_ok(context, bw_load_case_fix(context, load_case, 4, low, all, NULL));
+    check_ok(context, bw_load_case_force(context, load_case, 4, high, force));
     bw_clear_remarks(context);
-    check_ok(context, bw_solid_statics(context, solid, the, NULL, NULL, &result));
+    check_ok(context, bw_solid_statics(context, solid, load_case, NULL, NULL, &result));
     if (k)
       assert_non_null(strstr(bw_remark_at(context, 0), "rounding"));
     else
       assert_null(bw_remark_at(context, 0));
     bw_release(result);
-    bw_release(the);
+    bw_release(load_case);
     bw_release(solid);
-    bw_release(palette);
+    bw_release(material_table);
     bw_release(made[0]);
     bw_release(made[1]);
     bw_release(grid);

@@ -3,9 +3,9 @@
 
 typedef struct block {
   bw_grid *grid;
-  bw_palette *palette;
+  bw_material_table *material_table;
   bw_solid *solid;
-  bw_solid_case *the;
+  bw_load_case *load_case;
   bw_coarse *coarse;
   bw_solid *coarse_solid[2];
 } block;
@@ -29,9 +29,9 @@ static void block_make(bw_context *context, block *b, int32_t n, double contrast
   check_ok(context, bw_solid_material_create(context, "stiff", BW_NEO_HOOKEAN, 1e5 * contrast, 0.4,
                                              1000, &stiff));
   const bw_solid_material *both[2] = {soft, stiff};
-  check_ok(context, bw_palette_create(context, 3, both, &b->palette));
-  check_ok(context, bw_solid_create(context, b->grid, b->palette, NULL, &b->solid));
-  check_ok(context, bw_solid_case_create(context, b->grid, &b->the));
+  check_ok(context, bw_material_table_create(context, 3, both, &b->material_table));
+  check_ok(context, bw_solid_create(context, b->grid, b->material_table, NULL, &b->solid));
+  check_ok(context, bw_load_case_create(context, b->grid, &b->load_case));
   int32_t *low = malloc(2 * sizeof *low * (size_t)b->grid->node_count),
           *high = low + b->grid->node_count;
   int64_t lows = 0, highs = 0;
@@ -45,8 +45,8 @@ static void block_make(bw_context *context, block *b, int32_t n, double contrast
   }
   bool all[3] = {true, true, true};
   double force[3] = {1e5 * strain, 0, -1e5 * strain};
-  check_ok(context, bw_solid_case_hold(context, b->the, lows, low, all, NULL));
-  check_ok(context, bw_solid_case_force(context, b->the, highs, high, force));
+  check_ok(context, bw_load_case_fix(context, b->load_case, lows, low, all, NULL));
+  check_ok(context, bw_load_case_force(context, b->load_case, highs, high, force));
   free(low);
   free(material);
   bw_release(soft);
@@ -54,8 +54,9 @@ static void block_make(bw_context *context, block *b, int32_t n, double contrast
 }
 
 static void block_coarsen(bw_context *context, block *b) {
-  check_ok(context, bw_coarsen(context, BW_COARSE_NAIVE, NULL, b->palette, b->grid, 1, &b->coarse));
-  check_ok(context, bw_solid_create(context, b->coarse->grid, b->coarse->palette, NULL,
+  check_ok(context,
+           bw_coarsen(context, BW_COARSE_NAIVE, NULL, b->material_table, b->grid, 1, &b->coarse));
+  check_ok(context, bw_solid_create(context, b->coarse->grid, b->coarse->material_table, NULL,
                                     &b->coarse_solid[0]));
 }
 
@@ -63,9 +64,9 @@ static void block_free(block *b) {
   bw_release(b->coarse_solid[0]);
   bw_release(b->coarse_solid[1]);
   bw_release(b->coarse);
-  bw_release(b->the);
+  bw_release(b->load_case);
   bw_release(b->solid);
-  bw_release(b->palette);
+  bw_release(b->material_table);
   bw_release(b->grid);
 }
 
@@ -81,7 +82,7 @@ static bw_solid_static *solve(bw_context *context, const block *b, bw_newton_lin
   options.coarse_count = 1;
   options.coarsening = coarsening;
   options.coarse = coarse;
-  check_ok(context, bw_solid_statics(context, b->solid, b->the, NULL, &options, &result));
+  check_ok(context, bw_solid_statics(context, b->solid, b->load_case, NULL, &options, &result));
   return result;
 }
 
@@ -110,14 +111,15 @@ static void test_levels(void **state) {
   bw_solid_static *result, *direct;
   bw_coarsening *second;
   bw_solid_material *mean;
-  bw_palette *palette;
+  bw_material_table *material_table;
   block_make(context, &b, 9, 10, 0.05);
   block_coarsen(context, &b);
   check_ok(context, bw_coarsening_create(context, b.coarse->grid, &second));
   check_ok(context, bw_solid_material_create(context, "", BW_NEO_HOOKEAN, 3e5, 0.4, 1000, &mean));
   const bw_solid_material *one = mean;
-  check_ok(context, bw_palette_create(context, 2, &one, &palette));
-  check_ok(context, bw_solid_create(context, second->coarse, palette, NULL, &b.coarse_solid[1]));
+  check_ok(context, bw_material_table_create(context, 2, &one, &material_table));
+  check_ok(context,
+           bw_solid_create(context, second->coarse, material_table, NULL, &b.coarse_solid[1]));
   const bw_coarsening *coarsening[2] = {b.coarse->coarsening[0], second};
   const bw_solid *coarse[2] = {b.coarse_solid[0], b.coarse_solid[1]};
   bw_newton_options_default(&options);
@@ -126,16 +128,16 @@ static void test_levels(void **state) {
   options.coarse_count = 2;
   options.coarsening = coarsening;
   options.coarse = coarse;
-  check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+  check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
   direct = solve(context, &b, BW_NEWTON_DIRECT, 1e-8);
   check_near(bw_grid_difference(b.grid, direct->displacement, result->displacement), 0, 1e-8);
   assert_true(result->report.cg_iterations < 25 * result->report.iterations);
   options.coarse = coarse + 1;
   check_fails(context, BW_INVALID, "coarse solid 1",
-              bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+              bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
   bw_release(result);
   bw_release(direct);
-  bw_release(palette);
+  bw_release(material_table);
   bw_release(mean);
   bw_release(second);
   block_free(&b);
@@ -158,7 +160,7 @@ static double iterations(bw_context *context, int32_t n, double contrast, bw_new
   options.coarsening = coarsening;
   options.coarse = coarse;
   double before = bw_seconds();
-  check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+  check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
   double count = (double)result->report.cg_iterations / result->report.iterations;
   if (getenv("BARWRIGHT_FULL"))
     printf("%d^3 cells, contrast %g, %s: %g iterations, %.2f s\n", (int)n, contrast,
@@ -188,7 +190,7 @@ static void test_iterations(void **state) {
 }
 
 /* On a floor that comes down, with a pressure on one side that follows. */
-static void test_floor(void **state) {
+static void test_contact_plane(void **state) {
   bw_context *context = check_context(state);
   bw_solid_static *result[3];
   for (int k = 0; k < 3; k++) {
@@ -204,8 +206,10 @@ static void test_floor(void **state) {
       if (x[0] < 1e-9)
         side[count++] = i;
     }
-    check_ok(context, bw_solid_case_press(context, b.the, count, side, NULL, NULL, 5e3, true));
-    check_ok(context, bw_solid_case_floor(context, b.the, point, normal, move, NULL, NULL));
+    check_ok(context, bw_load_case_surface_pressure(context, b.load_case, count, side, NULL, NULL,
+                                                    5e3, true));
+    check_ok(context,
+             bw_load_case_contact_plane(context, b.load_case, point, normal, move, NULL, NULL));
     result[k] = solve(context, &b, (bw_newton_linear)k, 1e-8);
     block_free(&b);
   }
@@ -245,9 +249,9 @@ static void test_by_cost(void **state) {
     options.coarsening = &coarsening;
     options.coarse = &coarse;
     check_ok(context, bw_newton_create(context, &newton));
-    check_ok(context, bw_solid_statics(context, b.solid, b.the, newton, &options, &first));
-    check_ok(context, bw_solid_statics(context, b.solid, b.the, newton, &options, &second));
-    check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, &options, &fresh));
+    check_ok(context, bw_solid_statics(context, b.solid, b.load_case, newton, &options, &first));
+    check_ok(context, bw_solid_statics(context, b.solid, b.load_case, newton, &options, &second));
+    check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &fresh));
     direct = solve(context, &b, BW_NEWTON_DIRECT, 1e-8);
     assert_true(first->report.cg_iterations > 0);
     assert_int_equal(first->report.stability_iterations > 0, kind[k].again);
@@ -275,13 +279,13 @@ static void test_misuse(void **state) {
   bw_newton_options_default(&options);
   options.linear = BW_NEWTON_COARSE;
   check_fails(context, BW_INVALID, "at least one",
-              bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+              bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
   block_free(&b);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(test_the_same),   check_test(test_levels),
-                                     check_test(test_iterations), check_test(test_floor),
+                                     check_test(test_iterations), check_test(test_contact_plane),
                                      check_test(test_by_cost),    check_test(test_misuse)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -85,12 +85,12 @@ static void test_previous(void **state) {
   const int32_t cells[3] = {2, 2, 1}, other[4] = {1, 1, 1, 0};
   bw_solid *first = block(context, cells, BW_COROTATED), *second = NULL;
   bw_grid *grid = NULL;
-  check_ok(context, bw_solid_create(context, first->grid, first->palette, first, &second));
+  check_ok(context, bw_solid_create(context, first->grid, first->material_table, first, &second));
   assert_true(second->graph == first->graph);
   bw_release(second);
   check_ok(context, bw_grid_create(context, first->grid->origin, first->grid->spacing, cells, other,
                                    NULL, &grid));
-  check_ok(context, bw_solid_create(context, grid, first->palette, first, &second));
+  check_ok(context, bw_solid_create(context, grid, first->material_table, first, &second));
   assert_true(second->graph != first->graph);
   bw_release(second);
   bw_release(grid);
@@ -105,7 +105,7 @@ static void test_refused(void **state) {
   check_ok(context, bw_grid_create(context, first->grid->origin, first->grid->spacing, cells,
                                    material, NULL, &grid));
   check_fails(context, BW_INVALID, "element 2 (cell 2) is of material 3",
-              bw_solid_create(context, grid, first->palette, NULL, &second));
+              bw_solid_create(context, grid, first->material_table, NULL, &second));
   assert_null(second);
   /* a graph of element lists is no mesh's */
   bw_mesh *mesh = NULL;

@@ -7,7 +7,7 @@
 
 typedef struct body {
   bw_grid *grid;
-  bw_palette *palette;
+  bw_material_table *material_table;
   bw_solid *solid;
   int32_t nodes;
 } body;
@@ -20,8 +20,9 @@ static inline body body_of(bw_context *context, bw_grid *grid, bw_law law, doubl
   check_ok(context,
            bw_solid_material_create(context, "it", law, young, poisson, density, &material));
   check_ok(context,
-           bw_palette_create(context, 2, (const bw_solid_material *const[]){material}, &b.palette));
-  check_ok(context, bw_solid_create(context, b.grid, b.palette, NULL, &b.solid));
+           bw_material_table_create(context, 2, (const bw_solid_material *const[]){material},
+                                    &b.material_table));
+  check_ok(context, bw_solid_create(context, b.grid, b.material_table, NULL, &b.solid));
   bw_release(material);
   return b;
 }
@@ -41,17 +42,18 @@ static inline void body_take_b_bar(bw_context *context, body *b, bw_law law, dou
                                    double poisson) {
   bw_solid_material *material;
   bw_release(b->solid);
-  bw_release(b->palette);
+  bw_release(b->material_table);
   check_ok(context, bw_solid_material_b_bar(context, "it", law, young, poisson, 0, &material));
-  check_ok(context, bw_palette_create(context, 2, (const bw_solid_material *const[]){material},
-                                      &b->palette));
-  check_ok(context, bw_solid_create(context, b->grid, b->palette, NULL, &b->solid));
+  check_ok(context,
+           bw_material_table_create(context, 2, (const bw_solid_material *const[]){material},
+                                    &b->material_table));
+  check_ok(context, bw_solid_create(context, b->grid, b->material_table, NULL, &b->solid));
   bw_release(material);
 }
 
 static inline void body_release(body *b) {
   bw_release(b->solid);
-  bw_release(b->palette);
+  bw_release(b->material_table);
   bw_release(b->grid);
 }
 
@@ -87,39 +89,39 @@ static inline int32_t node_near(const bw_grid *grid, double x, double y, double 
 }
 
 /* Hold components of a side: bits 1, 2, 4 for x, y, z. */
-static inline void hold_side(bw_context *context, bw_solid_case *the, int axis, double at, int bits,
-                             double vx, double vy, double vz) {
+static inline void hold_side(bw_context *context, bw_load_case *load_case, int axis, double at,
+                             int bits, double vx, double vy, double vz) {
   int64_t count;
-  int32_t *node = nodes_at(context, the->grid, axis, at, &count);
+  int32_t *node = nodes_at(context, load_case->grid, axis, at, &count);
   const bool hold[3] = {bits & 1, (bits & 2) != 0, (bits & 4) != 0};
   const double value[3] = {vx, vy, vz};
-  check_ok(context, bw_solid_case_hold(context, the, count, node, hold, value));
+  check_ok(context, bw_load_case_fix(context, load_case, count, node, hold, value));
   bw_free(node);
 }
 
-static inline void push_side(bw_context *context, bw_solid_case *the, int axis, double at,
+static inline void push_side(bw_context *context, bw_load_case *load_case, int axis, double at,
                              double fx, double fy, double fz) {
   int64_t count;
-  int32_t *node = nodes_at(context, the->grid, axis, at, &count);
+  int32_t *node = nodes_at(context, load_case->grid, axis, at, &count);
   const double total[3] = {fx, fy, fz};
-  check_ok(context, bw_solid_case_force(context, the, count, node, total));
+  check_ok(context, bw_load_case_force(context, load_case, count, node, total));
   bw_free(node);
 }
 
 /* A case whose load factor is 1 in one step, to a tight tolerance. */
-static inline bw_solid_static *solve(bw_context *context, const body *b, const bw_solid_case *the,
-                                     int steps) {
+static inline bw_solid_static *solve(bw_context *context, const body *b,
+                                     const bw_load_case *load_case, int steps) {
   bw_newton_options options;
   bw_solid_static *result = NULL;
   bw_newton_options_default(&options);
   options.tolerance = 1e-10;
   options.steps = steps;
-  check_ok(context, bw_solid_statics(context, b->solid, the, NULL, &options, &result));
+  check_ok(context, bw_solid_statics(context, b->solid, load_case, NULL, &options, &result));
   assert_true(result->complete);
   return result;
 }
 
-/* The sum of what supports and floors bear on a side. */
+/* The sum of what supports and contact planes bear on a side. */
 static inline void side_reaction(bw_context *context, const bw_solid_static *result, int axis,
                                  double at, double sum[3]) {
   int64_t count;

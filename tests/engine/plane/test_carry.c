@@ -82,7 +82,7 @@ static void polynomials(void **state) {
       value[2 * i] = field(order, from->point + 2 * i);
       value[2 * i + 1] = -field(order, from->point + 2 * i);
     }
-    check_ok(context, bw_plane_carry(context, from, to, 2, value, carried));
+    check_ok(context, bw_plane_transfer(context, from, to, 2, value, carried));
     for (int32_t i = 0; i < m; i++) {
       check_near(carried[2 * i], field(order, to->point + 2 * i), 1e-12);
       check_near(carried[2 * i + 1], -field(order, to->point + 2 * i), 1e-12);
@@ -112,20 +112,20 @@ static void flipped_middles(void **state) {
   bw_follow_options options;
   bw_follow_options_default(&options);
   options.force = BW_LEVEL_RECONNECTING;
-  bw_mover *mover = NULL;
+  bw_mesh_motion *motion = NULL;
   bw_follow_report report;
-  check_ok(context, bw_mover_create(context, mesh, &options, &mover));
-  check_ok(context, bw_mover_follow(context, mover, outline, &report));
+  check_ok(context, bw_mesh_motion_create(context, mesh, &options, &motion));
+  check_ok(context, bw_mesh_motion_follow(context, motion, outline, &report));
   assert_int_equal(report.level, BW_LEVEL_RECONNECTING);
   assert_true(report.flips > 5);
-  assert_ptr_equal(mover->mesh->topology->nodes, mesh->topology->nodes);
+  assert_ptr_equal(motion->mesh->topology->nodes, mesh->topology->nodes);
   int32_t n = mesh->topology->nodes->node_count;
   double *value = malloc(sizeof(double) * (size_t)n), *carried = malloc(sizeof(double) * (size_t)n);
   for (int32_t i = 0; i < n; i++)
     value[i] = field(2, mesh->point + 2 * i);
-  check_ok(context, bw_plane_carry(context, mesh, mover->mesh, 1, value, carried));
+  check_ok(context, bw_plane_transfer(context, mesh, motion->mesh, 1, value, carried));
   /* on the old mesh's places of corners, the carried field is the same quadratic one */
-  const bw_plane_topology *t = mover->mesh->topology;
+  const bw_plane_topology *t = motion->mesh->topology;
   int changed = 0;
   for (int32_t h = 0; h < 3 * t->element_count; h++) {
     const int32_t *e = t->element + h / 3 * 6;
@@ -137,7 +137,7 @@ static void flipped_middles(void **state) {
   assert_true(changed > 0);
   free(value);
   free(carried);
-  bw_release(mover);
+  bw_release(motion);
   bw_release(outline);
   bw_release(first);
   bw_release(mesh);
@@ -178,14 +178,14 @@ static void memory_failures(void **state) {
   bw_status status = BW_MEMORY;
   for (int n = 1; status != BW_OK && n < 100; n++) {
     bw_fail_allocation(n, true);
-    status = bw_plane_carry(context, from, to, 1, value, carried);
+    status = bw_plane_transfer(context, from, to, 1, value, carried);
     bw_fail_allocation(0, false);
     if (status != BW_OK)
       assert_int_equal(status, BW_MEMORY);
   }
   assert_int_equal(status, BW_OK);
   check_fails(context, BW_INVALID, "components",
-              bw_plane_carry(context, from, to, 0, value, carried));
+              bw_plane_transfer(context, from, to, 0, value, carried));
   free(value);
   free(carried);
   bw_release(from);

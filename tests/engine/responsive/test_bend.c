@@ -189,11 +189,11 @@ static void test_small_load(void **state) {
     if (order == 2)
       mesh = bowed(context, mesh, 0.02);
     double *sum = BW_NEW0(context, double, size), largest = 0;
-    bw_stale_options linear;
+    bw_lagged_factor_options linear;
     bw_bend_options options;
     bw_bend_options_default(&options);
     options.tolerance = 1e-11;
-    bw_stale_options_default(&linear);
+    bw_lagged_factor_options_default(&linear);
     linear.tolerance = 1e-11;
     for (int sign = -1; sign <= 1; sign += 2) {
       bw_condition conditions[3] = {
@@ -278,7 +278,7 @@ static void test_frames(void **state) {
     size_t size = 2 * (size_t)mesh->topology->nodes->node_count;
     for (int k = 0; k < (int)(sizeof at / sizeof *at); k++) {
       bw_plane_mesh *moved = stirred(context, mesh, at[k]);
-      bw_kept kept = {0};
+      bw_plane_reuse kept = {0};
       bw_bend_report report;
       check_ok(context, bw_sheet_follow(context, sheet, moved, &kept));
       check_ok(context, bw_sheet_bend(context, sheet, NULL, &report, &kept));

@@ -95,16 +95,17 @@ static void *make(bw_context *context, kind what, const bw_plane_mesh *mesh,
 }
 
 static bw_status follow(bw_context *context, kind what, void *body, const bw_plane_mesh *mesh,
-                        bw_kept *kept) {
+                        bw_plane_reuse *kept) {
   return what == RINGING ? bw_plate_follow(context, body, mesh, kept)
                          : bw_sheet_follow(context, body, mesh, kept);
 }
 
-static bw_status solve(bw_context *context, kind what, void *body, bool scratch, bw_kept *kept) {
-  bw_stale_options options;
-  bw_stale_options_default(&options);
+static bw_status solve(bw_context *context, kind what, void *body, bool scratch,
+                       bw_plane_reuse *kept) {
+  bw_lagged_factor_options options;
+  bw_lagged_factor_options_default(&options);
   if (scratch)
-    options.method = BW_STALE_SCRATCH;
+    options.method = BW_LAGGED_FACTOR_FULL;
   if (what == RINGING) {
     bw_plate_options plate;
     bw_plate_options_default(&plate);
@@ -164,12 +165,12 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
   bw_outline *first = beam(context, inlay), *outline = bw_retain(first);
   bw_follow_options options;
   bw_plane_mesh *mesh;
-  bw_mover *mover;
+  bw_mesh_motion *motion;
   bw_follow_options_default(&options);
   options.fill.order = order;
   options.fill.elements = 200;
   check_ok(context, bw_plane_fill(context, outline, &options.fill, &mesh));
-  check_ok(context, bw_mover_create(context, mesh, &options, &mover));
+  check_ok(context, bw_mesh_motion_create(context, mesh, &options, &motion));
   void *body = make(context, what, mesh, material), *beside = NULL;
   if (what == SHAKEN)
     beside = make(context, what, mesh, material);
@@ -190,16 +191,16 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
       continue;
     }
     bw_follow_report report;
-    bw_kept kept = {0};
-    const bw_plane_mesh *before = mover->mesh;
-    const bw_mover_state *there = bw_mover_keep(mover);
+    bw_plane_reuse kept = {0};
+    const bw_plane_mesh *before = motion->mesh;
+    const bw_mesh_motion_state *there = bw_mesh_motion_keep(motion);
     const bw_sheet_state *then = what == BENT ? bw_sheet_keep(body) : NULL;
     bw_retain(before);
-    bw_status status = bw_mover_follow(context, mover, moved, &report);
-    if (status != BW_OK) { /* walls thinner than any mesh: the mover is as it was */
+    bw_status status = bw_mesh_motion_follow(context, motion, moved, &report);
+    if (status != BW_OK) { /* walls thinner than any mesh: the mesh motion is as it was */
       assert_true(!back && (status == BW_GEOMETRY || status == BW_LIMIT));
       assert_true(strlen(bw_message(context)) > 20);
-      assert_ptr_equal(mover->mesh, before);
+      assert_ptr_equal(motion->mesh, before);
       r.mesh_refused++;
       bw_release(moved);
       bw_release(before);
@@ -209,16 +210,16 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
     }
     r.level[report.level]++;
     bw_plane_quality quality;
-    bw_plane_measure(mover->mesh, &quality);
+    bw_plane_measure(motion->mesh, &quality);
     assert_int_equal(quality.inverted, 0);
     assert_true(quality.worst > 0);
-    check_ok(context, follow(context, what, body, mover->mesh, &kept));
+    check_ok(context, follow(context, what, body, motion->mesh, &kept));
     status = solve(context, what, body, false, &kept);
     if (status != BW_OK) { /* back to the last good state */
       assert_true(what == BENT && status == BW_CONVERGENCE);
       r.unsolved++;
-      check_ok(context, bw_mover_return(context, mover, there));
-      assert_ptr_equal(mover->mesh, before);
+      check_ok(context, bw_mesh_motion_return(context, motion, there));
+      assert_ptr_equal(motion->mesh, before);
       check_ok(context, bw_sheet_return(context, body, then));
       assert_ptr_equal(((bw_sheet *)body)->mesh, before);
       size_t numbers = 2 * (size_t)before->topology->nodes->node_count;
@@ -237,11 +238,11 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
       continue;
     }
     if (what == SHAKEN) {
-      check_ok(context, follow(context, what, beside, mover->mesh, NULL));
+      check_ok(context, follow(context, what, beside, motion->mesh, NULL));
       check_ok(context, solve(context, what, beside, true, NULL));
     }
     if (k % every == 0) {
-      void *anew = what == SHAKEN ? beside : make(context, what, mover->mesh, material);
+      void *anew = what == SHAKEN ? beside : make(context, what, motion->mesh, material);
       if (what != SHAKEN)
         check_ok(context, solve(context, what, anew, true, NULL));
       double off = difference(what, body, anew);
@@ -276,7 +277,7 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
   assert_true(r.outline_refused > 0);
   bw_release(body);
   bw_release(beside);
-  bw_release(mover);
+  bw_release(motion);
   bw_release(outline);
   bw_release(first);
   bw_release(material);

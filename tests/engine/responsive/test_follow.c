@@ -63,12 +63,12 @@ static bw_sheet *make(bw_context *context, const bw_plane_mesh *mesh, const bw_m
   return sheet;
 }
 
-static void step(bw_context *context, bw_sheet *sheet, kind what, bw_stale_method method,
-                 bw_kept *kept) {
-  bw_stale_options options;
+static void step(bw_context *context, bw_sheet *sheet, kind what, bw_lagged_factor_method method,
+                 bw_plane_reuse *kept) {
+  bw_lagged_factor_options options;
   bw_bend_options newton;
   bw_newmark newmark;
-  bw_stale_options_default(&options);
+  bw_lagged_factor_options_default(&options);
   bw_bend_options_default(&newton);
   bw_newmark_default(&newmark);
   newmark.step = 5e-3;
@@ -86,7 +86,7 @@ static void drag(bw_context *context, kind what, int order) {
   bw_outline *outline = plate(context, 0.6, 0.5, 0.2);
   bw_plane_options fill;
   bw_plane_mesh *mesh;
-  bw_mover *mover;
+  bw_mesh_motion *motion;
   bw_follow_options follow;
   bw_plane_options_default(&fill);
   fill.order = order;
@@ -94,13 +94,13 @@ static void drag(bw_context *context, kind what, int order) {
   bw_follow_options_default(&follow);
   follow.fill = fill;
   check_ok(context, bw_plane_fill(context, outline, &fill, &mesh));
-  check_ok(context, bw_mover_create(context, mesh, &follow, &mover));
+  check_ok(context, bw_mesh_motion_create(context, mesh, &follow, &motion));
   bw_sheet *reused = make(context, mesh, material, what);
   bw_sheet *anew = make(context, mesh, material, what); /* for SHAKEN: history needed */
   bw_random random;
   bw_random_seed(&random, 9 + (uint64_t)what);
   double x = 0.6, y = 0.5;
-  int seen[4] = {0}, stale = 0;
+  int seen[4] = {0}, lagged = 0;
   for (int k = 0; k < DRAGS; k++) {
     double to_x = 0.4 + 1.2 * bw_random_uniform(&random),
            to_y = 0.4 + 0.2 * bw_random_uniform(&random);
@@ -108,26 +108,26 @@ static void drag(bw_context *context, kind what, int order) {
     double dx = share * (to_x - x), dy = share * (to_y - y);
     bw_outline *moved = hole_at(context, outline, dx, dy);
     bw_follow_report report;
-    bw_kept kept = {0};
-    check_ok(context, bw_mover_follow(context, mover, moved, &report));
+    bw_plane_reuse kept = {0};
+    check_ok(context, bw_mesh_motion_follow(context, motion, moved, &report));
     x += dx;
     y += dy;
-    check_ok(context, bw_sheet_follow(context, reused, mover->mesh, &kept));
+    check_ok(context, bw_sheet_follow(context, reused, motion->mesh, &kept));
     assert_int_equal(kept.level, report.level);
     seen[report.level]++;
-    step(context, reused, what, BW_STALE_AUTO, &kept);
-    stale += kept.factor;
+    step(context, reused, what, BW_LAGGED_FACTOR_AUTO, &kept);
+    lagged += kept.factor;
     if (k > 0)
       assert_true(kept.pattern == (report.level < BW_LEVEL_RECONNECTING));
     if (what == SHAKEN)
-      check_ok(context, bw_sheet_follow(context, anew, mover->mesh, NULL));
+      check_ok(context, bw_sheet_follow(context, anew, motion->mesh, NULL));
     else {
       bw_release(anew);
-      anew = make(context, mover->mesh, material, what);
+      anew = make(context, motion->mesh, material, what);
     }
-    step(context, anew, what, BW_STALE_SCRATCH, NULL);
+    step(context, anew, what, BW_LAGGED_FACTOR_FULL, NULL);
     double most = 0, off = 0;
-    for (int32_t i = 0; i < 2 * mover->mesh->topology->nodes->node_count; i++) {
+    for (int32_t i = 0; i < 2 * motion->mesh->topology->nodes->node_count; i++) {
       most = fmax(most, fabs(anew->displacement[i]));
       off = fmax(off, fabs(anew->displacement[i] - reused->displacement[i]));
     }
@@ -137,10 +137,10 @@ static void drag(bw_context *context, kind what, int order) {
   }
   assert_true(seen[BW_LEVEL_RELOCATION] > 0);
   assert_true(seen[BW_LEVEL_RECONNECTING] + seen[BW_LEVEL_RECONSTRUCTION] > 0);
-  assert_true(stale > 0 || what == SHAKEN); /* on so few nodes a new factor is soon as cheap */
+  assert_true(lagged > 0 || what == SHAKEN); /* on so few nodes a new factor is soon as cheap */
   bw_release(reused);
   bw_release(anew);
-  bw_release(mover);
+  bw_release(motion);
   bw_release(mesh);
   bw_release(outline);
   bw_release(material);
@@ -177,16 +177,16 @@ static void memory(bw_context *context, kind what, int order, double by) {
   follow.force = by > 0.2 ? BW_LEVEL_RECONSTRUCTION : BW_LEVEL_NONE;
   check_ok(context, bw_plane_fill(context, outline, &fill, &mesh));
   moved = hole_at(context, outline, by, 0);
-  bw_mover *mover;
-  check_ok(context, bw_mover_create(context, mesh, &follow, &mover));
-  check_ok(context, bw_mover_follow(context, mover, moved, NULL));
+  bw_mesh_motion *motion;
+  check_ok(context, bw_mesh_motion_create(context, mesh, &follow, &motion));
+  check_ok(context, bw_mesh_motion_follow(context, motion, moved, NULL));
   for (int n = 1; status != BW_OK; n += 3) {
     bw_sheet *sheet = make(context, mesh, material, what);
-    step(context, sheet, what, BW_STALE_AUTO, NULL);
-    bw_kept kept = {0};
-    double norm, *gradient = BW_NEW(context, double, 2 * mover->mesh->topology->nodes->node_count);
+    step(context, sheet, what, BW_LAGGED_FACTOR_AUTO, NULL);
+    bw_plane_reuse kept = {0};
+    double norm, *gradient = BW_NEW(context, double, 2 * motion->mesh->topology->nodes->node_count);
     bw_fail_allocation(n, true);
-    status = bw_sheet_follow(context, sheet, mover->mesh, &kept);
+    status = bw_sheet_follow(context, sheet, motion->mesh, &kept);
     if (status == BW_OK && what == STATIC)
       status = bw_sheet_static(context, sheet, NULL, &kept);
     else if (status == BW_OK && what == SHAKEN)
@@ -198,12 +198,12 @@ static void memory(bw_context *context, kind what, int order, double by) {
     bw_fail_allocation(0, false);
     assert_true(status == BW_OK || status == BW_MEMORY);
     assert_true(n < 3000);
-    check_ok(context, bw_sheet_follow(context, sheet, mover->mesh, &kept));
-    step(context, sheet, what, BW_STALE_AUTO, NULL);
+    check_ok(context, bw_sheet_follow(context, sheet, motion->mesh, &kept));
+    step(context, sheet, what, BW_LAGGED_FACTOR_AUTO, NULL);
     bw_free(gradient);
     bw_release(sheet);
   }
-  bw_release(mover);
+  bw_release(motion);
   bw_release(moved);
   bw_release(mesh);
   bw_release(outline);
@@ -245,14 +245,14 @@ static void test_renamed(void **state) {
   for (int i = 0; i < 3; i++)
     check_ok(context, bw_plane_fill(context, of[i], &fill, &mesh[i]));
   bw_sheet *sheet = make(context, mesh[0], material, STATIC);
-  step(context, sheet, STATIC, BW_STALE_AUTO, NULL);
+  step(context, sheet, STATIC, BW_LAGGED_FACTOR_AUTO, NULL);
   int32_t corner = node_at(mesh[0], 2, 1);
   double before = sheet->displacement[2 * corner + 1];
   check_fails(context, BW_INVALID, "no tag 'left'", bw_sheet_follow(context, sheet, mesh[2], NULL));
-  step(context, sheet, STATIC, BW_STALE_AUTO, NULL);
+  step(context, sheet, STATIC, BW_LAGGED_FACTOR_AUTO, NULL);
   check_near(sheet->displacement[2 * corner + 1], before, 1e-6 * fabs(before));
   check_ok(context, bw_sheet_follow(context, sheet, mesh[1], NULL));
-  step(context, sheet, STATIC, BW_STALE_AUTO, NULL);
+  step(context, sheet, STATIC, BW_LAGGED_FACTOR_AUTO, NULL);
   check_near(sheet->displacement[2 * node_at(mesh[1], 2, 1) + 1], before, 1e-6 * fabs(before));
   bw_release(sheet);
   for (int i = 0; i < 3; i++)

@@ -49,10 +49,10 @@ static double tip_after(bw_context *context, int steps, double ak) {
   newmark.step = 0.2 / steps;
   newmark.damping_stiffness = ak;
   newmark.damping_mass = 0.3;
-  bw_stale_options options;
-  bw_stale_options_default(&options);
+  bw_lagged_factor_options options;
+  bw_lagged_factor_options_default(&options);
   options.tolerance = 1e-12;
-  bw_kept kept = {0};
+  bw_plane_reuse kept = {0};
   for (int k = 0; k < steps; k++)
     check_ok(context, bw_sheet_shake(context, sheet, &newmark, &options, &kept));
   check_near(sheet->time, 0.2, 1e-12);
@@ -89,8 +89,8 @@ static void test_energy(void **state) {
   bw_newmark newmark;
   bw_newmark_default(&newmark);
   newmark.step = 2e-3;
-  bw_stale_options options;
-  bw_stale_options_default(&options);
+  bw_lagged_factor_options options;
+  bw_lagged_factor_options_default(&options);
   options.tolerance = 1e-12;
   check_ok(context, bw_sheet_shake(context, free, &newmark, &options, NULL));
   double first = energy_of(context, free), least = first, most = first;

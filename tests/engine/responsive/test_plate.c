@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Plates that ring: published frequencies, no locking, convergence, three dimensions, gradients by
- * differences, and the same answer from a stale factor as from scratch. */
+ * differences, and the same answer from a lagged factor as from scratch. */
 #include "../check.h"
 
 static const double PI = 3.14159265358979323846;
@@ -24,7 +24,7 @@ static bw_plane_mesh *rectangle(bw_context *context, double a, double b, int nx,
 static void frequencies(bw_context *context, const bw_plane_mesh *mesh, const bw_material *material,
                         double thickness, int modes, double *frequency) {
   bw_plate *plate;
-  bw_kept kept = {0};
+  bw_plane_reuse kept = {0};
   bw_plate_options options;
   bw_plate_options_default(&options);
   options.modes = modes;
@@ -196,7 +196,7 @@ static bw_plane_mesh *dragged(bw_context *context, const bw_plane_mesh *mesh, do
   return moved;
 }
 
-static void test_stale_equals_scratch(void **state) {
+static void test_lagged_equals_full(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = make_material(context, &aluminium);
   bw_plane_mesh *mesh = rectangle(context, 0.14, 0.03, 14, 4);
@@ -209,7 +209,7 @@ static void test_stale_equals_scratch(void **state) {
   static const int modes[] = {2, 2, 2, 2, 2, 3, 1, 1, 1};
   for (int k = 0; k < 9; k++) {
     bw_plane_mesh *moved = dragged(context, mesh, 0.004 * (k + 1));
-    bw_kept kept = {0};
+    bw_plane_reuse kept = {0};
     double scratch[3];
     options.modes = modes[k];
     check_ok(context, bw_plate_follow(context, plate, moved, &kept));
@@ -394,7 +394,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(test_free_square),   check_test(test_convergence),
       check_test(test_bar),           check_test(test_solid),
-      check_test(test_curved_inside), check_test(test_stale_equals_scratch),
+      check_test(test_curved_inside), check_test(test_lagged_equals_full),
       check_test(test_gradient),      check_test(test_nodal_lines),
       check_test(test_inplane),       check_test(test_wrong_input),
       check_test(test_memory),

@@ -169,8 +169,8 @@ static void random_plates(void **state) {
     follow.fill.order = 2;
     follow.fill.elements = 150;
     check_ok(context, bw_plane_fill(context, outline, &follow.fill, &mesh));
-    bw_mover *mover;
-    check_ok(context, bw_mover_create(context, mesh, &follow, &mover));
+    bw_mesh_motion *motion;
+    check_ok(context, bw_mesh_motion_create(context, mesh, &follow, &motion));
     bw_plate *plate;
     bw_plate_options options;
     bw_plate_options_default(&options);
@@ -186,13 +186,13 @@ static void random_plates(void **state) {
     for (int32_t i = 0; i < 2 * outline->point_count; i++)
       point[i] = outline->point[i] + weight[i / 2] * (i % 2 ? 0.001 : 0.002);
     check_ok(context, bw_outline_moved(context, outline, point, &pulled));
-    check_ok(context, bw_mover_follow(context, mover, pulled, &report));
-    check_ok(context, bw_plate_follow(context, plate, mover->mesh, NULL));
+    check_ok(context, bw_mesh_motion_follow(context, motion, pulled, &report));
+    check_ok(context, bw_plate_follow(context, plate, motion->mesh, NULL));
     check_ok(context, bw_plate_solve(context, plate, &options, NULL));
     compare(context, plate, seed);
     bw_release(pulled);
     bw_release(plate);
-    bw_release(mover);
+    bw_release(motion);
     bw_release(mesh);
     bw_release(outline);
   }

@@ -24,8 +24,8 @@ static double norm_of(bw_context *context, const bw_plane_mesh *mesh, bool strai
                                       .condition = conditions,
                                       .gravity = {2, -9}};
   bw_sheet *sheet;
-  bw_stale_options options;
-  bw_stale_options_default(&options);
+  bw_lagged_factor_options options;
+  bw_lagged_factor_options_default(&options);
   options.tolerance = 1e-13;
   check_ok(context, bw_sheet_create(context, mesh, &description, &sheet));
   check_ok(context, bw_sheet_static(context, sheet, &options, NULL));

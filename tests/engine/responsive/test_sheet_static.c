@@ -41,9 +41,9 @@ static void test_patch(void **state) {
         bw_material *material = wood ? turned(context) : isotropic(context, 2e11, 0.3, 0);
         bw_plane_mesh *mesh = jittered(context, rectangle(context, order, 2, 1, 6, 4), 0.06);
         bw_sheet *sheet = sheet_on(context, mesh, material, 0.01, strain, 2, hold);
-        bw_kept kept = {0};
-        bw_stale_options options;
-        bw_stale_options_default(&options);
+        bw_plane_reuse kept = {0};
+        bw_lagged_factor_options options;
+        bw_lagged_factor_options_default(&options);
         options.tolerance = 1e-12;
         check_ok(context, bw_sheet_static(context, sheet, &options, &kept));
         int32_t nodes = mesh->topology->nodes->node_count;
@@ -111,8 +111,8 @@ static void errors(bw_context *context, int order, int n, bool strain, double *o
   bw_material *material = isotropic(context, young, nu, 0);
   bw_plane_mesh *mesh = jittered(context, rectangle(context, order, 1, 1, n, n), 0.1 / n);
   bw_sheet *sheet = sheet_on(context, mesh, material, 1, strain, 2, hold);
-  bw_stale_options options;
-  bw_stale_options_default(&options);
+  bw_lagged_factor_options options;
+  bw_lagged_factor_options_default(&options);
   options.tolerance = 1e-11;
   check_ok(context, bw_sheet_static(context, sheet, &options, NULL));
   double point[BW_QUADRATURE_POINTS][3], weight[BW_QUADRATURE_POINTS];

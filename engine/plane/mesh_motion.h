@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* What following an outline is made of. */
-#ifndef BARWRIGHT_PLANE_MOVER_H
-#define BARWRIGHT_PLANE_MOVER_H
+#ifndef BARWRIGHT_PLANE_MESH_MOTION_H
+#define BARWRIGHT_PLANE_MESH_MOTION_H
 
 #include "plane/internal.h"
 

@@ -17,7 +17,7 @@
 #include <string.h>
 
 #include "base/sort.h"
-#include "responsive/stale.h"
+#include "responsive/lagged_factor.h"
 
 /* An order under which the work has grown by more than this is found anew. */
 #define WORN 1.25
@@ -27,7 +27,7 @@
 typedef float lanes __attribute__((vector_size(16), aligned(4), may_alias));
 enum { LANES = 4 };
 
-struct bwi_stale_blocks {
+struct bwi_lagged_blocks {
   int components;
   const bw_plane_nodes *nodes;       /* retained: what the order is of */
   const bw_plane_topology *topology; /* retained: what the analysis is of */
@@ -42,8 +42,8 @@ struct bwi_stale_blocks {
   float *room;          /* one row of blocks; in solves a vector */
 };
 
-bw_status bwi_stale_blocks_create(bw_context *context, int components, bwi_stale_blocks **out) {
-  bwi_stale_blocks *s = BW_NEW0(context, bwi_stale_blocks, 1);
+bw_status bwi_lagged_blocks_create(bw_context *context, int components, bwi_lagged_blocks **out) {
+  bwi_lagged_blocks *s = BW_NEW0(context, bwi_lagged_blocks, 1);
   if (!s)
     return BW_MEMORY;
   s->components = components;
@@ -51,7 +51,7 @@ bw_status bwi_stale_blocks_create(bw_context *context, int components, bwi_stale
   return BW_OK;
 }
 
-static void forget_analysis(bwi_stale_blocks *s) {
+static void forget_analysis(bwi_lagged_blocks *s) {
   bw_release(s->topology);
   bw_free(s->upper_start);
   bw_free(s->lower_start);
@@ -65,7 +65,7 @@ static void forget_analysis(bwi_stale_blocks *s) {
   s->upper = s->lower = NULL;
 }
 
-void bwi_stale_blocks_forget(bwi_stale_blocks *s) {
+void bwi_lagged_blocks_reset(bwi_lagged_blocks *s) {
   forget_analysis(s);
   bw_release(s->nodes);
   bw_free(s->order);
@@ -73,13 +73,13 @@ void bwi_stale_blocks_forget(bwi_stale_blocks *s) {
   bw_free(s->inverse);
   bw_free(s->scale);
   bw_free(s->room);
-  *s = (bwi_stale_blocks){.components = s->components};
+  *s = (bwi_lagged_blocks){.components = s->components};
 }
 
-void bwi_stale_blocks_free(bwi_stale_blocks *s) {
+void bwi_lagged_blocks_free(bwi_lagged_blocks *s) {
   if (!s)
     return;
-  bwi_stale_blocks_forget(s);
+  bwi_lagged_blocks_reset(s);
   bw_free(s);
 }
 
@@ -87,7 +87,8 @@ void bwi_stale_blocks_free(bwi_stale_blocks *s) {
 
 /* Patterns of U row by row: what the graph has above the diagonal, and what the rows bring whose
  * first column this is. */
-static bw_status find_upper(bw_context *context, bwi_stale_blocks *s, const bw_plane_graph *graph) {
+static bw_status find_upper(bw_context *context, bwi_lagged_blocks *s,
+                            const bw_plane_graph *graph) {
   bw_status status = BW_OK;
   int32_t n = s->size;
   int64_t room = 4 * graph->pair_count + n, used = 0;
@@ -148,7 +149,7 @@ done:
   return status;
 }
 
-static bw_status find_lower(bw_context *context, bwi_stale_blocks *s) {
+static bw_status find_lower(bw_context *context, bwi_lagged_blocks *s) {
   int32_t n = s->size;
   int64_t entries = s->upper_start[n];
   size_t block = (size_t)s->components * LANES;
@@ -169,7 +170,7 @@ static bw_status find_lower(bw_context *context, bwi_stale_blocks *s) {
   return BW_OK;
 }
 
-static void count_work(bwi_stale_blocks *s) {
+static void count_work(bwi_lagged_blocks *s) {
   double updates = 0;
   for (int32_t k = 0; k < s->size; k++) {
     double row = (double)(s->upper_start[k + 1] - s->upper_start[k]);
@@ -178,23 +179,23 @@ static void count_work(bwi_stale_blocks *s) {
   s->flops = 2 * updates * s->components * s->components * s->components;
 }
 
-static bw_status find_order(bw_context *context, bwi_stale_blocks *s, const bw_plane_graph *graph,
+static bw_status find_order(bw_context *context, bwi_lagged_blocks *s, const bw_plane_graph *graph,
                             bool quick) {
-  bw_status status = bwi_stale_order(context, graph, quick, s->order);
+  bw_status status = bwi_lagged_order(context, graph, quick, s->order);
   for (int32_t k = 0; status == BW_OK && k < s->size; k++)
     s->position[s->order[k]] = k;
   return status;
 }
 
-static bw_status analyse(bw_context *context, bwi_stale_blocks *s, const bw_plane_graph *graph,
-                         bwi_stale_work *work) {
+static bw_status analyse(bw_context *context, bwi_lagged_blocks *s, const bw_plane_graph *graph,
+                         bwi_lagged_work *work) {
   bw_status status = BW_OK;
   if (s->topology == graph->topology)
     return BW_OK;
   work->analysed = true;
   forget_analysis(s);
   if (s->nodes != graph->topology->nodes)
-    bwi_stale_blocks_forget(s);
+    bwi_lagged_blocks_reset(s);
   if (!s->nodes) {
     size_t n = (size_t)graph->node_count, block = (size_t)s->components * LANES;
     s->size = graph->node_count;
@@ -226,7 +227,7 @@ static bw_status analyse(bw_context *context, bwi_stale_blocks *s, const bw_plan
   s->topology = bw_retain(graph->topology);
 done:
   if (status != BW_OK)
-    bwi_stale_blocks_forget(s);
+    bwi_lagged_blocks_reset(s);
   return status;
 }
 
@@ -275,7 +276,7 @@ static inline __attribute__((always_inline)) bool invert(const lanes *block, lan
 /* Row by row: A(i) less L(i, k) U(k) for k from the lowest. C is a constant wherever this is
  * expanded. */
 static inline __attribute__((always_inline)) bool
-eliminate(bwi_stale_blocks *s, const bw_plane_graph *graph, const double *values, int C) {
+eliminate(bwi_lagged_blocks *s, const bw_plane_graph *graph, const double *values, int C) {
   lanes *work = (lanes *)s->room;
   const lanes zero = {0};
   for (int32_t i = 0; i < s->size; i++) {
@@ -336,7 +337,7 @@ static inline __attribute__((always_inline)) float sum_of(lanes v, int C) {
   return sum;
 }
 
-static inline __attribute__((always_inline)) void substitute(const bwi_stale_blocks *s,
+static inline __attribute__((always_inline)) void substitute(const bwi_lagged_blocks *s,
                                                              const double *r, double *z, int C) {
   lanes *y = (lanes *)s->room;
   double largest = 0;
@@ -378,12 +379,12 @@ static inline __attribute__((always_inline)) void substitute(const bwi_stale_blo
   }
 }
 
-bw_status bwi_stale_blocks_factor(bw_context *context, bwi_stale_blocks *s,
-                                  const bw_plane_graph *graph, const double *values, bool *done,
-                                  bwi_stale_work *work) {
+bw_status bwi_lagged_blocks_factor(bw_context *context, bwi_lagged_blocks *s,
+                                   const bw_plane_graph *graph, const double *values, bool *done,
+                                   bwi_lagged_work *work) {
   bw_status status = BW_OK;
   const int C = s->components;
-  *work = (bwi_stale_work){0};
+  *work = (bwi_lagged_work){0};
   *done = false;
   BW_TRY(analyse(context, s, graph, work));
   BW_TRY(bw_check_cancel(context));
@@ -413,7 +414,7 @@ done:
   return status;
 }
 
-void bwi_stale_blocks_apply(const bwi_stale_blocks *s, const double *r, double *z) {
+void bwi_lagged_blocks_apply(const bwi_lagged_blocks *s, const double *r, double *z) {
   switch (s->components) {
   case 1:
     substitute(s, r, z, 1);

@@ -3,20 +3,20 @@
  *
  * UMFPACK takes compressed columns. Rows are what a graph has: the arrays hold the transposed
  * matrix, and solves ask for the transposed system. Columns are ordered by nodes, with an order
- * that is kept as long as the nodes are (stale_symmetric.c); UMFPACK may still choose pivots
+ * that is kept as long as the nodes are (lagged_symmetric.c); UMFPACK may still choose pivots
  * elsewhere where numbers ask for it. */
 #include <limits.h>
 #include <string.h>
 
 #include <umfpack.h>
 
-#include "responsive/stale.h"
+#include "responsive/lagged_factor.h"
 #include "solve/blas.h"
 
 /* An order under which the work has grown by more than this is found anew. */
 #define WORN 1.25
 
-struct bwi_stale_unsymmetric {
+struct bwi_lagged_unsymmetric {
   int components;
   const bw_plane_nodes *nodes;       /* retained: what the order is of */
   int32_t *order;                    /* unknowns as they are eliminated */
@@ -30,9 +30,9 @@ struct bwi_stale_unsymmetric {
   double *room;
 };
 
-bw_status bwi_stale_unsymmetric_create(bw_context *context, int components,
-                                       bwi_stale_unsymmetric **out) {
-  bwi_stale_unsymmetric *s = BW_NEW0(context, bwi_stale_unsymmetric, 1);
+bw_status bwi_lagged_unsymmetric_create(bw_context *context, int components,
+                                        bwi_lagged_unsymmetric **out) {
+  bwi_lagged_unsymmetric *s = BW_NEW0(context, bwi_lagged_unsymmetric, 1);
   if (!s)
     return BW_MEMORY;
   s->components = components;
@@ -40,7 +40,7 @@ bw_status bwi_stale_unsymmetric_create(bw_context *context, int components,
   return BW_OK;
 }
 
-static void forget_analysis(bwi_stale_unsymmetric *s) {
+static void forget_analysis(bwi_lagged_unsymmetric *s) {
   if (s->symbolic)
     umfpack_di_free_symbolic(&s->symbolic);
   bw_release(s->topology);
@@ -53,7 +53,7 @@ static void forget_analysis(bwi_stale_unsymmetric *s) {
   s->value = NULL;
 }
 
-void bwi_stale_unsymmetric_forget(bwi_stale_unsymmetric *s) {
+void bwi_lagged_unsymmetric_reset(bwi_lagged_unsymmetric *s) {
   forget_analysis(s);
   if (s->numeric)
     umfpack_di_free_numeric(&s->numeric);
@@ -61,13 +61,13 @@ void bwi_stale_unsymmetric_forget(bwi_stale_unsymmetric *s) {
   bw_free(s->order);
   bw_free(s->room_index);
   bw_free(s->room);
-  *s = (bwi_stale_unsymmetric){.components = s->components};
+  *s = (bwi_lagged_unsymmetric){.components = s->components};
 }
 
-void bwi_stale_unsymmetric_free(bwi_stale_unsymmetric *s) {
+void bwi_lagged_unsymmetric_free(bwi_lagged_unsymmetric *s) {
   if (!s)
     return;
-  bwi_stale_unsymmetric_forget(s);
+  bwi_lagged_unsymmetric_reset(s);
   bw_free(s);
 }
 
@@ -79,7 +79,7 @@ static void controls(double *control) {
   control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
 }
 
-static bw_status judge(bw_context *context, const bwi_stale_unsymmetric *s, int code,
+static bw_status judge(bw_context *context, const bwi_lagged_unsymmetric *s, int code,
                        double smallest_pivot) {
   if (code == UMFPACK_WARNING_singular_matrix || (code == UMFPACK_OK && !(smallest_pivot > 0))) {
     bw_fail(context, BW_SINGULAR,
@@ -97,7 +97,7 @@ static bw_status judge(bw_context *context, const bwi_stale_unsymmetric *s, int 
   return BW_OK;
 }
 
-static bw_status order_unknowns(bw_context *context, bwi_stale_unsymmetric *s,
+static bw_status order_unknowns(bw_context *context, bwi_lagged_unsymmetric *s,
                                 const bw_plane_graph *graph) {
   bw_status status = BW_OK;
   int32_t *nodes = BW_NEW(context, int32_t, graph->node_count);
@@ -111,7 +111,7 @@ static bw_status order_unknowns(bw_context *context, bwi_stale_unsymmetric *s,
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_stale_order(context, graph, s->nodes != NULL, nodes));
+  BW_TRY(bwi_lagged_order(context, graph, s->nodes != NULL, nodes));
   for (int32_t i = 0; i < graph->node_count; i++)
     for (int c = 0; c < s->components; c++)
       s->order[i * s->components + c] = nodes[i] * s->components + c;
@@ -122,7 +122,7 @@ done:
   return status;
 }
 
-static void fill_values(bwi_stale_unsymmetric *s, const bw_plane_graph *graph,
+static void fill_values(bwi_lagged_unsymmetric *s, const bw_plane_graph *graph,
                         const double *values) {
   const int C = s->components;
   int fill = 0;
@@ -133,8 +133,8 @@ static void fill_values(bwi_stale_unsymmetric *s, const bw_plane_graph *graph,
           s->value[fill++] = values[C * C * p + C * r + c];
 }
 
-static bw_status analyse(bw_context *context, bwi_stale_unsymmetric *s, const bw_plane_graph *graph,
-                         const double *values, bwi_stale_work *work) {
+static bw_status analyse(bw_context *context, bwi_lagged_unsymmetric *s,
+                         const bw_plane_graph *graph, const double *values, bwi_lagged_work *work) {
   bw_status status = BW_OK;
   double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
   const int C = s->components;
@@ -149,7 +149,7 @@ static bw_status analyse(bw_context *context, bwi_stale_unsymmetric *s, const bw
   work->analysed = true;
   forget_analysis(s);
   if (s->nodes != graph->topology->nodes) {
-    bwi_stale_unsymmetric_forget(s);
+    bwi_lagged_unsymmetric_reset(s);
     work->reordered = true;
   }
   s->size = graph->node_count * C;
@@ -195,13 +195,13 @@ done:
   return status;
 }
 
-bw_status bwi_stale_unsymmetric_factor(bw_context *context, bwi_stale_unsymmetric *s,
-                                       const bw_plane_graph *graph, const double *values,
-                                       bwi_stale_work *work) {
+bw_status bwi_lagged_unsymmetric_factor(bw_context *context, bwi_lagged_unsymmetric *s,
+                                        const bw_plane_graph *graph, const double *values,
+                                        bwi_lagged_work *work) {
   bw_status status = BW_OK;
   double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
   void *numeric = NULL;
-  *work = (bwi_stale_work){0};
+  *work = (bwi_lagged_work){0};
   BW_TRY(analyse(context, s, graph, values, work));
   BW_TRY(bw_check_cancel(context));
   controls(control);
@@ -224,8 +224,8 @@ done:
   return status;
 }
 
-bw_status bwi_stale_unsymmetric_apply(bw_context *context, bwi_stale_unsymmetric *s,
-                                      const double *r, double *z) {
+bw_status bwi_lagged_unsymmetric_apply(bw_context *context, bwi_lagged_unsymmetric *s,
+                                       const double *r, double *z) {
   double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
   if (!s->numeric)
     return bw_fail(context, BW_INTERNAL, "there is no factor to apply");

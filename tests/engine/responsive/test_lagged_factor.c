@@ -83,14 +83,15 @@ static void clear(fixture *f) {
 static void follow_changes(bw_context *context, bool symmetric, int components) {
   fixture f = set_up(context, 16, components, symmetric ? 0 : 1, 0, NULL);
   fixture g = set_up(context, 16, components, symmetric ? 0 : 1, 0x14, f.topology);
-  bw_stale *stale;
-  bw_stale_options options;
-  bw_stale_options_default(&options);
-  check_ok(context, bw_stale_create(context, symmetric, components, &stale));
+  bw_lagged_factor *lagged;
+  bw_lagged_factor_options options;
+  bw_lagged_factor_options_default(&options);
+  check_ok(context, bw_lagged_factor_create(context, symmetric, components, &lagged));
 
-  bw_kept kept = {0};
+  bw_plane_reuse kept = {0};
   assemble(&f, 0.1, 0);
-  check_ok(context, bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, &options, &kept));
+  check_ok(context,
+           bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, &options, &kept));
   assert_true(residual(&f) < 1.001e-8);
   assert_int_equal(kept.factorisations, 1);
   assert_int_equal(kept.analyses, 1);
@@ -98,10 +99,11 @@ static void follow_changes(bw_context *context, bool symmetric, int components) 
   assert_false(kept.factor);
 
   /* the values move: the factor is kept and iterated on */
-  options.method = BW_STALE_ITERATE;
-  kept = (bw_kept){0};
+  options.method = BW_LAGGED_FACTOR_ITERATE;
+  kept = (bw_plane_reuse){0};
   assemble(&f, 0.1, 0.3);
-  check_ok(context, bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, &options, &kept));
+  check_ok(context,
+           bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, &options, &kept));
   assert_true(residual(&f) < 1.001e-8);
   assert_true(kept.factor);
   assert_int_equal(kept.factorisations, 0);
@@ -109,50 +111,56 @@ static void follow_changes(bw_context *context, bool symmetric, int components) 
   check_near(kept.residual, residual(&f), 1e-12);
 
   /* the topology moves: the factor is kept all the same */
-  kept = (bw_kept){0};
+  kept = (bw_plane_reuse){0};
   assemble(&g, 0.1, 0.3);
   memcpy(g.x, f.x, f.size * sizeof *f.x);
-  check_ok(context, bw_stale_solve(context, stale, g.graph, g.values, g.rhs, g.x, &options, &kept));
+  check_ok(context,
+           bw_lagged_factor_solve(context, lagged, g.graph, g.values, g.rhs, g.x, &options, &kept));
   assert_true(residual(&g) < 1.001e-8);
   assert_true(kept.factor);
   assert_int_equal(kept.factorisations, 0);
 
   /* factored anew: the analysis is made for the new topology */
-  options.method = BW_STALE_REFACTOR;
-  kept = (bw_kept){0};
+  options.method = BW_LAGGED_FACTOR_REFACTOR;
+  kept = (bw_plane_reuse){0};
   memset(g.x, 0, g.size * sizeof *g.x);
-  check_ok(context, bw_stale_solve(context, stale, g.graph, g.values, g.rhs, g.x, &options, &kept));
+  check_ok(context,
+           bw_lagged_factor_solve(context, lagged, g.graph, g.values, g.rhs, g.x, &options, &kept));
   assert_true(residual(&g) < 1.001e-8);
   assert_int_equal(kept.analyses, 1);
   assert_int_equal(kept.factorisations, 1);
-  kept = (bw_kept){0};
+  kept = (bw_plane_reuse){0};
   assemble(&g, 0.4, 0.3);
-  check_ok(context, bw_stale_solve(context, stale, g.graph, g.values, g.rhs, g.x, &options, &kept));
+  check_ok(context,
+           bw_lagged_factor_solve(context, lagged, g.graph, g.values, g.rhs, g.x, &options, &kept));
   assert_true(residual(&g) < 1.001e-8);
   assert_int_equal(kept.analyses, 0);
   assert_int_equal(kept.factorisations, 1);
 
   /* too far for the iterations allowed: a new factor is made without being asked for */
-  options.method = BW_STALE_ITERATE;
+  options.method = BW_LAGGED_FACTOR_ITERATE;
   options.iterations = 2;
-  kept = (bw_kept){0};
+  kept = (bw_plane_reuse){0};
   assemble(&g, 0.9, 2);
-  check_ok(context, bw_stale_solve(context, stale, g.graph, g.values, g.rhs, g.x, &options, &kept));
+  check_ok(context,
+           bw_lagged_factor_solve(context, lagged, g.graph, g.values, g.rhs, g.x, &options, &kept));
   assert_true(residual(&g) < 1.001e-8);
   assert_int_equal(kept.factorisations, 1);
 
   /* another size */
   fixture h = set_up(context, 9, components, symmetric ? 0 : 1, 0, NULL);
-  kept = (bw_kept){0};
-  bw_stale_options_default(&options);
+  kept = (bw_plane_reuse){0};
+  bw_lagged_factor_options_default(&options);
   assemble(&h, 0.4, 0.3);
-  check_ok(context, bw_stale_solve(context, stale, h.graph, h.values, h.rhs, h.x, &options, &kept));
+  check_ok(context,
+           bw_lagged_factor_solve(context, lagged, h.graph, h.values, h.rhs, h.x, &options, &kept));
   assert_true(residual(&h) < 1.001e-8);
   assert_int_equal(kept.analyses, 1);
 
-  bw_stale_forget(stale);
-  check_fails(context, BW_INTERNAL, "no factor", bw_stale_apply(context, stale, h.rhs, h.x));
-  bw_stale_free(stale);
+  bw_lagged_factor_reset(lagged);
+  check_fails(context, BW_INTERNAL, "no factor",
+              bw_lagged_factor_apply(context, lagged, h.rhs, h.x));
+  bw_lagged_factor_free(lagged);
   clear(&f);
   clear(&g);
   clear(&h);
@@ -173,17 +181,18 @@ static void test_choice(void **state) {
   fixture f = set_up(context, 48, 2, 0, 0, NULL);
   int factorisations[2];
   for (int fast = 0; fast < 2; fast++) {
-    bw_stale *stale;
-    check_ok(context, bw_stale_create(context, true, 2, &stale));
-    bw_kept kept = {0};
+    bw_lagged_factor *lagged;
+    check_ok(context, bw_lagged_factor_create(context, true, 2, &lagged));
+    bw_plane_reuse kept = {0};
     for (int frame = 0; frame < 40; frame++) {
       assemble(&f, 0.5, frame * (fast ? 0.8 : 1e-4));
-      check_ok(context, bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, NULL, &kept));
+      check_ok(context,
+               bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, NULL, &kept));
       assert_true(residual(&f) < 1.001e-8);
     }
     factorisations[fast] = kept.factorisations;
     assert_int_equal(kept.analyses, 1);
-    bw_stale_free(stale);
+    bw_lagged_factor_free(lagged);
   }
   assert_in_range(factorisations[0], 1, 8);
   assert_in_range(factorisations[1], 15, 40);
@@ -194,8 +203,8 @@ static void test_refused(void **state) {
   bw_context *context = check_context(state);
   for (int symmetric = 0; symmetric < 2; symmetric++) {
     fixture f = set_up(context, 6, 1, 0, 0, NULL);
-    bw_stale *stale;
-    check_ok(context, bw_stale_create(context, symmetric, 1, &stale));
+    bw_lagged_factor *lagged;
+    check_ok(context, bw_lagged_factor_create(context, symmetric, 1, &lagged));
     f.field.mass = 0; /* the constant field is free */
     assemble(&f, 0.2, 0);
     memset(f.values, 0, sizeof(double)); /* and one entry is nothing */
@@ -204,25 +213,28 @@ static void test_refused(void **state) {
     for (size_t i = 0; i < f.size; i++)
       f.x[i] = 5;
     check_fails(context, BW_SINGULAR, symmetric ? "not positive definite" : "singular",
-                bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, NULL, NULL));
+                bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, NULL, NULL));
     for (size_t i = 0; i < f.size; i++)
       assert_true(f.x[i] == 5);
     /* it can go on after that */
     f.field.mass = 0.01;
     assemble(&f, 0.2, 0);
-    check_ok(context, bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, NULL, NULL));
+    check_ok(context,
+             bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, NULL, NULL));
     assert_true(residual(&f) < 1.001e-8);
     f.rhs[3] = NAN;
     check_fails(context, BW_INVALID, "not finite",
-                bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, NULL, NULL));
+                bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, NULL, NULL));
     memset(f.rhs, 0, f.size * sizeof *f.rhs);
-    check_ok(context, bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, NULL, NULL));
+    check_ok(context,
+             bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, NULL, NULL));
     assert_true(f.x[0] == 0);
-    bw_stale_free(stale);
+    bw_lagged_factor_free(lagged);
     clear(&f);
   }
-  bw_stale *stale;
-  check_fails(context, BW_INVALID, "5 components", bw_stale_create(context, false, 5, &stale));
+  bw_lagged_factor *lagged;
+  check_fails(context, BW_INVALID, "5 components",
+              bw_lagged_factor_create(context, false, 5, &lagged));
 }
 
 /* A saddle: the second component has nothing on the diagonal. Without pivoting that cannot be
@@ -231,10 +243,10 @@ static void test_saddle(void **state) {
   bw_context *context = check_context(state);
   for (int k = 0; k < 2; k++) {
     fixture f = set_up(context, 12, 2, 0.5, 0, NULL);
-    bw_kept kept = {0};
-    bw_stale *stale;
+    bw_plane_reuse kept = {0};
+    bw_lagged_factor *lagged;
     double residual = 0;
-    check_ok(context, bw_stale_create(context, false, 2, &stale));
+    check_ok(context, bw_lagged_factor_create(context, false, 2, &lagged));
     assemble(&f, 0.3, 0);
     for (int64_t i = 0; i < f.graph->node_count; i++)
       for (int64_t p = f.graph->start[i]; p < f.graph->start[i + 1]; p++) {
@@ -244,12 +256,13 @@ static void test_saddle(void **state) {
         block[2] = own ? -1 : 0.1;
         block[3] = own && k == 1 ? 1e-9 : 0;
       }
-    check_ok(context, bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, NULL, &kept));
+    check_ok(context,
+             bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, NULL, &kept));
     check_ok(context, bw_plane_multiply(context, f.graph, 2, f.values, f.x, f.y));
     for (size_t i = 0; i < f.size; i++)
       residual = fmax(residual, fabs(f.y[i] - f.rhs[i]));
     assert_true(residual < 1e-6);
-    bw_stale_free(stale);
+    bw_lagged_factor_free(lagged);
     clear(&f);
   }
 }
@@ -261,17 +274,17 @@ static void test_threads(void **state) {
     for (int threads = 1; threads <= 3; threads++) {
       check_ok(context, bw_set_threads(context, threads));
       fixture f = set_up(context, symmetric ? 96 : 40, 2, symmetric ? 0 : 1, 0, NULL);
-      bw_stale *stale;
-      bw_stale_options options;
-      bw_stale_options_default(&options);
-      check_ok(context, bw_stale_create(context, symmetric, 2, &stale));
+      bw_lagged_factor *lagged;
+      bw_lagged_factor_options options;
+      bw_lagged_factor_options_default(&options);
+      check_ok(context, bw_lagged_factor_create(context, symmetric, 2, &lagged));
       for (int frame = 0; frame < 3; frame++) {
         assemble(&f, 0.3, frame);
-        check_ok(context,
-                 bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, &options, NULL));
-        options.method = BW_STALE_ITERATE;
+        check_ok(context, bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x,
+                                                 &options, NULL));
+        options.method = BW_LAGGED_FACTOR_ITERATE;
       }
-      bw_stale_free(stale);
+      bw_lagged_factor_free(lagged);
       if (first)
         assert_memory_equal(first, f.x, f.size * sizeof *f.x);
       else {
@@ -292,15 +305,15 @@ static void test_memory(void **state) {
     assemble(&f, 0.3, 0);
     bw_status status = BW_MEMORY;
     for (int n = 1; status != BW_OK; n++) {
-      bw_stale *stale = NULL;
+      bw_lagged_factor *lagged = NULL;
       bw_fail_allocation(n, true);
-      status = bw_stale_create(context, symmetric, 2, &stale);
+      status = bw_lagged_factor_create(context, symmetric, 2, &lagged);
       if (status == BW_OK)
-        status = bw_stale_solve(context, stale, f.graph, f.values, f.rhs, f.x, NULL, NULL);
+        status = bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, NULL, NULL);
       bw_fail_allocation(0, false);
       assert_true(status == BW_OK || status == BW_MEMORY);
       assert_true(n < 1000);
-      bw_stale_free(stale);
+      bw_lagged_factor_free(lagged);
     }
     clear(&f);
   }

@@ -1,35 +1,36 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* What acts on a solid, as numbers at nodes. */
-#ifndef BWI_NONLINEAR_CASE_H
-#define BWI_NONLINEAR_CASE_H
+#ifndef BWI_NONLINEAR_LOAD_CASE_H
+#define BWI_NONLINEAR_LOAD_CASE_H
 
 #include "barwright/nonlinear.h"
 
 /* BW_EMPTY without nodes, BW_INVALID for one that the grid does not have; BW_INVALID for a vector
  * that is not finite. */
-bw_status bwi_case_check_nodes(bw_context *context, const bw_grid *grid, int64_t count,
-                               const int32_t *node, const char *what);
-bw_status bwi_case_check_finite(bw_context *context, const char *what, const double vector[3]);
+bw_status bwi_load_case_check_nodes(bw_context *context, const bw_grid *grid, int64_t count,
+                                    const int32_t *node, const char *what);
+bw_status bwi_load_case_check_finite(bw_context *context, const char *what, const double vector[3]);
 
 /* Where the points of an embedding are at rest (point_count x 3). */
 void bwi_embedding_rest(const bw_embedding *embedding, double *rest);
 
 /* Dead loads at full: forces, gravity, dead pressures (node_count x 3). */
-bw_status bwi_case_dead(bw_context *context, const bw_solid *solid, const bw_solid_case *it,
-                        double *force);
-bool bwi_case_follows(const bw_solid_case *it);
+bw_status bwi_load_case_dead(bw_context *context, const bw_solid *solid, const bw_load_case *it,
+                             double *force);
+bool bwi_load_case_follows(const bw_load_case *it);
 
 /* Follower pressures at displacements u, times `factor`, added to `force`; and their derivative
  * along v. A triangle's force p a, a its area vector, goes to its three points alike. */
-bw_status bwi_case_follow(bw_context *context, const bw_solid_case *it, const double *u,
-                          double factor, double *force);
-bw_status bwi_case_follow_along(bw_context *context, const bw_solid_case *it, const double *u,
-                                const double *v, double factor, double *force);
+bw_status bwi_load_case_follow(bw_context *context, const bw_load_case *it, const double *u,
+                               double factor, double *force);
+bw_status bwi_load_case_follow_along(bw_context *context, const bw_load_case *it, const double *u,
+                                     const double *v, double factor, double *force);
 
 /* The symmetric part of what follower pressures, times `factor`, add to the second derivatives of
  * the potential, as far as it is between nodes that share an element (9 per pair, added). */
-bw_status bwi_case_follow_stiffness(bw_context *context, const bw_solid_case *it, const double *u,
-                                    double factor, const bw_graph *graph, double *pairs);
+bw_status bwi_load_case_follow_stiffness(bw_context *context, const bw_load_case *it,
+                                         const double *u, double factor, const bw_graph *graph,
+                                         double *pairs);
 /* The place of pair (a, b), b <= a, or -1. */
 static inline int64_t bwi_graph_pair(const bw_graph *graph, int32_t a, int32_t b) {
   int64_t low = graph->start[a], high = graph->start[a + 1] - 1;
@@ -44,7 +45,7 @@ static inline int64_t bwi_graph_pair(const bw_graph *graph, int32_t a, int32_t b
 }
 
 /* BW_UNCONSTRAINED where a group of elements connected by nodes can move as a rigid body: by what
- * is held and, towards them, by floors. */
-bw_status bwi_case_check_held(bw_context *context, const bw_solid_case *it);
+ * is held and, towards them, by contact planes. */
+bw_status bwi_load_case_check_held(bw_context *context, const bw_load_case *it);
 
 #endif

@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "responsive/stale.h"
+#include "responsive/lagged_factor.h"
 #include "responsive/vectors.h"
 
 /* The model's machine: of the factorisation, operations and passes over the factor (fronts are
@@ -34,15 +34,15 @@
 #define FIRST_GUESS_FLIPPED 25.0
 #define FORGETTING 0.9
 
-struct bw_stale {
+struct bw_lagged_factor {
   bool symmetric;
   int components;
-  bwi_stale_symmetric *cholesky;
-  bwi_stale_unsymmetric *lu;
-  bwi_stale_blocks *blocks;          /* unsymmetric ones too, */
+  bwi_lagged_symmetric *cholesky;
+  bwi_lagged_unsymmetric *lu;
+  bwi_lagged_blocks *blocks;         /* unsymmetric ones too, */
   bool pivoting;                     /* until they were no good for these nodes: */
   const bw_plane_topology *topology; /* retained: of the factor; NULL: there is none */
-  bwi_stale_work work;               /* of the last factorisation */
+  bwi_lagged_work work;              /* of the last factorisation */
   /* since it: */
   int solves;                             /* with the factor old */
   int last;                               /* iterations of the last of them */
@@ -57,143 +57,149 @@ struct bw_stale {
 enum { ENOUGH = 15 };
 enum { SYMMETRIC_VECTORS = 5, UNSYMMETRIC_VECTORS = 8 };
 
-void bw_stale_options_default(bw_stale_options *options) {
-  *options = (bw_stale_options){BW_STALE_AUTO, 1e-8, 60};
+void bw_lagged_factor_options_default(bw_lagged_factor_options *options) {
+  *options = (bw_lagged_factor_options){BW_LAGGED_FACTOR_AUTO, 1e-8, 60};
 }
 
-bw_status bw_stale_create(bw_context *context, bool symmetric, int components, bw_stale **out) {
+bw_status bw_lagged_factor_create(bw_context *context, bool symmetric, int components,
+                                  bw_lagged_factor **out) {
   bw_status status = BW_OK;
   int most = symmetric ? 3 : BWI_MOST_COMPONENTS;
   if (components < 1 || components > most)
     return bw_fail(context, BW_INVALID, "%d components at a node; 1 to %d are possible", components,
                    most);
-  bw_stale *stale = BW_NEW0(context, bw_stale, 1);
-  if (!stale)
+  bw_lagged_factor *lagged = BW_NEW0(context, bw_lagged_factor, 1);
+  if (!lagged)
     return BW_MEMORY;
-  stale->symmetric = symmetric;
-  stale->components = components;
-  stale->first = FIRST_GUESS;
-  stale->first_flipped = FIRST_GUESS_FLIPPED;
+  lagged->symmetric = symmetric;
+  lagged->components = components;
+  lagged->first = FIRST_GUESS;
+  lagged->first_flipped = FIRST_GUESS_FLIPPED;
   if (symmetric)
-    BW_TRY(bwi_stale_symmetric_create(context, components, &stale->cholesky));
+    BW_TRY(bwi_lagged_symmetric_create(context, components, &lagged->cholesky));
   else
-    BW_TRY(bwi_stale_unsymmetric_create(context, components, &stale->lu));
+    BW_TRY(bwi_lagged_unsymmetric_create(context, components, &lagged->lu));
   if (!symmetric)
-    BW_TRY(bwi_stale_blocks_create(context, components, &stale->blocks));
+    BW_TRY(bwi_lagged_blocks_create(context, components, &lagged->blocks));
 done:
   if (status == BW_OK)
-    *out = stale;
+    *out = lagged;
   else
-    bw_stale_free(stale);
+    bw_lagged_factor_free(lagged);
   return status;
 }
 
 /* Orders, analyses, numbers. */
-static void forget_kept(bw_stale *stale) {
-  if (stale->cholesky)
-    bwi_stale_symmetric_forget(stale->cholesky);
-  if (stale->lu)
-    bwi_stale_unsymmetric_forget(stale->lu);
-  if (stale->blocks)
-    bwi_stale_blocks_forget(stale->blocks);
+static void forget_kept(bw_lagged_factor *lagged) {
+  if (lagged->cholesky)
+    bwi_lagged_symmetric_reset(lagged->cholesky);
+  if (lagged->lu)
+    bwi_lagged_unsymmetric_reset(lagged->lu);
+  if (lagged->blocks)
+    bwi_lagged_blocks_reset(lagged->blocks);
 }
 
-static void forget_factor(bw_stale *stale) {
-  bw_release(stale->topology);
-  bw_release(stale->last_topology);
-  stale->topology = stale->last_topology = NULL;
-  stale->solves = stale->last = 0;
-  stale->spent = 0;
+static void forget_factor(bw_lagged_factor *lagged) {
+  bw_release(lagged->topology);
+  bw_release(lagged->last_topology);
+  lagged->topology = lagged->last_topology = NULL;
+  lagged->solves = lagged->last = 0;
+  lagged->spent = 0;
 }
 
-void bw_stale_forget(bw_stale *stale) {
-  forget_kept(stale);
-  forget_factor(stale);
-  stale->pivoting = false;
-  stale->first = FIRST_GUESS;
-  stale->first_flipped = FIRST_GUESS_FLIPPED;
-  bw_free(stale->room);
-  stale->room = NULL;
-  stale->size = 0;
+void bw_lagged_factor_reset(bw_lagged_factor *lagged) {
+  forget_kept(lagged);
+  forget_factor(lagged);
+  lagged->pivoting = false;
+  lagged->first = FIRST_GUESS;
+  lagged->first_flipped = FIRST_GUESS_FLIPPED;
+  bw_free(lagged->room);
+  lagged->room = NULL;
+  lagged->size = 0;
 }
 
-void bw_stale_free(bw_stale *stale) {
-  if (!stale)
+void bw_lagged_factor_free(bw_lagged_factor *lagged) {
+  if (!lagged)
     return;
-  bw_stale_forget(stale);
-  bwi_stale_symmetric_free(stale->cholesky);
-  bwi_stale_unsymmetric_free(stale->lu);
-  bwi_stale_blocks_free(stale->blocks);
-  bw_free(stale);
+  bw_lagged_factor_reset(lagged);
+  bwi_lagged_symmetric_free(lagged->cholesky);
+  bwi_lagged_unsymmetric_free(lagged->lu);
+  bwi_lagged_blocks_free(lagged->blocks);
+  bw_free(lagged);
 }
 
-bw_status bw_stale_apply(bw_context *context, bw_stale *stale, const double *r, double *z) {
-  if (!stale->symmetric && !stale->pivoting && stale->topology) {
-    bwi_stale_blocks_apply(stale->blocks, r, z);
+bw_status bw_lagged_factor_apply(bw_context *context, bw_lagged_factor *lagged, const double *r,
+                                 double *z) {
+  if (!lagged->symmetric && !lagged->pivoting && lagged->topology) {
+    bwi_lagged_blocks_apply(lagged->blocks, r, z);
     return BW_OK;
   }
-  return stale->symmetric ? bwi_stale_symmetric_apply(context, stale->cholesky, false, r, z)
-                          : bwi_stale_unsymmetric_apply(context, stale->lu, r, z);
+  return lagged->symmetric ? bwi_lagged_symmetric_apply(context, lagged->cholesky, false, r, z)
+                           : bwi_lagged_unsymmetric_apply(context, lagged->lu, r, z);
 }
 
 /* ---- the model's costs --------------------------------------------------------------------- */
 
 /* An old Cholesky factor is read twice in single precision, a new one twice in double and in
  * another order than it lies in; UMFPACK's once for each of two solves. */
-static double iteration_seconds(const bw_stale *stale, const bw_plane_graph *graph, bool old) {
-  double square = stale->components * stale->components;
+static double iteration_seconds(const bw_lagged_factor *lagged, const bw_plane_graph *graph,
+                                bool old) {
+  double square = lagged->components * lagged->components;
   double matrix = (8 * square + 4) * (double)graph->pair_count;
-  double vectors = 12 * 8.0 * (double)graph->node_count * stale->components;
-  double factor = stale->symmetric && !old ? 4 * stale->work.bytes : stale->work.bytes;
-  return (stale->symmetric ? 1 : 2) * (factor + matrix + vectors) / BYTES_PER_SECOND;
+  double vectors = 12 * 8.0 * (double)graph->node_count * lagged->components;
+  double factor = lagged->symmetric && !old ? 4 * lagged->work.bytes : lagged->work.bytes;
+  return (lagged->symmetric ? 1 : 2) * (factor + matrix + vectors) / BYTES_PER_SECOND;
 }
 
 /* Copying a Cholesky factor to single precision, before it is first used as an old one. */
-static double copy_seconds(const bw_stale *stale) {
-  return stale->symmetric && stale->solves == 0 ? 1.5 * stale->work.bytes / FACTOR_BYTES_PER_SECOND
-                                                : 0;
+static double copy_seconds(const bw_lagged_factor *lagged) {
+  return lagged->symmetric && lagged->solves == 0
+             ? 1.5 * lagged->work.bytes / FACTOR_BYTES_PER_SECOND
+             : 0;
 }
 
 /* With the analysis made anew where the topology is another than the factor's. */
-static double factor_seconds(const bw_stale *stale, const bw_plane_graph *graph, bool analysis) {
-  double seconds = stale->symmetric ? stale->work.flops / FLOPS_PER_SECOND +
-                                          2 * stale->work.bytes / FACTOR_BYTES_PER_SECOND
-                   : !stale->pivoting ? stale->work.flops / BLOCKS_FLOPS_PER_SECOND
-                                      : stale->work.flops / UMFPACK_FLOPS_PER_SECOND +
-                                            4 * stale->work.bytes / FACTOR_BYTES_PER_SECOND;
+static double factor_seconds(const bw_lagged_factor *lagged, const bw_plane_graph *graph,
+                             bool analysis) {
+  double seconds = lagged->symmetric ? lagged->work.flops / FLOPS_PER_SECOND +
+                                           2 * lagged->work.bytes / FACTOR_BYTES_PER_SECOND
+                   : !lagged->pivoting ? lagged->work.flops / BLOCKS_FLOPS_PER_SECOND
+                                       : lagged->work.flops / UMFPACK_FLOPS_PER_SECOND +
+                                             4 * lagged->work.bytes / FACTOR_BYTES_PER_SECOND;
   return seconds + (analysis ? ANALYSIS_SECONDS * graph->node_count : 0);
 }
 
 /* Iterations that the next solve with the factor as it is should take. Meshes move on, the error
  * of the factor grows about in proportion to the number of moves, and iterations with it. */
-static double expected_iterations(const bw_stale *stale, const bw_plane_graph *graph) {
-  if (stale->last_topology != graph->topology)
-    return stale->first_flipped;
-  if (stale->solves > 0)
-    return stale->last * (1 + 1.0 / stale->solves);
-  return stale->first;
+static double expected_iterations(const bw_lagged_factor *lagged, const bw_plane_graph *graph) {
+  if (lagged->last_topology != graph->topology)
+    return lagged->first_flipped;
+  if (lagged->solves > 0)
+    return lagged->last * (1 + 1.0 / lagged->solves);
+  return lagged->first;
 }
 
 /* ---- factoring ----------------------------------------------------------------------------- */
 
-static bw_status factor(bw_context *context, bw_stale *stale, const bw_plane_graph *graph,
-                        const double *values, bw_stale_method method, bw_kept *kept) {
+static bw_status factor(bw_context *context, bw_lagged_factor *lagged, const bw_plane_graph *graph,
+                        const double *values, bw_lagged_factor_method method,
+                        bw_plane_reuse *kept) {
   double start = bw_seconds();
-  bwi_stale_work work = {0};
+  bwi_lagged_work work = {0};
   bw_status status = BW_OK;
-  if (method == BW_STALE_SCRATCH)
-    forget_kept(stale);
-  forget_factor(stale);
-  if (stale->symmetric)
-    status = bwi_stale_symmetric_factor(context, stale->cholesky, graph, values, &work);
+  if (method == BW_LAGGED_FACTOR_FULL)
+    forget_kept(lagged);
+  forget_factor(lagged);
+  if (lagged->symmetric)
+    status = bwi_lagged_symmetric_factor(context, lagged->cholesky, graph, values, &work);
   else {
-    if (!stale->pivoting) {
+    if (!lagged->pivoting) {
       bool done = false;
-      status = bwi_stale_blocks_factor(context, stale->blocks, graph, values, &done, &work);
-      stale->pivoting = status == BW_OK && !done;
+      status = bwi_lagged_blocks_factor(context, lagged->blocks, graph, values, &done, &work);
+      lagged->pivoting = status == BW_OK && !done;
     }
-    if (stale->pivoting)
-      status = bwi_stale_unsymmetric_factor(context, stale->lu, graph, values, &work);
+    if (lagged->pivoting)
+      status = bwi_lagged_unsymmetric_factor(context, lagged->lu, graph, values, &work);
   }
   kept->analyses += work.analysed;
   kept->factorisations++;
@@ -201,10 +207,10 @@ static bw_status factor(bw_context *context, bw_stale *stale, const bw_plane_gra
   kept->seconds_factor += bw_seconds() - start;
   if (status != BW_OK)
     return status;
-  stale->topology = bw_retain(graph->topology);
-  stale->work = work;
-  stale->spent = factor_seconds(stale, graph, work.analysed) +
-                 (work.reordered ? ORDER_SECONDS * graph->node_count : 0);
+  lagged->topology = bw_retain(graph->topology);
+  lagged->work = work;
+  lagged->spent = factor_seconds(lagged, graph, work.analysed) +
+                  (work.reordered ? ORDER_SECONDS * graph->node_count : 0);
   return BW_OK;
 }
 
@@ -212,7 +218,7 @@ static bw_status factor(bw_context *context, bw_stale *stale, const bw_plane_gra
 
 typedef struct iteration {
   bw_context *context;
-  bw_stale *stale;
+  bw_lagged_factor *lagged;
   const bw_plane_graph *graph;
   const double *values, *rhs;
   double *x;       /* best so far */
@@ -225,20 +231,20 @@ typedef struct iteration {
 } iteration;
 
 static bw_status multiply(const iteration *it, const double *x, double *y) {
-  return bw_plane_multiply(it->context, it->graph, it->stale->components, it->values, x, y);
+  return bw_plane_multiply(it->context, it->graph, it->lagged->components, it->values, x, y);
 }
 
 /* r = b - A x, and its relative size */
 static bw_status true_residual(iteration *it, double *r) {
   if (it->zero && it->count == 0) {
-    memcpy(r, it->rhs, it->stale->size * sizeof *r);
+    memcpy(r, it->rhs, it->lagged->size * sizeof *r);
     it->residual = 1;
     return BW_OK;
   }
   it->zero = false;
   bw_status status = multiply(it, it->x, r);
   if (status == BW_OK)
-    status = bwi_subtract_from(it->context, it->stale->size, it->rhs, r, &it->residual);
+    status = bwi_subtract_from(it->context, it->lagged->size, it->rhs, r, &it->residual);
   it->residual = sqrt(it->residual) / it->size;
   return status;
 }
@@ -247,14 +253,14 @@ static bw_status true_residual(iteration *it, double *r) {
 static bw_status conjugate_gradients(iteration *it, int limit) {
   bw_status status = BW_OK;
   bw_context *context = it->context;
-  size_t n = it->stale->size;
-  double *r = it->stale->room + n, *z = r + n, *p = z + n, *q = p + n;
+  size_t n = it->lagged->size;
+  double *r = it->lagged->room + n, *z = r + n, *p = z + n, *q = p + n;
   double rho = 0;
   BW_TRY(true_residual(it, r));
   for (int i = 0; i < limit && it->residual > it->tolerance; i++) {
     double next, curvature, square;
     BW_TRY(bw_check_cancel(context));
-    BW_TRY(bwi_stale_symmetric_apply(context, it->stale->cholesky, it->old, r, z));
+    BW_TRY(bwi_lagged_symmetric_apply(context, it->lagged->cholesky, it->old, r, z));
     BW_TRY(bwi_dot(context, n, r, z, &next));
     BW_TRY(bwi_add_scaled(context, n, i ? next / rho : 0, z, p));
     rho = next;
@@ -280,8 +286,8 @@ done:
 static bw_status stabilised(iteration *it, int limit) {
   bw_status status = BW_OK;
   bw_context *context = it->context;
-  size_t n = it->stale->size;
-  double *r = it->stale->room + n, *shadow = r + n, *p = shadow + n, *v = p + n, *t = v + n,
+  size_t n = it->lagged->size;
+  double *r = it->lagged->room + n, *shadow = r + n, *p = shadow + n, *v = p + n, *t = v + n,
          *y = t + n, *z = y + n;
   double rho = 1, alpha = 1, omega = 1;
   BW_TRY(true_residual(it, r));
@@ -297,7 +303,7 @@ static bw_status stabilised(iteration *it, int limit) {
       break;
     rho = next;
     BW_TRY(bwi_direction(context, n, beta, omega, r, v, p));
-    BW_TRY(bw_stale_apply(context, it->stale, p, y));
+    BW_TRY(bw_lagged_factor_apply(context, it->lagged, p, y));
     BW_TRY(multiply(it, y, v));
     BW_TRY(bwi_dot(context, n, shadow, v, &dot));
     it->count++;
@@ -308,7 +314,7 @@ static bw_status stabilised(iteration *it, int limit) {
     it->residual = sqrt(square) / it->size;
     if (it->residual <= it->tolerance || !isfinite(it->residual))
       break;
-    BW_TRY(bw_stale_apply(context, it->stale, r, z));
+    BW_TRY(bw_lagged_factor_apply(context, it->lagged, r, z));
     BW_TRY(multiply(it, z, t));
     BW_TRY(bwi_dot(context, n, t, t, &square));
     BW_TRY(bwi_dot(context, n, t, r, &ts));
@@ -326,10 +332,10 @@ done:
   return status;
 }
 
-static bw_status iterate(iteration *it, int limit, bw_kept *kept) {
+static bw_status iterate(iteration *it, int limit, bw_plane_reuse *kept) {
   double start = bw_seconds();
   it->count = 0;
-  bw_status status = it->stale->symmetric ? conjugate_gradients(it, limit) : stabilised(it, limit);
+  bw_status status = it->lagged->symmetric ? conjugate_gradients(it, limit) : stabilised(it, limit);
   kept->iterations += it->count;
   kept->seconds_solve += bw_seconds() - start;
   return status;
@@ -337,42 +343,44 @@ static bw_status iterate(iteration *it, int limit, bw_kept *kept) {
 
 /* ---- a solve ------------------------------------------------------------------------------- */
 
-static bw_status prepare(bw_context *context, bw_stale *stale, const bw_plane_graph *graph) {
-  size_t n = (size_t)graph->node_count * (size_t)stale->components;
-  if (stale->room && stale->size == n)
+static bw_status prepare(bw_context *context, bw_lagged_factor *lagged,
+                         const bw_plane_graph *graph) {
+  size_t n = (size_t)graph->node_count * (size_t)lagged->components;
+  if (lagged->room && lagged->size == n)
     return BW_OK;
   double *room =
-      BW_NEW(context, double, n *(stale->symmetric ? SYMMETRIC_VECTORS : UNSYMMETRIC_VECTORS));
+      BW_NEW(context, double, n *(lagged->symmetric ? SYMMETRIC_VECTORS : UNSYMMETRIC_VECTORS));
   if (!room)
     return BW_MEMORY;
-  bw_free(stale->room);
-  stale->room = room;
-  stale->size = n;
+  bw_free(lagged->room);
+  lagged->room = room;
+  lagged->size = n;
   return BW_OK;
 }
 
-bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_graph *graph,
-                         const double *values, const double *rhs, double *x,
-                         const bw_stale_options *options, bw_kept *kept) {
+bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
+                                 const bw_plane_graph *graph, const double *values,
+                                 const double *rhs, double *x,
+                                 const bw_lagged_factor_options *options, bw_plane_reuse *kept) {
   bw_status status = BW_OK;
-  bw_stale_options defaults;
-  bw_kept ignored = {0};
+  bw_lagged_factor_options defaults;
+  bw_plane_reuse ignored = {0};
   double square;
-  bw_stale_options_default(&defaults);
+  bw_lagged_factor_options_default(&defaults);
   options = options ? options : &defaults;
   kept = kept ? kept : &ignored;
   if (!(options->tolerance > 0) || options->iterations < 1)
     return bw_fail(context, BW_INVALID,
                    "a tolerance of %g and %d iterations; both have to be positive",
                    options->tolerance, options->iterations);
-  BW_TRY(prepare(context, stale, graph));
-  size_t n = stale->size;
+  BW_TRY(prepare(context, lagged, graph));
+  size_t n = lagged->size;
   iteration it = {.context = context,
-                  .stale = stale,
+                  .lagged = lagged,
                   .graph = graph,
                   .values = values,
                   .rhs = rhs,
-                  .x = stale->room,
+                  .x = lagged->room,
                   .tolerance = options->tolerance};
   kept->solves++;
   BW_TRY(bwi_dot(context, n, rhs, rhs, &square));
@@ -391,26 +399,27 @@ bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_gr
   if (it.zero)
     memset(it.x, 0, n * sizeof *x);
 
-  bool fits = stale->topology && stale->topology->nodes == graph->topology->nodes;
-  bool flipped = fits && stale->topology != graph->topology;
-  bool fresh = !fits || options->method == BW_STALE_REFACTOR || options->method == BW_STALE_SCRATCH;
+  bool fits = lagged->topology && lagged->topology->nodes == graph->topology->nodes;
+  bool flipped = fits && lagged->topology != graph->topology;
+  bool fresh = !fits || options->method == BW_LAGGED_FACTOR_REFACTOR ||
+               options->method == BW_LAGGED_FACTOR_FULL;
   int limit = options->iterations;
   double one = 0, old = 0, anew = 0;
   if (fits) {
-    one = iteration_seconds(stale, graph, true);
-    anew = factor_seconds(stale, graph, flipped) + iteration_seconds(stale, graph, false);
-    old = copy_seconds(stale) + expected_iterations(stale, graph) * one;
+    one = iteration_seconds(lagged, graph, true);
+    anew = factor_seconds(lagged, graph, flipped) + iteration_seconds(lagged, graph, false);
+    old = copy_seconds(lagged) + expected_iterations(lagged, graph) * one;
     kept->predicted_iterate += old;
     kept->predicted_factor += anew;
   }
-  if (!fresh && options->method == BW_STALE_AUTO) {
-    double average = stale->spent / (stale->solves + 1); /* the first was with the factor new */
+  if (!fresh && options->method == BW_LAGGED_FACTOR_AUTO) {
+    double average = lagged->spent / (lagged->solves + 1); /* the first was with the factor new */
     double worth = average < anew ? average : anew;
     fresh = old > worth;
-    if (fresh && stale->last_topology != graph->topology)
-      stale->first_flipped *= FORGETTING;
-    else if (fresh && stale->solves == 0)
-      stale->first *= FORGETTING;
+    if (fresh && lagged->last_topology != graph->topology)
+      lagged->first_flipped *= FORGETTING;
+    else if (fresh && lagged->solves == 0)
+      lagged->first *= FORGETTING;
     /* No more than a new factor would have cost. */
     limit = (int)fmin(limit, 2 + anew / one);
   }
@@ -419,32 +428,32 @@ bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_gr
     it.old = true;
     BW_TRY(iterate(&it, limit, kept));
     it.old = false;
-    stale->spent += copy_seconds(stale) + it.count * one;
-    stale->solves++;
-    stale->last = it.count;
-    if (stale->last_topology != graph->topology)
-      stale->first_flipped = it.count > 0 ? it.count : 1;
-    else if (stale->solves == 1)
-      stale->first = it.count > 0 ? it.count : 1;
+    lagged->spent += copy_seconds(lagged) + it.count * one;
+    lagged->solves++;
+    lagged->last = it.count;
+    if (lagged->last_topology != graph->topology)
+      lagged->first_flipped = it.count > 0 ? it.count : 1;
+    else if (lagged->solves == 1)
+      lagged->first = it.count > 0 ? it.count : 1;
     fresh = !(it.residual <= it.tolerance);
     if (fresh && !isfinite(it.residual))
       memcpy(it.x, x, n * sizeof *x);
   }
   if (fresh) {
     if (!fits)
-      stale->pivoting = false;
-    BW_TRY(factor(context, stale, graph, values, options->method, kept));
-    bool blocks = !stale->symmetric && !stale->pivoting;
+      lagged->pivoting = false;
+    BW_TRY(factor(context, lagged, graph, values, options->method, kept));
+    bool blocks = !lagged->symmetric && !lagged->pivoting;
     BW_TRY(
         iterate(&it, blocks && options->iterations > ENOUGH ? ENOUGH : options->iterations, kept));
     if (blocks && !(it.residual <= it.tolerance)) {
-      stale->pivoting = true;
+      lagged->pivoting = true;
       if (!isfinite(it.residual))
         memcpy(it.x, x, n * sizeof *x);
-      BW_TRY(factor(context, stale, graph, values, options->method, kept));
+      BW_TRY(factor(context, lagged, graph, values, options->method, kept));
       BW_TRY(iterate(&it, options->iterations, kept));
     }
-    stale->spent += it.count * iteration_seconds(stale, graph, false);
+    lagged->spent += it.count * iteration_seconds(lagged, graph, false);
   }
   if (!(it.residual <= kept->residual))
     kept->residual = it.residual;
@@ -460,8 +469,8 @@ bw_status bw_stale_solve(bw_context *context, bw_stale *stale, const bw_plane_gr
   }
   memcpy(x, it.x, n * sizeof *x);
   bw_retain(graph->topology);
-  bw_release(stale->last_topology);
-  stale->last_topology = graph->topology;
+  bw_release(lagged->last_topology);
+  lagged->last_topology = graph->topology;
 done:
   return status;
 }

@@ -1,14 +1,14 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* A plane mesh while edges are flipped and inner nodes moved. */
-#ifndef BARWRIGHT_PLANE_WEAVE_H
-#define BARWRIGHT_PLANE_WEAVE_H
+#ifndef BARWRIGHT_PLANE_EDGE_FLIPS_H
+#define BARWRIGHT_PLANE_EDGE_FLIPS_H
 
 #include "plane/internal.h"
 
 /* Edge k of an element runs from its corner k to corner k + 1; `kept` edges are never flipped
  * (sides and edges between regions). Points: of corners, and with order 2 of middles behind them.
  */
-typedef struct bwi_weave {
+typedef struct bwi_edge_flips {
   int order;
   int32_t corner_count, element_count;
   int32_t *element;   /* x 3 or 6 */
@@ -21,24 +21,24 @@ typedef struct bwi_weave {
   int32_t *queue;     /* x 3: a ring of edges that flips will look at, 3 e + k */
   uint8_t *queued;    /* x 3 */
   int64_t head, waiting;
-} bwi_weave;
+} bwi_edge_flips;
 
 /* Of a mesh: topology, and points that are copied. Sides, edges between regions and their corners
  * are kept and held. */
-bw_status bwi_weave_open(bw_context *context, const bw_plane_topology *topology,
-                         const double *point, bwi_weave *weave);
-void bwi_weave_clear(bwi_weave *weave); /* frees all of it */
+bw_status bwi_edge_flips_open(bw_context *context, const bw_plane_topology *topology,
+                              const double *point, bwi_edge_flips *flipping);
+void bwi_edge_flips_clear(bwi_edge_flips *flipping); /* frees all of it */
 
 /* Every edge into the queue. */
-void bwi_weave_queue_all(bwi_weave *weave);
-void bwi_weave_queue(bwi_weave *weave, int32_t element, int k);
+void bwi_edge_flips_queue_all(bwi_edge_flips *flipping);
+void bwi_edge_flips_queue(bwi_edge_flips *flipping, int32_t element, int k);
 /* Flips until every edge in the queue, and around what was flipped, is Delaunay (but for rounding,
  * and where the new elements would be worse than flat or, curved, folded). Returns the number of
  * flips. */
-int32_t bwi_weave_flip(bwi_weave *weave);
+int32_t bwi_edge_flips_flip(bwi_edge_flips *flipping);
 /* One round over the nodes in order: each goes towards the middle of its star where that does not
  * make the worst element around it worse than `enough`. Only nodes with an element worse than
  * `below` around them. Their edges go into the queue. Returns the number of nodes moved. */
-int32_t bwi_weave_smooth(bwi_weave *weave, double below, double enough);
+int32_t bwi_edge_flips_smooth(bwi_edge_flips *flipping, double below, double enough);
 
 #endif

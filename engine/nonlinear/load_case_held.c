@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "nonlinear/case.h"
+#include "nonlinear/load_case.h"
 
 static int32_t find(int32_t *root, int32_t i) {
   while (root[i] != i)
@@ -134,7 +134,7 @@ static bw_status find_groups(bw_context *context, const bw_grid *grid, int32_t *
   return BW_OK;
 }
 
-static void add_floor(const bw_grid *grid, const bw_floor *floor, const int32_t *group_of,
+static void add_floor(const bw_grid *grid, const bw_contact_plane *floor, const int32_t *group_of,
                       group *g) {
   if (floor->embedding) {
     for (int64_t p = 0; p < floor->embedding->point_count; p++) {
@@ -150,7 +150,7 @@ static void add_floor(const bw_grid *grid, const bw_floor *floor, const int32_t 
   }
 }
 
-bw_status bwi_case_check_held(bw_context *context, const bw_solid_case *it) {
+bw_status bwi_load_case_check_held(bw_context *context, const bw_load_case *it) {
   bw_status status = BW_OK;
   const bw_grid *grid = it->grid;
   group *g = NULL;
@@ -165,7 +165,7 @@ bw_status bwi_case_check_held(bw_context *context, const bw_solid_case *it) {
         bw_grid_position(grid, n, x);
         add_row(&g[group_of[n]], x, direction);
       }
-  for (int32_t f = 0; f < it->floor_count; f++)
+  for (int32_t f = 0; f < it->contact_plane_count; f++)
     add_floor(grid, &it->floor[f], group_of, g);
   for (int32_t k = 0; k < count; k++) {
     double vector[6][6], motion[6], most = 0;

@@ -1,10 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* What acts on a solid: gathering it.
  *
- * Invariants: value[i] is 0 where held[i] is not set; normals of floors are of unit length; every
- * triangle's points exist in its embedding, which is of the case's grid or of one with the same
- * elements. */
-#include "nonlinear/case.h"
+ * Invariants: value[i] is 0 where held[i] is not set; normals of contact planes are of unit length;
+ * every triangle's points exist in its embedding, which is of the case's grid or of one with the
+ * same elements. */
+#include "nonlinear/load_case.h"
 
 #include <math.h>
 #include <string.h>
@@ -12,13 +12,13 @@
 #include "grid/internal.h"
 
 static void destroy(void *object) {
-  bw_solid_case *it = (bw_solid_case *)object;
+  bw_load_case *it = (bw_load_case *)object;
   for (int32_t p = 0; p < it->patch_count; p++) {
     bw_release(it->patch[p].embedding);
     bw_free(it->patch[p].triangle);
     bw_free(it->patch[p].pressure);
   }
-  for (int32_t f = 0; f < it->floor_count; f++) {
+  for (int32_t f = 0; f < it->contact_plane_count; f++) {
     bw_release(it->floor[f].embedding);
     bw_free(it->floor[f].rest);
   }
@@ -32,7 +32,7 @@ static void destroy(void *object) {
 }
 
 static size_t bytes(const void *object) {
-  const bw_solid_case *it = (const bw_solid_case *)object;
+  const bw_load_case *it = (const bw_load_case *)object;
   size_t sum = sizeof *it + (size_t)it->grid->node_count * 51;
   for (int32_t p = 0; p < it->patch_count; p++)
     sum += (size_t)it->patch[p].triangle_count * 20;
@@ -41,8 +41,8 @@ static size_t bytes(const void *object) {
 
 static const bw_kind case_kind = {"solid case", destroy, bytes};
 
-bw_status bw_solid_case_create(bw_context *context, const bw_grid *grid, bw_solid_case **out) {
-  bw_solid_case *it = BW_NEW0(context, bw_solid_case, 1);
+bw_status bw_load_case_create(bw_context *context, const bw_grid *grid, bw_load_case **out) {
+  bw_load_case *it = BW_NEW0(context, bw_load_case, 1);
   if (!it)
     return BW_MEMORY;
   size_t size = 3 * (size_t)grid->node_count;
@@ -59,8 +59,8 @@ bw_status bw_solid_case_create(bw_context *context, const bw_grid *grid, bw_soli
   return BW_OK;
 }
 
-bw_status bwi_case_check_nodes(bw_context *context, const bw_grid *grid, int64_t count,
-                               const int32_t *node, const char *what) {
+bw_status bwi_load_case_check_nodes(bw_context *context, const bw_grid *grid, int64_t count,
+                                    const int32_t *node, const char *what) {
   if (count < 1)
     return bw_fail(context, BW_EMPTY, "%s: no node is given", what);
   for (int64_t k = 0; k < count; k++)
@@ -70,21 +70,22 @@ bw_status bwi_case_check_nodes(bw_context *context, const bw_grid *grid, int64_t
   return BW_OK;
 }
 
-bw_status bwi_case_check_finite(bw_context *context, const char *what, const double vector[3]) {
+bw_status bwi_load_case_check_finite(bw_context *context, const char *what,
+                                     const double vector[3]) {
   if (isfinite(vector[0]) && isfinite(vector[1]) && isfinite(vector[2]))
     return BW_OK;
   return bw_fail(context, BW_INVALID, "%s is (%g, %g, %g); it must be finite", what, vector[0],
                  vector[1], vector[2]);
 }
 
-bw_status bw_solid_case_hold(bw_context *context, bw_solid_case *it, int64_t count,
-                             const int32_t *node, const bool hold[3], const double value[3]) {
+bw_status bw_load_case_fix(bw_context *context, bw_load_case *it, int64_t count,
+                           const int32_t *node, const bool hold[3], const double value[3]) {
   static const char axis[] = "xyz";
   bw_status status = BW_OK;
   static const double rest[3] = {0, 0, 0};
   value = value ? value : rest;
-  BW_TRY(bwi_case_check_nodes(context, it->grid, count, node, "a support"));
-  BW_TRY(bwi_case_check_finite(context, "the prescribed displacement", value));
+  BW_TRY(bwi_load_case_check_nodes(context, it->grid, count, node, "a support"));
+  BW_TRY(bwi_load_case_check_finite(context, "the prescribed displacement", value));
   if (!hold[0] && !hold[1] && !hold[2])
     return bw_fail(context, BW_EMPTY, "a support that holds no direction");
   for (int64_t k = 0; k < count; k++)
@@ -112,16 +113,16 @@ done:
   return status;
 }
 
-bw_status bw_solid_case_gravity(bw_context *context, bw_solid_case *it, const double gravity[3]) {
+bw_status bw_load_case_gravity(bw_context *context, bw_load_case *it, const double gravity[3]) {
   bw_status status = BW_OK;
-  BW_TRY(bwi_case_check_finite(context, "gravity", gravity));
+  BW_TRY(bwi_load_case_check_finite(context, "gravity", gravity));
   memcpy(it->gravity, gravity, sizeof it->gravity);
   it->object.revision++;
 done:
   return status;
 }
 
-static bw_status check_embedding(bw_context *context, const bw_solid_case *it,
+static bw_status check_embedding(bw_context *context, const bw_load_case *it,
                                  const bw_embedding *embedding) {
   if (bwi_grid_same_places(it->grid, embedding->grid))
     return BW_OK;
@@ -133,9 +134,9 @@ static bw_status check_embedding(bw_context *context, const bw_solid_case *it,
       (int)it->grid->element_count, it->grid->spacing[0]);
 }
 
-bw_status bw_solid_case_pressure(bw_context *context, bw_solid_case *it,
-                                 const bw_embedding *embedding, int64_t triangles,
-                                 const int32_t *triangle, const double *pressure, bool follower) {
+bw_status bw_load_case_pressure(bw_context *context, bw_load_case *it,
+                                const bw_embedding *embedding, int64_t triangles,
+                                const int32_t *triangle, const double *pressure, bool follower) {
   bw_status status = BW_OK;
   bw_pressure_patch patch = {.triangle_count = triangles, .follower = follower};
   BW_TRY(check_embedding(context, it, embedding));
@@ -173,18 +174,18 @@ done:
   return status;
 }
 
-bw_status bw_solid_case_floor(bw_context *context, bw_solid_case *it, const double point[3],
-                              const double normal[3], const double move[3],
-                              const bw_embedding *embedding, const double *rest) {
+bw_status bw_load_case_contact_plane(bw_context *context, bw_load_case *it, const double point[3],
+                                     const double normal[3], const double move[3],
+                                     const bw_embedding *embedding, const double *rest) {
   bw_status status = BW_OK;
-  bw_floor plane = {{0}, {0}, {0}, NULL, NULL};
+  bw_contact_plane plane = {{0}, {0}, {0}, NULL, NULL};
   double length = bw_norm(normal);
-  BW_TRY(bwi_case_check_finite(context, "the floor's point", point));
-  BW_TRY(bwi_case_check_finite(context, "the floor's normal", normal));
+  BW_TRY(bwi_load_case_check_finite(context, "the contact plane's point", point));
+  BW_TRY(bwi_load_case_check_finite(context, "the contact plane's normal", normal));
   if (move)
-    BW_TRY(bwi_case_check_finite(context, "the floor's displacement", move));
+    BW_TRY(bwi_load_case_check_finite(context, "the contact plane's displacement", move));
   if (!(length > 0))
-    return bw_fail(context, BW_INVALID, "the floor's normal is of length 0");
+    return bw_fail(context, BW_INVALID, "the contact plane's normal is of length 0");
   if (embedding)
     BW_TRY(check_embedding(context, it, embedding));
   for (int c = 0; c < 3; c++) {
@@ -201,15 +202,15 @@ bw_status bw_solid_case_floor(bw_context *context, bw_solid_case *it, const doub
     else
       bwi_embedding_rest(embedding, plane.rest);
   }
-  bw_floor *list =
-      (bw_floor *)bw_resize(context, it->floor, (size_t)it->floor_count + 1, sizeof *list);
+  bw_contact_plane *list = (bw_contact_plane *)bw_resize(
+      context, it->floor, (size_t)it->contact_plane_count + 1, sizeof *list);
   if (!list) {
     bw_free(plane.rest);
     return BW_MEMORY;
   }
   it->floor = list;
   plane.embedding = bw_retain(embedding);
-  it->floor[it->floor_count++] = plane;
+  it->floor[it->contact_plane_count++] = plane;
   it->object.revision++;
 done:
   return status;

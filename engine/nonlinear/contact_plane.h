@@ -7,13 +7,13 @@
  * solid's own at the point. In equilibrium, l is set to f and the equilibrium found again, until
  * gaps of points that push are zero to rounding: then f is the exact contact force. f is never
  * negative: nothing is held back. */
-#ifndef BWI_NONLINEAR_FLOOR_H
-#define BWI_NONLINEAR_FLOOR_H
+#ifndef BWI_NONLINEAR_CONTACT_PLANE_H
+#define BWI_NONLINEAR_CONTACT_PLANE_H
 
 #include "barwright/nonlinear.h"
 
 typedef struct bwi_contact {
-  const bw_solid_case *the;
+  const bw_load_case *load_case;
   int64_t count;     /* points that may touch */
   int32_t *floor;    /* count */
   double *rest;      /* count: height over the plane at load factor 0, both at rest */
@@ -24,16 +24,16 @@ typedef struct bwi_contact {
   double *force;     /* count: f at the last evaluation */
   double *gap;       /* count: likewise */
   double *multiplier;
-  bool borrows;    /* floor, stiffness and pushes are those of another */
+  bool borrows;    /* contact plane, stiffness and pushes are those of another */
   uint8_t *pushes; /* count: f > 0 at the last evaluation, or as was foreseen since */
   double *offset;  /* floor_count: how far each plane has moved along its normal */
   double *shift;   /* floor_count: how much further back it is at load factor 0 */
 } bwi_contact;
 
 /* `blocks`: node_count x 9, the solid's own stiffness at each node. *contact stays NULL for a case
- * without floors. */
-bw_status bwi_contact_create(bw_context *context, const bw_solid_case *the, const double *blocks,
-                             bwi_contact **contact);
+ * without contact planes. */
+bw_status bwi_contact_create(bw_context *context, const bw_load_case *load_case,
+                             const double *blocks, bwi_contact **contact);
 void bwi_contact_free(bwi_contact *contact);
 /* Where the planes are at a load factor; `moved`: they are at their ends, but for the shifts. */
 void bwi_contact_place(bwi_contact *contact, double load, bool moved);

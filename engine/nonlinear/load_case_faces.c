@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "grid/internal.h"
-#include "nonlinear/case.h"
+#include "nonlinear/load_case.h"
 
 /* Which nodes are given, one byte each. */
 static uint8_t *mark(bw_context *context, const bw_grid *grid, int64_t count, const int32_t *node) {
@@ -24,15 +24,15 @@ static bool given_face(const bw_grid *grid, const uint8_t *given, int32_t elemen
   return bwi_grid_side_is_free(grid, element, side);
 }
 
-bw_status bw_solid_case_force(bw_context *context, bw_solid_case *it, int64_t count,
-                              const int32_t *node, const double total[3]) {
+bw_status bw_load_case_force(bw_context *context, bw_load_case *it, int64_t count,
+                             const int32_t *node, const double total[3]) {
   bw_status status = BW_OK;
   const bw_grid *grid = it->grid;
   double *share = NULL, sum = 0;
   uint8_t *given = NULL;
   int32_t corner[4];
-  BW_TRY(bwi_case_check_nodes(context, grid, count, node, "a force"));
-  BW_TRY(bwi_case_check_finite(context, "the force", total));
+  BW_TRY(bwi_load_case_check_nodes(context, grid, count, node, "a force"));
+  BW_TRY(bwi_load_case_check_finite(context, "the force", total));
   share = BW_NEW0(context, double, grid->node_count);
   given = mark(context, grid, count, node);
   if (!share || !given) {
@@ -108,9 +108,10 @@ static bw_status make_room(bw_context *context, const bw_grid *grid, const uint8
   return BW_OK;
 }
 
-bw_status bw_solid_case_press(bw_context *context, bw_solid_case *it, int64_t count,
-                              const int32_t *node, double (*pressure)(void *, const double[3]),
-                              void *data, double factor, bool follower) {
+bw_status bw_load_case_surface_pressure(bw_context *context, bw_load_case *it, int64_t count,
+                                        const int32_t *node,
+                                        double (*pressure)(void *, const double[3]), void *data,
+                                        double factor, bool follower) {
   static const int both[12] = {0, 1, 2, 0, 2, 3, 1, 2, 3, 1, 3, 0};
   bw_status status = BW_OK;
   const bw_grid *grid = it->grid;
@@ -118,7 +119,7 @@ bw_status bw_solid_case_press(bw_context *context, bw_solid_case *it, int64_t co
   uint8_t *given = NULL;
   bw_embedding *embedding = NULL;
   int64_t at = 0;
-  BW_TRY(bwi_case_check_nodes(context, grid, count, node, "a pressure"));
+  BW_TRY(bwi_load_case_check_nodes(context, grid, count, node, "a pressure"));
   given = mark(context, grid, count, node);
   if (!given) {
     status = BW_MEMORY;
@@ -148,8 +149,8 @@ bw_status bw_solid_case_press(bw_context *context, bw_solid_case *it, int64_t co
       at++;
     }
   BW_TRY(bw_embedding_create(context, grid, f.point_count, f.at, 1, &embedding));
-  BW_TRY(bw_solid_case_pressure(context, it, embedding, 4 * f.face_count, f.triangle, f.pressure,
-                                follower));
+  BW_TRY(bw_load_case_pressure(context, it, embedding, 4 * f.face_count, f.triangle, f.pressure,
+                               follower));
 done:
   bw_release(embedding);
   bw_free(given);

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "nonlinear/case.h"
+#include "nonlinear/load_case.h"
 
 void bwi_embedding_rest(const bw_embedding *embedding, double *rest) {
   const bw_grid *grid = embedding->grid;
@@ -85,8 +85,8 @@ done:
   return status;
 }
 
-bw_status bwi_case_dead(bw_context *context, const bw_solid *solid, const bw_solid_case *it,
-                        double *force) {
+bw_status bwi_load_case_dead(bw_context *context, const bw_solid *solid, const bw_load_case *it,
+                             double *force) {
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)it->grid->node_count;
   bool heavy = bw_norm(it->gravity) > 0;
@@ -102,20 +102,20 @@ done:
   return status;
 }
 
-bool bwi_case_follows(const bw_solid_case *it) {
+bool bwi_load_case_follows(const bw_load_case *it) {
   for (int32_t p = 0; p < it->patch_count; p++)
     if (it->patch[p].follower)
       return true;
   return false;
 }
 
-bw_status bwi_case_follow(bw_context *context, const bw_solid_case *it, const double *u,
-                          double factor, double *force) {
-  return bwi_case_follow_along(context, it, u, NULL, factor, force);
+bw_status bwi_load_case_follow(bw_context *context, const bw_load_case *it, const double *u,
+                               double factor, double *force) {
+  return bwi_load_case_follow_along(context, it, u, NULL, factor, force);
 }
 
-bw_status bwi_case_follow_along(bw_context *context, const bw_solid_case *it, const double *u,
-                                const double *v, double factor, double *force) {
+bw_status bwi_load_case_follow_along(bw_context *context, const bw_load_case *it, const double *u,
+                                     const double *v, double factor, double *force) {
   bw_status status = BW_OK;
   for (int32_t p = 0; p < it->patch_count; p++)
     if (it->patch[p].follower)
@@ -143,8 +143,9 @@ static void add_pair(const bw_embedding *embedding, int32_t c, int32_t k, const 
     }
 }
 
-bw_status bwi_case_follow_stiffness(bw_context *context, const bw_solid_case *it, const double *u,
-                                    double factor, const bw_graph *graph, double *pairs) {
+bw_status bwi_load_case_follow_stiffness(bw_context *context, const bw_load_case *it,
+                                         const double *u, double factor, const bw_graph *graph,
+                                         double *pairs) {
   bw_status status = BW_OK;
   for (int32_t p = 0; p < it->patch_count; p++) {
     const bw_pressure_patch *patch = &it->patch[p];

@@ -1,7 +1,7 @@
 /* What acts on a solid: totals, contradictions, what is not held, pressures that follow. */
 #include "solid_box.h"
 
-#include "nonlinear/case.h"
+#include "nonlinear/load_case.h"
 
 static const int32_t cells[3] = {2, 2, 2};
 static const double size[3] = {0.3, 0.2, 0.2};
@@ -43,8 +43,8 @@ static void press_face(bw_context *context, box *b, int axis, int high, double p
   bw_embedding *embedding = face(context, b, axis, high, N, triangle);
   for (int t = 0; t < TRIANGLES; t++)
     pressures[t] = pressure;
-  check_ok(context, bw_solid_case_pressure(context, b->the, embedding, TRIANGLES, triangle,
-                                           pressures, follower));
+  check_ok(context, bw_load_case_pressure(context, b->load_case, embedding, TRIANGLES, triangle,
+                                          pressures, follower));
   bw_release(embedding);
 }
 
@@ -54,11 +54,11 @@ static void test_totals(void **state) {
   double gravity[3] = {1, 2, -9}, total[3] = {0}, moment = 0;
   box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 1000);
   box_force(context, &b, 0, 1, 5, 6, 7);
-  check_ok(context, bw_solid_case_gravity(context, b.the, gravity));
+  check_ok(context, bw_load_case_gravity(context, b.load_case, gravity));
   press_face(context, &b, 0, 1, 1000, false);
   press_face(context, &b, 2, 0, 500, false);
   double *force = malloc(24 * (size_t)b.grid->node_count);
-  check_ok(context, bwi_case_dead(context, b.solid, b.the, force));
+  check_ok(context, bwi_load_case_dead(context, b.solid, b.load_case, force));
   for (int32_t n = 0; n < b.grid->node_count; n++) {
     double x[3];
     bw_grid_position(b.grid, n, x);
@@ -94,7 +94,7 @@ static void test_followers(void **state) {
   for (int axis = 0; axis < 3; axis++)
     press_face(context, &b, axis, 1, pressure, true);
   bw_solid_static *result;
-  check_ok(context, bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+  check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
   for (int axis = 0; axis < 3; axis++)
     check_near(1 + box_mean(&b, result->displacement, axis, 1, axis) / size[axis], low, 1e-9);
   assert_in_range(result->report.iterations, 3, 12);
@@ -107,8 +107,8 @@ static void press_side(bw_context *context, box *b, int axis, int high, double p
                        bool follower) {
   int32_t *node = malloc(sizeof *node * (size_t)b->grid->node_count);
   int64_t count = box_end(b, axis, high, node);
-  check_ok(context,
-           bw_solid_case_press(context, b->the, count, node, NULL, NULL, pressure, follower));
+  check_ok(context, bw_load_case_surface_pressure(context, b->load_case, count, node, NULL, NULL,
+                                                  pressure, follower));
   free(node);
 }
 
@@ -126,7 +126,7 @@ static void test_even(void **state) {
     press_side(context, &b, axis, high, 700, false);
     double *force = malloc(24 * (size_t)b.grid->node_count), sum = 0;
     double quarter = size[0] * size[1] * size[2] / size[axis] / 4 / 4 * 700;
-    check_ok(context, bwi_case_dead(context, b.solid, b.the, force));
+    check_ok(context, bwi_load_case_dead(context, b.solid, b.load_case, force));
     for (int32_t n = 0; n < b.grid->node_count; n++) {
       double x[3], share = quarter;
       bw_grid_position(b.grid, n, x);
@@ -154,17 +154,18 @@ static void test_press(void **state) {
   box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 0);
   int32_t *node = malloc(sizeof *node * (size_t)b.grid->node_count);
   int64_t count = box_end(&b, 2, 1, node);
-  check_ok(context,
-           bw_solid_case_press(context, b.the, count, node, linear_in_x, &slope, 2, false));
+  check_ok(context, bw_load_case_surface_pressure(context, b.load_case, count, node, linear_in_x,
+                                                  &slope, 2, false));
   double *force = malloc(24 * (size_t)b.grid->node_count);
-  check_ok(context, bwi_case_dead(context, b.solid, b.the, force));
+  check_ok(context, bwi_load_case_dead(context, b.solid, b.load_case, force));
   for (int32_t n = 0; n < b.grid->node_count; n++)
     total += force[3 * n + 2];
   check_near(total, -2 * 1000 * 0.15 * 0.06, 1e-9);
   check_fails(context, BW_INVALID, "finite",
-              bw_solid_case_press(context, b.the, count, node, linear_in_x, &bad, 2, false));
+              bw_load_case_surface_pressure(context, b.load_case, count, node, linear_in_x, &bad, 2,
+                                            false));
   check_fails(context, BW_EMPTY, "no face",
-              bw_solid_case_press(context, b.the, 3, node, NULL, NULL, 2, false));
+              bw_load_case_surface_pressure(context, b.load_case, 3, node, NULL, NULL, 2, false));
   free(node);
   free(force);
   box_free(&b);
@@ -187,7 +188,7 @@ static void test_follows_volume(void **state) {
     u[i] = 0.05 * (bw_random_uniform(&random) - 0.5);
     v[i] = bw_random_uniform(&random) - 0.5;
   }
-  check_ok(context, bwi_case_follow(context, b.the, u, 1, force));
+  check_ok(context, bwi_load_case_follow(context, b.load_case, u, 1, force));
   double work = 0, volume[2] = {0, 0}, step = 1e-6;
   for (int i = 0; i < n; i++)
     work += force[i] * v[i];
@@ -234,11 +235,11 @@ static void test_follower_derivative(void **state) {
     v[i] = bw_random_uniform(&random);
   }
   double *exact = moved + n, *side = exact + n;
-  check_ok(context, bwi_case_follow_along(context, b.the, u, v, 1, exact));
+  check_ok(context, bwi_load_case_follow_along(context, b.load_case, u, v, 1, exact));
   for (int s = 0; s < 2; s++) {
     for (int i = 0; i < n; i++)
       moved[i] = u[i] + (s ? -step : step) * v[i];
-    check_ok(context, bwi_case_follow(context, b.the, moved, 1, side + s * n));
+    check_ok(context, bwi_load_case_follow(context, b.load_case, moved, 1, side + s * n));
   }
   for (int i = 0; i < n; i++)
     check_near(exact[i], (side[i] - side[n + i]) / (2 * step), 1e-9);
@@ -258,12 +259,13 @@ static void test_elsewhere(void **state) {
   box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 1000);
   box_make(context, &other, cells, twice, BW_COROTATED, 1e6, 0.3, 1000);
   check_ok(context, bw_embedding_create(context, other.grid, 1, places, 0, &embedding));
-  check_fails(context, BW_INVALID, "another grid",
-              bw_solid_case_floor(context, b.the, point, normal, NULL, embedding, NULL));
+  check_fails(
+      context, BW_INVALID, "another grid",
+      bw_load_case_contact_plane(context, b.load_case, point, normal, NULL, embedding, NULL));
   check_fails(context, BW_INVALID, "elsewhere",
-              bw_solid_statics(context, b.solid, other.the, NULL, NULL, &result));
+              bw_solid_statics(context, b.solid, other.load_case, NULL, NULL, &result));
   check_fails(context, BW_INVALID, "another grid",
-              bw_solid_motion_create(context, b.solid, other.the, NULL, NULL, NULL, &motion));
+              bw_solid_motion_create(context, b.solid, other.load_case, NULL, NULL, NULL, &motion));
   bw_release(embedding);
   box_free(&b);
   box_free(&other);
@@ -276,21 +278,22 @@ static void test_contradictions(void **state) {
   bool z[3] = {false, false, true}, none[3] = {false, false, false};
   double up[3] = {0, 0, 0.1}, other[3] = {0, 0, 0.2}, bad[3] = {0, 0, INFINITY}, p = 1;
   box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 1000);
-  check_ok(context, bw_solid_case_hold(context, b.the, 2, node, z, up));
-  check_ok(context, bw_solid_case_hold(context, b.the, 1, node, z, up));
+  check_ok(context, bw_load_case_fix(context, b.load_case, 2, node, z, up));
+  check_ok(context, bw_load_case_fix(context, b.load_case, 1, node, z, up));
   check_fails(context, BW_INVALID, "node 8",
-              bw_solid_case_hold(context, b.the, 1, node + 1, z, other));
+              bw_load_case_fix(context, b.load_case, 1, node + 1, z, other));
   check_fails(context, BW_INVALID, "no node 1001",
-              bw_solid_case_hold(context, b.the, 1, &wrong, z, up));
-  check_fails(context, BW_INVALID, "finite", bw_solid_case_hold(context, b.the, 1, node, z, bad));
+              bw_load_case_fix(context, b.load_case, 1, &wrong, z, up));
+  check_fails(context, BW_INVALID, "finite",
+              bw_load_case_fix(context, b.load_case, 1, node, z, bad));
   check_fails(context, BW_EMPTY, "no direction",
-              bw_solid_case_hold(context, b.the, 1, node, none, up));
-  check_fails(context, BW_EMPTY, "no node", bw_solid_case_force(context, b.the, 0, node, up));
+              bw_load_case_fix(context, b.load_case, 1, node, none, up));
+  check_fails(context, BW_EMPTY, "no node", bw_load_case_force(context, b.load_case, 0, node, up));
   bw_embedding *embedding;
   double at[6] = {0.1, 0.1, 0.1, 0.2, 0.1, 0.1};
   check_ok(context, bw_embedding_create(context, b.grid, 2, at, 1, &embedding));
   check_fails(context, BW_INVALID, "point 100",
-              bw_solid_case_pressure(context, b.the, embedding, 1, point, &p, false));
+              bw_load_case_pressure(context, b.load_case, embedding, 1, point, &p, false));
   bw_release(embedding);
   box_free(&b);
 }
@@ -298,7 +301,7 @@ static void test_contradictions(void **state) {
 static void check_free(bw_context *context, box *b, const char *text) {
   bw_solid_static *result;
   check_fails(context, BW_UNCONSTRAINED, text,
-              bw_solid_statics(context, b->solid, b->the, NULL, NULL, &result));
+              bw_solid_statics(context, b->solid, b->load_case, NULL, NULL, &result));
 }
 
 static void test_not_held(void **state) {
@@ -314,13 +317,13 @@ static void test_not_held(void **state) {
   box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 0);
   int32_t two[2] = {0, 2}; /* both on the x axis: it can turn about that */
   bool all[3] = {true, true, true};
-  check_ok(context, bw_solid_case_hold(context, b.the, 2, two, all, NULL));
+  check_ok(context, bw_load_case_fix(context, b.load_case, 2, two, all, NULL));
   check_free(context, &b, "turn as a whole");
   box_hold(context, &b, 0, 0, true, true, true, 0);
-  check_ok(context, bw_solid_case_gravity(context, b.the, gravity));
+  check_ok(context, bw_load_case_gravity(context, b.load_case, gravity));
   bw_solid_static *result;
   check_fails(context, BW_INVALID, "density",
-              bw_solid_statics(context, b.solid, b.the, NULL, NULL, &result));
+              bw_solid_statics(context, b.solid, b.load_case, NULL, NULL, &result));
   box_free(&b);
 }
 

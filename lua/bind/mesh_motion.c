@@ -4,8 +4,8 @@
 
 #include <string.h>
 
-static bw_mover *self(lua_State *L) {
-  return (bw_mover *)lbw_check(L, 1, &lbw_mover_class);
+static bw_mesh_motion *self(lua_State *L) {
+  return (bw_mesh_motion *)lbw_check(L, 1, &lbw_mesh_motion_class);
 }
 
 static const char *const levels[] = {"none", "relocation", "reconnecting", "reconstruction", NULL};
@@ -70,13 +70,13 @@ static int plane_mover(lua_State *L) {
     return lbw_option_error(L, "plane.mover", "fill", "a table of options of plane.fill expected");
   int fill = lua_gettop(L);
   lbw_read_plane_options(L, fill, "plane.mover: fill", &options.fill, &field);
-  lbw_box *box = lbw_box_new(L, &lbw_mover_class);
+  lbw_box *box = lbw_box_new(L, &lbw_mesh_motion_class);
   if (field) {
     lua_getfield(L, fill, "field");
     keep_field(L, -2);
   }
-  bw_mover *out = NULL;
-  bw_status status = bw_mover_create(lbw_enter(L), mesh, &options, &out);
+  bw_mesh_motion *out = NULL;
+  bw_status status = bw_mesh_motion_create(lbw_enter(L), mesh, &options, &out);
   if (out)
     out->options.fill.field_data = NULL; /* read again for each call */
   lbw_box_fill(L, box, out);
@@ -101,40 +101,40 @@ static void push_report(lua_State *L, const bw_follow_report *report) {
 
 /* mover:follow(outline): report */
 static int mover_follow(lua_State *L) {
-  bw_mover *mover = self(L);
+  bw_mesh_motion *motion = self(L);
   const bw_outline *outline = (const bw_outline *)lbw_check(L, 2, &lbw_outline_class);
   bw_follow_report report = {BW_LEVEL_NONE, 0, 0, 0, false, 0};
   lua_settop(L, 2);
-  lbw_field *field = mover->options.fill.field ? kept_field(L, 1) : NULL;
-  mover->options.fill.field_data = field;
+  lbw_field *field = motion->options.fill.field ? kept_field(L, 1) : NULL;
+  motion->options.fill.field_data = field;
   bw_context *context = lbw_enter(L);
   if (field)
     lbw_field_begin(field, context);
-  bw_status status = bw_mover_follow(context, mover, outline, &report);
+  bw_status status = bw_mesh_motion_follow(context, motion, outline, &report);
   if (field)
     lbw_field_end(field, context);
-  mover->options.fill.field_data = NULL;
+  motion->options.fill.field_data = NULL;
   push_report(L, &report);
   return lbw_leave(L, status, 1);
 }
 
 /* mover:pull_back(gradient): of the outline's points, from that of nodes */
 static int mover_pull_back(lua_State *L) {
-  bw_mover *mover = self(L);
+  bw_mesh_motion *motion = self(L);
   int64_t rows;
   double *gradient = lbw_to_doubles(L, 2, "gradient", 2, &rows);
-  lbw_argument_check(L, rows == mover->mesh->topology->nodes->node_count, 2,
+  lbw_argument_check(L, rows == motion->mesh->topology->nodes->node_count, 2,
                      "gradient: a row for every node expected");
-  bw_array *out = lbw_push_array(L, BW_F64, mover->mesh->outline->point_count, 2);
+  bw_array *out = lbw_push_array(L, BW_F64, motion->mesh->outline->point_count, 2);
   bw_status status =
-      bw_mover_pull_back(lbw_enter(L), mover, mover->mesh, gradient, (double *)out->data);
+      bw_mesh_motion_pull_back(lbw_enter(L), motion, motion->mesh, gradient, (double *)out->data);
   return lbw_leave(L, status, 1);
 }
 
 /* mover:check(): itself, where its parts belong together; raises otherwise */
 static int mover_check(lua_State *L) {
-  const bw_mover *mover = self(L);
-  lbw_leave_or_raise(L, bw_mover_check(lbw_enter(L), mover));
+  const bw_mesh_motion *motion = self(L);
+  lbw_leave_or_raise(L, bw_mesh_motion_check(lbw_enter(L), motion));
   lua_settop(L, 1);
   return 1;
 }
@@ -154,10 +154,10 @@ static const luaL_Reg methods[] = {
 static const luaL_Reg properties[] = {
     {"mesh", mover_mesh}, {"outline", mover_outline}, {NULL, NULL}};
 static const luaL_Reg meta[] = {{NULL, NULL}};
-const lbw_class lbw_mover_class = {"mover", methods, properties, meta, NULL};
+const lbw_class lbw_mesh_motion_class = {"mover", methods, properties, meta, NULL};
 
-void lbw_open_mover(lua_State *L) {
-  lbw_class_register(L, &lbw_mover_class);
+void lbw_open_mesh_motion(lua_State *L) {
+  lbw_class_register(L, &lbw_mesh_motion_class);
   lua_getfield(L, -1, "plane");
   lua_pushcfunction(L, plane_mover);
   lua_setfield(L, -2, "mover");

@@ -6,13 +6,14 @@ static const double size[3] = {0.3, 0.3, 0.4};
 
 static bw_solid_static *solve(bw_context *context, const box *b) {
   bw_solid_static *result = NULL;
-  check_ok(context, bw_solid_statics(context, b->solid, b->the, NULL, NULL, &result));
+  check_ok(context, bw_solid_statics(context, b->solid, b->load_case, NULL, NULL, &result));
   assert_true(result->complete);
   return result;
 }
 
 /* Signorini's conditions at all nodes that are free in all directions; returns those that touch. */
-static int check_contact(const box *b, const bw_solid_static *result, const bw_floor *plane) {
+static int check_contact(const box *b, const bw_solid_static *result,
+                         const bw_contact_plane *plane) {
   int touching = 0;
   for (int32_t n = 0; n < b->grid->node_count; n++) {
     double x[3];
@@ -24,7 +25,7 @@ static int check_contact(const box *b, const bw_solid_static *result, const bw_f
     assert_true(gap > -1e-9 * 0.4);
     bool held = false;
     for (int d = 0; d < 3; d++)
-      held = held || b->the->held[3 * (int64_t)n + d];
+      held = held || b->load_case->held[3 * (int64_t)n + d];
     if (held)
       continue;
     assert_true(push >= 0);
@@ -48,11 +49,12 @@ static void test_weight(void **state) {
     box_make(context, &b, cells, size, BW_NEO_HOOKEAN, 1e5, 0.3, 1000);
     box_hold(context, &b, 0, 0, true, false, false, 0);
     box_hold(context, &b, 1, 0, false, true, false, 0);
-    check_ok(context, bw_solid_case_gravity(context, b.the, gravity));
-    check_ok(context, bw_solid_case_floor(context, b.the, point, normal, NULL, NULL, NULL));
-    check_near(b.the->floor[0].normal[2], 1, 1e-15);
+    check_ok(context, bw_load_case_gravity(context, b.load_case, gravity));
+    check_ok(context,
+             bw_load_case_contact_plane(context, b.load_case, point, normal, NULL, NULL, NULL));
+    check_near(b.load_case->floor[0].normal[2], 1, 1e-15);
     bw_solid_static *result = solve(context, &b);
-    assert_true(check_contact(&b, result, &b.the->floor[0]) > 0);
+    assert_true(check_contact(&b, result, &b.load_case->floor[0]) > 0);
     check_near(box_sum(&b, result->reaction, 2, 0, 2), 36 * 10, 1e-3);
     assert_true(result->report.contacts == 16);
     bw_release(result);
@@ -76,14 +78,15 @@ static void press(bw_context *context, bool embedded) {
     }
     check_ok(context, bw_embedding_create(context, b.grid, 100, &at[0][0][0], 1, &embedding));
   }
-  check_ok(context, bw_solid_case_floor(context, b.the, point, normal, move, embedding, NULL));
+  check_ok(context,
+           bw_load_case_contact_plane(context, b.load_case, point, normal, move, embedding, NULL));
   bw_solid_static *result = solve(context, &b);
   double force =
       embedded ? box_sum(&b, result->reaction, 2, 1, 2) : -box_sum(&b, result->reaction, 2, 0, 2);
   check_near(force / (size[0] * size[1]), -0.10872218513629549, 1e-6);
   check_near(1 + box_mean(&b, result->displacement, 0, 1, 0) / size[0], 1.0317024344, 1e-6);
   if (!embedded)
-    assert_int_equal(check_contact(&b, result, &b.the->floor[0]), 9);
+    assert_int_equal(check_contact(&b, result, &b.load_case->floor[0]), 9);
   bw_release(result);
   bw_release(embedding);
   box_free(&b);
@@ -105,10 +108,11 @@ static void test_cantilever(void **state) {
            move[3] = {0, 0, k ? 0.05 : 0};
     box_make(context, &b, long_cells, long_size, BW_COROTATED, 1e6, 0.3, 1000);
     box_hold(context, &b, 0, 0, true, true, true, 0);
-    check_ok(context, bw_solid_case_gravity(context, b.the, gravity));
-    check_ok(context, bw_solid_case_floor(context, b.the, point, normal, move, NULL, NULL));
+    check_ok(context, bw_load_case_gravity(context, b.load_case, gravity));
+    check_ok(context,
+             bw_load_case_contact_plane(context, b.load_case, point, normal, move, NULL, NULL));
     bw_solid_static *result = solve(context, &b);
-    int touching = check_contact(&b, result, &b.the->floor[0]);
+    int touching = check_contact(&b, result, &b.load_case->floor[0]);
     assert_in_range(touching, 1, 6);
     double sum = 0;
     for (int32_t n = 0; n < b.grid->node_count; n++)
@@ -133,9 +137,10 @@ static void test_lifted(void **state) {
     box_hold(context, &b, 0, 0, true, false, false, 0);
     box_hold(context, &b, 1, 0, false, true, false, 0);
     box_force(context, &b, 2, 1, 0, 0, 100);
-    check_ok(context, bw_solid_case_floor(context, b.the, point, normal, NULL, NULL, NULL));
+    check_ok(context,
+             bw_load_case_contact_plane(context, b.load_case, point, normal, NULL, NULL, NULL));
     check_fails(context, BW_UNCONSTRAINED, "without any force",
-                bw_solid_statics(context, b.solid, b.the, NULL, &options, &result));
+                bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
     assert_false(result->complete);
     bw_release(result);
     box_free(&b);
@@ -148,9 +153,9 @@ static void test_misuse(void **state) {
   double point[3] = {0, 0, 0}, normal[3] = {0, 0, 0}, bad[3] = {0, NAN, 0};
   box_make(context, &b, cells, size, BW_NEO_HOOKEAN, 1e5, 0.3, 1000);
   check_fails(context, BW_INVALID, "length 0",
-              bw_solid_case_floor(context, b.the, point, normal, NULL, NULL, NULL));
+              bw_load_case_contact_plane(context, b.load_case, point, normal, NULL, NULL, NULL));
   check_fails(context, BW_INVALID, "finite",
-              bw_solid_case_floor(context, b.the, bad, normal, NULL, NULL, NULL));
+              bw_load_case_contact_plane(context, b.load_case, bad, normal, NULL, NULL, NULL));
   box_free(&b);
 }
 

@@ -6,8 +6,8 @@
  *   an element distorted?           reconnect; still near flat: reconstruct
  *
  * What counts as distorted is bounded by what the mesh had when it was new: the corner of a needle
- * never calls for reconnecting. Nothing of the mover changes before the new mesh is whole. */
-#include "plane/mover.h"
+ * never calls for reconnecting. Nothing of the mesh motion changes before the new mesh is whole. */
+#include "plane/mesh_motion.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,8 +15,8 @@
 #include "plane/fill_internal.h"
 
 /* All that a frame changes. A state is made whole and then put in the place of the one before, so
- * that a mover never stands between two, and keeping one copies nothing. */
-struct bw_mover_state {
+ * that a mesh motion never stands between two, and keeping one copies nothing. */
+struct bw_mesh_motion_state {
   bw_object object;
   const bw_plane_mesh *mesh; /* retained */
   bwi_relocator *relocator;  /* retained: of the nodes of the mesh */
@@ -24,18 +24,18 @@ struct bw_mover_state {
   double guess;              /* edge length of the last reconstruction, 0: none yet */
 };
 
-struct bwi_mover {
-  const bw_mover_state *now;
+struct bwi_mesh_motion {
+  const bw_mesh_motion_state *now;
 };
 
 static void state_destroy(void *object) {
-  bw_mover_state *state = object;
+  bw_mesh_motion_state *state = object;
   bw_release(state->mesh);
   bw_release(state->relocator);
   bw_free(state);
 }
 
-static const bw_kind state_kind = {"mover state", state_destroy, NULL};
+static const bw_kind state_kind = {"mesh motion state", state_destroy, NULL};
 
 void bw_follow_options_default(bw_follow_options *options) {
   *options = (bw_follow_options){.relocation = BW_RELOCATE_HARMONIC,
@@ -48,29 +48,29 @@ void bw_follow_options_default(bw_follow_options *options) {
 }
 
 static void mover_destroy(void *object) {
-  bw_mover *mover = object;
-  if (mover->inner)
-    bw_release(mover->inner->now);
-  bw_free(mover->inner);
-  bw_free(mover);
+  bw_mesh_motion *motion = object;
+  if (motion->inner)
+    bw_release(motion->inner->now);
+  bw_free(motion->inner);
+  bw_free(motion);
 }
 
-static const bw_kind mover_kind = {"mover", mover_destroy, NULL};
+static const bw_kind mover_kind = {"mesh motion", mover_destroy, NULL};
 
 /* Cannot fail. */
-static void adopt(bw_mover *mover, const bw_mover_state *state) {
-  const bw_mover_state *former = mover->inner->now;
-  mover->inner->now = bw_retain(state);
-  mover->mesh = state->mesh;
-  mover->object.revision++;
+static void adopt(bw_mesh_motion *motion, const bw_mesh_motion_state *state) {
+  const bw_mesh_motion_state *former = motion->inner->now;
+  motion->inner->now = bw_retain(state);
+  motion->mesh = state->mesh;
+  motion->object.revision++;
   bw_release(former);
 }
 
-bw_status bw_mover_create(bw_context *context, const bw_plane_mesh *mesh,
-                          const bw_follow_options *options, bw_mover **out) {
+bw_status bw_mesh_motion_create(bw_context *context, const bw_plane_mesh *mesh,
+                                const bw_follow_options *options, bw_mesh_motion **out) {
   bw_status status = BW_OK;
-  bw_mover *made = NULL;
-  bw_mover_state *first = NULL;
+  bw_mesh_motion *made = NULL;
+  bw_mesh_motion_state *first = NULL;
   bw_follow_options standard;
   int32_t which = 0;
   if (!options) {
@@ -84,7 +84,7 @@ bw_status bw_mover_create(bw_context *context, const bw_plane_mesh *mesh,
                    options->distorted, options->rebuild);
   if (options->sweeps < 0 || options->sweeps > 10000)
     return bw_fail(context, BW_INVALID, "sweeps %d: from 0 to 10000", options->sweeps);
-  made = BW_NEW0(context, bw_mover, 1);
+  made = BW_NEW0(context, bw_mesh_motion, 1);
   if (!made)
     return BW_MEMORY;
   bw_object_init(made, &mover_kind);
@@ -92,8 +92,8 @@ bw_status bw_mover_create(bw_context *context, const bw_plane_mesh *mesh,
   made->options.fill.order = mesh->topology->nodes->order;
   if (made->options.fill.size == 0 && !made->options.fill.field && made->options.fill.elements <= 0)
     made->options.fill.elements = mesh->topology->element_count;
-  made->inner = BW_NEW0(context, struct bwi_mover, 1);
-  first = BW_NEW0(context, bw_mover_state, 1);
+  made->inner = BW_NEW0(context, struct bwi_mesh_motion, 1);
+  first = BW_NEW0(context, bw_mesh_motion_state, 1);
   if (!made->inner || !first) {
     bw_free(first);
     first = NULL;
@@ -121,25 +121,26 @@ typedef struct attempt {
   bw_follow_report report;
 } attempt;
 
-static bw_status relocate(bw_context *context, const bw_mover *mover, bwi_relocator *relocator,
-                          const bw_plane_mesh *from, const bw_outline *outline, double **point) {
+static bw_status relocate(bw_context *context, const bw_mesh_motion *motion,
+                          bwi_relocator *relocator, const bw_plane_mesh *from,
+                          const bw_outline *outline, double **point) {
   *point = BW_NEW(context, double, 2 * (size_t)from->topology->nodes->node_count);
   if (!*point)
     return BW_MEMORY;
-  if (mover->options.relocation == BW_RELOCATE_SPRINGS)
-    return bwi_relocate_springs(context, from, outline, mover->options.sweeps, *point);
+  if (motion->options.relocation == BW_RELOCATE_SPRINGS)
+    return bwi_relocate_springs(context, from, outline, motion->options.sweeps, *point);
   return bwi_relocate(context, relocator, outline, *point);
 }
 
-static bw_status reconstruct(bw_context *context, const bw_mover *mover, const bw_outline *outline,
-                             attempt *frame) {
+static bw_status reconstruct(bw_context *context, const bw_mesh_motion *motion,
+                             const bw_outline *outline, attempt *frame) {
   bw_status status = BW_OK;
   bw_release(frame->mesh);
   bw_release(frame->relocator);
   frame->mesh = NULL;
   frame->relocator = NULL;
-  frame->guess = mover->inner->now->guess;
-  BW_TRY(bwi_plane_fill(context, outline, &mover->options.fill, &frame->guess, &frame->mesh));
+  frame->guess = motion->inner->now->guess;
+  BW_TRY(bwi_plane_fill(context, outline, &motion->options.fill, &frame->guess, &frame->mesh));
   BW_TRY(bwi_relocator_create(context, frame->mesh, &frame->relocator));
   frame->report.level = BW_LEVEL_RECONSTRUCTION;
   frame->report.flips = 0;
@@ -180,10 +181,10 @@ done:
 }
 
 /* Relocation inverted elements: flips where the nodes were make room for it. */
-static bw_status recover(bw_context *context, const bw_mover *mover, const bw_outline *outline,
-                         attempt *frame, double **point) {
+static bw_status recover(bw_context *context, const bw_mesh_motion *motion,
+                         const bw_outline *outline, attempt *frame, double **point) {
   bw_status status = BW_OK;
-  const bw_plane_mesh *mesh = mover->mesh;
+  const bw_plane_mesh *mesh = motion->mesh;
   size_t bytes = 2 * (size_t)mesh->topology->nodes->node_count * sizeof(double);
   bool changed = false;
   bw_free(*point);
@@ -194,41 +195,41 @@ static bw_status recover(bw_context *context, const bw_mover *mover, const bw_ou
   memcpy(copy, mesh->point, bytes);
   frame->report.restored = true;
   BW_TRY(reconnect(context, mesh->topology, mesh->outline, copy, frame, &changed));
-  if (!changed && bwi_relocator_base(mover->inner->now->relocator) == mesh)
+  if (!changed && bwi_relocator_base(motion->inner->now->relocator) == mesh)
     goto done;  /* relocation from here was what failed */
   if (!changed) /* from here rather than from where the topology was new */
     BW_TRY(bwi_relocator_create(context, mesh, &frame->relocator));
-  BW_TRY(
-      relocate(context, mover, frame->relocator, frame->mesh ? frame->mesh : mesh, outline, point));
+  BW_TRY(relocate(context, motion, frame->relocator, frame->mesh ? frame->mesh : mesh, outline,
+                  point));
 done:
   return status;
 }
 
-static bw_status follow(bw_context *context, const bw_mover *mover, const bw_outline *outline,
-                        attempt *frame) {
+static bw_status follow(bw_context *context, const bw_mesh_motion *motion,
+                        const bw_outline *outline, attempt *frame) {
   bw_status status = BW_OK;
-  const bw_follow_options *options = &mover->options;
+  const bw_follow_options *options = &motion->options;
   bw_follow_report *report = &frame->report;
-  const bw_plane_topology *topology = mover->mesh->topology;
-  double reference = mover->inner->now->reference, *point = NULL;
+  const bw_plane_topology *topology = motion->mesh->topology;
+  double reference = motion->inner->now->reference, *point = NULL;
   bool changed = false;
   if (options->force == BW_LEVEL_RECONSTRUCTION ||
-      !bwi_plane_same_shape(mover->mesh->outline, outline))
-    return reconstruct(context, mover, outline, frame);
+      !bwi_plane_same_shape(motion->mesh->outline, outline))
+    return reconstruct(context, motion, outline, frame);
   frame->reference = reference;
   double distorted = fmin(options->distorted, 0.8 * reference);
   double rebuild = fmin(options->rebuild, 0.4 * reference);
-  BW_TRY(relocate(context, mover, mover->inner->now->relocator, mover->mesh, outline, &point));
+  BW_TRY(relocate(context, motion, motion->inner->now->relocator, motion->mesh, outline, &point));
   report->level = BW_LEVEL_RELOCATION;
   report->worst = bwi_plane_worst(topology, point, &report->worst_element);
   if (!(report->worst > 0)) {
-    BW_TRY(recover(context, mover, outline, frame, &point));
+    BW_TRY(recover(context, motion, outline, frame, &point));
     if (frame->mesh)
       topology = frame->mesh->topology;
     if (point)
       report->worst = bwi_plane_worst(topology, point, &report->worst_element);
     if (!point || !(report->worst > 0)) {
-      status = reconstruct(context, mover, outline, frame);
+      status = reconstruct(context, motion, outline, frame);
       goto done;
     }
     if (frame->report.flips > 0)
@@ -252,7 +253,7 @@ static bw_status follow(bw_context *context, const bw_mover *mover, const bw_out
       report->worst =
           bwi_plane_worst(frame->mesh->topology, frame->mesh->point, &report->worst_element);
     if (report->worst < rebuild) {
-      status = reconstruct(context, mover, outline, frame);
+      status = reconstruct(context, motion, outline, frame);
       goto done;
     }
   }
@@ -270,47 +271,47 @@ done:
   return status;
 }
 
-/* The frame as the mover's state, which takes the frame's mesh and relocator over. */
-static bw_status commit(bw_context *context, bw_mover *mover, attempt *frame) {
+/* The frame as the mesh motion's state, which takes the frame's mesh and relocator over. */
+static bw_status commit(bw_context *context, bw_mesh_motion *motion, attempt *frame) {
   bw_status status = bw_check_cancel(context); /* a result would surprise who asked to stop */
   if (status != BW_OK)
     return status;
-  bw_mover_state *next = BW_NEW0(context, bw_mover_state, 1);
+  bw_mesh_motion_state *next = BW_NEW0(context, bw_mesh_motion_state, 1);
   if (!next)
     return BW_MEMORY;
   bw_object_init(next, &state_kind);
-  *next =
-      (bw_mover_state){next->object, frame->mesh, frame->relocator, frame->reference, frame->guess};
+  *next = (bw_mesh_motion_state){next->object, frame->mesh, frame->relocator, frame->reference,
+                                 frame->guess};
   if (!next->relocator)
-    next->relocator = bw_retain(mover->inner->now->relocator);
+    next->relocator = bw_retain(motion->inner->now->relocator);
   frame->mesh = NULL;
   frame->relocator = NULL;
-  adopt(mover, next);
+  adopt(motion, next);
   bw_release(next);
   return BW_OK;
 }
 
-bw_status bw_mover_follow(bw_context *context, bw_mover *mover, const bw_outline *outline,
-                          bw_follow_report *report) {
+bw_status bw_mesh_motion_follow(bw_context *context, bw_mesh_motion *motion,
+                                const bw_outline *outline, bw_follow_report *report) {
   double start = bw_seconds();
-  attempt frame = {.guess = mover->inner->now->guess, .reference = mover->inner->now->reference};
-  const bw_outline *now = mover->mesh->outline;
+  attempt frame = {.guess = motion->inner->now->guess, .reference = motion->inner->now->reference};
+  const bw_outline *now = motion->mesh->outline;
   bw_status status = bw_check_cancel(context);
   if (status != BW_OK)
     return status;
-  bool still = mover->options.force == BW_LEVEL_NONE &&
+  bool still = motion->options.force == BW_LEVEL_NONE &&
                (now == outline || (bwi_plane_same_shape(now, outline) &&
                                    !memcmp(now->point, outline->point,
                                            2 * (size_t)now->point_count * sizeof(double))));
   if (still) {
     frame.report.level = BW_LEVEL_NONE;
     frame.report.worst =
-        bwi_plane_worst(mover->mesh->topology, mover->mesh->point, &frame.report.worst_element);
+        bwi_plane_worst(motion->mesh->topology, motion->mesh->point, &frame.report.worst_element);
   } else {
-    status = follow(context, mover, outline, &frame);
+    status = follow(context, motion, outline, &frame);
   }
   if (status == BW_OK && frame.mesh)
-    status = commit(context, mover, &frame);
+    status = commit(context, motion, &frame);
   bw_release(frame.mesh);
   bw_release(frame.relocator);
   frame.report.seconds = bw_seconds() - start;
@@ -319,37 +320,39 @@ bw_status bw_mover_follow(bw_context *context, bw_mover *mover, const bw_outline
   return status;
 }
 
-const bw_mover_state *bw_mover_keep(const bw_mover *mover) {
-  return bw_retain(mover->inner->now);
+const bw_mesh_motion_state *bw_mesh_motion_keep(const bw_mesh_motion *motion) {
+  return bw_retain(motion->inner->now);
 }
 
-bw_status bw_mover_return(bw_context *context, bw_mover *mover, const bw_mover_state *state) {
-  if (state->mesh->topology->nodes->order != mover->options.fill.order)
-    return bw_fail(context, BW_INVALID, "a mesh of order %d for a mover of order %d",
-                   state->mesh->topology->nodes->order, mover->options.fill.order);
-  if (state != mover->inner->now)
-    adopt(mover, state);
+bw_status bw_mesh_motion_return(bw_context *context, bw_mesh_motion *motion,
+                                const bw_mesh_motion_state *state) {
+  if (state->mesh->topology->nodes->order != motion->options.fill.order)
+    return bw_fail(context, BW_INVALID, "a mesh of order %d for a mesh motion of order %d",
+                   state->mesh->topology->nodes->order, motion->options.fill.order);
+  if (state != motion->inner->now)
+    adopt(motion, state);
   return BW_OK;
 }
 
-bw_status bw_mover_pull_back(bw_context *context, bw_mover *mover, const bw_plane_mesh *mesh,
-                             const double *node_gradient, double *point_gradient) {
-  return bwi_relocate_adjoint(context, mover->inner->now->relocator, mesh, node_gradient,
+bw_status bw_mesh_motion_pull_back(bw_context *context, bw_mesh_motion *motion,
+                                   const bw_plane_mesh *mesh, const double *node_gradient,
+                                   double *point_gradient) {
+  return bwi_relocate_adjoint(context, motion->inner->now->relocator, mesh, node_gradient,
                               point_gradient);
 }
 
-bw_status bw_mover_check(bw_context *context, const bw_mover *mover) {
+bw_status bw_mesh_motion_check(bw_context *context, const bw_mesh_motion *motion) {
   bw_status status = BW_OK;
-  const bw_mover_state *now = mover->inner->now;
+  const bw_mesh_motion_state *now = motion->inner->now;
   const bw_plane_topology *topology = now->mesh->topology;
   const bw_plane_mesh *base = bwi_relocator_base(now->relocator);
   BW_TRY(bw_plane_mesh_check(context, now->mesh));
-  if (mover->mesh != now->mesh || base->topology != topology ||
+  if (motion->mesh != now->mesh || base->topology != topology ||
       base->outline->segment_count != now->mesh->outline->segment_count ||
-      topology->nodes->order != mover->options.fill.order || !(now->reference > 0) ||
+      topology->nodes->order != motion->options.fill.order || !(now->reference > 0) ||
       !(now->guess >= 0))
     status = bw_fail(context, BW_INTERNAL,
-                     "a mover of %d nodes is based on a mesh of %d; reference %g, guess %g",
+                     "a mesh motion of %d nodes is based on a mesh of %d; reference %g, guess %g",
                      topology->nodes->node_count, base->topology->nodes->node_count, now->reference,
                      now->guess);
 done:

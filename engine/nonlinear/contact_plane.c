@@ -1,13 +1,13 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Contact with planes; what it computes stands in floor.h.
+/* Contact with planes; what it computes stands in contact_plane.h.
  *
- * Invariant: every point has at least one node that is free along its floor's normal. */
-#include "nonlinear/floor.h"
+ * Invariant: every point has at least one node that is free along its contact plane's normal. */
+#include "nonlinear/contact_plane.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "nonlinear/case.h"
+#include "nonlinear/load_case.h"
 
 /* c over the solid's own stiffness at a point. Each settling of the multipliers takes the gaps down
  * by about this factor. */
@@ -33,9 +33,9 @@ void bwi_contact_free(bwi_contact *c) {
   bw_free(c);
 }
 
-static bool held_along(const bw_solid_case *the, int32_t node, const double normal[3]) {
+static bool held_along(const bw_load_case *load_case, int32_t node, const double normal[3]) {
   for (int d = 0; d < 3; d++)
-    if (fabs(normal[d]) > 1e-9 && !the->held[3 * (int64_t)node + d])
+    if (fabs(normal[d]) > 1e-9 && !load_case->held[3 * (int64_t)node + d])
       return false;
   return true;
 }
@@ -43,7 +43,7 @@ static bool held_along(const bw_solid_case *the, int32_t node, const double norm
 /* Append a point with these nodes, unless none of them can move along the normal. */
 static void append(bwi_contact *c, int f, const double rest[3], int terms, const int32_t *node,
                    const double *weight, const double *blocks) {
-  const bw_floor *plane = &c->the->floor[f];
+  const bw_contact_plane *plane = &c->load_case->floor[f];
   double give = 0;
   int64_t at = c->start[c->count];
   for (int k = 0; k < terms; k++) {
@@ -51,7 +51,7 @@ static void append(bwi_contact *c, int f, const double rest[3], int terms, const
       continue;
     c->node[at] = node[k];
     c->weight[at++] = weight[k];
-    if (held_along(c->the, node[k], plane->normal))
+    if (held_along(c->load_case, node[k], plane->normal))
       continue;
     double stiff = 0;
     for (int i = 0; i < 3; i++)
@@ -81,17 +81,17 @@ static bw_status mark_boundary(bw_context *context, const bw_grid *grid, uint8_t
   return status;
 }
 
-bw_status bwi_contact_create(bw_context *context, const bw_solid_case *the, const double *blocks,
-                             bwi_contact **out) {
+bw_status bwi_contact_create(bw_context *context, const bw_load_case *load_case,
+                             const double *blocks, bwi_contact **out) {
   bw_status status = BW_OK;
-  const bw_grid *grid = the->grid;
+  const bw_grid *grid = load_case->grid;
   int64_t most = 0, terms = 0;
   uint8_t *outer = NULL;
   bwi_contact *c = NULL;
-  if (the->floor_count == 0)
+  if (load_case->contact_plane_count == 0)
     return BW_OK;
-  for (int f = 0; f < the->floor_count; f++) {
-    const bw_embedding *embedding = the->floor[f].embedding;
+  for (int f = 0; f < load_case->contact_plane_count; f++) {
+    const bw_embedding *embedding = load_case->floor[f].embedding;
     int64_t points = embedding ? embedding->point_count : grid->node_count;
     most += points;
     terms += embedding ? 8 * points : points;
@@ -102,7 +102,7 @@ bw_status bwi_contact_create(bw_context *context, const bw_solid_case *the, cons
     status = BW_MEMORY;
     goto done;
   }
-  c->the = the;
+  c->load_case = load_case;
   c->floor = BW_NEW(context, int32_t, most);
   c->rest = BW_NEW(context, double, most);
   c->start = BW_NEW0(context, int64_t, most + 1);
@@ -113,18 +113,18 @@ bw_status bwi_contact_create(bw_context *context, const bw_solid_case *the, cons
   c->gap = BW_NEW0(context, double, most);
   c->multiplier = BW_NEW0(context, double, most);
   c->pushes = BW_NEW0(context, uint8_t, most);
-  c->offset = BW_NEW0(context, double, the->floor_count);
-  c->shift = BW_NEW0(context, double, the->floor_count);
+  c->offset = BW_NEW0(context, double, load_case->contact_plane_count);
+  c->shift = BW_NEW0(context, double, load_case->contact_plane_count);
   if (!c->floor || !c->rest || !c->start || !c->node || !c->weight || !c->stiffness || !c->force ||
       !c->gap || !c->multiplier || !c->pushes || !c->offset || !c->shift) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(mark_boundary(context, grid, outer));
-  for (int f = 0; f < the->floor_count; f++) {
-    const bw_embedding *e = the->floor[f].embedding;
+  for (int f = 0; f < load_case->contact_plane_count; f++) {
+    const bw_embedding *e = load_case->floor[f].embedding;
     for (int64_t p = 0; e && p < e->point_count; p++)
-      append(c, f, the->floor[f].rest + 3 * p, 8, grid->element + 8 * (int64_t)e->element[p],
+      append(c, f, load_case->floor[f].rest + 3 * p, 8, grid->element + 8 * (int64_t)e->element[p],
              e->weight + 8 * p, blocks);
     for (int32_t n = 0; !e && n < grid->node_count; n++) {
       const double one = 1;
@@ -144,15 +144,15 @@ done:
 }
 
 void bwi_contact_place(bwi_contact *c, double load, bool moved) {
-  for (int f = 0; f < c->the->floor_count; f++) {
-    const bw_floor *plane = &c->the->floor[f];
+  for (int f = 0; f < c->load_case->contact_plane_count; f++) {
+    const bw_contact_plane *plane = &c->load_case->floor[f];
     c->offset[f] =
         (moved ? 1 : load) * bw_dot(plane->move, plane->normal) - (1 - load) * c->shift[f];
   }
 }
 
 static double displacement(const bwi_contact *c, int64_t p, const double *u) {
-  const double *normal = c->the->floor[c->floor[p]].normal;
+  const double *normal = c->load_case->floor[c->floor[p]].normal;
   double sum = 0;
   for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
     sum += c->weight[k] * bw_dot(normal, u + 3 * (int64_t)c->node[k]);
@@ -160,14 +160,14 @@ static double displacement(const bwi_contact *c, int64_t p, const double *u) {
 }
 
 static void add(const bwi_contact *c, int64_t p, double size, double *v) {
-  const double *normal = c->the->floor[c->floor[p]].normal;
+  const double *normal = c->load_case->floor[c->floor[p]].normal;
   for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
     for (int d = 0; d < 3; d++)
       v[3 * (int64_t)c->node[k] + d] += size * c->weight[k] * normal[d];
 }
 
 void bwi_contact_begin(bwi_contact *c, const double *u) {
-  memset(c->shift, 0, (size_t)c->the->floor_count * sizeof *c->shift);
+  memset(c->shift, 0, (size_t)c->load_case->contact_plane_count * sizeof *c->shift);
   bwi_contact_place(c, 1, true);
   for (int64_t p = 0; p < c->count; p++) {
     double gap = c->rest[p] + displacement(c, p, u) - c->offset[c->floor[p]];
@@ -208,7 +208,7 @@ void bwi_contact_settle(bwi_contact *c) {
 /* `part` of a point's derivatives. */
 static void add_stiffness(const bwi_contact *c, int64_t p, double part, const bw_graph *graph,
                           double *pairs) {
-  const double *normal = c->the->floor[c->floor[p]].normal;
+  const double *normal = c->load_case->floor[c->floor[p]].normal;
   for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
     for (int64_t l = c->start[p]; l < c->start[p + 1]; l++) {
       if (c->node[l] > c->node[k])
@@ -251,7 +251,7 @@ void bwi_contact_blocks(const bwi_contact *c, double *blocks) {
   for (int64_t p = 0; p < c->count; p++) {
     if (!c->pushes[p])
       continue;
-    const double *normal = c->the->floor[c->floor[p]].normal;
+    const double *normal = c->load_case->floor[c->floor[p]].normal;
     for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
       for (int i = 0; i < 9; i++)
         blocks[9 * (int64_t)c->node[k] + i] +=
@@ -271,7 +271,7 @@ bw_status bwi_contact_coarse(bw_context *context, const bwi_contact *contact,
   if (!c)
     return BW_MEMORY;
   int64_t most = 8 * contact->start[contact->count];
-  c->the = contact->the;
+  c->load_case = contact->load_case;
   c->count = contact->count;
   c->borrows = true;
   c->floor = contact->floor;

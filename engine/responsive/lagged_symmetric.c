@@ -10,13 +10,13 @@
 
 #include <amd.h>
 
-#include "responsive/stale.h"
+#include "responsive/lagged_factor.h"
 #include "responsive/triangular_solve.h"
 #include "solve/order.h"
 
 #define WORN 1.25
 
-struct bwi_stale_symmetric {
+struct bwi_lagged_symmetric {
   int components;
   const bw_plane_nodes *nodes; /* retained: what the order is of */
   int32_t *permutation;
@@ -27,9 +27,9 @@ struct bwi_stale_symmetric {
   bwi_triangular_solve *sweep; /* of it; NULL until it is worth making */
 };
 
-bw_status bwi_stale_symmetric_create(bw_context *context, int components,
-                                     bwi_stale_symmetric **out) {
-  bwi_stale_symmetric *s = BW_NEW0(context, bwi_stale_symmetric, 1);
+bw_status bwi_lagged_symmetric_create(bw_context *context, int components,
+                                      bwi_lagged_symmetric **out) {
+  bwi_lagged_symmetric *s = BW_NEW0(context, bwi_lagged_symmetric, 1);
   if (!s)
     return BW_MEMORY;
   s->components = components;
@@ -37,14 +37,14 @@ bw_status bwi_stale_symmetric_create(bw_context *context, int components,
   return BW_OK;
 }
 
-static void forget_analysis(bwi_stale_symmetric *s) {
+static void forget_analysis(bwi_lagged_symmetric *s) {
   bw_release(s->topology);
   bw_release(s->symbolic);
   s->topology = NULL;
   s->symbolic = NULL;
 }
 
-void bwi_stale_symmetric_forget(bwi_stale_symmetric *s) {
+void bwi_lagged_symmetric_reset(bwi_lagged_symmetric *s) {
   forget_analysis(s);
   bwi_triangular_solve_free(s->sweep);
   s->sweep = NULL;
@@ -56,10 +56,10 @@ void bwi_stale_symmetric_forget(bwi_stale_symmetric *s) {
   s->permutation = NULL;
 }
 
-void bwi_stale_symmetric_free(bwi_stale_symmetric *s) {
+void bwi_lagged_symmetric_free(bwi_lagged_symmetric *s) {
   if (!s)
     return;
-  bwi_stale_symmetric_forget(s);
+  bwi_lagged_symmetric_reset(s);
   bw_free(s);
 }
 
@@ -118,8 +118,8 @@ done:
   return status;
 }
 
-bw_status bwi_stale_order(bw_context *context, const bw_plane_graph *graph, bool quick,
-                          int32_t *permutation) {
+bw_status bwi_lagged_order(bw_context *context, const bw_plane_graph *graph, bool quick,
+                           int32_t *permutation) {
   bw_status status = BW_OK;
   bwi_adjacency near = {0};
   BW_TRY(adjacency(context, graph, &near));
@@ -130,7 +130,7 @@ done:
 }
 
 /* The analysis under s->permutation. */
-static bw_status analyse_ordered(bw_context *context, bwi_stale_symmetric *s,
+static bw_status analyse_ordered(bw_context *context, bwi_lagged_symmetric *s,
                                  const bwi_adjacency *near, const int32_t *unknown) {
   bw_status status = BW_OK;
   bwi_order *order = NULL;
@@ -147,8 +147,8 @@ done:
   return status;
 }
 
-static bw_status analyse(bw_context *context, bwi_stale_symmetric *s, const bw_plane_graph *graph,
-                         bwi_stale_work *work) {
+static bw_status analyse(bw_context *context, bwi_lagged_symmetric *s, const bw_plane_graph *graph,
+                         bwi_lagged_work *work) {
   bw_status status = BW_OK;
   bwi_adjacency near = {0};
   int32_t *unknown = NULL;
@@ -157,7 +157,7 @@ static bw_status analyse(bw_context *context, bwi_stale_symmetric *s, const bw_p
   forget_analysis(s);
   work->analysed = true;
   if (s->nodes != graph->topology->nodes)
-    bwi_stale_symmetric_forget(s);
+    bwi_lagged_symmetric_reset(s);
   BW_TRY(adjacency(context, graph, &near));
   unknown = BW_NEW0(context, int32_t, (size_t)graph->node_count * (size_t)s->components);
   if (!unknown) {
@@ -189,14 +189,14 @@ done:
   return status;
 }
 
-bw_status bwi_stale_symmetric_factor(bw_context *context, bwi_stale_symmetric *s,
-                                     const bw_plane_graph *graph, const double *values,
-                                     bwi_stale_work *work) {
+bw_status bwi_lagged_symmetric_factor(bw_context *context, bwi_lagged_symmetric *s,
+                                      const bw_plane_graph *graph, const double *values,
+                                      bwi_lagged_work *work) {
   bw_status status = BW_OK;
   bwi_elimination_reach *reach = NULL;
   bwi_factor *factor = NULL;
   int32_t bad_node = -1;
-  *work = (bwi_stale_work){0};
+  *work = (bwi_lagged_work){0};
   /* The factorisation reads the pairs of a lower triangle and those above it; given whole rows as
      the one and nothing as the other it finds each entry where it looks for it. */
   bw_graph rows = {.node_count = graph->node_count,
@@ -238,8 +238,8 @@ done:
   return status;
 }
 
-bw_status bwi_stale_symmetric_apply(bw_context *context, bwi_stale_symmetric *s, bool old,
-                                    const double *r, double *z) {
+bw_status bwi_lagged_symmetric_apply(bw_context *context, bwi_lagged_symmetric *s, bool old,
+                                     const double *r, double *z) {
   bw_status status = BW_OK;
   if (!s->factor)
     return bw_fail(context, BW_INTERNAL, "there is no factor to apply");

@@ -80,32 +80,32 @@ static void relocation(void **state) {
     shape s;
     block_with_hole(&s, 1);
     bw_plane_mesh *mesh = filled(context, &s, order, 800);
-    bw_mover *mover = NULL;
+    bw_mesh_motion *motion = NULL;
     bw_follow_report report;
-    check_ok(context, bw_mover_create(context, mesh, NULL, &mover));
-    check_ok(context, bw_mover_follow(context, mover, mesh->outline, &report));
+    check_ok(context, bw_mesh_motion_create(context, mesh, NULL, &motion));
+    check_ok(context, bw_mesh_motion_follow(context, motion, mesh->outline, &report));
     assert_int_equal(report.level, BW_LEVEL_NONE);
     bw_outline *moved = loop_at(context, mesh->outline, 1, 0.02, 0.01);
-    check_ok(context, bw_mover_follow(context, mover, moved, &report));
+    check_ok(context, bw_mesh_motion_follow(context, motion, moved, &report));
     assert_int_equal(report.level, BW_LEVEL_RELOCATION);
-    assert_ptr_equal(mover->mesh->topology, mesh->topology);
-    check_mesh(context, mover->mesh);
+    assert_ptr_equal(motion->mesh->topology, mesh->topology);
+    check_mesh(context, motion->mesh);
     bw_plane_quality quality;
-    bw_plane_measure(mover->mesh, &quality);
+    bw_plane_measure(motion->mesh, &quality);
     check_near(quality.worst, report.worst, 0);
     assert_int_equal(quality.worst_element, report.worst_element);
     bw_release(moved);
     /* the way there does not matter, nor what was precomputed on it */
-    bw_mover *direct = NULL;
-    check_ok(context, bw_mover_create(context, mesh, NULL, &direct));
+    bw_mesh_motion *direct = NULL;
+    check_ok(context, bw_mesh_motion_create(context, mesh, NULL, &direct));
     moved = loop_at(context, mesh->outline, 1, -0.01, 0.03);
-    check_ok(context, bw_mover_follow(context, mover, moved, &report));
-    check_ok(context, bw_mover_follow(context, direct, moved, &report));
+    check_ok(context, bw_mesh_motion_follow(context, motion, moved, &report));
+    check_ok(context, bw_mesh_motion_follow(context, direct, moved, &report));
     for (int32_t i = 0; i < 2 * mesh->topology->nodes->node_count; i++)
-      check_near(mover->mesh->point[i], direct->mesh->point[i], 1e-12);
+      check_near(motion->mesh->point[i], direct->mesh->point[i], 1e-12);
     bw_release(direct);
     bw_release(moved);
-    bw_release(mover);
+    bw_release(motion);
     bw_release(mesh);
   }
 }
@@ -117,16 +117,16 @@ static void translation(void **state) {
     shape s;
     block_with_hole(&s, 1.4);
     bw_plane_mesh *mesh = filled(context, &s, order, 600);
-    bw_mover *mover = NULL;
-    check_ok(context, bw_mover_create(context, mesh, NULL, &mover));
+    bw_mesh_motion *motion = NULL;
+    check_ok(context, bw_mesh_motion_create(context, mesh, NULL, &motion));
     bw_outline *moved = loop_at(context, mesh->outline, 0, 5, -3);
     bw_follow_report report;
-    check_ok(context, bw_mover_follow(context, mover, moved, &report));
+    check_ok(context, bw_mesh_motion_follow(context, motion, moved, &report));
     assert_int_equal(report.level, BW_LEVEL_RELOCATION);
     for (int32_t i = 0; i < 2 * mesh->topology->nodes->node_count; i++)
-      check_near(mover->mesh->point[i], mesh->point[i] + (i % 2 ? -3 : 5), 2e-12);
+      check_near(motion->mesh->point[i], mesh->point[i] + (i % 2 ? -3 : 5), 2e-12);
     bw_release(moved);
-    bw_release(mover);
+    bw_release(motion);
     bw_release(mesh);
   }
 }
@@ -138,8 +138,8 @@ static void adjoint(void **state) {
     shape s;
     block_with_hole(&s, 1.2);
     bw_plane_mesh *mesh = filled(context, &s, order, 300);
-    bw_mover *mover = NULL;
-    check_ok(context, bw_mover_create(context, mesh, NULL, &mover));
+    bw_mesh_motion *motion = NULL;
+    check_ok(context, bw_mesh_motion_create(context, mesh, NULL, &motion));
     int32_t nodes = mesh->topology->nodes->node_count, points = mesh->outline->point_count;
     double *g = malloc(sizeof(double) * 2 * (size_t)nodes);
     double *back = malloc(sizeof(double) * 2 * (size_t)points);
@@ -148,7 +148,7 @@ static void adjoint(void **state) {
     bw_random_seed(&random, 5);
     for (int32_t i = 0; i < 2 * nodes; i++)
       g[i] = bw_random_uniform(&random) - 0.5;
-    check_ok(context, bw_mover_pull_back(context, mover, mesh, g, back));
+    check_ok(context, bw_mesh_motion_pull_back(context, motion, mesh, g, back));
     for (int trial = 0; trial < 5; trial++) {
       double slope = 0, change = 0, step = 1e-3;
       for (int32_t i = 0; i < 2 * points; i++) {
@@ -159,17 +159,17 @@ static void adjoint(void **state) {
       bw_outline *moved = NULL;
       bw_follow_report report;
       check_ok(context, bw_outline_moved(context, mesh->outline, place, &moved));
-      check_ok(context, bw_mover_follow(context, mover, moved, &report));
+      check_ok(context, bw_mesh_motion_follow(context, motion, moved, &report));
       assert_int_equal(report.level, BW_LEVEL_RELOCATION);
       for (int32_t i = 0; i < 2 * nodes; i++)
-        change += g[i] * (mover->mesh->point[i] - mesh->point[i]);
+        change += g[i] * (motion->mesh->point[i] - mesh->point[i]);
       check_near(change / step, slope, 1e-9); /* linear */
       bw_release(moved);
     }
     free(g);
     free(back);
     free(place);
-    bw_release(mover);
+    bw_release(motion);
     bw_release(mesh);
   }
 }
@@ -185,19 +185,19 @@ static void the_papers_drag(void **state) {
       bw_follow_options options;
       bw_follow_options_default(&options);
       options.relocation = springs ? BW_RELOCATE_SPRINGS : BW_RELOCATE_HARMONIC;
-      bw_mover *mover = NULL;
-      check_ok(context, bw_mover_create(context, mesh, &options, &mover));
+      bw_mesh_motion *motion = NULL;
+      check_ok(context, bw_mesh_motion_create(context, mesh, &options, &motion));
       int levels[4] = {0, 0, 0, 0};
       double seconds[4] = {0, 0, 0, 0}, worst = 1;
       bw_outline *start = bw_retain(mesh->outline);
       for (int frame = 1; frame <= 159; frame++) {
         bw_outline *moved = loop_at(context, start, 1, 2.2 * frame / 159, 0);
         bw_follow_report report;
-        check_ok(context, bw_mover_follow(context, mover, moved, &report));
+        check_ok(context, bw_mesh_motion_follow(context, motion, moved, &report));
         levels[report.level]++;
         seconds[report.level] += report.seconds;
         worst = fmin(worst, report.worst);
-        check_mesh(context, mover->mesh);
+        check_mesh(context, motion->mesh);
         bw_release(moved);
       }
       printf("order %d, %s: relocation %d (%.2f ms), reconnecting %d (%.2f ms), reconstruction %d "
@@ -210,7 +210,7 @@ static void the_papers_drag(void **state) {
       if (!springs)
         assert_true(levels[1] > 110 && levels[3] <= 3 && worst > 0.15);
       bw_release(start);
-      bw_release(mover);
+      bw_release(motion);
       bw_release(mesh);
     }
 }
@@ -226,13 +226,13 @@ static void random_drags(void **state) {
     add_ellipse(&s, -1, "hole", 1, 1, 0.25, 0.25);
     add_box(&s, -1, "window", 2.5, 0.5, 3.5, 1.5);
     bw_plane_mesh *mesh = filled(context, &s, order, 400);
-    bw_mover *mover = NULL;
-    check_ok(context, bw_mover_create(context, mesh, NULL, &mover));
+    bw_mesh_motion *motion = NULL;
+    check_ok(context, bw_mesh_motion_create(context, mesh, NULL, &motion));
     bw_random random;
     bw_random_seed(&random, 20261121);
     for (int drag = 0; drag < drags; drag++) {
       /* a handle, somewhere; now and then back to where all began */
-      const bw_outline *now = mover->mesh->outline;
+      const bw_outline *now = motion->mesh->outline;
       if (drag % 50 == 49)
         now = mesh->outline;
       int kind = (int)(bw_random_uniform(&random) * 3);
@@ -257,22 +257,22 @@ static void random_drags(void **state) {
         refused++;
         continue;
       }
-      const bw_plane_mesh *before = mover->mesh;
+      const bw_plane_mesh *before = motion->mesh;
       bw_follow_report report;
-      status = bw_mover_follow(context, mover, moved, &report);
+      status = bw_mesh_motion_follow(context, motion, moved, &report);
       if (status == BW_OK) {
         levels[report.level]++;
         assert_true(report.worst > 0);
         if (!full || drag % 10 == 0)
-          check_mesh(context, mover->mesh);
+          check_mesh(context, motion->mesh);
       } else {
         given_up++;
         assert_true(status == BW_GEOMETRY || status == BW_LIMIT);
-        assert_ptr_equal(mover->mesh, before);
+        assert_ptr_equal(motion->mesh, before);
       }
       bw_release(moved);
     }
-    bw_release(mover);
+    bw_release(motion);
     bw_release(mesh);
   }
   printf("random drags: %d refused by the outline, %d by the mesh; relocation %d, reconnecting %d, "
@@ -290,17 +290,17 @@ static void forced_levels(void **state) {
     bw_follow_options options;
     bw_follow_options_default(&options);
     options.force = (bw_level)level;
-    bw_mover *mover = NULL;
+    bw_mesh_motion *motion = NULL;
     bw_follow_report report;
-    check_ok(context, bw_mover_create(context, mesh, &options, &mover));
+    check_ok(context, bw_mesh_motion_create(context, mesh, &options, &motion));
     bw_outline *moved = loop_at(context, mesh->outline, 1, 0.02, 0);
-    check_ok(context, bw_mover_follow(context, mover, moved, &report));
+    check_ok(context, bw_mesh_motion_follow(context, motion, moved, &report));
     assert_int_equal(report.level, level);
-    assert_int_equal(mover->mesh->topology->nodes == mesh->topology->nodes,
+    assert_int_equal(motion->mesh->topology->nodes == mesh->topology->nodes,
                      level != BW_LEVEL_RECONSTRUCTION);
-    check_mesh(context, mover->mesh);
+    check_mesh(context, motion->mesh);
     bw_release(moved);
-    bw_release(mover);
+    bw_release(motion);
   }
   bw_release(mesh);
 }
@@ -316,19 +316,19 @@ static void pulled_far(void **state) {
   bw_follow_options_default(&options);
   options.force = BW_LEVEL_RECONSTRUCTION;
   options.fill.limit = 20000;
-  bw_mover *mover = NULL;
+  bw_mesh_motion *motion = NULL;
   bw_follow_report report;
-  check_ok(context, bw_mover_create(context, mesh, &options, &mover));
+  check_ok(context, bw_mesh_motion_create(context, mesh, &options, &motion));
   static const double length[2] = {0.21, 6000};
   for (int i = 0; i < 2; i++) {
     const double at[4][2] = {{0, 0}, {length[i], 0}, {length[i], 0.03}, {0, 0.03}};
     bw_outline *moved = NULL;
     check_ok(context, bw_outline_moved(context, mesh->outline, &at[0][0], &moved));
-    check_ok(context, bw_mover_follow(context, mover, moved, &report));
-    assert_in_range(mover->mesh->topology->element_count, 50, 300);
+    check_ok(context, bw_mesh_motion_follow(context, motion, moved, &report));
+    assert_in_range(motion->mesh->topology->element_count, 50, 300);
     bw_release(moved);
   }
-  bw_release(mover);
+  bw_release(motion);
   bw_release(mesh);
 }
 
@@ -342,21 +342,21 @@ static void memory_failures(void **state) {
     bw_outline *moved = loop_at(context, mesh->outline, 1, step[i], 0);
     bw_status status = BW_MEMORY;
     for (int n = 1; status != BW_OK && n < 3000; n++) {
-      bw_mover *mover = NULL;
+      bw_mesh_motion *motion = NULL;
       bw_follow_report report;
       bw_fail_allocation(n, true);
-      status = bw_mover_create(context, mesh, NULL, &mover);
+      status = bw_mesh_motion_create(context, mesh, NULL, &motion);
       if (status == BW_OK) {
-        status = bw_mover_follow(context, mover, moved, &report);
+        status = bw_mesh_motion_follow(context, motion, moved, &report);
         if (status != BW_OK) {
           assert_int_equal(status, BW_MEMORY);
-          assert_ptr_equal(mover->mesh, mesh);
+          assert_ptr_equal(motion->mesh, mesh);
           bw_fail_allocation(0, false); /* and it still works */
-          check_ok(context, bw_mover_follow(context, mover, moved, &report));
+          check_ok(context, bw_mesh_motion_follow(context, motion, moved, &report));
         }
       }
       bw_fail_allocation(0, false);
-      bw_release(mover);
+      bw_release(motion);
     }
     assert_int_equal(status, BW_OK);
     bw_release(moved);
@@ -372,15 +372,15 @@ static void budgets(void **state) {
     shape s;
     block_with_hole(&s, 0.4);
     bw_plane_mesh *mesh = filled(context, &s, order, 20000);
-    bw_mover *mover = NULL;
-    check_ok(context, bw_mover_create(context, mesh, NULL, &mover));
+    bw_mesh_motion *motion = NULL;
+    check_ok(context, bw_mesh_motion_create(context, mesh, NULL, &motion));
     bw_outline *start = bw_retain(mesh->outline);
     double best[4] = {1, 1, 1, 1}, sum[4] = {0, 0, 0, 0}, first = 0;
     int levels[4] = {0, 0, 0, 0};
     for (int frame = 1; frame <= 159; frame++) {
       bw_outline *moved = loop_at(context, start, 1, 2.2 * frame / 159, 0.1 * sin(frame / 10.0));
       bw_follow_report report;
-      check_ok(context, bw_mover_follow(context, mover, moved, &report));
+      check_ok(context, bw_mesh_motion_follow(context, motion, moved, &report));
       if (frame == 1)
         first = report.seconds;
       best[report.level] = fmin(best[report.level], report.seconds);
@@ -393,7 +393,7 @@ static void budgets(void **state) {
              1e3 * sum[l] / fmax(levels[l], 1), 1e3 * best[l]);
     printf("first relocation, with the factor: %.2f ms\n", 1e3 * first);
     bw_release(start);
-    bw_release(mover);
+    bw_release(motion);
     bw_release(mesh);
   }
 }
