@@ -85,44 +85,11 @@ done:
 
 /* ---- judging --------------------------------------------------------------------------------- */
 
-double bwi_row_dot(int n, const double *a, const double *b) {
-  double sum = 0;
-  for (int i = 0; i < n; i++)
-    sum += a[i] * b[i];
-  return sum;
-}
-
 static double worst_row(const bwi_polyhedron *p, const double *z) {
   double worst = 0;
   for (int i = 0; i < p->rows; i++)
-    worst = fmax(worst, bwi_row_dot(p->n, p->a + i * p->n, z) - p->beta[i]);
+    worst = fmax(worst, bwi_dot(p->n, p->a + i * p->n, z) - p->beta[i]);
   return worst;
-}
-
-/* Factor m x m (lower triangle) in place; false when a pivot is below `least`. */
-bool bwi_cholesky(int m, double *a, double least) {
-  for (int j = 0; j < m; j++) {
-    double pivot = a[j * m + j] - bwi_row_dot(j, a + j * m, a + j * m);
-    if (!(pivot > least * a[j * m + j]))
-      return false;
-    a[j * m + j] = sqrt(pivot);
-    for (int i = j + 1; i < m; i++)
-      a[i * m + j] = (a[i * m + j] - bwi_row_dot(j, a + i * m, a + j * m)) / a[j * m + j];
-  }
-  return true;
-}
-
-void bwi_forward(int m, const double *l, double *x) {
-  for (int i = 0; i < m; i++)
-    x[i] = (x[i] - bwi_row_dot(i, l + i * m, x)) / l[i * m + i];
-}
-
-void bwi_backward(int m, const double *l, double *x) {
-  for (int i = m - 1; i >= 0; i--) {
-    for (int k = i + 1; k < m; k++)
-      x[i] -= l[k * m + i] * x[k];
-    x[i] /= l[i * m + i];
-  }
 }
 
 /* Rows that are held as active, and room to solve with them. */
@@ -140,13 +107,13 @@ static bool multipliers(const bwi_polyhedron *p, const double *z, active_rows *a
   for (int i = 0; i < m; i++) {
     const double *ai = p->a + active->row[i] * p->n;
     for (int j = 0; j <= i; j++)
-      active->gram[i * m + j] = bwi_row_dot(p->n, ai, p->a + active->row[j] * p->n);
-    active->mu[i] = z ? -bwi_row_dot(p->n, ai, z) : -p->beta[active->row[i]];
+      active->gram[i * m + j] = bwi_dot(p->n, ai, p->a + active->row[j] * p->n);
+    active->mu[i] = z ? -bwi_dot(p->n, ai, z) : -p->beta[active->row[i]];
   }
   if (!bwi_cholesky(m, active->gram, dependent))
     return false;
-  bwi_forward(m, active->gram, active->mu);
-  bwi_backward(m, active->gram, active->mu);
+  bwi_lower_solve(m, active->gram, active->mu);
+  bwi_upper_solve(m, active->gram, active->mu);
   return true;
 }
 
@@ -156,11 +123,11 @@ static bool multipliers(const bwi_polyhedron *p, const double *z, active_rows *a
 static void least_squares(const bwi_polyhedron *p, const double *z, active_rows *active, double *mu,
                           bool *left_out, double *rest) {
   int n = p->n;
-  double size = sqrt(bwi_row_dot(n, z, z));
+  double size = sqrt(bwi_dot(n, z, z));
   active->count = 0;
   for (int i = 0; i < p->rows; i++) {
     mu[i] = 0;
-    left_out[i] = bwi_row_dot(n, p->a + i * n, z) - p->beta[i] < -near_active * (1 + size);
+    left_out[i] = bwi_dot(n, p->a + i * n, z) - p->beta[i] < -near_active * (1 + size);
   }
   for (int step = 0; step < 4 * p->rows && active->count < n; step++) {
     int best = -1;
@@ -170,7 +137,7 @@ static void least_squares(const bwi_polyhedron *p, const double *z, active_rows 
       for (int j = 0; j < n; j++)
         rest[j] += mu[active->row[i]] * p->a[active->row[i] * n + j];
     for (int i = 0; i < p->rows; i++) {
-      double gain = mu[i] > 0 || left_out[i] ? 0 : -bwi_row_dot(n, p->a + i * n, rest);
+      double gain = mu[i] > 0 || left_out[i] ? 0 : -bwi_dot(n, p->a + i * n, rest);
       if (gain > most) {
         best = i;
         most = gain;
@@ -228,7 +195,7 @@ bw_status bwi_nearest_point(const bwi_polyhedron *p, double *z, double *mu, bool
   }
   BW_TRY(slsqp(p, z, word));
   least_squares(p, z, &active, mu, left_out, exact);
-  double allowed = row_tolerance * (1 + sqrt(bwi_row_dot(p->n, z, z)));
+  double allowed = row_tolerance * (1 + sqrt(bwi_dot(p->n, z, z)));
   if (multipliers(p, NULL, &active)) {
     bool optimal = true;
     memset(exact, 0, n * sizeof *exact);

@@ -4,6 +4,7 @@
 #define BARWRIGHT_NEAREST_POINT_H
 
 #include "barwright/base.h"
+#include "base/dense.h"
 
 /* a_i . z <= beta_i with |a_i| = 1; every row of `a` has n numbers. Well scaled when the farthest
  * violated row lies at a distance near 1. */
@@ -17,13 +18,5 @@ typedef struct bwi_polyhedron {
  * found that fulfils all rows to 1e-7 of 1 + |z|; *word is what NLopt said. */
 bw_status bwi_nearest_point(const bwi_polyhedron *p, double *z, double *mu, bool *found,
                             const char **word);
-
-/* Small dense algebra with n x n matrices, row by row. */
-double bwi_row_dot(int n, const double *a, const double *b);
-/* The lower triangle becomes its Cholesky factor; false when a pivot is not above `least` of its
- * diagonal entry. */
-bool bwi_cholesky(int n, double *a, double least);
-void bwi_forward(int n, const double *l, double *x);  /* x = L^-1 x */
-void bwi_backward(int n, const double *l, double *x); /* x = L^-T x */
 
 #endif

@@ -92,21 +92,21 @@ static bw_status transform(program *q, const double *H, const double *g) {
   }
   for (int i = 0; i < n; i++)
     q->centre[i] = -g[i];
-  bwi_forward(n, q->l, q->centre);
-  bwi_backward(n, q->l, q->centre);
+  bwi_lower_solve(n, q->l, q->centre);
+  bwi_upper_solve(n, q->l, q->centre);
   for (int i = 0; i < q->m; i++) {
     const double *given = q->a + i * n;
     memcpy(row, given, (size_t)n * sizeof *row);
-    bwi_forward(n, q->l, row);
-    double norm = sqrt(bwi_row_dot(n, row, row));
+    bwi_lower_solve(n, q->l, row);
+    double norm = sqrt(bwi_dot(n, row, row));
     if (norm > 0)
-      add_row(q, i, norm, row, q->b[i] - bwi_row_dot(n, given, q->centre));
+      add_row(q, i, norm, row, q->b[i] - bwi_dot(n, given, q->centre));
   }
   for (int j = 0; j < n; j++) {
     memset(row, 0, (size_t)n * sizeof *row);
     row[j] = 1;
-    bwi_forward(n, q->l, row);
-    double norm = sqrt(bwi_row_dot(n, row, row));
+    bwi_lower_solve(n, q->l, row);
+    double norm = sqrt(bwi_dot(n, row, row));
     if (q->high[j] < INFINITY)
       add_row(q, q->m + j, norm, row, q->high[j] - q->centre[j]);
     for (int k = 0; k < n; k++)
@@ -123,7 +123,7 @@ done:
 static void to_unknowns(const program *q, const double *z, double *x) {
   for (int j = 0; j < q->n; j++)
     x[j] = q->size * z[j];
-  bwi_backward(q->n, q->l, x);
+  bwi_upper_solve(q->n, q->l, x);
   for (int j = 0; j < q->n; j++)
     x[j] = fmin(fmax(q->centre[j] + x[j], q->low[j]), q->high[j]);
 }
@@ -171,7 +171,7 @@ static bw_status least_violation(const program *q, double unit, double *t) {
     BW_TRY(bw_check_cancel(q->context));
     centre[q->n] -= FAR;
     for (int i = 0; i < p.rows; i++)
-      p.beta[i] = whole[i] - bwi_row_dot(n, p.a + i * n, centre);
+      p.beta[i] = whole[i] - bwi_dot(n, p.a + i * n, centre);
     bool inside;
     BW_TRY(bwi_nearest_point(&p, z, mu, &inside, &word));
     if (!inside) {
@@ -247,7 +247,7 @@ bw_status bw_quadratic_program(bw_context *context, int n, const double *H, cons
   }
   double reach = 0; /* |y| at c, below whose rounding no row is violated */
   for (int i = 0; i < n; i++)
-    reach += q.centre[i] * (bwi_row_dot(n, H + i * n, q.centre));
+    reach += q.centre[i] * (bwi_dot(n, H + i * n, q.centre));
   reach = sqrt(fmax(reach, 0));
   for (int i = 0; i < q.p.rows; i++)
     most = fmax(most, -q.p.beta[i]);
@@ -275,7 +275,7 @@ bw_status bw_quadratic_program(bw_context *context, int n, const double *H, cons
   to_unknowns(&q, z, x);
   *violation = 0;
   for (int i = 0; i < m; i++)
-    *violation = fmax(*violation, bwi_row_dot(n, A + i * n, x) - b[i]);
+    *violation = fmax(*violation, bwi_dot(n, A + i * n, x) - b[i]);
   double rounding = 0;
   for (int i = 0; i < q.p.rows; i++)
     if (q.of[i] < m)

@@ -21,12 +21,12 @@ static int other(int middle, int corner) {
  *   T_im = 4/5 g_i g_b - 1/5 g_i s_m when i = a, else -1/5 g_i s_m
  *   T_mn = 4/5 (s_m s_n + g_b g_c) for m = ab, n = ac; 4/5 s_m s_n for opposite edges
  * The diagonal of a middle node has three products and is summed on its own. */
-void bwi_product_table(int order, bwi_product table[256]) {
+void bwi_product_table(int order, bwi_pair_product table[256]) {
   memset(table, 0, 256 * sizeof *table);
   int n = order == 1 ? 4 : 10;
   for (int a = 0; a < n; a++)
     for (int b = 0; b < n; b++) {
-      bwi_product *p = &table[a << 4 | b];
+      bwi_pair_product *p = &table[a << 4 | b];
       p->u = p->w = (uint8_t)a;
       p->v = p->z = (uint8_t)b;
       if (order == 1)

@@ -10,17 +10,17 @@
 
 /* One contribution: first * u (x) v + second * w (x) z, the letters being numbers of frame vectors.
  * Indexed by the local pair (a << 4 | b). */
-typedef struct bwi_product {
+typedef struct bwi_pair_product {
   uint8_t u, v, w, z;
   double first, second;
-} bwi_product;
-void bwi_product_table(int order, bwi_product table[256]);
+} bwi_pair_product;
+void bwi_product_table(int order, bwi_pair_product table[256]);
 
 /* Where tensors are summed from: frames of all elements, or of those of one domain only. */
 typedef struct bwi_pair_source {
   const bw_graph *graph;
   const bwi_frames *frames;
-  bwi_product table[256];
+  bwi_pair_product table[256];
   int64_t contributions; /* of the whole graph */
 } bwi_pair_source;
 
@@ -80,7 +80,7 @@ static inline void bwi_sum_contributions(const bwi_pair_source *source,
       t2 += 0.8 * (s[2] * s + (a[2] * a + b[2] * b));
       continue;
     }
-    const bwi_product *p = &source->table[code];
+    const bwi_pair_product *p = &source->table[code];
     const double *u = (const double *)(h + p->u), *w = (const double *)(h + p->w);
     bwi_vector v = p->first * h[p->v], z = p->second * h[p->z];
     t0 += u[0] * v + w[0] * z;

@@ -9,12 +9,12 @@
 
 /* What travels from the child: a head and a payload. */
 enum bwi_frame_kind { BWI_DATA = 1, BWI_PROGRESS, BWI_DETAIL, BWI_FAILED, BWI_DONE };
-typedef struct bwi_frame {
+typedef struct bwi_message_frame {
   uint32_t kind;
   int32_t value; /* FAILED: the status */
   uint64_t length;
   double seconds; /* since the fork */
-} bwi_frame;
+} bwi_message_frame;
 
 /* Reports the last progress again, so that the caller can cancel work that reports nothing. */
 void bwi_progress_again(bw_context *context);
@@ -47,7 +47,7 @@ struct bw_job {
 
   unsigned char *bytes; /* DATA payloads so far */
   size_t count, capacity;
-  bwi_frame head;
+  bwi_message_frame head;
   size_t head_held; /* bytes of the head that have come */
   uint64_t left;    /* bytes of the payload still to come */
   char payload[BWI_JOB_TEXT];

@@ -43,7 +43,7 @@ static bool put_all(int pipe, const void *bytes, size_t count) {
 
 static bool put_frame(bw_job_stream *out, uint32_t kind, int32_t value, const void *bytes,
                       size_t count) {
-  bwi_frame head = {kind, value, count, bw_seconds() - out->start};
+  bwi_message_frame head = {kind, value, count, bw_seconds() - out->start};
   return put_all(out->pipe, &head, sizeof head) && put_all(out->pipe, bytes, count);
 }
 
@@ -71,7 +71,7 @@ void bw_job_tell(void *data, const char *stage, double fraction) {
   if (poll(&room, 1, 0) != 1)
     return;
   struct {
-    bwi_frame head;
+    bwi_message_frame head;
     bwi_progress_line line;
   } frame = {.head = {BWI_PROGRESS, 0, sizeof frame.line, bw_seconds() - out->start},
              .line = {.fraction = fraction}};

@@ -109,7 +109,7 @@ void bwi_contours_bulge(bwi_contours *c, const double to[2], double bulge) {
   double u[2] = {c->at[0] - centre[0], c->at[1] - centre[1]}, v[2] = {-u[1], u[0]};
   bwi_contours_arc(c, centre, u, v, 0, 4 * atan(bulge));
   if (c->status == BW_OK) {
-    bwi_curve *last = &c->edge[c->edges - 1].curve;
+    bwi_outline_curve *last = &c->edge[c->edges - 1].curve;
     transform(c, end, last->point[3]);
     memcpy(c->at, end, sizeof end);
   }

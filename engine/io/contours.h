@@ -10,7 +10,7 @@
 enum { BWI_REGION_BY_NESTING = -2 };
 
 typedef struct bwi_contour_edge {
-  bwi_curve curve;
+  bwi_outline_curve curve;
   int32_t tag;
 } bwi_contour_edge;
 

@@ -46,7 +46,8 @@ static bw_status fail_at(bw_context *context, const char *name, int64_t line, co
 
 /* ---- what is drawn twice --------------------------------------------------------------------- */
 
-static bool same_edge(const bwi_curve *a, const bwi_curve *b, bool backwards, double least) {
+static bool same_edge(const bwi_outline_curve *a, const bwi_outline_curve *b, bool backwards,
+                      double least) {
   if (a->count != b->count)
     return false;
   for (int i = 0; i < a->count; i++)
@@ -237,7 +238,7 @@ static void add_loop(bwi_contours *c, const bwi_contour_piece *from, bwi_contour
   loop->name = name;
   int32_t first = 0, start = 0;
   for (size_t i = 0; i < count; i++) {
-    const bwi_curve *curve = &list[i].curve;
+    const bwi_outline_curve *curve = &list[i].curve;
     if (i == 0)
       first = start = bwi_draft_point(d, curve->point[0]);
     int32_t control[2] = {-1, -1};

@@ -4,6 +4,7 @@
  * a point of the other: 4 pi or nothing, with no special cases on edges. A point inside a cavity is
  * the middle of a ray from one of its facets to whatever it meets first; of several rays the
  * longest, so that the point keeps its distance from every facet. */
+#include "base/union_find.h"
 #include "mesh/fill_internal.h"
 
 #include <math.h>
@@ -42,14 +43,6 @@ static void normal_of(const bw_surface *surface, int32_t triangle, double centre
   bw_cross(a, b, normal);
 }
 
-static int32_t root_of(int32_t *parent, int32_t i) {
-  while (parent[i] != i) {
-    parent[i] = parent[parent[i]];
-    i = parent[i];
-  }
-  return i;
-}
-
 /* Shells: triangles connected through points, in the order of their first triangles. */
 static bw_status find_shells(bw_context *context, shells *all) {
   const bw_surface *surface = all->surface;
@@ -66,13 +59,10 @@ static bw_status find_shells(bw_context *context, shells *all) {
     number[i] = -1;
   }
   for (int32_t i = 0; i < surface->triangle_count; i++)
-    for (size_t k = 1; k < 3; k++) {
-      int32_t a = root_of(parent, surface->triangle[3 * (size_t)i]);
-      int32_t b = root_of(parent, surface->triangle[3 * (size_t)i + k]);
-      parent[a > b ? a : b] = a > b ? b : a;
-    }
+    for (size_t k = 1; k < 3; k++)
+      bwi_set_join(parent, surface->triangle[3 * (size_t)i], surface->triangle[3 * (size_t)i + k]);
   for (int32_t i = 0; i < surface->triangle_count; i++) {
-    int32_t root = root_of(parent, surface->triangle[3 * (size_t)i]);
+    int32_t root = bwi_set_root(parent, surface->triangle[3 * (size_t)i]);
     if (number[root] < 0)
       number[root] = all->count++;
   }
@@ -82,13 +72,13 @@ static bw_status find_shells(bw_context *context, shells *all) {
     goto done;
   }
   for (int32_t i = 0; i < surface->triangle_count; i++)
-    all->shell[number[root_of(parent, surface->triangle[3 * (size_t)i])]].count++;
+    all->shell[number[bwi_set_root(parent, surface->triangle[3 * (size_t)i])]].count++;
   for (int32_t s = 1; s < all->count; s++)
     all->shell[s].first = all->shell[s - 1].first + all->shell[s - 1].count;
   for (int32_t s = 0; s < all->count; s++)
     all->shell[s].count = 0;
   for (int32_t i = 0; i < surface->triangle_count; i++) {
-    shell *one = &all->shell[number[root_of(parent, surface->triangle[3 * (size_t)i])]];
+    shell *one = &all->shell[number[bwi_set_root(parent, surface->triangle[3 * (size_t)i])]];
     all->order[one->first + one->count++] = i;
   }
 done:

@@ -9,6 +9,7 @@
  *   - neighbour[4 e + k] is the element across face k of e, and that element names e in return;
  *   - facets come in the order of their elements and faces, components in the order of their lowest
  *     nodes: the same input gives the same arrays. */
+#include "base/union_find.h"
 #include "mesh/mesh_internal.h"
 
 #include <float.h>
@@ -369,14 +370,6 @@ static bw_status find_boundary(bw_context *context, bw_mesh *mesh) {
   return mesh->boundary_node ? BW_OK : BW_MEMORY;
 }
 
-static int32_t root_of(int32_t *parent, int32_t i) {
-  while (parent[i] != i) {
-    parent[i] = parent[parent[i]];
-    i = parent[i];
-  }
-  return i;
-}
-
 static bw_status find_components(bw_context *context, bw_mesh *mesh) {
   int32_t *parent = mesh->component = BW_NEW(context, int32_t, mesh->node_count);
   if (!parent)
@@ -385,14 +378,8 @@ static bw_status find_components(bw_context *context, bw_mesh *mesh) {
     parent[i] = i;
   for (int32_t i = 0; i < mesh->element_count; i++) {
     const int32_t *e = mesh->element + (size_t)i * (size_t)mesh->nodes_per_element;
-    int32_t a = root_of(parent, e[0]);
-    for (int k = 1; k < mesh->nodes_per_element; k++) {
-      int32_t b = root_of(parent, e[k]);
-      if (a < b)
-        parent[b] = a;
-      else
-        parent[a] = b, a = b;
-    }
+    for (int k = 1; k < mesh->nodes_per_element; k++)
+      bwi_set_join(parent, e[0], e[k]);
   }
   /* A root is the lowest node of its component, so it is numbered before the others need it. */
   int32_t count = 0;

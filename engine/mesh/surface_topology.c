@@ -8,23 +8,6 @@
 #include "mesh/predicates.h"
 #include "mesh/surface_internal.h"
 
-int32_t bwi_set_root(int32_t *parent, int32_t item) {
-  while (parent[item] != item) {
-    parent[item] = parent[parent[item]];
-    item = parent[item];
-  }
-  return item;
-}
-
-void bwi_set_join(int32_t *parent, int32_t a, int32_t b) {
-  a = bwi_set_root(parent, a);
-  b = bwi_set_root(parent, b);
-  if (a < b)
-    parent[b] = a;
-  else
-    parent[a] = b;
-}
-
 void bwi_topology_free(bwi_topology *topology) {
   if (!topology)
     return;

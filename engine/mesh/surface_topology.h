@@ -5,6 +5,7 @@
 #define BARWRIGHT_MESH_SURFACE_TOPOLOGY_H
 
 #include "barwright/mesh.h"
+#include "base/union_find.h"
 #include "mesh/surface_tree.h"
 
 #ifdef __cplusplus
@@ -38,10 +39,6 @@ static inline int32_t bwi_side_from(const bwi_topology *topology, int64_t side) 
 static inline int32_t bwi_side_to(const bwi_topology *topology, int64_t side) {
   return topology->corner[side % 3 == 2 ? side - 2 : side + 1];
 }
-
-/* Disjoint sets: the root of an item; joined sets keep the smaller root. */
-int32_t bwi_set_root(int32_t *parent, int32_t item);
-void bwi_set_join(int32_t *parent, int32_t a, int32_t b);
 
 /* Facets that are the same triangle: same[t] is the first facet with the three corners of t in any
  * order (t itself when it is the first). Degenerate facets are on their own. */

@@ -5,7 +5,7 @@
  * stretching. A non-negative least squares that lets in no more than so many at a point chooses. */
 #include "metamaterial/axes.h"
 
-#include "metamaterial/fit_dense.h"
+#include "base/dense.h"
 
 enum { ROWS = BWI_SHAPES * (BWI_SHAPES + 1) / 2, SQUARE = BWI_SHAPES * BWI_SHAPES, ROUNDS = 4 };
 
@@ -73,8 +73,8 @@ static double fit_linear(const bwi_frame18 *frame, const bwi_base *base, double 
     for (int i = 0; i < n; i++) {
       for (int j = 0; j <= i; j++)
         work->gram[(size_t)i * n + j] = work->gram[(size_t)j * n + i] =
-            bwi_product(ROWS, work->column[i], work->column[j]);
-      work->side[i] = bwi_product(ROWS, work->column[i], packed);
+            bwi_dot(ROWS, work->column[i], work->column[j]);
+      work->side[i] = bwi_dot(ROWS, work->column[i], packed);
     }
     bwi_ridge(base, ridge, n, work->gram, work->side);
     bwi_tied_least(&c->ties, base, work->gram, work->side, limit, work);
@@ -88,7 +88,7 @@ static double fit_linear(const bwi_frame18 *frame, const bwi_base *base, double 
   double difference[SQUARE];
   transform(metric, moved, difference);
   pack(difference, frame->weight, packed);
-  error = bwi_product(ROWS, packed, packed);
+  error = bwi_dot(ROWS, packed, packed);
   return error;
 }
 
@@ -126,7 +126,7 @@ static void stretch_axes(const bwi_frame18 *frame, const double *gradient, int s
       bwi_lower_solve(BWI_SHAPES, lower, force);
       bwi_upper_solve(BWI_SHAPES, lower, force);
       bwi_fibre_strain(v, own, along);
-      double stretch = bwi_product(BWI_SHAPES, along, force);
+      double stretch = bwi_dot(BWI_SHAPES, along, force);
       if (pass == 0) {
         largest = fmax(largest, fabs(stretch));
         continue;

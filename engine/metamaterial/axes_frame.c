@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The coordinates in which a block is fitted, and points of the coarse cell in them. */
+#include "base/dense.h"
 #include "metamaterial/axes.h"
-#include "metamaterial/fit_dense.h"
 
 enum { SQUARE = BWI_SHAPES * BWI_SHAPES };
 

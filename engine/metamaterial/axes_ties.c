@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Constants that symmetries of the block take into each other, as one unknown. */
+#include "base/dense.h"
 #include "metamaterial/axes.h"
-#include "metamaterial/fit_dense.h"
 #include "metamaterial/keys.h"
 #include "metamaterial/nnls.h"
 
@@ -79,7 +79,7 @@ void bwi_tied_least(const bwi_ties *ties, const bwi_base *base, const double *gr
     int row = ties->variable[i];
     if (row < 0)
       continue;
-    work->tied_side[row] += side[i] - bwi_product(2 * BWI_OCTANTS, gram + (size_t)i * n, least);
+    work->tied_side[row] += side[i] - bwi_dot(2 * BWI_OCTANTS, gram + (size_t)i * n, least);
     for (int j = 0; j < n; j++)
       if (ties->variable[j] >= 0)
         work->tied[(size_t)row * m + ties->variable[j]] += gram[(size_t)i * n + j];

@@ -13,7 +13,7 @@
  * all freely. */
 #include "metamaterial/block.h"
 
-#include "metamaterial/fit_dense.h"
+#include "base/dense.h"
 
 #define WEAK 1e-4           /* a void cube's stiffness, against the mean of the others */
 #define MOST_RESISTANCE 1e4 /* of surroundings, against the block: periodic, to as many digits */
@@ -47,7 +47,7 @@ void bwi_weak_stiffness(double stiffness[BWI_COARSE * BWI_COARSE]) {
     for (int a = 0; a < 8; a++)
       for (int b = 0; b < 8; b++)
         for (int i = 0; i < 3; i++)
-          stiffness[(3 * a + i) * BWI_COARSE + 3 * b + i] += bwi_product(3, slope[a], slope[b]) / 8;
+          stiffness[(3 * a + i) * BWI_COARSE + 3 * b + i] += bwi_dot(3, slope[a], slope[b]) / 8;
   }
 }
 
@@ -101,7 +101,7 @@ static void project(const scratch *s, const double *factor, const double *weight
   bwi_lower_solve(8, factor, part);
   bwi_upper_solve(8, factor, part);
   for (int n = 0; n < s->nodes; n++)
-    values[n] -= bwi_product(8, part, s->coarse[n]);
+    values[n] -= bwi_dot(8, part, s->coarse[n]);
 }
 
 static void place(const int32_t size[3], int node, int at[3]) {
@@ -201,7 +201,7 @@ static bool relax(scratch *s, int first, int count, double around, double *shape
     bwi_upper_solve(count, s->reduced, s->side);
     for (int r = 0; r < s->rows; r++)
       shape[(size_t)r * BWI_COARSE + c] +=
-          bwi_product(count, s->side, s->fluctuation + (size_t)r * s->free);
+          bwi_dot(count, s->side, s->fluctuation + (size_t)r * s->free);
   }
   return true;
 }
@@ -228,7 +228,7 @@ static double shear_energy(const scratch *s, const double *stiffness, const doub
       u[r] = row[first] + (k < 3 ? row[second] : -row[second]);
     }
     for (int r = 0; r < s->rows; r++)
-      sum += u[r] * bwi_product(s->rows, stiffness + (size_t)r * s->rows, u);
+      sum += u[r] * bwi_dot(s->rows, stiffness + (size_t)r * s->rows, u);
   }
   return sum;
 }

@@ -1,8 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Materials by their stiffness at rest, and as points in the space where distance measures
  * difference. */
+#include "base/dense.h"
 #include "metamaterial/block.h"
-#include "metamaterial/fit_dense.h"
 #include "nonlinear/internal.h"
 
 #define LEAST_ENERGY 1e-12 /* against the largest of a material's energies */
@@ -11,7 +11,7 @@ void bwi_material_stiffness(const bw_solid_material *material, double stiffness[
   static const double rest[8][3];
   const double spacing[3] = {1, 1, 1};
   double force[BWI_ELEMENT_FORCES], packed[BWI_ELEMENT_NUMBERS];
-  bwi_element_state state;
+  bwi_hexahedron_state state;
   bwi_cell_evaluate(material, spacing, 1, rest, BWI_TANGENT, false, &state, force, packed);
   for (int a = 0; a < 8; a++)
     for (int b = 0; b <= a; b++) {
@@ -59,7 +59,7 @@ void bwi_features(const double stiffness[576], double feature[BWI_FEATURES]) {
     double u[BWI_COARSE], force[BWI_COARSE];
     deformation(f, u);
     bwi_multiply(BWI_COARSE, BWI_COARSE, 1, stiffness, u, force);
-    feature[f] = 0.5 * bwi_product(BWI_COARSE, u, force);
+    feature[f] = 0.5 * bwi_dot(BWI_COARSE, u, force);
     largest = feature[f] > largest ? feature[f] : largest;
   }
   for (int f = 0; f < BWI_FEATURES; f++)

@@ -162,7 +162,7 @@ static bw_status begin(bw_context *context, bw_coarse_method method, const bw_li
   it->fine = (const bw_grid *)bw_retain(fine);
   if (method == BW_COARSE_LOOKUP)
     it->library = (const bw_library *)bw_retain(library);
-  it->inner = BW_NEW0(context, bwi_coarse, 1);
+  it->inner = BW_NEW0(context, bwi_coarse_keys, 1);
   if (!it->inner) {
     bw_release(it);
     return BW_MEMORY;

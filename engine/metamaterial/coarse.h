@@ -48,10 +48,10 @@ bw_status bwi_same_material_table(bw_context *context, const bw_material_table *
                                   const bw_material_table *of_library);
 
 /* Behind bw_coarse: the keys of its material table's rows. */
-typedef struct bwi_coarse {
+typedef struct bwi_coarse_keys {
   int32_t width; /* 8 or 64 */
   int32_t *key;  /* (material table->count - 1) x width */
-} bwi_coarse;
+} bwi_coarse_keys;
 
 /* Materials while blocks are gone through: those of the coarse grid followed first, new ones
  * behind. */
@@ -60,7 +60,7 @@ typedef struct bwi_rows {
   const bwi_coarse_maker *maker;
   int32_t width, count;
   const bw_solid_material **material; /* id - 1; retained */
-  int32_t *key;                       /* as in bwi_coarse, by id */
+  int32_t *key;                       /* as in bwi_coarse_keys, by id */
   size_t material_capacity, key_capacity;
   int32_t *slot; /* ids by hash of their key, 0: free */
   size_t slots;

@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-#include "metamaterial/fit_dense.h"
+#include "base/dense.h"
 #include "metamaterial/keys.h"
 #include "nonlinear/internal.h"
 
@@ -115,7 +115,7 @@ static void isotropic_mean(const double stiffness[576], double *mu, double *lamb
   }
   for (int k = 0; k < 6; k++) /* C_iijj and C_ijij */
     for (int l = 0; l < 6; l++) {
-      double value = bwi_product(24, u[k], force[l]);
+      double value = bwi_dot(24, u[k], force[l]);
       volume += k < 3 && l < 3 ? value : 0;
       all += k != l ? 0 : k < 3 ? value : 2 * value;
     }
@@ -320,14 +320,14 @@ static void compare(const bw_solid_material *m, const bwi_frame18 *frame, const 
   const double spacing[3] = {1, 1, 1};
   double u[8][3] = {{0}}, force[BWI_ELEMENT_FORCES], own[BWI_SHAPES] = {0}, value[8][8];
   double difference = 0;
-  bwi_element_state state;
+  bwi_hexahedron_state state;
   for (int c = 0; c < 8; c++) {
     double at[3] = {c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1};
     bwi_coarse_functions(at, value[c]);
     for (int f = 0; f < 8; f++)
       for (int i = 0; i < 3; i++)
-        u[c][i] += value[c][f] * bwi_product(BWI_SHAPES, sample->coordinate,
-                                             frame->shape + (size_t)(3 * f + i) * BWI_SHAPES);
+        u[c][i] += value[c][f] * bwi_dot(BWI_SHAPES, sample->coordinate,
+                                         frame->shape + (size_t)(3 * f + i) * BWI_SHAPES);
   }
   bwi_cell_evaluate(m, spacing, 1, (const double(*)[3])u, BWI_STRESS, false, &state, force, NULL);
   *of_energy = *of_force = 1;
@@ -342,7 +342,7 @@ static void compare(const bw_solid_material *m, const bwi_frame18 *frame, const 
   for (int s = 0; s < BWI_SHAPES; s++)
     difference += (own[s] - sample->force[s]) * (own[s] - sample->force[s]);
   *of_energy = fabs(state.energy - sample->energy) / sample->energy;
-  *of_force = sqrt(difference / bwi_product(BWI_SHAPES, sample->force, sample->force));
+  *of_force = sqrt(difference / bwi_dot(BWI_SHAPES, sample->force, sample->force));
 }
 
 /* Lets the caller cancel after some of the many samples of one fit. */

@@ -4,8 +4,8 @@
  * that its 18 derivatives are the forces that were applied. Forces are measured in a metric of the
  * cell's own stiffness, from one round to the next, so that to be too soft by a factor is as bad as
  * to be too stiff by it. */
+#include "base/dense.h"
 #include "metamaterial/fit.h"
-#include "metamaterial/fit_dense.h"
 #include "nonlinear/law.h"
 
 #define ENERGY_SHARE 0.1 /* of the equation for energy against one for a force */
@@ -37,7 +37,7 @@ static bool evaluate(const bwi_axes *axes, const uint8_t law[8],
   bwi_response response;
   for (int k = 0; k < BWI_OCTANTS; k++)
     for (int i = 0; i < 9; i++)
-      h[i][k] = bwi_product(BWI_SHAPES, gradient[k] + (size_t)i * BWI_SHAPES, sample->coordinate);
+      h[i][k] = bwi_dot(BWI_SHAPES, gradient[k] + (size_t)i * BWI_SHAPES, sample->coordinate);
   for (int which = 0; which < BW_LAWS; which++) {
     bool there = false;
     for (int k = 0; k < BWI_OCTANTS; k++)
@@ -80,8 +80,8 @@ static void equations(int n, const bwi_frame18 *frame, const double *metric,
     const double *line = metric + (size_t)a * BWI_SHAPES;
     double weight = frame->weight[a] / sqrt(2 * sample->energy);
     for (int j = 0; j < n; j++)
-      row[1 + a][j] = weight * bwi_product(BWI_SHAPES, line, column[j] + 1);
-    value[1 + a] = weight * bwi_product(BWI_SHAPES, line, sample->force);
+      row[1 + a][j] = weight * bwi_dot(BWI_SHAPES, line, column[j] + 1);
+    value[1 + a] = weight * bwi_dot(BWI_SHAPES, line, sample->force);
   }
 }
 
@@ -92,7 +92,7 @@ static void add_sample(int n, double row[1 + BWI_SHAPES][BWI_CONSTANTS],
                        double *gram, double *side) {
   double missed = 0;
   for (int e = 0; e <= BWI_SHAPES; e++) {
-    double left = bwi_product(n, row[e], constant) - value[e];
+    double left = bwi_dot(n, row[e], constant) - value[e];
     missed += left * left;
   }
   share /= 1 + missed / (MISSED * MISSED);

@@ -116,11 +116,12 @@ void bwi_checkpoint_close(bwi_checkpoint *checkpoint); /* flushed to the disk */
  *
  * The contents of the sections, unpacked; for the fuzzer too. */
 enum { BWI_SECTIONS = 5 };
-typedef struct bwi_section {
+typedef struct bwi_file_section {
   const unsigned char *bytes;
   size_t count;
-} bwi_section;
+} bwi_file_section;
 bw_status bwi_library_of_sections(bw_context *context, const char *name,
-                                  const bwi_section section[BWI_SECTIONS], bw_library **library);
+                                  const bwi_file_section section[BWI_SECTIONS],
+                                  bw_library **library);
 
 #endif

@@ -153,7 +153,7 @@ done:
 /* ---- sections -----------------------------------------------------------------------------------
  */
 
-static bw_status unpack_fits(bw_context *context, const char *name, const bwi_section *section,
+static bw_status unpack_fits(bw_context *context, const char *name, const bwi_file_section *section,
                              bw_library *it, int level) {
   bw_status status = BW_OK;
   bwi_unpack from = {context, name, "fits", section->bytes, section->bytes + section->count, false};
@@ -232,8 +232,8 @@ done:
   return status;
 }
 
-static bw_status unpack_tables(bw_context *context, const char *name, const bwi_section *section,
-                               bw_library *library) {
+static bw_status unpack_tables(bw_context *context, const char *name,
+                               const bwi_file_section *section, bw_library *library) {
   bw_status status = BW_OK;
   bwi_unpack from = {context, name, "tables", section->bytes, section->bytes + section->count,
                      false};
@@ -279,8 +279,8 @@ static bw_status check_grown_key(bwi_unpack *from, const bw_library *it, const b
   return BW_OK;
 }
 
-static bw_status unpack_grown(bw_context *context, const char *name, const bwi_section *section,
-                              bw_library *it) {
+static bw_status unpack_grown(bw_context *context, const char *name,
+                              const bwi_file_section *section, bw_library *it) {
   bw_status status = BW_OK;
   bwi_unpack from = {context, name, "grown fits", section->bytes, section->bytes + section->count,
                      false};
@@ -308,8 +308,8 @@ done:
 
 /* How many orbits there can be at least: 48 keys each at most. Not to number the keys of seven
  * materials for a file of some bytes. */
-static bw_status check_orbits(bw_context *context, const char *name, const bwi_section *section,
-                              int32_t base, bool voids) {
+static bw_status check_orbits(bw_context *context, const char *name,
+                              const bwi_file_section *section, int32_t base, bool voids) {
   double keys = 1, left = (double)section->count;
   for (int c = 0; c < 8; c++)
     keys *= base - !voids;
@@ -321,7 +321,7 @@ static bw_status check_orbits(bw_context *context, const char *name, const bwi_s
 }
 
 bw_status bwi_library_of_sections(bw_context *context, const char *name,
-                                  const bwi_section section[BWI_SECTIONS], bw_library **out) {
+                                  const bwi_file_section section[BWI_SECTIONS], bw_library **out) {
   bw_status status = BW_OK;
   bw_material_table *material_table = NULL;
   bw_library *it = NULL;
@@ -415,13 +415,13 @@ static bw_status find_sections(bw_context *context, const char *name, const unsi
 bw_status bw_library_parse(bw_context *context, const char *name, const unsigned char *bytes,
                            size_t count, bw_library **library) {
   packed_section packed[BWI_SECTIONS];
-  bwi_section section[BWI_SECTIONS];
+  bwi_file_section section[BWI_SECTIONS];
   unsigned char *raw[BWI_SECTIONS] = {NULL};
   bw_status status = find_sections(context, name, bytes, count, packed);
   if (status != BW_OK)
     return status;
   for (int s = 0; s < BWI_SECTIONS; s++)
-    section[s] = (bwi_section){bytes, 0}; /* an older version lacks the last one */
+    section[s] = (bwi_file_section){bytes, 0}; /* an older version lacks the last one */
   for (int s = 0; s < BWI_SECTIONS && packed[s].bytes; s++) {
     uLongf size = (uLongf)packed[s].raw;
     uLong used = (uLong)packed[s].packed;
@@ -440,7 +440,7 @@ bw_status bw_library_parse(bw_context *context, const char *name, const unsigned
       status = fail(context, name, (int64_t)(packed[s].bytes - bytes), "a section is damaged");
       goto done;
     }
-    section[s] = (bwi_section){raw[s], size};
+    section[s] = (bwi_file_section){raw[s], size};
   }
   status = bwi_library_of_sections(context, name, section, library);
 done:

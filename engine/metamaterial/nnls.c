@@ -4,7 +4,7 @@
  * of the way to it as keeps them positive, whereupon those that reached zero leave. */
 #include "metamaterial/nnls.h"
 
-#include "metamaterial/fit_dense.h"
+#include "base/dense.h"
 
 /* A slope counts when above this part of the largest at x = 0, both per length of column. */
 #define LEAST_SLOPE 1e-9

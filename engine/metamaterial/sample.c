@@ -4,7 +4,7 @@
  * Translations and rotations are not among the unknowns. */
 #include "metamaterial/sample.h"
 
-#include "metamaterial/fit_dense.h"
+#include "base/dense.h"
 #include "nonlinear/internal.h"
 
 #define TOLERANCE 1e-6 /* of the residual against the force */
@@ -84,18 +84,18 @@ static bool evaluate(bwi_sampler *s, const double *y, bwi_want want, bool projec
   const double spacing[3] = {0.5, 0.5, 0.5};
   double held[BWI_STRIDE] = {0};
   for (int i = 0; i < BWI_UNKNOWNS; i++)
-    held[i] = bwi_product(BWI_STRIDE, s->weak[i], y);
-  s->energy = 0.5 * bwi_product(BWI_STRIDE, held, y);
+    held[i] = bwi_dot(BWI_STRIDE, s->weak[i], y);
+  s->energy = 0.5 * bwi_dot(BWI_STRIDE, held, y);
   memcpy(s->residual, held, sizeof held);
   if (want == BWI_TANGENT)
     memcpy(s->tangent, s->weak, sizeof s->tangent);
   for (int c = 0; c < 8; c++) {
     double u[8][3], force[BWI_ELEMENT_FORCES], packed[BWI_ELEMENT_NUMBERS];
-    bwi_element_state state;
+    bwi_hexahedron_state state;
     if (!s->block.child[c])
       continue;
     for (int r = 0; r < BWI_COARSE; r++)
-      u[r / 3][r % 3] = bwi_product(BWI_STRIDE, s->map[c][r], y);
+      u[r / 3][r % 3] = bwi_dot(BWI_STRIDE, s->map[c][r], y);
     bwi_cell_evaluate(s->block.child[c], spacing, 0.125, (const double(*)[3])u, want, project,
                       &state, force, packed);
     if (!state.defined || !isfinite(state.energy))
@@ -123,29 +123,29 @@ static bool factorise(bwi_sampler *s, double shift) {
 
 /* Newton's method on energy - force . coordinates from y; afterwards s->energy is that at y. */
 static bool solve(bwi_sampler *s, const double force[BWI_SHAPES], double *y) {
-  double size = sqrt(bwi_product(BWI_SHAPES, force, force));
+  double size = sqrt(bwi_dot(BWI_SHAPES, force, force));
   if (!evaluate(s, y, BWI_TANGENT, false))
     return false;
   for (int iteration = 0; iteration < ITERATIONS; iteration++) {
     double left[BWI_STRIDE], slope = 0, part = 1;
     for (int i = 0; i < BWI_STRIDE; i++)
       left[i] = s->residual[i] - (i < BWI_SHAPES ? force[i] : 0);
-    if (sqrt(bwi_product(BWI_UNKNOWNS, left, left)) <= TOLERANCE * size)
+    if (sqrt(bwi_dot(BWI_UNKNOWNS, left, left)) <= TOLERANCE * size)
       return true;
     if (!factorise(s, 0) && !(evaluate(s, y, BWI_TANGENT, true) && factorise(s, 1e-6)))
       return false;
     memcpy(s->step, left, sizeof s->step);
     bwi_lower_solve(BWI_UNKNOWNS, s->factor, s->step);
     bwi_upper_solve(BWI_UNKNOWNS, s->factor, s->step);
-    slope = bwi_product(BWI_UNKNOWNS, s->step, left);
-    double before = s->energy - bwi_product(BWI_SHAPES, force, y);
+    slope = bwi_dot(BWI_UNKNOWNS, s->step, left);
+    double before = s->energy - bwi_dot(BWI_SHAPES, force, y);
     bool accepted = false;
     for (int half = 0; half < HALVINGS && !accepted; half++, part /= 2) {
       for (int i = 0; i < BWI_STRIDE; i++)
         s->trial[i] = i < BWI_UNKNOWNS ? y[i] - part * s->step[i] : 0;
       if (!evaluate(s, s->trial, BWI_TANGENT, false))
         continue;
-      double after = s->energy - bwi_product(BWI_SHAPES, force, s->trial);
+      double after = s->energy - bwi_dot(BWI_SHAPES, force, s->trial);
       accepted = after <= before - DESCENT * part * slope + 1e-13 * fabs(before);
     }
     if (!accepted)

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/dense.h"
 #include "model/internal.h"
 
 /* A component is held when what is left of its row (size about 1) is above this. Positions from
@@ -67,22 +68,15 @@ static void jacobi(int n, double (*a)[6], double *value, double (*vector)[6]) {
       }
 }
 
-static double dot(int n, const double *a, const double *b) {
-  double sum = 0;
-  for (int k = 0; k < n; k++)
-    sum += a[k] * b[k];
-  return sum;
-}
-
 /* a minus its parts along `count` orthonormal rows, twice for full accuracy; its size. */
 static double deflate(int n, double *a, int count, const double (*row)[6]) {
   for (int pass = 0; pass < 2; pass++)
     for (int i = 0; i < count; i++) {
-      double part = dot(n, a, row[i]);
+      double part = bwi_dot(n, a, row[i]);
       for (int k = 0; k < n; k++)
         a[k] -= part * row[i][k];
     }
-  return sqrt(dot(n, a, a));
+  return sqrt(bwi_dot(n, a, a));
 }
 
 /* Coefficients (rows) that turn `count` orthonormal vectors of space into an orthonormal basis of
@@ -210,7 +204,7 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
   /* Split off the pure translations: combinations of the basis whose rotation vanishes. */
   for (int i = 0; i < count; i++)
     for (int j = 0; j < count; j++)
-      gram[i][j] = dot(3, basis[i] + 3, basis[j] + 3);
+      gram[i][j] = bwi_dot(3, basis[i] + 3, basis[j] + 3);
   jacobi(count, gram, value, vector);
   int shifts = 0;
   double shift[3][3], turn_t[3][3], turn_w[3][3];
@@ -267,7 +261,7 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
     for (int j = 0; j < turns; j++) {
       gram[i][j] = bw_dot(turn_t[i], turn_t[j]);
       for (int k = 0; k < 3; k++)
-        gram[i][j] += turn_w[i][k] * dot(3, inertia + 3 * k, turn_w[j]) / (length * length);
+        gram[i][j] += turn_w[i][k] * bwi_dot(3, inertia + 3 * k, turn_w[j]) / (length * length);
     }
   jacobi(turns, gram, value, vector);
   for (int first = 0; first < turns;) { /* equal moments: any axes are principal, so take x, y, z */
@@ -291,7 +285,7 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
         }
       double norm = bw_dot(ti, ti);
       for (int k = 0; k < 3; k++)
-        norm += wi[k] * dot(3, inertia + 3 * k, wi) / (length * length);
+        norm += wi[k] * bwi_dot(3, inertia + 3 * k, wi) / (length * length);
       norm = sqrt(norm);
       for (int k = 0; k < 3; k++) {
         ti[k] /= norm;

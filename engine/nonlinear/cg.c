@@ -3,14 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/dense.h"
 #include "nonlinear/precondition.h"
-
-static double dot(int64_t n, const double *a, const double *b) {
-  double sum = 0;
-  for (int64_t i = 0; i < n; i++)
-    sum += a[i] * b[i];
-  return sum;
-}
 
 bw_status bwi_cg_solve(bw_context *context, bwi_precondition *m, double tolerance,
                        int32_t iterations, const double *force, double *x, bwi_cg_report *report) {
@@ -27,12 +21,12 @@ bw_status bwi_cg_solve(bw_context *context, bwi_precondition *m, double toleranc
   for (int64_t i = 0; i < n; i++)
     r[i] = held[i] ? 0 : force[i];
   memset(x, 0, (size_t)n * sizeof *x);
-  double first = sqrt(dot(n, r, r)), before = 0;
+  double first = sqrt(bwi_dot(n, r, r)), before = 0;
   report->residual = first > 0 ? 1 : 0;
   while (report->residual > tolerance && report->iterations < iterations) {
     BW_TRY(bw_check_cancel(context));
     BW_TRY(bwi_precondition_apply(context, m, r, z));
-    double rz = dot(n, r, z);
+    double rz = bwi_dot(n, r, z);
     if (!(rz > 0) || !isfinite(rz)) { /* the cycle is definite unless the tangent is not */
       report->negative = true;
       break;
@@ -41,7 +35,7 @@ bw_status bwi_cg_solve(bw_context *context, bwi_precondition *m, double toleranc
       p[i] = z[i] + (report->iterations > 0 ? rz / before * p[i] : 0);
     before = rz;
     BW_TRY(bwi_precondition_multiply(context, m, p, q));
-    double curvature = dot(n, p, q);
+    double curvature = bwi_dot(n, p, q);
     if (!(curvature > 0) || !isfinite(curvature)) {
       report->negative = true;
       break;
@@ -51,7 +45,7 @@ bw_status bwi_cg_solve(bw_context *context, bwi_precondition *m, double toleranc
       x[i] += a * p[i];
       r[i] -= a * q[i];
     }
-    report->residual = sqrt(dot(n, r, r)) / first;
+    report->residual = sqrt(bwi_dot(n, r, r)) / first;
     report->iterations++;
   }
 done:

@@ -15,10 +15,10 @@ typedef struct data {
   const double *u;
   bool project;
   bwi_want want;
-  bwi_element_state *state; /* by element */
-  int64_t ring;             /* elements that fit; element e lies at e modulo ring: */
-  int64_t pivot;            /* the last multiple of ring among the elements so far */
-  double *force, *matrix;   /* ring x 24, ring x 300, or NULL */
+  bwi_hexahedron_state *state; /* by element */
+  int64_t ring;                /* elements that fit; element e lies at e modulo ring: */
+  int64_t pivot;               /* the last multiple of ring among the elements so far */
+  double *force, *matrix;      /* ring x 24, ring x 300, or NULL */
   double *gradient, *stiffness;
   int64_t contributions; /* of the graph */
   int64_t end;           /* of the elements so far */
@@ -161,7 +161,8 @@ done:
 }
 
 /* The sum of the energies, and the worst shape, in the order of the elements. */
-static double sum_up(const bw_solid *solid, const bwi_element_state *state, bw_solid_shape *shape) {
+static double sum_up(const bw_solid *solid, const bwi_hexahedron_state *state,
+                     bw_solid_shape *shape) {
   double sum = 0;
   *shape = (bw_solid_shape){.least_ratio = INFINITY, .defined = true};
   for (int32_t e = 0; e < solid->grid->element_count; e++) {
@@ -192,7 +193,7 @@ bw_status bw_solid_evaluate(bw_context *context, const bw_solid *solid, const do
             .stiffness = stiffness,
             .contributions = solid->graph->gather_start[solid->graph->pair_count],
             .ring = 1};
-  d.state = BW_NEW(context, bwi_element_state, solid->grid->element_count);
+  d.state = BW_NEW(context, bwi_hexahedron_state, solid->grid->element_count);
   if (!d.state) {
     status = BW_MEMORY;
     goto done;

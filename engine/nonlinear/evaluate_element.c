@@ -210,7 +210,7 @@ static void corners(const bw_grid *grid, int32_t element, const double *u, doubl
 
 void bwi_cell_evaluate(const bw_solid_material *m, const double spacing[3], double volume,
                        const double own[8][3], bwi_want want, bool project,
-                       bwi_element_state *state, double *force, double *stiffness) {
+                       bwi_hexahedron_state *state, double *force, double *stiffness) {
   points p;
   bwi_lanes h[9], ratio = BWI_ALL(INFINITY), defined_ratio;
   bwi_response response;
@@ -269,7 +269,7 @@ void bwi_cell_evaluate(const bw_solid_material *m, const double spacing[3], doub
 }
 
 void bwi_element_evaluate(const bw_solid *solid, int32_t element, const double *u, bwi_want want,
-                          bool project, bwi_element_state *state, double *force,
+                          bool project, bwi_hexahedron_state *state, double *force,
                           double *stiffness) {
   const bw_grid *grid = solid->grid;
   double own[8][3];

@@ -24,19 +24,20 @@ static inline int bwi_element_block(int a, int b) {
   return 9 * a * (a - 1) / 2 + 6 * a + 9 * b;
 }
 
-typedef struct bwi_element_state {
+typedef struct bwi_hexahedron_state {
   double energy;
   double ratio; /* least det F; NaN where any is */
   bool defined;
-} bwi_element_state;
+} bwi_hexahedron_state;
 /* One element at nodal displacements u of the whole grid; force (24) and stiffness (300) are
  * written as far as `want` goes. */
 void bwi_element_evaluate(const bw_solid *solid, int32_t element, const double *u, bwi_want want,
-                          bool project, bwi_element_state *state, double *force, double *stiffness);
+                          bool project, bwi_hexahedron_state *state, double *force,
+                          double *stiffness);
 /* The same for a box of this material: displacements of its corners, and a volume. */
 void bwi_cell_evaluate(const bw_solid_material *material, const double spacing[3], double volume,
-                       const double u[8][3], bwi_want want, bool project, bwi_element_state *state,
-                       double *force, double *stiffness);
+                       const double u[8][3], bwi_want want, bool project,
+                       bwi_hexahedron_state *state, double *force, double *stiffness);
 /* Integrals over the element of P F^T (tensor, 9) and of det F, both by its points' weights, which
  * sum to 1; false where the energy does not exist. */
 bool bwi_element_kirchhoff(const bw_solid *solid, int32_t element, const double *u,

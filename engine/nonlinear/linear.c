@@ -50,7 +50,7 @@ static bw_status set_elements(void *of, int64_t begin, int64_t end, int worker) 
   const data *d = (const data *)of;
   (void)worker;
   for (int64_t e = begin; e < end; e++) {
-    bwi_element_state state;
+    bwi_hexahedron_state state;
     double force[BWI_ELEMENT_FORCES];
     bwi_element_evaluate(d->linear->solid, (int32_t)e, d->x, BWI_TANGENT, d->project, &state, force,
                          d->linear->stiffness + BWI_ELEMENT_NUMBERS * e);

@@ -8,13 +8,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/union_find.h"
 #include "nonlinear/load_case.h"
-
-static int32_t find(int32_t *root, int32_t i) {
-  while (root[i] != i)
-    i = root[i] = root[root[i]];
-  return i;
-}
 
 /* Eigenvalues of a symmetric 6 x 6 matrix by Jacobi's rotations; vectors as columns. */
 static void eigen6(double a[6][6], double v[6][6]) {
@@ -102,10 +97,8 @@ static bw_status find_groups(bw_context *context, const bw_grid *grid, int32_t *
     group_of[n] = n;
   for (int32_t e = 0; e < grid->element_count; e++) {
     const int32_t *corner = grid->element + 8 * (int64_t)e;
-    for (int c = 1; c < 8; c++) {
-      int32_t a = find(group_of, corner[0]), b = find(group_of, corner[c]);
-      group_of[a > b ? a : b] = a > b ? b : a;
-    }
+    for (int c = 1; c < 8; c++)
+      bwi_set_join(group_of, corner[0], corner[c]);
   }
   /* roots are the lowest nodes of their groups, so they come before the others */
   *count = 0;

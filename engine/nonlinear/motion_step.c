@@ -92,7 +92,7 @@ done:
 static bw_status choose_start(bw_solid_motion *motion, const bwi_motion_rule *rule,
                               bwi_newton_state *state) {
   bw_status status = BW_OK;
-  bwi_balance *now = &state->now, *ahead = &state->trial;
+  bwi_energy_forces *now = &state->now, *ahead = &state->trial;
   memcpy(now->u, motion->displacement, (size_t)state->size * sizeof(double));
   if (motion->options.iterations == 1)
     return BW_OK;

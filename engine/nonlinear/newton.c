@@ -37,8 +37,9 @@
 enum { ESCAPES = 6, PATIENCE = 12, FORESEEN = 8, CREEPING = 8, MOST = 500, MOST_OF_STEP = 20 };
 #define CG ((int64_t)100) /* iterations that are worth one of Newton's */
 
-bw_status bwi_balance_create(bw_context *context, int64_t size, bool contact, bwi_balance *at) {
-  *at = (bwi_balance){0};
+bw_status bwi_energy_forces_create(bw_context *context, int64_t size, bool contact,
+                                   bwi_energy_forces *at) {
+  *at = (bwi_energy_forces){0};
   at->u = BW_NEW0(context, double, size);
   at->internal = BW_NEW0(context, double, size);
   at->load = BW_NEW0(context, double, size);
@@ -46,12 +47,12 @@ bw_status bwi_balance_create(bw_context *context, int64_t size, bool contact, bw
   return at->u && at->internal && at->load && (!contact || at->contact) ? BW_OK : BW_MEMORY;
 }
 
-void bwi_balance_clear(bwi_balance *at) {
+void bwi_energy_forces_clear(bwi_energy_forces *at) {
   bw_free(at->u);
   bw_free(at->internal);
   bw_free(at->load);
   bw_free(at->contact);
-  *at = (bwi_balance){0};
+  *at = (bwi_energy_forces){0};
 }
 
 double bwi_newton_state_dot(const bwi_newton_state *state, const double *a, const double *b) {
@@ -71,7 +72,7 @@ bw_status bwi_newton_state_loads(bwi_newton_state *state, const double *u, doubl
                         : BW_OK;
 }
 
-bw_status bwi_newton_state_balance(bwi_newton_state *state, bwi_balance *at) {
+bw_status bwi_newton_state_balance(bwi_newton_state *state, bwi_energy_forces *at) {
   bw_status status = BW_OK;
   double before = bw_seconds(), sum = 0;
   BW_TRY(bw_solid_evaluate(state->context, state->solid, at->u, false, &at->energy, at->internal,
@@ -99,7 +100,7 @@ done:
 }
 
 void bwi_newton_state_measure(bwi_newton_state *state) {
-  const bwi_balance *now = &state->now;
+  const bwi_energy_forces *now = &state->now;
   const bw_grid *grid = state->solid->grid;
   double left = 0, applied = 0, held = 0, contact = 0, noise = 0, elastic = 0;
   double cell = fmax(grid->spacing[0], fmax(grid->spacing[1], grid->spacing[2]));
@@ -126,7 +127,7 @@ void bwi_newton_state_measure(bwi_newton_state *state) {
 }
 
 void bwi_newton_state_accept(bwi_newton_state *state) {
-  bwi_balance old = state->now;
+  bwi_energy_forces old = state->now;
   state->now = state->trial;
   state->trial = old;
   state->fresh = false;

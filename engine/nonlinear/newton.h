@@ -48,7 +48,7 @@ typedef struct bwi_quadratic {
 } bwi_quadratic;
 
 /* Energy and forces at displacements u. */
-typedef struct bwi_balance {
+typedef struct bwi_energy_forces {
   double *u;
   double *internal; /* gradient of the energy of strain and of the quadratic term */
   double *load;     /* all else, contact planes included */
@@ -58,7 +58,7 @@ typedef struct bwi_balance {
   double quadratic_size; /* norm of the quadratic term's gradient */
   int64_t contacts;
   bw_solid_shape shape;
-} bwi_balance;
+} bwi_energy_forces;
 
 /* How the tangent is made definite. */
 typedef enum bwi_tangent {
@@ -107,7 +107,7 @@ typedef struct bwi_newton_state {
   const bwi_quadratic *quadratic; /* or NULL */
   double load;
   double reached; /* load factor of the last equilibrium, for progress */
-  bwi_balance now, trial;
+  bwi_energy_forces now, trial;
   double *blocks;                      /* 9 per node: diagonal of the last tangent */
   double *residual, *direction, *work; /* size each */
   double reference,
@@ -145,16 +145,17 @@ bw_status bwi_newton_state_create(bwi_newton_state *state);
 void bwi_newton_state_clear(bwi_newton_state *state);
 
 /* The quadratic term's energy at at->u; its gradient is added to at->internal (quadratic.c). */
-bw_status bwi_quadratic_evaluate(bwi_newton_state *state, bwi_balance *at);
+bw_status bwi_quadratic_evaluate(bwi_newton_state *state, bwi_energy_forces *at);
 /* Its second derivatives, added to the stiffness kept and to the Newton state's blocks. Of
  * iterative states bwi_solid_linear_add takes care. */
 void bwi_quadratic_stiffness(bwi_newton_state *state);
 
-bw_status bwi_balance_create(bw_context *context, int64_t size, bool contact, bwi_balance *at);
-void bwi_balance_clear(bwi_balance *at);
+bw_status bwi_energy_forces_create(bw_context *context, int64_t size, bool contact,
+                                   bwi_energy_forces *at);
+void bwi_energy_forces_clear(bwi_energy_forces *at);
 /* Energy and forces at at->u under the load factor of the Newton state. Nothing but at->shape is to
  * be used where that says undefined, or where energy or forces are not finite. */
-bw_status bwi_newton_state_balance(bwi_newton_state *state, bwi_balance *at);
+bw_status bwi_newton_state_balance(bwi_newton_state *state, bwi_energy_forces *at);
 /* The trial becomes the state now, and the other way round. */
 void bwi_newton_state_accept(bwi_newton_state *state);
 /* Loads but for those of contact planes, at displacements u. */

@@ -147,7 +147,7 @@ typedef struct line {
 /* state->trial at `a` along the line. */
 static bw_status try_length(bwi_newton_state *state, double a, line *l) {
   bw_status status = BW_OK;
-  const bwi_balance *now = &state->now, *trial = &state->trial;
+  const bwi_energy_forces *now = &state->now, *trial = &state->trial;
   double work = l->constant * a, power[2];
   if (state->follows) {
     BW_TRY(follower_power(state, 0.5 * a, &power[0]));

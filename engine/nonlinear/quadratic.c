@@ -4,7 +4,7 @@
 
 #include "nonlinear/newton.h"
 
-bw_status bwi_quadratic_evaluate(bwi_newton_state *state, bwi_balance *at) {
+bw_status bwi_quadratic_evaluate(bwi_newton_state *state, bwi_energy_forces *at) {
   bw_status status = BW_OK;
   const bwi_quadratic *q = state->quadratic;
   double *moved = q->room[0], *product = q->room[1], energy = 0, size = 0;

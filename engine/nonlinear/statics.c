@@ -138,8 +138,8 @@ void bwi_newton_state_clear(bwi_newton_state *state) {
   bw_free(state->follower);
   bwi_precondition_free(state->precondition);
   bwi_contact_free(state->contact);
-  bwi_balance_clear(&state->now);
-  bwi_balance_clear(&state->trial);
+  bwi_energy_forces_clear(&state->now);
+  bwi_energy_forces_clear(&state->trial);
   bw_free(state->blocks);
   bw_free(state->residual);
   bw_free(state->direction);
@@ -173,8 +173,10 @@ bw_status bwi_newton_state_create(bwi_newton_state *state) {
   state->work = BW_NEW0(context, double, n);
   if (!state->dead || !state->blocks || !state->residual || !state->direction || !state->work)
     return BW_MEMORY;
-  BW_TRY(bwi_balance_create(context, n, state->load_case->contact_plane_count > 0, &state->now));
-  BW_TRY(bwi_balance_create(context, n, state->load_case->contact_plane_count > 0, &state->trial));
+  BW_TRY(
+      bwi_energy_forces_create(context, n, state->load_case->contact_plane_count > 0, &state->now));
+  BW_TRY(bwi_energy_forces_create(context, n, state->load_case->contact_plane_count > 0,
+                                  &state->trial));
   state->iterative = state->options->linear != BW_NEWTON_DIRECT;
   if (state->follows && (!state->iterative || state->options->by_cost)) {
     state->follower = BW_NEW(context, double, 9 * state->solid->graph->pair_count);

@@ -21,7 +21,7 @@
 #include "outline/internal.h"
 
 typedef struct piece {
-  bwi_curve curve;
+  bwi_outline_curve curve;
   double low[2], high[2];
   int32_t segment, loop;
   int32_t next; /* the piece that begins where this one ends */
@@ -93,13 +93,13 @@ static bool lines_apart(contact *c, const double a[2], const double b[2], const 
 /* ---- two curves ------------------------------------------------------------------------------ */
 
 /* Whether the hulls are more than the gap apart along the normal of a's chord. */
-static bool beside_chord(const bwi_curve *a, const bwi_curve *b, double gap) {
+static bool beside_chord(const bwi_outline_curve *a, const bwi_outline_curve *b, double gap) {
   const double *from = a->point[0], *to = a->point[a->count - 1];
   double n[2] = {from[1] - to[1], to[0] - from[0]}, length = sqrt(n[0] * n[0] + n[1] * n[1]);
   if (!(length > 0))
     return false;
   double low[2] = {DBL_MAX, DBL_MAX}, high[2] = {-DBL_MAX, -DBL_MAX};
-  const bwi_curve *curve[2] = {a, b};
+  const bwi_outline_curve *curve[2] = {a, b};
   for (int j = 0; j < 2; j++)
     for (int i = 0; i < curve[j]->count; i++) {
       const double *p = curve[j]->point[i];
@@ -118,7 +118,7 @@ static bool boxes_apart(const double low_a[2], const double high_a[2], const dou
   return false;
 }
 
-static bool apart(contact *c, const bwi_curve *a, const bwi_curve *b) {
+static bool apart(contact *c, const bwi_outline_curve *a, const bwi_outline_curve *b) {
   double low[2][2], high[2][2];
   bwi_curve_hull(a, low[0], high[0]);
   bwi_curve_hull(b, low[1], high[1]);
@@ -128,8 +128,8 @@ static bool apart(contact *c, const bwi_curve *a, const bwi_curve *b) {
   double sag_a = bwi_curve_sag(a), sag_b = bwi_curve_sag(b);
   if (fmax(sag_a, sag_b) <= c->gap / 8)
     return lines_apart(c, a->point[0], a->point[a->count - 1], b->point[0], b->point[b->count - 1]);
-  bwi_curve half[2];
-  const bwi_curve *other = sag_a >= sag_b ? b : a;
+  bwi_outline_curve half[2];
+  const bwi_outline_curve *other = sag_a >= sag_b ? b : a;
   bwi_curve_split(sag_a >= sag_b ? a : b, 0.5, &half[0], &half[1]);
   return apart(c, &half[0], other) && apart(c, &half[1], other);
 }
@@ -144,7 +144,7 @@ static const double smallest_angle = 1e-6;
 static const double no_direction = 1e-3;
 
 /* The sum of a curve's unit control vectors, as a unit vector; zero when there is none. */
-static void heading(const bwi_curve *curve, double gap, double d[2]) {
+static void heading(const bwi_outline_curve *curve, double gap, double d[2]) {
   d[0] = d[1] = 0;
   for (int i = 0; i + 1 < curve->count; i++) {
     double x = curve->point[i + 1][0] - curve->point[i][0];
@@ -162,7 +162,7 @@ static void heading(const bwi_curve *curve, double gap, double d[2]) {
 }
 
 /* Whether all control vectors go up in direction d. */
-static bool climbs(const bwi_curve *curve, double gap, const double d[2]) {
+static bool climbs(const bwi_outline_curve *curve, double gap, const double d[2]) {
   bool any = false;
   for (int i = 0; i + 1 < curve->count; i++) {
     double x = curve->point[i + 1][0] - curve->point[i][0];
@@ -176,7 +176,7 @@ static bool climbs(const bwi_curve *curve, double gap, const double d[2]) {
   return any;
 }
 
-static bool below(const bwi_curve *curve, double size) {
+static bool below(const bwi_outline_curve *curve, double size) {
   double low[2], high[2];
   bwi_curve_hull(curve, low, high);
   return high[0] - low[0] <= size && high[1] - low[1] <= size;
@@ -190,7 +190,7 @@ static bool turns_back(contact *c, const double at[2]) {
 }
 
 /* a ends where b begins. */
-static bool meet_once(contact *c, const bwi_curve *a, const bwi_curve *b) {
+static bool meet_once(contact *c, const bwi_outline_curve *a, const bwi_outline_curve *b) {
   double d[2], e[2];
   heading(a, c->gap, d);
   heading(b, c->gap, e);
@@ -206,13 +206,13 @@ static bool meet_once(contact *c, const bwi_curve *a, const bwi_curve *b) {
   /* Two lines do not change by halving. */
   if ((a->count == 2 && b->count == 2) || (below(a, c->gap) && below(b, c->gap)))
     return turns_back(c, b->point[0]);
-  bwi_curve a1, a2, b1, b2;
+  bwi_outline_curve a1, a2, b1, b2;
   bwi_curve_split(a, 0.5, &a1, &a2);
   bwi_curve_split(b, 0.5, &b1, &b2);
   return meet_once(c, &a2, &b1) && apart(c, &a1, &b1) && apart(c, &a1, &b2) && apart(c, &a2, &b2);
 }
 
-static bool simple(contact *c, const bwi_curve *curve) {
+static bool simple(contact *c, const bwi_outline_curve *curve) {
   double d[2];
   if (curve->count == 2)
     return true;
@@ -221,7 +221,7 @@ static bool simple(contact *c, const bwi_curve *curve) {
     return true;
   if (below(curve, c->gap))
     return turns_back(c, curve->point[0]);
-  bwi_curve left, right;
+  bwi_outline_curve left, right;
   bwi_curve_split(curve, 0.5, &left, &right);
   return simple(c, &left) && simple(c, &right) && meet_once(c, &left, &right);
 }
@@ -238,14 +238,14 @@ static int32_t cut_loop(const double *point, const bw_loop *loop, int32_t number
   int32_t first = count;
   int parts = cuts(loop);
   for (int32_t s = loop->first; s < loop->first + loop->count; s++) {
-    bwi_curve rest = bwi_curve_of(point, &segment[s]);
+    bwi_outline_curve rest = bwi_curve_of(point, &segment[s]);
     for (int k = parts; k >= 1; k--) {
       piece *p = &pieces[count++];
       p->segment = s;
       p->loop = number;
       p->next = count;
       if (k > 1) {
-        bwi_curve whole = rest;
+        bwi_outline_curve whole = rest;
         bwi_curve_split(&whole, 1.0 / k, &p->curve, &rest);
       } else {
         p->curve = rest;

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-bwi_curve bwi_curve_of(const double *point, const bw_segment *segment) {
-  bwi_curve curve = {.count = bwi_is_line(segment) ? 2 : 4};
+bwi_outline_curve bwi_curve_of(const double *point, const bw_segment *segment) {
+  bwi_outline_curve curve = {.count = bwi_is_line(segment) ? 2 : 4};
   for (int i = 0; i < curve.count; i++) {
     int32_t p = segment->point[curve.count == 2 ? 3 * i : i];
     curve.point[i][0] = point[2 * (int64_t)p];
@@ -15,8 +15,8 @@ bwi_curve bwi_curve_of(const double *point, const bw_segment *segment) {
   return curve;
 }
 
-void bwi_curve_at(const bwi_curve *curve, double t, double position[2], double derivative[2],
-                  double second[2]) {
+void bwi_curve_at(const bwi_outline_curve *curve, double t, double position[2],
+                  double derivative[2], double second[2]) {
   const double(*p)[2] = curve->point;
   double s = 1 - t;
   for (int k = 0; k < 2; k++) {
@@ -40,8 +40,9 @@ void bwi_curve_at(const bwi_curve *curve, double t, double position[2], double d
   }
 }
 
-void bwi_curve_split(const bwi_curve *curve, double t, bwi_curve *left, bwi_curve *right) {
-  bwi_curve work = *curve;
+void bwi_curve_split(const bwi_outline_curve *curve, double t, bwi_outline_curve *left,
+                     bwi_outline_curve *right) {
+  bwi_outline_curve work = *curve;
   int n = curve->count;
   left->count = right->count = n;
   for (int level = 0; level < n; level++) {
@@ -54,7 +55,7 @@ void bwi_curve_split(const bwi_curve *curve, double t, bwi_curve *left, bwi_curv
 }
 
 /* |B - chord| <= max |B''| / 8, and B'' / 6 lies between the second differences. */
-double bwi_curve_sag(const bwi_curve *curve) {
+double bwi_curve_sag(const bwi_outline_curve *curve) {
   if (curve->count == 2)
     return 0;
   const double(*p)[2] = curve->point;
@@ -67,7 +68,7 @@ double bwi_curve_sag(const bwi_curve *curve) {
   return 0.75 * sqrt(most);
 }
 
-void bwi_curve_hull(const bwi_curve *curve, double low[2], double high[2]) {
+void bwi_curve_hull(const bwi_outline_curve *curve, double low[2], double high[2]) {
   for (int k = 0; k < 2; k++) {
     low[k] = high[k] = curve->point[0][k];
     for (int i = 1; i < curve->count; i++) {
@@ -77,7 +78,7 @@ void bwi_curve_hull(const bwi_curve *curve, double low[2], double high[2]) {
   }
 }
 
-void bwi_curve_box(const bwi_curve *curve, double low[2], double high[2]) {
+void bwi_curve_box(const bwi_outline_curve *curve, double low[2], double high[2]) {
   int last = curve->count - 1;
   for (int k = 0; k < 2; k++) {
     const double from = curve->point[0][k], to = curve->point[last][k];
@@ -104,7 +105,7 @@ void bwi_curve_box(const bwi_curve *curve, double low[2], double high[2]) {
   }
 }
 
-static void direction_of(const bwi_curve *curve, int from, int step, double direction[2]) {
+static void direction_of(const bwi_outline_curve *curve, int from, int step, double direction[2]) {
   direction[0] = direction[1] = 0;
   for (int i = from + step; i >= 0 && i < curve->count; i += step) {
     double x = curve->point[i][0] - curve->point[from][0];
@@ -117,17 +118,17 @@ static void direction_of(const bwi_curve *curve, int from, int step, double dire
   }
 }
 
-void bwi_curve_leaves(const bwi_curve *curve, double direction[2]) {
+void bwi_curve_leaves(const bwi_outline_curve *curve, double direction[2]) {
   direction_of(curve, 0, 1, direction);
 }
 
-void bwi_curve_arrives(const bwi_curve *curve, double direction[2]) {
+void bwi_curve_arrives(const bwi_outline_curve *curve, double direction[2]) {
   direction_of(curve, curve->count - 1, -1, direction);
 }
 
 void bw_outline_evaluate(const bw_outline *outline, int32_t segment, double t, double position[2],
                          double derivative[2], double second[2]) {
-  bwi_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);
+  bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);
   bwi_curve_at(&curve, t, position, derivative, second);
 }
 
@@ -146,11 +147,11 @@ void bw_outline_basis(const bw_outline *outline, int32_t segment, double t, doub
 }
 
 void bw_segment_box(const bw_outline *outline, int32_t segment, double low[2], double high[2]) {
-  bwi_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);
+  bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);
   bwi_curve_box(&curve, low, high);
 }
 
 double bw_segment_length(const bw_outline *outline, int32_t segment) {
-  bwi_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);
+  bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);
   return bwi_curve_length(&curve);
 }

@@ -8,7 +8,7 @@
 
 static const double most_points = 1e8;
 
-static double chords(const bwi_curve *curve, double tolerance) {
+static double chords(const bwi_outline_curve *curve, double tolerance) {
   return curve->count == 2 ? 1 : fmax(1, ceil(sqrt(bwi_curve_sag(curve) / tolerance)));
 }
 
@@ -19,7 +19,7 @@ bw_status bw_outline_flatten(bw_context *context, const bw_outline *outline, dou
     return bw_fail(context, BW_INVALID, "a tolerance of %g m: a positive length is needed",
                    tolerance);
   for (int32_t s = 0; s < outline->segment_count; s++) {
-    bwi_curve curve = bwi_curve_of(outline->point, &outline->segment[s]);
+    bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[s]);
     count += chords(&curve, tolerance);
   }
   if (count > most_points)
@@ -38,7 +38,7 @@ bw_status bw_outline_flatten(bw_context *context, const bw_outline *outline, dou
     const bw_loop *loop = &outline->loop[l];
     made.start[l] = n;
     for (int32_t s = loop->first; s < loop->first + loop->count; s++) {
-      bwi_curve curve = bwi_curve_of(outline->point, &outline->segment[s]);
+      bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[s]);
       int32_t parts = (int32_t)chords(&curve, tolerance);
       for (int32_t i = 0; i < parts; i++)
         bwi_curve_at(&curve, (double)i / parts, made.point + 2 * (int64_t)n++, NULL, NULL);

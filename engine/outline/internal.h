@@ -11,21 +11,22 @@ static inline bool bwi_is_line(const bw_segment *segment) {
 
 /* ---- curves (curve.c): a line with 2 or a cubic with 4 control points ------------------------ */
 
-typedef struct bwi_curve {
+typedef struct bwi_outline_curve {
   int count;
   double point[4][2];
-} bwi_curve;
-bwi_curve bwi_curve_of(const double *point, const bw_segment *segment);
-void bwi_curve_at(const bwi_curve *curve, double t, double position[2], double derivative[2],
-                  double second[2]);
+} bwi_outline_curve;
+bwi_outline_curve bwi_curve_of(const double *point, const bw_segment *segment);
+void bwi_curve_at(const bwi_outline_curve *curve, double t, double position[2],
+                  double derivative[2], double second[2]);
 /* de Casteljau. The common end is one point, and the outer ends are those of the whole, bit for
  * bit. */
-void bwi_curve_split(const bwi_curve *curve, double t, bwi_curve *left, bwi_curve *right);
+void bwi_curve_split(const bwi_outline_curve *curve, double t, bwi_outline_curve *left,
+                     bwi_outline_curve *right);
 /* A bound of the distance from the curve to its chord. */
-double bwi_curve_sag(const bwi_curve *curve);
+double bwi_curve_sag(const bwi_outline_curve *curve);
 /* The box of the control points, or of the curve itself. */
-void bwi_curve_hull(const bwi_curve *curve, double low[2], double high[2]);
-void bwi_curve_box(const bwi_curve *curve, double low[2], double high[2]);
+void bwi_curve_hull(const bwi_outline_curve *curve, double low[2], double high[2]);
+void bwi_curve_box(const bwi_outline_curve *curve, double low[2], double high[2]);
 
 /* ---- validity -------------------------------------------------------------------------------- */
 
@@ -52,7 +53,7 @@ void bwi_loop_moments(const double *point, const bw_loop *loop, const bw_segment
                       const double origin[2], double moment[6]);
 /* The first of them alone, about any origin. */
 double bwi_loop_area(const double *point, const bw_loop *loop, const bw_segment *segment);
-double bwi_curve_length(const bwi_curve *curve);
+double bwi_curve_length(const bwi_outline_curve *curve);
 /* 1, 0 or -1: how the signed area of a loop enters that of a region, or of the material (-1). */
 int bwi_loop_weight(const bw_outline *outline, int32_t loop, int32_t region);
 
@@ -66,8 +67,8 @@ static inline int32_t bwi_previous_segment(const bw_loop *loop, int32_t segment)
 
 /* The direction in which a curve leaves its start or comes to its end: the unit vector towards the
  * first control point that lies elsewhere. (curve.c) */
-void bwi_curve_leaves(const bwi_curve *curve, double direction[2]);
-void bwi_curve_arrives(const bwi_curve *curve, double direction[2]);
+void bwi_curve_leaves(const bwi_outline_curve *curve, double direction[2]);
+void bwi_curve_arrives(const bwi_outline_curve *curve, double direction[2]);
 
 bw_status bwi_check_loop(bw_context *context, const bw_outline *outline, int32_t loop);
 bw_status bwi_check_segment(bw_context *context, const bw_outline *outline, int32_t segment);

@@ -26,7 +26,7 @@ void bwi_loop_moments(const double *point, const bw_loop *loop, const bw_segment
                       const double origin[2], double moment[6]) {
   memset(moment, 0, 6 * sizeof *moment);
   for (int32_t s = loop->first; s < loop->first + loop->count; s++) {
-    bwi_curve curve = bwi_curve_of(point, &segment[s]);
+    bwi_outline_curve curve = bwi_curve_of(point, &segment[s]);
     for (int i = 0; i < curve.count; i++)
       for (int k = 0; k < 2; k++)
         curve.point[i][k] -= origin[k];
@@ -53,7 +53,7 @@ double bwi_loop_area(const double *point, const bw_loop *loop, const bw_segment 
   const double *origin = point + 2 * (int64_t)segment[loop->first].point[0];
   double area = 0;
   for (int32_t s = loop->first; s < loop->first + loop->count; s++) {
-    bwi_curve curve = bwi_curve_of(point, &segment[s]);
+    bwi_outline_curve curve = bwi_curve_of(point, &segment[s]);
     double(*p)[2] = curve.point;
     for (int i = 0; i < curve.count; i++)
       for (int k = 0; k < 2; k++)
@@ -81,7 +81,7 @@ int bwi_loop_weight(const bw_outline *outline, int32_t loop, int32_t region) {
 
 /* ---- length ---------------------------------------------------------------------------------- */
 
-static double gauss_length(const bwi_curve *curve) {
+static double gauss_length(const bwi_outline_curve *curve) {
   double sum = 0;
   for (int g = 0; g < RULE; g++) {
     double d[2];
@@ -91,8 +91,9 @@ static double gauss_length(const bwi_curve *curve) {
   return sum;
 }
 
-static double halved_length(const bwi_curve *curve, double whole, double tolerance, int depth) {
-  bwi_curve left, right;
+static double halved_length(const bwi_outline_curve *curve, double whole, double tolerance,
+                            int depth) {
+  bwi_outline_curve left, right;
   bwi_curve_split(curve, 0.5, &left, &right);
   double a = gauss_length(&left), b = gauss_length(&right);
   if (depth == 0 || fabs(a + b - whole) <= tolerance)
@@ -102,7 +103,7 @@ static double halved_length(const bwi_curve *curve, double whole, double toleran
 }
 
 /* Far from the origin lengths are rounded like coordinates: no halving would get below that. */
-double bwi_curve_length(const bwi_curve *curve) {
+double bwi_curve_length(const bwi_outline_curve *curve) {
   double whole = gauss_length(curve), farthest = 0;
   if (curve->count == 2)
     return whole;
@@ -133,7 +134,7 @@ bw_status bw_outline_measure(bw_context *context, const bw_outline *outline, int
     if (bwi_loop_weight(outline, l, region) == 0)
       continue;
     for (int32_t s = loop->first; s < loop->first + loop->count; s++) {
-      bwi_curve curve = bwi_curve_of(outline->point, &outline->segment[s]);
+      bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[s]);
       double low[2], high[2];
       bwi_curve_box(&curve, low, high);
       for (int k = 0; k < 2; k++) {

@@ -12,7 +12,7 @@ typedef struct search {
   double least, t; /* square of the distance so far, and where */
 } search;
 
-static double hull_distance2(const bwi_curve *curve, const double at[2]) {
+static double hull_distance2(const bwi_outline_curve *curve, const double at[2]) {
   double low[2], high[2], sum = 0;
   bwi_curve_hull(curve, low, high);
   for (int k = 0; k < 2; k++) {
@@ -22,7 +22,7 @@ static double hull_distance2(const bwi_curve *curve, const double at[2]) {
   return sum;
 }
 
-static void try_chord(search *s, const bwi_curve *piece, double from, double to) {
+static void try_chord(search *s, const bwi_outline_curve *piece, double from, double to) {
   const double *p = piece->point[0], *q = piece->point[piece->count - 1];
   double d[2] = {q[0] - p[0], q[1] - p[1]}, e[2] = {s->at[0] - p[0], s->at[1] - p[1]};
   double length2 = d[0] * d[0] + d[1] * d[1];
@@ -35,14 +35,15 @@ static void try_chord(search *s, const bwi_curve *piece, double from, double to)
   }
 }
 
-static void descend(search *s, const bwi_curve *piece, double from, double to, double flat) {
+static void descend(search *s, const bwi_outline_curve *piece, double from, double to,
+                    double flat) {
   if (hull_distance2(piece, s->at) >= s->least)
     return;
   if (bwi_curve_sag(piece) <= flat) {
     try_chord(s, piece, from, to);
     return;
   }
-  bwi_curve half[2];
+  bwi_outline_curve half[2];
   bwi_curve_split(piece, 0.5, &half[0], &half[1]);
   double middle = (from + to) / 2;
   int first = hull_distance2(&half[0], s->at) <= hull_distance2(&half[1], s->at) ? 0 : 1;
@@ -52,13 +53,13 @@ static void descend(search *s, const bwi_curve *piece, double from, double to, d
   }
 }
 
-static double place_distance(const bwi_curve *curve, const double at[2], double t) {
+static double place_distance(const bwi_outline_curve *curve, const double at[2], double t) {
   double p[2];
   bwi_curve_at(curve, t, p, NULL, NULL);
   return hypot(p[0] - at[0], p[1] - at[1]);
 }
 
-static double polish(const bwi_curve *curve, const double at[2], double t) {
+static double polish(const bwi_outline_curve *curve, const double at[2], double t) {
   double best = place_distance(curve, at, t);
   for (int i = 0; i < 8; i++) {
     double p[2], d[2], s[2];
@@ -79,7 +80,7 @@ static double polish(const bwi_curve *curve, const double at[2], double t) {
 
 static bw_outline_place nearest_on(const bw_outline *outline, int32_t segment, const double at[2],
                                    double within) {
-  bwi_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);
+  bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);
   double low[2], high[2];
   bwi_curve_hull(&curve, low, high);
   search s = {at, within, -1};
@@ -103,7 +104,7 @@ bw_outline_place bw_outline_nearest(const bw_outline *outline, const double at[2
   bw_outline_place best = {0, 0, DBL_MAX};
   for (int32_t s = 0; s < outline->segment_count; s++) {
     double low[2], high[2];
-    bwi_curve curve = bwi_curve_of(outline->point, &outline->segment[s]);
+    bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[s]);
     bwi_curve_hull(&curve, low, high);
     double room = best.distance + 2e-4 * hypot(high[0] - low[0], high[1] - low[1]);
     bw_outline_place place = nearest_on(outline, s, at, s == 0 ? DBL_MAX : room * room);

@@ -7,7 +7,7 @@
 
 #include "outline/internal.h"
 
-static int passes(const bwi_curve *curve, const double at[2]) {
+static int passes(const bwi_outline_curve *curve, const double at[2]) {
   int last = curve->count - 1;
   bool from = curve->point[0][1] > at[1], to = curve->point[last][1] > at[1];
   double low[2], high[2];
@@ -24,14 +24,14 @@ static int passes(const bwi_curve *curve, const double at[2]) {
   /* As straight as its coordinates can tell: the gap between segments is far larger. */
   double far = fmax(fmax(fabs(low[0]), fabs(high[0])), fmax(fabs(low[1]), fabs(high[1])));
   if (bwi_curve_sag(curve) <= 1e-14 * far) {
-    bwi_curve line = {2, {{0, 0}}};
+    bwi_outline_curve line = {2, {{0, 0}}};
     for (int k = 0; k < 2; k++) {
       line.point[0][k] = curve->point[0][k];
       line.point[1][k] = curve->point[last][k];
     }
     return passes(&line, at);
   }
-  bwi_curve left, right;
+  bwi_outline_curve left, right;
   bwi_curve_split(curve, 0.5, &left, &right);
   return passes(&left, at) + passes(&right, at);
 }
@@ -40,7 +40,7 @@ int bwi_loop_winding(const double *point, const bw_loop *loop, const bw_segment 
                      const double at[2]) {
   int winding = 0;
   for (int32_t s = loop->first; s < loop->first + loop->count; s++) {
-    bwi_curve curve = bwi_curve_of(point, &segment[s]);
+    bwi_outline_curve curve = bwi_curve_of(point, &segment[s]);
     winding += passes(&curve, at);
   }
   return winding;
@@ -59,7 +59,7 @@ bw_status bwi_outline_nesting(bw_context *context, const double *point, int32_t 
     double *low = box + 4 * (int64_t)l, *high = low + 2;
     area[l] = bwi_loop_area(point, &loop[l], segment);
     for (int32_t s = loop[l].first; s < loop[l].first + loop[l].count; s++) {
-      bwi_curve curve = bwi_curve_of(point, &segment[s]);
+      bwi_outline_curve curve = bwi_curve_of(point, &segment[s]);
       double a[2], b[2];
       bwi_curve_hull(&curve, a, b);
       for (int k = 0; k < 2; k++) {

@@ -54,7 +54,7 @@ static int32_t count_side(const bw_outline *outline, const bw_loop *loop, int32_
   double way = 0;
   int32_t s = forward ? segment : bwi_previous_segment(loop, segment);
   for (int32_t n = 1; n < loop->count; n++) {
-    bwi_curve curve = bwi_curve_of(outline->point, &outline->segment[s]);
+    bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[s]);
     way += bwi_curve_length(&curve);
     if (is_pin(pins, pin, outline->segment[s].point[forward ? 3 : 0]) ||
         (reach > 0 && way >= reach))

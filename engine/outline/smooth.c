@@ -9,9 +9,9 @@
 
 /* By how much a loop turns where a segment begins, 0 to pi. */
 static double turn_at(const bw_outline *outline, const bw_loop *loop, int32_t segment) {
-  bwi_curve in =
+  bwi_outline_curve in =
       bwi_curve_of(outline->point, &outline->segment[bwi_previous_segment(loop, segment)]);
-  bwi_curve out = bwi_curve_of(outline->point, &outline->segment[segment]);
+  bwi_outline_curve out = bwi_curve_of(outline->point, &outline->segment[segment]);
   double a[2], b[2];
   bwi_curve_arrives(&in, a);
   bwi_curve_leaves(&out, b);

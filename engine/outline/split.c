@@ -15,7 +15,7 @@ bw_status bw_outline_split(bw_context *context, const bw_outline *outline, int32
   if (!(t > 0 && t < 1))
     return bw_fail(context, BW_INVALID,
                    "a segment cannot be cut at %g: between 0 and 1 is asked for", t);
-  bwi_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]), left, right;
+  bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]), left, right;
   bwi_curve_split(&curve, t, &left, &right);
   bwi_draft_init(&draft, context);
   for (int64_t i = 0; i < outline->point_count; i++)
@@ -48,7 +48,7 @@ bw_status bw_outline_split(bw_context *context, const bw_outline *outline, int32
   return status;
 }
 
-static void raise(bwi_curve *curve) {
+static void raise(bwi_outline_curve *curve) {
   if (curve->count == 4)
     return;
   for (int k = 0; k < 2; k++) {
@@ -63,7 +63,7 @@ static void raise(bwi_curve *curve) {
 /* One cubic in place of two: undoes bwi_curve_split exactly, and keeps the directions at the ends
  * in any case. The cut of a cubic at t divides the line between its neighbours in the ratio t :
  * 1-t. */
-static bwi_curve unite(bwi_curve left, bwi_curve right) {
+static bwi_outline_curve unite(bwi_outline_curve left, bwi_outline_curve right) {
   raise(&left);
   raise(&right);
   double before = hypot(left.point[3][0] - left.point[2][0], left.point[3][1] - left.point[2][1]);
@@ -74,7 +74,7 @@ static bwi_curve unite(bwi_curve left, bwi_curve right) {
     after = bwi_curve_length(&right);
   }
   double t = fmin(0.99, fmax(0.01, before / (before + after)));
-  bwi_curve whole = {4, {{0, 0}}};
+  bwi_outline_curve whole = {4, {{0, 0}}};
   for (int k = 0; k < 2; k++) {
     whole.point[0][k] = left.point[0][k];
     whole.point[1][k] = left.point[0][k] + (left.point[1][k] - left.point[0][k]) / t;
@@ -101,7 +101,7 @@ bw_status bw_outline_joined(bw_context *context, const bw_outline *outline, int3
   int32_t before = bwi_previous_segment(around, after);
   const bw_segment *a = &outline->segment[before], *b = &outline->segment[after];
   bool both_lines = bwi_is_line(a) && bwi_is_line(b);
-  bwi_curve whole = unite(bwi_curve_of(outline->point, a), bwi_curve_of(outline->point, b));
+  bwi_outline_curve whole = unite(bwi_curve_of(outline->point, a), bwi_curve_of(outline->point, b));
   int32_t control[2] = {a->point[1], b->point[2]};
   if (bwi_is_line(a))
     control[0] = b->point[1];

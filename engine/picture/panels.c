@@ -21,7 +21,7 @@ void bw_grid_picture_options_default(bw_grid_picture_options *options) {
   options->edges = true;
 }
 
-static bw_status check(bwi_sheet *s) {
+static bw_status check(bwi_panel_sheet *s) {
   const bw_grid_picture_options *o = s->options;
   if (s->count < 1 || s->count > MOST_PANELS)
     return bw_fail(s->context, BW_INVALID, "%d panels: 1 to %d can be drawn", s->count,
@@ -53,7 +53,7 @@ static bw_status check(bwi_sheet *s) {
 /* ---- colours --------------------------------------------------------------------------------- */
 
 /* One range for all. Values inside count too: they are what the panels compare. */
-static void find_range(bwi_sheet *s) {
+static void find_range(bwi_panel_sheet *s) {
   const bw_grid_picture_options *o = s->options;
   s->least = INFINITY;
   s->largest = -INFINITY;
@@ -83,14 +83,14 @@ static void find_range(bwi_sheet *s) {
 
 /* ---- camera ---------------------------------------------------------------------------------- */
 
-static void seen_frame(const bwi_sheet *s, double frame[4]) {
+static void seen_frame(const bwi_panel_sheet *s, double frame[4]) {
   frame[0] = 24 * s->u;
   frame[1] = 44 * s->u;
   frame[2] = s->options->width - 24 * s->u;
   frame[3] = s->options->height - 24 * s->u;
 }
 
-static bw_status place_camera(bwi_sheet *s) {
+static bw_status place_camera(bwi_panel_sheet *s) {
   const bw_grid_picture_options *o = s->options;
   double direction[3], frame[4], bounds[4] = {HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
   bool box = false;
@@ -118,7 +118,7 @@ static bw_status place_camera(bwi_sheet *s) {
 
 /* ---- canvas ---------------------------------------------------------------------------------- */
 
-static bw_status draw_text(bwi_sheet *s, cairo_t *cairo, double x, double y, double width,
+static bw_status draw_text(bwi_panel_sheet *s, cairo_t *cairo, double x, double y, double width,
                            double size, const char *text) {
   char *clean = bwi_clean_text(s->context, text);
   if (!clean)
@@ -129,7 +129,7 @@ static bw_status draw_text(bwi_sheet *s, cairo_t *cairo, double x, double y, dou
   return BW_OK;
 }
 
-static bw_status draw_panel(bwi_sheet *s, int which, cairo_t *cairo) {
+static bw_status draw_panel(bwi_panel_sheet *s, int which, cairo_t *cairo) {
   const bw_grid_picture_options *o = s->options;
   bwi_solid *solid = s->solid[which];
   bwi_image image = {.width = o->width, .height = o->height};
@@ -175,7 +175,7 @@ done:
 }
 
 /* Squares with the materials' names, as many as there is room for. */
-static bw_status draw_legend(bwi_sheet *s, cairo_t *cairo) {
+static bw_status draw_legend(bwi_panel_sheet *s, cairo_t *cairo) {
   const bw_grid_picture_options *o = s->options;
   double x = 24 * s->u, y = s->high_pixels - 0.5 * s->foot, size = 14 * s->u;
   for (int32_t m = 1; m <= s->most_material && m <= LEGEND; m++) {
@@ -204,7 +204,7 @@ static bw_status draw_legend(bwi_sheet *s, cairo_t *cairo) {
   return BW_OK;
 }
 
-static bw_status draw(bwi_sheet *s, cairo_t *cairo) {
+static bw_status draw(bwi_panel_sheet *s, cairo_t *cairo) {
   const bw_grid_picture_options *o = s->options;
   bw_status status = BW_OK;
   cairo_pattern_t *shade = cairo_pattern_create_linear(0, s->head, 0, s->high_pixels - s->foot);
@@ -240,7 +240,7 @@ done:
   return status;
 }
 
-static bw_status make(bwi_sheet *s, const char *path) {
+static bw_status make(bwi_panel_sheet *s, const char *path) {
   const bw_grid_picture_options *o = s->options;
   cairo_surface_t *canvas = NULL;
   cairo_t *cairo = NULL;
@@ -281,7 +281,7 @@ bw_status bw_picture_grids(bw_context *context, int count, const bw_grid_panel *
     bw_grid_picture_options_default(&usual);
     options = &usual;
   }
-  bwi_sheet s = {.context = context, .options = options, .count = count, .panel = panel};
+  bwi_panel_sheet s = {.context = context, .options = options, .count = count, .panel = panel};
   bw_status status = check(&s);
   if (status != BW_OK)
     return status;

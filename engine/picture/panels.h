@@ -5,7 +5,7 @@
 
 #include "picture/internal.h"
 
-typedef struct bwi_sheet {
+typedef struct bwi_panel_sheet {
   bw_context *context;
   const bw_grid_picture_options *options;
   int count, columns, rows;
@@ -19,9 +19,9 @@ typedef struct bwi_sheet {
   bwi_view view;
   int wide, high_pixels;     /* of the canvas */
   double u, head, foot, bar; /* a pixel of a 640 x 560 panel; strips above, below, to the right */
-} bwi_sheet;
+} bwi_panel_sheet;
 
 /* Fills solid, category and value of one panel. What was made on failure stays the sheet's. */
-bw_status bwi_panel_solids(bwi_sheet *s, int which);
+bw_status bwi_panel_solids(bwi_panel_sheet *s, int which);
 
 #endif

@@ -7,7 +7,7 @@
 #include "picture/panels.h"
 
 /* The boundary's quadrilaterals, halved; points are all nodes, moved by factor times u. */
-static bw_status fill_solid(bwi_sheet *s, int which, const bw_grid_face *face, int64_t faces,
+static bw_status fill_solid(bwi_panel_sheet *s, int which, const bw_grid_face *face, int64_t faces,
                             double factor, bwi_solid *solid) {
   const bw_grid *grid = s->panel[which].grid;
   const double *u = s->panel[which].displacement;
@@ -37,7 +37,7 @@ static bw_status fill_solid(bwi_sheet *s, int which, const bw_grid_face *face, i
 }
 
 /* The surface's points, moved by factor times what the nodes' displacements are there. */
-static bw_status fill_surface(bwi_sheet *s, int which, double factor, bwi_solid *solid) {
+static bw_status fill_surface(bwi_panel_sheet *s, int which, double factor, bwi_solid *solid) {
   const bw_grid_panel *panel = &s->panel[which];
   const bw_surface *surface = panel->surface;
   size_t points = 3 * (size_t)surface->point_count, corners = 3 * (size_t)surface->triangle_count;
@@ -65,7 +65,7 @@ static bw_status fill_surface(bwi_sheet *s, int which, double factor, bwi_solid 
 }
 
 /* Values and materials come through the embedding. */
-static bw_status add_surface(bwi_sheet *s, int which) {
+static bw_status add_surface(bwi_panel_sheet *s, int which) {
   bw_status status = BW_OK;
   const bw_grid_panel *panel = &s->panel[which];
   const bw_embedding *embedding = panel->embedding;
@@ -103,7 +103,7 @@ done:
   return status;
 }
 
-bw_status bwi_panel_solids(bwi_sheet *s, int which) {
+bw_status bwi_panel_solids(bwi_panel_sheet *s, int which) {
   if (s->panel[which].surface)
     return add_surface(s, which);
   bw_status status;

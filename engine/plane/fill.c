@@ -115,7 +115,7 @@ static double across_of(const bw_outline_measures *measures) {
  */
 static bw_status fill_once(bw_context *context, const bw_outline *outline,
                            const bw_plane_options *options, const bw_outline_measures *measures,
-                           const bwi_time_limit *time, bwi_size_field *field, double *turn,
+                           const bwi_time_limit *time, bwi_plane_size_field *field, double *turn,
                            double *angle, bwi_fill_boundary *boundary, bwi_filling *filling) {
   bw_status status = BW_OK;
   int64_t most = (int64_t)fmin(options->limit, options->memory_limit / BYTES_OF_ELEMENT);
@@ -171,7 +171,7 @@ bw_status bwi_plane_fill(bw_context *context, const bw_outline *outline,
   bwi_time_limit time = bwi_time_limit_begin("filling the outline", options.time_limit);
   double turn = options.curvature * 0.017453292519943295, angle = options.minimum_angle;
   bool counted = options.size == 0 && !options.field;
-  bwi_size_field field = {
+  bwi_plane_size_field field = {
       .size = options.size, .function = options.field, .data = options.field_data};
   if (counted) {
     /* thin shapes have about as many triangles as boundary edges */

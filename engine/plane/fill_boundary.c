@@ -19,7 +19,7 @@ static const double COARSE = 2;
 /* ---- the size field -----------------------------------------------------------------------------
  */
 
-double bwi_plane_size_at(bwi_size_field *field, double x, double y) {
+double bwi_plane_size_at(bwi_plane_size_field *field, double x, double y) {
   if (!field->function || field->failed)
     return field->size;
   double at[2] = {x, y}, value = field->function(field->data, at);
@@ -33,7 +33,7 @@ double bwi_plane_size_at(bwi_size_field *field, double x, double y) {
   return fmin(value, field->size);
 }
 
-bw_status bwi_size_check(bw_context *context, const bwi_size_field *field) {
+bw_status bwi_size_check(bw_context *context, const bwi_plane_size_field *field) {
   if (!field->failed)
     return BW_OK;
   bw_fail(context, BW_INVALID,
@@ -55,8 +55,8 @@ typedef struct sample {
 
 /* Samples of a segment in equal steps of the parameter; the last one, t = 1, is the first of the
  * next segment and not kept. */
-static void sample_segment(const bw_outline *outline, int32_t s, bwi_size_field *field, double turn,
-                           int count, sample *list) {
+static void sample_segment(const bw_outline *outline, int32_t s, bwi_plane_size_field *field,
+                           double turn, int count, sample *list) {
   bool curved = outline->segment[s].point[1] >= 0;
   double before[2], at[2], d[2], dd[2], length = 0;
   bw_outline_evaluate(outline, s, 0, before, NULL, NULL);
@@ -156,7 +156,7 @@ static bw_status too_many(bw_context *context, const bw_outline *outline, int32_
 }
 
 bw_status bwi_fill_boundary_create(bw_context *context, const bw_outline *outline,
-                                   bwi_size_field *field, double turn, int64_t limit,
+                                   bwi_plane_size_field *field, double turn, int64_t limit,
                                    bwi_fill_boundary *boundary) {
   bw_status status = BW_OK;
   sample *list = NULL;

@@ -57,7 +57,7 @@ struct Origin {
  * largest before all. */
 class Criteria {
 public:
-  Criteria(bwi_size_field *field, double sine, const Origin &origin)
+  Criteria(bwi_plane_size_field *field, double sine, const Origin &origin)
       : field_(field), sine_(sine), origin_(origin) {
   }
   struct Quality {
@@ -70,7 +70,7 @@ public:
   };
   class Is_bad {
   public:
-    Is_bad(bwi_size_field *field, double sine, const Origin &origin)
+    Is_bad(bwi_plane_size_field *field, double sine, const Origin &origin)
         : field_(field), sine_(sine), origin_(origin) {
     }
     CGAL::Mesh_2::Face_badness operator()(const Quality &quality) const {
@@ -100,7 +100,7 @@ public:
     }
 
   private:
-    bwi_size_field *field_;
+    bwi_plane_size_field *field_;
     double sine_;
     Origin origin_;
   };
@@ -112,7 +112,7 @@ private:
   /* Measured: with it, a uniform size h gives about as many triangles as equilateral ones of the
    * side h would be. */
   static constexpr double reach = 1.4;
-  bwi_size_field *field_;
+  bwi_plane_size_field *field_;
   double sine_;
   Origin origin_;
 };
@@ -268,7 +268,7 @@ double sharpest_turn(const bwi_fill_boundary *boundary, std::int32_t loops) {
 /* Asked by the watched kernel whether to go on. */
 struct Asked {
   bw_context *context;
-  const bwi_size_field *field;
+  const bwi_plane_size_field *field;
   const bwi_time_limit *time;
   std::int64_t most_work;
   bwi_filling *filling;
@@ -339,8 +339,8 @@ bool insert_loop(Triangulation &t, const bwi_fill_boundary *boundary, std::int32
 }
 
 bw_status fill(bw_context *context, const bw_outline *outline, const bwi_fill_boundary *boundary,
-               bwi_size_field *field, double minimum_angle, std::int64_t limit, bwi::Watch *watch,
-               bwi_filling *filling) {
+               bwi_plane_size_field *field, double minimum_angle, std::int64_t limit,
+               bwi::Watch *watch, bwi_filling *filling) {
   Triangulation t{Kernel(watch)};
   std::vector<Vertex> vertex(static_cast<std::size_t>(boundary->count));
   std::vector<std::int32_t> loop_of(vertex.size());
@@ -432,7 +432,7 @@ bw_status fill(bw_context *context, const bw_outline *outline, const bwi_fill_bo
 } // namespace
 
 bw_status bwi_fill_cgal(bw_context *context, const bw_outline *outline,
-                        const bwi_fill_boundary *boundary, bwi_size_field *field,
+                        const bwi_fill_boundary *boundary, bwi_plane_size_field *field,
                         double minimum_angle, int64_t limit, const bwi_time_limit *time,
                         bwi_filling *filling) {
   std::memset(filling, 0, sizeof *filling);

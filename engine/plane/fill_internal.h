@@ -11,15 +11,15 @@ extern "C" {
 #endif
 
 /* The wanted edge length, from the options; the first value that is none is remembered. */
-typedef struct bwi_size_field {
+typedef struct bwi_plane_size_field {
   double size; /* upper bound everywhere */
   bw_size_function *function;
   void *data;
   bool failed;
   double at[2], value; /* where and what, when failed */
-} bwi_size_field;
-double bwi_plane_size_at(bwi_size_field *field, double x, double y);
-bw_status bwi_size_check(bw_context *context, const bwi_size_field *field);
+} bwi_plane_size_field;
+double bwi_plane_size_at(bwi_plane_size_field *field, double x, double y);
+bw_status bwi_size_check(bw_context *context, const bwi_plane_size_field *field);
 
 /* Nodes along the outline, loop by loop (fill_boundary.c). */
 typedef struct bwi_fill_boundary {
@@ -32,7 +32,7 @@ typedef struct bwi_fill_boundary {
 /* turn: radians that a boundary edge may turn by; limit: of elements. BW_LIMIT when so many nodes
  * are needed that the elements between them are more than that. */
 bw_status bwi_fill_boundary_create(bw_context *context, const bw_outline *outline,
-                                   bwi_size_field *field, double turn, int64_t limit,
+                                   bwi_plane_size_field *field, double turn, int64_t limit,
                                    bwi_fill_boundary *boundary);
 void bwi_fill_boundary_clear(bwi_fill_boundary *boundary);
 
@@ -55,7 +55,7 @@ typedef struct bwi_filling {
  * over them holds a node, which along thin walls takes many. */
 enum { BWI_WHOLE_EDGES = -1 };
 bw_status bwi_fill_cgal(bw_context *context, const bw_outline *outline,
-                        const bwi_fill_boundary *boundary, bwi_size_field *field,
+                        const bwi_fill_boundary *boundary, bwi_plane_size_field *field,
                         double minimum_angle, int64_t limit, const bwi_time_limit *time,
                         bwi_filling *filling);
 void bwi_filling_clear(bwi_filling *filling);

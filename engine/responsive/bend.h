@@ -7,13 +7,13 @@
 
 typedef struct bwi_bend {
   const bw_sheet *sheet;
-  bwi_rule rule, corners; /* quadrature; the nodes, where inversion is looked for too */
-  const double *u;        /* displacement */
-  bool convex;            /* leave the negative part of stresses out of the tangent */
-  double *line;           /* element_count x 8, of tri3 alone: three gradients, area x thickness */
-  double *energy;         /* element_count; < 0: inverted */
-  double *force;          /* element_count x n x 2 */
-  int32_t inverted;       /* the first element found inverted last, -1: none */
+  bwi_triangle_rule rule, corners; /* quadrature; the nodes, where inversion is looked for too */
+  const double *u;                 /* displacement */
+  bool convex;                     /* leave the negative part of stresses out of the tangent */
+  double *line;     /* element_count x 8, of tri3 alone: three gradients, area x thickness */
+  double *energy;   /* element_count; < 0: inverted */
+  double *force;    /* element_count x n x 2 */
+  int32_t inverted; /* the first element found inverted last, -1: none */
 } bwi_bend;
 bw_status bwi_bend_prepare(bw_context *context, const bw_sheet *sheet, bwi_bend *bend);
 void bwi_bend_clear(bwi_bend *bend);

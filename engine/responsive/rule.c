@@ -4,7 +4,7 @@
 
 #include "responsive/sheet.h"
 
-void bwi_rule_create(int order, int degree, bwi_rule *rule) {
+void bwi_rule_create(int order, int degree, bwi_triangle_rule *rule) {
   double point[BW_QUADRATURE_POINTS][3], weight[BW_QUADRATURE_POINTS];
   rule->order = order;
   rule->n = order == 1 ? 3 : 6;
@@ -30,7 +30,7 @@ void bwi_rules_create(int order, bwi_rules *rules) {
 
 /* Middles within 1e-10 of the side's length count as on the middle: what that leaves out is below
  * rounding errors of the stiffness. */
-const bwi_rule *bwi_rules_for(const bwi_rules *rules, const double (*x)[2]) {
+const bwi_triangle_rule *bwi_rules_for(const bwi_rules *rules, const double (*x)[2]) {
   for (int a = 0; a < 3 && rules->straight.order == 2; a++) {
     const double *p = x[a], *q = x[(a + 1) % 3], *m = x[3 + a];
     double off = fabs(m[0] - 0.5 * (p[0] + q[0])) + fabs(m[1] - 0.5 * (p[1] + q[1]));

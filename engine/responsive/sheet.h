@@ -29,26 +29,28 @@ static inline void bwi_times3(const double a[9], const double x[3], double y[3])
 /* ---- quadrature on elements (rule.c) -------------------------------------------------------- */
 
 enum { BWI_RULE_POINTS = 12 };
-typedef struct bwi_rule {
+typedef struct bwi_triangle_rule {
   int order, n, count;
   double point[BWI_RULE_POINTS][3], weight[BWI_RULE_POINTS]; /* weights sum to 1/2 */
   double value[BWI_RULE_POINTS][6];                          /* shape functions */
   double slope[BWI_RULE_POINTS][6][2]; /* by L1 and L2, with L0 = 1 - L1 - L2 */
-} bwi_rule;
-void bwi_rule_create(int order, int degree, bwi_rule *rule);
+} bwi_triangle_rule;
+void bwi_rule_create(int order, int degree, bwi_triangle_rule *rule);
 /* What stiffness and weight are integrated with. Straight six-node elements have strains that are
  * linear in the plane, for which degree 2 is exact; on curved ones they are not polynomials, and
  * degree 4 is taken, as large deflections take it everywhere. */
 typedef struct bwi_rules {
-  bwi_rule straight, curved;
+  bwi_triangle_rule straight, curved;
 } bwi_rules;
 void bwi_rules_create(int order, bwi_rules *rules);
-const bwi_rule *bwi_rules_for(const bwi_rules *rules, const double (*x)[2]);
+const bwi_triangle_rule *bwi_rules_for(const bwi_rules *rules, const double (*x)[2]);
 
 /* Gradients in the plane at point q of an element of N nodes; returns the Jacobian determinant.
  * N is a constant wherever this is expanded. */
-static inline __attribute__((always_inline)) double
-bwi_rule_gradient(const bwi_rule *rule, int q, int N, const double (*x)[2], double (*g)[2]) {
+static inline __attribute__((always_inline)) double bwi_rule_gradient(const bwi_triangle_rule *rule,
+                                                                      int q, int N,
+                                                                      const double (*x)[2],
+                                                                      double (*g)[2]) {
   double a = 0, b = 0, c = 0, d = 0;
   for (int k = 0; k < N; k++) {
     const double *s = rule->slope[q][k];

@@ -27,8 +27,8 @@ typedef struct point {
   double by_strain[3]; /* vm dvm/dstrain */
 } point;
 
-static void at_point(const bwi_section *section, const bwi_rule *rule, int q, const double (*x)[2],
-                     const double (*u)[2], point *p) {
+static void at_point(const bwi_section *section, const bwi_triangle_rule *rule, int q,
+                     const double (*x)[2], const double (*u)[2], point *p) {
   p->weight = rule->weight[q] * bwi_rule_gradient(rule, q, rule->n, x, p->g);
   memset(p->du, 0, sizeof p->du);
   for (int a = 0; a < rule->n; a++)
@@ -47,15 +47,15 @@ static void at_point(const bwi_section *section, const bwi_rule *rule, int q, co
         by[0] * d[j] + by[1] * d[3 + j] + by[2] * d[6 + j] + by[3] * section->across[j];
 }
 
-static void element_at(const bw_sheet *sheet, const bwi_rule *rule, int32_t e, double (*x)[2],
-                       double (*u)[2]) {
+static void element_at(const bw_sheet *sheet, const bwi_triangle_rule *rule, int32_t e,
+                       double (*x)[2], double (*u)[2]) {
   bwi_element_points(sheet->mesh, e, rule->n, x);
   bwi_element_field(sheet->mesh, sheet->displacement, e, rule->n, u);
 }
 
 /* (vm / most)^p over all points, and the area. */
-static void sums(const bw_sheet *sheet, const bwi_rule *rule, double p, double *most, double *sum,
-                 double *area) {
+static void sums(const bw_sheet *sheet, const bwi_triangle_rule *rule, double p, double *most,
+                 double *sum, double *area) {
   int32_t elements = sheet->mesh->topology->element_count;
   double x[6][2], u[6][2];
   point at;
@@ -93,7 +93,7 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
   size_t size = 2 * (size_t)topology->nodes->node_count;
   double most, sum, area, x[6][2], u[6][2], l[6][2], *adjoint = NULL;
   bwi_rules rules;
-  bwi_rule rule;
+  bwi_triangle_rule rule;
   point at;
   if (!(p >= 1) || !(p <= 1000))
     return bw_fail(context, BW_INVALID, "an exponent of %g; 1 to 1000 are possible", p);

@@ -3,12 +3,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/union_find.h"
 #include "responsive/sheet.h"
 
 typedef struct loop {
   const bw_sheet *sheet;
-  bwi_rule rule;   /* of the mass */
-  bwi_rules rules; /* of the stiffness */
+  bwi_triangle_rule rule; /* of the mass */
+  bwi_rules rules;        /* of the stiffness */
 } loop;
 
 static bw_status inverted(bw_context *context, int32_t element) {
@@ -28,7 +29,7 @@ static bw_status stiffness6(void *data, int32_t e, double *k) {
   const bwi_section *section = bwi_section_of(l->sheet, e);
   double x[6][2], g[6][2];
   bwi_element_points(l->sheet->mesh, e, N, x);
-  const bwi_rule *rule = bwi_rules_for(&l->rules, x);
+  const bwi_triangle_rule *rule = bwi_rules_for(&l->rules, x);
   memset(k, 0, (size_t)(4 * N * N) * sizeof *k);
   for (int q = 0; q < rule->count; q++) {
     double determinant = bwi_rule_gradient(rule, q, N, x, g), d[9];
@@ -193,7 +194,7 @@ bw_status bwi_sheet_force(bw_context *context, bw_sheet *sheet, double time) {
     if (!(section->density > 0))
       return bw_fail(context, BW_INVALID, "gravity acts on a material without density (kg/m3)");
     bwi_element_points(mesh, e, n, x);
-    const bwi_rule *rule = bwi_rules_for(&rules, x);
+    const bwi_triangle_rule *rule = bwi_rules_for(&rules, x);
     for (int q = 0; q < rule->count; q++) {
       double scale = bwi_rule_gradient(rule, q, n, x, g) * rule->weight[q] * section->thickness *
                      section->density;
@@ -214,12 +215,6 @@ bw_status bwi_sheet_hold(bw_context *context, bw_sheet *sheet, double time) {
 /* ---- unconstrained rigid-body modes
  * -------------------------------------------------------------------- */
 
-static int32_t root_of(int32_t *parent, int32_t i) {
-  while (parent[i] != i)
-    i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 /* Held components restrain the motions (1, 0), (0, 1) and (-y, x)/size of the piece they are on. A
  * motion is free when no held component resists it: a zero eigenvalue of the 3x3 sum of their
  * squares. */
@@ -239,23 +234,22 @@ bw_status bwi_sheet_check_free(bw_context *context, const bw_sheet *sheet) {
     parent[i] = i;
   for (int32_t e = 0; e < topology->element_count; e++) {
     const int32_t *node = topology->element + (int64_t)e * n;
-    int32_t first = root_of(parent, node[0]);
     for (int a = 1; a < n; a++)
-      parent[root_of(parent, node[a])] = first;
+      bwi_set_join(parent, node[0], node[a]);
   }
   for (int32_t i = 0; i < nodes; i++) {
-    double *s = sum + 10 * (int64_t)root_of(parent, i);
+    double *s = sum + 10 * (int64_t)bwi_set_root(parent, i);
     s[6] += mesh->point[2 * i];
     s[7] += mesh->point[2 * i + 1];
     s[8] += 1;
   }
   for (int32_t i = 0; i < nodes; i++) {
-    double *s = sum + 10 * (int64_t)root_of(parent, i);
+    double *s = sum + 10 * (int64_t)bwi_set_root(parent, i);
     double x = mesh->point[2 * i] - s[6] / s[8], y = mesh->point[2 * i + 1] - s[7] / s[8];
     s[9] = fmax(s[9], hypot(x, y));
   }
   for (int32_t i = 0; i < nodes; i++) {
-    double *s = sum + 10 * (int64_t)root_of(parent, i);
+    double *s = sum + 10 * (int64_t)bwi_set_root(parent, i);
     double x = mesh->point[2 * i] - s[6] / s[8], y = mesh->point[2 * i + 1] - s[7] / s[8];
     if (held[2 * i]) {
       s[0] += 1;

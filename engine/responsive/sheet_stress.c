@@ -45,7 +45,7 @@ static void stress_at(const bwi_section *section, bool large, int n, const doubl
 }
 
 /* Stresses at the nodes of one element and its area. */
-static double element_stress(const bw_sheet *sheet, const bwi_rule *rule, int32_t e,
+static double element_stress(const bw_sheet *sheet, const bwi_triangle_rule *rule, int32_t e,
                              double (*stress)[PARTS]) {
   double x[6][2], u[6][2], g[6][2], at[3][PARTS], area = 0;
   int n = rule->n;
@@ -70,8 +70,8 @@ static double element_stress(const bw_sheet *sheet, const bwi_rule *rule, int32_
 }
 
 /* Means at nodes over the elements of one region (-1: all); weight: room for node_count. */
-static void recover(const bw_sheet *sheet, const bwi_rule *rule, int32_t region, double *weight,
-                    double *mean) {
+static void recover(const bw_sheet *sheet, const bwi_triangle_rule *rule, int32_t region,
+                    double *weight, double *mean) {
   const bw_plane_topology *topology = sheet->mesh->topology;
   int32_t nodes = topology->nodes->node_count;
   memset(weight, 0, (size_t)nodes * sizeof *weight);
@@ -93,7 +93,7 @@ static void recover(const bw_sheet *sheet, const bwi_rule *rule, int32_t region,
       mean[PARTS * i + k] /= weight[i];
 }
 
-static void points_rule(const bw_sheet *sheet, bwi_rule *rule) {
+static void points_rule(const bw_sheet *sheet, bwi_triangle_rule *rule) {
   int order = sheet->mesh->topology->nodes->order;
   bwi_rule_create(order, order == 1 ? 1 : 2, rule);
 }
@@ -104,7 +104,7 @@ bw_status bw_sheet_stress(bw_context *context, const bw_sheet *sheet, double *st
   int32_t nodes = sheet->mesh->topology->nodes->node_count;
   double *weight = BW_NEW(context, double, nodes);
   double *mean = stress ? stress : BW_NEW(context, double, PARTS *(size_t)nodes);
-  bwi_rule rule;
+  bwi_triangle_rule rule;
   if (!weight || !mean) {
     status = BW_MEMORY;
     goto done;
@@ -124,7 +124,7 @@ bw_status bw_sheet_error(bw_context *context, const bw_sheet *sheet, double *rel
   bw_status status = BW_OK;
   const bw_plane_topology *topology = sheet->mesh->topology;
   int32_t nodes = topology->nodes->node_count, regions = 1;
-  bwi_rule points, rule;
+  bwi_triangle_rule points, rule;
   double *weight = BW_NEW(context, double, nodes);
   double *mean = BW_NEW(context, double, PARTS *(size_t)nodes);
   double error = 0, energy = 0;

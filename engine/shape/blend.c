@@ -12,6 +12,7 @@
  * left of the weights above a small share is taken, and scaled to sum to one: still continuous,
  * still one on the interfaces, and a node follows only the few bones that matter there. Domains of
  * type F share no nodes but those of type R, so each is solved for by itself. */
+#include "base/dense.h"
 #include "shape/domains_internal.h"
 
 #include <math.h>
@@ -147,13 +148,6 @@ static void multiply(const blend *b, const double *x, double *y) {
   }
 }
 
-static double product(const double *a, const double *b, int32_t count) {
-  double sum = 0;
-  for (int32_t i = 0; i < count; i++)
-    sum += a[i] * b[i];
-  return sum;
-}
-
 /* Conjugate gradients with the diagonal as preconditioner: a domain has a few thousand nodes, and
  * what rounding leaves does not matter beyond 1e-13. x: the weight of `bone`. */
 static bw_status solve(blend *b, int32_t domain, int32_t bone, double *x) {
@@ -170,7 +164,7 @@ static bw_status solve(blend *b, int32_t domain, int32_t bone, double *x) {
   for (int32_t step = 0; step <= limit; step++) {
     for (int32_t i = 0; i < n; i++)
       b->q[i] = b->r[i] / b->diagonal[i];
-    double next = product(b->r, b->q, n);
+    double next = bwi_dot(n, b->r, b->q);
     if (step == 0)
       start = next;
     least = fmin(least, next);
@@ -181,7 +175,7 @@ static bw_status solve(blend *b, int32_t domain, int32_t bone, double *x) {
       b->p[i] = b->q[i] + keep * b->p[i];
     rho = next;
     multiply(b, b->p, b->q);
-    double curvature = product(b->p, b->q, n);
+    double curvature = bwi_dot(n, b->p, b->q);
     if (!(curvature > 0))
       break;
     double alpha = rho / curvature;

@@ -2,6 +2,7 @@
 /* One step of inverse kinematics: the least of the quadratic model within the limits of the joints,
  * to first order. Parts of the step that a limit bars are fixed, the others solved for; parts
  * pulled back inside are let go of again. */
+#include "base/dense.h"
 #include "shape/reach.h"
 
 #include <math.h>
@@ -36,23 +37,6 @@ static void project(const bwi_reach *r, double *vector) {
     }
 }
 
-/* In place, lower triangle; false where it is not positive definite. */
-static bool cholesky(double *a, size_t n, double least) {
-  for (size_t i = 0; i < n; i++)
-    for (size_t j = 0; j <= i; j++) {
-      double sum = a[i * n + j];
-      for (size_t k = 0; k < j; k++)
-        sum -= a[i * n + k] * a[j * n + k];
-      if (i > j)
-        a[i * n + j] = sum / a[j * n + j];
-      else if (!(sum > least))
-        return false;
-      else
-        a[i * n + i] = sqrt(sum);
-    }
-  return true;
-}
-
 /* The step that keeps every barred part where it is barred: z = step - fixed in the range of the
  * projection P, (P H P + damping) z = P (gradient - H fixed). False when that is not positive
  * definite. */
@@ -72,8 +56,11 @@ static bool solve(const bwi_reach *r, double damping) {
     project(r, a + i * n);
   for (size_t i = 0; i < n; i++)
     a[i * n + i] += damping;
-  if (!cholesky(a, n, 1e-3 * damping))
+  if (!bwi_cholesky((int)n, a, 0))
     return false;
+  for (size_t i = 0; i < n; i++)
+    if (!(a[i * n + i] * a[i * n + i] > 1e-3 * damping))
+      return false;
   memset(fixed, 0, n * sizeof *fixed);
   for (int32_t s = 0; s < r->slots; s++)
     for (int i = 0; i < r->bars[s].count; i++) {
@@ -88,16 +75,8 @@ static bool solve(const bwi_reach *r, double damping) {
       x[i] -= r->hessian[i * n + k] * fixed[k];
   }
   project(r, x);
-  for (size_t i = 0; i < n; i++) {
-    for (size_t k = 0; k < i; k++)
-      x[i] -= a[i * n + k] * x[k];
-    x[i] /= a[i * n + i];
-  }
-  for (size_t i = n; i-- > 0;) {
-    for (size_t k = i + 1; k < n; k++)
-      x[i] -= a[k * n + i] * x[k];
-    x[i] /= a[i * n + i];
-  }
+  bwi_lower_solve((int)n, a, x);
+  bwi_upper_solve((int)n, a, x);
   for (size_t i = 0; i < n; i++)
     x[i] += fixed[i];
   return true;

@@ -15,6 +15,7 @@
  *
  * All free nodes of a patch move together, by limited-memory BFGS. The same steps in the same order
  * every time: no threads here. */
+#include "base/dense.h"
 #include "shape/mend_internal.h"
 
 #include <math.h>
@@ -127,13 +128,6 @@ static double energy(minimiser *m, const double *x, double *gradient) {
   return isfinite(sum) ? sum : INFINITY;
 }
 
-static double dot(const double *a, const double *b, size_t n) {
-  double sum = 0;
-  for (size_t i = 0; i < n; i++)
-    sum += a[i] * b[i];
-  return sum;
-}
-
 /* The largest step at which no node moves farther than half an edge. */
 static double longest_step(const bwi_patch *p, const double *direction) {
   double step = INFINITY;
@@ -176,19 +170,19 @@ static void find_direction(workspace *w, size_t n, int pairs, int newest) {
     w->direction[i] = -w->gradient[i];
   for (int k = 0; k < pairs; k++) {
     size_t at = (size_t)((newest - k + PAIRS) % PAIRS);
-    alpha[at] = w->inner[at] * dot(w->moved + at * n, w->direction, n);
+    alpha[at] = w->inner[at] * bwi_dot(n, w->moved + at * n, w->direction);
     for (size_t i = 0; i < n; i++)
       w->direction[i] -= alpha[at] * w->turned[at * n + i];
   }
   if (pairs > 0) {
     const double *y = w->turned + (size_t)newest * n;
-    double scale = 1 / (w->inner[newest] * dot(y, y, n));
+    double scale = 1 / (w->inner[newest] * bwi_dot(n, y, y));
     for (size_t i = 0; i < n; i++)
       w->direction[i] *= scale;
   }
   for (int k = pairs - 1; k >= 0; k--) {
     size_t at = (size_t)((newest - k + PAIRS) % PAIRS);
-    double beta = w->inner[at] * dot(w->turned + at * n, w->direction, n);
+    double beta = w->inner[at] * bwi_dot(n, w->turned + at * n, w->direction);
     for (size_t i = 0; i < n; i++)
       w->direction[i] += (alpha[at] - beta) * w->moved[at * n + i];
   }
@@ -206,7 +200,7 @@ static bw_status descend(bw_context *context, minimiser *m, workspace *w, int mo
     BW_TRY(bw_check_cancel(context));
     p->iterations++;
     find_direction(w, n, pairs, newest);
-    double fall = dot(w->direction, w->gradient, n);
+    double fall = bwi_dot(n, w->direction, w->gradient);
     if (!(fall < 0)) { /* the pairs are of no use here: begin again */
       if (pairs == 0)
         break;
@@ -238,8 +232,8 @@ static bw_status descend(bw_context *context, minimiser *m, workspace *w, int mo
       moved[i] = w->trial[i] - p->x[i];
       turned[i] = w->trial_gradient[i] - w->gradient[i];
     }
-    double inner = dot(moved, turned, n);
-    if (inner > 1e-12 * sqrt(dot(moved, moved, n) * dot(turned, turned, n))) {
+    double inner = bwi_dot(n, moved, turned);
+    if (inner > 1e-12 * sqrt(bwi_dot(n, moved, moved) * bwi_dot(n, turned, turned))) {
       w->inner[newest] = 1 / inner;
       pairs = pairs < PAIRS ? pairs + 1 : PAIRS;
     } else {

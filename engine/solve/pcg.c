@@ -18,6 +18,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/dense.h"
 #include "solve/local.h"
 
 enum { WIDTH = 8, STARTS = 4 };
@@ -53,13 +54,6 @@ typedef struct iteration {
   double level[REMEMBERED]; /* r . z over the energy, of the worst column, by iteration: the least
                                until then */
 } iteration;
-
-static double dot(const double *a, const double *b, int64_t size) {
-  double sum = 0;
-  for (int64_t i = 0; i < size; i++)
-    sum += a[i] * b[i];
-  return sum;
-}
 
 static void keep_unknowns(const iteration *it, double *field) {
   bwi_keep_states(it->problem->dof_map, 1u << BW_DOF_UNKNOWN, field);
@@ -112,14 +106,14 @@ static bw_status restart(iteration *it, int k, bool *more) {
   keep_unknowns(it, r);
   for (int64_t i = 0; i < it->size; i++)
     r[i] -= it->q[k * it->size + i];
-  double residual = sqrt(dot(r, r, it->size)) / c->load;
+  double residual = sqrt(bwi_dot(it->size, r, r)) / c->load;
   bool helped = residual < 0.5 * c->residual;
   c->residual = residual;
   *more = residual * c->load > allowed(it, c) && helped && ++c->starts < STARTS;
   if (*more) {
     BW_TRY(precondition(it, k, 1));
     memcpy(p, z, (size_t)it->size * sizeof *p);
-    c->r_dot_z = dot(r, z, it->size);
+    c->r_dot_z = bwi_dot(it->size, r, z);
     c->size = residual * c->load;
     c->restarted = true;
   }
@@ -137,7 +131,8 @@ static bw_status begin(iteration *it, int64_t first, int count) {
     memcpy(r, it->force + side * size, (size_t)size * sizeof *r);
     keep_unknowns(it, r);
     memset(it->solution + side * size, 0, (size_t)size * sizeof(double));
-    double left = sqrt(dot(r, r, size)), load = it->problem->load ? it->problem->load[side] : left;
+    double left = sqrt(bwi_dot(size, r, r)),
+           load = it->problem->load ? it->problem->load[side] : left;
     if (left > 0)
       it->column[it->active++] =
           (column){.side = side, .load = load, .size = left, .residual = left / load};
@@ -148,7 +143,7 @@ static bw_status begin(iteration *it, int64_t first, int count) {
   memcpy(it->p, it->z, (size_t)it->active * (size_t)size * sizeof(double));
   for (int k = 0; k < it->active; k++) {
     column *c = &it->column[k];
-    c->r_dot_z = dot(it->r + k * size, it->z + k * size, size);
+    c->r_dot_z = bwi_dot(size, it->r + k * size, it->z + k * size);
     c->energy = c->r_dot_z;
     if (it->problem->energy)
       c->energy = fmax(c->energy, it->problem->energy[c->side]);
@@ -185,7 +180,7 @@ static void step(iteration *it, int k, bool *sound) {
   int64_t size = it->size;
   double *r = it->r + k * size, *u = it->solution + c->side * size;
   const double *p = it->p + k * size, *q = it->q + k * size;
-  double p_dot_Ap = dot(p, q, size);
+  double p_dot_Ap = bwi_dot(size, p, q);
   c->alpha = c->r_dot_z / p_dot_Ap;
   *sound = p_dot_Ap > 0 && isfinite(c->alpha);
   for (int64_t i = 0; *sound && i < size; i++) {
@@ -202,7 +197,7 @@ static bw_status retire_sure(iteration *it) {
   for (int k = 0; k < it->active;) {
     column *c = &it->column[k];
     const double *r = it->r + k * it->size;
-    double size = sqrt(dot(r, r, it->size)), fall = size / (c->size * least);
+    double size = sqrt(bwi_dot(it->size, r, r)), fall = size / (c->size * least);
     bool more = true;
     c->restarted = false;
     c->size = size;
@@ -224,10 +219,10 @@ static bw_status update_direction(iteration *it, int k, bool *more) {
   int64_t size = it->size;
   double tolerance = it->problem->tolerance;
   const double *z = it->z + k * size;
-  double *p = it->p + k * size, r_dot_z = dot(it->r + k * size, z, size);
+  double *p = it->p + k * size, r_dot_z = bwi_dot(size, it->r + k * size, z);
   if (r_dot_z <= tolerance * tolerance * c->energy && c->size <= allowed(it, c))
     return restart(it, k, more);
-  double beta = -c->alpha * dot(z, it->q + k * size, size) / c->r_dot_z;
+  double beta = -c->alpha * bwi_dot(size, z, it->q + k * size) / c->r_dot_z;
   c->r_dot_z = r_dot_z;
   for (int64_t i = 0; i < size; i++)
     p[i] = z[i] + beta * p[i];

@@ -83,7 +83,7 @@ int main(int count, char **argument) {
                                    want > 1 ? values : NULL, &shape));
               whole[want] = fmin(whole[want], processor_seconds() - start);
               start = processor_seconds();
-              bwi_element_state state;
+              bwi_hexahedron_state state;
               for (int32_t e = 0; e < grid->element_count; e++)
                 bwi_element_evaluate(solid, e, u, (bwi_want)want, project, &state, own, matrix);
               kernel[want] = fmin(kernel[want], processor_seconds() - start);

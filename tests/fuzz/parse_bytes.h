@@ -101,7 +101,7 @@ static inline void parse_outline(const char *name, const unsigned char *bytes, s
 static inline void parse_library(const unsigned char *bytes, size_t count) {
   bw_context *context = parse_context();
   bw_library *library = NULL;
-  bwi_section section[BWI_SECTIONS] = {{bytes, 0}};
+  bwi_file_section section[BWI_SECTIONS] = {{bytes, 0}};
   for (int way = 0; way < 2; way++) {
     bw_status status = way ? bwi_library_of_sections(context, "a.bwm", section, &library)
                            : bw_library_parse(context, "a.bwm", bytes, count, &library);

@@ -107,7 +107,7 @@ typedef struct bw_coarse {
   const bw_coarsening *coarsening[2];      /* levels: from fine to coarse, retained */
   int64_t looked_up;                       /* blocks assigned in making this one */
   double seconds_lattice, seconds_lookup;
-  struct bwi_coarse *inner;
+  struct bwi_coarse_keys *inner;
 } bw_coarse;
 /* In time linear in the elements. `library` NULL for baselines; `material table` is that of the
  * grid, and must be the library's (same laws and constants, BW_INVALID names the first that

@@ -128,7 +128,7 @@ static void test_sections(void **state) {
   bwi_pack_head(&head, library->material_table, &library->options);
   for (int32_t f = 0; f < library->fit_count[0]; f++)
     bwi_pack_fit(&fits, library->inner->fit[0][f], &library->error[0][f]);
-  bwi_section section[BWI_SECTIONS] = {{head.bytes, head.count}, {fits.bytes, fits.count}};
+  bwi_file_section section[BWI_SECTIONS] = {{head.bytes, head.count}, {fits.bytes, fits.count}};
   check_ok(context, bwi_library_of_sections(context, "made", section, &read));
   fixture_same(library, read);
   bw_release(read);
@@ -170,7 +170,7 @@ static void test_contrast(void **state) {
   for (int32_t f = 0; f < library->fit_count[0]; f++)
     bwi_pack_fit(&fits, library->inner->fit[0][f], &library->error[0][f]);
   memcpy(head.bytes + 4 + BW_NAME + 1, &soft, sizeof soft);
-  bwi_section section[BWI_SECTIONS] = {{head.bytes, head.count}, {fits.bytes, fits.count}};
+  bwi_file_section section[BWI_SECTIONS] = {{head.bytes, head.count}, {fits.bytes, fits.count}};
   check_ok(context, bwi_library_of_sections(context, "made", section, &read));
   check_ok(context, bw_library_describe(context, read, &text));
   assert_non_null(strstr(text, "2 materials, contrast 1e311"));

@@ -356,11 +356,11 @@ static void test_claims(void **state) {
       fits.bytes[4] = 9;
     if (wrong == 2)
       memcpy(fits.bytes + 4, fits.bytes + 12, 8);
-    const bwi_section section[BWI_SECTIONS] = {{head.bytes, head.count},
-                                               {fits.bytes, 0},
-                                               {fits.bytes, 0},
-                                               {fits.bytes, 0},
-                                               {fits.bytes, fits.count - (wrong == 0)}};
+    const bwi_file_section section[BWI_SECTIONS] = {{head.bytes, head.count},
+                                                    {fits.bytes, 0},
+                                                    {fits.bytes, 0},
+                                                    {fits.bytes, 0},
+                                                    {fits.bytes, fits.count - (wrong == 0)}};
     check_fails(context, BW_FORMAT, why[wrong],
                 bwi_library_of_sections(context, "a.bwm", section, &read));
     bwi_pack_clear(&head);

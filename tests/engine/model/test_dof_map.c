@@ -210,8 +210,7 @@ static void unheld_second_body_is_named(void **state) {
   for (int m = 0; m < 6; m++)
     assert_int_equal(dof_map->motion[m].component, mesh->component[mesh->node_count - 1]);
   check_ok(context, bw_dof_map_describe_rigid_modes(context, dof_map, &text));
-  assert_non_null(
-      strstr(text, "body 2 of 2 (around (3.5, 0.5, 0.5) m, 1 m3): 6 rigid-body modes"));
+  assert_non_null(strstr(text, "body 2 of 2 (around (3.5, 0.5, 0.5) m, 1 m3): 6 rigid-body modes"));
   check_motions(dof_map);
   bw_free(text);
   bw_release(dof_map);

@@ -285,7 +285,7 @@ static bool sampled_crossing(const draft *d, int samples) {
   static double sample[DRAFT_POINTS * 4][2];
   int32_t n = 0;
   for (int32_t s = 0; s < d->segments; s++) {
-    bwi_curve curve = bwi_curve_of(d->point, &d->segment[s]);
+    bwi_outline_curve curve = bwi_curve_of(d->point, &d->segment[s]);
     int parts = curve.count == 2 ? 1 : samples;
     for (int k = 0; k < parts; k++)
       bwi_curve_at(&curve, (double)k / parts, sample[n++], NULL, NULL);

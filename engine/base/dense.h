@@ -1,16 +1,17 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Small dense matrices, row by row, in the caller's memory. Order of operations is fixed. */
-#ifndef BWI_METAMATERIAL_FIT_DENSE_H
-#define BWI_METAMATERIAL_FIT_DENSE_H
+#ifndef BWI_BASE_DENSE_H
+#define BWI_BASE_DENSE_H
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <string.h>
 
 /* a = L L^T in the lower triangle. False where a pivot is not above `least` of its diagonal. */
 static inline bool bwi_cholesky(int n, double *a, double least) {
   for (int j = 0; j < n; j++) {
-    double *row = a + (size_t)j * n, whole = row[j], pivot = whole;
+    double *row = a + (size_t)j * (size_t)n, whole = row[j], pivot = whole;
     for (int k = 0; k < j; k++)
       pivot -= row[k] * row[k];
     if (!(pivot > least * whole))
@@ -18,7 +19,7 @@ static inline bool bwi_cholesky(int n, double *a, double least) {
     row[j] = sqrt(pivot);
     double inverse = 1 / row[j];
     for (int i = j + 1; i < n; i++) {
-      double *other = a + (size_t)i * n, sum = other[j];
+      double *other = a + (size_t)i * (size_t)n, sum = other[j];
       for (int k = 0; k < j; k++)
         sum -= other[k] * row[k];
       other[j] = sum * inverse;
@@ -32,26 +33,26 @@ static inline void bwi_lower_solve(int n, const double *l, double *x) {
   for (int i = 0; i < n; i++) {
     double sum = x[i];
     for (int k = 0; k < i; k++)
-      sum -= l[(size_t)i * n + k] * x[k];
-    x[i] = sum / l[(size_t)i * n + i];
+      sum -= l[(size_t)i * (size_t)n + k] * x[k];
+    x[i] = sum / l[(size_t)i * (size_t)n + i];
   }
 }
 static inline void bwi_upper_solve(int n, const double *l, double *x) {
   for (int i = n - 1; i >= 0; i--) {
-    double value = x[i] /= l[(size_t)i * n + i];
+    double value = x[i] /= l[(size_t)i * (size_t)n + i];
     for (int k = 0; k < i; k++)
-      x[k] -= l[(size_t)i * n + k] * value;
+      x[k] -= l[(size_t)i * (size_t)n + k] * value;
   }
 }
 
 /* c (m x n) = a (m x k) b (k x n) */
 static inline void bwi_multiply(int m, int k, int n, const double *a, const double *b, double *c) {
   for (int i = 0; i < m; i++) {
-    double *row = c + (size_t)i * n;
+    double *row = c + (size_t)i * (size_t)n;
     memset(row, 0, (size_t)n * sizeof *row);
     for (int l = 0; l < k; l++) {
-      double factor = a[(size_t)i * k + l];
-      const double *from = b + (size_t)l * n;
+      double factor = a[(size_t)i * (size_t)k + l];
+      const double *from = b + (size_t)l * (size_t)n;
       for (int j = 0; j < n; j++)
         row[j] += factor * from[j];
     }
@@ -63,16 +64,16 @@ static inline void bwi_multiply_add(int m, int k, int n, const double *a, const 
                                     double *c) {
   for (int l = 0; l < k; l++)
     for (int i = 0; i < m; i++) {
-      double factor = a[(size_t)l * m + i], *row = c + (size_t)i * n;
-      const double *from = b + (size_t)l * n;
+      double factor = a[(size_t)l * (size_t)m + i], *row = c + (size_t)i * (size_t)n;
+      const double *from = b + (size_t)l * (size_t)n;
       for (int j = 0; j < n; j++)
         row[j] += factor * from[j];
     }
 }
 
-static inline double bwi_product(int n, const double *a, const double *b) {
+static inline double bwi_dot(int64_t n, const double *a, const double *b) {
   double sum = 0;
-  for (int i = 0; i < n; i++)
+  for (int64_t i = 0; i < n; i++)
     sum += a[i] * b[i];
   return sum;
 }
