@@ -24,7 +24,7 @@
 ---- `io`: a file cannot be read or written
 ---- `format`: a file is not what it should be
 ---- `geometry`: the shape does not allow it
----- `free`: a rigid motion is free
+---- `unconstrained`: a rigid-body mode is not prevented by supports
 ---- `singular`: the equations have no unique solution
 ---- `convergence`: an iteration did not converge
 ---- `infeasible`: nothing fulfils the conditions
@@ -36,7 +36,7 @@
 ---- `empty`: what is asked for is not there
 ---- `rejected`: a certificate proves less than it states
 ---- `busy`, `damaged`, `different`, `failed`, `foreign`: of studies and their files
----@alias bw.Status "io"|"format"|"geometry"|"free"|"singular"|"convergence"|"infeasible"|"limit"|"memory"|"cancelled"|"unsupported"|"internal"|"empty"|"rejected"|"busy"|"damaged"|"different"|"failed"|"foreign"
+---@alias bw.Status "io"|"format"|"geometry"|"unconstrained"|"singular"|"convergence"|"infeasible"|"limit"|"memory"|"cancelled"|"unsupported"|"internal"|"empty"|"rejected"|"busy"|"damaged"|"different"|"failed"|"foreign"
 
 ---Three numbers `{x, y, z}`. As an argument an array of three numbers is accepted, too.
 ---@class bw.Vector
