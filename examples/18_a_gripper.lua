@@ -23,14 +23,14 @@ local surface = assert(bw.surface.read(results:path "finger.stl", {unit = "mm"})
 local grid = assert(bw.grid.voxels(surface, {spacing = 2.5 * mm}))
 print(grid)
 grid = assert(grid:set({high = {1, 1, -6 * mm}}, 2)) -- the strip
-local palette = {
+local materials = {
   bw.hyperelastic {name = "soft", young = 2e5, poisson = 0.45, density = 1050},
   bw.hyperelastic {name = "strip", young = 5e6, poisson = 0.45, density = 1100},
 }
 
 -- 3. Held at its root; air presses on the cavity's own surface, which goes with the cubes around it.
 -- The cavity's triangles look outwards from the cavity, so the air pushes against them.
-local finger = assert(bw.solid {grid = grid, palette = palette})
+local finger = assert(bw.solid {grid = grid, materials = materials})
 finger:hold {high = {-2 * mm, 1, 1}}
 finger:pressure(closed(cavity), {pressure = -25e3, follower = true})
 local bent = assert(finger:solve())

@@ -10,11 +10,11 @@ local folder = arg and arg[1] or os.tmpname() .. "_coarse"
 -- 1. The materials, and a library for all blocks of 2 x 2 x 2 of them. With `voids` (the default), more
 -- directions, a third material it is built once for a night's work, and kept.
 local results = assert(bw.results.open(folder, {script = "examples/19_coarse_by_lookup.lua"}))
-local palette = {
+local materials = {
   bw.hyperelastic {name = "soft", young = 1e5, poisson = 0.45, density = 1000},
   bw.hyperelastic {name = "hard", young = 5e6, poisson = 0.45, density = 1000},
 }
-local library = assert(bw.metamaterial.build(palette, {voids = false, directions = 30, magnitudes = 2,
+local library = assert(bw.metamaterial.build(materials, {voids = false, directions = 30, magnitudes = 2,
   stretches = 100}))
 print(library)
 assert(library:write(results:path "two.bwm"))
@@ -24,7 +24,7 @@ library = assert(bw.metamaterial.read(results:path "two.bwm"))
 local H = 0.01
 local grid = assert(bw.grid.box {cells = {8, 24, 8}, spacing = H,
   material = function(_, y) return math.floor(y / H) % 2 + 1 end})
-local fine = assert(bw.solid {grid = grid, palette = palette})
+local fine = assert(bw.solid {grid = grid, materials = materials})
 fine:hold {side = "low y"}
 fine:force({side = "high y"}, {0, 0, -20})
 local clock = os.clock()

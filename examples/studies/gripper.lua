@@ -35,7 +35,7 @@ local study = bw.study {
   design = {"sobol_indices", base = quick and 2 or 32},
   run = function(point, trial)
     local grid = assert(finger_grid:set({high = {1, 1, -10 * mm + point.layers * spacing}}, 2))
-    local finger = assert(bw.solid {grid = grid, palette = {
+    local finger = assert(bw.solid {grid = grid, materials = {
       bw.hyperelastic {name = "soft", young = 2e5, poisson = 0.45, density = 1050},
       bw.hyperelastic {name = "strip", young = point.young, poisson = 0.45, density = 1100},
     }})

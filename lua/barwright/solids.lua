@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Hyperelastic solids on grids. A solid is a grid, a palette, and what acts on it; supports and loads
+-- Hyperelastic solids on grids. A solid is a grid, a material table, and what acts on it; supports and loads
 -- are kept as they were given, by place, so that they are found again on an edited grid and on coarse
 -- ones.
 local core = require "barwright.core"
@@ -29,23 +29,23 @@ local function check_self(where, self)
   end
 end
 
-local function make(grid, palette, acts, previous, coarse, fine_palette, by_library)
-  local body, message, details = core.solid.create(grid, palette, previous)
+local function make(grid, materials, acts, previous, coarse, fine_materials, by_library)
+  local body, message, details = core.solid.create(grid, materials, previous)
   if not body then return nil, message, details end
   local newton
   newton, message, details = core.solid.newton()
   if not newton then return nil, message, details end
-  return setmetatable({grid = grid, palette = body.palette, body = body, acts = acts, coarse = coarse or false,
-    fine_palette = fine_palette or false, by_library = by_library or false, newton = newton}, solid)
+  return setmetatable({grid = grid, materials = body.materials, body = body, acts = acts, coarse = coarse or false,
+    fine_materials = fine_materials or false, by_library = by_library or false, newton = newton}, solid)
 end
 
---- A solid: {grid =, palette = {material 1, material 2, ...}}.
+--- A solid: {grid =, material table = {material 1, material 2, ...}}.
 function solids.create(given)
   local wish = options.read("solid", given, {
     grid = {type = "grid", needed = true},
-    palette = {type = "any", needed = true},
+    materials = {type = "any", needed = true},
   })
-  return make(wish.grid, wish.palette, {})
+  return make(wish.grid, wish.materials, {})
 end
 
 -- ---- what acts -----------------------------------------------------------------------------------
@@ -404,13 +404,13 @@ local function own_coarse(self, wanted)
     return nil
   end
   if rawget(self, "under") == nil then
-    local grid, palette, list = self.grid, self.palette, {}
-    if self.coarse then grid, palette = self.coarse.fine, self.fine_palette end
+    local grid, materials, list = self.grid, self.materials, {}
+    if self.coarse then grid, materials = self.coarse.fine, self.fine_materials end
     repeat
       level = level + 1
-      local coarse, message, details = core.metamaterial.coarsen(grid, palette, "naive", level)
+      local coarse, message, details = core.metamaterial.coarsen(grid, materials, "naive", level)
       local body
-      if coarse then body, message, details = core.solid.create(coarse.grid, coarse.palette) end
+      if coarse then body, message, details = core.solid.create(coarse.grid, coarse.materials) end
       -- no coarser one is to be had; what ran out or was cancelled says nothing of the next time
       if not body and (details.status == "memory" or details.status == "cancelled") then
         return nil, message, details
@@ -495,10 +495,10 @@ end
 function solid:with(grid)
   check_self("with", self)
   options.object("with", "grid", grid, "grid")
-  if not self.coarse then return make(grid, self.palette, self.acts, self.body) end
+  if not self.coarse then return make(grid, self.materials, self.acts, self.body) end
   local coarse, message, details = self.coarse:follow(grid)
   if not coarse then return nil, message, details end
-  return make(coarse.grid, coarse.palette, self.acts, self.body, coarse, self.fine_palette,
+  return make(coarse.grid, coarse.materials, self.acts, self.body, coarse, self.fine_materials,
     rawget(self, "by_library"))
 end
 
@@ -506,16 +506,16 @@ end
 function solid:coarsen(by, levels)
   check_self("coarsen", self)
   if self.coarse then raise "coarsen: this solid is coarse; give the levels where the fine one is coarsened" end
-  local coarse, message, details = core.metamaterial.coarsen(self.grid, self.palette, by, levels or 1)
+  local coarse, message, details = core.metamaterial.coarsen(self.grid, self.materials, by, levels or 1)
   if not coarse then return nil, message, details end
-  return make(coarse.grid, coarse.palette, self.acts, nil, coarse, self.palette, type(by) ~= "string")
+  return make(coarse.grid, coarse.materials, self.acts, nil, coarse, self.materials, type(by) ~= "string")
 end
 
 --- The fine solid of a coarse one; itself of a fine one.
 local function fine_of(self)
   if not self.coarse then return self end
   if not rawget(self, "fine_solid") then
-    local made, message, details = make(self.coarse.fine, self.fine_palette, self.acts)
+    local made, message, details = make(self.coarse.fine, self.fine_materials, self.acts)
     if not made then return nil, message, details end
     rawset(self, "fine_solid", made)
   end
@@ -557,7 +557,7 @@ end
 
 function solid:__tostring()
   return ("solid: %d elements, %d nodes, %d materials%s; %d supports and loads"):format(
-    self.grid.element_count, self.grid.node_count, self.palette.count,
+    self.grid.element_count, self.grid.node_count, self.materials.count,
     self.coarse and (" (coarse, level %d)"):format(self.coarse.levels) or "", #self.acts)
 end
 

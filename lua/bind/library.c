@@ -31,7 +31,7 @@ static const char *checkpoint_of(lua_State *L, int arg, const char *function) {
   return type == LUA_TNIL ? NULL : lua_tostring(L, -1);
 }
 
-/* metamaterial.build(palette, options) */
+/* metamaterial.build(material table, options) */
 static int library_build(lua_State *L) {
   lua_settop(L, 2);
   bw_library_options options;
@@ -49,8 +49,8 @@ static int library_build(lua_State *L) {
 static const lbw_option grow_options[] = {
     {"levels", LBW_INT, 0}, {"checkpoint", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
 
-/* metamaterial.grow(library | palette, grid, options): of a palette, with the options of a library
- * too, nothing but the grid's blocks. */
+/* metamaterial.grow(library | material table, grid, options): of a material table, with the options
+ * of a library too, nothing but the grid's blocks. */
 static int library_grow(lua_State *L) {
   static const char function[] = "metamaterial.grow";
   lua_settop(L, 3);
@@ -197,9 +197,9 @@ static int library_errors(lua_State *L) {
 
 static const luaL_Reg methods[] = {
     {"write", library_write}, {"material", library_material}, {NULL, NULL}};
-static const luaL_Reg properties[] = {{"levels", library_levels},   {"seconds", library_seconds},
-                                      {"palette", library_palette}, {"errors", library_errors},
-                                      {"grown", library_grown},     {NULL, NULL}};
+static const luaL_Reg properties[] = {{"levels", library_levels},     {"seconds", library_seconds},
+                                      {"materials", library_palette}, {"errors", library_errors},
+                                      {"grown", library_grown},       {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", library_tostring}, {NULL, NULL}};
 const lbw_class lbw_library_class = {"library", methods, properties, meta, NULL};
 
@@ -209,7 +209,7 @@ static const bw_coarse *self_coarse(lua_State *L) {
   return (const bw_coarse *)lbw_check(L, 1, &lbw_coarse_class);
 }
 
-/* metamaterial.coarsen(grid, palette, library | "naive" | "average", levels) */
+/* metamaterial.coarsen(grid, material table, library | "naive" | "average", levels) */
 static int coarse_create(lua_State *L) {
   static const char *const words[] = {"naive", "average", NULL};
   lua_settop(L, 4);
@@ -309,7 +309,7 @@ static const luaL_Reg coarse_methods[] = {{"follow", coarse_follow},
                                           {NULL, NULL}};
 static const luaL_Reg coarse_properties[] = {{"grid", coarse_grid},
                                              {"fine", coarse_fine},
-                                             {"palette", coarse_material_table},
+                                             {"materials", coarse_material_table},
                                              {"levels", coarse_levels},
                                              {"looked_up", coarse_looked_up},
                                              {"seconds", coarse_seconds},

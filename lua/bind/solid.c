@@ -91,7 +91,7 @@ void lbw_push_newton_report(lua_State *L, const bw_newton_report *r) {
 
 /* ---- solids ---------------------------------------------------------------------------------- */
 
-/* solid.create(grid, palette, previous | nil) */
+/* solid.create(grid, material table, previous | nil) */
 static int solid_create(lua_State *L) {
   lua_settop(L, 3);
   const bw_grid *grid = (const bw_grid *)lbw_check(L, 1, &lbw_grid_class);
@@ -164,7 +164,7 @@ static int solid_locking(lua_State *L) {
   return 1;
 }
 
-/* "b_bar" where a material of the palette is. */
+/* "b_bar" where a material of the material table is. */
 static int solid_formulation(lua_State *L) {
   const bw_material_table *material_table = self(L)->material_table;
   bool b_bar = false;
@@ -177,8 +177,8 @@ static int solid_formulation(lua_State *L) {
 static const luaL_Reg solid_methods[] = {
     {"evaluate", solid_evaluate}, {"stress", solid_stress}, {NULL, NULL}};
 static const luaL_Reg solid_properties[] = {
-    {"grid", solid_grid},       {"palette", solid_material_table},  {"mass", solid_mass},
-    {"locking", solid_locking}, {"formulation", solid_formulation}, {NULL, NULL}};
+    {"grid", solid_grid},       {"materials", solid_material_table}, {"mass", solid_mass},
+    {"locking", solid_locking}, {"formulation", solid_formulation},  {NULL, NULL}};
 static const luaL_Reg no_meta[] = {{NULL, NULL}};
 const lbw_class lbw_solid_class = {"elastic_solid", solid_methods, solid_properties, no_meta, NULL};
 

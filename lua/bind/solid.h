@@ -9,9 +9,9 @@ extern const lbw_class lbw_solid_material_class, lbw_material_table_class, lbw_s
     lbw_load_case_class, lbw_solid_static_class, lbw_solid_motion_class, lbw_library_class,
     lbw_coarse_class, lbw_coarsening_class;
 
-/* A palette from the list of materials at `index`; its box is pushed. */
+/* A material table from the list of materials at `index`; its box is pushed. */
 bw_material_table *lbw_read_material_table(lua_State *L, int index, const char *function);
-/* The same, or a palette that is one already (nothing made; pushed again). */
+/* The same, or a material table that is one already (nothing made; pushed again). */
 const bw_material_table *lbw_check_material_table(lua_State *L, int index, const char *function);
 /* Displacements (node_count x 3) from the array at `index`, packed in a userdata that is pushed;
  * NULL (and nil pushed) for none. */

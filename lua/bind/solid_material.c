@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* bw.hyperelastic: laws of large deformation given by constants, and palettes read from lists. */
+/* bw.hyperelastic: laws of large deformation given by constants, and material tables read from
+ * lists. */
 #include "solid.h"
 
 #include <math.h>
@@ -61,7 +62,7 @@ static int material_create(lua_State *L) {
 bw_material_table *lbw_read_material_table(lua_State *L, int index, const char *function) {
   index = lua_absindex(L, index);
   if (!lua_istable(L, index))
-    lbw_error(L, "%s: palette: a list of materials expected, got %s", function,
+    lbw_error(L, "%s: materials: a list of materials expected, got %s", function,
               lbw_type_name(L, index));
   size_t count = lua_rawlen(L, index);
   const bw_solid_material **material =
@@ -70,7 +71,7 @@ bw_material_table *lbw_read_material_table(lua_State *L, int index, const char *
     lua_rawgeti(L, index, (lua_Integer)i + 1);
     material[i] = (const bw_solid_material *)lbw_test(L, -1, &lbw_solid_material_class);
     if (!material[i])
-      lbw_error(L, "%s: palette: number %d is %s, a hyperelastic material expected", function,
+      lbw_error(L, "%s: materials: number %d is %s, a hyperelastic material expected", function,
                 (int)i + 1, lbw_type_name(L, -1));
     lua_pop(L, 1); /* the list keeps it alive */
   }
@@ -85,7 +86,7 @@ bw_material_table *lbw_read_material_table(lua_State *L, int index, const char *
 }
 
 static int material_table_create(lua_State *L) {
-  lbw_read_material_table(L, 1, "palette");
+  lbw_read_material_table(L, 1, "materials");
   return 1;
 }
 
@@ -211,7 +212,8 @@ static const luaL_Reg properties[] = {{"name", material_name},
 static const luaL_Reg meta[] = {{"__tostring", material_tostring}, {NULL, NULL}};
 const lbw_class lbw_solid_material_class = {"hyperelastic", methods, properties, meta, NULL};
 
-/* ---- palettes -------------------------------------------------------------------------------- */
+/* ---- material table
+ * -------------------------------------------------------------------------------- */
 
 static const bw_material_table *self_material_table(lua_State *L) {
   return (const bw_material_table *)lbw_check(L, 1, &lbw_material_table_class);
@@ -222,7 +224,7 @@ static int material_table_count(lua_State *L) {
   return 1;
 }
 
-/* palette:material(number) */
+/* materials:material(number) */
 static int material_table_material(lua_State *L) {
   const bw_material_table *material_table = self_material_table(L);
   int64_t i = lbw_check_index(L, 2, "material", material_table->count - 1);
@@ -231,7 +233,7 @@ static int material_table_material(lua_State *L) {
 }
 
 static int material_table_tostring(lua_State *L) {
-  lua_pushfstring(L, "palette of %d materials", (int)self_material_table(L)->count - 1);
+  lua_pushfstring(L, "table of %d materials", (int)self_material_table(L)->count - 1);
   return 1;
 }
 
@@ -240,7 +242,7 @@ static const luaL_Reg material_table_methods[] = {{"material", material_table_ma
 static const luaL_Reg material_table_properties[] = {{"count", material_table_count}, {NULL, NULL}};
 static const luaL_Reg material_table_meta[] = {{"__tostring", material_table_tostring},
                                                {NULL, NULL}};
-const lbw_class lbw_material_table_class = {"palette", material_table_methods,
+const lbw_class lbw_material_table_class = {"material table", material_table_methods,
                                             material_table_properties, material_table_meta, NULL};
 
 void lbw_open_solid_material(lua_State *L) {
@@ -249,5 +251,5 @@ void lbw_open_solid_material(lua_State *L) {
   lua_pushcfunction(L, material_create);
   lua_setfield(L, -2, "hyperelastic");
   lua_pushcfunction(L, material_table_create);
-  lua_setfield(L, -2, "palette");
+  lua_setfield(L, -2, "materials");
 }

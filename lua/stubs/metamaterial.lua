@@ -6,21 +6,21 @@
 --
 -- Libraries of coarse materials.
 
----Libraries of coarse materials, fitted once to every block of a palette's materials (data-driven,
+---Libraries of coarse materials, fitted once to every block of a material table's materials (data-driven,
 ---section 4).
 ---@class bw.MetamaterialModule
 local metamaterial_module = {}
 
----Builds a library: every 2 x 2 x 2 block of the palette's materials (and void, unless `voids` is
+---Builds a library: every 2 x 2 x 2 block of the material table's materials (and void, unless `voids` is
 ---false) is loaded by `directions` (500) forces of `magnitudes` (5), and a material of one cell fitted.
 ---`levels` 2: blocks of such blocks too. `checkpoint`: a file that a build that was killed carries on
 ---from.
----@param palette bw.Hyperelastic[]|bw.Palette
+---@param materials bw.Hyperelastic[]|bw.MaterialTable
 ---@param options? bw.MetamaterialBuildOptions
 ---@return bw.Library?
 ---@return string? message
 ---@return bw.Details? details
-function metamaterial_module.build(palette, options) end
+function metamaterial_module.build(materials, options) end
 
 ---@class bw.MetamaterialBuildOptions
 ---@field levels? integer
@@ -36,10 +36,10 @@ function metamaterial_module.build(palette, options) end
 ---@field checkpoint? string
 
 ---A library with fits of its own for the blocks of a grid that have none: of 4 x 4 x 4 cells, with
----`levels` 2, and of 2 x 2 x 2 that were left out. Of a palette, with the options of `build`: a library of
+---`levels` 2, and of 2 x 2 x 2 that were left out. Of a material table, with the options of `build`: a library of
 ---nothing but this grid's blocks, the others being coarsened naively. Grown for several grids one after the
 ---other, it serves all. `checkpoint`: a file that keeps finished fits, for any grid.
----@param of bw.Library|bw.Hyperelastic[]|bw.Palette
+---@param of bw.Library|bw.Hyperelastic[]|bw.MaterialTable
 ---@param grid bw.Grid
 ---@param options? bw.MetamaterialGrowOptions
 ---@return bw.Library?
@@ -67,7 +67,7 @@ function metamaterial_module.read(path) end
 
 ---@class bw.Library
 ---@field levels integer
----@field palette bw.Palette
+---@field materials bw.MaterialTable
 ---@field seconds number that building took
 ---@field errors table[][] for each level and fit: median, worst, naive_median, naive_worst, force, naive_force, samples
 ---@field grown integer[] for each of two levels, how many blocks were fitted for grids

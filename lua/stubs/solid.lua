@@ -53,16 +53,16 @@ function Hyperelastic:energy(gradient) end
 function Hyperelastic:close() end
 
 ---Materials by number, as a solid or a library has them.
----@class bw.Palette
+---@class bw.MaterialTable
 ---@field count integer
-local Palette = {}
+local MaterialTable = {}
 
 ---@param number integer
 ---@return bw.Hyperelastic
-function Palette:material(number) end
+function MaterialTable:material(number) end
 
 ---Releases it early.
-function Palette:close() end
+function MaterialTable:close() end
 
 ---A body of hyperelastic materials on a grid; the grid's numbers are places in the palette.
 ---@param options bw.SolidOptions
@@ -73,14 +73,14 @@ function bw.solid(options) end
 
 ---@class bw.SolidOptions
 ---@field grid bw.Grid
----@field palette bw.Hyperelastic[]|bw.Palette
+---@field materials bw.Hyperelastic[]|bw.MaterialTable
 
 ---A solid with its supports and loads. They are kept as they are given, by place (see bw.Region), and
 ---found again on an edited grid and on coarse ones. Nodes may be given by number too, which binds them
 ---to the grid.
 ---@class bw.Solid
 ---@field grid bw.Grid
----@field palette bw.Palette
+---@field materials bw.MaterialTable
 ---@field element_count integer
 ---@field node_count integer
 ---@field mass bw.Array of nodes, kg

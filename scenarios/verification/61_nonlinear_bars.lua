@@ -17,7 +17,7 @@ local function bar(cells)
     segments = 96})
   local grid = assert(bw.grid.voxels(surface, {spacing = RADIUS / cells}))
   return assert(bw.solid {grid = grid,
-    palette = {bw.hyperelastic {law = "corotated", young = YOUNG, poisson = POISSON, density = 1000}}})
+    materials = {bw.hyperelastic {law = "corotated", young = YOUNG, poisson = POISSON, density = 1000}}})
 end
 
 local function twisted(cells)

@@ -37,7 +37,7 @@ local function squeezed(cells, depth)
   end
   local cap = assert(bw.surface.new {points = kept, triangles = triangles})
   local solid = assert(bw.solid {grid = grid,
-    palette = {bw.hyperelastic {law = "neo_hookean", young = YOUNG, poisson = POISSON, density = 1000}}})
+    materials = {bw.hyperelastic {law = "neo_hookean", young = YOUNG, poisson = POISSON, density = 1000}}})
   solid:hold({plane = {{0, 0, 0}, {1, 0, 0}}}, {0, false, false})
   solid:hold({plane = {{0, 0, 0}, {0, 1, 0}}}, {false, 0, false})
   solid:hold({plane = {{0, 0, 0}, {0, 0, 1}}}, {false, false, 0})

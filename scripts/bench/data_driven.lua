@@ -36,7 +36,7 @@ local function wanted(part) return not wish.only or wish.only == part end
 
 local function one_scene(name)
   local scene = scenes[name]
-  local fine = assert(scenes.solid(scene, scenes.palette()))
+  local fine = assert(scenes.solid(scene, scenes.materials()))
   local paper = library_of.paper(name) or {}
   local rows = assert(compare.scene(scene, fine, {lookup = library}, {"lookup"}, function(row)
     local p = paper["level_" .. row.level]
@@ -85,7 +85,7 @@ end
 if wanted "coarsening" then
   local grid = assert(bw.grid.box {cells = {50, 50, 40}, spacing = 0.01,
     material = function(x, y, z) return (x // 0.01 * 7 + y // 0.01 * 3 + z // 0.01 * 5) // 1 % 3 + 1 end})
-  local fine = assert(bw.solid {grid = grid, palette = scenes.palette()})
+  local fine = assert(bw.solid {grid = grid, materials = scenes.materials()})
   out.coarsening = {elements = grid.element_count, ms = {}}
   for level = 1, library.levels do
     local inside = {}
@@ -106,7 +106,7 @@ end
 -- ---- conjugate gradients -------------------------------------------------------------------------
 
 if wanted "gradients" then
-  local fine = assert(scenes.solid(scenes.george_bone, scenes.palette()))
+  local fine = assert(scenes.solid(scenes.george_bone, scenes.materials()))
   local solids = {[0] = fine}
   for level = 1, library.levels do solids[level] = assert(fine:coarsen(library, level)) end
   out.gradients = bw.json.list {}
@@ -136,8 +136,8 @@ end
 -- ---- building ------------------------------------------------------------------------------------
 
 if wanted "library" then
-  local palette = {scenes.palette()[1], scenes.palette()[3]}
-  local spent, made = compare.timed(bw.metamaterial.build, palette, {voids = false})
+  local materials = {scenes.materials()[1], scenes.materials()[3]}
+  local spent, made = compare.timed(bw.metamaterial.build, materials, {voids = false})
   made = assert(made)
   local fits = #made.errors[1]
   out.library = {fits = fits, seconds = spent.processor, seconds_clock = spent.clock,

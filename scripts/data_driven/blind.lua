@@ -116,7 +116,7 @@ end
 -- Held at one end, a force on the other that moves it by about MOVEMENT in linear elasticity.
 local function solid_of(it)
   local function loaded(force)
-    local solid = assert(bw.solid {grid = it.grid, palette = scenes.palette()})
+    local solid = assert(bw.solid {grid = it.grid, materials = scenes.materials()})
     solid:hold {side = "low y"}
     local p = it.pull
     return solid:force({side = "high y"}, {force * p[1], force * p[2], force * p[3]})
@@ -145,7 +145,7 @@ for seed = wish.first, wish.first + wish.bodies - 1 do
   else
     spent.fine = spent.fine + took.processor
     local grown
-    took, grown = compare.timed(bw.metamaterial.grow, general or scenes.palette(), it.grid,
+    took, grown = compare.timed(bw.metamaterial.grow, general or scenes.materials(), it.grid,
       general and {levels = 2} or {levels = 2, directions = wish.directions})
     assert(grown)
     spent.growing, spent.blocks = spent.growing + took.processor, spent.blocks + grown.grown[1] + grown.grown[2]

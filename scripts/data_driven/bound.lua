@@ -61,7 +61,7 @@ end
 local rows, status = bw.json.list {}, 0
 for _, name in ipairs(names) do
   local scene = scenes[name]
-  local fine = assert(scenes.solid(scene, scenes.palette()))
+  local fine = assert(scenes.solid(scene, scenes.materials()))
   local reference
   reference, message = fine:solve(scene.solve)
   if not reference then
@@ -71,7 +71,7 @@ for _, name in ipairs(names) do
     local u = reference.displacement
     local by = {naive = "naive", lookup = library}
     if wish.methods:find "grown" then
-      by.grown = assert(bw.metamaterial.grow(library or scenes.palette(), fine.grid, {levels = scene.levels}))
+      by.grown = assert(bw.metamaterial.grow(library or scenes.materials(), fine.grid, {levels = scene.levels}))
     end
     for level = 1, math.min(scene.levels, wish.levels) do
       local coarse = assert(fine:coarsen("naive", level))

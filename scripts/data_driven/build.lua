@@ -36,7 +36,7 @@ local results, message = bw.results.open(wish.out, {script = "scripts/data_drive
 if not results then stop(REFUSED, message) end
 local path, start = results:path "three.bwm", os.clock()
 local made
-made, message = bw.metamaterial.build(scenes.palette(), {levels = wish.levels, directions = wish.directions,
+made, message = bw.metamaterial.build(scenes.materials(), {levels = wish.levels, directions = wish.directions,
   magnitudes = wish.magnitudes, checkpoint = path .. ".checkpoint"})
 if not made then stop(bw.interrupted() and INTERRUPTED or REFUSED, message) end
 assert(made:write(path))

@@ -52,11 +52,11 @@ for number = wish.only or 1, wish.only or #sets do
   local set, rings = sets[number], {}
   for k, ring in ipairs(set.rings) do rings[k] = ("%d at %g"):format(ring[1], ring[2]) end
   local scene = winding(set)
-  local fine = assert(scenes.solid(scene, scenes.palette()))
+  local fine = assert(scenes.solid(scene, scenes.materials()))
   local reference = assert(fine:solve())
   print(("%d: %s, radius %g cells, turns %g: stretch %.4f, twist %.1f degrees"):format(number,
     table.concat(rings, ", "), set.radius, set.turns, pulled(fine.grid, reference.displacement)))
-  local grown = assert(bw.metamaterial.grow(scenes.palette(), fine.grid, {levels = 2,
+  local grown = assert(bw.metamaterial.grow(scenes.materials(), fine.grid, {levels = 2,
     directions = wish.directions}))
   for level = 1, 2 do
     local error, line = {}, ("   level %d:"):format(level)

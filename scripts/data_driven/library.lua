@@ -11,7 +11,7 @@ local function exists(path)
 end
 
 --- The library of `wish.library`, or of `wish.out`/three.bwm, built there when it is missing.
-function library.get(wish, palette, levels)
+function library.get(wish, materials, levels)
   if wish.library then return bw.metamaterial.read(wish.library) end
   local path = wish.out .. "/three.bwm"
   local checkpoint = path .. ".checkpoint"
@@ -28,7 +28,7 @@ function library.get(wish, palette, levels)
   print(("building a library of three materials with %d level%s into %s"):format(levels,
     levels > 1 and "s" or "", path))
   local made, details
-  made, message, details = bw.metamaterial.build(palette, {levels = levels,
+  made, message, details = bw.metamaterial.build(materials, {levels = levels,
     checkpoint = checkpoint})
   if not made then return nil, message, details end
   local written

@@ -12,7 +12,7 @@ end
 
 -- A solid in motion from the shape of a solution, with what holds it and nothing that loads it.
 local function let_go(wish, fine, solution, by)
-  local free, message, details = bw.solid {grid = fine.grid, palette = fine.palette}
+  local free, message, details = bw.solid {grid = fine.grid, materials = fine.materials}
   if not free then return nil, message, details end
   wish.held(free)
   if by then

@@ -170,7 +170,7 @@ local function grow(scene, fine, wish, library, result)
   local wanted = false
   for _, method in ipairs(wish.methods) do wanted = wanted or method == "grown" end
   if not wanted then return nil end
-  local spent, grown, message, details = compare.timed(bw.metamaterial.grow, library or scenes.palette(),
+  local spent, grown, message, details = compare.timed(bw.metamaterial.grow, library or scenes.materials(),
     fine.grid, {levels = scene.levels})
   if not grown then return nil, message, details end
   local blocks = 0
@@ -192,7 +192,7 @@ local function run(name, wish, library)
     options = {scene = name, methods = wish.methods, levels = scene.levels}, inputs = {wish.library}})
   if not results then stop(REFUSED, message) end
   local fine, rows, reference, partial, _
-  fine, message = scenes.solid(scene, scenes.palette())
+  fine, message = scenes.solid(scene, scenes.materials())
   local result = {scene = name, words = scene.words, paper = library_of.paper(name), finished = false,
     rows = bw.json.list {}}
   local solutions, solved = {}, true
@@ -237,7 +237,7 @@ for _, method in ipairs(wish.methods) do
       levels = math.max(levels, math.min(scenes[name].levels, wish.levels or 2))
     end
     local message
-    library, message = library_of.get(wish, scenes.palette(), levels)
+    library, message = library_of.get(wish, scenes.materials(), levels)
     if not library then stop(bw.interrupted() and INTERRUPTED or REFUSED, message) end
   end
 end

@@ -12,7 +12,7 @@ for _, file in ipairs {"bars", "slab", "fibres", "bridges", "character", "sole"}
 end
 
 --- Three rubbers, each ten times as stiff as the one before (data-driven, section 6).
-function scenes.palette()
+function scenes.materials()
   local list = {}
   for i, name in ipairs {"soft", "medium", "hard"} do
     list[i] = bw.hyperelastic {law = "neo_hookean", name = name, young = 10 ^ (4 + i), poisson = 0.45,
@@ -22,11 +22,11 @@ function scenes.palette()
 end
 
 --- A solid of a scene at rest on its fine grid.
-function scenes.solid(scene, palette)
+function scenes.solid(scene, materials)
   local grid, message, details = scene.grid()
   if not grid then return nil, message, details end
   local solid
-  solid, message, details = bw.solid {grid = grid, palette = palette}
+  solid, message, details = bw.solid {grid = grid, materials = materials}
   if not solid then return nil, message, details end
   scene.act(solid)
   return solid

@@ -7,10 +7,10 @@ package.path = root .. "/scripts/data_driven/?.lua;" .. package.path
 local bw = require "barwright"
 local scenes = require "scenes"
 
-local palette = scenes.palette()
+local materials = scenes.materials()
 local library = arg[1] and assert(bw.metamaterial.read(arg[1]))
-  or assert(bw.metamaterial.build(palette, {voids = false, directions = 100}))
-local fine = assert(scenes.solid(scenes.bending, palette))
+  or assert(bw.metamaterial.build(materials, {voids = false, directions = 100}))
+local fine = assert(scenes.solid(scenes.bending, materials))
 local reference = assert(fine:solve())
 local panels = {{grid = fine.grid, title = "layers of three rubbers"},
   reference:panel(("%d elements"):format(fine.element_count), "movement")}

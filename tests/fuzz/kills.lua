@@ -59,11 +59,11 @@ assert(#assert(study:run {workers = 2}) == 150)
 
 local library = [[
 local bw = require "barwright"
-local palette = {}
+local materials = {}
 for k, modulus in ipairs {1e5, 1e6} do
-  palette[k] = bw.hyperelastic {young = modulus, poisson = 0.4}
+  materials[k] = bw.hyperelastic {young = modulus, poisson = 0.4}
 end
-local made = assert(bw.metamaterial.build(palette, {directions = 12, magnitudes = 1, stretches = 20,
+local made = assert(bw.metamaterial.build(materials, {directions = 12, magnitudes = 1, stretches = 20,
   voids = false, seed = 3, checkpoint = "two.bwm.checkpoint"}))
 assert(made:write "two.bwm")
 os.remove "two.bwm.checkpoint"

@@ -15,11 +15,11 @@ end
 
 describe("the experiments of data-driven", function()
   setup(function()
-    local palette = {}
+    local materials = {}
     for i, name in ipairs {"soft", "medium", "hard"} do
-      palette[i] = bw.hyperelastic {name = name, young = 10 ^ (4 + i), poisson = 0.45, density = 1000}
+      materials[i] = bw.hyperelastic {name = name, young = 10 ^ (4 + i), poisson = 0.45, density = 1000}
     end
-    local made = assert(bw.metamaterial.build(palette, {voids = false, directions = 8, magnitudes = 1,
+    local made = assert(bw.metamaterial.build(materials, {voids = false, directions = 8, magnitudes = 1,
       stretches = 20}))
     assert(made:write(library))
   end)
@@ -116,7 +116,7 @@ end)
 describe("an equilibrium", function()
   it("tells how far nodes went, and draws it", function()
     local grid = assert(bw.grid.box {size = 0.1, cells = 2})
-    local solid = assert(bw.solid {grid = grid, palette = {bw.hyperelastic {young = 1e6, poisson = 0.3}}})
+    local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.3}}})
     solid:hold({side = "low z"}):hold({side = "high z"}, {0.003, 0, 0.004})
     local result = assert(solid:solve())
     check.near(0.005, result.movement:max(), 1e-12)
@@ -133,7 +133,7 @@ describe("the best field of a coarse grid", function()
   local best = assert(loadfile "scripts/data_driven/best.lua")()
   local grid = assert(bw.grid.box {size = 0.4, cells = 4})
   local function coarse_of(by)
-    local solid = assert(bw.solid {grid = grid, palette = {bw.hyperelastic {young = 1e6, poisson = 0.3}}})
+    local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.3}}})
     return assert(solid:hold({side = "low z"}, by):coarsen("naive", 1))
   end
   local points = grid.points

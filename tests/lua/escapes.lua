@@ -359,9 +359,9 @@ local engine = [[
   core.sha256 "/proc/self/environ"
   core.may_use(OUT .. "/secret.stl", "read")
   core.may_use(IN .. "/link.stl", "write")
-  bw.metamaterial.build(palette, {checkpoint = OUT .. "/new"})
-  bw.metamaterial.build(palette, {checkpoint = IN .. "/link.stl"})
-  bw.metamaterial.build(palette, {checkpoint = IN .. "/up/new"})
+  bw.metamaterial.build(materials, {checkpoint = OUT .. "/new"})
+  bw.metamaterial.build(materials, {checkpoint = IN .. "/link.stl"})
+  bw.metamaterial.build(materials, {checkpoint = IN .. "/up/new"})
   study(OUT .. "/new.study"):run()
   study(IN .. "/up/new.study"):run()
   study(OUT .. "/secret.db"):trials()
@@ -505,7 +505,7 @@ local engine_start = [[
     file:write(text):close()
   end
   assert(box:picture(IN .. "/one.png"))
-  local palette = {bw.hyperelastic {young = 1e5, poisson = 0.4, name = "soft"}}
+  local materials = {bw.hyperelastic {young = 1e5, poisson = 0.4, name = "soft"}}
   local function study(file, cache)
     return bw.study {name = "x", variables = {{name = "a", least = 0, most = 1}}, measures = {{name = "b"}},
       objectives = {"b"}, design = {"latin_hypercube", count = 2}, file = file, cache = cache and {folder = cache},

@@ -3,7 +3,7 @@
 local bw = require "barwright"
 local check = require "check"
 
-local function palette()
+local function materials()
   return {bw.hyperelastic {young = 1e5, poisson = 0.4, name = "soft"},
     bw.hyperelastic {young = 1e7, poisson = 0.4, name = "hard"}}
 end
@@ -11,7 +11,7 @@ end
 -- A small one, made once.
 local library
 local function small()
-  library = library or assert(bw.metamaterial.build(palette(), {directions = 40, magnitudes = 2,
+  library = library or assert(bw.metamaterial.build(materials(), {directions = 40, magnitudes = 2,
     stretches = 40, voids = false, seed = 3}))
   return library
 end
@@ -20,7 +20,7 @@ end
 local function layered()
   local grid = assert(bw.grid.box {size = {0.08, 0.16, 0.08}, cells = {4, 8, 4},
     material = function(_, y) return y // 0.02 % 2 + 1 end})
-  local solid = assert(bw.solid {grid = grid, palette = palette()})
+  local solid = assert(bw.solid {grid = grid, materials = materials()})
   solid:hold {side = "low y"}
   return solid:force({side = "high y"}, {0, 120, 0})
 end
@@ -71,13 +71,13 @@ describe("a library", function()
       reports = reports + 1
       return reports < 10
     end)
-    check.fails("cancelled", "", bw.metamaterial.grow(palette(), layered().grid, {directions = 1000000}))
+    check.fails("cancelled", "", bw.metamaterial.grow(materials(), layered().grid, {directions = 1000000}))
     bw.progress(nil)
   end)
 
-  it("is grown for a grid: of a palette, and further", function()
+  it("is grown for a grid: of a material table, and further", function()
     local fine = layered()
-    local grown = assert(bw.metamaterial.grow(palette(), fine.grid, {levels = 2, directions = 40,
+    local grown = assert(bw.metamaterial.grow(materials(), fine.grid, {levels = 2, directions = 40,
       magnitudes = 2, seed = 3}))
     assert.equal(2, grown.levels)
     assert.same({1, 1}, grown.grown)
@@ -99,7 +99,7 @@ describe("a library", function()
     assert.same({2, 1}, further.grown)
     assert.is_true(select(2, further:material(key)) > 0)
     assert.is_true(assert(bw.metamaterial.grow(small(), fine.grid)).grown[1] == 0)
-    check.raises("1 or 2", bw.metamaterial.grow, palette(), grid, {levels = 3})
+    check.raises("1 or 2", bw.metamaterial.grow, materials(), grid, {levels = 3})
     check.raises("did you mean 'levels'", bw.metamaterial.grow, grown, grid, {level = 3})
     check.raises("grid", bw.metamaterial.grow, grown, 3)
   end)
@@ -114,9 +114,9 @@ describe("a library", function()
     end
     local grid = assert(bw.grid.box {cells = {6, 12, 6}, spacing = 0.01,
       material = function(x, _, z) return column[6 * math.floor(x / 0.01) + math.floor(z / 0.01)] end})
-    local solid = assert(bw.solid {grid = grid, palette = palette()}):hold {side = "low y"}
+    local solid = assert(bw.solid {grid = grid, materials = materials()}):hold {side = "low y"}
     return solid:hold({side = "high y"}, {0, -0.006, 0}),
-      assert(bw.metamaterial.grow(palette(), grid, {directions = 10}))
+      assert(bw.metamaterial.grow(materials(), grid, {directions = 10}))
   end
 
   it("estimates its error, and is replaced by the naive one where that is nearer", function()
@@ -152,7 +152,7 @@ describe("a library", function()
   -- A bar of soft cells with hard ones, held below, under a force or a displacement of its upper end.
   local function bar(material, load)
     local grid = assert(bw.grid.box {cells = {4, 10, 4}, spacing = 0.01, material = material})
-    local solid = assert(bw.solid {grid = grid, palette = palette()}):hold {side = "low y"}
+    local solid = assert(bw.solid {grid = grid, materials = materials()}):hold {side = "low y"}
     local across, value = load[2], load[3]
     return solid[load[1]](solid, {side = "high y"}, across and {value, 0, 0} or {0, value, 0})
   end
@@ -175,7 +175,7 @@ describe("a library", function()
       shear = {"hold", true, 0.01}}
     local chosen = {library = 0, naive = 0}
     for _, material in pairs(layouts) do
-      local made = assert(bw.metamaterial.grow(palette(), bar(material, loads.pull).grid, {directions = 10}))
+      local made = assert(bw.metamaterial.grow(materials(), bar(material, loads.pull).grid, {directions = 10}))
       for name, load in pairs(loads) do
         local fine = bar(material, load)
         local reference = assert(fine:solve())
@@ -211,10 +211,10 @@ describe("a library", function()
     check.raises("did you mean 'tolerance'", fine.solve_coarse, fine, {by = small(), tolerence = 1})
   end)
 
-  it("refuses another palette", function()
+  it("refuses another material table", function()
     local grid = assert(bw.grid.box {size = 1, cells = 4})
-    local solid = assert(bw.solid {grid = grid, palette = {bw.hyperelastic {young = 3, poisson = 0.1}}})
-    check.raises("palette", solid.coarsen, solid, small())
-    check.raises("did you mean 'strain'", bw.metamaterial.build, palette(), {strian = 1})
+    local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 3, poisson = 0.1}}})
+    check.raises("material table", solid.coarsen, solid, small())
+    check.raises("did you mean 'strain'", bw.metamaterial.build, materials(), {strian = 1})
   end)
 end)

@@ -11,12 +11,12 @@ local function rubber(young, poisson, density)
   return bw.hyperelastic {young = young or 1e6, poisson = poisson or 0.3, density = density or 1000}
 end
 
-local function column(palette)
+local function column(materials)
   local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.2}, cells = {2, 2, 4}})
-  return assert(bw.solid {grid = grid, palette = palette or {rubber()}})
+  return assert(bw.solid {grid = grid, materials = materials or {rubber()}})
 end
 
-local function standing(palette) return column(palette):hold {side = "low z"} end
+local function standing(materials) return column(materials):hold {side = "low z"} end
 
 local top = {side = "high z"}
 
@@ -198,7 +198,7 @@ describe("a solid", function()
     collectgarbage()
     assert.equal(before, displacement:norm())
     assert.is_true(stress:norm() > 0 and solid == nil and result == nil)
-    for _, object in ipairs {bw.grid.box {size = 1, cells = 1}, rubber(), column().palette,
+    for _, object in ipairs {bw.grid.box {size = 1, cells = 1}, rubber(), column().materials,
       standing():motion {}} do
       object:close()
       assert.is_truthy(tostring(object):find("(closed)", 1, true))
@@ -210,7 +210,7 @@ describe("a solid", function()
       coroutine.yield(standing():force(top, {0, 0, 10}):solve())
     end)
     assert(run())
-    local large = assert(bw.solid {grid = assert(bw.grid.box {size = 0.1, cells = 12}), palette = {rubber()}})
+    local large = assert(bw.solid {grid = assert(bw.grid.box {size = 0.1, cells = 12}), materials = {rubber()}})
     large:hold({side = "low z"}):turn(top, {axis = {0, 0, 1}, angle = 170})
     showing(function() return false end, function()
       check.fails("cancelled", "", large:solve())
@@ -310,10 +310,10 @@ describe("a library", function()
       assert.is_false(pcall(first.material, first, key))
     end
     local grid = assert(bw.grid.box {size = {0.04, 0.04, 0.08}, cells = {2, 2, 4}})
-    local solid = assert(bw.solid {grid = grid, palette = two()})
+    local solid = assert(bw.solid {grid = grid, materials = two()})
     check.raises("coarsening by 2 levels", solid.coarsen, solid, first, 2)
     check.raises("1 or 2 levels", solid.coarsen, solid, first, 2 ^ 32 + 1)
-    local other = assert(bw.solid {grid = grid, palette = {rubber(1e7, 0.4), rubber(1e5, 0.4)}})
+    local other = assert(bw.solid {grid = grid, materials = {rubber(1e7, 0.4), rubber(1e5, 0.4)}})
     check.raises("the material table it was built of", other.coarsen, other, first)
     local coarse = assert(solid:coarsen(first))
     first:close()

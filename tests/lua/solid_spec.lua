@@ -7,9 +7,9 @@ local function rubber(young, poisson)
   return bw.hyperelastic {young = young or 1e6, poisson = poisson or 0.3, density = 1000}
 end
 
-local function column(cells, palette)
+local function column(cells, materials)
   local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.1 * (cells or 1)}, cells = {2, 2, 2 * (cells or 1)}})
-  return assert(bw.solid {grid = grid, palette = palette or {rubber()}})
+  return assert(bw.solid {grid = grid, materials = materials or {rubber()}})
 end
 
 -- Free to become thinner: held along z below, and just enough in the plane.
@@ -26,7 +26,7 @@ describe("a hyperelastic material", function()
       check.near(0.499, soft.poisson, 1e-12)
       check.near(1e6, soft.young, 1e-12)
       local grid = assert(bw.grid.box {cells = {2, 2, 4}, spacing = 0.1})
-      local solid = assert(bw.solid {grid = grid, palette = {soft}})
+      local solid = assert(bw.solid {grid = grid, materials = {soft}})
       solid:hold {side = "low z"}
       solid:force({side = "high z"}, {1, 0, 0})
       return solid, assert(solid:solve()), soft
@@ -151,10 +151,10 @@ describe("a solid", function()
   end)
 
   it("is found again on a coarse grid and on an edited one", function()
-    local palette = {rubber(1e5), rubber(1e7)}
+    local materials = {rubber(1e5), rubber(1e7)}
     local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.3}, cells = {4, 4, 12},
       material = function(x) return x // 0.025 % 2 + 1 end})
-    local fine = assert(bw.solid {grid = grid, palette = palette})
+    local fine = assert(bw.solid {grid = grid, materials = materials})
     fine:hold {side = "low z"}
     fine:force({side = "high z"}, {0, 0, 100})
     local reference = assert(fine:solve())
@@ -174,13 +174,13 @@ describe("a solid", function()
     local from_scratch = assert(assert(fine:with(softer)):coarsen("naive", 1))
     assert.equal(0, assert(edited:solve()):error(assert(from_scratch:solve())))
     check.raises("nodes given by their numbers", function()
-      assert(assert(bw.solid {grid = grid, palette = palette}):hold({1, 2, 3}):coarsen "naive"):solve()
+      assert(assert(bw.solid {grid = grid, materials = materials}):hold({1, 2, 3}):coarsen "naive"):solve()
     end)
   end)
 
   it("is let go where its tangent is not definite: by conjugate gradients as with a factor", function()
     local grid = assert(bw.grid.box {cells = {2, 2, 16}, spacing = 0.01})
-    local solid = assert(bw.solid {grid = grid, palette = {rubber()}})
+    local solid = assert(bw.solid {grid = grid, materials = {rubber()}})
     solid:hold {side = "low z"}
     local pressed, done = {}, {}
     for i, p in ipairs(grid.points:totable()) do pressed[i] = {1e-4 * math.sin(20 * p[3]), 0, -0.3 * p[3]} end
@@ -214,7 +214,7 @@ describe("a solid", function()
     assert.is_true(by_gradients:error(by_factor) < 1e-8)
     -- cells need not be cubes
     local flat = assert(bw.solid {grid = assert(bw.grid.box {size = {0.1, 0.1, 0.1}, cells = {4, 4, 8}}),
-      palette = {rubber()}})
+      materials = {rubber()}})
     flat:hold {side = "low z"}
     flat:force({side = "high z"}, {2, 0, 20})
     assert.is_true(assert(flat:solve {linear = "coarse", tolerance = 1e-9}):error(
@@ -225,7 +225,7 @@ describe("a solid", function()
     local grid = assert(bw.grid.box {cells = {3, 3, 40}, spacing = 0.01})
     local height = 0.4
     local function sideways(shortening, linear)
-      local solid = assert(bw.solid {grid = grid, palette = {rubber()}})
+      local solid = assert(bw.solid {grid = grid, materials = {rubber()}})
       solid:hold {side = "low z"}
       solid:hold({side = "high z"}, {0, 0, -shortening * height})
       local result = assert(solid:solve {linear = linear})

@@ -21,7 +21,7 @@ local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   live_server = "bw.LiveServer", outline = "bw.Outline",
   sheet = "bw.Sheet", plate = "bw.Plate",
   grid = "bw.Grid", canvas = "bw.Canvas", embedding = "bw.Embedding", hyperelastic = "bw.Hyperelastic",
-  palette = "bw.Palette", solid_motion = "bw.SolidMotion", library = "bw.Library",
+  ["material table"] = "bw.MaterialTable", solid_motion = "bw.SolidMotion", library = "bw.Library",
   plane_mesh = "bw.PlaneMesh", mover = "bw.Mover", flow = "bw.FlowBody", state = "bw.BodyState"}
 
 -- Seen from scripts only through objects written in Lua.
@@ -122,7 +122,7 @@ describe("the stubs", function()
     local bone = require "barwright.edit_bone"
     same(keys(bone.class, bone.properties, {name = true, index = true, session = true}), "bw.Bone")
     local solids = require "barwright.solids"
-    same(keys(solids.class, solids.properties, {grid = true, palette = true}), "bw.Solid")
+    same(keys(solids.class, solids.properties, {grid = true, materials = true}), "bw.Solid")
     local solid_results = require "barwright.solid_results"
     same(keys(solid_results.class, solid_results.properties, {solid = true}), "bw.SolidResult")
     local bridge = require "barwright.bridge"

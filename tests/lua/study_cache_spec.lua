@@ -77,13 +77,13 @@ describe("the cache", function()
 
   it("gives back meshes, surfaces, arrays and libraries bit for bit", function()
     local one = study(check.folder())
-    local palette = {bw.hyperelastic {name = "soft", young = 1e5, poisson = 0.4, density = 1000},
+    local materials = {bw.hyperelastic {name = "soft", young = 1e5, poisson = 0.4, density = 1000},
       bw.hyperelastic {name = "hard", young = 1e7, poisson = 0.4, density = 1000}}
     local function make()
       local surface = assert(bw.surface.sphere {radius = 1 / 3, subdivisions = 1})
       return {mesh = check.beam({4, 1, 1}, 2), surface = surface,
         lists = {bw.array {1 / 3, 2, 3}, bw.array({{1, 2}, {3, 4}}, "i32"), bw.array.zeros(0, 3)},
-        library = assert(bw.metamaterial.build(palette, {voids = false, directions = 4, magnitudes = 1,
+        library = assert(bw.metamaterial.build(materials, {voids = false, directions = 4, magnitudes = 1,
           stretches = 8}))}
     end
     local made = assert(one:cached({"bodies", size = 1 / 3}, make))

@@ -206,7 +206,7 @@ end)
 describe("a motion", function()
   it("makes all of the steps that it is asked for, or none", function()
     local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.2}, cells = {1, 1, 2}})
-    local solid = assert(bw.solid {grid = grid, palette = {bw.hyperelastic {young = 1e5, poisson = 0.3,
+    local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e5, poisson = 0.3,
       density = 1000}}})
     assert(solid:hold {side = "low z"}):force({side = "high z"}, {5, 0, 0})
     local motion = assert(solid:motion {step = 1e-3})

@@ -39,13 +39,13 @@ local function flow_options(more)
   return wish
 end
 
-local function palette()
+local function materials()
   return {bw.hyperelastic {young = 1e5, poisson = 0.3, density = 1000, name = "soft"},
     bw.hyperelastic {young = 1e6, poisson = 0.3, density = 1000, name = "hard"}}
 end
 
 local function solid(grid)
-  local made = assert(bw.solid {grid = grid, palette = palette()})
+  local made = assert(bw.solid {grid = grid, materials = materials()})
   made:hold({side = "low x"}):force({side = "high x"}, {0, 0, -1})
   return made
 end
@@ -204,9 +204,9 @@ makers.Embedding = {
   function(p) return assert(p.Grid:embed(bw.surface.sphere {radius = 0.2, centre = {0.5, 0.25, 0.25},
     subdivisions = 1})) end,
 }
-makers.Hyperelastic = {function() return palette()[1] end,
+makers.Hyperelastic = {function() return materials()[1] end,
   function() return bw.hyperelastic {law = "corotated", young = 1e6, poisson = 0.2} end}
-makers.Palette = {function(p) return p.Solid.palette end}
+makers.MaterialTable = {function(p) return p.Solid.materials end}
 makers.Solid = {function(p) return solid(p.Grid) end, function(p) return solid(p:variant("bw.Grid", 2)) end}
 makers.SolidResult = {function(p) return assert(p.Solid:solve()) end}
 makers.SolidMotion = {function(p) return assert(p.Solid:motion {step = 0.01}) end}
@@ -302,7 +302,7 @@ end
 
 -- A list that this process alone has may be long; objects that were closed for good.
 local closable = {"Array", "Surface", "Mesh", "Selection", "Model", "Outline", "Skeleton", "PlaneMesh", "Grid",
-  "Hyperelastic", "Canvas", "Embedding", "Mover", "Domains", "System", "Session", "Palette", "BodyState"}
+  "Hyperelastic", "Canvas", "Embedding", "Mover", "Domains", "System", "Session", "MaterialTable", "BodyState"}
 
 function Pool:closed(random)
   local name = random:one_of(closable)
@@ -316,8 +316,8 @@ function Pool:closed_one(name)
       self:forget()
       object = makers[name][1](self)
     end
-    if name == "Palette" or name == "Domains" then -- the pool's own stay open
-      object = name == "Palette" and solid(self.Grid).palette or makers.Domains[2](self)
+    if name == "MaterialTable" or name == "Domains" then -- the pool's own stay open
+      object = name == "MaterialTable" and solid(self.Grid).materials or makers.Domains[2](self)
     end
     object:close()
     self.dead[name] = hostile.named(name .. " (closed)", object)

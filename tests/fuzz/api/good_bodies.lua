@@ -308,8 +308,8 @@ add {
     "corotated", "fixed_corotated"}, young = 1e6,
     poisson = 0.3, density = 1000} end,
   ["Hyperelastic:energy"] = function() return {{1.1, 0, 0}, {0, 1, 0.1}, {0, 0, 0.9}} end,
-  ["Palette:material"] = function() return 1 end,
-  ["bw.solid"] = function(p) return {grid = p.Grid, palette = laws()} end,
+  ["MaterialTable:material"] = function() return 1 end,
+  ["bw.solid"] = function(p) return {grid = p.Grid, materials = laws()} end,
   ["Solid:hold"] = function(p, r) return region(p, r), r:one_of {{0, 0, 0}, {0.01, false, 0}, function()
     return 0, 0, 0.01 end} end,
   ["Solid:turn"] = function(p, r) return region(p, r), {axis = {1, 0, 0}, angle = 10, point = {0, 0, 0},

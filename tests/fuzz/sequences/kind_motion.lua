@@ -8,7 +8,7 @@ local told, uniform = followed_kinds.told, followed_kinds.uniform
 
 function kind.make()
   local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.2}, cells = {2, 2, 4}})
-  local solid = assert(bw.solid {grid = grid, palette = {bw.hyperelastic {young = 1e5, poisson = 0.3,
+  local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e5, poisson = 0.3,
     density = 1000}}})
   assert(solid:hold {side = "low z"})
   assert(solid:force({side = "high z"}, {uniform(-50, 50), uniform(-50, 50), uniform(-50, 50)}))

@@ -6,14 +6,14 @@ local fuse = require "fuse"
 
 local kind = {}
 local told, uniform = followed_kinds.told, followed_kinds.uniform
-local palette
+local materials
 
 local function rubber(young) return bw.hyperelastic {young = young, poisson = 0.3, density = 1000} end
 
 function kind.make()
-  palette = palette or {rubber(1e6), rubber(5e6)}
+  materials = materials or {rubber(1e6), rubber(5e6)}
   local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.2}, cells = {2, 2, 4}})
-  local solid = assert(bw.solid {grid = grid, palette = palette})
+  local solid = assert(bw.solid {grid = grid, materials = materials})
   assert(solid:hold {side = "low z"})
   return {solid = solid, result = false}
 end
