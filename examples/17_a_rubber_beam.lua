@@ -16,7 +16,7 @@ print(grid)
 -- 2. Supports and loads are said by place. Newton's method finds where everything is in balance.
 local function loaded(force)
   local beam = assert(bw.solid {grid = grid, materials = {rubber}})
-  beam:hold {side = "low x"}
+  beam:fix {side = "low x"}
   beam:force({side = "high x"}, {0, 0, -force})
   return assert(beam:solve())
 end

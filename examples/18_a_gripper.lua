@@ -31,7 +31,7 @@ local materials = {
 -- 3. Held at its root; air presses on the cavity's own surface, which goes with the cubes around it.
 -- The cavity's triangles look outwards from the cavity, so the air pushes against them.
 local finger = assert(bw.solid {grid = grid, materials = materials})
-finger:hold {high = {-2 * mm, 1, 1}}
+finger:fix {high = {-2 * mm, 1, 1}}
 finger:pressure(closed(cavity), {pressure = -25e3, follower = true})
 local bent = assert(finger:solve())
 print(bent)

@@ -25,7 +25,7 @@ local H = 0.01
 local grid = assert(bw.grid.box {cells = {8, 24, 8}, spacing = H,
   material = function(_, y) return math.floor(y / H) % 2 + 1 end})
 local fine = assert(bw.solid {grid = grid, materials = materials})
-fine:hold {side = "low y"}
+fine:fix {side = "low y"}
 fine:force({side = "high y"}, {0, 0, -20})
 local clock = os.clock()
 local reference = assert(fine:solve())

@@ -9,7 +9,7 @@ local folder = arg and arg[1] or os.tmpname() .. "_motion"
 local grid = assert(bw.grid.box {size = {0.04, 0.2, 0.02}, cells = {4, 20, 2}})
 local rubber = bw.hyperelastic {young = 1e6, poisson = 0.4, density = 1000}
 local function held()
-  return assert(bw.solid {grid = grid, materials = {rubber}}):hold {side = "low y"}
+  return assert(bw.solid {grid = grid, materials = {rubber}}):fix {side = "low y"}
 end
 
 -- 1. Pulled: a static equilibrium, from which the motion begins.

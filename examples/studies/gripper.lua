@@ -39,7 +39,7 @@ local study = bw.study {
       bw.hyperelastic {name = "soft", young = 2e5, poisson = 0.45, density = 1050},
       bw.hyperelastic {name = "strip", young = point.young, poisson = 0.45, density = 1100},
     }})
-    finger:hold {high = {-2 * mm, 1, 1}}
+    finger:fix {high = {-2 * mm, 1, 1}}
     finger:pressure(cavity, {pressure = -point.air, follower = true})
     local bent, message = finger:solve()
     if not bent then return nil, message end

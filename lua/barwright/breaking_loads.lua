@@ -13,7 +13,7 @@ local FACETS = 8
 
 --- Adds the options of admissible loads to the rules of the breaking force.
 function breaking_loads.rules(rules)
-  rules.hold = {type = "function"}
+  rules.fix = {type = "function"}
   rules.forbidden = {type = "function"}
   rules.friction = {type = "number", default = 0, least = 0, most = 100}
   rules.hands = {type = "integer", least = 1, most = 16}
@@ -22,7 +22,7 @@ end
 
 --- Raises where the options contradict each other.
 function breaking_loads.check(wish)
-  if wish.hands == 1 and not wish.hold then
+  if wish.hands == 1 and not wish.fix then
     raise("breaking_force: option 'hands': one hand pushes a body away that nothing holds: give 'hold', or more "
       .. "hands")
   end
@@ -55,10 +55,10 @@ function breaking_loads.part(self, mesh)
   local wish = self.options
   local part = core.model {mesh = mesh, material = self.material}
   -- Nothing pushes back where supports hold: the whole force pushes.
-  local sides = wish.hold and 1 or 2
+  local sides = wish.fix and 1 or 2
   local limits = {force = sides * wish.force, pressure = wish.force / self.contact}
-  if wish.hold then
-    local held, message, details = selections("hold", wish.hold, mesh)
+  if wish.fix then
+    local held, message, details = selections("fix", wish.fix, mesh)
     if not held then return nil, message, details end
     for _, on in ipairs(held) do part:fix(on) end
     if union_of(held).facet_count == mesh.facet_count then

@@ -82,7 +82,7 @@ end
 local function add(self, act, where)
   act.grid, act.where = self.grid, where
   if where ~= nil then
-    local name = ({move = "hold", press = "pressure"})[act.kind] or act.kind
+    local name = ({move = "fix", press = "pressure"})[act.kind] or act.kind
     local numbers = is_array(where) or type(where) == "table" and #where > 0
     if numbers then
       check_numbers(name, where, self.node_count)
@@ -126,9 +126,9 @@ end
 
 --- Nodes are held: all components, or moved by {x, y, z} (m at full load), where false leaves a
 --- component free; or by a function of x, y, z that returns three numbers.
-function solid:hold(where, by)
-  check_self("hold", self)
-  check_where("hold", where)
+function solid:fix(where, by)
+  check_self("fix", self)
+  check_where("fix", where)
   if by == nil then by = {0, 0, 0} end
   if type(by) == "table" then
     for i = 1, 3 do
@@ -140,7 +140,7 @@ function solid:hold(where, by)
   elseif type(by) ~= "function" then
     raise(("hold: {x, y, z} or a function of x, y, z expected, got %s"):format(type(by)))
   end
-  return add(self, {kind = type(by) == "table" and "hold" or "move", by = by}, where)
+  return add(self, {kind = type(by) == "table" and "fix" or "move", by = by}, where)
 end
 
 --- Nodes are held and turned about an axis: {axis =, point =, angle = (degrees), move = {x, y, z}}.
@@ -204,16 +204,16 @@ end
 --- A plane that the solid may touch and not pass, without friction: {point =, normal = into the side
 --- where the solid is, move = its displacement at full load, surface = what touches it; without: the
 --- nodes}.
-function solid:floor(given)
-  check_self("floor", self)
-  local wish = options.read("floor", given, {
+function solid:contact_plane(given)
+  check_self("contact_plane", self)
+  local wish = options.read("contact_plane", given, {
     point = {type = "any", needed = true},
     normal = {type = "any", needed = true},
     move = {type = "any", default = {0, 0, 0}},
     surface = {type = "surface"},
   })
-  return add(self, {kind = "floor", point = vector("floor", "point", wish.point),
-    normal = vector("floor", "normal", wish.normal), move = vector("floor", "move", wish.move),
+  return add(self, {kind = "contact_plane", point = vector("contact_plane", "point", wish.point),
+    normal = vector("contact_plane", "normal", wish.normal), move = vector("contact_plane", "move", wish.move),
     surface = wish.surface})
 end
 
@@ -238,7 +238,7 @@ local function prescribe(case, act, grid, displacement)
   for i, at in ipairs(grid.points:gather(nodes):totable()) do
     rows[i] = {displacement(at[1], at[2], at[3])}
   end
-  return case:hold_each(nodes, rows)
+  return case:fix_each(nodes, rows)
 end
 
 -- A function's values at the middles of a surface's triangles.
@@ -259,12 +259,12 @@ end
 -- Each returns nothing, or nil, message, details.
 local apply = {}
 
-function apply.hold(case, act, grid, part)
+function apply.fix(case, act, grid, part)
   local by = {}
   for i = 1, 3 do by[i] = act.by[i] and act.by[i] * part end
   local nodes, message, details = nodes_of(grid, act)
   if not nodes then return nil, message, details end
-  return case:hold(nodes, by)
+  return case:fix(nodes, by)
 end
 
 function apply.move(case, act, grid, part)
@@ -323,12 +323,12 @@ function apply.pressure(case, act, grid, part)
   return case:pressure(embedding, surface.triangles, scaled, act.follower)
 end
 
-function apply.floor(case, act, grid, part)
+function apply.contact_plane(case, act, grid, part)
   local move = {act.move[1] * part, act.move[2] * part, act.move[3] * part}
-  if not act.surface then return case:floor(act.point, act.normal, move) end
+  if not act.surface then return case:contact_plane(act.point, act.normal, move) end
   local embedding, message, details = grid:embed(act.surface)
   if not embedding then return nil, message, details end
-  return case:floor(act.point, act.normal, move, embedding, act.surface.points)
+  return case:contact_plane(act.point, act.normal, move, embedding, act.surface.points)
 end
 
 -- The case at a part of the path: turns go along their arcs, everything else in proportion.

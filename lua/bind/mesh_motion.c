@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* plane.mover: meshes that follow their outlines. */
+/* plane.mesh_motion: meshes that follow their outlines. */
 #include "bind.h"
 
 #include <string.h>
@@ -46,7 +46,7 @@ static lbw_field *kept_field(lua_State *L, int box) {
   return lbw_field_read(L, -1, "mover: field");
 }
 
-/* plane.mover(mesh, options) */
+/* plane.mesh_motion(mesh, options) */
 static int plane_mover(lua_State *L) {
   static const lbw_option list[] = {{"sweeps", LBW_INT, offsetof(bw_follow_options, sweeps)},
                                     {"distorted", LBW_REAL, offsetof(bw_follow_options, distorted)},
@@ -60,16 +60,17 @@ static int plane_mover(lua_State *L) {
   bw_follow_options options;
   bw_follow_options_default(&options);
   lua_settop(L, 2);
-  lbw_options(L, 2, "plane.mover", list, &options);
+  lbw_options(L, 2, "plane.mesh_motion", list, &options);
   options.relocation =
-      (bw_relocation)lbw_word_option(L, 2, "plane.mover", "relocation", relocations, 0);
-  options.force = (bw_level)lbw_word_option(L, 2, "plane.mover", "force", levels, 0);
+      (bw_relocation)lbw_word_option(L, 2, "plane.mesh_motion", "relocation", relocations, 0);
+  options.force = (bw_level)lbw_word_option(L, 2, "plane.mesh_motion", "force", levels, 0);
   lbw_field *field = NULL;
   int kind = lbw_option_get(L, 2, "fill");
   if (kind != LUA_TNIL && kind != LUA_TTABLE)
-    return lbw_option_error(L, "plane.mover", "fill", "a table of options of plane.fill expected");
+    return lbw_option_error(L, "plane.mesh_motion", "fill",
+                            "a table of options of plane.fill expected");
   int fill = lua_gettop(L);
-  lbw_read_plane_options(L, fill, "plane.mover: fill", &options.fill, &field);
+  lbw_read_plane_options(L, fill, "plane.mesh_motion: fill", &options.fill, &field);
   lbw_box *box = lbw_box_new(L, &lbw_mesh_motion_class);
   if (field) {
     lua_getfield(L, fill, "field");
@@ -154,12 +155,12 @@ static const luaL_Reg methods[] = {
 static const luaL_Reg properties[] = {
     {"mesh", mover_mesh}, {"outline", mover_outline}, {NULL, NULL}};
 static const luaL_Reg meta[] = {{NULL, NULL}};
-const lbw_class lbw_mesh_motion_class = {"mover", methods, properties, meta, NULL};
+const lbw_class lbw_mesh_motion_class = {"mesh motion", methods, properties, meta, NULL};
 
 void lbw_open_mesh_motion(lua_State *L) {
   lbw_class_register(L, &lbw_mesh_motion_class);
   lua_getfield(L, -1, "plane");
   lua_pushcfunction(L, plane_mover);
-  lua_setfield(L, -2, "mover");
+  lua_setfield(L, -2, "mesh_motion");
   lua_pop(L, 1);
 }

@@ -205,8 +205,8 @@ static int32_t *read_nodes(lua_State *L, int index, const bw_grid *grid, int64_t
   return node;
 }
 
-/* case:hold(nodes, {x | false, y | false, z | false}): prescribed displacements */
-static int case_hold(lua_State *L) {
+/* case:fix(nodes, {x | false, y | false, z | false}): prescribed displacements */
+static int case_fix(lua_State *L) {
   bw_load_case *it = self_case(L);
   int64_t count;
   bool hold[3];
@@ -222,8 +222,8 @@ static int case_hold(lua_State *L) {
   return lbw_leave(L, bw_load_case_fix(lbw_enter(L), it, count, node, hold, value), 0);
 }
 
-/* case:hold_each(nodes, values): every node has displacements of its own, rows of three */
-static int case_hold_each(lua_State *L) {
+/* case:fix_each(nodes, values): every node has displacements of its own, rows of three */
+static int case_fix_each(lua_State *L) {
   bw_status status = BW_OK;
   bw_load_case *it = self_case(L);
   int64_t count, rows;
@@ -290,8 +290,8 @@ static int case_press(lua_State *L) {
   return lbw_leave(L, status, 0);
 }
 
-/* case:floor(point, normal, move, embedding | nil, points | nil) */
-static int case_floor(lua_State *L) {
+/* case:contact_plane(point, normal, move, embedding | nil, points | nil) */
+static int case_contact_plane(lua_State *L) {
   bw_load_case *it = self_case(L);
   double point[3], normal[3], move[3];
   int64_t rows = 0;
@@ -305,7 +305,7 @@ static int case_floor(lua_State *L) {
     embedding = (const bw_embedding *)lbw_check(L, 5, &lbw_embedding_class);
     rest = lbw_to_doubles(L, 6, "points", 3, &rows);
     if (rows != embedding->point_count)
-      return lbw_error(L, "floor: %d embedded points, but positions of %d",
+      return lbw_error(L, "contact_plane: %d embedded points, but positions of %d",
                        (int)embedding->point_count, (int)rows);
   }
   return lbw_leave(
@@ -317,10 +317,14 @@ static int case_applied(lua_State *L) {
   return lbw_push_borrowed(L, BW_F64, it->grid->node_count, 3, it->force, it);
 }
 
-static const luaL_Reg case_methods[] = {{"hold", case_hold},         {"hold_each", case_hold_each},
-                                        {"force", case_force},       {"gravity", case_gravity},
-                                        {"pressure", case_pressure}, {"press", case_press},
-                                        {"floor", case_floor},       {NULL, NULL}};
+static const luaL_Reg case_methods[] = {{"fix", case_fix},
+                                        {"fix_each", case_fix_each},
+                                        {"force", case_force},
+                                        {"gravity", case_gravity},
+                                        {"pressure", case_pressure},
+                                        {"press", case_press},
+                                        {"contact_plane", case_contact_plane},
+                                        {NULL, NULL}};
 static const luaL_Reg case_properties[] = {{"applied", case_applied}, {NULL, NULL}};
 const lbw_class lbw_load_case_class = {"loading", case_methods, case_properties, no_meta, NULL};
 

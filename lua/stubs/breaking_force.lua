@@ -24,7 +24,7 @@ local bw = {}
 ---local breaking = assert(bw.breaking_force(rod, {material = bw.material.pla, elements = 300, modes = 2}))
 ---print(breaking, breaking:verdict(50))
 ---```
----`hold` gives selections on each mesh that do not move: then the whole force pushes. `forbidden` gives those on which
+---`fix` gives selections on each mesh that do not move: then the whole force pushes. `forbidden` gives those on which
 ---nothing presses; `friction` is Coulomb's coefficient (default 0), `hands` the number of places (1 to 16) that are
 ---pressed at once.
 ---@param body bw.Surface|bw.Mesh
@@ -38,7 +38,7 @@ function bw.breaking_force(body, options) end
 ---@field material bw.Material
 ---@field force? number
 ---@field contact? number
----@field hold? fun(mesh: bw.Mesh): bw.Selection|bw.Selection[]
+---@field fix? fun(mesh: bw.Mesh): bw.Selection|bw.Selection[]
 ---@field forbidden? fun(mesh: bw.Mesh): bw.Selection|bw.Selection[]
 ---@field friction? number
 ---@field hands? integer
@@ -64,7 +64,7 @@ function bw.breaking_force(body, options) end
 ---@field ties table[] {force is 1 / utilisation, at}: other places that are as weak within the error
 ---@field history table[] of every mesh {elements, asked, force, utilisation, at, region, point, places, moved, refined, wrapped (a sound surface could not be filled, one wrapped around it was), volume, edge, size, seconds}
 ---@field contact number m2
----@field held_area number? m2: with `hold`, on the last mesh
+---@field held_area number? m2: with `fix`, on the last mesh
 ---@field forbidden_area number? m2: with `forbidden`
 ---@field length number m: radius of the patch
 ---@field failure string

@@ -73,10 +73,10 @@ function plane_module.rectangle(options) end
 ---default as many elements as the mesh has.
 ---@param mesh bw.PlaneMesh
 ---@param options? bw.PlaneMoverOptions
----@return bw.Mover?
+---@return bw.MeshMotion?
 ---@return string? message
 ---@return bw.Details? details
-function plane_module.mover(mesh, options) end
+function plane_module.mesh_motion(mesh, options) end
 
 ---@class bw.PlaneMoverOptions
 ---@field relocation? string
@@ -147,10 +147,10 @@ function PlaneMesh:write(path, options) end
 ---Lets go at once.
 function PlaneMesh:close() end
 
----@class bw.Mover
+---@class bw.MeshMotion
 ---@field mesh bw.PlaneMesh the current one
 ---@field outline bw.Outline the current one
-local Mover = {}
+local MeshMotion = {}
 
 ---Takes the mesh to an outline. Of the same topology: relocation of nodes, reconnecting by flips, or
 ---reconstruction, whatever is enough; of another: reconstruction. The report has `level` ("none",
@@ -160,18 +160,18 @@ local Mover = {}
 ---@return table? report
 ---@return string? message
 ---@return bw.Details? details
-function Mover:follow(outline) end
+function MeshMotion:follow(outline) end
 
 ---The adjoint of relocation: how J grows with the outline's points, from how it grows with the nodes.
 ---@param gradient table|bw.Array x, y for every node
 ---@return bw.Array?
 ---@return string? message
 ---@return bw.Details? details
-function Mover:pull_back(gradient) end
+function MeshMotion:pull_back(gradient) end
 
 ---Checks that all parts of it belong together, for tests and debugging. Raises where they do not.
----@return bw.Mover
-function Mover:check() end
+---@return bw.MeshMotion
+function MeshMotion:check() end
 
 ---Lets go at once.
-function Mover:close() end
+function MeshMotion:close() end

@@ -93,7 +93,7 @@ local Solid = {}
 ---@param where bw.Region|function|string|bw.Array|integer[]
 ---@param by? table|function
 ---@return bw.Solid
-function Solid:hold(where, by) end
+function Solid:fix(where, by) end
 
 ---Holds nodes and turns them about an axis by `angle` (degrees, right-handed), along their arcs; `move` (m)
 ---shifts them too.
@@ -135,7 +135,7 @@ function Solid:pressure(on, options) end
 ---friction. `normal` points to the solid's side; `move`: its displacement at full load.
 ---@param options bw.SolidFloorOptions
 ---@return bw.Solid
-function Solid:floor(options) end
+function Solid:contact_plane(options) end
 
 ---@class bw.SolidFloorOptions
 ---@field point bw.Vector

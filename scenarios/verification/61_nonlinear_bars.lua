@@ -22,7 +22,7 @@ end
 
 local function twisted(cells)
   local solid, angle = bar(cells), 0.01
-  solid:hold {side = "low z"}
+  solid:fix {side = "low z"}
   solid:turn({side = "high z"}, {axis = {0, 0, 1}, angle = math.deg(angle)})
   local result = assert(solid:solve {tolerance = 1e-8})
   local nodes = solid.grid:nodes {side = "high z"}
@@ -36,7 +36,7 @@ end
 
 local function bent(cells)
   local solid, force = bar(cells), 1e-3
-  solid:hold {side = "low z"}
+  solid:fix {side = "low z"}
   solid:force({side = "high z"}, {force, 0, 0})
   local result = assert(solid:solve {tolerance = 1e-8})
   local nodes = solid.grid:nodes {side = "high z"}

@@ -38,10 +38,10 @@ local function squeezed(cells, depth)
   local cap = assert(bw.surface.new {points = kept, triangles = triangles})
   local solid = assert(bw.solid {grid = grid,
     materials = {bw.hyperelastic {law = "neo_hookean", young = YOUNG, poisson = POISSON, density = 1000}}})
-  solid:hold({plane = {{0, 0, 0}, {1, 0, 0}}}, {0, false, false})
-  solid:hold({plane = {{0, 0, 0}, {0, 1, 0}}}, {false, 0, false})
-  solid:hold({plane = {{0, 0, 0}, {0, 0, 1}}}, {false, false, 0})
-  solid:floor {point = {0, 0, RADIUS}, normal = {0, 0, -1}, move = {0, 0, -depth}, surface = cap}
+  solid:fix({plane = {{0, 0, 0}, {1, 0, 0}}}, {0, false, false})
+  solid:fix({plane = {{0, 0, 0}, {0, 1, 0}}}, {false, 0, false})
+  solid:fix({plane = {{0, 0, 0}, {0, 0, 1}}}, {false, false, 0})
+  solid:contact_plane {point = {0, 0, RADIUS}, normal = {0, 0, -1}, move = {0, 0, -depth}, surface = cap}
   local result = assert(solid:solve {tolerance = 1e-6})
   local force = 4 * result:total_reaction({plane = {{0, 0, 0}, {0, 0, 1}}})[3]
   return force, result.report

@@ -35,7 +35,7 @@ local function pendulum(scheme, parts)
   local grid = assert(bw.grid.box {size = {1, 0.1, 0.1}, cells = {10, 1, 1}})
   local solid = assert(bw.solid {grid = grid,
     materials = {bw.hyperelastic {law = "corotated", young = 1e9, poisson = 0.3, density = 1000}}})
-  solid:hold {where = function(x, _, z) return math.abs(x) < 1e-9 and math.abs(z) < 1e-9 end}
+  solid:fix {where = function(x, _, z) return math.abs(x) < 1e-9 and math.abs(z) < 1e-9 end}
   local g, points, mass = 9.81, grid.points:totable(), solid.mass:totable()
   local first, second, m = {0, 0}, 0, 0
   for i, p in ipairs(points) do
@@ -70,11 +70,11 @@ local function cantilever(cells, parts)
   local grid = assert(bw.grid.box {size = {length, side, side}, cells = {cells, 1, 1}})
   local solid = assert(bw.solid {grid = grid,
     materials = {bw.hyperelastic {law = "corotated", young = young, poisson = 0, density = density}}})
-  solid:hold {side = "low x"}
+  solid:fix {side = "low x"}
   solid:force({side = "high x"}, {0, 0, 1e-4})
   local bent = assert(solid:solve {tolerance = 1e-10})
   local free = assert(bw.solid {grid = grid, materials = solid.materials})
-  free:hold {side = "low x"}
+  free:fix {side = "low x"}
   -- Euler's frequency with what the elements add to the stiffness, and Timoshenko's correction by
   -- shear alone: the lumped masses at corners turn with the section as if it were twice as deep
   local cell = length / cells / side

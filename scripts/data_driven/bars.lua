@@ -25,7 +25,7 @@ bars.pushing = {
   levels = 2,
   grid = box({16, 16, 16}, layers(3)),
   act = function(solid)
-    solid:hold {side = "low z"}
+    solid:fix {side = "low z"}
     solid:force({side = "high z"}, {0, 0, -400})
   end,
 }
@@ -35,7 +35,7 @@ bars.bending = {
   levels = 2,
   grid = box({8, 32, 8}, layers(2)),
   act = function(solid)
-    solid:hold {side = "low y"}
+    solid:fix {side = "low y"}
     solid:force({side = "high y"}, {0, 0, -25})
   end,
 }
@@ -47,7 +47,7 @@ bars.twisting = {
   grid = box({8, 32, 8}, layers(2)),
   act = function(solid)
     local middle, force = 4 * H, 60
-    solid:hold {side = "low y"}
+    solid:fix {side = "low y"}
     solid:force({side = "high y", high = {middle, 1, 1}}, {0, 0, force})
     solid:force({side = "high y", low = {middle, 0, 0}}, {0, 0, -force})
     solid:force({side = "high y", high = {1, 1, middle}}, {-force, 0, 0})

@@ -14,7 +14,7 @@ local function supports(coarse)
   local free, held = {}, {}
   for n = 1, coarse.node_count do free[n], held[n] = {1, 1, 1}, {0, 0, 0} end
   for _, act in ipairs(rawget(coarse, "acts")) do
-    if act.kind == "hold" then
+    if act.kind == "fix" then
       for _, n in ipairs(assert(coarse.grid:nodes(act.where)):totable()) do
         for c = 1, 3 do
           if act.by[c] then free[n][c], held[n][c] = 0, act.by[c] end

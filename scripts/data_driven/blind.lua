@@ -117,7 +117,7 @@ end
 local function solid_of(it)
   local function loaded(force)
     local solid = assert(bw.solid {grid = it.grid, materials = scenes.materials()})
-    solid:hold {side = "low y"}
+    solid:fix {side = "low y"}
     local p = it.pull
     return solid:force({side = "high y"}, {force * p[1], force * p[2], force * p[3]})
   end

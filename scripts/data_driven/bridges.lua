@@ -48,9 +48,9 @@ local function grid_of(with_arch)
 end
 
 local function act(solid)
-  solid:hold {side = "low z"}
-  solid:hold {side = "low x"}
-  solid:hold {side = "high x"}
+  solid:fix {side = "low z"}
+  solid:fix {side = "low x"}
+  solid:fix {side = "high x"}
   solid:gravity {0, 0, -9.81}
 end
 

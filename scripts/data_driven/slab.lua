@@ -17,8 +17,8 @@ local function grid(skin, material)
 end
 
 local function hold(solid)
-  solid:hold({side = "low y"}, {false, 0, 0})
-  solid:hold {side = "low x"}
+  solid:fix({side = "low y"}, {false, 0, 0})
+  solid:fix {side = "low x"}
 end
 
 return {
@@ -38,7 +38,7 @@ return {
     grid = grid(4, function(_, skin) return skin and 3 or 1 end),
     act = function(solid)
       hold(solid)
-      solid:hold({side = "high x"}, {-0.1, false, false})
+      solid:fix({side = "high x"}, {-0.1, false, false})
     end,
   },
 }

@@ -18,7 +18,7 @@ return function(set)
     end
     return 1
   end
-  local function held(solid) solid:hold {side = "low y"} end
+  local function held(solid) solid:fix {side = "low y"} end
   return {levels = 2, held = held,
     grid = function() return bw.grid.box {cells = CELLS, spacing = H, material = material} end,
     act = function(solid)

@@ -4,7 +4,7 @@
 --       [--regions 5] [--material NAME] [--unit mm] [--force N] [--pressure PA] [--fraction 0.025]
 --       [--measure stress|energy] [--target stress|displacement] [--laplacian] [--order 1|2]
 --       [--method search|paper] [--certify SHARE [--certificate FILE]]
---       [--contact M2] [--hold PLACE]... [--forbid PLACE]... [--friction MU] [--friction-facets 8]
+--       [--contact M2] [--fix PLACE]... [--forbid PLACE]... [--friction MU] [--friction-facets 8]
 --       [--hands K] [--hand M2]
 -- The last two lines say which loads are admissible (docs/theory/worst_case.md, section 15): --contact
 -- instead of --pressure; held and forbidden places such as low:z or near:0,0,30mm:5mm.
@@ -26,7 +26,7 @@ local known = {
   force = {"number", 20, above = 0}, pressure = {"number", nil, above = 0},
   fraction = {"number", 0.025, nil, 1, above = 0}, measure = {"string", "stress"},
   target = {"string", "stress"}, laplacian = {"flag", false}, order = {"whole number", 1, 1, 2},
-  contact = {"number", nil, above = 0}, hold = {"places"}, forbid = {"places"},
+  contact = {"number", nil, above = 0}, fix = {"places"}, forbid = {"places"},
   friction = {"number", 0, 0, 100}, ["friction-facets"] = {"whole number", 8, 3, 64},
   hands = {"whole number", nil, 1, 16}, hand = {"number", nil, above = 0},
   certify = {"number", nil, 0.001, 0.5}, certificate = {"string"},
@@ -245,7 +245,7 @@ local function main()
     end
     return area
   end
-  result.held_area_m2 = selections(wish.hold, "held", function(selection) part:fix(selection) end)
+  result.held_area_m2 = selections(wish.fix, "held", function(selection) part:fix(selection) end)
   result.forbidden_area_m2 = selections(wish.forbid, "no pressure", function(selection)
     forbidden = forbidden or {}
     forbidden[#forbidden + 1] = selection

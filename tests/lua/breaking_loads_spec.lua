@@ -19,7 +19,7 @@ end
 
 describe("the breaking force of a held bar", function()
   it("is that of a cantilever", function()
-    local found <close> = breaking {hold = root, force = 7}
+    local found <close> = breaking {fix = root, force = 7}
     -- sigma = 6 F L / h^3 with the force on the last 10 mm; a patch's mean is less than the stress at the root.
     local stiffest = bw.material.pla.strength * 0.01 ^ 3 / (6 * 0.095)
     assert.is_true(found.force > 0.8 * stiffest and found.force < 1.6 * stiffest, tostring(found))
@@ -32,7 +32,7 @@ describe("the breaking force of a held bar", function()
     assert.equal(14, free.worst.options.force)
     assert.is_true(found.force < free.force / 2)
     -- Where nothing presses on the outer half, the arm is half as long.
-    local near <close> = breaking {hold = root, forbidden = function(of) return {outer_half(of)} end}
+    local near <close> = breaking {fix = root, forbidden = function(of) return {outer_half(of)} end}
     assert.is_true(near.force > 1.7 * found.force and near.force < 2.7 * found.force, near.force / found.force)
     local beyond = found.mesh.boundary:above(1, 0.051) -- cells beside the border share its nodes
     assert.equal(0, near.worst:pressure():gather(beyond.nodes):max())
@@ -52,27 +52,27 @@ describe("the breaking force of a held bar", function()
     local alone <close> = breaking(nil, fine)
     local two <close> = breaking({hands = 2}, fine)
     assert.is_true(two.force > 2 * alone.force) -- they can only squeeze
-    local one <close> = breaking({hold = root, hands = 1}, fine)
-    local held <close> = breaking({hold = root}, fine)
+    local one <close> = breaking({fix = root, hands = 1}, fine)
+    local held <close> = breaking({fix = root}, fine)
     assert.is_true(one.force >= held.force * 0.98 and one.force < 1.1 * held.force)
   end)
 
   it("names what is wrong", function()
     local function raises(what, given) check.raises(what, breaking, given) end
     raises("option 'hands': one hand pushes a body away", {hands = 1})
-    raises("option 'hold': a function expected", {hold = root(mesh)})
-    raises("option 'hold': a function of the mesh that returns selections", {hold = function() return {7} end})
+    raises("option 'fix': a function expected", {fix = root(mesh)})
+    raises("option 'fix': a function of the mesh that returns selections", {fix = function() return {7} end})
     raises("option 'friction': at least 0", {friction = -1})
     local function fails(status, what, given)
       given.material = bw.material.pla
       check.fails(status, what, bw.breaking_force(mesh, given))
     end
-    fails("invalid", "the whole surface is constrained", {hold = function(of) return of.boundary end})
+    fails("invalid", "the whole surface is constrained", {fix = function(of) return of.boundary end})
     fails("empty", "'forbidden' selects nothing", {forbidden = function() return {} end})
     raises("no surface is left on which pressure may act", {forbidden = function(of) return of.boundary end})
-    fails("odd", "nothing there", {hold = function() return nil, "nothing there", {status = "odd"} end})
+    fails("odd", "nothing there", {fix = function() return nil, "nothing there", {status = "odd"} end})
     check.raises("my own mistake", bw.breaking_force, mesh, {material = bw.material.pla,
-      hold = function() error "my own mistake" end})
+      fix = function() error "my own mistake" end})
   end)
 end)
 
@@ -82,13 +82,13 @@ describe("barwright worst", function()
   end
 
   it("takes supports, forbidden places, friction and hands", function()
-    local status, out = worst "--hold low:x --forbid above:x:50mm --friction 0.3 --hands 1 --force 1"
+    local status, out = worst "--fix low:x --forbid above:x:50mm --friction 0.3 --hands 1 --force 1"
     assert.is_true(status <= 1, out) -- one mesh alone leaves much open
     assert.truthy(out:find("Constrained at low:x (1 cm2)", 1, true))
     assert.truthy(out:find("No load on above:x:50mm", 1, true))
     assert.truthy(out:find("Coefficient of friction 0.3", 1, true))
     assert.truthy(out:find("within 1 place at once", 1, true))
-    status, out = worst "--hold low:x --force 5kN --json"
+    status, out = worst "--fix low:x --force 5kN --json"
     assert.equal(1, status)
     assert.truthy(out:find '"held_area_m2": [%d.e-]+')
     assert.truthy(out:find '"friction": 0')
@@ -96,10 +96,10 @@ describe("barwright worst", function()
 
   it("refuses what is no place and what cannot be", function()
     for options, what in pairs {
-      ["--hold nowhere"] = "option --hold: 'nowhere' is no place",
+      ["--fix nowhere"] = "option --fix: 'nowhere' is no place",
       ["--forbid near:1"] = "option --forbid: 'near:1'",
-      ["--hold near:1,1,1m:1mm"] = "holds no boundary node",
-      ["--hold all"] = "the whole surface is constrained",
+      ["--fix near:1,1,1m:1mm"] = "holds no boundary node",
+      ["--fix all"] = "the whole surface is constrained",
       ["--forbid all"] = "no surface is left on which pressure may act",
       ["--hands 1"] = "option --hands: a part without supports moves freely",
       ["--hands 0"] = "--hands", ["--friction -0.1"] = "--friction",

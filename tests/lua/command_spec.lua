@@ -21,7 +21,7 @@ local sample = {
     {name = "force", value = "N", type = "number", unit = "N", default = 20, above = 0, what = "total"},
     {name = "count", value = "N", type = "integer", least = 1, most = 9, what = "how many"},
     {name = "kind", value = "KIND", one_of = {"stress", "energy"}, default = "stress", what = "which"},
-    {name = "hold", value = "PLACE", many = true, what = "where"},
+    {name = "fix", value = "PLACE", many = true, what = "where"},
     {name = "no-open", type = "flag", what = "not"},
   },
   run = function() end,
@@ -161,20 +161,20 @@ end)
 describe("the words behind a command", function()
   it("become a wish", function()
     local wish = assert(arguments.parse(sample, {"a.stl"}))
-    assert.same({model = "a.stl", rest = {}, force = 20, kind = "stress", hold = {}, no_open = false, json = false,
+    assert.same({model = "a.stl", rest = {}, force = 20, kind = "stress", fix = {}, no_open = false, json = false,
       quiet = false, help = false, given = {}}, wish)
-    wish = assert(arguments.parse(sample, {"--force=1kN", "a.stl", "--count", "3", "--hold", "x:0", "b",
-      "--hold=y", "--no-open", "--json", "--", "--kind"}))
+    wish = assert(arguments.parse(sample, {"--force=1kN", "a.stl", "--count", "3", "--fix", "x:0", "b",
+      "--fix=y", "--no-open", "--json", "--", "--kind"}))
     assert.equal(1000, wish.force)
     assert.equal(3, wish.count)
-    assert.same({"x:0", "y"}, wish.hold)
+    assert.same({"x:0", "y"}, wish.fix)
     assert.same({"b", "--kind"}, wish.rest)
     assert.is_true(wish.no_open)
     assert.is_true(wish.json)
-    assert.same({["--force"] = "1kN", ["--count"] = "3", ["--hold"] = "y", ["--no-open"] = true,
+    assert.same({["--force"] = "1kN", ["--count"] = "3", ["--fix"] = "y", ["--no-open"] = true,
       ["--json"] = true}, wish.given)
     assert.equal("-", arguments.parse(sample, {"-"}).model)
-    assert.equal("-5", arguments.parse(sample, {"a", "--hold", "-5"}).hold[1]) -- a value, whatever it looks like
+    assert.equal("-5", arguments.parse(sample, {"a", "--fix", "-5"}).fix[1]) -- a value, whatever it looks like
     assert.is_true(arguments.parse(sample, {"--help", "--nonsense"}).help)
     assert.is_true(arguments.parse(sample, {"-h"}).help)
   end)
@@ -204,7 +204,7 @@ describe("the words behind a command", function()
   it("and the help come from the same table", function()
     local text = help_text.of("sample", sample)
     assert.truthy(text:find("usage: barwright sample MODEL [REST ...] [options]", 1, true))
-    assert.truthy(text:find("--force N     total (default 20 N)", 1, true), text)
+    assert.truthy(text:find("--force N    total (default 20 N)", 1, true), text)
     assert.truthy(text:find("(stress, energy; default stress)", 1, true), text)
     for line in text:gmatch "[^\n]+" do assert.truthy(utf8.len(line) <= 80, line) end
   end)
@@ -482,7 +482,7 @@ describe("commands that compute", function()
   end)
 
   it("statics takes a density in place of the material's", function()
-    local words = "statics --material steel --hold low:x --gravity 0,0,-1g " .. beam
+    local words = "statics --material steel --fix low:x --gravity 0,0,-1g " .. beam
     local _, steel = answer(words)
     local _, heavy = answer(words .. " --density 31400")
     check.near(4 * steel.mass_kg, heavy.mass_kg, 1e-9)
@@ -537,7 +537,7 @@ describe("commands that compute", function()
 
   it("worst, statics and modes refuse a size that is implausible until the unit is given", function()
     for words, unit in pairs {["worst --elements 300 --modes 2 --regions 1 %s"] = "um",
-      ["statics --elements 300 --hold low:z --gravity 0,0,-1 %s"] = "um", ["modes --elements 300 %s"] = "um"} do
+      ["statics --elements 300 --fix low:z --gravity 0,0,-1 %s"] = "um", ["modes --elements 300 %s"] = "um"} do
       local status, object, err = answer(words:format(("--unit %s %ssound.stl"):format(unit, folder)))
       assert.truthy(status ~= 2 and status ~= 3, err)
       assert.is_nil(object.error)
@@ -550,20 +550,20 @@ describe("commands that compute", function()
     for name, question in pairs {["tiny.off"] = "--unit m makes it 60 x 20 x 10 mm",
       ["millimetres.msh"] = "taken as metres, which makes it 60000 x 20000 x 10000 mm: large for a part. "
         .. "--unit mm makes it 60 x 20 x 10 mm"} do
-      for _, words in ipairs {"worst ", "statics --hold low:z --gravity 0,0,-1 ", "modes "} do
+      for _, words in ipairs {"worst ", "statics --fix low:z --gravity 0,0,-1 ", "modes "} do
         local status, _, err = answer(words .. folder .. name)
         assert.truthy(err:find(question, 1, true), err)
         assert.equal(2, status, words)
       end
     end
-    local status, object, err = answer("statics --hold low:z --gravity 0,0,-1 --unit mm " .. folder
+    local status, object, err = answer("statics --fix low:z --gravity 0,0,-1 --unit mm " .. folder
       .. "millimetres.msh")
     assert.equal(0, status, err)
     assert.equal("mm", object.unit)
   end)
 
   it("statics warns of volumetric locking, and takes the formulation that cures it", function()
-    local words = "statics " .. beam .. " --material steel --poisson 0.499 --hold low:x --force high:x=0,0,-100N "
+    local words = "statics " .. beam .. " --material steel --poisson 0.499 --fix low:x --force high:x=0,0,-100N "
     local function locking(object)
       return table.concat(object.remarks or {}, " "):find("volumetric locking", 1, true) ~= nil
     end
@@ -588,7 +588,7 @@ describe("commands that compute", function()
       profile[#profile + 1], profile[#profile + 2] = {0.01, 0.04}, {0, 0.04}
       local path = folder .. "fillet.stl"
       assert(prism(profile, {0.005, 0.005}, 0.01):write(path))
-      local _, object = answer("statics --elements 8000 --hold above:y:40mm --force above:x:40mm=0,-100,0 "
+      local _, object = answer("statics --elements 8000 --fix above:y:40mm --force above:x:40mm=0,-100,0 "
         .. "--material abs " .. path)
       return object
     end
@@ -617,7 +617,7 @@ describe("commands that compute", function()
     assert.near(0.01, shape.singular_edges[1].length_m, 1e-6)
     local _, text = check.run("check --edges yes " .. path)
     assert.truthy(text:find("Re-entrant edges without a fillet: 1 singular place", 1, true), text)
-    local words = "statics --elements 2000 --hold above:y:40mm --force above:x:40mm=0,-20,0 --material abs "
+    local words = "statics --elements 2000 --fix above:y:40mm --force above:x:40mm=0,-20,0 --material abs "
     local _, object = answer(words .. path)
     assert.is_true(object.singular)
     assert.truthy(object.singular_by:find("geometry", 1, true))
@@ -639,9 +639,9 @@ describe("commands that compute", function()
     assert.truthy(out:find("(by geometry and growth; h^-0.46 expected, ", 1, true), out)
     assert.truthy(out:find("The effective stress of the theory of critical distances, the mean over 4.421 mm", 1,
       true), out)
-    _, object = answer("statics --elements 2000 --hold above:y:40mm --force above:x:40mm=0,-20,0 " .. path)
+    _, object = answer("statics --elements 2000 --fix above:y:40mm --force above:x:40mm=0,-20,0 " .. path)
     assert.is_nil(object.effective_stress_pa) -- the toughness of PLA is not known
-    _, object = answer("statics --elements 2000 --toughness 3e6 --hold above:y:40mm --force above:x:40mm=0,-20,0 "
+    _, object = answer("statics --elements 2000 --toughness 3e6 --fix above:y:40mm --force above:x:40mm=0,-20,0 "
       .. path)
     assert.near((3 / 53) ^ 2 / math.pi, object.critical_distance_m, 1e-12)
     local near, far, critical
@@ -659,7 +659,7 @@ describe("commands that compute", function()
     assert.is_nil(critical.fillet_stress_pa)
     _, out = check.run(finer .. "--fillet 1mm " .. path)
     assert.truthy(out:find("With a fillet of 1 mm the re-entrant edge at (10, 10, ", 1, true), out)
-    _, out = check.run("statics --hold low:x --gravity 0,0,-1 --fillet 1mm " .. beam)
+    _, out = check.run("statics --fix low:x --gravity 0,0,-1 --fillet 1mm " .. beam)
     assert.truthy(out:find("The stress of a fillet is not known: there is no re-entrant edge.", 1, true), out)
     _, object = answer("worst --elements 1200 --modes 4 --regions 1 " .. path)
     assert.is_true(object.singular)
@@ -850,7 +850,7 @@ describe("commands that compute", function()
     assert.same({#border, 1}, {#given.lines, #given.arrows})
     local path = folder .. "statics.png"
     local page = folder .. "statics.html"
-    local _, out = check.run(("statics %s --material steel --hold low:x --gravity 0,0,-1g --picture %s "
+    local _, out = check.run(("statics %s --material steel --fix low:x --gravity 0,0,-1g --picture %s "
       .. "--report %s"):format(beam, path, page))
     local html = check.read(page)
     for _, sentence in ipairs {out:match "The largest displacement[^\n]*", out:match "The judged stress[^\n]*",
@@ -874,7 +874,7 @@ describe("commands that compute", function()
     assert.is_true(#data.lines > 0)
     assert.truthy(out:find("%% of the strength of steel %(estimated error %d+ %%%): it holds%."), out)
     assert.is_nil(out:find("beyond the range", 1, true))
-    _, out = check.run(("statics %s --material abs --hold low:x --force high:x=0,0,-100kN"):format(beam))
+    _, out = check.run(("statics %s --material abs --fix low:x --force high:x=0,0,-100kN"):format(beam))
     assert.truthy(out:find("Displacements are beyond the range of linear theory: more than a tenth", 1, true), out)
     assert.truthy(#check.read(path) > 1000)
   end)
@@ -882,7 +882,7 @@ describe("commands that compute", function()
   it("modes refines until the frequencies are within an error", function()
     local path = folder .. "bar.stl"
     assert(prism({{0, 0}, {0.1, 0}, {0.1, 0.01}, {0, 0.01}}, {0.05, 0.005}, 0.01):write(path))
-    local words = "modes --count 2 --elements 800 --hold low:x %s" .. path
+    local words = "modes --count 2 --elements 800 --fix low:x %s" .. path
     local _, plain = answer(words:format "--order 2 ")
     local _, fine = answer(words:format "--error 0.01 ")
     assert.is_true(fine.converged)
@@ -894,21 +894,21 @@ describe("commands that compute", function()
   end)
 
   it("statics refuses a support without a facet", function()
-    local status, _, fault = check.run("statics " .. beam .. " --hold near:0,0,0:1mm --gravity 0,0,-1")
+    local status, _, fault = check.run("statics " .. beam .. " --fix near:0,0,0:1mm --gravity 0,0,-1")
     assert.equal(2, status)
     assert.truthy(fault:find("near:0,0,0:1mm: a fixed support acts on area", 1, true), fault)
   end)
 
   it("statics refuses a part that is held everywhere", function()
     -- All coordinates lie below 2 m.
-    local status, out, fault = check.run("statics " .. beam .. " --hold below:z:2m --force high:x=0,0,-100N")
+    local status, out, fault = check.run("statics " .. beam .. " --fix below:z:2m --force high:x=0,0,-100N")
     assert.equal(2, status)
     assert.is_nil(out:find("it holds", 1, true))
     assert.truthy(fault:find("the supports fix all 290 boundary nodes: no load reaches the body", 1, true), fault)
   end)
 
   it("statics gives the beam's deflection and stress", function()
-    local status, object = answer("statics " .. beam .. " --material steel --order 2 --hold below:x:0 --force "
+    local status, object = answer("statics " .. beam .. " --material steel --order 2 --fix below:x:0 --force "
       .. "above:x:1m=0,0,-100N")
     assert.equal(0, status)
     local moment = 0.1 ^ 4 / 12 -- second moment of area
@@ -918,20 +918,20 @@ describe("commands that compute", function()
     check.near(0.01, object.supported_area_m2, 1e-9)
     assert.is_true(object.estimated_error >= 0.5) -- one mesh only
     assert.equal(3, #object.at_m)
-    status, object = answer("statics " .. beam .. " --material steel --hold low:x --force high:x=0,0,-10MN")
+    status, object = answer("statics " .. beam .. " --material steel --fix low:x --force high:x=0,0,-10MN")
     assert.equal(1, status)
     assert.equal("breaks", object.verdict)
-    status, object = answer("statics " .. beam .. " --material steel --hold low:x --gravity 0,0,-1g")
+    status, object = answer("statics " .. beam .. " --material steel --fix low:x --gravity 0,0,-1g")
     assert.equal(0, status)
     check.near(7850 * 0.1 ^ 2 * 9.80665 * 1 / (8 * 210e9 * moment), object.max_displacement_m, 0.05)
     assert.equal("factor", object.solver.with)
     local before = object.max_displacement_m
-    status, object = answer("statics " .. beam .. " --material steel --hold low:x --gravity 0,0,-1g --with pcg")
+    status, object = answer("statics " .. beam .. " --material steel --fix low:x --gravity 0,0,-1g --with pcg")
     assert.equal(0, status)
     check.near(before, object.max_displacement_m, 1e-8)
     assert.equal("pcg", object.solver.with)
     assert.is_true(object.solver.iterations > 5 and object.solver.residual < 1e-9)
-    status, object = answer("statics " .. beam .. " --material steel --hold low:x --gravity 0,0,-1g --error 0.1")
+    status, object = answer("statics " .. beam .. " --material steel --fix low:x --gravity 0,0,-1g --error 0.1")
     assert.equal(0, status)
     assert.is_true(#object.steps >= 2)
     assert.equal(object.steps[#object.steps].value, object.value)
@@ -949,7 +949,7 @@ describe("commands that compute", function()
     check.near(bending(4.730), object.frequencies_hz[1], 0.08)
     assert.equal(6, object.rigid_motions)
     assert.is_true(object.counted)
-    _, object = answer("modes " .. beam .. " --material steel --count 2 --hold below:x:0 --vtu " .. folder
+    _, object = answer("modes " .. beam .. " --material steel --count 2 --fix below:x:0 --vtu " .. folder
       .. "m.vtu")
     check.near(bending(1.875), object.frequencies_hz[1], 0.03)
     assert.equal(0, object.rigid_motions)
@@ -958,19 +958,19 @@ describe("commands that compute", function()
 
   it("refuse what makes no sense, with a sentence", function()
     for words, text in pairs {
-      ["statics " .. beam] = "--hold PLACE is missing",
-      ["statics --hold low:x " .. beam] = "no load is given",
-      ["statics --hold low:x --gravity 0,0,1 --length 2 " .. beam] = "'2' has no unit",
-      ["statics --hold low:x --gravity 0,0,1 --fillet 0mm " .. beam] = "option --fillet",
-      ["statics --hold low:x --gravity 0,0,1 --length critical " .. beam] = "the fracture toughness of pla",
+      ["statics " .. beam] = "--fix PLACE is missing",
+      ["statics --fix low:x " .. beam] = "no load is given",
+      ["statics --fix low:x --gravity 0,0,1 --length 2 " .. beam] = "'2' has no unit",
+      ["statics --fix low:x --gravity 0,0,1 --fillet 0mm " .. beam] = "option --fillet",
+      ["statics --fix low:x --gravity 0,0,1 --length critical " .. beam] = "the fracture toughness of pla",
       ["modes --error 2 " .. beam] = "option --error",
-      ["statics --hold lwo:x --gravity 0,0,1 " .. beam] = "'lwo:x' is no place",
-      ["statics --hold low:w --gravity 0,0,1 " .. beam] = "an axis x, y or z expected",
-      ["statics --hold low:x --force low:y=3 " .. beam] = "three numbers such as",
-      ["statics --hold low:x --force low:y " .. beam] = "PLACE=VALUE expected",
-      ["statics --hold low:x --pressure low:y=3N " .. beam] = "a number with one of the units",
-      ["modes --hold near:0,0:1mm " .. beam] = "three numbers such as",
-      ["modes --hold below:x:1kg " .. beam] = "a number with one of the units",
+      ["statics --fix lwo:x --gravity 0,0,1 " .. beam] = "'lwo:x' is no place",
+      ["statics --fix low:w --gravity 0,0,1 " .. beam] = "an axis x, y or z expected",
+      ["statics --fix low:x --force low:y=3 " .. beam] = "three numbers such as",
+      ["statics --fix low:x --force low:y " .. beam] = "PLACE=VALUE expected",
+      ["statics --fix low:x --pressure low:y=3N " .. beam] = "a number with one of the units",
+      ["modes --fix near:0,0:1mm " .. beam] = "three numbers such as",
+      ["modes --fix below:x:1kg " .. beam] = "a number with one of the units",
       ["worst --material plaa " .. beam] = "did you mean 'pla'",
       ["worst --force -3 " .. beam] = "above 0 expected",
       ["materials plaa"] = "did you mean 'pla'",
@@ -981,7 +981,7 @@ describe("commands that compute", function()
       ["strengthen --force 5 --keep lwo:z --out x.stl " .. beam] = "'lwo:z' is no place",
       ["strengthen --force 5 --out x.stl " .. folder .. "plate.svg"] = "a drawing is flat",
       ["worst " .. folder .. "plate.svg"] = "a drawing is flat",
-      ["statics --hold near:9,9,9m:1mm --gravity 0,0,1 " .. beam] = "holds no boundary node",
+      ["statics --fix near:9,9,9m:1mm --gravity 0,0,1 " .. beam] = "holds no boundary node",
       ["worst --material zp150 --young 1GPa " .. beam] = "differs with the direction",
     } do
       local status, _, err = answer(words)
@@ -998,8 +998,8 @@ describe("commands that compute", function()
       assert.truthy(err:find(text, 1, true), words .. ": " .. err)
     end
     for words, text in pairs {
-      ["modes --hold near:0,0,0:1mm " .. beam] = "near:0,0,0:1mm: a fixed support acts on area",
-      ["modes --hold near:9,9,9m:1mm " .. beam] = "holds no boundary node",
+      ["modes --fix near:0,0,0:1mm " .. beam] = "near:0,0,0:1mm: a fixed support acts on area",
+      ["modes --fix near:9,9,9m:1mm " .. beam] = "holds no boundary node",
       ["convert " .. folder .. "sound.stl " .. folder .. "x.dxf"] = "not as a drawing",
       ["convert " .. folder .. "sound.stl " .. folder .. "x.xyz"] = "ending .xyz is not known",
       ["convert " .. folder .. "plate.svg " .. folder .. "x.stl"] = "a drawing can be written as",
@@ -1136,7 +1136,7 @@ describe("every model of the collection", function()
     for _, name in ipairs(names) do
       for command, options in pairs {check = "", worst = "--elements 3000 --modes 6 --regions 2",
         modes = "--elements 3000 --order 1", convert = folder .. "/out.ply --repair",
-        statics = "--elements 3000 --order 1 --hold low:z --gravity 0,0,-9.81"} do
+        statics = "--elements 3000 --order 1 --fix low:z --gravity 0,0,-9.81"} do
         local status, object, err = answer(("%s '%s/models/%s' %s"):format(command, shared, name, options))
         assert.truthy(status >= 0 and status <= 3, command .. " " .. name .. err)
         assert.is_true(status == 0 or object.error ~= nil or object.sound == false or object.verdict ~= nil,

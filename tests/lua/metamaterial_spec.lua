@@ -21,7 +21,7 @@ local function layered()
   local grid = assert(bw.grid.box {size = {0.08, 0.16, 0.08}, cells = {4, 8, 4},
     material = function(_, y) return y // 0.02 % 2 + 1 end})
   local solid = assert(bw.solid {grid = grid, materials = materials()})
-  solid:hold {side = "low y"}
+  solid:fix {side = "low y"}
   return solid:force({side = "high y"}, {0, 120, 0})
 end
 
@@ -114,8 +114,8 @@ describe("a library", function()
     end
     local grid = assert(bw.grid.box {cells = {6, 12, 6}, spacing = 0.01,
       material = function(x, _, z) return column[6 * math.floor(x / 0.01) + math.floor(z / 0.01)] end})
-    local solid = assert(bw.solid {grid = grid, materials = materials()}):hold {side = "low y"}
-    return solid:hold({side = "high y"}, {0, -0.006, 0}),
+    local solid = assert(bw.solid {grid = grid, materials = materials()}):fix {side = "low y"}
+    return solid:fix({side = "high y"}, {0, -0.006, 0}),
       assert(bw.metamaterial.grow(materials(), grid, {directions = 10}))
   end
 
@@ -152,7 +152,7 @@ describe("a library", function()
   -- A bar of soft cells with hard ones, held below, under a force or a displacement of its upper end.
   local function bar(material, load)
     local grid = assert(bw.grid.box {cells = {4, 10, 4}, spacing = 0.01, material = material})
-    local solid = assert(bw.solid {grid = grid, materials = materials()}):hold {side = "low y"}
+    local solid = assert(bw.solid {grid = grid, materials = materials()}):fix {side = "low y"}
     local across, value = load[2], load[3]
     return solid[load[1]](solid, {side = "high y"}, across and {value, 0, 0} or {0, value, 0})
   end
@@ -171,8 +171,8 @@ describe("a library", function()
         return mixture[math.floor(1 + x // 0.01 + 4 * (y // 0.01) + 40 * (z // 0.01))]
       end,
     }
-    local loads = {pull = {"force", false, 2}, bend = {"force", true, 0.02}, press = {"hold", false, -0.004},
-      shear = {"hold", true, 0.01}}
+    local loads = {pull = {"force", false, 2}, bend = {"force", true, 0.02}, press = {"fix", false, -0.004},
+      shear = {"fix", true, 0.01}}
     local chosen = {library = 0, naive = 0}
     for _, material in pairs(layouts) do
       local made = assert(bw.metamaterial.grow(materials(), bar(material, loads.pull).grid, {directions = 10}))

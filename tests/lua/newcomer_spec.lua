@@ -60,7 +60,7 @@ describe("a newcomer is told", function()
 
   it("what a file is that is no model, no script and no folder", function()
     for _, command in ipairs {"check @", "worst @", "modes @", "convert @ x.obj",
-      "strengthen @ --force 5 --out x.stl", "statics @ --hold low:z --gravity 0,0,-1"} do
+      "strengthen @ --force 5 --out x.stl", "statics @ --fix low:z --gravity 0,0,-1"} do
       says(3, "the file is empty (0 bytes)", (command:gsub("@", "empty.stl")))
       says(3, "it is a directory", (command:gsub("@", "adir")))
       says(3, "No such file or directory", (command:gsub("@", "nothing.stl")))

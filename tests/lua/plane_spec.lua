@@ -87,7 +87,7 @@ describe("a plane mesh", function()
     local outline = block()
     for order = 1, 2 do
       local mesh = assert(bw.plane.fill(outline, {elements = 500, order = order}))
-      local mover = assert(bw.plane.mover(mesh))
+      local mover = assert(bw.plane.mesh_motion(mesh))
       local seen, now = {}, outline
       local field = mesh.points
       for i = 1, 30 do
@@ -118,7 +118,7 @@ describe("a plane mesh", function()
       return assert(bw.outline {{0, 0}, {2 * size, 0}, {2 * size, size}, {size, 1.2 * size}, {0, size}})
     end
     local mesh = assert(bw.plane.fill(block(), {elements = 200}))
-    local mover = assert(bw.plane.mover(mesh, {fill = {elements = 200}}))
+    local mover = assert(bw.plane.mesh_motion(mesh, {fill = {elements = 200}}))
     for _, outline in ipairs {house(1), assert(bw.outline.rectangle {width = 2e-6, height = 1e-6}), house(1e6),
       assert(bw.outline.rectangle {width = 2e-6, height = 1e-6}), house(1)} do
       assert(mover:follow(outline))
@@ -129,7 +129,7 @@ describe("a plane mesh", function()
   it("pulls gradients back to the outline", function()
     local outline = block()
     local mesh = assert(bw.plane.fill(outline, {elements = 200}))
-    local mover = assert(bw.plane.mover(mesh))
+    local mover = assert(bw.plane.mesh_motion(mesh))
     -- J = sum of x of all nodes: moving everything to the right by 1 gains the number of nodes
     local ones = {}
     for i = 1, mesh.node_count do ones[i] = {1, 0} end
@@ -147,7 +147,7 @@ describe("a plane mesh", function()
     local calls = 0
     local field = function(x) calls = calls + 1 return 0.05 + 0.1 * x end
     local mesh = assert(bw.plane.fill(outline, {field = field}))
-    local mover = assert(bw.plane.mover(mesh, {force = "reconstruction", fill = {field = field}}))
+    local mover = assert(bw.plane.mesh_motion(mesh, {force = "reconstruction", fill = {field = field}}))
     field = nil -- luacheck: ignore 311
     collectgarbage()
     calls = 0
@@ -206,7 +206,7 @@ describe("a plane mesh", function()
     assert.is_truthy(message:find "limit")
     assert.equal("limit", details.status)
     local mesh = assert(bw.plane.fill(outline, {elements = 100}))
-    check.raises("distorted", function() bw.plane.mover(mesh, {distorted = 2}) end)
+    check.raises("distorted", function() bw.plane.mesh_motion(mesh, {distorted = 2}) end)
     check.raises("a row for every node", function() mesh:carry(mesh, bw.array.new {1, 2}) end)
   end)
 end)

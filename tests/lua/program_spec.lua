@@ -249,7 +249,7 @@ describe("scripts/worst_case/run.lua", function()
     local folder = check.folder()
     assert(check.beam({8, 2, 2}):scale(0.02):write(folder .. "/beam.vtu"))
     local status, out, err = check.run(run .. folder .. "/beam.vtu --modes 3 --regions 1 --force 2 --contact 2e-5"
-      .. " --hold low:x --forbid high:z --forbid=high:y --friction 0.3 --friction-facets 4 --hands 1 --hand 1e-4"
+      .. " --fix low:x --forbid high:z --forbid=high:y --friction 0.3 --friction-facets 4 --hands 1 --hand 1e-4"
       .. " --certify 0.05 --out " .. folder .. "/out")
     assert.equal("", err)
     assert.equal(0, status)
@@ -260,7 +260,7 @@ describe("scripts/worst_case/run.lua", function()
     assert.truthy(result.held_area_m2 > 0 and result.forbidden_area_m2 > result.held_area_m2)
     assert.truthy(result.upper_bound_pa >= result.max_principal_pa)
     check.near(result.gap, result.upper_bound_pa / result.max_principal_pa - 1, 1e-9)
-    local code, _, said = check.run(run .. folder .. "/beam.vtu --hold lwo:z --out " .. folder .. "/out")
+    local code, _, said = check.run(run .. folder .. "/beam.vtu --fix lwo:z --out " .. folder .. "/out")
     assert.equal(2, code)
     assert.truthy(said:find("is no place", 1, true))
     code, _, said = check.run(run .. folder .. "/beam.vtu --pressure 1 --contact 1 --out " .. folder .. "/out")

@@ -16,7 +16,7 @@ local function column(materials)
   return assert(bw.solid {grid = grid, materials = materials or {rubber()}})
 end
 
-local function standing(materials) return column(materials):hold {side = "low z"} end
+local function standing(materials) return column(materials):fix {side = "low z"} end
 
 local top = {side = "high z"}
 
@@ -82,20 +82,20 @@ describe("what acts on a solid", function()
   it("is told where it is made", function()
     local solid = column()
     for _, bad in ipairs {{0}, {46}, {nan}, {1.5}, {"x"}} do
-      check.raises("numbers from 1 to 45", solid.hold, solid, bad)
+      check.raises("numbers from 1 to 45", solid.fix, solid, bad)
     end
-    check.raises("chooses nothing", solid.hold, solid, {})
+    check.raises("chooses nothing", solid.fix, solid, {})
     local endless = setmetatable({}, {__len = function() return "3" end})
-    check.raises("a table without a length", solid.hold, solid, endless)
+    check.raises("a table without a length", solid.fix, solid, endless)
     check.raises("a place expected", solid.force, solid, nil, {1, 0, 0})
     check.raises("no node lies", solid.force, solid, {low = {9, 9, 9}}, {1, 0, 0})
-    check.raises("holds nothing", solid.hold, solid, top, {false, false, false})
+    check.raises("holds nothing", solid.fix, solid, top, {false, false, false})
     for _, bad in ipairs {nan, inf, "1"} do
-      check.raises("expected", solid.hold, solid, top, {bad, 0, 0})
+      check.raises("expected", solid.fix, solid, top, {bad, 0, 0})
       check.raises("expected", solid.force, solid, top, {bad, 0, 0})
       check.raises("expected", solid.gravity, solid, {bad, 0, 0})
       check.raises("expected", solid.pressure, solid, top, {pressure = bad})
-      check.raises("expected", solid.floor, solid, {point = {bad, 0, 0}, normal = {0, 0, 1}})
+      check.raises("expected", solid.contact_plane, solid, {point = {bad, 0, 0}, normal = {0, 0, 1}})
       check.raises("expected", solid.turn, solid, top, {axis = {0, 0, 1}, angle = bad})
     end
     check.raises("a list needs a surface", solid.pressure, solid, top, {pressure = {1, 2}})
@@ -105,7 +105,7 @@ describe("what acts on a solid", function()
 
   it("may be a function, which is checked", function()
     for _, f in ipairs {function() end, function() return 1, 2 end, function() return nan, 0, 0 end} do
-      check.raises("three finite numbers", function() standing():hold(top, f):solve() end)
+      check.raises("three finite numbers", function() standing():fix(top, f):solve() end)
     end
     local surface = assert(column().grid:surface())
     for _, f in ipairs {function() end, function() return "x" end, function() return nan end} do
@@ -154,14 +154,14 @@ describe("a solid", function()
       function(s) return s:force(top, {1e300, 0, 0}) end,
       function(s) return s:gravity {0, 0, -1e30} end,
       function(s) return s:pressure(top, {pressure = 1e30, follower = true}) end,
-      function(s) return s:hold(top, {0, 0, 1e30}) end,
-      function(s) return s:floor {point = {0, 0, 0.2}, normal = {0, 0, -1}, move = {0, 0, -0.5}} end} do
+      function(s) return s:fix(top, {0, 0, 1e30}) end,
+      function(s) return s:contact_plane {point = {0, 0, 0.2}, normal = {0, 0, -1}, move = {0, 0, -0.5}} end} do
       local result, message, details = act(standing()):solve {iterations = 15}
       assert.is_nil(result)
       assert.is_truthy(message:find("load factor", 1, true))
       assert.is_false(details.reached.complete)
     end
-    check.fails("unconstrained", "along", column():floor({point = {0, 0, 0}, normal = {0, 0, 1}}):gravity(
+    check.fails("unconstrained", "along", column():contact_plane({point = {0, 0, 0}, normal = {0, 0, 1}}):gravity(
       {0, 0, -9.81}):solve())
     check.raises("density is not known", function()
       standing({bw.hyperelastic {young = 1, poisson = 0}}):gravity({0, 0, -1}):solve()
@@ -173,7 +173,7 @@ describe("a solid", function()
     local turned = assert(standing():turn(top, {axis = {0, 0, 1}, point = {0.05, 0.05, 0},
       angle = 3600}):solve())
     assert.equal(120, turned.report.load_steps)
-    local pushed = assert(standing():floor {point = {0, 0, 0.19}, normal = {0, 0, -1}}:solve())
+    local pushed = assert(standing():contact_plane {point = {0, 0, 0.19}, normal = {0, 0, -1}}:solve())
     assert.is_true(pushed.displacement:gather(pushed.grid:nodes(top)):column(3):max() < -0.01 + 1e-9)
     for _, poisson in ipairs {0.4999, -0.5} do
       for _, law in ipairs {"neo_hookean", "corotated"} do
@@ -211,7 +211,7 @@ describe("a solid", function()
     end)
     assert(run())
     local large = assert(bw.solid {grid = assert(bw.grid.box {size = 0.1, cells = 12}), materials = {rubber()}})
-    large:hold({side = "low z"}):turn(top, {axis = {0, 0, 1}, angle = 170})
+    large:fix({side = "low z"}):turn(top, {axis = {0, 0, 1}, angle = 170})
     showing(function() return false end, function()
       check.fails("cancelled", "", large:solve())
     end)

@@ -14,9 +14,9 @@ end
 
 -- Free to become thinner: held along z below, and just enough in the plane.
 local function stand(solid)
-  solid:hold({side = "low z"}, {false, false, 0})
-  solid:hold({side = "low x"}, {0, false, false})
-  return solid:hold({side = "low y"}, {false, 0, false})
+  solid:fix({side = "low z"}, {false, false, 0})
+  solid:fix({side = "low x"}, {0, false, false})
+  return solid:fix({side = "low y"}, {false, 0, false})
 end
 
 describe("a hyperelastic material", function()
@@ -27,7 +27,7 @@ describe("a hyperelastic material", function()
       check.near(1e6, soft.young, 1e-12)
       local grid = assert(bw.grid.box {cells = {2, 2, 4}, spacing = 0.1})
       local solid = assert(bw.solid {grid = grid, materials = {soft}})
-      solid:hold {side = "low z"}
+      solid:fix {side = "low z"}
       solid:force({side = "high z"}, {1, 0, 0})
       return solid, assert(solid:solve()), soft
     end
@@ -81,7 +81,7 @@ describe("a solid", function()
   it("stretched with free sides pulls as the closed form says", function()
     -- compressible neo-Hookean, E = 1, nu = 0.3, stretch 1.5: P/E and lateral stretch
     local solid = stand(column())
-    solid:hold({side = "high z"}, {false, false, 0.05})
+    solid:fix({side = "high z"}, {false, false, 0.05})
     local result = assert(solid:solve())
     local reaction = result:total_reaction {side = "high z"}
     check.near(0.3782801763943185, reaction[3] / (0.01 * 1e6), 1e-6)
@@ -108,8 +108,8 @@ describe("a solid", function()
     end})
     check.near(30, assert(pressed:solve()):total_reaction({side = "low z"})[3], 1e-6)
     local floored = column(2)
-    floored:hold {side = "low z"}
-    floored:floor {point = {0, 0, 0.2}, normal = {0, 0, -1}, move = {0, 0, -0.02}}
+    floored:fix {side = "low z"}
+    floored:contact_plane {point = {0, 0, 0.2}, normal = {0, 0, -1}, move = {0, 0, -0.02}}
     local down = assert(floored:solve())
     local top = down.displacement:gather(floored.grid:nodes {side = "high z"})
     check.near(-0.02, top:column(3):max(), 1e-8)
@@ -118,7 +118,7 @@ describe("a solid", function()
 
   it("goes along the arc of a turn", function()
     local solid = column(3)
-    solid:hold {side = "low z"}
+    solid:fix {side = "low z"}
     solid:turn({side = "high z"}, {axis = {0, 0, 2}, point = {0.05, 0.05, 0}, angle = 90})
     local result = assert(solid:solve())
     local nodes = solid.grid:nodes {side = "high z"}
@@ -134,7 +134,7 @@ describe("a solid", function()
   it("has an error relative to the reference's displacement, however little that is", function()
     local function pulled(force)
       local solid = column(2)
-      solid:hold {side = "low z"}
+      solid:fix {side = "low z"}
       solid:force({side = "high z"}, {0, 0, force})
       return assert(solid:solve())
     end
@@ -155,7 +155,7 @@ describe("a solid", function()
     local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.3}, cells = {4, 4, 12},
       material = function(x) return x // 0.025 % 2 + 1 end})
     local fine = assert(bw.solid {grid = grid, materials = materials})
-    fine:hold {side = "low z"}
+    fine:fix {side = "low z"}
     fine:force({side = "high z"}, {0, 0, 100})
     local reference = assert(fine:solve())
     assert.equal(0, reference:error(reference))
@@ -174,14 +174,14 @@ describe("a solid", function()
     local from_scratch = assert(assert(fine:with(softer)):coarsen("naive", 1))
     assert.equal(0, assert(edited:solve()):error(assert(from_scratch:solve())))
     check.raises("nodes given by their numbers", function()
-      assert(assert(bw.solid {grid = grid, materials = materials}):hold({1, 2, 3}):coarsen "naive"):solve()
+      assert(assert(bw.solid {grid = grid, materials = materials}):fix({1, 2, 3}):coarsen "naive"):solve()
     end)
   end)
 
   it("is let go where its tangent is not definite: by conjugate gradients as with a factor", function()
     local grid = assert(bw.grid.box {cells = {2, 2, 16}, spacing = 0.01})
     local solid = assert(bw.solid {grid = grid, materials = {rubber()}})
-    solid:hold {side = "low z"}
+    solid:fix {side = "low z"}
     local pressed, done = {}, {}
     for i, p in ipairs(grid.points:totable()) do pressed[i] = {1e-4 * math.sin(20 * p[3]), 0, -0.3 * p[3]} end
     for i, linear in ipairs {"direct", "jacobi"} do
@@ -194,7 +194,7 @@ describe("a solid", function()
 
   it("solves over a coarse solid as it does with a factor", function()
     local solid = column(3)
-    solid:hold {side = "low z"}
+    solid:fix {side = "low z"}
     solid:force({side = "high z"}, {2, 0, 20})
     local direct = assert(solid:solve {tolerance = 1e-9})
     for _, linear in ipairs {"coarse", "jacobi"} do
@@ -215,7 +215,7 @@ describe("a solid", function()
     -- cells need not be cubes
     local flat = assert(bw.solid {grid = assert(bw.grid.box {size = {0.1, 0.1, 0.1}, cells = {4, 4, 8}}),
       materials = {rubber()}})
-    flat:hold {side = "low z"}
+    flat:fix {side = "low z"}
     flat:force({side = "high z"}, {2, 0, 20})
     assert.is_true(assert(flat:solve {linear = "coarse", tolerance = 1e-9}):error(
       assert(flat:solve {tolerance = 1e-9})) < 1e-8)
@@ -226,8 +226,8 @@ describe("a solid", function()
     local height = 0.4
     local function sideways(shortening, linear)
       local solid = assert(bw.solid {grid = grid, materials = {rubber()}})
-      solid:hold {side = "low z"}
-      solid:hold({side = "high z"}, {0, 0, -shortening * height})
+      solid:fix {side = "low z"}
+      solid:fix({side = "high z"}, {0, 0, -shortening * height})
       local result = assert(solid:solve {linear = linear})
       assert.equal(0, result.report.undecided)
       assert.equal(linear == "coarse", result.report.stability_iterations > 10)
@@ -268,7 +268,7 @@ describe("a solid", function()
     check.near(-0.05, motion.displacement:column(3):mean(), 1e-6)
     check.near(-1, motion.velocity:column(3):mean(), 1e-6)
     local swung = {}
-    solid:hold {side = "low z"}
+    solid:fix {side = "low z"}
     solid:gravity {3, 0, 0}
     for i, linear in ipairs {"direct", "jacobi"} do
       local swing = assert(solid:motion {step = 0.01, iterations = 1, linear = linear, stiffness_damping = 1e-3})

@@ -208,7 +208,7 @@ describe("a motion", function()
     local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.2}, cells = {1, 1, 2}})
     local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e5, poisson = 0.3,
       density = 1000}}})
-    assert(solid:hold {side = "low z"}):force({side = "high z"}, {5, 0, 0})
+    assert(solid:fix {side = "low z"}):force({side = "high z"}, {5, 0, 0})
     local motion = assert(solid:motion {step = 1e-3})
     assert(motion:step(2))
     local function said()
@@ -242,7 +242,7 @@ describe("a progress function", function()
   end)
 
   it("that raises where a mesh is made anew leaves the mover where it was", function()
-    local mover = assert(bw.plane.mover(assert(bw.plane.fill(outline(), {elements = 20}))))
+    local mover = assert(bw.plane.mesh_motion(assert(bw.plane.fill(outline(), {elements = 20}))))
     local mesh = mover.mesh
     for last = 0, 1 do
       local former = bw.progress(function(_, fraction) return fraction < last or error "no" end)

@@ -48,7 +48,7 @@ local function material_of(wish)
     density = wish.density or named.density, toughness = wish.toughness or named.toughness}
 end
 
-model.hold_option = {name = "hold", value = "PLACE", many = true,
+model.fix_option = {name = "fix", value = "PLACE", many = true,
   what = "a support: all displacements are zero there"}
 
 model.length_option = {name = "length", value = "critical|LENGTH", type = "number", unit = "m", above = 0,

@@ -13,7 +13,7 @@ local function analyse(wish, out)
   local message, details
   local part = bw.model {mesh = mesh, material = material}
   local held = 0
-  for _, place in ipairs(wish.hold) do
+  for _, place in ipairs(wish.fix) do
     local selection
     selection, message, details = places.select(mesh, place)
     if not selection then return nil, message, details end
@@ -37,10 +37,10 @@ end
 local function tell(modes, held, errors, accuracy, wish, out)
   if accuracy then model.tell_accuracy(accuracy, out) end
   out:say("")
-  if #wish.hold > 0 then
-    out:say("Constrained at %s (%.4g cm2), it rings at:", table.concat(wish.hold, " and "), held * 1e4)
+  if #wish.fix > 0 then
+    out:say("Constrained at %s (%.4g cm2), natural frequencies are:", table.concat(wish.fix, " and "), held * 1e4)
   else
-    out:say("Free, as if hung on threads, it rings at (its %d rigid-body motions are left out):", modes.rigid_count)
+    out:say("Without supports, its natural frequencies are (%d rigid-body modes are left out):", modes.rigid_count)
   end
   local list, cents_of = bw.json.list {}, bw.json.list(errors)
   for i, frequency in ipairs(modes.frequencies:totable()) do
@@ -57,7 +57,7 @@ local function tell(modes, held, errors, accuracy, wish, out)
     out:json {estimated_error = accuracy.estimated_error, estimated_error_cents = cents}
   end
   out:json {frequencies_hz = list, error_cents = cents_of, rigid_motions = modes.rigid_count,
-    held = bw.json.list(wish.hold),
+    held = bw.json.list(wish.fix),
     material = wish.material, counted = modes.counted}
   if wish.sure then
     out:say(modes.counted and "A count of the eigenvalues confirms that none below the last is missing."
@@ -74,7 +74,7 @@ return {
   options = {
     model.material_option,
     {name = "count", value = "N", type = "integer", default = 6, least = 1, most = 500, what = "how many"},
-    model.hold_option,
+    model.fix_option,
     model.unit_option,
     model.elements_option,
     {name = "error", value = "SHARE", type = "number", above = 0, most = 1,
@@ -90,12 +90,12 @@ return {
     model.threads_option,
   },
   examples = {"barwright modes bar.stl --material aluminium",
-    {"barwright modes fork.stl --hold low:z --hold near:0,0,30mm:5mm --count 10",
+    {"barwright modes fork.stl --fix low:z --fix near:0,0,30mm:5mm --count 10",
       "constrained at its foot and at a point"}},
   run = function(wish, out)
-    for _, place in ipairs(wish.hold) do
+    for _, place in ipairs(wish.fix) do
       local fine, message = places.check(place)
-      if not fine then return out:misuse("option --hold: " .. message) end
+      if not fine then return out:misuse("option --fix: " .. message) end
     end
     local modes, held, errors, accuracy = analyse(wish, out)
     if not modes then return out:fail(held, errors) end

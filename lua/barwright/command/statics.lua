@@ -43,11 +43,11 @@ local function read_loads(wish)
     if not gravity then return nil, "option --gravity: " .. message end
     loads.gravity = gravity
   end
-  for _, place in ipairs(wish.hold) do
+  for _, place in ipairs(wish.fix) do
     local fine, message = places.check(place)
-    if not fine then return nil, "option --hold: " .. message end
+    if not fine then return nil, "option --fix: " .. message end
   end
-  if #wish.hold == 0 then return nil, "option --hold PLACE is missing: a part without supports moves freely" end
+  if #wish.fix == 0 then return nil, "option --fix PLACE is missing: a part without supports moves freely" end
   if #loads == 0 and not loads.gravity then
     return nil, "no load is given: --force, --pressure or --gravity is missing"
   end
@@ -56,7 +56,7 @@ end
 
 local function set_up(part, wish, loads, out)
   local mesh, area = part.mesh, 0
-  for _, place in ipairs(wish.hold) do
+  for _, place in ipairs(wish.fix) do
     local selection, message, details = places.select(mesh, place)
     if not selection then return nil, message, details end
     local fine
@@ -296,7 +296,7 @@ end
 
 local options = {
   model.material_option,
-  model.hold_option,
+  model.fix_option,
   {name = "force", value = "PLACE=FX,FY,FZ", many = true, what = "a total force, in N, spread over a place"},
   {name = "pressure", value = "PLACE=PRESSURE", many = true, what = "a pressure, in Pa, on a place"},
   {name = "gravity", value = "GX,GY,GZ",
@@ -335,8 +335,8 @@ return {
     .. "\n\n" .. output.codes("it holds", "it breaks, or the estimated error leaves it open"),
   arguments = {model.body_argument},
   options = options,
-  examples = {"barwright statics hook.stl --hold low:z --force high:z=0,0,-50",
-    {"barwright statics shelf.stl --hold low:x --pressure high:z=2kPa --gravity 0,0,-9.81", "books on a shelf"}},
+  examples = {"barwright statics hook.stl --fix low:z --force high:z=0,0,-50",
+    {"barwright statics shelf.stl --fix low:x --pressure high:z=2kPa --gravity 0,0,-9.81", "books on a shelf"}},
   run = function(wish, out)
     local loads, message = read_loads(wish)
     if not loads then return out:misuse(message) end
@@ -344,7 +344,7 @@ return {
     if not static then return out:fail(answer, details) end -- a message
     local written, shown = bw.json.list {}, nil
     if wish.picture or wish.report then
-      shown = static_picture.options(static, answer.title, loads, wish.hold, answer.singular)
+      shown = static_picture.options(static, answer.title, loads, wish.fix, answer.singular)
     end
     for _, how in ipairs {{wish.vtu, function() return static:write(wish.vtu) end},
       {wish.picture, function() return static:picture(wish.picture, shown) end},

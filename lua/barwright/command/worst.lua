@@ -86,7 +86,7 @@ end
 -- The loads that the options admit, as options of bw.breaking_force; or nil and a sentence.
 local function read_limits(wish)
   local limits = {friction = wish.friction, hands = wish.hands}
-  for name, option in pairs {hold = "hold", forbid = "forbidden"} do
+  for name, option in pairs {fix = "fix", forbid = "forbidden"} do
     local texts = wish[name]
     for _, place in ipairs(texts) do
       local fine, message = places.check(place)
@@ -102,8 +102,8 @@ local function read_limits(wish)
       return list
     end or nil
   end
-  if wish.hands == 1 and #wish.hold == 0 then
-    return nil, "option --hands: a part without supports moves freely under the load of one hand: give --hold "
+  if wish.hands == 1 and #wish.fix == 0 then
+    return nil, "option --hands: a part without supports moves freely under the load of one hand: give --fix "
       .. "PLACE, or more hands"
   end
   return limits
@@ -113,7 +113,7 @@ local function tell_limits(breaking, wish, out)
   local held, forbidden = breaking.held_area, breaking.forbidden_area
   if held then
     out:say("  Constrained at %s (%.4g cm2): the whole force is a load, the supports react.",
-      table.concat(wish.hold, ", "), held * 1e4)
+      table.concat(wish.fix, ", "), held * 1e4)
   end
   if forbidden then
     out:say("  No load on %s (%.4g cm2).", table.concat(wish.forbid, ", "), forbidden * 1e4)
@@ -152,7 +152,7 @@ local function advise(breaking, verdict, wish, out)
   out:say("Advice: thicken %s, most by %s mm within %s mm of %s; predicted: breaks at %s.",
     model.count(#thickened, "place"), ("%.2g"):format(first.offset * 1e3), ("%.3g"):format(first.radius * 1e3),
     model.place(first.at), model.interval(advice.force, advice.low, advice.high))
-  if #wish.hold + #wish.forbid > 0 then return end -- strengthening takes free parts only
+  if #wish.fix + #wish.forbid > 0 then return end -- strengthening takes free parts only
   local same = {}
   for _, name in ipairs(SAME_PART) do
     local text = wish.given[name]
@@ -241,7 +241,7 @@ local function analyse(wish, out)
   if wish.threads then bw.threads(wish.threads) end
   local folder
   if wish.out then
-    local options = model.pick({"force", "contact", "hold", "forbid", "friction", "hands", "error", "length",
+    local options = model.pick({"force", "contact", "fix", "forbid", "friction", "hands", "error", "length",
       "modes", "regions", "elements", "material", "unit", "young", "poisson", "strength", "density",
       "toughness"}, wish)
     local message, details
@@ -256,7 +256,7 @@ local function analyse(wish, out)
   breaking, message, details = model.try(bw.breaking_force, read.surface or read.mesh, {material = material,
     force = wish.force, contact = wish.contact, error = wish.error, elements = wish.elements,
     most_elements = wish.error and math.max(MOST_ELEMENTS, wish.elements) or nil, modes = wish.modes,
-    regions = wish.regions, hold = limits.hold, forbidden = limits.forbidden, friction = limits.friction,
+    regions = wish.regions, fix = limits.fix, forbidden = limits.forbidden, friction = limits.friction,
     hands = limits.hands, length = wish.length})
   out:remarks()
   if not breaking then return nil, wish.model .. ": " .. message, details end
@@ -286,7 +286,7 @@ local options = {
   {name = "force", value = "FORCE", type = "number", unit = "N", default = 20, above = 0,
     what = "the force that is judged: the load on one side, which the reactions balance; a hand's by default"},
   model.contact_option,
-  {name = "hold", value = "PLACE", many = true,
+  {name = "fix", value = "PLACE", many = true,
     what = "a support: all displacements are zero there; then the whole force is a load, and the supports react"},
   {name = "forbid", value = "PLACE", many = true, what = "no load acts there"},
   {name = "friction", value = "MU", type = "number", default = 0, least = 0, most = 100,
@@ -323,7 +323,7 @@ return {
   options = options,
   examples = {{"barwright worst hook.stl --material pla --report hook.html",
       "opens in a browser, without network"},
-    {"barwright worst hook.stl --hold low:z --forbid near:0,0,30mm:5mm", "screwed down, its hole out of reach"},
+    {"barwright worst hook.stl --fix low:z --forbid near:0,0,30mm:5mm", "screwed down, its hole out of reach"},
     {"barwright worst hook.stl --force 50N --json | jq .breaking_force_n", "as one number"}},
   run = function(wish, out)
     local verdict, message, details = analyse(wish, out)

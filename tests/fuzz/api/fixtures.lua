@@ -46,7 +46,7 @@ end
 
 local function solid(grid)
   local made = assert(bw.solid {grid = grid, materials = materials()})
-  made:hold({side = "low x"}):force({side = "high x"}, {0, 0, -1})
+  made:fix({side = "low x"}):force({side = "high x"}, {0, 0, -1})
   return made
 end
 
@@ -191,8 +191,8 @@ makers.PlaneMesh = {
   function(p) return assert(bw.plane.fill(p.Outline, {elements = 12})) end,
   function(p) return assert(bw.plane.fill(p.Outline, {elements = 8, order = 2})) end,
 }
-makers.Mover = {function(p) return assert(bw.plane.mover(p:variant("bw.PlaneMesh", 2))) end,
-  function(p) return assert(bw.plane.mover(p:variant("bw.PlaneMesh", 3), {relocation = "springs"})) end}
+makers.MeshMotion = {function(p) return assert(bw.plane.mesh_motion(p:variant("bw.PlaneMesh", 2))) end,
+  function(p) return assert(bw.plane.mesh_motion(p:variant("bw.PlaneMesh", 3), {relocation = "springs"})) end}
 makers.Grid = {
   function() return assert(bw.grid.box {size = {1, 0.5, 0.5}, cells = {4, 2, 2}}) end,
   function() return assert(bw.grid.box {size = {1, 1, 1}, cells = {2, 2, 2},
@@ -242,7 +242,7 @@ local lives = {Model = 60, Session = 40, Bone = 40, LocalSystem = 40, LiveServer
   BentSheet = 40,
   ShakenSheet = 40, Sheet = 40, Metallophone = 40, Plate = 40, Bridge = 60, Flow = 40, ThermalFlow = 40,
     FlowBody = 40,
-  BodyState = 40, Mover = 40, Solid = 60, SolidMotion = 40, Canvas = 40, Study = 60, Trials = 100, Trial = 40,
+  BodyState = 40, MeshMotion = 40, Solid = 60, SolidMotion = 40, Canvas = 40, Study = 60, Trials = 100, Trial = 40,
     Kept = 40,
   Results = 60}
 
@@ -301,8 +301,9 @@ function Pool:any(random)
 end
 
 -- A list that this process alone has may be long; objects that were closed for good.
-local closable = {"Array", "Surface", "Mesh", "Selection", "Model", "Outline", "Skeleton", "PlaneMesh", "Grid",
-  "Hyperelastic", "Canvas", "Embedding", "Mover", "Domains", "System", "Session", "MaterialTable", "BodyState"}
+local closable = {"Array", "Surface", "Mesh", "Selection", "Model", "Outline", "Skeleton", "PlaneMesh",
+  "Grid", "Hyperelastic", "Canvas", "Embedding", "MeshMotion", "Domains", "System", "Session", "MaterialTable",
+  "BodyState"}
 
 function Pool:closed(random)
   local name = random:one_of(closable)

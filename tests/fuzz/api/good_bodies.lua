@@ -310,7 +310,7 @@ add {
   ["Hyperelastic:energy"] = function() return {{1.1, 0, 0}, {0, 1, 0.1}, {0, 0, 0.9}} end,
   ["MaterialTable:material"] = function() return 1 end,
   ["bw.solid"] = function(p) return {grid = p.Grid, materials = laws()} end,
-  ["Solid:hold"] = function(p, r) return region(p, r), r:one_of {{0, 0, 0}, {0.01, false, 0}, function()
+  ["Solid:fix"] = function(p, r) return region(p, r), r:one_of {{0, 0, 0}, {0.01, false, 0}, function()
     return 0, 0, 0.01 end} end,
   ["Solid:turn"] = function(p, r) return region(p, r), {axis = {1, 0, 0}, angle = 10, point = {0, 0, 0},
     move = {0.01, 0, 0}} end,
@@ -319,7 +319,7 @@ add {
   ["Solid:pressure"] = function(p, r) return r:one_of {{side = "high x"}, p:variant("bw.Surface", 2)},
     {pressure = r:one_of {5, function(x) return x end},
     follower = r:chance(0.5)} end,
-  ["Solid:floor"] = function() return {point = {0, 0, -0.01}, normal = {0, 0, 1}, move = {0, 0, 0.02}} end,
+  ["Solid:contact_plane"] = function() return {point = {0, 0, -0.01}, normal = {0, 0, 1}, move = {0, 0, 0.02}} end,
   ["Solid:solve"] = function(_, r) return {linear = r:one_of {"direct", "jacobi", "coarse"},
     steps = r:integer(2), path = r:integer(2)} end,
   ["Solid:motion"] = function(_, r) return {scheme = r:one_of {"implicit_euler", "newmark"}, step = 0.01,

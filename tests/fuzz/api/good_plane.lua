@@ -149,8 +149,8 @@ add {
   ["bw.plane.rectangle"] = function(_, r) return {low = {0, 0}, high = {1, 1}, cells = {2, 2},
     order = r:integer(2),
     diagonal = r:one_of {"left", "right", "union jack"}} end,
-  ["bw.plane.mover"] = function(p, r) return p:variant("bw.PlaneMesh", 2), {relocation = r:one_of {"harmonic",
-    "springs"}, sweeps = 2,
+  ["bw.plane.mesh_motion"] = function(p, r) return p:variant("bw.PlaneMesh", 2), {
+    relocation = r:one_of {"harmonic", "springs"}, sweeps = 2,
     force = r:one_of {"relocation", "reconnecting", "reconstruction"}} end,
   ["PlaneMesh:moved"] = function(p) local m = p:variant("bw.PlaneMesh", 1) return m.outline, m.points end,
   ["PlaneMesh:carry"] = function(p) return p:variant("bw.PlaneMesh", 2), bw.array.zeros(p.PlaneMesh.node_count,
@@ -159,7 +159,7 @@ add {
   ["PlaneMesh:shares"] = function(p, r) return p:get("bw.PlaneMesh", r) end,
   ["PlaneMesh:write"] = function(p) return "out.vtu", {fields = {a = bw.array.range(1,
     p.PlaneMesh.node_count)}} end,
-  ["Mover:follow"] = function(p, r) return r:one_of {p:variant("bw.Outline", 4),
+  ["MeshMotion:follow"] = function(p, r) return r:one_of {p:variant("bw.Outline", 4),
     (assert(p.Outline:moved({vertex = 3}, {0.02, 0.02})))} end,
-  ["Mover:pull_back"] = function(p) return bw.array.zeros(p.Mover.mesh.node_count, 2) end,
+  ["MeshMotion:pull_back"] = function(p) return bw.array.zeros(p.MeshMotion.mesh.node_count, 2) end,
 }

@@ -12,7 +12,7 @@ function kind.make()
   local options = {order = math.random(2), elements = math.random(8, 80)}
   local mesh = assert(bw.plane.fill(followed_kinds.first(), options))
   local fill = math.random() < 0.3 and {field = size} or nil
-  return {mover = assert(bw.plane.mover(mesh, {relocation = math.random() < 0.5 and "springs" or "harmonic",
+  return {mover = assert(bw.plane.mesh_motion(mesh, {relocation = math.random() < 0.5 and "springs" or "harmonic",
     fill = fill}))}
 end
 

@@ -14,7 +14,7 @@ function kind.make()
   materials = materials or {rubber(1e6), rubber(5e6)}
   local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.2}, cells = {2, 2, 4}})
   local solid = assert(bw.solid {grid = grid, materials = materials})
-  assert(solid:hold {side = "low z"})
+  assert(solid:fix {side = "low z"})
   return {solid = solid, result = false}
 end
 
@@ -57,7 +57,7 @@ local function size() return 10 ^ uniform(-2, 2.5) end
 
 kind.operations = {
   hold = {0.7, function(subject)
-    return subject.solid:hold(place(), math.random() < 0.5 and {false, 0, 1e-3} or nil)
+    return subject.solid:fix(place(), math.random() < 0.5 and {false, 0, 1e-3} or nil)
   end},
   turn = {0.3, function(subject)
     return subject.solid:turn({side = "high z"}, {axis = vector(1), angle = uniform(-60, 60)})
@@ -69,7 +69,7 @@ kind.operations = {
       pressure = fuse.around(function() return 1e3 end)})
   end},
   floor = {0.5, function(subject)
-    return subject.solid:floor {point = {0, 0, uniform(0.19, 0.25)}, normal = {0, 0, -1}}
+    return subject.solid:contact_plane {point = {0, 0, uniform(0.19, 0.25)}, normal = {0, 0, -1}}
   end},
   ["forget what acts"] = {1, function(subject)
     for i = #subject.solid.acts, 2, -1 do subject.solid.acts[i] = nil end
