@@ -4,243 +4,334 @@
 --
 -- Models
 --
--- A part: a mesh of a material with supports and loads.
+-- A model is a part: a mesh of a material with supports and loads. It gives static solutions and modes.
 
 ---@class bw
 local bw = {}
 
----A part: a mesh of a material, to be supported and loaded. `formulation` is that of its elements; "b_bar"
----cures volumetric locking of quadratic elements in nearly incompressible materials. Default: the material's
----own, which is "standard" unless it is that of a B-bar part. Linear elements with "b_bar" raise an error.
----@param options bw.ModelOptions
----@return bw.Model
+---A model without supports and loads. B-bar elements cure volumetric locking of quadratic elements in nearly incompressible
+---materials. B-bar with linear elements raises.
+---
+---Source: T. J. R. Hughes, Int. J. Numer. Meth. Eng. 15 (1980); docs/theory/elements.md.
+---```lua
+---local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}
+---print(part)
+---```
+---@param options bw.ModelOptions mesh and material
+---@return bw.Model model the part
 function bw.model(options) end
 
+---Mesh and material of a model.
 ---@class bw.ModelOptions
----@field mesh bw.Mesh
----@field material bw.Material
----@field formulation? "standard"|"b_bar"
+---@field mesh bw.Mesh the mesh
+---@field material bw.Material the material of all elements
+---@field formulation? "standard"|"b_bar" of the elements. Default: that of the material, "standard" unless it is another model's of B-bar elements
 
----A mesh of a material with supports and loads; `print` shows each with area and resultant. Methods
----that change it return it.
+---A mesh of a material with supports and loads. Methods that change it return it, so that calls can be chained. `print` shows
+---every support and load with its area and resultant.
+---```lua
+---local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}
+---local static = assert(part:solve())
+---print(static.displacement:column(3):min(), static.von_mises:max())
+---```
 ---@class bw.Model
----@field mesh bw.Mesh
----@field material bw.Material
----@field formulation string of the elements: "standard" or "b_bar"
----@field locking string? a warning of volumetric locking (Poisson's ratio above 0.48 in standard elements) and its cure; nil where none is expected. A solve remarks it as well
----@field loads table[] {kind, value, area, resultant, moment}
----@field supports table[] {on, slide, displacement, direction (of a slide that was given one)}
+---@field mesh bw.Mesh its mesh
+---@field material bw.Material its material, with the formulation of its elements
+---@field formulation "standard"|"b_bar" of its elements
+---@field locking string? a warning of volumetric locking, with its cure, where standard elements have a Poisson's ratio above 0.48; nil otherwise. A solution remarks it
+---@field loads bw.Load[] in the order in which they were added
+---@field supports bw.Support[] in the order in which they were added
 local Model = {}
 
----Holds a selection in all directions. A selection without a facet raises an error, unless it is a node set;
----one that misses more than a tenth of the face along its border is a remark with both areas.
----@param selection bw.Selection
----@return bw.Model
+---A load of a model.
+---@class bw.Load
+---@field kind "pressure"|"traction"|"force"|"torque"|"gravity"|"nodal"|"temperature" what it is
+---@field value? number|bw.Vector (any) Pa of a pressure, a vector in Pa of a traction, N of a force, N m of a torque, m/s2 of gravity; nil of nodal forces and temperatures
+---@field area number (m2) that it acts on; 0 of gravity, nodal forces and temperatures
+---@field resultant bw.Vector (N) its resultant force
+---@field moment bw.Vector (N m) its moment about the origin
+
+---A support of a model.
+---@class bw.Support
+---@field on bw.Selection what it holds
+---@field slide boolean whether it holds along normals only
+---@field displacement (number|false)[] (m, 3) prescribed, false where it leaves a direction free
+---@field direction? bw.Vector (-) the normal of a sliding support that was given one
+
+---Fixes a selection in all directions. A selection without a facet raises, unless it is a node set. A remark tells where it
+---misses more than a tenth of a face along its border.
+---@param selection bw.Selection what is fixed
+---@return bw.Model self
 function Model:fix(selection) end
 
 ---Lets a selection slide along its surface, or across a given normal.
----@param selection bw.Selection
----@param normal? bw.Vector
----@return bw.Model
+---@param selection bw.Selection what slides
+---@param normal? bw.Vector (-) the direction that is held, of any length but 0. Default: at each node the normal of its surface
+---@return bw.Model self
 function Model:slide(selection, normal) end
 
----Prescribes displacement, m: {x, y, z} with false where a direction is free, or a row for every node.
----@param selection bw.Selection
----@param displacement table|bw.Array
----@return bw.Model
+---Prescribes the displacement of a selection. Supports that contradict each other at a node raise when the model is solved.
+---@param selection bw.Selection what is moved
+---@param displacement (number|false)[]|bw.Array (m, 3; or node_count × 3, per node) {x, y, z} with false where a direction is free, or a row for every node of the mesh
+---@return bw.Model self
 function Model:prescribe(selection, displacement) end
 
----@return bw.Model
+---Removes all supports.
+---@return bw.Model self
 function Model:clear_supports() end
 
----Acceleration on the whole body, m/s2.
----@param acceleration bw.Vector
----@return bw.Model
+---Adds an acceleration of the whole body. A material without a density raises.
+---@param acceleration bw.Vector (m/s2) such as {0, 0, -9.81}
+---@return bw.Model self
 function Model:gravity(acceleration) end
 
----One of: force (total, N), traction (per area, Pa), pressure (Pa, positive pushes inwards), torque
----(N m), each on a selection; or nodal forces. A torque is a couple: its moment is the same about every
----point (`about` changes nothing), and it has no net force. With net_force = true the traction turns about
----the point `about`, and has a net force where the selection's centre of area is elsewhere.
----@param options bw.ModelLoadOptions
----@return bw.Model
+---Adds a load: exactly one of force, traction, pressure, torque and nodal forces. A selection without a facet raises.
+---
+---Errors: geometry (facets without area, or without a lever for a torque).
+---@param options bw.ModelLoadOptions the load
+---@return bw.Model? self the model
+---@return string? message
+---@return bw.Details? details
 function Model:load(options) end
 
+---A load. A torque is a couple: its moment is the same about every point, and it has no resultant force.
 ---@class bw.ModelLoadOptions
----@field on? bw.Selection
----@field force? bw.Vector
----@field traction? bw.Vector
----@field pressure? number
----@field torque? bw.Vector
----@field about? bw.Vector
----@field net_force? boolean
----@field nodal? bw.Array
+---@field on? bw.Selection what it acts on; needed but for nodal forces
+---@field force? bw.Vector (N) the total, spread evenly over the area
+---@field traction? bw.Vector (Pa) force per area
+---@field pressure? number (Pa) positive pushes inwards
+---@field torque? bw.Vector (N m) by a tangential traction
+---@field about? bw.Vector (m) with `net_force`: the point that the traction turns about. Without it, it changes nothing
+---@field net_force? boolean the traction turns about `about`; it then has a resultant force where the centre of the area is elsewhere. Default: false
+---@field nodal? bw.Array (N, node_count × 3, per node) forces at nodes
 
----Thermal expansion: change of temperature (K, one or one for every node) times a coefficient (1/K).
----@param change number|bw.Array
----@param expansion number
----@return bw.Model
+---Adds thermal expansion, the same in all directions.
+---@param change number|bw.Array (K, node_count × 1, per node) change of temperature; one number for all nodes
+---@param expansion number (1/K) coefficient of linear expansion
+---@return bw.Model self
 function Model:temperature(change, expansion) end
 
----@return bw.Model
+---Removes all loads.
+---@return bw.Model self
 function Model:clear_loads() end
 
----Consistent nodal forces of all loads.
----@return bw.Array?
+---The consistent nodal forces of all loads.
+---
+---Errors: only those that every function may give.
+---@return bw.Array? force (N, node_count × 3, per node) their sum
+---@return string? message
+---@return bw.Details? details
 function Model:force_vector() end
 
----Where the stress has no finite value: re-entrant edges (of `surface`, what the mesh was filled from, or else of the
----mesh's own boundary; `angle` as in surface:singular_edges), borders of supports, forces and supports at single nodes
----and along lines of them. The exponents at supports depend on Poisson's ratio (docs/theory/singular.md). nil, a
----message and details where the shape has no inside.
----`print(part:singular_places {surface = surface})`
----@param options? bw.ModelSingularPlacesOptions
----@return bw.SingularPlaces?
+---Places where the stress has no finite value: re-entrant edges, borders of supports, forces and supports at single nodes and
+---along lines. Exponents at supports depend on Poisson's ratio.
+---
+---Errors: geometry (the surface is open, or faces inwards).
+---
+---Source: M. L. Williams, J. Appl. Mech. 19 (1952); docs/theory/singular.md.
+---@param options? bw.ModelSingularPlacesOptions where edges are looked for
+---@return bw.SingularPlaces? places a list of `bw.SingularPlace`
 ---@return string? message
 ---@return bw.Details? details
 function Model:singular_places(options) end
 
+---Where re-entrant edges are looked for.
 ---@class bw.ModelSingularPlacesOptions
----@field surface? bw.Surface
----@field angle? number
+---@field surface? bw.Surface that the mesh was filled from. Default: the mesh's own boundary
+---@field angle? number (rad) how far an edge's angle inside must exceed 180 degrees. Range: above 0 to 1.5. Default: 10 degrees
 
----The rigid motions that the supports leave: {component, centre, translation, rotation, text}.
----@return table[]?
+---The rigid-body motions that the supports leave free, body by body.
+---
+---Errors: only those that every function may give.
+---@return bw.FreeMotion[]? motions empty where the supports hold the part
+---@return string? message
+---@return bw.Details? details
 function Model:free_motions() end
 
----Static solution. A load that is not balanced on a free body is refused, unless inertia relief is
----asked for. So are a body whose whole boundary is fixed at zero and a load that acts on supports only; a load of
----which at least 5 % of the area lies on supports is a remark with the share. with "auto" (default): by a factor, or by two-level PCG where that counts as much cheaper or the
----factor would take more than 4 GB or more than memory_limit bytes (what is free); "factor": a sparse factor, which other
----loads, modes and the worst case then use; "pcg": conjugate gradients over linear and quadratic elements without
----one, in a tenth of the memory, at most that many iterations (2000): quadratic elements, and supports that hold the
----body (docs/theory/solving.md). with "petsc": by PETSc on all processes that mpirun started (docs/howto_cluster.md),
----method "cg" (default: conjugate gradients with multigrid) or "cholesky" (MUMPS), down to a residual of rtol
----(1e-10) in at most that many iterations (2000).
+---A rigid-body motion u(x) = translation + rotation × (x - centre), of unit root mean square (m) over the body.
+---@class bw.FreeMotion
+---@field component integer (index from 1) the body
+---@field centre bw.Vector (m) a point of the axis
+---@field translation bw.Vector (m) the translation; of a rotation the part along its axis
+---@field rotation bw.Vector (rad) the rotation
+---@field text string such as "translation along (0, 0, 1)"
+
+---Solves the static problem. With `error` the mesh is refined until the estimated error of one quantity is small enough.
 ---
----With `error`: tet10 meshes refined by bisection where the error of the quantity `of` comes from, until its
----estimated error is at most that share of its value (docs/theory/error_control.md). `of`: "von_mises" (default),
----"max_principal", "displacement": the largest at nodes; a point, or {at =, field =}: the stress ("von_mises",
----"xx" ... "xy") or displacement ("displacement", "ux", "uy", "uz") there; a selection, or {reaction =, axis =}: the
----reaction on a face; a function of the solution that returns a number. Supports and loads go with their facets.
----`surface`: what the mesh was filled from; edges follow its planes and round faces (default: the mesh's edges stay
----the lines or curves that they are, and facets of round faces count as an error). Limits:
----most_elements (200000), time_limit (s), memory_limit. The second result says how it went; so it does where a limit
----came first.
----`local static, accuracy = part:solve {error = 0.01, of = {at = {0, 1, 0}, field = "xx"}}`
----@param options? bw.ModelSolveOptions
----@return bw.Static?
----@return bw.Accuracy|string? accuracy with `error`, else the message
+---A load that is not balanced on a free body is refused, unless `inertia_relief` is set. A body whose whole boundary is fixed,
+---and a load on supports only, raise. A remark tells where 5 % or more of a load's area lies on supports.
+---
+---Without `with`, the solver is chosen by counted costs: a sparse Cholesky factor, or conjugate gradients preconditioned by two
+---levels (quadratic and linear elements) where that costs less than half, or where the factor would take more than 4 GB or more
+---than `memory_limit`. A factor serves later solutions, modes and worst cases of the same model.
+---
+---With `error`, elements of order 2 are bisected where the error of the quantity `of` comes from. Supports and loads go with
+---their facets. The loop ends when the estimated error is small enough, or at a limit; `accuracy.reason` says which.
+---
+---Errors: free (a load is not balanced against free rigid motions), singular (the matrix is not positive definite although
+---supports hold the part), convergence (conjugate gradients did not converge), memory (the factor does not fit), limit (more than
+---`most_elements` at the first refinement), unsupported (`with = "petsc"` in a build without MPI).
+---
+---Source: docs/theory/solving.md; docs/theory/error_control.md.
+---@param options? bw.ModelSolveOptions solver and error
+---@return bw.Static? static the solution; with `error` on the last mesh
+---@return bw.Accuracy|string? accuracy with `error`; else nil, or the message
 ---@return bw.Details? details
 function Model:solve(options) end
 
+---How a static problem is solved.
 ---@class bw.ModelSolveOptions
----@field inertia_relief? boolean
----@field tolerance? number
----@field with? "auto"|"factor"|"pcg"|"petsc"
----@field memory_limit? number
----@field iterations? integer
----@field method? "auto"|"cg"|"cholesky"
----@field rtol? number
----@field error? number
----@field of? string|bw.Vector|table|bw.Selection|(fun(static: bw.Static): number)
----@field most_elements? integer
----@field time_limit? number
----@field surface? bw.Surface
+---@field inertia_relief? boolean balance a load on a free body by inertia. Default: false
+---@field tolerance? number (-) a load is balanced when its part along free motions is below this fraction of its size. Default: 1e-6
+---@field with? "auto"|"factor"|"levels"|"petsc" the solver. "levels" needs elements of order 2 and supports that hold the part; "petsc" runs on all processes that mpirun started (docs/howto_cluster.md). Default: "auto"
+---@field memory_limit? number (bytes) that a factor may take; with "auto" and "factor". Default: the free memory
+---@field iterations? integer (count) of conjugate gradients at most; with "levels" and "petsc". Default: 2000
+---@field method? "auto"|"cg"|"cholesky" with "petsc": conjugate gradients with multigrid, or MUMPS. Default: "auto", which is "cg"
+---@field rtol? number (-) with "petsc": relative residual to be reached. Default: 1e-10
+---@field error? number (-) relative error to be reached. Range: above 0 to 1. Default: none, one mesh
+---@field of? string|bw.Vector|bw.PointGoal|bw.ReactionGoal|bw.Selection|fun(static: bw.Static): number (m, of a point) with `error`: the quantity. A word means the largest value at nodes: "von_mises", "max_principal" or "displacement". A point means the von Mises stress there, a selection the reaction on it, a function the number that it returns. Default: "von_mises"
+---@field most_elements? integer (count) with `error`: elements at most. Range: 1 to 100000000. Default: 200000
+---@field time_limit? number (s) with `error`: no finer mesh that would probably take longer. Default: none
+---@field surface? bw.Surface with `error`: what the mesh was filled from; edges follow its planes and round faces. Default: edges stay as they are, and facets of round faces count as an error
 
----The same supports and loads on a mesh with element e bisected levels[e] times (three halve its edges), and
----neighbours as it needs to conform. Facets of supports and loads are those inside of the facets before; fields at
----nodes are interpolated. order 2 raises linear elements; `surface`: as of mesh:curved; `also`: further selections to
----carry. More than most_elements: nil, a message and details. Not for materials turned by element.
----`local fine = assert(part:refined(levels))`
----@param levels bw.Array|table whole numbers from 0 to 30
----@param options? bw.ModelRefinedOptions
----@return bw.Model?
----@return bw.Selection[]|string also those of `also`, or a message
+---A stress or displacement at a point, as a goal of refinement.
+---@class bw.PointGoal
+---@field at bw.Vector (m) the point
+---@field field? string "von_mises", "xx", "yy", "zz", "yz", "zx", "xy" of the stress; "displacement", "ux", "uy", "uz". Default: "von_mises"
+
+---A reaction, as a goal of refinement.
+---@class bw.ReactionGoal
+---@field reaction bw.Selection the face of a support
+---@field axis? "x"|"y"|"z" the component. Default: the size
+
+---The model on a mesh whose elements are bisected. Neighbours are bisected as conformity needs. Facets of supports and loads are
+---those inside of the facets before; fields at nodes are interpolated.
+---
+---Errors: limit (more than `most_elements`), geometry (a part of a curved element has no volume), unsupported (a material whose
+---axes differ from element to element).
+---
+---Source: M.-C. Rivara, Int. J. Numer. Meth. Eng. 20 (1984).
+---@param levels bw.Array|integer[] (count, element_count × 1, per element) how often each is bisected; three times halve its edges. Range: 0 to 30
+---@param options? bw.ModelRefinedOptions order and surface
+---@return bw.Model? model the refined model
+---@return bw.Selection[]|string also the selections of `also` on the new mesh, or the message
 ---@return bw.Details? details
 function Model:refined(levels, options) end
 
+---How a model is refined.
 ---@class bw.ModelRefinedOptions
----@field order? 1|2
----@field surface? bw.Surface
----@field also? bw.Selection[]
----@field most_elements? integer
+---@field order? 1|2 of the new elements, not below that of the old ones. Default: that of the mesh
+---@field surface? bw.Surface that the mesh was filled from, for curved edges as of `mesh:curved`. Default: none
+---@field also? bw.Selection[] further selections that are carried over. Range: at most 64. Default: none
+---@field most_elements? integer (count) elements at most. Default: 100000000
 
----The lowest modes, elastic or of the Laplacian. with "slepc": elastic ones by SLEPc on all processes that
----mpirun started (docs/howto_cluster.md), method "cholesky" (default: MUMPS, and a count that none is
----missing) or "cg" (conjugate gradients inside, no count).
----With `error`: on tet10 meshes refined until the estimated relative error of every frequency is at most that. The
----second result tells how it went; `history` has the frequencies of every mesh. Limits as of part:solve.
----`local modes, accuracy = part:modes {count = 5, error = 0.001}`
----@param options? bw.ModelModesOptions
----@return bw.Modes?
----@return bw.Accuracy|string? accuracy with `error`, else the message
+---The lowest natural frequencies and mode shapes, by block Lanczos; rigid-body motions are left out. With `error` on meshes of
+---order 2 that are refined until the relative error of every frequency is small enough. With `laplacian` the modes of the scalar
+---Laplacian instead.
+---
+---Errors: convergence (the modes did not converge), singular (the matrix is not positive definite), memory (the factor does not
+---fit), limit (more than `most_elements` at the first refinement), unsupported (`with = "slepc"` in a build without MPI).
+---
+---Source: docs/theory/solving.md; docs/theory/error_control.md; the Laplacian: Zhou, Panetta and Zorin 2013, section 4.
+---@param options? bw.ModelModesOptions how many, solver and error
+---@return bw.Modes? modes the modes; fewer than asked for where the mesh has fewer
+---@return bw.Accuracy|string? accuracy with `error`; else nil, or the message
 ---@return bw.Details? details
 function Model:modes(options) end
 
+---How modes are computed.
 ---@class bw.ModelModesOptions
----@field error? number
----@field most_elements? integer
----@field time_limit? number
----@field surface? bw.Surface
----@field count? integer
----@field tolerance? number
----@field sturm? boolean
----@field seed? integer
----@field laplacian? boolean
----@field with? "factor"|"slepc"
----@field method? "auto"|"cg"|"cholesky"
----@field rtol? number
----@field iterations? integer
+---@field count? integer (count) of modes. Default: 15
+---@field tolerance? number (-) of the relative residuals. Range: above 0, below 1. Default: 1e-8
+---@field sturm? boolean count the eigenvalues below the last one by an indefinite factor, so that none is missing. Default: true
+---@field seed? integer (seed) of the start vector. Default: 1
+---@field laplacian? boolean modes of the Laplacian, with free boundary. Default: false
+---@field with? "factor"|"slepc" the solver; "slepc" runs on all processes that mpirun started (docs/howto_cluster.md). Default: "factor"
+---@field method? "auto"|"cg"|"cholesky" with "slepc": conjugate gradients inside, without a count; or MUMPS with a count. Default: "auto", which is "cholesky"
+---@field rtol? number (-) with "slepc": relative residual of the inner solutions. Default: 1e-10
+---@field iterations? integer (count) with "slepc": of conjugate gradients at most. Default: 2000
+---@field error? number (-) relative error of every frequency to be reached. Range: above 0 to 1. Default: none, one mesh
+---@field most_elements? integer (count) with `error`: elements at most. Range: 1 to 100000000. Default: 200000
+---@field time_limit? number (s) with `error`: no finer mesh that would probably take longer. Default: none
+---@field surface? bw.Surface with `error`: what the mesh was filled from, for curved edges. Default: edges stay as they are
 
----The equations with their factor.
----@return bw.System?
+---The equations of the model with their factor. The model keeps them for what follows.
+---
+---Errors: singular (the matrix is not positive definite), memory (the factor does not fit).
+---@return bw.System? system the equations
 ---@return string? message
 ---@return bw.Details? details
 function Model:system() end
 
----The same supports and loads on a mesh of the same topology: they go with the surface.
----@param mesh bw.Mesh
----@return bw.Model?
+---The same supports and loads on a mesh of the same topology, such as that of an edited shape. They go with the surface; forces
+---and gravity keep their directions.
+---
+---Errors: geometry (a load's facets have no area).
+---@param mesh bw.Mesh of the same topology
+---@return bw.Model? model the model on the other mesh
 ---@return string? message
 ---@return bw.Details? details
 function Model:moved(mesh) end
 
----The same on a refilled mesh; `node_from` has the old node of every node, 0 for new ones.
----@param mesh bw.Mesh
----@param node_from bw.Array
----@return bw.Model?
+---The same supports and loads on a mesh that `mesh:refill` made.
+---
+---Errors: unsupported (forces at single inner nodes, or a material whose axes differ from element to element).
+---@param mesh bw.Mesh the refilled mesh
+---@param node_from bw.Array (index from 1, n × 1, per node) its number before, 0 for new ones
+---@return bw.Model? model the model on the refilled mesh
 ---@return string? message
 ---@return bw.Details? details
 function Model:transferred(mesh, node_from) end
 
----As an .inp for CalculiX; modes > 0: a frequency step. Forces are nodal; gravity and temperatures are
----written as such (one coefficient of expansion, the largest; temperatures are scaled to it).
----@param path string
----@param options? bw.ModelWriteInpOptions
----@return true?
+---Writes the model as an .inp file for CalculiX. Forces are nodal. Gravity and temperatures are written as such, with one
+---coefficient of expansion: the largest; temperatures are scaled to it.
+---
+---Errors: io (the file cannot be written), unsupported (a node that slides obliquely and is moved, or a material whose axes differ
+---from element to element).
+---@param path string the file
+---@param options? bw.ModelWriteInpOptions the step
+---@return true? written true
 ---@return string? message
 ---@return bw.Details? details
 function Model:write_inp(path, options) end
 
+---The step of a CalculiX deck.
 ---@class bw.ModelWriteInpOptions
----@field modes? integer
+---@field modes? integer (count) of a frequency step; 0: a static step. Default: 0
 
----Lets go at once.
+---Releases the model, its equations and their factor at once.
 function Model:close() end
 
----How part:solve {error =} and part:modes {error =} went; the value of modes is the first frequency. Errors are relative to the value. `print(accuracy)` tells it.
+---How a solution or modes with `error` converged. Errors are relative to the value; of modes the value is the first frequency.
+---`print` tells it.
 ---@class bw.Accuracy
----@field quantity string
----@field value number
----@field estimated_error number
----@field at? bw.Vector where; nil for a function
----@field converged boolean
----@field reason "tolerance"|"elements"|"time"|"memory"|"facets"|"divergence" why there is no finer mesh; facets: those that stand for a round face are a larger error by themselves; divergence: the changes of the value do not fall, so it may have no limit
----@field history table[] of every mesh {elements, unknowns, value, frequencies (of modes), at, edge (length of elements at a largest stress, m), estimated_error, facet_error (its part by facets of round faces), seconds, effectivity: estimated error over the difference to the last value}
----@field elements integer of the last mesh
----@field seconds number
+---@field quantity string what was asked for
+---@field value number (any) on the last mesh, in the unit of the quantity
+---@field estimated_error number (-) relative, on the last mesh
+---@field at? bw.Vector (m) where the value is; nil for functions and modes
+---@field converged boolean whether the estimated error is small enough
+---@field reason "tolerance"|"elements"|"time"|"memory"|"facets"|"divergence" why there is no finer mesh. "facets": those that stand for a round face are a larger error by themselves. "divergence": changes of the value do not fall from mesh to mesh, so that it may have no limit
+---@field history bw.AccuracyRow[] of every mesh
+---@field elements integer (count) of the last mesh
+---@field seconds number (s) in all
 ---@field part bw.Model on the last mesh
 ---@field surface? bw.Surface that curved edges follow
----@field options table
----@field singular? bw.SingularFinding of a largest stress: it has no finite value
+---@field options bw.ModelSolveOptions|bw.ModelModesOptions as they were given, with defaults
+---@field singular? bw.SingularFinding of a largest stress without a finite value
+
+---One mesh of a refinement.
+---@class bw.AccuracyRow
+---@field elements integer (count) of the mesh
+---@field unknowns integer (count) three for every node
+---@field value number (any) in the unit of the quantity
+---@field frequencies? number[] (Hz, count) of modes
+---@field at? bw.Vector (m) where the value is
+---@field edge? number (m) of a largest value: mean edge length of the element there
+---@field estimated_error number (-) relative
+---@field facet_error? number (-) of a static solution: its part that facets of a round face cause
+---@field seconds number (s) since the start
+---@field effectivity? number (-) estimated error over the difference to the last value; nil of the last mesh

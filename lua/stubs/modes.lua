@@ -4,47 +4,65 @@
 --
 -- Modes
 --
--- Natural frequencies and mode shapes.
+-- Natural frequencies and mode shapes of a part.
 
----Modes of vibration, ascending; or of the Laplacian (components 1). `#modes` is their number.
+---Modes by ascending frequency, or those of the Laplacian. `#modes` is their number.
+---```lua
+---local mesh = bw.mesh.box {high = {0.1, 0.01, 0.002}, cells = {20, 2, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.aluminium}
+---local modes = assert(part:modes {count = 3})
+---print(modes, modes.frequencies[1], modes:shape(1):column(3):max())
+---```
 ---@class bw.Modes
----@field count integer
----@field components integer
----@field eigenvalues bw.Array (rad/s)^2; 1/m2 for the Laplacian
----@field frequencies bw.Array? Hz
----@field residuals bw.Array
----@field rigid_count integer rigid motions recognised and left out
----@field solves integer
----@field recovered integer found only after the Sturm count called for them
----@field counted boolean the Sturm count confirmed that none is missing
----@field mesh bw.Mesh
----@field solver table? of SLEPc: as bw.Static's; nil for the engine's own
+---@field count integer (count) of modes
+---@field components integer (count) of a shape: 3, or 1 of the Laplacian
+---@field eigenvalues bw.Array ((rad/s)^2, count × 1, per mode) with density 1 where the material has none; 1/m2 of the Laplacian
+---@field frequencies bw.Array? (Hz, count × 1, per mode) nil of the Laplacian, and where the density is not known
+---@field residuals bw.Array (-, count × 1, per mode) |K u - lambda M u| / |lambda M u|
+---@field rigid_count integer (count) rigid-body motions that were left out
+---@field solves integer (count) right-hand sides that were solved
+---@field recovered integer (count) modes that were found only after the Sturm count
+---@field counted boolean whether the Sturm count confirmed that none is missing
+---@field mesh bw.Mesh of the model
+---@field solver bw.SolverReport? of SLEPc; nil otherwise
 local Modes = {}
 
----The i-th shape, a row for every node, of unit modal mass.
----@param i integer
----@return bw.Array
+---A mode shape, of unit modal mass. Its largest component is positive.
+---@param i integer (index from 1) the mode
+---@return bw.Array shape (any, node_count × components, per node) displacement, or the value of the Laplacian's mode
 function Modes:shape(i) end
 
----By how many cents each frequency is too high: the recovered stress of the shape gives its error in energy, whose
----square is that of the eigenvalue (docs/theory/error_control.md). Not for Laplacian modes.
----`print(modes.frequencies[1], "Hz, too high by", modes:error_estimate()[1], "cents")`
----@return bw.Array? cents
+---By how many cents each frequency is too high: the recovered stress of the shape gives its error in energy. Modes of the
+---Laplacian raise.
+---
+---Errors: only those that every function may give.
+---
+---Source: docs/theory/error_control.md.
+---@return bw.Array? cents (cents, count × 1, per mode) 1200 of them are an octave
 ---@return string? message
 ---@return bw.Details? details
 function Modes:error_estimate() end
 
----All shapes as .vtu.
----@param path string
----@param options? table
----@return true?
+---Writes the shapes to a .vtu file, as fields mode_01, mode_02, ... Other endings of `mesh:write` work, too.
+---
+---Errors: io (the file cannot be written).
+---@param path string the file
+---@param options? bw.MeshWriteOptions further fields, unit and version
+---@return true? written true
+---@return string? message
+---@return bw.Details? details
 function Modes:write(path, options) end
 
----@param i integer
----@param path string
----@param options? bw.PictureOptions
----@return true?
+---Draws a mode shape as a PNG file, deformed and coloured by the movement.
+---
+---Errors: those of `bw.picture`.
+---@param i integer (index from 1) the mode
+---@param path string the file
+---@param options? bw.PictureOptions how it is drawn
+---@return true? drawn true
+---@return string? message
+---@return bw.Details? details
 function Modes:picture(i, path, options) end
 
----Lets go at once.
+---Releases the modes at once.
 function Modes:close() end

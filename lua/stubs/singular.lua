@@ -4,44 +4,53 @@
 --
 -- Singular places
 --
--- Places where linear elasticity has no finite stress.
+-- Places where linear elasticity has no finite stress: re-entrant edges, borders of supports, loads and supports at points and
+-- along lines. `surface:singular_edges()` and `model:singular_places()` find them. The theory is in docs/theory/singular.md.
 
+---A place where the stress has no finite value.
 ---@class bw.SingularPlace
----@field kind "re-entrant edge"|"border of a support"|"line load"|"line support"|"point load"|"point support"
----@field points number[][] a polyline, or one point; m
----@field inward number[][] of each point: the bisector into the material, unit
----@field length number m
----@field angle? number inside the material, radians: the mean along the edge
----@field least_angle? number
----@field largest_angle? number
----@field exponent number Williams' lambda: displacements go like r^lambda with the distance r
----@field growth number 1 - lambda: the stress grows like h^-growth with the edge length h of elements
+---@field kind "re-entrant edge"|"border of a support"|"line load"|"line support"|"point load"|"point support" what it is
+---@field points bw.Vector[] (m, n) a polyline, or one point
+---@field inward bw.Vector[] (-, n, per point) the bisector into the material, unit
+---@field length number (m) of the polyline; 0 of a point
+---@field angle? number (rad) inside the material, the mean along an edge
+---@field least_angle? number (rad) the smallest along the edge
+---@field largest_angle? number (rad) the largest along the edge
+---@field exponent number (-) Williams' lambda: displacements go like r^lambda with the distance r
+---@field growth number (-) 1 - lambda: the stress grows like h^-growth with the edge length h of elements
 
----Places where linear elasticity has no finite stress, as a list of bw.SingularPlace; `print(places)` shows twelve of them.
+---A list of singular places, in the order of the function that found them. `print` shows twelve of them.
+---```lua
+---local step = assert(bw.grid.box {size = {0.04, 0.02, 0.02}, cells = {4, 2, 2}, material = "x < 0.02 or z < 0.01"})
+---local places = assert(step:surface():singular_edges())
+---print(places, #places)
+---```
 ---@class bw.SingularPlaces
 local SingularPlaces = {}
 
----The place nearest to a point, with the distance and its own nearest point; nil where none is within `radius` (m).
----@param point number[]
----@param radius? number default: any
----@return bw.NearestSingularPlace?
+---The place nearest to a point; nil where none is within the radius. Of places as near as each other, the one of the fastest
+---growth.
+---@param point bw.Vector (m) the point, a table of three numbers
+---@param radius? number (m) the largest distance. Default: any
+---@return bw.NearestSingularPlace? nearest the place, or nil
 function SingularPlaces:near(point, radius) end
 
+---The singular place nearest to a point.
 ---@class bw.NearestSingularPlace
----@field place bw.SingularPlace
----@field distance number
----@field at number[]
----@field inward number[]
+---@field place bw.SingularPlace the place
+---@field distance number (m) from the point
+---@field at bw.Vector (m) the nearest point of the place
+---@field inward bw.Vector (-) the bisector there, unit
 
----A list of some of the places: `places.list {places[1], places[3]}`.
----@param chosen bw.SingularPlace[]
----@return bw.SingularPlaces
+---A list of some places: `places.list {places[1], places[3]}`. Other tables than places that were found raise.
+---@param chosen bw.SingularPlace[] the places
+---@return bw.SingularPlaces places the list
 function SingularPlaces.list(chosen) end
 
----Why the largest stress has no finite value; `print(finding)` says it in a sentence.
+---Why a largest stress has no finite value. `print` tells it in a sentence.
 ---@class bw.SingularFinding
----@field by "geometry"|"growth"|"geometry and growth" a place that is known to be singular, or growth under refinement
----@field place? bw.SingularPlace
----@field at number[] m: of the place, or where the stress is largest
----@field expected? number by Williams' exponent the stress grows like h^-expected with the edge length h
----@field measured? number the growth from the last mesh but one to the last
+---@field by "geometry"|"growth"|"geometry and growth" a place that is known to be singular, growth under refinement, or both
+---@field place? bw.SingularPlace the place that is known
+---@field at bw.Vector (m) of the place, or where the stress is largest
+---@field expected? number (-) by Williams' exponent the stress grows like h^-expected with the edge length h
+---@field measured? number (-) the exponent of the growth from the last mesh but one to the last

@@ -4,141 +4,221 @@
 --
 -- Static solutions
 --
--- Displacements, stresses, reactions and errors of a static solution.
+-- Displacements, stresses, reactions and errors of a static solution, and stresses that converge at singular edges.
 
----A static solution. Fields are computed when they are first asked for. Names without `element_` are
----over nodes.
+---A static solution. Fields are computed when they are first asked for, and kept. Names without `element_` belong to nodes, but
+---for `utilisation`. Stresses at nodes are means over the elements around by volume.
+---```lua
+---local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}
+---local static = assert(part:solve())
+---print(static.von_mises:max(), static:reaction_on(mesh.boundary:below("x", 0))[3])
+---```
 ---@class bw.Static
----@field displacement bw.Array m
----@field force bw.Array applied, N
----@field reaction bw.Array at held nodes, N
----@field stress bw.Array node_count x 6, Pa
----@field von_mises bw.Array
----@field principal bw.Array descending
----@field principal_directions bw.Array node_count x 9: rows of unit vectors
----@field max_principal bw.Array largest in size
----@field element_stress bw.Array element_count x 6, Pa
----@field element_von_mises bw.Array
----@field element_principal bw.Array
----@field element_max_principal bw.Array
----@field element_energy bw.Array J
----@field utilisation bw.Array stress over strength, of elements
----@field energy number strain energy, J
----@field residual number |K u - f| / |f|
----@field locking string? as of bw.Model
----@field mesh bw.Mesh
----@field material bw.Material
----@field times table? seconds of graph, stiffness, order, factor, pcg, solve; factor_entries, factor_flops; nil in an edit session and of PETSc
----@field solver table? with ("factor", "pcg"), iterations (by two-level PCG), residual, factor_bytes and factor_flops (by two-level PCG: as predicted), coarse_unknowns (of the linear elements), and where a choice was made predicted_factor and predicted_pcg (s, of the model's machine); of PETSc: with, method, ranks, iterations, send_seconds, setup_seconds, solve_seconds, processor_seconds and peak_bytes of all ranks, largest_rank_bytes; nil in an edit session
----@field reused table? in an edit session: pattern, ordering, pieces, pieces_kept, pieces_turned, pieces_touched, method, factor_kept, iterations, precision (of the factor, bits: 32 or 64), refinements (iterations that a factor of 32 bits took), predicted_refactor, predicted_iterate, predicted_pcg, seconds_unknowns, seconds_stiffness, seconds_factor, seconds_solve, mesh, and with `check` difference_stiffness, difference_solution
+---@field displacement bw.Array (m, node_count × 3, per node) of the nodes
+---@field force bw.Array (N, node_count × 3, per node) that is applied
+---@field reaction bw.Array (N, node_count × 3, per node) at constrained nodes, 0 elsewhere
+---@field stress bw.Array (Pa, node_count × 6, per node) tensors xx yy zz yz zx xy
+---@field von_mises bw.Array (Pa, node_count × 1, per node) von Mises stress
+---@field principal bw.Array (Pa, node_count × 3, per node) principal stresses, descending
+---@field principal_directions bw.Array (-, node_count × 9, per node) unit vectors of the principal stresses, one after the other
+---@field max_principal bw.Array (Pa, node_count × 1, per node) magnitude of the principal stress of largest magnitude
+---@field element_stress bw.Array (Pa, element_count × 6, per element) mean tensors xx yy zz yz zx xy
+---@field element_von_mises bw.Array (Pa, element_count × 1, per element) of `element_stress`
+---@field element_principal bw.Array (Pa, element_count × 3, per element) of `element_stress`, descending
+---@field element_max_principal bw.Array (Pa, element_count × 1, per element) of `element_stress`
+---@field element_energy bw.Array (J, element_count × 1, per element) strain energy
+---@field utilisation bw.Array (-, element_count × 1, per element) stress over strength of `element_stress`, see `material:utilisation`
+---@field energy number (J) strain energy
+---@field residual number (-) |K u - f| / |f|
+---@field locking string? a warning of volumetric locking, see `bw.Model`; nil where none is expected
+---@field mesh bw.Mesh of the model
+---@field material bw.Material of the model
+---@field times bw.SolveTimes? of the system; nil in an edit session and with "petsc"
+---@field solver bw.SolverReport? which solver found it; nil in an edit session
+---@field reused bw.Reuse? in an edit session: what was reused; nil elsewhere
 local Static = {}
 
----Zienkiewicz-Zhu: relative error of the whole body in the energy norm, and the error energy of every element. It is
----a mean: the largest stress may be off by more, and facets that stand for a round face are not in it. The error
----of one quantity is that of `part:solve {error = , of = }`.
----@return number? relative
----@return bw.Array elements
+---What the parts of a solution took.
+---@class bw.SolveTimes
+---@field graph number (s) the sparsity pattern
+---@field stiffness number (s) assembly
+---@field order number (s) the ordering
+---@field factor number (s) the factor
+---@field levels number (s) the two-level preconditioner
+---@field solve number (s) triangular solves or iterations
+---@field factor_entries integer (count) entries of the factor
+---@field factor_flops number (count) operations of the factor
+
+---Which solver found a solution. Costs that are predicted are those of one fixed machine.
+---@class bw.SolverReport
+---@field with "factor"|"levels"|"petsc"|"slepc" the solver
+---@field iterations integer (count) of conjugate gradients; with "factor": those that were tried before
+---@field residual? number (-) |K u - f| / |f|
+---@field factor_bytes? number (bytes) of the factor; with "levels": predicted
+---@field factor_flops? number (count) operations of the factor; with "levels": predicted
+---@field coarse_unknowns? integer (count) with "levels": of the linear elements
+---@field predicted_factor? number (s) where the solver was chosen: cost of a factor
+---@field predicted_levels? number (s) where the solver was chosen: cost of the iterations
+---@field method? string of PETSc and SLEPc: such as "conjugate gradients, GAMG"
+---@field ranks? integer (count) of PETSc and SLEPc: processes
+---@field send_seconds? number (s) of PETSc and SLEPc: sending the matrix
+---@field setup_seconds? number (s) of PETSc and SLEPc: multigrid or factor
+---@field solve_seconds? number (s) of PETSc and SLEPc: solving
+---@field processor_seconds? number (s) of PETSc and SLEPc: processor time of all processes
+---@field peak_bytes? number (bytes) of PETSc and SLEPc: memory of all processes at their peaks
+---@field largest_rank_bytes? number (bytes) of PETSc and SLEPc: memory of the largest process
+
+---What a solution of an edit session reused, and what it cost. `print` tells it.
+---@class bw.Reuse
+---@field pattern boolean whether the sparsity pattern was kept
+---@field ordering boolean whether the ordering was kept
+---@field pieces integer (count) pieces of the equations
+---@field pieces_kept integer (count) pieces whose coefficients stayed
+---@field pieces_turned integer (count) pieces that are unchanged in their own frames
+---@field pieces_touched integer (count) pieces that changed
+---@field method "refactor"|"iterate"|"levels"|"scratch" how it was solved
+---@field factor_kept number (-) fraction of the factor's work that was not done again
+---@field iterations integer (count) of conjugate gradients
+---@field precision integer (bits) of the factor's numbers, 32 or 64
+---@field refinements integer (count) iterations that made solutions with a factor of 32 bits exact
+---@field predicted_refactor number (s) predicted cost of a factor, on one fixed machine
+---@field predicted_iterate number (s) predicted cost of iterations with the former factor; 0: not possible
+---@field predicted_levels number (s) predicted cost of iterations over two levels; 0: not possible
+---@field seconds_unknowns number (s) for the unknowns and their frames
+---@field seconds_stiffness number (s) for the stiffness
+---@field seconds_factor number (s) for the factor
+---@field seconds_solve number (s) for the solution
+---@field mesh "posed"|"relaxed"|"refilled" how the mesh of the edited shape was made
+---@field difference_stiffness? number (-) with `check`: largest difference to the stiffness from scratch
+---@field difference_solution? number (-) with `check`: largest difference to the solution from scratch
+
+---The error of the whole solution in the energy norm. It is a mean: the largest stress may be off by more, and facets that stand
+---for a round face are not in it. `part:solve {error = ...}` gives the error of one quantity.
+---
+---Errors: only those that every function may give.
+---
+---Source: O. C. Zienkiewicz and J. Z. Zhu, Int. J. Numer. Meth. Eng. 24 (1987).
+---@return number? relative (-) the error over the solution, in the energy norm
+---@return bw.Array|string elements (J, element_count × 1, per element) energy of the error, or the message
+---@return bw.Details? details
 function Static:error_estimate() end
 
----The sum of the reactions on a selection, N.
----@param selection bw.Selection
----@return bw.Vector
+---The sum of the reactions on a selection.
+---@param selection bw.Selection where they are summed
+---@return bw.Vector reaction (N) the sum
 function Static:reaction_on(selection) end
 
----The effective stress of the theory of critical distances at singular edges, the largest first: the mean of the
----stress over 2 L from the edge along the bisector ("line"), or the stress at L / 2 ("point"). It converges where the
----largest stress does not. length: L in m (default: the material's critical_distance); places: those to look at
----(default: the re-entrant edges of the mesh's boundary). Of every place the station of the largest value counts:
----value (largest principal, Pa), stress (the tensor), utilisation, at, estimated_error (relative), edge_length (of the
----elements there, m). nil, a message and details where the length is not known or no line stays in the body.
----`static:effective_stress {places = part:singular_places(), length = 1e-3}`
----@param options? bw.EffectiveStressOptions
----@return bw.EffectiveStress[]?
+---The effective stress of the theory of critical distances at singular edges, the largest first. It converges under refinement,
+---where the largest stress does not. The bisector of the edge leads into the material. Of every place the station of the largest
+---value is listed.
+---
+---Errors: unsupported (the critical distance of the material is not known, or no line stays in the body), geometry (as of
+---`surface:singular_edges`).
+---
+---Source: D. Taylor, The Theory of Critical Distances (2007); docs/theory/singular.md.
+---@param options? bw.EffectiveStressOptions places and length
+---@return bw.EffectiveStress[]? list the largest first
 ---@return string? message
 ---@return bw.Details? details
 function Static:effective_stress(options) end
 
+---Where and over which length an effective stress is taken.
 ---@class bw.EffectiveStressOptions
----@field places? bw.SingularPlaces
----@field length? number
----@field method? "line"|"point"
+---@field places? bw.SingularPlaces that are judged. Default: the re-entrant edges of the mesh's boundary
+---@field length? number (m) the critical distance L. Default: `critical_distance` of the material
+---@field method? "line"|"point" the mean over 2 L from the edge along the bisector, or the stress at L / 2. Default: "line"
 
+---An effective stress.
 ---@class bw.EffectiveStress
----@field place bw.SingularPlace
----@field number integer
----@field at number[]
----@field value number
----@field stress number[]
----@field utilisation number?
----@field length number
----@field method string
----@field edge_length number
----@field estimated_error number
+---@field place bw.SingularPlace the place
+---@field number integer (index from 1) of the place in the list
+---@field at bw.Vector (m) the station on the edge
+---@field value number (Pa) the largest principal stress
+---@field stress number[] (Pa, 6) the tensor
+---@field utilisation number? (-) stress over strength; nil where the strength is not known
+---@field length number (m) L
+---@field method "line"|"point" how it was taken
+---@field edge_length number (m) of the elements there
+---@field estimated_error number (-) relative
 
----The notch stress intensity factor K of singular edges, the largest first: the normal stress across the bisector is
----K / sqrt(2 pi) r^(exponent - 1) at small distances r. value in Pa m^(1 - exponent). shear: that of the shear stress on
----the bisector, with its own exponent; radial: the stress along the bisector over that across it.
----@param options? bw.NotchStressIntensityOptions
----@return bw.NotchStressIntensity[]?
+---The notch stress intensity factor K of singular edges, the largest first. The normal stress across the bisector is
+---K / sqrt(2 pi) r^(exponent - 1) at small distances r from the edge.
+---
+---Errors: unsupported (no line stays in the body), geometry (as of `surface:singular_edges`).
+---
+---Source: R. Gross and A. Mendelson, Int. J. Fract. Mech. 8 (1972); docs/theory/singular.md.
+---@param options? bw.NotchStressIntensityOptions which places
+---@return bw.NotchStressIntensity[]? list the largest first
 ---@return string? message
 ---@return bw.Details? details
 function Static:notch_stress_intensity(options) end
 
+---Which places are judged.
 ---@class bw.NotchStressIntensityOptions
----@field places? bw.SingularPlaces
+---@field places? bw.SingularPlaces that are judged. Default: the re-entrant edges of the mesh's boundary
 
+---A notch stress intensity factor.
 ---@class bw.NotchStressIntensity
----@field place bw.SingularPlace
----@field number integer
----@field at number[]
----@field value number
----@field exponent number
----@field shear number
----@field shear_exponent number
----@field radial number
----@field edge_length number
----@field estimated_error number
+---@field place bw.SingularPlace the place
+---@field number integer (index from 1) of the place in the list
+---@field at bw.Vector (m) the station on the edge
+---@field value number (Pa m^(1 - exponent)) K
+---@field exponent number (-) Williams' exponent of the place
+---@field shear number (Pa m^(1 - exponent)) the factor of the shear stress on the bisector, with `shear_exponent`
+---@field shear_exponent number (-) exponent of the antisymmetric field
+---@field radial number (-) stress along the bisector over that across it
+---@field edge_length number (m) of the elements there
+---@field estimated_error number (-) relative
 
----The largest stress that re-entrant edges would have with a fillet of a radius (m), the largest first, from their
----notch stress intensity factors. For radii that are small beside the notch (docs/theory/singular.md). estimated_error
----(relative): that of the factor, and 0.1 for the formula.
----`print(static:fillet_stress({radius = 1e-3})[1].value)`
----@param options bw.FilletStressOptions
----@return bw.FilletStress[]?
+---The largest stress that re-entrant edges would have with a fillet, the largest first, from their notch stress intensity
+---factors. For radii that are small beside the notch.
+---
+---Errors: those of `notch_stress_intensity`.
+---
+---Source: P. Lazzarin and S. Filippi, Int. J. Solids Struct. 43 (2006); docs/theory/singular.md.
+---@param options bw.FilletStressOptions radius and places
+---@return bw.FilletStress[]? list the largest first
 ---@return string? message
 ---@return bw.Details? details
 function Static:fillet_stress(options) end
 
+---A fillet.
 ---@class bw.FilletStressOptions
----@field radius number
----@field places? bw.SingularPlaces
+---@field radius number (m) of the fillet, above 0
+---@field places? bw.SingularPlaces that are judged. Default: the re-entrant edges of the mesh's boundary
 
+---The stress of a fillet.
 ---@class bw.FilletStress
----@field place bw.SingularPlace
----@field number integer
----@field at number[]
----@field value number
----@field intensity number
----@field radius number
----@field estimated_error number
+---@field place bw.SingularPlace the re-entrant edge
+---@field number integer (index from 1) of the place in the list
+---@field at bw.Vector (m) the station on the edge
+---@field value number (Pa) the largest principal stress in the fillet
+---@field intensity number (Pa m^(1 - exponent)) the notch stress intensity factor
+---@field radius number (m) of the fillet
+---@field estimated_error number (-) relative: that of the factor, and 0.1 for the formula
 
----Displacement and stresses as .vtu, with further fields.
----@param path string
----@param options? bw.StaticWriteOptions
----@return true?
+---Writes displacement, force, reaction and stresses to a .vtu file, with further fields. Other endings of `mesh:write` work, too.
+---
+---Errors: io (the file cannot be written).
+---@param path string the file
+---@param options? bw.MeshWriteOptions further fields, unit and version
+---@return true? written true
 ---@return string? message
 ---@return bw.Details? details
 function Static:write(path, options) end
 
----@class bw.StaticWriteOptions
----@field fields? table<string, bw.Array>
-
----The deformed shape coloured by a field: "von_mises" (default), "max_principal", "displacement",
----"utilisation", ..., or an array over nodes or elements.
----@param path string
----@param options? bw.PictureOptions with `field`
----@return true?
+---Draws the deformed shape as a PNG file, coloured by `field`: "von_mises" (default), "max_principal", "element_von_mises",
+---"element_max_principal", "utilisation", "element_energy", "displacement", "reaction", or an array over nodes or elements.
+---
+---Errors: those of `bw.picture`.
+---@param path string the file
+---@param options? bw.PictureOptions what is drawn and how
+---@return true? drawn true
+---@return string? message
+---@return bw.Details? details
 function Static:picture(path, options) end
 
----Lets go at once.
+---Releases the solution at once.
 function Static:close() end

@@ -4,35 +4,47 @@
 --
 -- Systems
 --
--- The equations of a part with their factor.
+-- The equations of a part with their factor, for many loads of one part.
 
----The equations of a body and their factor.
+---The equations of a part, K u = f, and a factor of K. `part:system()` gives it.
+---```lua
+---local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
+---local part = bw.model({mesh = mesh, material = bw.material.steel}):fix(mesh.boundary:below("x", 0))
+---part:load {on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}
+---local system = assert(part:system())
+---print(assert(system:solve(part:force_vector())):column(3):min())
+---```
 ---@class bw.System
----@field times table
----@field unknown_count integer
----@field motion_count integer free rigid motions
+---@field times bw.SolveTimes what its parts took
+---@field unknown_count integer (count) of degrees of freedom
+---@field motion_count integer (count) rigid-body motions that are free
 local System = {}
 
----Displacement under nodal forces; on a free body the force is balanced by inertia first. A list of forces is solved
----in one block, which is faster, and gives the list of displacements.
----@param force bw.Array|bw.Array[] N: a row of three for every node
----@return bw.Array|bw.Array[]|nil
+---The displacement under nodal forces, with supports at zero. On a free body inertia balances the force first, and the
+---displacement has no rigid motion. A list of forces is solved in one block, which is faster.
+---
+---Errors: singular (the solution is not finite).
+---@param force bw.Array|bw.Array[] (N, node_count × 3, per node) one, or a list
+---@return bw.Array|bw.Array[]|nil displacement (m, node_count × 3, per node) one, or a list
 ---@return string? message
 ---@return bw.Details? details
 function System:solve(force) end
 
----The lowest elastic modes, by the system's own factor: see bw.Model:modes.
----@param options? bw.SystemModesOptions
----@return bw.Modes?
+---The lowest natural frequencies and mode shapes: see `model:modes`.
+---
+---Errors: convergence (the modes did not converge).
+---@param options? bw.SystemModesOptions how many
+---@return bw.Modes? modes the modes
 ---@return string? message
 ---@return bw.Details? details
 function System:modes(options) end
 
+---How modes are computed.
 ---@class bw.SystemModesOptions
----@field count? integer
----@field tolerance? number
----@field sturm? boolean
----@field seed? integer
+---@field count? integer (count) of modes. Default: 15
+---@field tolerance? number (-) of the relative residuals. Range: above 0, below 1. Default: 1e-8
+---@field sturm? boolean count the eigenvalues below the last one by an indefinite factor, so that none is missing. Default: true
+---@field seed? integer (seed) of the start vector. Default: 1
 
----Lets go at once.
+---Releases the equations and their factor at once.
 function System:close() end
