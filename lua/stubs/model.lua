@@ -165,14 +165,14 @@ function Model:free_motions() end
 ---A load that is not balanced on a free body is refused, unless `inertia_relief` is set. A body whose whole boundary is fixed,
 ---and a load on supports only, raise. A remark tells where 5 % or more of a load's area lies on supports.
 ---
----Without `with`, the solver is chosen by counted costs: a sparse Cholesky factor, or conjugate gradients preconditioned by two
----levels (quadratic and linear elements) where that costs less than half, or where the factor would take more than 4 GB or more
+---Without `with`, the solver is chosen by counted costs: a sparse Cholesky factor, or conjugate gradients with a two-level
+---preconditioner (PCG over quadratic and linear elements) where that costs less than half, or where the factor would take more than 4 GB or more
 ---than `memory_limit`. A factor serves later solutions, modes and worst cases of the same model.
 ---
 ---With `error`, elements of order 2 are bisected where the error of the quantity `of` comes from. Supports and loads go with
 ---their facets. The loop ends when the estimated error is small enough, or at a limit; `accuracy.reason` says which.
 ---
----Errors: free (a load is not balanced against free rigid motions), singular (the matrix is not positive definite although
+---Errors: unconstrained (a load is not balanced against free rigid-body motions), singular (the matrix is not positive definite although
 ---supports hold the part), convergence (conjugate gradients did not converge), memory (the factor does not fit), limit (more than
 ---`most_elements` at the first refinement), unsupported (`with = "petsc"` in a build without MPI).
 ---
@@ -187,9 +187,9 @@ function Model:solve(options) end
 ---@class bw.ModelSolveOptions
 ---@field inertia_relief? boolean balance a load on a free body by inertia. Default: false
 ---@field tolerance? number (-) a load is balanced when its part along free motions is below this fraction of its size. Default: 1e-6
----@field with? "auto"|"factor"|"levels"|"petsc" the solver. "levels" needs elements of order 2 and supports that hold the part; "petsc" runs on all processes that mpirun started (docs/howto_cluster.md). Default: "auto"
+---@field with? "auto"|"factor"|"pcg"|"petsc" the solver. "pcg" (conjugate gradients with the two-level preconditioner) needs elements of order 2 and supports that hold the part; "petsc" runs on all processes that mpirun started (docs/howto_cluster.md). Default: "auto"
 ---@field memory_limit? number (bytes) that a factor may take; with "auto" and "factor". Default: the free memory
----@field iterations? integer (count) of conjugate gradients at most; with "levels" and "petsc". Default: 2000
+---@field iterations? integer (count) of conjugate gradients at most; with "pcg" and "petsc". Default: 2000
 ---@field method? "auto"|"cg"|"cholesky" with "petsc": conjugate gradients with multigrid, or MUMPS. Default: "auto", which is "cg"
 ---@field rtol? number (-) with "petsc": relative residual to be reached. Default: 1e-10
 ---@field error? number (-) relative error to be reached. Range: above 0 to 1. Default: none, one mesh

@@ -46,21 +46,21 @@ local Static = {}
 ---@field stiffness number (s) assembly
 ---@field order number (s) the ordering
 ---@field factor number (s) the factor
----@field levels number (s) the two-level preconditioner
+---@field pcg number (s) the two-level preconditioner
 ---@field solve number (s) triangular solves or iterations
 ---@field factor_entries integer (count) entries of the factor
 ---@field factor_flops number (count) operations of the factor
 
 ---Which solver found a solution. Costs that are predicted are those of one fixed machine.
 ---@class bw.SolverReport
----@field with "factor"|"levels"|"petsc"|"slepc" the solver
+---@field with "factor"|"pcg"|"petsc"|"slepc" the solver
 ---@field iterations integer (count) of conjugate gradients; with "factor": those that were tried before
 ---@field residual? number (-) |K u - f| / |f|
----@field factor_bytes? number (bytes) of the factor; with "levels": predicted
----@field factor_flops? number (count) operations of the factor; with "levels": predicted
----@field coarse_unknowns? integer (count) with "levels": of the linear elements
+---@field factor_bytes? number (bytes) of the factor; with "pcg": predicted
+---@field factor_flops? number (count) operations of the factor; with "pcg": predicted
+---@field coarse_unknowns? integer (count) with "pcg": of the linear elements
 ---@field predicted_factor? number (s) where the solver was chosen: cost of a factor
----@field predicted_levels? number (s) where the solver was chosen: cost of the iterations
+---@field predicted_pcg? number (s) where the solver was chosen: cost of the iterations
 ---@field method? string of PETSc and SLEPc: such as "conjugate gradients, GAMG"
 ---@field ranks? integer (count) of PETSc and SLEPc: processes
 ---@field send_seconds? number (s) of PETSc and SLEPc: sending the matrix
@@ -78,14 +78,14 @@ local Static = {}
 ---@field pieces_kept integer (count) pieces whose coefficients stayed
 ---@field pieces_turned integer (count) pieces that are unchanged in their own frames
 ---@field pieces_touched integer (count) pieces that changed
----@field method "refactor"|"iterate"|"levels"|"scratch" how it was solved
+---@field method "refactor"|"iterate"|"pcg"|"scratch" how it was solved
 ---@field factor_kept number (-) fraction of the factor's work that was not done again
 ---@field iterations integer (count) of conjugate gradients
 ---@field precision integer (bits) of the factor's numbers, 32 or 64
 ---@field refinements integer (count) iterations that made solutions with a factor of 32 bits exact
 ---@field predicted_refactor number (s) predicted cost of a factor, on one fixed machine
 ---@field predicted_iterate number (s) predicted cost of iterations with the former factor; 0: not possible
----@field predicted_levels number (s) predicted cost of iterations over two levels; 0: not possible
+---@field predicted_pcg number (s) predicted cost of two-level PCG; 0: not possible
 ---@field seconds_unknowns number (s) for the unknowns and their frames
 ---@field seconds_stiffness number (s) for the stiffness
 ---@field seconds_factor number (s) for the factor

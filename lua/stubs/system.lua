@@ -21,7 +21,7 @@
 local System = {}
 
 ---The displacement under nodal forces, with supports at zero. On a free body inertia balances the force first, and the
----displacement has no rigid motion. A list of forces is solved in one block, which is faster.
+---displacement has no rigid-body motion. A list of forces is solved in one block, which is faster.
 ---
 ---Errors: singular (the solution is not finite).
 ---@param force bw.Array|bw.Array[] (N, node_count × 3, per node) one, or a list

@@ -36,15 +36,9 @@ local allowed = {
 
   local_system = 57,
 
-  material = 81,
-
   metallophone = 207,
 
   metamaterial = 71,
-
-  model = 156,
-
-  modes = 34,
 
   optimise = 66,
 
@@ -62,21 +56,13 @@ local allowed = {
 
   sheet = 198,
 
-  singular = 31,
-
   skeleton = 116,
 
   solid = 257,
 
-  static = 116,
-
   strengthen = 38,
 
-  stress = 47,
-
   study = 178,
-
-  system = 21,
 
   worst_case = 121,
 
