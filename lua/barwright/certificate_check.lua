@@ -164,7 +164,7 @@ local function build(stated)
   return part
 end
 
--- Work of a unit of each pressure on each rigid-body mode, as columns, and the largest displacement of each motion.
+-- Work of a unit of each pressure on each rigid-body mode, as columns, and the largest displacement of each.
 local function works(stated, part, basis)
   local motions, list, reaches = needed("", part:free_motions()), {}, {}
   if #motions ~= #stated.motions then

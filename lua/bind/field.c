@@ -81,9 +81,8 @@ double lbw_field_value(void *data, const double at[3]) {
 static const struct {
   const char *name;
   double metres;
-} units[] = {{"m", 1},       {"dm", 0.1},      {"cm", 0.01},     {"mm", 0.001},
-             {"um", 1e-6},   {"km", 1000},     {"inch", 0.0254}, {"in", 0.0254},
-             {"ft", 0.3048}, {"foot", 0.3048}, {"mil", 2.54e-5}};
+} units[] = {{"um", 1e-6}, {"mm", 0.001},  {"cm", 0.01},  {"m", 1},
+             {"km", 1000}, {"in", 0.0254}, {"ft", 0.3048}}; /* those of the command line */
 enum { UNITS = sizeof units / sizeof *units };
 
 double lbw_unit_option(lua_State *L, int options, const char *function, double otherwise) {

@@ -4,9 +4,12 @@
 return {
   {title = "Start", pages = {
     {"README.md", "Overview"}, {"docs/tutorial.md", "From an STL file to an answer"},
-    {"gallery", "Gallery"}, {"lessons", "Lessons"},
+    {"docs/installation.md", "Installation"}, {"gallery", "Gallery"}, {"lessons", "Lessons"},
+    {"docs/faq.md", "Frequently asked questions"},
   }},
   {title = "How to", pages = {
+    {"docs/loads_and_supports.md", "Loads, supports, selections"},
+    {"docs/choosing_a_solver.md", "Choose a solver"}, {"docs/import_export.md", "Import and export"},
     {"docs/howto_study.md", "Run a design study"}, {"docs/howto_experiments.md", "Publish an experiment"},
     {"docs/howto_cluster.md", "More than one machine"},
     {"docs/howto_scenarios.md", "Test a requirement"},
@@ -30,6 +33,8 @@ return {
   }},
   {title = "Reference", pages = {
     {"docs/reference/index.md", "API", below = "docs/reference/*.md"}, {"docs/glossary.md", "Glossary"},
+    {"docs/validity.md", "Validity"}, {"docs/units.md", "Units"}, {"docs/bibliography.md", "Bibliography"},
+    {"docs/stability.md", "Versions and stability"}, {"docs/third_party.md", "Third-party licences"},
     {"docs/verification.md", "Verification"},
     {"docs/benchmarks.md", "Benchmarks"}, {"docs/comparison.md", "Beside other tools"},
   }},

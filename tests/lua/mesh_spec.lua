@@ -153,7 +153,7 @@ describe("a surface", function()
       check.near(6, back.volume, 1e-6)
       assert.equal(0.001, info.metres_per_unit)
       check.near(6e9, bw.surface.read(path, {unit = "m"}).volume, 1e-6)
-      check.near(6 * 25.4 ^ 3, bw.surface.read(path, {unit = "inch"}).volume, 1e-6)
+      check.near(6 * 25.4 ^ 3, bw.surface.read(path, {unit = "in"}).volume, 1e-6)
     end
     assert.truthy(check.read(folder .. "/box.obj"):find "3000")
   end)
@@ -271,7 +271,7 @@ describe("a mesh", function()
         assert.equal(240, #file.fields.mark)
       end
     end
-    local inches = assert(bw.mesh.read(folder .. "/m.mesh", {unit = "inch"}))
+    local inches = assert(bw.mesh.read(folder .. "/m.mesh", {unit = "in"}))
     check.near(0.01 * 0.0254 ^ 3, inches.volume, 1e-9)
     check.raises("field 'u' has 3 rows; nodes: 99, elements: 240", beam.write, beam, folder .. "/x.vtu",
       {fields = {u = bw.array {1, 2, 3}}})

@@ -12,7 +12,7 @@ model.body_argument = {name = "model", type = "file",
   what = "surface (STL OBJ OFF PLY) or mesh of tetrahedra (MSH VTU MEDIT INP TetGen)"}
 
 --- The option --unit of every command that reads a model.
-model.unit_option = {name = "unit", value = "UNIT", one_of = {"mm", "cm", "m", "in", "um"},
+model.unit_option = {name = "unit", value = "UNIT", one_of = {"mm", "cm", "m", "km", "um", "in", "ft"},
   what = "the unit of the numbers in the file; left out: mm for surfaces, m for meshes of tetrahedra, what the "
     .. "file says for drawings"}
 
