@@ -35,8 +35,9 @@
 ---- `internal`: an error of barwright
 ---- `empty`: what is asked for is not there
 ---- `rejected`: a certificate proves less than it states
+---- `invalid`: what a function that was given, such as `fix`, returned cannot be used
 ---- `busy`, `damaged`, `different`, `failed`, `foreign`: of studies and their files
----@alias bw.Status "io"|"format"|"geometry"|"unconstrained"|"singular"|"convergence"|"infeasible"|"limit"|"memory"|"cancelled"|"unsupported"|"internal"|"empty"|"rejected"|"busy"|"damaged"|"different"|"failed"|"foreign"
+---@alias bw.Status "io"|"format"|"geometry"|"unconstrained"|"singular"|"convergence"|"infeasible"|"limit"|"memory"|"cancelled"|"unsupported"|"internal"|"empty"|"rejected"|"invalid"|"busy"|"damaged"|"different"|"failed"|"foreign"
 
 ---Three numbers `{x, y, z}`. As an argument an array of three numbers is accepted, too.
 ---@class bw.Vector

@@ -4,55 +4,79 @@
 --
 -- Brute force
 --
--- The worst case with every element as its own region: slow, the measure of the rest.
+-- The worst case with every element as its own region. It is slow, and measures what `bw.worst_case` misses.
 
 ---@class bw
 local bw = {}
 
----The same as `bw.worst_case` with every element, or a sample of them, as its own region. Slow; the measure of the rest.
----With objective "trace" (default, the paper's) each load maximises the trace of the element's stress;
----with "principal" an ascent of its principal stress follows, about three times as long.
----@param part bw.Model
----@param options? bw.BruteForceOptions
----@return bw.BruteForce?
+---The largest stress that any admissible load causes in each element, or in a sample of them. With the objective "trace" each
+---load maximises the trace of the element's stress. With "principal" an ascent of its principal stress follows, about three times
+---as long.
+---
+---Errors: those of `bw.worst_case`.
+---
+---Source: Zhou, Panetta and Zorin 2013, section 5; docs/theory/worst_case.md.
+---```lua
+---local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
+---local part = bw.model {mesh = mesh, material = bw.material.pla}
+---local brute = assert(bw.brute_force(part, {force = 50, elements = 20}))
+---print(brute, brute:percentile())
+---```
+---@param part bw.Model the part
+---@param options? bw.BruteForceOptions the loads and the elements
+---@return bw.BruteForce? brute the answer
 ---@return string? message
 ---@return bw.Details? details
 function bw.brute_force(part, options) end
 
+---Which loads are admissible, and which elements are tried.
 ---@class bw.BruteForceOptions
----@field force? number
----@field pressure? number
----@field contact? number
----@field at_most? boolean
----@field forbidden? bw.Selection|bw.Selection[]
----@field friction? number
----@field friction_facets? integer
----@field hands? integer
----@field hand? number
----@field elements? integer
----@field seed? integer
----@field one_sign? boolean
----@field batch? integer
----@field objective? "trace"|"principal"
+---@field force? number (N) total force, see `bw.WorstCaseOptions`. Default: 20
+---@field pressure? number (Pa) largest pressure. Default: 2e5
+---@field contact? number (m2) in place of `pressure`: the largest pressure is `force / contact`
+---@field at_most? boolean the total force may also be smaller. Default: false
+---@field forbidden? bw.Selection|bw.Selection[] facets on which no pressure acts. Default: none
+---@field friction? number (-) Coulomb's coefficient of friction. Range: 0 to 100. Default: 0
+---@field friction_facets? integer (count) facets of the pyramid in the friction cone. Range: 3 to 64. Default: 8
+---@field hands? integer (count) the pressure lies within so many patches. Range: 1 to 16. Default: anywhere
+---@field hand? number (m2) area that each of `hands` can reach. Default: `force / pressure`
+---@field elements? integer (count) a random sample of so many elements, 1 or more. Default: all
+---@field seed? integer (seed) of the sample. Default: 1
+---@field one_sign? boolean try only the positive sign. Default: false, both
+---@field batch? integer (count) elements that are worked on at once. Default: 0, chosen
+---@field objective? "trace"|"principal" what the loads maximise. Default: "trace"
 
+---What brute force found. `print` gives it in one line.
+---```lua
+---local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
+---local part = bw.model {mesh = mesh, material = bw.material.pla}
+---local brute = assert(bw.brute_force(part, {force = 50, elements = 20}))
+---print(brute:compare(assert(bw.worst_case(part, {force = 50}))).ratio)
+---```
 ---@class bw.BruteForce
----@field weakness bw.Array of every element, Pa
----@field peaks bw.Array of every region tried
----@field max_principal number
----@field element integer
----@field elements integer how many were tried
----@field seconds number
----@field mesh bw.Mesh
----@field options table
+---@field weakness bw.Array (Pa, element_count × 1, per element) the largest stress over all loads
+---@field peaks bw.Array (Pa, elements × 1, per element tried) the largest stress under its load
+---@field max_principal number (Pa) the largest stress
+---@field element integer (index from 1) the element with it
+---@field elements integer (count) elements that were tried
+---@field seconds number (s) in all
+---@field mesh bw.Mesh of the part
+---@field options bw.BruteForceOptions as they were given, with defaults
 local BruteForce = {}
 
----A percentile of the weakness map by volume; default 99.75.
----@param p? number
----@return number
+---A percentile of the weakness by volume.
+---@param p? number (-) per cent. Range: 0 to 100. Default: 99.75
+---@return number stress (Pa) below which p per cent of the volume lie
 function BruteForce:percentile(p) end
 
----Beside a worst case: {worst_case, brute_force, ratio}.
----@param worst bw.WorstCase
----@param p? number
----@return table
+---A percentile of the weakness beside that of a worst case of the same part.
+---@param worst bw.WorstCase of the same part
+---@param p? number (-) per cent. Range: 0 to 100. Default: 99.75
+---@return bw.BruteForceComparison comparison both percentiles
 function BruteForce:compare(worst, p) end
+
+---Percentiles of two weakness maps.
+---@class bw.BruteForceComparison
+---@field worst_case number (Pa) that of the worst case
+---@field brute_force number (Pa) that of brute force
+---@field ratio number (-) the first over the second

@@ -30,7 +30,6 @@ function bw.picture(surface, path, options) end
 ---How a picture is drawn.
 ---@class bw.PictureOptions
 ---@field values? bw.Array (any, n × 1, per point or per triangle) what colours the surface; grey where not finite. Methods `picture` of meshes take values of nodes or elements. Default: none
----@field field? string|bw.Array (any, n × 1, per node or per element) of static solutions instead of `values`: a field's name or an array
 ---@field displacement? bw.Array (m, n × 3, per point) how the surface is deformed. Default: none
 ---@field deformation? number (-) factor on `displacement`. Default: 0, such that the largest displacement is a twentieth of the box
 ---@field ghost? boolean draw the undeformed shape in grey behind. Default: false

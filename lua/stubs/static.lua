@@ -209,16 +209,19 @@ function Static:fillet_stress(options) end
 ---@return bw.Details? details
 function Static:write(path, options) end
 
----Draws the deformed shape as a PNG file, coloured by `field`: "von_mises" (default), "max_principal", "element_von_mises",
----"element_max_principal", "utilisation", "element_energy", "displacement", "reaction", or an array over nodes or elements.
+---Draws the deformed shape as a PNG file, coloured by a field.
 ---
 ---Errors: those of `bw.picture`.
 ---@param path string the file
----@param options? bw.PictureOptions what is drawn and how
+---@param options? bw.StaticPictureOptions what is drawn and how
 ---@return true? drawn true
 ---@return string? message
 ---@return bw.Details? details
 function Static:picture(path, options) end
+
+---How a static solution is drawn.
+---@class bw.StaticPictureOptions: bw.PictureOptions
+---@field field? "von_mises"|"max_principal"|"element_von_mises"|"element_max_principal"|"utilisation"|"element_energy"|"displacement"|"reaction"|bw.Array (any, n × c, per node or per element) what colours it; of several columns the norm. Default: "von_mises"
 
 ---Releases the solution at once.
 function Static:close() end

@@ -9,56 +9,78 @@
 ---@class bw
 local bw = {}
 
----Thickens a surface around its weak places until the lower end of its breaking force exceeds `force` (N), with at
----most `steps` (default 8) rounds of advice, smooth outward bumps, and analysis. A surface that is not sound is repaired
----first. `keep(x, y, z)` is true where the surface must not move (m). `progress(step)` is called after each step with
----{places, offset, predicted, force, low, high}: how many places, the largest offset (m), the predicted force, the
----computed one and its interval (N). A step that makes the lower end worse is undone: the next one begins from the best
----surface so far with half of the offsets. A step that goes further than the force needs is repeated once with smaller
----offsets. Coordinates of the surface are exact in single precision in `unit` (default 1e-3 m), as binary STL
----has them. Other options: those of bw.breaking_force. nil, message, details where the given surface cannot be
----computed; a force that is not reached is no failure: then it is the best surface that was found, see `reached` and
----`stopped`. docs/theory/strengthen.md.
+---Thickens a surface around its weak places until the lower end of its breaking force exceeds a force, by rounds of advice, smooth
+---outward bumps and analysis. A surface that is not sound is repaired first. A round that makes the lower end worse is undone; the
+---next one has half of the offsets. A round that goes further than the force needs is repeated once with smaller offsets.
+---
+---A force that is not reached is no error: the result is the best surface that was found, see `reached` and `stopped`.
+---
+---Errors: unsupported (the strength of the material is not known, or a case without a shape gradient), geometry (the surface cannot
+---be repaired), those of `bw.breaking_force` for the surface that was given.
+---
+---Source: docs/theory/strengthen.md.
 ---```lua
 ---local rod = bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.01, 0.01}}
----local result = assert(bw.strengthen(rod, {material = bw.material.pla, force = 20, elements = 300, modes = 2}))
+---local result = assert(bw.strengthen(rod, {material = bw.material.pla, force = 20, elements = 300, length = 4e-3}))
 ---print(result)
 ---assert(result.surface:write "stronger.stl")
 ---```
----@param surface bw.Surface
----@param options bw.StrengthenOptions
----@return bw.Strengthened?
+---@param surface bw.Surface what is thickened
+---@param options bw.StrengthenOptions force and material
+---@return bw.Strengthened? result the surface, and what was added
 ---@return string? message
 ---@return bw.Details? details
 function bw.strengthen(surface, options) end
 
+---How a surface is strengthened.
 ---@class bw.StrengthenOptions
----@field force number
----@field material bw.Material
----@field contact? number
----@field elements? integer
----@field length? number|"critical"
----@field failure? "principal"|"von_mises"
----@field modes? integer
----@field regions? integer
----@field seed? integer
----@field steps? integer
----@field keep? fun(x: number, y: number, z: number): boolean
----@field unit? number
----@field progress? fun(step: table)
+---@field force number (N) that it is to bear, above 0
+---@field material bw.Material with a strength
+---@field contact? number (m2) the smallest area that the force presses on. Default: 1e-4
+---@field elements? integer (count) of the meshes, see `bw.BreakingForceOptions`. Range: 1 to 10000000. Default: 20000
+---@field length? number|"critical" (m) radius of the patch over which the stress is averaged; "critical" is half the critical distance of the material. Default: 2 % of the diagonal of the box
+---@field failure? "principal"|"von_mises" what is judged against the strength. Default: "von_mises" of steel and aluminium of the library, else "principal"
+---@field modes? integer (count) of modes. Range: 1 to 500. Default: 15
+---@field regions? integer (count) weak regions of each mode. Range: 1 to 1000. Default: 5
+---@field seed? integer (seed) of the modes. Default: 1
+---@field steps? integer (count) rounds at most. Range: 1 to 100. Default: 8
+---@field keep? fun(x: number, y: number, z: number): boolean true where the surface must not move; coordinates in m. Default: it may move everywhere
+---@field unit? number (m) coordinates are exact in single precision in this unit, as binary STL has them. Default: 1e-3
+---@field progress? fun(step: bw.StrengthenStep) called after each round. Default: none
 
----A surface and what was added to it; print tells it in one line.
+---A surface and what was added to it. `print` tells it in one line.
 ---@class bw.Strengthened
 ---@field surface bw.Surface the thickened surface
----@field original bw.Surface what it was made from: the given one, repaired where it had to be
+---@field original bw.Surface the given one, repaired where it had to be
 ---@field reached boolean whether the lower end of the interval is at least the force
----@field stopped? string why the steps ended early
----@field before table {force, low, high, at, estimated_error, singular, contact, volume, mass}: the breaking force (N) of the given surface, with volume (m3) and mass (kg)
----@field after table the same of the thickened one
----@field steps table[] {places, offset, predicted, force, low, high}
----@field added_volume number m3
----@field repaired? boolean
----@field length number m: radius of the judged patch
----@field breaking bw.BreakingForce the analysis of the surface, closed
----@field options table
----@field seconds number
+---@field stopped? string why the rounds ended early
+---@field before bw.StrengthenSummary of the surface before
+---@field after bw.StrengthenSummary of the thickened surface
+---@field steps bw.StrengthenStep[] the rounds
+---@field added_volume number (m3) after less before
+---@field repaired? boolean true where the given surface was not sound
+---@field length number (m) radius of the judged patch
+---@field breaking bw.BreakingForce of the thickened surface, closed
+---@field options bw.StrengthenOptions as they were given, with defaults
+---@field seconds number (s) in all
+
+---The breaking force, volume and mass of a surface.
+---@class bw.StrengthenSummary
+---@field force number (N) the estimate
+---@field low number (N) lower end of the interval
+---@field high number (N) upper end of the interval
+---@field at bw.Vector (m) where it breaks
+---@field estimated_error number (-) as of `bw.BreakingForce`
+---@field singular? bw.SingularFinding why the stress there has no finite value
+---@field contact number (m2) the area that the force presses on
+---@field volume number (m3) of the surface
+---@field mass? number (kg) nil where the density is not known
+
+---One round.
+---@class bw.StrengthenStep
+---@field places integer (count) places that were thickened
+---@field offset number (m) the largest offset
+---@field predicted number (N) the predicted breaking force
+---@field force number (N) the estimate of the computed one
+---@field low number (N) lower end of its interval
+---@field high number (N) upper end of its interval

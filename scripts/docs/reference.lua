@@ -89,6 +89,9 @@ local function page(file)
     local continued = class.name == "bw" and #class.fields == 0
     out[#out + 1] = ("## %s\n"):format(continued and "Functions" or title(class))
     if class.text ~= "" then out[#out + 1] = linked(class.text) .. "\n" end
+    if class.parent then
+      out[#out + 1] = ("It has the fields of [`%s`](%s), and:\n"):format(class.parent, place[class.parent])
+    end
     for _, field in ipairs(class.fields) do out[#out + 1] = "- " .. value(field) end
     if #class.fields > 0 then out[#out + 1] = "" end
     for _, f in ipairs(class.functions) do add_function(out, class, f) end

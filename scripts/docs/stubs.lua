@@ -47,7 +47,7 @@ end
 local function annotation(block, comment, line)
   local word, rest = comment:match "^@(%a+)%s*(.*)$"
   if word == "class" then
-    block.class = rest:match "^[%w%._]+"
+    block.class, block.parent = rest:match "^([%w%._]+):?%s*([%w%._]*)"
   elseif word == "alias" then
     block.alias, block.type = rest:match "^([%w%._]+)%s+(.*)$"
   elseif word == "field" then
@@ -85,7 +85,7 @@ local function joined(lines)
   return (table.concat(out, "\n"):gsub("^\n+", ""):gsub("\n+$", ""))
 end
 
---- One file: {name, title, head, classes = {{name, line, text, examples, fields, overloads, functions}}, aliases}.
+--- One file: {name, title, head, classes = {{name, parent (a class whose fields it has, too), line, text, examples, fields, overloads, functions}}, aliases}.
 --- A field or parameter: {name, optional, type, text, line}; a function: {name, colon, arguments, text, examples,
 --- params, returns, line}; a return: {name, type, text, line}.
 function stubs.parse(text, name)
@@ -109,7 +109,7 @@ function stubs.parse(text, name)
       local described = {line = number, text = joined(block.lines), examples = examples_of(block.lines),
         fields = block.fields, overloads = block.overloads, functions = {}}
       if block.class then
-        described.name = block.class
+        described.name, described.parent = block.class, block.parent ~= "" and block.parent or nil
         classes[#classes + 1] = described
         if variable then by_variable[variable] = described end
       elseif block.alias then
@@ -146,7 +146,8 @@ function stubs.read(folder)
     for _, class in ipairs(file.classes) do
       local whole = all.by_name[class.name]
       if not whole then
-        whole = {name = class.name, file = name, text = class.text, fields = {}, overloads = {}, functions = {}}
+        whole = {name = class.name, parent = class.parent, file = name, text = class.text, fields = {},
+          overloads = {}, functions = {}}
         all.by_name[class.name] = whole
         all.classes[#all.classes + 1] = whole
       end

@@ -10,11 +10,7 @@ local stubs = require "stubs"
 local allowed = {
   array = 148,
 
-  breaking_force = 84,
-
   bridge = 95,
-
-  brute_force = 53,
 
   canvas = 128,
 
@@ -22,15 +18,11 @@ local allowed = {
 
   domains = 77,
 
-  drop_test = 50,
-
   edit = 162,
 
   flow = 224,
 
   grid = 169,
-
-  json = 14,
 
   live = 51,
 
@@ -60,13 +52,7 @@ local allowed = {
 
   solid = 257,
 
-  strengthen = 38,
-
   study = 178,
-
-  worst_case = 121,
-
-  worst_loads = 122,
 }
 
 -- What an example is run by where it is not a script for the program alone.

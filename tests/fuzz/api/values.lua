@@ -78,6 +78,8 @@ local function class_fields(class)
     for i, field in ipairs(class.fields) do
       class.parsed[i] = {name = field.name, optional = field.optional, type = types.parse(field.type)}
     end
+    local more = class.parent and class_fields(classes[class.parent]) or {}
+    table.move(more, 1, #more, #class.parsed + 1, class.parsed)
   end
   return class.parsed
 end
