@@ -85,9 +85,10 @@ local function joined(lines)
   return (table.concat(out, "\n"):gsub("^\n+", ""):gsub("\n+$", ""))
 end
 
---- One file: {name, title, head, classes = {{name, parent (a class whose fields it has, too), line, text, examples, fields, overloads, functions}}, aliases}.
---- A field or parameter: {name, optional, type, text, line}; a function: {name, colon, arguments, text, examples,
---- params, returns, line}; a return: {name, type, text, line}.
+--- One file: {name, title, head, classes, aliases}.
+--- A class: {name, parent (a class whose fields it has, too), line, text, examples, fields, overloads, functions}.
+--- A function: {name, colon, arguments, text, examples, params, returns, line}.
+--- A field or parameter: {name, optional, type, text, line}; a return: {name, type, text, line}.
 function stubs.parse(text, name)
   local head, classes, aliases, by_variable = {}, {}, {}, {}
   local block, in_head, number = new_block(), true, 0
