@@ -32,8 +32,6 @@ local allowed = {
 
   optimise = 66,
 
-  outline = 264,
-
   plane = 130,
 
   plot = 175,
