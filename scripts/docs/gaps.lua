@@ -11,7 +11,7 @@ local units = {}
 for _, unit in ipairs {"-", "any", "count", "index", "index from 1", "index from 0", "m", "m2", "m3", "m4", "1/m",
   "1/m2", "mm", "N", "1/N", "N m", "N/m", "Pa", "Pa s", "Pa m^0.5",
   "Pa m^(1 - exponent)", "J", "J/m3", "kg", "kg/m3", "s", "Hz", "Hz/m", "rad",
-  "rad/s", "(rad/s)^2", "degrees", "cents", "K", "1/K", "K m/s", "m/s", "m/s2", "m2/s", "pixels", "bytes", "bits",
+  "rad/s", "(rad/s)^2", "degrees", "minutes", "cents", "K", "1/K", "K m/s", "m/s", "m/s2", "m2/s", "pixels", "bytes", "bits",
   "seed"} do
   units[unit] = true
 end

@@ -10,11 +10,7 @@ local stubs = require "stubs"
 local allowed = {
   bridge = 95,
 
-  canvas = 128,
-
   distributed = 32,
-
-  domains = 77,
 
   edit = 162,
 
@@ -43,8 +39,6 @@ local allowed = {
   scenario = 107,
 
   sheet = 198,
-
-  skeleton = 116,
 
   solid = 257,
 
