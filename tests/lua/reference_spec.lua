@@ -28,8 +28,6 @@ local allowed = {
 
   optimise = 66,
 
-  plane = 130,
-
   plot = 175,
 
   responsive = 227,
