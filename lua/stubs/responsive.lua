@@ -24,29 +24,38 @@
 ---@class bw.ResponsiveModule
 local responsive_module = {}
 
----A bridge over a span (m) with a load (N) on its middle, to stay below a von Mises stress (Pa) with as
----little area as possible. depth: of the pad above the feet (default span / 2); bearing: how far a foot
----reaches onto its bank; pad: width under the load; wall: least width of a member (span / 50); size: of
----elements (span / 100); start: "truss", "gable", "beam", "arch"; outline: a right half to begin with.
----@param options bw.ResponsiveBridgeOptions
----@return bw.Bridge?
+---A bridge over a span with a load on its middle. Its aim is the least area with which the von Mises stress stays below a
+---limit. `Bridge:design` finds the shape. A pad or bearings so small that the load alone presses with more than the limit
+---raise, as do a pad as long as the span and a depth below four walls.
+---
+---Errors: geometry (`outline` does not have foot, pad and axis in their places, or reaches across the axis; details `tag`
+---or `x`), and those of `bw.plane.fill`.
+---```lua
+---local options = {span = 0.2, load = 500, stress_limit = 20e6, thickness = 0.006, material = bw.material.pla}
+---local bridge = assert(bw.responsive.bridge(options))
+---print(bridge)
+---```
+---@param options bw.ResponsiveBridgeOptions span, load, limit, and the shape to begin with
+---@return bw.Bridge? bridge the bridge, solved
 ---@return string? message
 ---@return bw.Details? details
 function responsive_module.bridge(options) end
 
+---What a bridge is for, and the shape to begin with. `bar` is load / (thickness stress_limit), the width of a bar that
+---bears the load at the limit.
 ---@class bw.ResponsiveBridgeOptions
----@field span number
----@field load number
----@field stress_limit number
----@field material bw.Material
----@field thickness number
----@field depth? number
----@field bearing? number
----@field pad? number
----@field wall? number
----@field size? number
----@field start? string
----@field outline? bw.Outline
+---@field span number (m) between the banks, above 0
+---@field load number (N) downwards on the pad, above 0
+---@field stress_limit number (Pa) the largest von Mises stress that is allowed, above 0
+---@field material bw.Material the material
+---@field thickness number (m) the thickness, above 0
+---@field depth? number (m) the height of the pad above the feet, above 0. Default: half the span
+---@field bearing? number (m) how far a foot reaches onto its bank, above 0. Default: the larger of `bar` and 1/25 of the span
+---@field pad? number (m) the width under the load, above 0. Default: the larger of twice `bar` and 1/12 of the span
+---@field wall? number (m) the smallest width of a member, above 0. Default: 1/50 of the span
+---@field size? number (m) the edge length of elements, above 0. Default: 1/100 of the span
+---@field start? "truss"|"gable"|"beam"|"arch" the shape to begin with. Default: "gable"
+---@field outline? bw.Outline the right half to begin with, instead of `start`. Default: none
 
 ---Linear statics, solved in every drag.
 ---@param options bw.ResponsiveSteadyOptions

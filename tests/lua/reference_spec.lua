@@ -28,7 +28,7 @@ local allowed = {
 
   plot = 175,
 
-  responsive = 227,
+  responsive = 201,
 
   results = 30,
 
