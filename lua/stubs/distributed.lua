@@ -4,54 +4,77 @@
 --
 -- Several processes
 --
--- Processes that `mpirun` started.
+-- The processes that `mpirun` started: solving on all of them, and byte strings between them. `require "barwright.distributed"`
+-- gives the module; it raises where barwright was built without MPI. docs/howto_cluster.md tells more.
 
----require "barwright.distributed": the processes that mpirun started. Raises where barwright was built
----without MPI. A solve with `with = "petsc"` loads it by itself; `barwright --mpi` calls start.
+---The processes of one run, called ranks. A solution with `with = "petsc"` loads this by itself; `barwright --mpi` calls `start`.
+---```lua
+---local distributed = require "barwright.distributed"
+---assert(distributed.ready())
+---print(distributed.rank(), distributed.size()) -- 0 1
+---```
 ---@class bw.Distributed
 local Distributed = {}
 
----Join the others. On rank 0 it returns the number of ranks; on the others it does not return: they work
----for the solves of rank 0 and end with it.
----@return integer? size
+---Joins the other ranks. It returns on rank 0 alone; the others work for the solutions of rank 0 and end with it.
+---
+---Errors: unsupported (MPI could not be started, or this is a forked job); the message alone.
+---@return integer? size (count) of ranks
 ---@return string? message
 function Distributed.start() end
 
----Join without serving, for programs whose ranks talk by send and receive.
----@return integer? rank from 0
----@return integer|string size or a message
+---Joins the other ranks on each of them, for programs whose ranks talk by `send` and `receive`.
+---
+---Errors: unsupported (MPI could not be started, or this is a forked job).
+---@return integer? rank (index from 0) of this process
+---@return integer|string size (count) of ranks, or the message
+---@return bw.Details? details
 function Distributed.join() end
 
----A world of one where none was joined; refused under mpirun without start.
----@return integer? rank
----@return integer|string size or a message
+---Makes a world of one where no ranks were joined. Under mpirun it is refused without `start` or `join`.
+---
+---Errors: unsupported (MPI could not be started, mpirun started several processes, or this is a forked job).
+---@return integer? rank (index from 0) of this process
+---@return integer|string size (count) of ranks, or the message
+---@return bw.Details? details
 function Distributed.ready() end
 
----@return integer rank from 0
+---This process.
+---@return integer rank (index from 0) of this process
 function Distributed.rank() end
 
----@return integer size
+---How many processes there are.
+---@return integer size (count) of ranks
 function Distributed.size() end
 
----@param rank integer
----@param tag integer 0 to 1000
----@param bytes string
----@return boolean?
+---Sends a byte string to another rank.
+---
+---Errors: limit (more than 2147483647 bytes), invalid (no such rank, or another tag), io (rank 0 has left).
+---@param rank integer (index from 0) the receiver
+---@param tag integer (-) what it is about. Range: 0 to 1000
+---@param bytes string what is sent
+---@return boolean? sent true
 ---@return string? message
 ---@return bw.Details? details
 function Distributed.send(rank, tag, bytes) end
 
----The next string from any rank; nil when none came in time (negative: wait as long as it takes).
----@param seconds number
----@return integer? rank
----@return integer|string? tag or a message
----@return string? bytes
+---The next byte string from any rank; nil alone where none came in time.
+---
+---Errors: io (rank 0 has left), cancelled (Ctrl-C).
+---@param seconds? number (s) how long it waits; negative: as long as it takes. Default: -1
+---@return integer? rank (index from 0) the sender
+---@return integer|string|nil tag (-) what it is about, or the message
+---@return string|bw.Details|nil bytes what was sent, or the details
 function Distributed.receive(seconds) end
 
----End all ranks now, with a sentence on standard error.
----@param message string
+---Ends all ranks at once, with a sentence on standard error.
+---@param message string the sentence
 function Distributed.abort(message) end
 
 ---Versions of MPI, PETSc and SLEPc, a line each.
----@return string?
+---
+---Errors: unsupported (MPI could not be started).
+---@return string? versions the lines
+---@return string? message
+---@return bw.Details? details
 function Distributed.versions() end

@@ -4,305 +4,420 @@
 --
 -- Edit sessions
 --
--- Parts that are posed and thickened by their skeleton and solved again after each edit.
+-- Parts that are posed and thickened by their skeleton, and solved again after each edit by updating only what the edit changed.
+-- docs/tutorial_edit.md begins at the beginning; the theory is in docs/theory/edit.md.
 
----Making edit sessions and replaying scripts of edits.
+---Beginning edit sessions, and replaying scripts of edits.
 ---@class bw.EditModule
 ---@overload fun(part: bw.Model, options?: bw.EditOptions): bw.Session?, string?, bw.Details?
----@field class table the methods of sessions
----@field properties table the properties of sessions
+---@field class table<string, any> the methods of sessions
+---@field properties table<string, any> the properties of sessions
 local edit_module = {}
 
----Begins an edit session on a part: cuts its mesh into domains along a skeleton.
----@param part bw.Model
----@param options? bw.EditOptions
----@return bw.Session? session
+---Begins an edit session on a part: its mesh is cut into domains along a skeleton.
+---
+---Errors: geometry (no skeleton can be extracted, or the skeleton lies far outside of the part), limit (the extraction took too
+---long), singular (the equations of the weights have no solution), io (the journal cannot be written).
+---
+---Source: Y. Xie and others, Agile structural analysis for fabrication-aware shape editing (2015); docs/theory/edit.md.
+---```lua
+---local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}, order = 2}
+---local skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}
+---local part = bw.model({mesh = mesh, material = bw.material.pla}):fix(mesh.boundary:below("x", 0))
+---local session = assert(bw.edit(part, {skeleton = skeleton}))
+---print(session)
+---```
+---@param part bw.Model the part, with its supports and loads; order 2 is advised
+---@param options? bw.EditOptions skeleton and domains
+---@return bw.Session? session the session
 ---@return string? message
 ---@return bw.Details? details
 function edit_module:__call(part, options) end
 
----Replays a script of edits, into a session or into the one that the script makes. A line that was
----cut off at the end of a journal is passed over. {resume = true}: the file goes on as the journal.
----@param path string
----@param session? bw.Session
----@param options? bw.EditLoadOptions
----@return bw.Session?
----@return boolean|string cut whether a line was cut off; or a message
+---Replays a script of edits, into a session or into the one that the script makes. A line that was cut off at the end of a journal
+---is passed over.
+---
+---Errors: io (the file cannot be read), format (it is no such script, or an edit fails; the message names the line), cancelled.
+---```lua
+---local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
+---local how = {skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}}
+---local function begin() return assert(bw.edit(bw.model {mesh = mesh, material = bw.material.pla}, how)) end
+---local session = assert(begin():bone("bone 2"):scale(1.2)).session
+---assert(session:save "edits.lua")
+---print(assert(bw.edit.load("edits.lua", begin())))
+---```
+---@param path string the script
+---@param session? bw.Session that the edits are made in. Default: the one that the script begins
+---@param options? bw.EditLoadOptions whether the file goes on
+---@return bw.Session? session with the edits
+---@return boolean|string cut whether a line was cut off; or the message
 ---@return bw.Details? details
 function edit_module.load(path, session, options) end
 
+---Whether a script goes on.
 ---@class bw.EditLoadOptions
----@field resume? boolean
+---@field resume? boolean the file becomes the journal of the session. Default: false
 
----What a saved script begins with: the session it is replayed into, or a new one on the part (and the
----options) that the file `script` returns.
----@param script? string
----@param session? bw.Session
----@return bw.Session
+---What a saved script begins with: the session that it is replayed into, or a new one on the part (and the options) that the file
+---`script` returns.
+---```lua
+---local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
+---local skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}
+---local session = assert(bw.edit(bw.model {mesh = mesh, material = bw.material.pla}, {skeleton = skeleton}))
+---print(bw.edit.begin(nil, session) == session) -- true
+---```
+---@param script? string a file that returns the part. Needed where there is no session
+---@param session? bw.Session that it is replayed into
+---@return bw.Session session the session
 function edit_module.begin(script, session) end
 
+---How a session begins.
 ---@class bw.EditOptions
----@field skeleton? bw.Skeleton left out: extracted from the part's surface
----@field bones? integer wanted of the extracted skeleton; 0 (default): as many as the shape asks for
----@field threshold? number mean weight from which an element follows one bone; default 0.95
----@field thresholds? table<string, number> instead of it, for single bones
----@field share? number the threshold is lowered until each bone has this share of the elements that it moves most; default 0.35, 0: never
----@field heat? number of the skinning weights; default 20; larger: more elements follow one bone
----@field domains? bw.Domains ready-made ones, of the part's own mesh
----@field quality? number elements poorer than this (mean ratio, 1: regular) are relaxed; default 0.02
----@field relax? boolean relax inner nodes where an edit inverts elements; default true
----@field refill? boolean refill domains where that fails; default true
----@field material_turns? boolean an orthotropic material's axes turn with the bones; default false: they stay, as where the edited shape is printed the same way up
----@field journal? string a script that every edit is added to at once; an older journal becomes path~, any other file there is refused
----@field script? string a file that returns the part and these options, named by saved scripts
+---@field skeleton? bw.Skeleton inside of the part. Default: extracted from its surface
+---@field bones? integer (count) wanted of the extracted skeleton. Default: 0, as many as the shape asks for
+---@field threshold? number (-) mean weight from which an element follows one bone. Range: above 0 to 1. Default: 0.95
+---@field thresholds? table<string, number> in its place, for single bones by name. Default: none
+---@field share? number (-) thresholds are lowered until each bone has this fraction of the elements that it moves most; 0: never. Range: 0 to 1. Default: 0.35
+---@field heat? number (-) of the skinning weights, above 0; larger: more elements follow one bone. Default: 20
+---@field domains? bw.Domains of the part's own mesh. Default: made from skeleton and weights
+---@field quality? number (-) elements of a lower shape quality (`mesh:shapes`) are relaxed. Range: 0 to 0.5. Default: 0.02
+---@field relax? boolean relax inner nodes where an edit inverts elements. Default: true
+---@field refill? boolean refill domains where that fails. Default: true
+---@field material_turns? boolean the axes of an orthotropic material turn with the bones. Default: false, they stay
+---@field journal? string a script that every edit is added to at once; an older journal becomes path~, any other file there is refused. Default: none
+---@field script? string a file that returns the part and these options, named by saved scripts. Default: none
 
----A part that is posed and thickened by its skeleton and solved again after each edit. Edits return
----something true, or nil, message, details when the world is against them (details.status "geometry":
----elements would be inverted, `element` is the worst); then the session is as it was. Supports and
----loads go with the surface; those added to the part later count from the next solve. A part of
----order 2 is advised; an order 1 part stays one.
+---A part that is posed and thickened by its skeleton. Edits return something true; where one fails the session is as it was. Supports
+---and loads go with the surface; those that are added to the part later count from the next solution. `print` lists the last edits.
+---```lua
+---local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}, order = 2}
+---local skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}
+---local part = bw.model({mesh = mesh, material = bw.material.pla}):fix(mesh.boundary:below("x", 0))
+---local session = assert(bw.edit(part:load {on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}, {skeleton = skeleton}))
+---assert(session:bone("bone 2"):rotate {y = 20})
+---print(assert(session:solve()).von_mises:max(), session.edits[1].script)
+---```
 ---@class bw.Session
 ---@field part bw.Model as it is now
 ---@field mesh bw.Mesh as it is now
----@field rest bw.Mesh
----@field domains bw.Domains
+---@field rest bw.Mesh as it was given
+---@field domains bw.Domains of the mesh
 ---@field skeleton bw.Skeleton at rest
----@field joints bw.Array where the joints are now
----@field current_pose bw.Array see bw.Skeleton:rest_pose
----@field edits table[] in force: {script, mesh = "posed" | "relaxed" | "refilled"}
+---@field joints bw.Array (m, joint_count × 3, per joint) where they are now
+---@field current_pose bw.Array (any, bone_count × 15, per bone) as of `skeleton:rest_pose`
+---@field edits bw.SessionEdit[] in force, the oldest first
 local Session = {}
 
----A bone to turn, scale and move.
----@param name string|integer
----@return bw.Bone
+---An edit of a session.
+---@class bw.SessionEdit
+---@field script string the line that replays it
+---@field mesh "posed"|"relaxed"|"refilled" how the mesh of the shape was made
+
+---A bone to turn, scale and move. An unknown one raises.
+---@param name string|integer (index from 1) its name or number
+---@return bw.Bone bone the bone
 function Session:bone(name) end
 
----Sets several bones as one edit: {thigh = {scale =, rotation =, translation =}, ...}, the whole
----change since rest of each; what is left out stays.
----@param changes table<string, table>
----@return bw.Session?
+---Sets several bones as one edit. What is left out stays.
+---
+---Errors: geometry (elements would be inverted; details: `element`, the worst, and `inverted`, how many), io (the journal).
+---@param changes table<string, bw.BoneChange> by bone: its whole change since rest
+---@return bw.Session? self the session
 ---@return string? message
 ---@return bw.Details? details
 function Session:pose(changes) end
 
----Inverse kinematics: turns bones until a joint (or a bone's tail) is at a place; or several, with a
----list {{joint = | bone =, at =, along =, weight =, from = first bone that may turn}, ...}.
----@param target string|table[]
----@param at? bw.Vector m
----@param options? bw.SessionReachOptions
----@return table? report distance, iterations, reached (false: limits or lengths are in the way)
+---Inverse kinematics as one edit: turns bones until joints, or tails of bones, are at places, as nearly as limits allow.
+---
+---Errors: geometry, io (as of `pose`).
+---@param target string|integer|bw.SessionReachTarget[] (index from 1) a joint or a bone; or a list of targets
+---@param at? bw.Vector (m) of a single target: the place; of a list the options stand here
+---@param options? bw.SessionReachOptions when a target counts as met
+---@return bw.ReachReport? report how it went
 ---@return string? message
 ---@return bw.Details? details
 function Session:reach(target, at, options) end
 
----@class bw.SessionReachOptions
----@field tolerance? number
+---A place that a joint or a bone is to reach: exactly one of the two.
+---@class bw.SessionReachTarget
+---@field joint? string|integer (index from 1) the joint
+---@field bone? string|integer (index from 1) the bone
+---@field at bw.Vector (m) the place
+---@field along? number (-) of a bone: which point of it, 0: the head, 1: the tail. Default: 1
+---@field weight? number (-) beside other targets, above 0. Default: 1
+---@field from? string|integer (index from 1) the first bone that may turn. Default: from the root on
 
----How far a bone (or every bone whose head is a joint) may turn against its parent in `reach`, in
----degrees; nil lifts the limit.
----@param name string|integer
----@param limit? bw.BoneLimit
----@return bw.Session?
+---When a target counts as met.
+---@class bw.SessionReachOptions
+---@field tolerance? number (m) the largest distance. Default: 1e-6 of the skeleton's size
+
+---Sets how far a bone (or every bone whose head is a joint) may turn against its parent in `reach`, as an edit.
+---
+---Errors: io (the journal cannot be written).
+---@param name string|integer (index from 1) a bone or a joint
+---@param limit? bw.BoneLimit the limit. Default: none, which lifts it
+---@return bw.Session? self the session
+---@return string? message
+---@return bw.Details? details
 function Session:limit(name, limit) end
 
+---How far a bone may turn.
 ---@class bw.BoneLimit
----@field swing number
----@field twist number[]
+---@field swing? number (degrees) largest angle between the bone and where its parent would carry it. Range: 0 to 180. Default: none
+---@field twist? number[] (degrees, 2) {lowest, highest} angle about the bone's own axis. Default: none
 
----Gives elements to a bone's domain, or takes them out of those that follow a bone, as an edit. On a
----refilled mesh, of which `elements` are, the domains change as they were before it was refilled, and the
----pose is mended anew: the mesh after it may be another one.
----@param elements bw.Array|integer[]
----@param bone? string|integer
----@return bw.Session?
+---Gives elements to a bone's domain, or takes them out of those that follow a bone, as an edit. On a refilled mesh, of which
+---`elements` are, the domains change as they were before it was refilled; the mesh after it may be another one. An element by which
+---a domain would fall apart raises.
+---
+---Errors: geometry, io (as of `pose`).
+---@param elements bw.Array|integer[] (index from 1, n × 1) the elements
+---@param bone? string|integer (index from 1) the bone. Default: none, they are taken out
+---@return bw.Session? self the session
 ---@return string? message
 ---@return bw.Details? details
 function Session:assign(elements, bone) end
 
----Everything back to rest, as an edit.
----@return bw.Session?
+---Sets everything back to rest, as an edit.
+---
+---Errors: io (the journal cannot be written).
+---@return bw.Session? self the session
+---@return string? message
+---@return bw.Details? details
 function Session:reset() end
 
----Takes back the last edit; to any depth.
----@return bw.Session?
+---Takes back the last edit, to any depth.
+---
+---Errors: empty (there is nothing to undo), io (the journal cannot be written).
+---@return bw.Session? self the session
 ---@return string? message
 ---@return bw.Details? details
 function Session:undo() end
 
----@return bw.Session?
+---Makes the edit again that was taken back.
+---
+---Errors: empty (there is nothing to redo), io (the journal cannot be written).
+---@return bw.Session? self the session
 ---@return string? message
 ---@return bw.Details? details
 function Session:redo() end
 
----A session that begins where this one is, with the same equations and no journal, to try edits in (a
----drag of a hand). {relax =, refill =} as in bw.EditOptions.
----@param options? bw.SessionForkOptions
----@return bw.Session
+---A session that begins where this one is, with the same equations and no journal, to try edits in.
+---@param options? bw.SessionForkOptions what is done about inverted elements
+---@return bw.Session fork the new session
 function Session:fork(options) end
 
+---What a fork does about inverted elements.
 ---@class bw.SessionForkOptions
----@field relax? boolean
----@field refill? boolean
+---@field relax? boolean as of `bw.EditOptions`. Default: that of the session
+---@field refill? boolean as of `bw.EditOptions`. Default: that of the session
 
----The pose that a fork has come to, as one edit.
----@param fork bw.Session
----@return bw.Session?
+---Makes one edit of the pose that a fork has come to. Other sessions raise.
+---
+---Errors: geometry, io (as of `pose`).
+---@param fork bw.Session of this session
+---@return bw.Session? self the session
 ---@return string? message
 ---@return bw.Details? details
 function Session:adopt(fork) end
 
----An edit made of a change {script, pose, limits, topology}, for Lua files that add edits.
----@param change table
----@return table? state
+---Makes an edit of a change, for Lua files that add edits. A change that is none raises.
+---
+---Errors: geometry, io (as of `pose`).
+---@param change bw.SessionChange what becomes other; what is left out stays
+---@return table<string, any>? state of the session, for the file that made it
 ---@return string? message
 ---@return bw.Details? details
 function Session:commit(change) end
 
----The static solution of the part as it is now; `reused` of it tells what the edit left standing.
----`part`: another load case, a model of the mesh as it was given (other supports need another factor).
----@param options? bw.SessionSolveOptions
----@return bw.Static?
+---A change of a session.
+---@class bw.SessionChange
+---@field script string the line that replays it
+---@field pose? number[][] (any, bone_count × 15, per bone) as of `skeleton:rest_pose`
+---@field limits? table<integer, bw.ReachLimit> by the bones' numbers
+---@field topology? table<string, any> as barwright.edit_shape makes it
+
+---Solves the part as it is now. `reused` of the solution tells what the edits left standing.
+---
+---Errors: those of `model:solve`, and unsupported (B-bar elements).
+---@param options? bw.SessionSolveOptions how it is solved
+---@return bw.Static? static the solution
 ---@return string? message
 ---@return bw.Details? details
 function Session:solve(options) end
 
----@class bw.SessionSolveOptions
----@field method? "auto"|"refactor"|"iterate"|"pcg"|"scratch"
----@field tolerance? number
----@field precision? 32|64
----@field check? boolean
----@field inertia_relief? boolean
----@field balance_tolerance? number
----@field part? bw.Model
+---How a session is solved.
+---@class bw.SessionSolveOptions: bw.LocalSolveOptions
+---@field part? bw.Model another load case: a model of the mesh as it was given. Other supports need another factor. Default: the part
 
----Scales the bones near high stresses across themselves (their axes y and z) until no node's von Mises
----stress is above the limit, changing the shape least: the sum over the corner nodes of the squares of
----their moves. One edit, which undo takes back. When the limit cannot be met: nil, message, details
----with status "infeasible" (or "convergence", or "cancelled" after Ctrl-C) and `best`, a report of the
----best that was found; the session is then as it was. Supports do not move unless `move_supports` is set, so that
----what is too high next to a support may be out of the bones' reach.
----@param options bw.OptimiseOptions
----@return bw.Optimisation?
+---Scales the bones near high stresses across themselves (their axes y and z) until no node's von Mises stress is above a limit, with
+---the smallest change of the shape: the sum over the corner nodes of the squares of their moves. It is one edit. Where it fails the
+---session is as it was, and `details.best` is a `bw.Optimisation` of the best that was found.
+---
+---Errors: infeasible (no factors within the bounds meet the limit), convergence (it was not met in time, or the worst load went on
+---changing), unsupported (a slide along the surface's own normals, B-bar or curved elements, a body that is held in part and turns
+---freely), cancelled, those of `solve`.
+---
+---Source: Y. Xie and others 2015, section 7; docs/theory/edit.md.
+---@param options bw.OptimiseOptions the limit, and what may change
+---@return bw.Optimisation? report what was found
 ---@return string? message
 ---@return bw.Details? details
 function Session:optimise(options) end
 
----The session's equations, brought to the current shape, and the model they are of.
----@return bw.LocalSystem?
----@return bw.Model|string model or a message
+---The equations of the session, updated to the current shape, and the model that they belong to.
+---
+---Errors: those of `solve`.
+---@return bw.LocalSystem? system the equations
+---@return bw.Model|string model of the current shape, or the message
 ---@return bw.Details? details
 function Session:synchronise() end
 
----Another model of the part's first mesh (another load case) on the current shape.
----@param part bw.Model
----@return bw.Model?
+---Another load case on the current shape.
+---
+---Errors: geometry, unsupported (as of `model:moved` and `model:transferred`).
+---@param part bw.Model of the mesh as it was given
+---@return bw.Model? model on the current mesh
 ---@return string? message
 ---@return bw.Details? details
 function Session:moved(part) end
 
 ---The boundary as it is now: `session:surface():write("part.stl")`.
----@return bw.Surface?
+---@return bw.Surface surface with a triangle for every facet
+---@return bw.Array nodes (index from 1, point_count × 1, per point) the node of the mesh
 function Session:surface() end
 
----Fields of the current shape as .vtu: those of bw.Static:write, and the domains.
----@param path string
----@param options? bw.SessionWriteOptions
----@return true?
+---Writes the fields of the current shape to a .vtu file: those of `static:write`, and the domains.
+---
+---Errors: io (the file cannot be written), those of `solve`.
+---@param path string the file
+---@param options? bw.MeshWriteOptions further fields, unit and version
+---@return true? written true
 ---@return string? message
 ---@return bw.Details? details
 function Session:write(path, options) end
 
----@class bw.SessionWriteOptions
----@field fields? table
-
----A picture of the current shape under its loads.
----@param path string
----@param options? bw.PictureOptions with `field`
----@return true?
+---Draws the current shape under its loads as a PNG file.
+---
+---Errors: those of `bw.picture` and of `solve`.
+---@param path string the file
+---@param options? bw.StaticPictureOptions what is drawn and how
+---@return true? drawn true
 ---@return string? message
 ---@return bw.Details? details
 function Session:picture(path, options) end
 
----One HTML file with a 3D view of the shape under its loads and as it was drawn, what the bones were
----changed by, and the edits.
----@param path string
----@param options? bw.SessionReportOptions
----@return true?
+---Writes one HTML file with a 3D view of the shape under its loads and as it was given, what the bones were changed by, and the
+---edits.
+---
+---Errors: io (the file cannot be written), those of `solve`.
+---@param path string the file
+---@param options? bw.SessionReportOptions title and manifest
+---@return true? written true
 ---@return string? message
 ---@return bw.Details? details
 function Session:report(path, options) end
 
+---What a report names.
 ---@class bw.SessionReportOptions
----@field title? string
----@field manifest? table
+---@field title? string of the page. Default: chosen
+---@field manifest? table<string, any> what the results depend on. Default: the version
 
----The edits in force as a script that replays them.
----@param path string
----@return true?
+---Writes the edits in force as a script that replays them.
+---
+---Errors: io (the file cannot be written).
+---@param path string the file
+---@return true? written true
 ---@return string? message
 ---@return bw.Details? details
 function Session:save(path) end
 
 ---Checks that all parts of the session belong together, for tests and debugging. Raises where they do not.
----@return bw.Session
+---@return bw.Session self
 function Session:check() end
 
----Lets go of the equations and all states at once, and ends the journal.
+---Releases the equations and all states at once, and ends the journal.
 function Session:close() end
 
----A bone of a session. Edits give the bone back, so that they can be chained.
+---A bone of a session. Edits return the bone, so that they can be chained.
+---```lua
+---local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
+---local skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}
+---local session = assert(bw.edit(bw.model {mesh = mesh, material = bw.material.pla}, {skeleton = skeleton}))
+---local bone = session:bone "bone 2"
+---print(assert(bone:scale {1, 1.2, 1.2}), bone.factors[2])
+---```
 ---@class bw.Bone
----@field name string
----@field index integer
----@field session bw.Session
----@field head string joint
----@field tail string joint
----@field parent string? bone
----@field children string[] bones
----@field domain integer? the domain that follows this bone alone
----@field from bw.Vector where its head is now
----@field to bw.Vector where its tail is now
----@field factors bw.Vector its scale
----@field rotation number[][] against its parent, three rows
----@field translation bw.Vector of its head, in its parent's directions
+---@field name string its name
+---@field index integer (index from 1) its number
+---@field session bw.Session that it belongs to
+---@field head string the joint nearer the root
+---@field tail string the other joint
+---@field parent string? the bone that it hangs on; nil at the root
+---@field children string[] the bones that hang on it
+---@field domain integer? (index from 1) the domain that follows this bone alone; nil where there is none
+---@field from bw.Vector (m) where its head is now
+---@field to bw.Vector (m) where its tail is now
+---@field factors bw.Vector (-) its scale along and across it
+---@field rotation number[][] (-, 3 × 3) against its parent
+---@field translation bw.Vector (m) of its head, in its parent's directions
 local Bone = {}
 
----Scaled by factors along it and across it, or by one factor, on top of what it has.
----@param factors bw.Vector|number
----@return bw.Bone?
+---Scales the bone along itself and across itself, on top of what it has.
+---
+---Errors: geometry, io (as of `session:pose`).
+---@param factors bw.Vector|number (-) above 0; one number for all three
+---@return bw.Bone? self the bone
 ---@return string? message
 ---@return bw.Details? details
 function Bone:scale(factors) end
 
----Turned about its head, with all that hangs on it: {axis =, degrees = | radians =}, {x =, y =, z =} in
----degrees (about x first), or three rows of a rotation. Directions are those of space.
----@param turn table
----@return bw.Bone?
+---Rotates the bone about its head, with all that hangs on it, on top of what it has. Directions are those of space.
+---
+---Errors: geometry, io (as of `session:pose`).
+---@param turn bw.BoneTurn|number[][] (-, 3 × 3) the rotation, or its three rows
+---@return bw.Bone? self the bone
 ---@return string? message
 ---@return bw.Details? details
 function Bone:rotate(turn) end
 
----Moved by a vector in metres, with all that hangs on it.
----@param vector bw.Vector
----@return bw.Bone?
+---A rotation: an axis with an angle, or angles about x, y and z, in this order.
+---@class bw.BoneTurn
+---@field axis? bw.Vector (-) with exactly one of `degrees` and `radians`
+---@field degrees? number (degrees) about the axis
+---@field radians? number (rad) about the axis
+---@field x? number (degrees) about x
+---@field y? number (degrees) about y
+---@field z? number (degrees) about z
+
+---Moves the bone, with all that hangs on it, on top of what it has.
+---
+---Errors: geometry, io (as of `session:pose`).
+---@param vector bw.Vector (m) in directions of space
+---@return bw.Bone? self the bone
 ---@return string? message
 ---@return bw.Details? details
 function Bone:translate(vector) end
 
----Sets its whole change since rest; what is left out stays.
----@param change bw.BoneChange
----@return bw.Bone?
+---Sets the whole change of the bone since rest. What is left out stays.
+---
+---Errors: geometry, io (as of `session:pose`).
+---@param change bw.BoneChange the change
+---@return bw.Bone? self the bone
 ---@return string? message
 ---@return bw.Details? details
 function Bone:set(change) end
 
+---The change of a bone since rest.
 ---@class bw.BoneChange
----@field scale bw.Vector
----@field rotation table
----@field translation bw.Vector
+---@field scale? bw.Vector|number (-) along and across it, above 0
+---@field rotation? bw.BoneTurn|number[][] (-, 3 × 3) against its parent, or its three rows
+---@field translation? bw.Vector (m) of its head, in its parent's directions
 
----Back to rest.
----@return bw.Bone?
+---Sets the bone back to rest.
+---
+---Errors: geometry, io (as of `session:pose`).
+---@return bw.Bone? self the bone
 ---@return string? message
 ---@return bw.Details? details
 function Bone:reset() end

@@ -4,76 +4,108 @@
 --
 -- Systems that follow edits
 --
--- The equations of an edit session.
+-- The equations of an edit session, which are updated piece by piece. The theory is in docs/theory/edit.md.
 
----The equations of a part cut into pieces, kept up to date through edits. Changed by `update`.
+---The equations of a part cut into pieces, updated through edits; `update` changes them. `session:synchronise()` gives them.
+---```lua
+---local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}, order = 2}
+---local skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}
+---local part = bw.model({mesh = mesh, material = bw.material.pla}):fix(mesh.boundary:below("x", 0))
+---local session = assert(bw.edit(part:load {on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}, {skeleton = skeleton}))
+---local system, model = assert(session:synchronise())
+---print(system.piece_count, assert(system:solve(model:force_vector())):column(3):min())
+---```
 ---@class bw.LocalSystem
----@field unknown_count integer
----@field piece_count integer
+---@field unknown_count integer (count) of degrees of freedom
+---@field piece_count integer (count) of pieces
 local LocalSystem = {}
 
----Follows an edit: the moved model, and how every piece lies against the shape that the system was
----made at (rows of bw.Domains:motion).
----@param model bw.Model
----@param motion bw.Array|table
----@return table? reused
+---Updates the equations to an edited shape.
+---
+---Errors: singular (the matrix is not positive definite), memory.
+---@param model bw.Model of the edited shape
+---@param motion bw.Array|number[][] (-, piece_count × 19, per piece) how each piece lies against the shape that the system was made at, as of `domains:motion`
+---@return bw.Reuse? reused what was reused
 ---@return string? message
 ---@return bw.Details? details
 function LocalSystem:update(model, motion) end
 
----@param force bw.Array a row of three for every node
----@param options? table see bw.Session:solve
----@param reused? table of an update, to be completed
----@return bw.Array? displacement
----@return table|string reused or a message
+---How equations that follow edits are solved.
+---@class bw.LocalSolveOptions
+---@field method? "auto"|"refactor"|"iterate"|"pcg"|"scratch" "refactor" updates the factor where edits touched it; "iterate": conjugate gradients with a former factor; "pcg": with the two-level preconditioner, for elements of order 2 and parts that supports hold; "scratch": a new factor. Default: "auto", by predicted cost
+---@field tolerance? number (-) of iterations, relative residual. Range: above 0, below 1. Default: 1e-10
+---@field precision? 32|64 bits of the factor's numbers; solutions have double precision in any case. Default: by predicted cost
+---@field check? boolean compare stiffness and solution with those from scratch; a difference is an internal error. Default: false
+---@field energy? boolean the tolerance is that of the error in energy. Default: false
+---@field guess? bw.Array[] (m, node_count × 3, per node) fields near the solution, to begin iterations with. Range: at most 64. Default: none; of a session the last solutions of the load case
+---@field further? integer (count) right-hand sides that are still to come for the same shape, for the choice of a method. Default: 0
+---@field max_iteration_ratio? number (-) iterations over predicted ones that the choice of a method counts with. Default: 0, as so far
+---@field inertia_relief? boolean balance a load on a free body by inertia. Default: false
+---@field balance_tolerance? number (-) a load is balanced when its part along free motions is below this fraction of its size. Default: 1e-6
+
+---The displacement under nodal forces.
+---
+---Errors: singular (the matrix is not positive definite), convergence (iterations did not converge), memory.
+---@param force bw.Array|number[][] (N, node_count × 3, per node) the forces
+---@param options? bw.LocalSolveOptions how it is solved
+---@param reused? bw.Reuse of an update, to be completed. Default: a new one
+---@return bw.Array? displacement (m, node_count × 3, per node) the displacement
+---@return bw.Reuse|string reused what was reused, or the message
 ---@return bw.Details? details
 function LocalSystem:solve(force, options, reused) end
 
 ---The static solution of the model of the last update.
----@param model bw.Model
----@param options? table see bw.Session:solve
----@param reused? table of an update, to be completed
----@return bw.Static?
----@return table|string reused or a message
+---
+---Errors: unconstrained (a load is not balanced against free rigid-body motions), singular, convergence, memory (as of `solve`).
+---@param model bw.Model of the last update
+---@param options? bw.LocalSolveOptions how it is solved
+---@param reused? bw.Reuse of an update, to be completed. Default: a new one
+---@return bw.Static? static the solution
+---@return bw.Reuse|string reused what was reused, or the message
 ---@return bw.Details? details
 function LocalSystem:statics(model, options, reused) end
 
----Brings the factor up to date.
----@param reused? table
----@return table? reused
+---Updates the factor.
+---
+---Errors: singular (the matrix is not positive definite), memory.
+---@param reused? bw.Reuse of an update, to be completed. Default: a new one
+---@return bw.Reuse? reused what was reused
 ---@return string? message
 ---@return bw.Details? details
 function LocalSystem:refactor(reused) end
 
----Its equations as a system, the factor brought up to date. Of no use after the next update.
----@return bw.System?
+---The equations as a system, with an updated factor. It is of no use after the next update.
+---
+---Errors: singular (the matrix is not positive definite), memory.
+---@return bw.System? system the equations
 ---@return string? message
 ---@return bw.Details? details
 function LocalSystem:view() end
 
----Bytes of the factor, of what is kept for updating it, of the pieces' coefficients, and of what solves over
----levels (0 until it is first used).
----@return integer factor
----@return integer updates
----@return integer coefficients
----@return integer levels
+---How much memory the equations take.
+---@return integer factor (bytes) of the factor
+---@return integer updates (bytes) of what is kept for updating it
+---@return integer coefficients (bytes) of the pieces
+---@return integer pcg (bytes) of the two-level preconditioner; 0 until it is first used
 function LocalSystem:memory() end
 
----What the current shape would cost from scratch: seconds of its stiffness from all elements, and of
----CHOLMOD's analysis, factor and solve, with the unknowns in the order that was chosen for edits, or
----in that of METIS for a single solution. For benchmarks.
----@param own_order? boolean METIS's order; default false
----@return bw.LocalSystemBaseline?
+---What the current shape costs from scratch, for benchmarks. It needs a factor; before the first solution it raises.
+---
+---Errors: singular (the matrix is not positive definite), limit (more entries than CHOLMOD takes), memory.
+---@param own_order? boolean the ordering of METIS, as for a single solution. Default: false, the one that was chosen for edits
+---@return bw.LocalSystemBaseline? times what it costs
 ---@return string? message
 ---@return bw.Details? details
 function LocalSystem:baseline(own_order) end
 
+---What a shape costs from scratch.
 ---@class bw.LocalSystemBaseline
----@field stiffness number
----@field analysis number
----@field factor number
----@field solve number
----@field flops number
----@field entries number
+---@field stiffness number (s) assembly from all elements
+---@field analysis number (s) CHOLMOD's analysis; with METIS's ordering that, too
+---@field factor number (s) the factor
+---@field solve number (s) one solution
+---@field flops number (count) operations of the factor
+---@field entries number (count) entries of the factor
 
+---Releases the equations at once.
 function LocalSystem:close() end

@@ -4,81 +4,129 @@
 --
 -- Optimisation of edits
 --
--- Scaling of bones until a stress limit is met, and the gradients behind it.
+-- What `session:optimise` is asked for and finds, and the stress gradients behind it. The theory is in docs/theory/edit.md.
 
 ---@class bw
 local bw = {}
 
----The von Mises stress of a static solution at some nodes, and how it changes with the position of
----every node: a block of a row for every node of the mesh for each of the nodes. What middle nodes
----contribute is part of their edge's ends; their own rows are zero. Straight elements only.
----@param part bw.Model
+---What `session:optimise` is asked for.
+---@class bw.OptimiseOptions
+---@field von_mises number (Pa) the limit, above 0
+---@field bones? string[] which bones may change. Default: those of domains with stresses above the limit, and those next to blended domains with such stresses
+---@field keep? (string|bw.Selection)[] bones that stay as they are, by name; and selections on the mesh as it was given that do not move. Default: none
+---@field move_supports? boolean scaled bones may move the supports. Default: false, not in the directions that a support holds
+---@field ties? string[][] lists of bones that change by the same factors. Default: none
+---@field low? number (-) smallest factor since rest, above 0. Default: 0.5
+---@field high? number (-) largest factor since rest, above 0. Default: 3
+---@field cases? bw.Model[] further load cases: parts on the mesh as it was given, with the same supports. Default: none
+---@field loads? "own"|"worst" "worst": the worst load of a part without supports, found again after each round. Default: "own"
+---@field worst? bw.WorstCaseOptions how the worst load is searched for
+---@field rounds? integer (count) of worst loads at most, 1 or more. Default: 8
+---@field change? number (-) a worst load whose stress is above the limit by no more than this fraction is the last, above 0. Default: 0.02
+---@field iterations? integer (count) of steps at most, 1 or more. Default: 40
+---@field tolerance? number (-) relative change of the change of shape at which it ends, above 0. Default: 1e-4
+---@field refills? integer (count) how often domains may be refilled where the mesh stops steps. Range: 0 and above. Default: 3
+---@field step? number (-) largest relative change of a factor in the first step, above 0. Default: 0.5
+---@field inertia_relief? boolean balance the loads of a free part by inertia. Default: false; with the worst loads true
+
+---What `session:optimise` found. `print` tells it in a few lines.
+---@class bw.Optimisation
+---@field met boolean whether no stress is above the limit
+---@field von_mises number (Pa) the largest stress
+---@field node integer (index from 1) where it is
+---@field case integer (index from 1) under which load: the session's own (unless `loads = "worst"`), then `cases`, then worst loads
+---@field from number (Pa) the largest stress before
+---@field limit number (Pa) the limit
+---@field factors table<string, number[]> by bone that was free to change: its scale since rest
+---@field change number (m2) the sum over the corner nodes of the squares of their moves
+---@field mean_move number (m) root mean square of the corner nodes' moves
+---@field iterations integer (count) of steps
+---@field unknowns integer (count) factors that were free
+---@field constrained integer (count) nodes whose stresses were constrained
+---@field nodes bw.OptimiseNode[] these nodes
+---@field history bw.OptimiseStep[] of each step
+---@field rounds? bw.OptimiseRound[] of worst loads
+---@field shapes integer (count) that were tried
+---@field solves integer (count) of static solutions
+---@field adjoints integer (count) of adjoint solutions
+---@field factorisations number (count) a partial one counts as the fraction of the work that was done
+---@field seconds number (s) in all
+
+---A node whose stress was constrained.
+---@class bw.OptimiseNode
+---@field node integer (index from 1) the node
+---@field case integer (index from 1) the load case
+---@field von_mises number (Pa) the stress that was reached
+
+---A step of an optimisation.
+---@class bw.OptimiseStep
+---@field max number (Pa) the largest stress
+---@field node integer (index from 1) where it is
+---@field case integer (index from 1) the load case
+---@field change number (m2) as of `bw.Optimisation`
+---@field constrained integer (count) nodes whose stresses were constrained
+---@field unknowns integer (count) factors that were free
+
+---A worst load of an optimisation.
+---@class bw.OptimiseRound
+---@field max number (Pa) largest von Mises stress under it
+---@field max_principal number (Pa) largest principal stress of an element under it
+---@field mode? integer (index from 1) the mode whose weak region gave it
+---@field at bw.Vector (m) where the largest principal stress is
+
+---The von Mises stress of a static solution at some nodes, and its gradient by the positions of all nodes, by one adjoint solution
+---for each. What mid-edge nodes contribute is part of their edge's ends; their own rows are zero. Prescribed displacements do not
+---change. Curved elements raise.
+---
+---Errors: unsupported (a slide along the surface's own normals, B-bar elements, a body that is held in part and turns freely under
+---its load), convergence (of iterations).
+---
+---Source: docs/theory/edit.md.
+---```lua
+---local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
+---local part = bw.model({mesh = mesh, material = bw.material.pla}):fix(mesh.boundary:below("x", 0))
+---local static = assert(part:load({on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}):solve())
+---local node = static.von_mises:argmax()
+---local stress, gradient = assert(bw.von_mises_gradient(part, assert(part:system()), static.displacement, {node}))
+---print(stress[1], gradient:norm())
+---```
+---@param part bw.Model the part
 ---@param system bw.System|bw.LocalSystem of the part
----@param displacement bw.Array
----@param nodes integer[]|bw.Array
----@param options? bw.VonMisesGradientOptions where a local system iterates: relative residual, or (energy) error in energy; fields to begin with; iterations at most over predicted
----@return bw.Array? von_mises
----@return bw.Array|string gradient or a message
+---@param displacement bw.Array (m, node_count × 3, per node) the solution
+---@param nodes integer[]|bw.Array (index from 1, n × 1) where the stress is asked for
+---@param options? bw.VonMisesGradientOptions how adjoint problems are solved
+---@return bw.Array? von_mises (Pa, n × 1, per node asked for) the stresses
+---@return bw.Array|string gradient (any, n node_count × 3, per node of each) Pa/m, a block of all nodes for each node asked for; or the message
 ---@return bw.Details? details
 function bw.von_mises_gradient(part, system, displacement, nodes, options) end
 
+---How adjoint problems are solved with the equations of an edit session.
 ---@class bw.VonMisesGradientOptions
----@field method? "auto"|"refactor"|"iterate"|"pcg"|"scratch"
----@field tolerance? number
----@field energy? boolean
----@field guess? bw.Array[]
----@field max_iteration_ratio? number
+---@field method? "auto"|"refactor"|"iterate"|"pcg"|"scratch" as of `bw.LocalSolveOptions`. Default: "auto"
+---@field tolerance? number (-) of iterations, relative residual. Range: above 0, below 1. Default: 1e-10
+---@field energy? boolean the tolerance is that of the error in energy. Default: false
+---@field guess? bw.Array[] (m, node_count × 3, per node) fields near the solutions, to begin iterations with. Range: at most 64. Default: none
+---@field max_iteration_ratio? number (-) iterations over predicted ones that the choice of a method counts with. Default: 0, as so far
 
----The same for some motions of all nodes: a row for each of the nodes, a column for each motion.
----@param part bw.Model
+---The von Mises stress of a static solution at some nodes, and how it changes with some motions of all nodes. Conditions and errors
+---are those of `bw.von_mises_gradient`.
+---
+---Errors: unsupported, convergence (as of `bw.von_mises_gradient`).
+---```lua
+---local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
+---local part = bw.model({mesh = mesh, material = bw.material.pla}):fix(mesh.boundary:below("x", 0))
+---local static = assert(part:load({on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}):solve())
+---local system, motions = assert(part:system()), {mesh.nodes} -- all lengths times 1 + t
+---local stress, slopes = assert(bw.von_mises_slopes(part, system, static.displacement, {1}, motions))
+---print(slopes(1, 1) / stress[1]) -- -2: the stress falls like (1 + t)^-2
+---```
+---@param part bw.Model the part
 ---@param system bw.System|bw.LocalSystem of the part
----@param displacement bw.Array
----@param nodes integer[]|bw.Array
----@param motions bw.Array[] a row for every node of the mesh each
----@param options? bw.VonMisesGradientOptions
----@return bw.Array? von_mises
----@return bw.Array|string slopes or a message
----@return bw.Array|table adjoint displacements, a block of a row for every node of the mesh for each of the nodes; or details
+---@param displacement bw.Array (m, node_count × 3, per node) the solution
+---@param nodes integer[]|bw.Array (index from 1, n × 1) where the stress is asked for
+---@param motions bw.Array[] (any, node_count × 3, per node) m per unit of each motion
+---@param options? bw.VonMisesGradientOptions how adjoint problems are solved
+---@return bw.Array? von_mises (Pa, n × 1, per node asked for) the stresses
+---@return bw.Array|string slopes (any, n × motions, per node asked for) Pa per unit of each motion; or the message
+---@return bw.Array|bw.Details adjoints (any, n node_count × 3, per node of each) adjoint solutions, a block of all nodes for each node asked for; or the details
 function bw.von_mises_slopes(part, system, displacement, nodes, motions, options) end
-
----@class bw.OptimiseOptions
----@field von_mises number the limit, Pa
----@field bones? string[] these bones; left out: those of domains with stresses above the limit, and those next to blended domains with such stresses
----@field keep? (string|bw.Selection)[] bones that stay as they are, by name; and selections on the session's original mesh (faces, places) that do not move: no bone is scaled in a direction that would move a node of them
----@field move_supports? boolean let scaled bones move the supports too; default false: as for selections that are kept, in the directions that a support holds
----@field ties? string[][] lists of bones that change by the same factors
----@field low? number least factor since rest; default 0.5
----@field high? number largest factor since rest; default 3
----@field cases? bw.Model[] further load cases: parts on the session's original mesh, with the same supports
----@field loads? "own"|"worst" "worst": the worst load of a part without supports, found again after each round
----@field worst? bw.WorstCaseOptions of finding the worst load
----@field rounds? integer of finding the worst load, at most; default 8
----@field change? number a worst load whose stress is above the limit by no more than this fraction is the last; default 0.02
----@field iterations? integer steps, at most; default 40
----@field tolerance? number relative change of the change of shape at which to stop; default 1e-4
----@field refills? integer how often domains may be filled again where the mesh stops steps; default 3
----@field step? number largest relative change of a factor in the first step; default 0.5
----@field inertia_relief? boolean see bw.Session:solve; with loads = "worst" by default
-
----What a scaling optimisation found. Prints as a few lines.
----@class bw.Optimisation
----@field met boolean whether no stress is above the limit
----@field von_mises number the largest, Pa
----@field node integer where
----@field case integer under which load: 1 the session's own (unless loads = "worst"), then `cases`, then worst loads
----@field from number the largest before, Pa
----@field limit number
----@field factors table<string, number[]> of the bones that were free to change, since rest
----@field change number m2: the sum over the corner nodes of the squares of their moves
----@field mean_move number m: root mean square
----@field iterations integer steps taken
----@field unknowns integer factors that were free
----@field constrained integer
----@field nodes table[] the constrained nodes: {node, case, von_mises}
----@field history table[] after each step: {max, node, case, change, constrained, unknowns}
----@field rounds? table[] of worst loads: {max, max_principal, mode, at}
----@field shapes integer that were tried
----@field solves integer
----@field adjoints integer
----@field factorisations number a partial one counts as the part of the work that was done
----@field seconds number
