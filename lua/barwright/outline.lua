@@ -93,6 +93,9 @@ local function add_loop(draft, where, given, region, default_name)
   end
   check_keys(where, given)
   local list = given.points or given
+  if type(list) ~= "table" then
+    raise(("%s: option 'points': a list of points expected, got %s"):format(where, kind_of(list)))
+  end
   local name = check_name(where .. ": name", given.name)
   local tag = check_name(where .. ": tag", given.tag) or name or "boundary"
   local count = #list

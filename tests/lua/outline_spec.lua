@@ -108,6 +108,7 @@ describe("an outline", function()
     check.fails("geometry", "nothing would be left", o:without(1))
     check.fails("geometry", "is a hole and lies in no other loop", o:hole {{1, 1}, {2, 1}, {2, 2}})
     check.raises("region: a number from 1 to 3", o.region, o, {region = 5, {0, 0}, {1, 0}, {1, 1}})
+    check.raises("region: option 'points': a list of points expected, got function", o.region, o, {points = print})
   end)
 
   it("comes back from its own loops", function()
