@@ -4,183 +4,211 @@
 --
 -- Scenarios
 --
--- Requirements as scripts, run by `barwright test`.
+-- Requirements as scripts, run by `barwright test FILE` (docs/howto_scenarios.md). A file is loaded to see what it states; each
+-- scenario is called later, in a process of its own.
 
----Stating scenarios in a file that `barwright test` runs.
+---Stating scenarios; only in a file that `barwright test` loads, elsewhere it raises.
 ---@class bw.ScenarioModule
 ---@overload fun(title: string, options: bw.ScenarioOptions|fun(t: bw.Test), work?: fun(t: bw.Test))
 local scenario_module = {}
 
----States a scenario: a requirement that `barwright test` checks. Only in a scenario file.
----@param title string
----@param options bw.ScenarioOptions|fun(t: bw.Test) may be left out: then `work` comes second
----@param work? fun(t: bw.Test)
+---States a scenario: a requirement. A title that is used twice raises.
+---```lua
+---bw.scenario("a ball has its volume", {tags = {"geometry"}, seconds = 60}, function()
+---  local ball = bw.surface.sphere {radius = 0.01, subdivisions = 5}
+---  local exact = 4 / 3 * math.pi * 0.01 ^ 3
+---  bw.scenario.expect(ball.volume, "volume", "m3"):near(exact, {relative = 0.01, source = "4/3 pi r^3"})
+---end)
+---```
+---@param title string one line
+---@param options bw.ScenarioOptions|fun(t: bw.Test) how it runs; may be left out, then `work` is the second argument
+---@param work? fun(t: bw.Test) what is done and expected
 function scenario_module:__call(title, options, work) end
 
+---How a scenario runs.
 ---@class bw.ScenarioOptions
----@field tags? string[]
----@field skip? boolean|string
----@field about? string
----@field seconds? number
----@field memory? number
+---@field tags? string[] words of letters, digits, _ - and . to choose scenarios by. Default: none
+---@field skip? boolean|string do not run it; the reason. Default: false
+---@field about? string sentences for reports and manuals. Default: none
+---@field seconds? number (s) the longest time it may take, above 0. Default: that of `barwright test`
+---@field memory? number (bytes) the most memory it may take, above 0. Default: that of `barwright test`
 
----Title and text of the file, for reports and manuals.
----@param about bw.ScenarioAbout
+---Sets title and text of the file, for reports and manuals.
+---```lua
+---bw.scenario.about {title = "Surfaces by formula", text = "Volumes and areas against closed forms."}
+---bw.scenario("a box has its area", function()
+---  bw.scenario.expect(bw.surface.box({high = {1, 1, 1}}).area, "area", "m2"):near(6, {relative = 1e-12})
+---end)
+---```
+---@param about bw.ScenarioAbout title and text
 function scenario_module.about(about) end
 
+---Title and text of a file.
 ---@class bw.ScenarioAbout
----@field title string
----@field text string
+---@field title string one line
+---@field text? string sentences. Default: none
 
----A figure to be judged, with what it is and its unit; or whatever a call returned: where that is nil
----and a message, the expectation fails with the message.
----@param figure any
----@param what? string
----@param unit? string
----@return bw.Expectation
+---A figure that is to be judged, inside of a scenario. It may be all that a call returned: where that is nil and a message, the
+---expectation fails with the message.
+---```lua
+---bw.scenario("a missing file is refused", function()
+---  bw.scenario.expect(bw.surface.read "missing.stl"):fails_with "io"
+---end)
+---```
+---@param figure any a number, an array, a list, modes, a function, or what a call returned
+---@param what? string what the figure is
+---@param unit? string its unit
+---@return bw.Expectation expectation to say what must hold
 function scenario_module.expect(figure, what, unit) end
 
----What must hold of a figure. A failed expectation is kept and the scenario goes on; `t:require` of what
----it returns stops there. Every form takes {source = "...", how = "..."} for reports.
+---What must hold of a figure. A failed expectation is recorded, and the scenario goes on; `t:require` of what it returns ends it.
+---```lua
+---bw.scenario("a cantilever bends", function(t)
+---  local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
+---  local part = bw.model({mesh = mesh, material = bw.material.steel}):fix(mesh.boundary:below("x", 0))
+---  local static = t:require(part:load({on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}):solve())
+---  bw.scenario.expect(-1e6 * static.displacement:column(3):min(), "deflection", "um"):between(18, 20)
+---end)
+---```
 ---@class bw.Expectation
 local Expectation = {}
 
----At most the bound.
----@param bound number
----@param options? bw.ExpectationOptions
----@return boolean good
+---What is said of an expectation in reports.
+---@class bw.ExpectationOptions
+---@field source? string where the expected value comes from. Default: none
+---@field how? string how it was found. Default: none
+
+---The figure is at most a bound.
+---@param bound number (any) the bound
+---@param options? bw.ExpectationOptions source
+---@return boolean good whether it holds
 ---@return string? message
 function Expectation:below(bound, options) end
 
----@class bw.ExpectationOptions
----@field source? string
----@field how? string
-
----At least the bound.
----@param bound number
----@param options? bw.ExpectationOptions
----@return boolean good
+---The figure is at least a bound.
+---@param bound number (any) the bound
+---@param options? bw.ExpectationOptions source
+---@return boolean good whether it holds
 ---@return string? message
 function Expectation:above(bound, options) end
 
----From low to high.
----@param low number
----@param high number
----@param options? bw.ExpectationOptions
----@return boolean good
+---The figure is between two bounds, or one of them.
+---@param low number (any) the lower bound
+---@param high number (any) the upper bound
+---@param options? bw.ExpectationOptions source
+---@return boolean good whether it holds
 ---@return string? message
 function Expectation:between(low, high, options) end
 
----Within `absolute` of the reference, or `relative` of its size, whichever is more; of arrays and lists
----every value, relative to the largest.
----@param reference number|bw.Array|table
----@param options bw.ExpectationNearOptions
----@return boolean good
+---The figure differs from a reference by at most `absolute`, or `relative` times the size of the reference, whichever is more. Of
+---arrays and lists every value, relative to the largest one of the reference. Without a tolerance it raises.
+---@param reference number|bw.Array|number[]|number[][] (any, n × c) the reference
+---@param options bw.ExpectationNearOptions the tolerance
+---@return boolean good whether it holds
 ---@return string? message
 function Expectation:near(reference, options) end
 
----@class bw.ExpectationNearOptions
----@field relative number
----@field absolute number
----@field source string
----@field how string
+---The tolerance of a comparison; at least one of the two.
+---@class bw.ExpectationNearOptions: bw.ExpectationOptions
+---@field relative? number (-) difference over the reference, 0 or more. Default: none
+---@field absolute? number (any) difference, 0 or more. Default: none
 
----Exactly this: numbers to the last bit, texts, truth values, tables of these.
----@param other any
----@param options? bw.ExpectationOptions
----@return boolean good
+---The figure is exactly this: numbers to the last bit, texts, truth values, tables of these.
+---@param other any the value
+---@param options? bw.ExpectationOptions source
+---@return boolean good whether it holds
 ---@return string? message
 function Expectation:equals(other, options) end
 
----Neither nil nor false.
----@param options? bw.ExpectationOptions
----@return boolean good
+---The figure is neither nil nor false.
+---@param options? bw.ExpectationOptions source
+---@return boolean good whether it holds
 ---@return string? message
 function Expectation:is_true(options) end
 
----Of a function, or of what a call returned: it must fail, with a status word and a text in its message;
----{raises = "text"}: by raising an error.
----@param status? string|bw.ExpectedFailure
----@param message? string
----@param options? bw.ExpectationOptions
----@return boolean good
+---A function, or what a call returned, fails: with a status and a text in its message, or by raising an error.
+---@param status? bw.Status|bw.ExpectedFailure the status, or all that is expected. Default: any
+---@param message? string a text in the message. Default: any
+---@param options? bw.ExpectationOptions source
+---@return boolean good whether it holds
 ---@return string? message
 function Expectation:fails_with(status, message, options) end
 
----@class bw.ExpectedFailure
----@field status string
----@field message string
----@field raises string
----@field source string
----@field how string
+---How a call must fail.
+---@class bw.ExpectedFailure: bw.ExpectationOptions
+---@field status? bw.Status of the details. Default: any
+---@field message? string a text in the message. Default: any
+---@field raises? string a text in the error that is raised. Default: nothing is raised
 
----The same modes as others, whatever their signs and whatever the order and the mix of those whose
----frequencies are nearer than `degenerate` (1e-4): frequencies within `relative` (1e-6), of each such group
----the space that it spans within `shapes` (1e-3, the sine of an angle; false: not compared); `last = false`
----leaves the shapes of the last group out, which may be cut.
----@param other bw.Modes
----@param options? bw.ExpectationSameModesOptions
----@return boolean good
+---The figure, modes, are the same as others, whatever their signs, and whatever the order and the mix of those whose frequencies are
+---nearly equal. Other figures raise.
+---@param other bw.Modes the others
+---@param options? bw.ExpectationSameModesOptions the tolerances
+---@return boolean good whether it holds
 ---@return string? message
 function Expectation:same_modes(other, options) end
 
----@class bw.ExpectationSameModesOptions
----@field relative? number
----@field degenerate? number
----@field shapes? number|false
----@field last? boolean
----@field source? string
----@field how? string
+---The tolerances of modes.
+---@class bw.ExpectationSameModesOptions: bw.ExpectationOptions
+---@field relative? number (-) difference of frequencies, 0 or more. Default: 1e-6
+---@field degenerate? number (-) frequencies that are nearer to each other than this belong to one group, 0 or more. Default: 1e-4
+---@field shapes? number|false (-) sine of the angle between the spaces that a group's shapes span; false: not compared. Default: 1e-3
+---@field last? boolean compare the shapes of the last group, which may be cut. Default: true
 
----What was measured before, kept in baselines/FILE/NAME.json beside the scenario file and written by
----`barwright test --update`: numbers, texts, arrays, tables of these, a static result, modes.
----@param name string
----@param options? bw.ExpectationMatchesBaselineOptions
----@return boolean good
+---The figure is what was measured before, which is kept in baselines/FILE/NAME.json beside the scenario file and written by
+---`barwright test --update`: a number, a text, an array, a table of these, a static solution, or modes.
+---@param name string of letters, digits, _ - . and spaces; once in a scenario
+---@param options? bw.ExpectationMatchesBaselineOptions the tolerances
+---@return boolean good whether it holds
 ---@return string? message
 function Expectation:matches_baseline(name, options) end
 
----@class bw.ExpectationMatchesBaselineOptions
----@field relative? number
----@field absolute? number
----@field degenerate? number
----@field shapes? number
----@field last? boolean
----@field source? string
----@field how? string
+---The tolerances beside a baseline.
+---@class bw.ExpectationMatchesBaselineOptions: bw.ExpectationNearOptions
+---@field degenerate? number (-) of modes, as of `bw.ExpectationSameModesOptions`. Default: 1e-4
+---@field shapes? number (-) of modes, as of `bw.ExpectationSameModesOptions`. Default: 1e-3
+---@field last? boolean of modes, as of `bw.ExpectationSameModesOptions`. Default: true
 
 ---What a scenario's function is given.
+---```lua
+---bw.scenario("a surface comes back from its file", function(t)
+---  local path = t.folder .. "/box.stl"
+---  t:require(bw.surface.box({high = {1, 1, 1}}):write(path))
+---  local surface = t:require(bw.surface.read(path))
+---  bw.scenario.expect(surface.volume, "volume", "m3"):near(1, {relative = 1e-6})
+---end)
+---```
 ---@class bw.Test
 ---@field folder string a scratch folder, removed at the end
 local Test = {}
 
----The values, where the first is there; else the scenario ends here as failed, with the message. Also
----takes what an expectation returns.
----@param value any
----@param message? string
----@return any ...
+---Goes on with values only: where the first is nil or false the scenario ends here as failed, with the message. It also takes what
+---an expectation returns.
+---@param value any what must be there
+---@param message? string what is said where it is not
+---@return any value the first value; the others follow
 function Test:require(value, message) end
 
----Ends the scenario without judging it: what it needs is not there.
----@param reason string
+---Ends the scenario without a verdict: what it needs is not there.
+---@param reason string why
 function Test:skip(reason) end
 
----A sentence for reports and manuals, with values as string.format has them.
----@param text string
----@param ... any
+---Adds a sentence for reports and manuals.
+---@param text string with places as of string.format
+---@param ... any the values
 function Test:note(text, ...) end
 
----A plain table for reports and manuals.
----@param table bw.ReportTable
+---Adds a table for reports and manuals.
+---@param table bw.ReportTable heads and rows
 function Test:table(table) end
 
+---A table of a report.
 ---@class bw.ReportTable
----@field heads string[]
----@field rows any[][]
----@field text string
+---@field heads string[] of the columns
+---@field rows any[][] lists of cells
+---@field text? string a sentence below. Default: none
 
----Drawn into the output folder when the scenario fails: an object with a picture (of modes the one that
----{mode = n} names), a figure of bw.plot, or a function of a path.
----@param object any
----@param options? table those of the picture; caption
+---Draws an object into the output folder where the scenario fails.
+---@param object any with a method `picture`, a figure of `bw.plot`, or a function of a path
+---@param options? table<string, any> those of the picture; of modes `mode`, the number; `caption`
 function Test:picture_of(object, options) end

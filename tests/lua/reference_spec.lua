@@ -20,8 +20,6 @@ local allowed = {
 
   responsive = 201,
 
-  scenario = 107,
-
   sheet = 198,
 
   solid = 257,
