@@ -14,8 +14,6 @@ local allowed = {
 
   metallophone = 207,
 
-  metamaterial = 71,
-
   plot = 175,
 
   responsive = 201,
