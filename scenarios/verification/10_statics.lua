@@ -7,8 +7,8 @@ local scenario, expect = bw.scenario, bw.scenario.expect
 
 scenario.about {title = "Statics",
   text = [[Solids of tetrahedra with ten nodes beside published and closed-form answers. ([How scenarios are
-written](howto_scenarios.md). What is only true or false, rigid-body motions, symmetry, the same bits on any number of
-threads, is in `tests/` and runs with `scripts/test`.)]]}
+written](howto_scenarios.md). What is only true or false, rigid-body motions, symmetry, the same bits on any number
+of threads, is in `tests/` and runs with `scripts/test`.)]]}
 
 local pi, cos, sin, tan = math.pi, math.cos, math.sin, math.tan
 local function elastic(young, poisson, density)

@@ -114,7 +114,8 @@ describe("the scaling optimisation", function()
     assert.truthy(session:redo())
     assert.truthy(max_of(session) <= 0.6 * before)
     assert.truthy(tostring(found):find "bone 1")
-    local documented = check.read(check.root .. "/lua/stubs/optimise.lua"):match "@class bw.Optimisation.-\n\n"
+    local stub = check.read(check.root .. "/lua/stubs/optimise.lua") .. "\n"
+    local documented = stub:match "@class bw.Optimisation\n.-\n\n"
     for key in pairs(found) do
       assert.truthy(documented:find("@field " .. key, 1, true), key .. " is not in the stubs")
     end
