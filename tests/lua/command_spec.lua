@@ -1066,7 +1066,7 @@ describe("the shells", function()
     local lines = {}
     for line in pipe:lines() do lines[#lines + 1] = line end
     pipe:close()
-    assert.same({"worst", "--sandbox", "--material", "steel", "steel", "mm cm m in um", "model.stl",
+    assert.same({"worst", "--sandbox", "--material", "steel", "steel", "mm cm m km um in ft", "model.stl",
       "--thin", "zsh", "convert", ""}, lines)
   end)
 
