@@ -10,8 +10,6 @@ local stubs = require "stubs"
 local allowed = {
   flow = 224,
 
-  grid = 169,
-
   metallophone = 207,
 
   plot = 175,
