@@ -1,6 +1,6 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 // A drag as it is told: begin, moves, end. One move at a time is under way, until its shape is back:
-// meanwhile only the newest wish is kept. So what is dragged follows the hand as fast as it can and never
+// meanwhile only the newest request is kept. So what is dragged follows the hand as fast as it can and never
 // lags behind it.
 
 // A hand is not exact, and the script is to be read.

@@ -47,8 +47,8 @@ bool bwi_on_pool_thread(void) {
 }
 
 int bwi_default_threads(void) {
-  const char *wish = getenv("BARWRIGHT_THREADS");
-  long threads = wish ? strtol(wish, NULL, 10) : 0;
+  const char *opts = getenv("BARWRIGHT_THREADS");
+  long threads = opts ? strtol(opts, NULL, 10) : 0;
   if (threads < 1)
     threads = sysconf(_SC_NPROCESSORS_ONLN);
   if (threads < 1)

@@ -27,28 +27,28 @@ bw_status bw_outline_parse(bw_context *context, const char *name, const unsigned
                            bw_outline **outline, bw_read_info *info) {
   bw_status status = BW_OK;
   static const bw_outline_read_options plain = {0, 0};
-  const bw_outline_read_options *wish = options ? options : &plain;
+  const bw_outline_read_options *opts = options ? options : &plain;
   bwi_contours contours;
   bwi_cursor cursor;
-  if (!(wish->unit >= 0 && wish->unit < 1e9 && wish->tolerance >= 0 && wish->tolerance < 1e9))
+  if (!(opts->unit >= 0 && opts->unit < 1e9 && opts->tolerance >= 0 && opts->tolerance < 1e9))
     return bw_fail(
         context, BW_INVALID,
         "a unit of %g m and a tolerance of %g m: positive lengths, or 0 for what the file "
         "says, are asked for",
-        wish->unit, wish->tolerance);
+        opts->unit, opts->tolerance);
   bwi_contours_init(&contours, context, name);
   bwi_cursor_init(&cursor, context, name, bytes, count);
   bwi_cursor text = cursor;
   bool any = bwi_skip_space(&text);
   bool is_svg = any && *text.at == '<', is_dxf = looks_like_dxf(cursor);
   if (is_svg)
-    BW_TRY(bwi_svg_parse(&cursor, wish->unit, &contours, info));
+    BW_TRY(bwi_svg_parse(&cursor, opts->unit, &contours, info));
   else if (is_dxf || (any && ends_in(name, "dxf")))
-    BW_TRY(bwi_dxf_parse(&cursor, wish->unit, &contours, info));
+    BW_TRY(bwi_dxf_parse(&cursor, opts->unit, &contours, info));
   else
     BW_TRY(bwi_fail_unknown(&cursor, "SVG (beginning with '<'), DXF (beginning with the lines 0, "
                                      "SECTION)"));
-  BW_TRY(bwi_contours_finish(&contours, wish->tolerance, outline));
+  BW_TRY(bwi_contours_finish(&contours, opts->tolerance, outline));
 done:
   bwi_contours_clear(&contours);
   return status;

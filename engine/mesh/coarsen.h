@@ -73,8 +73,8 @@ static inline double share_at(const bwi_coarsening *c, const double at[3]) {
   if (!o->field)
     return 1;
   double whole[3] = {at[0] + c->origin[0], at[1] + c->origin[1], at[2] + c->origin[2]};
-  double wish = bwi_size_at(o->field, whole);
-  return wish > 0 && wish < o->length ? wish / o->length : 1;
+  double bound = bwi_size_at(o->field, whole);
+  return bound > 0 && bound < o->length ? bound / o->length : 1;
 }
 
 /* How far the surface may be left at a place. */

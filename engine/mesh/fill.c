@@ -36,7 +36,7 @@ static bw_status check_options(bw_context *context, const bw_fill_options *o) {
     return bw_fail(context, BW_INVALID, "order %d: a mesh of tetrahedra has order 1 or 2",
                    o->order);
   if (o->elements < 0 || o->elements > INT32_MAX / 4)
-    return bw_fail(context, BW_INVALID, "%lld elements: give 0 (no wish) to %d",
+    return bw_fail(context, BW_INVALID, "%lld elements: give 0 (no bound) to %d",
                    (long long)o->elements, INT32_MAX / 4);
   if (!(o->edge_length >= 0) || (o->edge_length > 0 && o->elements > 0))
     return bw_fail(context, BW_INVALID,

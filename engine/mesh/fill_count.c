@@ -305,7 +305,7 @@ done:
   return status;
 }
 
-/* Without a wish for the count: the surface at its own resolution, or one that fits the volume
+/* Without a wanted count: the surface at its own resolution, or one that fits the volume
  * bound, whichever is finer. */
 bw_status bwi_fill_once(bwi_filler *f) {
   const bw_fill_options *o = f->options;

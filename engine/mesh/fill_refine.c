@@ -123,7 +123,7 @@ static bw_status mark(bw_context *context, pass *p, const bw_size_field *field, 
     if (wanted < 0)
       return bw_fail(context, BW_INVALID,
                      "the size function returned no length at (%g, %g, %g): it must return an edge "
-                     "length in m, or 0 for no wish",
+                     "length in m, or 0 for no bound",
                      middle[0], middle[1], middle[2]);
     p->marked[e] = wanted > 0 && p->square[e] > slack * slack * wanted * wanted;
     *cuts += p->marked[e];

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The surface for TetGen: the base itself, remeshed, coarsened, or wrapped and remeshed, with the
- * size field's wishes on top. */
+ * size field's lengths on top. */
 #include "mesh/fill_internal.h"
 #include "mesh/mesh_internal.h"
 
@@ -156,7 +156,7 @@ static bw_status collapse_short(bwi_filler *f, const bwi_coarsen_options *option
 }
 
 /* The shortest edge length that is wanted near a point. */
-static double shortest_wish(const bwi_filler *f, double length) {
+static double shortest_bound(const bwi_filler *f, double length) {
   for (int64_t i = 0; i < f->field.point_count; i++)
     length = fmin(length, f->field.point[i].length);
   return length;
@@ -170,7 +170,7 @@ static bw_status remesh_sound(bwi_filler *f, bwi_fill_way how, const bw_surface 
   bw_status status;
   BW_TRY(remesh(f, how, from, length, &made, log));
   BW_TRY(check_sound(f, made, length));
-  double least = shortest_wish(f, length);
+  double least = shortest_bound(f, length);
   const bwi_coarsen_options options = {.length = length,
                                        .shorter = 0.4 * least,
                                        .error = 0.02 * least,
@@ -194,8 +194,8 @@ typedef struct size_limit {
 /* What the field asks for, or the length where that is less. */
 static double limited_size(void *data, const double at[3]) {
   const size_limit *limit = (const size_limit *)data;
-  double wish = bwi_size_at(limit->field, at);
-  return wish == 0 || wish > limit->length ? limit->length : wish;
+  double bound = bwi_size_at(limit->field, at);
+  return bound == 0 || bound > limit->length ? limit->length : bound;
 }
 
 /* Cut what is too long, where it lies, and collapse what is too short: the surface stays sound. */

@@ -54,8 +54,8 @@ double bwi_remesh_size_near(const bwi_remesher *r, const double x[3]) {
   double size = r->length;
   for (size_t i = 0; i < r->fine_count; i++)
     size = fmin(size, r->fine[i].size + growth * distance(x, r->fine[i].at));
-  double wish = r->sizes ? bwi_size_at(r->sizes, x) : 0;
-  return wish > 0 ? fmin(size, wish) : size;
+  double bound = r->sizes ? bwi_size_at(r->sizes, x) : 0;
+  return bound > 0 ? fmin(size, bound) : size;
 }
 
 typedef struct ray {

@@ -83,7 +83,7 @@ bw_status bwi_remesh_flip_edges(bwi_remesher *r, int passes) {
 
 /* Where a point would like to be: the middle of its facets' middles weighted by area; on a crease,
  * of its two neighbours there. */
-static bool wish(const bwi_changing *mesh, int32_t p, double out[3]) {
+static bool opts(const bwi_changing *mesh, int32_t p, double out[3]) {
   int32_t start = mesh->side[p], s = start;
   double weight = 0, sum[3] = {0, 0, 0};
   if (mesh->fixed[p] == BWI_CORNER)
@@ -155,7 +155,7 @@ bw_status bwi_remesh_relax(bwi_remesher *r) {
       if (status != BW_OK)
         return status;
     }
-    if (mesh->side[p] < 0 || !wish(mesh, p, to))
+    if (mesh->side[p] < 0 || !opts(mesh, p, to))
       continue;
     const bwi_tree *tree = mesh->fixed[p] == BWI_CREASE ? r->creases : r->tree;
     bwi_tree_nearest(tree, to, -1, 0, place, &facet);

@@ -110,7 +110,7 @@ bw_status run(bw_context *context, const bwi_tetgen_job *job, bwi_child_stream *
   if (wrong_size)
     return bw_fail(context, BW_INVALID,
                    "the size function returned no length at (%g, %g, %g): it must return an edge "
-                   "length in m, or 0 for no wish",
+                   "length in m, or 0 for no bound",
                    wrong_at[0], wrong_at[1], wrong_at[2]);
   int64_t count[2] = {made->numberofpoints, made->numberoftetrahedra};
   if (count[1] <= 0 || made->numberofcorners != 4)

@@ -217,13 +217,13 @@ bw_status bw_modes_external(bw_context *context, const bw_model *model,
                             const bw_modes_options *options, const bw_external_options *given,
                             bw_modes **modes) {
   bw_status status = BW_OK;
-  bw_modes_options wish;
+  bw_modes_options opts;
   bw_external_options outside;
   equations e = {0};
   bw_external_modes found = {0};
   bwi_eigen_result result = {0};
   bw_external_report *report = NULL;
-  BW_TRY(bwi_modes_options_check(context, options, &wish));
+  BW_TRY(bwi_modes_options_check(context, options, &opts));
   BW_TRY(check_options(context, given, BW_EXTERNAL_CHOLESKY, &outside));
   report = BW_NEW0(context, bw_external_report, 1);
   if (!report) {
@@ -233,7 +233,7 @@ bw_status bw_modes_external(bw_context *context, const bw_model *model,
   BW_TRY(bw_dof_map_create(context, model, &e.dof_map));
   BW_TRY(assemble(context, model, true, &e));
   BW_TRY(open_system(context, &outside, &e));
-  status = registered->modes(context, &wish, &found);
+  status = registered->modes(context, &opts, &found);
   e.open = status == BW_OK;
   result = (bwi_eigen_result){.count = found.count,
                               .value = found.value,

@@ -25,7 +25,7 @@ enum {
 typedef struct statics {
   bw_context *context;
   const bw_model *model;
-  bw_statics_options wish;
+  bw_statics_options opts;
   double room;       /* bytes that a factor may take */
   bwi_symbolic *old; /* of a former system, or NULL */
   bw_static *result;
@@ -34,18 +34,18 @@ typedef struct statics {
 } statics;
 
 static bw_status check_options(bw_context *context, const bw_statics_options *given,
-                               bw_statics_options *wish) {
-  *wish = given ? *given : (bw_statics_options){0};
-  if (wish->method < BW_STATICS_AUTO || wish->method > BW_STATICS_PCG)
+                               bw_statics_options *opts) {
+  *opts = given ? *given : (bw_statics_options){0};
+  if (opts->method < BW_STATICS_AUTO || opts->method > BW_STATICS_PCG)
     return bw_fail(context, BW_INVALID, "there is no method %d of static solutions",
-                   (int)wish->method);
-  if (wish->iterations == 0)
-    wish->iterations = ITERATIONS;
-  if (wish->iterations < 1)
-    return bw_fail(context, BW_INVALID, "%d iterations are allowed; at least 1", wish->iterations);
-  if (!(wish->memory >= 0))
+                   (int)opts->method);
+  if (opts->iterations == 0)
+    opts->iterations = ITERATIONS;
+  if (opts->iterations < 1)
+    return bw_fail(context, BW_INVALID, "%d iterations are allowed; at least 1", opts->iterations);
+  if (!(opts->memory >= 0))
     return bw_fail(context, BW_INVALID, "%g bytes of memory are allowed; a positive number",
-                   wish->memory);
+                   opts->memory);
   return BW_OK;
 }
 
@@ -87,7 +87,7 @@ static bool pcg_is_better(const statics *s, const bw_system *system) {
 static bw_status choose(statics *s) {
   bw_status status = BW_OK;
   bw_system *system = s->result->system;
-  bw_statics_method method = s->wish.method;
+  bw_statics_method method = s->opts.method;
   bool fit = bwi_two_level_applies(system);
   s->pcg = false;
   if (method == BW_STATICS_PCG && !fit)
@@ -108,10 +108,10 @@ done:
 
 /* As many iterations as the factor would have cost, where there is room for it. */
 static int limit_of(const statics *s, const bwi_cost_prediction *cost) {
-  if (s->wish.method == BW_STATICS_PCG || !has_room(s, cost))
-    return s->wish.iterations;
+  if (s->opts.method == BW_STATICS_PCG || !has_room(s, cost))
+    return s->opts.iterations;
   double worth = fmax(cost->factor, 2 * next_by_pcg(cost)) / cost->one_iteration;
-  return worth < s->wish.iterations ? (int)worth : s->wish.iterations;
+  return worth < s->opts.iterations ? (int)worth : s->opts.iterations;
 }
 
 /* ---- by two-level PCG ---------------------------------------------------------------------------
@@ -223,7 +223,7 @@ static void note_prediction(statics *s) {
 /* Whether a failure of one way is no failure while the other may do. */
 static bool other_way(const statics *s, bw_status status) {
   const bw_system *system = s->result->system;
-  if (s->wish.method != BW_STATICS_AUTO)
+  if (s->opts.method != BW_STATICS_AUTO)
     return false;
   if (s->pcg)
     return (status == BW_CONVERGENCE && has_room(s, &system->two_level->prediction)) ||
@@ -264,11 +264,11 @@ bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *syst
   bw_status status = BW_OK;
   bw_dof_map *dof_map = NULL;
   statics s = {.context = context, .model = model};
-  BW_TRY(check_options(context, options, &s.wish));
+  BW_TRY(check_options(context, options, &s.opts));
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
   BW_TRY(bwi_static_begin(context, model, options, dof_map, &s.result));
   BW_TRY(bring_system(&s, dof_map, system));
-  s.room = s.wish.memory > 0 ? s.wish.memory : bw_free_memory();
+  s.room = s.opts.memory > 0 ? s.opts.memory : bw_free_memory();
   BW_TRY(solve(&s));
 done:
   bw_release(dof_map);

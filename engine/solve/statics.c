@@ -91,12 +91,12 @@ bw_status bwi_static_begin(bw_context *context, const bw_model *model,
                            const bw_statics_options *options, const bw_dof_map *dof_map,
                            bw_static **out) {
   bw_status status = BW_OK;
-  bw_statics_options wish = options ? *options : (bw_statics_options){0};
-  if (wish.tolerance == 0)
-    wish.tolerance = 1e-6;
-  if (!(wish.tolerance > 0))
+  bw_statics_options opts = options ? *options : (bw_statics_options){0};
+  if (opts.tolerance == 0)
+    opts.tolerance = 1e-6;
+  if (!(opts.tolerance > 0))
     return bw_fail(context, BW_INVALID, "the tolerance on balance is %g; it must be positive",
-                   wish.tolerance);
+                   opts.tolerance);
   int64_t size = 3 * (int64_t)model->mesh->node_count;
   bw_static *result = BW_NEW0(context, bw_static, 1);
   if (!result)
@@ -112,8 +112,8 @@ bw_status bwi_static_begin(bw_context *context, const bw_model *model,
   }
   BW_TRY(bw_model_check_absorbed(context, model, dof_map));
   BW_TRY(bw_model_force_vector(context, model, result->force));
-  if (dof_map->motion_count > 0 && !wish.inertia_relief)
-    BW_TRY(check_balance(context, dof_map, result->force, wish.tolerance));
+  if (dof_map->motion_count > 0 && !opts.inertia_relief)
+    BW_TRY(check_balance(context, dof_map, result->force, opts.tolerance));
 done:
   if (status == BW_OK)
     *out = result;

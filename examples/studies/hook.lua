@@ -20,11 +20,11 @@ local mesh = assert(bw.mesh.fill(surface, {elements = quick and 2500 or 6000, or
 local pla = bw.material.pla
 local skeleton = bw.skeleton.create {joints = {top = top, eye = eye, bend = bend, tip = tip}, root = "top",
   bones = {{"top", "eye", name = "shank"}, {"eye", "bend", name = "throat"}, {"bend", "tip", name = "point"}}}
-local wish = {pressure = 1e6, modes = quick and 3 or 8, regions = 2}
+local opts = {pressure = 1e6, modes = quick and 3 or 8, regions = 2}
 
 local function worst_of(part, force)
   local options = {force = force}
-  for key, value in pairs(wish) do options[key] = value end
+  for key, value in pairs(opts) do options[key] = value end
   return bw.worst_case(part, options)
 end
 
@@ -43,7 +43,7 @@ local study = bw.study {
     if not before then return nil, message end
     local session = assert(bw.edit(part, {skeleton = skeleton}))
     local options = {force = point.force}
-    for key, value in pairs(wish) do options[key] = value end
+    for key, value in pairs(opts) do options[key] = value end
     local found
     found, message = session:optimise {von_mises = limit, high = 2.5, loads = "worst", worst = options}
     if not found then return nil, message end

@@ -17,9 +17,9 @@ local function with_common(rules)
 end
 
 -- The options of the analysis on one mesh among those given.
-local function some_of(wish, keys)
+local function some_of(opts, keys)
   local out = {}
-  for _, key in ipairs(keys) do out[key] = wish[key] end
+  for _, key in ipairs(keys) do out[key] = opts[key] end
   return out
 end
 
@@ -70,9 +70,9 @@ local function relative(error, value)
   return value == 0 and math.huge or error / math.abs(value)
 end
 
-local function static_analysis(wish, mesh)
-  local wanted = goal.read(wish.of, mesh)
-  local how = some_of(wish, {"with", "memory_limit", "inertia_relief", "tolerance"})
+local function static_analysis(opts, mesh)
+  local wanted = goal.read(opts.of, mesh)
+  local how = some_of(opts, {"with", "memory_limit", "inertia_relief", "tolerance"})
   local function step(history, part, selections)
     local static, message, details = solve(part, how)
     if not static then return nil, message, details end
@@ -144,8 +144,8 @@ local function parts_of_modes(part, modes)
   return sum:totable()
 end
 
-local function mode_analysis(wish)
-  local how = some_of(wish, {"count", "tolerance", "sturm", "seed"})
+local function mode_analysis(opts)
+  local how = some_of(opts, {"count", "tolerance", "sturm", "seed"})
   local function step(history, part)
     local modes, message, details = modes_of(part, how)
     if not modes then return nil, message, details end
@@ -161,7 +161,7 @@ local function mode_analysis(wish)
     return {result = modes, value = modes.frequencies(1, 1), frequencies = modes.frequencies:totable(),
       error = error, parts = parts}
   end
-  return {name = ("frequencies of %d modes, the first"):format(wish.count), selections = {}, step = step}
+  return {name = ("frequencies of %d modes, the first"):format(opts.count), selections = {}, step = step}
 end
 
 -- ---- methods ---------------------------------------------------------------------------------------
@@ -172,8 +172,8 @@ end
 
 function methods.solve(part, given)
   if asks(part, given, "error") or asks(part, given, "of") then
-    local wish = options.read("solve", given, static_rules)
-    local static, accuracy, details = refinement.run(part, wish, static_analysis(wish, part.mesh))
+    local opts = options.read("solve", given, static_rules)
+    local static, accuracy, details = refinement.run(part, opts, static_analysis(opts, part.mesh))
     if static then accuracy.singular = find_singular(part, accuracy) end
     return static, accuracy, details
   end
@@ -182,8 +182,8 @@ end
 
 function methods.modes(part, given)
   if asks(part, given, "error") then
-    local wish = options.read("modes", given, mode_rules)
-    return refinement.run(part, wish, mode_analysis(wish))
+    local opts = options.read("modes", given, mode_rules)
+    return refinement.run(part, opts, mode_analysis(opts))
   end
   return modes_of(part, given)
 end

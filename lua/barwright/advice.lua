@@ -237,15 +237,15 @@ end
 
 -- Places with their offsets, and the matrix of their bumps. Bumps that are not needed are left out, and the others
 -- take their share of the displacement: so the prediction is that of the bumps that are applied.
-local function solve(breaking, judge, places, limit, wish)
+local function solve(breaking, judge, places, limit, opts)
   local shape = bumps.of_mesh(breaking.mesh)
   local slopes, message, details = gradients(breaking, judge, shape, places)
   if not slopes then return nil, message, details end
   local moved = places
   while #moved > 0 do
-    local matrix = sensitivities(shape, slopes, moved, wish.keep)
+    local matrix = sensitivities(shape, slopes, moved, opts.keep)
     local fine
-    fine, message, details = offsets(places, moved, matrix, limit, wish.most_offset)
+    fine, message, details = offsets(places, moved, matrix, limit, opts.most_offset)
     if not fine then return nil, message, details end
     local needed = {}
     for _, place in ipairs(moved) do
@@ -266,11 +266,11 @@ end
 --- Advice for a breaking force (see bw.breaking_force). `judge(breaking, stress)` is the utilisation of rows of
 --- stresses.
 function advice.of(breaking, judge, given)
-  local wish = options.read("advice", given, rules)
+  local opts = options.read("advice", given, rules)
   if not breaking.worst then core.raise "advice: this breaking force is closed" end
-  local self = setmetatable({required = wish.force, places = {}, force = breaking.force, low = breaking.low,
+  local self = setmetatable({required = opts.force, places = {}, force = breaking.force, low = breaking.low,
     high = breaking.high}, advice)
-  local goal = wish.estimate or advice.goal(breaking, wish.force)
+  local goal = opts.estimate or advice.goal(breaking, opts.force)
   if breaking.force >= goal then return self end
   local limit = breaking.reference / (MARGIN * goal) -- utilisations are those of the reference force
   local extended, message, details = breaking.worst:extend(limit)
@@ -278,13 +278,13 @@ function advice.of(breaking, judge, given)
   local above, places
   above, message, details = nodes_above(breaking, judge, limit)
   if not above then return nil, message, details end
-  places, message, details = choose(breaking, above, wish.keep)
+  places, message, details = choose(breaking, above, opts.keep)
   if not places then return nil, message, details end
   if #places == 0 then
     return nil, "all weak places are on faces that must not move", {status = "infeasible"}
   end
   local moved, matrix
-  moved, matrix, details = solve(breaking, judge, places, limit, wish)
+  moved, matrix, details = solve(breaking, judge, places, limit, opts)
   if not moved then return nil, matrix, details end
   for j, place in ipairs(moved) do
     self.places[j] = {at = place.at, radius = place.radius, offset = place.offset}

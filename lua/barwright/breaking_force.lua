@@ -205,9 +205,9 @@ local function analyse_on(self, mesh)
   local last = self.history[#self.history]
   local part, limits, details = breaking_loads.part(self, mesh)
   if not part then return nil, limits, details end
-  local wish = self.options
+  local opts = self.options
   limits.length, limits.failure = self.length, self.failure
-  limits.modes, limits.regions, limits.seed = wish.modes, wish.regions, wish.seed
+  limits.modes, limits.regions, limits.seed = opts.modes, opts.regions, opts.seed
   limits.screening = #self.history < SCREENED
   limits.places = last and append_apart(self, to_refine(self), last.places, KNOWN, NEARLY * last.utilisation)
   local worst, message
@@ -317,16 +317,16 @@ end
 -- How many elements the next mesh has, or nil. Beyond the number asked for while the error is too large and there
 -- is room; the same again where the weakest place is a new one.
 local function next_count(self)
-  local wish, levels = self.options, #self.history
+  local opts, levels = self.options, #self.history
   if self.given_mesh or levels >= MOST_MESHES then return nil end
-  if levels == 0 then return math.min(wish.elements, math.max(FEWEST, math.ceil(FIRST * wish.elements))) end
-  if SHARES[levels] then return SHARES[levels] * wish.elements end
+  if levels == 0 then return math.min(opts.elements, math.max(FEWEST, math.ceil(FIRST * opts.elements))) end
+  if SHARES[levels] then return SHARES[levels] * opts.elements end
   local last = self.history[levels]
   local open = weak_places.unsettled(self.history, self.length)
   if #open > 0 and levels < #SHARES + 3 then return last.asked end
   local next = last.asked * GROWTH
-  local most = wish.most_elements or math.max(wish.elements, math.min(MORE * wish.elements, ELEMENTS))
-  if estimate(self) <= wish.error or next > most then return nil end
+  local most = opts.most_elements or math.max(opts.elements, math.min(MORE * opts.elements, ELEMENTS))
+  if estimate(self) <= opts.error or next > most then return nil end
   return next
 end
 
@@ -348,22 +348,22 @@ end
 --- The least force that breaks a body. `body`: a surface, which is filled and refined, or a mesh, which
 --- is taken as it is. Returns nil, message, details where it cannot be computed.
 function breaking_force.analyse(body, given)
-  local wish = options.read("breaking_force", given, rules)
-  breaking_loads.check(wish)
+  local opts = options.read("breaking_force", given, rules)
+  breaking_loads.check(opts)
   local self = setmetatable(start_with(body), breaking_force)
-  self.options, self.material = wish, wish.material
-  if not wish.material then core.raise "breaking_force: option 'material': a material expected, got nil" end
-  if not wish.material.strength then
+  self.options, self.material = opts, opts.material
+  if not opts.material then core.raise "breaking_force: option 'material': a material expected, got nil" end
+  if not opts.material.strength then
     return nil, "the strength of the material is not known", {status = "unsupported"}
   end
-  if wish.failure == "von_mises" and type(wish.material.strength) ~= "number" then
+  if opts.failure == "von_mises" and type(opts.material.strength) ~= "number" then
     core.raise "breaking_force: failure 'von_mises' needs one strength; the material's differs with the direction"
   end
-  self.failure = wish.failure or ductile[wish.material.name] and "von_mises" or "principal"
-  local radius, why, about = averaging_radius("breaking_force", wish.length, wish.material, self.box)
+  self.failure = opts.failure or ductile[opts.material.name] and "von_mises" or "principal"
+  local radius, why, about = averaging_radius("breaking_force", opts.length, opts.material, self.box)
   if not radius then return nil, why, about end
   self.length = radius
-  self.reference, self.history, self.near = wish.force, {}, {}
+  self.reference, self.history, self.near = opts.force, {}, {}
   self.volume = self.surface and self.surface:check({limit = 1}).sound and self.surface.volume or nil
   local start = core.seconds()
   local asked = next_count(self) or self.given_mesh.element_count
@@ -376,7 +376,7 @@ function breaking_force.analyse(body, given)
     local last = self.history[#self.history]
     if last and wrapped and not last.wrapped then break end
     if last and last.wrapped and not wrapped then self.history = {} end
-    self.contact = self.contact or math.min(wish.contact, MOST_OF_SURFACE * mesh.boundary.area)
+    self.contact = self.contact or math.min(opts.contact, MOST_OF_SURFACE * mesh.boundary.area)
     local places, message, moved
     places, message, details = analyse_on(self, mesh)
     if not places then return nil, message, details end

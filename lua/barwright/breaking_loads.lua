@@ -21,8 +21,8 @@ function breaking_loads.rules(rules)
 end
 
 --- Raises where the options contradict each other.
-function breaking_loads.check(wish)
-  if wish.hands == 1 and not wish.fix then
+function breaking_loads.check(opts)
+  if opts.hands == 1 and not opts.fix then
     raise("breaking_force: option 'hands': one hand pushes a body away that nothing holds: give 'hold', or more "
       .. "hands")
   end
@@ -52,13 +52,13 @@ end
 --- The part on a mesh and the options of its worst case: `force` on one side over at least `contact`. What the
 --- loads are is kept in `self` (held_area, forbidden_area). Returns nil, message, details where a selection fails.
 function breaking_loads.part(self, mesh)
-  local wish = self.options
+  local opts = self.options
   local part = core.model {mesh = mesh, material = self.material}
   -- Nothing pushes back where supports hold: the whole force pushes.
-  local sides = wish.fix and 1 or 2
-  local limits = {force = sides * wish.force, pressure = wish.force / self.contact}
-  if wish.fix then
-    local held, message, details = selections("fix", wish.fix, mesh)
+  local sides = opts.fix and 1 or 2
+  local limits = {force = sides * opts.force, pressure = opts.force / self.contact}
+  if opts.fix then
+    local held, message, details = selections("fix", opts.fix, mesh)
     if not held then return nil, message, details end
     for _, on in ipairs(held) do part:fix(on) end
     if union_of(held).facet_count == mesh.facet_count then
@@ -66,16 +66,16 @@ function breaking_loads.part(self, mesh)
     end
     self.held_area = union_of(held).area
   end
-  if wish.forbidden then
-    local forbidden, message, details = selections("forbidden", wish.forbidden, mesh)
+  if opts.forbidden then
+    local forbidden, message, details = selections("forbidden", opts.forbidden, mesh)
     if not forbidden then return nil, message, details end
     limits.forbidden, self.forbidden_area = forbidden, union_of(forbidden).area
   end
-  if wish.friction > 0 then -- the pyramid contains the cone
-    limits.friction, limits.friction_facets = wish.friction / math.cos(math.pi / FACETS), FACETS
+  if opts.friction > 0 then -- the pyramid contains the cone
+    limits.friction, limits.friction_facets = opts.friction / math.cos(math.pi / FACETS), FACETS
   end
-  if wish.hands then
-    limits.hands, limits.hand = wish.hands, 2 * self.contact
+  if opts.hands then
+    limits.hands, limits.hand = opts.hands, 2 * self.contact
   end
   return part, limits
 end

@@ -40,45 +40,45 @@ local bridge, class = {}, {}
 
 -- ---- the problem ---------------------------------------------------------------------------------
 
-local function complete(wish)
-  options.object("bridge", "material", wish.material, "material")
+local function complete(opts)
+  options.object("bridge", "material", opts.material, "material")
   -- width of a bar that carries the load at the limit
-  local bar = wish.load / (wish.thickness * wish.stress_limit)
-  wish.bar = bar
-  wish.deck = wish.depth or wish.span / 2
-  wish.bearing = wish.bearing or math.max(bar, wish.span / 25)
-  wish.pad = wish.pad or math.max(2 * bar, wish.span / 12)
-  wish.wall = wish.wall or wish.span / 50
-  wish.size = wish.size or wish.span / 100
-  wish.spacing = 2.2 * wish.size
-  wish.hold = 0.02 * wish.pad
-  wish.member = math.max(0.75 * bar, 1.5 * wish.wall)
-  local pressed = wish.load / (wish.thickness * math.min(wish.pad, 2 * wish.bearing))
-  if pressed > wish.stress_limit then
+  local bar = opts.load / (opts.thickness * opts.stress_limit)
+  opts.bar = bar
+  opts.deck = opts.depth or opts.span / 2
+  opts.bearing = opts.bearing or math.max(bar, opts.span / 25)
+  opts.pad = opts.pad or math.max(2 * bar, opts.span / 12)
+  opts.wall = opts.wall or opts.span / 50
+  opts.size = opts.size or opts.span / 100
+  opts.spacing = 2.2 * opts.size
+  opts.hold = 0.02 * opts.pad
+  opts.member = math.max(0.75 * bar, 1.5 * opts.wall)
+  local pressed = opts.load / (opts.thickness * math.min(opts.pad, 2 * opts.bearing))
+  if pressed > opts.stress_limit then
     raise(("bridge: %.4g N on a pad of %.4g m and two bearings of %.4g m press with %.4g Pa: more than"
-      .. " the limit of %.4g Pa. Make them wider, or the bridge thicker"):format(wish.load, wish.pad,
-      wish.bearing, pressed, wish.stress_limit))
+      .. " the limit of %.4g Pa. Make them wider, or the bridge thicker"):format(opts.load, opts.pad,
+      opts.bearing, pressed, opts.stress_limit))
   end
-  if wish.pad >= wish.span then
-    raise(("bridge: a pad of %.4g m is as long as the span of %.4g m"):format(wish.pad, wish.span))
+  if opts.pad >= opts.span then
+    raise(("bridge: a pad of %.4g m is as long as the span of %.4g m"):format(opts.pad, opts.span))
   end
-  if wish.deck < 4 * wish.wall then
+  if opts.deck < 4 * opts.wall then
     raise(("bridge: a depth of %.4g m has no room for walls of %.4g m: four of them expected"):format(
-      wish.deck, wish.wall))
+      opts.deck, opts.wall))
   end
-  return wish
+  return opts
 end
 
-local function conditions_of(wish)
+local function conditions_of(opts)
   return {axis = {x = 0}, hold = {y = 0},
-    pad = {traction = {0, -wish.load / (wish.thickness * wish.pad)}},
-    foot = {traction = {0, wish.load / (2 * wish.thickness * wish.bearing)}}}
+    pad = {traction = {0, -opts.load / (opts.thickness * opts.pad)}},
+    foot = {traction = {0, opts.load / (2 * opts.thickness * opts.bearing)}}}
 end
 
-local function problem_of(wish, more)
-  local problem = {material = wish.material, thickness = wish.thickness, limit = wish.stress_limit,
-    conditions = conditions_of(wish), wall = wish.wall, gap = 0.8 * wish.wall, size = wish.size,
-    spacing = wish.spacing, box = {{0, 0}, {wish.span / 2 + wish.bearing, wish.deck}}, axis = true,
+local function problem_of(opts, more)
+  local problem = {material = opts.material, thickness = opts.thickness, limit = opts.stress_limit,
+    conditions = conditions_of(opts), wall = opts.wall, gap = 0.8 * opts.wall, size = opts.size,
+    spacing = opts.spacing, box = {{0, 0}, {opts.span / 2 + opts.bearing, opts.deck}}, axis = true,
     smooth = 0.3, margin = 0.003, idle = 0.35, holes = 0}
   for name, value in pairs(more or {}) do problem[name] = value end
   return problem
@@ -93,10 +93,10 @@ local properties = {
     return whole or raise(message)
   end,
   area = function(self) return 2 * self.outline.area end,
-  stress_limit = function(self) return rawget(self, "wish").stress_limit end,
+  stress_limit = function(self) return rawget(self, "opts").stress_limit end,
   utilisation = function(self) return self.von_mises:max() / self.stress_limit end,
   passes = function(self) return self.utilisation <= 1 end,
-  options = function(self) return rawget(self, "wish") end,
+  options = function(self) return rawget(self, "opts") end,
 }
 for _, name in ipairs {"points", "elements", "von_mises", "stress", "displacement", "reused",
   "element_count", "node_count", "error_estimate"} do
@@ -142,12 +142,12 @@ local function same_place(a, b, span)
 end
 
 -- The edges that carry: where they have to be.
-local function check_supports(wish, outline)
-  local a, H = wish.span / 2, wish.deck
-  local wanted = {foot = {{a, 0}, {a + wish.bearing, 0}}, pad = {{wish.pad / 2, H}, {wish.hold, H}},
-    hold = {{wish.hold, H}, {0, H}}}
+local function check_supports(opts, outline)
+  local a, H = opts.span / 2, opts.deck
+  local wanted = {foot = {{a, 0}, {a + opts.bearing, 0}}, pad = {{opts.pad / 2, H}, {opts.hold, H}},
+    hold = {{opts.hold, H}, {0, H}}}
   local left = outline:measure().box.low[1]
-  if left < -1e-9 * wish.span then
+  if left < -1e-9 * opts.span then
     return nil, ("the outline reaches x = %.4g m, across the axis at x = 0 into its own image"):format(left),
       {status = "geometry", x = left}
   end
@@ -156,7 +156,7 @@ local function check_supports(wish, outline)
     local edge = outline:edge(n)
     local ends = wanted[edge.tag]
     if ends then
-      found[edge.tag] = same_place(edge.from, ends[1], wish.span) and same_place(edge.to, ends[2], wish.span)
+      found[edge.tag] = same_place(edge.from, ends[1], opts.span) and same_place(edge.to, ends[2], opts.span)
     elseif edge.tag == "axis" then
       found.axis = edge.from[1] == 0 and edge.to[1] == 0
     end
@@ -180,14 +180,14 @@ function class.become(self, outline)
     if not outline then return nil, message, details end
   end
   local fine
-  fine, message, details = check_supports(self.wish, outline)
+  fine, message, details = check_supports(self.opts, outline)
   if not fine then return nil, message, details end
   if self.sheet.outline:same_topology(outline) then
     fine, message, details = self.sheet:become(outline)
   else
-    fine, message, details = sheets.steady {outline = outline, material = self.wish.material,
-      thickness = self.wish.thickness, size = self.wish.size, order = 2,
-      conditions = conditions_of(self.wish)}
+    fine, message, details = sheets.steady {outline = outline, material = self.opts.material,
+      thickness = self.opts.thickness, size = self.opts.size, order = 2,
+      conditions = conditions_of(self.opts)}
     if fine then rawset(self, "sheet", fine) end
   end
   if not fine then return nil, message, details end
@@ -234,7 +234,7 @@ end
 
 --- Largest von Mises stress on another mesh: size of its elements, order.
 function class.check(self, size, order)
-  local sheet, message, details = shape_design.sheet(problem_of(self.wish), self.outline, size, order)
+  local sheet, message, details = shape_design.sheet(problem_of(self.opts), self.outline, size, order)
   if not sheet then return nil, message, details end
   return sheet.von_mises:max(), sheet.element_count
 end
@@ -245,25 +245,25 @@ class.picture, class.body = picture.write, picture.body
 
 --- The lowest beam of one height that passes: height, area (of the whole).
 function class.uniform_beam(self)
-  local wish = self.wish
-  local a, e, c, d = wish.span / 2, wish.span / 2 + wish.bearing, wish.pad / 2, wish.hold
-  local problem = problem_of(wish)
+  local opts = self.opts
+  local a, e, c, d = opts.span / 2, opts.span / 2 + opts.bearing, opts.pad / 2, opts.hold
+  local problem = problem_of(opts)
   local function most(h)
     local outline = core.outline.make({{0, 0}, {a, 0}, {e, 0}, {e, h}, {c, h}, {d, h}, {0, h}},
       {{1, 0, 0, 2, 1}, {2, 0, 0, 3, 2}, {3, 0, 0, 4, 1}, {4, 0, 0, 5, 1}, {5, 0, 0, 6, 3},
       {6, 0, 0, 7, 4}, {7, 0, 0, 1, 5}}, {{count = 7, region = 1, name = "beam"}},
       {"free", "foot", "pad", "hold", "axis"})
-    local sheet, message, details = shape_design.sheet(problem, outline, math.max(wish.size, h / 20))
+    local sheet, message, details = shape_design.sheet(problem, outline, math.max(opts.size, h / 20))
     if not sheet then return nil, message, details end
     return sheet.von_mises:max()
   end
-  local guess = math.sqrt(1.5 * wish.bar * wish.span)
+  local guess = math.sqrt(1.5 * opts.bar * opts.span)
   local low, high = 0.5 * guess, 2 * guess
   for _ = 1, 12 do
     local h = (low + high) / 2
     local stress, message, details = most(h)
     if not stress then return nil, message, details end
-    if stress > wish.stress_limit then low = h else high = h end
+    if stress > opts.stress_limit then low = h else high = h end
   end
   return high, 2 * e * high
 end
@@ -271,8 +271,8 @@ end
 --- Michell's least area of bars for a force in the middle between two feet in an unlimited plane:
 --- (1 + pi/2) F a / (t limit), a half the distance of the middles of the feet.
 function class.michell_area(self)
-  local wish = self.wish
-  return (1 + math.pi / 2) * wish.bar * (wish.span + wish.bearing) / 2
+  local opts = self.opts
+  return (1 + math.pi / 2) * opts.bar * (opts.span + opts.bearing) / 2
 end
 
 -- ---- automatic design ----------------------------------------------------------------------------
@@ -285,14 +285,14 @@ local design_rules = {
   report = {type = "function"}, -- of {start, round, rounds, area, utilisation, passes, outline}
 }
 
-local function told(self, wish, name, first, count, report_total)
+local function told(self, opts, name, first, count, report_total)
   return function(round, here, best)
     local fraction = (first + round / count) / report_total
     core.report_progress(("bridge: %s, %.4g mm2"):format(name, 2e6 * best.area), math.min(fraction, 1))
     if core.interrupted() then return false end
-    if wish.report then
-      return wish.report {start = name, round = round, rounds = count, area = 2 * here.area,
-        utilisation = here.most / self.wish.stress_limit, best_area = 2 * best.area,
+    if opts.report then
+      return opts.report {start = name, round = round, rounds = count, area = 2 * here.area,
+        utilisation = here.most / self.opts.stress_limit, best_area = 2 * best.area,
         passes = best.passes, outline = here.outline}
     end
   end
@@ -306,7 +306,7 @@ local function judge(self, found, polish)
   found.worst = self.sheet.von_mises:max()
   if polish then
     local sheet
-    sheet, message, details = shape_design.sheet(problem_of(self.wish), self.outline, 0.4 * self.wish.size)
+    sheet, message, details = shape_design.sheet(problem_of(self.opts), self.outline, 0.4 * self.opts.size)
     if not sheet then return nil, message, details end
     found.checked, found.checked_elements = sheet.von_mises:max(), sheet.element_count
     found.worst = math.max(found.worst, found.checked)
@@ -316,8 +316,8 @@ end
 
 -- The best of the starts again, on finer meshes where it is polished, until it passes wherever it is judged.
 -- One that failed before is not tried again without that.
-local function settled(self, wish, best, report)
-  local polish = wish.polish > 0 and not core.interrupted()
+local function settled(self, opts, best, report)
+  local polish = opts.polish > 0 and not core.interrupted()
   local margin, found = polish and 0.004 or 0.003, best
   local message, details
   if not polish then
@@ -326,11 +326,11 @@ local function settled(self, wish, best, report)
   end
   for _ = 1, 4 do
     if found.worst then
-      if found.worst <= self.wish.stress_limit or core.interrupted() then break end
-      margin = margin + math.log(found.worst / self.wish.stress_limit) + 0.002
+      if found.worst <= self.opts.stress_limit or core.interrupted() then break end
+      margin = margin + math.log(found.worst / self.opts.stress_limit) + 0.002
     end
-    local problem = problem_of(self.wish, {size = (polish and 0.6 or 1) * self.wish.size,
-      rounds = polish and wish.polish or 10, margin = margin, polish = true})
+    local problem = problem_of(self.opts, {size = (polish and 0.6 or 1) * self.opts.size,
+      rounds = polish and opts.polish or 10, margin = margin, polish = true})
     local start = found
     found, message, details = shape_design.search(problem, start.form:copy(), report)
     if found then found, message, details = judge(self, found, polish) end
@@ -345,23 +345,23 @@ end
 --- of von Mises by 2 / sqrt(3) where another across it helps, so that above 1.155 there is no shape. A solid
 --- beam reaches 2 / 3, since its stress falls towards the middle of its height.
 function class.moment_share(self)
-  local wish = self.wish
-  local moment = wish.load / 4 * (wish.span + wish.bearing - wish.pad / 2)
-  return 4 * moment / (wish.stress_limit * wish.thickness * wish.deck ^ 2)
+  local opts = self.opts
+  local moment = opts.load / 4 * (opts.span + opts.bearing - opts.pad / 2)
+  return 4 * moment / (opts.stress_limit * opts.thickness * opts.deck ^ 2)
 end
 
 -- Stress goes as load over thickness: what the shape bears, and which thickness would do.
 local function failing(self, utilisation)
-  local wish = self.wish
+  local opts = self.opts
   return ("no shape was found that passes: the best is stressed to %.1f %% of the limit. It bears %.4g N, or "
     .. "%.4g N with a thickness of %.4g m. The bending moment in the middle is %.2f of what the depth can bear "
-    .. "(a solid beam bears 0.67)"):format(100 * utilisation, wish.load / utilisation, wish.load,
-    wish.thickness * utilisation, self:moment_share())
+    .. "(a solid beam bears 0.67)"):format(100 * utilisation, opts.load / utilisation, opts.load,
+    opts.thickness * utilisation, self:moment_share())
 end
 
 -- The form to begin with; holes that were put in by hand stay in it. nil and why where they do not fit.
 local function form_of_start(self, name, kept)
-  local form = starts[name](self.wish, self.outline, self.designed)
+  local form = starts[name](self.opts, self.outline, self.designed)
   if #kept == 0 then return form end
   form = form_of.create(table.move(kept, 1, #kept, #form.loops + 1,
     table.move(form.loops, 1, #form.loops, 1, {})))
@@ -392,32 +392,32 @@ end
 --- that were put in by hand stay. Where none was found that passes, the one of the least stress, and a
 --- `message`; where there is none, nil and why.
 function class.design(self, given)
-  local wish = options.read("design", given, design_rules)
+  local opts = options.read("design", given, design_rules)
   local share = self:moment_share()
   if share > 2 / math.sqrt(3) then
     return nil, ("no bridge of this depth can pass: the bending moment in the middle is %.2f of what %.4g m can "
       .. "bear with every point at the limit. A depth of %.4g m, a thickness of %.4g m or less load is the least")
-      :format(share, self.wish.deck, self.wish.deck * math.sqrt(share * math.sqrt(3) / 2),
-        self.wish.thickness * share * math.sqrt(3) / 2), {status = "infeasible", moment_share = share}
+      :format(share, self.opts.deck, self.opts.deck * math.sqrt(share * math.sqrt(3) / 2),
+        self.opts.thickness * share * math.sqrt(3) / 2), {status = "infeasible", moment_share = share}
   end
   local results, best = {}, nil
-  wish.starts = wish.starts or self.edited and {"current"} or order_of_starts
+  opts.starts = opts.starts or self.edited and {"current"} or order_of_starts
   local kept = starts.kept_holes(self.outline, self.designed)
-  local total = #wish.starts + 1
-  for i, name in ipairs(wish.starts) do
+  local total = #opts.starts + 1
+  for i, name in ipairs(opts.starts) do
     if type(name) ~= "string" or not is_start[name] then
       raise(("design: start '%s' is not known: %s"):format(tostring(name),
         core.suggestion(tostring(name), known_starts)))
     end
-    local problem = problem_of(self.wish, {holes = wish.holes, rounds = wish.rounds})
+    local problem = problem_of(self.opts, {holes = opts.holes, rounds = opts.rounds})
     local form, message = form_of_start(self, name, kept)
     local found
     if form then
-      found, message = shape_design.search(problem, form, told(self, wish, name, i - 1, wish.rounds, total))
+      found, message = shape_design.search(problem, form, told(self, opts, name, i - 1, opts.rounds, total))
     end
     if found then
-      results[i] = {start = name, area = 2 * found.area, utilisation = found.most / self.wish.stress_limit,
-        passes = found.passes and found.most <= self.wish.stress_limit, converged = found.converged,
+      results[i] = {start = name, area = 2 * found.area, utilisation = found.most / self.opts.stress_limit,
+        passes = found.passes and found.most <= self.opts.stress_limit, converged = found.converged,
         rounds = found.rounds, history = found.history}
       found.start = name
       if not best or found.passes and (not best.passes or found.area < best.area)
@@ -433,13 +433,13 @@ function class.design(self, given)
     return nil, ("no start could be analysed: %s"):format(results[1] and results[1].message or ""),
       {status = "infeasible"}
   end
-  local last, message, details = settled(self, wish, best, told(self, wish, best.start, total - 1,
-    math.max(wish.polish, 10), total))
+  local last, message, details = settled(self, opts, best, told(self, opts, best.start, total - 1,
+    math.max(opts.polish, 10), total))
   if not last then return nil, message, details end
   note_designed(self, kept)
-  local most = last.worst / self.wish.stress_limit
+  local most = last.worst / self.opts.stress_limit
   return {starts = results, start = best.start, area = self.area, utilisation = self.utilisation,
-    checked_utilisation = last.checked and last.checked / self.wish.stress_limit,
+    checked_utilisation = last.checked and last.checked / self.opts.stress_limit,
     checked_elements = last.checked_elements, interrupted = core.interrupted(), passes = most <= 1,
     converged = last.converged, message = remark_of(self, last, most)}
 end
@@ -449,24 +449,24 @@ end
 --- A bridge from {span, load, stress_limit, material, thickness, depth, bearing, pad, wall, size, start,
 --- outline}.
 function bridge.create(given)
-  local wish = complete(options.read("bridge", given, rules))
-  local outline, message, details = wish.outline
+  local opts = complete(options.read("bridge", given, rules))
+  local outline, message, details = opts.outline
   if outline then
     local fine
-    fine, message, details = check_supports(wish, outline)
+    fine, message, details = check_supports(opts, outline)
     if not fine then return nil, message, details end
   else
-    if not is_start[wish.start] or wish.start == "current" then
-      raise(("bridge: start '%s' is not known: %s"):format(wish.start,
-        core.suggestion(wish.start, order_of_starts)))
+    if not is_start[opts.start] or opts.start == "current" then
+      raise(("bridge: start '%s' is not known: %s"):format(opts.start,
+        core.suggestion(opts.start, order_of_starts)))
     end
-    outline, message, details = starts[wish.start](wish):outline()
+    outline, message, details = starts[opts.start](opts):outline()
     if not outline then return nil, message, details end
   end
   local sheet
-  sheet, message, details = shape_design.sheet(problem_of(wish), outline, wish.size)
+  sheet, message, details = shape_design.sheet(problem_of(opts), outline, opts.size)
   if not sheet then return nil, message, details end
-  return setmetatable({sheet = sheet, wish = wish, edited = wish.outline ~= nil, designed = {}}, class)
+  return setmetatable({sheet = sheet, opts = opts, edited = opts.outline ~= nil, designed = {}}, class)
 end
 
 arguments.methods("bridge", class, class, {become = "outline: any", drag = "handle: table, by: pair",

@@ -34,13 +34,13 @@ end
 
 -- The outer loop from the undersides' polygons: bottom from the axis to the foot, top from the foot to the
 -- pad, and where there is a hole across the axis its polygon from the upper end to the lower.
-local function make(wish, bottom, top, middle)
-  local s = wish.spacing
+local function make(opts, bottom, top, middle)
+  local s = opts.spacing
   local loop = {name = "bridge",
     chain(bottom, s, "axis", "clamped"), {line = true, tag = "foot"},
     chain(top, s, "clamped", "clamped"), {line = true, tag = "pad"},
-    {controls = {{wish.hold, wish.deck, "fixed"}}}, {line = true, tag = "hold"},
-    {controls = {{0, wish.deck, "fixed"}}}, {line = true, tag = "axis"}}
+    {controls = {{opts.hold, opts.deck, "fixed"}}}, {line = true, tag = "hold"},
+    {controls = {{0, opts.deck, "fixed"}}}, {line = true, tag = "axis"}}
   if middle then
     loop[#loop + 1] = chain(middle, s, "axis", "axis")
     loop[#loop + 1] = {line = true, tag = "axis"}
@@ -49,47 +49,47 @@ local function make(wish, bottom, top, middle)
 end
 
 -- What all share: a = inner edge of the foot, e = outer edge, H = deck, c = half the pad, w = a wall.
-local function measures(wish)
-  return wish.span / 2, wish.span / 2 + wish.bearing, wish.deck, wish.pad / 2, wish.wall
+local function measures(opts)
+  return opts.span / 2, opts.span / 2 + opts.bearing, opts.deck, opts.pad / 2, opts.wall
 end
 
-local function underside(wish)
-  return {{0, 0}, {wish.span / 2, 0}}
+local function underside(opts)
+  return {{0, 0}, {opts.span / 2, 0}}
 end
 
 --- A beam of the height of the deck.
-function starts.beam(wish)
-  local _, e, H, c, w = measures(wish)
-  return make(wish, underside(wish), {{e, 0}, {e, H - 2 * w}, {e - 0.6 * w, H - 0.4 * w},
+function starts.beam(opts)
+  local _, e, H, c, w = measures(opts)
+  return make(opts, underside(opts), {{e, 0}, {e, H - 2 * w}, {e - 0.6 * w, H - 0.4 * w},
     {e - 2 * w, H}, {c, H}})
 end
 
 --- Straight slopes from the feet to the pad, solid.
-function starts.gable(wish)
-  local _, e, H, c, w = measures(wish)
-  return make(wish, underside(wish), {{e, 0}, {e, 2.5 * w}, {c, H}})
+function starts.gable(opts)
+  local _, e, H, c, w = measures(opts)
+  return make(opts, underside(opts), {{e, 0}, {e, 2.5 * w}, {c, H}})
 end
 
 --- Two struts and a tie.
-function starts.truss(wish)
-  local a, e, H, c, w = measures(wish)
-  local t = wish.member
+function starts.truss(opts)
+  local a, e, H, c, w = measures(opts)
+  local t = opts.member
   local middle = {{0, H - 1.8 * t - w}, {c, H - 1.9 * t - w}, {a - 2.2 * t - w, 2 * t + w},
     {a - 2.7 * t - w, t}, {0, t}}
-  return make(wish, underside(wish),
+  return make(opts, underside(opts),
     {{e, 0}, {e, 2.5 * w}, {e - w, 4 * w}, {c, H}}, middle)
 end
 
 --- An arch over the gap without a tie.
-function starts.arch(wish)
-  local a, e, H, c, w = measures(wish)
+function starts.arch(opts)
+  local a, e, H, c, w = measures(opts)
   local bottom = {}
   for i = 0, 12 do
     local angle = math.pi / 2 * (1 - i / 12)
     bottom[#bottom + 1] = {(a - 0.2 * w) * math.cos(angle), 0.4 * H * math.sin(angle) + 0.1 * w}
   end
   bottom[#bottom] = {a, 0}
-  return make(wish, bottom, {{e, 0}, {e, 0.3 * H}, {e - 2 * w, H - 2 * w}, {c, H}})
+  return make(opts, bottom, {{e, 0}, {e, 0.3 * H}, {e - 2 * w, H - 2 * w}, {c, H}})
 end
 
 -- ---- from an outline -----------------------------------------------------------------------------
@@ -175,13 +175,13 @@ function starts.kept_holes(outline, designed)
 end
 
 --- The outline as it is, its curves as splines; holes named in `designed` are curves too.
-function starts.current(wish, outline, designed)
+function starts.current(opts, outline, designed)
   local loops = {}
   for _, loop in ipairs(outline.loops) do
     if not loop.hole then
-      table.insert(loops, 1, outer(outline, loop, wish.spacing))
+      table.insert(loops, 1, outer(outline, loop, opts.spacing))
     elseif designed[loop.name] then
-      loops[#loops + 1] = ring(outline, loop, wish.spacing)
+      loops[#loops + 1] = ring(outline, loop, opts.spacing)
     end
   end
   return form_of.create(loops)

@@ -49,27 +49,27 @@ end
 --- The largest stress that any allowed load can cause in each of the elements tried.
 function brute_force.analyse(part, given)
   options.object("brute_force", "part", part, "model")
-  local wish = options.read("brute_force", given, rules)
+  local opts = options.read("brute_force", given, rules)
   local mesh = part.mesh
-  local self = setmetatable({options = wish, mesh = mesh}, brute_force)
-  local basis, message, details = load_limits.basis("brute_force", mesh, wish)
+  local self = setmetatable({options = opts, mesh = mesh}, brute_force)
+  local basis, message, details = load_limits.basis("brute_force", mesh, opts)
   if not basis then return nil, message, details end
   local start = core.seconds()
   local system
   system, message, details = part:system()
   if not system then return nil, message, details end
   local chosen
-  if wish.elements and wish.elements < mesh.element_count then
-    chosen = sample.numbers(mesh.element_count, wish.elements, wish.seed)
+  if opts.elements and opts.elements < mesh.element_count then
+    chosen = sample.numbers(mesh.element_count, opts.elements, opts.seed)
   end
   local regions, loads
   regions, message, details = core.single_regions(mesh, chosen)
   if not regions then return nil, message, details end
-  local limits = load_limits.linear_program(wish)
-  limits.one_sign, limits.batch, limits.keep_pressures = wish.one_sign, wish.batch, false
+  local limits = load_limits.linear_program(opts)
+  limits.one_sign, limits.batch, limits.keep_pressures = opts.one_sign, opts.batch, false
   loads, message, details = core.worst_loads(system, basis, regions, limits)
   if not loads then return nil, message, details end
-  if wish.objective == "principal" then
+  if opts.objective == "principal" then
     limits.one_sign = true
     chosen = chosen or core.array.range(1, mesh.element_count, 1)
     loads, message, details = ascend(mesh, system, basis, chosen, loads, limits)

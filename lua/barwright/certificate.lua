@@ -75,7 +75,7 @@ end
 --- The text of a certificate of a worst case with an upper bound and the leaves that prove it, or nil, message,
 --- details.
 function certificate.text(worst, part, leaves)
-  local mesh, wish, loads = part.mesh, worst.options, worst.loads
+  local mesh, opts, loads = part.mesh, worst.options, worst.loads
   if part.material.turned then
     return nil, "a certificate for a material that is turned by element is not implemented",
       {status = "unsupported"}
@@ -85,11 +85,11 @@ function certificate.text(worst, part, leaves)
   add_rows(lines, "nodes", mesh.nodes)
   add_rows(lines, "elements", mesh.elements)
   add_supports(lines, part)
-  local forbidden = wish.forbidden
+  local forbidden = opts.forbidden
   lines[#lines + 1] = row("forbidden", forbidden and forbidden.facet_count or 0,
     forbidden and numbers(forbidden.facets) or "")
-  lines[#lines + 1] = row("loads", wish.force, wish.pressure, wish.at_most and "at_most" or "exactly",
-    wish.friction, wish.friction_facets)
+  lines[#lines + 1] = row("loads", opts.force, opts.pressure, opts.at_most and "at_most" or "exactly",
+    opts.friction, opts.friction_facets)
   local motions = assert(part:free_motions())
   lines[#lines + 1] = row("motions", #motions)
   for _, motion in ipairs(motions) do

@@ -147,8 +147,8 @@ local function build(stated)
   if mesh.node_count ~= #stated.nodes or mesh.element_count ~= #stated.elements then
     reject("the mesh has nodes without elements")
   end
-  local wish = stated.material
-  local material = core.material[wish.kind](wish.constants)
+  local opts = stated.material
+  local material = core.material[opts.kind](opts.constants)
   local part = core.model {mesh = mesh, material = material, formulation = stated.formulation}
   for _, support in ipairs(stated.supports) do
     local on = selection(mesh, support.facets, support.nodes)

@@ -109,10 +109,10 @@ local function unresolved(share)
 end
 
 -- Of one station: the judged tensor with what two inner lengths differ by.
-local function effective_at(static, place, station, wish)
-  local measure = wish.method == "point" and point_stress or line_mean
-  local reach = wish.method == "point" and wish.length / 2 or 2 * wish.length
-  local edge = edge_length(static.mesh, along(station.at, station.inward, wish.length / 2), station.tangent)
+local function effective_at(static, place, station, opts)
+  local measure = opts.method == "point" and point_stress or line_mean
+  local reach = opts.method == "point" and opts.length / 2 or 2 * opts.length
+  local edge = edge_length(static.mesh, along(station.at, station.inward, opts.length / 2), station.tangent)
   local inner = math.min(INNER * edge, reach / 2)
   local tensor, message = measure(static, station, place.exponent, reach, inner)
   if not tensor then return nil, message end
@@ -169,23 +169,23 @@ local static = core.classes.static.methods
 
 --- The effective stress of the theory of critical distances at every singular edge, the largest first.
 function static:effective_stress(given)
-  local wish = options.read("effective_stress", given or {}, effective_rules)
-  wish.length = wish.length or self.material.critical_distance
-  if not wish.length then
+  local opts = options.read("effective_stress", given or {}, effective_rules)
+  opts.length = opts.length or self.material.critical_distance
+  if not opts.length then
     return nil, "the critical distance is not known: give a length, or a material with strength and fracture "
       .. "toughness", {status = "unsupported"}
   end
-  local places, message, details = read_places("effective_stress", self, wish.places)
+  local places, message, details = read_places("effective_stress", self, opts.places)
   if not places then return nil, message, details end
-  local list, why = over_places(places, wish.length, function(place, station)
+  local list, why = over_places(places, opts.length, function(place, station)
     if place.exponent <= 0 then return nil end
-    return effective_at(self, place, station, wish)
+    return effective_at(self, place, station, opts)
   end)
   if #list == 0 and why then return nil, why, {status = "unsupported"} end
   local known = self.material.strength
   for _, one in ipairs(list) do
     one.utilisation = known and self.material:utilisation(core.array.new {one.stress})(1, 1) or nil
-    one.length, one.method = wish.length, wish.method
+    one.length, one.method = opts.length, opts.method
   end
   return list
 end
@@ -245,8 +245,8 @@ end
 local intensity_rules = {places = {type = "any"}}
 
 local function intensities(where, self, given, rules)
-  local wish = options.read(where, given or {}, rules)
-  local places, message, details = read_places(where, self, wish.places)
+  local opts = options.read(where, given or {}, rules)
+  local places, message, details = read_places(where, self, opts.places)
   if not places then return nil, message, details end
   local low, high = self.mesh.box.low, self.mesh.box.high
   local list, why = over_places(places, distance(low, high) / MOST_STATIONS, function(place, station)
@@ -254,7 +254,7 @@ local function intensities(where, self, given, rules)
     return intensity_at(self, place, station)
   end)
   if #list == 0 and why then return nil, why, {status = "unsupported"} end
-  return list, wish
+  return list, opts
 end
 
 --- The notch stress intensity factor of every singular edge, the largest first.
@@ -296,13 +296,13 @@ local fillet_rules = {places = {type = "any"}, radius = {type = "number", above 
 
 --- The largest stress that every re-entrant edge would have with a fillet of this radius, the largest first.
 function static:fillet_stress(given)
-  local list, wish, details = intensities("fillet_stress", self, given, fillet_rules)
-  if not list then return nil, wish, details end
+  local list, opts, details = intensities("fillet_stress", self, given, fillet_rules)
+  if not list then return nil, opts, details end
   local out = {}
   for _, one in ipairs(list) do
     if one.place.kind == "re-entrant edge" then
-      out[#out + 1] = {place = one.place, at = one.at, intensity = one.value, radius = wish.radius,
-        value = rounded(one, one.place.angle, wish.radius),
+      out[#out + 1] = {place = one.place, at = one.at, intensity = one.value, radius = opts.radius,
+        value = rounded(one, one.place.angle, opts.radius),
         estimated_error = one.estimated_error + FORMULA, number = one.number}
     end
   end

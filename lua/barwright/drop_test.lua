@@ -20,13 +20,13 @@ local rules = {
 --- Drops a part that has no supports and a known density.
 function drop_test.analyse(part, given)
   options.object("drop_test", "part", part, "model")
-  local wish = options.read("drop_test", given, rules)
-  local self = setmetatable({options = wish, mesh = part.mesh}, drop_test)
+  local opts = options.read("drop_test", given, rules)
+  local self = setmetatable({options = opts, mesh = part.mesh}, drop_test)
   local start = core.seconds()
   local system, message, details = part:system()
   if not system then return nil, message, details end
   local found
-  found, message, details = core.drops(system, wish)
+  found, message, details = core.drops(system, opts)
   if not found then return nil, message, details end
   for key, value in pairs(found) do self[key] = value end
   self.seconds = core.seconds() - start
@@ -55,14 +55,14 @@ end
 
 --- A picture of how often each place was overloaded. Options: those of bw.picture.
 function drop_test:picture(path, given)
-  local wish = {}
-  for key, value in pairs(given or {}) do wish[key] = value end
+  local opts = {}
+  for key, value in pairs(given or {}) do opts[key] = value end
   local surface, nodes, details = self.mesh:surface()
   if not surface then return nil, nodes, details end
-  wish.values = self.mesh:to_nodes(self.exceedance, "max"):gather(nodes)
-  wish.unit = wish.unit or "drops that overload, %"
-  wish.scale = wish.scale or 100
-  return core.picture(surface, path, wish)
+  opts.values = self.mesh:to_nodes(self.exceedance, "max"):gather(nodes)
+  opts.unit = opts.unit or "drops that overload, %"
+  opts.scale = opts.scale or 100
+  return core.picture(surface, path, opts)
 end
 
 function drop_test:__tostring()

@@ -71,52 +71,52 @@ local function misplaced(skeleton, mesh)
     .. "unit that of the part?"):format(#joints - inside, #joints, size * 1e3)
 end
 
-local function make_domains(mesh, wish)
-  local skeleton, message, details = wish.skeleton
+local function make_domains(mesh, opts)
+  local skeleton, message, details = opts.skeleton
   if not skeleton then
     local surface
     surface, message, details = mesh:surface()
     if not surface then return nil, message, details end
-    skeleton, message, details = core.skeleton.extract(surface, {bones = wish.bones})
+    skeleton, message, details = core.skeleton.extract(surface, {bones = opts.bones})
     if not skeleton then return nil, message, details end
   end
   message = misplaced(skeleton, mesh)
   if message then return nil, message, {status = "geometry"} end
-  local thresholds = bone_thresholds(skeleton, wish.thresholds)
+  local thresholds = bone_thresholds(skeleton, opts.thresholds)
   local weights
-  weights, message, details = core.skinning_weights(mesh, skeleton, {heat = wish.heat})
+  weights, message, details = core.skinning_weights(mesh, skeleton, {heat = opts.heat})
   if not weights then return nil, message, details end
-  return core.domains(mesh, skeleton, weights, {threshold = wish.threshold,
-    bone_threshold = thresholds, share = wish.share == 0 and -1 or wish.share})
+  return core.domains(mesh, skeleton, weights, {threshold = opts.threshold,
+    bone_threshold = thresholds, share = opts.share == 0 and -1 or opts.share})
 end
 
 --- Begins a session on a part. Returns nil, message, details when it cannot.
 local function begin(part, given)
   options.object("edit", "part", part, "model")
-  local wish = options.read("edit", given, rules)
-  if wish.material_turns and part.material.turned then
+  local opts = options.read("edit", given, rules)
+  if opts.material_turns and part.material.turned then
     raise("edit: option 'material_turns': the part's material is turned by element already")
   end
   local mesh = part.mesh
-  local domains, message, details = wish.domains
+  local domains, message, details = opts.domains
   if domains and domains.mesh ~= mesh then
     raise("edit: option 'domains': domains of the part's own mesh expected")
   end
   if not domains then
-    domains, message, details = make_domains(mesh, wish)
+    domains, message, details = make_domains(mesh, opts)
     if not domains then return nil, message, details end
   end
-  local topology = edit_shape.topology(domains, edit_shape.floor(mesh, wish.quality))
+  local topology = edit_shape.topology(domains, edit_shape.floor(mesh, opts.quality))
   local pose = edit_pose.rest(domains.skeleton.bone_count)
   local shape
-  shape, message, details = edit_shape.of(topology, pose, wish)
+  shape, message, details = edit_shape.of(topology, pose, opts)
   if not shape then return nil, message, details end
-  local self = setmetatable({source = part, wish = wish, position = 1, following = false,
+  local self = setmetatable({source = part, opts = opts, position = 1, following = false,
     last = false, record = false, root = false,
     history = {{topology = topology, pose = pose, limits = {}, shape = shape}}}, class)
-  if wish.journal then
+  if opts.journal then
     local record
-    record, message, details = edit_script.open_journal(wish.journal, wish.script)
+    record, message, details = edit_script.open_journal(opts.journal, opts.script)
     if not record then return nil, message, details end
     self.record = record
   end
@@ -143,7 +143,7 @@ end
 
 local function ensure_shape(self, state)
   if not state.shape then
-    local shape, message, details = edit_shape.of(state.topology, state.pose, self.wish)
+    local shape, message, details = edit_shape.of(state.topology, state.pose, self.opts)
     if not shape then return nil, message, details end
     state.shape = shape
   end
@@ -157,7 +157,7 @@ local function commit(self, edit)
   local state = {topology = edit.topology or before.topology, pose = edit.pose or before.pose,
     limits = edit.limits or before.limits, script = edit.script, note = "posed"}
   if edit.pose or edit.topology then
-    local shape, message, details = edit_shape.mended(state.topology, state.pose, self.wish)
+    local shape, message, details = edit_shape.mended(state.topology, state.pose, self.opts)
     if not shape then return nil, message, details end
     state.topology, state.shape, state.note = shape.topology, shape, shape.how
     if shape.topology.refilled and shape.topology ~= before.topology then
@@ -310,11 +310,11 @@ local fork_rules = {
 --- a drag of a hand, a step of an optimisation. What came of it is taken over by `adopt`.
 function class:fork(given)
   current(self)
-  local state, wish = {}, {}
+  local state, opts = {}, {}
   for key, value in pairs(current(self)) do state[key] = value end -- it lets go of its mesh by itself
-  for key, value in pairs(self.wish) do wish[key] = value end
-  for key, value in pairs(options.read("fork", given, fork_rules)) do wish[key] = value end
-  return setmetatable({source = self.source, wish = wish, position = 1, following = false,
+  for key, value in pairs(self.opts) do opts[key] = value end
+  for key, value in pairs(options.read("fork", given, fork_rules)) do opts[key] = value end
+  return setmetatable({source = self.source, opts = opts, position = 1, following = false,
     last = false, record = false, root = self.root or self, history = {state}}, class)
 end
 
@@ -335,13 +335,13 @@ end
 --- factor; else by cost), check, inertia_relief, balance_tolerance; part = another load case, a model
 --- of the mesh as it was given.
 function class:solve(given)
-  local state, wish, part = current(self), nil, nil
+  local state, opts, part = current(self), nil, nil
   if type(given) == "table" and given.part ~= nil then
-    part, wish = given.part, {}
+    part, opts = given.part, {}
     options.object("solve", "part", part, "model")
-    for key, value in pairs(given) do wish[key] = key ~= "part" and value or nil end
+    for key, value in pairs(given) do opts[key] = key ~= "part" and value or nil end
   end
-  local result, message, details = edit_follow.solve(self, state, wish or given, part)
+  local result, message, details = edit_follow.solve(self, state, opts or given, part)
   if not result then return nil, message, details end
   if not part then self.last = {state = state, result = result, plain = given == nil} end
   return result
@@ -421,15 +421,15 @@ function class:write(path, given)
   current(self)
   local result, message, details = result_now(self)
   if not result then return nil, message, details end
-  local wish = {}
-  for key, value in pairs(given or {}) do wish[key] = value end
+  local opts = {}
+  for key, value in pairs(given or {}) do opts[key] = value end
   local fields = {}
-  if wish.fields ~= nil
-    and type(wish.fields) ~= "table" then raise "write: option 'fields': a table of arrays expected" end
-  for key, value in pairs(wish.fields or {}) do fields[key] = value end
+  if opts.fields ~= nil
+    and type(opts.fields) ~= "table" then raise "write: option 'fields': a table of arrays expected" end
+  for key, value in pairs(opts.fields or {}) do fields[key] = value end
   fields.domain = fields.domain or {self.domains.element_domain, on = "elements"}
-  wish.fields = fields
-  return result:write(path, wish)
+  opts.fields = fields
+  return result:write(path, opts)
 end
 
 --- A picture of the current shape under its loads; options of bw.Static:picture.

@@ -83,13 +83,13 @@ local set_rules = {
 
 -- rotation, scale, translation of {scale =, rotation =, translation =}, and how it is written
 local function read_change(where, given)
-  local wish = options.read(where, given, set_rules)
-  local rotation = wish.rotation and edit_pose.read_rotation(where .. ": rotation", wish.rotation)
-  local scale = wish.scale and edit_pose.read_scale(where .. ": scale", wish.scale)
-  local translation = wish.translation
-    and edit_pose.read_vector(where .. ": translation", wish.translation)
+  local opts = options.read(where, given, set_rules)
+  local rotation = opts.rotation and edit_pose.read_rotation(where .. ": rotation", opts.rotation)
+  local scale = opts.scale and edit_pose.read_scale(where .. ": scale", opts.scale)
+  local translation = opts.translation
+    and edit_pose.read_vector(where .. ": translation", opts.translation)
   local text = {}
-  if wish.rotation then text[#text + 1] = "rotation = " .. edit_script.value(wish.rotation) end
+  if opts.rotation then text[#text + 1] = "rotation = " .. edit_script.value(opts.rotation) end
   if scale then text[#text + 1] = "scale = " .. edit_script.vector(scale) end
   if translation then text[#text + 1] = "translation = " .. edit_script.vector(translation) end
   return rotation, scale, translation, "{" .. table.concat(text, ", ") .. "}"
@@ -253,19 +253,19 @@ local function read_list(skeleton, list)
   if #list == 0 then raise("reach: a list of {joint =, at =} expected") end
   local out = {}
   for i, given in ipairs(list) do
-    local wish = options.read("reach", given, target_rules)
-    if (wish.joint == nil) == (wish.bone == nil) then
+    local opts = options.read("reach", given, target_rules)
+    if (opts.joint == nil) == (opts.bone == nil) then
       raise(("reach: target %d: one of joint and bone expected"):format(i))
     end
     local bone, along
-    if wish.joint ~= nil then
-      if wish.along then raise("reach: 'along' belongs to a bone") end
-      bone, along = bone_at(skeleton, wish.joint)
+    if opts.joint ~= nil then
+      if opts.along then raise("reach: 'along' belongs to a bone") end
+      bone, along = bone_at(skeleton, opts.joint)
     else
-      bone, along = skeleton:bone(wish.bone).index, wish.along or 1
+      bone, along = skeleton:bone(opts.bone).index, opts.along or 1
     end
-    out[i] = {bone = bone, along = along, at = edit_pose.read_vector("reach: at", wish.at),
-      weight = wish.weight, from = wish.from ~= nil and skeleton:bone(wish.from).index or nil}
+    out[i] = {bone = bone, along = along, at = edit_pose.read_vector("reach: at", opts.at),
+      weight = opts.weight, from = opts.from ~= nil and skeleton:bone(opts.from).index or nil}
   end
   return out
 end
@@ -285,14 +285,14 @@ function edit_bone.reach(session, target, at, given)
     targets = {{bone = bone, along = along, at = at}}
     arguments = {edit_script.value(target), edit_script.vector(at)}
   end
-  local wish = options.read("reach", given, reach_rules)
-  if wish.tolerance then arguments[#arguments + 1] = edit_script.value(wish) end
+  local opts = options.read("reach", given, reach_rules)
+  if opts.tolerance then arguments[#arguments + 1] = edit_script.value(opts) end
   local rows
   if next(state.limits) then
     rows = {}
     for b = 1, skeleton.bone_count do rows[b] = state.limits[b] or false end
   end
-  local reached, report, details = skeleton:reach(state.pose, targets, rows, wish.tolerance)
+  local reached, report, details = skeleton:reach(state.pose, targets, rows, opts.tolerance)
   if not reached then return nil, report, details end
   local fine, message
   fine, message, details = session:commit {pose = reached:totable(),
@@ -310,18 +310,18 @@ local limit_rules = {
 
 local function read_limit(given)
   if given == nil then return nil end
-  local wish = options.read("limit", given, limit_rules)
-  if wish.twist then
-    local low, high = wish.twist[1], wish.twist[2]
-    local fits = #wish.twist == 2 and type(low) == "number" and type(high) == "number"
+  local opts = options.read("limit", given, limit_rules)
+  if opts.twist then
+    local low, high = opts.twist[1], opts.twist[2]
+    local fits = #opts.twist == 2 and type(low) == "number" and type(high) == "number"
       and -math.huge < low and low <= high and high < math.huge
     if not fits then
       raise("limit: option 'twist': {lowest, highest} in degrees expected")
     end
   end
-  return {swing = wish.swing and math.rad(wish.swing),
-    twist_low = wish.twist and math.rad(wish.twist[1]),
-    twist_high = wish.twist and math.rad(wish.twist[2])}
+  return {swing = opts.swing and math.rad(opts.swing),
+    twist_low = opts.twist and math.rad(opts.twist[1]),
+    twist_high = opts.twist and math.rad(opts.twist[2])}
 end
 
 function edit_bone.limit(session, name, given)

@@ -100,9 +100,9 @@ local solutions = 2 -- of each load case, that are kept to begin iterations with
 -- The options with the last solutions of the load case as a guess, unless others are given.
 local function with_guess(given, near)
   if not near or given and given.guess then return given end
-  local wish = {guess = near}
-  for key, value in pairs(given or {}) do wish[key] = value end
-  return wish
+  local opts = {guess = near}
+  for key, value in pairs(given or {}) do opts[key] = value end
+  return opts
 end
 
 --- The static solution of a state.

@@ -72,13 +72,13 @@ end
 
 --- Writes the report to a path. Options: title, manifest.
 function edit_report.write(session, state, result, path, given)
-  local wish = options.read("report", given, rules)
+  local opts = options.read("report", given, rules)
   local data, message, details = data_of(session, state, result)
   if not data then return nil, message, details end
   return report.page(path, {
-    title = wish.title or "Edit session",
+    title = opts.title or "Edit session",
     answer = answer(session, result),
-    manifest = wish.manifest or {version = core.version},
+    manifest = opts.manifest or {version = core.version},
     body = table_of_bones(session) .. "\n" .. table_of_edits(session),
     data = data,
     picture = function(name) return result:picture(name) end,

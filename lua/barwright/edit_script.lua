@@ -69,7 +69,7 @@ end
 
 --- The edits in force.
 function edit_script.save(session, path)
-  local lines = {head(session.wish.script)}
+  local lines = {head(session.opts.script)}
   for i = 2, session.position do
     lines[#lines + 1] = ("assert(%s)\n"):format(session.history[i].script)
   end
@@ -160,7 +160,7 @@ end
 --- From now on the session's journal is at this path; it begins with the edits in force. One that is
 --- there already is kept beside it.
 function edit_script.keep(session, path)
-  local record, message, details = edit_script.open_journal(path, session.wish.script)
+  local record, message, details = edit_script.open_journal(path, session.opts.script)
   if not record then return nil, message, details end
   for i = 2, session.position do
     local fine
@@ -220,13 +220,13 @@ function edit_script.begin(edit, asking, script, given)
   end
   local part, given_with = dofile(find(script, asking))
   if getmetatable(part) == edit.class then
-    part.wish.script = part.wish.script or script
+    part.opts.script = part.opts.script or script
     return began(part)
   end
-  local wish = {}
-  for key, value in pairs(given_with or {}) do wish[key] = value end
-  wish.journal, wish.script = nil, wish.script or script
-  local session, message, details = edit(part, wish)
+  local opts = {}
+  for key, value in pairs(given_with or {}) do opts[key] = value end
+  opts.journal, opts.script = nil, opts.script or script
+  local session, message, details = edit(part, opts)
   if session then return began(session) end
   failure = loads > 0 and details or nil
   raise(message)
@@ -275,7 +275,7 @@ function edit_script.load(edit, path, session, given)
   if session ~= nil and getmetatable(session) ~= edit.class then
     raise("edit.load: a session expected, to replay the edits into")
   end
-  local wish = require "barwright.options".read("edit.load", given,
+  local opts = require "barwright.options".read("edit.load", given,
     {resume = {type = "boolean", default = false}})
   local text, cut, details = read_whole_lines(path)
   if not text then return nil, cut, details end
@@ -293,7 +293,7 @@ function edit_script.load(edit, path, session, given)
   if not session then
     return nil, path .. ": not a script of an edit session", {status = "format", file = path}
   end
-  if wish.resume then
+  if opts.resume then
     text = text:gsub("return session\n$", "")
     fine, message, details = core.write_file(path, text)
     if not fine then return nil, message, details end

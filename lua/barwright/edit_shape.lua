@@ -116,7 +116,7 @@ end
 --- The shape of a pose: {maps, rotations, mesh, how = "posed" | "relaxed", relaxed = set of pieces,
 --- topology, material_turns}. Where elements are inverted and stay so, a fourth value has what refilling
 --- starts from.
-function edit_shape.of(topology, pose, wish)
+function edit_shape.of(topology, pose, opts)
   local maps, rotations, details = topology.skeleton:pose_maps(pose)
   if not maps then return nil, rotations, details end
   local nodes, message
@@ -127,12 +127,12 @@ function edit_shape.of(topology, pose, wish)
       .. "wrong?"):format(farthest), {status = "geometry"}
   end
   local shape = {topology = topology, maps = maps, rotations = rotations, how = "posed",
-    relaxed = {}, at_rest = edit_pose.all_at_rest(pose), material_turns = wish.material_turns}
+    relaxed = {}, at_rest = edit_pose.all_at_rest(pose), material_turns = opts.material_turns}
   local judged = topology.mesh:judge(nodes, topology.floor)
   local final = nodes
   if judged.inverted > 0 then
     local inverted = topology.mesh:judge(nodes, 0)
-    if wish.relax then
+    if opts.relax then
       final, message, details = relaxed_nodes(topology, shape, nodes)
       if not final and details.status ~= "geometry" then return nil, message, details end
     elseif inverted.inverted > 0 then
@@ -182,15 +182,15 @@ end
 
 --- The shape of a pose, and where relaxing does not help, on a refilled mesh: then the topology of
 --- the shape is another one.
-function edit_shape.mended(topology, pose, wish)
-  local shape, message, details, inverted = edit_shape.of(topology, pose, wish)
+function edit_shape.mended(topology, pose, opts)
+  local shape, message, details, inverted = edit_shape.of(topology, pose, opts)
   if shape or not inverted then return shape, message, details end
-  local tried = wish.relax and "; inner nodes could not be relaxed" or ""
-  if wish.refill then
+  local tried = opts.relax and "; inner nodes could not be relaxed" or ""
+  if opts.refill then
     local other, why, about = refill(topology, inverted)
     if other then
       other.refilled = true
-      shape, why, about = edit_shape.of(other, pose, wish)
+      shape, why, about = edit_shape.of(other, pose, opts)
       if shape then return shape end
     end
     if about.status ~= "geometry" then return nil, why, about end

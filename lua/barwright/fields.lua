@@ -8,10 +8,10 @@ local options = require "barwright.options"
 local raise = core.raise
 
 local function copied(given)
-  local wish = {}
+  local opts = {}
   if given ~= nil and type(given) ~= "table" then raise "option 'fields': a table of arrays expected" end
-  for key, value in pairs(given or {}) do wish[key] = value end
-  return wish
+  for key, value in pairs(given or {}) do opts[key] = value end
+  return opts
 end
 
 -- name -> what it is called, unit on the bar, factor
@@ -30,22 +30,22 @@ local static = core.classes.static.methods
 
 --- Displacement, stress and what follows from it, as .vtu (or what the ending says).
 function static:write(path, given)
-  local wish = copied(given)
-  local fields = copied(wish.fields)
+  local opts = copied(given)
+  local fields = copied(opts.fields)
   for _, name in ipairs {"displacement", "force", "reaction", "stress", "von_mises",
     "max_principal"} do
     fields[name] = fields[name] or {self[name], on = "nodes"}
   end
   fields.element_stress = fields.element_stress or {self.element_stress, on = "elements"}
-  wish.fields = fields
-  return self.mesh:write(path, wish)
+  opts.fields = fields
+  return self.mesh:write(path, opts)
 end
 
 --- The deformed shape coloured by {field = "von_mises"} or {field = an array over nodes or elements}.
 function static:picture(path, given)
-  local wish = copied(given)
-  local field = wish.field or "von_mises"
-  wish.field = nil
+  local opts = copied(given)
+  local field = opts.field or "von_mises"
+  opts.field = nil
   local values = field
   if type(field) == "string" then
     local about = shown[field]
@@ -56,7 +56,7 @@ function static:picture(path, given)
         core.suggestion(field, names)))
     end
     values = self[field]
-    wish.unit, wish.scale = wish.unit or about[1], wish.scale or about[2]
+    opts.unit, opts.scale = opts.unit or about[1], opts.scale or about[2]
   end
   options.object("picture", "option 'field'", values, "array")
   local mesh = self.mesh
@@ -64,9 +64,9 @@ function static:picture(path, given)
   if not surface then return nil, nodes, details end
   if #values ~= mesh.node_count then values = mesh:to_nodes(values) end
   if values.column_count > 1 then values = core.array.map("norm(a)", {a = values}) end
-  wish.values = values:gather(nodes)
-  wish.displacement = wish.displacement or self.displacement:gather(nodes)
-  return core.picture(surface, path, wish)
+  opts.values = values:gather(nodes)
+  opts.displacement = opts.displacement or self.displacement:gather(nodes)
+  return core.picture(surface, path, opts)
 end
 
 --- The sum of the reactions on a selection, N.
@@ -78,27 +78,27 @@ local modes = core.classes.modes.methods
 
 --- The shapes as .vtu, one field for each mode.
 function modes:write(path, given)
-  local wish = copied(given)
-  wish.fields = copied(wish.fields)
+  local opts = copied(given)
+  opts.fields = copied(opts.fields)
   for i = 1, self.count do
-    wish.fields[("mode_%02d"):format(i)] = {self:shape(i), on = "nodes"}
+    opts.fields[("mode_%02d"):format(i)] = {self:shape(i), on = "nodes"}
   end
-  return self.mesh:write(path, wish)
+  return self.mesh:write(path, opts)
 end
 
 --- A mode's shape, deformed and coloured by how far each place moves.
 function modes:picture(i, path, given)
-  local wish = copied(given)
+  local opts = copied(given)
   local shape = self:shape(i)
   local surface, nodes, details = self.mesh:surface()
   if not surface then return nil, nodes, details end
   local frequencies = self.frequencies
   if self.components == 3 then
-    wish.values = core.array.map("norm(a)", {a = shape}):gather(nodes)
-    wish.unit, wish.scale = wish.unit or "movement, share of the largest", wish.scale or 1 / wish.values:max()
-    wish.displacement = shape:gather(nodes)
+    opts.values = core.array.map("norm(a)", {a = shape}):gather(nodes)
+    opts.unit, opts.scale = opts.unit or "movement, share of the largest", opts.scale or 1 / opts.values:max()
+    opts.displacement = shape:gather(nodes)
   else
-    wish.values = shape:gather(nodes)
+    opts.values = shape:gather(nodes)
   end
   local title = ("mode %d"):format(i)
   if frequencies then
@@ -108,8 +108,8 @@ function modes:picture(i, path, given)
       and (cents < 10 and ", about %.2g cents too high" or ", about %.0f cents too high"):format(cents)
       or "; " .. core.error_unknown)
   end
-  wish.title = wish.title or title
-  return core.picture(surface, path, wish)
+  opts.title = opts.title or title
+  return core.picture(surface, path, opts)
 end
 
 local surface = core.classes.surface.methods
@@ -157,17 +157,17 @@ end
 
 --- A picture of the mesh; values over nodes or elements.
 function mesh:picture(path, given)
-  local wish = copied(given)
+  local opts = copied(given)
   local boundary, nodes, details = self:surface()
   if not boundary then return nil, nodes, details end
-  if wish.values ~= nil then
-    local values = wish.values
+  if opts.values ~= nil then
+    local values = opts.values
     options.object("picture", "option 'values'", values, "array")
     if #values ~= self.node_count then values = self:to_nodes(values) end
-    wish.values = values:gather(nodes)
+    opts.values = values:gather(nodes)
   end
-  if wish.edges == nil then wish.edges = true end
-  return core.picture(boundary, path, wish)
+  if opts.edges == nil then opts.edges = true end
+  return core.picture(boundary, path, opts)
 end
 
 -- ---- arguments ----

@@ -15,9 +15,9 @@ local flows = {}
 local methods = {drag = followed.drag, become = followed.become}
 
 local function advance(self, report, step, count)
-  local wish = self.wish
-  return self.body:step(report, wish.solver, {step = step, bdf = wish.bdf, ale = wish.ale,
-    iterations = wish.iterations, tolerance = wish.tolerance}, count)
+  local opts = self.opts
+  return self.body:step(report, opts.solver, {step = step, bdf = opts.bdf, ale = opts.ale,
+    iterations = opts.iterations, tolerance = opts.tolerance}, count)
 end
 
 local function record(self)
@@ -32,11 +32,11 @@ end
 
 -- A drag in a steady flow finds the steady state anew, others only carry the flow to the new shape.
 local function finish(self, report)
-  if not self.wish.steady then return true end
+  if not self.opts.steady then return true end
   return advance(self, report, 0)
 end
 
-local function marches(self) return not self.wish.steady end
+local function marches(self) return not self.opts.steady end
 
 -- The signals as they are now: a step that fails takes back what it recorded.
 local function keep(self)
@@ -55,7 +55,7 @@ end
 
 --- Advances by `count` time steps (default 1); signals are recorded after each.
 function methods:step(count)
-  local step = self.wish.step
+  local step = self.opts.step
   if not step then raise "step: this flow was made without a time step: give the option 'step', in s" end
   count = count or 1
   if math.type(count) ~= "integer" or count < 1 then
@@ -79,7 +79,7 @@ function methods:pace(seconds)
   if type(seconds) ~= "number" or not (seconds > 0 and seconds < math.huge) then
     raise(("pace: seconds above 0 expected, got %s"):format(tostring(seconds)))
   end
-  self.wish.step = seconds
+  self.opts.step = seconds
   for name in pairs(self.signals) do self.signals[name] = {} end
   return self
 end
@@ -102,7 +102,7 @@ end
 function methods:frequency(name, periods)
   local signal = self.signals[name]
   if not signal then raise(("frequency: no signal '%s' is recorded"):format(tostring(name))) end
-  return core.flow.frequency(signal, self.wish.step, periods or 5)
+  return core.flow.frequency(signal, self.opts.step, periods or 5)
 end
 
 --- Force x, y of the fluid on the edges with a tag, per depth, N/m.
@@ -124,15 +124,15 @@ end
 --- Drag and lift coefficients of a tag: forces along and across the stream over density / 2 times
 --- velocity squared times length. `stream`: its direction, default {1, 0}.
 function methods:coefficients(tag, given)
-  local wish = options.read("coefficients", given, {
+  local opts = options.read("coefficients", given, {
     velocity = {type = "number", needed = true, above = 0},
     length = {type = "number", needed = true, above = 0},
     stream = {type = "table", default = {1, 0}},
   })
-  arguments.pair("coefficients: option 'stream'", wish.stream)
+  arguments.pair("coefficients: option 'stream'", opts.stream)
   local x, y = self:force(tag)
-  local along, across = wish.stream[1], wish.stream[2]
-  local unit = 0.5 * self.wish.density * wish.velocity ^ 2 * wish.length
+  local along, across = opts.stream[1], opts.stream[2]
+  local unit = 0.5 * self.opts.density * opts.velocity ^ 2 * opts.length
     * math.sqrt(along * along + across * across)
   return (x * along + y * across) / unit, (y * along - x * across) / unit
 end
@@ -140,7 +140,7 @@ end
 --- Heat through the edges with a tag, over what conduction carries at a difference of temperatures
 --- through a body as wide as it is thick. For a square heated at one side: the Nusselt number.
 function methods:nusselt(tag, difference)
-  return self:heat(tag) / (self.wish.diffusivity * difference)
+  return self:heat(tag) / (self.opts.diffusivity * difference)
 end
 
 local function class(what, names)
@@ -155,7 +155,7 @@ local function class(what, names)
   function made.start(self)
     rawset(self, "recorded", {})
     rawset(self, "watched", {})
-    if not self.wish.steady then return self end
+    if not self.opts.steady then return self end
     return followed.solve(self)
   end
   return made
@@ -182,18 +182,18 @@ local function with(more)
 end
 
 local function create(where, made, given, rules, components)
-  local wish = options.read(where, given, rules)
+  local opts = options.read(where, given, rules)
   for i = 1, 2 do
-    if #wish.gravity ~= 2 or type(wish.gravity[i]) ~= "number" then
+    if #opts.gravity ~= 2 or type(opts.gravity[i]) ~= "number" then
       raise(("%s: option 'gravity': {x, y} expected"):format(where))
     end
   end
   local list
-  list, wish.conditions = conditions.read(where, wish.conditions, components, "wall")
-  return followed.object(made, wish, core.flow.create(wish.outline,
-    followed.mesh(where, wish, list), wish.follow, {density = wish.density,
-      viscosity = wish.viscosity, gravity = wish.gravity, diffusivity = wish.diffusivity,
-      expansion = wish.expansion, reference = wish.reference}, list))
+  list, opts.conditions = conditions.read(where, opts.conditions, components, "wall")
+  return followed.object(made, opts, core.flow.create(opts.outline,
+    followed.mesh(where, opts, list), opts.follow, {density = opts.density,
+      viscosity = opts.viscosity, gravity = opts.gravity, diffusivity = opts.diffusivity,
+      expansion = opts.expansion, reference = opts.reference}, list))
 end
 
 local fields = {"time", "velocity", "pressure", "vorticity"}

@@ -31,17 +31,17 @@ function followed.with(more)
 end
 
 --- How fine a mesh is, is said by a number of elements or by their size.
-function followed.one_size(where, wish)
-  if wish.size ~= nil and wish.elements ~= nil then
+function followed.one_size(where, opts)
+  if opts.size ~= nil and opts.elements ~= nil then
     raise(("%s: options 'elements' and 'size' both say how fine the mesh is: give one of them"):format(where))
   end
 end
 
 --- The options of the mesh; a size that is a formula in x and y or a function of them goes to the end of
 --- the list of conditions, which keeps values that change from place to place.
-function followed.mesh(where, wish, list)
-  local size, kind = wish.size, type(wish.size)
-  followed.one_size(where, wish)
+function followed.mesh(where, opts, list)
+  local size, kind = opts.size, type(opts.size)
+  followed.one_size(where, opts)
   if kind == "string" or kind == "function" then
     list[#list + 1] = {kind = "size", value = size}
     size = nil
@@ -49,13 +49,13 @@ function followed.mesh(where, wish, list)
     raise(("%s: option 'size': a number above 0, a formula in x and y, or a function of them expected")
       :format(where))
   end
-  return {order = wish.order, size = size, elements = wish.elements}
+  return {order = opts.order, size = size, elements = opts.elements}
 end
 
 --- An object of the class around an engine body; `class.start` solves for the first time.
-function followed.object(class, wish, body, message, details)
+function followed.object(class, opts, body, message, details)
   if not body then return nil, message, details end
-  local self = setmetatable({body = body, wish = wish, last = new_frame()}, class)
+  local self = setmetatable({body = body, opts = opts, last = new_frame()}, class)
   if class.start then
     local fine
     fine, message, details = class.start(self)

@@ -281,17 +281,17 @@ local function of_selection(selection, axis, mesh)
 end
 
 local function of_table(of, mesh)
-  local wish = options.read("solve: of", of, {at = {type = "table"}, field = {type = "string"},
+  local opts = options.read("solve: of", of, {at = {type = "table"}, field = {type = "string"},
     reaction = {type = "selection"}, axis = {type = "string"}})
-  if wish.reaction and not wish.at and not wish.field then
-    return of_selection(wish.reaction, wish.axis, mesh)
+  if opts.reaction and not opts.at and not opts.field then
+    return of_selection(opts.reaction, opts.axis, mesh)
   end
-  if not is_point(wish.at) or wish.reaction or wish.axis then
+  if not is_point(opts.at) or opts.reaction or opts.axis then
     raise "{at = {x, y, z}, field = ...} or {reaction = selection, axis = ...} expected"
   end
-  local field = wish.field or "von_mises"
+  local field = opts.field or "von_mises"
   known(field, fields, "field")
-  return {measure = at_place(wish.at, field), selections = {}, name = field .. " at a point"}
+  return {measure = at_place(opts.at, field), selections = {}, name = field .. " at a point"}
 end
 
 --- What is asked: {measure = function(part, static, selections), selections, name}. measure gives {value, at,

@@ -99,15 +99,15 @@ local function part_with(desk, server)
 end
 
 -- A desk of what is served, and its page.
-local function desk_for(served, server, wish)
-  local about = {title = wish.title, name = wish.name, limit = wish.von_mises, saved = wish.saved}
+local function desk_for(served, server, opts)
+  local about = {title = opts.title, name = opts.name, limit = opts.von_mises, saved = opts.saved}
   if kinds.of(served) then
-    about.script, about.lines, about.pace, about.paused = wish.script, wish.lines, wish.pace, wish.paused
-    about.goal = wish.goal
+    about.script, about.lines, about.pace, about.paused = opts.script, opts.lines, opts.pace, opts.paused
+    about.goal = opts.goal
     local desk, message, details = live_plane_desk.new(served, server, about)
     return desk, desk and "plane" or message, details
   end
-  about.solve, about.worst, about.ties = wish.solve, wish.worst, wish.ties
+  about.solve, about.worst, about.ties = opts.solve, opts.worst, opts.ties
   local desk, message, details = live_desk.new(served, server, about)
   return desk, desk and "live" or message, details
 end
@@ -118,11 +118,11 @@ function live.run(served, given)
   if not kinds.of(served) and getmetatable(served) ~= edit.class then
     options.object("live", "served", served, "session or object of bw.responsive")
   end
-  local wish = options.read("live", given, kinds.of(served) and outline_rules or session_rules)
-  local server, message, details = core.live_server {port = wish.port}
+  local opts = options.read("live", given, kinds.of(served) and outline_rules or session_rules)
+  local server, message, details = core.live_server {port = opts.port}
   if not server then return nil, message, details end
   local desk
-  desk, message, details = desk_for(served, server, wish)
+  desk, message, details = desk_for(served, server, opts)
   if not desk then
     server:close()
     return nil, message, details
@@ -130,7 +130,7 @@ function live.run(served, given)
   live.serve_page(server, message)
   -- Ctrl-C while Lua works is an error; the edits are in the journal by then.
   local fine, why = pcall(function()
-    if wish.ready then wish.ready(server.address) end
+    if opts.ready then opts.ready(server.address) end
     serve(desk, server)
   end)
   if fine or core.interrupted() then pcall(part_with, desk, server) end

@@ -29,7 +29,7 @@ end
 local function tag_for_hole(object)
   local kind = kinds.of(object)
   if kind and kind.hole_tag then return kind.hole_tag end
-  local conditions, tags = object.wish.conditions or {}, object.outline.tags
+  local conditions, tags = object.opts.conditions or {}, object.outline.tags
   table.sort(tags)
   for _, tag in ipairs(tags) do
     if conditions[tag] == "wall" then return tag end
@@ -48,20 +48,20 @@ end
 local makers = {}
 
 function makers.smooth(object, e)
-  local wish = {loop = e.loop, strength = e.strength}
-  local made, why = object.outline:smooth(wish)
-  return made, why, become("smooth", wish)
+  local opts = {loop = e.loop, strength = e.strength}
+  local made, why = object.outline:smooth(opts)
+  return made, why, become("smooth", opts)
 end
 
 function makers.hole(object, e)
-  local wish = {centre = e.at, radius = e.radius, tag = tag_for_hole(object),
+  local opts = {centre = e.at, radius = e.radius, tag = tag_for_hole(object),
     name = free_name(object.outline)}
-  local hole, why = outlines.circle(wish)
+  local hole, why = outlines.circle(opts)
   if not hole then return nil, why end
   local made
   made, why = object.outline:hole(hole)
   return made, why, ('assert(object:become(assert(object.outline:hole(require("barwright").outline.circle(%s)))))')
-    :format(value(wish))
+    :format(value(opts))
 end
 
 function makers.remove(object, e)

@@ -40,7 +40,7 @@ function live_plane_frame.scene(desk, id)
     fields = json.list(kinds.fields(kind)), deform = kind.deform ~= nil, arrows = kind.arrows ~= nil,
     true_size = kind.true_size or false,
     mirror = kind.mirror or false, stress = kind.stress or false, tune = kind.tune or false,
-    steps = desk.steps, step = desk.steps and object.wish.step or nil, size = desk.size,
+    steps = desk.steps, step = desk.steps and object.opts.step or nil, size = desk.size,
     colours = live_pack.colours(), loops = loops, tags = json.list(outline.tags)}, blocks)
 end
 

@@ -127,13 +127,13 @@ local vorticity = {key = "vorticity", name = "vorticity", unit = "1/s", scale = 
   values = property "vorticity"}
 
 -- Whether a flow goes on in time: one without a step is steady.
-local function flow_steps(object) return object.wish.step ~= nil end
+local function flow_steps(object) return object.opts.step ~= nil end
 
 -- Names of tags whose condition is so.
 local function tags_where(object, is_so)
   local list = {}
   for _, tag in ipairs(object.outline.tags) do
-    local condition = object.wish.conditions[tag]
+    local condition = object.opts.conditions[tag]
     if condition ~= nil and is_so(condition) then list[#list + 1] = tag end
   end
   table.sort(list)
@@ -143,7 +143,7 @@ end
 -- Forces on bodies: on walls, drag first.
 local function forces(object)
   local list = {}
-  if not (object.time > 0 or object.wish.steady) then return list end
+  if not (object.time > 0 or object.opts.steady) then return list end
   for _, tag in ipairs(tags_where(object, function(c) return c == "wall" end)) do
     local x, y = object:force(tag)
     list[#list + 1] = {"force on " .. tag, ("%.4g, %.4g N/m"):format(x, y)}
@@ -154,7 +154,7 @@ end
 -- Heat through what has a condition of it, over density times heat capacity.
 local function heats(object)
   local list = {}
-  if not (object.time > 0 or object.wish.steady) then return list end
+  if not (object.time > 0 or object.opts.steady) then return list end
   for _, tag in ipairs(tags_where(object, function(c)
     return type(c) == "table" and (c.temperature or c.heat_flux or c.convection)
   end)) do

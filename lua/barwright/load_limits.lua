@@ -47,62 +47,62 @@ local function selection_of(where, given, mesh)
 end
 
 -- Pressures are constant on cells where the mean over a patch is judged; else they stand at nodes (the paper).
-local function spacing_of(wish)
-  return wish.length and SPACING * math.sqrt(wish.force / wish.pressure) or 0
+local function spacing_of(opts)
+  return opts.length and SPACING * math.sqrt(opts.force / opts.pressure) or 0
 end
 
---- The basis of the pressures that may act on a mesh; sets the largest pressure of `wish`. Returns nil,
+--- The basis of the pressures that may act on a mesh; sets the largest pressure of `opts`. Returns nil,
 --- message, details where no surface is left.
-function load_limits.basis(where, mesh, wish)
-  if wish.pressure and wish.contact then
+function load_limits.basis(where, mesh, opts)
+  if opts.pressure and opts.contact then
     raise(("%s: options 'pressure' and 'contact' say the same: give one of them"):format(where))
   end
-  wish.pressure = wish.pressure or wish.contact and wish.force / wish.contact or PRESSURE
-  if wish.hand and not wish.hands then
+  opts.pressure = opts.pressure or opts.contact and opts.force / opts.contact or PRESSURE
+  if opts.hand and not opts.hands then
     raise(("%s: option 'hand' is the area of each of 'hands'"):format(where))
   end
-  wish.hand = wish.hands and (wish.hand or wish.force / wish.pressure)
-  wish.forbidden = wish.forbidden and selection_of(where, wish.forbidden, mesh)
-  return core.pressure_basis(mesh, {forbidden = wish.forbidden, spacing = spacing_of(wish),
-    friction = wish.friction, friction_facets = wish.friction_facets})
+  opts.hand = opts.hands and (opts.hand or opts.force / opts.pressure)
+  opts.forbidden = opts.forbidden and selection_of(where, opts.forbidden, mesh)
+  return core.pressure_basis(mesh, {forbidden = opts.forbidden, spacing = spacing_of(opts),
+    friction = opts.friction, friction_facets = opts.friction_facets})
 end
 
 --- The same without friction, for the screening.
-function load_limits.without_friction(mesh, wish, basis)
+function load_limits.without_friction(mesh, opts, basis)
   if basis.directions == 1 then return basis end
-  return core.pressure_basis(mesh, {forbidden = wish.forbidden, spacing = spacing_of(wish)})
+  return core.pressure_basis(mesh, {forbidden = opts.forbidden, spacing = spacing_of(opts)})
 end
 
 --- By how much the pyramid in Coulomb's cone may be narrower than the cone, as a share.
-function load_limits.friction_error(wish)
-  return wish.friction > 0 and 1 - math.cos(math.pi / wish.friction_facets) or 0
+function load_limits.friction_error(opts)
+  return opts.friction > 0 and 1 - math.cos(math.pi / opts.friction_facets) or 0
 end
 
 --- What of the admissible loads belongs into a sentence about the answer; "" for pressure alone.
-function load_limits.describe(wish)
-  local hands = wish.hands and ("; %d hand%s of %.3g cm2"):format(wish.hands, wish.hands == 1 and "" or "s",
-    wish.hand * 1e4) or ""
-  if wish.friction == 0 then return hands end
-  return ("%s; friction %.3g, the cone by %d facets (%.2g %% narrower at most)"):format(hands, wish.friction,
-    wish.friction_facets, 100 * load_limits.friction_error(wish))
+function load_limits.describe(opts)
+  local hands = opts.hands and ("; %d hand%s of %.3g cm2"):format(opts.hands, opts.hands == 1 and "" or "s",
+    opts.hand * 1e4) or ""
+  if opts.friction == 0 then return hands end
+  return ("%s; friction %.3g, the cone by %d facets (%.2g %% narrower at most)"):format(hands, opts.friction,
+    opts.friction_facets, 100 * load_limits.friction_error(opts))
 end
 
 --- What the upper bound bounds where that is not the largest stress of the loads asked for, or nil. Hands are left
 --- out of it, which enlarges the set of loads; the pyramid of friction lies in Coulomb's cone, which is larger.
-function load_limits.bounded(wish)
+function load_limits.bounded(opts)
   local words = {}
-  if wish.hands then words[#words + 1] = "for pressure anywhere instead of within hands" end
-  if wish.friction > 0 then
+  if opts.hands then words[#words + 1] = "for pressure anywhere instead of within hands" end
+  if opts.friction > 0 then
     words[#words + 1] = ("for friction of the pyramid, %.2g %% less than Coulomb's at most"):format(
-      100 * load_limits.friction_error(wish))
+      100 * load_limits.friction_error(opts))
   end
   return #words > 0 and table.concat(words, ", ") or nil
 end
 
 --- What the engine's linear programs take.
-function load_limits.linear_program(wish)
-  return {pressure = wish.pressure, force = wish.force, at_most = wish.at_most, glpk = wish.glpk,
-    hands = wish.hands, hand_area = wish.hands and wish.hand}
+function load_limits.linear_program(opts)
+  return {pressure = opts.pressure, force = opts.force, at_most = opts.at_most, glpk = opts.glpk,
+    hands = opts.hands, hand_area = opts.hands and opts.hand}
 end
 
 return load_limits

@@ -34,7 +34,7 @@ bar.drag, bar.become, bar.solve, bar.start = followed.drag, followed.become, fol
   followed.solve
 
 function bar.finish(self, report)
-  return self.body:solve(report, {modes = self.wish.modes, tolerance = self.wish.tolerance})
+  return self.body:solve(report, {modes = self.opts.modes, tolerance = self.opts.tolerance})
 end
 
 local describe = bar.__tostring
@@ -145,9 +145,9 @@ end
 
 -- The bar on a finer mesh of the same outline.
 local function on_finer(self, finer)
-  return metallophone.new {outline = self.outline, material = self.wish.material,
-    thickness = self.wish.thickness, elements = self.element_count * finer, modes = self.wish.modes,
-    tolerance = self.wish.tolerance}
+  return metallophone.new {outline = self.outline, material = self.opts.material,
+    thickness = self.opts.thickness, elements = self.element_count * finer, modes = self.opts.modes,
+    tolerance = self.opts.tolerance}
 end
 
 -- Farther from the pitch than this (in ln f) the size is changed first.
@@ -173,21 +173,21 @@ end
 
 -- The function that says which modes of a bar are tuned. By kind and number, so that another kind's mode may
 -- pass them.
-local function choice(wish)
-  if not wish.ratios then return function() return {1} end end
-  return function(self) return mode_kinds.lowest(self, wish.kind, #wish.ratios) end
+local function choice(opts)
+  if not opts.ratios then return function() return {1} end end
+  return function(self) return mode_kinds.lowest(self, opts.kind, #opts.ratios) end
 end
 
 -- Computes so many modes that those to be tuned, and some room for others to pass, are among them.
 local function enough_modes(self, choose)
   local modes = choose(self)
-  while not modes or modes[#modes] + 2 > self.wish.modes do
+  while not modes or modes[#modes] + 2 > self.opts.modes do
     if modes and #modes == 1 and modes[1] == 1 then return true end
-    if self.wish.modes >= MOST_MODES then
-      return nil, ("the modes to be tuned are not among the lowest %d"):format(self.wish.modes),
+    if self.opts.modes >= MOST_MODES then
+      return nil, ("the modes to be tuned are not among the lowest %d"):format(self.opts.modes),
         {status = "infeasible"}
     end
-    self.wish.modes = math.min(MOST_MODES, self.wish.modes + 3)
+    self.opts.modes = math.min(MOST_MODES, self.opts.modes + 3)
     local fine, message, details = self:solve()
     if not fine then return nil, message, details end
     modes = choose(self)
@@ -197,9 +197,9 @@ end
 
 -- Goes towards the frequencies wanted by equal steps of their logarithms, all but the last step; each is the least
 -- change of the outline that the one before led to. Returns the rounds.
-local function approach(self, wanted, wish, search)
+local function approach(self, wanted, opts, search)
   local now, rounds, farthest = {}, 0, 0
-  if wish.stages == 1 then return 0 end
+  if opts.stages == 1 then return 0 end
   local modes = search.choose(self)
   if not modes then
     return nil, "the modes to be tuned are no longer among those that are computed", {status = "convergence"}
@@ -208,12 +208,12 @@ local function approach(self, wanted, wish, search)
     now[k] = self.frequencies[mode]
     farthest = math.max(farthest, math.abs(math.log(wanted[k] / now[k])))
   end
-  search.enough = PASSED * farthest / wish.stages
-  for stage = 1, wish.stages - 1 do
+  search.enough = PASSED * farthest / opts.stages
+  for stage = 1, opts.stages - 1 do
     local aim = {}
-    for k, from in ipairs(now) do aim[k] = from * (wanted[k] / from) ^ (stage / wish.stages) end
+    for k, from in ipairs(now) do aim[k] = from * (wanted[k] / from) ^ (stage / opts.stages) end
     local met, message, details = tune.search(self, aim, self.outline, search)
-    if not met then return nil, ("stage %d of %d: %s"):format(stage, wish.stages, message), details end
+    if not met then return nil, ("stage %d of %d: %s"):format(stage, opts.stages, message), details end
     rounds = rounds + message
   end
   search.enough = nil
@@ -221,8 +221,8 @@ local function approach(self, wanted, wish, search)
 end
 
 -- What `tune` does; where it fails the bar is at what it tried last.
-local function tuned(self, wanted, wish, keep)
-  local first, choose = self.outline, choice(wish)
+local function tuned(self, wanted, opts, keep)
+  local first, choose = self.outline, choice(opts)
   local enough, why, because = enough_modes(self, choose)
   if not enough then return nil, why, because end
   local far = math.log(self.frequencies[choose(self)[1]] / wanted[1])
@@ -233,9 +233,9 @@ local function tuned(self, wanted, wish, keep)
   end
   local box = self.outline.box
   local size = math.sqrt((box.high[1] - box.low[1]) ^ 2 + (box.high[2] - box.low[2]) ^ 2)
-  local search = {keep = keep, smooth = wish.smooth or 0.1 * size, watch = wish.watch, choose = choose,
-    room = wish.room}
-  local rounds, message, details = approach(self, wanted, wish, search)
+  local search = {keep = keep, smooth = opts.smooth or 0.1 * size, watch = opts.watch, choose = choose,
+    room = opts.room}
+  local rounds, message, details = approach(self, wanted, opts, search)
   if not rounds then return nil, message, details end
   local base, aim, modes, off = self.outline, table.move(wanted, 1, #wanted, 1, {}), nil, 0
   for _ = 1, 6 do
@@ -244,8 +244,8 @@ local function tuned(self, wanted, wish, keep)
     if not met then return nil, message, details end
     rounds = rounds + message
     local fine = self
-    if wish.finer > 1 then
-      fine, message, details = on_finer(self, wish.finer)
+    if opts.finer > 1 then
+      fine, message, details = on_finer(self, opts.finer)
       if not fine then return nil, message, details end
     end
     local here, there = choose(self), choose(fine)
@@ -255,7 +255,7 @@ local function tuned(self, wanted, wish, keep)
     for k, target in ipairs(wanted) do
       local ours, checked = self.frequencies[here[k]], fine.frequencies[there[k]]
       modes[k] = {frequency = checked, wanted = target, cents = pitch.cents(checked, target), number = k,
-        kind = wish.ratios and wish.kind or nil}
+        kind = opts.ratios and opts.kind or nil}
       worst = math.max(worst, math.abs(modes[k].cents))
       if k == 1 then off = pitch.cents(checked, ours) end
       aim[k] = target * ours / checked
@@ -284,19 +284,19 @@ end
 --- Returns what was done: {frequency, cents, moved (largest displacement, m), rounds, mesh_cents, modes}.
 function bar:tune(target, given)
   local wanted = wanted_frequency("tune", target)
-  local wish = options.read("tune", given, tune_rules)
+  local opts = options.read("tune", given, tune_rules)
   local keep = {}
-  for _, point in ipairs(wish.keep) do keep[point] = true end
-  local segments = #wish.pins > 0 and self.outline.segments:totable()
-  for _, vertex in ipairs(wish.pins) do
+  for _, point in ipairs(opts.keep) do keep[point] = true end
+  local segments = #opts.pins > 0 and self.outline.segments:totable()
+  for _, vertex in ipairs(opts.pins) do
     if not segments[vertex] then
       raise(("tune: option 'pins': numbers of vertices from 1 to %d expected"):format(#segments))
     end
     keep[segments[vertex][1]] = true
   end
-  local targets, modes = wanted_of(wanted, wish.ratios), self.wish.modes
-  local result, message, details = followed.attempt(self, function() return tuned(self, targets, wish, keep) end)
-  self.wish.modes = modes
+  local targets, modes = wanted_of(wanted, opts.ratios), self.opts.modes
+  local result, message, details = followed.attempt(self, function() return tuned(self, targets, opts, keep) end)
+  self.opts.modes = modes
   return result, message, details
 end
 
@@ -329,9 +329,9 @@ end
 
 -- The loops of the outline, the same nesting, as polygons.
 local function outline_of(loops)
-  local wish = {points = loops[1], holes = {}}
-  for k = 2, #loops do wish.holes[k - 1] = loops[k] end
-  return outlines(wish)
+  local opts = {points = loops[1], holes = {}}
+  for k = 2, #loops do opts.holes[k - 1] = loops[k] end
+  return outlines(opts)
 end
 
 --- Where to take material off a bar that was made and sounds at `measured` instead of `target`: places on
@@ -343,15 +343,15 @@ function bar:trim(measured, target, given)
     raise "trim: the measured frequency in Hz expected"
   end
   local wanted = wanted_frequency("trim", target)
-  local wish = options.read("trim", given, trim_rules)
+  local opts = options.read("trim", given, trim_rules)
   local needed = pitch.cents(wanted, measured)
-  local width = wish.width or self.outline.perimeter / 10
+  local width = opts.width or self.outline.perimeter / 10
   local loops = polygonal(self.outline, width / 4)
   local drawn, message, details = outline_of(loops)
   if not drawn then return nil, message, details end
   local fine
-  fine, message, details = metallophone.new {outline = drawn, material = self.wish.material,
-    thickness = self.wish.thickness, elements = self.element_count}
+  fine, message, details = metallophone.new {outline = drawn, material = self.opts.material,
+    thickness = self.opts.thickness, elements = self.element_count}
   if not fine then return nil, message, details end
   local gradient = fine:gradient():totable()
   local points, places = drawn.points:totable(), {}
@@ -392,7 +392,7 @@ function bar:trim(measured, target, given)
       local d = math.sqrt((place.at[1] - other.at[1]) ^ 2 + (place.at[2] - other.at[2]) ^ 2)
       apart = apart and d >= width
     end
-    if apart and #chosen < wish.places then chosen[#chosen + 1] = place end
+    if apart and #chosen < opts.places then chosen[#chosen + 1] = place end
   end
   if #chosen == 0 then
     return nil, ("taking material off nowhere changes the tone by %+.1f cents"):format(needed),
@@ -403,17 +403,17 @@ end
 
 --- A bar from {outline, material, thickness}; options modes, tolerance, elements, size, follow.
 function metallophone.new(given)
-  local wish = options.read("metallophone", given, rules)
-  followed.one_size("metallophone", wish)
-  local box = wish.outline.box
+  local opts = options.read("metallophone", given, rules)
+  followed.one_size("metallophone", opts)
+  local box = opts.outline.box
   local size = math.max(box.high[1] - box.low[1], box.high[2] - box.low[2])
-  if wish.thickness > size or wish.thickness < 1e-6 * size then
+  if opts.thickness > size or opts.thickness < 1e-6 * size then
     return nil, ("a thickness of %g m for an outline %g m long: a bar is thinner than long, and no thinner than "
-      .. "a millionth of that"):format(wish.thickness, size), {status = "geometry"}
+      .. "a millionth of that"):format(opts.thickness, size), {status = "geometry"}
   end
-  return followed.object(bar, wish, core.plate.create(wish.outline,
-    {size = wish.size, elements = wish.elements or (not wish.size and 400 or nil)}, wish.follow,
-    wish.material, wish.thickness))
+  return followed.object(bar, opts, core.plate.create(opts.outline,
+    {size = opts.size, elements = opts.elements or (not opts.size and 400 or nil)}, opts.follow,
+    opts.material, opts.thickness))
 end
 
 arguments.methods("metallophone bar", bar, bar, {drag = "handle: any, by: any", become = "outline: any",

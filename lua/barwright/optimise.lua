@@ -52,7 +52,7 @@ local function note(self, point, t)
     case = point.case, constrained = #self.constraints, unknowns = #self.groups}
   self.history[#self.history + 1] = entry
   local this = {point = point, change = entry.change, t = table.move(t, 1, #t, 1, {})}
-  if not self.best or better(self.wish.von_mises, this, self.best) then self.best = this end
+  if not self.best or better(self.opts.von_mises, this, self.best) then self.best = this end
   return entry
 end
 
@@ -66,7 +66,7 @@ local function refill(self)
       local fine, message, details = unknowns.measure(self)
       if not fine then return nil, message, details end
       self.constraints, self.constrained, self.memory, self.best = {}, {}, nil, nil
-      self.t, self.E, self.radius = t, {}, self.wish.step
+      self.t, self.E, self.radius = t, {}, self.opts.step
       local point
       point, message, details = self.stage:at(unknowns.scales(self, t))
       if not point then return nil, message, details end
@@ -83,7 +83,7 @@ local function holds(self, point, entry)
   local fine, message, details = self.stage:sharpen(point)
   if not fine then return nil, message, details end
   entry.max, entry.node, entry.case = point.max, point.node, point.case
-  return point.max <= self.wish.von_mises
+  return point.max <= self.opts.von_mises
 end
 
 -- From `point` at self.t until no node is above the limit. Returns "met", "infeasible", "stuck", or
@@ -97,9 +97,9 @@ local function descend(self, point)
     if point.many and #self.groups > 0 then models.watch(self, point) end
     local entry = note(self, point, self.t)
     self.point = point
-    local met, over = point.max <= self.wish.von_mises, #self.history > self.wish.iterations
+    local met, over = point.max <= self.opts.von_mises, #self.history > self.opts.iterations
     local ends, taken = met and (over or #self.constraints == 0 or not new and last
-      and math.abs(entry.change - last) <= self.wish.tolerance * entry.change), nil
+      and math.abs(entry.change - last) <= self.opts.tolerance * entry.change), nil
     if over and not met then return "slow" end
     if not ends then
       if #self.groups == 0 then return "infeasible" end
@@ -114,14 +114,14 @@ local function descend(self, point)
       met, message, details = holds(self, point, entry)
       if met == nil then return nil, message, details end
       if met then return "met" end -- else this point again, above the limit now
-    elseif taken.still and not taken.step and #self.blocked > 0 and self.refills < self.wish.refills then
+    elseif taken.still and not taken.step and #self.blocked > 0 and self.refills < self.opts.refills then
       local other
       other, message, details = refill(self)
       if other == nil then return nil, message, details end
       if other then
         point, last = other, nil
       else
-        self.refills = self.wish.refills -- shorter steps are left
+        self.refills = self.opts.refills -- shorter steps are left
       end
     elseif taken.still then
       return taken.step and "infeasible" or "stuck"
@@ -135,12 +135,12 @@ end
 -- until the load found is one that the shape bears.
 local function descend_with_worst(self)
   local point, message, details
-  for round = 1, self.wish.rounds do
+  for round = 1, self.opts.rounds do
     local view, part, worst
     view, part, details = self.stage:view(unknowns.scales(self, self.t))
     if not view then return nil, part, details end
     self.passing_on = true -- of the progress of the analysis
-    worst, message, details = worst_case.class.analyse(part, self.wish.worst, view)
+    worst, message, details = worst_case.class.analyse(part, self.opts.worst, view)
     self.passing_on = false
     if not worst then return nil, message, details end
     self.stage:add_forces(worst:force())
@@ -153,11 +153,11 @@ local function descend_with_worst(self)
     point, message, details = self.stage:sharpen(point)
     if not point then return nil, message, details end
     entry.max = point.cases[#point.cases].von_mises:max()
-    if entry.max <= self.wish.von_mises and round > 1 then
+    if entry.max <= self.opts.von_mises and round > 1 then
       self.point = point
       return "met"
     end
-    local last = entry.max <= self.wish.von_mises * (1 + self.wish.change)
+    local last = entry.max <= self.opts.von_mises * (1 + self.opts.change)
     self.best = nil -- what was best for fewer loads need not be
     local word
     word, message, details = descend(self, point)
@@ -196,7 +196,7 @@ local function answer(self, point, t, met)
   end
   local change = unknowns.objective(self, t)
   return setmetatable({met = met, von_mises = point.max, node = point.node, case = point.case,
-    from = self.history[1] and self.history[1].max or point.max, limit = self.wish.von_mises,
+    from = self.history[1] and self.history[1].max or point.max, limit = self.opts.von_mises,
     factors = factors, change = change, mean_move = math.sqrt(change / #self.corners),
     iterations = math.max(0, #self.history - 1), constrained = #self.constraints, nodes = nodes,
     unknowns = #self.groups, history = self.history, rounds = #self.rounds > 0 and self.rounds or nil,
@@ -251,7 +251,7 @@ end
 -- How many steps may be left: as many as the excess over the limit takes to fall to what is met, at the
 -- rate at which it fell last.
 local function steps_left(self)
-  local history, limit = self.history, self.wish.von_mises
+  local history, limit = self.history, self.opts.von_mises
   local function excess(entry) return math.max(entry.max / limit - 1, models.margin) end
   if #history < 2 then return 4 end
   local now, before = excess(history[#history]), excess(history[#history - 1])
@@ -285,42 +285,42 @@ end
 --- Scales bones of a session until its part bears its loads: see the stubs for the options. One edit
 --- is made at the end. Returns a report, or nil, message, details with the best point found.
 function optimise.run(session, given)
-  local wish = options.read("optimise", given, rules)
-  local self = {session = session, wish = wish, start = core.seconds(), groups = {}, t = {}, H = {}, E = {},
+  local opts = options.read("optimise", given, rules)
+  local self = {session = session, opts = opts, start = core.seconds(), groups = {}, t = {}, H = {}, E = {},
     motions = {}, chosen = {}, constraints = {}, constrained = {}, history = {}, rounds = {},
-    radius = wish.step, price = 0, spare = 0, refills = 0, blocked = {},
-    limit = wish.von_mises * (1 - models.margin)}
+    radius = opts.step, price = 0, spare = 0, refills = 0, blocked = {},
+    limit = opts.von_mises * (1 - models.margin)}
   local parts = {}
-  if wish.loads == "own" then parts[1] = session.source end
-  for i, part in ipairs(wish.cases) do
+  if opts.loads == "own" then parts[1] = session.source end
+  for i, part in ipairs(opts.cases) do
     options.object("optimise", ("cases[%d]"):format(i), part, "model")
     parts[#parts + 1] = part
   end
   local skeleton = session.skeleton
-  self.only = wish.bones and unknowns.bones(skeleton, wish.bones, "bones")
+  self.only = opts.bones and unknowns.bones(skeleton, opts.bones, "bones")
   local kept_bones
-  kept_bones, self.held = held.split(session, wish.keep)
-  if not wish.move_supports then held.add_supports(self.held, parts) end
+  kept_bones, self.held = held.split(session, opts.keep)
+  if not opts.move_supports then held.add_supports(self.held, parts) end
   self.keep = unknowns.set(unknowns.bones(skeleton, kept_bones, "keep"))
-  self.tied = unknowns.ties(skeleton, wish.ties)
-  if wish.low > wish.high then
-    raise(("optimise: option 'low' (%g) is above 'high' (%g)"):format(wish.low, wish.high))
+  self.tied = unknowns.ties(skeleton, opts.ties)
+  if opts.low > opts.high then
+    raise(("optimise: option 'low' (%g) is above 'high' (%g)"):format(opts.low, opts.high))
   end
-  local relief = wish.inertia_relief
-  if wish.loads == "worst" then
+  local relief = opts.inertia_relief
+  if opts.loads == "worst" then
     if #session.source.supports > 0 then
       raise("optimise: loads = \"worst\" is for a part without supports")
     end
     if relief == nil then relief = true end
   end
   self.stage = stages.new(session, parts, relief)
-  if wish.loads == "worst" and self.stage.topology.node_from then
+  if opts.loads == "worst" and self.stage.topology.node_from then
     return nil, "the worst load of a mesh that was filled again cannot be followed: begin a session "
       .. "on the edited part", {status = "unsupported"}
   end
   self.corners = core.corner_nodes(self.stage.topology.mesh)
   local word, message, details = with_progress(self, function()
-    if wish.loads == "worst" then return descend_with_worst(self) end
+    if opts.loads == "worst" then return descend_with_worst(self) end
     local point, why, about = self.stage:at {}
     if not point then return nil, why, about end
     return descend(self, point)

@@ -115,7 +115,7 @@ end
 --- The point with these factors. `further`: how many slopes of stresses will be asked for there.
 function stage:at(scales, further)
   local pose = self:pose_of(scales)
-  local shape, message, details = edit_shape.of(self.topology, pose, self.session.wish)
+  local shape, message, details = edit_shape.of(self.topology, pose, self.session.opts)
   if not shape then return nil, message, details end
   if shape.how == "relaxed" and not self.relaxing then -- its nodes are not linear in the factors
     return nil, "elements turn so poor that inner nodes have to be moved", {status = "geometry"}
@@ -176,7 +176,7 @@ end
 --- whether there is one.
 function stage:refill(scales)
   local pose = self:pose_of(scales)
-  local shape = edit_shape.mended(self.topology, pose, self.session.wish)
+  local shape = edit_shape.mended(self.topology, pose, self.session.opts)
   if not shape or shape.topology == self.topology then return false end
   self.topology, self.relaxing, self.near, self.last = shape.topology, true, {}, nil
   return true
@@ -198,7 +198,7 @@ end
 --- with: those of the session, so that only what changed since is factored.
 function stage:view(scales)
   local pose = self:pose_of(scales)
-  local shape, message, details = edit_shape.of(self.topology, pose, self.session.wish)
+  local shape, message, details = edit_shape.of(self.topology, pose, self.session.opts)
   if not shape then return nil, message, details end
   local source = self.session.source
   local record

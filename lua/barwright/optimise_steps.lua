@@ -134,7 +134,7 @@ local function solve_models(self, t, list, radius)
   step.price = 0
   for _, multiplier in ipairs(step.multipliers) do step.price = step.price + multiplier end
   if step.violation == 0 and step.price > 0 then
-    self.spare = math.min(1e-3, spared * self.wish.tolerance * objective(self, step.t) / step.price)
+    self.spare = math.min(1e-3, spared * self.opts.tolerance * objective(self, step.t) / step.price)
   end
   return step
 end
@@ -151,7 +151,7 @@ function steps.take(self, point, t, list, met)
     local size = largest_step(t, step.t)
     local inside = size < 0.999 * self.radius
     if size < 1e-10 or met and step.violation == 0 and inside
-      and math.abs(objective(self, step.t) - now) <= self.wish.tolerance * now then
+      and math.abs(objective(self, step.t) - now) <= self.opts.tolerance * now then
       return {t = t, point = point, step = step, still = true}
     end
     local trial
@@ -176,7 +176,7 @@ function steps.take(self, point, t, list, met)
       self.inverted = message
       self.blocked[#self.blocked + 1] = step.t
     end
-    if not trial and try >= 3 and self.refills < self.wish.refills then break end
+    if not trial and try >= 3 and self.refills < self.opts.refills then break end
     if not trial and self.stage.relaxing and self.radius < least_radius then break end
     if try > 1 then models.forget(self) end
     if try == 3 and not trial and not self.stage.relaxing then

@@ -68,8 +68,8 @@ local function add_group(self, bones, axis)
   local group = {bones = bones, axis = axis, low = 0, high = math.huge}
   for _, bone in ipairs(bones) do
     local start = self.stage:factors(bone)[axis]
-    group.low = math.max(group.low, math.min(self.wish.low / start, 1))
-    group.high = math.min(group.high, math.max(self.wish.high / start, 1))
+    group.low = math.max(group.low, math.min(self.opts.low / start, 1))
+    group.high = math.min(group.high, math.max(self.opts.high / start, 1))
   end
   local n = #self.groups + 1
   self.groups[n], self.t[n] = group, 1
@@ -121,7 +121,7 @@ function unknowns.choose(self, point)
   if self.only then return true end
   local domains = self.stage.topology.domains
   for _, case in ipairs(point.cases) do
-    for _, d in ipairs(domains:touched(case.von_mises:above(self.wish.von_mises))) do
+    for _, d in ipairs(domains:touched(case.von_mises:above(self.opts.von_mises))) do
       local domain = domains[d]
       local near = domain.type == "R" and {d} or domain.adjacent
       for _, other in ipairs(near) do

@@ -185,14 +185,14 @@ local function create(given)
     raise(("outline: a table of points expected, got %s"):format(kind_of(given)))
   end
   if rawlen(given) > 0 then given = {points = given} end
-  local wish = options.read("outline", given, rules)
-  if #wish.points == 0 then raise "outline: points: a list of points expected" end
+  local opts = options.read("outline", given, rules)
+  if #opts.points == 0 then raise "outline: points: a list of points expected" end
   local draft, names = new_draft(), {}
-  add_loop(draft, "outline", {points = wish.points, tags = wish.tags, tag = wish.tag or
-    (given.name and given.name or "boundary"), name = wish.name}, 1)
-  add_all(draft, names, "holes", wish.holes, function() return 0 end)
+  add_loop(draft, "outline", {points = opts.points, tags = opts.tags, tag = opts.tag or
+    (given.name and given.name or "boundary"), name = opts.name}, 1)
+  add_all(draft, names, "holes", opts.holes, function() return 0 end)
   local regions = 1
-  add_all(draft, names, "regions", wish.regions, function(loop, where)
+  add_all(draft, names, "regions", opts.regions, function(loop, where)
     local region = type(loop) == "table" and loop.region
     if region and (math.type(region) ~= "integer" or region < 1 or region > regions + 1) then
       raise(("%s: region: a number from 1 to %d expected"):format(where, regions + 1))
@@ -285,26 +285,26 @@ local function within(box, low, high)
   return true
 end
 
-local function one_selection(self, wish, edges)
-  if wish.edges ~= nil then
-    return type(wish.edges) == "table" and wish.edges or {wish.edges}
+local function one_selection(self, opts, edges)
+  if opts.edges ~= nil then
+    return type(opts.edges) == "table" and opts.edges or {opts.edges}
   end
-  if wish.near then
-    if not is_pair(wish.near) then raise "tag: near: {x, y} expected" end
-    if not wish.radius then return {self:nearest(wish.near).edge} end
+  if opts.near then
+    if not is_pair(opts.near) then raise "tag: near: {x, y} expected" end
+    if not opts.radius then return {self:nearest(opts.near).edge} end
     for edge = 1, self.edge_count do
-      if self:edge_distance(edge, wish.near) <= wish.radius then edges[#edges + 1] = edge end
+      if self:edge_distance(edge, opts.near) <= opts.radius then edges[#edges + 1] = edge end
     end
-  elseif wish.box then
-    local low, high = wish.box[1] or wish.box.low, wish.box[2] or wish.box.high
+  elseif opts.box then
+    local low, high = opts.box[1] or opts.box.low, opts.box[2] or opts.box.high
     if not (is_pair(low) and is_pair(high)) then
       raise "tag: box: {{x, y}, {x, y}}, its low and its high corner, expected"
     end
     for edge = 1, self.edge_count do
       if within(self:edge(edge).box, low, high) then edges[#edges + 1] = edge end
     end
-  elseif wish.loop then
-    local name = wish.loop
+  elseif opts.loop then
+    local name = opts.loop
     for i, one in ipairs(self.loops) do
       if one.name == name or i == name then
         for edge = one.first, one.first + one.count - 1 do edges[#edges + 1] = edge end
@@ -323,8 +323,8 @@ end
 function methods:edges(which)
   if math.type(which) == "integer" then which = {edges = which} end
   if type(which) == "table" and rawlen(which) > 0 then which = {edges = which} end
-  local wish = options.read("edges", which, selections)
-  local edges = one_selection(self, wish, {})
+  local opts = options.read("edges", which, selections)
+  local edges = one_selection(self, opts, {})
   if #edges == 0 then raise "edges: no edge is there" end
   for _, edge in ipairs(edges) do
     if math.type(edge) ~= "integer" or edge < 1 or edge > self.edge_count then

@@ -30,9 +30,9 @@ local function read(where, given, rules)
   return options.read(where, given, rules)
 end
 
-local function make(points, wish)
+local function make(points, opts)
   local given = {points = points}
-  for _, key in ipairs(common) do given[key] = wish[key] end
+  for _, key in ipairs(common) do given[key] = opts[key] end
   return create(given)
 end
 
@@ -52,15 +52,15 @@ end
 
 --- An ellipse from {centre, radii = {a, b}, angle = degrees}.
 function shapes.ellipse(given)
-  local wish = read("outline.ellipse", given, {
+  local opts = read("outline.ellipse", given, {
     centre = {type = "table"},
     radii = {type = "table", needed = true},
     angle = {type = "number", default = 0},
   })
-  local c = pair("outline.ellipse: centre", wish.centre, {0, 0})
-  local r = pair("outline.ellipse: radii", wish.radii)
+  local c = pair("outline.ellipse: centre", opts.centre, {0, 0})
+  local r = pair("outline.ellipse: radii", opts.radii)
   if not (r[1] > 0 and r[2] > 0) then raise "outline.ellipse: radii: above 0 expected" end
-  local cos, sin = math.cos(math.rad(wish.angle)), math.sin(math.rad(wish.angle))
+  local cos, sin = math.cos(math.rad(opts.angle)), math.sin(math.rad(opts.angle))
   local function turned(x, y)
     return {cos * x - sin * y, sin * x + cos * y}
   end
@@ -75,17 +75,17 @@ function shapes.ellipse(given)
   -- the curve that closes the loop leads to its first vertex
   table.insert(list, 1, table.remove(list))
   list[1][3] = place(0)
-  return make(list, wish)
+  return make(list, opts)
 end
 
 --- A circle from {centre, radius}.
 function shapes.circle(given)
-  local wish = read("outline.circle", given, {
+  local opts = read("outline.circle", given, {
     centre = {type = "table"},
     radius = {type = "number", needed = true, above = 0},
   })
-  local passed = {centre = wish.centre, radii = {wish.radius, wish.radius}}
-  for _, key in ipairs(common) do passed[key] = wish[key] end
+  local passed = {centre = opts.centre, radii = {opts.radius, opts.radius}}
+  for _, key in ipairs(common) do passed[key] = opts[key] end
   return shapes.ellipse(passed)
 end
 
@@ -133,16 +133,16 @@ end
 
 --- A polygon with its corners rounded, from {points, radius = one or a list of one for each corner}.
 function shapes.rounded(given)
-  local wish = read("outline.rounded", given, {
+  local opts = read("outline.rounded", given, {
     points = {type = "table", needed = true},
     radius = {type = "any", needed = true},
   })
-  local points, list, cut = wish.points, {}, {}
+  local points, list, cut = opts.points, {}, {}
   local count = rawlen(points)
   if count < 3 then raise "outline.rounded: points: three or more expected" end
   for i = 1, count do pair(("outline.rounded: point %d"):format(i), rawget(points, i)) end
   for i, p in ipairs(points) do
-    local radius = wish.radius
+    local radius = opts.radius
     if type(radius) == "table" then radius = radius[i] end
     if type(radius) ~= "number" or radius < 0 then
       raise "outline.rounded: radius: a length, or a list of one for each corner, expected"
@@ -165,23 +165,23 @@ function shapes.rounded(given)
         :format(i, length, taken))
     end
   end
-  return make(list, wish)
+  return make(list, opts)
 end
 
 --- A polygon from {points}.
 function shapes.polygon(given)
   local list = type(given) == "table" and rawlen(given) > 0
-  local wish = read("outline.polygon", list and {points = given} or given, {
+  local opts = read("outline.polygon", list and {points = given} or given, {
     points = {type = "table", needed = true},
   })
-  for i, p in ipairs(wish.points) do pair(("outline.polygon: point %d"):format(i), p) end
-  return make(wish.points, wish)
+  for i, p in ipairs(opts.points) do pair(("outline.polygon: point %d"):format(i), p) end
+  return make(opts.points, opts)
 end
 
 --- A rectangle from {low, high}, or {width, height, centre}; `radius` rounds its corners. Edges:
 --- 1 below, 2 right, 3 above, 4 left.
 function shapes.rectangle(given)
-  local wish = read("outline.rectangle", given, {
+  local opts = read("outline.rectangle", given, {
     low = {type = "table"},
     high = {type = "table"},
     width = {type = "number", above = 0},
@@ -190,27 +190,27 @@ function shapes.rectangle(given)
     radius = {type = "number", least = 0, default = 0},
   })
   local low, high
-  if wish.low or wish.high then
-    low = pair("outline.rectangle: low", wish.low)
-    high = pair("outline.rectangle: high", wish.high)
-    if wish.width or wish.height or wish.centre then
+  if opts.low or opts.high then
+    low = pair("outline.rectangle: low", opts.low)
+    high = pair("outline.rectangle: high", opts.high)
+    if opts.width or opts.height or opts.centre then
       raise "outline.rectangle: either low and high, or width, height and centre, expected"
     end
   else
-    if not (wish.width and wish.height) then
+    if not (opts.width and opts.height) then
       raise "outline.rectangle: low and high, or width and height, expected"
     end
-    local c = pair("outline.rectangle: centre", wish.centre, {wish.width / 2, wish.height / 2})
-    low = {c[1] - wish.width / 2, c[2] - wish.height / 2}
-    high = {c[1] + wish.width / 2, c[2] + wish.height / 2}
+    local c = pair("outline.rectangle: centre", opts.centre, {opts.width / 2, opts.height / 2})
+    low = {c[1] - opts.width / 2, c[2] - opts.height / 2}
+    high = {c[1] + opts.width / 2, c[2] + opts.height / 2}
   end
   if not (high[1] > low[1] and high[2] > low[2]) then
     raise "outline.rectangle: high above low expected"
   end
   local points = {{low[1], low[2]}, {high[1], low[2]}, {high[1], high[2]}, {low[1], high[2]}}
-  if wish.radius == 0 then return make(points, wish) end
-  local passed = {points = points, radius = wish.radius}
-  for _, key in ipairs(common) do passed[key] = wish[key] end
+  if opts.radius == 0 then return make(points, opts) end
+  local passed = {points = points, radius = opts.radius}
+  for _, key in ipairs(common) do passed[key] = opts[key] end
   return shapes.rounded(passed)
 end
 

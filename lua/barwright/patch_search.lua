@@ -88,10 +88,10 @@ end
 local function add(self, nodes, rows)
   local patches, message, details = core.patch_regions(self.system, self.radius, nodes, core.array.new(rows))
   if not patches then return nil, message, details end
-  local wish, first = {one_sign = true, after = self.loads}, self.loads and self.loads.peaks.row_count or 0
-  for key, value in pairs(self.limits) do wish[key] = value end
+  local opts, first = {one_sign = true, after = self.loads}, self.loads and self.loads.peaks.row_count or 0
+  for key, value in pairs(self.limits) do opts[key] = value end
   local loads
-  loads, message, details = core.worst_loads(self.system, self.basis, patches, wish)
+  loads, message, details = core.worst_loads(self.system, self.basis, patches, opts)
   if not loads then return nil, message, details end
   self.loads = loads
   local numbers = {}

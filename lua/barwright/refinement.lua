@@ -62,18 +62,18 @@ end
 
 -- How many times as many elements the tolerance calls for, with an error like 1 / elements.
 local function growth_of(self, elements)
-  local wish, last = self.options, self.history[#self.history]
+  local opts, last = self.options, self.history[#self.history]
   local growth = GROWTH
-  if #self.history > 1 then growth = math.min(growth, 1.3 * last.estimated_error / wish.error) end
-  return math.max(LEAST_GROWTH, math.min(growth, wish.most_elements / elements))
+  if #self.history > 1 then growth = math.min(growth, 1.3 * last.estimated_error / opts.error) end
+  return math.max(LEAST_GROWTH, math.min(growth, opts.most_elements / elements))
 end
 
 local function refine(self, step, selections)
-  local wish, mesh = self.options, self.part.mesh
+  local opts, mesh = self.options, self.part.mesh
   local levels = levels_of(step.parts, 1 + (growth_of(self, mesh.element_count) - 1) / CONFORMING)
   for _, e in ipairs(step.rivals or {}) do levels[e] = math.max(levels[e], 1) end
   return self.part:refined(core.array.new(levels), {surface = self.surface, also = selections,
-    most_elements = math.max(wish.most_elements, mesh.element_count)})
+    most_elements = math.max(opts.most_elements, mesh.element_count)})
 end
 
 -- ---- what refinement still changes ------------------------------------------------------------------
@@ -112,14 +112,14 @@ end
 
 -- Why the last mesh is the last; nil where there is another one to come.
 local function verdict(self)
-  local wish, last = self.options, self.history[#self.history]
-  if #self.history > 1 and last.estimated_error <= wish.error then return "tolerance" end
-  if is_faceted(self.history, wish.error) then return "facets" end
+  local opts, last = self.options, self.history[#self.history]
+  if #self.history > 1 and last.estimated_error <= opts.error then return "tolerance" end
+  if is_faceted(self.history, opts.error) then return "facets" end
   if does_not_converge(self.history) then return "divergence" end
-  if last.elements * LEAST_GROWTH > wish.most_elements then return "elements" end
-  if wish.time_limit then
+  if last.elements * LEAST_GROWTH > opts.most_elements then return "elements" end
+  if opts.time_limit then
     local before = #self.history > 1 and self.history[#self.history - 1].seconds or 0
-    if last.seconds + GROWTH * (last.seconds - before) > wish.time_limit then return "time" end
+    if last.seconds + GROWTH * (last.seconds - before) > opts.time_limit then return "time" end
   end
 end
 
@@ -154,9 +154,9 @@ end
 --- Runs an analysis {name, selections, step}: step(history, part, selections) gives {result, value, at, error
 --- (relative), parts (of every element in the error), rivals (elements to be bisected once)}. Returns its last
 --- result and the accuracy; or nil, message, details.
-function refinement.run(part, wish, analysis)
+function refinement.run(part, opts, analysis)
   local mesh, started = part.mesh, core.seconds()
-  local self = setmetatable({options = wish, history = {}, quantity = analysis.name, surface = wish.surface},
+  local self = setmetatable({options = opts, history = {}, quantity = analysis.name, surface = opts.surface},
     accuracy)
   local message, details, selections
   part, selections, details = part:refined(core.array.zeros(mesh.element_count), {surface = self.surface,

@@ -128,12 +128,12 @@ local function table_of_regions(worst, shown)
 end
 
 --- What the lines in the view stand for, as HTML.
-function report.legend(wish)
-  if not wish.lines or #wish.lines == 0 or not wish.line_name then return "" end
-  return ('<p><span style="color:#6014d6">&#9473;&#9473;</span> %s</p>\n'):format(report.escape(wish.line_name))
+function report.legend(opts)
+  if not opts.lines or #opts.lines == 0 or not opts.line_name then return "" end
+  return ('<p><span style="color:#6014d6">&#9473;&#9473;</span> %s</p>\n'):format(report.escape(opts.line_name))
 end
 
-local function data_of(worst, wish, shown)
+local function data_of(worst, opts, shown)
   local surface, nodes, details = worst.mesh:surface()
   if not surface then return nil, nodes, details end
   local data = report.data(surface)
@@ -146,7 +146,7 @@ local function data_of(worst, wish, shown)
     values = floats(worst:pressure():gather(nodes) * 1e-6)}
   -- Many points make a heavy page: fewer modes then.
   local most = math.max(3, math.floor(1.5e6 / surface.point_count))
-  add_modes(worst, nodes, data, math.min(wish.modes, most))
+  add_modes(worst, nodes, data, math.min(opts.modes, most))
   return data
 end
 
@@ -216,22 +216,22 @@ end
 
 --- Writes the report of a worst case to a path. Options: title, manifest, loads, modes.
 function report.write(worst, path, given)
-  local wish = options.read("report", given, rules)
-  if wish.region and wish.region > #worst.regions then
-    core.raise(("report: option 'region': 1 to %d expected, got %d"):format(#worst.regions, wish.region))
+  local opts = options.read("report", given, rules)
+  if opts.region and opts.region > #worst.regions then
+    core.raise(("report: option 'region': 1 to %d expected, got %d"):format(#worst.regions, opts.region))
   end
-  local shown = chosen_regions(worst, wish.loads, wish.region or worst.region)
-  local data, message, details = data_of(worst, wish, shown)
+  local shown = chosen_regions(worst, opts.loads, opts.region or worst.region)
+  local data, message, details = data_of(worst, opts, shown)
   if not data then return nil, message, details end
-  data.view = wish.view and vector_of("view", wish.view) or data.view
-  data.lines = report.lines(wish.lines)
+  data.view = opts.view and vector_of("view", opts.view) or data.view
+  data.lines = report.lines(opts.lines)
   return report.page(path, {
-    title = wish.title or "Worst-case analysis",
-    answer = wish.answer or tostring(worst),
-    manifest = wish.manifest or {version = core.version, options = plain(worst.options)},
-    body = report.legend(wish) .. table_of_regions(worst, shown),
+    title = opts.title or "Worst-case analysis",
+    answer = opts.answer or tostring(worst),
+    manifest = opts.manifest or {version = core.version, options = plain(worst.options)},
+    body = report.legend(opts) .. table_of_regions(worst, shown),
     data = data,
-    picture = function(name) return worst:picture(name, {lines = wish.lines, line_name = wish.line_name}) end,
+    picture = function(name) return worst:picture(name, {lines = opts.lines, line_name = opts.line_name}) end,
   })
 end
 

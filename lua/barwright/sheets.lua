@@ -32,18 +32,18 @@ local function is_list(value)
 end
 
 -- One section, or one for each region.
-local function read_sections(where, wish)
-  local count = math.max(is_list(wish.material) and #wish.material or 1,
-    is_list(wish.thickness) and #wish.thickness or 1)
+local function read_sections(where, opts)
+  local count = math.max(is_list(opts.material) and #opts.material or 1,
+    is_list(opts.thickness) and #opts.thickness or 1)
   local sections = {}
   for i = 1, count do
-    local material = is_list(wish.material) and wish.material[i] or wish.material
-    local thickness = is_list(wish.thickness) and wish.thickness[i] or wish.thickness
+    local material = is_list(opts.material) and opts.material[i] or opts.material
+    local thickness = is_list(opts.thickness) and opts.thickness[i] or opts.thickness
     options.object(where, "material", material, "material")
     if type(thickness) ~= "number" then
       raise(("%s: option 'thickness': a number, or one for each region, expected"):format(where))
     end
-    sections[i] = {material = material, thickness = thickness, strain = wish.plane == "strain"}
+    sections[i] = {material = material, thickness = thickness, strain = opts.plane == "strain"}
   end
   return sections
 end
@@ -61,15 +61,15 @@ local function check_pair(where, key, pair, least)
 end
 
 local function create(where, class, given, own_rules, add_conditions)
-  local wish = options.read(where, given, own_rules)
-  check_pair(where, "gravity", wish.gravity, -math.huge)
+  local opts = options.read(where, given, own_rules)
+  check_pair(where, "gravity", opts.gravity, -math.huge)
   local list
-  list, wish.conditions = conditions.read(where, wish.conditions, {"x", "y"})
-  if wish.damping then check_pair(where, "damping", wish.damping, 0) end
-  if add_conditions then add_conditions(where, wish, list) end
-  return followed.object(class, wish, core.sheet.create(wish.outline,
-    followed.mesh(where, wish, list), wish.follow,
-    read_sections(where, wish), list, wish.gravity))
+  list, opts.conditions = conditions.read(where, opts.conditions, {"x", "y"})
+  if opts.damping then check_pair(where, "damping", opts.damping, 0) end
+  if add_conditions then add_conditions(where, opts, list) end
+  return followed.object(class, opts, core.sheet.create(opts.outline,
+    followed.mesh(where, opts, list), opts.follow,
+    read_sections(where, opts), list, opts.gravity))
 end
 
 -- ---- steady --------------------------------------------------------------------------------------
@@ -78,7 +78,7 @@ local steady = followed.class("steady sheet", fields)
 steady.drag, steady.become = followed.drag, followed.become
 
 function steady.finish(self, report)
-  return self.body:static(report, self.wish.solver)
+  return self.body:static(report, self.opts.solver)
 end
 
 steady.solve, steady.start = followed.solve, followed.solve
@@ -100,7 +100,7 @@ local cantilever = followed.class("bent sheet", fields)
 cantilever.drag, cantilever.become = followed.drag, followed.become
 
 function cantilever.finish(self, report)
-  return self.body:bend(report, self.wish.solver, self.wish.newton)
+  return self.body:bend(report, self.opts.solver, self.opts.newton)
 end
 
 cantilever.solve, cantilever.start = followed.solve, followed.solve
@@ -118,17 +118,17 @@ vibration.drag, vibration.become = followed.drag, followed.become
 function vibration.marches() return true end
 
 -- {x = , y = } of the tags that stand on the ground
-local function stand_on_ground(where, wish, list)
-  local ground = type(wish.ground) == "string" and {wish.ground} or wish.ground or {}
+local function stand_on_ground(where, opts, list)
+  local ground = type(opts.ground) == "string" and {opts.ground} or opts.ground or {}
   if type(ground) ~= "table" then raise(("%s: option 'ground': a tag expected"):format(where)) end
-  for key in pairs(wish.shake) do
+  for key in pairs(opts.shake) do
     if key ~= "x" and key ~= "y" then
       raise(("%s: option 'shake': {x = , y = } expected"):format(where))
     end
   end
   for _, tag in ipairs(ground) do
     for component, key in ipairs {"x", "y"} do -- after all conditions: the ground decides
-      list[#list + 1] = {tag = tag, component = component, value = wish.shake[key] or 0,
+      list[#list + 1] = {tag = tag, component = component, value = opts.shake[key] or 0,
         order = math.maxinteger >> 33}
     end
   end
@@ -139,10 +139,10 @@ function vibration:step(count)
   if count ~= nil and (math.type(count) ~= "integer" or count < 1) then
     raise(("step: a whole number of steps above 0 expected, got %s"):format(tostring(count)))
   end
-  local wish = self.wish
+  local opts = self.opts
   return followed.step(self, function(report)
-    return self.body:shake(report, wish.solver, {step = wish.step, beta = wish.beta,
-      gamma = wish.gamma, damping_mass = wish.damping[1], damping_stiffness = wish.damping[2]}, count)
+    return self.body:shake(report, opts.solver, {step = opts.step, beta = opts.beta,
+      gamma = opts.gamma, damping_mass = opts.damping[1], damping_stiffness = opts.damping[2]}, count)
   end)
 end
 

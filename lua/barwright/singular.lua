@@ -126,8 +126,8 @@ local surface = core.classes.surface.methods
 
 --- The re-entrant edges of a closed surface, the longest first; nil, message, details where it has no inside.
 function surface:singular_edges(given)
-  local wish = options.read("singular_edges", given, edge_rules)
-  local list, message, details = core.singular_edges(self, wish.angle or 0)
+  local opts = options.read("singular_edges", given, edge_rules)
+  local list, message, details = core.singular_edges(self, opts.angle or 0)
   if not list then return nil, message, details end
   return found_ones(list)
 end
@@ -139,8 +139,8 @@ local model = core.classes.model.methods
 --- Re-entrant edges, borders of supports, and what acts on points and lines; nil, message, details where the shape
 --- has no inside.
 function model:singular_places(given)
-  local wish = options.read("singular_places", given, place_rules)
-  local list, message, details = core.singular_places(self, wish.surface, wish.angle or 0)
+  local opts = options.read("singular_places", given, place_rules)
+  local list, message, details = core.singular_places(self, opts.surface, opts.angle or 0)
   if not list then return nil, message, details end
   return found_ones(list)
 end

@@ -54,10 +54,10 @@ end
 --- A skeleton from {joints = {name = {x, y, z}, ...}, bones = {{"hip", "knee", name = "thigh"}, ...},
 --- root = name}. Joints may also be a list, and be called by number.
 function skeleton.create(given)
-  local wish = options.read("skeleton.create", given, rules)
-  local joints, names, number = read_joints(wish.joints)
+  local opts = options.read("skeleton.create", given, rules)
+  local joints, names, number = read_joints(opts.joints)
   local bones, bone_names = {}, {}
-  for i, bone in ipairs(wish.bones) do
+  for i, bone in ipairs(opts.bones) do
     local where = ("bone %s"):format(type(bone) == "table" and bone.name or i)
     if type(bone) ~= "table" or #bone ~= 2 then
       raise(("skeleton.create: %s: two joints expected"):format(where))
@@ -69,7 +69,7 @@ function skeleton.create(given)
   if #joints == 0 or #bones == 0 then
     raise("skeleton.create: at least one bone with its two joints expected")
   end
-  local root = wish.root and joint_number(wish.root, joints, names, number, "root")
+  local root = opts.root and joint_number(opts.root, joints, names, number, "root")
   return core.skeleton.make(joints, bones, names, bone_names, root)
 end
 

@@ -51,8 +51,8 @@ function estimate.of(result)
 end
 
 -- The result of a coarse solid, and its estimated error: nil, message, details where either has none.
-local function estimated(coarse, wish)
-  local result, message, details = of_solids.solve_itself(coarse, wish)
+local function estimated(coarse, opts)
+  local result, message, details = of_solids.solve_itself(coarse, opts)
   if not result then return nil, nil, message, details end
   local relative
   relative, message, details = estimate.of(result)
@@ -71,12 +71,12 @@ end
 --- to the fine one. result.choice = {chosen = "library" | "naive", library =, naive =}: the two estimates, nil
 --- where there is none, with the message and details of why. nil, message, details where neither solid has an
 --- equilibrium.
-function estimate.better(coarse, wish)
-  local result, relative, message, details = estimated(coarse, wish)
+function estimate.better(coarse, opts)
+  local result, relative, message, details = estimated(coarse, opts)
   if ended(details) then return nil, message, details end
   local twin, why, what = of_solids.naive_of(coarse)
   local naive, of_naive
-  if twin then naive, of_naive, why, what = estimated(twin, wish) end
+  if twin then naive, of_naive, why, what = estimated(twin, opts) end
   if ended(what) then return nil, why, what end
   if not result and not naive then return nil, message, details end
   local by_library = result and not (of_naive and not (relative and relative <= of_naive))

@@ -105,11 +105,11 @@ function result:picture(path, given)
   if given ~= nil and type(given) ~= "table" then
     core.raise(("picture: a table of options expected, got %s"):format(type(given)))
   end
-  local wish = {}
-  for key, value in pairs(given or {}) do wish[key] = value end
-  wish.values = values_of(self, wish.values)
-  wish.displacement = wish.displacement or self.displacement
-  return self.solid.grid:picture(path, wish)
+  local opts = {}
+  for key, value in pairs(given or {}) do opts[key] = value end
+  opts.values = values_of(self, opts.values)
+  opts.displacement = opts.displacement or self.displacement
+  return self.solid.grid:picture(path, opts)
 end
 
 --- A panel of bw.grid.picture, to be beside others.

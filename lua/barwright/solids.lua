@@ -41,11 +41,11 @@ end
 
 --- A solid: {grid =, material table = {material 1, material 2, ...}}.
 function solids.create(given)
-  local wish = options.read("solid", given, {
+  local opts = options.read("solid", given, {
     grid = {type = "grid", needed = true},
     materials = {type = "any", needed = true},
   })
-  return make(wish.grid, wish.materials, {})
+  return make(opts.grid, opts.materials, {})
 end
 
 -- ---- what acts -----------------------------------------------------------------------------------
@@ -147,18 +147,18 @@ end
 function solid:turn(where, given)
   check_self("turn", self)
   check_where("turn", where)
-  local wish = options.read("turn", given, {
+  local opts = options.read("turn", given, {
     axis = {type = "any", needed = true},
     point = {type = "any", default = {0, 0, 0}},
     angle = {type = "number", needed = true},
     move = {type = "any", default = {0, 0, 0}},
   })
-  local axis = vector("turn", "axis", wish.axis)
+  local axis = vector("turn", "axis", opts.axis)
   local length = math.sqrt(axis[1] ^ 2 + axis[2] ^ 2 + axis[3] ^ 2)
   if length == 0 then raise "turn: axis: a direction expected, it has no length" end
-  return add(self, {kind = "turn", angle = math.rad(wish.angle),
+  return add(self, {kind = "turn", angle = math.rad(opts.angle),
     axis = {axis[1] / length, axis[2] / length, axis[3] / length},
-    point = vector("turn", "point", wish.point), move = vector("turn", "move", wish.move)},
+    point = vector("turn", "point", opts.point), move = vector("turn", "move", opts.move)},
     where)
 end
 
@@ -182,23 +182,23 @@ function solid:pressure(on, given)
   check_where("pressure", on)
   local surface = core.class_name(on) == "surface"
   if surface and on.triangle_count < 1 then raise "pressure: the surface has no triangle" end
-  local wish = options.read("pressure", given, {
+  local opts = options.read("pressure", given, {
     pressure = {type = "any", needed = true},
     follower = {type = "boolean", default = false},
   })
-  local kind = type(wish.pressure)
-  if kind ~= "number" and kind ~= "function" and kind ~= "table" and not is_array(wish.pressure) then
+  local kind = type(opts.pressure)
+  if kind ~= "number" and kind ~= "function" and kind ~= "table" and not is_array(opts.pressure) then
     raise(("pressure: a number, a list or a function of x, y, z expected, got %s"):format(
-      options.kind(wish.pressure)))
+      options.kind(opts.pressure)))
   end
-  if kind == "number" and not finite(wish.pressure) then raise "pressure: a finite number expected" end
+  if kind == "number" and not finite(opts.pressure) then raise "pressure: a finite number expected" end
   if not surface then
     if kind ~= "number" and kind ~= "function" then
       raise "pressure: a list needs a surface; by place, a number or a function of x, y, z"
     end
-    return add(self, {kind = "press", pressure = wish.pressure, follower = wish.follower}, on)
+    return add(self, {kind = "press", pressure = opts.pressure, follower = opts.follower}, on)
   end
-  return add(self, {kind = "pressure", surface = on, pressure = wish.pressure, follower = wish.follower})
+  return add(self, {kind = "pressure", surface = on, pressure = opts.pressure, follower = opts.follower})
 end
 
 --- A plane that the solid may touch and not pass, without friction: {point =, normal = into the side
@@ -206,15 +206,15 @@ end
 --- nodes}.
 function solid:contact_plane(given)
   check_self("contact_plane", self)
-  local wish = options.read("contact_plane", given, {
+  local opts = options.read("contact_plane", given, {
     point = {type = "any", needed = true},
     normal = {type = "any", needed = true},
     move = {type = "any", default = {0, 0, 0}},
     surface = {type = "surface"},
   })
-  return add(self, {kind = "contact_plane", point = vector("contact_plane", "point", wish.point),
-    normal = vector("contact_plane", "normal", wish.normal), move = vector("contact_plane", "move", wish.move),
-    surface = wish.surface})
+  return add(self, {kind = "contact_plane", point = vector("contact_plane", "point", opts.point),
+    normal = vector("contact_plane", "normal", opts.normal), move = vector("contact_plane", "move", opts.move),
+    surface = opts.surface})
 end
 
 -- ---- cases ---------------------------------------------------------------------------------------
@@ -424,24 +424,24 @@ local function own_coarse(self, wanted)
 end
 
 -- Equilibrium of the solid as it is.
-local function solve_itself(self, wish)
-  local parts = wish.path or parts_of(self)
+local function solve_itself(self, opts)
+  local parts = opts.path or parts_of(self)
   local newton = {}
-  for key, value in pairs(wish) do
+  for key, value in pairs(opts) do
     if key ~= "path" and key ~= "start" and key ~= "choose" then newton[key] = value end
   end
-  local under = wish.coarse and coarse_of(wish.coarse)
-  if under == nil and (wish.linear == nil or wish.linear == "coarse") then
+  local under = opts.coarse and coarse_of(opts.coarse)
+  if under == nil and (opts.linear == nil or opts.linear == "coarse") then
     local message, details
-    under, message, details = own_coarse(self, wish.linear == "coarse")
+    under, message, details = own_coarse(self, opts.linear == "coarse")
     if message then return nil, message, details end
   end
   newton.coarse = under
   if newton.linear == nil then
-    newton.by_cost = under and not wish.coarse and self.node_count <= MANY_NODES
+    newton.by_cost = under and not opts.coarse and self.node_count <= MANY_NODES
     newton.linear = under and "coarse" or "direct"
   end
-  local start, all = wish.start, {}
+  local start, all = opts.start, {}
   for part = 1, parts do
     local case, message, details = case_of(self, part / parts)
     if not case then return nil, message, details end
@@ -467,9 +467,9 @@ end
 --- details.reached is the last equilibrium on the way.
 function solid:solve(given)
   check_self("solve", self)
-  local wish = options.read("solve", given, solve_rules)
-  if wish.choose and rawget(self, "by_library") then return estimate.better(self, wish) end
-  return solve_itself(self, wish)
+  local opts = options.read("solve", given, solve_rules)
+  if opts.choose and rawget(self, "by_library") then return estimate.better(self, opts) end
+  return solve_itself(self, opts)
 end
 
 --- The solid in motion: {scheme = "implicit_euler" | "newmark", step = s, mass_damping =,
@@ -480,13 +480,13 @@ function solid:motion(given)
   if given ~= nil and type(given) ~= "table" then
     raise(("motion: a table of options expected, got %s"):format(type(given)))
   end
-  local wish = {}
-  for key, value in pairs(given or {}) do wish[key] = value end
-  local displacement, velocity = wish.displacement, wish.velocity
-  wish.displacement, wish.velocity = nil, nil
+  local opts = {}
+  for key, value in pairs(given or {}) do opts[key] = value end
+  local displacement, velocity = opts.displacement, opts.velocity
+  opts.displacement, opts.velocity = nil, nil
   local case, message, details = case_of(self, 1)
   if not case then return nil, message, details end
-  return self.body:motion(case, wish, displacement, velocity)
+  return self.body:motion(case, opts, displacement, velocity)
 end
 
 -- ---- other grids ---------------------------------------------------------------------------------
@@ -542,15 +542,15 @@ function solid:solve_coarse(given)
   if type(given) ~= "table" then
     raise(("solve_coarse: a table of options expected, got %s"):format(type(given)))
   end
-  local wish = {}
-  for key, value in pairs(given) do wish[key] = value end
-  local own = options.read("solve_coarse", {by = wish.by, levels = wish.levels}, {
+  local opts = {}
+  for key, value in pairs(given) do opts[key] = value end
+  local own = options.read("solve_coarse", {by = opts.by, levels = opts.levels}, {
     by = {type = "library", needed = true}, levels = {type = "integer", default = 1, least = 1, most = 2}})
-  wish.by, wish.levels = nil, nil
+  opts.by, opts.levels = nil, nil
   local coarse, message, details = self:coarsen(own.by, own.levels)
   if not coarse then return nil, message, details end
   local result
-  result, message, details = coarse:solve(wish)
+  result, message, details = coarse:solve(opts)
   if not result then return nil, message, details end
   return result, result.choice
 end

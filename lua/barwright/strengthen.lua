@@ -49,10 +49,10 @@ local LEAST_SHARE = 0.25
 local TRIMMED, WORTHWHILE = 1.03, 0.8
 
 local function analyse(self, surface)
-  local wish = self.options
-  return breaking_force(surface, {material = wish.material, force = wish.force, contact = wish.contact,
-    elements = wish.elements, length = self.length or wish.length, failure = wish.failure, modes = wish.modes,
-    regions = wish.regions, seed = wish.seed})
+  local opts = self.options
+  return breaking_force(surface, {material = opts.material, force = opts.force, contact = opts.contact,
+    elements = opts.elements, length = self.length or opts.length, failure = opts.failure, modes = opts.modes,
+    regions = opts.regions, seed = opts.seed})
 end
 
 -- Halves the bumps that reach the defects of a report; those that were halved often enough, from `share`, go.
@@ -214,14 +214,14 @@ end
 -- is TRIMMED times the force, as far as the analyses before and after it tell. Returns the lighter surface and its
 -- analysis where they reach the force, else those of the step.
 local function trim(self, from, moved, current)
-  local wish = self.options
+  local opts = self.options
   if from.breaking.low == 0 then return moved, current end
-  local share = math.log(TRIMMED * wish.force / from.breaking.low) / math.log(current.low / from.breaking.low)
+  local share = math.log(TRIMMED * opts.force / from.breaking.low) / math.log(current.low / from.breaking.low)
   if share > WORTHWHILE then return moved, current end
   from.share = math.max(share * from.share, LEAST_SHARE)
   local lighter, lesser = take(self, from)
   if not lighter then return moved, current end
-  if lesser.low < wish.force then
+  if lesser.low < opts.force then
     lesser:close()
     return moved, current
   end
@@ -232,17 +232,17 @@ end
 -- Steps, each from the best surface so far, until its interval is on the safe side, nothing helps any more, or the
 -- steps are used up. What cannot be analysed ends them.
 local function run(self, breaking, progress)
-  local wish, aim = self.options, 1
+  local opts, aim = self.options, 1
   -- The estimate that is needed for the lower end to reach the force, as far as the best analysis tells.
-  local goal = advice.goal(breaking, wish.force)
+  local goal = advice.goal(breaking, opts.force)
   local from <close> = setmetatable({}, {__close = function(from) from.breaking:close() end})
   begin(self, from, self.original, breaking)
-  for number = 1, wish.steps do
-    progress:mesh(1, planned(wish.steps - number))
+  for number = 1, opts.steps do
+    progress:mesh(1, planned(opts.steps - number))
     local moved, current, step = take(self, from, aim * goal)
     if not moved then return stop(self, current, step) end
-    if current.low >= wish.force then
-      if number < wish.steps then
+    if current.low >= opts.force then
+      if number < opts.steps then
         progress:mesh(1, {})
         moved, current = trim(self, from, moved, current)
       end
@@ -252,7 +252,7 @@ local function run(self, breaking, progress)
       current:close()
       from.share = from.share / 2
     else
-      goal = advice.goal(current, wish.force)
+      goal = advice.goal(current, opts.force)
       if current.force < goal and is_moved(from.advised.places, current.at) then
         aim = math.min(aim * math.max(LEAST_MORE, step.predicted / current.force), MOST_MORE)
       end
@@ -266,12 +266,12 @@ end
 --- details where it cannot be computed.
 function strengthen.run(surface, given)
   options.object("strengthen", "surface", surface, "surface")
-  local wish = options.read("strengthen", given, rules)
-  if not wish.material.strength then
+  local opts = options.read("strengthen", given, rules)
+  if not opts.material.strength then
     return nil, "the strength of the material is not known", {status = "unsupported"}
   end
   local start = core.seconds()
-  local self = setmetatable({options = wish, steps = {}, surface = surface}, strengthen)
+  local self = setmetatable({options = opts, steps = {}, surface = surface}, strengthen)
   local report, message, details = surface:check {limit = 1}
   if not report then return nil, message, details end
   if not report.sound then
@@ -281,20 +281,20 @@ function strengthen.run(surface, given)
   end
   self.original = self.surface
   local progress <close> = mesh_progress.open("strengthening", "analysis", true)
-  progress:mesh(1, planned(wish.steps))
+  progress:mesh(1, planned(opts.steps))
   local breaking
   breaking, message, details = analyse(self, self.surface)
   if not breaking then return nil, message, details end
   self.length = breaking.length
-  self.before, self.breaking = summary(breaking, self.surface, wish.material), breaking
-  if breaking.low < wish.force then
+  self.before, self.breaking = summary(breaking, self.surface, opts.material), breaking
+  if breaking.low < opts.force then
     local fine
     fine, message, details = run(self, breaking, progress)
     if not fine then return nil, message, details end
   end
   breaking:close()
-  self.after = summary(self.breaking, self.surface, wish.material)
-  self.reached = self.after.low >= wish.force
+  self.after = summary(self.breaking, self.surface, opts.material)
+  self.reached = self.after.low >= opts.force
   self.added_volume = self.after.volume - self.before.volume
   self.seconds = core.seconds() - start
   return self

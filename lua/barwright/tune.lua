@@ -297,29 +297,29 @@ local function frequencies_of(bar, modes)
   return list
 end
 
---- Moves `bar` (a metallophone bar) until its modes have the frequencies `wanted`, from `outline`. `wish`: keep
+--- Moves `bar` (a metallophone bar) until its modes have the frequencies `wanted`, from `outline`. `opts`: keep
 --- (set of points), smooth (length), room (part of the local width that a point may move by), choose (the
 --- numbers of the modes on the bar as it is; nil: they are not there), enough (how near in ln f is near enough to
 --- stop, or nil), watch (called with the bar after every round; false ends the search). Returns the bar's outline,
 --- rounds.
-function tune.search(bar, wanted, outline, wish)
+function tune.search(bar, wanted, outline, opts)
   local count = outline.points.row_count
   local origin, now = outline.points:totable(), bar.outline.points:totable()
   local p, kept = {}, {}
-  local width, unknown, because = widths(outline, 10 * wish.smooth)
+  local width, unknown, because = widths(outline, 10 * opts.smooth)
   if not width then return nil, unknown, because end
-  for point in pairs(wish.keep) do kept[point] = true end
-  local list = measures(outline, wish.smooth, kept, width)
+  for point in pairs(opts.keep) do kept[point] = true end
+  local list = measures(outline, opts.smooth, kept, width)
   for i = 1, count do p[i] = {now[i][1] - origin[i][1], now[i][2] - origin[i][2]} end
   local along = 1 -- part of the way along that was good last
   local best, nearest = nil, NEARLY -- of several pitches
   for round = 1, ROUNDS do
-    local modes = wish.choose(bar)
+    local modes = opts.choose(bar)
     if not modes then
       return nil, "the modes to be tuned are no longer among those that are computed", {status = "convergence"}
     end
     local c, most, sum = distances(bar, wanted, modes)
-    if wish.enough and most < wish.enough then return bar.outline, round - 1 end
+    if opts.enough and most < opts.enough then return bar.outline, round - 1 end
     local frequencies = frequencies_of(bar, modes)
     if #modes > 1 and most < nearest then best, nearest = p, most end
     local g, z, G = slopes(bar, modes, list, count)
@@ -335,28 +335,28 @@ function tune.search(bar, wanted, outline, wish)
       return bar.outline, round
     elseif not back then
       return nil, ("%s: this is as near to %s as the points that may move get (by %.3g of the width where they "
-        .. "are)"):format(hertz(frequencies), hertz(wanted), wish.room), {status = "infeasible",
+        .. "are)"):format(hertz(frequencies), hertz(wanted), opts.room), {status = "infeasible",
         frequency = frequencies[1], frequencies = frequencies}
     end
     local size, rest, across = measured(list, p), sum_of(z, shares, count), sum_of(z, back, count)
     for i = 1, count do rest[i] = {rest[i][1] - p[i][1], rest[i][2] - p[i][2]} end
     local worth = measured(list, rest)
     if most < EXACT and worth <= STILL ^ 2 * size then return bar.outline, round - 1 end
-    local reach = -math.min(1, REACH * wish.smooth / (longest(across) + 1e-300))
+    local reach = -math.min(1, REACH * opts.smooth / (longest(across) + 1e-300))
     local price = 2 * largest(shares) + 2 * largest(back)
     local merit = size / 2 + price * sum
     -- not along while the pitch is far: it will be another way from there
     local part = most > STRIDE / 2 and 0
-      or math.min(1, 2 * along, REACH * wish.smooth / (longest(rest) + 1e-300))
+      or math.min(1, 2 * along, REACH * opts.smooth / (longest(rest) + 1e-300))
     local fine, message, details
     local confined, halted = false, {}
     for _ = 1, 16 do
       local try = combined(p, reach, across, part, rest)
-      local list_of_try = confine(try, width, wish.room, kept)
+      local list_of_try = confine(try, width, opts.room, kept)
       for _, i in ipairs(list_of_try) do halted[i] = true end
       fine, message, details = take(bar, outline, origin, try)
       if fine then
-        local _, _, off = distances(bar, wanted, wish.choose(bar))
+        local _, _, off = distances(bar, wanted, opts.choose(bar))
         fine = off and (#modes == 1 and (part == 0 or #list_of_try > 0)
           or (part == 0 or #list_of_try > 0) and off < sum
           or measured(list, try) / 2 + price * off < merit)
@@ -385,13 +385,13 @@ function tune.search(bar, wanted, outline, wish)
       for i in pairs(halted) do kept[i] = true end
       confined = true
     end
-    if confined then list = measures(outline, wish.smooth, kept, width) end
-    if wish.watch and wish.watch(bar) == false then return nil, "stopped", {status = "cancelled"} end
+    if confined then list = measures(outline, opts.smooth, kept, width) end
+    if opts.watch and opts.watch(bar) == false then return nil, "stopped", {status = "cancelled"} end
     -- nothing along is worth it any more: the last of it, and the pitch is met
     if not confined and part == 0 and most < EXACT then return bar.outline, round end
   end
   if best and take(bar, outline, origin, best) then return bar.outline, ROUNDS end
-  local frequencies = frequencies_of(bar, wish.choose(bar) or {})
+  local frequencies = frequencies_of(bar, opts.choose(bar) or {})
   return nil, ("%d rounds led to %s instead of %s"):format(ROUNDS, hertz(frequencies), hertz(wanted)),
     {status = "convergence", frequency = frequencies[1], frequencies = frequencies}
 end

@@ -125,17 +125,17 @@ local function judge_of(material, failure)
 end
 
 -- The loads of the largest mean stresses over patches, from loads at hand or places that are known.
-local function search_patches(self, wish, loads)
+local function search_patches(self, opts, loads)
   local start = core.seconds()
-  local screening_basis, message, details = load_limits.without_friction(self.mesh, wish, self.basis)
+  local screening_basis, message, details = load_limits.without_friction(self.mesh, opts, self.basis)
   if not screening_basis then return nil, message, details end
-  self.limits = load_limits.linear_program(wish)
-  self.limits.batch = wish.batch
+  self.limits = load_limits.linear_program(opts)
+  self.limits.batch = opts.batch
   local found
   found, message, details = patch_search.run({mesh = self.mesh, material = self.material, system = self.system,
-    basis = self.basis, screening_basis = screening_basis, limits = self.limits, radius = wish.length,
-    judge = judge_of(self.material, wish.failure), loads = loads, known = wish.places,
-    screening = wish.screening})
+    basis = self.basis, screening_basis = screening_basis, limits = self.limits, radius = opts.length,
+    judge = judge_of(self.material, opts.failure), loads = loads, known = opts.places,
+    screening = opts.screening})
   if not found then return nil, message, details end
   self.seconds.search = core.seconds() - start
   self.search, self.places = found, found.places
@@ -157,41 +157,41 @@ end
 --- `view`: its equations, where they are at hand (those that a session follows edits with).
 function worst_case.analyse(part, given, view)
   options.object("worst_case", "part", part, "model")
-  local wish = options.read("worst_case", given, rules)
-  if wish.method == "search" and wish.target == "displacement" then
+  local opts = options.read("worst_case", given, rules)
+  if opts.method == "search" and opts.target == "displacement" then
     raise("worst_case: method \"search\" maximises stress; for target \"displacement\" give method \"paper\"")
   end
-  if wish.certify and wish.target == "displacement" then
+  if opts.certify and opts.target == "displacement" then
     raise "worst_case: option 'certify' bounds the stress: it is not for target \"displacement\""
   end
-  if wish.certificate and not wish.certify then
+  if opts.certificate and not opts.certify then
     raise "worst_case: option 'certificate' is a file that proves the bound of option 'certify'"
   end
   local fine, message, details
-  if wish.certificate then
-    fine, message, details = writable(wish.certificate)
+  if opts.certificate then
+    fine, message, details = writable(opts.certificate)
     if not fine then return nil, message, details end
   end
-  if wish.length and (wish.method or wish.certify or wish.target == "displacement") then
+  if opts.length and (opts.method or opts.certify or opts.target == "displacement") then
     raise "worst_case: option 'length' has its own search: leave out 'method', 'certify' and 'target'"
   end
-  if wish.failure and not wish.length then
+  if opts.failure and not opts.length then
     raise "worst_case: option 'failure' judges the mean stress over patches: give 'length' as well"
   end
-  if wish.failure == "von_mises" and part.material.strength and type(part.material.strength) ~= "number" then
+  if opts.failure == "von_mises" and part.material.strength and type(part.material.strength) ~= "number" then
     raise "worst_case: failure 'von_mises' needs one strength; the material's differs with the direction"
   end
-  if wish.places and not (wish.length and are_places(wish.places)) then
+  if opts.places and not (opts.length and are_places(opts.places)) then
     raise "worst_case: option 'places': places of another worst case of the same 'length' expected"
   end
-  if not wish.screening and not wish.places then
+  if not opts.screening and not opts.places then
     raise "worst_case: option 'screening' can be false where 'places' are given"
   end
-  wish.method = wish.method or (wish.target == "stress" and "search" or "paper")
+  opts.method = opts.method or (opts.target == "stress" and "search" or "paper")
   local mesh, material = part.mesh, part.material
-  local self = setmetatable({options = wish, mesh = mesh, material = material}, worst_case)
+  local self = setmetatable({options = opts, mesh = mesh, material = material}, worst_case)
   local basis
-  basis, message, details = load_limits.basis("worst_case", mesh, wish)
+  basis, message, details = load_limits.basis("worst_case", mesh, opts)
   if not basis then return nil, message, details end
   self.basis = basis
   local clock = core.seconds
@@ -210,15 +210,15 @@ function worst_case.analyse(part, given, view)
   seconds.factor = times.order + times.factor
   seconds.system = clock() - start
 
-  if wish.places then return search_patches(self, wish) end
+  if opts.places then return search_patches(self, opts) end
 
   start = clock()
   local modes
-  local ask = {count = wish.modes, tolerance = wish.tolerance, seed = wish.seed, sturm = wish.sturm}
-  if view and not wish.laplacian then
+  local ask = {count = opts.modes, tolerance = opts.tolerance, seed = opts.seed, sturm = opts.sturm}
+  if view and not opts.laplacian then
     modes, message, details = view:modes(ask)
   else
-    ask.laplacian = wish.laplacian
+    ask.laplacian = opts.laplacian
     modes, message, details = part:modes(ask)
   end
   if not modes then return nil, message, details end
@@ -227,42 +227,42 @@ function worst_case.analyse(part, given, view)
 
   start = clock()
   local weak
-  weak, message, details = core.weak_regions(mesh, material, modes, {measure = wish.measure,
-    fraction = wish.fraction, regions = wish.regions, target = wish.target})
+  weak, message, details = core.weak_regions(mesh, material, modes, {measure = opts.measure,
+    fraction = opts.fraction, regions = opts.regions, target = opts.target})
   if not weak then return nil, message, details end
   self.weak_regions = weak
   seconds.regions = clock() - start
 
   start = clock()
   local loads
-  local limits = load_limits.linear_program(wish)
-  limits.one_sign, limits.batch = wish.one_sign, wish.batch
+  local limits = load_limits.linear_program(opts)
+  limits.one_sign, limits.batch = opts.one_sign, opts.batch
   loads, message, details = core.worst_loads(system, basis, weak, limits)
   if not loads then return nil, message, details end
   seconds.linear_programs = clock() - start
-  if wish.length then return search_patches(self, wish, loads) end
+  if opts.length then return search_patches(self, opts, loads) end
   local origins = {}
-  if wish.method == "search" then
+  if opts.method == "search" then
     start = clock()
     loads, origins, details = worst_search.extend(self, loads, limits)
     if not loads then return nil, origins, details end
     seconds.search = clock() - start
   end
   local leaves
-  if wish.certify then
+  if opts.certify then
     start = clock()
     local upper
-    upper, message, details = worst_search.certify(self, loads, origins, limits, wish.certify)
+    upper, message, details = worst_search.certify(self, loads, origins, limits, opts.certify)
     if not upper then return nil, message, details end
     loads, leaves = message, details
     self.upper_bound, self.gap = upper, upper / loads.peaks:max() - 1
-    self.bounded = load_limits.bounded(wish)
+    self.bounded = load_limits.bounded(opts)
     seconds.bound = clock() - start
   end
   self.limits = limits
   summarise(self, loads, origins)
   if leaves then
-    fine, message, details = certificate.write(self, part, leaves, wish.certificate)
+    fine, message, details = certificate.write(self, part, leaves, opts.certificate)
     if not fine then return nil, message, details end
   end
   return self
@@ -386,10 +386,10 @@ end
 --- A picture: the weakness map with the arrows of the worst load, or with {region = i} the judged stress
 --- under that region's load on the deformed shape. Further options: those of bw.picture.
 function worst_case:picture(path, given)
-  local wish = {}
-  for key, value in pairs(given or {}) do wish[key] = value end
-  local region = wish.region
-  wish.region = nil
+  local opts = {}
+  for key, value in pairs(given or {}) do opts[key] = value end
+  local region = opts.region
+  opts.region = nil
   local surface, nodes, details = self.mesh:surface()
   if not surface then return nil, nodes, details end
   local values
@@ -399,19 +399,19 @@ function worst_case:picture(path, given)
     if not stress then return nil, message, details end
     local judged = judged_stress(self.options.failure)
     values = judged.of(stress)
-    wish.displacement = self:displacement(region):gather(nodes)
-    wish.unit = wish.unit or judged.name .. " under this load, MPa"
-    wish.title = wish.title or ("Under the worst load of %s; %s"):format(self.regions[region].label,
+    opts.displacement = self:displacement(region):gather(nodes)
+    opts.unit = opts.unit or judged.name .. " under this load, MPa"
+    opts.title = opts.title or ("Under the worst load of %s; %s"):format(self.regions[region].label,
       core.error_unknown)
   else
     values = self.weakness
-    wish.unit = wish.unit or "weakness (largest principal stress), MPa"
-    wish.title = wish.title or tostring(self)
+    opts.unit = opts.unit or "weakness (largest principal stress), MPa"
+    opts.title = opts.title or tostring(self)
   end
-  wish.values = self.mesh:to_nodes(values, "max"):gather(nodes)
-  wish.scale = wish.scale or 1e-6
-  wish.arrows = wish.arrows or self:arrows(region)
-  return core.picture(surface, path, wish)
+  opts.values = self.mesh:to_nodes(values, "max"):gather(nodes)
+  opts.scale = opts.scale or 1e-6
+  opts.arrows = opts.arrows or self:arrows(region)
+  return core.picture(surface, path, opts)
 end
 
 --- One HTML file with a 3D view that turns; opens from disk. See barwright.report.

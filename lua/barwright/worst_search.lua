@@ -49,10 +49,10 @@ end
 local function extend(self, loads, elements, stresses, limits)
   local regions, message, details = core.directed_regions(self.mesh, elements, stresses)
   if not regions then return nil, message, details end
-  local wish = {one_sign = true, after = loads}
-  for key, value in pairs(limits) do wish[key] = value end
+  local opts = {one_sign = true, after = loads}
+  for key, value in pairs(limits) do opts[key] = value end
   local more
-  more, message, details = core.worst_loads(self.system, self.basis, regions, wish)
+  more, message, details = core.worst_loads(self.system, self.basis, regions, opts)
   if not more then return nil, message, details end
   return more
 end

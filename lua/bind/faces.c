@@ -91,16 +91,16 @@ int lbw_surface_faces(lua_State *L) {
 }
 
 /* Which face: by number, by name, or the nearest to a point. */
-typedef struct wish {
+typedef struct opts {
   lua_Integer number;
   char name[40];
   bool near;
   double point[3];
-} wish;
+} opts;
 
-static wish read_wish(lua_State *L) {
-  wish w = {0};
-  static const lbw_option list[] = {{"near", LBW_VECTOR, offsetof(wish, point)},
+static opts read_opts(lua_State *L) {
+  opts w = {0};
+  static const lbw_option list[] = {{"near", LBW_VECTOR, offsetof(opts, point)},
                                     {NULL, LBW_OTHER, 0}};
   lua_settop(L, 2);
   if (lua_istable(L, 2)) {
@@ -118,7 +118,7 @@ static wish read_wish(lua_State *L) {
   return w;
 }
 
-static int32_t find_face(const bw_faces *faces, const bw_surface *surface, const wish *w) {
+static int32_t find_face(const bw_faces *faces, const bw_surface *surface, const opts *w) {
   char name[40];
   if (w->near)
     return bw_faces_near(faces, surface, w->point);
@@ -132,7 +132,7 @@ static int32_t find_face(const bw_faces *faces, const bw_surface *surface, const
   return -1;
 }
 
-static bw_status select_face(bw_context *context, const bw_mesh *mesh, const wish *w, uint8_t *mask,
+static bw_status select_face(bw_context *context, const bw_mesh *mesh, const opts *w, uint8_t *mask,
                              bw_selection **chosen) {
   bw_surface *surface = NULL;
   bw_faces *faces = NULL;
@@ -158,7 +158,7 @@ done:
 /* selection:face(which): the face of the mesh's boundary, within the selection */
 int lbw_selection_face(lua_State *L) {
   const bw_selection *from = (const bw_selection *)lbw_check(L, 1, &lbw_selection_class);
-  wish w = read_wish(L);
+  opts w = read_opts(L);
   bw_selection *chosen = NULL, *within = NULL;
   uint8_t *mask = (uint8_t *)lua_newuserdatauv(L, (size_t)from->mesh->facet_count + 1, 0);
   lbw_box *box = lbw_box_new(L, &lbw_selection_class);

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* Beyond this (3 GB, were all of them elements) a mistyped spacing is likelier than a wish. */
+/* Beyond this (3 GB, were all of them elements) a mistyped spacing is likelier than intent. */
 #define MOST_CELLS 67108864.0
 
 static const bw_grid *self(lua_State *L) {

@@ -155,17 +155,17 @@ static int picture_grids(lua_State *L) {
 
 /* animation(path, pictures, {seconds, rounds}) */
 static int animation(lua_State *L) {
-  struct wish {
+  struct opts {
     double seconds;
     int rounds;
-  } wish = {0.05, 0};
-  static const lbw_option list[] = {{"seconds", LBW_REAL, offsetof(struct wish, seconds)},
-                                    {"rounds", LBW_INT, offsetof(struct wish, rounds)},
+  } opts = {0.05, 0};
+  static const lbw_option list[] = {{"seconds", LBW_REAL, offsetof(struct opts, seconds)},
+                                    {"rounds", LBW_INT, offsetof(struct opts, rounds)},
                                     {NULL, LBW_OTHER, 0}};
   const char *path = lbw_check_text(L, 1, NULL);
   lbw_check_type(L, 2, LUA_TTABLE);
   lua_settop(L, 3);
-  lbw_options(L, 3, "animation", list, &wish);
+  lbw_options(L, 3, "animation", list, &opts);
   int count = (int)lua_rawlen(L, 2);
   const char **png = (const char **)lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *png, 0);
   for (int i = 0; i < count; i++) {
@@ -176,7 +176,7 @@ static int animation(lua_State *L) {
     lua_pop(L, 1);
   }
   lua_pushboolean(L, 1);
-  return lbw_leave(L, bw_animation_write(lbw_enter(L), count, png, wish.seconds, wish.rounds, path),
+  return lbw_leave(L, bw_animation_write(lbw_enter(L), count, png, opts.seconds, opts.rounds, path),
                    1);
 }
 

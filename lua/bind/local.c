@@ -175,30 +175,30 @@ void lbw_read_guess(lua_State *L, int index, const char *function, int64_t nodes
 
 static void read_options(lua_State *L, int index, const char *function, bw_local_options *local,
                          bw_statics_options *statics) {
-  struct wish {
+  struct opts {
     bw_local_options local;
     bw_statics_options statics;
-  } wish;
+  } opts;
   static const lbw_option list[] = {
       {"method", LBW_OTHER, 0},
-      {"tolerance", LBW_REAL, offsetof(struct wish, local.tolerance)},
-      {"check", LBW_BOOLEAN, offsetof(struct wish, local.check)},
+      {"tolerance", LBW_REAL, offsetof(struct opts, local.tolerance)},
+      {"check", LBW_BOOLEAN, offsetof(struct opts, local.check)},
       {"guess", LBW_OTHER, 0},
-      {"further", LBW_INT, offsetof(struct wish, local.further)},
-      {"max_iteration_ratio", LBW_REAL, offsetof(struct wish, local.max_iteration_ratio)},
-      {"energy", LBW_BOOLEAN, offsetof(struct wish, local.energy)},
-      {"precision", LBW_INT, offsetof(struct wish, local.precision)},
-      {"inertia_relief", LBW_BOOLEAN, offsetof(struct wish, statics.inertia_relief)},
-      {"balance_tolerance", LBW_REAL, offsetof(struct wish, statics.tolerance)},
+      {"further", LBW_INT, offsetof(struct opts, local.further)},
+      {"max_iteration_ratio", LBW_REAL, offsetof(struct opts, local.max_iteration_ratio)},
+      {"energy", LBW_BOOLEAN, offsetof(struct opts, local.energy)},
+      {"precision", LBW_INT, offsetof(struct opts, local.precision)},
+      {"inertia_relief", LBW_BOOLEAN, offsetof(struct opts, statics.inertia_relief)},
+      {"balance_tolerance", LBW_REAL, offsetof(struct opts, statics.tolerance)},
       {NULL, LBW_OTHER, 0}};
-  bw_local_options_default(&wish.local);
-  wish.statics = (bw_statics_options){.tolerance = 1e-6};
-  lbw_options(L, index, function, list, &wish);
-  wish.local.method = (bw_local_method)lbw_word_option(L, index, function, "method",
-                                                       lbw_local_methods, (int)wish.local.method);
-  lbw_read_guess(L, index, function, self(L)->system->mesh->node_count, &wish.local);
-  *local = wish.local;
-  *statics = wish.statics;
+  bw_local_options_default(&opts.local);
+  opts.statics = (bw_statics_options){.tolerance = 1e-6};
+  lbw_options(L, index, function, list, &opts);
+  opts.local.method = (bw_local_method)lbw_word_option(L, index, function, "method",
+                                                       lbw_local_methods, (int)opts.local.method);
+  lbw_read_guess(L, index, function, self(L)->system->mesh->node_count, &opts.local);
+  *local = opts.local;
+  *statics = opts.statics;
 }
 
 /* local:statics(model, options, reuse or nil): static, reuse */

@@ -312,25 +312,25 @@ bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system
 }
 
 /* Which solver, and the options of one external. */
-typedef struct external_wish {
+typedef struct external_opts {
   int with; /* place in the names */
   bool external;
   bw_external_options options;
-} external_wish;
+} external_opts;
 
 /* `names`: of solvers, the one external last. */
 static void read_external(lua_State *L, const char *function, const char *const names[],
-                          external_wish *wish) {
+                          external_opts *opts) {
   static const char *const methods[] = {"auto", "cg", "cholesky", NULL};
   int last = 0;
   while (names[last + 1])
     last++;
-  wish->with = lbw_word_option(L, 2, function, "with", names, 0);
-  wish->external = wish->with == last;
-  wish->options.method =
+  opts->with = lbw_word_option(L, 2, function, "with", names, 0);
+  opts->external = opts->with == last;
+  opts->options.method =
       (bw_external_method)lbw_word_option(L, 2, function, "method", methods, BW_EXTERNAL_AUTO);
   static const char *const own[] = {"method", "rtol"};
-  for (int i = 0; i < 2 && !wish->external; i++)
+  for (int i = 0; i < 2 && !opts->external; i++)
     if (lbw_option_get(L, 2, own[i]) != LUA_TNIL)
       lbw_error(L, "%s: option '%s' belongs to with = \"%s\"", function, own[i], names[last]);
   lua_settop(L, 2);
@@ -371,44 +371,44 @@ static bool external_ready(lua_State *L) {
 
 /* model:solve{inertia_relief, tolerance, with, iterations, memory_limit, method, rtol} */
 static int model_solve(lua_State *L) {
-  struct wish {
+  struct opts {
     bw_statics_options options;
-    external_wish with;
-  } wish = {.options = {.tolerance = 1e-6}};
+    external_opts with;
+  } opts = {.options = {.tolerance = 1e-6}};
   static const lbw_option list[] = {
-      {"inertia_relief", LBW_BOOLEAN, offsetof(struct wish, options.inertia_relief)},
-      {"tolerance", LBW_REAL, offsetof(struct wish, options.tolerance)},
+      {"inertia_relief", LBW_BOOLEAN, offsetof(struct opts, options.inertia_relief)},
+      {"tolerance", LBW_REAL, offsetof(struct opts, options.tolerance)},
       {"with", LBW_OTHER, 0},
-      {"memory_limit", LBW_REAL, offsetof(struct wish, options.memory)},
+      {"memory_limit", LBW_REAL, offsetof(struct opts, options.memory)},
       {"method", LBW_OTHER, 0},
-      {"rtol", LBW_REAL, offsetof(struct wish, with.options.rtol)},
-      {"iterations", LBW_INT, offsetof(struct wish, with.options.iterations)},
+      {"rtol", LBW_REAL, offsetof(struct opts, with.options.rtol)},
+      {"iterations", LBW_INT, offsetof(struct opts, with.options.iterations)},
       {NULL, LBW_OTHER, 0}};
   static const char *const names[] = {"auto", "factor", "pcg", "petsc", NULL};
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
   lua_settop(L, 2);
-  bw_external_options_default(&wish.with.options);
-  lbw_options(L, 2, "solve", list, &wish);
-  read_external(L, "solve", names, &wish.with);
-  check_belongs(L, "solve", "iterations", wish.with.external || wish.with.with == BW_STATICS_PCG,
+  bw_external_options_default(&opts.with.options);
+  lbw_options(L, 2, "solve", list, &opts);
+  read_external(L, "solve", names, &opts.with);
+  check_belongs(L, "solve", "iterations", opts.with.external || opts.with.with == BW_STATICS_PCG,
                 "with = \"pcg\" and with = \"petsc\"");
   check_belongs(L, "solve", "memory_limit",
-                wish.with.with == BW_STATICS_AUTO || wish.with.with == BW_STATICS_FACTOR,
+                opts.with.with == BW_STATICS_AUTO || opts.with.with == BW_STATICS_FACTOR,
                 "with = \"auto\" and with = \"factor\"");
-  if (wish.with.external && !external_ready(L))
+  if (opts.with.external && !external_ready(L))
     return 3;
   lbw_box *box = lbw_box_new(L, &lbw_static_class);
   bw_static *result = NULL;
   bw_context *context = lbw_enter(L);
   bw_status status;
-  if (wish.with.external)
-    status = bw_statics_external(context, (const bw_model *)model->object, &wish.options,
-                                 &wish.with.options, &result);
+  if (opts.with.external)
+    status = bw_statics_external(context, (const bw_model *)model->object, &opts.options,
+                                 &opts.with.options, &result);
   else {
-    wish.options.method = (bw_statics_method)wish.with.with;
-    wish.options.iterations = wish.with.options.iterations;
+    opts.options.method = (bw_statics_method)opts.with.with;
+    opts.options.iterations = opts.with.options.iterations;
     status = bw_statics(context, (const bw_model *)model->object, (bw_system *)model->extra,
-                        &wish.options, &result);
+                        &opts.options, &result);
   }
   if (status == BW_OK && result->system && result->system != model->extra) {
     bw_release(model->extra);
@@ -423,54 +423,54 @@ static int model_solve(lua_State *L) {
 /* model:modes{count, tolerance, sturm, seed, laplacian, with = "slepc", method, rtol, iterations}
  */
 static int model_modes(lua_State *L) {
-  struct wish {
+  struct opts {
     bw_modes_options options;
     bool laplacian;
-    external_wish with;
-  } wish = {.laplacian = false};
+    external_opts with;
+  } opts = {.laplacian = false};
   static const lbw_option list[] = {
-      {"count", LBW_INT, offsetof(struct wish, options.count)},
-      {"tolerance", LBW_REAL, offsetof(struct wish, options.tolerance)},
-      {"sturm", LBW_BOOLEAN, offsetof(struct wish, options.sturm)},
-      {"seed", LBW_SEED, offsetof(struct wish, options.seed)},
-      {"laplacian", LBW_BOOLEAN, offsetof(struct wish, laplacian)},
+      {"count", LBW_INT, offsetof(struct opts, options.count)},
+      {"tolerance", LBW_REAL, offsetof(struct opts, options.tolerance)},
+      {"sturm", LBW_BOOLEAN, offsetof(struct opts, options.sturm)},
+      {"seed", LBW_SEED, offsetof(struct opts, options.seed)},
+      {"laplacian", LBW_BOOLEAN, offsetof(struct opts, laplacian)},
       {"with", LBW_OTHER, 0},
       {"method", LBW_OTHER, 0},
-      {"rtol", LBW_REAL, offsetof(struct wish, with.options.rtol)},
-      {"iterations", LBW_INT, offsetof(struct wish, with.options.iterations)},
+      {"rtol", LBW_REAL, offsetof(struct opts, with.options.rtol)},
+      {"iterations", LBW_INT, offsetof(struct opts, with.options.iterations)},
       {NULL, LBW_OTHER, 0}};
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
   lua_settop(L, 2);
-  bw_modes_options_default(&wish.options);
-  bw_external_options_default(&wish.with.options);
-  lbw_options(L, 2, "modes", list, &wish);
+  bw_modes_options_default(&opts.options);
+  bw_external_options_default(&opts.with.options);
+  lbw_options(L, 2, "modes", list, &opts);
   static const char *const names[] = {"factor", "slepc", NULL};
-  read_external(L, "modes", names, &wish.with);
-  check_belongs(L, "modes", "iterations", wish.with.external, "with = \"slepc\"");
-  if (wish.with.external && wish.laplacian)
+  read_external(L, "modes", names, &opts.with);
+  check_belongs(L, "modes", "iterations", opts.with.external, "with = \"slepc\"");
+  if (opts.with.external && opts.laplacian)
     return lbw_error(L, "modes: Laplacian modes are the engine's own: no with = \"slepc\" there");
-  if (wish.with.external && !external_ready(L))
+  if (opts.with.external && !external_ready(L))
     return 3;
   lbw_box *box = lbw_box_new(L, &lbw_modes_class);
   bw_modes *modes = NULL;
   bw_system *system = NULL;
   bw_status status;
   bw_context *context = lbw_enter(L);
-  if (wish.laplacian) {
+  if (opts.laplacian) {
     const bw_mesh *mesh = ((const bw_model *)model->object)->mesh;
     const bw_system *old = (const bw_system *)model->extra;
     bw_graph *graph = old && old->mesh == mesh ? (bw_graph *)bw_retain(old->graph) : NULL;
     status = graph ? BW_OK : bw_graph_create(context, mesh, &graph);
     if (status == BW_OK)
-      status = bw_modes_laplacian(context, mesh, graph, &wish.options, &modes);
+      status = bw_modes_laplacian(context, mesh, graph, &opts.options, &modes);
     bw_release(graph);
-  } else if (wish.with.external) {
-    status = bw_modes_external(context, (const bw_model *)model->object, &wish.options,
-                               &wish.with.options, &modes);
+  } else if (opts.with.external) {
+    status = bw_modes_external(context, (const bw_model *)model->object, &opts.options,
+                               &opts.with.options, &modes);
   } else {
     status = lbw_model_system(context, model, &system);
     if (status == BW_OK)
-      status = bw_modes_elastic(context, system, &wish.options, &modes);
+      status = bw_modes_elastic(context, system, &opts.options, &modes);
   }
   lbw_box_fill(L, box, modes);
   lbw_box_account(L, model);

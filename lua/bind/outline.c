@@ -218,16 +218,16 @@ static int outline_picture(lua_State *L) {
   struct {
     int width, height;
     bool numbers;
-  } wish = {1200, 900, false};
+  } opts = {1200, 900, false};
   static const lbw_option list[] = {{"width", LBW_INT, 0},
                                     {"height", LBW_INT, sizeof(int)},
                                     {"numbers", LBW_BOOLEAN, 2 * sizeof(int)},
                                     {NULL, LBW_OTHER, 0}};
   const bw_outline *outline = self(L);
   const char *path = lbw_check_text(L, 2, NULL);
-  lbw_options(L, 3, "picture", list, &wish);
+  lbw_options(L, 3, "picture", list, &opts);
   bw_status status =
-      bw_picture_outline(lbw_enter(L), outline, wish.width, wish.height, wish.numbers, path);
+      bw_picture_outline(lbw_enter(L), outline, opts.width, opts.height, opts.numbers, path);
   lua_pushboolean(L, 1);
   return lbw_leave(L, status, 1);
 }
@@ -311,7 +311,7 @@ static int outline_smooth(lua_State *L) {
   struct {
     double strength, corner;
     int rounds;
-  } wish = {0.5, 30, 1};
+  } opts = {0.5, 30, 1};
   static const lbw_option list[] = {{"loop", LBW_OTHER, 0},
                                     {"strength", LBW_REAL, 0},
                                     {"corner", LBW_REAL, sizeof(double)},
@@ -319,7 +319,7 @@ static int outline_smooth(lua_State *L) {
                                     {NULL, LBW_OTHER, 0}};
   const bw_outline *outline = self(L);
   lua_settop(L, 2);
-  lbw_options(L, 2, "smooth", list, &wish);
+  lbw_options(L, 2, "smooth", list, &opts);
   int32_t loop = lbw_option_get(L, 2, "loop") == LUA_TNIL ? -1 : check_loop(L, 3, outline);
   int32_t first = loop < 0 ? 0 : loop, last = loop < 0 ? outline->loop_count - 1 : loop;
   lbw_box *box = lbw_box_new(L, &lbw_outline_class);
@@ -328,8 +328,8 @@ static int outline_smooth(lua_State *L) {
   bw_context *context = lbw_enter(L);
   for (int32_t l = first; status == BW_OK && l <= last; l++) {
     bw_outline *next = NULL;
-    status = bw_outline_smoothed(context, out, l, wish.strength, wish.rounds,
-                                 wish.corner * (acos(-1) / 180), &next);
+    status = bw_outline_smoothed(context, out, l, opts.strength, opts.rounds,
+                                 opts.corner * (acos(-1) / 180), &next);
     bw_release(out);
     out = next;
   }

@@ -4,21 +4,21 @@
 
 #include <string.h>
 
-typedef struct wish {
+typedef struct opts {
   bw_picture_options options;
-} wish;
+} opts;
 
-static const lbw_option list[] = {{"width", LBW_INT, offsetof(wish, options.width)},
-                                  {"height", LBW_INT, offsetof(wish, options.height)},
-                                  {"direction", LBW_VECTOR, offsetof(wish, options.direction)},
-                                  {"up", LBW_VECTOR, offsetof(wish, options.up)},
-                                  {"zoom", LBW_REAL, offsetof(wish, options.zoom)},
-                                  {"scale", LBW_REAL, offsetof(wish, options.scale)},
-                                  {"low", LBW_REAL, offsetof(wish, options.low)},
-                                  {"high", LBW_REAL, offsetof(wish, options.high)},
-                                  {"edges", LBW_BOOLEAN, offsetof(wish, options.edges)},
-                                  {"deformation", LBW_REAL, offsetof(wish, options.deformation)},
-                                  {"ghost", LBW_BOOLEAN, offsetof(wish, options.ghost)},
+static const lbw_option list[] = {{"width", LBW_INT, offsetof(opts, options.width)},
+                                  {"height", LBW_INT, offsetof(opts, options.height)},
+                                  {"direction", LBW_VECTOR, offsetof(opts, options.direction)},
+                                  {"up", LBW_VECTOR, offsetof(opts, options.up)},
+                                  {"zoom", LBW_REAL, offsetof(opts, options.zoom)},
+                                  {"scale", LBW_REAL, offsetof(opts, options.scale)},
+                                  {"low", LBW_REAL, offsetof(opts, options.low)},
+                                  {"high", LBW_REAL, offsetof(opts, options.high)},
+                                  {"edges", LBW_BOOLEAN, offsetof(opts, options.edges)},
+                                  {"deformation", LBW_REAL, offsetof(opts, options.deformation)},
+                                  {"ghost", LBW_BOOLEAN, offsetof(opts, options.ghost)},
                                   {"title", LBW_OTHER, 0},
                                   {"unit", LBW_OTHER, 0},
                                   {"values", LBW_OTHER, 0},
@@ -109,17 +109,17 @@ typedef struct drawn {
   const bw_surface *surface;
   const double *value;
   bool on_facets;
-  wish wish;
+  opts opts;
 } drawn;
 
 static void read_drawn(lua_State *L, drawn *d) {
   const bw_surface *surface = (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
   memset(d, 0, sizeof *d);
   d->surface = surface;
-  bw_picture_options *options = &d->wish.options;
+  bw_picture_options *options = &d->opts.options;
   bw_picture_options_default(options);
   lua_settop(L, 3);
-  lbw_options(L, 3, "picture", list, &d->wish);
+  lbw_options(L, 3, "picture", list, &d->opts);
   luaL_checkstack(L, 20, "too many values");
   if (text_option(L, "title"))
     options->title = lua_tostring(L, -1);
@@ -154,7 +154,7 @@ static int picture(lua_State *L) {
   read_drawn(L, &d);
   lua_pushboolean(L, 1);
   bw_status status =
-      bw_picture_surface(lbw_enter(L), d.surface, d.value, d.on_facets, &d.wish.options, path);
+      bw_picture_surface(lbw_enter(L), d.surface, d.value, d.on_facets, &d.opts.options, path);
   return lbw_leave(L, status, 1);
 }
 
@@ -165,7 +165,7 @@ static int picture_direction(lua_State *L) {
   double direction[3] = {0, 0, 0};
   read_drawn(L, &d);
   bw_status status = bw_picture_direction(lbw_enter(L), d.surface, d.value, d.on_facets,
-                                          &d.wish.options, direction);
+                                          &d.opts.options, direction);
   lua_createtable(L, 3, 0);
   for (int k = 0; k < 3; k++) {
     lua_pushnumber(L, direction[k]);

@@ -42,14 +42,14 @@ static uint8_t *read_levels(lua_State *L, int index, int64_t elements) {
 
 /* model:refined(levels, {surface, order, most_elements, also}): model, the selections of `also` */
 static int model_refined(lua_State *L) {
-  struct wish {
+  struct opts {
     int order;
     int64_t most;
-  } wish = {0, 100000000};
+  } opts = {0, 100000000};
   static const lbw_option list[] = {{"surface", LBW_OTHER, 0},
                                     {"also", LBW_OTHER, 0},
-                                    {"order", LBW_INT, offsetof(struct wish, order)},
-                                    {"most_elements", LBW_COUNT, offsetof(struct wish, most)},
+                                    {"order", LBW_INT, offsetof(struct opts, order)},
+                                    {"most_elements", LBW_COUNT, offsetof(struct opts, most)},
                                     {NULL, LBW_OTHER, 0}};
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
   const bw_surface *surface = NULL;
@@ -58,7 +58,7 @@ static int model_refined(lua_State *L) {
   lbw_box *carried_box[MOST_ALSO];
   int also_count = 0;
   lua_settop(L, 3);
-  lbw_options(L, 3, "refined", list, &wish);
+  lbw_options(L, 3, "refined", list, &opts);
   if (lbw_option_get(L, 3, "surface") != LUA_TNIL) {
     surface = (const bw_surface *)lbw_test(L, -1, &lbw_surface_class);
     if (!surface)
@@ -80,8 +80,8 @@ static int model_refined(lua_State *L) {
   bw_mesh *curved = NULL;
   bw_status status;
   bw_context *context = lbw_enter(L);
-  BW_TRY(bw_mesh_refine(context, model->mesh, levels, wish.order ? wish.order : model->mesh->order,
-                        wish.most, &refinement));
+  BW_TRY(bw_mesh_refine(context, model->mesh, levels, opts.order ? opts.order : model->mesh->order,
+                        opts.most, &refinement));
   if (surface)
     BW_TRY(bw_mesh_curved(context, refinement.mesh, surface, &curved, NULL));
   BW_TRY(bw_model_refined(context, model, &refinement, curved ? curved : refinement.mesh,

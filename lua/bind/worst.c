@@ -13,14 +13,14 @@ static const bw_weak_regions *regions_self(lua_State *L) {
 
 /* weak_regions(mesh, material, modes, {measure, fraction, regions, target}) */
 static int weak_regions_find(lua_State *L) {
-  struct wish {
+  struct opts {
     double fraction;
     int regions;
-  } wish;
+  } opts;
   static const lbw_option list[] = {{"measure", LBW_OTHER, 0},
                                     {"target", LBW_OTHER, 0},
-                                    {"fraction", LBW_REAL, offsetof(struct wish, fraction)},
-                                    {"regions", LBW_INT, offsetof(struct wish, regions)},
+                                    {"fraction", LBW_REAL, offsetof(struct opts, fraction)},
+                                    {"regions", LBW_INT, offsetof(struct opts, regions)},
                                     {NULL, LBW_OTHER, 0}};
   static const char *const measures[] = {"stress", "energy", NULL};
   static const char *const targets[] = {"stress", "displacement", NULL};
@@ -29,11 +29,11 @@ static int weak_regions_find(lua_State *L) {
   const bw_modes *modes = (const bw_modes *)lbw_check(L, 3, &lbw_modes_class);
   bw_weak_options options;
   bw_weak_options_default(&options);
-  wish = (struct wish){options.fraction, options.regions};
+  opts = (struct opts){options.fraction, options.regions};
   lua_settop(L, 4);
-  lbw_options(L, 4, "weak_regions", list, &wish);
-  options.fraction = wish.fraction;
-  options.regions = wish.regions;
+  lbw_options(L, 4, "weak_regions", list, &opts);
+  options.fraction = opts.fraction;
+  options.regions = opts.regions;
   options.measure = lbw_word_option(L, 4, "weak_regions", "measure", measures, 0) ? BW_WEAK_ENERGY
                                                                                   : BW_WEAK_STRESS;
   options.target = lbw_word_option(L, 4, "weak_regions", "target", targets, 0)

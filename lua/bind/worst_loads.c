@@ -122,21 +122,21 @@ static void *by_element(const kept *k, const char *key, bw_type type, int64_t el
 /* worst_loads(system, basis, regions, {pressure, force, at_most, one_sign, hands, hand_area, batch,
  * keep_pressures, glpk, after}): a table of arrays */
 static int worst_loads(lua_State *L) {
-  struct wish {
+  struct opts {
     bw_worst_load_options options;
     int batch;
     bool keep_pressures, glpk;
-  } wish;
+  } opts;
   static const lbw_option list[] = {
-      {"pressure", LBW_REAL, offsetof(struct wish, options.pressure)},
-      {"force", LBW_REAL, offsetof(struct wish, options.force)},
-      {"at_most", LBW_BOOLEAN, offsetof(struct wish, options.at_most)},
-      {"one_sign", LBW_BOOLEAN, offsetof(struct wish, options.one_sign)},
-      {"hands", LBW_INT, offsetof(struct wish, options.hands)},
-      {"hand_area", LBW_REAL, offsetof(struct wish, options.hand_area)},
-      {"batch", LBW_INT, offsetof(struct wish, batch)},
-      {"keep_pressures", LBW_BOOLEAN, offsetof(struct wish, keep_pressures)},
-      {"glpk", LBW_BOOLEAN, offsetof(struct wish, glpk)},
+      {"pressure", LBW_REAL, offsetof(struct opts, options.pressure)},
+      {"force", LBW_REAL, offsetof(struct opts, options.force)},
+      {"at_most", LBW_BOOLEAN, offsetof(struct opts, options.at_most)},
+      {"one_sign", LBW_BOOLEAN, offsetof(struct opts, options.one_sign)},
+      {"hands", LBW_INT, offsetof(struct opts, options.hands)},
+      {"hand_area", LBW_REAL, offsetof(struct opts, options.hand_area)},
+      {"batch", LBW_INT, offsetof(struct opts, batch)},
+      {"keep_pressures", LBW_BOOLEAN, offsetof(struct opts, keep_pressures)},
+      {"glpk", LBW_BOOLEAN, offsetof(struct opts, glpk)},
       {"after", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
@@ -144,11 +144,11 @@ static int worst_loads(lua_State *L) {
       (const bw_pressure_basis *)lbw_check(L, 2, &lbw_pressure_basis_class);
   const bw_weak_regions *regions =
       (const bw_weak_regions *)lbw_check(L, 3, &lbw_weak_regions_class);
-  memset(&wish, 0, sizeof wish);
-  wish.keep_pressures = true;
+  memset(&opts, 0, sizeof opts);
+  opts.keep_pressures = true;
   lua_settop(L, 4);
-  lbw_options(L, 4, "worst_loads", list, &wish);
-  wish.options.solver = wish.glpk ? BW_LP_GLPK : BW_LP_OWN;
+  lbw_options(L, 4, "worst_loads", list, &opts);
+  opts.options.solver = opts.glpk ? BW_LP_GLPK : BW_LP_OWN;
   const bw_mesh *mesh = system->mesh;
   lbw_argument_check(L, basis->mesh == mesh, 2, "a pressure basis of the same mesh expected");
   lbw_argument_check(L, regions->mesh == mesh, 3, "regions of the same mesh expected");
@@ -190,7 +190,7 @@ static int worst_loads(lua_State *L) {
   c.flipped = (uint8_t *)by_region(&k, "flipped", BW_U8, 1);
   c.weakness = (double *)by_element(&k, "weakness", BW_F64, mesh->element_count);
   c.worst_region = (int32_t *)by_element(&k, "worst_region", BW_I32, mesh->element_count);
-  if (wish.keep_pressures)
+  if (opts.keep_pressures)
     c.pressure = (double *)by_region(&k, "pressures", BW_F64, basis->count);
   if (c.directional)
     c.scratch =
@@ -198,7 +198,7 @@ static int worst_loads(lua_State *L) {
   lua_pushvalue(L, k.table); /* the scratch block stays alive below it */
   c.context = lbw_enter(L);
   bw_status status =
-      bw_worst_case_run(c.context, system, basis, regions, &wish.options, wish.batch, collect, &c);
+      bw_worst_case_run(c.context, system, basis, regions, &opts.options, opts.batch, collect, &c);
   return lbw_leave(L, status, 1);
 }
 
@@ -220,38 +220,38 @@ static int push_screening(lua_State *L) {
  * {targets, stresses}, largest first. Targets are elements, or with a radius nodes in the middles
  * of patches. */
 static int worst_screening(lua_State *L) {
-  struct wish {
+  struct opts {
     bw_worst_load_options options;
     int patches, targets;
     double radius;
     bool glpk;
-  } wish;
+  } opts;
   static const lbw_option list[] = {
-      {"pressure", LBW_REAL, offsetof(struct wish, options.pressure)},
-      {"force", LBW_REAL, offsetof(struct wish, options.force)},
-      {"at_most", LBW_BOOLEAN, offsetof(struct wish, options.at_most)},
-      {"glpk", LBW_BOOLEAN, offsetof(struct wish, glpk)},
-      {"patches", LBW_INT, offsetof(struct wish, patches)},
-      {"targets", LBW_INT, offsetof(struct wish, targets)},
-      {"radius", LBW_REAL, offsetof(struct wish, radius)},
+      {"pressure", LBW_REAL, offsetof(struct opts, options.pressure)},
+      {"force", LBW_REAL, offsetof(struct opts, options.force)},
+      {"at_most", LBW_BOOLEAN, offsetof(struct opts, options.at_most)},
+      {"glpk", LBW_BOOLEAN, offsetof(struct opts, glpk)},
+      {"patches", LBW_INT, offsetof(struct opts, patches)},
+      {"targets", LBW_INT, offsetof(struct opts, targets)},
+      {"radius", LBW_REAL, offsetof(struct opts, radius)},
       {NULL, LBW_OTHER, 0}};
   bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
   const bw_pressure_basis *basis =
       (const bw_pressure_basis *)lbw_check(L, 2, &lbw_pressure_basis_class);
-  memset(&wish, 0, sizeof wish);
-  wish.patches = 128;
-  wish.targets = 512;
+  memset(&opts, 0, sizeof opts);
+  opts.patches = 128;
+  opts.targets = 512;
   lua_settop(L, 3);
-  lbw_options(L, 3, "worst_screening", list, &wish);
-  wish.options.solver = wish.glpk ? BW_LP_GLPK : BW_LP_OWN;
+  lbw_options(L, 3, "worst_screening", list, &opts);
+  opts.options.solver = opts.glpk ? BW_LP_GLPK : BW_LP_OWN;
   lbw_argument_check(L, basis->mesh == system->mesh, 2,
                      "a pressure basis of the same mesh expected");
   bw_screening found;
   memset(&found, 0, sizeof found);
   lua_pushcfunction(L, push_screening);
   lua_pushlightuserdata(L, &found);
-  bw_status status = bw_worst_screening(lbw_enter(L), system, basis, &wish.options, wish.patches,
-                                        wish.radius, wish.targets, &found);
+  bw_status status = bw_worst_screening(lbw_enter(L), system, basis, &opts.options, opts.patches,
+                                        opts.radius, opts.targets, &found);
   lbw_state_of(L)->running = 0;
   if (status != BW_OK)
     return lbw_leave(L, status, 0);
@@ -293,27 +293,27 @@ static int push_leaves(lua_State *L) {
  * {upper, largest, linear programs}; where `largest` is more than the incumbent, element and stress
  * (an array of one row); with leaves = true these */
 static int worst_bound(lua_State *L) {
-  struct wish {
+  struct opts {
     bw_worst_load_options options;
     double incumbent, tolerance;
     bool glpk, leaves;
-  } wish;
+  } opts;
   static const lbw_option list[] = {
-      {"pressure", LBW_REAL, offsetof(struct wish, options.pressure)},
-      {"force", LBW_REAL, offsetof(struct wish, options.force)},
-      {"at_most", LBW_BOOLEAN, offsetof(struct wish, options.at_most)},
-      {"glpk", LBW_BOOLEAN, offsetof(struct wish, glpk)},
-      {"incumbent", LBW_REAL, offsetof(struct wish, incumbent)},
-      {"tolerance", LBW_REAL, offsetof(struct wish, tolerance)},
-      {"leaves", LBW_BOOLEAN, offsetof(struct wish, leaves)},
+      {"pressure", LBW_REAL, offsetof(struct opts, options.pressure)},
+      {"force", LBW_REAL, offsetof(struct opts, options.force)},
+      {"at_most", LBW_BOOLEAN, offsetof(struct opts, options.at_most)},
+      {"glpk", LBW_BOOLEAN, offsetof(struct opts, glpk)},
+      {"incumbent", LBW_REAL, offsetof(struct opts, incumbent)},
+      {"tolerance", LBW_REAL, offsetof(struct opts, tolerance)},
+      {"leaves", LBW_BOOLEAN, offsetof(struct opts, leaves)},
       {NULL, LBW_OTHER, 0}};
   bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
   const bw_pressure_basis *basis =
       (const bw_pressure_basis *)lbw_check(L, 2, &lbw_pressure_basis_class);
-  memset(&wish, 0, sizeof wish);
+  memset(&opts, 0, sizeof opts);
   lua_settop(L, 3);
-  lbw_options(L, 3, "worst_bound", list, &wish);
-  wish.options.solver = wish.glpk ? BW_LP_GLPK : BW_LP_OWN;
+  lbw_options(L, 3, "worst_bound", list, &opts);
+  opts.options.solver = opts.glpk ? BW_LP_GLPK : BW_LP_OWN;
   lbw_argument_check(L, basis->mesh == system->mesh, 2,
                      "a pressure basis of the same mesh expected");
   lua_createtable(L, 0, 5);
@@ -323,8 +323,8 @@ static int worst_bound(lua_State *L) {
   memset(&leaves, 0, sizeof leaves);
   lua_pushlightuserdata(L, &leaves);
   bw_worst_bound bound;
-  bw_status status = bw_worst_bound_find(lbw_enter(L), system, basis, &wish.options, wish.incumbent,
-                                         wish.tolerance, &bound, wish.leaves ? &leaves : NULL);
+  bw_status status = bw_worst_bound_find(lbw_enter(L), system, basis, &opts.options, opts.incumbent,
+                                         opts.tolerance, &bound, opts.leaves ? &leaves : NULL);
   lbw_state_of(L)->running = 0;
   int failure = status == BW_OK ? lua_pcall(L, 1, 1, 0) : LUA_OK;
   bw_bound_leaves_clear(&leaves);
@@ -332,7 +332,7 @@ static int worst_bound(lua_State *L) {
     return lua_error(L);
   if (status != BW_OK)
     return lbw_leave(L, status, 0);
-  if (wish.leaves)
+  if (opts.leaves)
     lua_setfield(L, 4, "leaves");
   lua_settop(L, 5); /* the results and the stress */
   memcpy(stress, bound.stress, sizeof bound.stress);

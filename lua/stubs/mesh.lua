@@ -43,7 +43,7 @@ function mesh_module.fill(surface, options) end
 ---@field repair? boolean repair a surface that is not sound. Default: true
 ---@field sharp_angle? number (rad) edges whose triangles' normals differ by more are kept by remeshing. Default: 40 degrees
 ---@field near? bw.MeshFillPlace[] shorter edges near points, on the surface too. Default: none
----@field size? string|fun(x: number, y: number, z: number): number wanted edge length in m by place, 0: no wish; a formula as in `bw.array.map`, or a function. Default: none
+---@field size? string|fun(x: number, y: number, z: number): number wanted edge length in m by place, 0: no bound; a formula as in `bw.array.map`, or a function. Default: none
 ---@field time_limit? number (s) of one attempt. Default: 300
 ---@field memory_limit? number (bytes) of one attempt. Default: 6e9
 ---@field tolerance? number (-) how far the number of elements may be off `elements`, relative. Range: above 0, below 1. Default: 0.15

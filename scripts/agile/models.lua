@@ -20,25 +20,25 @@ local function distance(a, b)
   return math.sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2 + (a[3] - b[3]) ^ 2)
 end
 
---- A scene as scenes.make gives it. wish: elements (default 20,000), order (2), bones (as many as
+--- A scene as scenes.make gives it. opts: elements (default 20,000), order (2), bones (as many as
 --- the shape asks for), force (5 N), unit, material (that of the paper).
-function models.make(path, wish)
-  local surface, message, details = bw.surface.read(path, {unit = wish.unit})
+function models.make(path, opts)
+  local surface, message, details = bw.surface.read(path, {unit = opts.unit})
   if not surface then return nil, message, details end
   local mesh
-  mesh, message, details = bw.mesh.fill(surface, {elements = wish.elements or 20000,
-    order = wish.order or 2})
+  mesh, message, details = bw.mesh.fill(surface, {elements = opts.elements or 20000,
+    order = opts.order or 2})
   if not mesh then return nil, message, details end
   local boundary
   boundary, message, details = mesh:surface()
   if not boundary then return nil, message, details end
   local skeleton
-  skeleton, message, details = bw.skeleton.extract(boundary, {bones = wish.bones or 0})
+  skeleton, message, details = bw.skeleton.extract(boundary, {bones = opts.bones or 0})
   if not skeleton then return nil, message, details end
 
   local low, high = mesh.box.low, mesh.box.high
   local size = distance(low, high)
-  local material = wish.material and bw.material.named(wish.material) or scenes.material()
+  local material = opts.material and bw.material.named(opts.material) or scenes.material()
   local part = bw.model {mesh = mesh, material = material}
   local held = mesh.boundary:below("z", low[3] + 0.04 * (high[3] - low[3]))
   part:fix(held)
@@ -49,8 +49,8 @@ function models.make(path, wish)
     local far = distance(joints[i], centre)
     if far > best.far then best = {far = far, at = joints[i], joint = name} end
   end
-  local across = (high[1] - low[1] < high[2] - low[2]) and {wish.force or 5, 0, 0}
-    or {0, wish.force or 5, 0}
+  local across = (high[1] - low[1] < high[2] - low[2]) and {opts.force or 5, 0, 0}
+    or {0, opts.force or 5, 0}
   local nearest = mesh.boundary:nearest(best.at, 1).centre
   local on = mesh.boundary:near(nearest, 0.04 * size)
   part:load {on = on, force = across}

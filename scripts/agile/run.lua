@@ -35,7 +35,7 @@ local function usage(message)
 end
 
 local function read_arguments()
-  local wish, model, i = {}, nil, 1
+  local opts, model, i = {}, nil, 1
   while i <= #arg do
     local name, joined = arg[i]:match "^%-%-([^=]+)=?(.*)$"
     local kind = name and known[name]
@@ -48,7 +48,7 @@ local function read_arguments()
       usage(("unknown option %s: %s"):format(arg[i],
         require "barwright.core".suggestion("--" .. name, names)))
     elseif kind == "flag" then
-      wish[name] = true
+      opts[name] = true
     else
       local text = joined
       if not arg[i]:find("=", 1, true) then
@@ -63,14 +63,14 @@ local function read_arguments()
           usage(("option --%s: a positive %s expected, got '%s'"):format(name, kind, text or "nothing"))
         end
       end
-      wish[name] = value or usage(("option --%s: a value expected"):format(name))
+      opts[name] = value or usage(("option --%s: a value expected"):format(name))
     end
     i = i + 1
   end
-  if not wish.out then usage "--out DIR is missing" end
-  if (model ~= nil) == (wish.scene ~= nil) then usage "either --scene NAME or a MODEL expected" end
-  if wish.order and wish.order > 2 then usage "option --order: 1 or 2 expected" end
-  return wish, model
+  if not opts.out then usage "--out DIR is missing" end
+  if (model ~= nil) == (opts.scene ~= nil) then usage "either --scene NAME or a MODEL expected" end
+  if opts.order and opts.order > 2 then usage "option --order: 1 or 2 expected" end
+  return opts, model
 end
 
 -- The shape as it is, not as it bends, coloured by stress; with `high` the colours end there.
@@ -185,14 +185,14 @@ local function strengthen(session, scene, result, results)
 end
 
 -- Everything about one scene; returns its result, or nil, message, details with what was done kept.
-local function run(scene, wish, out)
+local function run(scene, opts, out)
   local start = bw.seconds()
   local results, message, details = bw.results.open(out, {script = "scripts/agile/run.lua",
-    inputs = scene.inputs or {}, options = wish, seed = bw.json.null})
+    inputs = scene.inputs or {}, options = opts, seed = bw.json.null})
   if not results then return nil, message, details end
   local mesh = scene.mesh
   local result = {scene = scene.name, finished = false, elements = mesh.element_count,
-    nodes = mesh.node_count, limit_pa = wish.limit or scenes.threshold,
+    nodes = mesh.node_count, limit_pa = opts.limit or scenes.threshold,
     seconds_mesh = scene.seconds_mesh, bones = scene.skeleton.bone_count, edits = bw.json.list {},
     remarks = bw.json.list {}, paper = scene.paper and {elements = scene.paper.elements,
       bones = scene.paper.bones, max_von_mises_pa = scene.paper.von_mises}}
@@ -206,7 +206,7 @@ local function run(scene, wish, out)
     if not session then return nil, why, how end
     result.seconds_session = bw.seconds() - clock
     done, why, how = replay(session, scene, result, results)
-    if done and not wish["no-optimise"] then done, why, how = strengthen(session, scene, result, results) end
+    if done and not opts["no-optimise"] then done, why, how = strengthen(session, scene, result, results) end
     return done, why, how
   end
   local fine, done
@@ -228,25 +228,25 @@ end
 
 local function main()
   io.stdout:setvbuf "line"
-  local wish, model = read_arguments()
-  if wish.threads then bw.threads(wish.threads) end
-  local names = model and {model} or wish.scene == "all" and scenes.names or {wish.scene}
+  local opts, model = read_arguments()
+  if opts.threads then bw.threads(opts.threads) end
+  local names = model and {model} or opts.scene == "all" and scenes.names or {opts.scene}
   local status = MET
   for _, name in ipairs(names) do
     local scene, message
     local start = bw.seconds()
     if model then
-      scene, message = models.make(model, wish)
+      scene, message = models.make(model, opts)
     elseif scenes.paper[name] then
-      scene = scenes.make(name, {elements = wish.elements, order = wish.order})
+      scene = scenes.make(name, {elements = opts.elements, order = opts.order})
     else
       usage(("there is no scene '%s'; scenes are %s"):format(name, table.concat(scenes.names, " ")))
     end
     if not scene then stop(REFUSED, message) end
     scene.seconds_mesh = bw.seconds() - start
-    local out = #names > 1 and wish.out .. "/" .. name or wish.out
+    local out = #names > 1 and opts.out .. "/" .. name or opts.out
     local result, details
-    result, message, details = run(scene, wish, out)
+    result, message, details = run(scene, opts, out)
     if not result then
       stop(details and details.status == "cancelled" and INTERRUPTED or NOT_MET, message)
     end

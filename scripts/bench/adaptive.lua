@@ -12,7 +12,7 @@ local folder = arg[0]:match "^(.*)/scripts/bench/" or "."
 package.path = folder .. "/scenarios/verification/lib/?.lua;" .. folder .. "/scripts/bench/?.lua;" .. package.path
 local bw = require "barwright"
 local grids = require "grids"
-local wish = require "arguments" {case = "value", error = "value", most = "value", out = "value"}
+local opts = require "arguments" {case = "value", error = "value", most = "value", out = "value"}
 
 local pi, cos, sin, tan, sqrt = math.pi, math.cos, math.sin, math.tan, math.sqrt
 
@@ -222,7 +222,7 @@ end)
 
 -- ---- measuring -------------------------------------------------------------------------------------
 
-local tolerance, most = tonumber(wish.error or 0.01), tonumber(wish.most or 300000)
+local tolerance, most = tonumber(opts.error or 0.01), tonumber(opts.most or 300000)
 
 local components = {xx = 1, yy = 2, zz = 3}
 
@@ -277,7 +277,7 @@ print("| case | reference | value | error | estimated | unknowns | uniform | sha
 print "|---|---|---|---|---|---|---|---|---|"
 local all = bw.json.list {}
 for _, name in ipairs(order) do
-  if not wish.case or name:find(wish.case, 1, true) then
+  if not opts.case or name:find(opts.case, 1, true) then
     local m = measure(name)
     all[#all + 1] = m
     local steps = {}
@@ -291,7 +291,7 @@ for _, name in ipairs(order) do
       m.unknowns / (reached or m.uniform_reached), table.concat(steps, ", ")))
   end
 end
-if wish.out then
-  local results = assert(bw.results.open(wish.out, {options = {error = tolerance, most = most}}))
+if opts.out then
+  local results = assert(bw.results.open(opts.out, {options = {error = tolerance, most = most}}))
   assert(results:write {cases = all})
 end

@@ -20,22 +20,22 @@ local paper = {
   earphone = {direct = 458, all = 119, update = 20.9, solve = 1.38, optimise = 52.90},
 }
 
-local wish, i = {scenes = table.concat(scenes.names, ","), bones = math.huge, optimise = true}, 1
+local opts, i = {scenes = table.concat(scenes.names, ","), bones = math.huge, optimise = true}, 1
 while arg[i] do
   if arg[i] == "--no-optimise" then
-    wish.optimise = false
+    opts.optimise = false
   else
     local name = assert(arg[i]:match "^%-%-(%w+)$", "usage: see the head of the script")
     local counted = name == "bones" or name == "elements"
-    wish[name] = counted and assert(math.tointeger(tonumber(arg[i + 1]))) or arg[i + 1]
+    opts[name] = counted and assert(math.tointeger(tonumber(arg[i + 1]))) or arg[i + 1]
     i = i + 1
   end
   i = i + 1
 end
 
-local results = wish.out and assert(bw.results.open(wish.out, {script = "scripts/bench/agile.lua",
-  options = {scenes = wish.scenes, bones = wish.bones < math.huge and wish.bones or nil,
-    optimise = wish.optimise}}))
+local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/agile.lua",
+  options = {scenes = opts.scenes, bones = opts.bones < math.huge and opts.bones or nil,
+    optimise = opts.optimise}}))
 
 local function median(list)
   table.sort(list)
@@ -69,8 +69,8 @@ print [[
             tets   nodes | stiffness, ms             | CHOLMOD, s: in order |  an edit, s: ratio | memory, MB
                          | direct  all  local (paper) | ours  METIS  (paper) | median ours METIS | factor updates]]
 local ratios, own_ratios = {}, {}
-for name in wish.scenes:gmatch "[^,]+" do
-  local scene = scenes.make(name, {elements = wish.elements})
+for name in opts.scenes:gmatch "[^,]+" do
+  local scene = scenes.make(name, {elements = opts.elements})
   local session = assert(bw.edit(scene.part, scene.session))
   local row = {scene = name, elements = scene.mesh.element_count, nodes = scene.mesh.node_count,
     domains = session.domains.count}
@@ -84,7 +84,7 @@ for name in wish.scenes:gmatch "[^,]+" do
   end
   local bones = {}
   for _, bone in ipairs(scene.skeleton.bone_names) do
-    if #bones < wish.bones and session:bone(bone).domain then bones[#bones + 1] = bone end
+    if #bones < opts.bones and session:bone(bone).domain then bones[#bones + 1] = bone end
   end
 
   -- All domains by their polynomials, what the paper calls DD assemble, first number: the body turned
@@ -159,7 +159,7 @@ for name in wish.scenes:gmatch "[^,]+" do
     factor / 1e6, updates / 1e6))
   print(("          %.0f %% of the elements blended (paper %.0f %%)"):format(
     100 * row.elements_blended / row.elements, 100 * scene.paper.blended / scene.paper.elements))
-  if wish.optimise then
+  if opts.optimise then
     start = bw.seconds()
     local processor = os.clock()
     local report, message, details = session:optimise {von_mises = scenes.threshold, move_supports = true,

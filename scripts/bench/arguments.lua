@@ -6,10 +6,10 @@ local suggestion = require "barwright.core".suggestion
 --- {name = value} of `arg`: `known` has true for a flag, "value" for an option with a text, and a number for an
 --- option with a number (an integer where it is one) and this default.
 return function(known)
-  local names, wish, i = {}, {}, 1
+  local names, opts, i = {}, {}, 1
   for name, kind in pairs(known) do
     names[#names + 1] = "--" .. name
-    if type(kind) == "number" then wish[name] = kind end
+    if type(kind) == "number" then opts[name] = kind end
   end
   while arg[i] do
     local name = arg[i]:match "^%-%-(.+)$"
@@ -27,8 +27,8 @@ return function(known)
       io.stderr:write(arg[0], ": ", fault, "\n")
       os.exit(2, true)
     end
-    wish[name] = value
+    opts[name] = value
     i = i + (kind == true and 1 or 2)
   end
-  return wish
+  return opts
 end

@@ -17,21 +17,21 @@ local function scaled(path)
   return surface:scale(DIAGONAL / distance(surface.box.low, surface.box.high))
 end
 
-return function(wish)
+return function(opts)
   local all, list = {}, {}
-  if wish.models then
+  if opts.models then
     for _, file in ipairs(surfaces) do
-      local path = wish.models .. "/" .. file
+      local path = opts.models .. "/" .. file
       all[#all + 1] = {name = file:match "^[^.]*", surface = function() return scaled(path) end}
     end
   else
-    local parts = require(wish.unseen and "unseen_parts" or "machine_parts")
+    local parts = require(opts.unseen and "unseen_parts" or "machine_parts")
     for _, part in ipairs(parts.list) do
       all[#all + 1] = {name = part.name, surface = function() return parts.surface(part) end}
     end
   end
   for _, body in ipairs(all) do
-    if not wish.only or body.name:find(wish.only, 1, true) then list[#list + 1] = body end
+    if not opts.only or body.name:find(opts.only, 1, true) then list[#list + 1] = body end
   end
   return list
 end

@@ -13,10 +13,10 @@ package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. packa
 local bodies = require "bodies"
 local distance = require "barwright.points".distance
 
-local wish = require "arguments" {models = "value", only = "value", elements = "value", overkill = 0,
+local opts = require "arguments" {models = "value", only = "value", elements = "value", overkill = 0,
   unseen = true}
 local starts = {}
-for number in (wish.elements or "2500,5000,10000"):gmatch "%d+" do
+for number in (opts.elements or "2500,5000,10000"):gmatch "%d+" do
   starts[#starts + 1] = math.tointeger(tonumber(number))
 end
 
@@ -31,7 +31,7 @@ end
 -- Elements around a place have edges of this share of the radius; the surface is followed to that share.
 local EDGE, FOLLOWED = 0.2, 0.02
 
--- The force on a mesh of about wish.overkill unknowns: the background is made finer until there are as many.
+-- The force on a mesh of about opts.overkill unknowns: the background is made finer until there are as many.
 local function overkill(surface, found)
   local near, length = {}, found[1].length
   for _, one in ipairs(found) do
@@ -43,7 +43,7 @@ local function overkill(surface, found)
   for _ = 1, 8 do
     mesh = assert(bw.mesh.fill(surface, {edge_length = edge, order = 2, near = near,
       surface_tolerance = FOLLOWED * length}))
-    local share = 3 * mesh.node_count / wish.overkill
+    local share = 3 * mesh.node_count / opts.overkill
     if share > 0.95 then break end
     edge = edge * math.max(0.5, share ^ (1 / 2.5))
   end
@@ -56,7 +56,7 @@ end
 print(("%-22s %-8s %-30s %-8s %-8s %s"):format("body", "largest/", "force, N (interval)", "elements", "apart, r",
   "CPU, s"))
 local most, covered, all = 1, 0, 0
-for _, body in ipairs(bodies(wish)) do
+for _, body in ipairs(bodies(opts)) do
   local found, low, high = {}, math.huge, 0
   for k, elements in ipairs(starts) do
     local clock = os.clock()
@@ -72,7 +72,7 @@ for _, body in ipairs(bodies(wish)) do
     if k == #starts and #found > 0 then most = math.max(most, high / low) end
   end
   local finest = found[#found]
-  local truth = wish.overkill > 0 and finest and overkill(body.surface(), found)
+  local truth = opts.overkill > 0 and finest and overkill(body.surface(), found)
   for k, one in ipairs(found) do
     local inside = one.low <= finest.force and finest.force <= one.high
     if truth then
@@ -89,4 +89,4 @@ for _, body in ipairs(bodies(wish)) do
   io.stdout:flush()
 end
 print(("largest over smallest at most %.3f; %d of %d intervals contain the force of the %s"):format(most, covered,
-  all, wish.overkill > 0 and "overkill mesh" or "finest start"))
+  all, opts.overkill > 0 and "overkill mesh" or "finest start"))

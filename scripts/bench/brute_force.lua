@@ -12,16 +12,16 @@ local bodies = require "bodies_by_formula"
 local paper = {[2723] = 681.367, [2869] = 793.362, [2904] = 894.610, [5332] = 2120.361,
   [11020] = 11029.721, [12853] = 11334.362, [14163] = 27775.900, [16008] = 19917.838}
 
-local wish = require "arguments" {out = "value", bodies = #bodies.list, elements = 1.0}
+local opts = require "arguments" {out = "value", bodies = #bodies.list, elements = 1.0}
 
-local results = wish.out and assert(bw.results.open(wish.out, {script = "scripts/bench/brute_force.lua",
-  options = {bodies = wish.bodies, elements = wish.elements}}))
+local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/brute_force.lua",
+  options = {bodies = opts.bodies, elements = opts.elements}}))
 
 print("model    | elements | weak regions | brute force  | ratio | seconds (paper)      | faster")
 local rows, ratios = {}, {}
 for k, body in ipairs(bodies.list) do
-  if k > wish.bodies then break end
-  local found = bodies.compare(body, math.floor(wish.elements * body.elements))
+  if k > opts.bodies then break end
+  local found = bodies.compare(body, math.floor(opts.elements * body.elements))
   local both, seconds, theirs = found.both, found.brute.seconds, paper[body.elements]
   print(("%-8s | %8d | %8.3f MPa | %8.3f MPa | %5.3f | %7.1f s (%7.0f s) | %5.0f"):format(body.name,
     found.elements, both.worst_case / 1e6, both.brute_force / 1e6, both.ratio, seconds, theirs, theirs / seconds))

@@ -14,27 +14,27 @@ local developed = {"gear", "housing", "clip", "angle bracket", "flange"}
 local unseen = {"pillow block", "motor bracket", "bell crank"}
 local FORCE, PRESSURE = 20, 2e5
 
-local wish = require "arguments" {out = "value", only = "value", elements = 40000, share = 0.05, unseen = true,
+local opts = require "arguments" {out = "value", only = "value", elements = 40000, share = 0.05, unseen = true,
   check = true, brute = true}
 
-local results = wish.out and assert(bw.results.open(wish.out, {script = "scripts/bench/certified.lua",
-  options = wish}))
+local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/certified.lua",
+  options = opts}))
 
-local parts = require(wish.unseen and "unseen_parts" or "machine_parts")
-local chosen = wish.unseen and unseen or developed
+local parts = require(opts.unseen and "unseen_parts" or "machine_parts")
+local chosen = opts.unseen and unseen or developed
 
 local function measure(part, path)
-  local mesh = assert(bw.mesh.fill(parts.surface(part), {elements = wish.elements, tolerance = 0.1}))
+  local mesh = assert(bw.mesh.fill(parts.surface(part), {elements = opts.elements, tolerance = 0.1}))
   local model = bw.model {mesh = mesh, material = bw.material.pla}
   local load, brute = {force = FORCE, pressure = PRESSURE}, nil
   local start = os.clock()
-  if wish.brute then
+  if opts.brute then
     assert(bw.brute_force(model, load))
     brute, start = os.clock() - start, os.clock()
   end
   local search <close> = assert(bw.worst_case(model, load))
   local searched = os.clock()
-  load.certify, load.certificate = wish.share, path
+  load.certify, load.certificate = opts.share, path
   local worst <close> = assert(bw.worst_case(model, load))
   local row = {part = part.name, elements = mesh.element_count, nodes = mesh.node_count,
     pressures = worst.basis.count, reached_pa = worst.max_principal, upper_bound_pa = worst.upper_bound,
@@ -43,7 +43,7 @@ local function measure(part, path)
     seconds_brute_force = brute}
   local file <close> = assert(io.open(path))
   row.certificate_bytes = file:seek "end"
-  if wish.check then
+  if opts.check then
     start = os.clock()
     row.checked_bound_pa = assert(bw.check_certificate(path)).upper_bound
     row.seconds_check = os.clock() - start
@@ -59,7 +59,7 @@ end
 local rows, path = {}, os.tmpname()
 for _, part in ipairs(parts.list) do
   local wanted = false
-  for _, name in ipairs(chosen) do wanted = wanted or name == part.name and (wish.only or name) == name end
+  for _, name in ipairs(chosen) do wanted = wanted or name == part.name and (opts.only or name) == name end
   if wanted then
     local row = measure(part, path)
     rows[#rows + 1] = row

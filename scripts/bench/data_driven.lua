@@ -14,7 +14,7 @@ local bw = require "barwright"
 local compare = require "compare"
 local library_of = require "library"
 local scenes = require "scenes"
-local wish = require "arguments" {library = "value", scene = "value", out = "value", only = "value"}
+local opts = require "arguments" {library = "value", scene = "value", out = "value", only = "value"}
 
 local REFUSED = 2
 
@@ -23,14 +23,14 @@ local function stop(message)
   os.exit(REFUSED, true)
 end
 
-if not wish.library then stop "--library FILE.bwm expected: scripts/data_driven/run.lua builds one" end
-local library, why = bw.metamaterial.read(wish.library)
+if not opts.library then stop "--library FILE.bwm expected: scripts/data_driven/run.lua builds one" end
+local library, why = bw.metamaterial.read(opts.library)
 if not library then stop(why) end
 local out = {threads = bw.threads(), levels = library.levels}
-local results = wish.out and assert(bw.results.open(wish.out, {script = "scripts/bench/data_driven.lua",
-  inputs = {wish.library}, options = {scene = wish.scene, only = wish.only}}))
+local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/data_driven.lua",
+  inputs = {opts.library}, options = {scene = opts.scene, only = opts.only}}))
 
-local function wanted(part) return not wish.only or wish.only == part end
+local function wanted(part) return not opts.only or opts.only == part end
 
 -- ---- tables 1 and 2 ------------------------------------------------------------------------------
 
@@ -57,9 +57,9 @@ if wanted "scenes" then
     .. "iterations | error")
   out.scenes = {}
   local names = scenes.order
-  if wish.scene and wish.scene ~= "all" then
+  if opts.scene and opts.scene ~= "all" then
     names = {}
-    for name in wish.scene:gmatch "[^,]+" do
+    for name in opts.scene:gmatch "[^,]+" do
       if type(scenes[name]) ~= "table" or name == "order" then stop(("there is no scene '%s'"):format(name)) end
       names[#names + 1] = name
     end

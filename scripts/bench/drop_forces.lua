@@ -9,16 +9,16 @@ package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. packa
 local bodies = require "bodies"
 local impacts_of = require "impacts"
 
-local wish = require "arguments" {models = "value", only = "value", elements = 5000, drops = 200}
+local opts = require "arguments" {models = "value", only = "value", elements = 5000, drops = 200}
 
 print("| body | breaking force, N (interval) | contact, cm2 | peg's contact over it | impacts "
   .. "| least contact force, N | median | below the interval, % | least with inertia, N | below the interval, % "
   .. "| at the weakest place or a tie, % | of the weakest tenth, % |")
 print "|---|---|---|---|---|---|---|---|---|---|---|---|"
-for _, body in ipairs(bodies(wish)) do
+for _, body in ipairs(bodies(opts)) do
   local found <close> = assert(bw.breaking_force(body.surface(), {material = bw.material.pla,
-    elements = wish.elements}))
-  local impacts = impacts_of(found, {drops = wish.drops, seed = 1})
+    elements = opts.elements}))
+  local impacts = impacts_of(found, {drops = opts.drops, seed = 1})
   local contact, inertia = impacts.force, impacts.with_inertia
   local known = ("%s | %.4g (%.4g to %.4g) | %.2f"):format(body.name, found.force, found.low, found.high,
     found.contact * 1e4)

@@ -8,27 +8,27 @@ local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
 local parts = require "machine_parts"
 
-local wish = require "arguments" {out = "value", only = "value", elements = 5000, drops = 500}
+local opts = require "arguments" {out = "value", only = "value", elements = 5000, drops = 500}
 
-local results = wish.out and assert(bw.results.open(wish.out, {script = "scripts/bench/drops.lua",
-  options = wish}))
+local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/drops.lua",
+  options = opts}))
 
 local function drop(surface, elements)
   local mesh = assert(bw.mesh.fill(surface, {elements = elements, tolerance = 0.1}))
   local model = bw.model {mesh = mesh, material = bw.material.pla}
-  return assert(bw.drop_test(model, {drops = wish.drops, seed = 1}))
+  return assert(bw.drop_test(model, {drops = opts.drops, seed = 1}))
 end
 
 local function measure(part)
   local surface = parts.surface(part)
-  local coarse, fine = drop(surface, wish.elements), drop(surface, 4 * wish.elements)
+  local coarse, fine = drop(surface, opts.elements), drop(surface, 4 * opts.elements)
   local along = bw.array.map("r.x * e.x + r.y * e.y + r.z * e.z", {r = coarse.resultants, e = coarse.pushes})
   local across = bw.array.map("sqrt((r.x - a * e.x)^2 + (r.y - a * e.y)^2 + (r.z - a * e.z)^2) / norm(r)",
     {r = coarse.resultants, e = coarse.pushes, a = along})
   return {part = part.name, elements = coarse.mesh.element_count,
     facet_m2 = coarse.mesh.boundary.area / coarse.mesh.facet_count,
     nodes_least = coarse.nodes:min(), nodes_median = coarse.nodes:quantile(0.5),
-    on_two_nodes = coarse.nodes:map("a <= 2"):sum() / wish.drops, sideways_most = across:max(),
+    on_two_nodes = coarse.nodes:map("a <= 2"):sum() / opts.drops, sideways_most = across:max(),
     area_m2 = coarse.areas:quantile(0.5), finer_elements = fine.mesh.element_count,
     finer_area_m2 = fine.areas:quantile(0.5), force_n = coarse.forces:quantile(0.5),
     finer_force_n = fine.forces:quantile(0.5)}
@@ -36,7 +36,7 @@ end
 
 local rows = {}
 for _, part in ipairs(parts.list) do
-  if not wish.only or wish.only == part.name then
+  if not opts.only or opts.only == part.name then
     local row = measure(part)
     rows[#rows + 1] = row
     print(("%-15s %5d elements: %.1f %% on two nodes or fewer, nodes %d least, %g median; sideways %.1e at most; "

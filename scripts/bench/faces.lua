@@ -11,7 +11,7 @@ local surfaces = {"gear_spur.stl", "tray_bottom.stl", "bottle_opener_round.stl",
   "engine_bracket.obj", "fan_blade.stl", "rocker_arm.obj", "screwdriver.ply", "triceratops.off"}
 
 package.path = (arg[0]:match "^(.*)/" or ".") .. "/?.lua;" .. package.path
-local wish = require "arguments" {models = "value", only = "value", elements = "value", order = 1}
+local opts = require "arguments" {models = "value", only = "value", elements = "value", order = 1}
 
 local pi, cos, sin = math.pi, math.cos, math.sin
 
@@ -82,13 +82,13 @@ local function share(value) return value and ("%.1e"):format(value) or "" end
 
 local function measure(name, surface, elements)
   local seconds = processor()
-  local mesh, log = bw.mesh.fill(surface, {elements = elements, order = wish.order})
+  local mesh, log = bw.mesh.fill(surface, {elements = elements, order = opts.order})
   if not mesh then
     print(("| %s | %d | %s |"):format(name, elements, log))
     return
   end
   seconds = processor() - seconds
-  if wish.order == 2 then mesh = assert(mesh:curved(surface)) end
+  if opts.order == 2 then mesh = assert(mesh:curved(surface)) end
   local total, lost = surface.area, 0
   local groups = {plane = {n = 0, sum = 0}, round = {n = 0, sum = 0}}
   local own = surface:faces()
@@ -111,16 +111,16 @@ print("| body | asked | elements | planes | largest | mean | round | largest | m
   .. "| s |")
 print "|---|---|---|---|---|---|---|---|---|---|---|---|"
 local function all(name, surface)
-  for elements in (wish.elements or "5000,20000,80000"):gmatch "%d+" do
+  for elements in (opts.elements or "5000,20000,80000"):gmatch "%d+" do
     measure(name, surface, math.tointeger(tonumber(elements)))
   end
 end
 for _, solid in ipairs(solids) do
-  if not wish.only or solid[1]:find(wish.only, 1, true) then all(solid[1], solid[2]()) end
+  if not opts.only or solid[1]:find(opts.only, 1, true) then all(solid[1], solid[2]()) end
 end
-for _, name in ipairs(wish.models and surfaces or {}) do
-  if not wish.only or name:find(wish.only, 1, true) then
-    local surface = assert(bw.surface.read(wish.models .. "/" .. name))
+for _, name in ipairs(opts.models and surfaces or {}) do
+  if not opts.only or name:find(opts.only, 1, true) then
+    local surface = assert(bw.surface.read(opts.models .. "/" .. name))
     if surface.volume < 0 then surface = surface:orient() end
     all(name, surface)
   end

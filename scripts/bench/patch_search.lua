@@ -11,7 +11,7 @@ local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
 local bodies = require "bodies"
 
-local wish = require "arguments" {models = "value", only = "value", elements = 1000, one = true, unseen = true}
+local opts = require "arguments" {models = "value", only = "value", elements = 1000, one = true, unseen = true}
 
 local DIRECTIONS, PER_BLOCK, ASCENTS, STEPS = 3, 60, 60, 4
 
@@ -103,12 +103,12 @@ end
 print(("%-22s %-9s %-11s %-12s %-12s %s"):format("body", "elements", "programs", "search, N", "brute, N",
   "brute over search"))
 local least, all = 1, {}
-for _, body in ipairs(bodies(wish)) do
+for _, body in ipairs(bodies(opts)) do
   local surface = body.surface()
-  local given = wish.one and assert(bw.mesh.fill(surface, {elements = wish.elements, order = 2,
+  local given = opts.one and assert(bw.mesh.fill(surface, {elements = opts.elements, order = 2,
     tolerance = 0.1}))
   local found <close> = assert(bw.breaking_force(given or surface, {material = bw.material.pla,
-    elements = wish.elements, most_elements = wish.elements}))
+    elements = opts.elements, most_elements = opts.elements}))
   local most, count = brute_force(found)
   local brute = found.reference / most
   print(("%-22s %-9d %-11d %-12.4g %-12.4g %.4f"):format(body.name, found.mesh.element_count, count,

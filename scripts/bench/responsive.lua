@@ -17,15 +17,15 @@ local paper = {
 }
 
 package.path = (arg[0]:match "^(.*)/" or ".") .. "/?.lua;" .. package.path
-local wish = require "arguments" {out = "value", frames = "value", only = "value", paper = true}
-local frames = math.tointeger(tonumber(wish.frames or 159))
+local opts = require "arguments" {out = "value", frames = "value", only = "value", paper = true}
+local frames = math.tointeger(tonumber(opts.frames or 159))
 if not frames or frames < 1 then
-  io.stderr:write("responsive: option --frames: a whole number above 0 expected, got '", wish.frames, "'\n")
+  io.stderr:write("responsive: option --frames: a whole number above 0 expected, got '", opts.frames, "'\n")
   os.exit(2, true)
 end
 
-local results = wish.out and assert(bw.results.open(wish.out, {script = "scripts/bench/responsive.lua",
-  options = {frames = frames, only = wish.only, paper = wish.paper}}))
+local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/responsive.lua",
+  options = {frames = frames, only = opts.only, paper = opts.paper}}))
 
 local rubber = bw.material.isotropic {name = "rubber", young = 5e6, poisson = 0.3, density = 1000}
 
@@ -126,7 +126,7 @@ local rows = bw.json.list {}
 for _, run in ipairs(runs) do
   local name, elements = run[1], run[2]
   local as_printed = paper[name] and paper[name].elements == elements
-  if (not wish.only or wish.only == name) and (as_printed or not wish.paper) then
+  if (not opts.only or opts.only == name) and (as_printed or not opts.paper) then
     local reuse, anew = replay(name, elements), replay(name, elements, true)
     rows[#rows + 1] = reuse
     rows[#rows + 1] = anew

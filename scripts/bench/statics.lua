@@ -47,8 +47,8 @@ local program = io.popen "readlink /proc/$PPID/exe":read "l"
 print("| body | unknowns | solved | seconds | processor seconds | iterations | peak GB | factor, GB | residual "
   .. "| largest fall, m |")
 print "|---|---|---|---|---|---|---|---|---|---|"
-for _, wish in ipairs(#arg > 0 and arg or {"block:12", "block:19", "block:26", "block:37:levels"}) do
-  local body, cells, only = wish:match "^(%a+):(%d+):?(%a*)$"
+for _, opts in ipairs(#arg > 0 and arg or {"block:12", "block:19", "block:26", "block:37:levels"}) do
+  local body, cells, only = opts:match "^(%a+):(%d+):?(%a*)$"
   assert(shapes[body] and (only == "" or only == "pcg"), "usage: see the head of the script")
   for _, with in ipairs {"pcg", "factor"} do
     if only == "" or with == only then

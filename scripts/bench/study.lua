@@ -6,10 +6,10 @@
 local bw = require "barwright"
 local core = require "barwright.core"
 
-local wish, i = {trials = 2000, ms = 20, work = 200}, 1
+local opts, i = {trials = 2000, ms = 20, work = 200}, 1
 while arg[i] do
   local name = assert(arg[i]:match "^%-%-(%w+)$", "usage: see the head of the script")
-  wish[name] = name == "out" and arg[i + 1] or assert(tonumber(arg[i + 1]), "a number expected")
+  opts[name] = name == "out" and arg[i + 1] or assert(tonumber(arg[i + 1]), "a number expected")
   i = i + 2
 end
 
@@ -30,20 +30,20 @@ end
 
 local function nothing(point) return {y = point.x} end
 
-local result = {trials = wish.trials, processors = core.processors()}
+local result = {trials = opts.trials, processors = core.processors()}
 
 -- ---- overhead ------------------------------------------------------------------------------------------
 
-local empty = study("empty", wish.trials, nothing)
+local empty = study("empty", opts.trials, nothing)
 local peak = bw.results.peak_memory()
 local one, own = timed(function() assert(empty:run {workers = 1}) end)
-result.overhead = {seconds_of_trial_one_worker = one / wish.trials, processor_seconds_of_trial = own / wish.trials,
+result.overhead = {seconds_of_trial_one_worker = one / opts.trials, processor_seconds_of_trial = own / opts.trials,
   memory_bytes_before = peak, memory_bytes_after = bw.results.peak_memory()}
 local again = timed(function() assert(empty:run()) end)
-result.overhead.seconds_of_trial_that_is_there = again / wish.trials
+result.overhead.seconds_of_trial_that_is_there = again / opts.trials
 os.remove(empty.file)
 local two = timed(function() assert(empty:run {workers = 2}) end)
-result.overhead.seconds_of_trial_two_workers = two / wish.trials
+result.overhead.seconds_of_trial_two_workers = two / opts.trials
 local fork = timed(function()
   for _ = 1, 500 do
     local job = assert(core.job(function() return "" end, {}))
@@ -53,7 +53,7 @@ local fork = timed(function()
 end)
 result.overhead.seconds_of_fork = fork / 500
 local file = assert(io.open(empty.file, "rb"))
-result.overhead.file_bytes_of_trial = file:seek "end" / wish.trials
+result.overhead.file_bytes_of_trial = file:seek "end" / opts.trials
 file:close()
 
 -- ---- keys, seeds, the file -----------------------------------------------------------------------------
@@ -83,21 +83,21 @@ local function turns(count)
   return x
 end
 local rate = 2000000 / select(2, timed(function() turns(2000000) end))
-local count = math.floor(rate * wish.ms / 1000)
+local count = math.floor(rate * opts.ms / 1000)
 local function work() return {y = turns(count)} end
 
 local seconds = {}
 for round = 1, 3 do -- the best of three: the machine has other things to do
   for workers = 1, 2 do
-    local own_study = study(("work_%d_%d"):format(round, workers), wish.work, work)
+    local own_study = study(("work_%d_%d"):format(round, workers), opts.work, work)
     local took = timed(function() assert(own_study:run {workers = workers}) end)
     seconds[workers] = math.min(seconds[workers] or took, took)
   end
 end
-result.throughput = {trial_seconds = wish.ms / 1000, trials = wish.work, seconds_one_worker = seconds[1],
+result.throughput = {trial_seconds = opts.ms / 1000, trials = opts.work, seconds_one_worker = seconds[1],
   seconds_two_workers = seconds[2], gain = seconds[1] / seconds[2]}
 
 temporary:close()
 local text = bw.json.encode(result, "  ")
 print(text)
-if wish.out then assert(core.write_file(wish.out, text .. "\n")) end
+if opts.out then assert(core.write_file(opts.out, text .. "\n")) end

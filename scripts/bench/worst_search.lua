@@ -18,11 +18,11 @@ local surfaces = {"engine_bracket.obj", "gear_spur.stl", "tray_bottom.stl", "roc
   "triceratops.off", "cat.obj"}
 local DIAGONAL, PRESSURE, MOST_OF_PRESSURE = 0.1, 2e5, 0.05
 
-local wish = require "arguments" {out = "value", models = "value", only = "value", elements = 3000,
+local opts = require "arguments" {out = "value", models = "value", only = "value", elements = 3000,
   certify = 0.0, principal = true, unseen = true}
 
-local results = wish.out and assert(bw.results.open(wish.out, {script = "scripts/bench/worst_search.lua",
-  options = wish}))
+local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/worst_search.lua",
+  options = opts}))
 
 local function scaled(surface)
   local low, high = surface.box.low, surface.box.high
@@ -30,13 +30,13 @@ local function scaled(surface)
   return surface:scale(DIAGONAL / diagonal)
 end
 
-local bodies, parts = {}, require(wish.unseen and "unseen_parts" or "machine_parts")
+local bodies, parts = {}, require(opts.unseen and "unseen_parts" or "machine_parts")
 for _, part in ipairs(parts.list) do
   bodies[#bodies + 1] = {name = part.name, surface = function() return parts.surface(part) end}
 end
-for _, file in ipairs(wish.models and surfaces or {}) do
+for _, file in ipairs(opts.models and surfaces or {}) do
   bodies[#bodies + 1] = {name = file:match "^[^.]*", surface = function()
-    return scaled(assert(bw.surface.read(wish.models .. "/" .. file)))
+    return scaled(assert(bw.surface.read(opts.models .. "/" .. file)))
   end}
 end
 
@@ -50,7 +50,7 @@ local function timed(f)
 end
 
 local function measure(body)
-  local mesh = assert(bw.mesh.fill(body.surface(), {elements = wish.elements, tolerance = 0.1}))
+  local mesh = assert(bw.mesh.fill(body.surface(), {elements = opts.elements, tolerance = 0.1}))
   local part = bw.model {mesh = mesh, material = bw.material.pla}
   local load = {force = math.min(20, MOST_OF_PRESSURE * PRESSURE * mesh.boundary.area), pressure = PRESSURE}
   local function with(key, value)
@@ -67,14 +67,14 @@ local function measure(body)
     paper = quantile(mesh, paper.weakness) / q, paper_peak = paper.max_principal / peak,
     search = quantile(mesh, search.weakness) / q, search_peak = search.max_principal / peak,
     seconds_paper = paper_seconds, seconds_search = search_seconds, loads = #search.regions}
-  if wish.principal then
+  if opts.principal then
     local best = assert(bw.brute_force(part, with("objective", "principal")))
     row.principal = quantile(mesh, best.weakness) / q
     row.principal_peak = best.max_principal / peak
   end
-  if wish.certify > 0 then
+  if opts.certify > 0 then
     local certified, seconds = timed(function()
-      return assert(bw.worst_case(part, with("certify", wish.certify)))
+      return assert(bw.worst_case(part, with("certify", opts.certify)))
     end)
     row.upper_bound_pa, row.gap = certified.upper_bound, certified.gap
     row.of_bound, row.seconds_bound = search.max_principal / certified.upper_bound, seconds - search_seconds
@@ -93,7 +93,7 @@ print("model               | elements | paper 99.75 %, peak | search 99.75 %, pe
   .. "(ratio) | brute force")
 local rows = {}
 for _, body in ipairs(bodies) do
-  if not wish.only or wish.only == body.name then
+  if not opts.only or opts.only == body.name then
     local row = measure(body)
     row.cost = row.seconds_search / row.seconds_paper
     rows[#rows + 1] = row

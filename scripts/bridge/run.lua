@@ -35,8 +35,8 @@ local function help()
 end
 
 local function read_arguments()
-  local wish = {}
-  for name, about in pairs(known) do wish[name] = about[2] end
+  local opts = {}
+  for name, about in pairs(known) do opts[name] = about[2] end
   local i = 1
   while i <= #arg do
     local name, value = arg[i]:match "^%-%-([^=]+)=?(.*)$"
@@ -58,11 +58,11 @@ local function read_arguments()
     if not read or kind ~= "string" and (read ~= read or read < 0 or read == math.huge) then
       stop(REFUSED, ("option --%s: a %s expected, got %s"):format(name, kind, tostring(value)))
     end
-    wish[name] = read
+    opts[name] = read
     i = i + 1
   end
-  if not wish.out or wish.out == "" then stop(REFUSED, "--out DIR is missing (--help tells the options)") end
-  return wish
+  if not opts.out or opts.out == "" then stop(REFUSED, "--out DIR is missing (--help tells the options)") end
+  return opts
 end
 
 local function checked(f, ...)
@@ -72,7 +72,7 @@ local function checked(f, ...)
   return table.unpack(values, 2, values.n)
 end
 
-local function page(result, wish)
+local function page(result, opts)
   local rows = {}
   for _, one in ipairs(result.starts) do
     rows[#rows + 1] = ("<tr><td>%s</td><td>%s</td><td>%s</td><td>%s</td></tr>"):format(one.start,
@@ -82,10 +82,10 @@ local function page(result, wish)
   return table.concat({"<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Bridge</title>",
     "<style>body{font:16px sans-serif;max-width:1020px;margin:2em auto}td,th{padding:.2em 1em;",
     "text-align:right}img{max-width:100%}</style>",
-    ("<h1>A bridge over %.4g mm for %.4g N</h1>"):format(wish.span * 1e3, wish.load),
+    ("<h1>A bridge over %.4g mm for %.4g N</h1>"):format(opts.span * 1e3, opts.load),
     ("<p>Area %.5g mm&sup2;; the best beam of one height needs %.5g mm&sup2;. Largest von Mises stress"
       .. " %.1f %% of %.4g MPa, on a mesh of %d six-node triangles %.1f %%.</p>"):format(
-      result.area_m2 * 1e6, result.beam_area_m2 * 1e6, 100 * result.utilisation, wish.limit / 1e6,
+      result.area_m2 * 1e6, result.beam_area_m2 * 1e6, 100 * result.utilisation, opts.limit / 1e6,
       result.checked_elements or 0, 100 * (result.checked_utilisation or 0)),
     "<p><img src=\"bridge.svg\" alt=\"the bridge, coloured by stress\"></p>",
     "<table><tr><th>start</th><th>area, mm&sup2;</th><th>stress, %</th><th>rounds</th></tr>",
@@ -93,21 +93,21 @@ local function page(result, wish)
 end
 
 local function main()
-  local wish = read_arguments()
+  local opts = read_arguments()
   local begin = bw.seconds()
-  if wish.threads then checked(bw.threads, wish.threads) end
-  local material = wish.material and checked(bw.material.named, wish.material) or checked(
-    bw.material.isotropic, {name = "given", young = wish.young, poisson = wish.poisson, density = 1000})
+  if opts.threads then checked(bw.threads, opts.threads) end
+  local material = opts.material and checked(bw.material.named, opts.material) or checked(
+    bw.material.isotropic, {name = "given", young = opts.young, poisson = opts.poisson, density = 1000})
   local names = {}
-  for name in wish.starts:gmatch "[^,]+" do names[#names + 1] = name end
-  local results = checked(bw.results.open, wish.out, {script = "scripts/bridge/run.lua", options = wish})
-  local bridge = checked(bw.responsive.bridge, {span = wish.span, load = wish.load,
-    stress_limit = wish.limit, material = material, thickness = wish.thickness, depth = wish.depth,
-    wall = wish.wall, size = wish.size})
+  for name in opts.starts:gmatch "[^,]+" do names[#names + 1] = name end
+  local results = checked(bw.results.open, opts.out, {script = "scripts/bridge/run.lua", options = opts})
+  local bridge = checked(bw.responsive.bridge, {span = opts.span, load = opts.load,
+    stress_limit = opts.limit, material = material, thickness = opts.thickness, depth = opts.depth,
+    wall = opts.wall, size = opts.size})
   local height, beam = checked(bridge.uniform_beam, bridge)
   print(("beam of one height: %.4g mm high, %.5g mm2"):format(height * 1e3, beam * 1e6))
-  local found = checked(bridge.design, bridge, {starts = names, rounds = wish.rounds, holes = wish.holes,
-    polish = wish.polish, report = function(now)
+  local found = checked(bridge.design, bridge, {starts = names, rounds = opts.rounds, holes = opts.holes,
+    polish = opts.polish, report = function(now)
       if now.round % 20 == 0 then
         print(("%-6s round %3d: %.5g mm2, stress %.1f %%; best %.5g mm2"):format(now.start, now.round,
           now.area * 1e6, 100 * now.utilisation, now.best_area * 1e6))
@@ -131,7 +131,7 @@ local function main()
   local body = checked(bridge.body, bridge)
   checked(body.write, body, results:path "bridge.stl")
   local file = checked(io.open, results:path "report.html", "w")
-  file:write(page(result, wish))
+  file:write(page(result, opts))
   file:close()
   result.seconds_total = bw.seconds() - begin
   result.peak_memory_bytes = bw.results.peak_memory()

@@ -15,7 +15,7 @@ local scenes = require "scenes"
 local H, CELLS = 0.01, {8, 24, 8} -- m, a cell
 local MOVEMENT = 0.03             -- mean, over the length
 
-local wish = {bodies = 12, first = 1, directions = 40}
+local opts = {bodies = 12, first = 1, directions = 40}
 local i = 1
 while arg[i] do
   local name, value = arg[i]:match "^%-%-(.+)$", arg[i + 1]
@@ -25,10 +25,10 @@ while arg[i] do
     io.stderr:write(("blind: '%s %s' is not understood\n"):format(arg[i], value or ""))
     os.exit(2)
   end
-  wish[name] = whole and math.tointeger(tonumber(value)) or value
+  opts[name] = whole and math.tointeger(tonumber(value)) or value
   i = i + 2
 end
-if wish.threads then bw.threads(wish.threads) end
+if opts.threads then bw.threads(opts.threads) end
 
 -- Numbers from 0 to 1 (splitmix64).
 local function generator(seed)
@@ -125,7 +125,7 @@ local function solid_of(it)
   return loaded(1e-6 * MOVEMENT / compare.movement(small))
 end
 
-local general = wish.library and assert(bw.metamaterial.read(wish.library))
+local general = opts.library and assert(bw.metamaterial.read(opts.library))
 local rows, ratios, status, spent = bw.json.list {}, {}, 0, {fine = 0, growing = 0, blocks = 0}
 
 local function ratio_of(method, level, value)
@@ -134,7 +134,7 @@ local function ratio_of(method, level, value)
   table.insert(ratios[key], value)
 end
 
-for seed = wish.first, wish.first + wish.bodies - 1 do
+for seed = opts.first, opts.first + opts.bodies - 1 do
   local it = body(seed)
   local fine = solid_of(it)
   local took, reference, message = compare.timed(fine.solve, fine, {linear = "direct"})
@@ -146,7 +146,7 @@ for seed = wish.first, wish.first + wish.bodies - 1 do
     spent.fine = spent.fine + took.processor
     local grown
     took, grown = compare.timed(bw.metamaterial.grow, general or scenes.materials(), it.grid,
-      general and {levels = 2} or {levels = 2, directions = wish.directions})
+      general and {levels = 2} or {levels = 2, directions = opts.directions})
     assert(grown)
     spent.growing, spent.blocks = spent.growing + took.processor, spent.blocks + grown.grown[1] + grown.grown[2]
     for level = 1, 2 do
@@ -186,8 +186,8 @@ for _, key in ipairs {"library 1", "library 2", "grown 1", "grown 2"} do
 end
 print(("fine solutions took %.1f s of the processor, growing %.1f s for %d blocks"):format(spent.fine,
   spent.growing, spent.blocks))
-if wish.json then
-  local file = assert(io.open(wish.json, "w"))
+if opts.json then
+  local file = assert(io.open(opts.json, "w"))
   file:write(bw.json.encode {rows = rows, summary = summary, seconds = spent})
   file:close()
 end

@@ -20,7 +20,7 @@ local function refuse(message)
   os.exit(2)
 end
 
-local wish, i = {methods = "naive,lookup,grown", levels = 2}, 1
+local opts, i = {methods = "naive,lookup,grown", levels = 2}, 1
 while arg[i] do
   local name, value = arg[i]:match "^%-%-(.+)$", arg[i + 1]
   local most = ({levels = 2, threads = 1024})[name]
@@ -30,11 +30,11 @@ while arg[i] do
   elseif most and not (number and number >= 1 and number <= most) then
     refuse(("--%s %s: a whole number from 1 to %d expected"):format(name, value, most))
   end
-  wish[name] = most and number or value
+  opts[name] = most and number or value
   i = i + 2
 end
-if not wish.scene then refuse "--scene NAME|all expected" end
-if wish.threads then bw.threads(wish.threads) end
+if not opts.scene then refuse "--scene NAME|all expected" end
+if opts.threads then bw.threads(opts.threads) end
 
 -- Names of a list with commas, each one of those known.
 local function names_of(list, what, known)
@@ -49,12 +49,12 @@ local function names_of(list, what, known)
   return names
 end
 
-local names = wish.scene == "all" and scenes.order or names_of(wish.scene, "scene", scenes.order)
-local methods = names_of(wish.methods, "method", {"naive", "lookup", "grown"})
+local names = opts.scene == "all" and scenes.order or names_of(opts.scene, "scene", scenes.order)
+local methods = names_of(opts.methods, "method", {"naive", "lookup", "grown"})
 
 local library, message
-if wish.library then
-  library, message = bw.metamaterial.read(wish.library)
+if opts.library then
+  library, message = bw.metamaterial.read(opts.library)
   if not library then refuse(message) end
 end
 
@@ -70,10 +70,10 @@ for _, name in ipairs(names) do
   else
     local u = reference.displacement
     local by = {naive = "naive", lookup = library}
-    if wish.methods:find "grown" then
+    if opts.methods:find "grown" then
       by.grown = assert(bw.metamaterial.grow(library or scenes.materials(), fine.grid, {levels = scene.levels}))
     end
-    for level = 1, math.min(scene.levels, wish.levels) do
+    for level = 1, math.min(scene.levels, opts.levels) do
       local coarse = assert(fine:coarsen("naive", level))
       local field = best.of(fine.grid, coarse, u)
       local row = {scene = name, level = level, moved = compare.movement(reference),
@@ -103,9 +103,9 @@ for _, name in ipairs(names) do
     end
   end
 end
-if wish.json then
+if opts.json then
   local written
-  written, message = core.write_file(wish.json, bw.json.encode {rows = rows})
+  written, message = core.write_file(opts.json, bw.json.encode {rows = rows})
   if not written then
     io.stderr:write("bound: ", message, "\n")
     status = 1

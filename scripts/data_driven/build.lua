@@ -17,27 +17,27 @@ local function stop(status, message)
   os.exit(status, true)
 end
 
-local wish, i = {levels = 1, directions = 500, magnitudes = 5}, 1
+local opts, i = {levels = 1, directions = 500, magnitudes = 5}, 1
 while arg[i] do
   local name, value = arg[i]:match "^%-%-(%l+)$", arg[i + 1]
   if name == "out" and value then
-    wish.out = value
-  elseif name and wish[name] and math.tointeger(tonumber(value)) then
-    wish[name] = math.tointeger(tonumber(value))
+    opts.out = value
+  elseif name and opts[name] and math.tointeger(tonumber(value)) then
+    opts[name] = math.tointeger(tonumber(value))
   else
     stop(REFUSED, ("'%s %s' is not known (--out DIR --levels N --directions N --magnitudes N)"):format(arg[i],
       tostring(value)))
   end
   i = i + 2
 end
-if not wish.out then stop(REFUSED, "--out DIR expected") end
+if not opts.out then stop(REFUSED, "--out DIR expected") end
 
-local results, message = bw.results.open(wish.out, {script = "scripts/data_driven/build.lua", options = wish})
+local results, message = bw.results.open(opts.out, {script = "scripts/data_driven/build.lua", options = opts})
 if not results then stop(REFUSED, message) end
 local path, start = results:path "three.bwm", os.clock()
 local made
-made, message = bw.metamaterial.build(scenes.materials(), {levels = wish.levels, directions = wish.directions,
-  magnitudes = wish.magnitudes, checkpoint = path .. ".checkpoint"})
+made, message = bw.metamaterial.build(scenes.materials(), {levels = opts.levels, directions = opts.directions,
+  magnitudes = opts.magnitudes, checkpoint = path .. ".checkpoint"})
 if not made then stop(bw.interrupted() and INTERRUPTED or REFUSED, message) end
 assert(made:write(path))
 os.remove(path .. ".checkpoint")

@@ -41,9 +41,9 @@ end
 
 --- Options of solve under which a coarse solid answers for itself: its error is what is measured here.
 function compare.as_it_is(options)
-  local wish = {choose = false}
-  for key, value in pairs(options or {}) do wish[key] = value end
-  return wish
+  local opts = {choose = false}
+  for key, value in pairs(options or {}) do opts[key] = value end
+  return opts
 end
 
 --- Rows of a scene: the fine solution, then by each of the methods at each level: `by[method]` is a

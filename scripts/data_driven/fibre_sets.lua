@@ -19,7 +19,7 @@ local sets = {
   {rings = {{8, 11}}, radius = 3.2, turns = 0.25},
 }
 
-local wish, i = {directions = 20}, 1
+local opts, i = {directions = 20}, 1
 while arg[i] do
   local name, value = arg[i]:match "^%-%-(.+)$", math.tointeger(tonumber(arg[i + 1]))
   local most = ({only = #sets, directions = 5000, threads = 1024})[name]
@@ -28,10 +28,10 @@ while arg[i] do
       .. "number\n"):format(arg[i], arg[i + 1] or "", #sets))
     os.exit(2)
   end
-  wish[name] = value
+  opts[name] = value
   i = i + 2
 end
-if wish.threads then bw.threads(wish.threads) end
+if opts.threads then bw.threads(opts.threads) end
 
 -- Stretch of the bar, and how far its end has turned, in degrees.
 local function pulled(grid, u)
@@ -48,7 +48,7 @@ local function pulled(grid, u)
   return stretch / (box.high[2] - box.low[2]), math.deg(math.atan(across, along))
 end
 
-for number = wish.only or 1, wish.only or #sets do
+for number = opts.only or 1, opts.only or #sets do
   local set, rings = sets[number], {}
   for k, ring in ipairs(set.rings) do rings[k] = ("%d at %g"):format(ring[1], ring[2]) end
   local scene = winding(set)
@@ -57,7 +57,7 @@ for number = wish.only or 1, wish.only or #sets do
   print(("%d: %s, radius %g cells, turns %g: stretch %.4f, twist %.1f degrees"):format(number,
     table.concat(rings, ", "), set.radius, set.turns, pulled(fine.grid, reference.displacement)))
   local grown = assert(bw.metamaterial.grow(scenes.materials(), fine.grid, {levels = 2,
-    directions = wish.directions}))
+    directions = opts.directions}))
   for level = 1, 2 do
     local error, line = {}, ("   level %d:"):format(level)
     for _, method in ipairs {"naive", "grown"} do

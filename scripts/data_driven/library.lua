@@ -10,12 +10,12 @@ local function exists(path)
   return file and file:close()
 end
 
---- The library of `wish.library`, or of `wish.out`/three.bwm, built there when it is missing.
-function library.get(wish, materials, levels)
-  if wish.library then return bw.metamaterial.read(wish.library) end
-  local path = wish.out .. "/three.bwm"
+--- The library of `opts.library`, or of `opts.out`/three.bwm, built there when it is missing.
+function library.get(opts, materials, levels)
+  if opts.library then return bw.metamaterial.read(opts.library) end
+  local path = opts.out .. "/three.bwm"
   local checkpoint = path .. ".checkpoint"
-  wish.library = path
+  opts.library = path
   if exists(path) then
     local found = bw.metamaterial.read(path)
     if found and found.levels >= levels then
@@ -23,7 +23,7 @@ function library.get(wish, materials, levels)
       return found
     end
   end
-  local opened, message = bw.results.open(wish.out, {})
+  local opened, message = bw.results.open(opts.out, {})
   if not opened then return nil, message end
   print(("building a library of three materials with %d level%s into %s"):format(levels,
     levels > 1 and "s" or "", path))

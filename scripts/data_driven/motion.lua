@@ -11,27 +11,27 @@ local function energies(m)
 end
 
 -- A solid in motion from the shape of a solution, with what holds it and nothing that loads it.
-local function let_go(wish, fine, solution, by)
+local function let_go(opts, fine, solution, by)
   local free, message, details = bw.solid {grid = fine.grid, materials = fine.materials}
   if not free then return nil, message, details end
-  wish.held(free)
+  opts.held(free)
   if by then
     free, message, details = free:coarsen(by, 1)
     if not free then return nil, message, details end
   end
   local moving
-  moving, message, details = free:motion {scheme = "implicit_euler", step = wish.step, iterations = 1,
+  moving, message, details = free:motion {scheme = "implicit_euler", step = opts.step, iterations = 1,
     displacement = solution.displacement, linear = not by and "jacobi" or nil}
   return moving, message, details, free
 end
 
---- Goes `wish.steps` steps of `wish.step` seconds with the linearly implicit scheme, and draws
+--- Goes `opts.steps` steps of `opts.step` seconds with the linearly implicit scheme, and draws
 --- motion.png into a folder. solutions: {{title =, by = library, "naive" or nil: fine, solution =}, ...}.
 --- Returns what goes into result.json; nil, message, details.
-function motion.run(out, wish, fine, solutions)
+function motion.run(out, opts, fine, solutions)
   local parts = {}
   for i, each in ipairs(solutions) do
-    local moving, message, details, solid = let_go(wish, fine, each.solution, each.by)
+    local moving, message, details, solid = let_go(opts, fine, each.solution, each.by)
     if not moving then return nil, message, details end
     parts[i] = {title = each.title, moving = moving, solid = solid, seconds = 0}
   end
@@ -51,7 +51,7 @@ function motion.run(out, wish, fine, solutions)
         values = u:map "sqrt(a.x*a.x + a.y*a.y + a.z*a.z)"}
     end
     names[#names + 1] = ("%s/frame_%03d.png"):format(out, frame)
-    return bw.grid.picture(names[#names], panels, {direction = wish.direction, up = {0, 0, 1}, width = 380,
+    return bw.grid.picture(names[#names], panels, {direction = opts.direction, up = {0, 0, 1}, width = 380,
       height = 380, columns = #panels, unit = "movement, mm", scale = 1e3, low = 0, high = most,
       view = {low, high}})
   end
@@ -60,7 +60,7 @@ function motion.run(out, wish, fine, solutions)
   end
   rows[1] = energies(parts[#parts].moving)
   local drawn, message, details = draw(0)
-  for step = 1, wish.steps do
+  for step = 1, opts.steps do
     if not drawn then break end
     for _, part in ipairs(parts) do
       local spent
@@ -68,20 +68,20 @@ function motion.run(out, wish, fine, solutions)
       part.seconds = part.seconds + spent.processor
       if not drawn then break end
     end
-    if drawn and step % wish.each == 0 then
+    if drawn and step % opts.each == 0 then
       drawn, message, details = draw(step)
       rows[#rows + 1] = energies(parts[#parts].moving)
     end
   end
   if drawn then
-    drawn, message, details = bw.animation(out .. "/motion.png", names, {seconds = wish.each * wish.step * 4})
+    drawn, message, details = bw.animation(out .. "/motion.png", names, {seconds = opts.each * opts.step * 4})
   end
   remove()
-  local result = {words = wish.words, step_s = wish.step, steps = wish.steps, energies = rows,
+  local result = {words = opts.words, step_s = opts.step, steps = opts.steps, energies = rows,
     of = parts[#parts].title, solids = bw.json.list {}}
   for i, part in ipairs(parts) do
     result.solids[i] = {title = part.title, elements = part.solid.element_count,
-      seconds_per_step = part.seconds / wish.steps}
+      seconds_per_step = part.seconds / opts.steps}
     part.moving:close()
   end
   if not drawn then return nil, message, details end

@@ -43,7 +43,7 @@ local function options_of(rules)
 end
 
 local function read_arguments()
-  local wish, i = {methods = "lookup,grown,naive,average"}, 1
+  local opts, i = {methods = "lookup,grown,naive,average"}, 1
   while arg[i] do
     local name = arg[i]:match "^%-%-(.+)$"
     if not name or known[name] == nil then
@@ -51,15 +51,15 @@ local function read_arguments()
         suggestion(arg[i], options_of(known))))
     end
     if known[name] == "flag" then
-      wish[name] = true
+      opts[name] = true
       i = i + 1
     else
-      wish[name] = arg[i + 1] or stop(REFUSED, ("option --%s: a value expected"):format(name))
+      opts[name] = arg[i + 1] or stop(REFUSED, ("option --%s: a value expected"):format(name))
       i = i + 2
     end
   end
-  if not wish.out or not wish.scene then stop(REFUSED, "--scene NAME|all and --out DIR expected") end
-  wish.scene = wish.scene == "all" and scenes.order or split(wish.scene)
+  if not opts.out or not opts.scene then stop(REFUSED, "--scene NAME|all and --out DIR expected") end
+  opts.scene = opts.scene == "all" and scenes.order or split(opts.scene)
   local function each_of(list, names, what)
     if #list == 0 then stop(REFUSED, ("there is no %s: %s"):format(what, table.concat(names, ", "))) end
     for _, name in ipairs(list) do
@@ -70,20 +70,20 @@ local function read_arguments()
       end
     end
   end
-  each_of(wish.scene, scenes.order, "scene")
-  wish.methods = split(wish.methods)
-  each_of(wish.methods, {"lookup", "grown", "naive", "average"}, "method")
+  each_of(opts.scene, scenes.order, "scene")
+  opts.methods = split(opts.methods)
+  each_of(opts.methods, {"lookup", "grown", "naive", "average"}, "method")
   for name, most in pairs {levels = 2, threads = 1024} do
-    if wish[name] then
-      local number = math.tointeger(tonumber(wish[name]))
+    if opts[name] then
+      local number = math.tointeger(tonumber(opts[name]))
       if not number or number < 1 or number > most then
         stop(REFUSED, ("option --%s: a whole number from 1 to %d expected, got '%s'"):format(name, most,
-          wish[name]))
+          opts[name]))
       end
-      wish[name] = number
+      opts[name] = number
     end
   end
-  return wish
+  return opts
 end
 
 local function say(name, row)
@@ -153,10 +153,10 @@ local function move(scene, fine, by, solutions, result, out)
     end
   end
   if #list == 0 then return true end
-  local wish = {direction = scene.direction}
-  for key, value in pairs(scene.motion) do wish[key] = value end
+  local opts = {direction = scene.direction}
+  for key, value in pairs(scene.motion) do opts[key] = value end
   local message, details
-  result.motion, message, details = motion.run(out, wish, fine, list)
+  result.motion, message, details = motion.run(out, opts, fine, list)
   if not result.motion then return nil, message, details end
   for _, each in ipairs(result.motion.solids) do
     print(("   in motion, %s: %.3f s a step of %g ms"):format(each.title, each.seconds_per_step,
@@ -165,10 +165,10 @@ local function move(scene, fine, by, solutions, result, out)
   return true
 end
 
--- The library with fits for the blocks of the scene's own grid, when that is wished.
-local function grow(scene, fine, wish, library, result)
+-- The library with fits for the blocks of the scene's own grid, when the options ask for it.
+local function grow(scene, fine, opts, library, result)
   local wanted = false
-  for _, method in ipairs(wish.methods) do wanted = wanted or method == "grown" end
+  for _, method in ipairs(opts.methods) do wanted = wanted or method == "grown" end
   if not wanted then return nil end
   local spent, grown, message, details = compare.timed(bw.metamaterial.grow, library or scenes.materials(),
     fine.grid, {levels = scene.levels})
@@ -183,13 +183,13 @@ local function grow(scene, fine, wish, library, result)
 end
 
 -- Everything about one scene, into its folder; true when all of it solved.
-local function run(name, wish, library)
+local function run(name, opts, library)
   local scene = {}
   for key, value in pairs(scenes[name]) do scene[key] = value end
-  if wish.levels then scene.levels = math.min(scene.levels, wish.levels) end
-  local out = wish.out .. "/" .. name
+  if opts.levels then scene.levels = math.min(scene.levels, opts.levels) end
+  local out = opts.out .. "/" .. name
   local results, message = bw.results.open(out, {script = "scripts/data_driven/run.lua",
-    options = {scene = name, methods = wish.methods, levels = scene.levels}, inputs = {wish.library}})
+    options = {scene = name, methods = opts.methods, levels = scene.levels}, inputs = {opts.library}})
   if not results then stop(REFUSED, message) end
   local fine, rows, reference, partial, _
   fine, message = scenes.solid(scene, scenes.materials())
@@ -197,9 +197,9 @@ local function run(name, wish, library)
     rows = bw.json.list {}}
   local solutions, solved = {}, true
   local by = {lookup = library, naive = "naive", average = "average"}
-  if fine then by.grown, message = grow(scene, fine, wish, library, result) end
+  if fine then by.grown, message = grow(scene, fine, opts, library, result) end
   if fine and not message then
-    rows, reference, _, partial = compare.scene(scene, fine, by, wish.methods,
+    rows, reference, _, partial = compare.scene(scene, fine, by, opts.methods,
       function(row, solution)
         say(name, row)
         if row.failed then solved = false end
@@ -212,7 +212,7 @@ local function run(name, wish, library)
   if rows then
     drawn, message = page.pictures(out, scene, fine, solutions)
     if drawn and scene.edits then drawn, message = edit(scene, fine, library, result, out) end
-    if drawn and scene.motion and not wish["no-motion"] then
+    if drawn and scene.motion and not opts["no-motion"] then
       drawn, message = move(scene, fine, by, solutions, result, out)
     end
   end
@@ -223,27 +223,27 @@ local function run(name, wish, library)
   end
   assert(results:write(result))
   assert(page.write(out, result))
-  assert(page.overall(wish.out, scenes.order))
+  assert(page.overall(opts.out, scenes.order))
   return result.finished and solved
 end
 
-local wish = read_arguments()
-if wish.threads then bw.threads(wish.threads) end
+local opts = read_arguments()
+if opts.threads then bw.threads(opts.threads) end
 local library
-for _, method in ipairs(wish.methods) do
-  if not library and (method == "lookup" or (method == "grown" and wish.library)) then
+for _, method in ipairs(opts.methods) do
+  if not library and (method == "lookup" or (method == "grown" and opts.library)) then
     local levels = 1
-    for _, name in ipairs(wish.scene) do
-      levels = math.max(levels, math.min(scenes[name].levels, wish.levels or 2))
+    for _, name in ipairs(opts.scene) do
+      levels = math.max(levels, math.min(scenes[name].levels, opts.levels or 2))
     end
     local message
-    library, message = library_of.get(wish, scenes.materials(), levels)
+    library, message = library_of.get(opts, scenes.materials(), levels)
     if not library then stop(bw.interrupted() and INTERRUPTED or REFUSED, message) end
   end
 end
 local all = true
-for _, name in ipairs(wish.scene) do
-  all = run(name, wish, library) and all
+for _, name in ipairs(opts.scene) do
+  all = run(name, opts, library) and all
   if bw.interrupted() then stop(INTERRUPTED, "interrupted; what is done is kept") end
 end
 os.exit(all and SOLVED or NOT_SOLVED, true)

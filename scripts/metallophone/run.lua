@@ -27,7 +27,7 @@ local paper = {
   B = {target = 987, simulated = 989, measured = 993, adjusted = 987},
 }
 
-local wish = {shape = "fish", notes = "C5,D5,E5,F5,G5,A5,B5", thickness = 0.004,
+local opts = {shape = "fish", notes = "C5,D5,E5,F5,G5,A5,B5", thickness = 0.004,
   material = "aluminium", elements = 300, screw = 0.003}
 
 local function stop(status, message)
@@ -48,14 +48,14 @@ local function read_arguments()
       end
       os.exit(MET, true)
     end
-    if not name or (wish[name] == nil and name ~= "out") then
+    if not name or (opts[name] == nil and name ~= "out") then
       local names = {"--out"}
-      for key in pairs(wish) do names[#names + 1] = "--" .. key end
+      for key in pairs(opts) do names[#names + 1] = "--" .. key end
       stop(REFUSED, ("'%s' is not known: %s"):format(arg[i],
         require "barwright.core".suggestion(arg[i], names)))
     end
     local value = arg[i + 1]
-    if type(wish[name]) == "number" then
+    if type(opts[name]) == "number" then
       value = tonumber(value)
       if not value or value <= 0 or value == math.huge then
         stop(REFUSED, ("option --%s: a number above 0 expected, got '%s'"):format(name,
@@ -64,15 +64,15 @@ local function read_arguments()
     elseif not value then
       stop(REFUSED, ("option --%s: a value expected"):format(name))
     end
-    wish[name] = value
+    opts[name] = value
     i = i + 2
   end
-  if not wish.out then stop(REFUSED, "where to? --out DIR is missing (--help tells the options)") end
+  if not opts.out then stop(REFUSED, "where to? --out DIR is missing (--help tells the options)") end
 end
 
 local function read_outline()
-  if shapes[wish.shape] then return assert(shapes[wish.shape]()), 0.2 end
-  local outline, message = bw.outline.read(wish.shape)
+  if shapes[opts.shape] then return assert(shapes[opts.shape]()), 0.2 end
+  local outline, message = bw.outline.read(opts.shape)
   if not outline then stop(REFUSED, message) end
   return outline
 end
@@ -80,7 +80,7 @@ end
 -- With a hole for a screw at each place.
 local function drilled(outline, places)
   for k, at in ipairs(places) do
-    local hole = assert(bw.outline.circle {centre = at, radius = wish.screw / 2,
+    local hole = assert(bw.outline.circle {centre = at, radius = opts.screw / 2,
       name = "screw " .. k})
     local more, message = outline:hole(hole)
     if not more then return nil, message end
@@ -102,11 +102,11 @@ local function make(note, base, material, results)
   local target = pitch.frequency(note)
   local clock = bw.seconds()
   -- Plates go with the inverse square of their size: first the size, then the shape.
-  local first = assert(bw.responsive.metallophone {outline = base, thickness = wish.thickness,
-    material = material, elements = wish.elements})
+  local first = assert(bw.responsive.metallophone {outline = base, thickness = opts.thickness,
+    material = material, elements = opts.elements})
   local size = math.sqrt(first.frequency / target)
   local bar, message, details = bw.responsive.metallophone {outline = assert(base:scaled(size)),
-    thickness = wish.thickness, material = material, elements = wish.elements, modes = 6}
+    thickness = opts.thickness, material = material, elements = opts.elements, modes = 6}
   if not bar then return nil, message, details end
   local from, rounds = bar.frequency, 0
   local tuned
@@ -117,8 +117,8 @@ local function make(note, base, material, results)
   local with = holes and drilled(bar.outline, holes)
   if with then
     rounds = tuned.rounds
-    bar, message, details = bw.responsive.metallophone {outline = with, thickness = wish.thickness,
-      material = material, elements = 2 * wish.elements, modes = 6}
+    bar, message, details = bw.responsive.metallophone {outline = with, thickness = opts.thickness,
+      material = material, elements = 2 * opts.elements, modes = 6}
     if not bar then return nil, message, details end
     tuned, message, details = bar:tune(target, {keep = points_of_holes(with)})
     if not tuned then return nil, message, details end
@@ -149,22 +149,22 @@ end
 local function main()
   io.stdout:setvbuf "line"
   read_arguments()
-  local material, message = bw.material.named(wish.material)
+  local material, message = bw.material.named(opts.material)
   if not material then stop(REFUSED, message) end
-  for note in wish.notes:gmatch "[^,%s]+" do
+  for note in opts.notes:gmatch "[^,%s]+" do
     if not pitch.frequency(note) then stop(REFUSED, ("'%s' is no note: C5, F#4, Bb3"):format(note)) end
   end
   local base, length = read_outline()
   if length then base = assert(base:scaled(length)) end
   local results
-  results, message = bw.results.open(wish.out, {script = "scripts/metallophone/run.lua",
-    inputs = shapes[wish.shape] and {} or {wish.shape}, options = wish, seed = bw.json.null})
+  results, message = bw.results.open(opts.out, {script = "scripts/metallophone/run.lua",
+    inputs = shapes[opts.shape] and {} or {opts.shape}, options = opts, seed = bw.json.null})
   if not results then stop(REFUSED, message) end
-  local result = {shape = wish.shape, thickness_m = wish.thickness, material = wish.material,
+  local result = {shape = opts.shape, thickness_m = opts.thickness, material = opts.material,
     bars = bw.json.list {}, finished = false}
   local pictures, status = {}, MET
   print "note   target   before    tuned   cents   moved mm   rounds   paper's simulation"
-  for note in wish.notes:gmatch "[^,%s]+" do
+  for note in opts.notes:gmatch "[^,%s]+" do
     local made, bar = make(note, base, material, results)
     if bw.interrupted() then
       status = INTERRUPTED
@@ -186,7 +186,7 @@ local function main()
   result.finished = status ~= INTERRUPTED
   assert(results:write(result))
   assert(page.write(results:path "report.html", result, pictures))
-  print("written: " .. wish.out)
+  print("written: " .. opts.out)
   os.exit(status, true)
 end
 

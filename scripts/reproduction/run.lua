@@ -33,17 +33,17 @@ local function help()
 end
 
 local function read_arguments()
-  local wish, i = {scale = "quick", out = "reproduced"}, 1
+  local opts, i = {scale = "quick", out = "reproduced"}, 1
   local flags = {quick = "scale", full = "scale", tiny = "scale", again = true, list = true}
   while arg[i] do
     local name = arg[i]:match "^%-%-(%l+)$"
     if name == "help" or arg[i] == "-h" then help() end
     if flags[name] == "scale" then
-      wish.scale = name
+      opts.scale = name
     elseif flags[name] then
-      wish[name] = true
+      opts[name] = true
     elseif (name == "out" or name == "only") and arg[i + 1] then
-      wish[name] = arg[i + 1]
+      opts[name] = arg[i + 1]
       i = i + 1
     else
       stop(REFUSED, ("'%s' is not known, or lacks its value: %s"):format(arg[i],
@@ -51,7 +51,7 @@ local function read_arguments()
     end
     i = i + 1
   end
-  return wish
+  return opts
 end
 
 local function read_json(path)
@@ -126,13 +126,13 @@ local function run(part, words, out)
 end
 
 -- The state of a part after it was seen to: {status, message, seconds, result}.
-local function see_to(part, wish, out, states)
+local function see_to(part, opts, out, states)
   local own, words = out .. "/" .. part.name, words_of(part, out)
   local result = own .. "/" .. (part.result or "result.json")
   local key, before = key_of(words), read_json(own .. "/part.json")
   local known = before and before.key == key and before.status == "done" and read_json(result)
-  local wanted = not wish.only or part.name:find(wish.only, 1, true)
-  if known and not (wish.again and wanted) then
+  local wanted = not opts.only or part.name:find(opts.only, 1, true)
+  if known and not (opts.again and wanted) then
     before.result, before.kept = known, true
     return before
   end
@@ -184,21 +184,21 @@ local function fill_in(states)
 end
 
 local function main()
-  local wish = read_arguments()
-  local list = parts.of(wish.scale)
-  if wish.list then
+  local opts = read_arguments()
+  local list = parts.of(opts.scale)
+  if opts.list then
     for _, part in ipairs(list) do print(part.name .. "  " .. table.concat(part.words, " ")) end
     return DONE
   end
-  local out = wish.out .. "/" .. wish.scale
-  local results, message = bw.results.open(out, {script = "scripts/reproduce", options = {scale = wish.scale}})
+  local out = opts.out .. "/" .. opts.scale
+  local results, message = bw.results.open(out, {script = "scripts/reproduce", options = {scale = opts.scale}})
   if not results then stop(REFUSED, message) end
   local states, order, start, status = {}, bw.json.list {}, bw.seconds(), DONE
   local selected = 0
   for i, part in ipairs(list) do
     if status ~= INTERRUPTED then
-      if not wish.only or part.name:find(wish.only, 1, true) then selected = selected + 1 end
-      local state = see_to(part, wish, out, states)
+      if not opts.only or part.name:find(opts.only, 1, true) then selected = selected + 1 end
+      local state = see_to(part, opts, out, states)
       state.shrunk = part.shrunk
       states[part.name] = state
       if state.status == "interrupted" or bw.interrupted() then status = INTERRUPTED
@@ -215,10 +215,10 @@ local function main()
       seconds_processor = state.seconds_processor, smaller = part.smaller,
       words = bw.json.list(words_of(part, out))}
   end
-  if selected == 0 and wish.only then stop(REFUSED, ("no part's name holds '%s'"):format(wish.only)) end
+  if selected == 0 and opts.only then stop(REFUSED, ("no part's name holds '%s'"):format(opts.only)) end
   local tables = fill_in(states)
-  assert(results:write {scale = wish.scale, parts = order, tables = tables, seconds_total = bw.seconds() - start})
-  assert(core.write_file(results:path "index.html", page.document {scale = wish.scale, parts = order,
+  assert(results:write {scale = opts.scale, parts = order, tables = tables, seconds_total = bw.seconds() - start})
+  assert(core.write_file(results:path "index.html", page.document {scale = opts.scale, parts = order,
     tables = tables, papers = printed.papers, manifest = results.manifest}))
   print("wrote " .. results:path "index.html")
   return status

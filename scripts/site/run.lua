@@ -13,12 +13,12 @@ local lessons = require "lessons"
 local links = require "links"
 local markdown = require "markdown"
 
-local wish, i = {out = "out/site"}, 1
+local opts, i = {out = "out/site"}, 1
 while arg[i] do
   if arg[i] == "--gallery" then
-    wish.gallery = true
+    opts.gallery = true
   elseif arg[i] == "--out" and arg[i + 1] then
-    wish.out, i = arg[i + 1], i + 1
+    opts.out, i = arg[i + 1], i + 1
   else
     io.stderr:write(("site: '%s' is not known (known: --out FOLDER, --gallery)\n"):format(arg[i]))
     os.exit(2)
@@ -47,9 +47,9 @@ local function list(pattern)
   return out
 end
 
-assert(os.execute("mkdir -p " .. quoted(wish.out)))
+assert(os.execute("mkdir -p " .. quoted(opts.out)))
 assert(os.execute(("cd %s && mkdir -p docs/theory docs/reference docs/images examples/studies source"):format(
-  quoted(wish.out))))
+  quoted(opts.out))))
 local problems = {}
 
 -- ---- which pages there are ---------------------------------------------------------------------
@@ -100,7 +100,7 @@ table.sort(all_lessons, function(a, b)
 end)
 
 -- ---- what each page says -----------------------------------------------------------------------
-local pictures = gallery.make(root, wish.out, wish.gallery, all_lessons)
+local pictures = gallery.make(root, opts.out, opts.gallery, all_lessons)
 local template = read(root .. "/scripts/site/page.html")
 local version, commit = bw.version()
 local sections = bw.json.list {}
@@ -208,18 +208,18 @@ end
 for _, page in ipairs(pages) do
   if page.there then
     index(page)
-    write(wish.out .. "/" .. page.address, fill {TITLE = markdown.escape(page.title), ROOT = up(page.address),
+    write(opts.out .. "/" .. page.address, fill {TITLE = markdown.escape(page.title), ROOT = up(page.address),
       VERSION = version .. (commit ~= "" and ", " .. commit or ""), PAGES = navigation(page), BODY = page.html,
       SECTIONS = section_list(page)})
   end
 end
 for _, name in ipairs {"site.css", "site.js"} do
-  write(wish.out .. "/" .. name, read(root .. "/scripts/site/" .. name))
+  write(opts.out .. "/" .. name, read(root .. "/scripts/site/" .. name))
 end
-write(wish.out .. "/search.js", "const sections = " .. bw.json.encode(sections) .. ";\n")
+write(opts.out .. "/search.js", "const sections = " .. bw.json.encode(sections) .. ";\n")
 
 -- ---- do all links lead somewhere? --------------------------------------------------------------
-for _, problem in ipairs(links.check(wish.out, pages)) do problems[#problems + 1] = problem end
+for _, problem in ipairs(links.check(opts.out, pages)) do problems[#problems + 1] = problem end
 for _, problem in ipairs(problems) do io.stderr:write("site: ", problem, "\n") end
-print(("%d pages in %s, %d pictures, %d problems"):format(#pages, wish.out, #pictures, #problems))
+print(("%d pages in %s, %d pictures, %d problems"):format(#pages, opts.out, #pictures, #problems))
 os.exit(#problems == 0 and 0 or 1, true)

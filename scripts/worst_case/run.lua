@@ -89,18 +89,18 @@ local function suggestion(name)
 end
 
 -- Sets an option; places add up.
-local function set(wish, name, text)
+local function set(opts, name, text)
   local value = value_of(name, text)
   if known[name][1] == "places" then
-    wish[name] = wish[name] or {}
-    value = table.move({value}, 1, 1, #wish[name] + 1, wish[name])
+    opts[name] = opts[name] or {}
+    value = table.move({value}, 1, 1, #opts[name] + 1, opts[name])
   end
-  wish[name] = value
+  opts[name] = value
 end
 
 local function read_arguments()
-  local wish, model = {}, nil
-  for key, about in pairs(known) do wish[key] = about[2] end
+  local opts, model = {}, nil
+  for key, about in pairs(known) do opts[key] = about[2] end
   local i = 1
   while i <= #arg do
     local name, joined = arg[i]:match "^%-%-([^=]+)=?(.*)$"
@@ -112,22 +112,22 @@ local function read_arguments()
     elseif not known[name] then
       usage(("unknown option --%s: %s"):format(name, suggestion(name)))
     elseif known[name][1] == "flag" then
-      wish[name] = true
+      opts[name] = true
     elseif arg[i]:find("=", 1, true) then
-      set(wish, name, joined)
+      set(opts, name, joined)
     else
       i = i + 1
-      set(wish, name, arg[i])
+      set(opts, name, arg[i])
     end
     i = i + 1
   end
   if not model or model == "" then usage "a MODEL is missing" end
-  if not wish.out or wish.out == "" then usage "--out DIR is missing" end
-  if wish.pressure and wish.contact then usage "--pressure and --contact say the same: give one of them" end
-  if wish.certificate and not wish.certify then usage "--certificate is the file that proves --certify's bound" end
-  if wish.hand and not wish.hands then usage "--hand is the area of each of --hands" end
-  wish.pressure = wish.pressure or wish.contact and wish.force / wish.contact or PRESSURE
-  return model, wish
+  if not opts.out or opts.out == "" then usage "--out DIR is missing" end
+  if opts.pressure and opts.contact then usage "--pressure and --contact say the same: give one of them" end
+  if opts.certificate and not opts.certify then usage "--certificate is the file that proves --certify's bound" end
+  if opts.hand and not opts.hands then usage "--hand is the area of each of --hands" end
+  opts.pressure = opts.pressure or opts.contact and opts.force / opts.contact or PRESSURE
+  return model, opts
 end
 
 -- Everything that can raise is misuse: of the options given on the command line, in this script.
@@ -162,11 +162,11 @@ local function prepared(value, message, details, path)
 end
 
 local function main()
-  local model_path, wish = read_arguments()
+  local model_path, opts = read_arguments()
   local start = bw.seconds()
 
-  if wish.threads then checked(REFUSED, bw.threads, wish.threads) end
-  local material = checked(REFUSED, bw.material.named, wish.material)
+  if opts.threads then checked(REFUSED, bw.threads, opts.threads) end
+  local material = checked(REFUSED, bw.material.named, opts.material)
 
   -- ---- the model: a mesh, or a surface that is filled ----
 
@@ -174,7 +174,7 @@ local function main()
     print(("read %s (%s): %s"):format(path, info.format, surface))
     result.input_triangles = surface.triangle_count
     local mesh, log, details = checked(REFUSED, bw.mesh.fill, surface,
-      {elements = wish.elements, order = wish.order})
+      {elements = opts.elements, order = opts.order})
     prepared(mesh, log, details, path)
     say_remarks()
     result.repaired, result.surface_moved_m = log.repaired, log.surface_moved
@@ -197,13 +197,13 @@ local function main()
     local ending = (path:match "%.(%w+)$" or ""):lower()
     local may_be_mesh = ({msh = 1, vtu = 1, mesh = 1, inp = 1, node = 1, ele = 1})[ending]
     local function surface()
-      return checked(REFUSED, bw.surface.read, path, {unit = wish.unit})
+      return checked(REFUSED, bw.surface.read, path, {unit = opts.unit})
     end
     if not may_be_mesh then
       local found, info = prepared(surface())
       return filled(path, found, info, result)
     end
-    local mesh, message, details = checked(REFUSED, bw.mesh.read, path, {unit = wish.unit})
+    local mesh, message, details = checked(REFUSED, bw.mesh.read, path, {unit = opts.unit})
     if not mesh then
       -- These two also hold surfaces. What the reader of meshes says tells more when they do not.
       if (ending == "msh" or ending == "vtu") and details.status == "format" then
@@ -213,15 +213,15 @@ local function main()
       prepared(mesh, message, details)
     end
     print(("read %s (%s)"):format(path, message.format))
-    if wish.order ~= mesh.order then mesh = prepared(mesh:with_order(wish.order)) end
+    if opts.order ~= mesh.order then mesh = prepared(mesh:with_order(opts.order)) end
     result.repaired, result.surface_moved_m = false, 0
     result.seconds_repair, result.seconds_remesh, result.seconds_fill = 0, 0, 0
     return mesh
   end
 
-  local result = {finished = false, material = wish.material}
-  local results = prepared(bw.results.open(wish.out, {script = "scripts/worst_case/run.lua",
-    inputs = {model_path}, options = wish, seed = 1}))
+  local result = {finished = false, material = opts.material}
+  local results = prepared(bw.results.open(opts.out, {script = "scripts/worst_case/run.lua",
+    inputs = {model_path}, options = opts, seed = 1}))
   local mesh = load_mesh(model_path, result)
   print(mesh)
   result.elements, result.nodes = mesh.element_count, mesh.node_count
@@ -245,24 +245,24 @@ local function main()
     end
     return area
   end
-  result.held_area_m2 = selections(wish.fix, "held", function(selection) part:fix(selection) end)
-  result.forbidden_area_m2 = selections(wish.forbid, "no pressure", function(selection)
+  result.held_area_m2 = selections(opts.fix, "held", function(selection) part:fix(selection) end)
+  result.forbidden_area_m2 = selections(opts.forbid, "no pressure", function(selection)
     forbidden = forbidden or {}
     forbidden[#forbidden + 1] = selection
   end)
 
   -- ---- loads ----
 
-  local force = wish.force
-  local room = MOST_OF_PRESSURE * wish.pressure * result.area_m2
+  local force = opts.force
+  local room = MOST_OF_PRESSURE * opts.pressure * result.area_m2
   if force > room then
     print(("  %.4g N would press the whole surface (%.4g mm2) too much of the way to %.4g MPa: the total"
       .. " force is lowered to %.4g N, %g %% of pressure times area"):format(force,
-      result.area_m2 * 1e6, wish.pressure / 1e6, room, 100 * MOST_OF_PRESSURE))
+      result.area_m2 * 1e6, opts.pressure / 1e6, room, 100 * MOST_OF_PRESSURE))
     force = room
   end
-  result.force_n, result.force_asked_n, result.force_lowered = force, wish.force, force < wish.force
-  result.pressure_pa = wish.pressure
+  result.force_n, result.force_asked_n, result.force_lowered = force, opts.force, force < opts.force
+  result.pressure_pa = opts.pressure
 
   -- ---- the analysis ----
 
@@ -276,18 +276,18 @@ local function main()
   end
 
   local worst, message, details = checked(REFUSED, bw.worst_case, part, {force = force,
-    pressure = wish.pressure, forbidden = forbidden, friction = wish.friction,
-    friction_facets = wish["friction-facets"], hands = wish.hands, hand = wish.hand, certify = wish.certify,
-    certificate = wish.certificate,
-    modes = wish.modes, regions = wish.regions, fraction = wish.fraction,
-    measure = wish.measure, target = wish.target, laplacian = wish.laplacian, method = wish.method})
+    pressure = opts.pressure, forbidden = forbidden, friction = opts.friction,
+    friction_facets = opts["friction-facets"], hands = opts.hands, hand = opts.hand, certify = opts.certify,
+    certificate = opts.certificate,
+    modes = opts.modes, regions = opts.regions, fraction = opts.fraction,
+    measure = opts.measure, target = opts.target, laplacian = opts.laplacian, method = opts.method})
   say_remarks()
   if not worst then unfinished(message, details) end
 
   result.max_principal_pa, result.max_principal_at_m = worst.max_principal, worst.at
   result.utilisation = worst.utilisation
-  result.friction, result.friction_error = wish.friction, worst.friction_error
-  result.hands, result.hand_m2 = wish.hands, worst.options.hand
+  result.friction, result.friction_error = opts.friction, worst.friction_error
+  result.hands, result.hand_m2 = opts.hands, worst.options.hand
   result.upper_bound_pa, result.gap, result.bounded = worst.upper_bound, worst.gap, worst.bounded
   result.strength_pa = worst.strength
   result.max_displacement_m = worst.max_displacement
@@ -326,14 +326,14 @@ local function main()
   local used = worst.utilisation
   print(("\n%s"):format(worst))
   print(("Pushed by %.4g N in the worst way that pressures up to %.4g MPa allow, %s is stressed most at"
-    .. " (%.4g, %.4g, %.4g) mm: %.4g MPa."):format(force, wish.pressure / 1e6,
+    .. " (%.4g, %.4g, %.4g) mm: %.4g MPa."):format(force, opts.pressure / 1e6,
     model_path:match "[^/]+$", worst.at[1] * 1e3, worst.at[2] * 1e3, worst.at[3] * 1e3,
     worst.max_principal / 1e6))
   if used then
     print(("On this mesh that is %.3g %% of the strength of %s; %s. `barwright worst` gives an interval and a"
-      .. " verdict."):format(100 * used, wish.material, core.error_unknown))
+      .. " verdict."):format(100 * used, opts.material, core.error_unknown))
   else
-    print(("The strength of %s is not known."):format(wish.material))
+    print(("The strength of %s is not known."):format(opts.material))
   end
   print(("%d elements, %d modes, %d regions; %.1f s, of which filling %.1f s."):format(
     result.elements, worst.modes.count, #worst.regions, result.seconds_total, result.seconds_fill))

@@ -17,7 +17,7 @@
 local here = arg[0]:match "^(.*)/[^/]*$" or "."
 
 local usage = "api: unknown option '%s': see the head of tests/fuzz/api.lua"
-local wish = {calls = 5000, seed = 1, seconds = 0.25}
+local opts = {calls = 5000, seed = 1, seconds = 0.25}
 do
   local numbers = {calls = true, seed = true, call = true, from = true, seconds = true, parallel = true}
   local texts = {program = true, only = true, folder = true}
@@ -25,10 +25,10 @@ do
   while arg[i] do
     local name = arg[i]:match "^%-%-(%l+)$"
     if name == "keep" or name == "leaks" then
-      wish[name] = true
+      opts[name] = true
     elseif numbers[name] or texts[name] then
       i = i + 1
-      wish[name] = numbers[name] and tonumber(arg[i]) or texts[name] and arg[i]
+      opts[name] = numbers[name] and tonumber(arg[i]) or texts[name] and arg[i]
         or error(usage:format(arg[i - 1]), 0)
     else
       error(usage:format(arg[i]), 0)
@@ -42,7 +42,7 @@ local function quoted(text)
 end
 
 -- The folder that all generated paths lead into becomes the working folder: the program once more, in it.
-if not wish.folder then
+if not opts.folder then
   local function absolute(path)
     local pipe = assert(io.popen("realpath " .. quoted(path)))
     local text = pipe:read "l"
@@ -55,7 +55,7 @@ if not wish.folder then
     pipe:close()
     return assert(text, command)
   end
-  local program = absolute(wish.program or arg[-1] or "build/barwright")
+  local program = absolute(opts.program or arg[-1] or "build/barwright")
   local folder = shell "mktemp -d"
   local words = {}
   for i = 1, #arg do words[i] = quoted(arg[i]) end
@@ -69,11 +69,11 @@ if not wish.folder then
     SCRIPT = quoted(absolute(arg[0])),
     WORDS = table.concat(words, " ")})
   local _, _, status = os.execute(command)
-  if not wish.keep then os.execute("rm -rf " .. quoted(folder)) end
+  if not opts.keep then os.execute("rm -rf " .. quoted(folder)) end
   os.exit(status)
 end
 
 local root = here .. "/../.."
 package.path = ("%s/api/?.lua;%s/scripts/docs/?.lua;%s/tests/lua/?.lua;%s"):format(here, root, root, package.path)
 local run = require "run"
-os.exit(run(wish, root .. "/lua/stubs"), true)
+os.exit(run(opts, root .. "/lua/stubs"), true)

@@ -7,17 +7,17 @@
 local core = require "barwright.core"
 
 local root = arg[0]:match "^(.*)/tests/fuzz/[^/]*$" or "."
-local wish, i = {kills = 12, seed = 1}, 1
+local opts, i = {kills = 12, seed = 1}, 1
 while arg[i] do
   local name = arg[i]:match "^%-%-(%l+)$"
   if name == "keep" then
-    wish.keep = true
+    opts.keep = true
   elseif name == "only" then
     i = i + 1
-    wish.only = arg[i]
-  elseif wish[name or ""] and tonumber(arg[i + 1]) then
+    opts.only = arg[i]
+  elseif opts[name or ""] and tonumber(arg[i + 1]) then
     i = i + 1
-    wish[name] = math.tointeger(tonumber(arg[i]))
+    opts[name] = math.tointeger(tonumber(arg[i]))
   else
     error(("kills: unknown option '%s': see the head of tests/fuzz/kills.lua"):format(arg[i]), 0)
   end
@@ -155,7 +155,7 @@ local function more(list, other)
   return table.concat(out, " ")
 end
 
-local state = wish.seed
+local state = opts.seed
 local function random()
   state = (state * 1103515245 + 12345) % 2147483648
   return state / 2147483648
@@ -194,7 +194,7 @@ end
 
 local chosen = {}
 for _, work in ipairs(works) do
-  if not wish.only or work.name == wish.only then chosen[#chosen + 1] = work end
+  if not opts.only or work.name == opts.only then chosen[#chosen + 1] = work end
 end
 for k, work in ipairs(chosen) do
   local start = core.seconds()
@@ -205,7 +205,7 @@ for k, work in ipairs(chosen) do
   if not whole.result then
     fault(work, "the undisturbed run gave nothing: %s", read(folder .. ".said"))
   else
-    local left = wish.kills // #chosen + (k <= wish.kills % #chosen and 1 or 0)
+    local left = opts.kills // #chosen + (k <= opts.kills % #chosen and 1 or 0)
     local round, before = 0, killed
     while left > 0 do -- five kills, then a folder of its own again
       round = round + 1
@@ -216,5 +216,5 @@ for k, work in ipairs(chosen) do
   end
 end
 print(("%d kills, %d of them before the end; %d faults"):format(killed, inside, faults))
-if wish.keep then print(base.path) else base:close() end
-os.exit(faults == 0 and killed == wish.kills, not wish.keep)
+if opts.keep then print(base.path) else base:close() end
+os.exit(faults == 0 and killed == opts.kills, not opts.keep)

@@ -15,7 +15,7 @@
 -- and prints what makes it again.
 local here = arg[0]:match "^(.*)/[^/]*$" or "."
 
-local wish = {operations = 2000, seed = 1, length = 40}
+local opts = {operations = 2000, seed = 1, length = 40}
 do
   local numbers = {operations = true, seed = true, sequence = true, length = true, parallel = true}
   local texts = {kind = true, program = true}
@@ -26,12 +26,12 @@ do
     if not (numbers[name] or texts[name]) or numbers[name] and not math.tointeger(tonumber(value)) then
       error(("sequences: '%s': see the head of tests/fuzz/sequences.lua"):format(arg[i]), 0)
     end
-    wish[name] = numbers[name] and math.tointeger(tonumber(value)) or value
+    opts[name] = numbers[name] and math.tointeger(tonumber(value)) or value
     i = i + 2
   end
 end
 
-if wish.program then
+if opts.program then
   local words = {}
   for i = 1, #arg do
     if arg[i] ~= "--program" and arg[i - 1] ~= "--program" then
@@ -40,11 +40,11 @@ if wish.program then
   end
   -- One thread of BLAS: its own would be lost in children.
   local _, _, status = os.execute(("OPENBLAS_NUM_THREADS=1 UBSAN_OPTIONS=print_stacktrace=1 "
-    .. "ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1:$ASAN_OPTIONS %s %s %s"):format(wish.program,
+    .. "ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1:$ASAN_OPTIONS %s %s %s"):format(opts.program,
     arg[0], table.concat(words, " ")))
   os.exit(status)
 end
 
 local root = here .. "/../.."
 package.path = ("%s/sequences/?.lua;%s/tests/lua/?.lua;%s"):format(here, root, package.path)
-os.exit(require "run"(wish), true)
+os.exit(require "run"(opts), true)

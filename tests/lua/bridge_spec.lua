@@ -10,10 +10,10 @@ local full = os.getenv "BARWRIGHT_FULL" == "1"
 local plastic = bw.material.isotropic {name = "plastic", young = 3e9, poisson = 0.35, density = 1200}
 
 local function small_bridge(more)
-  local wish = {span = 0.2, load = 1500, stress_limit = 30e6, material = plastic, thickness = 0.004,
+  local opts = {span = 0.2, load = 1500, stress_limit = 30e6, material = plastic, thickness = 0.004,
     size = 0.005, wall = 0.006}
-  for key, value in pairs(more or {}) do wish[key] = value end
-  return bw.responsive.bridge(wish)
+  for key, value in pairs(more or {}) do opts[key] = value end
+  return bw.responsive.bridge(opts)
 end
 
 -- A strip pulled at its right end, held at x = 0; its upper edge is free, width w at both ends.
@@ -201,12 +201,12 @@ describe("a bridge", function()
     assert.equal(b.utilisation <= 1, b.passes)
     local height, area = b:uniform_beam()
     -- stress 6 M / (t h^2) with M = F (L + bearing - pad / 2) / 4
-    local wish = b.options
-    local moment = wish.load / 4 * (wish.span + wish.bearing - wish.pad / 2)
-    check.near(math.sqrt(6 * moment / (wish.thickness * wish.stress_limit)), height, 0.1)
-    check.near((wish.span + 2 * wish.bearing) * height, area, 1e-9)
+    local opts = b.options
+    local moment = opts.load / 4 * (opts.span + opts.bearing - opts.pad / 2)
+    check.near(math.sqrt(6 * moment / (opts.thickness * opts.stress_limit)), height, 0.1)
+    check.near((opts.span + 2 * opts.bearing) * height, area, 1e-9)
     local body = assert(b:body())
-    check.near(b.area * wish.thickness, body.volume, 2e-3)
+    check.near(b.area * opts.thickness, body.volume, 2e-3)
     assert.truthy(tostring(b):find "bridge of 200 mm")
   end)
 

@@ -26,9 +26,9 @@ end
 local path = os.tmpname()
 
 local function certified(part, more)
-  local wish = {force = 5, pressure = 2e5, modes = 2, regions = 2, targets = 4, certify = 0.02, certificate = path}
-  for key, value in pairs(more or {}) do wish[key] = value end
-  return assert(bw.worst_case(part, wish))
+  local opts = {force = 5, pressure = 2e5, modes = 2, regions = 2, targets = 4, certify = 0.02, certificate = path}
+  for key, value in pairs(more or {}) do opts[key] = value end
+  return assert(bw.worst_case(part, opts))
 end
 
 -- What is left when the text is changed once.

@@ -28,8 +28,8 @@ local sample = {
 }
 
 local function refused(text, ...)
-  local wish, message = arguments.parse(sample, {...})
-  assert.is_nil(wish)
+  local opts, message = arguments.parse(sample, {...})
+  assert.is_nil(opts)
   assert.truthy(message:find(text, 1, true), message)
 end
 
@@ -159,20 +159,20 @@ describe("sentences of the engine", function()
 end)
 
 describe("the words behind a command", function()
-  it("become a wish", function()
-    local wish = assert(arguments.parse(sample, {"a.stl"}))
+  it("become options", function()
+    local opts = assert(arguments.parse(sample, {"a.stl"}))
     assert.same({model = "a.stl", rest = {}, force = 20, kind = "stress", fix = {}, no_open = false, json = false,
-      quiet = false, help = false, given = {}}, wish)
-    wish = assert(arguments.parse(sample, {"--force=1kN", "a.stl", "--count", "3", "--fix", "x:0", "b",
+      quiet = false, help = false, given = {}}, opts)
+    opts = assert(arguments.parse(sample, {"--force=1kN", "a.stl", "--count", "3", "--fix", "x:0", "b",
       "--fix=y", "--no-open", "--json", "--", "--kind"}))
-    assert.equal(1000, wish.force)
-    assert.equal(3, wish.count)
-    assert.same({"x:0", "y"}, wish.fix)
-    assert.same({"b", "--kind"}, wish.rest)
-    assert.is_true(wish.no_open)
-    assert.is_true(wish.json)
+    assert.equal(1000, opts.force)
+    assert.equal(3, opts.count)
+    assert.same({"x:0", "y"}, opts.fix)
+    assert.same({"b", "--kind"}, opts.rest)
+    assert.is_true(opts.no_open)
+    assert.is_true(opts.json)
     assert.same({["--force"] = "1kN", ["--count"] = "3", ["--fix"] = "y", ["--no-open"] = true,
-      ["--json"] = true}, wish.given)
+      ["--json"] = true}, opts.given)
     assert.equal("-", arguments.parse(sample, {"-"}).model)
     assert.equal("-5", arguments.parse(sample, {"a", "--fix", "-5"}).fix[1]) -- a value, whatever it looks like
     assert.is_true(arguments.parse(sample, {"--help", "--nonsense"}).help)
@@ -769,7 +769,7 @@ describe("commands that compute", function()
     -- The picture of a worst case says the same.
     local given
     local before = core.picture
-    core.picture = function(_, _, wish) given = wish return true end -- luacheck: ignore
+    core.picture = function(_, _, opts) given = opts return true end -- luacheck: ignore
     local part = bw.model {mesh = mesh, material = bw.material.steel}
     for failure, unit in pairs {von_mises = "von Mises stress under this load, MPa",
       principal = "largest principal stress under this load, MPa"} do
@@ -839,7 +839,7 @@ describe("commands that compute", function()
     part:fix(mesh.boundary:below("x", 0))
     part:load {on = mesh.boundary:above("x", 1), force = {0, 0, -100}}
     local static, before, given, drawn = assert(part:solve()), core.picture, nil, nil
-    core.picture = function(surface, _, wish) drawn, given = surface, wish return true end -- luacheck: ignore
+    core.picture = function(surface, _, opts) drawn, given = surface, opts return true end -- luacheck: ignore
     assert(static:picture("x.png", static_picture.options(static, "title", {{place = "high:x",
       force = {0, 0, -100}}}, {"below:x:0"})))
     core.picture = before -- luacheck: ignore

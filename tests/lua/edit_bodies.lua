@@ -17,10 +17,10 @@ function edit_bodies.beam_part(order)
   return part:load {on = mesh.boundary:above(1, 1), force = {0, 0, -10}}
 end
 
-function edit_bodies.beam(wish)
-  wish = wish or {}
-  wish.skeleton = wish.skeleton or edit_bodies.beam_skeleton()
-  return assert(bw.edit(edit_bodies.beam_part(), wish))
+function edit_bodies.beam(opts)
+  opts = opts or {}
+  opts.skeleton = opts.skeleton or edit_bodies.beam_skeleton()
+  return assert(bw.edit(edit_bodies.beam_part(), opts))
 end
 
 local mm = 1e-3
@@ -53,15 +53,15 @@ function edit_bodies.body_mesh()
   return made
 end
 
-function edit_bodies.body(wish)
+function edit_bodies.body(opts)
   local mesh = edit_bodies.body_mesh()
   local part = bw.model {mesh = mesh, material = bw.material.zp150}
   part:fix(mesh.boundary:below(3, -44 * mm))
   part:load {on = mesh.boundary:above(3, 60 * mm), force = {0, 1, -2}}
-  wish = wish or {}
-  wish.skeleton = wish.skeleton or edit_bodies.body_skeleton()
-  wish.heat = wish.heat or 1 -- wide joints: few elements stand wide turns
-  return assert(bw.edit(part, wish)), part
+  opts = opts or {}
+  opts.skeleton = opts.skeleton or edit_bodies.body_skeleton()
+  opts.heat = opts.heat or 1 -- wide joints: few elements stand wide turns
+  return assert(bw.edit(part, opts)), part
 end
 
 function edit_bodies.same_nodes(a, b)

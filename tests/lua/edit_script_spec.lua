@@ -61,9 +61,9 @@ return part, {skeleton = bw.skeleton.create {joints = {{0, 0.05, 0.05}, {0.5, 0.
     check.write(folder .. "/work.lua", ([[
 local bw = require "barwright"
 local folder = %q
-local part, wish = dofile(folder .. "/part.lua")
-wish.script, wish.journal = "part.lua", folder .. "/journal.lua"
-local session = assert(bw.edit(part, wish))
+local part, opts = dofile(folder .. "/part.lua")
+opts.script, opts.journal = "part.lua", folder .. "/journal.lua"
+local session = assert(bw.edit(part, opts))
 for i = 1, 1e9 do
   assert(session:bone(i %% 2 == 0 and "upper" or "lower"):rotate {axis = {1, i %% 7, 2}, degrees = 1 / i})
   if i %% 5 == 0 then assert(session:undo()) end

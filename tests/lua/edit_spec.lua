@@ -179,8 +179,8 @@ end)
 -- ---- any part, any edits -----------------------------------------------------------------------------
 
 describe("a session", function()
-  local function check_edits(part, wish, solve)
-    local session = assert(bw.edit(part, wish))
+  local function check_edits(part, opts, solve)
+    local session = assert(bw.edit(part, opts))
     local function compare_with_fresh()
       local now, fresh = assert(session:solve(solve)), assert(session.part:solve(solve and
         {inertia_relief = solve.inertia_relief}))
@@ -196,22 +196,22 @@ describe("a session", function()
   end
 
   it("is as good on linear elements, orthotropic material, free bodies", function()
-    local wish = function() return {skeleton = beam_skeleton()} end
-    check_edits(beam_part(1), wish())
+    local opts = function() return {skeleton = beam_skeleton()} end
+    check_edits(beam_part(1), opts())
     local mesh = check.beam({16, 2, 2}, 2)
     local layered = bw.material.orthotropic {young = {2e9, 3e9, 1.5e9}, poisson = {0.3, 0.25, 0.28},
       shear = {0.8e9, 0.7e9, 0.9e9}, density = 1200}
     local part = bw.model {mesh = mesh, material = layered}
     part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {3, 1, -10}}
-    check_edits(part, wish())
+    check_edits(part, opts())
     local free = bw.model {mesh = mesh, material = bw.material.pla}
     free:load {on = mesh.boundary:above(1, 1), force = {0, 0, -10}}
-    check.fails("unconstrained", "6 rigid-body modes are unconstrained", assert(bw.edit(free, wish())):solve())
-    check_edits(free, wish(), {inertia_relief = true})
+    check.fails("unconstrained", "6 rigid-body modes are unconstrained", assert(bw.edit(free, opts())):solve())
+    check_edits(free, opts(), {inertia_relief = true})
     local sliding = bw.model {mesh = mesh, material = bw.material.pla}
     sliding:slide(mesh.boundary:below(1, 0)):fix(mesh.boundary:nearest({0, 0, 0}))
     sliding:slide(mesh.boundary:below(2, 0), {0, 1, 0}):gravity {0, 0, -9.81}
-    check_edits(sliding, wish())
+    check_edits(sliding, opts())
   end)
 
   it("comes through random edits, undos and redos with the equations of a new part", function()

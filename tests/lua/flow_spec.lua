@@ -238,12 +238,12 @@ describe("a flow in time", function()
       return s.velocity:tostring "<f8" .. s.pressure:tostring "<f8" .. s.points:tostring "<f8"
     end
     local before, drag, level = bits(), s:force "body", tostring(s.reused)
-    s.wish.tolerance = 1e-30 -- which none is found to
+    s.opts.tolerance = 1e-30 -- which none is found to
     check.fails("convergence", "wanted", s:drag({loop = "body"}, {0.1, 0}))
     assert.equal(before, bits())
     assert.equal(drag, (s:force "body"))
     assert.equal(level, tostring(s.reused))
-    s.wish.tolerance = 1e-8
+    s.opts.tolerance = 1e-8
     assert(s:drag({loop = "body"}, {0.05, 0}))
     assert.not_equal(before, bits())
     check.raises("state expected", s.body.return_to, s.body, 1)

@@ -18,10 +18,10 @@ end
 describe("the worst case with friction", function()
   local limits = {force = 5, pressure = 2e5, modes = 3, regions = 2, targets = 8}
   local function analyse(part, more)
-    local wish = {}
-    for key, value in pairs(limits) do wish[key] = value end
-    for key, value in pairs(more) do wish[key] = value end
-    return assert(bw.worst_case(part, wish))
+    local opts = {}
+    for key, value in pairs(limits) do opts[key] = value end
+    for key, value in pairs(more) do opts[key] = value end
+    return assert(bw.worst_case(part, opts))
   end
 
   it("is that of pressure alone where there is none", function()

@@ -10,10 +10,10 @@ held:fix(box.boundary:below(1, 0))
 
 local limits = {force = 5, pressure = 2e5, modes = 3, regions = 2, targets = 4}
 local function analyse(part, more)
-  local wish = {}
-  for key, value in pairs(limits) do wish[key] = value end
-  for key, value in pairs(more) do wish[key] = value end
-  return bw.worst_case(part, wish)
+  local opts = {}
+  for key, value in pairs(limits) do opts[key] = value end
+  for key, value in pairs(more) do opts[key] = value end
+  return bw.worst_case(part, opts)
 end
 
 describe("the worst case of few hands", function()

@@ -15,10 +15,10 @@ local function bar(held, mesh)
 end
 
 local function with(base, more)
-  local wish = {}
-  for key, value in pairs(base) do wish[key] = value end
-  for key, value in pairs(more) do wish[key] = value end
-  return wish
+  local opts = {}
+  for key, value in pairs(base) do opts[key] = value end
+  for key, value in pairs(more) do opts[key] = value end
+  return opts
 end
 
 -- The largest objective of every element, by exact linear programs.

@@ -90,24 +90,24 @@ describe("a surface", function()
   end)
 
   it("is made by a function or a formula that is negative inside", function()
-    local wish = {low = {-1, -1, -1}, high = {1, 1, 1}, cells = 12}
-    local one = assert(bw.surface.implicit("x^2 + y^2 + z^2 - 0.5", wish))
+    local opts = {low = {-1, -1, -1}, high = {1, 1, 1}, cells = 12}
+    local one = assert(bw.surface.implicit("x^2 + y^2 + z^2 - 0.5", opts))
     local two = assert(bw.surface.implicit(function(x, y, z)
       return x * x + y * y + z * z - 0.5
-    end, wish))
+    end, opts))
     assert.equal(one.points:tostring "<f8", two.points:tostring "<f8")
     check.near(4 / 3 * math.pi * 0.5 ^ 1.5, one.volume, 0.05)
     assert.is_true(one:check().sound)
   end)
 
   it("raises what a function raises, and keeps working", function()
-    local wish = {low = {-1, -1, -1}, high = {1, 1, 1}, cells = 8}
-    check.raises("my own error", bw.surface.implicit, function() error "my own error" end, wish)
-    check.raises("must return a number, not nil", bw.surface.implicit, function() end, wish)
+    local opts = {low = {-1, -1, -1}, high = {1, 1, 1}, cells = 8}
+    check.raises("my own error", bw.surface.implicit, function() error "my own error" end, opts)
+    check.raises("must return a number, not nil", bw.surface.implicit, function() end, opts)
     check.raises("the engine is busy", bw.surface.implicit, function()
       return bw.surface.sphere {radius = 1}
-    end, wish)
-    check.raises("nothing may be closed", bw.surface.implicit, function() box:close() end, wish)
+    end, opts)
+    check.raises("nothing may be closed", bw.surface.implicit, function() box:close() end, opts)
     local threads = bw.threads()
     assert(bw.surface.implicit(function(x) return x * x - 0.3 + 10 * 0 end, {low = {-1, -1, -1},
       high = {1, 1, 1}, cells = 4}) ~= false)

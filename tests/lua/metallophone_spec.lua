@@ -144,7 +144,7 @@ describe("a metallophone bar", function()
       check.near(350 * (2 * k - 1), mode.frequency, 1e-3)
     end
     local three = assert(bw.responsive.metallophone {outline = bar.outline, thickness = 0.006, elements = 800,
-      modes = 4, material = bar.wish.material})
+      modes = 4, material = bar.opts.material})
     local kinds = {}
     for _, mode in ipairs(assert(three:spectrum())) do kinds[mode.kind .. mode.number] = mode.frequency end
     check.near(3, kinds.bending2 / kinds.bending1, 0.01)

@@ -269,15 +269,15 @@ describe("the scaling optimisation", function()
   it("bears the worst load, found again after each round", function()
     local session = bar(3, {free = true})
     local limit = 0.4 * MPa
-    local wish = {force = 20, pressure = 2e5, modes = 4, regions = 2}
-    local found = assert(session:optimise {von_mises = limit, move_supports = true, loads = "worst", worst = wish})
+    local opts = {force = 20, pressure = 2e5, modes = 4, regions = 2}
+    local found = assert(session:optimise {von_mises = limit, move_supports = true, loads = "worst", worst = opts})
     assert.truthy(found.met and #found.rounds >= 2)
     assert.truthy(found.rounds[1].max > limit)
     local last = found.rounds[#found.rounds].max
     assert.truthy(last <= 1.02 * limit)
     assert.equal(1, #session.edits)
     -- the worst load of the final shape
-    local final = assert(bw.worst_case(bw.model {mesh = session.mesh, material = material()}, wish))
+    local final = assert(bw.worst_case(bw.model {mesh = session.mesh, material = material()}, opts))
     local part = bw.model {mesh = session.mesh, material = material()}
     part:load {nodal = final:force()}
     assert.truthy(assert(part:solve {inertia_relief = true}).von_mises:max() <= 1.02 * limit)

@@ -241,25 +241,25 @@ scenario("kept", function() expect(bar()):matches_baseline("modes", {relative = 
     local c, s = math.cos(0.7), math.sin(0.7)
     local a = list({1, 2, 2, 3}, {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}})
     local b = list({1, 2, 2 * (1 + 1e-6), 3}, {{-2, 0, 0, 0}, {0, c, s, 0}, {0, 3 * s, -3 * c, 0}, {0, 0, 0, 1}})
-    local wish = {degenerate = 1e-4}
-    local found = modes.compare(a, b, wish)
+    local opts = {degenerate = 1e-4}
+    local found = modes.compare(a, b, opts)
     assert.equal(3, found.groups)
     assert.truthy(found.shape < 1e-12)
     check.near(1e-6, found.frequency, 1e-3)
     -- apart, the mixed vectors are others
     a.frequencies[3], b.frequencies[3] = 2.1, 2.1
-    found = modes.compare(a, b, wish)
+    found = modes.compare(a, b, opts)
     check.near(s, found.shape, 1e-9)
     assert.same({2, 2}, found.group)
     a.frequencies[3] = 2
     -- a space that leans out of the other by an angle
     local leaning = list({1, 2, 2, 3}, {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, math.cos(0.01), math.sin(0.01)},
       {0, 0, -math.sin(0.01), math.cos(0.01)}})
-    check.near(math.sin(0.01), modes.compare(a, leaning, wish).shape, 1e-9)
-    has(modes.compare(a, list({1}, {{1, 0, 0, 0}}), wish).message, "4 modes, 1 expected")
-    has(modes.compare(a, list({1, 2, 2, 3}, {{1}, {1}, {1}, {1}}), wish).message, "shapes = false")
+    check.near(math.sin(0.01), modes.compare(a, leaning, opts).shape, 1e-9)
+    has(modes.compare(a, list({1}, {{1, 0, 0, 0}}), opts).message, "4 modes, 1 expected")
+    has(modes.compare(a, list({1, 2, 2, 3}, {{1}, {1}, {1}, {1}}), opts).message, "shapes = false")
     assert.truthy(modes.compare(a, list({1, 2, 2, 0 / 0}, {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0},
-      {0, 0, 0, 1}}), wish).frequency ~= 0)
+      {0, 0, 0, 1}}), opts).frequency ~= 0)
   end)
 end)
 

@@ -5,11 +5,11 @@ local core = require "barwright.core"
 local check = require "check"
 
 local function study(folder, more)
-  local wish = {name = "c", file = folder .. "/c.study", cache = {folder = folder .. "/cache"},
+  local opts = {name = "c", file = folder .. "/c.study", cache = {folder = folder .. "/cache"},
     variables = {{name = "x", kind = "integer", least = 1, most = 6}}, measures = {"y"}, design = {"grid"},
     run = function() return {y = 1} end}
-  for key, value in pairs(more or {}) do wish[key] = value end
-  return bw.study(wish)
+  for key, value in pairs(more or {}) do opts[key] = value end
+  return bw.study(opts)
 end
 
 local function files_of(folder)

@@ -17,8 +17,8 @@ local function reals(count, least, most)
 end
 
 -- A design on a function of points: problem, summary, points in the order asked, results.
-local function run(design, wish, f)
-  local problem = problem_of.read("test", wish)
+local function run(design, opts, f)
+  local problem = problem_of.read("test", opts)
   local made = designs.read("test", design, problem, 1)
   local points, results, batches = {}, {}, 0
   local function evaluate(list)
@@ -33,7 +33,7 @@ local function run(design, wish, f)
     end
     return own, trials
   end
-  return problem, made.run(evaluate, problem, made.wish), points, results, batches
+  return problem, made.run(evaluate, problem, made.opts), points, results, batches
 end
 
 local function nothing() return {y = 0} end
@@ -97,10 +97,10 @@ describe("designs that fill the cube", function()
 
   it("repeat with the seed and differ without", function()
     for _, name in ipairs {"random", "latin_hypercube", "sobol"} do
-      local wish = {variables = reals(3), measures = {"y"}}
-      local _, _, a = run({name, count = 16}, wish, nothing)
-      local _, _, b = run({name, count = 16}, wish, nothing)
-      local _, _, c = run({name, count = 16, seed = 2}, wish, nothing)
+      local opts = {variables = reals(3), measures = {"y"}}
+      local _, _, a = run({name, count = 16}, opts, nothing)
+      local _, _, b = run({name, count = 16}, opts, nothing)
+      local _, _, c = run({name, count = 16, seed = 2}, opts, nothing)
       assert.equal(16, #a)
       assert.same(a, b)
       assert.are_not.same(a, c)
@@ -291,14 +291,14 @@ describe("fronts", function()
 
   it("are found within constraints", function()
     -- Binh and Korn's: both constraints cut into the square; the front runs from (0, 50) to (136, 4).
-    local wish = {variables = {{name = "x", least = 0, most = 5}, {name = "y", least = 0, most = 3}},
+    local opts = {variables = {{name = "x", least = 0, most = 5}, {name = "y", least = 0, most = 3}},
       measures = {"f1", "f2", "g1", "g2"}, objectives = {"f1", "f2"},
       constraints = {{name = "g1", most = 25}, {name = "g2", least = 7.7}}}
     local function f(p)
       return {f1 = 4 * p.x ^ 2 + 4 * p.y ^ 2, f2 = (p.x - 5) ^ 2 + (p.y - 5) ^ 2, g1 = (p.x - 5) ^ 2 + p.y ^ 2,
         g2 = (p.x - 8) ^ 2 + (p.y + 3) ^ 2}
     end
-    local problem, _, points, results = run({"pareto", population = 40, generations = 40}, wish, f)
+    local problem, _, points, results = run({"pareto", population = 40, generations = 40}, opts, f)
     -- The front by its own formula: x = y up to 3, then y = 3.
     local known = {}
     for i = 0, 2000 do
@@ -308,15 +308,15 @@ describe("fronts", function()
     local volume = front.hypervolume(reached(results, problem), {140, 50})
     local best = front.hypervolume(known, {140, 50})
     assert.is_true(volume <= best and volume > 0.985 * best, volume .. " of " .. best)
-    local _, _, again = run({"pareto", population = 40, generations = 40}, wish, f)
+    local _, _, again = run({"pareto", population = 40, generations = 40}, opts, f)
     assert.same(points, again)
   end)
 
   it("live with integers, choices and trials that fail", function()
-    local wish = {variables = {{name = "n", kind = "integer", least = 0, most = 30},
+    local opts = {variables = {{name = "n", kind = "integer", least = 0, most = 30},
       {name = "c", of = {"a", "b", "c"}}, {name = "x", least = 0, most = 1}},
       measures = {"f", "g"}, objectives = {{name = "f", goal = "most"}, "g"}}
-    local problem, _, _, results = run({"pareto", population = 20, generations = 20}, wish, function(p)
+    local problem, _, _, results = run({"pareto", population = 20, generations = 20}, opts, function(p)
       if p.c == "a" then return false end
       return {f = p.n - 5 * p.x, g = p.n ^ 2 + (p.c == "b" and 100 or 0) + p.x}
     end)
@@ -362,7 +362,7 @@ describe("minimisation", function()
 
   it("keeps constraints, with goals of either sense and numbers of any size", function()
     -- The largest box (volume in litres) of a surface of 6 m2 is the cube of 1 m.
-    local wish = {variables = {{name = "a", least = 0.1, most = 4, scale = "log"},
+    local opts = {variables = {{name = "a", least = 0.1, most = 4, scale = "log"},
       {name = "b", least = 0.1, most = 4}, {name = "c", least = 0.1, most = 4}}, measures = {"litres", "area"},
       objectives = {{name = "litres", goal = "most"}}, constraints = {{name = "area", most = 6}}}
     local function box(p)
@@ -373,7 +373,7 @@ describe("minimisation", function()
     end
     for _, each in ipairs {{"cobyla"}, {"mma", "run"}, {"slsqp", "run"}, {"slsqp", "differences"}} do
       local _, summary = run({"minimise", method = each[1], gradient = each[2], evaluations = 300,
-        start = {a = 0.5, b = 0.7, c = 0.9}}, wish, box)
+        start = {a = 0.5, b = 0.7, c = 0.9}}, opts, box)
       check.near(1000, summary.starts[1].value, 2e-3)
       check.near(1, summary.starts[1].point.a, 0.05)
     end
@@ -381,12 +381,12 @@ describe("minimisation", function()
 
   it("runs several starts side by side, and the best is found", function()
     -- Two valleys; the narrower is the deeper one.
-    local wish = {variables = reals(2, -4, 4), measures = {"y"}, objectives = {"y"}}
+    local opts = {variables = reals(2, -4, 4), measures = {"y"}, objectives = {"y"}}
     local function f(p)
       local r = (p.x1 - 2) ^ 2 + (p.x2 - 2) ^ 2
       return {y = ((p.x1 + 2) ^ 2 + (p.x2 + 1) ^ 2) / 10 - 4 * math.exp(-r / 2)}
     end
-    local _, summary, points, _, batches = run({"minimise", starts = 8, evaluations = 80}, wish, f)
+    local _, summary, points, _, batches = run({"minimise", starts = 8, evaluations = 80}, opts, f)
     local best, ends = math.huge, {}
     for _, each in ipairs(summary.starts) do
       best = math.min(best, each.value)
@@ -396,7 +396,7 @@ describe("minimisation", function()
     assert.is_true(best < -0.5, best)
     assert.is_truthy(next(ends, next(ends))) -- more than one valley
     assert.is_true(batches <= 81 and #points > 4 * batches)
-    local _, _, again = run({"minimise", starts = 8, evaluations = 80}, wish, f)
+    local _, _, again = run({"minimise", starts = 8, evaluations = 80}, opts, f)
     assert.same(points, again)
   end)
 

@@ -106,15 +106,15 @@ describe("a run", function()
   it("runs every trial once; again, it asks the file", function()
     local folder, log = check.folder(), check.folder() .. "/log"
     local function make(more)
-      local wish = options(folder, more)
-      local inner = wish.run
-      wish.run = function(point, trial)
+      local opts = options(folder, more)
+      local inner = opts.run
+      opts.run = function(point, trial)
         local file = io.open(log, "a")
         file:write(trial.number, "\n")
         file:close()
         return inner(point, trial)
       end
-      return bw.study(wish)
+      return bw.study(opts)
     end
     local first = assert(make():run {workers = 2})
     assert.equal(20, #first)
@@ -369,17 +369,17 @@ describe("one trial again", function()
     local folder = check.folder()
     local one = bw.study(options(folder))
     local trials = assert(one:run())
-    for _, wish in ipairs {{}, {inside = true}} do
-      local again = assert(one:trial(5, wish))
+    for _, opts in ipairs {{}, {inside = true}} do
+      local again = assert(one:trial(5, opts))
       assert.is_true(again.same)
       assert.same(trials[5].results, again.trial.results)
       assert.equal(trials[5].key, again.trial.key)
     end
     assert.is_true(one:trial(trials[9].key:sub(1, 16)).same)
     assert.is_true(one:trial(trials[9].point).same)
-    local wish = options(folder)
-    wish.run = function() return {mass = 1, sag = 2} end
-    local other = assert(bw.study(wish):trial(5))
+    local opts = options(folder)
+    opts.run = function() return {mass = 1, sag = 2} end
+    local other = assert(bw.study(opts):trial(5))
     assert.is_false(other.same)
     assert.equal("mass", other.differences[1].name)
     assert.truthy(tostring(other):find("in the file, 1 now", 1, true))
@@ -418,9 +418,9 @@ describe("tables and merging", function()
   it("keeps the first of two different numbers, and says so", function()
     local folder = check.folder()
     local function make(value, file)
-      local wish = options(folder, {file = folder .. "/" .. file})
-      wish.run = function(point) return {mass = point.holes == 2 and value or 0, sag = 0} end
-      return bw.study(wish)
+      local opts = options(folder, {file = folder .. "/" .. file})
+      opts.run = function(point) return {mass = point.holes == 2 and value or 0, sag = 0} end
+      return bw.study(opts)
     end
     local one, two = make(1, "one.study"), make(2, "two.study")
     assert(one:run())

@@ -94,10 +94,10 @@ describe("a second process", function()
 end)
 
 local function study(path, count, more)
-  local wish = {name = "full", file = path, variables = {{name = "x", least = 0, most = 1}}, measures = {"y"},
+  local opts = {name = "full", file = path, variables = {{name = "x", least = 0, most = 1}}, measures = {"y"},
     design = {"random", count = count}, run = function(point) return {y = point.x} end}
-  for key, value in pairs(more or {}) do wish[key] = value end
-  return bw.study(wish)
+  for key, value in pairs(more or {}) do opts[key] = value end
+  return bw.study(opts)
 end
 
 describe("a file", function()

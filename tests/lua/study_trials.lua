@@ -18,7 +18,7 @@ return function(objectives, count, folder)
       constraints = {{name = "stress", most = 55e6}},
     },
     study = {name = "hook & <eye>", seed = 1, file = "hook.study",
-      design = {name = "latin_hypercube", wish = {count = count}}},
+      design = {name = "latin_hypercube", opts = {count = count}}},
     summary = {},
   }
   for i = 1, count do

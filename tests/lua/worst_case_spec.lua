@@ -69,9 +69,9 @@ describe("the worst case", function()
   it("has other measures, targets and modes", function()
     local base = {force = 5, pressure = 2e5, modes = 3, regions = 2}
     local function with(key, value)
-      local wish = {[key] = value}
-      for k, v in pairs(base) do wish[k] = v end
-      return assert(bw.worst_case(part, wish))
+      local opts = {[key] = value}
+      for k, v in pairs(base) do opts[k] = v end
+      return assert(bw.worst_case(part, opts))
     end
     assert.truthy(with("measure", "energy").max_principal > 0.3 * worst.max_principal)
     local moved = with("target", "displacement")

@@ -17,9 +17,9 @@ describe("the search of the worst case", function()
   local mesh = plate()
   local part = bw.model {mesh = mesh, material = bw.material.pla}
   local function analyse(more)
-    local wish = {force = 10, pressure = 2e5, modes = 6, regions = 3, targets = 16}
-    for key, value in pairs(more or {}) do wish[key] = value end
-    return assert(bw.worst_case(part, wish))
+    local opts = {force = 10, pressure = 2e5, modes = 6, regions = 3, targets = 16}
+    for key, value in pairs(more or {}) do opts[key] = value end
+    return assert(bw.worst_case(part, opts))
   end
   local search, paper = analyse(), analyse {method = "paper"}
 

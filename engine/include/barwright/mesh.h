@@ -131,7 +131,7 @@ typedef struct bw_size_point {
 typedef struct bw_size_field {
   int64_t point_count;
   const bw_size_point *point;
-  double (*size)(void *data, const double at[3]); /* NULL: none; m, or 0 for no wish */
+  double (*size)(void *data, const double at[3]); /* NULL: none; m, or 0 for no bound */
   void *data;
 } bw_size_field;
 
@@ -297,7 +297,7 @@ typedef struct bw_fill_options {
   /* sizes by distance to features, and a field */
   int64_t size_point_count;
   const bw_size_point *size_point;
-  double (*size)(void *data, const double at[3]); /* edge length in m, or 0 for no wish */
+  double (*size)(void *data, const double at[3]); /* edge length in m, or 0 for no bound */
   void *size_data;
   double time_limit;   /* seconds of one attempt; default 300 */
   double memory_limit; /* bytes of one attempt; default 6e9 */

@@ -7,11 +7,11 @@
 --    options = {{name = "force", value = "NEWTONS", type = "number", unit = "N", default = 20, above = 0,
 --                what = "..."}, ...},
 --    examples = {"barwright worst hook.stl --material pla", {"...", "what it does"}},
---    run = function(wish, out) ... return exit_code end}
+--    run = function(opts, out) ... return exit_code end}
 --
 -- Types: "string" (the default), "number" (with a unit where `unit` names one), "integer", "flag", "file",
 -- "folder". Rules of numbers: least, most, above, below. Rules of all: one_of, needed, many (a list; options
--- may then be repeated). The wish has a field for each name ("-" becomes "_"); flags are true or false.
+-- may then be repeated). The options have a field for each name ("-" becomes "_"); flags are true or false.
 -- --help, --json and --quiet are every command's.
 local core = require "barwright.core"
 local quantity = require "barwright.command.quantity"
@@ -25,7 +25,7 @@ arguments.common = {
   {name = "help", type = "flag", what = "this text"},
 }
 
---- The field of the wish that an option or an argument fills.
+--- The field of the options that an option or an argument fills.
 function arguments.key(name)
   return (name:gsub("%-", "_"))
 end
@@ -117,13 +117,13 @@ end
 
 -- ---- words -----------------------------------------------------------------------------------------
 
-local function keep(wish, rule, value)
+local function keep(opts, rule, value)
   local key = arguments.key(rule.name)
   if rule.many then
-    wish[key] = wish[key] or {}
-    table.insert(wish[key], value)
+    opts[key] = opts[key] or {}
+    table.insert(opts[key], value)
   else
-    wish[key] = value
+    opts[key] = value
   end
 end
 
@@ -136,7 +136,7 @@ local function meant(name, names)
 end
 
 -- One option at word i: the number of words taken, or nil and a sentence.
-local function read_option(known, names, words, i, wish, given)
+local function read_option(known, names, words, i, opts, given)
   local name, joined = words[i]:match "^(%-%-[^=]+)=(.*)$"
   name = name or words[i]
   if name == "-h" then name = "--help" end
@@ -148,7 +148,7 @@ local function read_option(known, names, words, i, wish, given)
   given[name] = true
   if rule.type == "flag" then
     if joined then return nil, ("option %s takes no value"):format(name) end
-    wish[arguments.key(rule.name)] = true
+    opts[arguments.key(rule.name)] = true
     return 1
   end
   local text = joined or words[i + 1]
@@ -159,7 +159,7 @@ local function read_option(known, names, words, i, wish, given)
   local value, message = arguments.value(rule, text)
   if value == nil then return nil, ("option %s: %s"):format(name, message) end
   given[name] = text
-  keep(wish, rule, value)
+  keep(opts, rule, value)
   return joined and 1 or 2
 end
 
@@ -168,7 +168,7 @@ local function place_name(rule)
 end
 
 -- The words that are no options, in order, into the command's arguments.
-local function read_places(command, places, wish)
+local function read_places(command, places, opts)
   local rules, at = command.arguments or {}, 1
   for _, text in ipairs(places) do
     local rule = rules[at]
@@ -178,63 +178,63 @@ local function read_places(command, places, wish)
     end
     local value, message = arguments.value(rule, text)
     if value == nil then return nil, ("%s: %s"):format(place_name(rule), message) end
-    keep(wish, rule, value)
+    keep(opts, rule, value)
     if not rule.many then at = at + 1 end
   end
   for _, rule in ipairs(rules) do
     local key = arguments.key(rule.name)
-    if wish[key] == nil then
+    if opts[key] == nil then
       if not rule.optional then return nil, place_name(rule) .. " is missing" end
-      wish[key] = rule.many and {} or rule.default
+      opts[key] = rule.many and {} or rule.default
     end
   end
   return true
 end
 
-local function fill_in(command, wish)
+local function fill_in(command, opts)
   for _, rule in ipairs(arguments.options(command)) do
     local key = arguments.key(rule.name)
-    if wish[key] == nil then
+    if opts[key] == nil then
       if rule.needed then
         return nil, ("option --%s %s is missing"):format(rule.name, rule.value or "VALUE")
       end
       if rule.type == "flag" then
-        wish[key] = false
+        opts[key] = false
       elseif rule.many then
-        wish[key] = rule.default or {}
+        opts[key] = rule.default or {}
       else
-        wish[key] = rule.default
+        opts[key] = rule.default
       end
     end
   end
   return true
 end
 
---- The wish that the words stand for, or nil and one sentence. Where --help is among them, no more is read. Its
+--- The options that the words stand for, or nil and one sentence. Where --help is among them, no more is read. Its
 --- `given` has the last text of every option that was given, by "--name"; true for flags.
 function arguments.parse(command, words)
   local known, names = by_name(command)
-  local wish, places, given, i = {}, {}, {}, 1
+  local opts, places, given, i = {}, {}, {}, 1
   while i <= #words do
     local word = words[i]
     if word == "--" then
       table.move(words, i + 1, #words, #places + 1, places)
       break
     elseif word:sub(1, 1) == "-" and word ~= "-" then
-      local taken, message = read_option(known, names, words, i, wish, given)
+      local taken, message = read_option(known, names, words, i, opts, given)
       if not taken then return nil, message end
-      if wish.help then return {help = true} end
+      if opts.help then return {help = true} end
       i = i + taken
     else
       places[#places + 1] = word
       i = i + 1
     end
   end
-  local fine, message = read_places(command, places, wish)
-  if fine then fine, message = fill_in(command, wish) end
+  local fine, message = read_places(command, places, opts)
+  if fine then fine, message = fill_in(command, opts) end
   if not fine then return nil, message end
-  wish.given = given
-  return wish
+  opts.given = given
+  return opts
 end
 
 -- ---- the table itself ------------------------------------------------------------------------------

@@ -66,7 +66,7 @@ local function tell_defects(report, out)
 end
 
 -- How much of the surface stands on how little material.
-local function tell_thickness(surface, wish, out)
+local function tell_thickness(surface, opts, out)
   local values = surface:thickness(2000)
   local list = values:totable()
   table.sort(list)
@@ -75,18 +75,18 @@ local function tell_thickness(surface, wish, out)
   out:say("Walls: 1 %% of the surface has less than %s mm of material under it, half of it less than %s mm.",
     model.mm(thin), model.mm(median))
   out:json {thickness_1_percent_m = thin, thickness_median_m = median}
-  if not wish.thin then return true end
+  if not opts.thin then return true end
   local below = 0
-  for _, value in ipairs(list) do below = below + (value < wish.thin and 1 or 0) end
+  for _, value in ipairs(list) do below = below + (value < opts.thin and 1 or 0) end
   local share = below / #list
   out:json {thin_share = share}
-  out:say("%.3g %% of the surface has less than the %s mm asked for.", 100 * share, model.mm(wish.thin))
+  out:say("%.3g %% of the surface has less than the %s mm asked for.", 100 * share, model.mm(opts.thin))
   return share <= 0.01
 end
 
-local function tell_repair(surface, wish, out)
-  if not wish.repair then return end
-  local mended, log, details = model.try(surface.repair, surface, {time_limit = wish.seconds})
+local function tell_repair(surface, opts, out)
+  if not opts.repair then return end
+  local mended, log, details = model.try(surface.repair, surface, {time_limit = opts.seconds})
   out:remarks()
   if not mended and details and details.status == "cancelled" then
     out:say "Whether repair helps was not found out: it was interrupted."
@@ -109,8 +109,8 @@ local function tell_repair(surface, wish, out)
 end
 
 -- With --edges: the re-entrant edges without a fillet, where a stress has no finite value.
-local function tell_edges(surface, wish, shown, out)
-  if not wish.edges then return end
+local function tell_edges(surface, opts, shown, out)
+  if not opts.edges then return end
   local edges, message = surface:singular_edges()
   if not edges then
     out:say("%s.", message)
@@ -180,8 +180,8 @@ local function face_labels(surface, shown)
 end
 
 -- With --faces: the faces, the largest first.
-local function tell_faces(surface, wish, out)
-  if not wish.faces then return true end
+local function tell_faces(surface, opts, out)
+  if not opts.faces then return true end
   local faces, message, details = surface:faces()
   if not faces then return nil, message, details end
   local list = bw.json.list {}
@@ -200,21 +200,21 @@ local function tell_faces(surface, wish, out)
 end
 
 -- What --edges and --faces ask for, listed and drawn.
-local function tell_marked(surface, wish, out)
-  local shown = {title = model.name(wish.model)}
-  tell_edges(surface, wish, shown, out)
-  local fine, message, details = tell_faces(surface, wish, out)
+local function tell_marked(surface, opts, out)
+  local shown = {title = model.name(opts.model)}
+  tell_edges(surface, opts, shown, out)
+  local fine, message, details = tell_faces(surface, opts, out)
   if not fine then return nil, message, details end
-  if not wish.picture then return true end
-  if wish.faces then shown.labels = face_labels(surface, shown) end
-  fine, message, details = surface:picture(wish.picture, shown)
+  if not opts.picture then return true end
+  if opts.faces then shown.labels = face_labels(surface, shown) end
+  fine, message, details = surface:picture(opts.picture, shown)
   if not fine then return nil, message, details end
-  out:json {files = bw.json.list {wish.picture}}
-  out:say("Written: %s.", wish.picture)
+  out:json {files = bw.json.list {opts.picture}}
+  out:say("Written: %s.", opts.picture)
   return true
 end
 
-local function check_surface(read, wish, out)
+local function check_surface(read, opts, out)
   local surface = read.surface
   local report = surface:check {limit = 1}
   out:say("%s: %s, %s, %s mm.", model.name(read.path), read.format,
@@ -227,8 +227,8 @@ local function check_surface(read, wish, out)
   if report.sound then
     out:say("Sound: closed, facing outwards, not crossing itself; %s, %.4g cm3, surface %.4g cm2.",
       model.count(report.shells, "shell"), report.volume * 1e6, report.area * 1e4)
-    good = tell_thickness(surface, wish, out)
-    local fine, message, details = tell_marked(surface, wish, out)
+    good = tell_thickness(surface, opts, out)
+    local fine, message, details = tell_marked(surface, opts, out)
     if not fine then return nil, message, details end
   else
     local text = {}
@@ -236,10 +236,10 @@ local function check_surface(read, wish, out)
     text[#text + 1] = model.count(report.shells, "shell")
     out:say("Not sound (%s):", table.concat(text, ", "))
     tell_defects(report, out)
-    local mended = tell_repair(surface, wish, out)
+    local mended = tell_repair(surface, opts, out)
     if mended then
-      tell_thickness(mended, wish, out)
-      local fine, message, details = tell_marked(mended, wish, out)
+      tell_thickness(mended, opts, out)
+      local fine, message, details = tell_marked(mended, opts, out)
       if not fine then return nil, message, details end
     end
     good = false
@@ -249,7 +249,7 @@ end
 
 -- ---- meshes ----------------------------------------------------------------------------------------
 
-local function check_mesh(read, wish, out)
+local function check_mesh(read, opts, out)
   local mesh = read.mesh
   out:say("%s: %s, a mesh of %s tetrahedra of %d nodes.", model.name(read.path), read.format,
     mesh.order == 1 and "linear" or "quadratic", mesh.order == 1 and 4 or 10)
@@ -263,7 +263,7 @@ local function check_mesh(read, wish, out)
     quality.volume_low * 1e9, quality.volume_high * 1e9, model.count(mesh.component_count, "body", "bodies"))
   out:json {order = mesh.order, dihedral_low_degrees = low, dihedral_high_degrees = high,
     volume_low_m3 = quality.volume_low, volume_high_m3 = quality.volume_high, sound = true}
-  local fine, message, details = tell_marked(mesh:surface(), wish, out)
+  local fine, message, details = tell_marked(mesh:surface(), opts, out)
   if not fine then return nil, message, details end
   if mesh.component_count > 1 then
     out:say("The bodies are not connected: a load on one has no effect on the others.")
@@ -317,22 +317,22 @@ return {
   examples = {"barwright check hook.stl", {"barwright check --edges yes --picture edges.png hook.stl",
     "where a stress has no finite value"}, {"barwright check --thin 0.8mm hook.stl && echo printable",
     "a wall of 0.8 mm at least, as a condition"}},
-  run = function(wish, out)
-    wish.repair, wish.edges, wish.faces = wish.repair == "yes", wish.edges == "yes", wish.faces == "yes"
-    if wish.picture and not (wish.edges or wish.faces) then
+  run = function(opts, out)
+    opts.repair, opts.edges, opts.faces = opts.repair == "yes", opts.edges == "yes", opts.faces == "yes"
+    if opts.picture and not (opts.edges or opts.faces) then
       return out:misuse "option --picture: it shows edges or faces: give --edges yes or --faces yes as well"
     end
     local fine, message, details = true, nil, nil
-    if wish.picture then fine, message, details = writable(wish.picture) end
+    if opts.picture then fine, message, details = writable(opts.picture) end
     if not fine then return out:fail(message, details) end
     local read
-    read, message, details = model.open(wish.model, wish.unit, out)
+    read, message, details = model.open(opts.model, opts.unit, out)
     if not read then
       out:json {sound = false}
       return out:fail(message, details)
     end
     local good
-    good, message, details = by_kind[read.kind](read, wish, out)
+    good, message, details = by_kind[read.kind](read, opts, out)
     out:remarks()
     if good == nil then return out:fail(message, details) end
     out:json {good = good}

@@ -196,8 +196,8 @@ return {
     .. "puts it where the shells look; for a build tree:\n\n  source <(build/barwright completion bash)",
   arguments = {{name = "shell", one_of = {"bash", "zsh", "fish"}, what = "for which shell"}},
   examples = {"source <(barwright completion bash)"},
-  run = function(wish, out)
-    local text = table.concat(shells[wish.shell](require "barwright.command"), "\n")
+  run = function(opts, out)
+    local text = table.concat(shells[opts.shell](require "barwright.command"), "\n")
     out:say("%s", text)
     out:json {text = text}
   end,

@@ -18,8 +18,8 @@ local function list(sets)
 end
 
 -- What a surface becomes on the way: whole, of another size, finer or coarser.
-local function changed(surface, wish, out)
-  if wish.repair then
+local function changed(surface, opts, out)
+  if opts.repair then
     local report = surface:check {limit = 0}
     if not report.sound then
       local mended, log, details = model.try(surface.repair, surface)
@@ -32,8 +32,8 @@ local function changed(surface, wish, out)
       out:json {repaired = false}
     end
   end
-  if wish.edge then
-    local even, log, details = model.try(surface.remesh, surface, {edge_length = wish.edge})
+  if opts.edge then
+    local even, log, details = model.try(surface.remesh, surface, {edge_length = opts.edge})
     if not even then return nil, "remesh: " .. log, details end
     for _, step in ipairs(log.steps) do out:say("  %s: %s", step.name, lengths(step.text)) end
     surface = even
@@ -42,12 +42,12 @@ local function changed(surface, wish, out)
 end
 
 -- The object to write, and its options.
-local function converted(read, wish, out)
-  local ending = model.ending(wish.out)
-  local factor = wish.scale
+local function converted(read, opts, out)
+  local ending = model.ending(opts.out)
+  local factor = opts.scale
   if read.kind == "outline" then
     if not drawing_endings[ending] then
-      return nil, ("%s: a drawing can be written as %s"):format(wish.out, list {drawing_endings}),
+      return nil, ("%s: a drawing can be written as %s"):format(opts.out, list {drawing_endings}),
         {status = "misuse"}
     end
     if factor then
@@ -59,26 +59,26 @@ local function converted(read, wish, out)
     return read.outline
   end
   if drawing_endings[ending] then
-    return nil, ("%s: a body can be written as %s .vtu, not as a drawing"):format(wish.out,
+    return nil, ("%s: a body can be written as %s .vtu, not as a drawing"):format(opts.out,
       list {surface_endings, mesh_endings}), {status = "misuse"}
   end
   if not (surface_endings[ending] or mesh_endings[ending] or ending == "vtu") then
-    return nil, ("%s: the ending .%s is not known: %s .vtu for bodies, %s for drawings"):format(wish.out, ending,
+    return nil, ("%s: the ending .%s is not known: %s .vtu for bodies, %s for drawings"):format(opts.out, ending,
       list {surface_endings, mesh_endings}, list {drawing_endings}), {status = "misuse"}
   end
-  local filled = wish.elements or mesh_endings[ending] and ending ~= "msh" and read.kind == "surface"
+  local filled = opts.elements or mesh_endings[ending] and ending ~= "msh" and read.kind == "surface"
   if read.kind == "surface" then
-    local surface, message, details = changed(read.surface, wish, out)
+    local surface, message, details = changed(read.surface, opts, out)
     if not surface then return nil, message, details end
     if factor then surface = surface:scale(factor) end
     if not filled or surface_endings[ending] then return surface end
     read.surface = surface
-    return model.mesh(read, {elements = wish.elements or 20000, order = wish.order}, out)
+    return model.mesh(read, {elements = opts.elements or 20000, order = opts.order}, out)
   end
   local mesh = read.mesh
   if factor then mesh = mesh:scale(factor) end
   if surface_endings[ending] then return mesh:surface() end
-  if wish.order and wish.order ~= mesh.order then mesh = mesh:with_order(wish.order) end
+  if opts.order and opts.order ~= mesh.order then mesh = mesh:with_order(opts.order) end
   return mesh
 end
 
@@ -87,26 +87,26 @@ local function fields_of(read)
   return fields and next(fields) and fields or nil
 end
 
-local function run(wish, out)
-  local read, message, details = model.open(wish["in"], wish.unit, out)
+local function run(opts, out)
+  local read, message, details = model.open(opts["in"], opts.unit, out)
   if not read then return out:fail(message, details) end
   local made
-  made, message, details = converted(read, wish, out)
+  made, message, details = converted(read, opts, out)
   if not made then return out:fail(message, details) end
   local options = {}
   if read.kind ~= "outline" then
-    options.unit = wish.out_unit
-    if made == read.mesh and (model.ending(wish.out) == "vtu" or model.ending(wish.out) == "msh") then
+    options.unit = opts.out_unit
+    if made == read.mesh and (model.ending(opts.out) == "vtu" or model.ending(opts.out) == "msh") then
       options.fields = fields_of(read)
     end
-    if wish.ascii and model.ending(wish.out):match "^[sp][tl][ly]$" then options.ascii = true end
+    if opts.ascii and model.ending(opts.out):match "^[sp][tl][ly]$" then options.ascii = true end
   end
   local fine
-  fine, message, details = model.try(made.write, made, wish.out, next(options) and options or nil)
+  fine, message, details = model.try(made.write, made, opts.out, next(options) and options or nil)
   if not fine then return out:fail(message, details) end
   out:remarks()
-  out:say("%s: %s", wish.out, tostring(made):match "^[^\n]*")
-  out:json {out = wish.out, text = tostring(made)}
+  out:say("%s: %s", opts.out, tostring(made):match "^[^\n]*")
+  out:json {out = opts.out, text = tostring(made)}
 end
 
 return {

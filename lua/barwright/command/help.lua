@@ -7,15 +7,15 @@ return {
   about = "The same texts as `barwright --help` and `barwright COMMAND --help`.",
   arguments = {{name = "command", optional = true, what = "the command to tell about"}},
   examples = {"barwright help worst"},
-  run = function(wish, out)
+  run = function(opts, out)
     local commands = require "barwright.command"
-    if not wish.command then
+    if not opts.command then
       out:say(commands.help())
-    elseif commands.known(wish.command) then
-      out:say(help_text.of(wish.command, commands.load(wish.command)))
+    elseif commands.known(opts.command) then
+      out:say(help_text.of(opts.command, commands.load(opts.command)))
     else
-      return out:misuse(("there is no command '%s': %s"):format(wish.command,
-        commands.suggestion(wish.command)))
+      return out:misuse(("there is no command '%s': %s"):format(opts.command,
+        commands.suggestion(opts.command)))
     end
     local names = commands.names()
     out:json {commands = names}

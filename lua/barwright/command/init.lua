@@ -119,23 +119,23 @@ local not_in_sandbox = {live = true, test = true, study = true, rerun = true}
 function commands.run(name, ...)
   local words = {...}
   local command = commands.load(name)
-  local wish, message = arguments.parse(command, words)
-  if not wish then
+  local opts, message = arguments.parse(command, words)
+  if not opts then
     local out = output.create(name, {json = wants_json(words)})
     return out:finish(out:misuse(message))
   end
-  if wish.help then
+  if opts.help then
     print(help_text.of(name, command))
     return output.DONE
   end
   if core.confined() and not_in_sandbox[name] then
-    local out = output.create(name, wish)
+    local out = output.create(name, opts)
     return out:finish(out:fail("it starts other processes, and is refused in the sandbox (a script is not)",
       {status = "unsupported"}))
   end
-  if wish.quiet then core.progress(function() end) end
-  local out = output.create(name, wish)
-  if wish.json then
+  if opts.quiet then core.progress(function() end) end
+  local out = output.create(name, opts)
+  if opts.json then
     -- Only the object goes to standard output; what a script prints goes beside it.
     rawset(_G, "print", function(...)
       local texts = table.pack(...)
@@ -143,7 +143,7 @@ function commands.run(name, ...)
       io.stderr:write(table.concat(texts, "\t"), "\n")
     end)
   end
-  local fine, code = xpcall(command.run, trace, wish, out)
+  local fine, code = xpcall(command.run, trace, opts, out)
   if not fine then
     if core.interrupted() then
       code = out:fail("interrupted", {status = "cancelled"})

@@ -52,17 +52,17 @@ local function checked(what, value, message, ...)
 end
 
 -- A file of edits: replayed, and grown further unless they are to be kept elsewhere.
-local function open_edits(wish)
-  local session, cut = checked(wish.file, edit.load(wish.file, nil, {resume = not wish.save}))
-  if cut then print(wish.file .. ": the last line was cut off in the middle and is left out") end
-  if wish.save then checked(wish.save, edit_script.keep(session, wish.save)) end
-  return session, {}, wish.save or wish.file
+local function open_edits(opts)
+  local session, cut = checked(opts.file, edit.load(opts.file, nil, {resume = not opts.save}))
+  if cut then print(opts.file .. ": the last line was cut off in the middle and is left out") end
+  if opts.save then checked(opts.save, edit_script.keep(session, opts.save)) end
+  return session, {}, opts.save or opts.file
 end
 
 -- Edits of an outline that were kept before: their lines are done again by the view.
-local function open_outline(wish, object, about, save)
+local function open_outline(opts, object, about, save)
   local lines = {}
-  if exists(save) and not wish.fresh then
+  if exists(save) and not opts.fresh then
     local script
     script, lines = plane_edits.read(read(save))
     if not script then fail(save .. ": there, but not a file of edits of an outline (--save, --fresh)") end
@@ -70,29 +70,29 @@ local function open_outline(wish, object, about, save)
   elseif exists(save) then
     os.rename(save, save .. "~")
   end
-  about.lines, about.script = lines, name_for(wish.file, save)
+  about.lines, about.script = lines, name_for(opts.file, save)
   return object, about, save
 end
 
-local function open_script(wish)
+local function open_script(opts)
   local before = rawget(_G, "arg")
-  rawset(_G, "arg", {[0] = wish.file}) -- the words of this command are none of the script's
-  local fine, made, about = pcall(dofile, wish.file)
+  rawset(_G, "arg", {[0] = opts.file}) -- the words of this command are none of the script's
+  local fine, made, about = pcall(dofile, opts.file)
   rawset(_G, "arg", before)
   if not fine then fail(tostring(made)) end
-  if made == nil and type(about) == "string" then fail(wish.file .. ": " .. about) end
-  local save = wish.save or wish.file:gsub("%.lua$", "") .. ".edits.lua"
+  if made == nil and type(about) == "string" then fail(opts.file .. ": " .. about) end
+  local save = opts.save or opts.file:gsub("%.lua$", "") .. ".edits.lua"
   local session = made
   about = type(about) == "table" and about or {}
-  if kinds.of(made) then return open_outline(wish, made, about, save) end
+  if kinds.of(made) then return open_outline(opts, made, about, save) end
   if core.class_name(made) == "model" then
-    session, about = checked(wish.file, edit(made, about)), {}
+    session, about = checked(opts.file, edit(made, about)), {}
   elseif getmetatable(made) ~= edit.class then
-    fail(wish.file .. ": the file must return a session (bw.edit), a part and options of bw.edit, or an "
+    fail(opts.file .. ": the file must return a session (bw.edit), a part and options of bw.edit, or an "
       .. "object of bw.responsive")
   end
-  session.wish.script = name_for(wish.file, save)
-  if exists(save) and not wish.fresh then
+  session.opts.script = name_for(opts.file, save)
+  if exists(save) and not opts.fresh then
     local _, cut = checked(save, edit.load(save, session, {resume = true}))
     print(("%s: %d edits replayed (--fresh begins without them)%s"):format(save, #session.edits,
       cut and "; the last line was cut off in the middle and is left out" or ""))
@@ -103,12 +103,12 @@ local function open_script(wish)
 end
 
 -- A file of edits of an outline stands for the script that it names.
-local function open_kept(wish, text)
+local function open_kept(opts, text)
   local script = plane_edits.read(text)
-  wish.save = wish.save or wish.file
-  if script:sub(1, 1) ~= "/" then script = folder(wish.file) .. script end
-  wish.file = script
-  return open_script(wish)
+  opts.save = opts.save or opts.file
+  if script:sub(1, 1) ~= "/" then script = folder(opts.file) .. script end
+  opts.file = script
+  return open_script(opts)
 end
 
 -- ---- the browser -----------------------------------------------------------------------------------
@@ -138,24 +138,24 @@ local function passed(about, served)
   return out
 end
 
-local function open_file(wish)
-  local text = read(wish.file)
-  if plane_edits.read(text) then return open_kept(wish, text) end
-  return (text:find('require%("barwright"%)%.edit%.begin%(') and open_edits or open_script)(wish)
+local function open_file(opts)
+  local text = read(opts.file)
+  if plane_edits.read(text) then return open_kept(opts, text) end
+  return (text:find('require%("barwright"%)%.edit%.begin%(') and open_edits or open_script)(opts)
 end
 
-local function serve(wish, out)
-  local served, about, saved = open_file(wish)
-  local name = wish.file:match "([^/\\]*)$":gsub("%.lua$", ""):gsub("[^%w_.-]", "_")
+local function serve(opts, out)
+  local served, about, saved = open_file(opts)
+  local name = opts.file:match "([^/\\]*)$":gsub("%.lua$", ""):gsub("[^%w_.-]", "_")
   local opened
   local given = passed(about, served)
-  given.port, given.name, given.saved = wish.port, name, saved
+  given.port, given.name, given.saved = opts.port, name, saved
   given.title = about.title or not kinds.of(served) and name or nil -- else the kind's
   function given.ready(address)
     print(address) -- also under --quiet: nobody could open it else
     out:say("Open it in a browser of this machine. Edits are kept in %s. Ctrl-C ends.", saved)
     io.stdout:flush()
-    if not wish.no_open then opened = open_browser(address) end
+    if not opts.no_open then opened = open_browser(address) end
   end
   local fine, message, details = live.run(served, given)
   if opened then opened:close() end
@@ -172,10 +172,10 @@ local function serve(wish, out)
   out:json {edits = count, kept = saved}
 end
 
-local function run(wish, out)
+local function run(opts, out)
   local fine, problem = xpcall(serve, function(problem)
     return type(problem) == "table" and problem or debug.traceback(problem, 2)
-  end, wish, out)
+  end, opts, out)
   if fine then return end
   if type(problem) ~= "table" then error(problem, 0) end
   return out:fail(problem.text, {status = problem.status or "misuse"})

@@ -52,9 +52,9 @@ return {
     .. "every number with its source, in SI units.",
   arguments = {{name = "material", optional = true, one_of = bw.material.names(), what = "one of them"}},
   examples = {"barwright materials", "barwright materials zp150"},
-  run = function(wish, out)
-    if wish.material then
-      local entry = about(wish.material)
+  run = function(opts, out)
+    if opts.material then
+      local entry = about(opts.material)
       tell_one(entry, out)
       out:json {materials = bw.json.list {entry}}
       return 0

@@ -35,17 +35,17 @@ model.value_options = {
 }
 
 -- The named material with what was given by value: {young, poisson, strength, density, toughness}.
-local function material_of(wish)
-  local named = bw.material.named(wish.material)
-  if not (wish.young or wish.poisson or wish.strength or wish.density or wish.toughness) then return named end
-  local young, poisson, strength = wish.young or named.young, wish.poisson or named.poisson,
-    wish.strength or named.strength
+local function material_of(opts)
+  local named = bw.material.named(opts.material)
+  if not (opts.young or opts.poisson or opts.strength or opts.density or opts.toughness) then return named end
+  local young, poisson, strength = opts.young or named.young, opts.poisson or named.poisson,
+    opts.strength or named.strength
   if type(young) ~= "number" or type(poisson) ~= "number" or type(strength) ~= "number" then
     return nil, ("%s differs with the direction: give --young, --poisson and --strength, or another --material")
-      :format(wish.material), {status = "misuse"}
+      :format(opts.material), {status = "misuse"}
   end
-  return bw.material.isotropic {name = wish.material, young = young, poisson = poisson, strength = strength,
-    density = wish.density or named.density, toughness = wish.toughness or named.toughness}
+  return bw.material.isotropic {name = opts.material, young = young, poisson = poisson, strength = strength,
+    density = opts.density or named.density, toughness = opts.toughness or named.toughness}
 end
 
 model.fix_option = {name = "fix", value = "PLACE", many = true,
@@ -299,7 +299,7 @@ function model.view_of(edges)
 end
 
 --- A mesh of what was read: as it is, or filled. Says what was done to the surface on the way.
-function model.mesh(read, wish, out)
+function model.mesh(read, opts, out)
   if read.kind == "outline" then
     return nil, read.path .. ": a drawing is flat: it is no body that could be filled (`barwright check` and "
       .. "`barwright convert` take drawings; docs/tutorial_responsive.md tells what can be computed of one)",
@@ -307,11 +307,11 @@ function model.mesh(read, wish, out)
   end
   if read.kind == "mesh" then
     local mesh = read.mesh
-    if wish.order and wish.order ~= mesh.order then return mesh:with_order(wish.order) end
+    if opts.order and opts.order ~= mesh.order then return mesh:with_order(opts.order) end
     out:json {repaired = false, surface_moved_m = 0}
     return mesh
   end
-  local mesh, log, details = model.try(bw.mesh.fill, read.surface, {elements = wish.elements, order = wish.order})
+  local mesh, log, details = model.try(bw.mesh.fill, read.surface, {elements = opts.elements, order = opts.order})
   out:remarks()
   if not mesh then return nil, with_path(read.path, log), details end
   local steps = bw.json.list {}
@@ -341,14 +341,14 @@ function model.tell_mesh(mesh, material, out)
 end
 
 -- With --length critical the material needs a toughness: a sentence where it has none.
-local function missing_toughness(wish, material)
-  if wish.length ~= "critical" or material.critical_distance then return nil end
+local function missing_toughness(opts, material)
+  if opts.length ~= "critical" or material.critical_distance then return nil end
   local known = {}
   for _, name in ipairs(bw.material.names()) do
     if bw.material.named(name).critical_distance then known[#known + 1] = name end
   end
   return ("option --length critical: the fracture toughness of %s is not known: give it by --toughness, or take a "
-    .. "material that has one (%s), or give a length such as --length 1mm"):format(wish.material,
+    .. "material that has one (%s), or give a length such as --length 1mm"):format(opts.material,
     table.concat(known, ", "))
 end
 
@@ -356,15 +356,15 @@ end
 local FIRST, MOST_GROWTH = 1 / 4, 10
 
 --- With --error: what is asked of the first mesh.
-function model.first_mesh(wish)
-  return setmetatable({elements = math.max(1, math.floor(FIRST * wish.elements)), order = 2}, {__index = wish})
+function model.first_mesh(opts)
+  return setmetatable({elements = math.max(1, math.floor(FIRST * opts.elements)), order = 2}, {__index = opts})
 end
 
 --- With --error: options of part:solve and part:modes that go on from the first mesh.
-function model.refined(read, wish, mesh, given)
+function model.refined(read, opts, mesh, given)
   local sound = read.surface and read.surface:check({limit = 1}).sound
-  given.error, given.surface = wish.error, sound and read.surface or nil
-  given.most_elements = math.max(MOST_GROWTH * wish.elements, mesh.element_count)
+  given.error, given.surface = opts.error, sound and read.surface or nil
+  given.most_elements = math.max(MOST_GROWTH * opts.elements, mesh.element_count)
   return given
 end
 
@@ -381,10 +381,10 @@ function model.tell_accuracy(accuracy, out)
 end
 
 -- What the command is to write, told to be impossible before the work and not after it.
-local function check_outputs(wish)
+local function check_outputs(opts)
   for _, name in ipairs {"report", "picture", "vtu"} do
-    if wish[name] then
-      local fine, message, details = writable(wish[name])
+    if opts[name] then
+      local fine, message, details = writable(opts[name])
       if not fine then return nil, message, details end
     end
   end
@@ -396,23 +396,23 @@ model.field_endings = {"vtu", "msh", "mesh", "inp", "node", "ele"}
 
 --- What is asked about, read and told: what model.read gives, material. A size that is implausible for a part
 --- is refused unless the unit was given.
-function model.start(wish, out)
-  local fine, message, details = check_outputs(wish)
+function model.start(opts, out)
+  local fine, message, details = check_outputs(opts)
   if not fine then return nil, message, details end
   local read, material
-  material, message, details = material_of(wish)
+  material, message, details = material_of(opts)
   if not material then return nil, message, details end
-  message = missing_toughness(wish, material)
+  message = missing_toughness(opts, material)
   if message then return nil, message, {status = "misuse"} end
-  read, message, details = model.open(wish.model, wish.unit, out)
+  read, message, details = model.open(opts.model, opts.unit, out)
   if not read then return nil, message, details end
-  out:say("%s: %s.", model.name(wish.model), read.format)
+  out:say("%s: %s.", model.name(opts.model), read.format)
   if read.kind ~= "outline" then
     local size = {}
     for i = 1, 3 do size[i] = read.box.high[i] - read.box.low[i] end
-    local doubt, likely = model.guess_unit(size, read.metres_per_unit or 1, wish.unit)
+    local doubt, likely = model.guess_unit(size, read.metres_per_unit or 1, opts.unit)
     if doubt then
-      return nil, ("%s: %s Nothing was computed; --unit confirms a unit."):format(wish.model, doubt),
+      return nil, ("%s: %s Nothing was computed; --unit confirms a unit."):format(opts.model, doubt),
         {status = "misuse", units = likely}
     end
   end
@@ -420,16 +420,16 @@ function model.start(wish, out)
 end
 
 --- The body that is asked about, told as it is read and filled: mesh, material, what was read.
-function model.body(wish, out)
-  local read, material, details = model.start(wish, out)
+function model.body(opts, out)
+  local read, material, details = model.start(opts, out)
   if not read then return nil, material, details end
   local mesh, message
-  mesh, message, details = model.mesh(read, wish, out)
+  mesh, message, details = model.mesh(read, opts, out)
   if not mesh then return nil, message, details end
-  if (wish.formulation or "standard") ~= "standard" then -- parts take it from their material
+  if (opts.formulation or "standard") ~= "standard" then -- parts take it from their material
     local part
     part, message, details = model.try(bw.model,
-      {mesh = mesh, material = material, formulation = wish.formulation})
+      {mesh = mesh, material = material, formulation = opts.formulation})
     if not part then return nil, message, details end
     material = part.material
   end
@@ -438,8 +438,8 @@ function model.body(wish, out)
 end
 
 --- The unit that a file's numbers were read in, by name where it has one.
-function model.unit_of(read, wish)
-  if wish.unit then return wish.unit end
+function model.unit_of(read, opts)
+  if opts.unit then return opts.unit end
   local metres = read.metres_per_unit or 1
   for name, length in pairs {mm = 1e-3, cm = 1e-2, m = 1, ["in"] = 0.0254, um = 1e-6} do
     if math.abs(metres / length - 1) < 1e-9 then return name end

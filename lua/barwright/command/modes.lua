@@ -6,14 +6,14 @@ local output = require "barwright.command.output"
 local places = require "barwright.command.places"
 local pitch = require "barwright.pitch"
 
-local function analyse(wish, out)
-  if wish.threads then bw.threads(wish.threads) end
-  local mesh, material, read = model.body(wish.error and model.first_mesh(wish) or wish, out)
+local function analyse(opts, out)
+  if opts.threads then bw.threads(opts.threads) end
+  local mesh, material, read = model.body(opts.error and model.first_mesh(opts) or opts, out)
   if not mesh then return nil, material, read end
   local message, details
   local part = bw.model {mesh = mesh, material = material}
   local held = 0
-  for _, place in ipairs(wish.fix) do
+  for _, place in ipairs(opts.fix) do
     local selection
     selection, message, details = places.select(mesh, place)
     if not selection then return nil, message, details end
@@ -23,8 +23,8 @@ local function analyse(wish, out)
     if not fine then return nil, place .. ": " .. message, {status = "invalid"} end
   end
   local modes, accuracy
-  local how = {count = wish.count, sturm = wish.sure}
-  if wish.error then model.refined(read, wish, mesh, how) end
+  local how = {count = opts.count, sturm = opts.sure}
+  if opts.error then model.refined(read, opts, mesh, how) end
   modes, accuracy, details = model.try(part.modes, part, how)
   out:remarks()
   if not modes then return nil, accuracy, details end
@@ -34,11 +34,11 @@ local function analyse(wish, out)
   return modes, held, errors:totable(), accuracy
 end
 
-local function tell(modes, held, errors, accuracy, wish, out)
+local function tell(modes, held, errors, accuracy, opts, out)
   if accuracy then model.tell_accuracy(accuracy, out) end
   out:say("")
-  if #wish.fix > 0 then
-    out:say("Constrained at %s (%.4g cm2), natural frequencies are:", table.concat(wish.fix, " and "), held * 1e4)
+  if #opts.fix > 0 then
+    out:say("Constrained at %s (%.4g cm2), natural frequencies are:", table.concat(opts.fix, " and "), held * 1e4)
   else
     out:say("Without supports, its natural frequencies are (%d rigid-body modes are left out):", modes.rigid_count)
   end
@@ -57,9 +57,9 @@ local function tell(modes, held, errors, accuracy, wish, out)
     out:json {estimated_error = accuracy.estimated_error, estimated_error_cents = cents}
   end
   out:json {frequencies_hz = list, error_cents = cents_of, rigid_motions = modes.rigid_count,
-    held = bw.json.list(wish.fix),
-    material = wish.material, counted = modes.counted}
-  if wish.sure then
+    held = bw.json.list(opts.fix),
+    material = opts.material, counted = modes.counted}
+  if opts.sure then
     out:say(modes.counted and "A count of the eigenvalues confirms that none below the last is missing."
       or "The count of the eigenvalues could not confirm that none is missing.")
   end
@@ -92,17 +92,17 @@ return {
   examples = {"barwright modes bar.stl --material aluminium",
     {"barwright modes fork.stl --fix low:z --fix near:0,0,30mm:5mm --count 10",
       "constrained at its foot and at a point"}},
-  run = function(wish, out)
-    for _, place in ipairs(wish.fix) do
+  run = function(opts, out)
+    for _, place in ipairs(opts.fix) do
       local fine, message = places.check(place)
       if not fine then return out:misuse("option --fix: " .. message) end
     end
-    local modes, held, errors, accuracy = analyse(wish, out)
+    local modes, held, errors, accuracy = analyse(opts, out)
     if not modes then return out:fail(held, errors) end
-    tell(modes, held, errors, accuracy, wish, out)
+    tell(modes, held, errors, accuracy, opts, out)
     local written = bw.json.list {}
-    for _, how in ipairs {{wish.vtu, function() return modes:write(wish.vtu) end},
-      {wish.picture, function() return modes:picture(1, wish.picture) end}} do
+    for _, how in ipairs {{opts.vtu, function() return modes:write(opts.vtu) end},
+      {opts.picture, function() return modes:picture(1, opts.picture) end}} do
       if how[1] then
         local fine, message, more = how[2]()
         if not fine then return out:fail(message, more) end

@@ -23,9 +23,9 @@ end
 -- Statuses of failures that say that the input or the request is refused.
 local refused = {misuse = true, invalid = true, unsupported = true, empty = true, different = true}
 
---- For the command `name`; wish.json and wish.quiet count.
-function output.create(name, wish)
-  return setmetatable({name = name, machine = wish.json, quiet = wish.quiet, object = {}}, output)
+--- For the command `name`; `opts.json` and `opts.quiet` count.
+function output.create(name, opts)
+  return setmetatable({name = name, machine = opts.json, quiet = opts.quiet, object = {}}, output)
 end
 
 -- What cannot be written is told once, at the end.

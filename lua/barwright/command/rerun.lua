@@ -143,21 +143,21 @@ local function plain(list)
   return rows
 end
 
-local function prepared(wish, out)
-  if files.kind(wish.manifest) == "folder" then wish.manifest = trimmed(wish.manifest) .. "/manifest.json" end
-  local manifest, message = read_json(wish.manifest)
+local function prepared(opts, out)
+  if files.kind(opts.manifest) == "folder" then opts.manifest = trimmed(opts.manifest) .. "/manifest.json" end
+  local manifest, message = read_json(opts.manifest)
   if not manifest then return nil, out:fail(message) end
   if type(manifest.started_by) ~= "table" or not manifest.started_by[1] or type(manifest.folder) ~= "string" then
-    return nil, out:misuse(wish.manifest .. ": does not say what was run: no manifest, or of an earlier version")
+    return nil, out:misuse(opts.manifest .. ": does not say what was run: no manifest, or of an earlier version")
   end
   local before
-  before, message = read_json(files.split(wish.manifest) .. "/result.json")
+  before, message = read_json(files.split(opts.manifest) .. "/result.json")
   if not before then return nil, out:fail(message) end
   local faults = check_inputs(manifest)
   if #faults > 0 then
-    for i = wish.anyway and 1 or 2, #faults do out:say(faults[i]) end -- the first is in what follows
+    for i = opts.anyway and 1 or 2, #faults do out:say(faults[i]) end -- the first is in what follows
     out:json {inputs = json.list(faults)}
-    if not wish.anyway then
+    if not opts.anyway then
       return nil, out:fail(("%d of %d inputs are missing or changed: %s (--anyway runs it with what is there)")
         :format(#faults, #manifest.inputs, faults[1]), {status = "invalid"})
     end
@@ -165,10 +165,10 @@ local function prepared(wish, out)
   return manifest, before
 end
 
-local function work(wish, out)
-  local manifest, before = prepared(wish, out)
+local function work(opts, out)
+  local manifest, before = prepared(opts, out)
   if not manifest then return before end
-  local folder = wish.out or free_folder(manifest.folder)
+  local folder = opts.out or free_folder(manifest.folder)
   local words, place = redirected(manifest, folder)
   if not place then
     return out:fail(("the run does not name its folder %s among its words: %s"):format(manifest.folder,
@@ -194,14 +194,14 @@ local function work(wish, out)
   -- texts may name the folder
   local old = trimmed(manifest.folder):gsub("%p", "%%%0")
   local new = (folder .. place):gsub("%%", "%%%%")
-  local found = differences.of(before, after, {tolerance = wish.tolerance, same = function(a, b)
+  local found = differences.of(before, after, {tolerance = opts.tolerance, same = function(a, b)
     return (a:gsub(old, new)) == b
   end})
   out:say("it took %.1f s; %d values compared", core.seconds() - start, found.count)
   tell(out, ("different as the clock and the machine decide: %d"):format(#found.timings), found.timings,
-    wish.verbose and math.huge or 5)
+    opts.verbose and math.huge or 5)
   tell(out, ("different: %d"):format(#found.differences), found.differences,
-    wish.verbose and math.huge or most_listed)
+    opts.verbose and math.huge or most_listed)
   out:say(#found.differences == 0 and "the same" or "not the same")
   out:json {same = #found.differences == 0, compared = found.count, folder = folder, exit_status = status,
     differences = plain(found.differences), timings = plain(found.timings), surroundings = json.list(changed)}

@@ -22,41 +22,41 @@ end
 local quantity = require "barwright.command.quantity"
 
 -- Loads, before anything is read: {place =, force = | pressure =}.
-local function read_loads(wish)
+local function read_loads(opts)
   local loads = {}
-  for _, text in ipairs(wish.force) do
+  for _, text in ipairs(opts.force) do
     local place, value = split(text)
     if not place then return nil, "option --force: " .. value end
     local force, message = places.vector(value, "N")
     if not force then return nil, "option --force: " .. message end
     loads[#loads + 1] = {place = place, force = force}
   end
-  for _, text in ipairs(wish.pressure) do
+  for _, text in ipairs(opts.pressure) do
     local place, value = split(text)
     if not place then return nil, "option --pressure: " .. value end
     local pressure, expected = quantity.read(value, "Pa")
     if not pressure then return nil, ("option --pressure: %s expected, got '%s'"):format(expected, value) end
     loads[#loads + 1] = {place = place, pressure = pressure}
   end
-  if wish.gravity then
-    local gravity, message = places.vector(wish.gravity, "m/s2")
+  if opts.gravity then
+    local gravity, message = places.vector(opts.gravity, "m/s2")
     if not gravity then return nil, "option --gravity: " .. message end
     loads.gravity = gravity
   end
-  for _, place in ipairs(wish.fix) do
+  for _, place in ipairs(opts.fix) do
     local fine, message = places.check(place)
     if not fine then return nil, "option --fix: " .. message end
   end
-  if #wish.fix == 0 then return nil, "option --fix PLACE is missing: a part without supports moves freely" end
+  if #opts.fix == 0 then return nil, "option --fix PLACE is missing: a part without supports moves freely" end
   if #loads == 0 and not loads.gravity then
     return nil, "no load is given: --force, --pressure or --gravity is missing"
   end
   return loads
 end
 
-local function set_up(part, wish, loads, out)
+local function set_up(part, opts, loads, out)
   local mesh, area = part.mesh, 0
-  for _, place in ipairs(wish.fix) do
+  for _, place in ipairs(opts.fix) do
     local selection, message, details = places.select(mesh, place)
     if not selection then return nil, message, details end
     local fine
@@ -107,13 +107,13 @@ local function measure(static, mesh, material, radius)
 end
 
 -- The same on a coarser mesh with the same loads; nil where there is none to compare with.
-local function on_coarser(read, wish, loads, material, radius)
+local function on_coarser(read, opts, loads, material, radius)
   if read.kind ~= "surface" then return nil end
   local quiet = {say = function() end}
-  local mesh = model.try(bw.mesh.fill, read.surface, {elements = math.max(1, math.floor(wish.elements * COARSER)),
-    order = wish.order})
-  local part = mesh and set_up(bw.model {mesh = mesh, material = material}, wish, loads, quiet)
-  local static = part and model.try(part.solve, part, {with = wish.with})
+  local mesh = model.try(bw.mesh.fill, read.surface, {elements = math.max(1, math.floor(opts.elements * COARSER)),
+    order = opts.order})
+  local part = mesh and set_up(bw.model {mesh = mesh, material = material}, opts, loads, quiet)
+  local static = part and model.try(part.solve, part, {with = opts.with})
   bw.remarks() -- those of the finer mesh are shown
   return static and measure(static, mesh, material, radius)
 end
@@ -153,12 +153,12 @@ local function effective(static, finding)
 end
 
 -- The largest stress, its error, stress over strength in both measures, and whether it is singular.
-local function judge(static, part, read, loads, wish, accuracy, at)
+local function judge(static, part, read, loads, opts, accuracy, at)
   local mesh, material = static.mesh, static.material
-  local radius, mean = wish.radius, static:error_estimate()
+  local radius, mean = opts.radius, static:error_estimate()
   local found = {mean = mean, radius = radius, fine = measure(static, mesh, material, radius)}
   if not accuracy then
-    found.coarse = on_coarser(read, wish, loads, material, radius)
+    found.coarse = on_coarser(read, opts, loads, material, radius)
     local message, details
     found.facets, message, details = of_facets(mesh, read, at)
     if not found.facets then return nil, message, details end
@@ -169,7 +169,7 @@ local function judge(static, part, read, loads, wish, accuracy, at)
   end
   found.estimated, found.facets = accuracy.estimated_error, accuracy.history[#accuracy.history].facet_error
   if not accuracy.converged then
-    local first = model.try(part.solve, part, {with = wish.with})
+    local first = model.try(part.solve, part, {with = opts.with})
     found.coarse = first and measure(first, part.mesh, material, radius)
   end
   found.singular = accuracy.singular
@@ -177,10 +177,10 @@ local function judge(static, part, read, loads, wish, accuracy, at)
 end
 
 -- With --fillet: the largest stress that the re-entrant edges would have with a fillet.
-local function tell_fillet(static, read, wish, say, out)
-  if not wish.fillet then return end
+local function tell_fillet(static, read, opts, say, out)
+  if not opts.fillet then return end
   local sound = read.surface and read.surface:check({limit = 1}).sound
-  local list, message = static:fillet_stress {radius = wish.fillet,
+  local list, message = static:fillet_stress {radius = opts.fillet,
     places = sound and read.surface:singular_edges() or nil}
   local found = list and list[1]
   if not found then
@@ -191,18 +191,18 @@ local function tell_fillet(static, read, wish, say, out)
   local strength = static.material.strength
   local used = type(strength) == "number" and (": %.3g %% of the strength"):format(100 * found.value / strength)
   say("With a fillet of %s mm the re-entrant edge at %s has a largest principal stress of %.4g MPa (estimated "
-    .. "error %s %%)%s.", model.mm(wish.fillet), model.place(found.at), found.value / 1e6,
+    .. "error %s %%)%s.", model.mm(opts.fillet), model.place(found.at), found.value / 1e6,
     model.percent(found.estimated_error), used or "")
-  out:json {fillet_radius_m = wish.fillet, fillet_stress_pa = found.value,
+  out:json {fillet_radius_m = opts.fillet, fillet_stress_pa = found.value,
     fillet_stress_error = found.estimated_error, fillet_at_m = found.at}
 end
 
-local function tell(static, part, read, loads, wish, accuracy, out)
+local function tell(static, part, read, loads, opts, accuracy, out)
   local mesh, material = static.mesh, static.material
   local node = static.von_mises:argmax()
   local most = static.displacement:map "norm(a)":max()
   local at = {mesh.nodes(node, 1), mesh.nodes(node, 2), mesh.nodes(node, 3)}
-  local found, message, details = judge(static, part, read, loads, wish, accuracy, at)
+  local found, message, details = judge(static, part, read, loads, opts, accuracy, at)
   if not found then return nil, message, details end
   local fine, coarse, radius, mean = found.fine, found.coarse, found.radius, found.mean
   local stress, used, estimated, singular = fine.stress, fine.used, found.estimated, found.singular
@@ -234,13 +234,13 @@ local function tell(static, part, read, loads, wish, accuracy, out)
         critical.value / 1e6, model.percent(critical.estimated_error), 100 * critical.utilisation)
     end
   end
-  tell_fillet(static, read, wish, say, out)
+  tell_fillet(static, read, opts, say, out)
   if not used then
-    say("The strength of %s is not known.", wish.material)
+    say("The strength of %s is not known.", opts.material)
   else
     say("The judged stress is %s%s %% of the strength of %s (estimated error %s %%): %s.",
       type(material.strength) == "number" and ("%.4g MPa, "):format(used * material.strength / 1e6) or "",
-      model.digits(100 * used), wish.material, model.percent(judged_error), words)
+      model.digits(100 * used), opts.material, model.percent(judged_error), words)
   end
   local solver = static.solver
   if solver.with == "pcg" then
@@ -249,7 +249,7 @@ local function tell(static, part, read, loads, wish, accuracy, out)
   end
   out:json {verdict = verdict, value = stress, quantity = "largest von Mises stress, Pa",
     estimated_error = estimated, at_m = at, singular = singular ~= nil,
-    averaging_radius_m = singular and radius or nil, unit = model.unit_of(read, wish),
+    averaging_radius_m = singular and radius or nil, unit = model.unit_of(read, opts),
     max_von_mises_pa = stress, max_von_mises_at_m = at,
     max_displacement_m = most, beyond_linear_theory = large, utilisation = used,
     utilisation_error = used and judged_error,
@@ -261,34 +261,34 @@ local function tell(static, part, read, loads, wish, accuracy, out)
     effective_stress_pa = critical and critical.value,
     effective_stress_error = critical and critical.estimated_error,
     critical_distance_m = critical and critical.length,
-    material = wish.material, energy_j = static.energy,
+    material = opts.material, energy_j = static.energy,
     solver = {with = solver.with, iterations = solver.iterations, residual = static.residual}}
-  local title = static_picture.title(model.name(wish.model), {stress = stress, error = estimated,
+  local title = static_picture.title(model.name(opts.model), {stress = stress, error = estimated,
     judged = singular and {used = used, error = judged_error, strength = material.strength}, verdict = words})
   return {verdict = verdict, singular = singular, title = title, text = table.concat(text, "\n")}
 end
 
-local function analyse(wish, loads, out)
-  if wish.threads then bw.threads(wish.threads) end
+local function analyse(opts, loads, out)
+  if opts.threads then bw.threads(opts.threads) end
   local start = bw.seconds()
-  local mesh, material, read = model.body(wish.error and model.first_mesh(wish) or wish, out)
+  local mesh, material, read = model.body(opts.error and model.first_mesh(opts) or opts, out)
   if not mesh then return nil, material, read end
   local part, message, details
-  wish.radius, message, details = averaging_radius("statics", wish.length, material, mesh.box)
-  if not wish.radius then return nil, message, details end
-  part, message, details = set_up(bw.model {mesh = mesh, material = material}, wish, loads, out)
+  opts.radius, message, details = averaging_radius("statics", opts.length, material, mesh.box)
+  if not opts.radius then return nil, message, details end
+  part, message, details = set_up(bw.model {mesh = mesh, material = material}, opts, loads, out)
   if not part then return nil, message, details end
   out:json {supported_area_m2 = message}
   local static, accuracy
-  if wish.error then
-    static, accuracy, details = model.try(part.solve, part, model.refined(read, wish, mesh,
-      {of = "von_mises", with = wish.with}))
+  if opts.error then
+    static, accuracy, details = model.try(part.solve, part, model.refined(read, opts, mesh,
+      {of = "von_mises", with = opts.with}))
   else
-    static, accuracy, details = model.try(part.solve, part, {with = wish.with})
+    static, accuracy, details = model.try(part.solve, part, {with = opts.with})
   end
   out:remarks()
   if not static then return nil, accuracy, details end
-  local answer, why, about = tell(static, part, read, loads, wish, accuracy, out)
+  local answer, why, about = tell(static, part, read, loads, opts, accuracy, out)
   if not answer then return nil, why, about end
   out:json {seconds = bw.seconds() - start}
   return static, answer
@@ -337,19 +337,19 @@ return {
   options = options,
   examples = {"barwright statics hook.stl --fix low:z --force high:z=0,0,-50",
     {"barwright statics shelf.stl --fix low:x --pressure high:z=2kPa --gravity 0,0,-9.81", "books on a shelf"}},
-  run = function(wish, out)
-    local loads, message = read_loads(wish)
+  run = function(opts, out)
+    local loads, message = read_loads(opts)
     if not loads then return out:misuse(message) end
-    local static, answer, details = analyse(wish, loads, out)
+    local static, answer, details = analyse(opts, loads, out)
     if not static then return out:fail(answer, details) end -- a message
     local written, shown = bw.json.list {}, nil
-    if wish.picture or wish.report then
-      shown = static_picture.options(static, answer.title, loads, wish.fix, answer.singular)
+    if opts.picture or opts.report then
+      shown = static_picture.options(static, answer.title, loads, opts.fix, answer.singular)
     end
-    for _, how in ipairs {{wish.vtu, function() return static:write(wish.vtu) end},
-      {wish.picture, function() return static:picture(wish.picture, shown) end},
-      {wish.report, function()
-        return static_picture.report(static, wish.report, shown, answer.text)
+    for _, how in ipairs {{opts.vtu, function() return static:write(opts.vtu) end},
+      {opts.picture, function() return static:picture(opts.picture, shown) end},
+      {opts.report, function()
+        return static_picture.report(static, opts.report, shown, answer.text)
       end}} do
       if how[1] then
         local fine, why, more = how[2]()

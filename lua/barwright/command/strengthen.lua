@@ -19,7 +19,7 @@ local function row(name, one, out)
     and model.mass_text(one.mass) or ("%.4g cm3"):format(one.volume * 1e6), model.place(one.at))
 end
 
-local function tell(result, moved, wish, out)
+local function tell(result, moved, opts, out)
   out:say("")
   out:say("  %-8s%11s%24s%14s   weakest place", "", "breaks at", "interval",
     result.before.mass and "mass" or "volume")
@@ -35,17 +35,17 @@ local function tell(result, moved, wish, out)
       100 * share, model.count(#result.steps, "step"), model.digits(moved:max() * 1e3))
   end
   if result.reached then
-    out:say("%s N is reached: the whole interval lies above.", model.digits(wish.force))
+    out:say("%s N is reached: the whole interval lies above.", model.digits(opts.force))
   else
-    out:say("%s N is not reached: the interval begins below%s.", model.digits(wish.force), result.stopped
-      and "; " .. result.stopped or ("; --steps allows %d"):format(wish.steps))
+    out:say("%s N is not reached: the interval begins below%s.", model.digits(opts.force), result.stopped
+      and "; " .. result.stopped or ("; --steps allows %d"):format(opts.steps))
   end
   local steps = bw.json.list {}
   for i, step in ipairs(result.steps) do
     steps[i] = {places = step.places, largest_offset_m = step.offset, predicted_breaking_force_n = step.predicted,
       breaking_force_n = step.force, breaking_force_low_n = step.low, breaking_force_high_n = step.high}
   end
-  out:json {verdict = result.reached and "reached" or "not reached", force_n = wish.force,
+  out:json {verdict = result.reached and "reached" or "not reached", force_n = opts.force,
     before = fields_of(result.before), after = fields_of(result.after), steps = steps, stopped = result.stopped,
     added_volume_m3 = result.added_volume, added_mass_kg = density and density * result.added_volume or nil,
     added_share = share, largest_thickness_m = moved:max(), repaired = result.repaired or false}
@@ -59,12 +59,12 @@ local function picture(result, moved, path)
       model.interval(before.force, before.low, before.high))})
 end
 
-local function write_files(result, moved, read, wish, out)
-  local files = bw.json.list {wish.out}
-  local fine, message, details = result.surface:write(wish.out, {unit = model.unit_of(read, wish)})
-  if fine and wish.picture then
-    files[2] = wish.picture
-    fine, message, details = picture(result, moved, wish.picture)
+local function write_files(result, moved, read, opts, out)
+  local files = bw.json.list {opts.out}
+  local fine, message, details = result.surface:write(opts.out, {unit = model.unit_of(read, opts)})
+  if fine and opts.picture then
+    files[2] = opts.picture
+    fine, message, details = picture(result, moved, opts.picture)
   end
   if not fine then return nil, message, details end
   out:json {files = files}
@@ -72,29 +72,29 @@ local function write_files(result, moved, read, wish, out)
   return true
 end
 
-local function strengthen(wish, out)
+local function strengthen(opts, out)
   local start = bw.seconds()
-  if wish.threads then bw.threads(wish.threads) end
-  local fine, message, details = writable(wish.out)
+  if opts.threads then bw.threads(opts.threads) end
+  local fine, message, details = writable(opts.out)
   if not fine then return nil, message, details end
-  for _, place in ipairs(wish.keep) do
+  for _, place in ipairs(opts.keep) do
     fine, message = places.check(place)
     if not fine then return nil, "option --keep: " .. message, {status = "misuse"} end
   end
   local read, material
-  read, material, details = model.start(wish, out)
+  read, material, details = model.start(opts, out)
   if not read then return nil, material, details end
-  if read.kind == "outline" then return model.mesh(read, wish, out) end
+  if read.kind == "outline" then return model.mesh(read, opts, out) end
   if read.kind ~= "surface" then
-    return nil, wish.model .. ": a mesh of tetrahedra: strengthening needs a surface (STL OBJ OFF PLY)",
+    return nil, opts.model .. ": a mesh of tetrahedra: strengthening needs a surface (STL OBJ OFF PLY)",
       {status = "unsupported"}
   end
   local result
   local steps = 0
-  result, message, details = model.try(bw.strengthen, read.surface, {material = material, force = wish.force,
-    contact = wish.contact, elements = wish.elements, length = wish.length,
-    modes = wish.modes, regions = wish.regions, unit = read.metres_per_unit,
-    steps = wish.steps, keep = #wish.keep > 0 and places.test(wish.keep, read.box) or nil,
+  result, message, details = model.try(bw.strengthen, read.surface, {material = material, force = opts.force,
+    contact = opts.contact, elements = opts.elements, length = opts.length,
+    modes = opts.modes, regions = opts.regions, unit = read.metres_per_unit,
+    steps = opts.steps, keep = #opts.keep > 0 and places.test(opts.keep, read.box) or nil,
     progress = function(step)
       steps = steps + 1
       out:say("  step %d: %s thickened by up to %s mm in this step; now it breaks at %s", steps,
@@ -102,13 +102,13 @@ local function strengthen(wish, out)
         model.interval(step.force, step.low, step.high))
     end})
   out:remarks()
-  if not result then return nil, wish.model .. ": " .. message, details end
-  out:json {unit = model.unit_of(read, wish), material = wish.material}
+  if not result then return nil, opts.model .. ": " .. message, details end
+  out:json {unit = model.unit_of(read, opts), material = opts.material}
   local moved
   moved, message, details = result.original:distance(result.surface.points)
   if not moved then return nil, message, details end
-  tell(result, moved, wish, out)
-  fine, message, details = write_files(result, moved, read, wish, out)
+  tell(result, moved, opts, out)
+  fine, message, details = write_files(result, moved, read, opts, out)
   if not fine then return nil, message, details end
   out:json {seconds = bw.seconds() - start}
   return result
@@ -149,8 +149,8 @@ return {
   examples = {"barwright strengthen hook.stl --force 50N --out stronger.stl",
     {"barwright strengthen hook.stl --force 50N --out stronger.stl --keep low:z --picture where.png",
       "the face that it stands on stays"}},
-  run = function(wish, out)
-    local result, message, details = strengthen(wish, out)
+  run = function(opts, out)
+    local result, message, details = strengthen(opts, out)
     if not result then return out:fail(message, details) end
     return result.reached and 0 or 1
   end,

@@ -40,7 +40,7 @@ local function is_database(path)
 end
 
 -- The study, or nil and the exit code of what has been said.
-local function load_study(path, wish, out)
+local function load_study(path, opts, out)
   if is_database(path) then
     return nil, out:misuse(("%s holds trials: the study's script is expected there (and --file %s, if the script "
       .. "does not name that file)"):format(path, path))
@@ -63,13 +63,13 @@ local function load_study(path, wish, out)
     return nil, out:misuse(("%s returned %s: a file of a study ends with `return bw.study{...}`"):format(path,
       study == nil and "nothing" or "a " .. type(study)))
   end
-  if wish.file then study:use_file(wish.file) end
+  if opts.file then study:use_file(opts.file) end
   return study
 end
 
-local function too_many(wish, out, count)
-  if #wish.files > count then
-    return out:misuse(("'%s' is one argument too many for %s"):format(wish.files[count + 1], wish.action))
+local function too_many(opts, out, count)
+  if #opts.files > count then
+    return out:misuse(("'%s' is one argument too many for %s"):format(opts.files[count + 1], opts.action))
   end
 end
 
@@ -109,19 +109,19 @@ local function shard_of(text)
   return nil, ("option --shard: WHICH/COUNT expected (2/10), got '%s'"):format(text)
 end
 
-function actions.run(study, wish, out)
-  local code = too_many(wish, out, 1)
+function actions.run(study, opts, out)
+  local code = too_many(opts, out, 1)
   if code then return code end
-  local shard, fault = shard_of(wish.shard)
+  local shard, fault = shard_of(opts.shard)
   if fault then
     return out:misuse(fault)
   end
-  if not wish.mpi then out:say("%s", tostring(study)) end -- rank 0 alone tells
-  local options = {workers = wish.workers, seconds = wish.seconds,
-    bytes = wish.memory, evaluations = wish.evaluations, seconds_total = wish.seconds_total,
-    retry = wish.retry, continue = wish.continue, output = wish.output, shard = shard}
+  if not opts.mpi then out:say("%s", tostring(study)) end -- rank 0 alone tells
+  local options = {workers = opts.workers, seconds = opts.seconds,
+    bytes = opts.memory, evaluations = opts.evaluations, seconds_total = opts.seconds_total,
+    retry = opts.retry, continue = opts.continue, output = opts.output, shard = shard}
   local trials, message, details
-  if wish.mpi then
+  if opts.mpi then
     trials, message, details = require("barwright.study.mpi").run(study, options)
   else
     trials, message, details = study:run(options)
@@ -145,8 +145,8 @@ function actions.run(study, wish, out)
   return counts.done == 0 and #trials > 0 and output.NO or output.DONE
 end
 
-function actions.status(study, wish, out)
-  local code = too_many(wish, out, 1)
+function actions.status(study, opts, out)
+  local code = too_many(opts, out, 1)
   if code then return code end
   local status, message, details = study:status()
   if not status then
@@ -169,13 +169,13 @@ local function read_trials(study, out)
 end
 
 -- What all trials give as one file, beside the study's where no other is named.
-local function written(study, wish, out, ending, write)
-  local code = too_many(wish, out, 1)
+local function written(study, opts, out, ending, write)
+  local code = too_many(opts, out, 1)
   if code then return code end
   local trials
   trials, code = read_trials(study, out)
   if not trials then return code end
-  local path = wish.out or study.file:gsub("%.study$", "") .. ending
+  local path = opts.out or study.file:gsub("%.study$", "") .. ending
   local fine, message, details = write(trials, path)
   if not fine then
     return out:fail(message, details)
@@ -185,16 +185,16 @@ local function written(study, wish, out, ending, write)
   return output.DONE
 end
 
-function actions.csv(study, wish, out)
-  return written(study, wish, out, ".csv", function(trials, path) return trials:csv(path) end)
+function actions.csv(study, opts, out)
+  return written(study, opts, out, ".csv", function(trials, path) return trials:csv(path) end)
 end
 
-function actions.merge(study, wish, out)
-  local files = table.move(wish.files, 2, #wish.files, 1, {})
+function actions.merge(study, opts, out)
+  local files = table.move(opts.files, 2, #opts.files, 1, {})
   if #files == 0 then
     return out:misuse "merge: the files to be taken in are missing"
   end
-  local merged, message, details = study:merge(files, {continue = wish.continue})
+  local merged, message, details = study:merge(files, {continue = opts.continue})
   if not merged then
     return out:fail(message, details)
   end
@@ -209,20 +209,20 @@ function actions.merge(study, wish, out)
   return output.DONE
 end
 
-function actions.trial(study, wish, out)
-  local which = wish.files[2]
+function actions.trial(study, opts, out)
+  local which = opts.files[2]
   if not which then
     return out:misuse "trial: the number or the key of a trial is missing"
   end
-  local code = too_many(wish, out, 2)
+  local code = too_many(opts, out, 2)
   if code then return code end
   local number = math.tointeger(tonumber(which))
   if number and #which < 10 then which = number end
   if type(which) == "string" and not which:match "^%x%x%x%x%x*$" then
     return out:misuse(("trial: a number, or four or more digits of a key expected, got '%s'"):format(which))
   end
-  local again, message, details = study:trial(which, {inside = wish.inside, seconds = wish.seconds,
-    bytes = wish.memory})
+  local again, message, details = study:trial(which, {inside = opts.inside, seconds = opts.seconds,
+    bytes = opts.memory})
   if not again then
     return out:fail(message, details)
   end
@@ -232,17 +232,17 @@ function actions.trial(study, wish, out)
   return (again.same or not again.before) and output.DONE or output.NO
 end
 
-function actions.plot(study, wish, out)
-  local kind = wish.files[2]
+function actions.plot(study, opts, out)
+  local kind = opts.files[2]
   if not kind then
     return out:misuse(("plot: the kind of plot is missing: %s"):format(table.concat(plots.kinds(), ", ")))
   end
-  local code = too_many(wish, out, 2)
+  local code = too_many(opts, out, 2)
   if code then return code end
   local trials
   trials, code = read_trials(study, out)
   if not trials then return code end
-  local path = wish.out or ("%s_%s.svg"):format(study.file:gsub("%.study$", ""), kind)
+  local path = opts.out or ("%s_%s.svg"):format(study.file:gsub("%.study$", ""), kind)
   -- a kind that there is not, or that says nothing of this design, is raised: misuse of the command line here
   local drawn, figure, message, details = pcall(trials.plot, trials, kind)
   if not drawn then
@@ -259,18 +259,18 @@ function actions.plot(study, wish, out)
   return output.DONE
 end
 
-function actions.report(study, wish, out)
-  return written(study, wish, out, ".html", function(trials, path) return trials:report(path) end)
+function actions.report(study, opts, out)
+  return written(study, opts, out, ".html", function(trials, path) return trials:report(path) end)
 end
 
-function actions.slurm(study, wish, out)
-  return require("barwright.study.slurm").command(study, wish, out)
+function actions.slurm(study, opts, out)
+  return require("barwright.study.slurm").command(study, opts, out)
 end
 
 -- A damaged file needs no study.
-local function salvage(wish, out)
-  local damaged, new = wish.files[1], wish.files[2] or wish.out
-  if not new or #wish.files > 2 then
+local function salvage(opts, out)
+  local damaged, new = opts.files[1], opts.files[2] or opts.out
+  if not new or #opts.files > 2 then
     return out:misuse "salvage: the damaged file and the new one expected"
   end
   local report, message, details = saved.into(damaged, new)
@@ -341,14 +341,14 @@ A run that was ended at any moment goes on where it was when it is run again.
     "mpirun -n 9 barwright study run hook.lua --mpi",
     "barwright study slurm hook.lua --jobs 50 --time 2:00:00 --mem 4G",
   },
-  run = function(wish, out)
-    if #wish.files == 0 then
-      return out:misuse(("%s: a file is missing"):format(wish.action))
+  run = function(opts, out)
+    if #opts.files == 0 then
+      return out:misuse(("%s: a file is missing"):format(opts.action))
     end
-    if wish.action == "salvage" then return salvage(wish, out) end
-    local study, code = load_study(wish.files[1], wish, out)
+    if opts.action == "salvage" then return salvage(opts, out) end
+    local study, code = load_study(opts.files[1], opts, out)
     if not study then return code end
-    local exit_code = actions[wish.action](study, wish, out)
+    local exit_code = actions[opts.action](study, opts, out)
     out:remarks()
     return exit_code
   end,

@@ -27,14 +27,14 @@ local function has_any(tags, wanted)
 end
 
 -- What is to run, in order; a file with a fault is an item of its own, whatever is asked for.
-local function select_from(found, wish)
+local function select_from(found, opts)
   local items, total, tags = {}, 0, {}
-  local with, without = words(wish.tag), words(wish.skip_tag)
+  local with, without = words(opts.tag), words(opts.skip_tag)
   for _, file in ipairs(found) do
     for number, one in ipairs(file.message and {} or file.list) do
       total = total + 1
       for _, tag in ipairs(one.tags) do tags[tag] = true end
-      local wanted = (not wish.only or (file.file .. ": " .. one.title):find(wish.only, 1, true))
+      local wanted = (not opts.only or (file.file .. ": " .. one.title):find(opts.only, 1, true))
         and (#with == 0 or has_any(one.tags, with)) and not has_any(one.tags, without)
       if wanted then
         one.file, one.number = file.file, number
@@ -52,10 +52,10 @@ local function select_from(found, wish)
   return items, total, known
 end
 
-local function nothing(wish, total, known)
+local function nothing(opts, total, known)
   local parts = {}
   for _, name in ipairs {"only", "tag", "skip_tag"} do
-    if wish[name] then parts[#parts + 1] = ("--%s %s"):format((name:gsub("_", "-")), wish[name]) end
+    if opts[name] then parts[#parts + 1] = ("--%s %s"):format((name:gsub("_", "-")), opts[name]) end
   end
   return ("none of %d scenarios is asked for by %s%s"):format(total, table.concat(parts, " "),
     #known > 0 and (" (tags: %s)"):format(table.concat(known, ", ")) or "")
@@ -112,14 +112,14 @@ local function keep(opened, summary)
     opened:path "pictures"))
 end
 
-local function options_of(wish)
-  return {only = wish.only, tag = wish.tag, skip_tag = wish.skip_tag, parallel = wish.parallel,
-    seconds = wish.seconds, memory = wish.memory, update = wish.update or nil}
+local function options_of(opts)
+  return {only = opts.only, tag = opts.tag, skip_tag = opts.skip_tag, parallel = opts.parallel,
+    seconds = opts.seconds, memory = opts.memory, update = opts.update or nil}
 end
 
-local function open(wish, paths)
-  if not wish.out then return nil end
-  local opened, message = results.open(wish.out, {inputs = paths, options = options_of(wish)})
+local function open(opts, paths)
+  if not opts.out then return nil end
+  local opened, message = results.open(opts.out, {inputs = paths, options = options_of(opts)})
   if not opened then return nil, message end
   -- pictures of the run before, and nothing else
   local before = files.read(opened:path "result.json")
@@ -135,22 +135,22 @@ local function open(wish, paths)
 end
 
 -- Runs and tells; the list of results, and why it is not whole.
-local function judge(items, wish, out, options)
+local function judge(items, opts, out, options)
   io.stdout:setvbuf "line"
   out:say(tap.plan(#items))
   return run.items(items, options, function(i, result)
-    for _, line in ipairs(tap.lines(i, result, wish.verbose)) do out:say(line) end
+    for _, line in ipairs(tap.lines(i, result, opts.verbose)) do out:say(line) end
   end)
 end
 
-local function write_manual(wish, summary, manifests)
-  if not wish.manual then return true end
-  local command = {"barwright test", table.concat(wish.scenarios, " ")}
+local function write_manual(opts, summary, manifests)
+  if not opts.manual then return true end
+  local command = {"barwright test", table.concat(opts.scenarios, " ")}
   for _, name in ipairs {"only", "tag", "skip_tag"} do
-    if wish[name] then command[#command + 1] = ("--%s %s"):format((name:gsub("_", "-")), wish[name]) end
+    if opts[name] then command[#command + 1] = ("--%s %s"):format((name:gsub("_", "-")), opts[name]) end
   end
-  command[#command + 1] = "--manual " .. wish.manual
-  return core.write_file(wish.manual, manual.document(summary, table.concat(command, " "), manifests))
+  command[#command + 1] = "--manual " .. opts.manual
+  return core.write_file(opts.manual, manual.document(summary, table.concat(command, " "), manifests))
 end
 
 -- What is kept of a run: its scenarios, and the files that they are of.
@@ -165,9 +165,9 @@ local function summary_of(list, found)
 end
 
 -- Puts in what earlier runs found; the manifests of all, or nil and why not.
-local function add_earlier(wish, summary, opened)
+local function add_earlier(opts, summary, opened)
   local manifests = {opened and opened.manifest or results.surroundings()}
-  for _, path in ipairs(words(wish.with)) do
+  for _, path in ipairs(words(opts.with)) do
     local manifest, message = earlier(path, summary.scenarios, summary.files)
     if not manifest then return nil, message end
     manifests[#manifests + 1] = manifest
@@ -176,30 +176,30 @@ local function add_earlier(wish, summary, opened)
 end
 
 -- The scenarios that are asked for, what their files state, and where results go; or nil and the exit code.
-local function prepared(wish, out, scratch)
-  local paths, message = files.find(wish.scenarios)
+local function prepared(opts, out, scratch)
+  local paths, message = files.find(opts.scenarios)
   if not paths then return nil, out:misuse(message) end
   local opened
-  opened, message = open(wish, paths)
+  opened, message = open(opts, paths)
   if message then return nil, out:misuse(message) end
-  local options = {parallel = wish.parallel, in_process = wish.in_process, seconds = wish.seconds,
-    bytes = wish.memory, scratch = scratch, update = wish.update, pictures = opened and opened:path "pictures",
-    all_pictures = wish.all_pictures}
+  local options = {parallel = opts.parallel, in_process = opts.in_process, seconds = opts.seconds,
+    bytes = opts.memory, scratch = scratch, update = opts.update, pictures = opened and opened:path "pictures",
+    all_pictures = opts.all_pictures}
   local found
   found, message = run.read(paths, options)
   if not found then return nil, out:fail(message, {status = "cancelled"}) end
-  local items, total, known = select_from(found, wish)
-  if #items == 0 then return nil, out:misuse(nothing(wish, total, known)) end
+  local items, total, known = select_from(found, opts)
+  if #items == 0 then return nil, out:misuse(nothing(opts, total, known)) end
   return {items = items, found = found, opened = opened, options = options}
 end
 
-local function work(wish, out, scratch)
-  local ready, code = prepared(wish, out, scratch)
+local function work(opts, out, scratch)
+  local ready, code = prepared(opts, out, scratch)
   if not ready then return code end
   local opened = ready.opened
-  local list, interrupted = judge(ready.items, wish, out, ready.options)
+  local list, interrupted = judge(ready.items, opts, out, ready.options)
   local summary = summary_of(list, ready.found)
-  local manifests, message = add_earlier(wish, summary, opened)
+  local manifests, message = add_earlier(opts, summary, opened)
   if not manifests then return out:misuse(message) end
   out:json(summary)
   local fine = true
@@ -208,7 +208,7 @@ local function work(wish, out, scratch)
     return out:fail(("interrupted; %d of %d scenarios are judged"):format(#list, #ready.items),
       {status = "cancelled"})
   end
-  if fine then fine, message = write_manual(wish, summary, manifests) end
+  if fine then fine, message = write_manual(opts, summary, manifests) end
   if not fine then return out:fail(message) end
   out:say(("# %d passed, %d failed, %d skipped%s"):format(summary.passed, summary.failed, summary.skipped,
     opened and (": " .. opened:path "index.html") or ""))
@@ -241,9 +241,9 @@ return {
   },
   examples = {"barwright test scenarios/", "barwright test scenarios/ --skip-tag slow --parallel 2 --out result",
     "barwright test scenarios/bracket.lua --update"},
-  run = function(wish, out)
+  run = function(opts, out)
     local scratch = files.scratch()
-    local fine, code = xpcall(work, debug.traceback, wish, out, scratch)
+    local fine, code = xpcall(work, debug.traceback, opts, out, scratch)
     files.remove_scratch(scratch)
     if not fine then error(code, 0) end
     return code

@@ -12,7 +12,7 @@ local function newtons(force)
   return model.digits(force) .. " N"
 end
 
-local function keep(breaking, verdict, large, wish, out)
+local function keep(breaking, verdict, large, opts, out)
   local worst, contact, singular = breaking.worst, breaking.contact, breaking.singular
   local edge = singular and singular.place
   out:json {singular_by = singular and singular.by,
@@ -20,12 +20,12 @@ local function keep(breaking, verdict, large, wish, out)
   out:json {
     verdict = verdict, breaking_force_n = breaking.force, breaking_force_low_n = breaking.low,
     breaking_force_high_n = breaking.high, estimated_error = breaking.estimated_error, at_m = breaking.at,
-    singular = singular ~= nil, contact_area_m2 = contact, contact_area_asked_m2 = wish.contact,
-    force_n = wish.force, failure = breaking.failure, averaging_radius_m = breaking.length,
-    critical_distance_m = wish.length == "critical" and breaking.material.critical_distance or nil,
+    singular = singular ~= nil, contact_area_m2 = contact, contact_area_asked_m2 = opts.contact,
+    force_n = opts.force, failure = breaking.failure, averaging_radius_m = breaking.length,
+    critical_distance_m = opts.length == "critical" and breaking.material.critical_distance or nil,
     beyond_linear_theory = large, max_principal_pa = worst.max_principal, max_principal_at_m = worst.at,
     strength_pa = worst.strength, max_displacement_m = worst.max_displacement, worst_region = worst.region,
-    material = wish.material,
+    material = opts.material,
   }
   local history, ties, regions = bw.json.list {}, bw.json.list {}, bw.json.list {}
   for i, level in ipairs(breaking.history) do
@@ -50,13 +50,13 @@ local sentences = {
 }
 
 -- The answer, in sentences.
-local function tell(breaking, verdict, large, mass, wish, out)
+local function tell(breaking, verdict, large, mass, opts, out)
   local singular = breaking.singular
   out:say("")
   out:say("%s breaks at %s under the worst load, on at least %.3g cm2, at %s; %s%s.",
-    model.name(wish.model), model.interval(breaking.force, breaking.low, breaking.high), breaking.contact * 1e4,
-    model.place(breaking.at), wish.material, mass and ", " .. model.mass_text(mass) or "")
-  out:say(sentences[verdict], newtons(wish.force))
+    model.name(opts.model), model.interval(breaking.force, breaking.low, breaking.high), breaking.contact * 1e4,
+    model.place(breaking.at), opts.material, mass and ", " .. model.mass_text(mass) or "")
+  out:say(sentences[verdict], newtons(opts.force))
   local others = {}
   for i, place in ipairs(breaking.ties) do
     others[i] = ("%s at %s"):format(newtons(1 / place.utilisation), model.place(place.at))
@@ -69,25 +69,25 @@ local function tell(breaking, verdict, large, mass, wish, out)
       breaking.excess > 0 and ("; meshes overestimate it by up to %.2g %%, which the interval contains")
         :format(100 * breaking.excess) or "")
   end
-  if breaking.contact < wish.contact then
+  if breaking.contact < opts.contact then
     out:say("  The contact is %.3g cm2 instead of %.3g cm2, a twentieth of the surface.", breaking.contact * 1e4,
-      wish.contact * 1e4)
+      opts.contact * 1e4)
   end
   if large then
     out:say("  Deflections there are beyond the range of linear theory: %s.", model.large_deflection)
   end
   out:say("  Estimated from %s; the stress is the mean over a surface patch of radius %s mm%s, judged by %s. The "
     .. "search for the worst load is heuristic.", model.count(#breaking.history, "mesh", "meshes"),
-    model.mm(breaking.length), wish.length == "critical" and ", half the critical distance" or "",
+    model.mm(breaking.length), opts.length == "critical" and ", half the critical distance" or "",
     breaking.failure == "von_mises" and "von Mises against yield"
       or "the largest principal stress")
 end
 
 -- The loads that the options admit, as options of bw.breaking_force; or nil and a sentence.
-local function read_limits(wish)
-  local limits = {friction = wish.friction, hands = wish.hands}
+local function read_limits(opts)
+  local limits = {friction = opts.friction, hands = opts.hands}
   for name, option in pairs {fix = "fix", forbid = "forbidden"} do
-    local texts = wish[name]
+    local texts = opts[name]
     for _, place in ipairs(texts) do
       local fine, message = places.check(place)
       if not fine then return nil, ("option --%s: %s"):format(name, message) end
@@ -102,30 +102,30 @@ local function read_limits(wish)
       return list
     end or nil
   end
-  if wish.hands == 1 and #wish.fix == 0 then
+  if opts.hands == 1 and #opts.fix == 0 then
     return nil, "option --hands: a part without supports moves freely under the load of one hand: give --fix "
       .. "PLACE, or more hands"
   end
   return limits
 end
 
-local function tell_limits(breaking, wish, out)
+local function tell_limits(breaking, opts, out)
   local held, forbidden = breaking.held_area, breaking.forbidden_area
   if held then
     out:say("  Constrained at %s (%.4g cm2): the whole force is a load, the supports react.",
-      table.concat(wish.fix, ", "), held * 1e4)
+      table.concat(opts.fix, ", "), held * 1e4)
   end
   if forbidden then
-    out:say("  No load on %s (%.4g cm2).", table.concat(wish.forbid, ", "), forbidden * 1e4)
+    out:say("  No load on %s (%.4g cm2).", table.concat(opts.forbid, ", "), forbidden * 1e4)
   end
-  if wish.friction > 0 then
-    out:say("  Coefficient of friction %.4g: loads have tangential parts too.", wish.friction)
+  if opts.friction > 0 then
+    out:say("  Coefficient of friction %.4g: loads have tangential parts too.", opts.friction)
   end
-  if wish.hands then
+  if opts.hands then
     out:say("  Loads act within %s at once; where these are is a heuristic search.",
-      model.count(wish.hands, "place"))
+      model.count(opts.hands, "place"))
   end
-  out:json {held_area_m2 = held, forbidden_area_m2 = forbidden, friction = wish.friction, hands = wish.hands}
+  out:json {held_area_m2 = held, forbidden_area_m2 = forbidden, friction = opts.friction, hands = opts.hands}
 end
 
 -- Options of the advised command that must be those of this one.
@@ -133,11 +133,11 @@ local SAME_PART = {"--unit", "--material", "--young", "--poisson", "--strength",
   "--contact", "--length", "--elements", "--modes", "--regions"}
 
 -- What to thicken where the part does not hold for certain. Advice that fails is told; the command does not fail.
-local function advise(breaking, verdict, wish, out)
+local function advise(breaking, verdict, opts, out)
   if verdict == "holds" then return end
-  local advice, message = breaking:advice {force = wish.force}
+  local advice, message = breaking:advice {force = opts.force}
   if not advice then
-    out:json {advice = {force_n = wish.force, message = message}}
+    out:json {advice = {force_n = opts.force, message = message}}
     out:say("No advice: %s.", message)
     return
   end
@@ -146,20 +146,20 @@ local function advise(breaking, verdict, wish, out)
     thickened[i] = {at_m = place.at, radius_m = place.radius, offset_m = place.offset}
     if place.offset > first.offset then first = place end
   end
-  out:json {advice = {force_n = wish.force, places = thickened, predicted_breaking_force_n = advice.force,
+  out:json {advice = {force_n = opts.force, places = thickened, predicted_breaking_force_n = advice.force,
     predicted_breaking_force_low_n = advice.low, predicted_breaking_force_high_n = advice.high}}
   if not first then return out:say("Advice: no thickening was found that helps.") end
   out:say("Advice: thicken %s, most by %s mm within %s mm of %s; predicted: breaks at %s.",
     model.count(#thickened, "place"), ("%.2g"):format(first.offset * 1e3), ("%.3g"):format(first.radius * 1e3),
     model.place(first.at), model.interval(advice.force, advice.low, advice.high))
-  if #wish.fix + #wish.forbid > 0 then return end -- strengthening takes free parts only
+  if #opts.fix + #opts.forbid > 0 then return end -- strengthening takes free parts only
   local same = {}
   for _, name in ipairs(SAME_PART) do
-    local text = wish.given[name]
+    local text = opts.given[name]
     if text then same[#same + 1] = (" %s %s"):format(name, model.shell(text)) end
   end
   out:say("  `barwright strengthen %s --force %.14gN%s --out FILE.stl` does it and computes the force again.",
-    model.shell(wish.model), wish.force, table.concat(same))
+    model.shell(opts.model), opts.force, table.concat(same))
 end
 
 local VERDICTS = {holds = "it holds", breaks = "it breaks", unsure = "too close to decide"}
@@ -186,7 +186,7 @@ local function view_of(breaking)
 end
 
 -- Files that were asked for: name of the option, and how it is written. With --out all of them.
-local function write_files(breaking, verdict, wish, folder, out)
+local function write_files(breaking, verdict, opts, folder, out)
   local worst = breaking.worst
   local lines, line_name = marks(breaking)
   local function marked(given)
@@ -202,11 +202,11 @@ local function write_files(breaking, verdict, wish, folder, out)
   local function file(name, own)
     return own or folder and folder:path(name)
   end
-  local vtu, report = file("worst.vtu", wish.vtu), file("report.html", wish.report)
-  local title = ("%s breaks at %s; shown under %s"):format(model.name(wish.model),
-    model.interval(breaking.force, breaking.low, breaking.high), newtons(wish.force))
+  local vtu, report = file("worst.vtu", opts.vtu), file("report.html", opts.report)
+  local title = ("%s breaks at %s; shown under %s"):format(model.name(opts.model),
+    model.interval(breaking.force, breaking.low, breaking.high), newtons(opts.force))
   local load, fine, message, details = {title = title, region = breaking.region}, true, nil, nil
-  if wish.picture then fine, message, details = leave(wish.picture, worst:picture(wish.picture, marked(load))) end
+  if opts.picture then fine, message, details = leave(opts.picture, worst:picture(opts.picture, marked(load))) end
   if fine and folder then
     local path = folder:path "worst_load.png"
     fine, message, details = leave(path, worst:picture(path, marked(load)))
@@ -214,19 +214,19 @@ local function write_files(breaking, verdict, wish, folder, out)
   if fine and folder then
     local path, von_mises = folder:path "weakness.png", breaking.failure == "von_mises"
     fine, message, details = leave(path, worst:picture(path, marked {arrows = {},
-      title = von_mises and title or "Each place under its own worst load of " .. newtons(wish.force),
+      title = von_mises and title or "Each place under its own worst load of " .. newtons(opts.force),
       region = von_mises and breaking.region or nil}))
   end
   if fine and vtu then fine, message, details = leave(vtu, worst:write(vtu)) end
   if fine and report then
-    local force = newtons(wish.force)
+    local force = newtons(opts.force)
     local answer = ("breaks at %s at %s under the worst load, on at least %.3g cm2; under %s: %s.\nShown first: "
       .. "the load that breaks it, with %s on one side. The colours are stresses of elements, without an estimate "
       .. "of their error."):format(model.interval(breaking.force, breaking.low, breaking.high),
       model.place(breaking.at), breaking.contact * 1e4, force, VERDICTS[verdict], force)
     fine, message, details = leave(report, worst:report(report, marked {manifest = folder and folder.manifest,
       view = view_of(breaking), answer = answer, region = breaking.region,
-      title = "Worst case of " .. model.name(wish.model)}))
+      title = "Worst case of " .. model.name(opts.model)}))
   end
   if not fine then return nil, message, details end
   out:json {files = bw.json.list(written)}
@@ -234,44 +234,44 @@ local function write_files(breaking, verdict, wish, folder, out)
   return true
 end
 
-local function analyse(wish, out)
+local function analyse(opts, out)
   local start = bw.seconds()
-  local limits, why = read_limits(wish)
+  local limits, why = read_limits(opts)
   if not limits then return nil, why, {status = "misuse"} end
-  if wish.threads then bw.threads(wish.threads) end
+  if opts.threads then bw.threads(opts.threads) end
   local folder
-  if wish.out then
+  if opts.out then
     local options = model.pick({"force", "contact", "fix", "forbid", "friction", "hands", "error", "length",
       "modes", "regions", "elements", "material", "unit", "young", "poisson", "strength", "density",
-      "toughness"}, wish)
+      "toughness"}, opts)
     local message, details
-    folder, message, details = bw.results.open(wish.out, {script = "barwright worst", inputs = {wish.model},
+    folder, message, details = bw.results.open(opts.out, {script = "barwright worst", inputs = {opts.model},
       options = options, seed = 1})
     if not folder then return nil, message, details end
   end
-  local read, material, details = model.start(wish, out)
+  local read, material, details = model.start(opts, out)
   if not read then return nil, material, details end
-  if read.kind == "outline" then return model.mesh(read, wish, out) end
+  if read.kind == "outline" then return model.mesh(read, opts, out) end
   local breaking, message
   breaking, message, details = model.try(bw.breaking_force, read.surface or read.mesh, {material = material,
-    force = wish.force, contact = wish.contact, error = wish.error, elements = wish.elements,
-    most_elements = wish.error and math.max(MOST_ELEMENTS, wish.elements) or nil, modes = wish.modes,
-    regions = wish.regions, fix = limits.fix, forbidden = limits.forbidden, friction = limits.friction,
-    hands = limits.hands, length = wish.length})
+    force = opts.force, contact = opts.contact, error = opts.error, elements = opts.elements,
+    most_elements = opts.error and math.max(MOST_ELEMENTS, opts.elements) or nil, modes = opts.modes,
+    regions = opts.regions, fix = limits.fix, forbidden = limits.forbidden, friction = limits.friction,
+    hands = limits.hands, length = opts.length})
   out:remarks()
-  if not breaking then return nil, wish.model .. ": " .. message, details end
+  if not breaking then return nil, opts.model .. ": " .. message, details end
   local worst = breaking.worst
-  local verdict = breaking:verdict(wish.force)
-  local large = model.beyond_linear(worst.max_displacement * math.min(1, breaking.force / wish.force), read.box)
+  local verdict = breaking:verdict(opts.force)
+  local large = model.beyond_linear(worst.max_displacement * math.min(1, breaking.force / opts.force), read.box)
   model.tell_mesh(worst.mesh, material, out)
-  out:json {unit = model.unit_of(read, wish), repaired = breaking.log and breaking.log.repaired or false,
+  out:json {unit = model.unit_of(read, opts), repaired = breaking.log and breaking.log.repaired or false,
     surface_moved_m = breaking.log and breaking.log.surface_moved or 0}
-  keep(breaking, verdict, large, wish, out)
-  tell(breaking, verdict, large, out.object.mass_kg, wish, out)
-  tell_limits(breaking, wish, out)
-  advise(breaking, verdict, wish, out)
+  keep(breaking, verdict, large, opts, out)
+  tell(breaking, verdict, large, out.object.mass_kg, opts, out)
+  tell_limits(breaking, opts, out)
+  advise(breaking, verdict, opts, out)
   local fine
-  fine, message, details = write_files(breaking, verdict, wish, folder, out)
+  fine, message, details = write_files(breaking, verdict, opts, folder, out)
   if not fine then return nil, message, details end
   out:json {seconds = bw.seconds() - start}
   if folder then
@@ -325,8 +325,8 @@ return {
       "opens in a browser, without network"},
     {"barwright worst hook.stl --fix low:z --forbid near:0,0,30mm:5mm", "screwed down, its hole out of reach"},
     {"barwright worst hook.stl --force 50N --json | jq .breaking_force_n", "as one number"}},
-  run = function(wish, out)
-    local verdict, message, details = analyse(wish, out)
+  run = function(opts, out)
+    local verdict, message, details = analyse(opts, out)
     if not verdict then return out:fail(message, details) end
     return verdict == "holds" and 0 or 1
   end,

@@ -33,31 +33,31 @@ local function widened(low, high, pad)
   return low - room, high + room
 end
 
-local function linear_range(wish, least, most, how)
+local function linear_range(opts, least, most, how)
   local low, high = widened(least, most, how.pad or 0.04)
   if how.zero then
     if least >= 0 then low = 0 end
     if most <= 0 then high = 0 end
     if least == 0 and most == 0 then low, high = 0, 1 end
   end
-  low, high = wish.least or low, wish.most or high
+  low, high = opts.least or low, opts.most or high
   if low >= high then -- one end given, the data beyond it
-    if wish.least then high = low + math.max(1e-9, math.abs(low) * 0.1)
+    if opts.least then high = low + math.max(1e-9, math.abs(low) * 0.1)
     else low = high - math.max(1e-9, math.abs(high) * 0.1) end
   end
   return low, high
 end
 
-local function log_range(wish, least, most, how)
+local function log_range(opts, least, most, how)
   local a, b = math.log(least, 10), math.log(most, 10)
   if a == b then a, b = a - 0.3, b + 0.3
   else
     local room = (how.pad or 0.04) * (b - a)
     a, b = a - room, b + room
   end
-  local low, high = wish.least or 10.0 ^ a, wish.most or 10.0 ^ b
+  local low, high = opts.least or 10.0 ^ a, opts.most or 10.0 ^ b
   if low >= high then
-    if wish.least then high = 10 * low else low = high / 10 end
+    if opts.least then high = 10 * low else low = high / 10 end
   end
   return low, high
 end
@@ -65,40 +65,40 @@ end
 -- {label, unit, ...} or the label alone.
 local function read(where, given)
   if type(given) == "string" then given = {label = given} end
-  local wish = options.read(where, given, rules)
-  if wish.least and wish.most and wish.least >= wish.most then
-    raise(("%s: least %g must be below most %g"):format(where, wish.least, wish.most))
+  local opts = options.read(where, given, rules)
+  if opts.least and opts.most and opts.least >= opts.most then
+    raise(("%s: least %g must be below most %g"):format(where, opts.least, opts.most))
   end
-  if wish.scale == "log" and (wish.least and wish.least <= 0 or wish.most and wish.most <= 0) then
+  if opts.scale == "log" and (opts.least and opts.least <= 0 or opts.most and opts.most <= 0) then
     raise(("%s: a log axis shows numbers above 0: least, most"):format(where))
   end
-  return wish
+  return opts
 end
 
 --- An axis for lists of numbers. how = {pad, zero: 0 is part of it}.
 function axis.new(where, given, lists, how)
   how = how or {}
-  local wish = read(where, given)
-  local log = wish.scale == "log"
+  local opts = read(where, given)
+  local log = opts.scale == "log"
   local least, most = data.range(lists, log)
   local any = data.range(lists)
-  if log and any and not least and not (wish.least and wish.most) then
+  if log and any and not least and not (opts.least and opts.most) then
     raise(("%s: a log axis shows numbers above 0, and there is none (from %s to %s)"):format(where,
       numbers.short(any), numbers.short(select(2, data.range(lists)))))
   end
-  local self = setmetatable({log = log, whole = wish.whole, empty = least == nil}, Axis)
+  local self = setmetatable({log = log, whole = opts.whole, empty = least == nil}, Axis)
   if self.empty then least, most = log and 1 or 0, log and 10 or 1 end
-  if log then self.low, self.high = log_range(wish, least, most, how)
-  else self.low, self.high = linear_range(wish, least, most, how) end
-  self.factor, self.unit = 1, wish.unit
-  if wish.prefix and not (self.empty and wish.unit == "") then
+  if log then self.low, self.high = log_range(opts, least, most, how)
+  else self.low, self.high = linear_range(opts, least, most, how) end
+  self.factor, self.unit = 1, opts.unit
+  if opts.prefix and not (self.empty and opts.unit == "") then
     local size = math.max(math.abs(least), math.abs(most))
-    if log and wish.unit == "" then size = 1 end -- powers of ten are on the axis
-    if wish.least and wish.most then size = math.max(math.abs(wish.least), math.abs(wish.most)) end
-    self.factor, self.unit = numbers.unit(wish.unit, size, wish.whole)
+    if log and opts.unit == "" then size = 1 end -- powers of ten are on the axis
+    if opts.least and opts.most then size = math.max(math.abs(opts.least), math.abs(opts.most)) end
+    self.factor, self.unit = numbers.unit(opts.unit, size, opts.whole)
   end
-  self.label = wish.label .. (self.unit ~= "" and (wish.label ~= "" and ", " or "") .. self.unit or "")
-  self.name = wish.label
+  self.label = opts.label .. (self.unit ~= "" and (opts.label ~= "" and ", " or "") .. self.unit or "")
+  self.name = opts.label
   return self
 end
 

@@ -23,10 +23,10 @@ local bar_rules = series.rules {
 local bar_series = {name = {type = "string", default = ""}, values = {type = "any", needed = true},
   low = {type = "any"}, high = {type = "any"}, colour = {type = "string"}}
 
-local function read_bars(where, wish)
+local function read_bars(where, opts)
   local all, lists = {}, {}
-  local count = #wish.names
-  for n, given in ipairs(data.list(where, "series", wish.series)) do
+  local count = #opts.names
+  for n, given in ipairs(data.list(where, "series", opts.series)) do
     local at = ("%s: series %d"):format(where, n)
     local one = options.read(at, given, bar_series)
     one.colour = data.colour(at, one.colour) or palette.series(n)
@@ -73,13 +73,13 @@ end
 --- Bars from 0, for each name one of every series, with intervals where low and high are given.
 return function(given)
   local where = "plot.bars"
-  local wish = options.read(where, given, bar_rules)
-  local names = names_of(where, wish.names)
-  local all, lists = read_bars(where, wish)
-  local values = axis.new(where .. ": value", wish.value, lists, {zero = true})
+  local opts = options.read(where, given, bar_rules)
+  local names = names_of(where, opts.names)
+  local all, lists = read_bars(where, opts)
+  local values = axis.new(where .. ": value", opts.value, lists, {zero = true})
   local longest = 0
   for _, name in ipairs(names) do longest = math.max(longest, utf8.len(name) or #name) end
-  local flat = wish.horizontal
+  local flat = opts.horizontal
   if flat == nil then flat = #names > 8 or longest > 12 end
   local legend = {}
   for _, one in ipairs(all) do
@@ -90,13 +90,13 @@ return function(given)
     listed = {}
     for i = 1, #names do listed[i] = names[#names + 1 - i] end
   end
-  local across = axis.names(wish.label, #listed > 0 and listed or {""})
+  local across = axis.names(opts.label, #listed > 0 and listed or {""})
   local room = #names * math.max(17, 9 * #all) + 90 -- for every name its line
-  return figure.new {kind = where, name = wish.title or values.label,
-    width = given.width or not flat and math.min(6000, math.max(wish.width, room)) or wish.width,
-    height = given.height or flat and math.min(6000, math.max(wish.height, room)) or wish.height,
+  return figure.new {kind = where, name = opts.title or values.label,
+    width = given.width or not flat and math.min(6000, math.max(opts.width, room)) or opts.width,
+    height = given.height or flat and math.min(6000, math.max(opts.height, room)) or opts.height,
     draw = function(s)
-      local box = frame.around(s, {title = wish.title, legend = wish.legend and legend, notes = wish.notes})
+      local box = frame.around(s, {title = opts.title, legend = opts.legend and legend, notes = opts.notes})
       local f = flat and frame.new(s, box, values, across) or frame.new(s, box, across, values)
       if #names == 0 then f:say "no data" end
       local share = (flat and f.height or f.width) / math.max(1, #names)

@@ -100,14 +100,14 @@ end
 
 --- Series {name, x (size), y (error), slope, last}; the slope of each is fitted and written in the legend.
 return function(given)
-  local wish = options.read(where, given, rules)
+  local opts = options.read(where, given, rules)
   local all, xs, ys = {}, {}, {}
-  for n, one in ipairs(data.list(where, "series", wish.series)) do
+  for n, one in ipairs(data.list(where, "series", opts.series)) do
     all[n] = read(one, n)
     xs[n], ys[n] = all[n].x, all[n].y
   end
-  local x = axis.new(where .. ": x", with_default(wish.x, "size"), xs, {pad = 0.06})
-  local y = axis.new(where .. ": y", with_default(wish.y, "error"), ys, {pad = 0.12})
+  local x = axis.new(where .. ": x", with_default(opts.x, "size"), xs, {pad = 0.06})
+  local y = axis.new(where .. ": y", with_default(opts.y, "error"), ys, {pad = 0.12})
   local legend, lost = {}, 0
   for n, one in ipairs(all) do
     local slope = one.fit and ("slope %s"):format(numbers.fixed(one.fit, 2))
@@ -120,9 +120,9 @@ return function(given)
   end
   local notes = lost > 0 and {("%d point%s without place: an error of 0, or none"):format(lost,
     lost == 1 and "" or "s")} or nil
-  return figure.new {kind = where, width = wish.width, height = wish.height, name = wish.title or "convergence",
+  return figure.new {kind = where, width = opts.width, height = opts.height, name = opts.title or "convergence",
     draw = function(s)
-      local f = frame.new(s, frame.around(s, {title = wish.title, legend = legend, notes = notes}), x, y)
+      local f = frame.new(s, frame.around(s, {title = opts.title, legend = legend, notes = notes}), x, y)
       if x.empty then f:say "no data" end
       f:enter(5)
       for _, one in ipairs(all) do
@@ -132,7 +132,7 @@ return function(given)
         end
         s:line(points, {stroke = one.colour, width = 1.8, dash = one.dash})
         s:markers(one.marker, 7.5, points, series.pen(one.marker, one.colour))
-        if wish.triangles and one.fit then draw_triangle(s, f, one) end
+        if opts.triangles and one.fit then draw_triangle(s, f, one) end
       end
       f:leave()
       return f

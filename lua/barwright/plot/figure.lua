@@ -42,18 +42,18 @@ local ways = {text = {type = "string", one_of = {"paths", "text"}}, scale = {typ
 --- the same everywhere) or "text" (can be searched and selected); scale: pixels of a PNG for each of
 --- the figure's, default 2.
 function Figure:write(path, given)
-  local wish = options.read("write", given, ways)
+  local opts = options.read("write", given, ways)
   local canvas <close>, message, details = drawn(self)
   if not canvas then return nil, message, details end
-  return canvas:write(path, {scale = wish.scale, outlines = wish.text ~= "text"})
+  return canvas:write(path, {scale = opts.scale, outlines = opts.text ~= "text"})
 end
 
 --- The figure as one <svg> element, for a page. Options: text = "text" (default) or "paths".
 function Figure:svg(given)
-  local wish = options.read("svg", given, {text = ways.text})
+  local opts = options.read("svg", given, {text = ways.text})
   local canvas <close>, message, details = drawn(self)
   if not canvas then return nil, message, details end
-  return canvas:svg {outlines = wish.text == "paths"}
+  return canvas:svg {outlines = opts.text == "paths"}
 end
 
 --- Where a point of the data lies in the figure, in pixels from its top left corner; nil for figures of

@@ -24,12 +24,12 @@ local shared = {
 
 -- Colour of each row (a step of 0 to 63, -1: none), the order in which rows are drawn: faint ones, then
 -- from the worst to the best, then the chosen.
-local function coloured(where, wish, count)
-  local chosen = columns.chosen(where, "chosen", wish.chosen, count)
-  local faint = columns.flags(where, "faint", wish.faint, count, false)
+local function coloured(where, opts, count)
+  local chosen = columns.chosen(where, "chosen", opts.chosen, count)
+  local faint = columns.flags(where, "faint", opts.faint, count, false)
   local rows = {chosen = chosen, faint = faint, order = {}, colour = {}}
-  local values = wish.values ~= nil and data.numbers(where, "values", wish.values, count)
-  local bar = values and axis.new(where .. ": value", wish.value, {values}, {pad = 0})
+  local values = opts.values ~= nil and data.numbers(where, "values", opts.values, count)
+  local bar = values and axis.new(where .. ": value", opts.value, {values}, {pad = 0})
   local rank = {}
   for i = 1, count do
     rows.order[i] = i
@@ -38,7 +38,7 @@ local function coloured(where, wish, count)
     rows.colour[i] = faint[i] and "#c3cad1" or at and palette.value(math.floor(at * 63 + 0.5) / 63)
       or bar and "#a8a8a8" or palette.good
     rank[i] = (chosen[i] and 4 or 0) + (faint[i] and -4 or 0)
-      + (at and (wish.goal == "most" and at or 1 - at) or 0)
+      + (at and (opts.goal == "most" and at or 1 - at) or 0)
   end
   table.sort(rows.order, function(a, b)
     if rank[a] ~= rank[b] then return rank[a] < rank[b] end
@@ -138,19 +138,19 @@ end
 --- correlations above. columns: {name, unit, values (numbers or names), scale, of}.
 function matrix.scatter_matrix(given)
   local where = "plot.scatter_matrix"
-  local wish = options.read(where, given, matrix_rules)
-  local list = columns.list(where, wish.columns, 2, 10)
+  local opts = options.read(where, given, matrix_rules)
+  local list = columns.list(where, opts.columns, 2, 10)
   local n, count = #list, #list[1].numbers
-  local rows, bar = coloured(where, wish, count)
-  local notes = data.texts(where, "notes", wish.notes, count)
+  local rows, bar = coloured(where, opts, count)
+  local notes = data.texts(where, "notes", opts.notes, count)
   local axes = {}
   for k, one in ipairs(list) do axes[k] = columns.axis(where, one, {pad = 0.08}) end
   local cell = math.max(92, math.min(170, 900 / n))
-  local width = wish.width or cell * n + 90 + (bar and 80 or 0)
-  local height = wish.height or cell * 0.86 * n + 90
-  return figure.new {kind = where, width = width, height = height, name = wish.title or "scatter matrix",
+  local width = opts.width or cell * n + 90 + (bar and 80 or 0)
+  local height = opts.height or cell * 0.86 * n + 90
+  return figure.new {kind = where, width = width, height = height, name = opts.title or "scatter matrix",
     draw = function(s)
-      local box = frame.around(s, {title = wish.title,
+      local box = frame.around(s, {title = opts.title,
         notes = {"below: trials; diagonal: how often; above: rank correlation"}})
       if bar then box = frame.colour_bar(s, box, bar) end
       local all = runs(rows)
@@ -200,17 +200,17 @@ end
 --- Each row as a line over upright axes, coloured by values. columns: {name, unit, values, scale, of}.
 function matrix.parallel_coordinates(given)
   local where = "plot.parallel_coordinates"
-  local wish = options.read(where, given, parallel_rules)
-  local list = columns.list(where, wish.columns, 2, 24)
+  local opts = options.read(where, given, parallel_rules)
+  local list = columns.list(where, opts.columns, 2, 24)
   local n, count = #list, #list[1].numbers
-  local rows, bar = coloured(where, wish, count)
+  local rows, bar = coloured(where, opts, count)
   local axes = {}
   for k, one in ipairs(list) do axes[k] = columns.axis(where, one, {pad = 0.03}) end
   local width = given.width or math.max(720, 96 * n + 120)
-  return figure.new {kind = where, width = width, height = wish.height,
-    name = wish.title or "parallel coordinates",
+  return figure.new {kind = where, width = width, height = opts.height,
+    name = opts.title or "parallel coordinates",
     draw = function(s)
-      local box = frame.around(s, {title = wish.title})
+      local box = frame.around(s, {title = opts.title})
       if bar then box = frame.colour_bar(s, box, bar) end
       local room = box[3] / n
       local first = box[1] + math.min(70, room * 0.66)

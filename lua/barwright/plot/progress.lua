@@ -47,8 +47,8 @@ local history_rules = series.rules {
 }
 
 -- The best so far as steps: from each trial that was better to the next.
-local function best_so_far(wish, xs, values, counts)
-  local sign = wish.goal == "most" and -1 or 1
+local function best_so_far(opts, xs, values, counts)
+  local sign = opts.goal == "most" and -1 or 1
   local x, y, best = {}, {}, nil
   for i = 1, #values do
     local v = values[i]
@@ -61,9 +61,9 @@ local function best_so_far(wish, xs, values, counts)
   return x, y, best
 end
 
-local function history_groups(wish, values, count)
-  local failed = columns.flags("plot.history", "failed", wish.failed, count, false)
-  local feasible = columns.flags("plot.history", "feasible", wish.feasible, count, true)
+local function history_groups(opts, values, count)
+  local failed = columns.flags("plot.history", "failed", opts.failed, count, false)
+  local feasible = columns.flags("plot.history", "feasible", opts.feasible, count, true)
   local kind, counts = {}, {}
   for i = 1, count do
     kind[i] = (failed[i] or values[i] ~= values[i]) and "failed" or feasible[i] and "done" or "infeasible"
@@ -85,9 +85,9 @@ local function legend_for(used, name)
 end
 
 -- In order of trials; in time: a number may be missing or stand twice.
-local function trial_numbers(wish, count)
-  if wish.numbers then
-    local xs = data.numbers("plot.history", "numbers", wish.numbers, count)
+local function trial_numbers(opts, count)
+  if opts.numbers then
+    local xs = data.numbers("plot.history", "numbers", opts.numbers, count)
     for i = 1, count do
       if xs[i] ~= xs[i] then raise "plot.history: numbers: finite numbers expected" end
     end
@@ -102,22 +102,22 @@ end
 --- failed, feasible: flags for each; goal "least" or "most".
 function progress.history(given)
   local where = "plot.history"
-  local wish = options.read(where, given, history_rules)
-  local values = data.numbers(where, "values", wish.values)
+  local opts = options.read(where, given, history_rules)
+  local values = data.numbers(where, "values", opts.values)
   local count = #values
-  local xs = trial_numbers(wish, count)
-  local notes = data.texts(where, "notes", wish.notes, count)
-  local kind, counts = history_groups(wish, values, count)
+  local xs = trial_numbers(opts, count)
+  local notes = data.texts(where, "notes", opts.notes, count)
+  local kind, counts = history_groups(opts, values, count)
   local used = {}
   for i = 1, count do used[kind[i]] = (used[kind[i]] or 0) + 1 end
-  local scale = wish.scale
+  local scale = opts.scale
   if not data.range({values}, true) then scale = "linear" end
-  local x = axis.new(where, {label = wish.trial, whole = true}, {xs}, {pad = 0.02})
-  local y = axis.new(where, {label = wish.label, unit = wish.unit, scale = scale}, {values}, {pad = 0.06})
-  return figure.new {kind = where, width = wish.width, height = wish.height,
-    name = wish.title or ("%s of the trials"):format(wish.label),
+  local x = axis.new(where, {label = opts.trial, whole = true}, {xs}, {pad = 0.02})
+  local y = axis.new(where, {label = opts.label, unit = opts.unit, scale = scale}, {values}, {pad = 0.06})
+  return figure.new {kind = where, width = opts.width, height = opts.height,
+    name = opts.title or ("%s of the trials"):format(opts.label),
     draw = function(s)
-      local box = frame.around(s, {title = wish.title, legend = legend_for(used, wish.goal)})
+      local box = frame.around(s, {title = opts.title, legend = legend_for(used, opts.goal)})
       local f = frame.new(s, box, x, y)
       if count == 0 then f:say "no trials" end
       local groups = {done = {{}, {}}, infeasible = {{}, {}}, failed = {{}, {}}}
@@ -134,25 +134,25 @@ function progress.history(given)
       for _, name in ipairs {"failed", "infeasible", "done"} do
         put(s, looks[name], groups[name][1], notes and groups[name][2])
       end
-      local bx, by, best = best_so_far(wish, xs, values, counts)
+      local bx, by, best = best_so_far(opts, xs, values, counts)
       s:line(series.staircase((series.pixels(f, bx, by))), {stroke = palette.good, width = 2.2})
       if best then
         local px, py = f:place(xs[best], values[best])
         if px then s:markers("disc", 9, {px, py}, looks.front.pen, {notes and notes[best] or false}) end
       end
       f:leave()
-      if best then progress.name_best(s, f, xs[best], values[best], wish) end
+      if best then progress.name_best(s, f, xs[best], values[best], opts) end
       return f
     end}
 end
 
 -- The value beside the best point, where it hides least: away from the goal's side.
-function progress.name_best(s, f, x, value, wish)
+function progress.name_best(s, f, x, value, opts)
   local px, py = f:place(x, value)
   if not px then return end
-  local text = numbers.quantity(value, wish.unit)
+  local text = numbers.quantity(value, opts.unit)
   local right = px + 10 + s:text_width(text, 11.5, true) < f.right
-  local below = wish.goal == "least"
+  local below = opts.goal == "least"
   local ty = py + (below and 17 or -9)
   if ty > f.bottom - 4 then ty = py - 9 end
   if ty < f.top + 10 then ty = py + 17 end
@@ -270,32 +270,32 @@ end
 --- columns {name, unit, goal, values, scale}.
 function progress.pareto(given)
   local where = "plot.pareto"
-  local wish = options.read(where, given, pareto_rules)
-  local objectives = columns.list(where, wish.objectives, 2, 6)
+  local opts = options.read(where, given, pareto_rules)
+  local objectives = columns.list(where, opts.objectives, 2, 6)
   local n, count = #objectives, #objectives[1].numbers
   for _, one in ipairs(objectives) do
     if one.names then raise(("%s: objective '%s': numbers expected"):format(where, one.name)) end
     one.goal = one.goal or "least"
   end
-  local rows = {able = columns.flags(where, "feasible", wish.feasible, count, true),
-    notes = data.texts(where, "notes", wish.notes, count)}
-  rows.front = wish.front and columns.chosen(where, "front", wish.front, count)
+  local rows = {able = columns.flags(where, "feasible", opts.feasible, count, true),
+    notes = data.texts(where, "notes", opts.notes, count)}
+  rows.front = opts.front and columns.chosen(where, "front", opts.front, count)
     or find_front(objectives, rows.able)
   local names, axes = {}, {}
   for k, one in ipairs(objectives) do
     names[k] = one.name
     axes[k] = columns.axis(where, one, {goal = true, pad = 0.06})
   end
-  local width, height = wish.width, wish.height
+  local width, height = opts.width, opts.height
   if n > 2 then
     width = given.width or 120 + 230 * (n - 1)
     height = given.height or 100 + 190 * (n - 1)
   end
-  return figure.new {kind = where, name = wish.title or table.concat(names, ", "), width = width,
+  return figure.new {kind = where, name = opts.title or table.concat(names, ", "), width = width,
     height = height,
     draw = function(s)
       local legend, foot = pareto_legend(objectives, rows, count)
-      local box = frame.around(s, {title = wish.title, legend = legend, notes = foot})
+      local box = frame.around(s, {title = opts.title, legend = legend, notes = foot})
       if n == 2 then
         local f = frame.new(s, box, axes[1], axes[2])
         if count == 0 then f:say "no trials" end

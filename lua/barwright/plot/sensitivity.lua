@@ -52,19 +52,19 @@ local function taken(list, order)
   return out
 end
 
-local function sobol(wish, given)
-  local order = ranked(wish.total or wish.first)
+local function sobol(opts, given)
+  local order = ranked(opts.total or opts.first)
   local list = {}
   for _, key in ipairs {"first", "total"} do
-    if wish[key] then
+    if opts[key] then
       list[#list + 1] = {name = key == "first" and "first order: by itself" or "total: with all its interactions",
-        values = taken(wish[key], order), low = taken(wish[key .. "_low"], order),
-        high = taken(wish[key .. "_high"], order)}
+        values = taken(opts[key], order), low = taken(opts[key .. "_low"], order),
+        high = taken(opts[key .. "_high"], order)}
     end
   end
-  return bars {names = taken(wish.names, order), series = list, horizontal = true,
-    value = {label = "share of the variance" .. (wish.label and " of " .. wish.label or "")},
-    title = wish.title, width = wish.width,
+  return bars {names = taken(opts.names, order), series = list, horizontal = true,
+    value = {label = "share of the variance" .. (opts.label and " of " .. opts.label or "")},
+    title = opts.title, width = opts.width,
     height = given.height or math.max(180, 90 + #order * (24 + 16 * #list))}
 end
 
@@ -90,10 +90,10 @@ local function place_name(s, f, text, x, y, taken_boxes)
   end
 end
 
-local function draw_morris(s, f, wish)
+local function draw_morris(s, f, opts)
   local boxes = {}
-  for i = 1, #wish.names do
-    local x, y = f:place(wish.mu_star[i], wish.sigma[i])
+  for i = 1, #opts.names do
+    local x, y = f:place(opts.mu_star[i], opts.sigma[i])
     if x then boxes[#boxes + 1] = {x - 5, y - 5, x + 5, y + 5} end
   end
   f:enter(6)
@@ -103,15 +103,15 @@ local function draw_morris(s, f, wish)
     local bx, by = f:place(reach, slope * reach)
     s:line({ax, ay, bx, by}, {stroke = palette.line, width = 1, dash = {4, 4}})
   end
-  for i = 1, #wish.names do
-    local x, y = f:place(wish.mu_star[i], wish.sigma[i])
-    local a = x and wish.mu_star_low and f:place(wish.mu_star_low[i], wish.sigma[i])
-    local b = x and wish.mu_star_high and f:place(wish.mu_star_high[i], wish.sigma[i])
+  for i = 1, #opts.names do
+    local x, y = f:place(opts.mu_star[i], opts.sigma[i])
+    local a = x and opts.mu_star_low and f:place(opts.mu_star_low[i], opts.sigma[i])
+    local b = x and opts.mu_star_high and f:place(opts.mu_star_high[i], opts.sigma[i])
     if a and b then s:line({a, y, b, y}, {stroke = palette.pale, width = 1.6}) end
   end
-  for i = 1, #wish.names do
-    local x, y = f:place(wish.mu_star[i], wish.sigma[i])
-    if x then s:markers("disc", 9, {x, y}, series.pen("disc", palette.good), {wish.names[i]}) end
+  for i = 1, #opts.names do
+    local x, y = f:place(opts.mu_star[i], opts.sigma[i])
+    if x then s:markers("disc", 9, {x, y}, series.pen("disc", palette.good), {opts.names[i]}) end
   end
   f:leave()
   for _, slope in ipairs {0.1, 0.5, 1} do
@@ -122,53 +122,53 @@ local function draw_morris(s, f, wish)
     s:text(text, fits and x + 7 or x, fits and y + 9 or y - 7, {size = 10.5, align = fits and 0 or 1,
       colour = palette.soft, halo = true})
   end
-  for i, name in ipairs(wish.names) do
-    local x, y = f:place(wish.mu_star[i], wish.sigma[i])
+  for i, name in ipairs(opts.names) do
+    local x, y = f:place(opts.mu_star[i], opts.sigma[i])
     if x then place_name(s, f, s:shortened(name, 11.5, 160), x, y, boxes) end
   end
 end
 
-local function morris(wish)
-  local of = wish.label and " on " .. wish.label or ""
-  local x = axis.new(where, {label = "μ*: mean size of effects" .. of, unit = wish.unit},
-    {wish.mu_star, wish.mu_star_high}, {zero = true, pad = 0.12})
-  local y = axis.new(where, {label = "σ: their scatter", unit = wish.unit}, {wish.sigma},
+local function morris(opts)
+  local of = opts.label and " on " .. opts.label or ""
+  local x = axis.new(where, {label = "μ*: mean size of effects" .. of, unit = opts.unit},
+    {opts.mu_star, opts.mu_star_high}, {zero = true, pad = 0.12})
+  local y = axis.new(where, {label = "σ: their scatter", unit = opts.unit}, {opts.sigma},
     {zero = true, pad = 0.12})
-  return figure.new {kind = where, width = wish.width, height = wish.height,
-    name = wish.title or "effects" .. of,
+  return figure.new {kind = where, width = opts.width, height = opts.height,
+    name = opts.title or "effects" .. of,
     draw = function(s)
-      local f = frame.new(s, frame.around(s, {title = wish.title,
+      local f = frame.new(s, frame.around(s, {title = opts.title,
         notes = {"above σ = μ* effects change their sign or depend on other variables; near 0 they are even"}}),
         x, y)
       if x.empty then f:say "no effects" end
-      draw_morris(s, f, wish)
+      draw_morris(s, f, opts)
       return f
     end}
 end
 
 -- Spans from the measure at a variable's least to that at its most, the widest on top.
-local function tornado(wish, given)
+local function tornado(opts, given)
   local widths = {}
-  for i = 1, #wish.names do widths[i] = math.abs(wish.high[i] - wish.low[i]) end
+  for i = 1, #opts.names do widths[i] = math.abs(opts.high[i] - opts.low[i]) end
   local order = ranked(widths)
-  local names, count = taken(wish.names, order), #order
+  local names, count = taken(opts.names, order), #order
   local upwards = {}
   for i = 1, count do upwards[i] = names[count + 1 - i] end
-  local x = axis.new(where, {label = wish.label or "", unit = wish.unit}, {wish.low, wish.high,
-    wish.base and {wish.base} or {}}, {pad = 0.06})
+  local x = axis.new(where, {label = opts.label or "", unit = opts.unit}, {opts.low, opts.high,
+    opts.base and {opts.base} or {}}, {pad = 0.06})
   local y = axis.names("", count > 0 and upwards or {""})
-  return figure.new {kind = where, name = wish.title or "one variable at a time", width = wish.width,
+  return figure.new {kind = where, name = opts.title or "one variable at a time", width = opts.width,
     height = given.height or math.max(180, 110 + 34 * count),
     draw = function(s)
-      local box = frame.around(s, {title = wish.title, legend = {{name = "at its least", fill = "#56b4e9"},
+      local box = frame.around(s, {title = opts.title, legend = {{name = "at its least", fill = "#56b4e9"},
         {name = "at its most", fill = "#d55e00"}}})
       local f = frame.new(s, box, x, y)
       if count == 0 then f:say "no variables" end
       local thick = math.min(24, f.height / math.max(1, count) * 0.7)
       for k, i in ipairs(order) do
-        local low, middle = f:place(wish.low[i], count + 1 - k)
-        local high = f:place(wish.high[i], 1)
-        local base = wish.base and f:place(wish.base, 1) or low and high and (low + high) / 2
+        local low, middle = f:place(opts.low[i], count + 1 - k)
+        local high = f:place(opts.high[i], 1)
+        local base = opts.base and f:place(opts.base, 1) or low and high and (low + high) / 2
         for _, one in ipairs {{low, "#56b4e9"}, {high, "#d55e00"}} do
           if one[1] and base and middle then
             s:rectangle(math.min(base, one[1]), middle - thick / 2, math.max(0.75, math.abs(one[1] - base)),
@@ -176,7 +176,7 @@ local function tornado(wish, given)
           end
         end
       end
-      local base = wish.base and f:place(wish.base, 1)
+      local base = opts.base and f:place(opts.base, 1)
       if base then s:line({base, f.top, base, f.bottom}, {stroke = palette.soft, width = 1.2}) end
       return f
     end}
@@ -186,14 +186,14 @@ end
 --- names, mu_star, sigma, mu_star_low, mu_star_high. One at a time: names, low and high (the measure at each
 --- variable's least and most), base.
 return function(given)
-  local wish = options.read(where, given, rules)
-  wish.names = names_of(data.list(where, "names", wish.names))
+  local opts = options.read(where, given, rules)
+  opts.names = names_of(data.list(where, "names", opts.names))
   for _, key in ipairs {"first", "first_low", "first_high", "total", "total_low", "total_high", "mu_star",
     "mu_star_low", "mu_star_high", "sigma", "low", "high"} do
-    wish[key] = wish[key] and data.numbers(where, key, wish[key], #wish.names)
+    opts[key] = opts[key] and data.numbers(where, key, opts[key], #opts.names)
   end
-  if wish.mu_star and wish.sigma then return morris(wish) end
-  if wish.low and wish.high then return tornado(wish, given) end
-  if wish.first or wish.total then return sobol(wish, given) end
+  if opts.mu_star and opts.sigma then return morris(opts) end
+  if opts.low and opts.high then return tornado(opts, given) end
+  if opts.first or opts.total then return sobol(opts, given) end
   raise(where .. ": first or total (Sobol), mu_star and sigma (Morris), or low and high expected")
 end

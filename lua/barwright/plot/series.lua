@@ -52,28 +52,28 @@ local rules = series.rules {
 
 local function read_series(where, given, n)
   local at = ("%s: series %d"):format(where, n)
-  local wish = options.read(at, given, one_rules)
-  wish.y = data.numbers(at, "y", wish.y)
-  if wish.x == nil then
-    wish.x = {}
-    for i = 1, #wish.y do wish.x[i] = i end
+  local opts = options.read(at, given, one_rules)
+  opts.y = data.numbers(at, "y", opts.y)
+  if opts.x == nil then
+    opts.x = {}
+    for i = 1, #opts.y do opts.x[i] = i end
   else
-    wish.x = data.numbers(at, "x", wish.x)
+    opts.x = data.numbers(at, "x", opts.x)
   end
-  if #wish.x ~= #wish.y then
-    raise(("%s: x has %d numbers, y has %d"):format(at, #wish.x, #wish.y))
+  if #opts.x ~= #opts.y then
+    raise(("%s: x has %d numbers, y has %d"):format(at, #opts.x, #opts.y))
   end
   for _, key in ipairs {"low", "high", "values"} do
-    wish[key] = wish[key] and data.numbers(at, key, wish[key], #wish.y)
+    opts[key] = opts[key] and data.numbers(at, key, opts[key], #opts.y)
   end
-  if (wish.low == nil) ~= (wish.high == nil) then raise(at .. ": low and high go together") end
-  wish.notes = data.texts(at, "notes", wish.notes, #wish.y)
-  data.colour(at, wish.colour)
+  if (opts.low == nil) ~= (opts.high == nil) then raise(at .. ": low and high go together") end
+  opts.notes = data.texts(at, "notes", opts.notes, #opts.y)
+  data.colour(at, opts.colour)
   local colour, marker, dash = palette.series(n)
-  wish.colour, wish.marker = wish.colour or colour, wish.marker or marker
-  if wish.dashed ~= nil then dash = wish.dashed and {6, 3} or nil end
-  wish.dash = dash
-  return wish
+  opts.colour, opts.marker = opts.colour or colour, opts.marker or marker
+  if opts.dashed ~= nil then dash = opts.dashed and {6, 3} or nil end
+  opts.dash = dash
+  return opts
 end
 
 -- Flat pixels of a series, nan where there is no place; how many have none.
@@ -213,10 +213,10 @@ local function draw_marks(s, f, marks)
   end
 end
 
-local function legend_of(all, wish, lines)
+local function legend_of(all, opts, lines)
   local out = {}
   for _, one in ipairs(all) do
-    if one.name ~= "" and wish.legend then
+    if one.name ~= "" and opts.legend then
       local marked = not lines or one.markers
       out[#out + 1] = {name = one.name, line = lines and one.colour or nil, dash = one.dash,
         width = one.width, marker = marked and one.marker or nil,
@@ -226,24 +226,24 @@ local function legend_of(all, wish, lines)
   return #out > 0 and out or nil
 end
 
-local function axes_of(where, wish, all)
+local function axes_of(where, opts, all)
   local xs, ys = {}, {}
   for i, one in ipairs(all) do
     xs[i] = one.x
     ys[#ys + 1] = one.y
     ys[#ys + 1], ys[#ys + 2] = one.low, one.high
   end
-  for _, mark in ipairs(wish.marks) do
+  for _, mark in ipairs(opts.marks) do
     if type(mark) ~= "table" or (data.finite(mark.x) == data.finite(mark.y)) then
       raise(("%s: marks: {x = number} or {y = number}, and a name, expected"):format(where))
     end
     if mark.x then xs[#xs + 1] = {mark.x} else ys[#ys + 1] = {mark.y} end
   end
-  if wish.diagonal then
+  if opts.diagonal then
     for _, list in ipairs {table.unpack(xs)} do ys[#ys + 1] = list end
     for _, list in ipairs {table.unpack(ys)} do xs[#xs + 1] = list end
   end
-  return axis.new(where .. ": x", wish.x, xs), axis.new(where .. ": y", wish.y, ys)
+  return axis.new(where .. ": x", opts.x, xs), axis.new(where .. ": y", opts.y, ys)
 end
 
 local function draw_one(s, f, one, lines, bar)
@@ -261,30 +261,30 @@ local function draw_one(s, f, one, lines, bar)
 end
 
 local function make(where, given, lines)
-  local wish = options.read(where, given, rules)
+  local opts = options.read(where, given, rules)
   local all = {}
-  for n, one in ipairs(data.list(where, "series", wish.series)) do all[n] = read_series(where, one, n) end
-  local x, y = axes_of(where, wish, all)
+  for n, one in ipairs(data.list(where, "series", opts.series)) do all[n] = read_series(where, one, n) end
+  local x, y = axes_of(where, opts, all)
   local coloured = {}
   for _, one in ipairs(all) do coloured[#coloured + 1] = one.values end
-  local bar = coloured[1] and axis.new(where .. ": values", wish.values, coloured, {pad = 0})
-  local notes = {table.unpack(wish.notes)}
+  local bar = coloured[1] and axis.new(where .. ": values", opts.values, coloured, {pad = 0})
+  local notes = {table.unpack(opts.notes)}
   notes[#notes + 1] = missing(all, x, y)
-  return figure.new {kind = where, name = wish.title or ("%s against %s"):format(
+  return figure.new {kind = where, name = opts.title or ("%s against %s"):format(
       y.label ~= "" and y.label or "y", x.label ~= "" and x.label or "x"),
-    width = wish.width, height = wish.height,
+    width = opts.width, height = opts.height,
     draw = function(s)
-      local box = frame.around(s, {title = wish.title, legend = legend_of(all, wish, lines), notes = notes})
+      local box = frame.around(s, {title = opts.title, legend = legend_of(all, opts, lines), notes = notes})
       if bar then box = frame.colour_bar(s, box, bar) end
       local f = frame.new(s, box, x, y)
       if x.empty or y.empty then f:say "no data" end
       f:enter(5)
-      if wish.diagonal then
+      if opts.diagonal then
         local ax, ay = f:place(math.max(x.low, y.low), math.max(x.low, y.low))
         local bx, by = f:place(math.min(x.high, y.high), math.min(x.high, y.high))
         s:line({ax, ay, bx, by}, {stroke = palette.line, width = 1.2, dash = {5, 4}})
       end
-      draw_marks(s, f, wish.marks)
+      draw_marks(s, f, opts.marks)
       for _, one in ipairs(all) do draw_one(s, f, one, lines, bar) end
       f:leave()
       return f

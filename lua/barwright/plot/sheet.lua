@@ -70,39 +70,39 @@ end
 --- Pictures {path = PNG file or figure =, caption, chosen} in a grid; one that cannot be read is an empty
 --- place that says so.
 return function(given)
-  local wish = options.read(where, given, rules)
+  local opts = options.read(where, given, rules)
   local all = {}
-  for i, one in ipairs(data.list(where, "pictures", wish.pictures)) do all[i] = read(one, i) end
+  for i, one in ipairs(data.list(where, "pictures", opts.pictures)) do all[i] = read(one, i) end
   local count = math.max(1, #all)
-  local wide = wish.columns or math.min(count, math.max(1, math.min(6, math.ceil(math.sqrt(count * 1.4)))))
-  local ratio = wish.ratio
+  local wide = opts.columns or math.min(count, math.max(1, math.min(6, math.ceil(math.sqrt(count * 1.4)))))
+  local ratio = opts.ratio
   if not ratio then
     local first = all[1] and all[1].figure
     ratio = first and first.height / first.width or 0.75
   end
   local gap, line = 14, 15
-  local cell_height = wish.cell * ratio + 8 + line * wish.lines
+  local cell_height = opts.cell * ratio + 8 + line * opts.lines
   local rows = math.ceil(count / wide)
-  local width = math.max(160, 24 + wide * wish.cell + (wide - 1) * gap)
-  local top = wish.title and 44 or 12
+  local width = math.max(160, 24 + wide * opts.cell + (wide - 1) * gap)
+  local top = opts.title and 44 or 12
   local height = top + rows * cell_height + (rows - 1) * gap + 12
   if height > 20000 or width > 20000 then
     raise(("%s: %d pictures make %d x %d pixels: fewer, or smaller ones (cell)"):format(where, #all,
       math.ceil(width), math.ceil(height)))
   end
-  return figure.new {kind = where, width = width, height = height, name = wish.title or "contact sheet",
+  return figure.new {kind = where, width = width, height = height, name = opts.title or "contact sheet",
     draw = function(s)
-      if wish.title then frame.around(s, {title = s:shortened(wish.title, frame.large, width - 24, true)}) end
-      if #all == 0 then draw_missing(s, {12, top, wish.cell, wish.cell * ratio}, "no pictures") end
+      if opts.title then frame.around(s, {title = s:shortened(opts.title, frame.large, width - 24, true)}) end
+      if #all == 0 then draw_missing(s, {12, top, opts.cell, opts.cell * ratio}, "no pictures") end
       for i, one in ipairs(all) do
-        local x = 12 + (i - 1) % wide * (wish.cell + gap)
+        local x = 12 + (i - 1) % wide * (opts.cell + gap)
         local y = top + (i - 1) // wide * (cell_height + gap)
-        local box = {x, y, wish.cell, wish.cell * ratio}
+        local box = {x, y, opts.cell, opts.cell * ratio}
         draw_picture(s, box, one)
         s:rectangle(box[1], box[2], box[3], box[4], {width = one.chosen and 2.5 or 1,
           stroke = one.chosen and palette.good or palette.grid}, 3)
-        for k, text in ipairs(caption_lines(s, one, wish.cell, wish.lines)) do
-          s:text(text, x + wish.cell / 2, y + box[4] + 4 + line * k - 2, {size = 11.5, align = 0.5,
+        for k, text in ipairs(caption_lines(s, one, opts.cell, opts.lines)) do
+          s:text(text, x + opts.cell / 2, y + box[4] + 4 + line * k - 2, {size = 11.5, align = 0.5,
             bold = one.chosen and k == 1})
         end
       end

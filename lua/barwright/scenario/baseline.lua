@@ -104,7 +104,7 @@ end
 
 local compare
 
-local function compare_arrays(now, kept, wish, at)
+local function compare_arrays(now, kept, opts, at)
   if now.rows ~= kept.rows or now.columns ~= kept.columns then
     return ("%s%d x %d values, %s x %s expected"):format(at, now.rows, now.columns, tostring(kept.rows),
       tostring(kept.columns)), math.huge
@@ -112,27 +112,27 @@ local function compare_arrays(now, kept, wish, at)
   local a, b = flat(now), flat(kept)
   local most, size, place = numbers.largest(a, b)
   local figure = size > 0 and most / size or most
-  if most <= math.max(wish.absolute or 0, (wish.relative or 0) * size) then return nil, figure end
+  if most <= math.max(opts.absolute or 0, (opts.relative or 0) * size) then return nil, figure end
   local x, y = numbers.apart(a[place], b[place])
   return ("%svalue %d is %s, %s expected: apart by %s of the largest"):format(at, place, x, y,
     numbers.show(figure, 3)), figure
 end
 
-local function compare_modes(now, kept, wish, at)
-  local found = modes.compare(as_modes(now), as_modes(kept), wish)
+local function compare_modes(now, kept, opts, at)
+  local found = modes.compare(as_modes(now), as_modes(kept), opts)
   if found.message then return at .. found.message, math.huge end
-  if numbers.over(found.frequency, wish.relative or math.huge) then
+  if numbers.over(found.frequency, opts.relative or math.huge) then
     return ("%sthe frequency of mode %d is apart by %s"):format(at, found.at, numbers.show(found.frequency, 3)),
       found.frequency
   end
-  if numbers.over(found.shape, wish.shapes) then
+  if numbers.over(found.shape, opts.shapes) then
     return ("%sthe shapes of modes %d to %d are apart by an angle whose sine is %s"):format(at, found.group[1],
       found.group[2], numbers.show(found.shape, 3)), found.frequency
   end
   return nil, found.frequency
 end
 
-local function compare_tables(now, kept, wish, at)
+local function compare_tables(now, kept, opts, at)
   local keys, worst = {}, 0
   for key in pairs(now) do keys[#keys + 1] = key end
   for key in pairs(kept) do if now[key] == nil then keys[#keys + 1] = key end end
@@ -141,7 +141,7 @@ local function compare_tables(now, kept, wish, at)
     return tostring(a) < tostring(b)
   end)
   for _, key in ipairs(keys) do
-    local fault, figure = compare(now[key], kept[key], wish, at .. tostring(key) .. ": ")
+    local fault, figure = compare(now[key], kept[key], opts, at .. tostring(key) .. ": ")
     worst = math.max(worst, figure or 0)
     if fault then return fault, worst end
   end
@@ -149,13 +149,13 @@ local function compare_tables(now, kept, wish, at)
 end
 
 -- What is wrong, or nil; and by how much numbers are apart at most, relative.
-function compare(now, kept, wish, at)
+function compare(now, kept, opts, at)
   if now == nil then return at .. "is not there any more", math.huge end
   if kept == nil then return at .. "is not in the baseline", math.huge end
   if type(now) == "number" and type(kept) == "number" then
     local off = math.abs(now - kept)
     local figure = now == kept and 0 or off / math.abs(kept)
-    if now == kept or off <= math.max(wish.absolute or 0, (wish.relative or 0) * math.abs(kept)) then
+    if now == kept or off <= math.max(opts.absolute or 0, (opts.relative or 0) * math.abs(kept)) then
       return nil, figure
     end
     local a, b = numbers.apart(now, kept)
@@ -163,9 +163,9 @@ function compare(now, kept, wish, at)
   end
   if type(now) == "table" and type(kept) == "table" then
     if now.barwright ~= kept.barwright then return at .. "another kind of value", math.huge end
-    if now.barwright == "array" then return compare_arrays(now, kept, wish, at) end
-    if now.barwright == "modes" then return compare_modes(now, kept, wish, at) end
-    return compare_tables(now, kept, wish, at)
+    if now.barwright == "array" then return compare_arrays(now, kept, opts, at) end
+    if now.barwright == "modes" then return compare_modes(now, kept, opts, at) end
+    return compare_tables(now, kept, opts, at)
   end
   if now == kept then return nil, 0 end
   return ("%s%s, %s expected"):format(at, tostring(now), tostring(kept)), math.huge
@@ -179,7 +179,7 @@ local function write(path, snapshot)
 end
 
 --- What is wrong, or nil; whether the baseline was written; how far figures are apart at most.
-function baseline.compare(path, value, wish, update)
+function baseline.compare(path, value, opts, update)
   local snapshot = baseline.snapshot(value)
   local text = files.read(path)
   if not text then
@@ -191,7 +191,7 @@ function baseline.compare(path, value, wish, update)
     if update then return write(path, snapshot), true, 0 end
     return ("%s: %s"):format(path, tostring(why)), false, nil
   end
-  local fault, figure = compare(snapshot, kept, wish, "")
+  local fault, figure = compare(snapshot, kept, opts, "")
   if fault and update then return write(path, snapshot), true, 0 end
   return fault and ("%s (%s)"):format(fault, path), false, figure
 end

@@ -63,9 +63,9 @@ local function with_unit(self, text)
 end
 
 -- Where the call that should have given the figure failed: its own words.
-local function missing(self, form, wish)
+local function missing(self, form, opts)
   local message = self.failure and self.failure.message
-  return judged(self, form, {source = wish.source, how = wish.how}, false, message and
+  return judged(self, form, {source = opts.source, how = opts.how}, false, message and
     ("nothing to judge: %s"):format(tostring(message)) or "nothing to judge: the value is nil")
 end
 
@@ -93,65 +93,65 @@ end
 
 --- At most the bound.
 function methods:below(bound, given)
-  local wish = read("below", given)
+  local opts = read("below", given)
   checked_bound("below", bound)
-  if self.value == nil then return missing(self, "below", wish) end
+  if self.value == nil then return missing(self, "below", opts) end
   local value = number_of(self, "below")
   local a, b = numbers.apart(value, bound)
-  return judged(self, "below", {figure = plain(value), most = plain(bound), source = wish.source, how = wish.how,
+  return judged(self, "below", {figure = plain(value), most = plain(bound), source = opts.source, how = opts.how,
     allowed = "at most " .. show(bound)}, value <= bound,
     ("%s, at most %s expected%s"):format(with_unit(self, a), with_unit(self, b), share(value, bound)))
 end
 
 --- At least the bound.
 function methods:above(bound, given)
-  local wish = read("above", given)
+  local opts = read("above", given)
   checked_bound("above", bound)
-  if self.value == nil then return missing(self, "above", wish) end
+  if self.value == nil then return missing(self, "above", opts) end
   local value = number_of(self, "above")
   local a, b = numbers.apart(value, bound)
-  return judged(self, "above", {figure = plain(value), least = plain(bound), source = wish.source, how = wish.how,
+  return judged(self, "above", {figure = plain(value), least = plain(bound), source = opts.source, how = opts.how,
     allowed = "at least " .. show(bound)}, value >= bound,
     ("%s, at least %s expected%s"):format(with_unit(self, a), with_unit(self, b), share(value, bound)))
 end
 
 --- From `low` to `high`.
 function methods:between(low, high, given)
-  local wish = read("between", given)
+  local opts = read("between", given)
   checked_bound("between", low)
   checked_bound("between", high)
   if low > high then raise(("between: %s is above %s"):format(show(low), show(high))) end
-  if self.value == nil then return missing(self, "between", wish) end
+  if self.value == nil then return missing(self, "between", opts) end
   local value = number_of(self, "between")
   local a, b = numbers.apart(value, value < low and low or high)
   return judged(self, "between", {figure = plain(value), least = plain(low), most = plain(high),
-    source = wish.source, how = wish.how, allowed = ("%s to %s"):format(show(low), show(high))},
+    source = opts.source, how = opts.how, allowed = ("%s to %s"):format(show(low), show(high))},
     value >= low and value <= high, ("%s, from %s to %s expected (%s is passed)"):format(with_unit(self, a),
       show(low), with_unit(self, show(high)), b))
 end
 
-local function tolerance_text(wish, unit)
+local function tolerance_text(opts, unit)
   local parts = {}
-  if wish.relative then parts[#parts + 1] = show(100 * wish.relative) .. " %" end
-  if wish.absolute then parts[#parts + 1] = show(wish.absolute) .. (unit and unit ~= "" and " " .. unit or "") end
+  if opts.relative then parts[#parts + 1] = show(100 * opts.relative) .. " %" end
+  if opts.absolute then parts[#parts + 1] = show(opts.absolute) .. (unit and unit ~= "" and " " .. unit or "") end
   return "within " .. table.concat(parts, " or ")
 end
 
-local function near_list(self, reference, wish)
+local function near_list(self, reference, opts)
   local b, shape = numbers.flat(reference)
   local a, own = numbers.flat(self.value)
   if not a then
     raise("near: a number, an array or a list of numbers expected")
   end
-  local entry = {source = wish.source, how = wish.how, absolute = wish.absolute, relative = wish.relative,
-    allowed = tolerance_text(wish, self.unit)}
+  local entry = {source = opts.source, how = opts.how, absolute = opts.absolute, relative = opts.relative,
+    allowed = tolerance_text(opts, self.unit)}
   if #a ~= #b or own ~= shape then
     return judged(self, "near", entry, false, ("%s, %s expected"):format(own, shape))
   end
   local most, size, at = numbers.largest(a, b)
   entry.figure = plain(size > 0 and most / size or most)
   entry.values, entry.at = #a, at
-  local good = most <= math.max(wish.absolute or 0, (wish.relative or 0) * size)
+  local good = most <= math.max(opts.absolute or 0, (opts.relative or 0) * size)
   local x, y = numbers.apart(a[at] or 0, b[at] or 0)
   return judged(self, "near", entry, good,
     ("value %d of %s is %s, %s expected: apart by %s of the largest (%s); %s expected"):format(at, own, x, y,
@@ -161,32 +161,32 @@ end
 --- Near the reference: |figure - reference| at most `absolute`, or `relative` |reference|, whichever is
 --- more. Of arrays and lists every value, beside the largest one of the reference.
 function methods:near(reference, given)
-  local wish = read("near", given, {relative = {type = "number", least = 0},
+  local opts = read("near", given, {relative = {type = "number", least = 0},
     absolute = {type = "number", least = 0}})
-  if not wish.relative and not wish.absolute then
+  if not opts.relative and not opts.absolute then
     raise "near: {relative = ...} or {absolute = ...} expected: how near is near?"
   end
-  if self.value == nil then return missing(self, "near", wish) end
+  if self.value == nil then return missing(self, "near", opts) end
   if type(reference) ~= "number" then
     if not numbers.flat(reference) then
       raise(("near: a number, an array or a list of numbers as the reference expected, got %s"):format(
         type(reference)))
     end
-    return near_list(self, reference, wish)
+    return near_list(self, reference, opts)
   end
   if reference - reference ~= 0 then raise "near: a finite number as the reference expected" end
-  if reference == 0 and not wish.absolute then
+  if reference == 0 and not opts.absolute then
     raise "near: beside 0 a relative tolerance means nothing: {absolute = ...} expected"
   end
   local value = number_of(self, "near")
   local off = math.abs(value - reference)
   local a, b = numbers.apart(value, reference)
-  return judged(self, "near", {figure = plain(value), reference = reference, absolute = wish.absolute,
-    relative = wish.relative, source = wish.source, how = wish.how,
+  return judged(self, "near", {figure = plain(value), reference = reference, absolute = opts.absolute,
+    relative = opts.relative, source = opts.source, how = opts.how,
     difference = reference ~= 0 and plain((value - reference) / math.abs(reference)) or nil,
-    allowed = tolerance_text(wish, self.unit)},
-    off <= math.max(wish.absolute or 0, (wish.relative or 0) * math.abs(reference)),
-    ("%s, %s expected %s%s"):format(with_unit(self, a), with_unit(self, b), tolerance_text(wish, self.unit),
+    allowed = tolerance_text(opts, self.unit)},
+    off <= math.max(opts.absolute or 0, (opts.relative or 0) * math.abs(reference)),
+    ("%s, %s expected %s%s"):format(with_unit(self, a), with_unit(self, b), tolerance_text(opts, self.unit),
       share(value, reference):gsub("by", "apart by")))
 end
 
@@ -219,20 +219,20 @@ end
 
 --- Exactly this: numbers to the last bit, texts, truth values, tables of these.
 function methods:equals(other, given)
-  local wish = read("equals", given)
-  if self.value == nil and other ~= nil and self.failure.message then return missing(self, "equals", wish) end
+  local opts = read("equals", given)
+  if self.value == nil and other ~= nil and self.failure.message then return missing(self, "equals", opts) end
   local at, a, b = differs(self.value, other, "", 1)
   return judged(self, "equals", {figure = type(self.value) == "number" and plain(self.value) or short(self.value),
-    reference = type(other) == "number" and plain(other) or short(other), source = wish.source, how = wish.how,
+    reference = type(other) == "number" and plain(other) or short(other), source = opts.source, how = opts.how,
     allowed = "equal"}, not at, at and ("%s%s, %s expected"):format(at ~= "" and at .. " is " or "", short(a),
       short(b)))
 end
 
 --- Neither nil nor false.
 function methods:is_true(given)
-  local wish = read("is_true", given)
-  if self.value == nil then return missing(self, "is_true", wish) end
-  return judged(self, "is_true", {figure = self.value and "yes" or "no", source = wish.source, how = wish.how,
+  local opts = read("is_true", given)
+  if self.value == nil then return missing(self, "is_true", opts) end
+  return judged(self, "is_true", {figure = self.value and "yes" or "no", source = opts.source, how = opts.how,
     allowed = "yes"}, self.value, "not true")
 end
 
@@ -250,7 +250,7 @@ end
 --- by raising an error with a text: {status = "io", message = "...", raises = "..."}.
 function methods:fails_with(status, message, given)
   local wanted = type(status) == "table" and status or {status = status, message = message}
-  local wish = read("fails_with", type(status) == "table" and status or given, {status = {type = "string"},
+  local opts = read("fails_with", type(status) == "table" and status or given, {status = {type = "string"},
     message = {type = "string"}, raises = {type = "string"}})
   for _, key in ipairs {"status", "message"} do
     if wanted[key] ~= nil and type(wanted[key]) ~= "string" then
@@ -276,25 +276,25 @@ function methods:fails_with(status, message, given)
     or "fails" .. (wanted.status and " with " .. wanted.status or "")
       .. (wanted.message and ": " .. short(wanted.message) or "")
   return judged(self, "fails_with", {figure = tostring(got.raised or got.message or short(got.returned)),
-    source = wish.source, how = wish.how, allowed = allowed}, not fault, fault)
+    source = opts.source, how = opts.how, allowed = allowed}, not fault, fault)
 end
 
-local function judged_modes(self, found, wish)
-  local entry = {relative = wish.relative, source = wish.source, how = wish.how,
-    allowed = ("frequencies within %s, shapes within %s"):format(show(wish.relative), wish.shapes == false and
-      "anything" or show(wish.shapes))}
+local function judged_modes(self, found, opts)
+  local entry = {relative = opts.relative, source = opts.source, how = opts.how,
+    allowed = ("frequencies within %s, shapes within %s"):format(show(opts.relative), opts.shapes == false and
+      "anything" or show(opts.shapes))}
   if found.message then return judged(self, "same_modes", entry, false, found.message) end
   entry.figure, entry.lean = plain(found.frequency), plain(found.shape)
   local faults = {}
-  if numbers.over(found.frequency, wish.relative) then
+  if numbers.over(found.frequency, opts.relative) then
     faults[1] = ("the frequency of mode %d is apart by %s, at most %s expected"):format(found.at,
-      show(found.frequency, 3), show(wish.relative))
+      show(found.frequency, 3), show(opts.relative))
   end
-  if wish.shapes ~= false and numbers.over(found.shape, wish.shapes) then
+  if opts.shapes ~= false and numbers.over(found.shape, opts.shapes) then
     local first, last = found.group[1], found.group[2]
     faults[#faults + 1] = ("%s: apart by an angle whose sine is %s, at most %s expected%s"):format(first == last
       and ("the shape of mode %d"):format(first) or ("the shapes of modes %d to %d together"):format(first, last),
-      show(found.shape, 3), show(wish.shapes), found.is_last and " (the last group may be cut by the number of "
+      show(found.shape, 3), show(opts.shapes), found.is_last and " (the last group may be cut by the number of "
       .. "modes: ask for one more, or {last = false})" or "")
   end
   return judged(self, "same_modes", entry, #faults == 0, table.concat(faults, "; "))
@@ -304,42 +304,42 @@ end
 --- frequencies are nearer than `degenerate`: frequencies within `relative`, and of each group the space
 --- that it spans, by the sine of the angle between, within `shapes` (false: not compared).
 function methods:same_modes(other, given)
-  local wish = read("same_modes", given, {relative = {type = "number", least = 0, default = 1e-6},
+  local opts = read("same_modes", given, {relative = {type = "number", least = 0, default = 1e-6},
     degenerate = {type = "number", least = 0, default = 1e-4}, shapes = {type = "any", default = 1e-3},
     last = {type = "boolean", default = true}})
-  if wish.shapes ~= false and type(wish.shapes) ~= "number" then
+  if opts.shapes ~= false and type(opts.shapes) ~= "number" then
     raise "same_modes: option 'shapes': a number or false expected"
   end
-  if self.value == nil then return missing(self, "same_modes", wish) end
+  if self.value == nil then return missing(self, "same_modes", opts) end
   for _, object in ipairs {self.value, other} do
     if core.class_name(object) ~= "modes" then raise "same_modes: modes expected (part:modes)" end
   end
   if other == nil then raise "same_modes: the modes to compare with are missing" end
-  local found = modes.compare(self.value, other, wish)
-  return judged_modes(self, found, wish)
+  local found = modes.compare(self.value, other, opts)
+  return judged_modes(self, found, opts)
 end
 
 --- What was measured before: a number, text, array, table of these, a static result or modes, kept in
 --- the folder baselines beside the file and written by `barwright test --update`.
 function methods:matches_baseline(name, given)
-  local wish = read("matches_baseline", given, {relative = {type = "number", least = 0},
+  local opts = read("matches_baseline", given, {relative = {type = "number", least = 0},
     absolute = {type = "number", least = 0}, degenerate = {type = "number", least = 0, default = 1e-4},
     shapes = {type = "number", least = 0, default = 1e-3}, last = {type = "boolean", default = true}})
   if type(name) ~= "string" or not name:match "^[%w_][%w_. -]*$" then
     raise "matches_baseline: a name of letters, digits, '_', '-', '.' and spaces expected"
   end
-  if not wish.relative and not wish.absolute then wish.relative = 1e-9 end
-  if self.value == nil then return missing(self, "matches_baseline", wish) end
+  if not opts.relative and not opts.absolute then opts.relative = 1e-9 end
+  if self.value == nil then return missing(self, "matches_baseline", opts) end
   local running = record.running "expect"
   running.baselines = running.baselines or {}
   if running.baselines[name] then
     raise(("matches_baseline: '%s' was compared before in this scenario"):format(name))
   end
   running.baselines[name] = true
-  local entry = {source = wish.source, how = wish.how, relative = wish.relative, absolute = wish.absolute,
-    allowed = tolerance_text(wish), baseline = name}
+  local entry = {source = opts.source, how = opts.how, relative = opts.relative, absolute = opts.absolute,
+    allowed = tolerance_text(opts), baseline = name}
   local path = baseline.path(running.scenario_file, name)
-  local fault, written, figure = baseline.compare(path, self.value, wish, running.options.update)
+  local fault, written, figure = baseline.compare(path, self.value, opts, running.options.update)
   entry.figure, entry.written = plain(figure), written
   self.what = self.what or ("baseline %s"):format(name)
   return judged(self, "matches_baseline", entry, not fault, fault)

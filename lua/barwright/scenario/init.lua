@@ -32,9 +32,9 @@ end
 function scenario.about(given)
   local collection = files.loading or raise("scenario.about: only in a scenario file, which `barwright test` "
     .. "loads")
-  local wish = options.read("scenario.about", given, {title = {type = "string", needed = true},
+  local opts = options.read("scenario.about", given, {title = {type = "string", needed = true},
     text = {type = "string"}})
-  collection.title, collection.text = wish.title, wish.text
+  collection.title, collection.text = opts.title, opts.text
 end
 
 local function state(title, given, work)
@@ -46,8 +46,8 @@ local function state(title, given, work)
   if type(work) ~= "function" then
     raise(("scenario '%s': a function expected, got %s"):format(title, type(work)))
   end
-  local wish = options.read("scenario", given, rules)
-  if wish.skip ~= nil and type(wish.skip) ~= "boolean" and type(wish.skip) ~= "string" then
+  local opts = options.read("scenario", given, rules)
+  if opts.skip ~= nil and type(opts.skip) ~= "boolean" and type(opts.skip) ~= "string" then
     raise(("scenario '%s': option 'skip': false, true or the reason expected"):format(title))
   end
   local line = debug.getinfo(3, "l").currentline
@@ -56,8 +56,8 @@ local function state(title, given, work)
   end
   collection.titles[title] = line
   collection.list[#collection.list + 1] = {title = title, line = line, work = work,
-    tags = checked_tags(wish.tags or {}), skip = wish.skip or nil, about = wish.about, seconds = wish.seconds,
-    bytes = wish.memory}
+    tags = checked_tags(opts.tags or {}), skip = opts.skip or nil, about = opts.about, seconds = opts.seconds,
+    bytes = opts.memory}
 end
 
 --- Inside a scenario: `expect(figure, "what", "unit"):below(5)` and its relatives.

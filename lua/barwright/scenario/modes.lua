@@ -54,7 +54,7 @@ end
 --- Compares modes a with modes b (objects with count, frequencies and shape(i)):
 --- {frequency = largest relative difference, shape = largest lean of a group, at =, group =, message =}.
 --- `last` false leaves the shapes of the last group out, which the number of modes may have cut.
-function modes.compare(a, b, wish)
+function modes.compare(a, b, opts)
   local fa, fb = a.frequencies, b.frequencies
   if (fa == nil) ~= (fb == nil) then
     return {message = "modes with frequencies beside modes without: of the Laplacian, or of no known density"}
@@ -71,11 +71,11 @@ function modes.compare(a, b, wish)
     local d = left[i] == right[i] and 0 or math.abs(left[i] - right[i]) / math.abs(right[i])
     if numbers.over(d, found.frequency) then found.frequency, found.at = d, i end
   end
-  if wish.shapes == false then return found end
-  local list = groups_of(left, right, wish.degenerate)
+  if opts.shapes == false then return found end
+  local list = groups_of(left, right, opts.degenerate)
   found.groups = #list
   for g, group in ipairs(list) do
-    if g == #list and wish.last == false then break end
+    if g == #list and opts.last == false then break end
     local p, q = shapes_of(a, group[1], group[2]), shapes_of(b, group[1], group[2])
     if p[1].row_count ~= q[1].row_count or p[1].column_count ~= q[1].column_count then
       return {message = ("shapes of %d x %d values, of %d x %d expected: modes on another mesh can be compared "

@@ -26,14 +26,14 @@ local rules = {
 --- The options of a cache, completed. Without a folder of the user's own there is none, and everything is
 --- made each time: what lies in a folder that all users share may be anybody's.
 function cache.check(where, given)
-  local wish = options.read(where .. ": cache", given, rules)
-  if not wish.folder then
+  local opts = options.read(where .. ": cache", given, rules)
+  if not opts.folder then
     local base = os.getenv "XDG_CACHE_HOME"
     local home = os.getenv "HOME"
     if not base or base:sub(1, 1) ~= "/" then base = home and home:sub(1, 1) == "/" and home .. "/.cache" end
-    wish.folder = base and base .. "/barwright" or nil
+    opts.folder = base and base .. "/barwright" or nil
   end
-  return wish
+  return opts
 end
 
 local function read_entry(path)
@@ -78,34 +78,34 @@ local function list_entries(folder)
 end
 
 -- Makes room, but not by what was just written.
-local function trim(wish, newest)
-  local list, sum = list_entries(wish.folder)
+local function trim(opts, newest)
+  local list, sum = list_entries(opts.folder)
   for _, entry in ipairs(list) do
-    if sum <= wish.bytes then return end
+    if sum <= opts.bytes then return end
     if entry.path ~= newest and os.remove(entry.path) then sum = sum - entry.bytes end
   end
 end
 
-local function write_entry(wish, path, value)
+local function write_entry(opts, path, value)
   local body, why = pack.encode(value, path)
   if not body then
     raise(("cached: what was made holds %s; kept are numbers, strings, tables of them, arrays, meshes, surfaces "
       .. "and libraries"):format(why))
   end
-  if #body > wish.bytes then return end
-  if core.write_file(path, MARK .. core.sha256_of(body) .. body) then trim(wish, path) end
+  if #body > opts.bytes then return end
+  if core.write_file(path, MARK .. core.sha256_of(body) .. body) then trim(opts, path) end
 end
 
 -- The name of an entry: what it is, the contents of files it is made of, and the program, since another
 -- version may make it otherwise.
-local function name_of(what, wish)
+local function name_of(what, opts)
   local text, why = key.text(what)
   if not text or what == nil then
     raise(("cached: the first argument says what it is, in strings, numbers and tables of them; got a %s")
       :format(why or "nil"))
   end
   local parts = {MARK, core.version, core.commit, text}
-  for _, file in ipairs(wish.files or {}) do
+  for _, file in ipairs(opts.files or {}) do
     local digest, message, details = core.sha256(file)
     if not digest then return nil, message, details end
     parts[#parts + 1] = digest
@@ -120,13 +120,13 @@ local get_rules = {files = {type = "table"}}
 
 --- What `make` returns, made once for all processes. given.files: files whose content matters. Where the
 --- folder cannot be used it is made every time.
-function cache.get(wish, what, make, given)
+function cache.get(opts, what, make, given)
   local own = options.read("cached", given, get_rules)
   if type(make) ~= "function" then raise "cached: a function that makes it expected" end
   local name, why, more = name_of(what, own)
   if not name then return nil, why, more end
-  if not wish.folder then return make() end
-  local folder = wish.folder .. "/" .. name:sub(1, 2)
+  if not opts.folder then return make() end
+  local folder = opts.folder .. "/" .. name:sub(1, 2)
   local path = folder .. "/" .. name
   local there, value = read_entry(path)
   if there then return value end
@@ -146,7 +146,7 @@ function cache.get(wish, what, make, given)
   local made, message, details = make()
   assert(ended)
   if made == nil and message ~= nil then return nil, message, details end
-  if lock then write_entry(wish, path, made) end
+  if lock then write_entry(opts, path, made) end
   return made
 end
 

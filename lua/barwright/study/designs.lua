@@ -2,13 +2,13 @@
 -- Designs by name. A design is a table {"name", option = value, ...}, checked before the first trial, or
 -- a function run(evaluate, problem, options) -> summary. What stands behind a name has
 --   summary, rules                         one line, and the options as barwright.options checks them
---   points(problem, wish)                  all points, known beforehand
---   summarise(problem, wish, points, results) -> summary     (optional; a result is false where a trial
+--   points(problem, opts)                  all points, known beforehand
+--   summarise(problem, opts, points, results) -> summary     (optional; a result is false where a trial
 --                                          has none)
 -- or, where the next points depend on results,
---   run(evaluate, problem, wish) -> summary
---   total(problem, wish)                   how many trials it may take, for the time to go
---   check(problem, wish)                   raises where the problem is not its kind
+--   run(evaluate, problem, opts) -> summary
+--   total(problem, opts)                   how many trials it may take, for the time to go
+--   check(problem, opts)                   raises where the problem is not its kind
 local core = require "barwright.core"
 local options = require "barwright.options"
 
@@ -37,37 +37,37 @@ end
 
 -- A design whose points are known: asked for at once, summed up when all are there.
 local function run_points(kind)
-  return function(evaluate, problem, wish)
-    local points = wish.known_points or kind.points(problem, wish)
+  return function(evaluate, problem, opts)
+    local points = opts.known_points or kind.points(problem, opts)
     local results = evaluate(points)
-    return kind.summarise and kind.summarise(problem, wish, points, results) or {}
+    return kind.summarise and kind.summarise(problem, opts, points, results) or {}
   end
 end
 
 --- The design of a study, checked: {name, run, total, points = the list where it is known, text}.
 function designs.read(where, given, problem, seed)
-  if type(given) == "function" then return {name = "function", run = given, wish = {}, text = "a function"} end
+  if type(given) == "function" then return {name = "function", run = given, opts = {}, text = "a function"} end
   if type(given) ~= "table" or type(given[1]) ~= "string" then
     core.raise(where .. ": design = {\"latin_hypercube\", count = 100} or the like expected")
   end
   local kind = known(given[1], where)
-  local wish = {}
+  local opts = {}
   for key, value in pairs(given) do
-    if key ~= 1 then wish[key] = value end
+    if key ~= 1 then opts[key] = value end
   end
-  wish = options.read(("%s: design %s"):format(where, given[1]), wish, kind.rules)
-  if kind.rules.seed and wish.seed == nil then wish.seed = seed end
-  if kind.check then kind.check(problem, wish) end
-  local design = {name = given[1], wish = wish, kind = kind, run = kind.run or run_points(kind),
-    total = kind.total and kind.total(problem, wish) or nil}
+  opts = options.read(("%s: design %s"):format(where, given[1]), opts, kind.rules)
+  if kind.rules.seed and opts.seed == nil then opts.seed = seed end
+  if kind.check then kind.check(problem, opts) end
+  local design = {name = given[1], opts = opts, kind = kind, run = kind.run or run_points(kind),
+    total = kind.total and kind.total(problem, opts) or nil}
   return design
 end
 
 --- The points of a design that knows them beforehand; nil for one that grows.
 function designs.points(design, problem)
   if not design.kind or not design.kind.points then return nil end
-  if not design.wish.known_points then design.wish.known_points = design.kind.points(problem, design.wish) end
-  return design.wish.known_points
+  if not design.opts.known_points then design.opts.known_points = design.kind.points(problem, design.opts) end
+  return design.opts.known_points
 end
 
 return designs

@@ -22,23 +22,23 @@ local function share_of_memory(workers)
   return kilobytes and math.max(4e9, 0.9 * 1024 * tonumber(kilobytes) / workers) or nil
 end
 
---- wish: workers, seconds, bytes for each trial; output: what trials print goes into their folders.
-function executor.new(study, wish)
-  local capacity = wish.workers or core.processors()
-  return setmetatable({study = study, wish = wish, capacity = capacity,
-    bytes = wish.bytes or share_of_memory(capacity), jobs = {}, records = {}}, executor)
+--- opts: workers, seconds, bytes for each trial; output: what trials print goes into their folders.
+function executor.new(study, opts)
+  local capacity = opts.workers or core.processors()
+  return setmetatable({study = study, opts = opts, capacity = capacity,
+    bytes = opts.bytes or share_of_memory(capacity), jobs = {}, records = {}}, executor)
 end
 
 function executor:start(record)
   local study, output = self.study, nil
-  if self.wish.output then
+  if self.opts.output then
     local path = trial.folder_of(study, record.key)
     local fine, message, details = core.make_folder(path)
     if not fine then return nil, message, details end
     output = path .. "/output.txt"
   end
   local job, message, details = core.job(function() return trial.perform(study, record) end, {
-    name = "trial " .. record.number, seconds = self.wish.seconds, bytes = self.bytes, output = output})
+    name = "trial " .. record.number, seconds = self.opts.seconds, bytes = self.bytes, output = output})
   if not job then return nil, message, details end
   self.jobs[#self.jobs + 1] = job
   self.records[#self.records + 1] = record

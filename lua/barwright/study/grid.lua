@@ -30,26 +30,26 @@ local function spread(variable, count, where)
   return values
 end
 
-local function levels_of(variable, wish, where)
-  if type(wish) == "table" then
-    if #wish == 0 then raise(("%s: no levels for '%s'"):format(where, variable.name)) end
+local function levels_of(variable, opts, where)
+  if type(opts) == "table" then
+    if #opts == 0 then raise(("%s: no levels for '%s'"):format(where, variable.name)) end
     local values = {}
-    for i, value in ipairs(wish) do
+    for i, value in ipairs(opts) do
       values[i] = variable:check(value, ("%s: levels of '%s'"):format(where, variable.name))
     end
     return values
   end
-  if wish ~= nil and (math.type(wish) ~= "integer" or wish < 1) then
+  if opts ~= nil and (math.type(opts) ~= "integer" or opts < 1) then
     raise(("%s: levels of '%s': a whole number from 1 or a list expected, got %s"):format(where,
-      variable.name, tostring(wish)))
+      variable.name, tostring(opts)))
   end
-  return spread(variable, wish, where)
+  return spread(variable, opts, where)
 end
 
 --- The values of every variable. levels: a number for all reals (and at most so many of the others), or
 --- by name numbers or lists of values.
-function grid.levels(problem, wish, where)
-  local by_name = type(wish) == "table" and wish or {}
+function grid.levels(problem, opts, where)
+  local by_name = type(opts) == "table" and opts or {}
   for name in pairs(by_name) do
     if not problem.variable[name] then
       raise(("%s: levels: '%s' is no variable: %s"):format(where, tostring(name),
@@ -59,7 +59,7 @@ function grid.levels(problem, wish, where)
   local out = {}
   for k, v in ipairs(problem.variables) do
     local own = by_name[v.name]
-    if own == nil and type(wish) ~= "table" and v.kind == "real" then own = wish end
+    if own == nil and type(opts) ~= "table" and v.kind == "real" then own = opts end
     out[k] = levels_of(v, own, where)
   end
   return out
@@ -72,9 +72,9 @@ grid.grid = {
   rules = {levels = {type = "any"}},
 }
 --- The last variable changes fastest.
-function grid.grid.points(problem, wish)
+function grid.grid.points(problem, opts)
   local where = "design grid"
-  local levels = grid.levels(problem, wish.levels, where)
+  local levels = grid.levels(problem, opts.levels, where)
   local count = 1
   for _, values in ipairs(levels) do
     count = count * #values
@@ -101,9 +101,9 @@ grid.points = {
   summary = "a list of points",
   rules = {points = {type = "table", needed = true}},
 }
-function grid.points.points(problem, wish)
+function grid.points.points(problem, opts)
   local points = {}
-  for i, point in ipairs(wish.points) do
+  for i, point in ipairs(opts.points) do
     points[i] = problem:check(point, ("design points: point %d"):format(i))
   end
   return points
@@ -117,21 +117,21 @@ grid.one_at_a_time = {
 }
 
 -- The base first; then for each variable its levels, without the base's own.
-local function star(problem, wish)
+local function star(problem, opts)
   local where = "design one_at_a_time"
   local base = problem:middle()
-  for name, value in pairs(options.read(where .. ": at", wish.at, (function()
+  for name, value in pairs(options.read(where .. ": at", opts.at, (function()
     local rules = {}
     for _, v in ipairs(problem.variables) do rules[v.name] = {type = "any"} end
     return rules
   end)())) do
     base[name] = problem.variable[name]:check(value, ("%s: at: '%s'"):format(where, name))
   end
-  return base, grid.levels(problem, wish.levels, where)
+  return base, grid.levels(problem, opts.levels, where)
 end
 
-function grid.one_at_a_time.points(problem, wish)
-  local base, levels = star(problem, wish)
+function grid.one_at_a_time.points(problem, opts)
+  local base, levels = star(problem, opts)
   local points = {base}
   for k, v in ipairs(problem.variables) do
     for _, value in ipairs(levels[k]) do

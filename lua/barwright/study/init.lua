@@ -55,17 +55,17 @@ end
 function study.create(given)
   local where = "study"
   if type(given) == "table" and type(given.name) == "string" then where = "study " .. given.name end
-  local wish = options.read(where, given, rules)
-  if wish.name == "" or wish.name:find "[%c/]" then
+  local opts = options.read(where, given, rules)
+  if opts.name == "" or opts.name:find "[%c/]" then
     raise("study: name: a name without slashes and control characters expected")
   end
-  if type(wish.run) ~= "function" then raise(where .. ": run: a function (point, trial) expected") end
-  local self = {name = wish.name, seed = wish.seed, run_function = wish.run, what = wish.what}
-  self.file = wish.file or wish.name:gsub("%s+", "_") .. ".study"
-  self.problem = problem.read(where, wish)
-  self.design = designs.read(where, wish.design, self.problem, wish.seed)
-  self.script = script_of(wish.run)
-  self.cache_options = cache.check(where, wish.cache)
+  if type(opts.run) ~= "function" then raise(where .. ": run: a function (point, trial) expected") end
+  local self = {name = opts.name, seed = opts.seed, run_function = opts.run, what = opts.what}
+  self.file = opts.file or opts.name:gsub("%s+", "_") .. ".study"
+  self.problem = problem.read(where, opts)
+  self.design = designs.read(where, opts.design, self.problem, opts.seed)
+  self.script = script_of(opts.run)
+  self.cache_options = cache.check(where, opts.cache)
   setmetatable(self, meta)
   return self:use_file(self.file)
 end
@@ -86,8 +86,8 @@ function methods:manifest()
 end
 
 --- Runs what is missing; see run.lua.
-function methods:run(wish)
-  return run.run(self, wish)
+function methods:run(opts)
+  return run.run(self, opts)
 end
 
 --- The trials of the file that have ended, by number.
@@ -116,18 +116,18 @@ function methods:csv(path)
 end
 
 --- Takes over what other files of the same study have; see merge.lua.
-function methods:merge(files, wish)
-  return merge.into(self, files, wish)
+function methods:merge(files, opts)
+  return merge.into(self, files, opts)
 end
 
 --- Runs one trial again and compares; see rerun.lua.
-function methods:trial(which, wish)
-  return rerun.trial(self, which, wish)
+function methods:trial(which, opts)
+  return rerun.trial(self, which, opts)
 end
 
 --- What `make` returns, from the cache where it is there; see cache.lua.
-function methods:cached(what, make, wish)
-  return cache.get(self.cache_options, what, make, wish)
+function methods:cached(what, make, opts)
+  return cache.get(self.cache_options, what, make, opts)
 end
 
 --- The points that the design will ask for with their keys; nil where they depend on results.

@@ -72,7 +72,7 @@ local function sort_out(self, out, known, list, path)
   return add, finish
 end
 
-local function take_file(self, target, known, out, path, wish)
+local function take_file(self, target, known, out, path, opts)
   local there, cause = io.open(path, "rb")
   if not there then return nil, cause, {status = "io", file = path} end
   there:close()
@@ -81,7 +81,7 @@ local function take_file(self, target, known, out, path, wish)
   local scripts, why, more = scripts_of(source)
   if not scripts then return nil, why, more end
   for sha in pairs(scripts) do
-    if not known.scripts[sha] and not wish.continue then
+    if not known.scripts[sha] and not opts.continue then
       return nil, ("%s: its trials were run with another text of the script. If they belong together all the "
         .. "same, say continue = true (--continue)"):format(path), {status = "different", file = path}
     end
@@ -103,7 +103,7 @@ end
 --- Into the study's own file. {taken, duplicates, conflicts = {{number, key, name, kept, other, file}}}.
 --- Of a trial that has two different results the one that was there first is kept.
 function merge.into(self, files, given)
-  local wish = options.read("study:merge", given, rules)
+  local opts = options.read("study:merge", given, rules)
   if type(files) == "string" then files = {files} end
   if type(files) ~= "table" or #files == 0 then core.raise "study:merge: a list of files expected" end
   for i, path in ipairs(files) do
@@ -119,7 +119,7 @@ function merge.into(self, files, given)
     end
     return nil, message, details
   end
-  local target <close>, why, more = store.open(self, self.file, {continue = wish.continue})
+  local target <close>, why, more = store.open(self, self.file, {continue = opts.continue})
   if not target then return nil, why, more end
   local list
   list, message, details = target:load()
@@ -134,7 +134,7 @@ function merge.into(self, files, given)
   local out = setmetatable({file = self.file, files = #files, taken = 0, duplicates = 0, conflicts = {}}, meta)
   for _, path in ipairs(files) do
     local fine
-    fine, message, details = take_file(self, target, known, out, path, wish)
+    fine, message, details = take_file(self, target, known, out, path, opts)
     if not fine then return nil, message, details end
   end
   return out

@@ -43,12 +43,12 @@ minimise.minimise = {
 local design = minimise.minimise
 
 -- The method in use: the one named, or one that the problem allows.
-local function method_of(problem, wish)
-  return wish.method or (#problem.constraints > 0 and "cobyla" or #problem.variables == 1 and "cobyla" or "bobyqa")
+local function method_of(problem, opts)
+  return opts.method or (#problem.constraints > 0 and "cobyla" or #problem.variables == 1 and "cobyla" or "bobyqa")
 end
 
-function design.check(problem, wish)
-  local name = method_of(problem, wish)
+function design.check(problem, opts)
+  local name = method_of(problem, opts)
   local kind = methods[name]
   if #problem.objectives ~= 1 then
     raise(("design minimise: one objective expected, the study has %d%s"):format(#problem.objectives,
@@ -66,13 +66,13 @@ function design.check(problem, wish)
   if name == "bobyqa" and #problem.variables < 2 then
     raise "design minimise: bobyqa wants two variables or more: take cobyla"
   end
-  if wish.start then problem:check(wish.start, "design minimise: start") end
+  if opts.start then problem:check(opts.start, "design minimise: start") end
 end
 
-function design.total(problem, wish)
-  local each = methods[method_of(problem, wish)].gradient and wish.gradient == "differences"
+function design.total(problem, opts)
+  local each = methods[method_of(problem, opts)].gradient and opts.gradient == "differences"
     and #problem.variables + 1 or 1
-  return wish.evaluations * wish.starts * each
+  return opts.evaluations * opts.starts * each
 end
 
 -- ---- one start -----------------------------------------------------------------------------------------
@@ -111,7 +111,7 @@ local function copy(place) return table.move(place, 1, #place, 1, {}) end
 
 -- Places beside one, for differences: ahead, or back where there is no room.
 local function neighbours(self, place)
-  local list, step = {}, self.search.wish.step
+  local list, step = {}, self.search.opts.step
   for k = 1, #place do
     local other = copy(place)
     other[k] = place[k] + step <= 1 and place[k] + step or place[k] - step
@@ -123,7 +123,7 @@ end
 -- Gradient of a measure by the places in the unit cube.
 local function gradient_of(self, measure, place, known)
   local search, out = self.search, {}
-  if search.wish.gradient == "run" then
+  if search.opts.gradient == "run" then
     local given = known.gradients and known.gradients[measure]
     if not given then
       error(("design minimise: run gave no gradient of '%s': return results, gradients, or say gradient = "
@@ -226,9 +226,9 @@ local function replay(self)
   for k = 1, search.dimensions do low[k], high[k] = 0.0, 1.0 end
   for i, side in ipairs(search.sides) do constraints[i] = constraint_function(self, side) end
   local fine, x, value, about = pcall(core.minimise, {method = search.method, start = copy(self.start),
-    least = low, most = high, evaluations = search.wish.evaluations, seed = search.wish.seed,
+    least = low, most = high, evaluations = search.opts.evaluations, seed = search.opts.seed,
     objective = objective_function(self), constraints = #constraints > 0 and constraints or nil,
-    value_tolerance = search.wish.tolerance, tolerance = search.wish.tolerance})
+    value_tolerance = search.opts.tolerance, tolerance = search.opts.tolerance})
   if not fine and x ~= GIVE_UP then error(x, 0) end
   if not fine then return end
   if x == nil then
@@ -245,12 +245,12 @@ end
 -- ---- all starts ----------------------------------------------------------------------------------------
 
 local function starts_of(search)
-  local wish, problem = search.wish, search.problem
-  local first = problem:place(wish.start and problem:check(wish.start, "design minimise: start")
+  local opts, problem = search.opts, search.problem
+  local first = problem:place(opts.start and problem:check(opts.start, "design minimise: start")
     or problem:middle())
   local list = {first}
-  if wish.starts > 1 then
-    local places = sampling.latin(wish.starts - 1, search.dimensions, random.new(wish.seed), true)
+  if opts.starts > 1 then
+    local places = sampling.latin(opts.starts - 1, search.dimensions, random.new(opts.seed), true)
     for i, place in ipairs(places) do list[i + 1] = place end
   end
   return list
@@ -275,15 +275,15 @@ end
 
 --- starts = {{start, point, value, why, evaluations}, ...}: where each ended and why. The best trial is
 --- trials:best(), as everywhere.
-function design.run(evaluate, problem, wish)
-  local name = method_of(problem, wish)
+function design.run(evaluate, problem, opts)
+  local name = method_of(problem, opts)
   local gradient = methods[name].gradient
-  local search = {evaluate = evaluate, problem = problem, wish = wish, method = name, known = {},
-    dimensions = #problem.variables, sides = sides_of(problem), starts = wish.starts}
+  local search = {evaluate = evaluate, problem = problem, opts = opts, method = name, known = {},
+    dimensions = #problem.variables, sides = sides_of(problem), starts = opts.starts}
   local attempts = {}
   for i, start in ipairs(starts_of(search)) do
     attempts[i] = setmetatable({search = search, start = start, gradient = gradient,
-      differences = gradient and wish.gradient == "differences"}, attempt)
+      differences = gradient and opts.gradient == "differences"}, attempt)
   end
   while true do
     local open = {}

@@ -18,16 +18,16 @@ morris.morris = {
   },
 }
 
-function morris.morris.check(_, wish)
-  if wish.levels % 2 ~= 0 then core.raise "design morris: levels: an even number expected" end
+function morris.morris.check(_, opts)
+  if opts.levels % 2 ~= 0 then core.raise "design morris: levels: an even number expected" end
 end
 
-local function walks(problem, wish)
-  local source = random.new(wish.seed)
-  local d, last = #problem.variables, wish.levels - 1
-  local jump = wish.levels // 2 -- in levels: delta = p / (2 (p - 1))
+local function walks(problem, opts)
+  local source = random.new(opts.seed)
+  local d, last = #problem.variables, opts.levels - 1
+  local jump = opts.levels // 2 -- in levels: delta = p / (2 (p - 1))
   local places, moves = {}, {}
-  for _ = 1, wish.trajectories do
+  for _ = 1, opts.trajectories do
     local at, order = {}, {}
     for k = 1, d do at[k], order[k] = source:integer(0, last), k end
     source:shuffle(order)
@@ -46,9 +46,9 @@ local function walks(problem, wish)
   return places, moves
 end
 
-function morris.morris.points(problem, wish)
+function morris.morris.points(problem, opts)
   local points = {}
-  for i, place in ipairs(walks(problem, wish)) do points[i] = problem:point(place) end
+  for i, place in ipairs(walks(problem, opts)) do points[i] = problem:point(place) end
   return points
 end
 
@@ -86,8 +86,8 @@ local function interval(list, resamples, source)
 end
 
 --- effects[measure] = {{name, mu, mu_star, mu_star_interval, sigma, count}, ...} in the order of the variables.
-function morris.morris.summarise(problem, wish, _, results)
-  local _, moves = walks(problem, wish)
+function morris.morris.summarise(problem, opts, _, results)
+  local _, moves = walks(problem, opts)
   local effects, dropped = {}, 0
   for _, measure in ipairs(problem.measures) do
     local lists = {}
@@ -105,14 +105,14 @@ function morris.morris.summarise(problem, wish, _, results)
         end
       end
     end
-    local source, out = random.new(wish.seed), {}
+    local source, out = random.new(opts.seed), {}
     for k, v in ipairs(problem.variables) do
       local list = lists[k]
       local item = {name = v.name, count = #list}
       if #list > 0 then
         local size = sizes(list)
         item.mu, item.mu_star, item.sigma = mean(list), mean(size), deviation(list)
-        item.mu_star_interval = interval(size, wish.resamples, source)
+        item.mu_star_interval = interval(size, opts.resamples, source)
       end
       out[k] = item
     end

@@ -86,9 +86,9 @@ local function perform(here, record)
   end
 end
 
-local function work(study, wish)
-  wish = setmetatable({workers = 1}, {__index = wish})
-  local here = executor.new(study, wish)
+local function work(study, opts)
+  opts = setmetatable({workers = 1}, {__index = opts})
+  local here = executor.new(study, opts)
   assert(distributed.send(0, HELLO, identity(study)))
   while true do
     local rank, tag, text = distributed.receive(-1)
@@ -100,19 +100,19 @@ local function work(study, wish)
   here:close()
 end
 
---- Runs the study's trials for rank 0 until that one ends. wish: seconds, bytes, output. An error here
+--- Runs the study's trials for rank 0 until that one ends. opts: seconds, bytes, output. An error here
 --- ends all ranks: rank 0 would wait for ever.
-function mpi.work(study, wish)
-  local fine, message = xpcall(work, debug.traceback, study, wish)
+function mpi.work(study, opts)
+  local fine, message = xpcall(work, debug.traceback, study, opts)
   if not fine then distributed.abort(message) end
 end
 
 --- study:run on all ranks: on rank 0 its results; on the others true when rank 0 has ended.
-function mpi.run(study, wish)
+function mpi.run(study, opts)
   local rank, size = distributed.join()
   if not rank then return nil, size end
   if rank > 0 then
-    mpi.work(study, wish)
+    mpi.work(study, opts)
     return true
   end
   if size < 2 then
@@ -121,7 +121,7 @@ function mpi.run(study, wish)
   end
   local finish <close> = setmetatable({}, {__close = mpi.finish})
   local own = {}
-  for key, value in pairs(wish) do own[key] = value end
+  for key, value in pairs(opts) do own[key] = value end
   own.workers, own.executor = nil, mpi.executor
   local trials, message, details = study:run(own)
   assert(finish)

@@ -15,7 +15,7 @@ end
 local objects = {
   mesh = {ending = ".vtu", read = function(path) return core.mesh.read(path) end},
   surface = {ending = ".ply", read = function(path) return core.surface.read(path, {unit = "m"}) end,
-    wish = {unit = "m"}},
+    opts = {unit = "m"}},
   library = {ending = ".bwm", read = function(path) return core.metamaterial.read(path) end},
 }
 
@@ -32,7 +32,7 @@ local function object_text(value, class, scratch)
   local temporary <close>, why = core.temporary(scratch)
   if not temporary then error(why, 0) end
   local path = temporary.path .. objects[class].ending
-  local fine, message = value:write(path, objects[class].wish)
+  local fine, message = value:write(path, objects[class].opts)
   local text
   if fine then text, message = file_text(path) end
   if not text then error(message, 0) end

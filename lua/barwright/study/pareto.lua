@@ -30,8 +30,8 @@ function design.check(problem)
   if #problem.objectives == 0 then core.raise "design pareto: the study has no objectives" end
 end
 
-function design.total(_, wish)
-  return wish.population * (wish.generations + 1)
+function design.total(_, opts)
+  return opts.population * (opts.generations + 1)
 end
 
 -- ---- making members ----------------------------------------------------------------------------------
@@ -67,27 +67,27 @@ local function mutate(x, index, source)
   return clamp(x + 1 - value ^ power)
 end
 
-local function recombine(problem, wish, a, b, source)
+local function recombine(problem, opts, a, b, source)
   local c, e = {}, {}
-  local crossing = source:uniform() < wish.crossover
+  local crossing = source:uniform() < opts.crossover
   for k, v in ipairs(problem.variables) do
     c[k], e[k] = a[k], b[k]
     if crossing and source:uniform() < 0.5 then
       if v.kind == "choice" then c[k], e[k] = b[k], a[k]
-      else c[k], e[k] = cross(a[k], b[k], wish.crossover_index, source) end
+      else c[k], e[k] = cross(a[k], b[k], opts.crossover_index, source) end
     end
   end
   return c, e
 end
 
-local function vary(problem, wish, place, source)
-  local chance = wish.mutation or 1 / #problem.variables
+local function vary(problem, opts, place, source)
+  local chance = opts.mutation or 1 / #problem.variables
   for k, v in ipairs(problem.variables) do
     if source:uniform() < chance then
       if v.kind == "choice" then
         place[k] = source:uniform()
       else
-        local moved = mutate(place[k], wish.mutation_index, source)
+        local moved = mutate(place[k], opts.mutation_index, source)
         local n = v:count()
         -- A step that an integer does not feel becomes one to a neighbour.
         if n and math.floor(moved * n) == math.floor(place[k] * n) then
@@ -170,12 +170,12 @@ local function tournament(population, source)
 end
 
 local function children(search, population, source)
-  local places, wish = {}, search.wish
-  while #places < wish.population do
-    local c, e = recombine(search.problem, wish, tournament(population, source).place,
+  local places, opts = {}, search.opts
+  while #places < opts.population do
+    local c, e = recombine(search.problem, opts, tournament(population, source).place,
       tournament(population, source).place, source)
-    places[#places + 1] = vary(search.problem, wish, c, source)
-    if #places < wish.population then places[#places + 1] = vary(search.problem, wish, e, source) end
+    places[#places + 1] = vary(search.problem, opts, c, source)
+    if #places < opts.population then places[#places + 1] = vary(search.problem, opts, e, source) end
   end
   return places
 end
@@ -202,18 +202,18 @@ local function volumes(search, counts)
 end
 
 --- {generations, population, hypervolume = {after each generation, ...} up to three objectives}
-function design.run(evaluate, problem, wish)
-  local source = random.new(wish.seed)
-  local search = {evaluate = evaluate, problem = problem, wish = wish, born = 0, feasible = {}}
-  local population = members_of(search, sampling.latin(wish.population, #problem.variables, source, true))
+function design.run(evaluate, problem, opts)
+  local source = random.new(opts.seed)
+  local search = {evaluate = evaluate, problem = problem, opts = opts, born = 0, feasible = {}}
+  local population = members_of(search, sampling.latin(opts.population, #problem.variables, source, true))
   judge(population)
   local counts = {#search.feasible}
-  for g = 1, wish.generations do
+  for g = 1, opts.generations do
     local born = members_of(search, children(search, population, source))
-    population = survivors(table.move(born, 1, #born, #population + 1, population), wish.population)
+    population = survivors(table.move(born, 1, #born, #population + 1, population), opts.population)
     counts[g + 1] = #search.feasible
   end
-  return {generations = wish.generations, population = wish.population, hypervolume = volumes(search, counts)}
+  return {generations = opts.generations, population = opts.population, hypervolume = volumes(search, counts)}
 end
 
 return pareto

@@ -159,7 +159,7 @@ function says.summary(trials)
     points[i] = one.point
     results[i] = trial and trial.status == "done" and trial.results or false
   end
-  return kind.summarise(trials.problem, design.wish, points, results)
+  return kind.summarise(trials.problem, design.opts, points, results)
 end
 
 return says

@@ -36,21 +36,21 @@ end
 kinds.history = {
   rules = rules {measure = {type = "string"}, goal = {type = "string", one_of = {"least", "most"}},
     scale = {type = "string", one_of = {"linear", "log"}}},
-  make = function(trials, where, wish)
-    local item = measure_of(trials, where, wish.measure)
+  make = function(trials, where, opts)
+    local item = measure_of(trials, where, opts.measure)
     local order, values = {}, says.values_of(trials, item.name)
     for i = 1, #trials do order[i] = trials[i].number or i end
     return plot.history {values = values, numbers = order, label = item.name, unit = item.unit,
-      goal = wish.goal or says.goal_of(trials.problem, item.name), scale = wish.scale or says.scale_of(values),
+      goal = opts.goal or says.goal_of(trials.problem, item.name), scale = opts.scale or says.scale_of(values),
       failed = says.failed(trials), feasible = says.feasible(trials), notes = says.notes_of(trials),
-      title = wish.title, width = wish.width, height = wish.height}
+      title = opts.title, width = opts.width, height = opts.height}
   end,
 }
 
 kinds.pareto = {
   rules = rules {objectives = {type = "table"}},
-  make = function(trials, where, wish)
-    local names = wish.objectives
+  make = function(trials, where, opts)
+    local names = opts.objectives
     if not names then
       names = {}
       for i, objective in ipairs(trials.problem.objectives or {}) do names[i] = objective.name end
@@ -59,7 +59,7 @@ kinds.pareto = {
     local list = {}
     for i, name in ipairs(names) do list[i] = says.column(trials, where, name) end
     return plot.pareto {objectives = list, feasible = says.feasible(trials), notes = says.notes_of(trials),
-      title = wish.title, width = wish.width, height = wish.height}
+      title = opts.title, width = opts.width, height = opts.height}
   end,
 }
 
@@ -89,8 +89,8 @@ local function columns_of(trials, where, names, most)
   return list
 end
 
-local function coloured(trials, where, wish)
-  local name = wish.colour
+local function coloured(trials, where, opts)
+  local name = opts.colour
   if not name then
     local first = (trials.problem.objectives or {})[1] or trials.problem.measures[1]
     name = first and first.name
@@ -112,14 +112,14 @@ end
 for kind, most in pairs {scatter_matrix = 8, parallel_coordinates = 24} do
   kinds[kind] = {
     rules = rules {columns = {type = "table"}, colour = {type = "string"}},
-    make = function(trials, where, wish)
-      local values, value, goal = coloured(trials, where, wish)
+    make = function(trials, where, opts)
+      local values, value, goal = coloured(trials, where, opts)
       local chosen = says.chosen(trials)
       if #chosen > (kind == "scatter_matrix" and 60 or 12) then chosen = nil end -- many are no choice
-      return plot[kind] {columns = columns_of(trials, where, wish.columns, most), values = values,
+      return plot[kind] {columns = columns_of(trials, where, opts.columns, most), values = values,
         value = value, goal = goal, chosen = chosen, faint = stood_back(trials),
         notes = kind == "scatter_matrix" and #trials <= 300 and says.notes_of(trials) or nil,
-        title = wish.title, width = wish.width, height = wish.height}
+        title = opts.title, width = opts.width, height = opts.height}
     end,
   }
 end
@@ -127,17 +127,17 @@ end
 kinds.scatter = {
   rules = rules {x = {type = "string", needed = true}, y = {type = "string", needed = true},
     colour = {type = "string"}, scale = {type = "string", one_of = {"linear", "log"}}},
-  make = function(trials, where, wish)
-    local x, y = says.column(trials, where, wish.x), says.column(trials, where, wish.y)
+  make = function(trials, where, opts)
+    local x, y = says.column(trials, where, opts.x), says.column(trials, where, opts.y)
     if x.of or y.of then
-      raise(("%s: '%s' is a choice: take scatter_matrix"):format(where, x.of and wish.x or wish.y))
+      raise(("%s: '%s' is a choice: take scatter_matrix"):format(where, x.of and opts.x or opts.y))
     end
     local series = {x = x.values, y = y.values, notes = says.notes_of(trials)}
     local value
-    if wish.colour then series.values, value = coloured(trials, where, wish) end
-    return plot.scatter {series = {series}, values = value, title = wish.title, width = wish.width,
-      height = wish.height, x = {label = wish.x, unit = x.unit, scale = wish.scale or x.scale, whole = x.whole},
-      y = {label = wish.y, unit = y.unit, scale = wish.scale or y.scale, whole = y.whole}}
+    if opts.colour then series.values, value = coloured(trials, where, opts) end
+    return plot.scatter {series = {series}, values = value, title = opts.title, width = opts.width,
+      height = opts.height, x = {label = opts.x, unit = x.unit, scale = opts.scale or x.scale, whole = x.whole},
+      y = {label = opts.y, unit = y.unit, scale = opts.scale or y.scale, whole = y.whole}}
   end,
 }
 
@@ -174,10 +174,10 @@ end
 
 kinds.sensitivity = {
   rules = rules {measure = {type = "string"}},
-  make = function(trials, where, wish)
-    local item = measure_of(trials, where, wish.measure)
+  make = function(trials, where, opts)
+    local item = measure_of(trials, where, opts.measure)
     local summary = says.summary(trials)
-    local given = {label = item.name, title = wish.title, width = wish.width, height = wish.height}
+    local given = {label = item.name, title = opts.title, width = opts.width, height = opts.height}
     local list = (summary.indices or summary.effects or summary.ranges or {})[item.name]
     if not list then
       raise(where .. ": a study with the design sobol_indices, morris or one_at_a_time expected")
@@ -208,7 +208,7 @@ kinds.sensitivity = {
 
 kinds.convergence = {
   rules = rules {},
-  make = function(trials, where, wish)
+  make = function(trials, where, opts)
     local objectives = trials.problem.objectives or {}
     if #objectives == 0 or #objectives > 3 then
       raise(where .. ": a study of one to three objectives expected")
@@ -230,17 +230,17 @@ kinds.convergence = {
       label = {label = "hypervolume of the front so far, of that at the end", least = 0, most = 1.04}
     end
     return plot.lines {series = {{x = x, y = y, steps = true, markers = not at and #x <= 60}}, y = label,
-      marks = marks, x = {label = "trial", whole = true}, title = wish.title, width = wish.width,
-      height = wish.height}
+      marks = marks, x = {label = "trial", whole = true}, title = opts.title, width = opts.width,
+      height = opts.height}
   end,
 }
 
 kinds.contact_sheet = {
   rules = rules {picture = {type = "string"}, most = {type = "integer", least = 1, most = 400, default = 40},
     columns = {type = "integer"}, cell = {type = "number"}},
-  make = function(trials, _, wish)
-    return plot.contact_sheet {pictures = pictures.of(trials, wish.picture, wish.most), title = wish.title,
-      columns = wish.columns, cell = wish.cell, lines = 3}
+  make = function(trials, _, opts)
+    return plot.contact_sheet {pictures = pictures.of(trials, opts.picture, opts.most), title = opts.title,
+      columns = opts.columns, cell = opts.cell, lines = 3}
   end,
 }
 

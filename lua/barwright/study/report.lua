@@ -95,7 +95,7 @@ local function design_text(study)
   local design = type(study) == "table" and study.design
   if type(design) ~= "table" then return nil end
   local parts = {}
-  for key, value in pairs(type(design.wish) == "table" and design.wish or {}) do
+  for key, value in pairs(type(design.opts) == "table" and design.opts or {}) do
     if type(value) == "number" or type(value) == "string" or type(value) == "boolean" then
       parts[#parts + 1] = ("%s %s"):format(key, tostring(value))
     end
@@ -287,7 +287,7 @@ end
 local function fitting(trials)
   local problem, out = trials.problem, {}
   local objectives = problem.objectives or {}
-  local function add(title, kind, wish) out[#out + 1] = {title = title, kind = kind, wish = wish} end
+  local function add(title, kind, opts) out[#out + 1] = {title = title, kind = kind, opts = opts} end
   if #trials == 0 then return out end
   if #objectives >= 2 and #objectives <= 6 then add("Front", "pareto") end
   for _, objective in ipairs(objectives) do
@@ -323,15 +323,15 @@ local function all_plots(trials)
   local out = {#trials > 0 and '<p class="hint">A point shows its trial where the pointer rests.</p>\n'
     or '<p class="hint">There is nothing to be drawn yet.</p>\n'}
   for _, one in ipairs(fitting(trials)) do
-    local fine, made = pcall(plots.plot, trials, one.kind, one.wish)
+    local fine, made = pcall(plots.plot, trials, one.kind, one.opts)
     out[#out + 1] = figure_html(one.title, fine and made, not fine and made or nil)
   end
   return table.concat(out)
 end
 
-local function all_pictures(trials, wish)
-  if wish.pictures == 0 then return "" end
-  local list = pictures.of(trials, wish.picture, wish.pictures)
+local function all_pictures(trials, opts)
+  if opts.pictures == 0 then return "" end
+  local list = pictures.of(trials, opts.picture, opts.pictures)
   if #list == 0 then return "" end
   local made = require("barwright.plot").contact_sheet {pictures = list, lines = 3}
   return '<h2 id="pictures">Pictures</h2>\n' .. figure_html("The best first", made)
@@ -356,8 +356,8 @@ local function answer(trials)
   return text
 end
 
-local function manifest_of(trials, wish)
-  if wish.manifest then return wish.manifest end
+local function manifest_of(trials, opts)
+  if opts.manifest then return opts.manifest end
   local study = trials.study
   if type(study) == "table" and type(study.manifest) == "function" then return study:manifest() end
   return {program = "barwright", version = core.version, commit = core.commit}
@@ -366,13 +366,13 @@ end
 --- Writes the page. Options: title, text, picture (which file of a trial's folder), pictures (at most so
 --- many, 0: none), rows (of the table), manifest.
 function report.write(trials, path, given)
-  local wish = options.read("report", given, rules)
+  local opts = options.read("report", given, rules)
   local text = beside.find "study.html"
   if not text then return nil, "the report's template was not found", {status = "io"} end
   local study = type(trials.study) == "table" and trials.study or {}
-  local about = wish.text or study.what
+  local about = opts.text or study.what
   local parts = {
-    title = escape(wish.title or study.name and "Study " .. study.name or "Study"),
+    title = escape(opts.title or study.name and "Study " .. study.name or "Study"),
     answer = escape(answer(trials)),
     about = about and ("<p>%s</p>\n"):format(escape(about)) or "",
     facts = facts(trials),
@@ -381,9 +381,9 @@ function report.write(trials, path, given)
     statuses = statuses(trials),
     failures = failures(trials),
     plots = all_plots(trials),
-    pictures = all_pictures(trials, wish),
-    trials = all_trials(trials, wish.rows),
-    manifest = escape(json.encode(manifest_of(trials, wish), "  ")),
+    pictures = all_pictures(trials, opts),
+    trials = all_trials(trials, opts.rows),
+    manifest = escape(json.encode(manifest_of(trials, opts), "  ")),
   }
   text = text:gsub("{{(%l+)}}", function(key) return parts[key] end)
   return core.write_file(path, text)

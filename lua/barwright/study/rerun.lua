@@ -86,8 +86,8 @@ local function run_inside(study, record)
   return true
 end
 
-local function run_in_job(study, record, wish)
-  local own = executor.new(study, {workers = 1, seconds = wish.seconds, bytes = wish.bytes})
+local function run_in_job(study, record, opts)
+  local own = executor.new(study, {workers = 1, seconds = opts.seconds, bytes = opts.bytes})
   local closing <close> = setmetatable({}, {__close = function() own:close() end})
   local fine, message, details = own:start(record)
   if not fine then return nil, message, details end
@@ -108,7 +108,7 @@ end
 --- {trial, before, same, differences}: the trial as it came out now, that of the file, whether all numbers
 --- are the same bits, and those that are not.
 function rerun.trial(study, which, given)
-  local wish = options.read("study:trial", given, rules)
+  local opts = options.read("study:trial", given, rules)
   local list, message, details = read_all(study)
   if not list then return nil, message, details end
   local before
@@ -117,7 +117,7 @@ function rerun.trial(study, which, given)
   local now = trials.present({number = before.number, key = before.key, seed = before.seed, point = before.point,
     status = "asked"}, study.problem, study)
   local fine
-  fine, message, details = (wish.inside and run_inside or run_in_job)(study, now, wish)
+  fine, message, details = (opts.inside and run_inside or run_in_job)(study, now, opts)
   if not fine then return nil, message, details end
   local out = setmetatable({trial = now, differences = {}, same = false}, meta)
   if before.status == "asked" then return out end

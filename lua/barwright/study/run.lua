@@ -85,7 +85,7 @@ local function look_at_finished(self)
     if not record or record.status == "asked" or self.pending[record] then return end
     self.seen = self.seen + 1
     self.live[self.seen] = record
-    if self.wish.stop_when and self.wish.stop_when(self.live) then stop "stop_when said so" end
+    if self.opts.stop_when and self.opts.stop_when(self.live) then stop "stop_when said so" end
   end
 end
 
@@ -116,7 +116,7 @@ local function take(self, record, outcome)
 end
 
 local function out_of_time(self)
-  return self.wish.seconds_total and core.seconds() - self.began >= self.wish.seconds_total
+  return self.opts.seconds_total and core.seconds() - self.began >= self.opts.seconds_total
 end
 
 local function wait_for_one(self)
@@ -129,7 +129,7 @@ local function wait_for_one(self)
   elseif outcome then
     give_up(outcome, {status = "internal"})
   end
-  if out_of_time(self) then stop(("%g seconds have passed"):format(self.wish.seconds_total)) end
+  if out_of_time(self) then stop(("%g seconds have passed"):format(self.opts.seconds_total)) end
 end
 
 -- Runs what is missing of a batch.
@@ -156,7 +156,7 @@ local ended_badly = {failed = true, time = true, memory = true, crashed = true}
 local function find_missing(self, asked)
   local missing, others = {}, false
   for _, record in ipairs(asked) do
-    local again = record.status == "asked" or self.wish.retry and ended_badly[record.status]
+    local again = record.status == "asked" or self.opts.retry and ended_badly[record.status]
       and not self.retried[record]
     if again and not self.pending[record] then
       if self.mine(self.place[record]) then
@@ -177,7 +177,7 @@ local function ask(self, points)
     local point = self.study.problem:check(given, ("study %s: point %d"):format(self.study.name, i))
     local record = trial_of(self, point, fresh)
     if not self.place[record] then
-      if self.wish.evaluations and #self.order >= self.wish.evaluations then
+      if self.opts.evaluations and #self.order >= self.opts.evaluations then
         cut = true
         if fresh[#fresh] == record then -- it was not asked for
           fresh[#fresh], self.by_key[record.key] = nil, nil
@@ -202,15 +202,15 @@ local function evaluate(self, points)
   self.missing, others = find_missing(self, asked)
   work_off(self)
   if others then stop "the other parts are run elsewhere" end
-  if cut then stop(("%d evaluations were made"):format(self.wish.evaluations)) end
+  if cut then stop(("%d evaluations were made"):format(self.opts.evaluations)) end
   local results = {}
   for i, record in ipairs(asked) do results[i] = record.results or false end
   return results, asked
 end
 
-local function shard_of(wish)
-  if wish == nil then return function() return true end end
-  local i, n = type(wish) == "table" and wish[1], type(wish) == "table" and wish[2]
+local function shard_of(opts)
+  if opts == nil then return function() return true end end
+  local i, n = type(opts) == "table" and opts[1], type(opts) == "table" and opts[2]
   if math.type(i) ~= "integer" or math.type(n) ~= "integer" or i < 1 or i > n then
     core.raise "study:run: shard = {which, of how many} expected"
   end
@@ -228,11 +228,11 @@ local function check_executor(own)
 end
 
 local function read_options(given)
-  local wish = options.read("study:run", given, rules)
-  if wish.stop_when ~= nil and type(wish.stop_when) ~= "function" then
+  local opts = options.read("study:run", given, rules)
+  if opts.stop_when ~= nil and type(opts.stop_when) ~= "function" then
     core.raise "study:run: stop_when: a function of the trials so far expected"
   end
-  return wish
+  return opts
 end
 
 -- The trials that have ended, in the order in which they were asked for.
@@ -251,7 +251,7 @@ end
 
 local function run_design(self, design)
   local fine, summary = pcall(design.run, function(points) return evaluate(self, points) end, self.study.problem,
-    design.wish)
+    design.opts)
   if fine then
     if type(summary) == "number" or type(summary) == "string" then summary = {value = summary} end
     return finished_trials(self, type(summary) == "table" and summary or {})
@@ -267,10 +267,10 @@ end
 
 --- study:run. Trials, or nil and a message where the file cannot be used or Ctrl-C was pressed.
 function run.run(study, given)
-  local wish = read_options(given)
-  local mine = shard_of(wish.shard)
-  local design = wish.design and designs.read("study:run", wish.design, study.problem, study.seed) or study.design
-  if wish.shard and not (design.kind and design.kind.points) then
+  local opts = read_options(given)
+  local mine = shard_of(opts.shard)
+  local design = opts.design and designs.read("study:run", opts.design, study.problem, study.seed) or study.design
+  if opts.shard and not (design.kind and design.kind.points) then
     core.raise(("study:run: shard: the points of design '%s' depend on results; it cannot be cut into parts")
       :format(design.name))
   end
@@ -282,19 +282,19 @@ function run.run(study, given)
     end
     return nil, message, details
   end
-  local file <close>, why, more = store.open(study, study.file, {continue = wish.continue})
+  local file <close>, why, more = store.open(study, study.file, {continue = opts.continue})
   if not file then return nil, why, more end
-  local self = setmetatable({study = study, wish = wish, store = file, mine = mine,
+  local self = setmetatable({study = study, opts = opts, store = file, mine = mine,
     order = {}, place = {}, pending = {}, retried = {}, missing = {}, seen = 0, live = trials.new(study),
     running = 0, finished = 0, finished_of_batch = 0, reused = 0, shown = -1, began = core.seconds(),
     total = design.total, stage = "study " .. study.name}, runner)
   local fine
   fine, message, details = load(self)
   if not fine then return nil, message, details end
-  local make = wish.executor or executor.new
+  local make = opts.executor or executor.new
   local own = make
   if type(make) == "function" then
-    own, message, details = make(study, wish)
+    own, message, details = make(study, opts)
     if not own then return nil, message, details end
   end
   check_executor(own)

@@ -15,9 +15,9 @@ local function to_points(problem, places)
 end
 
 sampling.random = {summary = "independent points", rules = {count = count_rule, seed = seed_rule}}
-function sampling.random.points(problem, wish)
-  local source, places = random.new(wish.seed), {}
-  for i = 1, wish.count do
+function sampling.random.points(problem, opts)
+  local source, places = random.new(opts.seed), {}
+  for i = 1, opts.count do
     local place = {}
     for k = 1, #problem.variables do place[k] = source:uniform() end
     places[i] = place
@@ -122,16 +122,16 @@ sampling.latin_hypercube = {
   rules = {count = count_rule, seed = seed_rule, maximin = {type = "boolean", default = false},
     middles = {type = "boolean", default = false}},
 }
-function sampling.latin_hypercube.check(_, wish)
-  if wish.maximin and wish.count > MOST_SPREAD then
+function sampling.latin_hypercube.check(_, opts)
+  if opts.maximin and opts.count > MOST_SPREAD then
     core.raise(("design latin_hypercube: maximin is for up to %d points: more are as far apart as they come")
       :format(MOST_SPREAD))
   end
 end
-function sampling.latin_hypercube.points(problem, wish)
-  local source = random.new(wish.seed)
-  local places = sampling.latin(wish.count, #problem.variables, source, not wish.middles)
-  if wish.maximin then sampling.spread(places, source) end
+function sampling.latin_hypercube.points(problem, opts)
+  local source = random.new(opts.seed)
+  local places = sampling.latin(opts.count, #problem.variables, source, not opts.middles)
+  if opts.maximin then sampling.spread(places, source) end
   return to_points(problem, places)
 end
 
@@ -149,9 +149,9 @@ sampling.sobol = {
   rules = {count = count_rule, seed = seed_rule, skip = {type = "integer", default = 0, least = 0},
     scramble = {type = "boolean", default = true}},
 }
-function sampling.sobol.points(problem, wish)
-  local places = sampling.sobol_places(wish.count, #problem.variables, wish.skip,
-    wish.scramble and wish.seed or nil)
+function sampling.sobol.points(problem, opts)
+  local places = sampling.sobol_places(opts.count, #problem.variables, opts.skip,
+    opts.scramble and opts.seed or nil)
   for i, place in ipairs(places) do
     if type(place) == "number" then places[i] = {place} end -- one variable
   end

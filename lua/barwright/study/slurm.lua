@@ -28,28 +28,28 @@ local function directive(lines, name, value)
   lines[#lines + 1] = ("#SBATCH --%s=%s"):format(name, value:find "%s" and '"' .. value .. '"' or value)
 end
 
---- The text of the script. wish: script (the study's file as given), folder, program, jobs, time, partition,
+--- The text of the script. opts: script (the study's file as given), folder, program, jobs, time, partition,
 --- mem, cpus, account, and seconds, memory, retry, continue, output, which go to the trials.
-function slurm.script(study, wish)
+function slurm.script(study, opts)
   local base = base_of(study.file)
   local parts = base .. ".parts"
-  local script = absolute(wish.path, wish.folder)
+  local script = absolute(opts.path, opts.folder)
   local lines = {"#!/bin/bash"}
   directive(lines, "job-name", study.name)
-  directive(lines, "array", "1-" .. wish.jobs)
-  directive(lines, "output", absolute(parts, wish.folder) .. "/%a.log")
+  directive(lines, "array", "1-" .. opts.jobs)
+  directive(lines, "output", absolute(parts, opts.folder) .. "/%a.log")
   directive(lines, "open-mode", "append")
-  directive(lines, "cpus-per-task", wish.cpus or 1)
-  directive(lines, "time", wish.time)
-  directive(lines, "mem", wish.mem)
-  directive(lines, "partition", wish.partition)
-  directive(lines, "account", wish.account)
+  directive(lines, "cpus-per-task", opts.cpus or 1)
+  directive(lines, "time", opts.time)
+  directive(lines, "mem", opts.mem)
+  directive(lines, "partition", opts.partition)
+  directive(lines, "account", opts.account)
   local options = {}
   for _, name in ipairs {"seconds", "memory"} do
-    if wish[name] then options[#options + 1] = (" --%s %.17g"):format(name, wish[name]) end
+    if opts[name] then options[#options + 1] = (" --%s %.17g"):format(name, opts[name]) end
   end
   for _, name in ipairs {"retry", "continue", "output"} do
-    if wish[name] then options[#options + 1] = " --" .. name end
+    if opts[name] then options[#options + 1] = " --" .. name end
   end
   lines[#lines + 1] = ([[
 
@@ -92,10 +92,10 @@ run) run "$2" ;;
   run "${SLURM_ARRAY_TASK_ID:?bash $script submit}" || [ $? -eq 1 ]
   ;;
 esac
-]]):format(study.name, wish.jobs, quoted(wish.program), quoted(script),
-    quoted(absolute(study.file, wish.folder)), quoted(absolute(parts, wish.folder)),
-    quoted(absolute(wish.out, wish.folder)), wish.jobs, quoted(wish.folder), table.concat(options))
-  return (table.concat(lines, "\n"):gsub("SCRIPT", (quoted(wish.out):gsub("%%", "%%%%"))))
+]]):format(study.name, opts.jobs, quoted(opts.program), quoted(script),
+    quoted(absolute(study.file, opts.folder)), quoted(absolute(parts, opts.folder)),
+    quoted(absolute(opts.out, opts.folder)), opts.jobs, quoted(opts.folder), table.concat(options))
+  return (table.concat(lines, "\n"):gsub("SCRIPT", (quoted(opts.out):gsub("%%", "%%%%"))))
 end
 
 local function program_path()
@@ -113,19 +113,19 @@ local function folder_path()
 end
 
 --- barwright study slurm FILE --jobs COUNT
-function slurm.command(study, wish, out)
+function slurm.command(study, opts, out)
   local points = run.planned(study)
   if not points then
     return out:fail(("study %s: which points the design '%s' asks for depends on results, so it cannot be cut "
       .. "into an array of jobs. Run it in one job: `mpirun barwright study run %s --mpi`"):format(study.name,
-      study.design.name, wish.files[1]), {status = "unsupported"})
+      study.design.name, opts.files[1]), {status = "unsupported"})
   end
-  local jobs = math.min(wish.jobs or 10, #points)
-  local path = wish.out or base_of(study.file) .. ".sbatch"
-  local text = slurm.script(study, {path = wish.files[1], folder = folder_path(), program = program_path(),
-    out = path, jobs = jobs, time = wish.time, partition = wish.partition, mem = wish.mem, cpus = wish.cpus,
-    account = wish.account, seconds = wish.seconds, memory = wish.memory, retry = wish.retry,
-    continue = wish.continue, output = wish.output})
+  local jobs = math.min(opts.jobs or 10, #points)
+  local path = opts.out or base_of(study.file) .. ".sbatch"
+  local text = slurm.script(study, {path = opts.files[1], folder = folder_path(), program = program_path(),
+    out = path, jobs = jobs, time = opts.time, partition = opts.partition, mem = opts.mem, cpus = opts.cpus,
+    account = opts.account, seconds = opts.seconds, memory = opts.memory, retry = opts.retry,
+    continue = opts.continue, output = opts.output})
   local file, why = io.open(path, "wb")
   if not file then
     return out:fail(("the job script could not be written: %s"):format(why))

@@ -21,10 +21,10 @@ indices.sobol_indices = {
 local design = indices.sobol_indices
 
 --- For each row of the two matrices: A, B, then A with one column of B after another.
-function design.points(problem, wish)
+function design.points(problem, opts)
   local d = #problem.variables
   local points = {}
-  for _, row in ipairs(sampling.sobol_places(wish.base, 2 * d, 0, wish.seed)) do
+  for _, row in ipairs(sampling.sobol_places(opts.base, 2 * d, 0, opts.seed)) do
     local a, b = table.move(row, 1, d, 1, {}), table.move(row, d + 1, 2 * d, 1, {})
     points[#points + 1] = problem:point(a)
     points[#points + 1] = problem:point(b)
@@ -100,13 +100,13 @@ local function spread(list, level)
 end
 
 -- Intervals by the bootstrap: rows drawn with replacement.
-local function intervals(rows, d, wish)
+local function intervals(rows, d, opts)
   local first, total = {}, {}
   for k = 1, d do first[k], total[k] = {}, {} end
-  local source, chosen = random.new(wish.seed), {}
-  for _ = 1, wish.resamples do
+  local source, chosen = random.new(opts.seed), {}
+  for _ = 1, opts.resamples do
     for i = 1, #rows do chosen[i] = source:integer(1, #rows) end
-    local _, f, t = estimate(rows, chosen, d, wish.estimator)
+    local _, f, t = estimate(rows, chosen, d, opts.estimator)
     for k = 1, f and d or 0 do
       first[k][#first[k] + 1], total[k][#total[k] + 1] = f[k], t[k]
     end
@@ -114,29 +114,29 @@ local function intervals(rows, d, wish)
   return first, total
 end
 
-local function of_measure(problem, wish, results, name)
+local function of_measure(problem, opts, results, name)
   local d = #problem.variables
   local rows, dropped, mean = rows_of(problem, results, name)
   local out = {}
   if #rows < 2 then return out, dropped, mean, 0.0 end
-  local variance, first, total = estimate(rows, nil, d, wish.estimator)
+  local variance, first, total = estimate(rows, nil, d, opts.estimator)
   local first_list, total_list = {}, {}
-  if first and wish.resamples > 0 then first_list, total_list = intervals(rows, d, wish) end
+  if first and opts.resamples > 0 then first_list, total_list = intervals(rows, d, opts) end
   for k, v in ipairs(problem.variables) do
     out[k] = {name = v.name, first = first and first[k] or 0.0, total = total and total[k] or 0.0,
-      first_interval = first_list[k] and spread(first_list[k], wish.level),
-      total_interval = total_list[k] and spread(total_list[k], wish.level)}
+      first_interval = first_list[k] and spread(first_list[k], opts.level),
+      total_interval = total_list[k] and spread(total_list[k], opts.level)}
   end
   return out, dropped, mean, variance
 end
 
 --- indices[measure] = {{name, first, first_interval, total, total_interval}, ...} in the order of the
 --- variables; variance[measure], mean[measure], dropped = rows with a trial that has no result.
-function design.summarise(problem, wish, _, results)
+function design.summarise(problem, opts, _, results)
   local out = {indices = {}, variance = {}, mean = {}, dropped = 0}
   local lines = {}
   for _, m in ipairs(problem.measures) do
-    local list, dropped, mean, variance = of_measure(problem, wish, results, m.name)
+    local list, dropped, mean, variance = of_measure(problem, opts, results, m.name)
     out.indices[m.name], out.mean[m.name], out.variance[m.name] = list, mean, variance
     out.dropped = math.max(out.dropped, dropped)
     for _, item in ipairs(list) do
@@ -146,12 +146,12 @@ function design.summarise(problem, wish, _, results)
         or ("%s by %s: first %.3f, total %.3f"):format(m.name, item.name, item.first, item.total)
     end
   end
-  if wish.base & (wish.base - 1) ~= 0 then
-    lines[#lines + 1] = ("base = %d is no power of 2: %d would fill the cube more evenly"):format(wish.base,
-      1 << math.ceil(math.log(wish.base, 2)))
+  if opts.base & (opts.base - 1) ~= 0 then
+    lines[#lines + 1] = ("base = %d is no power of 2: %d would fill the cube more evenly"):format(opts.base,
+      1 << math.ceil(math.log(opts.base, 2)))
   end
   if out.dropped > 0 then
-    lines[#lines + 1] = ("%d of %d rows left out, where a trial failed"):format(out.dropped, wish.base)
+    lines[#lines + 1] = ("%d of %d rows left out, where a trial failed"):format(out.dropped, opts.base)
   end
   out.text = table.concat(lines, "\n")
   return out

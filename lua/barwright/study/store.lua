@@ -202,7 +202,7 @@ end
 
 
 -- Compares the file with the study, or begins it; true, or what is in the way.
-local function compare(self, wish)
+local function compare(self, opts)
   local tables
   local about, message, details = in_one_state(self.db, function()
     local why, more
@@ -213,11 +213,11 @@ local function compare(self, wish)
   end)
   if not about then return nil, message, details end
   if not next(tables) then
-    if not wish.read_only then return begin(self, true) end
+    if not opts.read_only then return begin(self, true) end
     return nil, self.path .. ": holds no study yet", {status = "format", file = self.path}
   end
   if about.lost then
-    if not wish.continue then
+    if not opts.continue then
       return nil, self.path .. ": which study it is of has been lost. If it is this one, say continue = true "
         .. "(--continue)", {status = "different", file = self.path}
     end
@@ -241,16 +241,16 @@ local function compare(self, wish)
 end
 
 -- Before anything is written: where SQLite's own lists are damaged, writing would destroy what is sound.
-local function ready_to_write(self, study, wish)
+local function ready_to_write(self, study, opts)
   local sound, problems = self.db:check()
   if not sound then return intact.damaged(self.path, problems:match "[^\n]*") end
-  return self:remember(study, wish.continue)
+  return self:remember(study, opts.continue)
 end
 
 --- The file of a study: made where it is missing (unless read_only), else checked against the study.
 --- continue: a changed script is fine.
-function store.open(study, path, wish)
-  wish = wish or {}
+function store.open(study, path, opts)
+  opts = opts or {}
   if #study.problem.variables > MOST_COLUMNS or #study.problem.measures > MOST_COLUMNS then
     core.raise(("study '%s': more than %d variables or measures"):format(study.name, MOST_COLUMNS))
   end
@@ -258,14 +258,14 @@ function store.open(study, path, wish)
   local self = setmetatable({path = path, problem = study.problem, about = about}, store)
   self.point_columns = definition.columns_of(about.variables)
   self.result_columns = definition.columns_of(about.measures)
-  local db, message, details = core.database(path, {read_only = wish.read_only})
+  local db, message, details = core.database(path, {read_only = opts.read_only})
   if not db then return nil, store.explain(path, message, details) end
   self.db = db
   local fine
-  fine, message, details = compare(self, wish)
+  fine, message, details = compare(self, opts)
   if not fine then return refuse(self, message, details) end
-  if not wish.read_only then
-    fine, message, details = ready_to_write(self, study, wish)
+  if not opts.read_only then
+    fine, message, details = ready_to_write(self, study, opts)
     if not fine then return refuse(self, message, details) end
   end
   if self.plain then

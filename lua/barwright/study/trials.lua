@@ -84,9 +84,9 @@ end
 
 --- The values of a variable, a measure, or of number, seconds, peak_bytes, ..., one for each trial that is
 --- done (`all`: of every trial, with false where there is none).
-function methods:column(name, wish)
+function methods:column(name, opts)
   local place = known_column(self, name)
-  local all = wish and wish.all
+  local all = opts and opts.all
   local out = {}
   for _, trial in ipairs(self) do
     local from = trial

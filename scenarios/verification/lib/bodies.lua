@@ -67,11 +67,11 @@ bodies.list = {
 }
 
 --- A session on a body of the list.
-function bodies.session(body, wish)
+function bodies.session(body, opts)
   local part, skeleton = body.make()
-  wish = wish or {}
-  wish.skeleton, wish.heat = skeleton, wish.heat or body.heat
-  return assert(bw.edit(part, wish))
+  opts = opts or {}
+  opts.skeleton, opts.heat = skeleton, opts.heat or body.heat
+  return assert(bw.edit(part, opts))
 end
 
 -- ---- random edits -----------------------------------------------------------------------------------

@@ -177,9 +177,9 @@ static bw_model *model_on(bw_context *context, const scene *s, const bar *b, con
 }
 
 static bw_static *solved(bw_context *context, const scene *s, const bw_model *model) {
-  const bw_statics_options wish = {.inertia_relief = s->relief};
+  const bw_statics_options opts = {.inertia_relief = s->relief};
   bw_static *result = NULL;
-  check_ok(context, bw_statics(context, model, NULL, &wish, &result));
+  check_ok(context, bw_statics(context, model, NULL, &opts, &result));
   return result;
 }
 

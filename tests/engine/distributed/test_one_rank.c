@@ -31,8 +31,8 @@ static bw_status statics(bw_context *context, const bw_model *model, bw_external
   bw_external_options options;
   bw_external_options_default(&options);
   options.method = method;
-  const bw_statics_options wish = {.inertia_relief = true};
-  return bw_statics_external(context, model, &wish, &options, result);
+  const bw_statics_options opts = {.inertia_relief = true};
+  return bw_statics_external(context, model, &opts, &options, result);
 }
 
 static bw_status modes_of(bw_context *context, const bw_model *model, bw_external_method method,
@@ -40,8 +40,8 @@ static bw_status modes_of(bw_context *context, const bw_model *model, bw_externa
   bw_external_options options;
   bw_external_options_default(&options);
   options.method = method;
-  const bw_modes_options wish = {.count = 2, .tolerance = 1e-8, .sturm = true, .seed = 1};
-  return bw_modes_external(context, model, &wish, &options, modes);
+  const bw_modes_options opts = {.count = 2, .tolerance = 1e-8, .sturm = true, .seed = 1};
+  return bw_modes_external(context, model, &opts, &options, modes);
 }
 
 /* Each allocation fails once with all that follow: the message comes back, nothing stays behind,
@@ -130,9 +130,9 @@ static void test_small(void **state) {
   check_ok(context, bw_model_create(context, mesh, material, &model));
   check_ok(context, bw_dof_map_create(context, model, &dof_map));
   check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &system));
-  const bw_modes_options wish = {.count = 100, .tolerance = 1e-8, .sturm = true, .seed = 1};
-  check_ok(context, bw_modes_elastic(context, system, &wish, &own));
-  check_ok(context, bw_modes_external(context, model, &wish, NULL, &other));
+  const bw_modes_options opts = {.count = 100, .tolerance = 1e-8, .sturm = true, .seed = 1};
+  check_ok(context, bw_modes_elastic(context, system, &opts, &own));
+  check_ok(context, bw_modes_external(context, model, &opts, NULL, &other));
   assert_int_equal(other->count, own->count);
   for (int k = 0; k < own->count; k++)
     check_near(other->eigenvalue[k] / own->eigenvalue[k], 1, 1e-8);

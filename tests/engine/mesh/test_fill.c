@@ -555,11 +555,11 @@ static void test_surface_tolerance(void **state) {
   bw_surface *fine = marching(context, two_limbs, 40), *remeshed;
   const double allowed = 0.02;
   double moved, near = 0;
-  bw_remesh_options wish;
-  bw_remesh_options_default(&wish);
-  wish.edge_length = 0.3;
-  wish.tolerance = allowed;
-  check_ok(context, bw_surface_remesh(context, fine, &wish, &remeshed, NULL));
+  bw_remesh_options opts;
+  bw_remesh_options_default(&opts);
+  opts.edge_length = 0.3;
+  opts.tolerance = allowed;
+  check_ok(context, bw_surface_remesh(context, fine, &opts, &remeshed, NULL));
   check_ok(context, bw_surface_distance(context, fine, remeshed, &moved));
   assert_true(moved <= 1.001 * allowed);
   bw_release(remeshed);

@@ -116,7 +116,7 @@ static void test_same_answers(void **state) {
     bw_static *own = NULL, *other = NULL;
     bw_modes *modes = NULL, *others = NULL;
     const bw_statics_options options = {.inertia_relief = !held};
-    const bw_modes_options wish = {.count = 4, .tolerance = 1e-8, .seed = 1};
+    const bw_modes_options opts = {.count = 4, .tolerance = 1e-8, .seed = 1};
     check_ok(context, bw_statics(context, model, NULL, &options, &own));
     check_ok(context, bw_statics_external(context, model, &options, NULL, &other));
     for (int64_t i = 0; i < 3 * (int64_t)model->mesh->node_count; i++) {
@@ -126,8 +126,8 @@ static void test_same_answers(void **state) {
     assert_null(other->system);
     assert_null(own->external);
     assert_string_equal(other->external->method, "fake");
-    check_ok(context, bw_modes_elastic(context, own->system, &wish, &modes));
-    check_ok(context, bw_modes_external(context, model, &wish, NULL, &others));
+    check_ok(context, bw_modes_elastic(context, own->system, &opts, &modes));
+    check_ok(context, bw_modes_external(context, model, &opts, NULL, &others));
     assert_int_equal(others->count, 4);
     assert_int_equal(others->rigid_count, held ? 0 : 6);
     for (int k = 0; k < 4; k++) {
@@ -205,7 +205,7 @@ static void test_memory(void **state) {
   bw_context *context = check_context(state);
   begin();
   bw_model *model = cantilever(context, true);
-  const bw_modes_options wish = {.count = 2, .tolerance = 1e-8, .seed = 1};
+  const bw_modes_options opts = {.count = 2, .tolerance = 1e-8, .seed = 1};
   for (int what = 0; what < 2; what++) {
     bw_status status = BW_MEMORY;
     for (int64_t n = 1; status == BW_MEMORY; n++) {
@@ -213,7 +213,7 @@ static void test_memory(void **state) {
       bw_modes *modes = NULL;
       bw_fail_allocation(n, true);
       status = what == 0 ? bw_statics_external(context, model, NULL, NULL, &result)
-                         : bw_modes_external(context, model, &wish, NULL, &modes);
+                         : bw_modes_external(context, model, &opts, NULL, &modes);
       bw_fail_allocation(0, false);
       if (status != BW_MEMORY)
         check_ok(context, status);

@@ -9,9 +9,9 @@ local hostile = require "hostile"
 local new_random = require "random"
 
 local function rectangle(more)
-  local wish = {low = {0, 0}, high = {1, 0.5}, tags = {bottom = 1, right = 2, top = 3, left = 4}}
-  for key, value in pairs(more or {}) do wish[key] = value end
-  return assert(bw.outline.rectangle(wish))
+  local opts = {low = {0, 0}, high = {1, 0.5}, tags = {bottom = 1, right = 2, top = 3, left = 4}}
+  for key, value in pairs(more or {}) do opts[key] = value end
+  return assert(bw.outline.rectangle(opts))
 end
 
 local function beam(cells, order)
@@ -26,17 +26,17 @@ end
 local sheet = {left = "fixed", right = {traction = {0, -1e5}}}
 
 local function sheet_options(more)
-  local wish = {outline = rectangle(), material = bw.material.steel, thickness = 0.01, elements = 16,
+  local opts = {outline = rectangle(), material = bw.material.steel, thickness = 0.01, elements = 16,
     conditions = sheet}
-  for key, value in pairs(more or {}) do wish[key] = value end
-  return wish
+  for key, value in pairs(more or {}) do opts[key] = value end
+  return opts
 end
 
 local function flow_options(more)
-  local wish = {outline = rectangle(), viscosity = 0.1, elements = 24, step = 0.02,
+  local opts = {outline = rectangle(), viscosity = 0.1, elements = 24, step = 0.02,
     conditions = {left = {x = 1, y = 0}, top = "wall", bottom = "wall"}}
-  for key, value in pairs(more or {}) do wish[key] = value end
-  return wish
+  for key, value in pairs(more or {}) do opts[key] = value end
+  return opts
 end
 
 local function materials()

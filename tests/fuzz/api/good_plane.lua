@@ -63,21 +63,21 @@ add {
 
 local function sheet(more)
   return function(p, r)
-    local wish = {outline = p.Outline, material = bw.material.steel, thickness = 0.01,
+    local opts = {outline = p.Outline, material = bw.material.steel, thickness = 0.01,
       elements = 10 + r:integer(10), order = r:integer(2),
       conditions = {left = "fixed", right = {traction = {0, -1e5}}, top = {pressure = "x"}}, gravity = {0,
         -9.81},
       follow = {relocation = "springs"}, solver = {method = "iterate", tolerance = 1e-8}}
-    for key, value in pairs(more) do wish[key] = value end
-    return wish
+    for key, value in pairs(more) do opts[key] = value end
+    return opts
   end
 end
 local function flow(more)
   return function(p)
-    local wish = {outline = p.Outline, viscosity = 0.1, elements = 20, step = 0.02,
+    local opts = {outline = p.Outline, viscosity = 0.1, elements = 20, step = 0.02,
       conditions = {left = {x = "4*y", y = 0}, top = "wall", bottom = "wall", right = {pressure = 0}}}
-    for key, value in pairs(more) do wish[key] = value end
-    return wish
+    for key, value in pairs(more) do opts[key] = value end
+    return opts
   end
 end
 alike("bw.responsive.steady", sheet {})

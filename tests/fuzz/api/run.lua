@@ -49,14 +49,14 @@ end
 -- ---- the child ----------------------------------------------------------------------------------
 
 -- Calls first to last; what it returns is read by the parent.
-local function work(wish, pool, first, last, log)
+local function work(opts, pool, first, last, log)
   local counts, findings, longest = {}, {}, {seconds = 0}
   log:setvbuf "no"
   local stat = io.open "/proc/self/stat"
   log:write("process ", stat:read "n", "\n")
   stat:close()
   for number = first, last do
-    local one = call.make(wish.seed, number, pool, wish.seconds, function(text)
+    local one = call.make(opts.seed, number, pool, opts.seconds, function(text)
       log:write(("%d %s\n"):format(number, text))
     end)
     local count = counts[one.name] or {done = 0, failed = 0, raised = 0, late = 0, seconds = 0}
@@ -69,12 +69,12 @@ local function work(wish, pool, first, last, log)
       findings[#findings + 1] = {number = number, name = one.name, finding = one.finding, message = one.message,
         text = one.text}
     end
-    if wish.call then
+    if opts.call then
       print(("%s\n  %s after %.3f s%s"):format(one.text, one.outcome, one.seconds,
         one.message and ": " .. tostring(one.message) or ""))
     end
     if one.finding == "leaves the engine busy" then break end
-    local kept = wish.leaks and leak(pool, one.text)
+    local kept = opts.leaks and leak(pool, one.text)
     if kept then
       kept.number, kept.name = number, one.name
       findings[#findings + 1] = kept
@@ -85,7 +85,7 @@ local function work(wish, pool, first, last, log)
 end
 
 -- The child works inside of a scenario, so that there are expectations.
-local function start(wish, pool, slot, first, last, log_name)
+local function start(opts, pool, slot, first, last, log_name)
   local log = assert(io.open(log_name, "wb"))
   local job = assert(core.job(function()
     local result, why
@@ -96,7 +96,7 @@ local function start(wish, pool, slot, first, last, log_name)
       at_rest = at_rest + blocks() - with_objects -- the jobs are the parent's
       bw.threads(1 + first // batch_size % 2)
       local fine
-      fine, result = xpcall(work, debug.traceback, wish, pool, first, last, log)
+      fine, result = xpcall(work, debug.traceback, opts, pool, first, last, log)
       if not fine then result, why = nil, "the fuzzer's own error: " .. result end
     end}, "fuzz.lua", log_name .. ".record", {})
     if not result then return nil, why end
@@ -186,30 +186,30 @@ local function add(into, result)
   if result.longest.seconds > into.longest.seconds then into.longest = result.longest end
 end
 
-local function report(wish, batch, finding, seen)
+local function report(opts, batch, finding, seen)
   local key = signature(finding)
   seen[key] = (seen[key] or 0) + 1
   if seen[key] > 1 then return end
   io.stdout:write(("FOUND %s: %s\n  %s\n  again: --seed %d --call %d%s (or with --from %d)\n"):format(finding.text,
-    finding.finding, tostring(finding.message):gsub("\n", "\n  "), wish.seed, finding.number,
-    wish.only and " --only " .. wish.only or "", batch.first))
+    finding.finding, tostring(finding.message):gsub("\n", "\n  "), opts.seed, finding.number,
+    opts.only and " --only " .. opts.only or "", batch.first))
   io.stdout:flush()
 end
 
-local function finish(wish, batch, sum, seen)
+local function finish(opts, batch, sum, seen)
   local text, message = batch.job:result()
   if text then
     local result = bw.json.decode(text)
     add(sum, result)
-    for _, finding in ipairs(result.findings) do report(wish, batch, finding, seen) end
+    for _, finding in ipairs(result.findings) do report(opts, batch, finding, seen) end
     sum.calls = sum.calls + batch.last - batch.first + 1
-    if wish.call then io.stdout:write(read(batch.log_name .. ".out")) end
+    if opts.call then io.stdout:write(read(batch.log_name .. ".out")) end
   else
     local finding = crash(batch, tostring(message))
     sum.findings[#sum.findings + 1] = finding
-    report(wish, batch, finding, seen)
+    report(opts, batch, finding, seen)
     sum.calls = sum.calls + finding.number - batch.first + 1
-    if wish.call then io.stdout:write(read(batch.log_name .. ".out")) end
+    if opts.call then io.stdout:write(read(batch.log_name .. ".out")) end
     if finding.number < batch.last then return finding.number + 1 end
   end
   for _, ending in ipairs {"", ".out", ".record"} do os.remove(batch.log_name .. ending) end
@@ -229,15 +229,15 @@ local function never(list, counts)
 end
 
 --- The exit status.
-return function(wish, stubs_folder)
+return function(opts, stubs_folder)
   bw.threads(1)
   local list, by_name = entries.of(stubs_folder)
   at_rest = blocks()
   local pool, class_names = new_pool(list)
-  if wish.only then
+  if opts.only then
     local some = {}
     for _, entry in ipairs(list) do
-      if entry.name:find(wish.only, 1, true) then some[#some + 1] = entry end
+      if entry.name:find(opts.only, 1, true) then some[#some + 1] = entry end
     end
     list = some
   end
@@ -254,32 +254,32 @@ return function(wish, stubs_folder)
   with_objects = blocks()
   local begin = core.seconds()
   local sum, seen = {counts = {}, findings = {}, longest = {seconds = 0}, calls = 0}, {}
-  local first = wish.call and (wish.from or wish.call) or 1
-  local last = wish.call or wish.calls
+  local first = opts.call and (opts.from or opts.call) or 1
+  local last = opts.call or opts.calls
   local running, number, slots = {}, 0, {}
-  for i = 1, wish.parallel or core.processors() do slots[i] = i end
+  for i = 1, opts.parallel or core.processors() do slots[i] = i end
   local waiting = {} -- rests of batches that were ended
   while first <= last or #running > 0 or #waiting > 0 do
     while #slots > 0 and (first <= last or #waiting > 0) do
       local range = table.remove(waiting) or {first, math.min(last, first + batch_size - 1)}
       first = math.max(first, range[2] + 1)
       number = number + 1
-      running[#running + 1] = start(wish, pool, table.remove(slots), range[1], range[2],
-        wish.folder .. "/" .. number)
+      running[#running + 1] = start(opts, pool, table.remove(slots), range[1], range[2],
+        opts.folder .. "/" .. number)
     end
     local jobs = {}
     for i, batch in ipairs(running) do jobs[i] = batch.job end
     local which = core.wait(jobs, 1)
     if which then
       local batch = table.remove(running, which)
-      local rest = finish(wish, batch, sum, seen)
+      local rest = finish(opts, batch, sum, seen)
       if rest then waiting[#waiting + 1] = {rest, batch.last} end
       batch.job:close()
       slots[#slots + 1] = batch.slot
     end
     for _, batch in ipairs(running) do watch(batch) end
   end
-  if wish.call then return #sum.findings > 0 and 1 or 0 end
+  if opts.call then return #sum.findings > 0 and 1 or 0 end
   for name, reason in pairs(entries.left_out) do print(("left out: %s: %s"):format(name, reason)) end
   local unused = never(list, sum.counts)
   print(("never with success (%d): %s"):format(#unused, table.concat(unused, " ")))
@@ -296,7 +296,7 @@ return function(wish, stubs_folder)
   for _ in pairs(seen) do distinct = distinct + 1 end
   print(("longest: %.2f s, call %s: %s"):format(sum.longest.seconds, sum.longest.number, sum.longest.text))
   local text = "seed %d: %d calls of %d entries in %.0f s: %d done, %d failed, %d raised, %d asked to end"
-  print(text:format(wish.seed, sum.calls, #list, core.seconds() - begin, outcome.done, outcome.failed,
+  print(text:format(opts.seed, sum.calls, #list, core.seconds() - begin, outcome.done, outcome.failed,
     outcome.raised, outcome.late))
   print(("%d findings, %d different"):format(#sum.findings, distinct))
   return #sum.findings > 0 and 1 or 0
