@@ -1,24 +1,24 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The context: last failure with its details, remarks, progress, cancelling, and the thread pool.
+/* The context: last failure with its details, warnings, progress, cancelling, and the thread pool.
  * Failures may be recorded from pool threads, so the record is guarded by a lock. */
 #include "base/internal.h"
 #include "base/job.h"
-#include "base/remark.h"
+#include "base/warning.h"
 
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
 
-enum { REMARK_COUNT = 64 };
+enum { WARNING_COUNT = 64 };
 
 struct bw_context {
   pthread_mutex_t lock;
   bwi_failure failure;
-  int remark_count;
-  char *remark[REMARK_COUNT];
-  const char *remark_format[REMARK_COUNT]; /* of bwi_remark_largest; else NULL */
-  double remark_value[REMARK_COUNT];
+  int warning_count;
+  char *warning[WARNING_COUNT];
+  const char *warning_format[WARNING_COUNT]; /* of bwi_warn_largest; else NULL */
+  double warning_value[WARNING_COUNT];
   bw_progress_function *progress;
   void *progress_data;
   bw_name stage; /* of the last report, and how far it was */
@@ -51,7 +51,7 @@ void bw_context_destroy(bw_context *context) {
   if (!context)
     return;
   bwi_pool_destroy(context->pool);
-  bw_clear_remarks(context);
+  bw_clear_warnings(context);
   pthread_mutex_destroy(&context->lock);
   bw_free(context);
 }
@@ -190,63 +190,63 @@ bw_status bw_check_cancel(bw_context *context) {
   return bw_cancelled(context) ? bw_fail(context, BW_CANCELLED, "cancelled") : BW_OK;
 }
 
-/* What is known already is not said again. A remark is a courtesy: without memory or room it is
+/* What is known already is not said again. A warning is a courtesy: without memory or room it is
  * left out, and no failure is recorded. */
-static void add_remark(bw_context *context, const char *format, double value, const char *text) {
+static void add_warning(bw_context *context, const char *format, double value, const char *text) {
   int at = 0;
   pthread_mutex_lock(&context->lock);
-  while (at < context->remark_count && strcmp(context->remark[at], text) != 0 &&
-         (!format || context->remark_format[at] != format))
+  while (at < context->warning_count && strcmp(context->warning[at], text) != 0 &&
+         (!format || context->warning_format[at] != format))
     at++;
-  const bool known = at < context->remark_count;
-  char *copy = at < REMARK_COUNT && (!known || value > context->remark_value[at])
+  const bool known = at < context->warning_count;
+  char *copy = at < WARNING_COUNT && (!known || value > context->warning_value[at])
                    ? BW_NEW(NULL, char, strlen(text) + 1)
                    : NULL;
   if (copy) {
     memcpy(copy, text, strlen(text) + 1);
     if (known)
-      bw_free(context->remark[at]);
-    context->remark[at] = copy;
-    context->remark_format[at] = format;
-    context->remark_value[at] = value;
-    context->remark_count += !known;
+      bw_free(context->warning[at]);
+    context->warning[at] = copy;
+    context->warning_format[at] = format;
+    context->warning_value[at] = value;
+    context->warning_count += !known;
   }
   pthread_mutex_unlock(&context->lock);
 }
 
-enum { REMARK_LENGTH = 1024 };
+enum { WARNING_LENGTH = 1024 };
 
-static void write_remark(bw_context *context, const char *key, double value, const char *format,
-                         va_list arguments) {
+static void write_warning(bw_context *context, const char *key, double value, const char *format,
+                          va_list arguments) {
   if (!context)
     return;
-  char text[REMARK_LENGTH];
+  char text[WARNING_LENGTH];
   vsnprintf(text, sizeof text, format, arguments);
-  add_remark(context, key, value, text);
+  add_warning(context, key, value, text);
 }
 
-void bw_remark(bw_context *context, const char *format, ...) {
+void bw_warn(bw_context *context, const char *format, ...) {
   va_list arguments;
   va_start(arguments, format);
-  write_remark(context, NULL, 0, format, arguments);
+  write_warning(context, NULL, 0, format, arguments);
   va_end(arguments);
 }
 
-void bwi_remark_largest(bw_context *context, double value, const char *format, ...) {
+void bwi_warn_largest(bw_context *context, double value, const char *format, ...) {
   va_list arguments;
   va_start(arguments, format);
-  write_remark(context, format, value, format, arguments);
+  write_warning(context, format, value, format, arguments);
   va_end(arguments);
 }
 
-const char *bw_remark_at(const bw_context *context, int i) {
-  return i >= 0 && i < context->remark_count ? context->remark[i] : NULL;
+const char *bw_warning_at(const bw_context *context, int i) {
+  return i >= 0 && i < context->warning_count ? context->warning[i] : NULL;
 }
 
-void bw_clear_remarks(bw_context *context) {
-  for (int i = 0; i < context->remark_count; i++)
-    bw_free(context->remark[i]);
-  context->remark_count = 0;
+void bw_clear_warnings(bw_context *context) {
+  for (int i = 0; i < context->warning_count; i++)
+    bw_free(context->warning[i]);
+  context->warning_count = 0;
 }
 
 double bw_seconds(void) {
@@ -285,5 +285,5 @@ void bwi_context_forked(bw_context *context) {
   context->progress = NULL;
   bw_clear_cancel(context);
   bw_clear_failure(context);
-  bw_clear_remarks(context);
+  bw_clear_warnings(context);
 }

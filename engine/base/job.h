@@ -66,7 +66,7 @@ _Noreturn void bwi_job_child(bw_context *context, const bw_job_options *options,
                              void *data, int pipe, int output, int parent);
 
 /* Make a context that came through a fork fit for the child: its threads are forgotten (they are
- * not there), and so are its failure, remarks, progress function and request to cancel. */
+ * not there), and so are its failure, warnings, progress function and request to cancel. */
 void bwi_context_forked(bw_context *context);
 
 /* Bytes of address space: in use (0 where nobody says), and left to this process by a limit on it

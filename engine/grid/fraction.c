@@ -309,10 +309,10 @@ bw_status bw_grid_fractions(bw_context *context, const bw_surface *surface, cons
     odd = count_odd(fraction, count);
   }
   if (odd > 0)
-    bw_remark(context,
-              "shells of the surface overlap in %lld cells: where they do, cut cells count too "
-              "full; a repaired surface has none",
-              (long long)odd);
+    bw_warn(context,
+            "shells of the surface overlap in %lld cells: where they do, cut cells count too "
+            "full; a repaired surface has none",
+            (long long)odd);
   for (int64_t c = 0; c < count; c++) {
     double f = fraction[c];
     fraction[c] = !(f > ROUNDING) ? 0 : f > 1 - ROUNDING ? 1 : f;

@@ -73,7 +73,7 @@ static bw_status lattice(bw_context *context, const bw_surface *surface, const b
 }
 
 /* Parts of a body that thin places have cut off float: said, as nothing holds them. */
-static bw_status remark_parts(bw_context *context, const bw_grid *grid) {
+static bw_status warning_parts(bw_context *context, const bw_grid *grid) {
   bw_status status = BW_OK;
   int32_t *size = NULL, parts, least = INT32_MAX, most = 0;
   int32_t *group = BW_NEW(context, int32_t, grid->element_count);
@@ -93,10 +93,10 @@ static bw_status remark_parts(bw_context *context, const bw_grid *grid) {
     least = size[i] < least ? size[i] : least;
     most = size[i] > most ? size[i] : most;
   }
-  bw_remark(context,
-            "the grid is in %d parts that share no node, of %d to %d elements: smaller cells, or a "
-            "smaller least part, keep thin places together",
-            (int)parts, (int)least, (int)most);
+  bw_warn(context,
+          "the grid is in %d parts that share no node, of %d to %d elements: smaller cells, or a "
+          "smaller least part, keep thin places together",
+          (int)parts, (int)least, (int)most);
 done:
   bw_free(group);
   bw_free(size);
@@ -146,7 +146,7 @@ bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
   }
   BW_TRY(bw_grid_create(context, origin, spacing, cells, material, options->whole ? NULL : fraction,
                         &grid));
-  BW_TRY(remark_parts(context, grid));
+  BW_TRY(warning_parts(context, grid));
   *out = grid;
   grid = NULL;
 done:

@@ -106,8 +106,8 @@ static bw_status drop_doubles(bwi_contours *c, double least, bool *used) {
     }
   bw_free(order);
   if (dropped > 0)
-    bw_remark(c->context, "%s: %lld curves lie on others and were passed over", c->name,
-              (long long)dropped);
+    bw_warn(c->context, "%s: %lld curves lie on others and were passed over", c->name,
+            (long long)dropped);
   return BW_OK;
 }
 

@@ -429,9 +429,9 @@ static bw_status read_section(reader *r, bwi_word name, bool *found) {
     *found = true;
     if (r->unit == 0) {
       r->unit = 1e-3;
-      bw_remark(r->cursor->context,
-                "%s: the drawing does not say what its unit is ($INSUNITS): taken as millimetres",
-                r->cursor->name);
+      bw_warn(r->cursor->context,
+              "%s: the drawing does not say what its unit is ($INSUNITS): taken as millimetres",
+              r->cursor->name);
     }
   }
   for (int64_t n = 0; !bwi_word_is(r->ahead.value, "ENDSEC"); n++) {
@@ -477,10 +477,10 @@ bw_status bwi_dxf_parse(bwi_cursor *cursor, double unit, bwi_contours *contours,
   if (info)
     *info = (bw_read_info){.format = "DXF", .skipped = r.skipped};
   if (r.skipped > 0)
-    bw_remark(cursor->context,
-              "%s: %lld of %lld entities are no flat curves (text, hatches, blocks, ...) and were "
-              "passed over",
-              cursor->name, (long long)r.skipped, (long long)r.entities);
+    bw_warn(cursor->context,
+            "%s: %lld of %lld entities are no flat curves (text, hatches, blocks, ...) and were "
+            "passed over",
+            cursor->name, (long long)r.skipped, (long long)r.entities);
 done:
   bw_free(r.list);
   bw_free(r.number);

@@ -2,7 +2,7 @@
 /* Gmsh files: 4.1 binary, 2.2 text. Nodes and elements are numbered from 1 in mesh order. Regions
  * that are all positive become physical groups; others, which Gmsh has no place for, an element
  * field "region". Fields have 1, 3 or 9 components there: symmetric tensors are written with all
- * nine, other widths filled up with zeros, more than nine left out with a remark. */
+ * nine, other widths filled up with zeros, more than nine left out with a warning. */
 #include "io/raw.h"
 
 #include <stdlib.h>
@@ -81,8 +81,8 @@ static void write_field(bw_context *context, bw_writer *writer, const bw_field *
   bool nodes = field->place == BW_ON_NODES;
   int columns = array->columns == 1 ? 1 : array->columns <= 3 ? 3 : 9;
   if (array->columns > 9) {
-    bw_remark(context, "the field '%s' has %lld components, more than MSH can hold: left out",
-              field->name, (long long)array->columns);
+    bw_warn(context, "the field '%s' has %lld components, more than MSH can hold: left out",
+            field->name, (long long)array->columns);
     return;
   }
   bw_writer_print(writer, "$%sData\n1\n\"", nodes ? "Node" : "Element");

@@ -120,8 +120,8 @@ bw_status bwi_off_parse(bwi_cursor *cursor, bw_surface **surface, bw_read_info *
   BW_TRY(read_vertices(cursor, vertices, &soup));
   BW_TRY(read_facets(cursor, facets, &soup));
   if (next_record(cursor, &line))
-    bw_remark(cursor->context, "%s:%lld: what follows the last of %lld facets was ignored",
-              cursor->name, (long long)line.line, (long long)facets);
+    bw_warn(cursor->context, "%s:%lld: what follows the last of %lld facets was ignored",
+            cursor->name, (long long)line.line, (long long)facets);
   BW_TRY(bwi_soup_finish(&soup, "OFF", false, surface, info));
 done:
   bwi_soup_clear(&soup);

@@ -71,8 +71,8 @@ static bw_status parse_binary(bwi_cursor *cursor, bwi_soup *soup) {
       BW_TRY(bw_check_cancel(cursor->context));
   }
   if (bwi_left(cursor) > 0)
-    bw_remark(cursor->context, "%s: %zu bytes after the last of %u facets were ignored",
-              cursor->name, bwi_left(cursor), count);
+    bw_warn(cursor->context, "%s: %zu bytes after the last of %u facets were ignored", cursor->name,
+            bwi_left(cursor), count);
 done:
   return status;
 }

@@ -410,11 +410,10 @@ static bw_status read_root(reader *r, const bwi_tag *tag, double matrix[6]) {
   else
     unit = 0.0254 / 96;
   if (r->unit == 0 && !absolute[0] && !absolute[1])
-    bw_remark(
-        r->cursor->context,
-        "%s: the drawing has no size in mm or the like: a unit of it is taken as a pixel, 1/96 "
-        "inch",
-        r->cursor->name);
+    bw_warn(r->cursor->context,
+            "%s: the drawing has no size in mm or the like: a unit of it is taken as a pixel, 1/96 "
+            "inch",
+            r->cursor->name);
   const double root[6] = {unit, 0, 0, -unit, 0, unit * (2 * box[1] + box[3])};
   memcpy(matrix, root, sizeof root);
 done:
@@ -512,10 +511,10 @@ bw_status bwi_svg_parse(bwi_cursor *cursor, double unit, bwi_contours *contours,
     *info = (bw_read_info){.format = "SVG", .skipped = r.skipped};
   }
   if (r.skipped > 0)
-    bw_remark(cursor->context,
-              "%s: %lld elements (text, image, use) were passed over: turn them into paths to have "
-              "them read",
-              cursor->name, (long long)r.skipped);
+    bw_warn(cursor->context,
+            "%s: %lld elements (text, image, use) were passed over: turn them into paths to have "
+            "them read",
+            cursor->name, (long long)r.skipped);
 done:
   bw_free(r.stack);
   return status;

@@ -7,7 +7,7 @@
  * for TetGen, `best` the mesh that came closest to the wanted number so far. */
 #include "mesh/fill_internal.h"
 
-#include "base/remark.h"
+#include "base/warning.h"
 #include "mesh/mesh_internal.h"
 
 #include <math.h>
@@ -113,7 +113,7 @@ void bwi_fill_append_log(bw_shape_log *to, const bw_shape_log *from) {
                      from->step[i].text);
 }
 
-/* The end of a remark on a change of the surface: how far it moved (of `size`, where that is above
+/* The end of a warning on a change of the surface: how far it moved (of `size`, where that is above
  * 0), or that the boundary did not leave the input. */
 static const char *describe_move(char text[96], double moved, double size) {
   if (!(moved > 0))
@@ -150,8 +150,8 @@ static bw_status prepare_base(bwi_filler *f, const bw_surface *given) {
     BW_TRY(bw_surface_repair(context, welded, &repair, &made, &f->base_log));
     f->repaired = f->base_log.count > 0;
     if (f->repaired)
-      bw_remark(context, "the surface was repaired (%s)%s", text,
-                describe_move(move, f->base_log.moved, 0));
+      bw_warn(context, "the surface was repaired (%s)%s", text,
+              describe_move(move, f->base_log.moved, 0));
   } else if (report.closed) { /* orientation does not matter to TetGen; it will see the rest */
     BW_TRY(bw_surface_orient(context, welded, &made, NULL));
   } else {
@@ -197,13 +197,13 @@ static bw_status report(bwi_filler *f, bw_mesh *mesh, bw_fill_log *log) {
     if (status != BW_OK)
       return status;
     moved = fmin(moved, f->best_log.moved);
-    bwi_remark_largest(f->context, moved,
-                       "the surface was remeshed to an edge length of about %.3g m%s",
-                       f->best_length, describe_move(move, moved, f->diagonal));
+    bwi_warn_largest(f->context, moved,
+                     "the surface was remeshed to an edge length of about %.3g m%s", f->best_length,
+                     describe_move(move, moved, f->diagonal));
   }
   whole.surface_moved = mesh->surface_moved = f->base_log.moved + moved;
   if (f->options->elements > 0 && f->best_miss > log1p(f->options->tolerance))
-    bw_remark(
+    bw_warn(
         f->context,
         "%lld elements were asked for; %d is the nearest number that %d run%s of TetGen came to%s",
         (long long)f->options->elements, mesh->element_count, f->attempts,

@@ -133,7 +133,7 @@ static bw_status fill_at(bwi_filler *f, bwi_fill_way *how, double length, double
       break;
   }
   if (status == BW_OK && why[0] && *how == WAY_WRAP)
-    bw_remark(f->context, "%s; a surface wrapped around it and remeshed serves instead", why);
+    bw_warn(f->context, "%s; a surface wrapped around it and remeshed serves instead", why);
   return status;
 }
 
@@ -235,13 +235,12 @@ static bw_status search_length(bwi_filler *f, bwi_fill_way *how) {
     int64_t tunnels = tunnels_of(f->surface, 1);
     if (ratio > 1 && *how < WAY_WRAP && 40.0 * (double)tunnels > wanted) {
       /* A wrap would close them, but it also fills the walls' surroundings: not the user's body. */
-      bw_remark(
-          f->context,
-          "the surface has about %lld tunnels, which alone take more elements than wanted: "
-          "walls thinner than the grid that it was made on look like that, and a finer grid "
-          "would keep them. The count is not met; bw_surface_wrap closes tunnels where that is "
-          "what you want",
-          (long long)tunnels);
+      bw_warn(f->context,
+              "the surface has about %lld tunnels, which alone take more elements than wanted: "
+              "walls thinner than the grid that it was made on look like that, and a finer grid "
+              "would keep them. The count is not met; bw_surface_wrap closes tunnels where that is "
+              "what you want",
+              (long long)tunnels);
       break;
     }
     if (ratio > 1)

@@ -9,8 +9,8 @@
 
 /* A force is held where its part along free components is below this share of it. */
 static const double held_share = 1e-9;
-/* A load of which this share of the area lies on supports is a remark. */
-static const double remark_share = 0.05;
+/* A load of which this share of the area lies on supports is a warning. */
+static const double warning_share = 0.05;
 
 /* The part of a nodal force along components that are not held. */
 static double free_part(const bw_dof_map *dof_map, int32_t node, const double force[3]) {
@@ -122,11 +122,11 @@ bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
       bw_detail_number(context, "load", i + 1);
       goto done;
     }
-    if (share >= remark_share)
-      bw_remark(context,
-                "%.2g %% of the area of load %d, a %s, lies on supports: that part of its force "
-                "goes straight into them",
-                100 * share, i + 1, kind_word(load->kind));
+    if (share >= warning_share)
+      bw_warn(context,
+              "%.2g %% of the area of load %d, a %s, lies on supports: that part of its force "
+              "goes straight into them",
+              100 * share, i + 1, kind_word(load->kind));
   }
 done:
   bw_free(force);

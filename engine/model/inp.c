@@ -123,10 +123,10 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
                    "material for all elements",
                    path, model->material->name);
   if (model->material->formulation == BW_B_BAR)
-    bw_remark(context,
-              "%s: the deck has C3D10 elements, which are of the standard formulation; the model's "
-              "are B-bar, and displacements differ where Poisson's ratio is near 0.5",
-              path);
+    bw_warn(context,
+            "%s: the deck has C3D10 elements, which are of the standard formulation; the model's "
+            "are B-bar, and displacements differ where Poisson's ratio is near 0.5",
+            path);
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
   int64_t most = 0;
   for (size_t i = 0; i < 3 * (size_t)mesh->node_count; i++)

@@ -102,10 +102,10 @@ static void warn_of_missed_area(bw_context *context, const bw_selection *on, con
     return;
   bwi_number_string(covered, sizeof covered, area, 4, 0);
   bwi_number_string(meant, sizeof meant, whole, 4, 0);
-  bw_remark(context,
-            "%s covers %s m2 of the %s m2 that lie along the border of its selection: the face is "
-            "not flat to the selection's tolerance; give a larger tolerance or select the face",
-            what, covered, meant);
+  bw_warn(context,
+          "%s covers %s m2 of the %s m2 that lie along the border of its selection: the face is "
+          "not flat to the selection's tolerance; give a larger tolerance or select the face",
+          what, covered, meant);
 }
 
 /* Whether a support (points: may hold a node set) or a load acts on this selection. */

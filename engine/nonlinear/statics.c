@@ -334,7 +334,7 @@ done:
 
 /* A residual that passes as rounding may be as large as the loads themselves, where these are tiny
  * against the stiffest elements: no wrong answer without a word. */
-static void remark_rounding(bwi_newton_state *state) {
+static void warning_rounding(bwi_newton_state *state) {
   double applied = 0;
   bwi_newton_state_measure(state);
   double least = state->noise / state->options->tolerance;
@@ -345,21 +345,21 @@ static void remark_rounding(bwi_newton_state *state) {
   }
   applied = sqrt(applied);
   if (applied > 0 && left > 1e-2 * applied && left > state->options->tolerance * state->reference)
-    bw_remark(state->context,
-              "the loads (%.3g N) are out of balance by %.3g N, which rounding of the stiffest "
-              "elements' forces (%.3g N) hides: the displacements are not to be relied on",
-              applied, left, state->noise);
+    bw_warn(state->context,
+            "the loads (%.3g N) are out of balance by %.3g N, which rounding of the stiffest "
+            "elements' forces (%.3g N) hides: the displacements are not to be relied on",
+            applied, left, state->noise);
 }
 
 /* An unstable equilibrium must not pass for a stable one without a word. */
-static void remark_stability(bwi_newton_state *state) {
+static void warning_stability(bwi_newton_state *state) {
   const bw_newton_report *report = state->report;
   if (report->undecided > 0)
-    bw_remark(state->context,
-              "whether the solid is stable is not known at %d of %d load steps: %d iterations of "
-              "conjugate gradients met no direction in which it gives way, and did not rule one "
-              "out. Solve by a factor (\"direct\") or allow more iterations to find out",
-              report->undecided, report->load_steps, state->options->cg_iterations);
+    bw_warn(state->context,
+            "whether the solid is stable is not known at %d of %d load steps: %d iterations of "
+            "conjugate gradients met no direction in which it gives way, and did not rule one "
+            "out. Solve by a factor (\"direct\") or allow more iterations to find out",
+            report->undecided, report->load_steps, state->options->cg_iterations);
 }
 
 /* Reactions and energies of the state that was reached. */
@@ -381,10 +381,10 @@ static bw_status finish(bwi_newton_state *state, double reached, bw_solid_static
   result->report.contacts = state->now.contacts;
   result->complete = reached >= 1;
   if (bw_solid_locking(state->solid))
-    bw_remark(state->context, "%s", bw_solid_locking(state->solid));
+    bw_warn(state->context, "%s", bw_solid_locking(state->solid));
   if (result->complete)
-    remark_rounding(state);
-  remark_stability(state);
+    warning_rounding(state);
+  warning_stability(state);
 done:
   return status;
 }

@@ -166,14 +166,14 @@ static bool report_conflicts(bw_context *context, const bw_plane_mesh *mesh, int
     reported[count++] = r;
     const double *at = mesh->point + 2 * (i / (size_t)components);
     const bw_name *tag = mesh->outline->tag;
-    bw_remark(context,
-              "conditions conflict at (%.6g, %.6g): tag '%s' prescribes %s = %.6g, tag '%s' "
-              "%.6g; %.6g is used%s",
-              at[0], at[1], a < 0 ? "" : tag[a].text, name[component], r->least,
-              b < 0 ? "" : tag[b].text, r->most, decide(r, component),
-              condition[r->least_by].order == condition[r->most_by].order
-                  ? "; conditions in a list are ordered, and the last one decides"
-                  : ", of the condition that is given last");
+    bw_warn(context,
+            "conditions conflict at (%.6g, %.6g): tag '%s' prescribes %s = %.6g, tag '%s' "
+            "%.6g; %.6g is used%s",
+            at[0], at[1], a < 0 ? "" : tag[a].text, name[component], r->least,
+            b < 0 ? "" : tag[b].text, r->most, decide(r, component),
+            condition[r->least_by].order == condition[r->most_by].order
+                ? "; conditions in a list are ordered, and the last one decides"
+                : ", of the condition that is given last");
   }
   return count > 0;
 }

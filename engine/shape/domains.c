@@ -18,7 +18,7 @@ typedef struct growth {
   double *threshold; /* per bone */
   int32_t *bone;     /* per element */
   double *mean;      /* per element: of the weights at its corners, for that bone */
-  double *highest;   /* per bone: the highest mean of any element, for the remarks */
+  double *highest;   /* per bone: the highest mean of any element, for the warnings */
   int32_t lowered;   /* how many thresholds, and the lowest of them */
   double lowest;
   int32_t *stack, *piece; /* scratch: per element */
@@ -283,29 +283,29 @@ done:
   return status;
 }
 
-enum { REMARKS = 4 }; /* on single bones; of more, their number says enough */
+enum { WARNINGS = 4 }; /* on single bones; of more, their number says enough */
 
-static void remark(growth *g, double share) {
+static void warning(growth *g, double share) {
   if (g->lowered > 0)
-    bw_remark(g->context,
-              "the thresholds of %d of %d bones were lowered, to %.3g at least, so that each has a "
-              "domain of %g %% of what it moves most",
-              g->lowered, g->skeleton->bone_count, g->lowest, 100 * share);
+    bw_warn(g->context,
+            "the thresholds of %d of %d bones were lowered, to %.3g at least, so that each has a "
+            "domain of %g %% of what it moves most",
+            g->lowered, g->skeleton->bone_count, g->lowest, 100 * share);
   int32_t without = 0;
   for (int32_t b = 0; b < g->skeleton->bone_count; b++) {
     bool found = false;
     for (int32_t e = 0; e < g->mesh->element_count && !found; e++)
       found = g->bone[e] == b;
-    if (found || without++ >= REMARKS)
+    if (found || without++ >= WARNINGS)
       continue;
-    bw_remark(g->context,
-              "bone \"%s\" has no domain of its own: the highest mean weight of an element is "
-              "%.3g, its threshold %.3g; lower that threshold, or assign elements to the bone",
-              g->skeleton->bone_name[b].text, g->highest[b], g->threshold[b]);
+    bw_warn(g->context,
+            "bone \"%s\" has no domain of its own: the highest mean weight of an element is "
+            "%.3g, its threshold %.3g; lower that threshold, or assign elements to the bone",
+            g->skeleton->bone_name[b].text, g->highest[b], g->threshold[b]);
   }
-  if (without > REMARKS)
-    bw_remark(g->context, "%d of %d bones have no domain of their own: fewer bones would do",
-              without, g->skeleton->bone_count);
+  if (without > WARNINGS)
+    bw_warn(g->context, "%d of %d bones have no domain of their own: fewer bones would do", without,
+            g->skeleton->bone_count);
 }
 
 static bw_status check_threshold(bw_context *context, double threshold, const char *of) {
@@ -388,7 +388,7 @@ bw_status bw_domains_create(bw_context *context, const bw_mesh *mesh, const bw_s
   BW_TRY(bw_check_cancel(context));
   bwi_guide guide = {weight, NULL};
   BW_TRY(bwi_domains_from_bones(context, mesh, skeleton, g.bone, &guide, domains));
-  remark(&g, share);
+  warning(&g, share);
 done:
   bw_free(threshold);
   bw_free(first);

@@ -4,7 +4,7 @@
  * The mean ratio of a tetrahedron compares it with the regular one W by the map J between them: the
  * geometric over the arithmetic mean of the squares of J's singular values, det(J)^(2/3) / (|J|^2 /
  * 3). In lengths and volume that is 12 (3 V)^(2/3) / (sum of squared edges). */
-#include "shape/mend_internal.h"
+#include "shape/mesh_repair_internal.h"
 
 #include <math.h>
 
@@ -38,8 +38,9 @@ double bwi_judged_quality(const double *const x[4]) {
   return determinant > error ? quality : fmin(quality, 0);
 }
 
-void bw_mesh_judge(const bw_mesh *mesh, const double *node, double floor, bw_mend_report *report) {
-  bw_mend_report r = {.worst = -1, .worst_before = INFINITY};
+void bw_mesh_shape_check(const bw_mesh *mesh, const double *node, double floor,
+                         bw_mesh_repair_report *report) {
+  bw_mesh_repair_report r = {.worst = -1, .worst_before = INFINITY};
   for (int32_t e = 0; e < mesh->element_count; e++) {
     const int32_t *corner = mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
     const double *const x[4] = {node + 3 * (size_t)corner[0], node + 3 * (size_t)corner[1],

@@ -2,7 +2,7 @@
 /* Refilling parts of an edited mesh: what is to be replaced falls into pieces connected through
  * faces; the boundary of each is checked and filled anew (refill_piece.c), and the parts are joined
  * again (refill_join.c). */
-#include "shape/mend_internal.h"
+#include "shape/mesh_repair_internal.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,7 +5,7 @@
  * order, then new ones by piece: corners, and at order 2 the middles of all new edges. An edge of a
  * new element that was there before (along a piece's boundary) has its old middle, so that the
  * parts fit. */
-#include "shape/mend_internal.h"
+#include "shape/mesh_repair_internal.h"
 
 #include <string.h>
 

@@ -7,7 +7,7 @@
  * surfaces that touch themselves in edges and points, too. A result that lacks a facet, has moved a
  * point, or has not the volume inside the surface is not taken. */
 #include "mesh/tetgen_run.h"
-#include "shape/mend_internal.h"
+#include "shape/mesh_repair_internal.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -7,7 +7,7 @@
  * share a free node are one patch; different ones share no free node, hence move nothing of each
  * other's, though both may touch one element. Where a patch cannot be untangled its nodes go back,
  * and it is tried again with more rings. */
-#include "shape/mend_internal.h"
+#include "shape/mesh_repair_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -29,7 +29,7 @@ typedef struct relaxer {
   int32_t *element_of_patch;
   uint8_t *seen;  /* element_count */
   uint8_t *stuck; /* element_count: cannot be mended */
-  bw_mend_report report;
+  bw_mesh_repair_report report;
 } relaxer;
 
 static const int32_t *corners(const relaxer *r, int32_t e) {
@@ -223,8 +223,8 @@ done:
 }
 
 static bw_status refuse(const relaxer *r, int32_t left, const double *before) {
-  bw_mend_report now;
-  bw_mesh_judge(r->mesh, r->node, 0, &now);
+  bw_mesh_repair_report now;
+  bw_mesh_shape_check(r->mesh, r->node, 0, &now);
   const int32_t *c = corners(r, now.worst);
   const double *x = before + 3 * (size_t)c[0];
   int held = 0;
@@ -277,13 +277,13 @@ static void relaxer_clear(relaxer *r) {
 }
 
 bw_status bw_mesh_relax(bw_context *context, const bw_mesh *mesh, const uint8_t *may_move,
-                        double *node, bw_mend_report *report) {
+                        double *node, bw_mesh_repair_report *report) {
   static const int rings[] = {2, 4, 8};
   bw_status status = BW_OK;
   size_t numbers = 3 * (size_t)mesh->node_count;
   relaxer r = {.context = context, .mesh = mesh};
   int32_t *place = NULL, left, nodes = 0;
-  bw_mesh_judge(mesh, node, 0, &r.report);
+  bw_mesh_shape_check(mesh, node, 0, &r.report);
   if (!isfinite(r.report.worst_before)) {
     const int32_t *c = corners(&r, r.report.worst);
     return bw_fail(context, BW_INVALID,

@@ -100,8 +100,8 @@ static bw_status make_sound(bw_context *context, const bw_surface *surface, bw_s
       report.count[BW_DEFECT_NONMANIFOLD_POINT] || report.count[BW_DEFECT_DUPLICATE_FACET] ||
       report.count[BW_DEFECT_ZERO_AREA]) {
     BW_TRY(bw_surface_repair(context, welded, NULL, &repaired, &log));
-    bw_remark(context, "the skeleton is that of the repaired surface (moved by up to %g m)",
-              log.moved);
+    bw_warn(context, "the skeleton is that of the repaired surface (moved by up to %g m)",
+            log.moved);
     bw_surface_report_clear(&report);
     BW_TRY(bw_surface_check(context, repaired, 0, &report));
   }
@@ -227,20 +227,20 @@ static bw_status finish(bw_context *context, const bwi_sketch *sketch, const fra
   return status;
 }
 
-static void remark_cuts(bw_context *context, const bwi_curve *curve, const frame *f) {
+static void warning_cuts(bw_context *context, const bwi_curve *curve, const frame *f) {
   for (int32_t i = 0; i < curve->cut_count; i++) {
     const double *at = curve->cut_at + 3 * (size_t)i;
     double x[3];
     for (int k = 0; k < 3; k++)
       x[k] = f->origin[k] + at[k] / f->scale;
     if (i < 8)
-      bw_remark(context,
-                "the skeleton has a ring, which was cut open at (%.4g, %.4g, %.4g) m: a skeleton "
-                "is a tree",
-                x[0], x[1], x[2]);
+      bw_warn(context,
+              "the skeleton has a ring, which was cut open at (%.4g, %.4g, %.4g) m: a skeleton "
+              "is a tree",
+              x[0], x[1], x[2]);
   }
   if (curve->cut_count > 8)
-    bw_remark(context, "%d more rings of the skeleton were cut open", curve->cut_count - 8);
+    bw_warn(context, "%d more rings of the skeleton were cut open", curve->cut_count - 8);
 }
 
 /* ---- public ---------------------------------------------------------------------------------- */
@@ -279,7 +279,7 @@ bw_status bw_skeleton_extract(bw_context *context, const bw_surface *surface,
     BW_TRY(bwi_sketch_one_bone(context, unit, &sketch));
   BW_TRY(bwi_sketch_settle(context, unit, &sketch));
   BW_TRY(finish(context, &sketch, &f, skeleton));
-  remark_cuts(context, &curve, &f);
+  warning_cuts(context, &curve, &f);
 done:
   bwi_sketch_clear(&sketch);
   bwi_curve_clear(&curve);

@@ -6,7 +6,7 @@
  *   from to [name]           a bone; three flags of 0 or 1 may stand before the name
  *
  * The flags are those of libigl: bone, pseudo-edge, edge of a cage. Edges that are no bones are
- * passed over with a remark. A name is the rest of its line. The format has no place for a root:
+ * passed over with a warning. A name is the rest of its line. The format has no place for a root:
  * where every bone points away from one joint, which is how skeletons are written here, that joint
  * is the root, else the middle one is. */
 #include <math.h>
@@ -242,8 +242,7 @@ bw_status bwi_tgf_parse(bw_context *context, const char *name, const unsigned ch
   if (status == BW_INVALID)
     status = add_line(&cursor, &d);
   if (status == BW_OK && d.skipped)
-    bw_remark(context, "%s: %zu edges are marked as no bones and were passed over", name,
-              d.skipped);
+    bw_warn(context, "%s: %zu edges are marked as no bones and were passed over", name, d.skipped);
 done:
   draft_clear(&d);
   return status;

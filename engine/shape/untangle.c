@@ -16,7 +16,7 @@
  * All free nodes of a patch move together, by limited-memory BFGS. The same steps in the same order
  * every time: no threads here. */
 #include "base/dense.h"
-#include "shape/mend_internal.h"
+#include "shape/mesh_repair_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -40,7 +40,7 @@ static const double *corner_at(const bwi_patch *p, const double *x, int32_t e, i
   return c >= 0 ? x + 3 * (size_t)c : p->fixed + 12 * (size_t)e + 3 * (size_t)k;
 }
 
-double bwi_patch_judge(bwi_patch *patch) {
+double bwi_patch_quality(bwi_patch *patch) {
   patch->worst = INFINITY;
   patch->worst_place = -1;
   for (int32_t e = 0; e < patch->element_count; e++) {
@@ -261,13 +261,13 @@ bw_status bwi_patch_untangle(bw_context *context, bwi_patch *patch, bool *done) 
     return status;
   double reached, best = -INFINITY;
   int idle = 0;
-  *done = bwi_patch_judge(patch) > 0;
+  *done = bwi_patch_quality(patch) > 0;
   if (!*done)
     energy(&m, patch->x, w.gradient); /* for m.lowest; the value does not matter */
   for (int round = 0; round < ROUNDS && !*done && isfinite(m.lowest); round++) {
     m.epsilon = sqrt(1e-6 + 0.04 * fmin(0, m.lowest) * fmin(0, m.lowest));
     BW_TRY(descend(context, &m, &w, 25, 0.02, &reached));
-    *done = bwi_patch_judge(patch) > 0;
+    *done = bwi_patch_quality(patch) > 0;
     energy(&m, patch->x, w.gradient);
     if (m.lowest > best + 1e-3 * fabs(best)) {
       best = m.lowest;
@@ -284,7 +284,7 @@ done:
 bw_status bwi_patch_smooth(bw_context *context, bwi_patch *patch) {
   minimiser m = {.patch = patch, .smoothing = true};
   size_t n = 3 * (size_t)patch->free_count;
-  double reached, before = bwi_patch_judge(patch);
+  double reached, before = bwi_patch_quality(patch);
   workspace w;
   double *kept = BW_NEW(context, double, n);
   if (!kept)
@@ -297,10 +297,10 @@ bw_status bwi_patch_smooth(bw_context *context, bwi_patch *patch) {
   for (int sweep = 0; sweep < 4; sweep++) {
     memcpy(kept, patch->x, n * sizeof *kept);
     BW_TRY(descend(context, &m, &w, 10, INFINITY, &reached));
-    double after = bwi_patch_judge(patch);
+    double after = bwi_patch_quality(patch);
     if (!(after > before)) {
       memcpy(patch->x, kept, n * sizeof *kept);
-      bwi_patch_judge(patch);
+      bwi_patch_quality(patch);
       break;
     }
     if (after < 1.01 * before)

@@ -99,10 +99,10 @@ static bw_status update_or_make(bw_context *context, bw_local_system *local, boo
       inner->lost = false;
     if (status == BW_OK) {
       bw_clear_failure(context);
-      bw_remark(context,
-                "the factor in single precision broke down at node %d: these equations are solved "
-                "in double precision from here on",
-                bad + 1);
+      bw_warn(context,
+              "the factor in single precision broke down at node %d: these equations are solved "
+              "in double precision from here on",
+              bad + 1);
     }
   }
   if (status == BW_SINGULAR)
@@ -146,9 +146,9 @@ bw_status bwi_local_lose_single(bw_context *context, bw_local_system *local, bw_
   bw_status status = BW_OK;
   double start = bw_seconds(), kept = 0;
   local->inner->lost = true;
-  bw_remark(context,
-            "solutions with the factor in single precision do not converge: these equations are "
-            "solved in double precision from here on");
+  bw_warn(context,
+          "solutions with the factor in single precision do not converge: these equations are "
+          "solved in double precision from here on");
   BW_TRY(update_or_make(context, local, true, reuse, &kept));
   is_current(local);
   local->system->times.factor = bw_seconds() - start;

@@ -243,10 +243,10 @@ static bw_status solve(statics *s) {
   bw_clear_failure(context);
   if (s->pcg) {
     if (status == BW_CONVERGENCE)
-      bw_remark(context,
-                "iterating by two-level PCG did not converge in %d iterations; the solution "
-                "is by a factor",
-                s->result->report.iterations);
+      bw_warn(context,
+              "iterating by two-level PCG did not converge in %d iterations; the solution "
+              "is by a factor",
+              s->result->report.iterations);
     BW_TRY(solve_by_factor(s));
   } else {
     s->room = 0; /* there is none */

@@ -122,7 +122,7 @@ bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_ma
   bw_progress(context, "assemble", 0);
   const char *locking = bw_locking(mesh, material);
   if (locking && (!previous || previous->material != material)) /* once, not edit after edit */
-    bw_remark(context, "%s", locking);
+    bw_warn(context, "%s", locking);
   if (previous)
     system->graph = bw_retain(previous->graph);
   else

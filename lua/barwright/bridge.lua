@@ -380,7 +380,7 @@ local function note_designed(self, kept)
 end
 
 -- What to say of the end of a search; nil: nothing.
-local function remark_of(self, last, most)
+local function warning_of(self, last, most)
   if most > 1 then return failing(self, most) end
   if last.converged then return nil end
   if not last.falling then return "the search has not converged: more rounds are needed" end
@@ -441,7 +441,7 @@ function class.design(self, given)
   return {starts = results, start = best.start, area = self.area, utilisation = self.utilisation,
     checked_utilisation = last.checked and last.checked / self.opts.stress_limit,
     checked_elements = last.checked_elements, interrupted = core.interrupted(), passes = most <= 1,
-    converged = last.converged, message = remark_of(self, last, most)}
+    converged = last.converged, message = warning_of(self, last, most)}
 end
 
 -- ---- making --------------------------------------------------------------------------------------

@@ -1,13 +1,13 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Live views: a page on this machine's loopback address where a person picks a bone of an edit session
--- and drags it, or a handle of an outline (bw.responsive). A desk (live_desk, live_plane_desk) does the
--- work; this file makes the server and keeps it going until Ctrl-C.
+-- and drags it, or a handle of an outline (bw.responsive). A controller (live_controller, live_plane_controller)
+-- does the work; this file makes the server and keeps it going until Ctrl-C.
 local beside = require "barwright.beside"
 local core = require "barwright.core"
 local edit = require "barwright.edit"
 local kinds = require "barwright.live_plane_kinds"
-local live_desk = require "barwright.live_desk"
-local live_plane_desk = require "barwright.live_plane_desk"
+local live_controller = require "barwright.live_controller"
+local live_plane_controller = require "barwright.live_plane_controller"
 local options = require "barwright.options"
 
 local live = {}
@@ -81,35 +81,35 @@ local function take(server, seconds)
   return events
 end
 
-local function serve(desk, server)
+local function serve(controller, server)
   while not core.interrupted() do
-    local events = take(server, desk.wait and desk:wait() or 3600)
+    local events = take(server, controller.wait and controller:wait() or 3600)
     if not events then return end
-    desk:handle(events)
-    if desk.idle then desk:idle() end
+    controller:handle(events)
+    if controller.idle then controller:idle() end
   end
 end
 
 -- The pages are told before the connections end.
-local function part_with(desk, server)
-  desk:finish()
-  for client in pairs(desk.clients) do server:disconnect(client, 1001, "the session has ended") end
+local function part_with(controller, server)
+  controller:finish()
+  for client in pairs(controller.clients) do server:disconnect(client, 1001, "the session has ended") end
   local until_ = core.seconds() + 1
   while server.client_count > 0 and core.seconds() < until_ do server:receive(0.02) end
 end
 
--- A desk of what is served, and its page.
-local function desk_for(served, server, opts)
+-- A controller of what is served, and its page.
+local function controller_for(served, server, opts)
   local about = {title = opts.title, name = opts.name, limit = opts.von_mises, saved = opts.saved}
   if kinds.of(served) then
     about.script, about.lines, about.pace, about.paused = opts.script, opts.lines, opts.pace, opts.paused
     about.goal = opts.goal
-    local desk, message, details = live_plane_desk.new(served, server, about)
-    return desk, desk and "plane" or message, details
+    local controller, message, details = live_plane_controller.new(served, server, about)
+    return controller, controller and "plane" or message, details
   end
   about.solve, about.worst, about.ties = opts.solve, opts.worst, opts.ties
-  local desk, message, details = live_desk.new(served, server, about)
-  return desk, desk and "live" or message, details
+  local controller, message, details = live_controller.new(served, server, about)
+  return controller, controller and "live" or message, details
 end
 
 --- Serves a session, or an object of bw.responsive, until Ctrl-C. Options: port, title, name,
@@ -121,9 +121,9 @@ function live.run(served, given)
   local opts = options.read("live", given, kinds.of(served) and outline_rules or session_rules)
   local server, message, details = core.live_server {port = opts.port}
   if not server then return nil, message, details end
-  local desk
-  desk, message, details = desk_for(served, server, opts)
-  if not desk then
+  local controller
+  controller, message, details = controller_for(served, server, opts)
+  if not controller then
     server:close()
     return nil, message, details
   end
@@ -131,9 +131,9 @@ function live.run(served, given)
   -- Ctrl-C while Lua works is an error; the edits are in the journal by then.
   local fine, why = pcall(function()
     if opts.ready then opts.ready(server.address) end
-    serve(desk, server)
+    serve(controller, server)
   end)
-  if fine or core.interrupted() then pcall(part_with, desk, server) end
+  if fine or core.interrupted() then pcall(part_with, controller, server) end
   server:close()
   if not fine and not core.interrupted() then error(why, 0) end
   return served

@@ -55,7 +55,7 @@ end
 -- ---- objects ---------------------------------------------------------------------------------------
 
 -- fields: name -> {check, needed}
-function live_check.read_object(where, value, fields, desk)
+function live_check.read_object(where, value, fields, controller)
   if not live_check.is_object(value) then return nil, where .. ": an object expected" end
   local out = {}
   for key in pairs(value) do
@@ -64,7 +64,7 @@ function live_check.read_object(where, value, fields, desk)
   for key, field in pairs(fields) do
     local given = value[key]
     if given ~= nil then
-      local read, expected = field[1](given, desk)
+      local read, expected = field[1](given, controller)
       if read == nil then return nil, ("%s: '%s': %s expected"):format(where, key, expected) end
       out[key] = read
     elseif field[2] then
@@ -75,7 +75,7 @@ function live_check.read_object(where, value, fields, desk)
 end
 
 --- The message of a text, or nil and why it is none. types: name -> fields
-function live_check.read(text, types, desk)
+function live_check.read(text, types, controller)
   local value, why = json.decode(text)
   if value == nil then return nil, "not JSON: " .. why end
   if not live_check.is_object(value) then return nil, "a JSON object with a 'type' expected" end
@@ -86,7 +86,7 @@ function live_check.read(text, types, desk)
   end
   value.type = nil
   local message
-  message, why = live_check.read_object(kind, value, fields, desk)
+  message, why = live_check.read_object(kind, value, fields, controller)
   if not message then return nil, why end
   message.type = kind
   return message

@@ -85,7 +85,7 @@ function live_frame.shape(scene, state, drag)
   return pack(header, {positions(scene, state)})
 end
 
---- A state of a session, or of a fork of it: `header` has what the desk adds.
+--- A state of a session, or of a fork of it: `header` has what the controller adds.
 function live_frame.state(scene, state, result, header)
   local mesh = state.shape.mesh
   header.type = "state"

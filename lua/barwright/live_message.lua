@@ -29,34 +29,34 @@ local function axis(value)
 end
 
 -- Within reach of the body: 20 times its size.
-local function place(value, desk)
-  local most = 20 * desk.scene.size
+local function place(value, controller)
+  local most = 20 * controller.scene.size
   return vector(number_between(-most, most), ("three numbers of at most %g m"):format(most))(value)
 end
 
-local function bone(value, desk)
+local function bone(value, controller)
   if type(value) == "string" then
-    for _, name in ipairs(desk.session.skeleton.bone_names) do
+    for _, name in ipairs(controller.session.skeleton.bone_names) do
       if name == value then return value end
     end
   end
   return nil, "the name of a bone"
 end
 
-local function joint(value, desk)
+local function joint(value, controller)
   if type(value) == "string" then
-    for _, name in ipairs(desk.session.skeleton.joint_names) do
+    for _, name in ipairs(controller.session.skeleton.joint_names) do
       if name == value then return value end
     end
   end
   return nil, "the name of a joint"
 end
 
-local function bones(value, desk)
+local function bones(value, controller)
   if not is_object(value) or #value > 10000 then return nil, "a list of names of bones" end
   local out, count = {}, 0
   for i, name in ipairs(value) do
-    if not bone(name, desk) then return nil, "a list of names of bones" end
+    if not bone(name, controller) then return nil, "a list of names of bones" end
     out[i] = name
   end
   for _ in pairs(value) do count = count + 1 end
@@ -65,12 +65,12 @@ local function bones(value, desk)
 end
 
 -- Lists of two names and more, no name twice.
-local function ties(value, desk)
+local function ties(value, controller)
   local expected, known, count = "lists of names of bones, none of them twice", {}, 0
   if not is_object(value) or #value > 1000 then return nil, expected end
   local out = json.list {}
   for i, list in ipairs(value) do
-    local tie = bones(list, desk)
+    local tie = bones(list, controller)
     if not tie or #tie < 2 then return nil, expected end
     for _, name in ipairs(tie) do
       if known[name] then return nil, expected end
@@ -87,8 +87,8 @@ end
 
 local turn_fields = {axis = {axis, true}, degrees = {number_between(-3600, 3600), true}}
 
-local function turn(value, desk)
-  return read_object("rotate", value, turn_fields, desk)
+local function turn(value, controller)
+  return read_object("rotate", value, turn_fields, controller)
 end
 
 local change_fields = {
@@ -99,8 +99,8 @@ local change_fields = {
   reset = {one_of(true)},
 }
 
-local function change(value, desk)
-  local out, why = read_object("change", value, change_fields, desk)
+local function change(value, controller)
+  local out, why = read_object("change", value, change_fields, controller)
   if not out then return nil, why .. "; a change" end
   local key = next(out)
   if key and next(out, key) == nil then return out end
@@ -137,8 +137,8 @@ local types = {
 }
 
 --- The message of a text, or nil and why it is none.
-function live_message.read(text, desk)
-  local message, why = checks.read(text, types, desk)
+function live_message.read(text, controller)
+  local message, why = checks.read(text, types, controller)
   if not message then return nil, why end
   if types[message.type].joint and (message.bone == nil) == (message.joint == nil) then
     return nil, message.type .. ": one of 'bone' and 'joint' expected"

@@ -27,7 +27,7 @@ function live_pack.colours()
   return knots
 end
 
---- The header of such a message, and its blocks by name as text: for scripts that talk to a desk.
+--- The header of such a message, and its blocks by name as text: for scripts that talk to a controller.
 function live_pack.read(bytes)
   local length = ("<I4"):unpack(bytes)
   local header = assert(json.decode(bytes:sub(5, 4 + length)))

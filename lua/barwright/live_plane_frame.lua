@@ -26,8 +26,8 @@ local function polygons(outline)
 end
 
 --- The scene of an object: segments, loops, fields, what the page offers.
-function live_plane_frame.scene(desk, id)
-  local object, kind, about = desk.object, desk.kind, desk.about
+function live_plane_frame.scene(controller, id)
+  local object, kind, about = controller.object, controller.kind, controller.about
   local outline = object.outline
   local loops = json.list {}
   for i, loop in ipairs(outline.loops) do
@@ -40,7 +40,7 @@ function live_plane_frame.scene(desk, id)
     fields = json.list(kinds.fields(kind)), deform = kind.deform ~= nil, arrows = kind.arrows ~= nil,
     true_size = kind.true_size or false,
     mirror = kind.mirror or false, stress = kind.stress or false, tune = kind.tune or false,
-    steps = desk.steps, step = desk.steps and object.opts.step or nil, size = desk.size,
+    steps = controller.steps, step = controller.steps and object.opts.step or nil, size = controller.size,
     colours = live_pack.colours(), loops = loops, tags = json.list(outline.tags)}, blocks)
 end
 
@@ -61,7 +61,7 @@ local function as_list(rows)
 end
 
 --- A state: the outline, where the nodes are, the fields that windows look at. `header` has what the
---- desk adds, `shown` is a set of keys of fields.
+--- controller adds, `shown` is a set of keys of fields.
 function live_plane_frame.state(object, kind, shown, header)
   local outline, kept = object.outline, object.reused
   header.type = "state"

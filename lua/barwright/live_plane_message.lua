@@ -11,13 +11,13 @@ local live_plane_message = {}
 
 -- A list of exactly `count` entries, or of any number up to `most`.
 local function list_of(check, count, most, what)
-  return function(value, desk)
+  return function(value, controller)
     if not is_object(value) or count and #value ~= count or #value > (most or count) then
       return nil, what
     end
     local out, entries = {}, 0
     for i = 1, #value do
-      out[i] = check(value[i], desk)
+      out[i] = check(value[i], controller)
       if out[i] == nil then return nil, what end
     end
     for _ in pairs(value) do entries = entries + 1 end
@@ -27,20 +27,20 @@ local function list_of(check, count, most, what)
 end
 
 -- A place or a way, within 20 times the size of the outline.
-local function pair(value, desk)
-  local most = 20 * desk.size
+local function pair(value, controller)
+  local most = 20 * controller.size
   return list_of(number_between(-most, most), 2, nil, ("two numbers of at most %g m"):format(most))(value)
 end
 
-local function edge(value, desk)
-  local count = desk.object.outline.edge_count
+local function edge(value, controller)
+  local count = controller.object.outline.edge_count
   if math.type(value) == "integer" and value >= 1 and value <= count then return value end
   return nil, ("a whole number from 1 to %d"):format(count)
 end
 
-local function loop(value, desk)
+local function loop(value, controller)
   if type(value) == "string" then
-    for _, one in ipairs(desk.object.outline.loops) do
+    for _, one in ipairs(controller.object.outline.loops) do
       if one.name == value then return value end
     end
   end
@@ -49,18 +49,18 @@ end
 
 local handle_fields = {vertex = {edge}, edge = {edge}, loop = {loop}, control = {one_of(1, 2)}}
 
-local function handle(value, desk)
-  local out, why = read_object("handle", value, handle_fields, desk)
+local function handle(value, controller)
+  local out, why = read_object("handle", value, handle_fields, controller)
   if not out then return nil, why .. "; a handle" end
   local count = (out.vertex and 1 or 0) + (out.edge and 1 or 0) + (out.loop and 1 or 0)
-  if count ~= 1 or out.control and not (out.edge and desk.object.outline:edge(out.edge).control) then
+  if count ~= 1 or out.control and not (out.edge and controller.object.outline:edge(out.edge).control) then
     return nil, "one of vertex, edge, loop (and control of an edge that is a curve)"
   end
   return out
 end
 
-local function length(value, desk)
-  return number_between(1e-6 * desk.size, desk.size)(value)
+local function length(value, controller)
+  return number_between(1e-6 * controller.size, controller.size)(value)
 end
 
 local edit_fields = {
@@ -72,19 +72,19 @@ local edit_fields = {
 }
 
 -- {kind = , ...}
-local function edit(value, desk)
+local function edit(value, controller)
   local kind = is_object(value) and value.kind
   local fields = type(kind) == "string" and edit_fields[kind]
   if not fields then return nil, "an edit of kind smooth, hole, remove, split or join" end
   value.kind = nil
-  local out, why = read_object(kind, value, fields, desk)
+  local out, why = read_object(kind, value, fields, controller)
   if not out then return nil, why .. "; an edit" end
   out.kind = kind
   return out
 end
 
-local function field(value, desk)
-  for _, one in ipairs(desk.kind.fields) do
+local function field(value, controller)
+  for _, one in ipairs(controller.kind.fields) do
     if one.key == value then return value end
   end
   return nil, "the key of a field"
@@ -116,8 +116,8 @@ local types = {
 }
 
 --- The message of a text, or nil and why it is none.
-function live_plane_message.read(text, desk)
-  local message, why = checks.read(text, types, desk)
+function live_plane_message.read(text, controller)
+  local message, why = checks.read(text, types, controller)
   if not message then return nil, why end
   if message.type == "begin" and message.pins and not message.handle.vertex then
     return nil, "begin: with 'pins' a vertex is pulled"

@@ -40,7 +40,7 @@ typedef struct lbw_state {
   bool reporting;                 /* the script's progress function runs */
   bool callback_failed;           /* its error value is kept in the registry */
   bool asked;                     /* the progress function asked the call that runs to stop */
-  bool echo;                      /* print remarks on standard error as they come */
+  bool echo;                      /* print warnings on standard error as they come */
   bw_progress_function *progress; /* what shows progress when the script sets no function */
   void *progress_data;
   bw_status last_failure; /* that lbw_leave told */

@@ -197,7 +197,7 @@ static int core_salvage(lua_State *L) {
   bool relist = lua_toboolean(L, 4);
   bw_salvage_report report = {0};
   bw_context *context = lbw_enter(L);
-  bw_clear_remarks(context); /* of earlier calls: there is room for so many only */
+  bw_clear_warnings(context); /* of earlier calls: there is room for so many only */
   int failed = leave(L, bw_database_salvage(context, damaged, to, schema, relist, &report), 0);
   if (failed)
     return failed;
@@ -213,8 +213,8 @@ static int core_salvage(lua_State *L) {
   lua_pushboolean(L, report.relisted);
   lua_setfield(L, -2, "relisted");
   lua_newtable(L);
-  for (int i = 0; bw_remark_at(context, i); i++) {
-    lua_pushstring(L, bw_remark_at(context, i));
+  for (int i = 0; bw_warning_at(context, i); i++) {
+    lua_pushstring(L, bw_warning_at(context, i));
     lua_rawseti(L, -2, i + 1);
   }
   lua_setfield(L, -2, "log");

@@ -17,7 +17,7 @@ static double *check_nodes(lua_State *L, int argument, const bw_mesh *mesh) {
   return node;
 }
 
-static int push_report(lua_State *L, const bw_mend_report *report) {
+static int push_report(lua_State *L, const bw_mesh_repair_report *report) {
   lua_createtable(L, 0, 6);
   lua_pushinteger(L, report->inverted);
   lua_setfield(L, -2, "inverted");
@@ -54,9 +54,9 @@ static int mesh_judge(lua_State *L) {
   const bw_mesh *mesh = check_mesh(L);
   double floor = lua_isnoneornil(L, 3) ? 0 : lbw_check_real(L, 3, "floor");
   const double *node = check_nodes(L, 2, mesh);
-  bw_mend_report report;
+  bw_mesh_repair_report report;
   memset(&report, 0, sizeof report);
-  bw_mesh_judge(mesh, node, floor, &report);
+  bw_mesh_shape_check(mesh, node, floor, &report);
   return push_report(L, &report);
 }
 
@@ -67,7 +67,7 @@ static int mesh_relax(lua_State *L) {
   const uint8_t *may_move = lbw_to_mask(L, 3, "mask", mesh->node_count);
   double *out = (double *)lbw_push_array(L, BW_F64, mesh->node_count, 3)->data;
   memcpy(out, node, 3 * (size_t)mesh->node_count * sizeof *out);
-  bw_mend_report report;
+  bw_mesh_repair_report report;
   memset(&report, 0, sizeof report);
   bw_status status = bw_mesh_relax(lbw_enter(L), mesh, may_move, out, &report);
   if (status != BW_OK)

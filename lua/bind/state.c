@@ -54,10 +54,10 @@ bw_context *lbw_enter(lua_State *L) {
   return state->context;
 }
 
-static void echo_remarks(lbw_state *state) {
-  for (int i = 0; bw_remark_at(state->context, i); i++)
-    fprintf(stderr, "barwright: %s\n", bw_remark_at(state->context, i));
-  bw_clear_remarks(state->context);
+static void echo_warnings(lbw_state *state) {
+  for (int i = 0; bw_warning_at(state->context, i); i++)
+    fprintf(stderr, "barwright: %s\n", bw_warning_at(state->context, i));
+  bw_clear_warnings(state->context);
 }
 
 /* Raises the error of a callback, if there was one. What was asked of this call is not of the next.
@@ -68,8 +68,8 @@ static void finish(lua_State *L, lbw_state *state) {
   if (state->asked && !state->stopping)
     bw_clear_cancel(state->context);
   state->asked = false;
-  if (state->echo && bw_remark_at(state->context, 0))
-    echo_remarks(state);
+  if (state->echo && bw_warning_at(state->context, 0))
+    echo_warnings(state);
   if (state->callback_failed) {
     state->callback_failed = false;
     bw_clear_cancel(state->context);
@@ -260,21 +260,21 @@ static int core_threads(lua_State *L) {
   return 1;
 }
 
-static int core_remarks(lua_State *L) {
+static int core_warnings(lua_State *L) {
   bw_context *context = lbw_state_of(L)->context;
   lua_newtable(L);
-  for (int i = 0; bw_remark_at(context, i); i++) {
-    lua_pushstring(L, bw_remark_at(context, i));
+  for (int i = 0; bw_warning_at(context, i); i++) {
+    lua_pushstring(L, bw_warning_at(context, i));
     lua_rawseti(L, -2, i + 1);
   }
-  bw_clear_remarks(context);
+  bw_clear_warnings(context);
   return 1;
 }
 
-/* remark(text): what a caller is to know of work that went well */
-static int core_remark(lua_State *L) {
+/* warn(text): what a caller is to know of work that went well */
+static int core_warn(lua_State *L) {
   const char *text = lbw_check_text(L, 1, NULL);
-  bw_remark(lbw_enter(L), "%s", text);
+  bw_warn(lbw_enter(L), "%s", text);
   return lbw_leave(L, BW_OK, 0);
 }
 
@@ -341,8 +341,8 @@ static int core_library_versions(lua_State *L) {
 static const luaL_Reg functions[] = {{"progress", core_progress},
                                      {"report_progress", core_report_progress},
                                      {"threads", core_threads},
-                                     {"remark", core_remark},
-                                     {"remarks", core_remarks},
+                                     {"warn", core_warn},
+                                     {"warnings", core_warnings},
                                      {"interrupted", core_interrupted},
                                      {"seconds", core_seconds},
                                      {"sha256", core_sha256},

@@ -213,7 +213,7 @@ void program_prompt(lua_State *L) {
   int base = lua_gettop(L);
   int status;
   program_ignore_interrupt();
-  lbw_state_of(L)->echo = true; /* a script takes the remarks itself */
+  lbw_state_of(L)->echo = true; /* a script takes the warnings itself */
   while ((status = read_statement(L)) >= 0) {
     if (status == LUA_OK) {
       program_catch_interrupt(L);

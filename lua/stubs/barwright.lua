@@ -133,15 +133,15 @@ function bw.progress(f) end
 ---@return integer threads (count) the number in force
 function bw.threads(n) end
 
----The engine's remarks since the last call, such as "the surface was repaired: ...", the oldest first. The prompt
----prints remarks by itself.
+---The engine's warnings since the last call, such as "the surface was repaired: ...", the oldest first. The prompt
+---prints warnings by itself.
 ---```lua
 ---local surface = bw.surface.sphere {radius = 0.01}
 ---assert(bw.mesh.fill(surface, {elements = 500}))
----for _, text in ipairs(bw.remarks()) do print(text) end
+---for _, text in ipairs(bw.warnings()) do print(text) end
 ---```
----@return string[] remarks sentences
-function bw.remarks() end
+---@return string[] warnings sentences
+function bw.warnings() end
 
 ---Whether Ctrl-C was pressed. A loop that continues after failed cases asks for it.
 ---```lua

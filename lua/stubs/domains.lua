@@ -10,7 +10,7 @@
 local bw = {}
 
 ---Cuts a mesh into domains along a skeleton: those of type R follow one bone, those of type F lie between and are blended. A bone
----without a domain is a remark.
+---without a domain is a warning.
 ---
 ---Errors: singular (the equations of the blending have no solution), memory (a factor does not fit).
 ---

@@ -12,7 +12,7 @@
 local mesh_module = {}
 
 ---Fills a surface with tetrahedra by TetGen, in a child process with limits. The surface is repaired, remeshed or wrapped
----where that is needed; log and remarks tell.
+---where that is needed; log and warnings report it.
 ---
 ---Errors: geometry (the surface cannot be filled), limit (time or memory; `details.limit` says which).
 ---

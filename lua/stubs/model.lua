@@ -42,7 +42,7 @@ function bw.model(options) end
 ---@field mesh bw.Mesh its mesh
 ---@field material bw.Material its material, with the formulation of its elements
 ---@field formulation "standard"|"b_bar" of its elements
----@field locking string? a warning of volumetric locking, with its cure, where standard elements have a Poisson's ratio above 0.48; nil otherwise. A solution remarks it
+---@field locking string? a warning of volumetric locking, with its cure, where standard elements have a Poisson's ratio above 0.48; nil otherwise. A solution reports it
 ---@field loads bw.Load[] in the order in which they were added
 ---@field supports bw.Support[] in the order in which they were added
 local Model = {}
@@ -62,7 +62,7 @@ local Model = {}
 ---@field displacement (number|false)[] (m, 3) prescribed, false where it leaves a direction free
 ---@field direction? bw.Vector (-) the normal of a sliding support that was given one
 
----Fixes a selection in all directions. A selection without a facet raises, unless it is a node set. A remark tells where it
+---Fixes a selection in all directions. A selection without a facet raises, unless it is a node set. A warning states where it
 ---misses more than a tenth of a face along its border.
 ---@param selection bw.Selection what is fixed
 ---@return bw.Model self
@@ -163,7 +163,7 @@ function Model:free_motions() end
 ---Solves the static problem. With `error` the mesh is refined until the estimated error of one quantity is small enough.
 ---
 ---A load that is not balanced on a free body is refused, unless `inertia_relief` is set. A body whose whole boundary is fixed,
----and a load on supports only, raise. A remark tells where 5 % or more of a load's area lies on supports.
+---and a load on supports only, raise. A warning states where 5 % or more of a load's area lies on supports.
 ---
 ---Without `with`, the solver is chosen by counted costs: a sparse Cholesky factor, or conjugate gradients with a two-level
 ---preconditioner (PCG over quadratic and linear elements) where that costs less than half, or where the factor would take more than 4 GB or more

@@ -20,7 +20,7 @@
 ---formula in x, y and t, or a function of them. Where edges of different tags meet, what one of them
 ---prescribes holds over what the other leaves free; of two prescribed values the one nearest to 0 (of
 ---temperatures the middle). conditions = {{tag = ...}, {tag = ...}}, a list of such tables, has an order: later
----entries decide over earlier ones. bw.remarks() names conflicts.
+---entries decide over earlier ones. bw.warnings() names conflicts.
 ---@class bw.ResponsiveModule
 local responsive_module = {}
 

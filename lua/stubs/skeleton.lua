@@ -64,7 +64,7 @@ function skeleton_module.create(options) end
 ---@field name? string of at most 47 bytes. Default: "bone 2" and so on
 
 ---The curve skeleton of a surface as joints and bones, by CGAL's mean curvature flow in a child process. A ring is cut open, with a
----remark. An open surface is repaired first, with a remark.
+---warning. An open surface is repaired first, with a warning.
 ---
 ---Errors: geometry (the surface has several shells, no size, or cannot be repaired), limit (it took longer than `minutes`).
 ---```lua

@@ -85,7 +85,7 @@ function bw.solid(options) end
 ---@field node_count integer
 ---@field mass bw.Array of nodes, kg
 ---@field levels integer how many times it was made coarse
----@field locking string? a warning of volumetric locking and its cure, or nil; a solve remarks it as well
+---@field locking string? a warning of volumetric locking and its cure, or nil; a solve reports it as well
 local Solid = {}
 
 ---Holds nodes; or moves them by {x, y, z} (m), where false leaves a component free; or by a function of

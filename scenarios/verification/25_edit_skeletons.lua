@@ -67,7 +67,7 @@ scenario("Skeletons of real models", {tags = {"slow", "models"}}, function(t)
         rows[#rows + 1] = {name, surface.triangle_count, skeleton.bone_count, out,
           ("%.0f %%"):format(100 * share_inside(skeleton, inside))}
       end
-      bw.remarks()
+      bw.warnings()
     end
   end
   expect(outside, "joints outside"):below(0, {how = ("%d joints of %d models"):format(joints, #rows)})

@@ -108,14 +108,14 @@ local function domain_counts(domains)
     elements_f = count.elements_F}
 end
 
-local function remarks_into(list)
-  for _, remark in ipairs(bw.remarks()) do list[#list + 1] = remark end
+local function warnings_into(list)
+  for _, warning in ipairs(bw.warnings()) do list[#list + 1] = warning end
 end
 
 -- The edits, one by one; into `result` and the folder of `results`. Returns nil, message, details when
 -- one cannot be solved.
 local function replay(session, scene, result, results)
-  remarks_into(result.remarks)
+  warnings_into(result.remarks)
   result.domains = domain_counts(session.domains)
   print(("  %d bones, %d domains of type R with %d elements, %d of type F with %d"):format(result.bones,
     result.domains.type_r, result.domains.elements_r, result.domains.type_f, result.domains.elements_f))
@@ -145,7 +145,7 @@ local function replay(session, scene, result, results)
       print(("  %-28s refused: %s"):format(edit[1], message))
     end
   end
-  remarks_into(result.remarks)
+  warnings_into(result.remarks)
   local message, details
   static, message, details = session:solve()
   if not static then return nil, message, details end
@@ -215,7 +215,7 @@ local function run(scene, opts, out)
   if bw.interrupted() then message, details = "interrupted", {status = "cancelled"} end
   result.finished = fine and done ~= nil and not bw.interrupted()
   if not result.finished then result.message, result.status = message, details.status end
-  remarks_into(result.remarks)
+  warnings_into(result.remarks)
   if session then assert(session:save(results:path "edits.lua")) end
   result.seconds_total = bw.seconds() - start
   result.peak_memory_bytes = bw.results.peak_memory()

@@ -140,12 +140,12 @@ local function checked(status, f, ...)
   return table.unpack(values, 2, values.n)
 end
 
-local remarks = bw.json.list {}
+local warnings = bw.json.list {}
 
-local function say_remarks()
-  for _, remark in ipairs(bw.remarks()) do
-    remarks[#remarks + 1] = remark
-    print("  " .. remark)
+local function report_warnings()
+  for _, warning in ipairs(bw.warnings()) do
+    warnings[#warnings + 1] = warning
+    print("  " .. warning)
   end
 end
 
@@ -155,7 +155,7 @@ local refusals = {format = true, geometry = true, io = true, unsupported = true,
 -- A world's failure in preparing the input: refused when the input is to blame.
 local function prepared(value, message, details, path)
   if value then return value, message end
-  say_remarks()
+  report_warnings()
   if details and details.status == "cancelled" then stop(INTERRUPTED, message) end
   if path and not message:find(path, 1, true) then message = path .. ": " .. message end
   stop(details and refusals[details.status] and REFUSED or UNFINISHED, message)
@@ -176,7 +176,7 @@ local function main()
     local mesh, log, details = checked(REFUSED, bw.mesh.fill, surface,
       {elements = opts.elements, order = opts.order})
     prepared(mesh, log, details, path)
-    say_remarks()
+    report_warnings()
     result.repaired, result.surface_moved_m = log.repaired, log.surface_moved
     result.attempts = log.attempts
     result.seconds_repair, result.seconds_remesh = log.seconds_repair, log.seconds_remesh
@@ -269,7 +269,7 @@ local function main()
   -- Keeps what is done: result.json then says "finished": false and why.
   local function unfinished(message, details)
     result.message, result.status = message, details and details.status
-    result.remarks = remarks
+    result.remarks = warnings
     result.seconds_total = bw.seconds() - start
     results:write(result)
     stop(details and details.status == "cancelled" and INTERRUPTED or UNFINISHED, message)
@@ -281,7 +281,7 @@ local function main()
     certificate = opts.certificate,
     modes = opts.modes, regions = opts.regions, fraction = opts.fraction,
     measure = opts.measure, target = opts.target, laplacian = opts.laplacian, method = opts.method})
-  say_remarks()
+  report_warnings()
   if not worst then unfinished(message, details) end
 
   result.max_principal_pa, result.max_principal_at_m = worst.max_principal, worst.at
@@ -319,7 +319,7 @@ local function main()
   result.seconds_outputs = bw.seconds() - outputs_start
   result.seconds_total = bw.seconds() - start
   result.peak_memory_bytes = bw.results.peak_memory()
-  result.remarks = remarks
+  result.remarks = warnings
   result.finished = true
   left(results:write(result))
 

@@ -160,7 +160,7 @@ static inline void parse_bytes(const char *format, const unsigned char *bytes, s
     if (!surface_only)
       parse_mesh(name, copy, count);
   }
-  bw_clear_remarks(parse_context());
+  bw_clear_warnings(parse_context());
   parse_require(bw_live_blocks() <= blocks);
   free(copy);
 }

@@ -19,7 +19,7 @@ static inline bw_context *parse_context(void) {
     parse_require(context != NULL && bw_set_threads(context, 1) == BW_OK);
   }
   bw_clear_failure(context);
-  bw_clear_remarks(context);
+  bw_clear_warnings(context);
   return context;
 }
 

@@ -462,7 +462,7 @@ describe("commands that compute", function()
   it("worst refines until the error asked for", function()
     local command, given = commands.load "worst", nil
     local breaking_force, silent = bw.breaking_force, function() end
-    local deaf = {say = silent, json = silent, remarks = silent, fail = silent}
+    local deaf = {say = silent, json = silent, warnings = silent, fail = silent}
     bw.breaking_force = function(_, options) given = options return nil, "enough", {status = "limit"} end
     for _, words in ipairs {{}, {"--error", "0.1"}, {"--error", "0.1", "--elements", "300000"}} do
       command.run(assert(arguments.parse(command, {beam, table.unpack(words)})), deaf)

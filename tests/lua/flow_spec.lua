@@ -36,7 +36,7 @@ describe("conditions that meet at a corner", function()
   end
 
   it("do not obey their names", function()
-    bw.remarks()
+    bw.warnings()
     local s = cavity("ceiling", unordered)
     assert.equal(0, (s:at(0, 1)))
     assert.equal(0, (s:at(1, 1)))
@@ -46,7 +46,7 @@ describe("conditions that meet at a corner", function()
       .. "conditions in a list are ordered, and the last one decides"}, (function(list)
         table.sort(list)
         return list
-      end)(bw.remarks()))
+      end)(bw.warnings()))
     for _, lid in ipairs {"top", "a", "z"} do
       local other = cavity(lid, unordered)
       for _, y in ipairs {0.1, 0.5, 0.9} do assert.same({s:at(0.5, y)}, {other:at(0.5, y)}) end
@@ -54,7 +54,7 @@ describe("conditions that meet at a corner", function()
   end)
 
   it("obey the order of a list, the last one first", function()
-    bw.remarks()
+    bw.warnings()
     for lid_last, corner in pairs {[true] = 1, [false] = 0} do
       for _, lid in ipairs {"ceiling", "top"} do
         local s = cavity(lid, function(name)
@@ -63,7 +63,7 @@ describe("conditions that meet at a corner", function()
         end)
         assert.equal(corner, (s:at(0, 1)))
         local wanted = ("%d is used, of the condition that is given last"):format(corner)
-        assert.is_truthy(bw.remarks()[1]:find(wanted, 1, true))
+        assert.is_truthy(bw.warnings()[1]:find(wanted, 1, true))
       end
     end
   end)
@@ -81,11 +81,11 @@ describe("conditions that meet at a corner", function()
   end)
 
   it("that agree are no conflict", function()
-    bw.remarks()
+    bw.warnings()
     cavity("top", function(name)
       return {[name] = {x = "x*(1 - x)", y = 0}, floor = "wall", left = "wall", right = "wall"}
     end)
-    assert.same({}, bw.remarks())
+    assert.same({}, bw.warnings())
   end)
 
   it("are refused as a list that is none", function()

@@ -87,7 +87,7 @@ describe("an object", function()
       part:prescribe(mesh.boundary:above(1, 1), static.displacement)
       part:temperature(static.von_mises, 1e-12)
       assert(part:solve())
-      bw.remarks()
+      bw.warnings()
     end
     solve_again()
     local _, blocks = settle()

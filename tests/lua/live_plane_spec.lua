@@ -1,11 +1,11 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The desk of the plane's live view, through a table in place of its server, and its file of edits. The
+-- The controller of the plane's live view, through a table in place of its server, and its file of edits. The
 -- page is tested in tests/pages/plane.mjs.
 local bw = require "barwright"
 local core = require "barwright.core"
 local edits = require "barwright.live_plane_edits"
 local kinds = require "barwright.live_plane_kinds"
-local live_plane_desk = require "barwright.live_plane_desk"
+local live_plane_controller = require "barwright.live_plane_controller"
 local live_pack = require "barwright.live_pack"
 local check = require "check"
 local live_talk = require "live_talk"
@@ -14,8 +14,8 @@ local function made(name)
   return assert(dofile(check.root .. "/tests/lua/live_plane/" .. name .. ".lua"))
 end
 
-local function desk_on(object, about)
-  return live_talk(live_plane_desk, object, about, function(bytes, server)
+local function controller_on(object, about)
+  return live_talk(live_plane_controller, object, about, function(bytes, server)
     local message, blocks = live_pack.read(bytes)
     server.blocks[message.type] = blocks
     return message
@@ -26,9 +26,9 @@ local function points_of(object)
   return object.outline.points:tostring "<f8"
 end
 
-describe("a desk in the plane", function()
+describe("a controller in the plane", function()
   it("tells a window the scene, the mesh and the state", function()
-    local talk = desk_on(made "steady", {limit = 30e6})
+    local talk = controller_on(made "steady", {limit = 30e6})
     local got = talk.open(3)
     assert.equal("welcome", got[1].type)
     assert.equal("scene", got[2].type)
@@ -50,7 +50,7 @@ describe("a desk in the plane", function()
   end)
 
   it("makes one edit of a drag, of moves that wait only the newest, each from where the drag began", function()
-    local talk = desk_on(made "steady")
+    local talk = controller_on(made "steady")
     talk.open(1)
     talk.open(2)
     local handle = {loop = "hole"}
@@ -82,7 +82,7 @@ describe("a desk in the plane", function()
   end)
 
   it("counts the levels and tells a new mesh only where there is one", function()
-    local talk = desk_on(made "steady")
+    local talk = controller_on(made "steady")
     talk.open(1)
     talk.say(1, {type = "begin", handle = {loop = "hole"}, seq = 1})
     local _, all = talk.say(1, {type = "move", seq = 2, by = {1e-4, 0}})
@@ -104,7 +104,7 @@ describe("a desk in the plane", function()
   end)
 
   it("says why it refuses, and keeps the last good shape", function()
-    local talk = desk_on(made "steady")
+    local talk = controller_on(made "steady")
     talk.open(1)
     talk.say(1, {type = "begin", handle = {loop = "hole"}, seq = 1})
     talk.say(1, {type = "move", seq = 2, by = {0.01, 0}})
@@ -115,11 +115,11 @@ describe("a desk in the plane", function()
     assert.equal('assert(object:drag({loop = "hole"}, {0.01, 0}))', talk.say(1, {type = "end"}).script[1])
     answer = talk.say(1, {type = "edit", edit = {kind = "hole", at = {5 / 3, 0.05}, radius = 0.01}})
     assert.equal("refused", answer.type)
-    assert.equal(1, talk.desk.position - 1)
+    assert.equal(1, talk.controller.position - 1)
   end)
 
   it("ends a drag whose window is closed", function()
-    local talk = desk_on(made "steady")
+    local talk = controller_on(made "steady")
     talk.open(1)
     talk.open(2)
     talk.say(1, {type = "begin", handle = {vertex = 3}, seq = 1})
@@ -131,7 +131,7 @@ describe("a desk in the plane", function()
   end)
 
   it("makes holes, smooths, splits, joins, pulls, removes; and the lines make it again", function()
-    local talk = desk_on(made "steady", {script = "steady.lua"})
+    local talk = controller_on(made "steady", {script = "steady.lua"})
     talk.open(1)
     local function edit(e)
       local answer = talk.say(1, {type = "edit", edit = e})
@@ -148,7 +148,7 @@ describe("a desk in the plane", function()
     edit {kind = "smooth"}
     edit {kind = "join", vertex = 4}
     edit {kind = "remove", loop = "hole 1"}
-    assert.equal(7, talk.desk.position - 1)
+    assert.equal(7, talk.controller.position - 1)
     local points = points_of(talk.object)
     talk.say(1, {type = "export", format = "lua"})
     local script, lines = edits.read(talk.server.files["outline.lua"])
@@ -157,17 +157,18 @@ describe("a desk in the plane", function()
     local again = made "steady"
     for _, line in ipairs(lines) do assert(edits.replay(again, line)) end
     assert.equal(points, points_of(again))
-    -- and a desk begins with them, so that they can be undone
-    local later = desk_on(made "steady", {lines = lines})
+    -- and a controller begins with them, so that they can be undone
+    local later = controller_on(made "steady", {lines = lines})
     later.open(1)
     assert.equal(6, later.say(1, {type = "undo"}).edits)
-    assert.truthy(select(2, desk_on(made "steady", {lines = {"assert(object:melt())"}})):find "edit 1, .*melt")
+    local _, err = controller_on(made "steady", {lines = {"assert(object:melt())"}})
+    assert.truthy(err:find "edit 1, .*melt")
   end)
 
   it("keeps the edits in a file before they are told, and the file runs", function()
     local folder = check.folder()
     local save = folder .. "/kept.lua"
-    local talk = desk_on(made "steady", {saved = save,
+    local talk = controller_on(made "steady", {saved = save,
       script = check.root .. "/tests/lua/live_plane/steady.lua"})
     talk.open(1)
     talk.say(1, {type = "begin", handle = {edge = 2}, seq = 1})
@@ -187,7 +188,7 @@ describe("a desk in the plane", function()
   end)
 
   it("sends the fields that some window looks at", function()
-    local talk = desk_on(made "steady")
+    local talk = controller_on(made "steady")
     talk.open(1)
     talk.open(2)
     local state = talk.say(2, {type = "show", field = "displacement"})
@@ -199,7 +200,7 @@ describe("a desk in the plane", function()
   end)
 
   it("goes back from a cancelled drag with the next message, where it could not at once", function()
-    local talk = desk_on(made "vibration")
+    local talk = controller_on(made "vibration")
     talk.open(1)
     local before = points_of(talk.object)
     talk.say(1, {type = "begin", handle = {loop = "window"}, seq = 1})
@@ -214,7 +215,7 @@ describe("a desk in the plane", function()
 
   it("makes no edit that it cannot keep", function()
     local folder = check.folder()
-    local talk = desk_on(made "steady", {saved = folder .. "/edits.lua", script = "made.lua"})
+    local talk = controller_on(made "steady", {saved = folder .. "/edits.lua", script = "made.lua"})
     talk.open(1)
     local function drag()
       talk.say(1, {type = "begin", handle = {loop = "hole"}, seq = 1})
@@ -222,59 +223,59 @@ describe("a desk in the plane", function()
       return select(2, talk.say(1, {type = "end"}))
     end
     drag()
-    local before, position = points_of(talk.object), talk.desk.position
+    local before, position = points_of(talk.object), talk.controller.position
     os.execute("rm -r '" .. folder .. "'")
     for _, act in ipairs {drag, function() return select(2, talk.say(1, {type = "undo"})) end} do
       local all, told = act(), nil
       for _, message in ipairs(all) do told = told or message.type == "refused" and message.message end
       assert.truthy(told and told:find "cannot be kept")
       assert.equal(before, points_of(talk.object))
-      assert.equal(position, talk.desk.position)
+      assert.equal(position, talk.controller.position)
     end
   end)
 
   it("lets time go on at its own pace while a window is open, through drags, until it is paused", function()
-    local talk = desk_on(made "vibration")
-    assert.equal(3600, talk.desk:wait())
+    local talk = controller_on(made "vibration")
+    assert.equal(3600, talk.controller:wait())
     talk.open(1)
-    assert.equal(0, talk.desk:wait())
+    assert.equal(0, talk.controller:wait())
     local before = core.seconds()
-    talk.desk:idle()
+    talk.controller:idle()
     check.near(2e-3, talk.object.time, 1e-12)
-    assert.is_true(talk.desk.due > before)
-    talk.desk.due = core.seconds() + 1000
-    assert.is_true(talk.desk:wait() > 0)
-    talk.desk:idle() -- nothing is due
+    assert.is_true(talk.controller.due > before)
+    talk.controller.due = core.seconds() + 1000
+    assert.is_true(talk.controller:wait() > 0)
+    talk.controller:idle() -- nothing is due
     check.near(2e-3, talk.object.time, 1e-12)
     talk.say(1, {type = "pace", steps = 5})
     talk.say(1, {type = "begin", handle = {loop = "window"}, seq = 1})
     local _, all = talk.say(1, {type = "move", seq = 2, by = {0, -0.01}})
     assert.equal(0, #all) -- the step that is due next shows it
-    talk.desk.due, talk.desk.a_step = 0, 1e-6 -- a machine that has time for all five
-    talk.desk:idle()
+    talk.controller.due, talk.controller.a_step = 0, 1e-6 -- a machine that has time for all five
+    talk.controller:idle()
     all = talk.server.got[1]
     assert.equal(2, all[#all].drag.seq)
     assert.equal("relocation", all[#all].level)
     check.near(12e-3, all[#all].time, 1e-12)
     talk.say(1, {type = "end"})
     assert.is_false(talk.say(1, {type = "pace", running = false}).running)
-    assert.equal(3600, talk.desk:wait())
-    assert.equal("refused", desk_on(made "steady").say(1, {type = "pace", running = true}).type)
+    assert.equal(3600, talk.controller:wait())
+    assert.equal("refused", controller_on(made "steady").say(1, {type = "pace", running = true}).type)
   end)
 
   it("stops the time where a step fails, and says why", function()
     local object = made "vibration"
-    local talk = desk_on(object)
+    local talk = controller_on(object)
     talk.open(1)
     rawset(object, "step", function() return nil, "the house fell down" end)
-    talk.desk:idle()
+    talk.controller:idle()
     local got = talk.server.got[1]
     assert.equal("the house fell down", got[#got].trouble)
     assert.is_false(got[#got].running)
   end)
 
   it("tells the tone, and tunes in sight; stop brings the shape back", function()
-    local talk = desk_on(made "bar")
+    local talk = controller_on(made "bar")
     local got = talk.open(1)
     local state = got[#got]
     check.near(talk.object.frequency, state.frequency, 1e-12)
@@ -309,7 +310,7 @@ describe("a desk in the plane", function()
       holes = {bw.outline.circle {centre = {0.6, 0.5}, radius = 0.12, name = "body", tag = "body"}}})
     local flow = assert(bw.responsive.flow {outline = tunnel, viscosity = 0.02, elements = 400, steady = true,
       conditions = {inlet = {x = 1, y = 0}, sides = {y = 0}, body = "wall"}})
-    local talk = desk_on(flow)
+    local talk = controller_on(flow)
     talk.open(1)
     local function bits() return flow.velocity:tostring "<f8" .. flow.points:tostring "<f8" end
     local states = {bits()}
@@ -335,9 +336,9 @@ describe("a desk in the plane", function()
 
   it("shows flows with arrows", function()
     for _, name in ipairs {"flow", "kettle"} do
-      local talk = desk_on(made(name))
+      local talk = controller_on(made(name))
       talk.open(1)
-      talk.desk:idle()
+      talk.controller:idle()
       local got = talk.server.got[1]
       local state = got[#got]
       assert.is_nil(state.trouble)
@@ -346,14 +347,14 @@ describe("a desk in the plane", function()
       assert.truthy(state.told[1][1]:find(name == "flow" and "force on cylinder" or "heat in at bottom"))
     end
     -- a hole in a stream is a wall
-    local stream = desk_on(made "flow")
+    local stream = controller_on(made "flow")
     stream.open(1)
     stream.say(1, {type = "edit", edit = {kind = "hole", at = {1.5, 0.5}, radius = 0.1}})
-    assert.truthy(stream.desk.history[2].line:find 'tag = "cylinder"')
+    assert.truthy(stream.controller.history[2].line:find 'tag = "cylinder"')
   end)
 
   it("answers what is no message with what was expected, and changes nothing", function()
-    local talk = desk_on(made "steady")
+    local talk = controller_on(made "steady")
     talk.open(1)
     local before = points_of(talk.object)
     for text, expected in pairs {
@@ -387,7 +388,7 @@ describe("a desk in the plane", function()
   end)
 
   it("stands through random messages with wild values", function()
-    local talk = desk_on(made "steady")
+    local talk = controller_on(made "steady")
     talk.open(1)
     local seed = 7
     local function random(n)

@@ -1,9 +1,9 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The live view's desk, through a table in place of its server, and the command. Sockets are tested in
+-- The live view's controller, through a table in place of its server, and the command. Sockets are tested in
 -- test_live.c, the page in tests/pages/live.mjs.
 local bw = require "barwright"
 local core = require "barwright.core"
-local live_desk = require "barwright.live_desk"
+local live_controller = require "barwright.live_controller"
 local live_frame = require "barwright.live_frame"
 local check = require "check"
 local live_talk = require "live_talk"
@@ -11,8 +11,8 @@ local live_talk = require "live_talk"
 local session_file = check.root .. "/tests/lua/live_session.lua"
 
 -- States and scenes are tables.
-local function desk_on(session, about)
-  return assert(live_talk(live_desk, session, about, live_frame.read))
+local function controller_on(session, about)
+  return assert(live_talk(live_controller, session, about, live_frame.read))
 end
 
 local shared
@@ -34,9 +34,9 @@ local function scaled(by)
   return {scale = {1, by, by}}
 end
 
-describe("a desk", function()
+describe("a controller", function()
   it("tells a window who it is, the scene, the state", function()
-    local talk = desk_on(hook())
+    local talk = controller_on(hook())
     local got = talk.open(3)
     assert.equal("welcome", got[1].type)
     assert.equal(3, got[1].client)
@@ -52,7 +52,7 @@ describe("a desk", function()
   end)
 
   it("makes one edit of a drag, and the newest of moves that wait", function()
-    local talk = desk_on(hook())
+    local talk = controller_on(hook())
     talk.open(1)
     talk.open(2)
     talk.say(1, {type = "begin", bone = "arm", seq = 1})
@@ -75,9 +75,9 @@ describe("a desk", function()
   end)
 
   it("shows a shape before stresses that take long", function()
-    local talk = desk_on(hook())
+    local talk = controller_on(hook())
     talk.open(1)
-    talk.desk.seconds = 5
+    talk.controller.seconds = 5
     local _, all = talk.say(1, {type = "edit", bone = "arm", change = scaled(1.1)})
     assert.equal("shape", all[1].type)
     assert.equal("state", all[2].type)
@@ -86,7 +86,7 @@ describe("a desk", function()
   end)
 
   it("says why it refuses, and the session is as it was", function()
-    local talk = desk_on(hook())
+    local talk = controller_on(hook())
     talk.open(1)
     local bent = {rotate = {axis = {0, 1, 0}, degrees = -170}}
     local answer = talk.say(1, {type = "edit", bone = "nose", change = bent, seq = 7})
@@ -104,7 +104,7 @@ describe("a desk", function()
   end)
 
   it("ends a drag whose window is closed, and takes one back that is cancelled", function()
-    local talk = desk_on(hook())
+    local talk = controller_on(hook())
     talk.open(1)
     talk.open(2)
     talk.say(1, {type = "begin", bone = "arm", seq = 1}, {type = "move", seq = 2, change = scaled(1.1)})
@@ -122,7 +122,7 @@ describe("a desk", function()
   end)
 
   it("does every kind of change", function()
-    local talk = desk_on(hook())
+    local talk = controller_on(hook())
     talk.open(1)
     for i, change in ipairs {scaled(1.1), {rotate = {axis = {0, 0, 1}, degrees = 5}},
       {translate = {0.001, 0, 0}}, {reach = {0.06, 0.002, 0.025}}, {reset = true}} do
@@ -138,7 +138,7 @@ describe("a desk", function()
   end)
 
   it("pulls joints, the root with everything, and keeps to the angles that bones may turn by", function()
-    local talk = desk_on(hook())
+    local talk = controller_on(hook())
     local before = talk.open(1)[3].joints
     local function place(name)
       for j, joint in ipairs(talk.object.skeleton.joint_names) do
@@ -171,7 +171,7 @@ describe("a desk", function()
   end)
 
   it("ties bones for the optimiser", function()
-    local talk = desk_on(hook())
+    local talk = controller_on(hook())
     talk.open(1)
     local state = talk.say(1, {type = "ties", ties = {{"arm", "nose"}}})
     assert.same({{"arm", "nose"}}, state.ties)
@@ -184,7 +184,7 @@ describe("a desk", function()
   end)
 
   it("shows the worst load of the shape, and knows when it is of an earlier one", function()
-    local talk = desk_on(hook())
+    local talk = controller_on(hook())
     local own = talk.open(1)[3]
     assert.equal("own", own.loads.kind)
     local state, got = talk.say(1, {type = "loads", loads = "worst"})
@@ -217,7 +217,7 @@ describe("a desk", function()
   end)
 
   it("gives up the stresses of a move that a newer one overtakes, but not for ever", function()
-    local talk = desk_on(hook())
+    local talk = controller_on(hook())
     talk.open(1)
     local function move(seq, by)
       return bw.json.encode {type = "move", seq = seq, change = scaled(by)}
@@ -230,19 +230,19 @@ describe("a desk", function()
       return table.concat(out, " ")
     end
     talk.say(1, {type = "begin", bone = "nose", seq = 1})
-    talk.desk.seconds, talk.server.waiting = 1, {{1, "message", move(3, 1.2)}}
+    talk.controller.seconds, talk.server.waiting = 1, {{1, "message", move(3, 1.2)}}
     local _, got = talk.say(1, move(2, 1.1))
     assert.equal("shape2 shape3 state3", kinds(got))
     -- another window's message, and a drag that has had no stresses for long, wait
-    talk.desk.seconds, talk.server.waiting = 1, {{2, "message", '{"type":"undo"}'}}
+    talk.controller.seconds, talk.server.waiting = 1, {{2, "message", '{"type":"undo"}'}}
     _, got = talk.say(1, move(4, 1.3))
     assert.equal("shape4 state4", kinds(got))
-    talk.desk.seconds, talk.desk.told = 1, -100
+    talk.controller.seconds, talk.controller.told = 1, -100
     talk.server.waiting = {{1, "message", move(6, 1.4)}}
     _, got = talk.say(1, move(5, 1.35))
     assert.equal("shape5 state5 state6", (kinds(got):gsub("shape6 ", ""))) -- shape6: on a busy machine
     -- the end of a drag overtakes it too, and what it leaves is the last move
-    talk.desk.seconds, talk.server.waiting = 1, {{1, "message", '{"type":"end"}'}}
+    talk.controller.seconds, talk.server.waiting = 1, {{1, "message", '{"type":"end"}'}}
     local state
     state, got = talk.say(1, move(7, 1.25))
     assert.equal("shape7 shape state", kinds(got))
@@ -250,14 +250,14 @@ describe("a desk", function()
     check.near(assert(talk.object:solve {method = "scratch"}).von_mises:max(), state.maximum, 1e-8)
     -- in one batch the move before the end is not solved at all
     talk.say(1, {type = "begin", bone = "nose", seq = 8})
-    talk.desk.seconds = 0
+    talk.controller.seconds = 0
     state, got = talk.say(1, move(9, 0.8), {type = "end"})
     assert.equal("state", kinds(got))
     check.near(1, state.factors[2][2], 1e-12)
   end)
 
   it("optimises, says why not, and stops when asked", function()
-    local talk = desk_on(hook())
+    local talk = controller_on(hook())
     talk.open(1)
     local last, all = talk.say(1, {type = "optimise", von_mises = 30e6})
     -- The bone with the large stresses is the one that reaches the support.
@@ -287,7 +287,7 @@ end)
 
 describe("a message that is none", function()
   it("is answered with what was expected", function()
-    local talk = desk_on(hook())
+    local talk = controller_on(hook())
     talk.open(1)
     for text, expected in pairs {
       [""] = "not JSON", ["{"] = "not JSON", ["[]"] = "unknown type", ["3"] = "a JSON object",
@@ -342,7 +342,7 @@ describe("a message that is none", function()
   end)
 
   it("changes nothing, whatever is in it", function()
-    local talk = desk_on(hook())
+    local talk = controller_on(hook())
     talk.open(1)
     math.randomseed(20130701)
     local good = {
@@ -370,7 +370,7 @@ describe("a message that is none", function()
       end
       local answer = talk.say(1, text)
       if answer and answer.type == "error" then answered = answered + 1 end
-      if talk.desk.drag then talk.say(1, {type = "end", cancel = true}) end
+      if talk.controller.drag then talk.say(1, {type = "end", cancel = true}) end
     end
     assert.truthy(answered > 890, answered)
     assert.equal(0, #talk.object.edits)
@@ -378,7 +378,7 @@ describe("a message that is none", function()
   end)
 
   it("of right form and wild values leaves a sound session", function()
-    local talk = desk_on(hook())
+    local talk = controller_on(hook())
     talk.open(1)
     math.randomseed(7)
     local function wild()

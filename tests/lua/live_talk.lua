@@ -1,10 +1,10 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- A desk of a live view with a table in place of its server, for tests: windows are lists of messages.
+-- A controller of a live view with a table in place of its server, for tests: windows are lists of messages.
 local bw = require "barwright"
 
---- A talk with `desk.new(object, server, about)`: talk.server.got[client] = messages in order; `read` makes a
---- message of bytes (it gets the server too). nil and why where there is no desk.
-return function(desk_module, object, about, read)
+--- A talk with `controller.new(object, server, about)`: talk.server.got[client] = messages in order; `read` makes
+--- a message of bytes (it gets the server too). nil and why where there is no controller.
+return function(controller_module, object, about, read)
   local server = {got = {}, files = {}, waiting = {}, blocks = {}}
   function server:send(client, bytes, options)
     local message
@@ -20,9 +20,9 @@ return function(desk_module, object, about, read)
   end
   function server:serve(path, _, bytes) self.files[path] = bytes end
   function server:receive() return table.unpack(table.remove(self.waiting, 1) or {}) end
-  local desk, why = desk_module.new(object, server, about or {})
-  if not desk then return nil, why end
-  local talk = {desk = desk, server = server, object = object}
+  local controller, why = controller_module.new(object, server, about or {})
+  if not controller then return nil, why end
+  local talk = {controller = controller, server = server, object = object}
   -- Handles messages of a window; gives the last answer and all of them.
   function talk.say(client, ...)
     server.got[client] = {}
@@ -30,15 +30,15 @@ return function(desk_module, object, about, read)
     for i, message in ipairs {...} do
       events[i] = {client, "message", type(message) == "table" and bw.json.encode(message) or message}
     end
-    desk:handle(events)
+    controller:handle(events)
     local got = server.got[client]
     return got[#got], got
   end
   function talk.open(client)
     server.got[client] = {}
-    desk:handle {{client, "open", ""}}
+    controller:handle {{client, "open", ""}}
     return server.got[client]
   end
-  function talk.close(client) desk:handle {{client, "close", ""}} end
+  function talk.close(client) controller:handle {{client, "close", ""}} end
   return talk
 end

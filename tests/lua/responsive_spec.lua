@@ -45,20 +45,20 @@ describe("a steady sheet", function()
     local outline = assert(bw.outline.rectangle {width = 1, height = 1, tags = {left = 4, lid = 3}})
     local fixed, lifted = {left = "fixed"}, {lid = {y = 1e-3}}
     local function corner(conditions)
-      bw.remarks()
+      bw.warnings()
       local s = assert(bw.responsive.steady {outline = outline, material = rubber, elements = 50,
         conditions = conditions})
       local node = s.mesh.points:map "hypot(a.x, a.y - 1)":argmin()
-      return s.displacement(node, 2), bw.remarks()
+      return s.displacement(node, 2), bw.warnings()
     end
     local sentence = "conditions conflict at (0, 1): tag 'left' prescribes y = 0, tag 'lid' 0.001; %s"
     for _, case in ipairs {{{left = "fixed", lid = lifted.lid}, 0,
       "0 is used; conditions in a list are ordered, and the last one decides"},
       {{fixed, lifted}, 1e-3, "0.001 is used, of the condition that is given last"},
       {{lifted, fixed}, 0, "0 is used, of the condition that is given last"}} do
-      local value, remarks = corner(case[1])
+      local value, warnings = corner(case[1])
       assert.equal(case[2], value)
-      assert.same({sentence:format(case[3])}, remarks)
+      assert.same({sentence:format(case[3])}, warnings)
     end
   end)
 

@@ -333,7 +333,7 @@ describe("files", function()
     assert.equal(2, run.status)
     has(run.err, "none of 1 scenarios is asked for by --skip-tag slow (tags: slow)")
     for options, code in pairs {["--only a --tag slow"] = 0, ["--tag slow,fast"] = 0, ["--tag fast"] = 2,
-      ["--only zz"] = 2, ["--parallel 0"] = 2, ["--tga slow"] = 2} do
+      ["--only in_no_title"] = 2, ["--parallel 0"] = 2, ["--tga slow"] = 2} do
       assert.equal(code, (run.again(options)), options)
     end
     local status, _, err = check.run "test /no/where"

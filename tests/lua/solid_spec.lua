@@ -31,14 +31,14 @@ describe("a hyperelastic material", function()
       solid:force({side = "high z"}, {1, 0, 0})
       return solid, assert(solid:solve()), soft
     end
-    bw.remarks()
+    bw.warnings()
     local solid, standard = solved()
     assert.truthy(solid.locking:find('formulation = "b_bar"', 1, true))
-    assert.same({solid.locking}, bw.remarks())
+    assert.same({solid.locking}, bw.warnings())
     local cured, result, soft = solved "b_bar"
     assert.equal("b_bar", soft.formulation)
     assert.is_nil(cured.locking)
-    assert.same({}, bw.remarks())
+    assert.same({}, bw.warnings())
     assert.is_true(result.energy > 1.2 * standard.energy)
     check.raises("B-bar", cured.coarsen, cured, "naive")
     check.raises("B-bar", cured.solve, cured, {linear = "coarse"})

@@ -354,17 +354,17 @@ describe("a file whose rows were changed", function()
 
   it("is read, gone on with and merged where it has no checksums yet, with a warning", function()
     local old = plain(folder, path, "old.study")
-    bw.remarks()
+    bw.warnings()
     assert.equal(table_of(whole), table_of(assert(study(old, 60):trials())))
-    assert.truthy(bw.remarks()[1]:find("an older version made it without checksums", 1, true))
+    assert.truthy(bw.warnings()[1]:find("an older version made it without checksums", 1, true))
     assert.equal(80, #assert(study(old, 80):run()))
     assert.equal(80, #assert(study(old, 80):trials()))
     assert.equal(80, assert(study(folder .. "/fresh.study", 80):merge(old)).taken)
     assert.equal(table_of(assert(study(old, 80):trials())),
       table_of(assert(study(folder .. "/fresh.study", 80):trials())))
-    bw.remarks()
+    bw.warnings()
     assert(study(folder .. "/fresh.study", 80):trials())
-    assert.same({}, bw.remarks())
+    assert.same({}, bw.warnings())
     -- what can be told without them is told: a point that is not its key's, a row that is gone
     for _, sql in ipairs {"UPDATE points SET x = x / 2 WHERE number = 9", "DELETE FROM points WHERE number = 9",
       "UPDATE trials SET seed = 5 WHERE number = 9", "UPDATE trials SET status = 'dome' WHERE number = 9"} do

@@ -103,10 +103,10 @@ BW_API bool bw_cancelled(const bw_context *context);
 /* BW_CANCELLED with a message when bw_cancel was called, else BW_OK: for use with BW_TRY. */
 BW_API bw_status bw_check_cancel(bw_context *context);
 
-/* A remark that is not a failure ("the surface was repaired: ..."), kept in order until taken. */
-BW_API void bw_remark(bw_context *context, const char *format, ...) BW_PRINTF(2, 3);
-BW_API const char *bw_remark_at(const bw_context *context, int i); /* NULL past the end */
-BW_API void bw_clear_remarks(bw_context *context);
+/* A warning that is not a failure ("the surface was repaired: ..."), kept in order until taken. */
+BW_API void bw_warn(bw_context *context, const char *format, ...) BW_PRINTF(2, 3);
+BW_API const char *bw_warning_at(const bw_context *context, int i); /* NULL past the end */
+BW_API void bw_clear_warnings(bw_context *context);
 
 /* Seconds of a monotonic clock. */
 BW_API double bw_seconds(void);

@@ -49,13 +49,13 @@ typedef struct bw_voxel_options {
 BW_API void bw_voxel_options_default(bw_voxel_options *options);
 /* The cells that a closed surface cuts or holds, with the fraction of each inside it. BW_GEOMETRY
  * for a surface that is not closed. Nodes' lattice begins at the low corner of the surface's box
- * (or half the slack before it, where cells do not fit the box). A remark says when the grid falls
+ * (or half the slack before it, where cells do not fit the box). A warning says when the grid falls
  * into parts. */
 BW_API bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
                                     const bw_voxel_options *options, bw_grid **grid);
 /* The part of each cell of a lattice that a closed surface holds, exact but for rounding; what lies
  * outside the lattice does not matter. Facets that disagree or face inwards are turned as
- * bw_surface_orient does; a remark says where shells overlap. */
+ * bw_surface_orient does; a warning says where shells overlap. */
 BW_API bw_status bw_grid_fractions(bw_context *context, const bw_surface *surface,
                                    const double origin[3], const double spacing[3],
                                    const int32_t cells[3], double *fraction);

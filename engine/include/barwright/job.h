@@ -29,7 +29,7 @@ typedef struct bw_job_options {
 } bw_job_options;
 
 /* Called in the child, with the starter's context made fit for it: one thread, no failure, no
- * remarks; bw_progress in it reaches the job's usage. A failure goes to the starter with message
+ * warnings; bw_progress in it reaches the job's usage. A failure goes to the starter with message
  * and details. When it returns, what it wrote to files is flushed, and the process ends without
  * further ado: nothing registered with atexit runs. */
 typedef bw_status bw_job_work(bw_context *context, void *data, bw_job_stream *out);

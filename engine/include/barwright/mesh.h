@@ -314,7 +314,7 @@ typedef struct bw_fill_log {
   double seconds_repair, seconds_remesh, seconds_fill;
 } bw_fill_log;
 /* Fill a surface with tetrahedra by TetGen, in a child process with limits on time and memory.
- * Where TetGen refuses, repair, remesh or wrap and try again; remarks and log say so. `log` may be
+ * Where TetGen refuses, repair, remesh or wrap and try again; warnings and log say so. `log` may be
  * NULL. BW_GEOMETRY, BW_LIMIT or BW_CANCELLED otherwise. */
 BW_API bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
                               const bw_fill_options *options, bw_mesh **mesh, bw_fill_log *log);

@@ -254,7 +254,7 @@ BW_API bw_status bw_dof_map_follow(bw_context *context, const bw_model *model,
                                    bw_dof_map **dof_map);
 /* Whether the loads reach the body, before a static solution: BW_INVALID when the supports fix the
  * whole boundary at zero (unless temperatures or nodal forces act), or when a load acts on
- * supports only. A load of which a part of the area lies on supports is a remark with the share;
+ * supports only. A load of which a part of the area lies on supports is a warning with the share;
  * so is any where some prescribed displacement is not zero. */
 BW_API bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
                                          const bw_dof_map *dof_map);

@@ -286,7 +286,7 @@ typedef struct bw_newton_report {
   int64_t cg_iterations;
   int64_t stability_iterations; /* of conjugate gradients that look for ways to give way */
   int undecided;   /* load steps after which these ended without an answer: the equilibrium may be
-                      one that is not stable; a remark says so too */
+                      one that is not stable; a warning says so too */
   double load;     /* load factor reached: 1, or less where it failed */
   double residual; /* relative, as reached */
   double seconds_quadrature, seconds_analysis, seconds_factor, seconds_solve, seconds;

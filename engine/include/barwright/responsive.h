@@ -126,7 +126,7 @@ typedef struct bw_condition {
 /* held and prescribed (node_count x components) at a time. A component that any tag of a node
  * prescribes is prescribed. Where tags of one order prescribe different values, the displacement or
  * velocity nearest to 0 holds (0 between values of both signs), and the middle of temperatures.
- * Conflicts are remarked unless *reported, which is then set; `reported` may be NULL. */
+ * Conflicts are reported unless *reported, which is then set; `reported` may be NULL. */
 BW_API bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh,
                                          int components, int32_t count,
                                          const bw_condition *condition, double time, uint8_t *held,

@@ -46,8 +46,8 @@ BW_API void bw_skeleton_options_default(bw_skeleton_options *options);
 /* CGAL's mean-curvature skeleton of a closed surface, pruned and simplified into joints and bones,
  * numbered from the root (the middle joint) outwards, long limbs first. All joints lie inside;
  * those at the ends of limbs half a radius below the surface. A cycle (a ring) is cut open at its
- * place farthest from the root, with a remark. An open or badly connected surface is repaired
- * first, with a remark; one of several shells is BW_GEOMETRY. */
+ * place farthest from the root, with a warning. An open or badly connected surface is repaired
+ * first, with a warning; one of several shells is BW_GEOMETRY. */
 BW_API bw_status bw_skeleton_extract(bw_context *context, const bw_surface *surface,
                                      const bw_skeleton_options *options, bw_skeleton **skeleton);
 
@@ -143,15 +143,15 @@ typedef struct bw_domains_options {
   double threshold;             /* mean weight from which an element is of type R; 0: 0.95 */
   const double *bone_threshold; /* bone_count: instead of it, where not 0; may be NULL */
   /* Where bones are short for the body's thickness no weight comes near one. So that a bone has a
-   * domain all the same, its threshold is lowered (with a remark) to what this share, by volume, of
-   * the elements that it moves most reach; not below a bone_threshold of its own. 0: 0.35;
+   * domain all the same, its threshold is lowered (with a warning) to what this share, by volume,
+   * of the elements that it moves most reach; not below a bone_threshold of its own. 0: 0.35;
    * negative: never, as the paper. */
   double share;
 } bw_domains_options;
 /* Region growing through faces from the element of the highest mean weight of each bone; what is
  * left is grouped by faces (and through shared nodes that no type R domain has). Type F is blended
  * by weights from Laplace solves with ones and zeros on the interfaces. `weight` as from
- * bw_skinning_weights. A bone without a domain gets a remark. */
+ * bw_skinning_weights. A bone without a domain gets a warning. */
 BW_API bw_status bw_domains_create(bw_context *context, const bw_mesh *mesh,
                                    const bw_skeleton *skeleton, const double *weight,
                                    const bw_domains_options *options, bw_domains **domains);
@@ -240,30 +240,31 @@ BW_API bw_status bw_pose_reach(bw_context *context, const bw_skeleton *skeleton,
                                const bw_reach_target *target, double tolerance, bw_bone_pose *pose,
                                bw_reach_report *report);
 
-/* ---- mending an edited mesh --------------------------------------------------------------------
+/* ---- repair of an edited mesh
+ * --------------------------------------------------------------------
  */
 
-typedef struct bw_mend_report {
+typedef struct bw_mesh_repair_report {
   int32_t inverted;                 /* elements of no positive volume (or below the floor) before */
   int32_t worst;                    /* the worst element before, or -1 */
   double worst_before, worst_after; /* smallest shape quality: 3 (1: regular, <= 0: inverted):
                                        bw_shape_quality */
   int32_t moved; /* nodes moved by relaxation, or elements replaced by refilling */
   int iterations;
-} bw_mend_report;
+} bw_mesh_repair_report;
 /* Mean ratio quality of the straight tetrahedron: 12 (3V)^(2/3) / sum of squared edge lengths,
  * signed by the volume; 1 for a regular one. */
 BW_API double bw_shape_quality(const double *a, const double *b, const double *c, const double *d);
 /* Inverted (or, with floor > 0, poorer than `floor`) elements of `mesh`'s topology at the positions
  * `node`: count, and the worst. */
-BW_API void bw_mesh_judge(const bw_mesh *mesh, const double *node, double floor,
-                          bw_mend_report *report);
+BW_API void bw_mesh_shape_check(const bw_mesh *mesh, const double *node, double floor,
+                                bw_mesh_repair_report *report);
 /* Move nodes with may_move (corners off the boundary; others are left) until no element is inverted
  * and the worst quality stops growing: local untangling of the worst elements' neighbourhoods.
  * Middle nodes stay half-way. BW_GEOMETRY, the worst element named, when it cannot; `node` is then
  * as it was. */
 BW_API bw_status bw_mesh_relax(bw_context *context, const bw_mesh *mesh, const uint8_t *may_move,
-                               double *node, bw_mend_report *report);
+                               double *node, bw_mesh_repair_report *report);
 /* New tetrahedra by TetGen in the part of the mesh with replace[e] != 0, at the positions `node`:
  * the facets between it and the rest, and those on the boundary, stay exactly. The boundary facets
  * of `refilled` are those of `mesh`, in the same order, with the same positions; boundary and kept

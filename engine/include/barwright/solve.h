@@ -106,8 +106,8 @@ typedef struct bw_statics_options {
  * than four gigabytes or more than `memory`. Costs are operations and bytes, counted, over the
  * rates of one fixed machine, so that the choice is the same everywhere. Solutions by two-level PCG
  * are kept account of: when the next one would make their sum more than the factor, that is made.
- * Where iterating does not converge, a factor takes its place, and a remark says so; BW_CONVERGENCE
- * where there is no room for one, or PCG was asked for. */
+ * Where iterating does not converge, a factor takes its place, and a warning says so;
+ * BW_CONVERGENCE where there is no room for one, or PCG was asked for. */
 BW_API bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
                             const bw_statics_options *options, bw_static **result);
 

@@ -83,7 +83,7 @@ BW_API bw_status bw_statement_value(bw_context *context, bw_statement *statement
 
 /* Copy what can be read of a damaged file into a new one: tables row by row, past what is
  * unreadable, then indices and views. The damaged file is not touched. What was saved and what was
- * lost, table by table, are remarks of the context.
+ * lost, table by table, are warnings of the context.
  *
  * `schema`: the statements that make the tables of such a file, in their order; where the list of
  * tables is gone, or `relist` is set, it is taken from a file made by them (`relisted`). NULL: it

@@ -87,7 +87,7 @@ end
 local function tell_repair(surface, opts, out)
   if not opts.repair then return end
   local mended, log, details = model.try(surface.repair, surface, {time_limit = opts.seconds})
-  out:remarks()
+  out:warnings()
   if not mended and details and details.status == "cancelled" then
     out:say "Whether repair helps was not found out: it was interrupted."
     return
@@ -333,7 +333,7 @@ return {
     end
     local good
     good, message, details = by_kind[read.kind](read, opts, out)
-    out:remarks()
+    out:warnings()
     if good == nil then return out:fail(message, details) end
     out:json {good = good}
     return good and 0 or 1

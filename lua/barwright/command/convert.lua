@@ -23,7 +23,7 @@ local function changed(surface, opts, out)
     local report = surface:check {limit = 0}
     if not report.sound then
       local mended, log, details = model.try(surface.repair, surface)
-      out:remarks()
+      out:warnings()
       if not mended then return nil, "repair: " .. log, details end
       for _, step in ipairs(log.steps) do out:say("  %s: %s", step.name, lengths(step.text)) end
       out:json {repaired = true, repair_moved_m = log.moved}
@@ -104,7 +104,7 @@ local function run(opts, out)
   local fine
   fine, message, details = model.try(made.write, made, opts.out, next(options) and options or nil)
   if not fine then return out:fail(message, details) end
-  out:remarks()
+  out:warnings()
   out:say("%s: %s", opts.out, tostring(made):match "^[^\n]*")
   out:json {out = opts.out, text = tostring(made)}
 end

@@ -261,7 +261,7 @@ end
 --- The same with what people want to hear of it.
 function model.open(path, unit, out)
   local read, message, details = model.read(path, unit)
-  out:remarks()
+  out:warnings()
   if not read then return nil, message, details end
   out:json {file = path, format = read.format, kind = read.kind}
   return read
@@ -312,7 +312,7 @@ function model.mesh(read, opts, out)
     return mesh
   end
   local mesh, log, details = model.try(bw.mesh.fill, read.surface, {elements = opts.elements, order = opts.order})
-  out:remarks()
+  out:warnings()
   if not mesh then return nil, with_path(read.path, log), details end
   local steps = bw.json.list {}
   for i, step in ipairs(log.steps) do

@@ -26,7 +26,7 @@ local function analyse(opts, out)
   local how = {count = opts.count, sturm = opts.sure}
   if opts.error then model.refined(read, opts, mesh, how) end
   modes, accuracy, details = model.try(part.modes, part, how)
-  out:remarks()
+  out:warnings()
   if not modes then return nil, accuracy, details end
   local errors
   errors, message, details = modes:error_estimate()

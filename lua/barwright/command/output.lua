@@ -77,15 +77,15 @@ function output:misuse(message)
   return self:fail(message .. (" (barwright %s --help tells more)"):format(self.name), {status = "misuse"})
 end
 
---- What the engine remarked meanwhile ("the surface was repaired: ..."), said and kept in the object.
-function output:remarks()
-  local list = core.remarks()
-  for i, remark in ipairs(list) do
-    remark = lengths(remark)
-    list[i] = remark
-    self:say("  " .. remark)
+--- What the engine warned of meanwhile ("the surface was repaired: ..."), reported and kept in the object.
+function output:warnings()
+  local list = core.warnings()
+  for i, warning in ipairs(list) do
+    warning = lengths(warning)
+    list[i] = warning
+    self:say("  " .. warning)
     self.object.remarks = self.object.remarks or json.list {}
-    table.insert(self.object.remarks, remark)
+    table.insert(self.object.remarks, warning)
   end
   return list
 end

@@ -114,7 +114,7 @@ local function on_coarser(read, opts, loads, material, radius)
     order = opts.order})
   local part = mesh and set_up(bw.model {mesh = mesh, material = material}, opts, loads, quiet)
   local static = part and model.try(part.solve, part, {with = opts.with})
-  bw.remarks() -- those of the finer mesh are shown
+  bw.warnings() -- those of the finer mesh are shown
   return static and measure(static, mesh, material, radius)
 end
 
@@ -286,7 +286,7 @@ local function analyse(opts, loads, out)
   else
     static, accuracy, details = model.try(part.solve, part, {with = opts.with})
   end
-  out:remarks()
+  out:warnings()
   if not static then return nil, accuracy, details end
   local answer, why, about = tell(static, part, read, loads, opts, accuracy, out)
   if not answer then return nil, why, about end

@@ -101,7 +101,7 @@ local function strengthen(opts, out)
         model.count(step.places, "place"), model.digits(step.offset * 1e3, 2),
         model.interval(step.force, step.low, step.high))
     end})
-  out:remarks()
+  out:warnings()
   if not result then return nil, opts.model .. ": " .. message, details end
   out:json {unit = model.unit_of(read, opts), material = opts.material}
   local moved

@@ -278,7 +278,7 @@ local function salvage(opts, out)
     return out:fail(message, details)
   end
   out:say("%s", tostring(report))
-  core.remarks() -- told above
+  core.warnings() -- told above
   out:json {out = new, rows = report.rows, lost = report.lost, whole = report.whole, log = json.list(report.log)}
   return output.DONE
 end
@@ -349,7 +349,7 @@ A run that was ended at any moment goes on where it was when it is run again.
     local study, code = load_study(opts.files[1], opts, out)
     if not study then return code end
     local exit_code = actions[opts.action](study, opts, out)
-    out:remarks()
+    out:warnings()
     return exit_code
   end,
 }

@@ -258,7 +258,7 @@ local function analyse(opts, out)
     most_elements = opts.error and math.max(MOST_ELEMENTS, opts.elements) or nil, modes = opts.modes,
     regions = opts.regions, fix = limits.fix, forbidden = limits.forbidden, friction = limits.friction,
     hands = limits.hands, length = opts.length})
-  out:remarks()
+  out:warnings()
   if not breaking then return nil, opts.model .. ": " .. message, details end
   local worst = breaking.worst
   local verdict = breaking:verdict(opts.force)

@@ -269,7 +269,7 @@ function store.open(study, path, opts)
     if not fine then return refuse(self, message, details) end
   end
   if self.plain then
-    core.remark(("%s: an older version made it without checksums, so that damage may pass unseen; 'barwright "
+    core.warn(("%s: an older version made it without checksums, so that damage may pass unseen; 'barwright "
       .. "study merge SCRIPT %s --file NEW.study' makes a file with them"):format(path, path))
   end
   self.insert_point = ("INSERT INTO points VALUES (?%s)"):format((", ?"):rep(#self.point_columns))

@@ -2,7 +2,7 @@
 /* Messages and details, memory, arrays, threads, tensors, SHA-256. */
 #include "check.h"
 
-#include "base/remark.h"
+#include "base/warning.h"
 
 #include <sched.h>
 #include <sys/stat.h>
@@ -28,20 +28,20 @@ static void test_messages(void **state) {
   assert_true(bw_detail(context, 1, &key, &number, &text));
   assert_string_equal(text, "a.stl");
   assert_false(bw_detail(context, 2, &key, &number, &text));
-  bw_remark(context, "one");
-  bw_remark(context, "two");
-  assert_string_equal(bw_remark_at(context, 1), "two");
-  /* Nothing is said twice, and of remarks alike only that of the largest value. */
+  bw_warn(context, "one");
+  bw_warn(context, "two");
+  assert_string_equal(bw_warning_at(context, 1), "two");
+  /* Nothing is said twice, and of warnings alike only that of the largest value. */
   static const double moved[] = {2, 5, 3};
   for (int i = 0; i < 3; i++)
-    bwi_remark_largest(context, moved[i], "moved by %g m", moved[i]);
-  bw_remark(context, "two");
-  assert_string_equal(bw_remark_at(context, 2), "moved by 5 m");
-  assert_null(bw_remark_at(context, 3));
-  bw_clear_remarks(context);
-  bw_remark(context, "one");
-  bw_remark(context, "two");
-  assert_null(bw_remark_at(context, 2));
+    bwi_warn_largest(context, moved[i], "moved by %g m", moved[i]);
+  bw_warn(context, "two");
+  assert_string_equal(bw_warning_at(context, 2), "moved by 5 m");
+  assert_null(bw_warning_at(context, 3));
+  bw_clear_warnings(context);
+  bw_warn(context, "one");
+  bw_warn(context, "two");
+  assert_null(bw_warning_at(context, 2));
   for (int status = BW_BROKEN; status <= BW_INTERNAL; status++)
     assert_string_not_equal(bw_status_word((bw_status)status), "unknown");
 }

@@ -346,7 +346,7 @@ static bw_status sum_chunk(void *data, int64_t begin, int64_t end, int worker) {
 static bw_status use_threads(bw_context *context, void *data, bw_job_stream *out) {
   (void)out;
   if (bw_threads(context) != 1 || bw_cancelled(context) || bw_message(context)[0] ||
-      bw_remark_at(context, 0))
+      bw_warning_at(context, 0))
     return bw_fail(context, BW_INTERNAL, "the context is not fit for a child");
   bw_status status = bw_parallel(context, 1000, 10, sum_chunk, data);
   if (status == BW_OK)
@@ -364,7 +364,7 @@ static void test_threads_after_the_fork(void **state) {
   check_ok(context, bw_set_threads(context, 4));
   for (int i = 0; i < 5; i++) {
     check_ok(context, bw_parallel(context, 1000, 10, sum_chunk, sums));
-    bw_remark(context, "a remark");
+    bw_warn(context, "a warning");
     bw_fail(context, BW_IO, "a failure");
     bw_job *job = start(context, (bw_job_options){.seconds = 600}, use_threads, sums);
     wait_for(context, job);

@@ -43,7 +43,7 @@ static void boxes(void **state) {
     }
     bw_release(box);
   }
-  assert_null(bw_remark_at(context, 0));
+  assert_null(bw_warning_at(context, 0));
 }
 
 static void aligned_box(void **state) {
@@ -171,9 +171,9 @@ static void shells(void **state) {
     bw_release(grid);
     bw_release(both);
     assert_non_null(
-        strstr(bw_remark_at(context, 0), "in 2 parts that share no node, of 75 to 125"));
-    assert_null(bw_remark_at(context, 1));
-    bw_clear_remarks(context);
+        strstr(bw_warning_at(context, 0), "in 2 parts that share no node, of 75 to 125"));
+    assert_null(bw_warning_at(context, 1));
+    bw_clear_warnings(context);
   }
   bw_release(beside);
   check_ok(context,
@@ -182,7 +182,7 @@ static void shells(void **state) {
   options.spacing = 0.1;
   check_ok(context, bw_grid_of_surface(context, both, &options, &grid));
   check_near(bw_grid_volume(grid), 1.5, 1e-12);
-  assert_non_null(strstr(bw_remark_at(context, 0), "overlap in 500 cells"));
+  assert_non_null(strstr(bw_warning_at(context, 0), "overlap in 500 cells"));
   bw_release(grid);
   bw_release(both);
   bw_release(outer);

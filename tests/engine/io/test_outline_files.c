@@ -269,13 +269,13 @@ static void layers_units_and_strangers_of_dxf(void **state) {
   assert_string_equal(o->tag[o->segment[0].tag].text, "cut");
   assert_string_equal(o->tag[o->segment[4].tag].text, "drill");
   check_near(measure(context, o).high[0], 0.1016, 1e-15);
-  assert_non_null(strstr(bw_remark_at(context, 0), "2 of 4 entities"));
-  bw_clear_remarks(context);
+  assert_non_null(strstr(bw_warning_at(context, 0), "2 of 4 entities"));
+  bw_clear_warnings(context);
   bw_release(o);
   check_ok(context, dxf(context, "9 $EXTMIN|10 0", "0 CIRCLE|10 2|20 2|40 1", &o));
   check_near(measure(context, o).high[0], 3e-3, 1e-15);
-  assert_non_null(strstr(bw_remark_at(context, 0), "millimetres"));
-  bw_clear_remarks(context);
+  assert_non_null(strstr(bw_warning_at(context, 0), "millimetres"));
+  bw_clear_warnings(context);
   bw_release(o);
 }
 
@@ -304,7 +304,7 @@ static bw_outline *there_and_back(bw_context *context, const bw_outline *o, cons
   temporary(path, name);
   check_ok(context, bw_outline_write(context, o, path));
   check_ok(context, bw_outline_read(context, path, NULL, &again, &info));
-  assert_null(bw_remark_at(context, 0));
+  assert_null(bw_warning_at(context, 0));
   unlink(path);
   check_outline(context, again);
   return again;
@@ -403,7 +403,7 @@ static void wrong_svg_is_refused(void **state) {
     check_fails(context, wrong[i].status, wrong[i].message,
                 parse(context, "a.svg", wrong[i].text, 0, &o));
     assert_null(o);
-    bw_clear_remarks(context);
+    bw_clear_warnings(context);
   }
 }
 
@@ -438,7 +438,7 @@ static void wrong_dxf_is_refused(void **state) {
     check_fails(context, wrong[i].status, wrong[i].message,
                 dxf(context, "9 $INSUNITS|70 6", wrong[i].entities, &o));
     assert_null(o);
-    bw_clear_remarks(context);
+    bw_clear_warnings(context);
   }
   bw_outline *o = NULL;
   check_fails(context, BW_FORMAT, "binary DXF",
@@ -480,8 +480,8 @@ static void what_is_drawn_twice_is_dropped(void **state) {
                         &o));
   assert_int_equal(o->loop_count, 2);
   check_near(measure(context, o).area, 4.5 - PI / 4, 1e-4);
-  assert_non_null(strstr(bw_remark_at(context, 0), "3 curves lie on others"));
-  bw_clear_remarks(context);
+  assert_non_null(strstr(bw_warning_at(context, 0), "3 curves lie on others"));
+  bw_clear_warnings(context);
   bw_release(o);
 }
 
@@ -500,7 +500,7 @@ static void memory_failures_lose_nothing(void **state) {
       bw_fail_allocation(n, true);
       bw_status status = parse(context, i == 0 ? "a.svg" : "a.dxf", text[i], 0, &o);
       bw_fail_allocation(0, false);
-      bw_clear_remarks(context);
+      bw_clear_warnings(context);
       if (status == BW_OK) {
         bw_release(o);
         break;

@@ -59,9 +59,9 @@ static void test_moves_by_rounding(void **state) {
   check_ok(context, bw_mesh_fill(context, cube, &options, &mesh, &log));
   assert_true(log.surface_moved == 0);
   bool told = false;
-  for (int i = 0; bw_remark_at(context, i); i++) {
-    assert_null(strstr(bw_remark_at(context, i), "moved it"));
-    told |= strstr(bw_remark_at(context, i), "m: the boundary lies on the input") != NULL;
+  for (int i = 0; bw_warning_at(context, i); i++) {
+    assert_null(strstr(bw_warning_at(context, i), "moved it"));
+    told |= strstr(bw_warning_at(context, i), "m: the boundary lies on the input") != NULL;
   }
   assert_true(told);
   bw_release(mesh);
@@ -147,12 +147,12 @@ static void test_keep_surface(void **state) {
   check_near(log.surface_moved, 0, 0);
   assert_true(abs(mesh->element_count - 8000) <= 1200);
   bw_release(mesh);
-  /* Fewer than the surface alone makes: the nearest there is, and a remark. */
-  bw_clear_remarks(context);
+  /* Fewer than the surface alone makes: the nearest there is, and a warning. */
+  bw_clear_warnings(context);
   options.elements = 1000;
   check_ok(context, bw_mesh_fill(context, ball, &options, &mesh, &log));
-  assert_non_null(bw_remark_at(context, 0));
-  assert_non_null(strstr(bw_remark_at(context, 0), "1000 elements were asked for"));
+  assert_non_null(bw_warning_at(context, 0));
+  assert_non_null(strstr(bw_warning_at(context, 0), "1000 elements were asked for"));
   bw_release(mesh);
   bw_release(ball);
 }
@@ -383,10 +383,10 @@ static void test_tunnels(void **state) {
   bw_fill_options_default(&options);
   options.elements = 2500;
   bw_mesh *mesh;
-  bw_clear_remarks(context);
+  bw_clear_warnings(context);
   check_ok(context, bw_mesh_fill(context, fine, &options, &mesh, NULL));
-  assert_non_null(bw_remark_at(context, 0));
-  assert_non_null(strstr(bw_remark_at(context, 0), "tunnels"));
+  assert_non_null(bw_warning_at(context, 0));
+  assert_non_null(strstr(bw_warning_at(context, 0), "tunnels"));
   check_near(bw_mesh_volume(mesh), bw_surface_volume(fine), 0.15 * bw_surface_volume(fine));
   bw_release(mesh);
   bw_release(fine);

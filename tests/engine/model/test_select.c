@@ -205,11 +205,11 @@ static void what_is_missed_is_told(void **state) {
   bw_selection *on = NULL;
   const double top[3] = {0, 0, 1}, z[3] = {0, 0, 1};
   check_ok(context, bw_select_plane(context, mesh, top, z, 1e-6, &on));
-  bw_clear_remarks(context);
+  bw_clear_warnings(context);
   check_ok(context, bw_model_pressure(context, model, on, 1));
-  assert_null(bw_remark_at(context, 1));
-  assert_non_null(bw_remark_at(context, 0));
-  assert_non_null(strstr(bw_remark_at(context, 0), "m2 of the 2 m2 that lie along the border"));
+  assert_null(bw_warning_at(context, 1));
+  assert_non_null(bw_warning_at(context, 0));
+  assert_non_null(strstr(bw_warning_at(context, 0), "m2 of the 2 m2 that lie along the border"));
   check_near(bw_selection_area(on), 2 - 18. / 32, 1e-12);
   bw_release(on);
   bw_release(model);

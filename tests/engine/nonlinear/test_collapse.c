@@ -264,16 +264,16 @@ static void test_undecided(void **state) {
     options.linear = BW_NEWTON_JACOBI;
     options.cg_iterations = k ? 1000 : 40;
     options.tolerance = 1e-4;
-    bw_clear_remarks(context);
+    bw_clear_warnings(context);
     box_make(context, &b, cells, bar_size, BW_NEO_HOOKEAN, 1e5, 0.3, 0);
     box_hold(context, &b, 2, 0, true, true, true, 0);
     box_force(context, &b, 2, 1, 0, 0, 10);
     check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
     assert_int_equal(result->report.undecided, k ? 0 : 1);
     if (k)
-      assert_null(bw_remark_at(context, 0));
+      assert_null(bw_warning_at(context, 0));
     else
-      assert_non_null(strstr(bw_remark_at(context, 0), "40 iterations of conjugate gradients"));
+      assert_non_null(strstr(bw_warning_at(context, 0), "40 iterations of conjugate gradients"));
     bw_release(result);
     box_free(&b);
   }

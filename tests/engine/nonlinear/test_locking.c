@@ -38,9 +38,9 @@ static double cantilever(bw_context *context, double poisson, int cells, bool b_
   hold_at(context, load_case, b.grid, side, false, true);
   node = nodes_at(context, b.grid, 0, 1, &count);
   check_ok(context, bw_load_case_force(context, load_case, count, node, force));
-  bw_clear_remarks(context);
+  bw_clear_warnings(context);
   bw_solid_static *result = solve(context, &b, load_case, 1);
-  *warned = bw_remark_at(context, 0) && strstr(bw_remark_at(context, 0), "volumetric locking");
+  *warned = bw_warning_at(context, 0) && strstr(bw_warning_at(context, 0), "volumetric locking");
   double sum = 0, work = 0;
   for (int64_t k = 0; k < count; k++)
     sum += result->displacement[3 * (int64_t)node[k] + 2];

@@ -176,12 +176,12 @@ static void test_hidden_loads(void **state) {
     check_ok(context, bw_load_case_create(context, grid, &load_case));
     check_ok(context, bw_load_case_fix(context, load_case, 4, low, all, NULL));
     check_ok(context, bw_load_case_force(context, load_case, 4, high, force));
-    bw_clear_remarks(context);
+    bw_clear_warnings(context);
     check_ok(context, bw_solid_statics(context, solid, load_case, NULL, NULL, &result));
     if (k)
-      assert_non_null(strstr(bw_remark_at(context, 0), "rounding"));
+      assert_non_null(strstr(bw_warning_at(context, 0), "rounding"));
     else
-      assert_null(bw_remark_at(context, 0));
+      assert_null(bw_warning_at(context, 0));
     bw_release(result);
     bw_release(load_case);
     bw_release(solid);

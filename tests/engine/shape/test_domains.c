@@ -47,7 +47,7 @@ static void test_bar(void **state) {
     assert_int_equal(d->bone_start[4] - d->bone_start[3], 2);
     assert_int_equal(d->bone[d->bone_start[4]], 1);
     assert_int_equal(d->bone[d->bone_start[4] + 1], 2);
-    assert_null(bw_remark_at(context, 0));
+    assert_null(bw_warning_at(context, 0));
     assert_true(bw_bytes(d) > sizeof *d);
     bw_release(d);
     limbs_drop(&l);
@@ -149,11 +149,11 @@ static void test_random_weights(void **state) {
     for (int32_t i = 0; i < mesh->node_count; i++)
       meetings += d->interface[i];
     /* every bone below the threshold everywhere is told of */
-    int remarks = 0;
-    for (int i = 0; bw_remark_at(context, i); i++)
-      remarks += strstr(bw_remark_at(context, i), "has no domain") != NULL;
-    assert_int_equal(remarks, 4 - d->rigid_count);
-    bw_clear_remarks(context);
+    int warnings = 0;
+    for (int i = 0; bw_warning_at(context, i); i++)
+      warnings += strstr(bw_warning_at(context, i), "has no domain") != NULL;
+    assert_int_equal(warnings, 4 - d->rigid_count);
+    bw_clear_warnings(context);
     bw_release(d);
     free(weight);
     bw_release(mesh);
@@ -186,8 +186,8 @@ static void test_what_no_bone_claims(void **state) {
   bw_domains *d = make(context, mesh, skeleton, weight, 0.95), *changed;
   assert_int_equal(d->count, 2);
   assert_int_equal(d->bone_of[1], 2);
-  assert_non_null(strstr(bw_remark_at(context, 0), "bone 2"));
-  assert_non_null(strstr(bw_remark_at(context, 0), "0.4"));
+  assert_non_null(strstr(bw_warning_at(context, 0), "bone 2"));
+  assert_non_null(strstr(bw_warning_at(context, 0), "0.4"));
   /* taken out by hand, it still follows that bone as a whole */
   int32_t count = 0, *element = malloc((size_t)mesh->element_count * sizeof *element);
   for (int32_t e = 0; e < mesh->element_count; e++)
@@ -267,7 +267,7 @@ static void test_share(void **state) {
   limbs l = limbs_of_bar(context, 1, 4, 3);
   bw_domains *none = make(context, l.mesh, l.skeleton, l.weight, 0.95), *d;
   assert_true(none->rigid_count < 3);
-  bw_clear_remarks(context);
+  bw_clear_warnings(context);
   for (int i = 1; i <= 2; i++) {
     bw_domains_options options = {0.95, NULL, i == 1 ? 0 : 0.6};
     check_ok(context, bw_domains_create(context, l.mesh, l.skeleton, l.weight, &options, &d));
@@ -277,8 +277,8 @@ static void test_share(void **state) {
       double part = 3.0 * d->elements[b] / l.mesh->element_count;
       check_near(part, i == 1 ? 0.35 : 0.6, 0.1);
     }
-    assert_non_null(strstr(bw_remark_at(context, 0), "3 of 3 bones were lowered"));
-    bw_clear_remarks(context);
+    assert_non_null(strstr(bw_warning_at(context, 0), "3 of 3 bones were lowered"));
+    bw_clear_warnings(context);
     bw_release(d);
   }
   const double own[3] = {0, 0.99, 0};
@@ -446,9 +446,9 @@ static void test_needless_bones(void **state) {
   int one = 0, all = 0;
   char text[64];
   snprintf(text, sizeof text, "%d of %d bones have no domain", MANY - d->rigid_count, MANY);
-  for (int i = 0; bw_remark_at(context, i); i++) {
-    one += strstr(bw_remark_at(context, i), "has no domain") != NULL;
-    all += strstr(bw_remark_at(context, i), text) != NULL;
+  for (int i = 0; bw_warning_at(context, i); i++) {
+    one += strstr(bw_warning_at(context, i), "has no domain") != NULL;
+    all += strstr(bw_warning_at(context, i), text) != NULL;
   }
   assert_int_equal(one, 4);
   assert_int_equal(all, 1);

@@ -137,14 +137,14 @@ static double torus(void *data, const double at[3]) {
   return hypot(ring, at[2]) - 0.5;
 }
 
-static void a_ring_is_cut_with_a_remark(void **state) {
+static void a_ring_is_cut_with_a_warning(void **state) {
   bw_context *context = check_context(state);
   static const double low[3] = {-3, -3, -1}, high[3] = {3, 3, 1};
   bw_surface *surface = NULL;
   check_ok(context, bw_surface_implicit(context, low, high, 26, torus, NULL, &surface));
   bw_skeleton *s = extract(context, surface, 0);
-  assert_non_null(bw_remark_at(context, 0));
-  assert_non_null(strstr(bw_remark_at(context, 0), "ring"));
+  assert_non_null(bw_warning_at(context, 0));
+  assert_non_null(strstr(bw_warning_at(context, 0), "ring"));
   assert_true(s->bone_count >= 4);
   double length = 0;
   for (int32_t b = 0; b < s->bone_count; b++)
@@ -206,7 +206,7 @@ static void what_cannot_be_used_is_refused(void **state) {
   bw_release(two);
   check_ok(context, bw_surface_copy(context, points, point, facets - 1, triangle, NULL, &two));
   check_ok(context, bw_skeleton_extract(context, two, NULL, &s));
-  assert_non_null(strstr(bw_remark_at(context, 0), "repaired"));
+  assert_non_null(strstr(bw_warning_at(context, 0), "repaired"));
   bw_release(s);
   free(point);
   free(triangle);
@@ -346,7 +346,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(a_capsule_has_one_bone_along_its_axis),
       check_test(a_cross_has_four_bones_that_meet),
-      check_test(a_ring_is_cut_with_a_remark),
+      check_test(a_ring_is_cut_with_a_warning),
       check_test(a_ball_has_a_bone_too),
       check_test(what_cannot_be_used_is_refused),
       check_test(the_curve_is_pruned_and_cut),

@@ -72,15 +72,15 @@ static void test_pushed_nodes(void **state) {
       }
     straighten(mesh, node);
     assert_true(pushed > 10);
-    bw_mend_report judged, report;
-    bw_mesh_judge(mesh, node, 0, &judged);
+    bw_mesh_repair_report judged, report;
+    bw_mesh_shape_check(mesh, node, 0, &judged);
     assert_true(judged.inverted > 30 && judged.worst_before < 0);
     check_fails(context, BW_GEOMETRY, "inverted", bw_mesh_moved(context, mesh, node, &moved));
     bw_clear_failure(context);
     check_ok(context, bw_mesh_relax(context, mesh, may, node, &report));
     assert_int_equal(report.inverted, judged.inverted);
     assert_int_equal(report.worst, judged.worst);
-    bw_mesh_judge(mesh, node, 0, &judged);
+    bw_mesh_shape_check(mesh, node, 0, &judged);
     assert_int_equal(judged.inverted, 0);
     check_near(judged.worst_before, report.worst_after, 0);
     assert_true(report.worst_after > 0.1);
@@ -112,7 +112,7 @@ static void test_stays_local(void **state) {
     if (kind[i] == 0 && fabs(mesh->node[3 * i] - 1) < 1e-9)
       pushed = i;
   node[3 * pushed] += 0.3;
-  bw_mend_report report;
+  bw_mesh_repair_report report;
   check_ok(context, bw_mesh_relax(context, mesh, may, node, &report));
   assert_true(report.inverted > 0 && report.worst_after > 0.2);
   for (int32_t i = 0; i < mesh->node_count; i++)
@@ -144,8 +144,8 @@ static void test_dent(void **state) {
       node[3 * i + 2] -= 0.33 * exp(-8 * r2);
     }
   }
-  bw_mend_report report;
-  bw_mesh_judge(mesh, node, 0, &report);
+  bw_mesh_repair_report report;
+  bw_mesh_shape_check(mesh, node, 0, &report);
   assert_true(report.inverted > 100);
   check_ok(context, bw_mesh_relax(context, mesh, may, node, &report));
   assert_true(report.worst_after > 0.05);
@@ -164,7 +164,7 @@ static void test_refusals(void **state) {
   bw_mesh *mesh = box(context, 1, 4, 4, 4, 2), *refilled;
   uint8_t *kind = classify(mesh), *may = (uint8_t *)malloc((size_t)mesh->node_count);
   double *node = copy_nodes(context, mesh), *before = copy_nodes(context, mesh);
-  bw_mend_report report;
+  bw_mesh_repair_report report;
   /* A corner of the boundary through the whole box: no inner nodes can make up for that. */
   int32_t corner = -1, inner = -1;
   for (int32_t i = 0; i < mesh->node_count; i++) {
@@ -362,14 +362,14 @@ static void test_bent_bar(void **state) {
         x += mesh->node[3 * mesh->element[e * mesh->nodes_per_element + k]] / 4;
       replace[e] = x > 1.4 && x < 2.6;
     }
-    bw_mend_report report;
-    bw_mesh_judge(mesh, node, 0, &report);
+    bw_mesh_repair_report report;
+    bw_mesh_shape_check(mesh, node, 0, &report);
     assert_true(report.inverted > 100);
     check_ok(context,
              bw_mesh_refill(context, mesh, node, replace, &made, &node_from, &element_from));
     check_contract(mesh, node, replace, made, node_from, element_from);
     check_near(bw_mesh_volume(made), enclosed(mesh, node), 1e-12);
-    bw_mesh_judge(made, made->node, 0, &report);
+    bw_mesh_shape_check(made, made->node, 0, &report);
     assert_true(abs(made->element_count - mesh->element_count) < mesh->element_count / 4);
     assert_true(report.worst_before > 0.1);
     patch_test(context, made);
@@ -425,8 +425,8 @@ static void test_pieces(void **state) {
       check_near(volume[0], 2.0 * (double)removed / mesh->element_count, 1e-12);
     }
     assert_int_equal(made->component_count, 1);
-    bw_mend_report report;
-    bw_mesh_judge(made, made->node, 0, &report);
+    bw_mesh_repair_report report;
+    bw_mesh_shape_check(made, made->node, 0, &report);
     assert_true(report.worst_before > 0.03);
     patch_test(context, made);
     bw_free(node_from);
@@ -476,7 +476,7 @@ static void test_cancel(void **state) {
   double *node = copy_nodes(context, mesh);
   memset(one, 1, (size_t)mesh->element_count);
   push_inner(mesh, node, 2);
-  bw_mend_report report;
+  bw_mesh_repair_report report;
   bw_cancel(context);
   check_fails(context, BW_CANCELLED, "", bw_mesh_relax(context, mesh, one, node, &report));
   check_fails(context, BW_CANCELLED, "",
@@ -499,7 +499,7 @@ static void test_allocation_failures(void **state) {
   push_inner(mesh, tangled, 1);
   bw_status status = BW_MEMORY;
   for (int64_t n = 1; status != BW_OK; n++) {
-    bw_mend_report report;
+    bw_mesh_repair_report report;
     memcpy(node, tangled, 24 * (size_t)mesh->node_count);
     bw_fail_allocation(n, true);
     status = bw_mesh_relax(context, mesh, may, node, &report);

@@ -361,7 +361,7 @@ static void files_of_others_are_understood(void **state) {
   assert_int_equal(s->root, 1); /* the bones point nowhere in common: the middle joint */
   assert_string_equal(s->bone_name[0].text, "bone 1");
   assert_string_equal(s->bone_name[1].text, "thigh");
-  assert_non_null(strstr(bw_remark_at(context, 0), "1 edges"));
+  assert_non_null(strstr(bw_warning_at(context, 0), "1 edges"));
   bw_release(s);
 }
 

@@ -61,7 +61,7 @@ static void too_thin_for_single(void **state) {
     bw_model *model = NULL;
     check_ok(context, bw_mesh_moved(context, b.mesh, b.node, &mesh));
     check_ok(context, bw_model_moved(context, b.model, mesh, &model));
-    bw_clear_remarks(context);
+    bw_clear_warnings(context);
     check_ok(context, bw_local_system_update(context, local, model, b.motion, &reuse));
     check_ok(context, bw_local_statics(context, local, model, NULL, &options, &result, &reuse));
     check_ok(context, bw_statics(context, model, NULL, NULL, &fresh));
@@ -71,7 +71,7 @@ static void too_thin_for_single(void **state) {
     assert_int_equal(reuse.precision, k == 0 ? 32 : 64);
     if (k == 1) {
       assert_int_equal(reuse.method, BW_LOCAL_SCRATCH);
-      assert_non_null(strstr(bw_remark_at(context, 0), "double precision from here on"));
+      assert_non_null(strstr(bw_warning_at(context, 0), "double precision from here on"));
       b.now.scale[1][1] = b.now.scale[1][2] = 1;
       bw_model *back = posed(context, &b);
       check_ok(context, bw_local_system_update(context, local, back, b.motion, &reuse));

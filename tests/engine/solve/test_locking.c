@@ -208,10 +208,10 @@ static void test_cook(void **state) {
 
 /* ---- warnings -------------------------------------------------------------------------------- */
 
-static int remarks_of_locking(const bw_context *context) {
+static int warnings_of_locking(const bw_context *context) {
   int count = 0;
-  for (int i = 0; bw_remark_at(context, i); i++)
-    count += strstr(bw_remark_at(context, i), "volumetric locking") != NULL;
+  for (int i = 0; bw_warning_at(context, i); i++)
+    count += strstr(bw_warning_at(context, i), "volumetric locking") != NULL;
   return count;
 }
 
@@ -230,9 +230,9 @@ static void test_warning(void **state) {
                {0.4999, 2, BW_B_BAR, false}};
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
     bw_static *result;
-    bw_clear_remarks(context);
+    bw_clear_warnings(context);
     cantilever(context, cases[k].poisson, 2, cases[k].order, cases[k].formulation, false, &result);
-    assert_int_equal(remarks_of_locking(context), cases[k].warns);
+    assert_int_equal(warnings_of_locking(context), cases[k].warns);
     assert_int_equal(bw_locking(result->model->mesh, result->model->material) != NULL,
                      cases[k].warns);
     bw_release(result);

@@ -256,7 +256,7 @@ static void block_in_tension(void **state) {
 }
 
 /* Too few iterations: an error that says what to do, or, where there is room, the factor and a
- * remark. */
+ * warning. */
 static void not_converged(void **state) {
   bw_context *context = check_context(state);
   bw_static *first = NULL, *result = NULL;
@@ -269,11 +269,11 @@ static void not_converged(void **state) {
               bw_statics(context, b.model, NULL, &options, &result));
   check_ok(context, bw_statics(context, b.model, NULL, &by_levels, &first));
   options.memory = 1e10;
-  bw_clear_remarks(context);
+  bw_clear_warnings(context);
   check_ok(context, bw_statics(context, b.model, first->system, &options, &result));
   assert_int_equal(result->report.method, BW_STATICS_FACTOR);
   assert_int_equal(result->report.iterations, 4); /* in vain */
-  assert_non_null(strstr(bw_remark_at(context, 0), "by a factor"));
+  assert_non_null(strstr(bw_warning_at(context, 0), "by a factor"));
   bw_release(result);
   bw_release(first);
   clear_block(&b);

@@ -273,7 +273,7 @@ static void loads_that_reach_nothing_are_refused(void **state) {
   bw_model_clear_loads(model);
   check_ok(context, bw_model_slide(context, model, side, y));
   check_ok(context, bw_model_force(context, model, side, along));
-  bw_clear_remarks(context);
+  bw_clear_warnings(context);
   check_ok(context, bw_statics(context, model, NULL, NULL, &result));
   bw_release(result);
   bw_model_clear_loads(model);
@@ -285,10 +285,10 @@ static void loads_that_reach_nothing_are_refused(void **state) {
   bw_model_clear_supports(model);
   check_ok(context, bw_model_fix(context, model, near));
   check_ok(context, bw_model_force(context, model, side, down));
-  bw_clear_remarks(context);
+  bw_clear_warnings(context);
   check_ok(context, bw_statics(context, model, NULL, NULL, &result));
-  assert_null(bw_remark_at(context, 1));
-  assert_non_null(strstr(bw_remark_at(context, 0), "50 % of the area of load 1, a force"));
+  assert_null(bw_warning_at(context, 1));
+  assert_non_null(strstr(bw_warning_at(context, 0), "50 % of the area of load 1, a force"));
   bw_release(result);
   bw_release(near);
   bw_release(side);

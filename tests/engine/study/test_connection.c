@@ -343,7 +343,7 @@ static void test_hostile_files(void **state) {
     /* Nor does salvage run it. */
     bw_salvage_report report;
     unlink(path_of("saved"));
-    bw_clear_remarks(context);
+    bw_clear_warnings(context);
     status = bw_database_salvage(context, path_of("a"), path_of("saved"), NULL, false, &report);
     if (status != BW_OK && status != BW_FORMAT)
       fail_msg("%s: %s", harm[i].put, bw_message(context));
@@ -452,7 +452,7 @@ static int try_from_inside(bw_context *context) {
   if (bw_database_salvage(context, path_of("in/whole"), path_of("in/saved"), NULL, false,
                           &report) != BW_OK)
     return 4;
-  bw_clear_remarks(context);
+  bw_clear_warnings(context);
   if (bw_database_salvage(context, path_of("in/leak"), path_of("in/leaked"), NULL, false,
                           &report) == BW_OK)
     return 5;

@@ -312,8 +312,8 @@ static void save(bw_context *context, const char *path, int least, int most, boo
   assert_null(problems);
   bw_release(d);
   assert_int_equal(access(path_of("saved.reading"), F_OK), -1);
-  assert_non_null(bw_remark_at(context, 0));
-  bw_clear_remarks(context);
+  assert_non_null(bw_warning_at(context, 0));
+  bw_clear_warnings(context);
 }
 
 /* Bytes inside of values can be anything: only damage to the order shows. */
@@ -430,7 +430,7 @@ static void test_random_damage(void **state) {
       bw_database *d = open_file(context, path_of("saved"));
       bw_release(d);
     }
-    bw_clear_remarks(context);
+    bw_clear_warnings(context);
   }
 }
 
@@ -493,7 +493,7 @@ static void test_allocation_failures(void **state) {
   done:
     bw_fail_allocation(0, false);
     bw_release(d);
-    bw_clear_remarks(context);
+    bw_clear_warnings(context);
     assert_true(status == BW_OK || status == BW_MEMORY);
   }
 }

@@ -61,10 +61,10 @@ static void shape_clear(shape *s) {
 static bw_status pose_shape(bw_context *context, const bw_domains *domains,
                             const bw_bone_pose *pose, shape *s, bw_mesh **mesh) {
   bw_status status;
-  bw_mend_report report;
+  bw_mesh_repair_report report;
   BW_TRY(bw_pose_maps(context, domains->skeleton, pose, s->map, s->rotation));
   BW_TRY(bw_pose_nodes(context, domains, s->map, s->node));
-  bw_mesh_judge(domains->mesh, s->node, 0, &report);
+  bw_mesh_shape_check(domains->mesh, s->node, 0, &report);
   BW_TRY(bw_mesh_relax(context, domains->mesh, s->inner, s->node, &report));
   BW_TRY(bw_pose_pieces(context, domains, s->map, s->rotation, s->motion));
   BW_TRY(bw_mesh_moved(context, domains->mesh, s->node, mesh));
@@ -175,7 +175,7 @@ static int64_t sweep(bw_context *context, int64_t asked, int64_t step, bool and_
     if (bw_live_blocks() != blocks)
       fail_msg("allocation %lld: %lld blocks left", (long long)n,
                (long long)(bw_live_blocks() - blocks));
-    if (status == BW_OK) { /* a remark or a cache went without */
+    if (status == BW_OK) { /* a warning or a cache went without */
       check_near(most, expected, 1e-8 * expected);
       continue;
     }

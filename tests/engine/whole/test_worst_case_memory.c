@@ -115,7 +115,7 @@ static void test_sweep(void **state) {
       fail_msg("allocation %lld: %lld blocks left", (long long)n,
                (long long)(bw_live_blocks() - blocks));
     if (status == BW_OK)
-      continue; /* a remark or a cache went without */
+      continue; /* a warning or a cache went without */
     failed++;
     assert_int_equal(status, BW_MEMORY);
     assert_int_not_equal(access(file.picture, F_OK), 0);

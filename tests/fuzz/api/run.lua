@@ -20,7 +20,7 @@ local wipe = load("local function wipe(n) local " .. ("a, "):rep(180) .. "a if n
 
 -- Blocks of memory that the engine holds when nothing is in use.
 local function blocks()
-  bw.remarks()
+  bw.warnings()
   bw.threads(1)
   wipe(8)
   local held, same = -1, 0

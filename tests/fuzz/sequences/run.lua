@@ -5,7 +5,7 @@ local core = require "barwright.core"
 local sequence = require "sequence"
 
 local names = {"sheet", "bent", "shaken", "flow", "thermal", "plate", "bridge", "mover", "session", "solid",
-  "motion", "desk"}
+  "motion", "controller"}
 local batch_size = 5 -- sequences
 local seconds, bytes = 600, 4e9 -- of processor time and memory that a batch may take
 

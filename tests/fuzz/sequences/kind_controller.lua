@@ -1,10 +1,10 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The desk of a live view in the plane, with windows that are not there: messages as they come from pages.
+-- The controller of a live view in the plane, with windows that are not there: messages as they come from pages.
 local acting = require "acting"
 local bw = require "barwright"
 local core = require "barwright.core"
 local followed_kinds = require "followed_kinds"
-local live_plane_desk = require "barwright.live_plane_desk"
+local live_plane_controller = require "barwright.live_plane_controller"
 
 local kind = {}
 local told, uniform = followed_kinds.told, followed_kinds.uniform
@@ -33,26 +33,26 @@ local makers = {
 function kind.make()
   acting.load = 1
   local object = assert(makers[math.random(3)](followed_kinds.first()))
-  local desk = assert(live_plane_desk.new(object, server, {}))
-  desk:handle {{1, "open"}, {2, "open"}}
-  return {desk = desk, object = object}
+  local controller = assert(live_plane_controller.new(object, server, {}))
+  controller:handle {{1, "open"}, {2, "open"}}
+  return {controller = controller, object = object}
 end
 
 function kind.seen() return "" end -- a message is told of what it did, and has no result
 
 function kind.check(subject)
-  local desk, object = subject.desk, subject.object
-  desk:handle {} -- what failed in going back is made good with the next message
+  local controller, object = subject.controller, subject.object
+  controller:handle {} -- what failed in going back is made good with the next message
   object.body:check()
-  local here = desk.history[desk.position]
-  if not here then error "check: the desk is at no edit" end
-  if not desk.drag and told(here.outline.points) ~= told(object.outline.points) then
+  local here = controller.history[controller.position]
+  if not here then error "check: the controller is at no edit" end
+  if not controller.drag and told(here.outline.points) ~= told(object.outline.points) then
     error "check: nothing is dragged, and the outline is not that of the last edit"
   end
 end
 
 function kind.close(subject)
-  subject.desk:finish()
+  subject.controller:finish()
   subject.object.body:close()
 end
 
@@ -60,7 +60,7 @@ local function say(message)
   return function(subject)
     local made = message(subject.object)
     made.seq = made.seq and math.random(100)
-    subject.desk:handle {{math.random(2), "message", bw.json.encode(made)}}
+    subject.controller:handle {{math.random(2), "message", bw.json.encode(made)}}
     return true
   end
 end
@@ -94,13 +94,13 @@ kind.operations = {
   ["no sense"] = {0.3, say(function() return {type = "begin", handle = {edge = 1e9}} end)},
   load = {0.5, acting.change},
   idle = {2, function(subject)
-    subject.desk.due = core.seconds() - 1
-    subject.desk:idle()
+    subject.controller.due = core.seconds() - 1
+    subject.controller:idle()
     return true
   end},
   leave = {0.3, function(subject)
     local client = math.random(2)
-    subject.desk:handle {{client, "close"}, {client, "open"}}
+    subject.controller:handle {{client, "close"}, {client, "open"}}
     return true
   end},
 }

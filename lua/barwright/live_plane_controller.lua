@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The desk of the plane's live view: takes the messages of the pages, moves the outline of an object of
+-- The controller of the plane's live view: takes the messages of the pages, moves the outline of an object of
 -- bw.responsive, lets its time go on, tells every page how it stands. docs/live.md has the protocol.
 --
 -- The object changes by whole edits: each is an outline and a line of Lua, kept in `history`; a drag,
@@ -14,13 +14,13 @@ local kinds = require "barwright.live_plane_kinds"
 local live_check = require "barwright.live_check"
 local live_plane_frame = require "barwright.live_plane_frame"
 local live_plane_message = require "barwright.live_plane_message"
-local room = require "barwright.live_room"
+local shared = require "barwright.live_session"
 
-local tell, tell_all, refuse, send_all = room.tell, room.tell_all, room.refuse, room.send_all
-local own_drag, no_drag = room.own_drag, room.no_drag
+local tell, tell_all, refuse, send_all = shared.tell, shared.tell_all, shared.refuse, shared.send_all
+local own_drag, no_drag = shared.own_drag, shared.no_drag
 
-local desk = {}
-desk.__index = desk
+local controller = {}
+controller.__index = controller
 
 -- Seconds between frames of what goes on in time, at least, and for the steps of one frame, at most.
 local frame_time, step_time = 1 / 60, 0.05
@@ -121,7 +121,7 @@ end
 
 --- Where nothing is dragged, the object is as the last whole edit left it: it goes back there after
 --- something failed, or when the next message comes, where that fails too.
-function desk:settle()
+function controller:settle()
   local here = self.history[self.position]
   if self.drag or self.object.outline == here.outline then return end
   local fine, there = pcall(become, self, here.outline, here.back)
@@ -160,14 +160,14 @@ local function go_to(self, position)
 end
 
 --- What is dragged, in words.
-function desk.dragged()
+function controller.dragged()
   return "the outline"
 end
 
 local handlers = {}
 
 function handlers.begin(self, client, message)
-  if not room.may_begin(self, client, message) then return end
+  if not shared.may_begin(self, client, message) then return end
   self.drag = {client = client, seq = message.seq, handle = message.handle, pins = message.pins,
     reach = message.reach, base = self.object.outline, back = followed.kept(self.object)}
 end
@@ -306,7 +306,7 @@ function handlers.export(self, client, message)
   if format == "lua" then
     bytes = edits.text(self.about.script or "the_script_that_made_it.lua", lines(self))
   else
-    bytes, why = room.written("." .. format, function(path) return self.object.outline:write(path) end)
+    bytes, why = shared.written("." .. format, function(path) return self.object.outline:write(path) end)
   end
   if not bytes then return refuse(self, client, message, why) end
   local path = "outline." .. format
@@ -317,7 +317,7 @@ end
 -- ---- time ----------------------------------------------------------------------------------------
 
 --- Seconds until `idle` is to be called.
-function desk:wait()
+function controller:wait()
   if not (self.steps and self.running and next(self.clients)) then return 3600 end
   return math.max(0, self.due - core.seconds())
 end
@@ -334,7 +334,7 @@ local function advance(self)
 end
 
 --- A frame of what goes on in time, where one is due. What fails stops the time.
-function desk:idle()
+function controller:idle()
   local now = core.seconds()
   if not (self.steps and self.running and next(self.clients)) or now < self.due then return end
   local fine, stepped, why = pcall(advance, self)
@@ -346,12 +346,12 @@ function desk:idle()
   self.due = now + frame_time
 end
 
--- ---- the desk ------------------------------------------------------------------------------------
+-- ---- the controller ------------------------------------------------------------------------------------
 
---- A desk for an object of bw.responsive. about: {title, name, limit, saved = file of edits, script =
+--- A controller for an object of bw.responsive. about: {title, name, limit, saved = file of edits, script =
 --- the script that makes the object as seen from that file, lines = edits of it to be made first,
 --- paused, pace = steps a frame, goal = an outline to be met}
-function desk.new(object, server, about)
+function controller.new(object, server, about)
   local kind = kinds.of(object)
   local steps = kind.steps
   if type(steps) == "function" then steps = steps(object) end
@@ -363,7 +363,7 @@ function desk.new(object, server, about)
     limit = about.limit or kind.limit and kind.limit(object),
     steps = steps or false, running = not about.paused, pace = about.pace or 1,
     due = 0, a_step = 1e-3, position = 1,
-    history = {{outline = object.outline, back = followed.kept(object)}}}, desk)
+    history = {{outline = object.outline, back = followed.kept(object)}}}, controller)
   for i, line in ipairs(about.lines) do
     local fine, why = edits.replay(object, line)
     if not fine then return nil, ("edit %d, %s: %s"):format(i, line, why), {status = "format"} end
@@ -386,7 +386,7 @@ end
 
 -- A window that is closed ends its drag.
 local function close(self, client)
-  room.leave(self, client, function()
+  shared.leave(self, client, function()
     finish(self, true)
     return publish(self)
   end)
@@ -395,15 +395,15 @@ end
 local events = {read = live_plane_message.read, open = open, close = close, handlers = handlers}
 
 --- Handles what arrived: {client, "open" | "message" | "close", text}, ...
-function desk:handle(list)
+function controller:handle(list)
   if self.unsettled then self:settle() end
-  room.handle(self, list, events)
+  shared.handle(self, list, events)
 end
 
 --- The view will not go on: a drag is ended, the pages are told.
-function desk:finish()
+function controller:finish()
   if self.drag then pcall(finish, self, true) end
   tell_all(self, {type = "bye"})
 end
 
-return desk
+return controller

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The live view's desk: takes the messages of the pages, edits the session, tells every page how it
+-- The live view's controller: takes the messages of the pages, edits the session, tells every page how it
 -- stands. docs/live.md has the protocol.
 --
 -- Nothing of a message is believed: live_message checks it whole before anything is done, and what
@@ -14,13 +14,13 @@ local json = require "barwright.json"
 local live_frame = require "barwright.live_frame"
 local live_loads = require "barwright.live_loads"
 local live_message = require "barwright.live_message"
-local room = require "barwright.live_room"
+local shared = require "barwright.live_session"
 
-local tell, tell_all, refuse, send_all = room.tell, room.tell_all, room.refuse, room.send_all
-local own_drag, no_drag = room.own_drag, room.no_drag
+local tell, tell_all, refuse, send_all = shared.tell, shared.tell_all, shared.refuse, shared.send_all
+local own_drag, no_drag = shared.own_drag, shared.no_drag
 
-local desk = {}
-desk.__index = desk
+local controller = {}
+controller.__index = controller
 
 local function state_of(session)
   return session.history[session.position]
@@ -72,7 +72,7 @@ local function publish(self, shown)
   end
   local result, why, details
   if drag and self.seconds > patience then
-    result, why, details = room.meanwhile(self, overtakes(self), live_loads.solve, self, shown)
+    result, why, details = shared.meanwhile(self, overtakes(self), live_loads.solve, self, shown)
   else
     result, why, details = live_loads.solve(self, shown)
   end
@@ -135,14 +135,14 @@ local function try(drag, change)
 end
 
 --- What is dragged, in words.
-function desk:dragged()
+function controller:dragged()
   return self.drag.bone or self.drag.joint
 end
 
 local handlers = {}
 
 function handlers.begin(self, client, message)
-  if not room.may_begin(self, client, message) then return end
+  if not shared.may_begin(self, client, message) then return end
   self.drag = {client = client, bone = message.bone, joint = message.joint, seq = message.seq,
     good = false, fork = self.session:fork {refill = false}}
   self.told = core.seconds() -- what was told before is no hurry
@@ -227,11 +227,11 @@ end
 function handlers.optimise(self, client, message)
   if not no_drag(self, client, message) then return end
   self.limit = message.von_mises
-  local report, why, details = room.told_of(self, "optimising", self.session.optimise, self.session,
+  local report, why, details = shared.told_of(self, "optimising", self.session.optimise, self.session,
     {von_mises = message.von_mises, low = message.low, high = message.high, bones = message.bones,
       ties = self.ties, loads = self.loads.kind, worst = self.about.worst,
       move_supports = message.move_supports})
-  if not report and room.stopped(details) then why = "stopped: the shape is as it was" end
+  if not report and shared.stopped(details) then why = "stopped: the shape is as it was" end
   tell_all(self, {type = "optimised", met = report ~= nil, message = report and tostring(report) or why})
   return publish(self, self.session)
 end
@@ -240,8 +240,8 @@ end
 function handlers.loads(self, client, message)
   if not no_drag(self, client, message) then return end
   if message.loads == "worst" then
-    local fine, why, details = room.told_of(self, "looking for the worst load", live_loads.find, self)
-    if not fine and room.stopped(details) then why = "stopped: the loads are what they were" end
+    local fine, why, details = shared.told_of(self, "looking for the worst load", live_loads.find, self)
+    if not fine and shared.stopped(details) then why = "stopped: the loads are what they were" end
     tell_all(self, {type = "optimised", met = fine ~= nil, message = fine and live_loads.words(self) or why})
     if not fine then return publish(self, self.session) end
   else
@@ -268,17 +268,18 @@ local files = {
 
 function handlers.export(self, client, message)
   local file = files[message.format]
-  local bytes, why = room.written("." .. message.format, function(path) return file.write(self.session, path) end)
+  local function write(path) return file.write(self.session, path) end
+  local bytes, why = shared.written("." .. message.format, write)
   if not bytes then return refuse(self, client, message, why) end
   self.server:serve(file.path, file.mime, bytes, self.about.name .. "." .. message.format)
   tell(self, client, {type = "file", path = file.path, format = message.format, bytes = #bytes})
 end
 
--- ---- the desk ------------------------------------------------------------------------------------
+-- ---- the controller ------------------------------------------------------------------------------------
 
---- A desk for a session. about: {title, name, solve = options of session:solve, limit, worst = options
+--- A controller for a session. about: {title, name, solve = options of session:solve, limit, worst = options
 --- of bw.worst_case, ties}
-function desk.new(session, server, about)
+function controller.new(session, server, about)
   local state = state_of(session)
   local material = session.source.material
   local strength = type(material.strength) == "number" and material.strength or nil
@@ -287,7 +288,7 @@ function desk.new(session, server, about)
     limit = about.limit, worst = about.worst, ties = about.ties}
   local self = setmetatable({session = session, server = server, about = about, clients = {},
     revision = 0, seconds = 0, told = 0, later = {}, limit = about.limit or strength,
-    loads = {kind = "own"}, ties = json.list(about.ties or {}), drag = nil}, desk)
+    loads = {kind = "own"}, ties = json.list(about.ties or {}), drag = nil}, controller)
   local scene, why, details = live_frame.scene(state, 1, about)
   if not scene then return nil, why, details end
   self.scene = scene
@@ -306,7 +307,7 @@ end
 
 -- A window that is closed ends its drag.
 local function close(self, client)
-  room.leave(self, client, function()
+  shared.leave(self, client, function()
     finish(self, true)
     return publish(self, self.session)
   end)
@@ -315,14 +316,14 @@ end
 local events = {read = live_message.read, open = open, close = close, handlers = handlers}
 
 --- Handles what arrived: {client, "open" | "message" | "close", text}, ...
-function desk:handle(list)
-  room.handle(self, list, events)
+function controller:handle(list)
+  shared.handle(self, list, events)
 end
 
 --- The session will not go on: a drag is ended, the pages are told.
-function desk:finish()
+function controller:finish()
   if self.drag then pcall(finish, self, true) end
   tell_all(self, {type = "bye"})
 end
 
-return desk
+return controller

@@ -1,32 +1,32 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- What the desks of the live views share: talking with windows, long work during which messages still
+-- What the controllers of the live views share: talking with windows, long work during which messages still
 -- arrive, newest moves first, files to be downloaded.
 --
--- A desk has `server`, `clients` (set), `later` (what arrived while the engine worked), `drag` or nil
+-- A controller has `server`, `clients` (set), `later` (what arrived while the engine worked), `drag` or nil
 -- (with its `client`), and `telling` while windows are told of progress.
 local core = require "barwright.core"
 local json = require "barwright.json"
 local live_check = require "barwright.live_check"
 
-local room = {}
+local shared = {}
 
 -- ---- telling -------------------------------------------------------------------------------------
 
 --- A browser closes a socket on text that is not UTF-8; names of bones come from files.
-function room.tell(self, client, message)
+function shared.tell(self, client, message)
   local text = json.encode(message)
   self.server:send(client, utf8.len(text) and text or (text:gsub("[\128-\255]", "?")))
 end
 
-function room.tell_all(self, message)
-  for client in pairs(self.clients) do room.tell(self, client, message) end
+function shared.tell_all(self, message)
+  for client in pairs(self.clients) do shared.tell(self, client, message) end
 end
 
-function room.refuse(self, client, message, why)
-  room.tell(self, client, {type = "refused", asked = message.type, seq = message.seq, message = why})
+function shared.refuse(self, client, message, why)
+  shared.tell(self, client, {type = "refused", asked = message.type, seq = message.seq, message = why})
 end
 
-function room.send_all(self, bytes, key)
+function shared.send_all(self, bytes, key)
   for client in pairs(self.clients) do
     self.server:send(client, bytes, {binary = true, replace = key})
   end
@@ -34,7 +34,7 @@ end
 
 --- While the engine works: what arrives is kept for later. `gives_up(client, kind, text)` is asked of
 -- each; the work is given up once it was true.
-function room.meanwhile(self, gives_up, work, ...)
+function shared.meanwhile(self, gives_up, work, ...)
   local going = true
   local before = core.progress(function(stage, fraction)
     while #self.later < 1000 do
@@ -54,16 +54,16 @@ function room.meanwhile(self, gives_up, work, ...)
 end
 
 --- Long work that every page is told of, and any may stop: the results of `work`.
-function room.told_of(self, what, work, ...)
+function shared.told_of(self, what, work, ...)
   local shown = -1
-  room.tell_all(self, {type = "progress", stage = what, fraction = 0})
+  shared.tell_all(self, {type = "progress", stage = what, fraction = 0})
   self.telling = function(stage, fraction)
     local now = core.seconds()
     if now - shown < 0.2 then return end
     shown = now
-    room.tell_all(self, {type = "progress", stage = stage, fraction = fraction})
+    shared.tell_all(self, {type = "progress", stage = stage, fraction = fraction})
   end
-  local results = table.pack(pcall(room.meanwhile, self, function(_, kind, text)
+  local results = table.pack(pcall(shared.meanwhile, self, function(_, kind, text)
     return kind == "message" and live_check.is(text, "stop")
   end, work, ...))
   self.telling = nil
@@ -71,43 +71,43 @@ function room.told_of(self, what, work, ...)
   return table.unpack(results, 2, results.n)
 end
 
-function room.stopped(details)
+function shared.stopped(details)
   return details and details.status == "cancelled"
 end
 
 -- ---- drags ---------------------------------------------------------------------------------------
 
 --- The drag of a window; where it has none, it is told so.
-function room.own_drag(self, client, message)
+function shared.own_drag(self, client, message)
   if self.drag and self.drag.client == client then return self.drag end
-  room.refuse(self, client, message, "no drag of this window is going on")
+  shared.refuse(self, client, message, "no drag of this window is going on")
 end
 
 --- Whether nothing is dragged; a window that asked is told what is: `self:dragged()` names it.
-function room.no_drag(self, client, message)
+function shared.no_drag(self, client, message)
   if not self.drag then return true end
-  room.refuse(self, client, message, self:dragged() .. " is being dragged")
+  shared.refuse(self, client, message, self:dragged() .. " is being dragged")
 end
 
 --- Whether a window may begin a drag.
-function room.may_begin(self, client, message)
+function shared.may_begin(self, client, message)
   if not self.drag then return true end
-  room.refuse(self, client, message, ("%s is being dragged in %s window"):format(self:dragged(),
+  shared.refuse(self, client, message, ("%s is being dragged in %s window"):format(self:dragged(),
     self.drag.client == client and "this" or "another"))
 end
 
 --- A window is closed, which ends its drag: `finish` keeps what went well and tells the others.
-function room.leave(self, client, finish)
+function shared.leave(self, client, finish)
   self.clients[client] = nil
   if self.drag and self.drag.client == client then
-    room.protected(self, client, {type = "end"}, finish)
+    shared.protected(self, client, {type = "end"}, finish)
   end
 end
 
 -- ---- files ---------------------------------------------------------------------------------------
 
 --- What a function writes to a path, as text.
-function room.written(ending, write)
+function shared.written(ending, write)
   local folder <close>, message = core.temporary_folder()
   if not folder then return nil, message end
   local path = folder.path .. "/written" .. ending
@@ -121,13 +121,13 @@ end
 -- ---- what arrives --------------------------------------------------------------------------------
 
 --- Runs a handler. What neither a check nor the session caught is told too; the session is then as
--- the last whole edit left it (which `self:settle()` does for a desk that drags the thing itself).
-function room.protected(self, client, message, handler)
+-- the last whole edit left it (which `self:settle()` does for a controller that drags the thing itself).
+function shared.protected(self, client, message, handler)
   local fine, result, why = pcall(handler, self, client, message)
   if fine and (result ~= nil or not why) then return end
   if self.drag and self.drag.client == client then self.drag = nil end
   if self.settle then self:settle() end
-  room.refuse(self, client, message, tostring(fine and why or result))
+  shared.refuse(self, client, message, tostring(fine and why or result))
 end
 
 -- Events with their messages read; of moves of one window in a row only the newest counts, and that
@@ -156,24 +156,24 @@ end
 
 --- Handles what arrived: {client, "open" | "message" | "close", text}, ... `how` = {read = of a text,
 --- open, close = of a client, handlers = by type of message}
-function room.handle(self, events, how)
+function shared.handle(self, events, how)
   for _, entry in ipairs(read_all(self, events, how)) do
     if entry.kind == "open" then
       how.open(self, entry.client)
     elseif entry.kind == "close" then
       how.close(self, entry.client)
     elseif entry.message then
-      room.protected(self, entry.client, entry.message, how.handlers[entry.message.type])
+      shared.protected(self, entry.client, entry.message, how.handlers[entry.message.type])
     else
-      room.tell(self, entry.client, {type = "error", message = entry.why})
+      shared.tell(self, entry.client, {type = "error", message = entry.why})
     end
     if core.interrupted() then return end
   end
   if #self.later > 0 then
     local later = self.later
     self.later = {}
-    room.handle(self, later, how)
+    shared.handle(self, later, how)
   end
 end
 
-return room
+return shared

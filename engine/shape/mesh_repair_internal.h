@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* What the files of mending share. */
-#ifndef BWI_MEND_INTERNAL_H
-#define BWI_MEND_INTERNAL_H
+#ifndef BWI_MESH_REPAIR_INTERNAL_H
+#define BWI_MESH_REPAIR_INTERNAL_H
 
 #include "barwright/shape.h"
 #include "mesh/mesh_internal.h"
@@ -21,7 +21,7 @@ typedef struct bwi_patch {
 
 /* The quality of the worst element; updates worst and worst_place. An element that bw_mesh_moved
  * would refuse counts as no better than 0. */
-double bwi_patch_judge(bwi_patch *patch);
+double bwi_patch_quality(bwi_patch *patch);
 /* Move the free nodes until every element is the right way round, or no way is found: *done says
  * which. */
 bw_status bwi_patch_untangle(bw_context *context, bwi_patch *patch, bool *done);
