@@ -20,10 +20,10 @@ print(bracket)
 local best, at = math.huge, nil
 for frame = 1, 30 do
   assert(bracket:drag({loop = "hole"}, {2 * mm, 0}))
-  local most = bracket.von_mises:max()
-  if most < best then best, at = most, 30 + 2 * frame end
+  local max = bracket.von_mises:max()
+  if max < best then best, at = max, 30 + 2 * frame end
   if frame % 5 == 0 then
-    print(("hole at %d mm: %.1f MPa; %s"):format(30 + 2 * frame, most / 1e6, tostring(bracket.reused)))
+    print(("hole at %d mm: %.1f MPa; %s"):format(30 + 2 * frame, max / 1e6, tostring(bracket.reused)))
   end
 end
 print(("the hole does least harm at %d mm: %.1f MPa"):format(at, best / 1e6))

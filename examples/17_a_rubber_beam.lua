@@ -27,19 +27,19 @@ local function sag(result)
 end
 
 local results = assert(bw.results.open(folder, {script = "examples/17_a_rubber_beam.lua"}))
-local least = sag(loaded(0.01)) / 0.01
+local min = sag(loaded(0.01)) / 0.01
 local panels, last = {}, nil
 for i, force in ipairs {0.5, 2, 6} do
   last = loaded(force)
   print(("%4.1f N: sags %6.1f mm; in proportion it were %6.1f mm; %d iterations"):format(force, sag(last),
-    force * least, last.report.iterations))
+    force * min, last.report.iterations))
   panels[i] = last:panel(("%g N"):format(force), "von_mises")
 end
 assert(sag(last) < 0.2 / mm) -- a beam cannot sag more than it is long
 
 -- 3. What holds it pushes back with as much as hangs there.
 print(("held up by %.3f N; least volume ratio %.3f"):format(
-  last:total_reaction({side = "low x"})[3], last.report.shape.least_ratio))
+  last:total_reaction({side = "low x"})[3], last.report.shape.min_ratio))
 
 -- 4. Side by side, with the stress that the materials carry.
 assert(bw.grid.picture(results:path "beam.png", panels, {direction = {0.3, -1, 0.2}, up = {0, 0, 1},

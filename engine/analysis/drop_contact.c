@@ -49,7 +49,7 @@ static double gap_of(const bwi_peg *peg, const double across[3], const double x[
 
 /* The edge along which the gap varies most: contacts may be a hundred times longer than broad. */
 static int edge_to_cut(const bwi_peg *peg, const double across[3], double x[3][3]) {
-  double most = -1, gap[3];
+  double max = -1, gap[3];
   int cut = 0;
   for (int c = 0; c < 3; c++)
     gap[c] = gap_of(peg, across, x[c]);
@@ -63,8 +63,8 @@ static int edge_to_cut(const bwi_peg *peg, const double across[3], double x[3][3
     double between = gap_of(peg, across, middle);
     double varies = fmax(fmax(a, b), between) - fmin(fmin(a, b), between);
     varies += 1e-6 * bw_norm(edge); /* where it is the same on all: the longest */
-    if (varies > most) {
-      most = varies;
+    if (varies > max) {
+      max = varies;
       cut = c;
     }
   }
@@ -88,12 +88,12 @@ static void measure(const bw_mesh *mesh, const bwi_peg *peg, const double across
   }
   bw_cross(edge[0], edge[1], normal);
   part->area = fmax(0, -0.5 * bw_dot(normal, peg->push));
-  part->gap = part->least = gap_at(peg, across, centre, slope, &height);
+  part->gap = part->min = gap_at(peg, across, centre, slope, &height);
   if (!(height > 0)) /* behind the cylinder's middle */
     part->area = 0;
   for (int c = 0; c < 3; c++) {
     double off[3] = {x[c][0] - centre[0], x[c][1] - centre[1], x[c][2] - centre[2]};
-    part->least = fmin(part->least, part->gap + bw_dot(slope, off));
+    part->min = fmin(part->min, part->gap + bw_dot(slope, off));
   }
   part->cut = edge_to_cut(peg, across, x);
 }
@@ -143,7 +143,7 @@ static int64_t facets_near(const bw_mesh *mesh, const bwi_peg *peg, const double
     part[count].facet = f;
     memcpy(part[count].corner, corners, sizeof corners);
     measure(mesh, peg, across, &part[count]);
-    count += part[count].least < DEEPEST * peg->radius;
+    count += part[count].min < DEEPEST * peg->radius;
   }
   return count;
 }
@@ -160,8 +160,8 @@ void bwi_contact_press(const bw_mesh *mesh, const bwi_peg *peg, double force, do
     int64_t left = 0, touching = 0;
     in_contact = 0;
     for (int64_t i = 0; i < count; i++)
-      if (part[i].least < 2 * depth) {
-        touching += part[i].least < depth;
+      if (part[i].min < 2 * depth) {
+        touching += part[i].min < depth;
         in_contact += part[i].gap < depth && part[i].area > 0;
         part[left++] = part[i];
       }
@@ -169,7 +169,7 @@ void bwi_contact_press(const bw_mesh *mesh, const bwi_peg *peg, double force, do
     if (in_contact >= ENOUGH || level == LEVELS || count + touching > capacity)
       break;
     for (int64_t i = 0; i < left; i++)
-      if (part[i].least < depth) {
+      if (part[i].min < depth) {
         split(part, i, &count);
         measure(mesh, peg, across, &part[i]);
         measure(mesh, peg, across, &part[count - 1]);

@@ -19,10 +19,10 @@ typedef struct bwi_peg {
 typedef struct bwi_contact_part {
   int32_t facet;
   double corner[3][3];
-  double gap;   /* at the centroid, along push, before it is pressed */
-  double least; /* not above any gap on it */
-  double area;  /* seen along push; 0: it faces away */
-  int cut;      /* the corner opposite to the edge along which the gap varies most */
+  double gap;  /* at the centroid, along push, before it is pressed */
+  double min;  /* not above any gap on it */
+  double area; /* seen along push; 0: it faces away */
+  int cut;     /* the corner opposite to the edge along which the gap varies most */
 } bwi_contact_part;
 
 typedef struct bwi_contact_patch {

@@ -19,7 +19,7 @@
 #include <string.h>
 
 /* A block has as many nodes as fit into NODES columns, and one at least. */
-enum { WIDTH = BW_MOST_FRICTION_FACETS, NODES = 32, CLAIMS_PER_TASK = 256, ROUNDED = 128 };
+enum { WIDTH = BW_MAX_FRICTION_FACETS, NODES = 32, CLAIMS_PER_TASK = 256, ROUNDED = 128 };
 
 typedef struct total {
   double sum, lost; /* compensated */
@@ -29,11 +29,11 @@ typedef struct claims {
   const bw_dual_claims *stated;
   const bw_pressure_basis *basis;
   int64_t elements;
-  int32_t first, width;             /* the block of pressures */
-  const double *stress;             /* width x elements x 6 */
-  total *total;                     /* 2 for each claim */
-  double *size;                     /* claim: of its stresses */
-  double share[WIDTH], most[WIDTH]; /* of the block: force over area, largest share of the force */
+  int32_t first, width;            /* the block of pressures */
+  const double *stress;            /* width x elements x 6 */
+  total *total;                    /* 2 for each claim */
+  double *size;                    /* claim: of its stresses */
+  double share[WIDTH], max[WIDTH]; /* of the block: force over area, largest share of the force */
 } claims;
 
 static void add(total *t, double term) {
@@ -56,10 +56,10 @@ static void add_block(const claims *c, const double *gain, double x, total *t) {
   int32_t directions = c->basis->directions;
   double sum = 0;
   for (int32_t j = 0; j < c->width; j += directions) {
-    double most = gain[j];
+    double max = gain[j];
     for (int32_t k = 1; k < directions; k++)
-      most = fmax(most, gain[j + k]);
-    sum += c->most[j] * fmax(0, most - x);
+      max = fmax(max, gain[j + k]);
+    sum += c->max[j] * fmax(0, max - x);
   }
   add(t, sum);
 }
@@ -113,7 +113,7 @@ static bw_status claim_body(void *data, int64_t begin, int64_t end, int worker) 
         response[r][j] = from[r];
         sum += fabs(from[r]);
       }
-      size += c->share[j] * c->most[j] * sum;
+      size += c->share[j] * c->max[j] * sum;
     }
     c->size[i] += size;
     const double *y = c->stated->multiplier + (size_t)i * numbers;
@@ -167,7 +167,7 @@ static bw_status solve_block(bw_context *context, bw_system *system, claims *c, 
       for (int d = 0; d < 3; d++)
         force[3 * (size_t)basis->row[k] + (size_t)d] += basis->coefficient[3 * k + d];
     c->share[j] = c->stated->force / basis->area[c->first + j];
-    c->most[j] = basis->area[c->first + j] * (c->stated->pressure / c->stated->force);
+    c->max[j] = basis->area[c->first + j] * (c->stated->pressure / c->stated->force);
   }
   BW_TRY(bw_system_solve(context, system, c->width, b->force, b->displacement));
   BW_TRY(bw_parallel(context, c->width, 1, error_body, b));
@@ -206,7 +206,7 @@ static double bound_of(const claims *c, int64_t i, const double *work_size, doub
       x = y[6 * m];
     }
     const total *t = &c->total[2 * i + s];
-    double value = x + (t->sum + t->lost) + (stated->at_most ? fmax(0, -x) : 0);
+    double value = x + (t->sum + t->lost) + (stated->force_is_max ? fmax(0, -x) : 0);
     bound = fmax(bound, value + rounding * (2 * size + fabs(x) * (2 + shares)));
   }
   return bound;
@@ -262,8 +262,8 @@ bw_status bw_dual_bounds(bw_context *context, bw_system *system, const bw_pressu
     BW_TRY(bw_parallel(context, stated->count, CLAIMS_PER_TASK, claim_body, &c));
     for (int32_t j = 0; j < c.width; j++) {
       energy = fmax(energy, b.energy[j] / basis->area[c.first + j]);
-      double full = c.share[j] * c.most[j]; /* the largest pressure */
-      shares += c.most[j];
+      double full = c.share[j] * c.max[j]; /* the largest pressure */
+      shares += c.max[j];
       for (int32_t k = 0; k < stated->motions; k++)
         work_size[k] +=
             full * fabs(stated->work[(size_t)k * (size_t)basis->count + (size_t)(c.first + j)]);

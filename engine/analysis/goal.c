@@ -168,9 +168,9 @@ bw_status bw_internal_force(bw_context *context, const bw_mesh *mesh, const bw_m
  */
 
 /* Facets with a node for a corner or middle, by number: at most `most`. */
-static int facets_at(const bw_mesh *mesh, int32_t node, int most, int32_t *facet) {
+static int facets_at(const bw_mesh *mesh, int32_t node, int max, int32_t *facet) {
   int count = 0;
-  for (int32_t f = 0; f < mesh->facet_count && count < most; f++)
+  for (int32_t f = 0; f < mesh->facet_count && count < max; f++)
     for (int k = 0; k < mesh->nodes_per_facet; k++)
       if (mesh->facet[(int64_t)f * mesh->nodes_per_facet + k] == node) {
         facet[count++] = f;
@@ -199,9 +199,9 @@ static bool rises(const bw_mesh *mesh, int32_t facet, int32_t node, const double
 
 bw_status bw_boundary_kink(bw_context *context, const bw_mesh *mesh, int32_t node, double limit,
                            double *kink) {
-  enum { MOST = 64 };
-  int32_t around[MOST];
-  int width = mesh->nodes_per_facet, count = facets_at(mesh, node, MOST, around);
+  enum { MAX_FACETS = 64 };
+  int32_t around[MAX_FACETS];
+  int width = mesh->nodes_per_facet, count = facets_at(mesh, node, MAX_FACETS, around);
   *kink = 0;
   for (int i = 0; i < count; i++)
     for (int j = 0; j < i; j++)

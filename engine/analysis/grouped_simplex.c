@@ -103,10 +103,10 @@ static bool overtaken(bwi_simplex *s) {
     int32_t g = s->group[i];
     if (g == NO_GROUP)
       continue;
-    double tie = value(s->reduced, s->key[g]), most = 0;
+    double tie = value(s->reduced, s->key[g]), max = 0;
     for (int32_t j = p->group_start[g]; j < p->group_start[g + 1]; j++)
-      most = fmax(most, s->reduced[j]);
-    if (most > tie + 1e-9) {
+      max = fmax(max, s->reduced[j]);
+    if (max > tie + 1e-9) {
       make_unit(s, i);
       found = true;
     }
@@ -182,7 +182,7 @@ static int32_t next_key(const bwi_simplex *s, int32_t g, int32_t p, double sign,
                         double *step) {
   const bwi_linear_program *program = s->program;
   int32_t found = NONE - 1;
-  double d = value(s->reduced, p), a = sign * value(s->alpha, p), most = 0;
+  double d = value(s->reduced, p), a = sign * value(s->alpha, p), max = 0;
   *step = INFINITY;
   for (int32_t j = program->group_start[g] - 1; j < program->group_start[g + 1]; j++) {
     int32_t q = j < program->group_start[g] ? NONE : j;
@@ -190,9 +190,9 @@ static int32_t next_key(const bwi_simplex *s, int32_t g, int32_t p, double sign,
     if (q == p || !(steeper > smallest))
       continue;
     double at = fmax(0, d - value(s->reduced, q)) / steeper;
-    if (at < *step || (at == *step && steeper > most)) {
+    if (at < *step || (at == *step && steeper > max)) {
       *step = at;
-      most = steeper;
+      max = steeper;
       found = q;
     }
   }

@@ -22,7 +22,7 @@ static const double facing = -0.5; /* cosine between the normals of opposite pat
 static const double gain = 1e-6, whole = 1e-9;
 
 typedef struct set {
-  int32_t centre[BW_MOST_HANDS];
+  int32_t centre[BW_MAX_HANDS];
   int size;
   double value;
 } set;
@@ -171,7 +171,7 @@ done:
 /* With a total force that may be smaller: what a set is worth to the search. */
 static bw_status appraise(bench *b, set *s) {
   bw_worst_load_options options = b->hands->options;
-  options.at_most = true;
+  options.force_is_max = true;
   return solve(b, &options, b->objective, s);
 }
 
@@ -190,14 +190,14 @@ static void price_patches(bench *b, const double *objective, const double *dual)
   const bw_pressure_basis *basis = h->basis;
   int32_t motions = h->dof_map->motion_count;
   for (int32_t g = 0; g < h->nodes; g++) {
-    double most = 0;
+    double max = 0;
     for (int32_t j = g * basis->directions; j < (g + 1) * basis->directions; j++) {
       double d = objective[j] - dual[motions] * basis->area[j];
       for (int32_t m = 0; m < motions; m++)
         d -= dual[m] * h->work[(size_t)m * (size_t)basis->count + (size_t)j];
-      most = fmax(most, d);
+      max = fmax(max, d);
     }
-    b->score[g] = b->taken[g] ? 0 : most;
+    b->score[g] = b->taken[g] ? 0 : max;
   }
   for (int32_t g = 0; g < h->nodes; g++) {
     b->price[g] = 0;
@@ -224,7 +224,7 @@ static int32_t next_patch(bench *b) {
 static int32_t opposite(const bwi_hands *h, int32_t centre) {
   const double *x = place_of(h, centre), *n = h->normal + 3 * (size_t)centre;
   int32_t best = -1;
-  double least = INFINITY;
+  double min = INFINITY;
   for (int32_t g = 0; g < h->nodes; g++) {
     const double *y = place_of(h, g);
     double d[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]}, off[3];
@@ -232,8 +232,8 @@ static int32_t opposite(const bwi_hands *h, int32_t centre) {
         bw_dot(d, n) > 0)
       continue;
     bw_cross(d, n, off);
-    if (bw_norm(off) < least) {
-      least = bw_norm(off);
+    if (bw_norm(off) < min) {
+      min = bw_norm(off);
       best = g;
     }
   }
@@ -261,7 +261,7 @@ static int candidates(bench *b, const set *s, int32_t *list) {
 /* Patches are added or exchanged while the value grows. */
 static bw_status improve(bench *b, set *s) {
   bw_status status = BW_OK;
-  int32_t list[CANDIDATES + BW_MOST_HANDS];
+  int32_t list[CANDIDATES + BW_MAX_HANDS];
   BW_TRY(appraise(b, s));
   for (int step = 0; step < STEPS; step++) {
     set best = *s;
@@ -310,13 +310,13 @@ static void choose_by_force(bench *b, const double *pressure, set *s) {
     b->score[j / basis->directions] += pressure[j] * basis->area[j];
   for (s->size = 0; s->size < h->count; s->size++) {
     int32_t best = -1;
-    double most = 0;
+    double max = 0;
     for (int32_t g = 0; g < h->nodes; g++) {
       double sum = 0;
       for (int64_t e = h->start[g]; e < h->start[g + 1]; e++)
         sum += b->score[h->member[e]];
-      if (sum > most) {
-        most = sum;
+      if (sum > max) {
+        max = sum;
         best = g;
       }
     }
@@ -334,27 +334,27 @@ static void choose_by_force(bench *b, const double *pressure, set *s) {
 static bw_status find_seed(bw_context *context, bwi_hands *h) {
   bw_status status = BW_OK;
   bench b = {0};
-  double force = h->options.force, most = 0;
+  double force = h->options.force, max = 0;
   BW_TRY(bench_open(context, h, h->basis->area, &b)); /* the objective is the total force */
   int32_t starts = h->nodes < SEEDS ? h->nodes : SEEDS;
   for (int32_t i = 0; i < starts; i++) {
     set s = {{(int32_t)((int64_t)i * h->nodes / starts)}, 1, 0};
     BW_TRY(improve(&b, &s));
-    if (s.value > most) {
-      most = s.value;
+    if (s.value > max) {
+      max = s.value;
       h->seed = s;
     }
-    if (h->options.at_most || most >= force * (1 - whole))
+    if (h->options.force_is_max || max >= force * (1 - whole))
       break;
   }
-  if (!h->options.at_most && most < force * (1 - whole)) {
+  if (!h->options.force_is_max && max < force * (1 - whole)) {
     status = bw_fail(context, BW_INFEASIBLE,
                      "no load of %d hands was found that is in balance and amounts to %g N: the "
                      "largest that was found amounts to %g N. Give more or larger hands, hold the "
-                     "part, or let the force be smaller (at_most)",
-                     h->count, force, most);
+                     "part, or let the force be smaller (force_is_max)",
+                     h->count, force, max);
     bw_detail_number(context, "force", force);
-    bw_detail_number(context, "largest_force", most);
+    bw_detail_number(context, "largest_force", max);
   }
 done:
   bench_clear(&b);
@@ -365,9 +365,9 @@ bw_status bwi_hands_create(bw_context *context, const bw_pressure_basis *basis,
                            const bw_dof_map *dof_map, const bw_worst_load_options *options,
                            bwi_hands **result) {
   bw_status status = BW_OK;
-  if (options->hands < 0 || options->hands > BW_MOST_HANDS)
+  if (options->hands < 0 || options->hands > BW_MAX_HANDS)
     return bw_fail(context, BW_INVALID, "%d hands: give from 1 to %d", options->hands,
-                   BW_MOST_HANDS);
+                   BW_MAX_HANDS);
   if (!(options->hand_area > 0) || isinf(options->hand_area))
     return bw_fail(context, BW_INVALID, "a hand of %g m2: its area must be positive",
                    options->hand_area);
@@ -420,7 +420,7 @@ bw_status bwi_hands_solve(bw_context *context, const bwi_hands *h, const double 
   }
   for (size_t j = 0; j < n; j++)
     largest = fmax(largest, fabs(objective[j] / h->basis->area[j]));
-  double worth = h->options.at_most ? 0 : reward * largest;
+  double worth = h->options.force_is_max ? 0 : reward * largest;
   for (size_t j = 0; j < n; j++)
     rewarded[j] = objective[j] + worth * h->basis->area[j];
   BW_TRY(bench_open(context, h, rewarded, &b));

@@ -288,7 +288,7 @@ static bw_status check_options(bw_context *context, const bw_pressure_basis *bas
     return bw_fail(context, BW_INVALID, "the mesh has no boundary to press on");
   for (int32_t j = 0; j < basis->count; j += basis->directions)
     area += basis->area[j];
-  if (!options->at_most && options->force > options->pressure * area) {
+  if (!options->force_is_max && options->force > options->pressure * area) {
     bw_status status = bw_fail(
         context, BW_INFEASIBLE,
         "a total force of %g N is asked for, but a pressure of at most %g Pa on the whole surface "
@@ -311,7 +311,7 @@ bw_status bwi_linear_program_create(bw_context *context, const bw_pressure_basis
   bwi_linear_program *program = BW_NEW0(context, bwi_linear_program, 1);
   if (!program)
     return BW_MEMORY;
-  size_t n = (size_t)basis->count + (options->at_most ? 1 : 0);
+  size_t n = (size_t)basis->count + (options->force_is_max ? 1 : 0);
   program->columns = (int32_t)n;
   program->force = options->force;
   program->pressure = options->pressure;
@@ -330,7 +330,7 @@ bw_status bwi_linear_program_create(bw_context *context, const bw_pressure_basis
     goto done;
   }
   BW_TRY(make_bodies(context, program, basis, dof_map));
-  BW_TRY(order_columns(context, program, basis, options->at_most));
+  BW_TRY(order_columns(context, program, basis, options->force_is_max));
   group_columns(program);
   for (int32_t s = 0; s < program->segment_count; s++) {
     const bwi_segment *segment = &program->segment[s];
@@ -469,17 +469,17 @@ bw_status bwi_linear_program_evaluate(bw_context *context, const bwi_linear_prog
   /* Weak duality: the multipliers bound every feasible value from above. */
   double bound = y[m - 1], value = 0, largest = 0;
   for (int32_t g = 0; g < program->groups; g++) {
-    double most = 0;
+    double max = 0;
     for (int32_t j = program->group_start[g]; j < program->group_start[g + 1]; j++) {
       double reduced = cost[j] - y[m - 1];
       for (int32_t l = 0; l < program->row_count[j]; l++)
         reduced -= y[program->first_row[j] + l] * program->entry[(size_t)l * (size_t)n + (size_t)j];
-      most = fmax(most, reduced);
+      max = fmax(max, reduced);
       value += cost[j] * share[j];
       largest = fmax(largest, fabs(cost[j]));
     }
-    if (most > 0)
-      bound += program->upper[program->group_start[g]] * most;
+    if (max > 0)
+      bound += program->upper[program->group_start[g]] * max;
   }
   solution->value = value;
   solution->gap = largest > 0 ? fabs(bound - value) / (fabs(value) + 1e-3 * largest) : 0;

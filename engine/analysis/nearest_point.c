@@ -45,7 +45,7 @@ static void rows_of(unsigned m, double *value, unsigned n, const double *z, doub
 /* z from 0. *word says what NLopt said; its answer is for the caller to judge. */
 static bw_status slsqp(const bwi_polyhedron *p, double *z, const char **word) {
   bw_status status = BW_OK;
-  double least;
+  double min;
   nlopt_opt opt = nlopt_create(NLOPT_LD_SLSQP, (unsigned)p->n);
   double *tolerance = BW_NEW0(p->context, double, p->rows);
   memset(z, 0, (size_t)p->n * sizeof *z);
@@ -66,7 +66,7 @@ static bw_status slsqp(const bwi_polyhedron *p, double *z, const char **word) {
   if (result > 0)
     result = nlopt_set_maxeval(opt, EVALUATIONS);
   if (result > 0)
-    result = nlopt_optimize(opt, z, &least);
+    result = nlopt_optimize(opt, z, &min);
   *word = nlopt_result_to_string(result);
   if (result == NLOPT_OUT_OF_MEMORY)
     status =
@@ -131,16 +131,16 @@ static void least_squares(const bwi_polyhedron *p, const double *z, active_rows 
   }
   for (int step = 0; step < 4 * p->rows && active->count < n; step++) {
     int best = -1;
-    double most = 1e-12 * size;
+    double max = 1e-12 * size;
     memcpy(rest, z, (size_t)n * sizeof *rest);
     for (int i = 0; i < active->count; i++)
       for (int j = 0; j < n; j++)
         rest[j] += mu[active->row[i]] * p->a[active->row[i] * n + j];
     for (int i = 0; i < p->rows; i++) {
       double gain = mu[i] > 0 || left_out[i] ? 0 : -bwi_dot(n, p->a + i * n, rest);
-      if (gain > most) {
+      if (gain > max) {
         best = i;
-        most = gain;
+        max = gain;
       }
     }
     if (best < 0)

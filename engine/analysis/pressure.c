@@ -163,7 +163,7 @@ static void divide_facets(const bw_mesh *mesh, double spacing, uint8_t *parts) {
                   mesh->node[3 * (size_t)node[(i + 1) % 3] + (size_t)k];
       longest = fmax(longest, bw_norm(edge));
     }
-    parts[f] = spacing > 0 ? (uint8_t)fmin(BWI_MOST_PARTS, fmax(1, ceil(longest / spacing))) : 0;
+    parts[f] = spacing > 0 ? (uint8_t)fmin(BWI_MAX_PARTS, fmax(1, ceil(longest / spacing))) : 0;
   }
 }
 
@@ -286,9 +286,9 @@ static bw_status check_options(bw_context *context, const bw_mesh *mesh,
     return bw_fail(context, BW_INVALID, "the coefficient of friction is %g: give from 0 to 100",
                    options->friction);
   if (options->friction > 0 &&
-      (options->friction_facets < 3 || options->friction_facets > BW_MOST_FRICTION_FACETS))
+      (options->friction_facets < 3 || options->friction_facets > BW_MAX_FRICTION_FACETS))
     return bw_fail(context, BW_INVALID, "a friction cone of %d facets: give from 3 to %d",
-                   options->friction_facets, BW_MOST_FRICTION_FACETS);
+                   options->friction_facets, BW_MAX_FRICTION_FACETS);
   return BW_OK;
 }
 
@@ -334,7 +334,7 @@ bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
   for (int32_t f = 0; f < mesh->facet_count; f++) {
     const int32_t *node = mesh->facet + (size_t)f * (size_t)nodes;
     const bwi_pressure_rule *rule = bwi_facet_rule(&rules, basis, f);
-    double force[BWI_MOST_PRESSURES][6][3], area[BWI_MOST_PRESSURES];
+    double force[BWI_MAX_PRESSURES][6][3], area[BWI_MAX_PRESSURES];
     facet_forces(rule, mesh, f, force, area);
     for (int i = 0; i < rule->pressures; i++) {
       int32_t j = basis->facet_column[basis->facet_start[f] + i];

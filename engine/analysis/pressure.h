@@ -6,7 +6,7 @@
 
 #include "barwright/analysis.h"
 
-enum { BWI_MOST_PARTS = 16, BWI_MOST_PRESSURES = BWI_MOST_PARTS * BWI_MOST_PARTS };
+enum { BWI_MAX_PARTS = 16, BWI_MAX_PRESSURES = BWI_MAX_PARTS * BWI_MAX_PARTS };
 
 /* Exact for pressure times displacement times the normal of a curved quadratic facet. */
 typedef struct bwi_pressure_rule {
@@ -20,7 +20,7 @@ typedef struct bwi_pressure_rule {
   double (*force)[6], *area;        /* pressures: means of function x shape function, of function */
 } bwi_pressure_rule;
 typedef struct bwi_pressure_rules {
-  bwi_pressure_rule rule[BWI_MOST_PARTS + 1]; /* by parts */
+  bwi_pressure_rule rule[BWI_MAX_PARTS + 1]; /* by parts */
 } bwi_pressure_rules;
 
 /* Those that the facets of a basis need. */

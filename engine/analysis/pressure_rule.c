@@ -51,15 +51,15 @@ static bw_status make_hats(bw_context *context, bwi_pressure_rule *rule) {
 /* The node of a facet nearest to a point, by barycentric coordinates; corners are nodes 0 to 2. */
 static int nearest_node(const double l[3], int nodes) {
   int nearest = 0;
-  double least = 10;
+  double min = 10;
   for (int a = 0; a < nodes; a++) {
     double sum = 0;
     for (int k = 0; k < 3; k++) {
       double at = a < 3 ? k == a : 0.5 * (k == a - 3 || k == (a - 2) % 3);
       sum += (l[k] - at) * (l[k] - at);
     }
-    if (sum < least - 1e-9) {
-      least = sum;
+    if (sum < min - 1e-9) {
+      min = sum;
       nearest = a;
     }
   }
@@ -132,7 +132,7 @@ bw_status bwi_pressure_rules_create(bw_context *context, const bw_pressure_basis
 }
 
 void bwi_pressure_rules_clear(bwi_pressure_rules *rules) {
-  for (int s = 0; s <= BWI_MOST_PARTS; s++) {
+  for (int s = 0; s <= BWI_MAX_PARTS; s++) {
     bwi_pressure_rule *rule = &rules->rule[s];
     bw_free(rule->barycentric);
     bw_free(rule->weight);

@@ -132,7 +132,7 @@ static void to_unknowns(const program *q, const double *z, double *x) {
  * linear program. In units of `unit` t is one more coordinate, and each step is the point of the
  * polyhedron nearest to one that lies far below the last, so that t counts for most; on a linear
  * program such steps end, not only converge. */
-static bw_status least_violation(const program *q, double unit, double *t) {
+static bw_status min_violation(const program *q, double unit, double *t) {
   enum { FAR = 100 };
   int n = q->n + 1, rows = q->p.rows + 1; /* and t >= 0 */
   bw_status status = BW_OK;
@@ -156,16 +156,16 @@ static bw_status least_violation(const program *q, double unit, double *t) {
     a[q->n] = -slack / norm;
     whole[p.rows++] = q->p.beta[i] / norm;
   }
-  double least = 0; /* of t, by the rows without coefficients */
+  double min = 0; /* of t, by the rows without coefficients */
   for (int i = 0; i < q->m; i++) {
     double size = 0;
     for (int j = 0; j < q->n; j++)
       size = fmax(size, fabs(q->a[i * q->n + j]));
     if (size == 0)
-      least = fmax(least, -q->b[i] / unit);
+      min = fmax(min, -q->b[i] / unit);
   }
   p.a[p.rows * n + q->n] = -1;
-  whole[p.rows++] = -least;
+  whole[p.rows++] = -min;
   double last = INFINITY;
   for (int step = 0; step < PROXIMAL_STEPS; step++) {
     BW_TRY(bw_check_cancel(q->context));
@@ -189,7 +189,7 @@ static bw_status least_violation(const program *q, double unit, double *t) {
                      "a quadratic program of %d unknowns and %d rows: the least violation of its "
                      "rows was not found (NLopt: %s)",
                      q->n, q->m, word);
-  *t = unit * fmax(last, least);
+  *t = unit * fmax(last, min);
 done:
   bw_free(whole);
   bw_free(z);
@@ -209,7 +209,7 @@ static bw_status elastic(program *q, double *z, double *mu, bool *found, const c
       unit = fmax(unit, q->norm[i] * q->size);
   for (int i = 0; i < q->m && unit == 0; i++)
     unit = fabs(q->b[i]);
-  BW_TRY(least_violation(q, unit > 0 ? unit : 1, &way));
+  BW_TRY(min_violation(q, unit > 0 ? unit : 1, &way));
   *found = false;
   for (double slack = 1e-10; !*found && slack < 1e-4; slack *= 100) {
     double give = way + slack * (way + unit);
@@ -233,7 +233,7 @@ bw_status bw_quadratic_program(bw_context *context, int n, const double *H, cons
   bw_status status;
   const char *word = "";
   bool found = true, empty_row = false;
-  double *z = NULL, *mu = NULL, most = 0;
+  double *z = NULL, *mu = NULL, max = 0;
   q.p.context = context;
   q.p.n = n;
   q.size = 1;
@@ -250,15 +250,15 @@ bw_status bw_quadratic_program(bw_context *context, int n, const double *H, cons
     reach += q.centre[i] * (bwi_dot(n, H + i * n, q.centre));
   reach = sqrt(fmax(reach, 0));
   for (int i = 0; i < q.p.rows; i++)
-    most = fmax(most, -q.p.beta[i]);
+    max = fmax(max, -q.p.beta[i]);
   for (int i = 0; i < m; i++) {
     bool zero = true;
     for (int j = 0; j < n; j++)
       zero = zero && A[i * n + j] == 0;
     empty_row = empty_row || (zero && b[i] < 0);
   }
-  if (most > 1e-14 * reach || empty_row) {
-    q.size = most > 0 ? most : fmax(reach, 1);
+  if (max > 1e-14 * reach || empty_row) {
+    q.size = max > 0 ? max : fmax(reach, 1);
     for (int i = 0; i < q.p.rows; i++)
       q.p.beta[i] /= q.size;
     if (!empty_row)

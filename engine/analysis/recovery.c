@@ -14,7 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { TERMS = 10, ENOUGH = 10, MOST = 512, GROWTHS = 2, CORNERS_PER_CHUNK = 64 };
+enum { TERMS = 10, ENOUGH = 10, MAX_PATCH = 512, GROWTHS = 2, CORNERS_PER_CHUNK = 64 };
 
 typedef struct recovery {
   const bw_mesh *mesh;
@@ -68,12 +68,12 @@ static bool solve_normal(int n, double a[TERMS][TERMS], double b[TERMS][6]) {
 /* The elements of a corner's patch, its own first. */
 static int patch_of(const recovery *r, int32_t node, int32_t *patch) {
   int count = 0;
-  for (int64_t k = r->around.start[node]; k < r->around.start[node + 1] && count < MOST; k++)
+  for (int64_t k = r->around.start[node]; k < r->around.start[node + 1] && count < MAX_PATCH; k++)
     patch[count++] = r->around.element[k];
   for (int growth = 0; growth < GROWTHS && count < ENOUGH; growth++) {
     int before = count;
     for (int i = 0; i < before; i++)
-      for (int f = 0; f < 4 && count < MOST; f++) {
+      for (int f = 0; f < 4 && count < MAX_PATCH; f++) {
         int32_t next = r->mesh->neighbour[4 * (int64_t)patch[i] + f];
         bool known = next < 0;
         for (int j = 0; j < count && !known; j++)
@@ -118,7 +118,7 @@ static bw_status fit_corners(void *data, int64_t begin, int64_t end, int worker)
   static const int terms[3] = {TERMS, 4, 1};
   (void)worker;
   for (int64_t i = begin; i < end; i++) {
-    int32_t patch[MOST], node = r->corner[i];
+    int32_t patch[MAX_PATCH], node = r->corner[i];
     int count = patch_of(r, node, patch);
     const double *centre = r->mesh->node + 3 * (int64_t)node;
     double volume = 0, scale, (*fit)[6] = (double(*)[6])(r->fit + 6 * TERMS * i);

@@ -122,8 +122,8 @@ double bwi_solve_error_energy(const bwi_solve_error *error, const double *force,
         graph->start[i + 1] - graph->start[i] + graph->upper_start[i + 1] - graph->upper_start[i];
     double rounding = (3.0 * (double)neighbours + 4) * DBL_EPSILON; /* twice that of the sum */
     for (size_t c = 0; c < 3; c++) {
-      double most = fabs(work[3 * i + c]) + rounding * size[3 * i + c] + BALANCE_ROUNDING * load;
-      energy += most * most * error->compliance[i];
+      double max = fabs(work[3 * i + c]) + rounding * size[3 * i + c] + BALANCE_ROUNDING * load;
+      energy += max * max * error->compliance[i];
     }
   }
   return sqrt(energy);
@@ -134,18 +134,18 @@ double bwi_solve_error_energy(const bwi_solve_error *error, const double *force,
 double bwi_stress_per_energy(const bw_system *system, int64_t element) {
   const double *c = bw_material_elasticity(system->material, element);
   const bw_mesh *mesh = system->mesh;
-  double most = 0, volume = 0, mass[100], x[10][3];
+  double max = 0, volume = 0, mass[100], x[10][3];
   int n = mesh->nodes_per_element;
   for (int i = 0; i < 6; i++) {
     double sum = 0;
     for (int j = 0; j < 6; j++)
       sum += fabs(c[6 * i + j]) * (i < 3 ? 1 : sqrt(2)) * (j < 3 ? 1 : sqrt(2));
-    most = fmax(most, sum);
+    max = fmax(max, sum);
   }
   for (int a = 0; a < n; a++)
     memcpy(x[a], mesh->node + 3 * (int64_t)mesh->element[element * n + a], sizeof x[a]);
   bw_element_mass(mesh->order, (const double(*)[3])x, mass);
   for (int i = 0; i < n * n; i++)
     volume += mass[i];
-  return sqrt(most / volume);
+  return sqrt(max / volume);
 }

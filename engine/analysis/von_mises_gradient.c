@@ -457,10 +457,10 @@ bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
     bwi_node_place(a, l);
     bw_tet_shape_gradient(mesh->order, l, d.at_node[a]);
   }
-  size_t most = (size_t)(count < BATCH ? count : BATCH);
-  state = BW_NEW(context, nodal_state, most);
-  lambda = BW_NEW(context, double, most *size);
-  d.part = BW_NEW(context, double, most * 12 * (size_t)mesh->element_count);
+  size_t max = (size_t)(count < BATCH ? count : BATCH);
+  state = BW_NEW(context, nodal_state, max);
+  lambda = BW_NEW(context, double, max *size);
+  d.part = BW_NEW(context, double, max * 12 * (size_t)mesh->element_count);
   if (!state || !lambda || !d.part) {
     status = BW_MEMORY;
     goto done;

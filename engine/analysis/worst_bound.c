@@ -21,11 +21,11 @@
 #include <math.h>
 #include <string.h>
 
-enum { BATCH = 16, HALVINGS = 16, FACES = BWI_HALF_ICOSAHEDRON, MOST_DEPTH = 12 };
+enum { BATCH = 16, HALVINGS = 16, FACES = BWI_HALF_ICOSAHEDRON, MAX_DEPTH = 12 };
 
 /* For the displacements under unit pressures: a quarter of the free memory within these limits. The
  * bound does not depend on it. */
-static const double LEAST_BYTES = 1 << 29, MOST_BYTES = 4.0 * (1 << 30);
+static const double MIN_BYTES = 1 << 29, MAX_BYTES = 4.0 * (1 << 30);
 
 typedef struct found {
   double upper, largest; /* of one element */
@@ -96,10 +96,10 @@ static void fit(const search *s, const double *objective, double *y) {
 static double fill(const search *s, double *gain, double *x) {
   int32_t directions = s->basis->directions, nodes = s->basis->count / directions;
   for (int32_t g = 0; g < nodes; g++) {
-    double most = gain[(size_t)g * (size_t)directions];
+    double max = gain[(size_t)g * (size_t)directions];
     for (int32_t k = 1; k < directions; k++)
-      most = fmax(most, gain[(size_t)g * (size_t)directions + (size_t)k]);
-    gain[g] = most;
+      max = fmax(max, gain[(size_t)g * (size_t)directions + (size_t)k]);
+    gain[g] = max;
   }
   for (int32_t g = nodes; g < s->columns; g++)
     gain[g] = 0; /* the slack */
@@ -164,8 +164,8 @@ static bool closed(const search *s, worker *w, const double *response, const nod
       fit(s, w->objective, own);
     else
       memcpy(own, at->y + (size_t)sign * width, width * sizeof *own);
-    double most = knapsack(s, w->objective, own, w->gain);
-    if (most > goal * cosine) {
+    double max = knapsack(s, w->objective, own, w->gain);
+    if (max > goal * cosine) {
       double value, stress[6];
       memcpy(former, own, width * sizeof *own);
       *status = bwi_loads_solve(s->context, w->loads, 1, w->objective, w->pressure, &value, own);
@@ -173,9 +173,9 @@ static bool closed(const search *s, worker *w, const double *response, const nod
         return true;
       out->programs++;
       double proved = knapsack(s, w->objective, own, w->gain); /* of the dual: proved again */
-      if (proved > most)
+      if (proved > max)
         memcpy(own, former, width * sizeof *own);
-      most = fmin(most, proved);
+      max = fmin(max, proved);
       for (size_t r = 0; r < 6; r++) {
         stress[r] = 0;
         for (size_t j = 0; j < count; j++)
@@ -186,10 +186,10 @@ static bool closed(const search *s, worker *w, const double *response, const nod
         memcpy(out->stress, stress, sizeof stress);
       }
     }
-    bound = fmax(bound, most);
+    bound = fmax(bound, max);
   }
   if (bound > (1 + s->tolerance) * fmax(s->incumbent, out->largest) * cosine &&
-      at->depth < MOST_DEPTH)
+      at->depth < MAX_DEPTH)
     return false;
   out->upper = fmax(out->upper, bound / cosine);
   if (s->leaves)
@@ -203,7 +203,7 @@ static bw_status bound_element(const search *s, worker *w, const double *respons
   size_t width = 2 * ((size_t)s->motions + 1), count = 0, capacity = 0;
   node *stack = NULL;
   /* Own multipliers, by depth, and scratch behind the last. */
-  double *y = BW_NEW0(context, double, width *(MOST_DEPTH + 5));
+  double *y = BW_NEW0(context, double, width *(MAX_DEPTH + 5));
   if (!y)
     return BW_MEMORY;
   out->upper = in_all_directions(s, response, y, w->gain);
@@ -377,7 +377,7 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
               .tolerance = tolerance,
               .leaves = leaves,
               .motions = system->dof_map->motion_count,
-              .columns = basis->count / basis->directions + (options->at_most ? 1 : 0)};
+              .columns = basis->count / basis->directions + (options->force_is_max ? 1 : 0)};
   *bound = (bw_worst_bound){.largest = incumbent, .element = -1};
   if (basis->mesh->node_count != mesh->node_count)
     return bw_fail(context, BW_INVALID,
@@ -402,7 +402,7 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
                      ? basis->area[(size_t)g * (size_t)basis->directions] *
                            (options->pressure / options->force)
                      : 1; /* the slack */
-  double room = fmax(LEAST_BYTES, fmin(MOST_BYTES, bw_free_memory() / 4));
+  double room = fmax(MIN_BYTES, fmin(MAX_BYTES, bw_free_memory() / 4));
   BW_TRY(bwi_responses_open(context, system, basis, (size_t)room, &s.responses));
   BW_TRY(bwi_responses_next(&s.responses, BATCH));
   while (s.responses.count > 0) {

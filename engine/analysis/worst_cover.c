@@ -28,13 +28,13 @@ void bwi_half_icosahedron(bwi_triangle *face) {
 }
 
 double bwi_triangle_centre(const bwi_triangle *t, double n[3]) {
-  double least = 1;
+  double min = 1;
   for (int k = 0; k < 3; k++)
     n[k] = t->corner[0][k] + t->corner[1][k] + t->corner[2][k];
   normalise(n);
   for (int c = 0; c < 3; c++)
-    least = fmin(least, bw_dot(n, t->corner[c]));
-  return 2 * least * least - 1;
+    min = fmin(min, bw_dot(n, t->corner[c]));
+  return 2 * min * min - 1;
 }
 
 void bwi_divide_triangle(const bwi_triangle *t, bwi_triangle part[4]) {

@@ -29,7 +29,7 @@ typedef struct bwi_responses {
   bw_context *context;
   bw_system *system;
   const bw_pressure_basis *basis;
-  size_t most;
+  size_t max;
   int32_t *order;       /* element_count: the elements along the longest side of the box */
   int32_t first, count; /* the slab: order[first] to order[first + count - 1] */
   int32_t *place;       /* node_count: of a node among those of the slab, or -1 */
@@ -40,7 +40,7 @@ typedef struct bwi_responses {
   int32_t pressure, block_count; /* whose */
 } bwi_responses;
 bw_status bwi_responses_open(bw_context *context, bw_system *system, const bw_pressure_basis *basis,
-                             size_t most, bwi_responses *responses);
+                             size_t max, bwi_responses *responses);
 /* The next slab: a multiple of `batch` elements but for the last one. count is 0 behind it. */
 bw_status bwi_responses_next(bwi_responses *responses, int32_t batch);
 /* 6 x pressures (xx yy zz yz zx xy) of an element of the slab. */

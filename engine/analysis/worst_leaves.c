@@ -22,11 +22,11 @@ static int exponent_of(int32_t count, const double *y) {
 }
 
 void bwi_round_multipliers(int32_t count, double *y) {
-  const double most = ldexp(1, DIGITS) - 1;
+  const double max = ldexp(1, DIGITS) - 1;
   int exponent = exponent_of(count, y);
   for (int32_t k = 0; k < count; k++) {
     double whole = nearbyint(ldexp(y[k], -exponent));
-    y[k] = ldexp(fmax(-most, fmin(most, whole)), exponent); /* the same exponent again */
+    y[k] = ldexp(fmax(-max, fmin(max, whole)), exponent); /* the same exponent again */
   }
 }
 

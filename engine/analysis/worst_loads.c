@@ -191,19 +191,19 @@ static bw_status check_balance(bw_context *context, const bw_pressure_basis *bas
   bw_worst_load_options less = *options;
   bw_status status = BW_OK;
   double largest = 0;
-  if (basis->complete || options->at_most || dof_map->motion_count == 0)
+  if (basis->complete || options->force_is_max || dof_map->motion_count == 0)
     return BW_OK;
   double *pressure = BW_NEW(context, double, basis->count);
   if (!pressure)
     return BW_MEMORY;
-  less.at_most = true;
+  less.force_is_max = true;
   less.hands = 0;
   BW_TRY(bw_worst_loads(context, basis, dof_map, &less, 1, basis->area, pressure, &largest, NULL));
   if (largest < options->force * (1 - violation_limit)) {
     status = bw_fail(context, BW_INFEASIBLE,
                      "a total force of %g N is asked for, but on the surface that may be pressed "
                      "pressures up to %g Pa are in balance up to a total of %g N only: forbid "
-                     "less, hold the part, or let the force be smaller (at_most)",
+                     "less, hold the part, or let the force be smaller (force_is_max)",
                      options->force, options->pressure, largest);
     bw_detail_number(context, "force", options->force);
     bw_detail_number(context, "largest_force", largest);

@@ -56,9 +56,9 @@ static bw_status sort_elements(bwi_responses *r) {
 }
 
 bw_status bwi_responses_open(bw_context *context, bw_system *system, const bw_pressure_basis *basis,
-                             size_t most, bwi_responses *r) {
+                             size_t max, bwi_responses *r) {
   const bw_mesh *mesh = system->mesh;
-  *r = (bwi_responses){.context = context, .system = system, .basis = basis, .most = most};
+  *r = (bwi_responses){.context = context, .system = system, .basis = basis, .max = max};
   bw_status status = bw_material_fits(context, system->material, mesh->element_count);
   if (status != BW_OK)
     return status;
@@ -83,7 +83,7 @@ void bwi_responses_close(bwi_responses *r) {
 static void choose_slab(bwi_responses *r, int32_t batch) {
   const bw_mesh *mesh = r->system->mesh;
   int nodes = mesh->nodes_per_element;
-  size_t bytes = 3 * sizeof(double) * (size_t)r->basis->count, fit = r->most / bytes;
+  size_t bytes = 3 * sizeof(double) * (size_t)r->basis->count, fit = r->max / bytes;
   for (int32_t i = 0; i < mesh->node_count; i++)
     r->place[i] = -1;
   r->node_count = 0;

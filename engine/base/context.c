@@ -260,9 +260,9 @@ int bw_threads(const bw_context *context) {
 }
 
 bw_status bw_set_threads(bw_context *context, int threads) {
-  if (threads < 1 || threads > BWI_MOST_THREADS)
+  if (threads < 1 || threads > BWI_MAX_THREADS)
     return bw_fail(context, BW_INVALID, "%d threads: expected a number from 1 to %d", threads,
-                   BWI_MOST_THREADS);
+                   BWI_MAX_THREADS);
   if (threads != context->threads) {
     bwi_pool_destroy(context->pool);
     context->pool = NULL;

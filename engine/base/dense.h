@@ -9,12 +9,12 @@
 #include <string.h>
 
 /* a = L L^T in the lower triangle. False where a pivot is not above `least` of its diagonal. */
-static inline bool bwi_cholesky(int n, double *a, double least) {
+static inline bool bwi_cholesky(int n, double *a, double min) {
   for (int j = 0; j < n; j++) {
     double *row = a + (size_t)j * (size_t)n, whole = row[j], pivot = whole;
     for (int k = 0; k < j; k++)
       pivot -= row[k] * row[k];
-    if (!(pivot > least * whole))
+    if (!(pivot > min * whole))
       return false;
     row[j] = sqrt(pivot);
     double inverse = 1 / row[j];

@@ -69,12 +69,12 @@ double bwi_address_room(void) {
 
 /* `limit` and `used` are files of one number; what files take of it can be dropped. */
 static double of_group(const char *limit, const char *used, const char *parts, char text[TEXT]) {
-  double most, now, files;
-  if (!read_text(limit, text) || (most = number_after(text, "")) < 0 || most > 1e18 ||
+  double max, now, files;
+  if (!read_text(limit, text) || (max = number_after(text, "")) < 0 || max > 1e18 ||
       !read_text(used, text) || (now = number_after(text, "")) < 0)
     return INFINITY;
   files = read_text(parts, text) ? fmax(0, number_after(text, "inactive_file")) : 0;
-  return fmax(0, most - now + files);
+  return fmax(0, max - now + files);
 }
 
 double bw_free_memory(void) {

@@ -36,7 +36,7 @@ void bwi_failure_adopt(bw_context *context, const bwi_failure *failure);
 
 /* Each thread that calls BLAS takes a buffer of 128 MB of OpenBLAS, which has room for few and
  * waits for ever when it gets none. */
-enum { BWI_MOST_THREADS = 64 };
+enum { BWI_MAX_THREADS = 64 };
 int bwi_default_threads(void);
 
 #endif

@@ -26,7 +26,7 @@
 #include "barwright/confine.h"
 #include "base/words.h"
 
-enum { OPEN = 64, SWEPT = 64, TAG = 8, MOST_NAME = 255, MOST_OWN = 40, TRIES = 100 };
+enum { OPEN = 64, SWEPT = 64, TAG = 8, MAX_NAME = 255, MAX_OWN = 40, TRIES = 100 };
 static const char word[] = ".partial.";
 
 struct bw_temporary {
@@ -255,9 +255,9 @@ bw_status bw_temporary_create(bw_context *context, const char *target, bool with
   bw_status status = BW_OK;
   path_text folder;
   const char *name = name_in(target);
-  size_t longest = MOST_NAME - MOST_OWN, before = (size_t)(name - target);
+  size_t longest = MAX_NAME - MAX_OWN, before = (size_t)(name - target);
   size_t kept = strlen(name) < longest ? strlen(name) : longest;
-  size_t bytes = before + kept + MOST_OWN + 1;
+  size_t bytes = before + kept + MAX_OWN + 1;
   bw_temporary *t = BW_NEW0(context, bw_temporary, 1);
   if (!t)
     return BW_MEMORY;

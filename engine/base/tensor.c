@@ -23,12 +23,12 @@ double bw_norm(const double a[3]) {
 }
 
 void bw_across(const double unit[3], double a[3], double b[3]) {
-  int least =
+  int min =
       0; /* the axis most across; the margin keeps rounding from choosing between equal ones */
   for (int k = 1; k < 3; k++)
-    if (fabs(unit[k]) < fabs(unit[least]) - 1e-9)
-      least = k;
-  double axis[3] = {least == 0, least == 1, least == 2};
+    if (fabs(unit[k]) < fabs(unit[min]) - 1e-9)
+      min = k;
+  double axis[3] = {min == 0, min == 1, min == 2};
   bw_cross(unit, axis, a);
   double size = bw_norm(a);
   for (int k = 0; k < 3; k++)

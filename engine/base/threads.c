@@ -53,7 +53,7 @@ int bwi_default_threads(void) {
     threads = sysconf(_SC_NPROCESSORS_ONLN);
   if (threads < 1)
     threads = 1;
-  return threads > BWI_MOST_THREADS ? BWI_MOST_THREADS : (int)threads;
+  return threads > BWI_MAX_THREADS ? BWI_MAX_THREADS : (int)threads;
 }
 
 static void record_failure(bwi_pool *pool, job *work, int64_t chunk, bw_status status,

@@ -88,11 +88,11 @@ void bwd_run_close(bw_context *context, bw_external_report *report) {
   struct rusage usage;
   getrusage(RUSAGE_SELF, &usage);
   double own[2] = {1024.0 * (double)usage.ru_maxrss, processor_seconds(&usage)};
-  double sum[2] = {0, 0}, most = 0;
+  double sum[2] = {0, 0}, max = 0;
   if (current)
     own[1] -= current->processor;
   MPI_Reduce(own, sum, 2, MPI_DOUBLE, MPI_SUM, 0, bwd_comm());
-  MPI_Reduce(own, &most, 1, MPI_DOUBLE, MPI_MAX, 0, bwd_comm());
+  MPI_Reduce(own, &max, 1, MPI_DOUBLE, MPI_MAX, 0, bwd_comm());
   if (report && current) {
     *report = (bw_external_report){.ranks = current->ranks,
                                    .iterations = current->iterations,
@@ -101,7 +101,7 @@ void bwd_run_close(bw_context *context, bw_external_report *report) {
                                    .solve = current->seconds_solve,
                                    .processor = sum[1],
                                    .bytes = sum[0],
-                                   .largest = most};
+                                   .largest = max};
     strncpy(report->method, method_name(current), sizeof report->method - 1);
   }
   destroy(current);

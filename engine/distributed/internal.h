@@ -82,7 +82,7 @@ bw_status bwd_partition(bw_context *context, const bw_graph *graph, int ranks, i
 /* share.c: sizes, K, M, mask, motions, to all ranks. Collective, as all below. */
 bw_status bwd_share(bw_context *context, bwd_system *system);
 /* rows.c: the entries of K and M; `most` is the largest number of blocks in a row. */
-bw_status bwd_send_rows(bw_context *context, bwd_system *system, int32_t most);
+bw_status bwd_send_rows(bw_context *context, bwd_system *system, int32_t max);
 
 /* fields.c: a field in global directions of rank 0 to a vector, and back. */
 bw_status bwd_scatter(bw_context *context, bwd_system *system, const double *field, Vec vector);

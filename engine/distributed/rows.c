@@ -161,13 +161,13 @@ done:
 }
 
 static bw_status insert(bw_context *context, bwd_system *system, const piece *p, int32_t row,
-                        int32_t most, PetscInt *at, double *value) {
+                        int32_t max, PetscInt *at, double *value) {
   bw_status status = BW_OK;
   int64_t block = 0;
   for (int32_t i = 0; i < p->rows; i++, row++) {
     int32_t count = p->length[i];
-    if (count > most)
-      return bw_fail(context, BW_INTERNAL, "a row of %d blocks came; at most %d", count, most);
+    if (count > max)
+      return bw_fail(context, BW_INTERNAL, "a row of %d blocks came; at most %d", count, max);
     BWD_TRY(MatSetValuesBlocked(system->K, 1, &row, count, p->column + block,
                                 p->stiffness + 9 * block, INSERT_VALUES));
     if (system->mass_width)
@@ -181,20 +181,20 @@ done:
 
 /* All rows: rank 0 packs, sends and inserts its own; the others receive and insert. A rank that
  * fails goes on receiving, so that rank 0 is not stopped in a send. */
-bw_status bwd_send_rows(bw_context *context, bwd_system *system, int32_t most) {
+bw_status bwd_send_rows(bw_context *context, bwd_system *system, int32_t max) {
   bw_status status = BW_OK;
-  int64_t capacity = most > PIECE_BLOCKS ? most : PIECE_BLOCKS;
+  int64_t capacity = max > PIECE_BLOCKS ? max : PIECE_BLOCKS;
   size_t bytes = piece_bytes(system, capacity);
   char *buffer = BW_NEW(context, char, bytes);
-  PetscInt *at = BW_NEW(context, PetscInt, most);
-  double *value = BW_NEW(context, double, 9 * (int64_t)most);
+  PetscInt *at = BW_NEW(context, PetscInt, max);
+  double *value = BW_NEW(context, double, 9 * (int64_t)max);
   neighbour *list = NULL;
   int32_t *node_at = NULL;
   piece p = {0};
   if (!buffer || !at || !value)
     status = BW_MEMORY;
   if (system->rank == 0 && status == BW_OK) {
-    list = BW_NEW(context, neighbour, most);
+    list = BW_NEW(context, neighbour, max);
     node_at = BW_NEW(context, int32_t, system->nodes);
     if (!list || !node_at)
       status = BW_MEMORY;
@@ -215,7 +215,7 @@ bw_status bwd_send_rows(bw_context *context, bwd_system *system, int32_t most) {
         if (r > 0)
           MPI_Send(buffer, (int)bytes, MPI_BYTE, r, ROW_TAG, bwd_comm());
         else if (status == BW_OK)
-          status = insert(context, system, &p, first, most, at, value);
+          status = insert(context, system, &p, first, max, at, value);
       }
     }
   } else {
@@ -232,7 +232,7 @@ bw_status bwd_send_rows(bw_context *context, bwd_system *system, int32_t most) {
       p.rows = head[0];
       p.blocks = head[1];
       if (status == BW_OK)
-        status = insert(context, system, &p, row, most, at, value);
+        status = insert(context, system, &p, row, max, at, value);
       row += p.rows;
     }
   }

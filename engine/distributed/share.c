@@ -6,7 +6,7 @@
 
 /* Blocks of each row whose columns are on its own rank, and on others. */
 static bw_status count_blocks(bw_context *context, bwd_system *system, int32_t **own,
-                              int32_t **other, int32_t *most) {
+                              int32_t **other, int32_t *max) {
   const bw_graph *graph = system->matrix->graph;
   int32_t *a = *own = BW_NEW0(context, int32_t, system->nodes);
   int32_t *b = *other = BW_NEW0(context, int32_t, system->nodes);
@@ -28,9 +28,9 @@ static bw_status count_blocks(bw_context *context, bwd_system *system, int32_t *
         count[column]++;
     }
   }
-  *most = 0;
+  *max = 0;
   for (int32_t i = 0; i < system->nodes; i++)
-    *most = a[i] + b[i] > *most ? a[i] + b[i] : *most;
+    *max = a[i] + b[i] > *max ? a[i] + b[i] : *max;
   bw_free(rank_of);
   return BW_OK;
 }
@@ -67,7 +67,7 @@ done:
 
 /* What every rank must know before the rows come. */
 typedef struct plan {
-  int32_t nodes, motions, most;
+  int32_t nodes, motions, max;
   int mass_width, method, iterations;
   double rtol;
 } plan;
@@ -87,7 +87,7 @@ static bw_status make_plan(bw_context *context, bwd_system *system, int32_t **ow
   if (!system->place || !system->field || !system->counts || !system->where)
     return BW_MEMORY;
   BW_TRY(bwd_partition(context, m->graph, system->ranks, system->place, system->start));
-  BW_TRY(count_blocks(context, system, own, other, &p->most));
+  BW_TRY(count_blocks(context, system, own, other, &p->max));
   for (int r = 0; r < system->ranks; r++) {
     int64_t entries = 0;
     for (int32_t i = system->start[r]; i < system->start[r + 1]; i++)
@@ -199,7 +199,7 @@ bw_status bwd_share(bw_context *context, bwd_system *system) {
   BW_TRY(create_matrix(context, system, own, other, 3, &system->K));
   if (system->mass_width)
     BW_TRY(create_matrix(context, system, own, other, system->mass_width == 9 ? 3 : 1, &system->M));
-  BW_TRY(bwd_send_rows(context, system, p.most));
+  BW_TRY(bwd_send_rows(context, system, p.max));
   BWD_TRY(MatAssemblyBegin(system->K, MAT_FINAL_ASSEMBLY));
   BWD_TRY(MatAssemblyEnd(system->K, MAT_FINAL_ASSEMBLY));
   if (system->M) {

@@ -14,7 +14,7 @@
 
 #define LONGEST_PAUSE 1e-3 /* s */
 #define PATIENCE 60.0      /* s that a failed rank waits for the others to come to an agreement */
-enum { COMMAND_TAG = 1, MESSAGE = 1000, MOST_TAG = 1000, SPINS = 20 };
+enum { COMMAND_TAG = 1, MESSAGE = 1000, MAX_TAG = 1000, SPINS = 20 };
 
 static struct world {
   pid_t process; /* that joined; a forked child is none of the world */
@@ -297,9 +297,9 @@ bw_status bw_world_send(bw_context *context, int rank, int tag, const void *byte
   if (rank < 0 || rank >= world.size || rank == world.rank)
     return bw_fail(context, BW_INVALID, "there is no other rank %d; there are %d, from 0", rank,
                    world.size);
-  if (tag < 0 || tag > MOST_TAG)
+  if (tag < 0 || tag > MAX_TAG)
     return bw_fail(context, BW_INVALID, "the tag is %d; it must lie between 0 and %d", tag,
-                   MOST_TAG);
+                   MAX_TAG);
   if (count > INT_MAX)
     return bw_fail(context, BW_LIMIT, "a string of %zu bytes is too long to send; at most %d",
                    count, INT_MAX);

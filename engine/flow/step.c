@@ -114,7 +114,7 @@ static void balance(const bw_flow *flow) {
   const bw_plane_graph *graph = flow->inner->now->graph;
   const bwi_flow_room *room = &flow->inner->room;
   int c = flow->components;
-  double diagonal[BWI_MOST] = {0}, right[BWI_MOST] = {0}, by[BWI_MOST] = {1, 1, 1, 1};
+  double diagonal[BWI_MAX] = {0}, right[BWI_MAX] = {0}, by[BWI_MAX] = {1, 1, 1, 1};
   for (int64_t i = 0; i < graph->node_count; i++)
     for (int d = 0; d < c; d++) {
       diagonal[d] += fabs(room->system[c * (c * graph->diagonal[i] + d) + d]);

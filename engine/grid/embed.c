@@ -68,7 +68,7 @@ static void try_ring(search *s, const int32_t centre[3], int ring) {
 static void find(search *s) {
   const bw_grid *grid = s->grid;
   int32_t centre[3];
-  double least = fmin(grid->spacing[0], fmin(grid->spacing[1], grid->spacing[2]));
+  double min = fmin(grid->spacing[0], fmin(grid->spacing[1], grid->spacing[2]));
   for (int d = 0; d < 3; d++) {
     /* Points beside the lattice search from the cell next to them. */
     double cell = fmin(fmax(floor(s->place[d]), 0), grid->cells[d] - 1);
@@ -78,14 +78,14 @@ static void find(search *s) {
   s->distance = INFINITY;
   for (int ring = 0; ring < RINGS; ring++) {
     /* What lies in this ring is at least ring - 1 cells away. */
-    double near = ring > 1 ? (ring - 1) * least : 0;
+    double near = ring > 1 ? (ring - 1) * min : 0;
     if (s->best >= 0 && near * near > s->distance)
       return;
     try_ring(s, centre, ring);
     if (s->best >= 0 && s->distance == 0)
       return;
   }
-  if (s->best >= 0 && (RINGS - 1) * least * ((RINGS - 1) * least) > s->distance)
+  if (s->best >= 0 && (RINGS - 1) * min * ((RINGS - 1) * min) > s->distance)
     return;
   for (int32_t e = 0; e < grid->element_count; e++)
     try_element(s, e);
@@ -102,18 +102,18 @@ typedef struct job {
 
 static bw_status too_far(const job *j, int64_t p, const double local[3]) {
   const double *x = j->point + 3 * p;
-  double most = 0, low[3], high[3];
+  double max = 0, low[3], high[3];
   for (int d = 0; d < 3; d++)
-    most = fmax(most, fmax(-local[d], local[d] - 1));
+    max = fmax(max, fmax(-local[d], local[d] - 1));
   bw_grid_box(j->it->grid, low, high);
   bw_status status = bw_fail(
       j->context, BW_GEOMETRY,
       "point %lld at (%g, %g, %g) m lies %.3g cells from the nearest element, more than %g; the "
       "elements are between (%g, %g, %g) and (%g, %g, %g) m",
-      (long long)p + 1, x[0], x[1], x[2], most, j->reach, low[0], low[1], low[2], high[0], high[1],
+      (long long)p + 1, x[0], x[1], x[2], max, j->reach, low[0], low[1], low[2], high[0], high[1],
       high[2]);
   bw_detail_number(j->context, "point", (double)p + 1);
-  bw_detail_number(j->context, "cells", most);
+  bw_detail_number(j->context, "cells", max);
   return status;
 }
 

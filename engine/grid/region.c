@@ -96,8 +96,8 @@ static bw_status fill_inside(bw_context *context, places *p) {
 static bw_status prepare(bw_context *context, places *p) {
   bw_status status = BW_OK;
   const bw_grid *grid = p->grid;
-  double least = fmin(grid->spacing[0], fmin(grid->spacing[1], grid->spacing[2]));
-  p->within = p->region->within > 0 ? p->region->within : TOLERANCE * least;
+  double min = fmin(grid->spacing[0], fmin(grid->spacing[1], grid->spacing[2]));
+  p->within = p->region->within > 0 ? p->region->within : TOLERANCE * min;
   for (int d = 0; d < 3; d++) {
     p->origin[d] = grid->origin[d] + (p->cells ? 0.5 * grid->spacing[d] : 0);
     p->counts[d] = grid->cells[d] + !p->cells;
@@ -132,24 +132,24 @@ static double along(const double from[3], const double to[3], const double unit[
 
 static double distance(const places *p, const double at[3]) {
   const bw_region *r = p->region;
-  double most = 0;
+  double max = 0;
   if (in(r, BW_IN_BOX)) {
     double out[3];
     for (int d = 0; d < 3; d++)
       out[d] = fmax(fmax(r->low[d] - at[d], at[d] - r->high[d]), 0);
-    most = bw_norm(out);
+    max = bw_norm(out);
   }
   if (in(r, BW_IN_BALL)) {
     double out[3] = {at[0] - r->centre[0], at[1] - r->centre[1], at[2] - r->centre[2]};
-    most = fmax(most, bw_norm(out) - r->radius);
+    max = fmax(max, bw_norm(out) - r->radius);
   }
   if (in(r, BW_ON_PLANE))
-    most = fmax(most, fabs(along(r->plane_point, at, p->normal[0])));
+    max = fmax(max, fabs(along(r->plane_point, at, p->normal[0])));
   if (in(r, BW_BEYOND))
-    most = fmax(most, -along(r->beyond_point, at, p->normal[1]));
+    max = fmax(max, -along(r->beyond_point, at, p->normal[1]));
   if (in(r, BW_ON_SIDE))
-    most = fmax(most, fabs(at[r->side / 2] - p->outermost));
-  return most;
+    max = fmax(max, fabs(at[r->side / 2] - p->outermost));
+  return max;
 }
 
 /* `place` of the lattice, `item` the node or element there (-1: void). */

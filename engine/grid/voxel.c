@@ -9,12 +9,12 @@
 /* Sides that are longer than so many cells by less than this still fit. */
 #define FITS 1e-9
 /* More cells than this take more memory than a mistyped spacing should. */
-#define MOST_CELLS 268435456.0
+#define MAX_CELLS 268435456.0
 
 void bw_voxel_options_default(bw_voxel_options *options) {
   memset(options, 0, sizeof *options);
   options->cells = 32;
-  options->least = 0.05;
+  options->min_fraction = 0.05;
   options->material = 1;
   options->multiple = 1;
 }
@@ -26,9 +26,9 @@ static bw_status check(bw_context *context, const bw_voxel_options *o) {
     return bw_fail(context, BW_INVALID,
                    "%d cells along the longest side; at least one is needed, or a spacing",
                    (int)o->cells);
-  if (!(o->least >= 0 && o->least <= 1))
+  if (!(o->min_fraction >= 0 && o->min_fraction <= 1))
     return bw_fail(context, BW_INVALID, "the least part of a cell, %g, is not between 0 and 1",
-                   o->least);
+                   o->min_fraction);
   if (o->material < 1)
     return bw_fail(context, BW_INVALID, "material %d; 1 is the first (0 is void)",
                    (int)o->material);
@@ -54,12 +54,12 @@ static bw_status lattice(bw_context *context, const bw_surface *surface, const b
   for (int d = 0; d < 3; d++)
     count[d] = up_to_multiple(fmax(ceil((high[d] - low[d]) / side - FITS), 1), o->multiple);
   double all = count[0] * count[1] * count[2];
-  if (!(all <= MOST_CELLS)) {
+  if (!(all <= MAX_CELLS)) {
     bw_status status =
         bw_fail(context, BW_LIMIT,
                 "cells of %g m in a box of %g x %g x %g m make %.3g cells, more than %.3g: take "
                 "larger cells",
-                side, high[0] - low[0], high[1] - low[1], high[2] - low[2], all, MOST_CELLS);
+                side, high[0] - low[0], high[1] - low[1], high[2] - low[2], all, MAX_CELLS);
     bw_detail_number(context, "cells", all);
     return status;
   }
@@ -75,7 +75,7 @@ static bw_status lattice(bw_context *context, const bw_surface *surface, const b
 /* Parts of a body that thin places have cut off float: said, as nothing holds them. */
 static bw_status warning_parts(bw_context *context, const bw_grid *grid) {
   bw_status status = BW_OK;
-  int32_t *size = NULL, parts, least = INT32_MAX, most = 0;
+  int32_t *size = NULL, parts, min = INT32_MAX, max = 0;
   int32_t *group = BW_NEW(context, int32_t, grid->element_count);
   if (!group)
     return BW_MEMORY;
@@ -90,13 +90,13 @@ static bw_status warning_parts(bw_context *context, const bw_grid *grid) {
   for (int32_t e = 0; e < grid->element_count; e++)
     size[group[e]]++;
   for (int32_t i = 0; i < parts; i++) {
-    least = size[i] < least ? size[i] : least;
-    most = size[i] > most ? size[i] : most;
+    min = size[i] < min ? size[i] : min;
+    max = size[i] > max ? size[i] : max;
   }
   bw_warn(context,
           "the grid is in %d parts that share no node, of %d to %d elements: smaller cells, or a "
           "smaller least part, keep thin places together",
-          (int)parts, (int)least, (int)most);
+          (int)parts, (int)min, (int)max);
 done:
   bw_free(group);
   bw_free(size);
@@ -107,7 +107,7 @@ bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
                              const bw_voxel_options *options, bw_grid **out) {
   bw_grid *grid = NULL;
   bw_voxel_options usual;
-  double origin[3], spacing[3], *fraction = NULL, most = 0;
+  double origin[3], spacing[3], *fraction = NULL, max = 0;
   int32_t cells[3], *material = NULL;
   bw_status status = BW_OK;
   int64_t all, held = 0;
@@ -126,11 +126,11 @@ bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
   }
   BW_TRY(bw_grid_fractions(context, surface, origin, spacing, cells, fraction));
   for (int64_t c = 0; c < all; c++) {
-    most = fmax(most, fraction[c]);
-    material[c] = fraction[c] > 0 && fraction[c] >= options->least ? options->material : 0;
+    max = fmax(max, fraction[c]);
+    material[c] = fraction[c] > 0 && fraction[c] >= options->min_fraction ? options->material : 0;
     held += material[c] > 0;
   }
-  if (most == 0) {
+  if (max == 0) {
     status = bw_fail(context, BW_GEOMETRY,
                      "the surface encloses nothing that cells of %g m would hold: its volume is %g "
                      "m3",
@@ -141,7 +141,7 @@ bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
     status = bw_fail(context, BW_EMPTY,
                      "no cell of %g m has more than %.3g of itself inside the surface, and %g is "
                      "the least: take smaller cells or a smaller least part",
-                     spacing[0], most, options->least);
+                     spacing[0], max, options->min_fraction);
     goto done;
   }
   BW_TRY(bw_grid_create(context, origin, spacing, cells, material, options->whole ? NULL : fraction,

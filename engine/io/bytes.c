@@ -284,7 +284,7 @@ bw_status bwi_read_integer(bwi_cursor *cursor, int64_t *value, const char *what)
   return BW_OK;
 }
 
-bw_status bwi_read_count(bwi_cursor *cursor, size_t least, int64_t *value, const char *what) {
+bw_status bwi_read_count(bwi_cursor *cursor, size_t min, int64_t *value, const char *what) {
   bwi_cursor before = *cursor;
   bw_status status = bwi_read_integer(cursor, value, what);
   if (status != BW_OK)
@@ -293,13 +293,12 @@ bw_status bwi_read_count(bwi_cursor *cursor, size_t least, int64_t *value, const
     return bwi_fail_line(cursor, "%s is %lld: it cannot be negative", what, (long long)*value);
   before.line = cursor->line;
   before.at = cursor->at;
-  return bwi_check_count(&before, (uint64_t)*value, least, what);
+  return bwi_check_count(&before, (uint64_t)*value, min, what);
 }
 
-bw_status bwi_check_count(const bwi_cursor *cursor, uint64_t count, size_t least,
-                          const char *what) {
+bw_status bwi_check_count(const bwi_cursor *cursor, uint64_t count, size_t min, const char *what) {
   /* The last record of a text may lack its final white space: one byte of grace. */
-  if (least > 0 && count > (bwi_left(cursor) + 1) / least) {
+  if (min > 0 && count > (bwi_left(cursor) + 1) / min) {
     bw_status status = bwi_fail_line(
         cursor, "%s is %llu, but only %zu bytes follow: the file is cut short or the count wrong",
         what, (unsigned long long)count, bwi_left(cursor));

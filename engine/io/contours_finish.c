@@ -47,22 +47,22 @@ static bw_status fail_at(bw_context *context, const char *name, int64_t line, co
 /* ---- what is drawn twice --------------------------------------------------------------------- */
 
 static bool same_edge(const bwi_outline_curve *a, const bwi_outline_curve *b, bool backwards,
-                      double least) {
+                      double min) {
   if (a->count != b->count)
     return false;
   for (int i = 0; i < a->count; i++)
-    if (apart(a->point[i], b->point[backwards ? b->count - 1 - i : i]) > least)
+    if (apart(a->point[i], b->point[backwards ? b->count - 1 - i : i]) > min)
       return false;
   return true;
 }
 
-static bool same_piece(const bwi_contours *c, size_t p, size_t q, bool backwards, double least) {
+static bool same_piece(const bwi_contours *c, size_t p, size_t q, bool backwards, double min) {
   const bwi_contour_piece *a = &c->piece[p], *b = &c->piece[q];
   if (a->count != b->count)
     return false;
   for (size_t i = 0; i < a->count; i++)
     if (!same_edge(&c->edge[a->first + i].curve,
-                   &c->edge[b->first + (backwards ? b->count - 1 - i : i)].curve, backwards, least))
+                   &c->edge[b->first + (backwards ? b->count - 1 - i : i)].curve, backwards, min))
       return false;
   return true;
 }
@@ -80,7 +80,7 @@ static int by_leftmost(const void *a, const void *b) {
 }
 
 /* Marks pieces that lie on an earlier one as used: drawings often hold a line twice. */
-static bw_status drop_doubles(bwi_contours *c, double least, bool *used) {
+static bw_status drop_doubles(bwi_contours *c, double min, bool *used) {
   int64_t dropped = 0;
   leftmost *order = BW_NEW(c->context, leftmost, c->pieces);
   if (!order)
@@ -95,11 +95,11 @@ static bw_status drop_doubles(bwi_contours *c, double least, bool *used) {
   }
   qsort(order, c->pieces, sizeof *order, by_leftmost);
   for (size_t i = 0; i < c->pieces; i++)
-    for (size_t j = i + 1; j < c->pieces && order[j].x - order[i].x <= least; j++) {
+    for (size_t j = i + 1; j < c->pieces && order[j].x - order[i].x <= min; j++) {
       size_t p = order[i].piece, q = order[j].piece;
       size_t later = p > q ? p : q;
       if (!used[p] && !used[q] &&
-          (same_piece(c, p, q, false, least) || same_piece(c, p, q, true, least))) {
+          (same_piece(c, p, q, false, min) || same_piece(c, p, q, true, min))) {
         used[later] = true;
         dropped++;
       }
@@ -134,15 +134,15 @@ static void piece_ends(bwi_contours *c, size_t piece, double *ends[2]) {
 
 static bw_status fail_open(const bwi_contours *c, const open_end *end, size_t count, size_t i,
                            double tolerance) {
-  double least = DBL_MAX;
+  double min = DBL_MAX;
   char text[300];
   for (size_t j = 0; j < count; j++)
     if (j != i)
-      least = fmin(least, apart(end[i].at, end[j].at));
+      min = fmin(min, apart(end[i].at, end[j].at));
   snprintf(text, sizeof text,
            "a curve is open at (%g, %g) m: the nearest other end is %.3g m away, and ends are put "
            "together within %.3g m: close it, or read with a larger tolerance",
-           end[i].at[0], end[i].at[1], least, tolerance);
+           end[i].at[0], end[i].at[1], min, tolerance);
   return fail_at(c->context, c->name, c->piece[end[i].number / 2].line, end[i].at, text);
 }
 
@@ -190,7 +190,7 @@ done:
 /* ---- the outline ----------------------------------------------------------------------------- */
 
 /* Edges of a piece, forwards or backwards, to the list of a loop. */
-static void take_piece(const bwi_contours *c, size_t piece, bool backwards, double least,
+static void take_piece(const bwi_contours *c, size_t piece, bool backwards, double min,
                        bwi_contour_edge *list, size_t *count) {
   const bwi_contour_piece *p = &c->piece[piece];
   for (size_t i = 0; i < p->count; i++) {
@@ -206,8 +206,8 @@ static void take_piece(const bwi_contours *c, size_t piece, bool backwards, doub
     bwi_curve_hull(&edge.curve, low, high);
     /* A line of no length, and the closing line where the last edge closes already. */
     bool closing = p->closed && i + 1 == p->count && *count > 0;
-    if (apart(low, high) <= least ||
-        (closing && apart(edge_start(&edge), edge_end(&edge)) <= 1000 * least))
+    if (apart(low, high) <= min ||
+        (closing && apart(edge_start(&edge), edge_end(&edge)) <= 1000 * min))
       continue;
     list[(*count)++] = edge;
   }
@@ -250,7 +250,7 @@ static void add_loop(bwi_contours *c, const bwi_contour_piece *from, bwi_contour
   }
 }
 
-static bw_status build_loops(bwi_contours *c, double tolerance, double least, int64_t **lines) {
+static bw_status build_loops(bwi_contours *c, double tolerance, double min, int64_t **lines) {
   bw_status status = BW_OK;
   bool *open = BW_NEW0(c->context, bool, c->pieces), *used = BW_NEW0(c->context, bool, c->pieces);
   size_t *mate = BW_NEW0(c->context, size_t, 2 * c->pieces);
@@ -260,7 +260,7 @@ static bw_status build_loops(bwi_contours *c, double tolerance, double least, in
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(drop_doubles(c, least, used));
+  BW_TRY(drop_doubles(c, min, used));
   for (size_t p = 0; p < c->pieces; p++) {
     double *at[2];
     piece_ends(c, p, at);
@@ -272,7 +272,7 @@ static bw_status build_loops(bwi_contours *c, double tolerance, double least, in
     bool backwards = false;
     while (!used[piece]) {
       used[piece] = true;
-      take_piece(c, piece, backwards, least, list, &count);
+      take_piece(c, piece, backwards, min, list, &count);
       if (!open[piece])
         break;
       size_t next = mate[2 * piece + !backwards];
@@ -315,14 +315,14 @@ static bw_status assign_regions(bwi_contours *c) {
       d->loop[l].region = depth % 2 == 0 ? 0 : -1;
   }
   for (size_t k = 0; k < d->loops; k++) { /* the least number that is not yet in place */
-    int32_t least = INT32_MAX;
+    int32_t min = INT32_MAX;
     for (size_t l = 0; l < d->loops; l++)
-      if (d->loop[l].region >= next && d->loop[l].region < least)
-        least = d->loop[l].region;
-    if (least == INT32_MAX)
+      if (d->loop[l].region >= next && d->loop[l].region < min)
+        min = d->loop[l].region;
+    if (min == INT32_MAX)
       break;
-    for (size_t l = 0; l < d->loops && least > next; l++)
-      if (d->loop[l].region == least)
+    for (size_t l = 0; l < d->loops && min > next; l++)
+      if (d->loop[l].region == min)
         d->loop[l].region = next;
     next++;
   }
@@ -373,12 +373,12 @@ bw_status bwi_contours_finish(bwi_contours *c, double tolerance, bw_outline **ou
       if (!(fabs(c->edge[e].curve.point[i][0]) <= 1e12 &&
             fabs(c->edge[e].curve.point[i][1]) <= 1e12))
         return bw_fail(c->context, BW_FORMAT, "%s: a curve leads beyond 1e12 m", c->name);
-  double size = size_of(c), least = 10 * BW_OUTLINE_GAP * size;
+  double size = size_of(c), min = 10 * BW_OUTLINE_GAP * size;
   if (tolerance == 0)
     tolerance = 1e-5 * size;
   if (c->pieces == 0)
     return bw_fail(c->context, BW_FORMAT, "%s: there is no curve in it", c->name);
-  BW_TRY(build_loops(c, tolerance, least, &lines));
+  BW_TRY(build_loops(c, tolerance, min, &lines));
   if (c->draft.loops == 0)
     BW_TRY(bw_fail(c->context, BW_FORMAT, "%s: its curves have no length", c->name));
   BW_TRY(assign_regions(c));

@@ -322,7 +322,7 @@ static bw_status include_set(inp *deck, size_t set, bool of_elements, bwi_word n
 }
 
 static bw_status read_set(inp *deck, const keyword *key, bool of_elements) {
-  enum { MOST_RANGES = 1000 };
+  enum { MAX_RANGES = 1000 };
   bw_status status = BW_OK;
   bwi_cursor line;
   bwi_word item;
@@ -334,8 +334,8 @@ static bw_status read_set(inp *deck, const keyword *key, bool of_elements) {
   BW_TRY(need_ids(deck, of_elements));
   while (next_data(deck->cursor, &line)) {
     if (key->generate) {
-      if (++ranges > MOST_RANGES)
-        BW_TRY(bwi_fail_line(&line, "more than %d ranges in one set", MOST_RANGES));
+      if (++ranges > MAX_RANGES)
+        BW_TRY(bwi_fail_line(&line, "more than %d ranges in one set", MAX_RANGES));
       BW_TRY(generate(deck, set, of_elements, &line));
       continue;
     }

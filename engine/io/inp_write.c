@@ -38,12 +38,12 @@ static void write_set(bw_writer *writer, const bw_mesh *mesh, int32_t region) {
     bw_writer_bytes(writer, "\n", 1);
 }
 
-/* The regions in ascending order, each once; at most MOST of them are written as sets. */
+/* The regions in ascending order, each once; at most MAX_SETS of them are written as sets. */
 static void write_regions(bw_writer *writer, const bw_mesh *mesh) {
-  enum { MOST = 1000 };
+  enum { MAX_SETS = 1000 };
   bool any = true;
   int64_t last = INT64_MIN;
-  for (int i = 0; any && i < MOST; i++) {
+  for (int i = 0; any && i < MAX_SETS; i++) {
     int64_t next = INT64_MAX;
     for (int32_t e = 0; e < mesh->element_count; e++)
       if (mesh->region[e] > last && mesh->region[e] < next)
@@ -119,21 +119,21 @@ static void write_material(bw_writer *writer, const bw_inp_deck *deck) {
 
 /* The first term of an equation is the one that CalculiX eliminates: the largest leads. */
 static void write_equation(bw_writer *writer, int32_t node, const double normal[3]) {
-  int most = 0, terms = 0;
+  int max = 0, terms = 0;
   for (int k = 0; k < 3; k++) {
     terms += normal[k] != 0;
-    if (fabs(normal[k]) > fabs(normal[most]))
-      most = k;
+    if (fabs(normal[k]) > fabs(normal[max]))
+      max = k;
   }
   if (terms == 0)
     return;
   if (terms == 1) {
-    bw_writer_print(writer, "*BOUNDARY\n%lld, %d, %d\n", (long long)node + 1, most + 1, most + 1);
+    bw_writer_print(writer, "*BOUNDARY\n%lld, %d, %d\n", (long long)node + 1, max + 1, max + 1);
     return;
   }
   bw_writer_print(writer, "*EQUATION\n%d\n", terms);
   for (int i = 0; i < 3; i++) {
-    int k = (most + i) % 3;
+    int k = (max + i) % 3;
     if (normal[k] == 0)
       continue;
     bw_writer_print(writer, "%s%lld, %d, ", i ? ", " : "", (long long)node + 1, k + 1);

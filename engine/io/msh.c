@@ -129,7 +129,7 @@ static bw_status enter_sets(bwi_msh *msh, int dimension, const int32_t *member, 
   for (size_t i = 0; i < physical_count; i++) {
     bwi_msh_group *group;
     /* A polycrystal may have a group per grain: the region says all there is to say then. */
-    if (physical[i] == 0 || msh->group_count >= BWI_MOST_SETS)
+    if (physical[i] == 0 || msh->group_count >= BWI_MAX_SETS)
       continue;
     BW_TRY(find_group(msh, dimension, physical[i], &group));
     if (!group->has_set) {

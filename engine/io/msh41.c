@@ -4,7 +4,7 @@
  * elements are uint64, other numbers int32 and double. */
 #include "io/msh.h"
 
-enum { MOST_GROUPS = 64 };
+enum { MAX_GROUPS = 64 };
 
 static bw_status read_entity(bwi_msh *msh, int dimension) {
   bw_status status = BW_OK;
@@ -16,9 +16,9 @@ static bw_status read_entity(bwi_msh *msh, int dimension) {
   for (int k = 0; k < (dimension == 0 ? 3 : 6); k++)
     BW_TRY(bwi_msh_real(msh, &unused, "the box of an entity"));
   BW_TRY(bwi_msh_size(msh, &count, "the number of physical groups of an entity"));
-  if (count > MOST_GROUPS) /* each element is entered into each of them */
+  if (count > MAX_GROUPS) /* each element is entered into each of them */
     return bwi_msh_fail(msh, "%lld physical groups of one entity: at most %d are read",
-                        (long long)count, MOST_GROUPS);
+                        (long long)count, MAX_GROUPS);
   for (int64_t i = 0; i < count; i++) {
     BW_TRY(bwi_msh_int(msh, &number, "a physical group"));
     if (!bw_grow(context, (void **)&msh->physical, &msh->physical_capacity, msh->physical_count, 1,

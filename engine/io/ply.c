@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST_ELEMENTS = 32, MOST_PROPERTIES = 256 };
+enum { MAX_ELEMENTS = 32, MAX_PROPERTIES = 256 };
 
 typedef enum scalar { NONE, I8, U8, I16, U16, I32, U32, F32, F64 } scalar;
 static const size_t scalar_size[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
@@ -33,8 +33,8 @@ typedef struct element {
 typedef struct ply {
   enum { TEXT, LITTLE, BIG } encoding;
   int element_count, property_count;
-  element element[MOST_ELEMENTS];
-  property property[MOST_PROPERTIES];
+  element element[MAX_ELEMENTS];
+  property property[MAX_PROPERTIES];
   int32_t *list; /* of the present list property */
   size_t list_count, list_capacity;
 } ply;
@@ -84,8 +84,8 @@ static bw_status read_property(bwi_cursor *line, ply *file) {
   bw_status status = BW_OK;
   if (file->element_count == 0)
     BW_TRY(bwi_fail_line(line, "a property before the first element"));
-  if (file->property_count == MOST_PROPERTIES)
-    BW_TRY(bwi_fail_line(line, "more than %d properties", MOST_PROPERTIES));
+  if (file->property_count == MAX_PROPERTIES)
+    BW_TRY(bwi_fail_line(line, "more than %d properties", MAX_PROPERTIES));
   element *owner = &file->element[file->element_count - 1];
   property *p = &file->property[file->property_count];
   bwi_word word;
@@ -109,8 +109,8 @@ done:
 
 static bw_status read_element(bwi_cursor *line, ply *file) {
   bw_status status = BW_OK;
-  if (file->element_count == MOST_ELEMENTS)
-    BW_TRY(bwi_fail_line(line, "more than %d kinds of elements", MOST_ELEMENTS));
+  if (file->element_count == MAX_ELEMENTS)
+    BW_TRY(bwi_fail_line(line, "more than %d kinds of elements", MAX_ELEMENTS));
   element *e = &file->element[file->element_count];
   if (!bwi_next_word(line, &e->name))
     BW_TRY(bwi_fail_word(line, e->name, "the name of an element"));
@@ -148,14 +148,14 @@ static bw_status read_format(bwi_cursor *line, ply *file) {
 static bw_status check_counts(const bwi_cursor *cursor, const ply *file) {
   for (int i = 0; i < file->element_count; i++) {
     const element *e = &file->element[i];
-    size_t least = 0;
+    size_t min = 0;
     for (int k = e->first; k < e->end; k++) {
       const property *p = &file->property[k];
-      least += file->encoding == TEXT ? 2 : scalar_size[p->count != NONE ? p->count : p->type];
+      min += file->encoding == TEXT ? 2 : scalar_size[p->count != NONE ? p->count : p->type];
     }
     char what[80];
     snprintf(what, sizeof what, "the number of elements '%s'", bwi_show(e->name));
-    bw_status status = bwi_check_count(cursor, (uint64_t)e->count, least, what);
+    bw_status status = bwi_check_count(cursor, (uint64_t)e->count, min, what);
     if (status != BW_OK)
       return status;
   }
@@ -255,17 +255,17 @@ static bw_status read_list(bwi_cursor *cursor, ply *file, const property *p, siz
   double length, value;
   char text[160];
   BW_TRY(read_scalar(cursor, file, p->count, true, &length));
-  size_t least = file->encoding == TEXT ? 2 : scalar_size[p->type];
+  size_t min = file->encoding == TEXT ? 2 : scalar_size[p->type];
   if (!(length >= 0) || length != floor(length) || length > (double)(bwi_left(cursor) + 1)) {
     snprintf(text, sizeof text, "a list of length %g, but only %zu bytes follow", length,
              bwi_left(cursor));
     BW_TRY(fail_here(cursor, file, text));
   }
-  BW_TRY(bwi_check_count(cursor, (uint64_t)length, least, "the length of a list"));
+  BW_TRY(bwi_check_count(cursor, (uint64_t)length, min, "the length of a list"));
   file->list_count = (size_t)length;
   if (p->meaning == IGNORED && file->encoding != TEXT) {
     const unsigned char *bytes;
-    return bwi_take(cursor, file->list_count * least, &bytes, "a list");
+    return bwi_take(cursor, file->list_count * min, &bytes, "a list");
   }
   if (!bw_grow(cursor->context, (void **)&file->list, &file->list_capacity, 0, file->list_count + 1,
                sizeof *file->list)) {

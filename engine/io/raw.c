@@ -112,7 +112,7 @@ bw_status bwi_raw_find_set(bwi_raw *raw, bwi_word name, bool of_elements, size_t
       *set = i;
       return BW_OK;
     }
-  if (raw->set_count == BWI_MOST_SETS)
+  if (raw->set_count == BWI_MAX_SETS)
     return fail_file(raw, BW_LIMIT, "more than 10000 named sets");
   if (!bw_grow(raw->context, (void **)&raw->set, &raw->set_capacity, raw->set_count, 1,
                sizeof *raw->set))
@@ -213,12 +213,12 @@ static void adopt_region(bwi_raw *raw) {
 
 /* The failure at hand, with the name of the file before it and its details kept. */
 static void name_file_in_failure(const bwi_raw *raw, bw_status status) {
-  enum { MOST = 8 };
-  char key[MOST][32];
-  double number[MOST];
+  enum { MAX_KEYS = 8 };
+  char key[MAX_KEYS][32];
+  double number[MAX_KEYS];
   int count = 0;
   const char *word, *text;
-  for (int i = 0; count < MOST && bw_detail(raw->context, i, &word, &number[count], &text); i++)
+  for (int i = 0; count < MAX_KEYS && bw_detail(raw->context, i, &word, &number[count], &text); i++)
     if (!text)
       snprintf(key[count++], sizeof key[0], "%s", word);
   bw_fail(raw->context, status, "%s: %s", raw->name, bw_message(raw->context));

@@ -37,7 +37,7 @@ typedef struct bwi_raw {
 } bwi_raw;
 
 /* Sets are looked up one by one. */
-enum { BWI_MOST_SETS = 10000 };
+enum { BWI_MAX_SETS = 10000 };
 
 void bwi_raw_init(bwi_raw *raw, bw_context *context, const char *name);
 void bwi_raw_clear(bwi_raw *raw);

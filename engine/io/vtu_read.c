@@ -414,7 +414,7 @@ bw_status bwi_vtu_read(bwi_cursor *cursor, bwi_raw *raw, const char **format) {
   int32_t *tet_cell = NULL;
   *format = "VTU";
   BW_TRY(read_tags(cursor, &file));
-  int64_t most = 0;
+  int64_t max = 0;
   for (size_t i = 0; i < file.piece_count; i++) {
     int64_t first_point = (int64_t)raw->point_count, cells = file.piece[i].cells;
     BW_TRY(read_points(cursor, &file, i, raw));
@@ -423,10 +423,10 @@ bw_status bwi_vtu_read(bwi_cursor *cursor, bwi_raw *raw, const char **format) {
         bwi_check_count(&(bwi_cursor){cursor->context, cursor->name, cursor->begin, cursor->begin,
                                       cursor->end, file.piece[i].line, false, false},
                         (uint64_t)(cells / 1032), 1, "the number of cells"));
-    if (cells > most || !tet_cell) {
+    if (cells > max || !tet_cell) {
       bw_free(tet_cell);
       tet_cell = BW_NEW(cursor->context, int32_t, cells);
-      most = cells;
+      max = cells;
     }
     if (!tet_cell) {
       status = BW_MEMORY;

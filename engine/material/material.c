@@ -216,13 +216,13 @@ double bw_material_strength(const bw_material *material, const double direction[
 
 bw_value bw_material_critical_distance_value(const bw_material *material) {
   const double *s = material->strength, K = material->toughness;
-  int most = s[1] > s[0] ? 1 : 0;
-  most = s[2] > s[most] ? 2 : most;
-  if (!(s[most] > 0) || !(K > 0))
+  int max = s[1] > s[0] ? 1 : 0;
+  max = s[2] > s[max] ? 2 : max;
+  if (!(s[max] > 0) || !(K > 0))
     return (bw_value){0};
-  double L = K / s[most] * (K / s[most]) / 3.14159265358979323846;
-  const bw_value *of_K = &material->toughness_value, *of_s = &material->strength_value[most];
-  double scatter = 2 * L * hypot(of_K->scatter / K, of_s->scatter / s[most]);
+  double L = K / s[max] * (K / s[max]) / 3.14159265358979323846;
+  const bw_value *of_K = &material->toughness_value, *of_s = &material->strength_value[max];
+  double scatter = 2 * L * hypot(of_K->scatter / K, of_s->scatter / s[max]);
   return (bw_value){L, scatter,
                     of_K->source ? "(fracture toughness / strength)^2 / pi, by the largest strength"
                                  : NULL};

@@ -4,7 +4,7 @@
 #include "mesh/coarsen.h"
 #include "mesh/predicates.h"
 
-enum { MOST_CELLS = 512 };
+enum { MAX_CELLS = 512 };
 
 /* ---- the grid ------------------------------------------------------------------------------- */
 
@@ -42,7 +42,7 @@ bool bwi_coarsen_enter(bwi_coarsening *c, int32_t triangle) {
   double cells = 1;
   for (int k = 0; k < 3; k++)
     cells *= (double)(to[k] - from[k] + 1);
-  if (cells > MOST_CELLS) {
+  if (cells > MAX_CELLS) {
     if (!bw_grow(c->context, (void **)&c->big, &c->big_capacity, c->big_count, 1, sizeof *c->big))
       return false;
     c->big[c->big_count++] = triangle;
@@ -161,11 +161,10 @@ static bool near_change(const bwi_coarsening *c, bwi_coarsen_change *now, int32_
   if (point < 0)
     return true;
   const double *old = place(c, point);
-  double least = INFINITY, found[3];
-  for (int i = 0; i < now->count && least > 0; i++)
-    least =
-        fmin(least, bwi_nearest_on_triangle(old, now->x[i][0], now->x[i][1], now->x[i][2], found));
-  now->lost = fmax(now->lost, c->lost[point] + sqrt(least));
+  double min = INFINITY, found[3];
+  for (int i = 0; i < now->count && min > 0; i++)
+    min = fmin(min, bwi_nearest_on_triangle(old, now->x[i][0], now->x[i][1], now->x[i][2], found));
+  now->lost = fmax(now->lost, c->lost[point] + sqrt(min));
   return now->lost <= allowed_at(c, old);
 }
 

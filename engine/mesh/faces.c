@@ -25,7 +25,7 @@ static const double near_rounding = 2e-6, near_diagonal = 1e-4, near_radius = 0.
  */
 static const double near_plane = 0.03;
 static const double largest_radius = 5; /* of the diagonal */
-enum { LEAST_STRIPS = 4 };              /* in a face that is grown */
+enum { MIN_STRIPS = 4 };                /* in a face that is grown */
 
 /* ---- fits ------------------------------------------------------------------------------------ */
 
@@ -189,7 +189,7 @@ static bw_status grow(bwi_face_finder *f, int32_t seed, uint8_t *mark, int32_t *
     if (!region_lies_on(f, seed, face))
       goto done;
     int32_t now = spread(f, seed, face, mark, list);
-    if (now < LEAST_STRIPS)
+    if (now < MIN_STRIPS)
       goto done;
     BW_TRY(gather(f, now, list));
     bw_face better;
@@ -403,15 +403,15 @@ done:
 }
 
 int32_t bw_faces_near(const bw_faces *faces, const bw_surface *surface, const double point[3]) {
-  double least = HUGE_VAL, place[3];
+  double min = HUGE_VAL, place[3];
   int32_t best = -1;
   for (int32_t t = 0; t < surface->triangle_count; t++) {
     const int32_t *corner = surface->triangle + 3 * (size_t)t;
     double far = bwi_nearest_on_triangle(point, surface->point + 3 * (size_t)corner[0],
                                          surface->point + 3 * (size_t)corner[1],
                                          surface->point + 3 * (size_t)corner[2], place);
-    if (far < least) {
-      least = far;
+    if (far < min) {
+      min = far;
       best = faces->of_triangle[t];
     }
   }

@@ -9,8 +9,8 @@
 
 #include "mesh/surface_internal.h"
 
-static const double longest_move = 0.25;  /* of the edge */
-static const double least_jacobian = 0.2; /* of the straight element's */
+static const double longest_move = 0.25; /* of the edge */
+static const double min_jacobian = 0.2;  /* of the straight element's */
 
 /* The Jacobian's determinant at barycentric coordinates. */
 static double jacobian(const double *node, const int32_t *element, const double l[4]) {
@@ -39,7 +39,7 @@ static double jacobian(const double *node, const int32_t *element, const double 
  * element's. */
 static bool is_distorted(const bw_mesh *mesh, const double *node, int32_t e) {
   const int32_t *element = mesh->element + 10 * (size_t)e;
-  double limit = least_jacobian * 6 * mesh->volume[e];
+  double limit = min_jacobian * 6 * mesh->volume[e];
   const double centre[4] = {0.25, 0.25, 0.25, 0.25};
   if (jacobian(node, element, centre) < limit)
     return true;

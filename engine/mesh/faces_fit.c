@@ -10,10 +10,10 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST = 6, STEPS = 12 };
+enum { MAX_TERMS = 6, STEPS = 12 };
 
 /* A x = b by elimination with pivots; false when singular. A (n x n) and b are overwritten. */
-static bool solve(int n, double a[MOST][MOST], double b[MOST]) {
+static bool solve(int n, double a[MAX_TERMS][MAX_TERMS], double b[MAX_TERMS]) {
   double scale = 0;
   for (int i = 0; i < n; i++)
     scale = fmax(scale, fabs(a[i][i]));
@@ -48,7 +48,8 @@ static bool solve(int n, double a[MOST][MOST], double b[MOST]) {
 }
 
 /* Adds a row of a least squares problem to the normal equations. */
-static void add_row(int n, const double *row, double right, double a[MOST][MOST], double b[MOST]) {
+static void add_row(int n, const double *row, double right, double a[MAX_TERMS][MAX_TERMS],
+                    double b[MAX_TERMS]) {
   for (int i = 0; i < n; i++) {
     for (int j = 0; j < n; j++)
       a[i][j] += row[i] * row[j];
@@ -115,7 +116,7 @@ static bool fit_plane(const bwi_cloud *cloud, bw_face *face) {
 }
 
 static bool fit_sphere(const bwi_cloud *cloud, bw_face *face) {
-  double a[MOST][MOST] = {{0}}, b[MOST] = {0}, mean[3], size;
+  double a[MAX_TERMS][MAX_TERMS] = {{0}}, b[MAX_TERMS] = {0}, mean[3], size;
   middle_of(cloud, mean, &size);
   for (int64_t i = 0; i < cloud->points; i++) { /* |y|^2 = 2 c . y + k, y in units of the size */
     double row[4];
@@ -159,7 +160,7 @@ static void axis_of(const bwi_cloud *cloud, bool centred, double axis[3]) {
 
 /* Start of a cylinder or cone around its axis: r^2 - s^2 t^2 = 2 c . y + k + p t. */
 static bool start_round(const bwi_cloud *cloud, bw_face *face, double slope) {
-  double a[MOST][MOST] = {{0}}, b[MOST] = {0}, mean[3], size, u[3], v[3];
+  double a[MAX_TERMS][MAX_TERMS] = {{0}}, b[MAX_TERMS] = {0}, mean[3], size, u[3], v[3];
   int n = slope == 0 ? 3 : 4;
   middle_of(cloud, mean, &size);
   bw_across(face->axis, u, v);
@@ -186,7 +187,7 @@ static bool start_round(const bwi_cloud *cloud, bw_face *face, double slope) {
 static bool refine_round(const bwi_cloud *cloud, bw_face *face) {
   int n = face->kind == BW_FACE_CONE ? 6 : 5;
   for (int step = 0; step < STEPS; step++) {
-    double a[MOST][MOST] = {{0}}, b[MOST] = {0}, u[3], v[3], largest = 0;
+    double a[MAX_TERMS][MAX_TERMS] = {{0}}, b[MAX_TERMS] = {0}, u[3], v[3], largest = 0;
     double steep = sqrt(1 + face->slope * face->slope), unit = face->radius;
     bw_across(face->axis, u, v);
     for (int64_t i = 0; i < cloud->points; i++) {
@@ -260,10 +261,10 @@ static bool fit_round(const bwi_cloud *cloud, bw_face *face) {
 }
 
 bool bwi_face_fit(const bwi_cloud *cloud, bw_face_kind kind, bw_face *face) {
-  static const int least[] = {3, 6, 7, 5};
+  static const int min[] = {3, 6, 7, 5};
   bool fits = false;
   *face = (bw_face){.kind = kind};
-  if (kind == BW_FACE_FREE || cloud->points < least[kind])
+  if (kind == BW_FACE_FREE || cloud->points < min[kind])
     return kind == BW_FACE_FREE;
   if (kind == BW_FACE_PLANE)
     fits = fit_plane(cloud, face);

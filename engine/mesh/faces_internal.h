@@ -84,16 +84,16 @@ typedef struct bwi_face_borders {
 } bwi_face_borders;
 
 /* surface_remesh.c: bw_surface_remesh that keeps borders (NULL: none). The remeshed surface has the
- * number of the face of each facet as its groups then. After about most_steps steps of its loops
+ * number of the face of each facet as its groups then. After about max_steps steps of its loops
  * (0: no limit) BW_LIMIT. */
 bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
                              const bw_remesh_options *options, const bwi_face_borders *borders,
-                             int64_t most_steps, bw_surface **remeshed, bw_shape_log *log);
+                             int64_t max_steps, bw_surface **remeshed, bw_shape_log *log);
 
 /* remesh_faces.c: how many points bend the borders of faces, which remeshing keeps, and how many
  * facets the round faces need (bwi_face_borders). */
-bw_status bwi_faces_least(bw_context *context, const bw_surface *surface, const bw_faces *faces,
-                          double sharp_angle, double tolerance, double round_angle, int64_t *bends,
-                          double *round_facets);
+bw_status bwi_faces_min(bw_context *context, const bw_surface *surface, const bw_faces *faces,
+                        double sharp_angle, double tolerance, double round_angle, int64_t *bends,
+                        double *round_facets);
 
 #endif

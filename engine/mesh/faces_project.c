@@ -14,9 +14,9 @@
 #include "mesh/surface_tree.h"
 
 enum { STEPS = 20 };
-static const double least_gradient = 0.1; /* of the part outside of the span: 6 degrees */
-static const double of_edge = 0.3;        /* longest move, of the shortest edge at the point */
-static const double of_rounding = 1e-7;   /* of the diagonal: single precision */
+static const double min_gradient = 0.1; /* of the part outside of the span: 6 degrees */
+static const double of_edge = 0.3;      /* longest move, of the shortest edge at the point */
+static const double of_rounding = 1e-7; /* of the diagonal: single precision */
 
 void bwi_around_add(bwi_faces_around *a, const bw_faces *faces, int32_t face) {
   int at = a->count;
@@ -50,7 +50,7 @@ bool bwi_around_project(const bw_faces *faces, const bwi_faces_around *a, bw_fac
           rest[k] -= part * base[r][k];
       }
       double size = bw_norm(rest);
-      if (!(size > least_gradient))
+      if (!(size > min_gradient))
         continue;
       for (int k = 0; k < 3; k++)
         base[rank][k] = rest[k] / size;
@@ -123,9 +123,9 @@ static void look_around(const bw_faces *faces, const bw_surface *surface, const 
     const int32_t *corner = surface->triangle + 3 * (size_t)t;
     for (int k = 0; k < 3; k++) {
       int32_t a = corner[k], b = corner[(k + 1) % 3];
-      double most = of_edge * apart(surface->point + 3 * (size_t)a, surface->point + 3 * (size_t)b);
-      room[a] = fmin(room[a], most);
-      room[b] = fmin(room[b], most);
+      double max = of_edge * apart(surface->point + 3 * (size_t)a, surface->point + 3 * (size_t)b);
+      room[a] = fmin(room[a], max);
+      room[b] = fmin(room[b], max);
       if (label[t] >= 0)
         bwi_around_add(&at[a], faces, label[t]);
     }

@@ -15,7 +15,7 @@ static const double bend_share = 12;
 /* The volume bound that goes with an edge length, in cubes of it: the edges inside may be about
  * half as long again as those on the surface. */
 static const double volume_of_length = 0.5;
-enum { MOST_ATTEMPTS = 14 };
+enum { MAX_ATTEMPTS = 14 };
 /* Edges of the next try over those of the last one, where filling failed. */
 static const double shorter = 0.96;
 
@@ -140,7 +140,7 @@ static bw_status fill_at(bwi_filler *f, bwi_fill_way *how, double length, double
 /* ---- the wanted number ---------------------------------------------------------------------- */
 
 /* Elements that the faces take at any edge length. */
-static double least_count(const bwi_filler *f, bwi_fill_way how) {
+static double min_count(const bwi_filler *f, bwi_fill_way how) {
   return (how <= WAY_BORDERS ? bend_share * (double)f->bends : 0) +
          (how <= WAY_FACES ? facet_share * f->round_facets : 0);
 }
@@ -165,11 +165,11 @@ static double first_length(const bwi_filler *f, double count) {
 
 /* On one surface the count is about a + b / volume bound: two runs give both. Used for surfaces
  * that must stay as they are, and to close in when a remeshed surface is nearly right. */
-static bw_status tune_volume(bwi_filler *f, double wanted, double volume, int64_t count, int most) {
+static bw_status tune_volume(bwi_filler *f, double wanted, double volume, int64_t count, int max) {
   bw_status status = BW_OK;
   double last_inverse = volume > 0 ? 1 / volume : 0, last_count = (double)count;
   double slope = 1.4 * f->volume;
-  for (int i = 0; i < most && f->attempts < MOST_ATTEMPTS && !bwi_fill_too_late(f); i++) {
+  for (int i = 0; i < max && f->attempts < MAX_ATTEMPTS && !bwi_fill_too_late(f); i++) {
     if (f->best_miss <= log1p(f->options->tolerance) * 0.999)
       break;
     double inverse = last_inverse + (wanted - last_count) / slope;
@@ -203,7 +203,7 @@ static int64_t tunnels_of(const bw_surface *surface, int64_t bodies) {
 static bwi_fill_way way_from(const bwi_filler *f, bwi_fill_way first, double length, double count) {
   double own = sqrt(f->area / (0.4330127 * f->base->triangle_count));
   for (bwi_fill_way how = first; how < WAY_REMESH; how++)
-    if (f->has_faces && f->field.point_count == 0 && !f->field.size && least_count(f, how) <= count)
+    if (f->has_faces && f->field.point_count == 0 && !f->field.size && min_count(f, how) <= count)
       return how;
   return own < 0.6 * length || f->options->surface_tolerance > 0 ? WAY_COARSEN : WAY_REMESH;
 }
@@ -214,11 +214,11 @@ static bwi_fill_way way_from(const bwi_filler *f, bwi_fill_way first, double len
 static bw_status search_length(bwi_filler *f, bwi_fill_way *how) {
   double wanted = (double)f->options->elements, tolerance = log1p(f->options->tolerance) * 0.999;
   bw_status status = BW_OK;
-  double length = first_length(f, fmax(wanted - least_count(f, *how), 0.3 * wanted));
+  double length = first_length(f, fmax(wanted - min_count(f, *how), 0.3 * wanted));
   double slope = -2.4, last_length = 0, last_count = 0;
   bool flat = false;
   double low = 0, high = INFINITY; /* lengths known to give too many, too few */
-  for (int i = 0; i < 8 && f->attempts < MOST_ATTEMPTS && !bwi_fill_too_late(f); i++) {
+  for (int i = 0; i < 8 && f->attempts < MAX_ATTEMPTS && !bwi_fill_too_late(f); i++) {
     double volume = volume_of_length * length * length * length;
     int64_t count = 0;
     status = fill_at(f, how, length, volume, &count);

@@ -43,7 +43,7 @@ bw_status bwi_peel_flat(bw_context *context, bw_mesh **mesh, double angle, doubl
 
 /* Take elements without volume off the boundary of what TetGen made, as bwi_peel_flat does. Those
  * inside, and those whose removal moves the boundary by more than `most`, stay. */
-bw_status bwi_peel_degenerate(bw_context *context, bwi_tetgen_result *result, double most);
+bw_status bwi_peel_degenerate(bw_context *context, bwi_tetgen_result *result, double max);
 
 /* How the surface for TetGen is made from the base, from the mildest to the last resort. */
 typedef enum bwi_fill_way {

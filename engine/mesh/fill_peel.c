@@ -23,7 +23,7 @@
 #include <string.h>
 
 /* The boundary moves by so many smallest heights of an element at most. */
-static const double MOST_HEIGHTS = 2;
+static const double MAX_HEIGHTS = 2;
 /* What goes may uncover more of the kind: so many rounds at most. */
 enum { ROUNDS = 4 };
 /* The sine of the smallest angle of elements without volume: rounding. */
@@ -157,9 +157,9 @@ static bool may_go(const bw_mesh *mesh, int32_t element, unsigned faces, const u
 }
 
 /* Which elements to keep. Those that go have no angle above sine_limit, no larger height than
- * `highest`, and move the boundary by MOST_HEIGHTS of them or by `most`. */
+ * `highest`, and move the boundary by MAX_HEIGHTS of them or by `most`. */
 static bw_status choose(bw_context *context, const bw_mesh *mesh, double sine_limit, double highest,
-                        double most, uint8_t *keep, int64_t *gone, double *moved) {
+                        double max, uint8_t *keep, int64_t *gone, double *moved) {
   bw_status status = BW_OK;
   bwi_keyed *edge = NULL;
   int64_t edges = 0;
@@ -201,7 +201,7 @@ static bw_status choose(bw_context *context, const bw_mesh *mesh, double sine_li
       far = uncovered(mesh, i, faces);
     else
       free = false;
-    if (!free || far > fmax(MOST_HEIGHTS * height, most)) {
+    if (!free || far > fmax(MAX_HEIGHTS * height, max)) {
       keep[i] = 1;
       continue;
     }
@@ -243,7 +243,7 @@ done:
   return status;
 }
 
-bw_status bwi_peel_degenerate(bw_context *context, bwi_tetgen_result *result, double most) {
+bw_status bwi_peel_degenerate(bw_context *context, bwi_tetgen_result *result, double max) {
   bw_status status = BW_OK;
   bw_mesh *mesh = NULL;
   uint8_t *keep = BW_NEW(context, uint8_t, result->element_count);
@@ -254,7 +254,7 @@ bw_status bwi_peel_degenerate(bw_context *context, bwi_tetgen_result *result, do
     double moved = 0;
     BW_TRY(bwi_mesh_own(context, 1, result->node_count, result->node, result->element_count,
                         result->element, NULL, true, &mesh));
-    status = choose(context, mesh, DEGENERATE, most, most, keep, &gone, &moved);
+    status = choose(context, mesh, DEGENERATE, max, max, keep, &gone, &moved);
     result->node_count = mesh->node_count; /* the arrays go back */
     result->node = mesh->node;
     result->element = mesh->element;

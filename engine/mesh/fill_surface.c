@@ -13,7 +13,7 @@ static const double straight = 1e-6;
 static const double nearly_straight = 0.03;
 /* Faces are kept where planes and round faces of at least the second share of the area have the
  * first share of it: scans have many small ones by chance. */
-static const double share_of_area = 0.5, least_area = 1e-3;
+static const double share_of_area = 0.5, min_area = 1e-3;
 /* Edges on round faces turn by no more: a facet's area is short by a twenty-fourth of the square.
  */
 static const double round_angle = 0.25;
@@ -29,7 +29,7 @@ typedef struct remesh_job {
   const bw_surface *from;
   bw_remesh_options options;
   bwi_face_borders borders; /* faces NULL: none are kept */
-  int64_t most_steps;
+  int64_t max_steps;
 } remesh_job;
 
 typedef struct remesh_head {
@@ -43,7 +43,7 @@ static bw_status remesh_child(bw_context *context, void *data, bwi_child_stream 
   remesh_head head = {.log.count = 0};
   bw_status status;
   BW_TRY(bwi_surface_remesh(context, job->from, &job->options,
-                            job->borders.faces ? &job->borders : NULL, job->most_steps, &made,
+                            job->borders.faces ? &job->borders : NULL, job->max_steps, &made,
                             &head.log));
   head.points = made->point_count;
   head.triangles = made->triangle_count;
@@ -88,7 +88,7 @@ static bw_status remesh(bwi_filler *f, bwi_fill_way how, const bw_surface *from,
     facets += 8.0 * (double)f->bends + f->round_facets;
   /* Several times what is usual. Steps and not seconds: which way is taken must not depend on the
    * machine. */
-  job.most_steps = (int64_t)(2e7 + 1e3 * fmin(facets, 1e12));
+  job.max_steps = (int64_t)(2e7 + 1e3 * fmin(facets, 1e12));
   bwi_child_limits limits = {f->options->time_limit, f->options->memory_limit};
   unsigned char *bytes = NULL;
   size_t count = 0;
@@ -170,10 +170,10 @@ static bw_status remesh_sound(bwi_filler *f, bwi_fill_way how, const bw_surface 
   bw_status status;
   BW_TRY(remesh(f, how, from, length, &made, log));
   BW_TRY(check_sound(f, made, length));
-  double least = shortest_bound(f, length);
+  double min = shortest_bound(f, length);
   const bwi_coarsen_options options = {.length = length,
-                                       .shorter = 0.4 * least,
-                                       .error = 0.02 * least,
+                                       .shorter = 0.4 * min,
+                                       .error = 0.02 * min,
                                        .seconds = f->options->time_limit};
   if (how >= WAY_REMESH) {
     BW_TRY(collapse_short(f, &options, made, out, log));
@@ -243,12 +243,12 @@ bw_status bwi_fill_find_faces(bwi_filler *f) {
       report.count[BW_DEFECT_MISORIENTED_EDGE] || report.count[BW_DEFECT_NONMANIFOLD_EDGE] ||
       report.count[BW_DEFECT_NONMANIFOLD_POINT] || report.count[BW_DEFECT_DUPLICATE_FACET])
     goto done; /* such a surface is not remeshed */
-  BW_TRY(bwi_faces_least(f->context, welded, f->faces, f->options->sharp_angle,
-                         straight * f->diagonal, round_angle, &f->bends, &f->round_facets));
+  BW_TRY(bwi_faces_min(f->context, welded, f->faces, f->options->sharp_angle,
+                       straight * f->diagonal, round_angle, &f->bends, &f->round_facets));
   double kept = 0;
   for (int32_t i = 0; i < f->faces->count; i++) {
     const bw_face *face = &f->faces->face[i];
-    kept += face->kind != BW_FACE_FREE && face->area >= least_area * f->area ? face->area : 0;
+    kept += face->kind != BW_FACE_FREE && face->area >= min_area * f->area ? face->area : 0;
   }
   f->has_faces = kept >= share_of_area * f->area;
 done:

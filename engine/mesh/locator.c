@@ -226,8 +226,8 @@ static double on_element(const double *p, const double *x[4], double weight[4]) 
   bw_cross(a, b, n);
   weight[3] = bw_dot(w, n) / volume;
   weight[0] = 1 - weight[1] - weight[2] - weight[3];
-  double least = fmin(fmin(weight[0], weight[1]), fmin(weight[2], weight[3]));
-  if (least >= -1e-12) {
+  double min = fmin(fmin(weight[0], weight[1]), fmin(weight[2], weight[3]));
+  if (min >= -1e-12) {
     double sum = 0;
     for (int k = 0; k < 4; k++)
       sum += weight[k] = fmax(weight[k], 0);

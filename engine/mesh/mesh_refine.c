@@ -123,7 +123,7 @@ done:
 
 static int longest_edge(const refining *r, const cell *c) {
   int best = 0;
-  double most = -1;
+  double max = -1;
   int32_t best_low = 0, best_high = 0;
   for (int e = 0; e < 6; e++) {
     int32_t a = c->node[bw_tet_edge[e][0]], b = c->node[bw_tet_edge[e][1]];
@@ -133,10 +133,10 @@ static int longest_edge(const refining *r, const cell *c) {
       double d = r->node[3 * (size_t)high + k] - r->node[3 * (size_t)low + k];
       square += d * d;
     }
-    if (square > most ||
-        (square == most && (low < best_low || (low == best_low && high < best_high)))) {
+    if (square > max ||
+        (square == max && (low < best_low || (low == best_low && high < best_high)))) {
       best = e;
-      most = square;
+      max = square;
       best_low = low;
       best_high = high;
     }
@@ -348,9 +348,9 @@ void bw_refinement_clear(bw_refinement *refinement) {
 }
 
 bw_status bw_mesh_refine(bw_context *context, const bw_mesh *mesh, const uint8_t *levels, int order,
-                         int64_t most_elements, bw_refinement *refinement) {
+                         int64_t max_elements, bw_refinement *refinement) {
   bw_status status;
-  refining r = {.context = context, .from = mesh, .cell_limit = most_elements};
+  refining r = {.context = context, .from = mesh, .cell_limit = max_elements};
   bw_refinement f = {.mesh = NULL};
   bw_mesh *made = NULL;
   int32_t *cell_of = NULL;
@@ -358,10 +358,10 @@ bw_status bw_mesh_refine(bw_context *context, const bw_mesh *mesh, const uint8_t
     return bw_fail(context, BW_INVALID,
                    "order %d: a refined mesh has the order of the mesh before, which is %d, or 2",
                    order, mesh->order);
-  if (most_elements < mesh->element_count || most_elements > INT32_MAX / 8)
+  if (max_elements < mesh->element_count || max_elements > INT32_MAX / 8)
     return bw_fail(context, BW_INVALID,
-                   "most_elements %lld: give at least the %d elements that there are, at most %d",
-                   (long long)most_elements, mesh->element_count, INT32_MAX / 8);
+                   "max_elements %lld: give at least the %d elements that there are, at most %d",
+                   (long long)max_elements, mesh->element_count, INT32_MAX / 8);
   BW_TRY(begin(&r, levels));
   BW_TRY(bisect_all(&r));
   BW_TRY(make_mesh(&r, order, &made, &cell_of));

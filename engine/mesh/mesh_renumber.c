@@ -87,12 +87,12 @@ bw_status bw_mesh_renumbered(bw_context *context, const bw_mesh *mesh, int32_t *
                              int32_t **element_from, bw_mesh **out) {
   bw_status status = BW_OK;
   size_t nodes = (size_t)mesh->node_count, elements = (size_t)mesh->element_count;
-  size_t width = (size_t)mesh->nodes_per_element, most = nodes > elements ? nodes : elements;
+  size_t width = (size_t)mesh->nodes_per_element, max = nodes > elements ? nodes : elements;
   double high[3], size = 0, *node = NULL;
   cube c;
   int32_t *of_node = NULL, *of_element = NULL, *element = NULL, *region = NULL;
   int32_t *now = BW_NEW(context, int32_t, nodes); /* the new number of an old node */
-  bwi_keyed *list = BW_NEW(context, bwi_keyed, most);
+  bwi_keyed *list = BW_NEW(context, bwi_keyed, max);
   if (!now || !list) {
     status = BW_MEMORY;
     goto done;

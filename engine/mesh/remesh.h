@@ -30,11 +30,11 @@ typedef struct bwi_remesher {
   bwi_tree *tree, *creases;
   int32_t *crease; /* sharp edges of the original as triangles a b b */
   double length, tolerance;
-  double finest;              /* of the edge length asked for: where features are small */
-  double tiny;                /* edges so short go even where they are features */
-  double most_facets;         /* no more edges are split beyond */
-  double memory;              /* bytes allowed */
-  int64_t *looks, most_looks; /* how often loops looked up, and may (0: no limit) */
+  double finest;             /* of the edge length asked for: where features are small */
+  double tiny;               /* edges so short go even where they are features */
+  double max_facets;         /* no more edges are split beyond */
+  double memory;             /* bytes allowed */
+  int64_t *looks, max_looks; /* how often loops looked up, and may (0: no limit) */
   bwi_time_limit time;
   double share;               /* done of the whole, for progress */
   const bw_size_field *sizes; /* NULL: none */

@@ -25,7 +25,7 @@ bw_status bwi_remesh_split_long(bwi_remesher *r) {
   for (int pass = 0; pass < 100; pass++) {
     int64_t splits = 0;
     int32_t sides = 3 * (int32_t)mesh->facet_count;
-    if ((double)mesh->facet_count > r->most_facets)
+    if ((double)mesh->facet_count > r->max_facets)
       break; /* needles that come out of needles: better too long than without end */
     for (int32_t s = 0; s < sides; s++) {
       BW_TRY(look_up(r, (size_t)s));
@@ -70,7 +70,7 @@ static verdict judge_collapse(const bwi_remesher *r, int32_t side, bool coarse) 
   double worst_before = 1, worst_after = 1;
   bool too_long = false;
   /* Very short edges may go at the price of long ones, which are split again. */
-  double most = side_length(mesh, side) < 0.4 * wanted(mesh, side) ? 1.25 * longest : longest;
+  double max = side_length(mesh, side) < 0.4 * wanted(mesh, side) ? 1.25 * longest : longest;
   int32_t s = bwi_around(mesh, side);
   for (; s != side; s = bwi_around(mesh, s)) {
     int32_t q = bwi_to(mesh, s), p = bwi_to(mesh, bwi_next(s));
@@ -90,7 +90,7 @@ static verdict judge_collapse(const bwi_remesher *r, int32_t side, bool coarse) 
     if (quality_before > 1e-6 && turned_over(before, after))
       return FEATURE;
     double reach = distance(xb, xq);
-    if (reach > most * 0.5 * (mesh->size[b] + mesh->size[q]) && reach > distance(xa, xq))
+    if (reach > max * 0.5 * (mesh->size[b] + mesh->size[q]) && reach > distance(xa, xq))
       too_long = true;
     nearest = fmin(nearest, bwi_nearest_on_triangle(xa, xb, xq, xp, place));
   }
@@ -192,9 +192,9 @@ void bwi_remesh_grade(bwi_changing *mesh) {
       if (mesh->corner[s] < 0)
         continue;
       int32_t a = bwi_from(mesh, s), b = bwi_to(mesh, s);
-      double most = mesh->size[a] + growth * side_length(mesh, s);
-      if (mesh->size[b] > 1.0001 * most) {
-        mesh->size[b] = most;
+      double max = mesh->size[a] + growth * side_length(mesh, s);
+      if (mesh->size[b] > 1.0001 * max) {
+        mesh->size[b] = max;
         changed = true;
       }
     }

@@ -154,9 +154,9 @@ bw_status bwi_remesh_mark_faces(bwi_remesher *r, double tolerance, double round_
   return mark_bends(r, tolerance);
 }
 
-bw_status bwi_faces_least(bw_context *context, const bw_surface *surface, const bw_faces *faces,
-                          double sharp_angle, double tolerance, double round_angle, int64_t *bends,
-                          double *round_facets) {
+bw_status bwi_faces_min(bw_context *context, const bw_surface *surface, const bw_faces *faces,
+                        double sharp_angle, double tolerance, double round_angle, int64_t *bends,
+                        double *round_facets) {
   bwi_remesher r = {.context = context, .faces = faces};
   bw_status status = bwi_changing_create(context, surface, sharp_angle, &r.mesh);
   if (status == BW_OK)

@@ -152,7 +152,7 @@ static void append(chainer *c, int32_t row, int32_t point, const bwi_seam *seam,
 static bw_status follow(chainer *c, int64_t half) {
   bw_singular_place place = c->made;
   int32_t rows = 1;
-  place.least_angle = HUGE_VAL;
+  place.min_angle = HUGE_VAL;
   memset(c->inward, 0, 3 * sizeof(double));
   while (half >= 0) {
     const bwi_seam *seam = &c->seam[half / 2];
@@ -165,14 +165,14 @@ static bw_status follow(chainer *c, int64_t half) {
     append(c, rows++, to, seam, length);
     place.length += length;
     place.angle += length * seam->angle;
-    place.least_angle = fmin(place.least_angle, seam->angle);
+    place.min_angle = fmin(place.min_angle, seam->angle);
     place.largest_angle = fmax(place.largest_angle, seam->angle);
     half = -1;
     for (int64_t h = c->head[to]; h >= 0 && c->degree[to] == 2; h = c->next[h])
       if (!c->used[h / 2])
         half = h;
   }
-  place.angle = place.length > 0 ? place.angle / place.length : place.least_angle;
+  place.angle = place.length > 0 ? place.angle / place.length : place.min_angle;
   bool line = place.kind == BW_SINGULAR_LINE_LOAD || place.kind == BW_SINGULAR_LINE_SUPPORT;
   place.exponent = line ? 0 : bw_williams_exponent(c->corner, place.angle, c->poisson);
   if (!(place.exponent < 1))

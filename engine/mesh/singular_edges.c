@@ -11,12 +11,12 @@
 #include "mesh/surface_topology.h"
 
 static const double pi = 3.14159265358979323846;
-static const double least_margin = 10 * 0.017453292519943295;
+static const double min_margin = 10 * 0.017453292519943295;
 static const double free_margin = 30 * 0.017453292519943295; /* where no primitive is known */
 
 /* Two planes that meet at a small angle also lie on a cylinder: a round face has this many flat
  * strips, whose normals differ by more than 2 degrees. */
-enum { LEAST_STRIPS = 4 };
+enum { MIN_STRIPS = 4 };
 static const double same_strip = 0.9993908270190958; /* cos 2 degrees */
 
 typedef struct finder {
@@ -35,7 +35,7 @@ static void facet_normal(const bwi_topology *top, int32_t t, double normal[3]) {
 
 static bw_status judge_faces(bw_context *context, finder *f) {
   const bw_faces *faces = f->faces;
-  double *normal = BW_NEW(context, double, 3 * LEAST_STRIPS * (size_t)faces->count);
+  double *normal = BW_NEW(context, double, 3 * MIN_STRIPS * (size_t)faces->count);
   f->known = BW_NEW0(context, uint8_t, faces->count); /* number of strips at first */
   if (!normal || !f->known) {
     bw_free(normal);
@@ -43,8 +43,8 @@ static bw_status judge_faces(bw_context *context, finder *f) {
   }
   for (int32_t t = 0; t < f->top->facets; t++) {
     int32_t face = faces->of_triangle[t];
-    double *own = normal + 3 * LEAST_STRIPS * (size_t)face, n[3];
-    bool other = f->known[face] < LEAST_STRIPS;
+    double *own = normal + 3 * MIN_STRIPS * (size_t)face, n[3];
+    bool other = f->known[face] < MIN_STRIPS;
     facet_normal(f->top, t, n);
     for (int k = 0; k < f->known[face] && other; k++)
       other = bw_dot(own + 3 * k, n) < same_strip;
@@ -53,7 +53,7 @@ static bw_status judge_faces(bw_context *context, finder *f) {
   }
   for (int32_t i = 0; i < faces->count; i++)
     f->known[i] = faces->face[i].kind == BW_FACE_PLANE ||
-                  (faces->face[i].kind != BW_FACE_FREE && f->known[i] == LEAST_STRIPS);
+                  (faces->face[i].kind != BW_FACE_FREE && f->known[i] == MIN_STRIPS);
   bw_free(normal);
   return BW_OK;
 }
@@ -133,7 +133,7 @@ bw_status bw_singular_edges(bw_context *context, const bw_surface *surface, cons
     BW_TRY(bw_faces_find(context, surface, 0, &found));
     faces = found;
   }
-  f = (finder){.top = top, .faces = faces, .margin = margin > 0 ? margin : least_margin};
+  f = (finder){.top = top, .faces = faces, .margin = margin > 0 ? margin : min_margin};
   BW_TRY(judge_faces(context, &f));
   BW_TRY(find_edges(context, &f, &seams));
   if (!(bw_surface_volume(surface) > 0)) {

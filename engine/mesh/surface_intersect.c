@@ -17,7 +17,7 @@
 #include "mesh/predicates.h"
 #include "mesh/surface_topology.h"
 
-enum { GRAIN = 256, MOST = 1000, REPORTED = 64 };
+enum { GRAIN = 256, MAX_FOUND = 1000, REPORTED = 64 };
 
 static const double *at(const bwi_topology *topology, int32_t point) {
   return topology->point + 3 * (int64_t)point;
@@ -99,7 +99,7 @@ static bool visit(void *data, int32_t other) {
     return false;
   }
   chunk->pair[chunk->count++] = (bwi_pair){one->facet, other};
-  return ++one->found < MOST;
+  return ++one->found < MAX_FOUND;
 }
 
 static int by_second(const void *a, const void *b) {

@@ -51,11 +51,11 @@ bw_status bwi_remesh_check(const bwi_remesher *r) {
     bw_detail_text(r->context, "limit", "memory");
     return BW_LIMIT;
   }
-  if (r->most_looks > 0 && ++*r->looks > r->most_looks) {
+  if (r->max_looks > 0 && ++*r->looks > r->max_looks) {
     bw_fail(r->context, BW_LIMIT,
             "remeshing with edges of %g m took more than the %lld steps it may use: ask for longer "
             "edges",
-            r->length, (long long)r->most_looks << BWI_REMESH_LOOK);
+            r->length, (long long)r->max_looks << BWI_REMESH_LOOK);
     bw_detail_text(r->context, "limit", "steps");
     return BW_LIMIT;
   }
@@ -161,7 +161,7 @@ done:
 
 bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
                              const bw_remesh_options *given, const bwi_face_borders *borders,
-                             int64_t most_steps, bw_surface **remeshed, bw_shape_log *log) {
+                             int64_t max_steps, bw_surface **remeshed, bw_shape_log *log) {
   bw_status status = BW_OK;
   int64_t looks = 0;
   bw_remesh_options options;
@@ -176,7 +176,7 @@ bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
                     .memory = options.memory_limit,
                     .sizes = options.sizes,
                     .looks = &looks,
-                    .most_looks = most_steps >> BWI_REMESH_LOOK,
+                    .max_looks = max_steps >> BWI_REMESH_LOOK,
                     .time = bwi_time_limit_begin("remeshing", options.time_limit)};
   if (!(options.edge_length >= 0) || options.triangles < 0 || !(options.sharp_angle > 0) ||
       options.iterations < 1 || options.iterations > 100 || !(options.tolerance >= 0) ||
@@ -209,7 +209,7 @@ bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
     status = too_many(&r, report.area, expected);
     goto done;
   }
-  r.most_facets = 8.0 * welded->triangle_count + 400 * report.area / (r.length * r.length) + 1e4;
+  r.max_facets = 8.0 * welded->triangle_count + 400 * report.area / (r.length * r.length) + 1e4;
   if (borders && borders->faces->triangle_count != welded->triangle_count) {
     status = bw_fail(context, BW_GEOMETRY,
                      "%d facets have a face, but the welded surface has %d facets: find the faces "

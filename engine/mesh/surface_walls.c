@@ -11,7 +11,7 @@
 #include "mesh/surface_repair.h"
 #include "mesh/surface_topology.h"
 
-enum { SAMPLES = 5, MOST = 30 };
+enum { SAMPLES = 5, MAX_ROUNDS = 30 };
 
 typedef struct patch_info {
   double area;
@@ -89,7 +89,7 @@ static bw_status drop_one(bw_context *context, const bw_surface *surface, bw_sur
       *(facets == 1 ? &p->open : &p->odd) = true;
     }
   }
-  for (int tries = 0; tries < MOST && gone < 0; tries++) {
+  for (int tries = 0; tries < MAX_ROUNDS && gone < 0; tries++) {
     int32_t best = -1;
     for (int32_t t = 0; t < topology->facets; t++)
       if (info[t].odd && !info[t].tried && (best < 0 || info[t].area < info[best].area))
@@ -124,7 +124,7 @@ bw_status bwi_drop_walls(bw_context *context, const bw_surface *surface, bw_surf
   bw_status status = BW_OK;
   bw_surface *now = (bw_surface *)bw_retain(surface), *next = NULL;
   *changed = 0;
-  for (int round = 0; round < MOST; round++) {
+  for (int round = 0; round < MAX_ROUNDS; round++) {
     int64_t count = 0;
     BW_TRY(bw_check_cancel(context));
     BW_TRY(drop_one(context, now, &next, &count));

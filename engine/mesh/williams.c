@@ -14,7 +14,7 @@ static double symmetric(double lambda, double angle) {
 
 /* The least root in (0, 1). With one face sliding the wedge is half of a symmetric one, and the
  * angle goes up to 4 pi. */
-static double least_symmetric(double angle) {
+static double min_symmetric(double angle) {
   enum { STEPS = 200 };
   double low = 1e-3;
   if (symmetric(low, angle) <= 0)
@@ -39,9 +39,9 @@ static double least_symmetric(double angle) {
 
 /* 4 k sin(lambda angle)^2 - (k + 1)^2 + 4 lambda^2 sin(angle)^2 with k = 3 - 4 nu: one face fixed,
  * one free. The roots are complex where the angle is large; Newton from a grid of starts. */
-static double least_fixed(double angle, double poisson) {
+static double min_fixed(double angle, double poisson) {
   const double kappa = 3 - 4 * poisson, square = sin(angle) * sin(angle);
-  double least = 1;
+  double min = 1;
   for (int i = 1; i < 20; i++)
     for (int j = 0; j < 8; j++) {
       double complex z = 0.05 * i + 0.1 * j * I, step = 1;
@@ -56,10 +56,10 @@ static double least_fixed(double angle, double poisson) {
         if (cabs(z) > 4)
           break;
       }
-      if (cabs(step) < 1e-6 && creal(z) > 1e-3 && creal(z) < least)
-        least = creal(z);
+      if (cabs(step) < 1e-6 && creal(z) > 1e-3 && creal(z) < min)
+        min = creal(z);
     }
-  return least < 1 - 1e-6 ? least : 1;
+  return min < 1 - 1e-6 ? min : 1;
 }
 
 double bw_williams_exponent(bw_corner corner, double angle, double poisson) {
@@ -67,8 +67,8 @@ double bw_williams_exponent(bw_corner corner, double angle, double poisson) {
   if (!(angle > 0))
     return 1;
   if (corner == BW_CORNER_FIXED)
-    return least_fixed(angle, poisson);
-  return least_symmetric(corner == BW_CORNER_SLIDING ? 2 * angle : angle);
+    return min_fixed(angle, poisson);
+  return min_symmetric(corner == BW_CORNER_SLIDING ? 2 * angle : angle);
 }
 
 const char *bw_singular_word(bw_singular_kind kind) {

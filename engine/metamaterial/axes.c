@@ -77,7 +77,7 @@ static double fit_linear(const bwi_frame18 *frame, const bwi_base *base, double 
       work->side[i] = bwi_dot(ROWS, work->column[i], packed);
     }
     bwi_ridge(base, ridge, n, work->gram, work->side);
-    bwi_tied_least(&c->ties, base, work->gram, work->side, limit, work);
+    bwi_tied_min(&c->ties, base, work->gram, work->side, limit, work);
     memset(response, 0, SQUARE * sizeof *response);
     for (int k = 0; k < BWI_OCTANTS; k++)
       octant_stiffness(n, k, work->x, strain[k], c, response);
@@ -188,7 +188,7 @@ static void keep(const bwi_candidates *all, uint64_t symmetries, int limit, cons
 void bwi_axes_choose(const bwi_frame18 *frame, const bwi_base *base, uint64_t symmetries,
                      int stretches, int fibres, double ridge, bwi_axes_work *work, bwi_axes *axes) {
   bwi_candidates all, kept;
-  double least = INFINITY, best = 1, response[SQUARE];
+  double min = INFINITY, best = 1, response[SQUARE];
   fibres = fibres < 0 ? 0 : fibres > BWI_FIBRES ? BWI_FIBRES : fibres;
   memset(&kept, 0, sizeof kept);
   bwi_tie(symmetries, &kept);
@@ -200,8 +200,8 @@ void bwi_axes_choose(const bwi_frame18 *frame, const bwi_base *base, uint64_t sy
   for (int step = 0; step < 5; step++) { /* a coarse search, then thirds */
     double spread = 0.2 + 0.2 * step;
     double error = fit_linear(frame, base, ridge, spread, &kept, fibres, work, response);
-    if (error < least) {
-      least = error;
+    if (error < min) {
+      min = error;
       best = spread;
     }
   }
@@ -211,8 +211,8 @@ void bwi_axes_choose(const bwi_frame18 *frame, const bwi_base *base, uint64_t sy
       if (!(spread <= 1 && spread >= 0.1))
         continue;
       error = fit_linear(frame, base, ridge, spread, &kept, fibres, work, response);
-      if (error < least) {
-        least = error;
+      if (error < min) {
+        min = error;
         best = spread;
         break;
       }

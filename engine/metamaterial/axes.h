@@ -24,9 +24,9 @@ typedef struct bwi_frame18 {
 
 /* What the children are, octant by octant. */
 typedef struct bwi_base {
-  double mu[BWI_OCTANTS], lambda[BWI_OCTANTS];             /* 0: void */
-  double mean_mu, mean_lambda;                             /* of those that are not void */
-  double least_mu[BWI_OCTANTS], least_lambda[BWI_OCTANTS]; /* what a point is given at least */
+  double mu[BWI_OCTANTS], lambda[BWI_OCTANTS];         /* 0: void */
+  double mean_mu, mean_lambda;                         /* of those that are not void */
+  double min_mu[BWI_OCTANTS], min_lambda[BWI_OCTANTS]; /* what a point is given at least */
 } bwi_base;
 
 /* Symmetries of the cube (bits as their numbers) that take the block into itself. Constants that
@@ -92,8 +92,8 @@ void bwi_ridge(const bwi_base *base, double ridge, int count, double *gram, doub
 /* Minimum of x^T gram x / 2 - side^T x over constants that are tied, are what they must be at
  * least, and have no more than `limit` fibres at a point; into work->x. gram and side (of all
  * constants) may be work's own. */
-void bwi_tied_least(const bwi_ties *ties, const bwi_base *base, const double *gram,
-                    const double *side, int limit, bwi_axes_work *work);
+void bwi_tied_min(const bwi_ties *ties, const bwi_base *base, const double *gram,
+                  const double *side, int limit, bwi_axes_work *work);
 /* Chooses them; `stretches` and `fibres` as in bw_library_options. */
 void bwi_axes_choose(const bwi_frame18 *frame, const bwi_base *base, uint64_t symmetries,
                      int stretches, int fibres, double ridge, bwi_axes_work *work, bwi_axes *axes);

@@ -5,7 +5,7 @@
 
 enum { SQUARE = BWI_SHAPES * BWI_SHAPES };
 
-#define LEAST_EIGENVALUE 0.02
+#define MIN_EIGENVALUE 0.02
 
 void bwi_octant_point(int octant, double spread, double at[3]) {
   for (int d = 0; d < 3; d++)
@@ -154,6 +154,6 @@ void bwi_metric(const double response[SQUARE], double metric[SQUARE]) {
     double column[BWI_SHAPES];
     for (int i = 0; i < BWI_SHAPES; i++)
       column[i] = v[18 * i + k];
-    bwi_add_square(1 / sqrt(sqrt(fmax(value[k], LEAST_EIGENVALUE))), column, metric);
+    bwi_add_square(1 / sqrt(sqrt(fmax(value[k], MIN_EIGENVALUE))), column, metric);
   }
 }

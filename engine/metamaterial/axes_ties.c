@@ -67,11 +67,11 @@ void bwi_tie(uint64_t symmetries, bwi_candidates *c) {
   }
 }
 
-void bwi_tied_least(const bwi_ties *ties, const bwi_base *base, const double *gram,
-                    const double *side, int limit, bwi_axes_work *work) {
-  double least[2 * BWI_OCTANTS];
-  memcpy(least, base->least_mu, sizeof base->least_mu);
-  memcpy(least + BWI_OCTANTS, base->least_lambda, sizeof base->least_lambda);
+void bwi_tied_min(const bwi_ties *ties, const bwi_base *base, const double *gram,
+                  const double *side, int limit, bwi_axes_work *work) {
+  double min[2 * BWI_OCTANTS];
+  memcpy(min, base->min_mu, sizeof base->min_mu);
+  memcpy(min + BWI_OCTANTS, base->min_lambda, sizeof base->min_lambda);
   int n = ties->constants, m = ties->variables;
   memset(work->tied, 0, (size_t)m * m * sizeof *work->tied);
   memset(work->tied_side, 0, (size_t)m * sizeof *work->tied_side);
@@ -79,13 +79,13 @@ void bwi_tied_least(const bwi_ties *ties, const bwi_base *base, const double *gr
     int row = ties->variable[i];
     if (row < 0)
       continue;
-    work->tied_side[row] += side[i] - bwi_dot(2 * BWI_OCTANTS, gram + (size_t)i * n, least);
+    work->tied_side[row] += side[i] - bwi_dot(2 * BWI_OCTANTS, gram + (size_t)i * n, min);
     for (int j = 0; j < n; j++)
       if (ties->variable[j] >= 0)
         work->tied[(size_t)row * m + ties->variable[j]] += gram[(size_t)i * n + j];
   }
   bwi_nnls(m, work->tied, work->tied_side, ties->group, ties->size, limit, work->value, work->nnls);
   for (int i = 0; i < n; i++)
-    work->x[i] = (i < 2 * BWI_OCTANTS ? least[i] : 0) +
+    work->x[i] = (i < 2 * BWI_OCTANTS ? min[i] : 0) +
                  (ties->variable[i] < 0 ? 0 : work->value[ties->variable[i]]);
 }

@@ -32,7 +32,7 @@ static void naive(const bwi_coarse_maker *maker, const bwi_fine_block *block, ui
   int there = 0, count = maker->rule->count;
   for (int p = 0; p < count; p++) {
     const bw_solid_material *m = maker->material_table->material[block->key[p]];
-    double part = fmax(block->fraction[p], BWI_LEAST_FRACTION);
+    double part = fmax(block->fraction[p], BWI_MIN_FRACTION);
     law[p] = m ? m->law[0] : BWI_VOID_LAW;
     mu[p] = m ? part * m->mu[0] : 0;
     lambda[p] = m ? part * m->lambda[0] : 0;
@@ -50,7 +50,7 @@ static void naive(const bwi_coarse_maker *maker, const bwi_fine_block *block, ui
 /* Every point takes the means; of several laws the one that most elements have. */
 static void average(int count, const bwi_fine_block *block, uint8_t *law, double *mu,
                     double *lambda) {
-  int votes[BW_LAWS] = {0}, most = 0;
+  int votes[BW_LAWS] = {0}, max = 0;
   double mean_mu = 0, mean_lambda = 0;
   for (int p = 0; p < count; p++) {
     votes[law[p]] += block->key[p] > 0;
@@ -58,9 +58,9 @@ static void average(int count, const bwi_fine_block *block, uint8_t *law, double
     mean_lambda += block->key[p] ? lambda[p] / count : 0;
   }
   for (int l = 1; l < BW_LAWS; l++)
-    most = votes[l] > votes[most] ? l : most;
+    max = votes[l] > votes[max] ? l : max;
   for (int p = 0; p < count; p++) {
-    law[p] = (uint8_t)most;
+    law[p] = (uint8_t)max;
     mu[p] = mean_mu;
     lambda[p] = mean_lambda;
   }

@@ -15,8 +15,8 @@
 
 #include "base/dense.h"
 
-#define WEAK 1e-4           /* a void cube's stiffness, against the mean of the others */
-#define MOST_RESISTANCE 1e4 /* of surroundings, against the block: periodic, to as many digits */
+#define WEAK 1e-4          /* a void cube's stiffness, against the mean of the others */
+#define MAX_RESISTANCE 1e4 /* of surroundings, against the block: periodic, to as many digits */
 
 int bwi_block_node(const int32_t size[3], int child, int c) {
   int at[3] = {child % size[0], child / size[0] % size[1], child / (size[0] * size[1])};
@@ -249,8 +249,8 @@ static bool relax_affine(scratch *s, int periodic, double *shape) {
   if (!relax(s, 0, s->free, 0, shape))
     return false;
   loose = shear_energy(s, s->stiffness, shape);
-  double ratio = loose > 0 ? own / loose : MOST_RESISTANCE;
-  double factor = fmin(ratio * ratio * ratio * ratio, MOST_RESISTANCE);
+  double ratio = loose > 0 ? own / loose : MAX_RESISTANCE;
+  double factor = fmin(ratio * ratio * ratio * ratio, MAX_RESISTANCE);
   coarse_shapes(s, shape);
   return relax(s, 0, s->free, factor * own / unit, shape);
 }

@@ -5,7 +5,7 @@
 #include "metamaterial/block.h"
 #include "nonlinear/internal.h"
 
-#define LEAST_ENERGY 1e-12 /* against the largest of a material's energies */
+#define MIN_ENERGY 1e-12 /* against the largest of a material's energies */
 
 void bwi_material_stiffness(const bw_solid_material *material, double stiffness[576]) {
   static const double rest[8][3];
@@ -63,5 +63,5 @@ void bwi_features(const double stiffness[576], double feature[BWI_FEATURES]) {
     largest = feature[f] > largest ? feature[f] : largest;
   }
   for (int f = 0; f < BWI_FEATURES; f++)
-    feature[f] = largest > 0 ? log(fmax(feature[f], LEAST_ENERGY * largest)) : 0;
+    feature[f] = largest > 0 ? log(fmax(feature[f], MIN_ENERGY * largest)) : 0;
 }

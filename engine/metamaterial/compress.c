@@ -67,21 +67,21 @@ bw_status bwi_cover_add(bwi_cover *cover, const float coordinate[BWI_FEATURES], 
 int32_t bwi_cover_farthest(const bwi_cover *cover, uint64_t mask, const uint8_t *images,
                            int32_t room) {
   int32_t farthest = -1;
-  float most = 0;
+  float max = 0;
   for (int32_t i = 0; i < cover->count; i++)
-    if (cover->distance[i] > most && !(mask & ~cover->mask[i]) && (!images || images[i] <= room)) {
-      most = cover->distance[i];
+    if (cover->distance[i] > max && !(mask & ~cover->mask[i]) && (!images || images[i] <= room)) {
+      max = cover->distance[i];
       farthest = i;
     }
   return farthest;
 }
 
-void bwi_cover_measure(const bwi_cover *cover, float *typical, float *most) {
+void bwi_cover_measure(const bwi_cover *cover, float *typical, float *max) {
   double sum = 0, worst = 0;
   for (int32_t i = 0; i < cover->count; i++) {
     sum += cover->distance[i];
     worst = fmax(worst, cover->distance[i]);
   }
   *typical = (float)sqrt(sum / BWI_FEATURES / (cover->count > 0 ? cover->count : 1));
-  *most = (float)sqrt(worst / BWI_FEATURES);
+  *max = (float)sqrt(worst / BWI_FEATURES);
 }

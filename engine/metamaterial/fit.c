@@ -12,9 +12,9 @@
 /* What a point has at least, of the constants of the children in series (Reuss's bound, below which
  * no composite lies); with voids, which have no such bound, of the others in series. Without it
  * cells that live by fibres alone would give way sideways when pressed. */
-#define LEAST_MU 0.5
-#define LEAST_LAMBDA 0.25
-#define LEAST_BESIDE_VOID 0.1
+#define MIN_MU 0.5
+#define MIN_LAMBDA 0.25
+#define MIN_BESIDE_VOID 0.1
 #define SAME_STIFFNESS 1e-9 /* of children that a symmetry takes into each other */
 
 struct bwi_fit_workspace {
@@ -125,7 +125,7 @@ static void isotropic_mean(const double stiffness[576], double *mu, double *lamb
 
 /* A child that was fitted counts without its fibres. */
 static void bounds(const bwi_block *block, int present, bwi_base *base) {
-  double mu = 0, lambda = 0, part = present < 8 ? LEAST_BESIDE_VOID : 1;
+  double mu = 0, lambda = 0, part = present < 8 ? MIN_BESIDE_VOID : 1;
   for (int c = 0; c < 8; c++) {
     const bw_solid_material *m = block->child[c];
     if (m) {
@@ -135,9 +135,9 @@ static void bounds(const bwi_block *block, int present, bwi_base *base) {
   }
   for (int c = 0; c < 8; c++) {
     bool there = block->child[c] != NULL;
-    base->least_mu[c] =
-        there ? LEAST_MU * part * present / mu : BWI_VOID_PART * base->mean_mu / present;
-    base->least_lambda[c] = there ? LEAST_LAMBDA * part * present / lambda : 0;
+    base->min_mu[c] =
+        there ? MIN_MU * part * present / mu : BWI_VOID_PART * base->mean_mu / present;
+    base->min_lambda[c] = there ? MIN_LAMBDA * part * present / lambda : 0;
   }
 }
 
@@ -216,7 +216,7 @@ static bw_status make_material(bw_context *context, const bwi_block *block, cons
   bw_rule *rule = NULL;
   uint8_t law[8];
   double mu[8], lambda[8], stiffness[8 * BWI_FIBRES] = {0}, fibre[8 * BWI_FIBRES * 3] = {0};
-  int most = 0;
+  int max = 0;
   const double spread[3] = {axes->spread, axes->spread, axes->spread};
   for (int pass = 0; pass < 2; pass++)
     for (int k = 0; k < BWI_OCTANTS; k++) {
@@ -224,16 +224,16 @@ static bw_status make_material(bw_context *context, const bwi_block *block, cons
       for (int f = 0; f < axes->fibres; f++)
         if (axes->constant[16 + 8 * f + k] > 0) {
           if (pass == 1) {
-            stiffness[k * most + count] = axes->constant[16 + 8 * f + k];
-            memcpy(fibre + 3 * (k * most + count), axes->direction[k][f], 3 * sizeof(double));
+            stiffness[k * max + count] = axes->constant[16 + 8 * f + k];
+            memcpy(fibre + 3 * (k * max + count), axes->direction[k][f], 3 * sizeof(double));
           }
           count++;
         }
       if (pass == 0)
-        most = count > most ? count : most;
+        max = count > max ? count : max;
       else
-        for (; count < most; count++)
-          fibre[3 * (k * most + count)] = 1;
+        for (; count < max; count++)
+          fibre[3 * (k * max + count)] = 1;
     }
   for (int k = 0; k < BWI_OCTANTS; k++) {
     law[k] = law_of(block, k);
@@ -241,7 +241,7 @@ static bw_status make_material(bw_context *context, const bwi_block *block, cons
     lambda[k] = axes->constant[8 + k];
   }
   BW_TRY(bw_rule_create_spread(context, 1, spread, &rule));
-  BW_TRY(bw_solid_material_points(context, "fitted", rule, density_of(block), law, mu, lambda, most,
+  BW_TRY(bw_solid_material_points(context, "fitted", rule, density_of(block), law, mu, lambda, max,
                                   stiffness, fibre, material));
 done:
   bw_release(rule);
@@ -254,7 +254,7 @@ bw_status bwi_fit_naive(bw_context *context, const bwi_block *block, bw_solid_ma
   bool uniform = true;
   double mean = 0, mu[64], lambda[64], stiffness[64 * 3] = {0}, fibre[64 * 9] = {0};
   uint8_t law[64];
-  int most = 0, present = 0;
+  int max = 0, present = 0;
   if (block->size[0] != 2 || block->size[1] != 2 || block->size[2] != 2)
     return bw_fail(context, BW_INVALID,
                    "a block of %d x %d x %d cubes is to be coarsened; 2 x 2 x 2",
@@ -267,7 +267,7 @@ bw_status bwi_fit_naive(bw_context *context, const bwi_block *block, bw_solid_ma
       return bw_fail(context, BW_INVALID, "material %s has %d points; 8", m->name,
                      (int)m->rule->count);
     uniform = uniform && m->uniform;
-    most = m->fibre_count > most ? m->fibre_count : most;
+    max = m->fibre_count > max ? m->fibre_count : max;
     mean += mean_of(m->mu, 8);
     present++;
   }
@@ -280,17 +280,17 @@ bw_status bwi_fit_naive(bw_context *context, const bwi_block *block, bw_solid_ma
     law[p] = m ? m->law[k] : BWI_VOID_LAW;
     mu[p] = m ? m->mu[k] : BWI_VOID_PART * mean / present;
     lambda[p] = m ? m->lambda[k] : 0;
-    for (int f = 0; f < most; f++) {
+    for (int f = 0; f < max; f++) {
       bool there = m && f < m->fibre_count;
-      stiffness[p * most + f] = there ? m->fibre_stiffness[k * m->fibre_count + f] : 0;
-      fibre[3 * (p * most + f)] = 1;
+      stiffness[p * max + f] = there ? m->fibre_stiffness[k * m->fibre_count + f] : 0;
+      fibre[3 * (p * max + f)] = 1;
       if (there)
-        memcpy(fibre + 3 * (p * most + f), m->fibre + 3 * (k * m->fibre_count + f),
+        memcpy(fibre + 3 * (p * max + f), m->fibre + 3 * (k * m->fibre_count + f),
                3 * sizeof(double));
     }
   }
   BW_TRY(bw_rule_create(context, uniform ? 1 : 2, &rule));
-  BW_TRY(bw_solid_material_points(context, "naive", rule, density_of(block), law, mu, lambda, most,
+  BW_TRY(bw_solid_material_points(context, "naive", rule, density_of(block), law, mu, lambda, max,
                                   stiffness, fibre, naive));
 done:
   bw_release(rule);

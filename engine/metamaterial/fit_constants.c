@@ -134,7 +134,7 @@ void bwi_fit_constants(const bwi_frame18 *frame, const bwi_base *base, const uin
     if (used < n)
       return; /* too few to say more than linear elasticity */
     bwi_ridge(base, ridge, n, work->gram, work->side);
-    bwi_tied_least(&axes->ties, base, work->gram, work->side, axes->fibres, work);
+    bwi_tied_min(&axes->ties, base, work->gram, work->side, axes->fibres, work);
     memcpy(axes->constant, work->x, (size_t)n * sizeof(double));
     bwi_axes_response(frame, axes);
   }

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { MOST_CODES = 1 << 24 };
+enum { MAX_CODES = 1 << 24 };
 
 static const int permutation[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
                                       {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
@@ -141,7 +141,7 @@ bw_status bwi_keys_create(bw_context *context, int32_t base, bool voids, bool or
   for (int c = 0; c < 8; c++) {
     power[c] = (int32_t)codes;
     codes *= base;
-    if (codes > MOST_CODES)
+    if (codes > MAX_CODES)
       return bw_fail(
           context, BW_LIMIT,
           "a material table of %d materials and void has %d^8 blocks of 2 x 2 x 2, more than "

@@ -31,12 +31,12 @@ typedef struct chooser {
 static const double softest = 1e-4;
 
 static void to_features(const double stiffness[576], float feature[BWI_FEATURES]) {
-  double wide[BWI_FEATURES], most = -HUGE_VAL;
+  double wide[BWI_FEATURES], max = -HUGE_VAL;
   bwi_features(stiffness, wide);
   for (int k = 0; k < BWI_FEATURES; k++)
-    most = fmax(most, wide[k]);
+    max = fmax(max, wide[k]);
   for (int k = 0; k < BWI_FEATURES; k++)
-    feature[k] = (float)fmax(wide[k], most + log(softest));
+    feature[k] = (float)fmax(wide[k], max + log(softest));
 }
 
 static void take_mean_off(float feature[BWI_FEATURES]) {
@@ -249,11 +249,11 @@ static bw_status choose_all(chooser *it) {
   int s = it->stage;
   /* At stage 3 what is chosen is limited, else what it becomes. */
   bool limit_images = s < 3;
-  int32_t most = it->representatives, images = s == 0 ? BWI_SYMMETRIES : BWI_FLIPS;
+  int32_t max = it->representatives, images = s == 0 ? BWI_SYMMETRIES : BWI_FLIPS;
   static const char *const name[] = {"representatives of cells", "pairs along x", "pairs along y",
                                      "pairs along z"};
-  levels->chosen[s] = BW_NEW(it->context, int32_t, most);
-  int64_t room = 1 + (int64_t)most * (limit_images ? 1 : images);
+  levels->chosen[s] = BW_NEW(it->context, int32_t, max);
+  int64_t room = 1 + (int64_t)max * (limit_images ? 1 : images);
   it->stiffness[s] = BW_NEW0(it->context, double, 576 * room);
   it->solid[s] = BW_NEW0(it->context, uint8_t, room);
   it->cells[s] = BW_NEW0(it->context, uint8_t, room);
@@ -263,13 +263,13 @@ static bw_status choose_all(chooser *it) {
   levels->count[s] = 1;
   BW_TRY(bw_parallel(it->context, it->cover.count, 64, measure_some, it));
   for (int32_t i = 0; i < it->cover.count; i++)
-    if (is_uniform(it, i) && levels->count[s] <= most)
+    if (is_uniform(it, i) && levels->count[s] <= max)
       BW_TRY(choose(it, i));
   for (;;) {
     int32_t have = limit_images ? levels->count[s] - 1 : levels->chosen_count[s];
-    if (have >= most)
+    if (have >= max)
       break;
-    int32_t room_left = limit_images ? most - have : images;
+    int32_t room_left = limit_images ? max - have : images;
     /* Blocks with void are far from everything; those without are what bodies are mostly made of.
      * Every second choice is among these. */
     int32_t next = -1;
@@ -280,11 +280,11 @@ static bw_status choose_all(chooser *it) {
     if (next < 0)
       break;
     BW_TRY(bw_check_cancel(it->context));
-    bw_progress(it->context, name[s], (double)have / most);
+    bw_progress(it->context, name[s], (double)have / max);
     BW_TRY(choose(it, next));
   }
   BW_TRY(cover_rest(it));
-  bwi_cover_measure(&it->cover, &levels->typical[s], &levels->most[s]);
+  bwi_cover_measure(&it->cover, &levels->typical[s], &levels->max[s]);
 done:
   return status;
 }

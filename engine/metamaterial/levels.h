@@ -15,7 +15,7 @@
  * A pair (a, b) of stage s has the code a + count[s] b. Reflections take pairs to pairs; that of
  * smallest code stands for the others, and the table is made so that the representative of a
  * reflected pair is the reflected representative. */
-enum { BWI_STAGES = 4, BWI_FLIPS = 8, BWI_MOST_REPRESENTATIVES = 4000 };
+enum { BWI_STAGES = 4, BWI_FLIPS = 8, BWI_MAX_REPRESENTATIVES = 4000 };
 typedef struct bwi_levels {
   int32_t chosen_count[BWI_STAGES], count[BWI_STAGES];
   int32_t *chosen[BWI_STAGES];   /* stage 0: fits of level 1; others: codes of pairs */
@@ -28,7 +28,7 @@ typedef struct bwi_levels {
   uint16_t *table[3];            /* count[s] squared: pairs of stage s to stage s + 1 */
   float typical[BWI_STAGES];     /* root mean square over items of their distance to what stands for
                                     them, itself the root mean square of logarithms of energies */
-  float most[BWI_STAGES];        /* the largest */
+  float max[BWI_STAGES];         /* the largest */
 } bwi_levels;
 
 void bwi_levels_free(bwi_levels *levels);
@@ -94,6 +94,6 @@ bw_status bwi_cover_add(bwi_cover *cover, const float coordinate[BWI_FEATURES], 
 int32_t bwi_cover_farthest(const bwi_cover *cover, uint64_t mask, const uint8_t *images,
                            int32_t room);
 /* Root mean square and largest distance, over the number of features. */
-void bwi_cover_measure(const bwi_cover *cover, float *typical, float *most);
+void bwi_cover_measure(const bwi_cover *cover, float *typical, float *max);
 
 #endif

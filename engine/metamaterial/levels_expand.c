@@ -6,10 +6,10 @@
 #include "metamaterial/levels.h"
 
 /* What a chosen item of stage 0 or of another can at most become. */
-static bw_status room(bw_context *context, bwi_levels *it, int s, int64_t most) {
-  it->code[s] = BW_NEW0(context, int32_t, most);
-  it->origin[s] = BW_NEW0(context, int32_t, most);
-  it->how[s] = BW_NEW0(context, uint8_t, most);
+static bw_status room(bw_context *context, bwi_levels *it, int s, int64_t max) {
+  it->code[s] = BW_NEW0(context, int32_t, max);
+  it->origin[s] = BW_NEW0(context, int32_t, max);
+  it->how[s] = BW_NEW0(context, uint8_t, max);
   return it->code[s] && it->origin[s] && it->how[s] ? BW_OK : BW_MEMORY;
 }
 
@@ -49,7 +49,7 @@ bw_status bwi_levels_expand_cells(bw_context *context, bwi_levels *it, const bwi
       add(it, 0, code, k, s);
     }
   }
-  if (it->count[0] > BWI_MOST_REPRESENTATIVES + 1) {
+  if (it->count[0] > BWI_MAX_REPRESENTATIVES + 1) {
     status = fail(context, 0, "too many");
     goto done;
   }
@@ -117,7 +117,7 @@ bw_status bwi_levels_expand_pairs(bw_context *context, bwi_levels *it, int s) {
       add(it, s, code, k, f);
     }
   }
-  if (it->count[s] > (s == 3 ? BWI_FLIPS : 1) * BWI_MOST_REPRESENTATIVES + 1) {
+  if (it->count[s] > (s == 3 ? BWI_FLIPS : 1) * BWI_MAX_REPRESENTATIVES + 1) {
     status = fail(context, s, "too many");
     goto done;
   }

@@ -116,7 +116,7 @@ double bwi_block_part(const bwi_fine_block *block, int c) {
   int count = 0;
   for (int p = 8 * c; p < 8 * c + 8; p++)
     if (block->key[p] > 0) {
-      sum += fmax(block->fraction[p], BWI_LEAST_FRACTION);
+      sum += fmax(block->fraction[p], BWI_MIN_FRACTION);
       count++;
     }
   return count > 0 ? sum / count : 1;

@@ -9,7 +9,7 @@
 #include "metamaterial/coarse.h"
 #include "nonlinear/internal.h"
 
-enum { MOST_SAMPLES = 1000000 };
+enum { MAX_SAMPLES = 1000000 };
 
 void bw_library_options_default(bw_library_options *options) {
   memset(options, 0, sizeof *options);
@@ -66,22 +66,20 @@ static size_t bytes(const void *object) {
 
 static const bw_kind library_kind = {"library", destroy, bytes};
 
-static bw_status check_count(bw_context *context, const char *name, int value, int least,
-                             int most) {
-  if (value < least || value > most)
-    return bw_fail(context, BW_INVALID, "library option %s is %d; %d to %d", name, value, least,
-                   most);
+static bw_status check_count(bw_context *context, const char *name, int value, int min, int max) {
+  if (value < min || value > max)
+    return bw_fail(context, BW_INVALID, "library option %s is %d; %d to %d", name, value, min, max);
   return BW_OK;
 }
 
 bw_status bwi_check_options(bw_context *context, const bw_library_options *o) {
   bw_status status = BW_OK;
   BW_TRY(check_count(context, "levels", o->levels, 0, 2));
-  BW_TRY(check_count(context, "directions", o->directions, 1, MOST_SAMPLES));
+  BW_TRY(check_count(context, "directions", o->directions, 1, MAX_SAMPLES));
   BW_TRY(check_count(context, "magnitudes", o->magnitudes, 1, 1000));
-  BW_TRY(check_count(context, "stretches", o->stretches, 0, MOST_SAMPLES));
+  BW_TRY(check_count(context, "stretches", o->stretches, 0, MAX_SAMPLES));
   BW_TRY(check_count(context, "fibres", o->fibres, 0, 3));
-  BW_TRY(check_count(context, "representatives", o->representatives, 8, BWI_MOST_REPRESENTATIVES));
+  BW_TRY(check_count(context, "representatives", o->representatives, 8, BWI_MAX_REPRESENTATIVES));
   if (!(o->strain >= 1e-5 && o->strain < 10)) /* below that, energies are rounding */
     return bw_fail(context, BW_INVALID,
                    "library option strain is %g; it must lie between 1e-5 and 10 (0.3: 30 %%)",
@@ -271,7 +269,7 @@ static bw_status made_of(bw_context *context, const bw_solid_material *fit, int 
   }
   for (size_t p = 0; p < (size_t)turned->rule->count; p++) {
     double part = level == 2      ? bwi_block_part(block, (int)p)
-                  : block->key[p] ? fmax(block->fraction[p], BWI_LEAST_FRACTION)
+                  : block->key[p] ? fmax(block->fraction[p], BWI_MIN_FRACTION)
                                   : 1;
     mu[p] = part * turned->mu[p];
     lambda[p] = part * turned->lambda[p];

@@ -85,7 +85,7 @@ bool bwi_head_differs(const bw_material_table *material_table, const bw_library_
                       const bw_material_table *other, const bw_library_options *other_options,
                       char *text, size_t size);
 /* One fit: of 8 points at either level. */
-enum { BWI_FIT_LEAST_BYTES = 100 };
+enum { BWI_FIT_MIN_BYTES = 100 };
 void bwi_pack_fit(bwi_pack *pack, const bw_solid_material *fit, const bw_fit_error *error);
 bw_status bwi_unpack_fit(bwi_unpack *from, int level, int32_t number, bw_solid_material **fit,
                          bw_fit_error *error);

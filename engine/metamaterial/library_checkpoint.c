@@ -24,7 +24,7 @@
 #include "base/words.h"
 #include "metamaterial/library.h"
 
-enum { MARK_BYTES = 8, RECORD_HEAD = 13, MOST_HEAD = 4096 };
+enum { MARK_BYTES = 8, RECORD_HEAD = 13, MAX_HEAD = 4096 };
 static const char mark[MARK_BYTES + 1] = "BWMCKPT3";
 static const double seconds_between_syncs = 3;
 
@@ -99,7 +99,7 @@ static bw_status check_head(bw_context *context, const char *path, const unsigne
     return bw_fail(context, BW_FORMAT, "%s is no checkpoint of a library of this version", path);
   bwi_unpack_bytes(&from, MARK_BYTES);
   uint32_t length = bwi_unpack_u32(&from);
-  if (!from.short_of && length > MOST_HEAD)
+  if (!from.short_of && length > MAX_HEAD)
     return bw_fail(context, BW_FORMAT, "%s: the head of this checkpoint is damaged", path);
   const unsigned char *its = bwi_unpack_bytes(&from, length);
   uint32_t sum = bwi_unpack_u32(&from);

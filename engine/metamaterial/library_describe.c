@@ -36,7 +36,7 @@ typedef struct class_of {
 
 static class_of classify(const bw_library *it, int count, const int32_t *key) {
   class_of found = {0, 0, false};
-  double least = INFINITY, most = 0;
+  double min = INFINITY, max = 0;
   for (int32_t m = 0; m < it->material_table->count; m++) {
     bool there = false;
     for (int p = 0; p < count; p++)
@@ -48,10 +48,10 @@ static class_of classify(const bw_library *it, int count, const int32_t *key) {
       continue;
     }
     found.materials++;
-    least = fmin(least, it->material_table->material[m]->mu[0]);
-    most = fmax(most, it->material_table->material[m]->mu[0]);
+    min = fmin(min, it->material_table->material[m]->mu[0]);
+    max = fmax(max, it->material_table->material[m]->mu[0]);
   }
-  found.decades = least > 0 && most > 0 ? (int)floor(log10(most) - log10(least) + 0.5) : 0;
+  found.decades = min > 0 && max > 0 ? (int)floor(log10(max) - log10(min) + 0.5) : 0;
   return found;
 }
 
@@ -100,7 +100,7 @@ static void key_of_grown(const bwi_grown *grown, int32_t fit, int32_t key[64]) {
 static bw_status describe_level(bwi_pack *text, const bw_library *it, int level, bool grown) {
   bw_status status = BW_OK;
   int32_t count = grown ? it->grown_count[level - 1] : it->fit_count[level - 1], key[64];
-  int most = 0; /* decades */
+  int max = 0; /* decades */
   if (count == 0)
     return BW_OK;
   double *value = BW_NEW(text->context, double, count);
@@ -118,7 +118,7 @@ static bw_status describe_level(bwi_pack *text, const bw_library *it, int level,
     else
       key_of_level2(it, f, key);
     of[f] = classify(it, level == 1 ? 8 : 64, key);
-    most = of[f].decades > most ? of[f].decades : most;
+    max = of[f].decades > max ? of[f].decades : max;
   }
   line(text, "level %d: %d fits%s; medians over fits, in %%; in each column fitted, then naive\n",
        level, (int)count, grown ? " of blocks of grids it was grown for" : "");
@@ -126,7 +126,7 @@ static bw_status describe_level(bwi_pack *text, const bw_library *it, int level,
        "energy, 95 %", "force, median");
   for (int empty = 0; empty < 2; empty++)
     for (int materials = 1; materials < it->material_table->count; materials++)
-      for (int decades = 0; decades <= most; decades++) {
+      for (int decades = 0; decades <= max; decades++) {
         int32_t members = 0;
         char name[64];
         for (int32_t f = 0; f < count; f++)
@@ -154,7 +154,7 @@ static void describe_stages(bwi_pack *text, const bwi_levels *levels) {
   for (int s = 0; s < BWI_STAGES; s++)
     line(text, "  %-14s %6d representatives of %5d chosen; typical %.3g, largest %.3g\n", name[s],
          (int)levels->count[s] - 1, (int)levels->chosen_count[s], exp((double)levels->typical[s]),
-         exp((double)levels->most[s]));
+         exp((double)levels->max[s]));
 }
 
 bw_status bw_library_describe(bw_context *context, const bw_library *it, char **out) {

@@ -29,7 +29,7 @@ enum {
   VERSION_GROWN = 2,
   FILE_HEAD = 16,
   SECTION_HEAD = 24,
-  MOST_HEAD = 4096
+  MAX_HEAD = 4096
 };
 static const unsigned char mark[MARK_BYTES] = {0x89, 'B', 'W', 'M', '\r', '\n', 0x1a, '\n'};
 static const char tag[BWI_SECTIONS][5] = {"HEAD", "FIT1", "FIT2", "TAB2", "GROW"};
@@ -46,7 +46,7 @@ static void pack_stage(bwi_pack *pack, const bwi_levels *it, int s) {
   for (int32_t k = 0; k < it->chosen_count[s]; k++)
     bwi_pack_u32(pack, (uint32_t)it->chosen[s][k]);
   bwi_pack_f32(pack, it->typical[s]);
-  bwi_pack_f32(pack, it->most[s]);
+  bwi_pack_f32(pack, it->max[s]);
 }
 
 static void pack_choice(bwi_pack *pack, unsigned representative) {
@@ -169,19 +169,19 @@ done:
 }
 
 /* Fits take at least so many bytes: what a file claims can be no more. */
-static bw_status check_room(bwi_unpack *from, int64_t count, int64_t least, const char *what) {
+static bw_status check_room(bwi_unpack *from, int64_t count, int64_t min, const char *what) {
   int64_t left = (int64_t)(from->end - from->at);
-  if (from->short_of || count > left / least)
+  if (from->short_of || count > left / min)
     return bwi_unpack_fail(from, "%lld %s do not fit into %lld bytes", (long long)count, what,
                            (long long)left);
   return BW_OK;
 }
 
-static bw_status unpack_stage(bwi_unpack *from, bwi_levels *it, int s, int32_t most) {
+static bw_status unpack_stage(bwi_unpack *from, bwi_levels *it, int s, int32_t max) {
   bw_status status = BW_OK;
   uint32_t count = bwi_unpack_u32(from);
-  if (count < 1 || count > (uint32_t)most)
-    return bwi_unpack_fail(from, "%u representatives chosen; 1 to %d", count, (int)most);
+  if (count < 1 || count > (uint32_t)max)
+    return bwi_unpack_fail(from, "%u representatives chosen; 1 to %d", count, (int)max);
   BW_TRY(check_room(from, count, 4, "representatives"));
   it->chosen[s] = BW_NEW(from->context, int32_t, count);
   if (!it->chosen[s])
@@ -190,7 +190,7 @@ static bw_status unpack_stage(bwi_unpack *from, bwi_levels *it, int s, int32_t m
   for (uint32_t k = 0; k < count; k++)
     it->chosen[s][k] = (int32_t)bwi_unpack_u32(from);
   it->typical[s] = (float)bwi_unpack_f32(from);
-  it->most[s] = (float)bwi_unpack_f32(from);
+  it->max[s] = (float)bwi_unpack_f32(from);
 done:
   return status;
 }
@@ -209,12 +209,12 @@ static bw_status unpack_choices(bwi_unpack *from, int32_t count, int32_t among,
   return BW_OK;
 }
 
-static bw_status unpack_pairs(bwi_unpack *from, bwi_levels *it, int s, int32_t most) {
+static bw_status unpack_pairs(bwi_unpack *from, bwi_levels *it, int s, int32_t max) {
   bw_status status = BW_OK;
   int32_t *item = NULL, count = 0;
   uint16_t *representative = NULL;
   int64_t pairs = (int64_t)it->count[s - 1] * it->count[s - 1];
-  BW_TRY(unpack_stage(from, it, s, most));
+  BW_TRY(unpack_stage(from, it, s, max));
   BW_TRY(check_room(from, (pairs - 1) / BWI_FLIPS, 2, "pairs"));
   BW_TRY(bwi_levels_expand_pairs(from->context, it, s));
   BW_TRY(bwi_levels_items(from->context, it, s - 1, &item, &count));
@@ -238,12 +238,12 @@ static bw_status unpack_tables(bw_context *context, const char *name,
   bwi_unpack from = {context, name, "tables", section->bytes, section->bytes + section->count,
                      false};
   const bwi_keys *keys = library->inner->keys;
-  int32_t orbits = keys->orbit_count, most = library->options.representatives;
+  int32_t orbits = keys->orbit_count, max = library->options.representatives;
   bwi_levels *it = BW_NEW0(context, bwi_levels, 1);
   if (!it)
     return BW_MEMORY;
   library->inner->levels = it;
-  BW_TRY(unpack_stage(&from, it, 0, most));
+  BW_TRY(unpack_stage(&from, it, 0, max));
   BW_TRY(check_room(&from, orbits, 2, "entries"));
   BW_TRY(bwi_levels_expand_cells(context, it, keys));
   it->nearest = BW_NEW(context, uint16_t, orbits);
@@ -253,7 +253,7 @@ static bw_status unpack_tables(bw_context *context, const char *name,
   }
   BW_TRY(unpack_choices(&from, orbits, it->count[0], it->nearest));
   for (int s = 1; s < BWI_STAGES; s++)
-    BW_TRY(unpack_pairs(&from, it, s, most));
+    BW_TRY(unpack_pairs(&from, it, s, max));
   BW_TRY(bwi_unpack_end(&from));
 done:
   return status;
@@ -288,7 +288,7 @@ static bw_status unpack_grown(bw_context *context, const char *name,
     bwi_grown *grown = &it->inner->grown[level - 1];
     int32_t width = grown->width;
     uint32_t count = bwi_unpack_u32(&from);
-    BW_TRY(check_room(&from, count, width + BWI_FIT_LEAST_BYTES, "fits"));
+    BW_TRY(check_room(&from, count, width + BWI_FIT_MIN_BYTES, "fits"));
     BW_TRY(bwi_grown_room(context, width, (int32_t)count, grown));
     const unsigned char *keys = bwi_unpack_bytes(&from, (size_t)width * count);
     if (count > 0 && keys)
@@ -313,7 +313,7 @@ static bw_status check_orbits(bw_context *context, const char *name,
   double keys = 1, left = (double)section->count;
   for (int c = 0; c < 8; c++)
     keys *= base - !voids;
-  if ((keys - 1) / BWI_SYMMETRIES > left / BWI_FIT_LEAST_BYTES)
+  if ((keys - 1) / BWI_SYMMETRIES > left / BWI_FIT_MIN_BYTES)
     return bw_fail(context, BW_FORMAT,
                    "%s: in its fits: %g bytes are too few for the blocks of %d materials", name,
                    left, (int)base - 1);
@@ -399,7 +399,7 @@ static bw_status find_sections(bw_context *context, const char *name, const unsi
     if (from.short_of || !section[s].bytes)
       return fail(context, name, (int64_t)count, "the file is cut short, or a length in it wrong");
     /* zlib makes a byte of at most 1032. */
-    if (section[s].raw > 1032 * section[s].packed + 1032 || (s == 0 && section[s].raw > MOST_HEAD))
+    if (section[s].raw > 1032 * section[s].packed + 1032 || (s == 0 && section[s].raw > MAX_HEAD))
       return fail(context, name, at, "a section claims more bytes than it can hold: damaged");
   }
   uint32_t whole = bwi_unpack_u32(&from);

@@ -7,9 +7,9 @@
 #include "base/dense.h"
 
 /* A slope counts when above this part of the largest at x = 0, both per length of column. */
-#define LEAST_SLOPE 1e-9
+#define MIN_SLOPE 1e-9
 /* A column that depends on those inside as closely as this stays outside. */
-#define LEAST_PIVOT 1e-12
+#define MIN_PIVOT 1e-12
 
 /* Least squares solution of the `count` variables in `inside`, into s. */
 static bool solve(int n, const double *g, const double *h, int count, const int32_t *inside,
@@ -19,7 +19,7 @@ static bool solve(int n, const double *g, const double *h, int count, const int3
       matrix[(size_t)i * count + j] = g[(size_t)inside[i] * n + inside[j]];
     s[i] = h[inside[i]];
   }
-  if (!bwi_cholesky(count, matrix, LEAST_PIVOT))
+  if (!bwi_cholesky(count, matrix, MIN_PIVOT))
     return false;
   bwi_lower_solve(count, matrix, s);
   bwi_upper_solve(count, matrix, s);
@@ -51,7 +51,7 @@ int bwi_nnls(int n, const double *g, const double *h, const int32_t *group, cons
   }
   for (; round < 5 * n; round++) {
     int enter = -1;
-    double steepest = LEAST_SLOPE * largest;
+    double steepest = MIN_SLOPE * largest;
     for (int i = 0; i < n; i++) {
       double length = g[(size_t)i * n + i], slope = h[i];
       if (is_inside[i] || barred[i] > 0 || !(length > 0))

@@ -119,12 +119,12 @@ static void describe_resultant(bwi_text *out, const double resultant[3], const d
 
 /* What counts as rounding in a resultant: forces that cancel leave about 1e-16 of their size. */
 static void sizes_of(const bw_load *load, double size, double *force, double *turn) {
-  double most = bw_norm(load->vector);
+  double max = bw_norm(load->vector);
   *force = bw_norm(load->resultant);
   if (load->kind == BW_LOAD_PRESSURE || load->kind == BW_LOAD_TRACTION)
-    *force = fmax(*force, most * load->area);
+    *force = fmax(*force, max * load->area);
   else if (load->kind == BW_LOAD_TORQUE)
-    *force = fmax(*force, size > 0 ? most / size : 0);
+    *force = fmax(*force, size > 0 ? max / size : 0);
   *turn = fmax(bw_norm(load->moment), *force * size);
 }
 

@@ -148,9 +148,9 @@ static bw_status free_bodies(bw_context *context, bw_dof_map *dof_map, int32_t h
   /* holds by body */
   for (int32_t h = 0; h < hold_count; h++)
     start[mesh->component[hold[h].node] + 1]++;
-  int64_t most = 0;
+  int64_t max = 0;
   for (size_t body = 0; body < bodies; body++) {
-    most = start[body + 1] > most ? start[body + 1] : most;
+    max = start[body + 1] > max ? start[body + 1] : max;
     start[body + 1] += start[body];
   }
   for (int32_t h = hold_count - 1; h >= 0; h--) /* backwards, with ends as cursors, then restored */
@@ -158,7 +158,7 @@ static bw_status free_bodies(bw_context *context, bw_dof_map *dof_map, int32_t h
   for (size_t body = 0; body < bodies; body++)
     start[body] = start[body + 1];
   start[bodies] = hold_count;
-  row = (double(*)[6])bw_alloc(context, 3 * (size_t)most, sizeof *row);
+  row = (double(*)[6])bw_alloc(context, 3 * (size_t)max, sizeof *row);
   if (!row) {
     status = BW_MEMORY;
     goto done;

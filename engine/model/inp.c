@@ -60,15 +60,15 @@ static bw_status oblique_node(bw_context *context, const bw_dof_map *dof_map, in
     c->equation_count++;
     return BW_OK;
   }
-  int open = state[0] == BW_DOF_UNKNOWN ? 0 : state[1] == BW_DOF_UNKNOWN ? 1 : 2, most = 0;
+  int open = state[0] == BW_DOF_UNKNOWN ? 0 : state[1] == BW_DOF_UNKNOWN ? 1 : 2, max = 0;
   const double *t = frame + 3 * open;
   for (int k = 1; k < 3; k++)
-    if (fabs(t[k]) > fabs(t[most]))
-      most = k;
+    if (fabs(t[k]) > fabs(t[max]))
+      max = k;
   for (int k = 0; k < 3; k++) {
-    if (k == most)
+    if (k == max)
       continue;
-    double ratio = t[k] / t[most];
+    double ratio = t[k] / t[max];
     if (fabs(ratio) < 1e-12) {
       fix(c, node, k, 0);
       continue;
@@ -77,7 +77,7 @@ static bw_status oblique_node(bw_context *context, const bw_dof_map *dof_map, in
     memset(normal, 0, 3 * sizeof *normal);
     normal[k] = 1;
     /* The writer leads with the largest coefficient: at 45 degrees that must be the first. */
-    normal[most] = -ratio * (1 - 1e-15);
+    normal[max] = -ratio * (1 - 1e-15);
     c->equation_node[c->equation_count++] = node;
   }
   return BW_OK;
@@ -128,15 +128,15 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
             "are B-bar, and displacements differ where Poisson's ratio is near 0.5",
             path);
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
-  int64_t most = 0;
+  int64_t max = 0;
   for (size_t i = 0; i < 3 * (size_t)mesh->node_count; i++)
     if (dof_map->state[i] != BW_DOF_UNKNOWN)
-      most += 2; /* two conditions at most for one held direction */
-  c.fixed_node = BW_NEW(context, int32_t, most);
-  c.fixed_direction = BW_NEW(context, int, most);
-  c.fixed_value = BW_NEW(context, double, most);
-  c.equation_node = BW_NEW(context, int32_t, most);
-  c.equation_normal = BW_NEW(context, double, 3 * most);
+      max += 2; /* two conditions at most for one held direction */
+  c.fixed_node = BW_NEW(context, int32_t, max);
+  c.fixed_direction = BW_NEW(context, int, max);
+  c.fixed_value = BW_NEW(context, double, max);
+  c.equation_node = BW_NEW(context, int32_t, max);
+  c.equation_normal = BW_NEW(context, double, 3 * max);
   force = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
   if (!c.fixed_node || !c.fixed_direction || !c.fixed_value || !c.equation_node ||
       !c.equation_normal || !force) {

@@ -206,13 +206,13 @@ bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selectio
   BW_TRY(check_selection(context, model, on, true, "a sliding support"));
   if (normal) {
     BW_TRY(check_finite(context, "sliding support's normal", normal));
-    double most = fmax(fabs(normal[0]), fmax(fabs(normal[1]), fabs(normal[2])));
-    if (most == 0) {
+    double max = fmax(fabs(normal[0]), fmax(fabs(normal[1]), fabs(normal[2])));
+    if (max == 0) {
       status = bw_fail(context, BW_INVALID, "the sliding support's normal is (0, 0, 0)");
       goto done;
     }
     for (int k = 0; k < 3; k++)
-      support.normal[k] = normal[k] / most;
+      support.normal[k] = normal[k] / max;
     double size = bw_norm(support.normal);
     for (int k = 0; k < 3; k++)
       support.normal[k] /= size;

@@ -193,10 +193,10 @@ static bw_status carry(bw_context *context, const bw_model *model, const bw_mesh
   bw_status status = BW_OK;
   transfer t = {
       .context = context, .from = model, .node_from = node_from, .refinement = refinement};
-  int most = model->support_count + model->load_count + also_count;
+  int max = model->support_count + model->load_count + also_count;
   BW_TRY(bw_model_create(context, mesh, model->material, &t.to));
-  t.before = BW_NEW(context, const bw_selection *, most);
-  t.after = BW_NEW(context, bw_selection *, most);
+  t.before = BW_NEW(context, const bw_selection *, max);
+  t.after = BW_NEW(context, bw_selection *, max);
   if (!t.before || !t.after) {
     status = BW_MEMORY;
     goto done;

@@ -141,11 +141,11 @@ static int free_space(int64_t row_count, const double (*row)[6], double (*basis)
 }
 
 static void largest_positive(double *v, double *with) {
-  int most = 0;
+  int max = 0;
   for (int k = 1; k < 3; k++)
-    if (fabs(v[k]) > fabs(v[most]) * (1 + 1e-6))
-      most = k;
-  if (v[most] < 0)
+    if (fabs(v[k]) > fabs(v[max]) * (1 + 1e-6))
+      max = k;
+  if (v[max] < 0)
     for (int k = 0; k < 3; k++) {
       v[k] = -v[k];
       with[k] = -with[k];

@@ -39,17 +39,17 @@ static bw_status check_angle(bw_context *context, const char *what, double angle
 bw_status bw_select_normal_cone(bw_context *context, const bw_mesh *mesh, const double direction[3],
                                 double angle, bw_selection **selection) {
   uint8_t *facet = NULL;
-  double axis[3], least = HUGE_VAL;
+  double axis[3], min = HUGE_VAL;
   bw_status status;
   BW_TRY(check_angle(context, "normal", angle));
-  double most = fmax(fabs(direction[0]), fmax(fabs(direction[1]), fabs(direction[2])));
-  if (!(most > 0) || !isfinite(direction[0] + direction[1] + direction[2])) {
+  double max = fmax(fabs(direction[0]), fmax(fabs(direction[1]), fabs(direction[2])));
+  if (!(max > 0) || !isfinite(direction[0] + direction[1] + direction[2])) {
     status = bw_fail(context, BW_INVALID, "normal selection: (%g, %g, %g) is no direction",
                      direction[0], direction[1], direction[2]);
     goto done;
   }
   for (int k = 0; k < 3; k++)
-    axis[k] = direction[k] / most;
+    axis[k] = direction[k] / max;
   double size = bw_norm(axis);
   for (int k = 0; k < 3; k++)
     axis[k] /= size;
@@ -63,13 +63,13 @@ bw_status bw_select_normal_cone(bw_context *context, const bw_mesh *mesh, const 
     if (!corner_normal(mesh, f, normal))
       continue;
     double a = angle_between(axis, normal);
-    least = fmin(least, a);
+    min = fmin(min, a);
     facet[f] = a <= angle;
   }
   char along[96], degrees[40], nearest[40], what[300];
   bwi_vector_string(along, sizeof along, axis, 4, 0);
   bwi_number_string(degrees, sizeof degrees, angle * 180 / pi, 4, 0);
-  bwi_number_string(nearest, sizeof nearest, least * 180 / pi, 4, 0);
+  bwi_number_string(nearest, sizeof nearest, min * 180 / pi, 4, 0);
   snprintf(what, sizeof what,
            "the cone of normals within %s degrees of %s (the nearest normal is %s degrees off)",
            degrees, along, nearest);
@@ -81,7 +81,7 @@ done:
 
 /* Square of the distance from a point to a triangle: on the face, on an edge, or at a corner. */
 static double triangle_distance(const double point[3], const double *const x[3]) {
-  double least = HUGE_VAL;
+  double min = HUGE_VAL;
   double a[3], b[3], n[3], p[3];
   for (int k = 0; k < 3; k++) {
     a[k] = x[1][k] - x[0][k];
@@ -112,9 +112,9 @@ static double triangle_distance(const double point[3], const double *const x[3])
     t = t < 0 ? 0 : t > 1 ? 1 : t;
     for (int k = 0; k < 3; k++)
       d[k] -= t * edge[k];
-    least = fmin(least, bw_dot(d, d));
+    min = fmin(min, bw_dot(d, d));
   }
-  return least;
+  return min;
 }
 
 /* The neighbour test of a patch: does facet f have the edge a b? */
@@ -129,7 +129,7 @@ bw_status bw_select_patch(bw_context *context, const bw_mesh *mesh, const double
   bwi_facet_incidence at = {NULL, NULL};
   uint8_t *facet = NULL;
   int32_t *stack = NULL, depth = 0, first = -1;
-  double least = HUGE_VAL;
+  double min = HUGE_VAL;
   bw_status status;
   BW_TRY(check_angle(context, "patch", angle));
   if (!isfinite(point[0] + point[1] + point[2])) {
@@ -148,8 +148,8 @@ bw_status bw_select_patch(bw_context *context, const bw_mesh *mesh, const double
     const double *const x[3] = {mesh->node + 3 * (size_t)node[0], mesh->node + 3 * (size_t)node[1],
                                 mesh->node + 3 * (size_t)node[2]};
     double d = triangle_distance(point, x);
-    if (d < least) {
-      least = d;
+    if (d < min) {
+      min = d;
       first = f;
     }
   }

@@ -31,7 +31,7 @@ static bw_status select_by(bw_context *context, const bw_mesh *mesh, distance_fu
                            const void *shape, const char *what, bw_selection **selection) {
   bw_status status = BW_MEMORY;
   int32_t nearest = -1;
-  double least = HUGE_VAL, missed = 0;
+  double min = HUGE_VAL, missed = 0;
   uint8_t *facet = BW_NEW0(context, uint8_t, mesh->facet_count);
   uint8_t *node = BW_NEW0(context, uint8_t, mesh->node_count);
   if (!facet || !node)
@@ -40,8 +40,8 @@ static bw_status select_by(bw_context *context, const bw_mesh *mesh, distance_fu
     int32_t n = mesh->boundary_node[i];
     double d = distance(shape, mesh->node + 3 * (size_t)n);
     node[n] = d <= 0;
-    if (d < least) {
-      least = d;
+    if (d < min) {
+      min = d;
       nearest = n;
     }
   }
@@ -51,7 +51,7 @@ static bw_status select_by(bw_context *context, const bw_mesh *mesh, distance_fu
     if (!facet[f])
       missed += missed_area(mesh, f, distance, shape);
   }
-  status = bwi_selection_make(context, mesh, facet, node, what, nearest, least, selection);
+  status = bwi_selection_make(context, mesh, facet, node, what, nearest, min, selection);
   if (status == BW_OK)
     (*selection)->missed_area = missed;
 done:
@@ -136,14 +136,14 @@ static bw_status select_plane(bw_context *context, const bw_mesh *mesh, const do
         bw_fail(context, BW_INVALID, "plane selection: the tolerance %g is negative", tolerance);
     goto done;
   }
-  double most = fmax(fabs(normal[0]), fmax(fabs(normal[1]), fabs(normal[2])));
-  if (most == 0) {
+  double max = fmax(fabs(normal[0]), fmax(fabs(normal[1]), fabs(normal[2])));
+  if (max == 0) {
     status = bw_fail(context, BW_INVALID, "%s selection: the normal is (0, 0, 0)", name);
     goto done;
   }
   for (int k = 0; k < 3; k++) {
     p.point[k] = point[k];
-    p.normal[k] = normal[k] / most;
+    p.normal[k] = normal[k] / max;
   }
   double size = bw_norm(p.normal);
   for (int k = 0; k < 3; k++)

@@ -131,15 +131,15 @@ static void mark_loads(const finder *f, uint8_t *mark) {
   const bw_model *model = f->model;
   for (int i = 0; i < model->load_count; i++) {
     const bw_load *load = &model->load[i];
-    double most = 0;
+    double max = 0;
     for (int pass = 0; pass < 2 && load->kind == BW_LOAD_NODAL; pass++)
       for (int32_t n = 0; n < model->mesh->node_count; n++) {
         double force[3];
         for (int k = 0; k < 3; k++)
           force[k] = bw_array_get(load->nodal, n, k);
         if (pass == 0)
-          most = fmax(most, bw_norm(force));
-        else if (bw_norm(force) > nothing * most)
+          max = fmax(max, bw_norm(force));
+        else if (bw_norm(force) > nothing * max)
           mark[n] = 1;
       }
   }
@@ -245,8 +245,8 @@ done:
 /* ---- the whole ------------------------------------------------------------------------------- */
 
 static double poisson_of(const bw_material *material) {
-  double most = fmax(material->poisson[0], fmax(material->poisson[1], material->poisson[2]));
-  return fmin(most, 0.4999);
+  double max = fmax(material->poisson[0], fmax(material->poisson[1], material->poisson[2]));
+  return fmin(max, 0.4999);
 }
 
 bw_status bw_singular_places_find(bw_context *context, const bw_model *model,

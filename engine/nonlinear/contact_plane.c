@@ -85,7 +85,7 @@ bw_status bwi_contact_create(bw_context *context, const bw_load_case *load_case,
                              const double *blocks, bwi_contact **out) {
   bw_status status = BW_OK;
   const bw_grid *grid = load_case->grid;
-  int64_t most = 0, terms = 0;
+  int64_t max = 0, terms = 0;
   uint8_t *outer = NULL;
   bwi_contact *c = NULL;
   if (load_case->contact_plane_count == 0)
@@ -93,7 +93,7 @@ bw_status bwi_contact_create(bw_context *context, const bw_load_case *load_case,
   for (int f = 0; f < load_case->contact_plane_count; f++) {
     const bw_embedding *embedding = load_case->floor[f].embedding;
     int64_t points = embedding ? embedding->point_count : grid->node_count;
-    most += points;
+    max += points;
     terms += embedding ? 8 * points : points;
   }
   c = BW_NEW0(context, bwi_contact, 1);
@@ -103,16 +103,16 @@ bw_status bwi_contact_create(bw_context *context, const bw_load_case *load_case,
     goto done;
   }
   c->load_case = load_case;
-  c->floor = BW_NEW(context, int32_t, most);
-  c->rest = BW_NEW(context, double, most);
-  c->start = BW_NEW0(context, int64_t, most + 1);
+  c->floor = BW_NEW(context, int32_t, max);
+  c->rest = BW_NEW(context, double, max);
+  c->start = BW_NEW0(context, int64_t, max + 1);
   c->node = BW_NEW(context, int32_t, terms);
   c->weight = BW_NEW(context, double, terms);
-  c->stiffness = BW_NEW(context, double, most);
-  c->force = BW_NEW0(context, double, most);
-  c->gap = BW_NEW0(context, double, most);
-  c->multiplier = BW_NEW0(context, double, most);
-  c->pushes = BW_NEW0(context, uint8_t, most);
+  c->stiffness = BW_NEW(context, double, max);
+  c->force = BW_NEW0(context, double, max);
+  c->gap = BW_NEW0(context, double, max);
+  c->multiplier = BW_NEW0(context, double, max);
+  c->pushes = BW_NEW0(context, uint8_t, max);
   c->offset = BW_NEW0(context, double, load_case->contact_plane_count);
   c->shift = BW_NEW0(context, double, load_case->contact_plane_count);
   if (!c->floor || !c->rest || !c->start || !c->node || !c->weight || !c->stiffness || !c->force ||
@@ -195,10 +195,10 @@ int64_t bwi_contact_evaluate(bwi_contact *c, const double *u, double *energy, do
 }
 
 double bwi_contact_error(const bwi_contact *c) {
-  double most = 0;
+  double max = 0;
   for (int64_t p = 0; p < c->count; p++)
-    most = fmax(most, c->force[p] > 0 ? fabs(c->gap[p]) : -c->gap[p]);
-  return most;
+    max = fmax(max, c->force[p] > 0 ? fabs(c->gap[p]) : -c->gap[p]);
+  return max;
 }
 
 void bwi_contact_settle(bwi_contact *c) {
@@ -270,7 +270,7 @@ bw_status bwi_contact_coarse(bw_context *context, const bwi_contact *contact,
   bwi_contact *c = BW_NEW0(context, bwi_contact, 1);
   if (!c)
     return BW_MEMORY;
-  int64_t most = 8 * contact->start[contact->count];
+  int64_t max = 8 * contact->start[contact->count];
   c->load_case = contact->load_case;
   c->count = contact->count;
   c->borrows = true;
@@ -278,8 +278,8 @@ bw_status bwi_contact_coarse(bw_context *context, const bwi_contact *contact,
   c->stiffness = contact->stiffness;
   c->pushes = contact->pushes;
   c->start = BW_NEW0(context, int64_t, c->count + 1);
-  c->node = BW_NEW(context, int32_t, most);
-  c->weight = BW_NEW(context, double, most);
+  c->node = BW_NEW(context, int32_t, max);
+  c->weight = BW_NEW(context, double, max);
   if (!c->start || !c->node || !c->weight) {
     bwi_contact_free(c);
     return BW_MEMORY;

@@ -164,13 +164,13 @@ done:
 static double sum_up(const bw_solid *solid, const bwi_hexahedron_state *state,
                      bw_solid_shape *shape) {
   double sum = 0;
-  *shape = (bw_solid_shape){.least_ratio = INFINITY, .defined = true};
+  *shape = (bw_solid_shape){.min_ratio = INFINITY, .defined = true};
   for (int32_t e = 0; e < solid->grid->element_count; e++) {
     sum += state[e].energy;
     shape->inverted += !(state[e].ratio > 0);
     shape->defined = shape->defined && state[e].defined;
-    if (!(state[e].ratio >= shape->least_ratio) && !isnan(shape->least_ratio)) {
-      shape->least_ratio = state[e].ratio;
+    if (!(state[e].ratio >= shape->min_ratio) && !isnan(shape->min_ratio)) {
+      shape->min_ratio = state[e].ratio;
       shape->worst = e;
     }
   }

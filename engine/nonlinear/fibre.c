@@ -3,7 +3,7 @@
 #include "nonlinear/law.h"
 
 /* A fibre shortened to this has no direction any more. */
-#define LEAST_LENGTH 1e-9
+#define MIN_LENGTH 1e-9
 
 /* With w = F v, r = |w|, n = w / r: P = 2 C (r - 1) n v^T, and A_ijkl = B_ik v_j v_l with
  * B = 2 C (n n^T + (1 - 1/r)(1 - n n^T)): 2 C along the fibre, 2 C (1 - 1/r) across, which is
@@ -18,7 +18,7 @@ void bwi_fibre(const bwi_lanes *stiffness, const bwi_lanes v[3], const bwi_lanes
   }
   bwi_lanes length = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
   bwi_sqrt(&length, &r);
-  bwi_lanes change = square / (1 + r), inverse = 1 / BWI_MAX(r, BWI_ALL(LEAST_LENGTH));
+  bwi_lanes change = square / (1 + r), inverse = 1 / BWI_MAX(r, BWI_ALL(MIN_LENGTH));
   bwi_lanes twice = 2 * *stiffness, force = twice * change;
   out->energy += *stiffness * change * change;
   if (want == BWI_ENERGY)

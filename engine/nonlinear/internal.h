@@ -7,13 +7,13 @@
 #include "nonlinear/law.h"
 
 /* The part of a cell that counts at least, so that a cell which is hardly cut holds its nodes. */
-#define BWI_LEAST_FRACTION 1e-3
+#define BWI_MIN_FRACTION 1e-3
 
 /* Volume of an element that energy and mass are multiplied with, m3. */
 static inline double bwi_solid_volume(const bw_grid *grid, int32_t element) {
   double fraction = grid->fraction ? grid->fraction[element] : 1;
   return grid->spacing[0] * grid->spacing[1] * grid->spacing[2] *
-         (fraction > BWI_LEAST_FRACTION ? fraction : BWI_LEAST_FRACTION);
+         (fraction > BWI_MIN_FRACTION ? fraction : BWI_MIN_FRACTION);
 }
 
 /* Element stiffnesses are stored as their lower triangle: for a = 0..7 the blocks (a, b), b < a, of

@@ -10,7 +10,7 @@ static const int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
 
 /* The rotation of F is not unique where two stretches add up to zero; the corotated laws have a
  * crease there, and their twists are those of a point this far from it. */
-#define LEAST_SUM 1e-9
+#define MIN_SUM 1e-9
 
 static void neo_hookean(const bwi_lanes *mu, const bwi_lanes *lambda, bwi_frame *f) {
   /* energy and stress come from the closed form (law_closed.c); in f->energy: ln J */
@@ -58,7 +58,7 @@ static void corotated(bool fixed, const bwi_lanes *mu, const bwi_lanes *lambda, 
     f->second[i] = two + *lambda * (fixed ? slope[i] * slope[i] : one);
   for (int p = 0; p < 3; p++) {
     int i = pair[p][0], j = pair[p][1];
-    bwi_lanes sum = BWI_MAX(s[i] + s[j], BWI_ALL(LEAST_SUM));
+    bwi_lanes sum = BWI_MAX(s[i] + s[j], BWI_ALL(MIN_SUM));
     if (fixed) {
       bwi_lanes third = pressure * s[pair[p][2]];
       f->second[5 - p] = *lambda * slope[i] * slope[j] + third;

@@ -161,17 +161,17 @@ bw_status bwi_load_case_check_held(bw_context *context, const bw_load_case *it) 
   for (int32_t f = 0; f < it->contact_plane_count; f++)
     add_floor(grid, &it->floor[f], group_of, g);
   for (int32_t k = 0; k < count; k++) {
-    double vector[6][6], motion[6], most = 0;
-    int least = 0;
+    double vector[6][6], motion[6], max = 0;
+    int min = 0;
     eigen6(g[k].gram, vector);
     for (int i = 0; i < 6; i++) {
-      most = fmax(most, g[k].gram[i][i]);
-      least = g[k].gram[i][i] < g[k].gram[least][least] ? i : least;
+      max = fmax(max, g[k].gram[i][i]);
+      min = g[k].gram[i][i] < g[k].gram[min][min] ? i : min;
     }
-    if (g[k].gram[least][least] > 1e-12 * most)
+    if (g[k].gram[min][min] > 1e-12 * max)
       continue;
     for (int i = 0; i < 6; i++)
-      motion[i] = vector[i][least];
+      motion[i] = vector[i][min];
     status = say_free(context, grid, &g[k], count, motion);
     goto done;
   }

@@ -175,7 +175,7 @@ static bw_status begin(bw_context *context, bw_solid_motion *motion) {
     status = bw_fail(context, BW_GEOMETRY,
                      "the shape that the motion should begin with has no energy: element %d is "
                      "turned inside out (det F = %g)",
-                     (int)shape.worst + 1, shape.least_ratio);
+                     (int)shape.worst + 1, shape.min_ratio);
     bw_detail_number(context, "element", shape.worst + 1);
     goto done;
   }

@@ -128,7 +128,7 @@ static bw_status say_failed(bw_context *context, const bw_solid_motion *motion,
                      "the worst element %d at (%g, %g, %g) m with det F = %.3g. Make the step "
                      "shorter, or allow inverted elements",
                      motion->time, o->step, (long long)shape->inverted, (int)worst + 1, at[0],
-                     at[1], at[2], shape->least_ratio);
+                     at[1], at[2], shape->min_ratio);
   else
     status = bw_fail(context, BW_CONVERGENCE,
                      "the step from %g s, %g s long, found no solution after %d iterations: %s. "
@@ -137,7 +137,7 @@ static bw_status say_failed(bw_context *context, const bw_solid_motion *motion,
                      "shorter, or allow more iterations",
                      motion->time, o->step, state->report->iterations,
                      bwi_obstacle_text(state->obstacle), state->relative, o->tolerance,
-                     (int)worst + 1, at[0], at[1], at[2], shape->least_ratio);
+                     (int)worst + 1, at[0], at[1], at[2], shape->min_ratio);
   bw_detail_number(context, "time", motion->time);
   bw_detail_number(context, "step", o->step);
   bw_detail_number(context, "residual", state->relative);
@@ -203,7 +203,7 @@ bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion) {
     newton.cg_tolerance = o->tolerance;
   newton.allow_inverted = o->allow_inverted;
   state.newton = inner->newton;
-  newton.most_iterations = INT_MAX; /* a step has one load step */
+  newton.max_iterations = INT_MAX; /* a step has one load step */
   state.options = &newton;
   state.report = &report;
   BW_TRY(bwi_newton_state_create(&state));

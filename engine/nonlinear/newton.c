@@ -34,7 +34,14 @@
 #define AWAY 1e4
 /* So many steps in succession that are shorter than this lead nowhere. */
 #define SHORT 1e-2
-enum { ESCAPES = 6, PATIENCE = 12, FORESEEN = 8, CREEPING = 8, MOST = 500, MOST_OF_STEP = 20 };
+enum {
+  ESCAPES = 6,
+  PATIENCE = 12,
+  FORESEEN = 8,
+  CREEPING = 8,
+  MAX_ITERATIONS = 500,
+  MAX_ITERATIONS_PER_STEP = 20
+};
 #define CG ((int64_t)100) /* iterations that are worth one of Newton's */
 
 bw_status bwi_energy_forces_create(bw_context *context, int64_t size, bool contact,
@@ -120,8 +127,8 @@ void bwi_newton_state_measure(bwi_newton_state *state) {
   state->noise = NOISE * sqrt(noise);
   state->elastic = elastic;
   state->reference = sqrt(applied) + sqrt(held) + sqrt(contact) + now->quadratic_size;
-  double least = state->noise / state->options->tolerance;
-  state->relative = left > 0 ? sqrt(left) / fmax(state->reference, least) : 0;
+  double min = state->noise / state->options->tolerance;
+  state->relative = left > 0 ? sqrt(left) / fmax(state->reference, min) : 0;
   if (!isfinite(state->relative))
     state->relative = DBL_MAX;
 }
@@ -259,10 +266,10 @@ static double size_of(const bw_grid *grid) {
 }
 
 static double largest(const double *u, int64_t size) {
-  double most = 0;
+  double max = 0;
   for (int64_t i = 0; i < size; i++)
-    most = fmax(most, fabs(u[i]));
-  return most;
+    max = fmax(max, fabs(u[i]));
+  return max;
 }
 
 /* At a residual that is small enough: whether the state is stable; if not, leave it. */
@@ -302,13 +309,14 @@ done:
 double bwi_newton_left(const bwi_newton_state *state, int64_t *of_cg) {
   const bw_newton_options *o = state->options;
   const bw_newton_report *report = state->report;
-  int64_t most = CG * (o->most_iterations > 0 ? o->most_iterations
-                                              : MOST + (int64_t)MOST_OF_STEP * (o->steps - 1));
+  int64_t max = CG * (o->max_iterations > 0
+                          ? o->max_iterations
+                          : MAX_ITERATIONS + (int64_t)MAX_ITERATIONS_PER_STEP * (o->steps - 1));
   int64_t left =
-      most - CG * report->iterations - report->cg_iterations - report->stability_iterations;
+      max - CG * report->iterations - report->cg_iterations - report->stability_iterations;
   if (of_cg)
     *of_cg = left > 0 ? left : 0;
-  return left > 0 ? (double)left / (double)most : 0;
+  return left > 0 ? (double)left / (double)max : 0;
 }
 
 bw_status bwi_newton_equilibrium(bwi_newton_state *state, double load, bool *found) {
@@ -434,8 +442,8 @@ bw_status bwi_newton_equilibrium(bwi_newton_state *state, double load, bool *fou
     if (step == 0) {
       BW_TRY(record(state, 0, cg, residual));
       /* as good as it gets: some laws round more than the noise allows for */
-      double least = state->noise / options->tolerance;
-      double left = state->relative * fmax(state->reference, least);
+      double min = state->noise / options->tolerance;
+      double left = state->relative * fmax(state->reference, min);
       if (left <= ROUGH * state->noise && gap <= GAP * size_of(state->solid->grid) &&
           (state->now.shape.inverted == 0 || options->allow_inverted)) {
         *found = true;

@@ -42,7 +42,7 @@ enum { PRODUCTS = 5, PRODUCTS_BELOW = 4, PRODUCTS_TO_SET = 3 };
 #define GUESS_WEIGHT 1.0
 /* Iterations that are worth so many factors end a solution. */
 #define LIMIT 3.0
-#define LEAST 10.0
+#define MIN_ITERATIONS 10.0
 /* Factors of e by which the search's residual falls: half of log(n 30 10^8), n some 10^4. */
 #define SEARCH_NEPERS 16.0
 
@@ -111,13 +111,13 @@ void bwi_choice_learn(bwi_newton_state *state, int32_t iterations, double residu
 
 int32_t bwi_choice_limit(const bwi_newton_state *state) {
   const bwi_choice *c = &state->choice;
-  double most = state->options->cg_iterations;
+  double max = state->options->cg_iterations;
   if (c->factor > 0)
-    most = fmin(most, fmax(LEAST, LIMIT * c->factor / c->iteration));
+    max = fmin(max, fmax(MIN_ITERATIONS, LIMIT * c->factor / c->iteration));
   else if (c->open)
-    most = fmin(most, fmax(LEAST, (1 / ANALYSIS_SHARE - spent(state)) * ANALYSIS *
-                                      state->solid->grid->node_count / c->iteration));
-  return (int32_t)most;
+    max = fmin(max, fmax(MIN_ITERATIONS, (1 / ANALYSIS_SHARE - spent(state)) * ANALYSIS *
+                                             state->solid->grid->node_count / c->iteration));
+  return (int32_t)max;
 }
 
 bw_status bwi_choice_factor(bwi_newton_state *state, bool *factor) {

@@ -25,9 +25,9 @@ enum { DOUBLINGS = 12 };
 /* The first step: largest component over the smallest side of a cell. */
 #define FIRST 1e-3
 /* y . D y is at least this: an element's stiffness is at most 24 times its diagonal. */
-#define LEAST_VARIANCE (1.0 / 30)
+#define MIN_VARIANCE (1.0 / 30)
 /* |y . f| is this part of its deviation or less once in 12,000 times. */
-#define LEAST_PART 1e-4
+#define MIN_PART 1e-4
 /* Curvatures below this part of p . D p are rounding. */
 #define NEUTRAL 1e-12
 
@@ -78,7 +78,7 @@ static bw_status find_negative(bwi_newton_state *state, const double *plain, boo
     double rz = bwi_newton_state_dot(state, r, z), curvature, size = 0;
     if (!isfinite(rz))
       goto done;
-    *none = rz >= 0 && rz < LEAST_PART * LEAST_PART * LEAST_VARIANCE;
+    *none = rz >= 0 && rz < MIN_PART * MIN_PART * MIN_VARIANCE;
     if (*none || rz < 0)
       goto done;
     for (int64_t i = 0; i < n; i++)

@@ -24,7 +24,7 @@ static double determinant(const double f[9]) {
 }
 
 /* The least root of c0 + c1 t + c2 t^2 + c3 t^3 in (0, t1], c0 > 0; t1 where there is none. */
-static double least_root(const double c[4], double t1) {
+static double min_root(const double c[4], double t1) {
   double turn[4] = {0}, place[2];
   int count = 1;
   double a = 3 * c[3], b = 2 * c[2], d = b * b - 4 * a * c[1];
@@ -60,7 +60,7 @@ typedef struct cap {
   const bw_solid *solid;
   const double *u, *d;
   bool all;
-  double *least; /* by chunk */
+  double *min; /* by chunk */
 } cap;
 
 enum { CHUNK = 256 };
@@ -69,7 +69,7 @@ static bw_status cap_chunk(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const cap *c = (const cap *)data;
   const bw_grid *grid = c->solid->grid;
-  double least = 1;
+  double min = 1;
   for (int64_t e = begin; e < end; e++) {
     const bw_solid_material *m = c->solid->material_table->material[grid->material[e]];
     for (int32_t q = 0; q < m->rule->count; q++) {
@@ -96,10 +96,10 @@ static bw_status cap_chunk(void *data, int64_t begin, int64_t end, int worker) {
       }
       cubic[1] = 0.5 * (at[0] - at[1]) - cubic[3];
       cubic[2] = 0.5 * (at[0] + at[1]) - cubic[0];
-      least = fmin(least, least_root(cubic, least));
+      min = fmin(min, min_root(cubic, min));
     }
   }
-  c->least[begin / CHUNK] = least;
+  c->min[begin / CHUNK] = min;
   return BW_OK;
 }
 
@@ -108,14 +108,14 @@ bw_status bwi_newton_cap(bw_context *context, const bw_solid *solid, const doubl
   bw_status status = BW_OK;
   int64_t elements = solid->grid->element_count, chunks = (elements + CHUNK - 1) / CHUNK;
   cap c = {solid, u, d, all, BW_NEW(context, double, chunks)};
-  if (!c.least)
+  if (!c.min)
     return BW_MEMORY;
   BW_TRY(bw_parallel(context, elements, CHUNK, cap_chunk, &c));
   *part = 1;
   for (int64_t k = 0; k < chunks; k++)
-    *part = fmin(*part, c.least[k]);
+    *part = fmin(*part, c.min[k]);
 done:
-  bw_free(c.least);
+  bw_free(c.min);
   return status;
 }
 

@@ -171,17 +171,16 @@ done:
 /* After a whole step, shifts begin well below the last that was enough, so that they end where none
  * is needed; after a short one above it, as where to go is seen no further than that. */
 #define FIRST_SHIFT 1e-3
-#define LEAST_SHIFT 1e-7
+#define MIN_SHIFT 1e-7
 /* Projected tangents with followers, or of a solid that contact planes alone hold, may need one
  * too. */
-#define LEAST_LIFT 1e-9
+#define MIN_LIFT 1e-9
 #define LIFT_GROWTH 30
 
 bw_status bwi_tangent_set(bwi_newton_state *state, bwi_tangent kind, bool *definite) {
   bw_status status = BW_OK;
   double change = state->step >= 1 ? 0.2 : state->step > 0.5 ? 1 : 4;
-  double shift =
-      state->shift > 0 ? fmin(0.3, fmax(LEAST_SHIFT, change * state->shift)) : FIRST_SHIFT;
+  double shift = state->shift > 0 ? fmin(0.3, fmax(MIN_SHIFT, change * state->shift)) : FIRST_SHIFT;
   *definite = false;
   state->tangent = kind;
   state->have_tangent = true;
@@ -219,11 +218,11 @@ bw_status bwi_tangent_set(bwi_newton_state *state, bwi_tangent kind, bool *defin
     goto done;
   }
   double projected_shift = kind == BWI_PROJECTED ? state->projected_shift / LIFT_GROWTH : 0;
-  if (projected_shift < LEAST_LIFT)
+  if (projected_shift < MIN_LIFT)
     BW_TRY(factor(state, definite));
   state->projected_shift = 0;
   if (kind == BWI_PROJECTED && !*definite) {
-    BW_TRY(factor_shifted(state, fmax(projected_shift, LEAST_LIFT), LIFT_GROWTH, definite));
+    BW_TRY(factor_shifted(state, fmax(projected_shift, MIN_LIFT), LIFT_GROWTH, definite));
     state->projected_shift = state->shift;
   }
   if (kind == BWI_PROJECTED)

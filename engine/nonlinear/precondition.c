@@ -165,7 +165,7 @@ done:
 
 /* The inverse of a symmetric block with held components left out and eigenvalues made positive. */
 static void invert_block(const double *block, const uint8_t *held, double *inverse) {
-  double tensor[6], value[3], vector[9], most = 0;
+  double tensor[6], value[3], vector[9], max = 0;
   static const int place[6] = {0, 4, 8, 5, 2, 1};
   for (int i = 0; i < 6; i++)
     tensor[i] = block[place[i]];
@@ -177,11 +177,11 @@ static void invert_block(const double *block, const uint8_t *held, double *inver
   memset(inverse, 0, 9 * sizeof *inverse);
   bw_eigen3(tensor, value, vector);
   for (int k = 0; k < 3; k++)
-    most = fmax(most, fabs(value[k]));
-  if (!(most > 0))
+    max = fmax(max, fabs(value[k]));
+  if (!(max > 0))
     return;
   for (int k = 0; k < 3; k++) {
-    double size = fmax(fabs(value[k]), 1e-9 * most);
+    double size = fmax(fabs(value[k]), 1e-9 * max);
     for (int i = 0; i < 3; i++)
       for (int j = 0; j < 3; j++)
         inverse[3 * i + j] += vector[3 * k + i] * vector[3 * k + j] / size;

@@ -36,13 +36,13 @@ static const bw_kind material_kind = {"solid material", destroy, bytes};
 
 /* Which points stand for void: what metamaterials put where a block has none. */
 static bw_status find_empty(bw_context *context, bw_solid_material *m) {
-  double most = 0;
+  double max = 0;
   int32_t count = 0;
   for (int32_t p = 0; p < m->rule->count; p++)
-    most = fmax(most, m->mu[p]);
+    max = fmax(max, m->mu[p]);
   for (int pass = 0; pass < 2; pass++) {
     for (int32_t p = 0; p < m->rule->count; p++) {
-      bool empty = m->law[p] == BW_ST_VENANT_KIRCHHOFF && m->mu[p] < EMPTY_PART * most;
+      bool empty = m->law[p] == BW_ST_VENANT_KIRCHHOFF && m->mu[p] < EMPTY_PART * max;
       if (pass == 0)
         count += empty;
       else

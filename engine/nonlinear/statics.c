@@ -22,7 +22,7 @@ void bw_newton_options_default(bw_newton_options *options) {
                                  .tolerance = 1e-6,
                                  .iterations = 100,
                                  .steps = 1,
-                                 .least_step = 1.0 / 256,
+                                 .min_step = 1.0 / 256,
                                  .cg_iterations = 10000};
 }
 
@@ -112,16 +112,16 @@ bw_status bwi_newton_check(bw_context *context, const bw_solid *solid,
                    "conjugate gradients to a tolerance of %g in %d iterations; it must lie between "
                    "0 (by itself) and 1, in at least one iteration",
                    o->cg_tolerance, o->cg_iterations);
-  if (o->most_iterations < 0)
+  if (o->max_iterations < 0)
     return bw_fail(context, BW_INVALID,
                    "%d iterations over all load steps; at least one, or 0: by itself",
-                   o->most_iterations);
+                   o->max_iterations);
   if (o->iterations < 1 || o->steps < 1)
     return bw_fail(context, BW_INVALID, "%d iterations in each of %d load steps; at least one",
                    o->iterations, o->steps);
-  if (!(o->least_step > 0 && o->least_step <= 1))
+  if (!(o->min_step > 0 && o->min_step <= 1))
     return bw_fail(context, BW_INVALID, "the least load step is %g; it must lie above 0, up to 1",
-                   o->least_step);
+                   o->min_step);
   for (int64_t i = 0; o->start && i < 3 * (int64_t)solid->grid->node_count; i++)
     if (!isfinite(o->start[i]))
       return bw_fail(context, BW_INVALID, "the first guess is %g at node %lld; it must be finite",
@@ -154,7 +154,7 @@ static bw_status say_undefined(bwi_newton_state *state) {
   bw_status status = bw_fail(state->context, BW_GEOMETRY,
                              "the first guess turns element %d at (%g, %g, %g) m inside out (det F "
                              "= %.3g), where its law has no energy: begin at rest",
-                             (int)e + 1, at[0], at[1], at[2], state->now.shape.least_ratio);
+                             (int)e + 1, at[0], at[1], at[2], state->now.shape.min_ratio);
   bw_detail_number(state->context, "element", e + 1);
   return status;
 }
@@ -265,14 +265,14 @@ static bw_status say_failure(bwi_newton_state *state, double reached, const fail
       "iterations in %d load steps, %d of which failed). The load may be more than the solid "
       "carries; otherwise take smaller or more load steps, %s",
       inverted ? "regular " : "", reached, f->load, bwi_obstacle_text(f->obstacle), f->residual,
-      state->options->tolerance, (int)e + 1, at[0], at[1], at[2], f->shape.least_ratio,
+      state->options->tolerance, (int)e + 1, at[0], at[1], at[2], f->shape.min_ratio,
       (long long)f->shape.inverted, state->report->iterations,
       state->report->load_steps + state->report->failed_steps, state->report->failed_steps,
-      f->obstacle == BWI_WORK ? "or allow more iterations (most_iterations)" : "or smaller cells");
+      f->obstacle == BWI_WORK ? "or allow more iterations (max_iterations)" : "or smaller cells");
   bw_detail_number(context, "load", reached);
   bw_detail_number(context, "residual", f->residual);
   bw_detail_number(context, "element", e + 1);
-  bw_detail_number(context, "least_ratio", f->shape.least_ratio);
+  bw_detail_number(context, "min_ratio", f->shape.min_ratio);
   bw_detail_number(context, "inverted", (double)f->shape.inverted);
   return status;
 }
@@ -285,7 +285,7 @@ static bw_status follow_path(bwi_newton_state *state, double *u, double *multipl
   const bw_newton_options *o = state->options;
   size_t size = (size_t)state->size * sizeof(double),
          contact = state->contact ? (size_t)state->contact->count * sizeof(double) : 0;
-  double step = 1.0 / o->steps, least = fmin(o->least_step, step);
+  double step = 1.0 / o->steps, min = fmin(o->min_step, step);
   double barrier = 2, away = 0; /* the least load that failed, and from how far */
   int good = 0;
   failed->obstacle = BWI_NO_OBSTACLE;
@@ -293,7 +293,7 @@ static bw_status follow_path(bwi_newton_state *state, double *u, double *multipl
     double load = *reached + step > 1 - 1e-9 ? 1 : *reached + step;
     bool found;
     if (load >= barrier) {
-      bool near = barrier - *reached <= fmax(AGAIN * away, 2 * least);
+      bool near = barrier - *reached <= fmax(AGAIN * away, 2 * min);
       load = near ? barrier : 0.5 * (*reached + barrier);
     }
     step = load - *reached;
@@ -320,13 +320,13 @@ static bw_status follow_path(bwi_newton_state *state, double *u, double *multipl
     if (contact)
       memcpy(state->contact->multiplier, multiplier, contact);
     good = 0;
-    if (step <= least * (1 + 1e-9) || state->obstacle == BWI_WORK)
+    if (step <= min * (1 + 1e-9) || state->obstacle == BWI_WORK)
       break;
     if (!(state->part > 0)) {
       barrier = load;
       away = step;
     }
-    step = fmax(least, step * (state->part > 0 ? fmin(0.5, fmax(0.1, 0.8 * state->part)) : 0.5));
+    step = fmax(min, step * (state->part > 0 ? fmin(0.5, fmax(0.1, 0.8 * state->part)) : 0.5));
   }
 done:
   return status;
@@ -337,8 +337,8 @@ done:
 static void warning_rounding(bwi_newton_state *state) {
   double applied = 0;
   bwi_newton_state_measure(state);
-  double least = state->noise / state->options->tolerance;
-  double left = state->relative * fmax(state->reference, least);
+  double min = state->noise / state->options->tolerance;
+  double left = state->relative * fmax(state->reference, min);
   for (int64_t i = 0; i < state->size; i++) {
     double load = state->now.load[i] - (state->now.contact ? state->now.contact[i] : 0);
     applied += state->load_case->held[i] ? 0 : load * load;

@@ -55,10 +55,10 @@ static void choose_second(const bwi_lanes first[3], bwi_lanes second[3], const b
     if ((*length)[lane] > 0)
       continue;
     double u[3] = {first[0][lane], first[1][lane], first[2][lane]}, w[3];
-    int least = fabs(u[1]) < fabs(u[0]) ? 1 : 0;
-    least = fabs(u[2]) < fabs(u[least]) ? 2 : least;
+    int min = fabs(u[1]) < fabs(u[0]) ? 1 : 0;
+    min = fabs(u[2]) < fabs(u[min]) ? 2 : min;
     for (int i = 0; i < 3; i++)
-      w[i] = (i == least) - u[least] * u[i];
+      w[i] = (i == min) - u[min] * u[i];
     double norm = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
     for (int i = 0; i < 3; i++)
       second[i][lane] = w[i] / norm;

@@ -36,15 +36,15 @@ typedef struct contact {
 } contact;
 
 double bwi_outline_gap(int32_t count, const double *point) {
-  double low[2] = {point[0], point[1]}, high[2] = {point[0], point[1]}, most = 0;
+  double low[2] = {point[0], point[1]}, high[2] = {point[0], point[1]}, max = 0;
   for (int64_t i = 0; i < count; i++)
     for (int k = 0; k < 2; k++) {
       double x = point[2 * i + k];
       low[k] = fmin(low[k], x);
       high[k] = fmax(high[k], x);
-      most = fmax(most, fabs(x));
+      max = fmax(max, fabs(x));
     }
-  return BW_OUTLINE_GAP * fmax(most, hypot(high[0] - low[0], high[1] - low[1]));
+  return BW_OUTLINE_GAP * fmax(max, hypot(high[0] - low[0], high[1] - low[1]));
 }
 
 /* ---- two lines ------------------------------------------------------------------------------- */

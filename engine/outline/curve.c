@@ -59,13 +59,13 @@ double bwi_curve_sag(const bwi_outline_curve *curve) {
   if (curve->count == 2)
     return 0;
   const double(*p)[2] = curve->point;
-  double most = 0;
+  double max = 0;
   for (int i = 0; i < 2; i++) {
     double x = p[i][0] - 2 * p[i + 1][0] + p[i + 2][0];
     double y = p[i][1] - 2 * p[i + 1][1] + p[i + 2][1];
-    most = fmax(most, x * x + y * y);
+    max = fmax(max, x * x + y * y);
   }
-  return 0.75 * sqrt(most);
+  return 0.75 * sqrt(max);
 }
 
 void bwi_curve_hull(const bwi_outline_curve *curve, double low[2], double high[2]) {

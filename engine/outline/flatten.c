@@ -6,7 +6,7 @@
 
 #include "outline/internal.h"
 
-static const double most_points = 1e8;
+static const double max_points = 1e8;
 
 static double chords(const bwi_outline_curve *curve, double tolerance) {
   return curve->count == 2 ? 1 : fmax(1, ceil(sqrt(bwi_curve_sag(curve) / tolerance)));
@@ -22,10 +22,10 @@ bw_status bw_outline_flatten(bw_context *context, const bw_outline *outline, dou
     bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[s]);
     count += chords(&curve, tolerance);
   }
-  if (count > most_points)
+  if (count > max_points)
     return bw_fail(context, BW_LIMIT,
                    "a tolerance of %g m asks for %.3g points; the limit is %g: choose a larger one",
-                   tolerance, count, most_points);
+                   tolerance, count, max_points);
   bw_polygons made = {.loop_count = outline->loop_count};
   made.start = BW_NEW(context, int32_t, outline->loop_count + 1);
   made.point = BW_NEW(context, double, 2 * (size_t)count);

@@ -35,10 +35,10 @@ bw_status bw_outline_with_loop(bw_context *context, const bw_outline *outline, i
 
 /* Regions numbered anew, without those that no loop has any more. */
 static void close_regions(bwi_draft *draft) {
-  int32_t next = 0, most = -1;
+  int32_t next = 0, max = -1;
   for (size_t l = 0; l < draft->loops; l++)
-    most = draft->loop[l].region > most ? draft->loop[l].region : most;
-  for (int32_t r = 0; r <= most; r++) {
+    max = draft->loop[l].region > max ? draft->loop[l].region : max;
+  for (int32_t r = 0; r <= max; r++) {
     bool used = false;
     for (size_t l = 0; l < draft->loops; l++)
       if (draft->loop[l].region == r) {

@@ -9,7 +9,7 @@
 
 typedef struct search {
   const double *at;
-  double least, t; /* square of the distance so far, and where */
+  double min, t; /* square of the distance so far, and where */
 } search;
 
 static double hull_distance2(const bwi_outline_curve *curve, const double at[2]) {
@@ -29,15 +29,15 @@ static void try_chord(search *s, const bwi_outline_curve *piece, double from, do
   double u = length2 > 0 ? (d[0] * e[0] + d[1] * e[1]) / length2 : 0;
   u = u < 0 ? 0 : u > 1 ? 1 : u;
   double x = e[0] - u * d[0], y = e[1] - u * d[1];
-  if (x * x + y * y < s->least) {
-    s->least = x * x + y * y;
+  if (x * x + y * y < s->min) {
+    s->min = x * x + y * y;
     s->t = from + u * (to - from);
   }
 }
 
 static void descend(search *s, const bwi_outline_curve *piece, double from, double to,
                     double flat) {
-  if (hull_distance2(piece, s->at) >= s->least)
+  if (hull_distance2(piece, s->at) >= s->min)
     return;
   if (bwi_curve_sag(piece) <= flat) {
     try_chord(s, piece, from, to);

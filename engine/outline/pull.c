@@ -151,18 +151,18 @@ static void even_factors(const chain *c, const complex2 extra[2], complex2 *z, c
   double total = 0;
   for (int32_t i = 0; i < n; i++)
     total += c->length[i];
-  double least = 1e-9 * total;
+  double min = 1e-9 * total;
   for (int32_t i = 0; i < n; i++)
     diagonal[i] = 1e-6 / total; /* a chain of hinges has no other hold on its turning */
   for (int32_t i = 0; i + 1 < n; i++) {
-    double w = 2 / fmax(c->length[i] + c->length[i + 1], least);
+    double w = 2 / fmax(c->length[i] + c->length[i + 1], min);
     diagonal[i] += w;
     diagonal[i + 1] += w;
     off[i] = -w;
   }
   if (c->held) {
-    diagonal[0] += 2 / fmax(c->length[0], least);
-    diagonal[n - 1] += 2 / fmax(c->length[n - 1], least);
+    diagonal[0] += 2 / fmax(c->length[0], min);
+    diagonal[n - 1] += 2 / fmax(c->length[n - 1], min);
   }
   factor_tridiagonal(n, diagonal, off);
   complex2 *side[2] = {work, work + n}, gram[2][2] = {{{0, 0}}};

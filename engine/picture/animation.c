@@ -11,7 +11,7 @@
 
 #include "picture/internal.h"
 
-enum { SIGNATURE = 8, HEADER_DATA = 13, OVERHEAD = 12, MOST_PICTURES = 10000 };
+enum { SIGNATURE = 8, HEADER_DATA = 13, OVERHEAD = 12, MAX_PICTURES = 10000 };
 
 static const unsigned char signature[SIGNATURE] = {137, 'P', 'N', 'G', 13, 10, 26, 10};
 
@@ -114,9 +114,9 @@ bw_status bw_animation_write(bw_context *context, int count, const char *const *
   unsigned char *bytes = NULL, header[HEADER_DATA], control[8];
   size_t size;
   uint32_t sequence = 0;
-  if (count < 1 || count > MOST_PICTURES)
+  if (count < 1 || count > MAX_PICTURES)
     return bw_fail(context, BW_INVALID, "an animation of %d pictures: 1 to %d are possible", count,
-                   MOST_PICTURES);
+                   MAX_PICTURES);
   if (!(seconds >= 0.001 && seconds <= 60) || rounds < 0)
     return bw_fail(context, BW_INVALID,
                    "pictures of %g s, %d rounds: 0.001 to 60 s and 0 rounds or more expected",

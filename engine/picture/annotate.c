@@ -137,9 +137,9 @@ void bwi_draw_mark(cairo_t *cairo, const double pixel[3], bool hidden, const dou
   double out_x = pixel[0] < (frame[0] + frame[2]) / 2 ? -1 : 1;
   double out_y = pixel[1] < (frame[1] + frame[3]) / 2 ? -1 : 1;
   double x = pixel[0] + out_x * 46 * u, y = pixel[1] + out_y * 40 * u;
-  double least = frame[0] + (out_x < 0 ? extents.x_advance : 0);
-  double most = frame[2] - (out_x > 0 ? extents.x_advance : 0);
-  x = fmin(fmax(x, least), most);
+  double min = frame[0] + (out_x < 0 ? extents.x_advance : 0);
+  double max = frame[2] - (out_x > 0 ? extents.x_advance : 0);
+  x = fmin(fmax(x, min), max);
   y = fmin(fmax(y, frame[1] + size), frame[3] - size / 2);
   double dx = x - pixel[0], dy = y - pixel[1], away = hypot(dx, dy);
   const double dash[2] = {3 * u, 3 * u};

@@ -55,12 +55,12 @@ static void add_arrow(bwi_solid *solid, const double tail[3], const double direc
 
 int32_t bwi_solid_nearest(const bwi_solid *body, const double *original, const double x[3]) {
   int32_t best = 0;
-  double least = HUGE_VAL;
+  double min = HUGE_VAL;
   for (int32_t i = 0; i < body->point_count; i++) {
     const double *p = original + 3 * (size_t)i;
     double d[3] = {p[0] - x[0], p[1] - x[1], p[2] - x[2]}, square = bw_dot(d, d);
-    if (square < least) {
-      least = square;
+    if (square < min) {
+      min = square;
       best = i;
     }
   }

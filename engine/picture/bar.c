@@ -6,20 +6,20 @@
 
 #include "picture/internal.h"
 
-int bwi_ticks(double low, double high, int most, double tick[BWI_TICKS], int *decimals) {
+int bwi_ticks(double low, double high, int max, double tick[BWI_TICKS], int *decimals) {
   *decimals = 0;
   /* Ends that differ by rounding alone hold no round number between them that doubles can count. */
   double size = fmax(fabs(low), fabs(high));
-  if (!(high - low > 1e-9 * size) || !isfinite(high - low) || most < 1)
+  if (!(high - low > 1e-9 * size) || !isfinite(high - low) || max < 1)
     return 0;
-  most = most > BWI_TICKS ? BWI_TICKS : most;
-  double power = pow(10, floor(log10((high - low) / most)));
+  max = max > BWI_TICKS ? BWI_TICKS : max;
+  double power = pow(10, floor(log10((high - low) / max)));
   static const double round_steps[] = {1, 2, 2.5, 5, 10, 20};
   static const int extra[] = {0, 0, 1, 0, 0, 0};
   for (size_t i = 0; i < sizeof round_steps / sizeof *round_steps; i++) {
     double step = round_steps[i] * power;
     double first = ceil(low / step - 1e-9), last = floor(high / step + 1e-9);
-    if (last - first + 1 > most)
+    if (last - first + 1 > max)
       continue;
     int count = 0;
     for (double k = first; k <= last; k++)

@@ -7,11 +7,11 @@
 
 /* v divided by its length, computed without overflow; false for zero or not finite. */
 static bool unit(const double v[3], double out[3]) {
-  double most = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
-  if (!(most > 0) || !isfinite(v[0]) || !isfinite(v[1]) || !isfinite(v[2]))
+  double max = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+  if (!(max > 0) || !isfinite(v[0]) || !isfinite(v[1]) || !isfinite(v[2]))
     return false;
   for (int k = 0; k < 3; k++)
-    out[k] = v[k] / most;
+    out[k] = v[k] / max;
   double length = bw_norm(out);
   for (int k = 0; k < 3; k++)
     out[k] /= length;
@@ -45,11 +45,11 @@ void bwi_view_usual(const double up[3], double turn, bool below, double directio
     above[0] = above[1] = 0;
     above[2] = 1;
   }
-  int most = 0;
+  int max = 0;
   for (int k = 1; k < 3; k++)
-    if (fabs(above[k]) > fabs(above[most]))
-      most = k;
-  first[(most + 1) % 3] = 1;
+    if (fabs(above[k]) > fabs(above[max]))
+      max = k;
+  first[(max + 1) % 3] = 1;
   double part = bw_dot(first, above);
   for (int k = 0; k < 3; k++)
     first[k] -= part * above[k];

@@ -7,8 +7,8 @@
 #include "picture/canvas.h"
 
 static const double two_pi = 6.283185307179586;
-static const double most_area = 1e8; /* pixels: 400 MB */
-enum { MOST_PIXELS = 20000 };
+static const double max_area = 1e8; /* pixels: 400 MB */
+enum { MAX_PIXELS = 20000 };
 
 bw_status bwi_cairo_status(bw_context *context, cairo_status_t status, const char *what) {
   return status == CAIRO_STATUS_SUCCESS ? BW_OK
@@ -70,10 +70,10 @@ bw_status bwi_png_decode(bw_context *context, const char *name, const unsigned c
   if (length < 33 || memcmp(png, head, sizeof head) != 0 || memcmp(png + 12, "IHDR", 4) != 0)
     return bw_fail(context, BW_FORMAT, "%s: this is no PNG file", name);
   uint32_t columns = big_endian(png + 16), rows = big_endian(png + 20);
-  if (columns > MOST_PIXELS || rows > MOST_PIXELS ||
-      (double)columns * rows > most_area) /* before memory is asked for */
+  if (columns > MAX_PIXELS || rows > MAX_PIXELS ||
+      (double)columns * rows > max_area) /* before memory is asked for */
     return bw_fail(context, BW_LIMIT, "%s: %u x %u pixels: at most %d x %d and %g in all are read",
-                   name, (unsigned)columns, (unsigned)rows, MOST_PIXELS, MOST_PIXELS, most_area);
+                   name, (unsigned)columns, (unsigned)rows, MAX_PIXELS, MAX_PIXELS, max_area);
   /* Cairo calls a damaged file a lack of memory, so that is found out here */
   void *room = bw_alloc(context, (size_t)columns * rows, 4);
   bw_free(room);
@@ -295,10 +295,10 @@ static bw_status draw(bw_context *context, cairo_t *cairo, const bw_canvas *canv
 bw_status bwi_canvas_png(bw_context *context, const bw_canvas *canvas, double scale,
                          const char *path) {
   double width = ceil(scale * canvas->width - 1e-9), height = ceil(scale * canvas->height - 1e-9);
-  if (width > MOST_PIXELS || height > MOST_PIXELS || width * height > most_area)
+  if (width > MAX_PIXELS || height > MAX_PIXELS || width * height > max_area)
     return bw_fail(context, BW_INVALID,
                    "%s: %g x %g pixels: at most %d x %d and %g in all are possible", path, width,
-                   height, MOST_PIXELS, MOST_PIXELS, most_area);
+                   height, MAX_PIXELS, MAX_PIXELS, max_area);
   cairo_surface_t *image =
       cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)fmax(1, width), (int)fmax(1, height));
   cairo_t *cairo = cairo_create(image);

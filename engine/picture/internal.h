@@ -115,7 +115,7 @@ void bwi_choose_font(cairo_t *cairo, double size, bool bold);
 /* Round numbers between low and high, at most `most`; returns their count and the number of
  * decimals that shows them. */
 enum { BWI_TICKS = 12 };
-int bwi_ticks(double low, double high, int most, double tick[BWI_TICKS], int *decimals);
+int bwi_ticks(double low, double high, int max, double tick[BWI_TICKS], int *decimals);
 /* A number with so many decimals, the point a '.' in any locale. */
 void bwi_fixed(char *buffer, size_t size, double value, int decimals);
 

@@ -16,7 +16,7 @@ static const double tag_colour[8][3] = {{0.15, 0.20, 0.30}, {0.80, 0.20, 0.15}, 
                                         {0.20, 0.55, 0.25}, {0.75, 0.45, 0.05}, {0.50, 0.25, 0.65},
                                         {0.05, 0.55, 0.55}, {0.70, 0.20, 0.50}};
 
-enum { MOST_TAGS = 20 }; /* in the legend */
+enum { MAX_TAGS = 20 }; /* in the legend */
 
 /* x right, y up, metres to pixels. */
 typedef struct frame {
@@ -116,7 +116,7 @@ static void write_numbers(cairo_t *cairo, const frame *f, const bw_outline *o, d
 }
 
 static int32_t legend_count(const bw_outline *o) {
-  return o->tag_count < 2 ? 0 : o->tag_count < MOST_TAGS ? o->tag_count : MOST_TAGS;
+  return o->tag_count < 2 ? 0 : o->tag_count < MAX_TAGS ? o->tag_count : MAX_TAGS;
 }
 
 static void draw_legend(cairo_t *cairo, const bw_outline *o, double left, double top, double size) {

@@ -8,7 +8,7 @@
  */
 static double outline_at(const bwi_image *image, int x, int y) {
   size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-  int least = image->colour[4 * at + 3];
+  int min = image->colour[4 * at + 3];
   if (image->finish[at] != BWI_GHOST || image->depth[at] == -HUGE_VALF)
     return 0;
   for (int dy = -1; dy <= 1; dy++)
@@ -17,9 +17,9 @@ static double outline_at(const bwi_image *image, int x, int y) {
       if (px < 0 || py < 0 || px >= image->width || py >= image->height)
         continue;
       int other = image->colour[4 * ((size_t)py * (size_t)image->width + (size_t)px) + 3];
-      least = other < least ? other : least;
+      min = other < min ? other : min;
     }
-  return 0.38 * (255 - least) / 255;
+  return 0.38 * (255 - min) / 255;
 }
 
 /* The rendered colours over the background: white, a little greyer towards the bottom. */

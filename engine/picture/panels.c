@@ -8,7 +8,7 @@
 #include "picture/panels.h"
 
 #define CREASE 0.6981317007977318
-enum { MOST_PANELS = 64, MOST_PIXELS = 16384, LEAST_PIXELS = 64, LEGEND = 12 };
+enum { MAX_PANELS = 64, MAX_PIXELS = 16384, MIN_PIXELS = 64, LEGEND = 12 };
 
 void bw_grid_picture_options_default(bw_grid_picture_options *options) {
   memset(options, 0, sizeof *options);
@@ -23,27 +23,26 @@ void bw_grid_picture_options_default(bw_grid_picture_options *options) {
 
 static bw_status check(bwi_panel_sheet *s) {
   const bw_grid_picture_options *o = s->options;
-  if (s->count < 1 || s->count > MOST_PANELS)
-    return bw_fail(s->context, BW_INVALID, "%d panels: 1 to %d can be drawn", s->count,
-                   MOST_PANELS);
+  if (s->count < 1 || s->count > MAX_PANELS)
+    return bw_fail(s->context, BW_INVALID, "%d panels: 1 to %d can be drawn", s->count, MAX_PANELS);
   s->columns = o->columns > 0 ? o->columns : s->count < 4 ? s->count : 4;
   s->columns = s->columns < s->count ? s->columns : s->count;
   s->rows = (s->count + s->columns - 1) / s->columns;
-  if (o->width < LEAST_PIXELS || o->height < LEAST_PIXELS ||
-      (int64_t)o->width * s->columns > MOST_PIXELS - 400 ||
-      (int64_t)o->height * s->rows > MOST_PIXELS - 400)
+  if (o->width < MIN_PIXELS || o->height < MIN_PIXELS ||
+      (int64_t)o->width * s->columns > MAX_PIXELS - 400 ||
+      (int64_t)o->height * s->rows > MAX_PIXELS - 400)
     return bw_fail(s->context, BW_INVALID,
                    "%d x %d panels of %d x %d pixels: a panel needs %d at least, all have room in "
                    "%d x %d",
-                   s->columns, s->rows, o->width, o->height, LEAST_PIXELS, MOST_PIXELS - 400,
-                   MOST_PIXELS - 400);
+                   s->columns, s->rows, o->width, o->height, MIN_PIXELS, MAX_PIXELS - 400,
+                   MAX_PIXELS - 400);
   if (!(o->zoom > 0) || !(o->zoom <= 1e4))
     return bw_fail(s->context, BW_INVALID, "the zoom %g is not between 0 and 10000", o->zoom);
   if (!isfinite(o->scale) || o->scale == 0)
     return bw_fail(s->context, BW_INVALID, "the scale %g of the values is no usable number",
                    o->scale);
-  if (!isfinite(o->least) || !isfinite(o->largest) || o->least > o->largest)
-    return bw_fail(s->context, BW_INVALID, "the colour range %g to %g is not ascending", o->least,
+  if (!isfinite(o->min) || !isfinite(o->largest) || o->min > o->largest)
+    return bw_fail(s->context, BW_INVALID, "the colour range %g to %g is not ascending", o->min,
                    o->largest);
   if (!isfinite(o->deformation))
     return bw_fail(s->context, BW_INVALID, "the deformation factor is not finite");
@@ -55,7 +54,7 @@ static bw_status check(bwi_panel_sheet *s) {
 /* One range for all. Values inside count too: they are what the panels compare. */
 static void find_range(bwi_panel_sheet *s) {
   const bw_grid_picture_options *o = s->options;
-  s->least = INFINITY;
+  s->min = INFINITY;
   s->largest = -INFINITY;
   for (int i = 0; i < s->count; i++) {
     const bw_grid_panel *panel = &s->panel[i];
@@ -65,13 +64,13 @@ static void find_range(bwi_panel_sheet *s) {
         s->missing = true;
         continue;
       }
-      s->least = fmin(s->least, panel->value[k]);
+      s->min = fmin(s->min, panel->value[k]);
       s->largest = fmax(s->largest, panel->value[k]);
     }
   }
-  s->valued = s->least <= s->largest;
-  bool given = o->least != 0 || o->largest != 0;
-  s->low = given ? o->least : s->valued ? s->least : 0;
+  s->valued = s->min <= s->largest;
+  bool given = o->min != 0 || o->largest != 0;
+  s->low = given ? o->min : s->valued ? s->min : 0;
   s->high = given ? o->largest : s->valued ? s->largest : 1;
   for (int i = 0; i < s->count; i++) {
     bwi_solid *body = &s->solid[i][0];
@@ -178,7 +177,7 @@ done:
 static bw_status draw_legend(bwi_panel_sheet *s, cairo_t *cairo) {
   const bw_grid_picture_options *o = s->options;
   double x = 24 * s->u, y = s->high_pixels - 0.5 * s->foot, size = 14 * s->u;
-  for (int32_t m = 1; m <= s->most_material && m <= LEGEND; m++) {
+  for (int32_t m = 1; m <= s->max_material && m <= LEGEND; m++) {
     char text[80];
     unsigned char rgb[3];
     cairo_text_extents_t extents;
@@ -227,8 +226,8 @@ static bw_status draw(bwi_panel_sheet *s, cairo_t *cairo) {
                    .largest = NAN,
                    .unit = unit,
                    .missing = s->missing,
-                   .below = (o->scale > 0 ? s->least < s->low : s->largest > s->high),
-                   .beyond = (o->scale > 0 ? s->largest > s->high : s->least < s->low)};
+                   .below = (o->scale > 0 ? s->min < s->low : s->largest > s->high),
+                   .beyond = (o->scale > 0 ? s->largest > s->high : s->min < s->low)};
     double h = s->high_pixels;
     bwi_bar_draw(cairo, &bar, s->wide - 0.72 * s->bar, 0.26 * h, 0.84 * h, s->wide - 16 * s->u,
                  s->u);
@@ -250,7 +249,7 @@ static bw_status make(bwi_panel_sheet *s, const char *path) {
   find_range(s);
   s->u = fmax(fmin(o->width / 640., o->height / 560.), 0.5);
   s->head = o->title && o->title[0] ? floor(48 * s->u) : 0;
-  s->foot = s->most_material > 1 ? floor(36 * s->u) : 0;
+  s->foot = s->max_material > 1 ? floor(36 * s->u) : 0;
   s->bar = s->valued ? floor(170 * s->u) : 0;
   s->wide = o->width * s->columns + (int)s->bar;
   s->high_pixels = o->height * s->rows + (int)(s->head + s->foot);

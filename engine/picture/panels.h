@@ -13,9 +13,9 @@ typedef struct bwi_panel_sheet {
   bwi_solid (*solid)[2]; /* body, ghost */
   int32_t **category;    /* of facets; owned here */
   double **value;        /* of facets, where values are of elements; owned here */
-  int32_t most_material;
+  int32_t max_material;
   bool valued, missing;
-  double low, high, least, largest; /* of the colours, of the values */
+  double low, high, min, largest; /* of the colours, of the values */
   bwi_view view;
   int wide, high_pixels;     /* of the canvas */
   double u, head, foot, bar; /* a pixel of a 640 x 560 panel; strips above, below, to the right */

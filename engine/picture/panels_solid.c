@@ -90,8 +90,8 @@ static bw_status add_surface(bwi_panel_sheet *s, int which) {
   for (int64_t f = 0; f < surface->triangle_count; f++) {
     int32_t m = panel->grid->material[embedding->element[surface->triangle[3 * f]]];
     s->category[which][f] = m - 1;
-    if (!panel->value && m > s->most_material)
-      s->most_material = m;
+    if (!panel->value && m > s->max_material)
+      s->max_material = m;
   }
   if (panel->value && !panel->on_elements)
     bw_embedding_values(embedding, 1, panel->value, s->value[which]);
@@ -133,8 +133,8 @@ bw_status bwi_panel_solids(bwi_panel_sheet *s, int which) {
   for (int64_t f = 0; f < 2 * faces; f++) {
     int32_t e = face[f / 2].element, material = panel->grid->material[e];
     s->category[which][f] = material - 1;
-    if (!panel->value && material > s->most_material)
-      s->most_material = material;
+    if (!panel->value && material > s->max_material)
+      s->max_material = material;
     if (s->value[which] && panel->value)
       s->value[which][f] = panel->value[e];
   }

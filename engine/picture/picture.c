@@ -16,11 +16,11 @@
 /* The radius of lines. */
 #define LINE_RADIUS 0.003
 enum {
-  LEAST_PIXELS = 64,
-  MOST_PIXELS = 16384,
-  MOST_ARROWS = 10000,
-  MOST_LINE_POINTS = 1000000,
-  MOST_JUDGED = 6,
+  MIN_PIXELS = 64,
+  MAX_PIXELS = 16384,
+  MAX_ARROWS = 10000,
+  MAX_LINE_POINTS = 1000000,
+  MAX_JUDGED = 6,
   SOLIDS = 4
 };
 
@@ -34,10 +34,10 @@ void bw_picture_options_default(bw_picture_options *options) {
 }
 
 static bw_status check_options(bw_context *context, const bw_picture_options *options) {
-  if (options->width < LEAST_PIXELS || options->width > MOST_PIXELS ||
-      options->height < LEAST_PIXELS || options->height > MOST_PIXELS)
+  if (options->width < MIN_PIXELS || options->width > MAX_PIXELS || options->height < MIN_PIXELS ||
+      options->height > MAX_PIXELS)
     return bw_fail(context, BW_INVALID, "a picture of %d x %d pixels: each side must have %d to %d",
-                   options->width, options->height, LEAST_PIXELS, MOST_PIXELS);
+                   options->width, options->height, MIN_PIXELS, MAX_PIXELS);
   if (!(options->zoom > 0) || !(options->zoom <= 1e4))
     return bw_fail(context, BW_INVALID, "the zoom %g is not between 0 and 10000", options->zoom);
   if (!isfinite(options->scale) || options->scale == 0)
@@ -48,16 +48,16 @@ static bw_status check_options(bw_context *context, const bw_picture_options *op
                    options->high);
   if (!isfinite(options->deformation))
     return bw_fail(context, BW_INVALID, "the deformation factor is not finite");
-  if (options->arrow_count < 0 || options->arrow_count > MOST_ARROWS ||
+  if (options->arrow_count < 0 || options->arrow_count > MAX_ARROWS ||
       (options->arrow_count > 0 && !options->arrow))
     return bw_fail(context, BW_INVALID, "%d arrows: 0 to %d can be drawn", options->arrow_count,
-                   MOST_ARROWS);
+                   MAX_ARROWS);
   int64_t points = 0;
   for (int i = 0; i < options->line_count; i++)
     points += options->line[i].count;
-  if (points > MOST_LINE_POINTS)
+  if (points > MAX_LINE_POINTS)
     return bw_fail(context, BW_INVALID, "lines of %lld points: at most %d can be drawn",
-                   (long long)points, MOST_LINE_POINTS);
+                   (long long)points, MAX_LINE_POINTS);
   if (options->label_count < 0 || (options->label_count > 0 && !options->label))
     return bw_fail(context, BW_INVALID, "%d labels without a list", options->label_count);
   return BW_OK;
@@ -66,9 +66,9 @@ static bw_status check_options(bw_context *context, const bw_picture_options *op
 /* ---- the values ------------------------------------------------------------------------------ */
 
 typedef struct range {
-  double low, high;      /* of the colours */
-  double least, largest; /* of the values, nan when there is none */
-  int64_t largest_at;    /* its point or facet, or -1 */
+  double low, high;    /* of the colours */
+  double min, largest; /* of the values, nan when there is none */
+  int64_t largest_at;  /* its point or facet, or -1 */
   bool any, missing;
 } range;
 
@@ -83,12 +83,12 @@ static range range_of(const double *value, int64_t count, double low, double hig
       r.largest = value[i];
       r.largest_at = i;
     }
-    if (!r.any || value[i] < r.least)
-      r.least = value[i];
+    if (!r.any || value[i] < r.min)
+      r.min = value[i];
     r.any = true;
   }
   if (low == 0 && high == 0 && r.any) {
-    r.low = r.least;
+    r.low = r.min;
     r.high = r.largest;
   }
   return r;
@@ -140,7 +140,7 @@ static void largest_place(const stage *s, double at[3], double normal[3]) {
 static double arrows_show(const stage *s, const double direction[3]) {
   double all = 0, shown = 0, first;
   int count = s->arrow_end ? s->options->arrow_count : 0;
-  for (int i = 0; i < count && i < MOST_JUDGED; i++) {
+  for (int i = 0; i < count && i < MAX_JUDGED; i++) {
     const double *force = s->options->arrow[i].force, *at = s->options->arrow[i].at;
     const double *end = s->arrow_end + 3 * (size_t)i;
     double size = bw_norm(force), across[3], near_body[3];
@@ -347,22 +347,22 @@ static void label_largest(const stage *s, cairo_t *cairo, const char *unit) {
 
 static void label_arrows(const stage *s, cairo_t *cairo) {
   const bw_picture_options *options = s->options;
-  int most = 0;
+  int max = 0;
   for (int i = 1; i < options->arrow_count; i++)
-    if (bw_norm(options->arrow[i].force) > bw_norm(options->arrow[most].force))
-      most = i;
-  double pixel[3], other[3], force = bw_norm(options->arrow[most].force);
+    if (bw_norm(options->arrow[i].force) > bw_norm(options->arrow[max].force))
+      max = i;
+  double pixel[3], other[3], force = bw_norm(options->arrow[max].force);
   char number[64], label[80];
   if (!(force > 0))
     return;
-  bwi_view_project(&s->view, s->arrow_end + 3 * (size_t)most, pixel);
+  bwi_view_project(&s->view, s->arrow_end + 3 * (size_t)max, pixel);
   /* by more than its own shaft */
   if (is_hidden(s, pixel, 0.1 * ARROW_SIZE * s->diagonal * s->view.scale))
     return;
   short_number(number, sizeof number, force);
   snprintf(label, sizeof label, "%s N", number);
   cairo_set_source_rgb(cairo, 0.16, 0.18, 0.24);
-  bwi_view_project(&s->view, options->arrow[most].at, other);
+  bwi_view_project(&s->view, options->arrow[max].at, other);
   double off = pixel[1] > other[1] ? 20 * s->u : -9 * s->u; /* beyond the arrow's end */
   bwi_draw_text(cairo, pixel[0], pixel[1] + off, 0.5, 14 * s->u, true, true, label);
 }
@@ -430,7 +430,7 @@ static bw_status annotate(bw_context *context, const stage *s, cairo_t *cairo) {
                    .largest = scale * s->range.largest,
                    .unit = unit,
                    .missing = s->range.missing,
-                   .below = s->range.least<s->range.low, .beyond = s->range.largest> s->range.high};
+                   .below = s->range.min<s->range.low, .beyond = s->range.largest> s->range.high};
     if (scale < 0) { /* the bar runs upwards in labels all the same */
       double swap = bar.low;
       bar.low = bar.high;

@@ -207,19 +207,19 @@ static void shade(const scene *s, int64_t number, float x, float y, unsigned cha
 /* The bands that a facet touches; false when it lies outside the picture. */
 static bool bands_of(const scene *s, const bwi_solid *solid, const int32_t *t, int *low,
                      int *high) {
-  float least[2] = {HUGE_VALF, HUGE_VALF}, most[2] = {-HUGE_VALF, -HUGE_VALF};
+  float min[2] = {HUGE_VALF, HUGE_VALF}, max[2] = {-HUGE_VALF, -HUGE_VALF};
   for (int c = 0; c < 3; c++)
     for (int k = 0; k < 2; k++) {
       float at = solid->pixel[3 * (size_t)t[c] + (size_t)k];
-      least[k] = fminf(least[k], at);
-      most[k] = fmaxf(most[k], at);
+      min[k] = fminf(min[k], at);
+      max[k] = fmaxf(max[k], at);
     }
-  if (!(most[0] >= 0 && least[0] <= (float)s->image->width && most[1] >= 0 &&
-        least[1] <= (float)s->image->height))
+  if (!(max[0] >= 0 && min[0] <= (float)s->image->width && max[1] >= 0 &&
+        min[1] <= (float)s->image->height))
     return false;
   int bands = (s->image->height + BAND - 1) / BAND;
-  *low = least[1] < 0 ? 0 : (int)(least[1] / BAND);
-  *high = most[1] >= (float)(bands * BAND) ? bands - 1 : (int)(most[1] / BAND);
+  *low = min[1] < 0 ? 0 : (int)(min[1] / BAND);
+  *high = max[1] >= (float)(bands * BAND) ? bands - 1 : (int)(max[1] / BAND);
   if (*low > bands - 1)
     *low = bands - 1;
   if (*high > bands - 1)
@@ -301,14 +301,14 @@ static void draw_facet(const scene *s, int64_t number, int64_t top, int64_t rows
   int64_t low[2], high[2];
   const int64_t *axis[2] = {x, y};
   for (int k = 0; k < 2; k++) {
-    int64_t least = axis[k][0], most = least;
+    int64_t min = axis[k][0], max = min;
     for (int c = 1; c < 3; c++) {
-      least = axis[k][c] < least ? axis[k][c] : least;
-      most = axis[k][c] > most ? axis[k][c] : most;
+      min = axis[k][c] < min ? axis[k][c] : min;
+      max = axis[k][c] > max ? axis[k][c] : max;
     }
     /* samples lie at (i + 1/2) SNAP */
-    low[k] = contact_plane_snap(least - SNAP / 2 + SNAP - 1);
-    high[k] = contact_plane_snap(most - SNAP / 2);
+    low[k] = contact_plane_snap(min - SNAP / 2 + SNAP - 1);
+    high[k] = contact_plane_snap(max - SNAP / 2);
     int64_t end = k == 0 ? wide - 1 : rows - 1;
     low[k] = low[k] < 0 ? 0 : low[k];
     high[k] = high[k] > end ? end : high[k];

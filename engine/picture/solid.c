@@ -8,7 +8,7 @@
 
 /* Around points where more facets meet than this (the middle of a fine fan), facets keep their own
  * normal: averaging is quadratic in this number. */
-enum { MOST_AROUND = 2000, GRAIN = 4096 };
+enum { MAX_AROUND = 2000, GRAIN = 4096 };
 /* Sharper than this an edge gets a line; the rough surface of a scan has many at 40 degrees. */
 #define LINE_COSINE 0.5
 
@@ -79,7 +79,7 @@ static bw_status corner_normals(void *data, int64_t begin, int64_t end, int work
     for (int k = 0; k < 3; k++) {
       int32_t point = t[k];
       double sum[3] = {0, 0, 0};
-      bool crowded = j->start[point + 1] - j->start[point] > MOST_AROUND;
+      bool crowded = j->start[point + 1] - j->start[point] > MAX_AROUND;
       for (int64_t i = j->start[point]; i < j->start[point + 1] && !crowded; i++) {
         const float *other = j->facet + 4 * (size_t)j->around[i];
         if (cosine_between(own, other) >= j->cosine)

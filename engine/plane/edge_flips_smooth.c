@@ -6,19 +6,19 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_AROUND = 64, WANTED = 2 };
+enum { MAX_AROUND = 64, WANTED = 2 };
 
 /* The elements around an inner node, counter-clockwise. 0 when they do not close (or are too many
  * to be worth while). */
-static int around(const bwi_edge_flips *flipping, int32_t node, int32_t element[MOST_AROUND],
-                  int corner[MOST_AROUND]) {
+static int around(const bwi_edge_flips *flipping, int32_t node, int32_t element[MAX_AROUND],
+                  int corner[MAX_AROUND]) {
   size_t width = flipping->order == 2 ? 6 : 3;
   int32_t first = flipping->star[node], e = first;
   int count = 0;
   do {
     const int32_t *n = flipping->element + width * (size_t)e;
     int k = n[0] == node ? 0 : n[1] == node ? 1 : 2;
-    if (count == MOST_AROUND)
+    if (count == MAX_AROUND)
       return 0;
     element[count] = e;
     corner[count++] = k;
@@ -72,9 +72,9 @@ static void middle_of(const bwi_edge_flips *flipping, int count, const int32_t *
 }
 
 static bool smooth_node(bwi_edge_flips *flipping, int32_t node, double below, double enough) {
-  int32_t element[MOST_AROUND];
-  int corner[MOST_AROUND];
-  double quality[MOST_AROUND], before = INFINITY, old[2], target[2], part = 1;
+  int32_t element[MAX_AROUND];
+  int corner[MAX_AROUND];
+  double quality[MAX_AROUND], before = INFINITY, old[2], target[2], part = 1;
   int count = around(flipping, node, element, corner);
   if (count < 3)
     return false;

@@ -80,14 +80,14 @@ static bw_status too_many(bw_context *context, const bw_plane_options *o, double
 /* Refinement ends nowhere: the shortest segment and its place say why. */
 static bw_status endless(bw_context *context, const bw_outline *outline, double across) {
   int32_t shortest = 0;
-  double least = INFINITY;
+  double min = INFINITY;
   for (int32_t s = 0; s < outline->segment_count; s++) {
     double from[2], to[2];
     bw_outline_evaluate(outline, s, 0, from, NULL, NULL);
     bw_outline_evaluate(outline, s, 1, to, NULL, NULL);
     double length = hypot(to[0] - from[0], to[1] - from[1]);
-    if (length > 0 && length < least) {
-      least = length;
+    if (length > 0 && length < min) {
+      min = length;
       shortest = s;
     }
   }
@@ -97,7 +97,7 @@ static bw_status endless(bw_context *context, const bw_outline *outline, double 
       "no triangles of the wanted size fit between the outline's nodes: the outline is %.4g "
       "across, and the ends of segment %d, which begins at (%.9g, %.9g), are %.4g apart; are the "
       "coordinates right?",
-      across, (int)shortest + 1, at[0], at[1], least);
+      across, (int)shortest + 1, at[0], at[1], min);
   bw_detail_number(context, "x", at[0]);
   bw_detail_number(context, "y", at[1]);
   return BW_GEOMETRY;
@@ -118,12 +118,12 @@ static bw_status fill_once(bw_context *context, const bw_outline *outline,
                            const bwi_time_limit *time, bwi_plane_size_field *field, double *turn,
                            double *angle, bwi_fill_boundary *boundary, bwi_filling *filling) {
   bw_status status = BW_OK;
-  int64_t most = (int64_t)fmin(options->limit, options->memory_limit / BYTES_OF_ELEMENT);
+  int64_t max = (int64_t)fmin(options->limit, options->memory_limit / BYTES_OF_ELEMENT);
   for (int denser = 0;;) {
     bwi_fill_boundary_clear(boundary);
     bwi_filling_clear(filling);
-    BW_TRY(bwi_fill_boundary_create(context, outline, field, *turn, most, boundary));
-    int64_t limit = most;
+    BW_TRY(bwi_fill_boundary_create(context, outline, field, *turn, max, boundary));
+    int64_t limit = max;
     if (!field->function && *angle > BWI_WHOLE_EDGES && options->minimum_angle > 0) {
       double expected = measures->area / (EQUILATERAL * field->size * field->size);
       limit = (int64_t)fmin((double)limit, 6 * expected + 16.0 * boundary->count + 4000);
@@ -140,8 +140,8 @@ static bw_status fill_once(bw_context *context, const bw_outline *outline,
       }
       *turn /= 2;
     } else if (filling->full || filling->stuck) {
-      if (filling->full && (limit == most || *angle == BWI_WHOLE_EDGES)) {
-        status = too_many(context, options, (double)most + 1, "give a larger size");
+      if (filling->full && (limit == max || *angle == BWI_WHOLE_EDGES)) {
+        status = too_many(context, options, (double)max + 1, "give a larger size");
         goto done;
       }
       if (*angle == BWI_WHOLE_EDGES) {

@@ -13,7 +13,7 @@
 static const double GRADING = 0.3;
 /* A curve that turns on the spot (a cusp) is not followed below this part of the wanted size. */
 static const double SMALLEST_TURN = 0.02;
-enum { MOST_SAMPLES = 2048 };
+enum { MAX_SAMPLES = 2048 };
 static const double COARSE = 2;
 
 /* ---- the size field -----------------------------------------------------------------------------
@@ -92,8 +92,8 @@ static int samples_of(const bw_outline *outline, int32_t s, double size) {
     p = q;
   }
   double wanted = 4 * length / size;
-  double least = curved ? 48 : 8;
-  return (int)fmin(fmax(ceil(wanted), least), MOST_SAMPLES);
+  double min = curved ? 48 : 8;
+  return (int)fmin(fmax(ceil(wanted), min), MAX_SAMPLES);
 }
 
 /* Both ways around the loop, twice, so that what begins anywhere gets everywhere. */
@@ -163,7 +163,7 @@ bw_status bwi_fill_boundary_create(bw_context *context, const bw_outline *outlin
   size_t room = 0, capacity[3] = {0, 0, 0};
   int64_t *start = BW_NEW(context, int64_t, (size_t)outline->segment_count + 1);
   /* a polygon of n corners is cut into n - 2 triangles at least, and more around holes */
-  double most = fmin((double)limit + 2.0 * outline->loop_count, INT32_MAX / 8);
+  double max = fmin((double)limit + 2.0 * outline->loop_count, INT32_MAX / 8);
   memset(boundary, 0, sizeof *boundary);
   boundary->loop_start = BW_NEW0(context, int32_t, (size_t)outline->loop_count + 1);
   if (!start || !boundary->loop_start) {
@@ -186,9 +186,9 @@ bw_status bwi_fill_boundary_create(bw_context *context, const bw_outline *outlin
         double nodes = 0;
         for (int i = 0; i < samples; i++)
           nodes += list[count + i].step / list[count + i].h;
-        if (samples >= MOST_SAMPLES || samples >= 2 * nodes)
+        if (samples >= MAX_SAMPLES || samples >= 2 * nodes)
           break;
-        samples = (int)fmin(fmax(4 * nodes, samples + 1), MOST_SAMPLES);
+        samples = (int)fmin(fmax(4 * nodes, samples + 1), MAX_SAMPLES);
       }
       start[k] = count;
       count += samples;
@@ -197,13 +197,13 @@ bw_status bwi_fill_boundary_create(bw_context *context, const bw_outline *outlin
     BW_TRY(bwi_size_check(context, field));
     grade(list, count);
     /* a loop of one or two segments needs nodes inside of them to enclose anything */
-    int least = loop->count == 1 ? 4 : loop->count == 2 ? 2 : 1;
+    int min = loop->count == 1 ? 4 : loop->count == 2 ? 2 : 1;
     for (int32_t k = 0; k < loop->count; k++) {
       double load = 0, passed = 0;
       for (int64_t i = start[k]; i < start[k + 1]; i++)
         load += load_of(&list[i], &list[(i + 1) % count]);
-      double rounded = fmax(ceil(load - 0.25), least);
-      if (!(boundary->count + rounded <= most)) {
+      double rounded = fmax(ceil(load - 0.25), min);
+      if (!(boundary->count + rounded <= max)) {
         status = too_many(context, outline, loop->first + k, boundary->count + rounded, limit);
         goto done;
       }

@@ -270,22 +270,22 @@ struct Asked {
   bw_context *context;
   const bwi_plane_size_field *field;
   const bwi_time_limit *time;
-  std::int64_t most_work;
+  std::int64_t max_work;
   bwi_filling *filling;
   bw_status status;
 };
 
 /* Work per element and boundary node that are allowed. Triangulations that come out right have
  * taken 8 to 15 per element. */
-constexpr std::int64_t MOST_WORK = 60;
+constexpr std::int64_t MAX_WORK = 60;
 
 bool go_on(void *data, std::int64_t work) {
   Asked *asked = static_cast<Asked *>(data);
   /* who is shown it may cancel */
   bw_progress(asked->context, "filling",
-              0.8 * static_cast<double>(work) / static_cast<double>(asked->most_work));
+              0.8 * static_cast<double>(work) / static_cast<double>(asked->max_work));
   asked->status = bwi_time_limit_check(asked->context, asked->time);
-  asked->filling->stuck = work > asked->most_work;
+  asked->filling->stuck = work > asked->max_work;
   return asked->status == BW_OK && !asked->field->failed && !asked->filling->stuck;
 }
 
@@ -436,7 +436,7 @@ bw_status bwi_fill_cgal(bw_context *context, const bw_outline *outline,
                         double minimum_angle, int64_t limit, const bwi_time_limit *time,
                         bwi_filling *filling) {
   std::memset(filling, 0, sizeof *filling);
-  Asked asked{context, field, time, MOST_WORK * (limit + boundary->count), filling, BW_OK};
+  Asked asked{context, field, time, MAX_WORK * (limit + boundary->count), filling, BW_OK};
   bwi::Watch watch(go_on, &asked);
   try {
     return fill(context, outline, boundary, field, minimum_angle, limit, &watch, filling);

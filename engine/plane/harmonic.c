@@ -17,13 +17,13 @@
 #include <math.h>
 #include <string.h>
 
-static const double LEAST_WEIGHT = 1e-9;
+static const double MIN_WEIGHT = 1e-9;
 
 /* Stiffness: layers of elements from the boundary to this power, inverted; measured on the paper's
  * drag (figure 2), where 0 makes 106 of 159 frames reconnect, 1 makes 61, 1.5 makes 26, 3 makes 47.
  */
 static const double FALL = 1.5;
-enum { MOST_LAYERS = 100 };
+enum { MAX_LAYERS = 100 };
 
 typedef struct weighted {
   int32_t a, b;
@@ -54,7 +54,7 @@ static int64_t find_edges(const bw_plane_topology *t, const double *point, const
       weight += cotangent(point + 2 * (size_t)m[(k + 2) % 3], point + 2 * (size_t)a,
                           point + 2 * (size_t)b);
     }
-    list[count++] = (weighted){a, b, fmax(weight / 2, LEAST_WEIGHT)};
+    list[count++] = (weighted){a, b, fmax(weight / 2, MIN_WEIGHT)};
   }
   return count;
 }
@@ -66,9 +66,9 @@ static bw_status stiffen(bw_context *context, int32_t corners, const bool *insid
   if (!layer)
     return BW_MEMORY;
   for (int32_t i = 0; i < corners; i++)
-    layer[i] = inside[i] ? MOST_LAYERS : 0;
+    layer[i] = inside[i] ? MAX_LAYERS : 0;
   bool more = true;
-  for (int pass = 0; more && pass < MOST_LAYERS; pass++) {
+  for (int pass = 0; more && pass < MAX_LAYERS; pass++) {
     more = false;
     for (int64_t i = 0; i < count; i++) {
       int32_t *a = &layer[list[i].a], *b = &layer[list[i].b];

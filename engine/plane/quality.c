@@ -21,7 +21,7 @@ double bwi_triangle_quality(const double a[2], const double b[2], const double c
  * edges 01 and 02 are linear with the coefficients d1 and d2 below (times 2); the Bernstein
  * coefficients of their cross product are the symmetrised products. */
 double bwi_curved_quality(const double *x[6]) {
-  double p[6][2], d1[3][2], d2[3][2], b[6], least = INFINITY, mean = 0;
+  double p[6][2], d1[3][2], d2[3][2], b[6], min = INFINITY, mean = 0;
   for (int k = 0; k < 2; k++) {
     for (int i = 0; i < 3; i++) {
       p[i][k] = x[i][k];
@@ -42,10 +42,10 @@ double bwi_curved_quality(const double *x[6]) {
         (d1[i][0] * d2[j][1] - d1[i][1] * d2[j][0] + d1[j][0] * d2[i][1] - d1[j][1] * d2[i][0]) / 2;
   }
   for (int i = 0; i < 6; i++) {
-    least = fmin(least, b[i]);
+    min = fmin(min, b[i]);
     mean += b[i] / 6;
   }
-  return mean > 0 ? least / mean : least < 0 ? -1 : 0;
+  return mean > 0 ? min / mean : min < 0 ? -1 : 0;
 }
 
 double bwi_plane_quality(const double *point, const int32_t *element, int order) {

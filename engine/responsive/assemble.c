@@ -8,9 +8,9 @@
 #include "responsive/internal.h"
 
 static bw_status check_components(bw_context *context, int components) {
-  if (components < 1 || components > BWI_MOST_COMPONENTS)
+  if (components < 1 || components > BWI_MAX_COMPONENTS)
     return bw_fail(context, BW_INVALID, "%d components at a node; 1 to %d are possible", components,
-                   BWI_MOST_COMPONENTS);
+                   BWI_MAX_COMPONENTS);
   return BW_OK;
 }
 
@@ -31,7 +31,7 @@ static inline __attribute__((always_inline)) void gather_rows(const gathering *g
   const bw_plane_graph *graph = g->graph;
   const int rows = N * C;
   for (int64_t p = graph->start[begin]; p < graph->start[end]; p++) {
-    double sum[BWI_MOST_COMPONENTS * BWI_MOST_COMPONENTS] = {0};
+    double sum[BWI_MAX_COMPONENTS * BWI_MAX_COMPONENTS] = {0};
     for (int64_t k = graph->gather_start[p]; k < graph->gather_start[p + 1]; k++) {
       int local = graph->gather_local[k], a = local / 6, b = local % 6;
       const double *from =
@@ -122,7 +122,7 @@ bw_status bw_plane_prescribe(bw_context *context, const bw_plane_graph *graph, i
                              const uint8_t *held, const double *prescribed, double *values,
                              double *rhs) {
   const int C = components, square = C * C;
-  double scale[BWI_MOST_COMPONENTS];
+  double scale[BWI_MAX_COMPONENTS];
   bw_status status = check_components(context, components);
   if (status != BW_OK)
     return status;

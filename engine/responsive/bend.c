@@ -66,11 +66,11 @@ done:
  * would need as a stretch, which is left where a motion is rigid. */
 static double residual(const newton *n, double load, const double *u, const double *force) {
   struct bwi_sheet *inner = n->inner;
-  double out = 0, size = 0, reaction = 0, most = 0, stiff = 0;
+  double out = 0, size = 0, reaction = 0, max = 0, stiff = 0;
   for (size_t i = 0; i < n->size; i++) {
     double f = load * inner->force[i], off = f - force[i], square = off * off;
     size += f * f;
-    most = u[i] > most ? u[i] : -u[i] > most ? -u[i] : most;
+    max = u[i] > max ? u[i] : -u[i] > max ? -u[i] : max;
     if (inner->held[i])
       reaction += square;
     else
@@ -79,8 +79,8 @@ static double residual(const newton *n, double load, const double *u, const doub
   }
   for (int32_t k = 0; k < inner->section_count; k++)
     stiff = fmax(stiff, inner->section[k].elasticity[0] * inner->section[k].thickness);
-  most = fmax(fmax(size, reaction), 1e-12 * stiff * stiff * most * most);
-  return out > 0 ? sqrt(out / most) : 0;
+  max = fmax(fmax(size, reaction), 1e-12 * stiff * stiff * max * max);
+  return out > 0 ? sqrt(out / max) : 0;
 }
 
 static void swap(double **a, double **b) {

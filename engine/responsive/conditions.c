@@ -76,10 +76,10 @@ bw_status bwi_condition_value(bw_context *context, const bw_condition *condition
 /* What tags ask for one component of a node. They ask for one value, except where their edges meet.
  */
 typedef struct request {
-  int32_t order;      /* the highest so far; below it a request does not count */
-  double low, high;   /* of that order */
-  double least, most; /* of every order, and the conditions that ask for them */
-  int32_t least_by, most_by;
+  int32_t order;    /* the highest so far; below it a request does not count */
+  double low, high; /* of that order */
+  double min, max;  /* of every order, and the conditions that ask for them */
+  int32_t min_by, max_by;
   bool any;
 } request;
 
@@ -89,10 +89,10 @@ static void add_request(request *r, const bw_condition *condition, int32_t k, do
     r->order = order, r->low = r->high = value;
   else if (order == r->order)
     r->low = fmin(r->low, value), r->high = fmax(r->high, value);
-  if (!r->any || value < r->least)
-    r->least = value, r->least_by = k;
-  if (!r->any || value > r->most)
-    r->most = value, r->most_by = k;
+  if (!r->any || value < r->min)
+    r->min = value, r->min_by = k;
+  if (!r->any || value > r->max)
+    r->max = value, r->max_by = k;
   r->any = true;
 }
 
@@ -148,16 +148,16 @@ static bool report_conflicts(bw_context *context, const bw_plane_mesh *mesh, int
   for (size_t i = 0; i < size; i++)
     if (all[i].any)
       scale[i % (size_t)components] =
-          fmax(scale[i % (size_t)components], fmax(fabs(all[i].least), fabs(all[i].most)));
+          fmax(scale[i % (size_t)components], fmax(fabs(all[i].min), fabs(all[i].max)));
   for (size_t i = 0; i < size && count < REPORTED_CONFLICTS; i++) {
     const request *r = &all[i];
     int component = (int)(i % (size_t)components);
-    if (!r->any || r->most - r->least <= 1e-9 * scale[component])
+    if (!r->any || r->max - r->min <= 1e-9 * scale[component])
       continue;
-    int32_t a = condition[r->least_by].tag, b = condition[r->most_by].tag;
+    int32_t a = condition[r->min_by].tag, b = condition[r->max_by].tag;
     bool known = a == b;
     for (int j = 0; j < count && !known; j++) {
-      int32_t c = condition[reported[j]->least_by].tag, d = condition[reported[j]->most_by].tag;
+      int32_t c = condition[reported[j]->min_by].tag, d = condition[reported[j]->max_by].tag;
       known = (int)((size_t)(reported[j] - all) % (size_t)components) == component &&
               ((a == c && b == d) || (a == d && b == c));
     }
@@ -169,9 +169,9 @@ static bool report_conflicts(bw_context *context, const bw_plane_mesh *mesh, int
     bw_warn(context,
             "conditions conflict at (%.6g, %.6g): tag '%s' prescribes %s = %.6g, tag '%s' "
             "%.6g; %.6g is used%s",
-            at[0], at[1], a < 0 ? "" : tag[a].text, name[component], r->least,
-            b < 0 ? "" : tag[b].text, r->most, decide(r, component),
-            condition[r->least_by].order == condition[r->most_by].order
+            at[0], at[1], a < 0 ? "" : tag[a].text, name[component], r->min,
+            b < 0 ? "" : tag[b].text, r->max, decide(r, component),
+            condition[r->min_by].order == condition[r->max_by].order
                 ? "; conditions in a list are ordered, and the last one decides"
                 : ", of the condition that is given last");
   }

@@ -214,7 +214,7 @@ static inline __attribute__((always_inline)) void rows_times(const product *m, i
                                                              int64_t end, int C) {
   const bw_plane_graph *graph = m->graph;
   for (int64_t i = begin; i < end; i++) {
-    double sum[BWI_MOST_COMPONENTS] = {0};
+    double sum[BWI_MAX_COMPONENTS] = {0};
     for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++) {
       const double *a = m->values + C * C * p, *x = m->x + C * (int64_t)graph->column[p];
       for (int r = 0; r < C; r++)
@@ -241,8 +241,8 @@ bw_status bw_plane_multiply(bw_context *context, const bw_plane_graph *graph, in
                             const double *values, const double *x, double *y) {
   static bw_body *const body[] = {rows_1, rows_2, rows_3, rows_4};
   product m = {graph, values, x, y};
-  if (components < 1 || components > BWI_MOST_COMPONENTS)
+  if (components < 1 || components > BWI_MAX_COMPONENTS)
     return bw_fail(context, BW_INVALID, "%d components at a node; 1 to %d are possible", components,
-                   BWI_MOST_COMPONENTS);
+                   BWI_MAX_COMPONENTS);
   return bw_parallel(context, graph->node_count, BWI_GRAIN_NODES, body[components - 1], &m);
 }

@@ -6,7 +6,7 @@
 #include "barwright/responsive.h"
 
 enum {
-  BWI_MOST_COMPONENTS = 4,
+  BWI_MAX_COMPONENTS = 4,
   BWI_GRAIN_NODES = 4096,   /* rows of a matrix handed to a thread at once: smaller meshes are done
                                by the caller alone, waking a thread costs as much */
   BWI_GRAIN_ELEMENTS = 2048 /* elements, likewise */

@@ -64,10 +64,10 @@ void bw_lagged_factor_options_default(bw_lagged_factor_options *options) {
 bw_status bw_lagged_factor_create(bw_context *context, bool symmetric, int components,
                                   bw_lagged_factor **out) {
   bw_status status = BW_OK;
-  int most = symmetric ? 3 : BWI_MOST_COMPONENTS;
-  if (components < 1 || components > most)
+  int max = symmetric ? 3 : BWI_MAX_COMPONENTS;
+  if (components < 1 || components > max)
     return bw_fail(context, BW_INVALID, "%d components at a node; 1 to %d are possible", components,
-                   most);
+                   max);
   bw_lagged_factor *lagged = BW_NEW0(context, bw_lagged_factor, 1);
   if (!lagged)
     return BW_MEMORY;

@@ -46,17 +46,17 @@ static void workspace_clear(workspace *w) {
 }
 
 static bw_status workspace_create(bw_context *context, const bwi_ritz *problem, workspace *w) {
-  int64_t n = problem->size, most = 3 * problem->block;
+  int64_t n = problem->size, max = 3 * problem->block;
   *w = (workspace){.problem = problem};
-  w->basis = BW_NEW(context, double, most *n);
-  w->stiff = BW_NEW(context, double, most *n);
-  w->heavy = BW_NEW(context, double, most *n);
+  w->basis = BW_NEW(context, double, max *n);
+  w->stiff = BW_NEW(context, double, max *n);
+  w->heavy = BW_NEW(context, double, max *n);
   w->next = BW_NEW(context, double, 2 * problem->block * n);
   w->next_stiff = BW_NEW(context, double, 2 * problem->block * n);
   w->next_heavy = BW_NEW(context, double, 2 * problem->block * n);
-  w->projected = BW_NEW(context, double, most *most);
-  w->theta = BW_NEW(context, double, most);
-  w->scratch = BW_NEW(context, double, 8 * most);
+  w->projected = BW_NEW(context, double, max *max);
+  w->theta = BW_NEW(context, double, max);
+  w->scratch = BW_NEW(context, double, 8 * max);
   bool made = w->basis && w->stiff && w->heavy && w->next && w->next_stiff && w->next_heavy &&
               w->projected && w->theta && w->scratch;
   return made ? BW_OK : BW_MEMORY;

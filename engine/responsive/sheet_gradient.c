@@ -54,22 +54,22 @@ static void element_at(const bw_sheet *sheet, const bwi_triangle_rule *rule, int
 }
 
 /* (vm / most)^p over all points, and the area. */
-static void sums(const bw_sheet *sheet, const bwi_triangle_rule *rule, double p, double *most,
+static void sums(const bw_sheet *sheet, const bwi_triangle_rule *rule, double p, double *max,
                  double *sum, double *area) {
   int32_t elements = sheet->mesh->topology->element_count;
   double x[6][2], u[6][2];
   point at;
-  *most = *sum = *area = 0;
+  *max = *sum = *area = 0;
   for (int pass = 0; pass < 2; pass++)
     for (int32_t e = 0; e < elements; e++) {
       element_at(sheet, rule, e, x, u);
       for (int q = 0; q < rule->count; q++) {
         at_point(bwi_section_of(sheet, e), rule, q, x, u, &at);
         if (pass == 0) {
-          *most = fmax(*most, at.mises);
+          *max = fmax(*max, at.mises);
         } else {
           *area += at.weight;
-          *sum += *most > 0 ? at.weight * pow(at.mises / *most, p) : 0;
+          *sum += *max > 0 ? at.weight * pow(at.mises / *max, p) : 0;
         }
       }
     }
@@ -91,7 +91,7 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
   const bw_plane_topology *topology = mesh->topology;
   int order = topology->nodes->order;
   size_t size = 2 * (size_t)topology->nodes->node_count;
-  double most, sum, area, x[6][2], u[6][2], l[6][2], *adjoint = NULL;
+  double max, sum, area, x[6][2], u[6][2], l[6][2], *adjoint = NULL;
   bwi_rules rules;
   bwi_triangle_rule rule;
   point at;
@@ -102,14 +102,14 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
                    "stresses by node positions need the linear statics of the mesh as it is");
   bwi_rules_create(order, &rules);
   rule = rules.straight;
-  sums(sheet, &rule, p, &most, &sum, &area);
-  double value = most > 0 ? most * pow(sum / area, 1 / p) : 0;
+  sums(sheet, &rule, p, &max, &sum, &area);
+  double value = max > 0 ? max * pow(sum / area, 1 / p) : 0;
   if (norm)
     *norm = value;
   if (!gradient)
     return BW_OK;
   memset(gradient, 0, size * sizeof *gradient);
-  if (most == 0)
+  if (max == 0)
     return BW_OK;
 
   bool made;
@@ -124,7 +124,7 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
     element_at(sheet, &rule, e, x, u);
     for (int q = 0; q < rule.count; q++) {
       at_point(bwi_section_of(sheet, e), &rule, q, x, u, &at);
-      double scale = by_sum * p * at.weight * pow(at.mises / most, p - 2) / (most * most);
+      double scale = by_sum * p * at.weight * pow(at.mises / max, p - 2) / (max * max);
       if (!(at.mises > 0))
         continue;
       for (int a = 0; a < rule.n; a++) {
@@ -153,7 +153,7 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
     element_at(sheet, &rule, e, x, u);
     for (int q = 0; q < rule.count; q++) {
       at_point(bwi_section_of(sheet, e), &rule, q, x, u, &at);
-      double power = pow(at.mises / most, p), by_weight = by_sum * power - by_area;
+      double power = pow(at.mises / max, p), by_weight = by_sum * power - by_area;
       double by_strain = at.mises > 0 ? by_sum * p * power / (at.mises * at.mises) : 0;
       for (int b = 0; b < rule.n; b++) {
         double *out = gradient + 2 * (int64_t)node[b];

@@ -272,15 +272,15 @@ bw_status bwi_sheet_check_free(bw_context *context, const bw_sheet *sheet) {
     if (value[2] > 1e-9 * value[0] && value[0] > 0)
       continue;
     const double *free = vector + 6;
-    int most = fabs(free[0]) > fabs(free[1]) ? 0 : 1;
-    most = fabs(free[2]) > fabs(free[most]) ? 2 : most;
+    int max = fabs(free[0]) > fabs(free[1]) ? 0 : 1;
+    max = fabs(free[2]) > fabs(free[max]) ? 2 : max;
     status = bw_fail(context, BW_UNCONSTRAINED,
                      "the sheet's piece around (%.6g, %.6g) is free to %s: hold it by more "
                      "conditions",
                      s[6] / s[8], s[7] / s[8],
-                     most == 0   ? "move along x"
-                     : most == 1 ? "move along y"
-                                 : "turn");
+                     max == 0   ? "move along x"
+                     : max == 1 ? "move along y"
+                                : "turn");
     bw_detail_number(context, "x", s[6] / s[8]);
     bw_detail_number(context, "y", s[7] / s[8]);
     goto done;

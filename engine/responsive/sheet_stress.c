@@ -61,8 +61,8 @@ static double element_stress(const bw_sheet *sheet, const bwi_triangle_rule *rul
       for (int q = 0; q < rule->count; q++) {
         /* linear with 1 at this point and 0 at the two others: 2 L - 1/3 for the L that is 2/3
            there */
-        int most = rule->point[q][0] > 0.5 ? 0 : rule->point[q][1] > 0.5 ? 1 : 2;
-        double l = a < 3 ? a == most : a - 3 == most || (a - 2) % 3 == most ? 0.5 : 0;
+        int max = rule->point[q][0] > 0.5 ? 0 : rule->point[q][1] > 0.5 ? 1 : 2;
+        double l = a < 3 ? a == max : a - 3 == max || (a - 2) % 3 == max ? 0.5 : 0;
         stress[a][i] += (rule->count == 1 ? 1 : 2 * l - 1.0 / 3) * at[q][i];
       }
     }

@@ -53,11 +53,11 @@ bw_status bw_plate_gains(bw_context *context, const bw_plate *plate, const bw_to
   double at[2] = {tone.at[0], tone.at[1]};
   BW_TRY(check_tone(context, plate, &tone));
   if (isnan(at[0]) || isnan(at[1])) {
-    int64_t most = 0;
+    int64_t max = 0;
     for (int64_t i = 1; i < plate->mesh->topology->nodes->node_count; i++)
-      if (fabs(plate->shape[3 * i]) > fabs(plate->shape[3 * most]) * (1 + 1e-9))
-        most = i;
-    memcpy(at, plate->mesh->point + 2 * most, sizeof at);
+      if (fabs(plate->shape[3 * i]) > fabs(plate->shape[3 * max]) * (1 + 1e-9))
+        max = i;
+    memcpy(at, plate->mesh->point + 2 * max, sizeof at);
   }
   BW_TRY(bw_plane_locator_create(context, plate->mesh, &locator));
   int32_t element = bw_plane_locate(locator, at, barycentric, &outside);

@@ -79,7 +79,7 @@ bw_status bwi_triangular_solve_create(bw_context *context, const bwi_factor *fac
   bw_status status = BW_OK;
   const bwi_symbolic *symbolic = factor->symbolic;
   int32_t supers = symbolic->order->super_count;
-  int64_t most = 0;
+  int64_t max = 0;
   double largest = 0;
   const double *value = factor->value;
   bwi_triangular_solve *sweep = BW_NEW0(context, bwi_triangular_solve, 1);
@@ -95,13 +95,13 @@ bw_status bwi_triangular_solve_create(bw_context *context, const bwi_factor *fac
   for (int32_t s = 0; s < supers; s++) {
     int64_t n = bwi_pivots(symbolic, s), rows = symbolic->rows[s], below = padded(rows - n);
     sweep->start[s + 1] = sweep->start[s] + n * (n + 1) / 2 + n * below;
-    most = below > most ? below : most;
+    max = below > max ? below : max;
     for (int64_t j = 0; j < n; j++)
       largest = fmax(largest, value[symbolic->panel[s] + j * rows + j]);
   }
   sweep->entry = BW_NEW(context, float, sweep->start[supers]);
   sweep->x = BW_NEW(context, float, symbolic->unknowns);
-  sweep->below = BW_NEW0(context, float, most);
+  sweep->below = BW_NEW0(context, float, max);
   if (!sweep->entry || !sweep->x || !sweep->below) {
     status = BW_MEMORY;
     goto done;

@@ -159,7 +159,7 @@ static bw_status solve(blend *b, int32_t domain, int32_t bone, double *x) {
     if (e->j >= n && b->held_bone[b->node[e->j]] == bone)
       b->r[e->i] += e->weight;
   }
-  double rho = 0, start = 0, least = INFINITY;
+  double rho = 0, start = 0, min = INFINITY;
   int32_t limit = n < 100000 ? 10 * n + 100 : 1000000;
   for (int32_t step = 0; step <= limit; step++) {
     for (int32_t i = 0; i < n; i++)
@@ -167,7 +167,7 @@ static bw_status solve(blend *b, int32_t domain, int32_t bone, double *x) {
     double next = bwi_dot(n, b->r, b->q);
     if (step == 0)
       start = next;
-    least = fmin(least, next);
+    min = fmin(min, next);
     if (!(next > 1e-26 * start))
       return BW_OK;
     double keep = step > 0 ? next / rho : 0;
@@ -189,7 +189,7 @@ static bw_status solve(blend *b, int32_t domain, int32_t bone, double *x) {
         return status;
     }
   }
-  if (least <= 1e-16 * start) /* as good as rounding lets it be on needle elements */
+  if (min <= 1e-16 * start) /* as good as rounding lets it be on needle elements */
     return BW_OK;
   bw_fail(b->context, BW_CONVERGENCE,
           "the blending weights of domain %d (%d elements) did not converge: its elements are too "
@@ -277,13 +277,13 @@ static bw_status find_lost(blend *b, int32_t *lost, int32_t *lost_count) {
 
 static int32_t nearest_held(const blend *b, int32_t i) {
   const double *x = b->domains->mesh->node, *at = x + 3 * (size_t)b->node[i];
-  double least = INFINITY;
+  double min = INFINITY;
   int32_t bone = -1;
   for (int32_t k = b->free_count; k < b->node_count; k++) {
     const double *to = x + 3 * (size_t)b->node[k];
     double d[3] = {to[0] - at[0], to[1] - at[1], to[2] - at[2]}, square = bw_dot(d, d);
-    if (square < least) {
-      least = square;
+    if (square < min) {
+      min = square;
       bone = b->held_bone[b->node[k]];
     }
   }
@@ -293,10 +293,10 @@ static int32_t nearest_held(const blend *b, int32_t i) {
 /* Thin out, scale, and write down the weights of one free node. */
 static bw_status write_weights(blend *b, int32_t node, const int32_t *bone, int32_t bones,
                                double *weight) {
-  double sum = 0, most = 0;
+  double sum = 0, max = 0;
   for (int32_t k = 0; k < bones; k++)
-    most = fmax(most, weight[k]);
-  double off = fmin(taken, most / 2); /* something is left among any number of bones */
+    max = fmax(max, weight[k]);
+  double off = fmin(taken, max / 2); /* something is left among any number of bones */
   for (int32_t k = 0; k < bones; k++) {
     weight[k] = fmax(weight[k] - off, 0);
     sum += weight[k];

@@ -51,7 +51,7 @@ void bwi_curve_clear(bwi_curve *curve);
 /* Leave out branches that reach no farther out of their junction than `prune` of its radii, and
  * contract those between junctions that lie in each other's ball. With `most` > 0 go on with the
  * least that reach out until no more than so many branches are left. (curve_prune.c) */
-bw_status bwi_curve_prune(bw_context *context, bwi_curve *curve, double prune, int32_t most);
+bw_status bwi_curve_prune(bw_context *context, bwi_curve *curve, double prune, int32_t max);
 double bwi_branches_length(const bwi_curve *curve);
 
 /* Straight bones that stray at most `bend` local radii from the curve; with `wanted` > 0 just so

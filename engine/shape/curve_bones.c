@@ -8,7 +8,7 @@
 
 enum { SAMPLES = 2000 };               /* along the whole curve */
 static const double ends_apart = 0.75; /* a bend lies so many radii from the ends of its bone */
-static const double least_bend = 0.15; /* radii: less than this is no bend, but a matter of taste */
+static const double min_bend = 0.15;   /* radii: less than this is no bend, but a matter of taste */
 
 typedef struct piece {
   int32_t branch, first, last; /* samples */
@@ -94,17 +94,17 @@ static int32_t half_way(const samples *along, const piece *p) {
 static bw_status cut_pieces(bw_context *context, const samples *along, double bend, int32_t wanted,
                             piece **list, size_t *capacity, size_t *count) {
   while (wanted <= 0 || *count < (size_t)wanted) {
-    size_t most = 0, longest = 0;
+    size_t max = 0, longest = 0;
     for (size_t i = 1; i < *count; i++) {
-      if ((*list)[i].strays > (*list)[most].strays)
-        most = i;
+      if ((*list)[i].strays > (*list)[max].strays)
+        max = i;
       if ((*list)[i].length > (*list)[longest].length)
         longest = i;
     }
-    bool bends = (*list)[most].strays > (wanted > 0 ? least_bend : bend);
+    bool bends = (*list)[max].strays > (wanted > 0 ? min_bend : bend);
     if (!bends && wanted <= 0)
       return BW_OK;
-    size_t of = bends ? most : longest;
+    size_t of = bends ? max : longest;
     int32_t at = bends ? (*list)[of].bend : half_way(along, &(*list)[of]);
     if (at < 0)
       return BW_OK;
@@ -129,9 +129,9 @@ static bw_status draw(bw_context *context, const bwi_curve *curve, const samples
     status = BW_MEMORY;
     goto done;
   }
-  size_t most = count + 1;
-  sketch->joint = BW_NEW(context, double, 4 * most);
-  sketch->tip = BW_NEW0(context, uint8_t, most);
+  size_t max = count + 1;
+  sketch->joint = BW_NEW(context, double, 4 * max);
+  sketch->tip = BW_NEW0(context, uint8_t, max);
   sketch->bone = BW_NEW(context, int32_t, 2 * count);
   if (!sketch->joint || !sketch->tip || !sketch->bone) {
     status = BW_MEMORY;

@@ -126,10 +126,10 @@ static bw_status contract(bw_context *context, bwi_curve *curve, int32_t branch)
   return BW_OK;
 }
 
-bw_status bwi_curve_prune(bw_context *context, bwi_curve *curve, double prune, int32_t most) {
+bw_status bwi_curve_prune(bw_context *context, bwi_curve *curve, double prune, int32_t max) {
   for (;;) {
-    int32_t branches = 0, spur = -1, bridge = -1, least = -1;
-    double spur_size = prune, bridge_size = same_junction, least_size = HUGE_VAL;
+    int32_t branches = 0, spur = -1, bridge = -1, min = -1;
+    double spur_size = prune, bridge_size = same_junction, min_size = HUGE_VAL;
     for (int32_t i = 0; i < curve->branch_count; i++) {
       const bwi_branch *b = &curve->branch[i];
       if (!b->at)
@@ -152,9 +152,9 @@ bw_status bwi_curve_prune(bw_context *context, bwi_curve *curve, double prune, i
         spur_size = far / radius;
         spur = i;
       }
-      if (far - radius < least_size) {
-        least_size = far - radius;
-        least = i;
+      if (far - radius < min_size) {
+        min_size = far - radius;
+        min = i;
       }
     }
     bw_status status;
@@ -162,8 +162,8 @@ bw_status bwi_curve_prune(bw_context *context, bwi_curve *curve, double prune, i
       status = leave_out(context, curve, spur);
     else if (bridge >= 0)
       status = contract(context, curve, bridge);
-    else if (most > 0 && branches > most && least >= 0)
-      status = leave_out(context, curve, least);
+    else if (max > 0 && branches > max && min >= 0)
+      status = leave_out(context, curve, min);
     else
       return BW_OK;
     if (status != BW_OK)

@@ -43,16 +43,16 @@ static bool hit(void *data, int32_t facet) {
 }
 
 /* How far the wall is along a unit direction; `most` where none is nearer. */
-static double to_wall(const walls *w, const double *from, const double *direction, double most) {
+static double to_wall(const walls *w, const double *from, const double *direction, double max) {
   ray r = {.surface = w->surface, .t = 1};
   double to[3];
   for (int k = 0; k < 3; k++) {
     r.from[k] = from[k];
-    r.way[k] = most * direction[k];
+    r.way[k] = max * direction[k];
     to[k] = from[k] + r.way[k];
   }
   bwi_tree_on_segment(w->tree, r.from, to, hit, &r);
-  return r.t * most;
+  return r.t * max;
 }
 
 /* The end of a limb: on from the tip, along the way the curve comes, half a radius short of the

@@ -131,11 +131,11 @@ void bwi_guide_score(const bwi_guide *guide, const bw_mesh *mesh, const bw_skele
       for (int j = 0; j < 3; j++)
         middle[j] += mesh->node[3 * (size_t)node[k] + (size_t)j] / 4;
     int32_t nearest = 0;
-    double least = distance_to_bone(skeleton, 0, middle);
+    double min = distance_to_bone(skeleton, 0, middle);
     for (int32_t b = 1; b < skeleton->bone_count; b++) {
       double distance = distance_to_bone(skeleton, b, middle);
-      if (distance < least) {
-        least = distance;
+      if (distance < min) {
+        min = distance;
         nearest = b;
       }
     }

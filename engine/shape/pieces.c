@@ -107,7 +107,7 @@ static void join_alike(pieces *p) {
  * of the smallest superset, if there is one and it is not too large. Or -1. */
 static int32_t best_neighbour(pieces *p, int32_t first) {
   int32_t best = -1;
-  int64_t least = 0;
+  int64_t min = 0;
   for (int32_t e = first; e >= 0; e = p->next[e])
     for (int k = 0; k < 4; k++) {
       int32_t other = beside(p->domains, e, k);
@@ -116,9 +116,9 @@ static int32_t best_neighbour(pieces *p, int32_t first) {
       const uint64_t *own = set_of(p, first), *its = set_of(p, other);
       int64_t cost = (int64_t)p->size[first] * count_beyond(its, own, p->words) +
                      (int64_t)p->size[other] * count_beyond(own, its, p->words);
-      if (best < 0 || cost < least || (cost == least && other < best)) {
+      if (best < 0 || cost < min || (cost == min && other < best)) {
         best = other;
-        least = cost;
+        min = cost;
       }
     }
   return best;

@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { most_iterations = 200, most_kicks = 3 };
+enum { max_iterations = 200, max_kicks = 3 };
 
 static const double longest_turn = 0.6; /* radians in one iteration */
 
@@ -146,7 +146,7 @@ static bw_status descend(bwi_reach *r, double *sum, double *distance, int *itera
   size_t n = 3 * (size_t)r->slots;
   double damping = 1e-3;
   *saddle = false;
-  while (*distance > r->tolerance && *iterations < most_iterations) {
+  while (*distance > r->tolerance && *iterations < max_iterations) {
     bw_status status = bw_check_cancel(r->context);
     if (status != BW_OK)
       return status;
@@ -197,11 +197,11 @@ static bw_status kick(bwi_reach *r, int number) {
       memcpy(pull, x, sizeof pull);
     }
   }
-  int least = 0;
+  int min = 0;
   for (int k = 1; k < 3; k++)
-    if (fabs(pull[k]) < fabs(pull[least]))
-      least = k;
-  across[least] = 1;
+    if (fabs(pull[k]) < fabs(pull[min]))
+      min = k;
+  across[min] = 1;
   bw_cross(pull, across, axis);
   if (number % 2 == 1) {
     memcpy(across, axis, sizeof across);
@@ -226,17 +226,17 @@ bw_status bwi_reach_descend(bwi_reach *r, bw_bone_pose *best, double *distance, 
   bw_status status = descend(r, &sum, distance, iterations, &saddle);
   if (status != BW_OK)
     return status;
-  double least = sum, nearest = *distance;
+  double min = sum, nearest = *distance;
   memcpy(best, r->pose, bytes);
   bool limited = false;
   for (int32_t s = 0; s < r->slots; s++)
     limited |= r->bars[s].count > 0;
-  for (int i = 0; i < most_kicks && nearest > r->tolerance && (saddle || limited); i++) {
+  for (int i = 0; i < max_kicks && nearest > r->tolerance && (saddle || limited); i++) {
     BW_TRY(kick(r, i));
     sum = evaluate(r, r->map, distance);
     BW_TRY(descend(r, &sum, distance, iterations, &saddle));
-    if (sum < least * (1 - 1e-9)) {
-      least = sum;
+    if (sum < min * (1 - 1e-9)) {
+      min = sum;
       nearest = *distance;
       memcpy(best, r->pose, bytes);
     }

@@ -82,7 +82,7 @@ static bw_status check_kept(const bwi_refiller *r) {
 /* The region of most elements of a piece, the lowest of several. */
 static int32_t common_region(const bwi_refiller *r, const bwi_piece *p) {
   const int32_t *region = r->mesh->region;
-  int32_t best = 0, most = 0, candidate = 0;
+  int32_t best = 0, max = 0, candidate = 0;
   if (!region)
     return 0;
   bool more = true;
@@ -100,8 +100,8 @@ static int32_t common_region(const bwi_refiller *r, const bwi_piece *p) {
       }
       votes += here == candidate;
     }
-    if (more && votes > most) {
-      most = votes;
+    if (more && votes > max) {
+      max = votes;
       best = candidate;
     }
   }

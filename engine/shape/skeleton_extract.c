@@ -14,8 +14,8 @@ enum {
   FACETS = 6000,     /* of the remeshed surface */
   FACETS_LOW = 3000, /* a surface with so many even facets is taken as it is */
   FACETS_HIGH = 45000,
-  FACETS_MOST = 200000, /* where remeshing fails */
-  MOST_BONES = 500
+  FACETS_MAX = 200000, /* where remeshing fails */
+  MAX_BONES = 500
 };
 
 void bw_skeleton_options_default(bw_skeleton_options *options) {
@@ -54,10 +54,10 @@ static double edge_length(const bw_surface *surface) {
 static bool even_facets(const bw_surface *surface) {
   if (surface->triangle_count < FACETS_LOW || surface->triangle_count > FACETS_HIGH)
     return false;
-  double most = 2.5 * edge_length(surface);
+  double max = 2.5 * edge_length(surface);
   for (int64_t i = 0; i < 3 * (int64_t)surface->triangle_count; i++) {
     int32_t a = surface->triangle[i], b = surface->triangle[i % 3 == 2 ? i - 2 : i + 1];
-    if (bwi_gap(surface->point + 3 * (size_t)a, surface->point + 3 * (size_t)b) > most)
+    if (bwi_gap(surface->point + 3 * (size_t)a, surface->point + 3 * (size_t)b) > max)
       return false;
   }
   return true;
@@ -81,7 +81,7 @@ static bw_status make_even(bw_context *context, const bw_surface *surface, bw_su
     options.sharp_angle = plain;
     status = bw_surface_remesh(context, surface, &options, even, NULL);
   }
-  if (status == BW_GEOMETRY && surface->triangle_count <= FACETS_MOST) {
+  if (status == BW_GEOMETRY && surface->triangle_count <= FACETS_MAX) {
     *even = bw_retain(surface);
     status = BW_OK;
   }
@@ -246,12 +246,12 @@ static void warning_cuts(bw_context *context, const bwi_curve *curve, const fram
 /* ---- public ---------------------------------------------------------------------------------- */
 
 static bw_status check_options(bw_context *context, const bw_skeleton_options *o) {
-  if (o->bones < 0 || o->bones > MOST_BONES || !(o->prune >= 0) || !(o->bend > 0) ||
+  if (o->bones < 0 || o->bones > MAX_BONES || !(o->prune >= 0) || !(o->bend > 0) ||
       !(o->minutes > 0))
     return bw_fail(context, BW_INVALID,
                    "options of a skeleton: bones %d (0 to %d), prune %g (at least 0), bend %g "
                    "(above 0), minutes %g (above 0)",
-                   o->bones, MOST_BONES, o->prune, o->bend, o->minutes);
+                   o->bones, MAX_BONES, o->prune, o->bend, o->minutes);
   return BW_OK;
 }
 

@@ -21,7 +21,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { PAIRS = 6, MOST_TRIALS = 20 };
+enum { PAIRS = 6, MAX_TRIALS = 20 };
 
 /* The columns of the inverse of W = [w1 - w0, w2 - w0, w3 - w0], a regular element of edge 1. */
 static const double inverse_w[9] = {
@@ -189,14 +189,14 @@ static void find_direction(workspace *w, size_t n, int pairs, int newest) {
 }
 
 /* Descend from patch->x for at most `most` steps, or until the smallest D exceeds `enough`. */
-static bw_status descend(bw_context *context, minimiser *m, workspace *w, int most, double enough,
+static bw_status descend(bw_context *context, minimiser *m, workspace *w, int max, double enough,
                          double *reached) {
   bwi_patch *p = m->patch;
   size_t n = 3 * (size_t)p->free_count;
   int pairs = 0, newest = PAIRS - 1;
   bw_status status = BW_OK;
   double now = energy(m, p->x, w->gradient);
-  for (int step = 0; step < most && isfinite(now) && m->lowest < enough; step++) {
+  for (int step = 0; step < max && isfinite(now) && m->lowest < enough; step++) {
     BW_TRY(bw_check_cancel(context));
     p->iterations++;
     find_direction(w, n, pairs, newest);
@@ -212,14 +212,14 @@ static bw_status descend(bw_context *context, minimiser *m, workspace *w, int mo
       break;
     double next = INFINITY, before = now;
     int trial = 0;
-    for (; trial < MOST_TRIALS; trial++, size *= 0.5) {
+    for (; trial < MAX_TRIALS; trial++, size *= 0.5) {
       for (size_t i = 0; i < n; i++)
         w->trial[i] = p->x[i] + size * w->direction[i];
       next = energy(m, w->trial, w->trial_gradient);
       if (next <= now + 1e-4 * size * fall)
         break;
     }
-    if (trial == MOST_TRIALS) {
+    if (trial == MAX_TRIALS) {
       if (pairs == 0)
         break;
       pairs = 0;

@@ -233,7 +233,7 @@ done:
  * bone. */
 static void settle_row(const bwi_skinning *s, int32_t node, double *row) {
   int32_t bones = s->skeleton->bone_count, nearest = 0;
-  double sum = 0, place[3], least = HUGE_VAL;
+  double sum = 0, place[3], min = HUGE_VAL;
   for (int32_t b = 0; b < bones; b++) {
     if (!(row[b] > 0))
       row[b] = 0;
@@ -247,8 +247,8 @@ static void settle_row(const bwi_skinning *s, int32_t node, double *row) {
   for (int32_t b = 0; b < bones; b++) {
     double gap = bwi_nearest_on_bone(s->skeleton, b, s->mesh->node + 3 * (size_t)node, place);
     row[b] = 0;
-    if (gap < least) {
-      least = gap;
+    if (gap < min) {
+      min = gap;
       nearest = b;
     }
   }
@@ -275,15 +275,15 @@ static void fill_middles(const bwi_skinning *s, double *weight) {
 static bw_status check_rows(const bwi_skinning *s, const double *weight) {
   size_t bones = (size_t)s->skeleton->bone_count;
   for (int32_t i = 0; i < s->mesh->node_count; i++) {
-    double sum = 0, least = 0;
+    double sum = 0, min = 0;
     for (size_t b = 0; b < bones; b++) {
       sum += weight[(size_t)i * bones + b];
-      least = fmin(least, weight[(size_t)i * bones + b]);
+      min = fmin(min, weight[(size_t)i * bones + b]);
     }
-    if (!(fabs(sum - 1) <= 1e-12) || least < 0) {
+    if (!(fabs(sum - 1) <= 1e-12) || min < 0) {
       bw_status status =
           bw_fail(s->context, BW_INTERNAL, "the weights of node %d sum to %.17g, the least is %g",
-                  i, sum, least);
+                  i, sum, min);
       bw_detail_number(s->context, "node", i);
       return status;
     }

@@ -4,9 +4,9 @@
 
 #include <math.h>
 
-static const double tie = 1e-4;       /* bones as near as this, relatively, share a point */
-static const double inset = 1e-3;     /* of an edge: where a point looks from */
-static const double least_gap = 1e-6; /* of the box: a bone on the surface is this far away */
+static const double tie = 1e-4;     /* bones as near as this, relatively, share a point */
+static const double inset = 1e-3;   /* of an edge: where a point looks from */
+static const double min_gap = 1e-6; /* of the box: a bone on the surface is this far away */
 enum { POINTS_PER_CHUNK = 256 };
 
 typedef struct look {
@@ -100,7 +100,7 @@ static bw_status find_sources(void *data, int64_t begin, int64_t end, int worker
       is_near[b] = close && (!any || (is_near[b] == 0 && (b == first || sees(s, (int32_t)i, b))));
       s->near[i] += is_near[b];
     }
-    d = fmax(d, least_gap * s->size);
+    d = fmax(d, min_gap * s->size);
     s->source[i] = fmax(s->area[i], 1e-12 * s->size * s->size) * s->heat / (d * d);
   }
   return BW_OK;

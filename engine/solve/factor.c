@@ -401,19 +401,19 @@ static bw_status kept_create(bw_context *context, const bwi_symbolic *symbolic,
  * edit hardly ever makes it another. */
 static double unit_of(const bwi_kernels *kernels, const bwi_matrix *matrix, int components) {
   const bw_graph *graph = matrix->graph;
-  double most = 0;
+  double max = 0;
   int exponent = 0;
   if (kernels->bits == 64)
     return 1;
   for (int64_t i = 0; i < graph->node_count; i++) {
     int64_t pair = graph->start[i + 1] - 1; /* the last of a row is its diagonal */
     for (int c = 0; c < components; c++)
-      most = fmax(
-          most,
+      max = fmax(
+          max,
           fabs(matrix->stiffness[pair * components * components + (int64_t)c * (components + 1)]));
   }
-  if (most > 0 && isfinite(most))
-    frexp(fmax(most, 1e-280), &exponent);
+  if (max > 0 && isfinite(max))
+    frexp(fmax(max, 1e-280), &exponent);
   return ldexp(1, -(exponent < 0 ? exponent - 16 : exponent + 16) / 32 * 32);
 }
 

@@ -70,12 +70,12 @@ static bw_status scatter(void *data, int64_t begin, int64_t end, int worker) {
  * times its own unit. */
 static void choose_units(const bwi_factor *factor, int64_t size, transfer *move) {
   for (int k = 0; k < move->used; k++) {
-    double most = 0;
+    double max = 0;
     int exponent = 0;
     for (int64_t i = 0; sizeof(real) < sizeof(double) && i < size; i++)
-      most = fmax(most, fabs(move->force[k * size + i]));
-    if (most > 0 && isfinite(most))
-      frexp(fmax(most, 1e-300), &exponent);
+      max = fmax(max, fabs(move->force[k * size + i]));
+    if (max > 0 && isfinite(max))
+      frexp(fmax(max, 1e-300), &exponent);
     move->unit[k] = ldexp(1, -exponent);
     move->back[k] = ldexp(factor->unit, exponent);
   }
@@ -87,11 +87,11 @@ bw_status bwi_solve_fields_of(bw_context *context, const bwi_factor *factor,
   bw_status status = BW_OK;
   const bwi_symbolic *symbolic = factor->symbolic;
   int64_t nodes = symbolic->order->node_count, size = nodes * symbolic->components;
-  int most = 1;
-  while (most < BWI_MAX_WIDTH && most < count)
-    most *= 2;
+  int max = 1;
+  while (max < BWI_MAX_WIDTH && max < count)
+    max *= 2;
   transfer move = {.symbolic = symbolic, .dof_map = dof_map};
-  move.x = BW_NEW(context, real, (int64_t)symbolic->unknowns * most);
+  move.x = BW_NEW(context, real, (int64_t)symbolic->unknowns * max);
   if (!move.x)
     return BW_MEMORY;
   for (int64_t done_count = 0; done_count < count; done_count += move.used) {

@@ -158,15 +158,15 @@ bw_status bwi_initial_guess_make(bw_context *context, const bw_local_system *loc
   }
   BW_TRY(combine(context, local->system, options->guess_count, options->guess, count, force,
                  rest->guess, rest->force, rest->energy));
-  double most = 0;
+  double max = 0;
   for (int64_t k = 0; k < count; k++) {
     rest->load[k] = norm(dof_map, force + k * size, work);
     if (rest->load[k] > 0)
-      most = fmax(most, norm(dof_map, rest->force + k * size, work) / rest->load[k]);
+      max = fmax(max, norm(dof_map, rest->force + k * size, work) / rest->load[k]);
   }
   if (options->energy)
-    most = fmin(most, 1); /* it is the best combination in energy, 0 among them */
-  rest->tolerance = most > 2 * options->tolerance ? fmin(options->tolerance / most, 0.5) : 0.5;
+    max = fmin(max, 1); /* it is the best combination in energy, 0 among them */
+  rest->tolerance = max > 2 * options->tolerance ? fmin(options->tolerance / max, 0.5) : 0.5;
 done:
   bw_free(work);
   return status;

@@ -11,12 +11,12 @@
 static const double same_stiffness = 1e-12, same_solution = 1e-8, same_residual = 2;
 
 static double difference(const double *a, const double *b, int64_t count) {
-  double most = 0, scale = 0;
+  double max = 0, scale = 0;
   for (int64_t i = 0; i < count; i++) {
-    most = fmax(most, fabs(a[i] - b[i]));
+    max = fmax(max, fabs(a[i] - b[i]));
     scale = fmax(scale, fabs(b[i]));
   }
-  return scale > 0 ? most / scale : most;
+  return scale > 0 ? max / scale : max;
 }
 
 /* |f - K u| over what it may be, at the unknowns. */

@@ -48,7 +48,7 @@ static void edges(const bw_mesh *mesh, const int32_t *node, const double *frame,
 static double largest_change(const bw_local_system *local) {
   const bwi_local *inner = local->inner;
   const bw_mesh *before = inner->factored, *now = inner->model->mesh;
-  double most = 0;
+  double max = 0;
   for (int32_t e = 0; e < now->element_count; e++) {
     int32_t domain = inner->element_domain[e];
     if (!inner->touched[domain])
@@ -66,9 +66,9 @@ static double largest_change(const bw_local_system *local) {
           b += to[3 * i + k] * inverse[3 * k + j];
         change += b * b;
       }
-    most = fmax(most, change);
+    max = fmax(max, change);
   }
-  return sqrt(most);
+  return sqrt(max);
 }
 
 /* Iterations for so many digits (natural logarithm). */

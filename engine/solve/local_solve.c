@@ -14,7 +14,7 @@
 #include "solve/local.h"
 
 /* More than this is no way to solve; nor with a factor that lacks digits only. */
-enum { MOST_ITERATIONS = 2000, MOST_REFINEMENTS = 40 };
+enum { MAX_ITERATIONS = 2000, MAX_REFINEMENTS = 40 };
 
 void bw_local_options_default(bw_local_options *options) {
   *options = (bw_local_options){.method = BW_LOCAL_AUTO, .tolerance = BWI_LOCAL_TOLERANCE};
@@ -82,9 +82,8 @@ static bw_status solve_directly(bw_context *context, bw_local_system *local,
   const bw_dof_map *dof_map = local->system->dof_map;
   bool solved = false;
   if (inner->factor->kernels->bits == 32) {
-    bwi_pcg problem = {.tolerance = options->tolerance,
-                       .energy_alone = options->energy,
-                       .limit = MOST_REFINEMENTS};
+    bwi_pcg problem = {
+        .tolerance = options->tolerance, .energy_alone = options->energy, .limit = MAX_REFINEMENTS};
     if (!left->force)
       BW_TRY(bwi_initial_guess_make(context, local, options, count, displacement, left));
     BW_TRY(conjugate(context, local, left, count, &problem, displacement));
@@ -140,25 +139,25 @@ typedef struct limits {
 static int within(double budget, double predicted, double one) {
   if (!(one > 0) || !(predicted <= budget) || budget < one)
     return 0;
-  return budget / one > MOST_ITERATIONS ? MOST_ITERATIONS : (int)(budget / one);
+  return budget / one > MAX_ITERATIONS ? MAX_ITERATIONS : (int)(budget / one);
 }
 
 static limits iterations_worth(const bw_local_system *local, bw_local_method method,
                                const bwi_local_cost *cost) {
   if (method == BW_LOCAL_ITERATE)
-    return (limits){.iterate = MOST_ITERATIONS};
+    return (limits){.iterate = MAX_ITERATIONS};
   if (method != BW_LOCAL_AUTO)
     return (limits){0};
   double budget = cost->refactor - local->inner->spent;
-  limits most = {0};
+  limits max = {0};
   double more = cost->pcg - cost->again; /* than with a factor always up to date */
   if ((more <= 0 || local->inner->excess_seconds + more < cost->refactor - cost->again) &&
       within(budget, cost->pcg, cost->one_level_iteration) > 0)
-    most.pcg = (int)(2 * cost->level_iterations) + 8; /* what is close to its end is not given up */
-  if (most.pcg > 0)
+    max.pcg = (int)(2 * cost->level_iterations) + 8; /* what is close to its end is not given up */
+  if (max.pcg > 0)
     budget = fmin(budget, cost->pcg);
-  most.iterate = within(budget, cost->iterate, cost->one_iteration);
-  return most;
+  max.iterate = within(budget, cost->iterate, cost->one_iteration);
+  return max;
 }
 
 static bw_status fail_convergence(bw_context *context, int iterations, double tolerance) {
@@ -195,7 +194,7 @@ static bw_status solve_by_iterations(bw_context *context, bw_local_system *local
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
   bwi_local_cost cost = {.pcg = INFINITY};
-  limits most = {0};
+  limits max = {0};
   int iterations = 0;
   double start = bw_seconds();
   bool usable = bwi_local_usable(local) && !bwi_local_current(local);
@@ -209,7 +208,7 @@ static bw_status solve_by_iterations(bw_context *context, bw_local_system *local
     BW_TRY(bwi_initial_guess_make(context, local, options, count, displacement, left));
   if (usable) {
     bwi_local_predict(local, options, left->tolerance, count, &cost);
-    most = iterations_worth(local, options->method, &cost);
+    max = iterations_worth(local, options->method, &cost);
     if (reuse) {
       reuse->predicted_refactor = cost.refactor;
       reuse->predicted_iterate = cost.iterate;
@@ -217,10 +216,10 @@ static bw_status solve_by_iterations(bw_context *context, bw_local_system *local
     }
   }
   if (options->method == BW_LOCAL_PCG)
-    most.pcg = MOST_ITERATIONS;
-  if (most.iterate > 0) {
-    double instead = most.pcg > 0 ? fmin(cost.refactor, cost.pcg) : cost.refactor;
-    BW_TRY(iterate(context, local, options, most.iterate,
+    max.pcg = MAX_ITERATIONS;
+  if (max.iterate > 0) {
+    double instead = max.pcg > 0 ? fmin(cost.refactor, cost.pcg) : cost.refactor;
+    BW_TRY(iterate(context, local, options, max.iterate,
                    options->method == BW_LOCAL_AUTO ? instead / cost.one_iteration : 0, &cost, left,
                    count, displacement, &iterations, solved));
     if (!*solved && options->method == BW_LOCAL_ITERATE) {
@@ -230,9 +229,9 @@ static bw_status solve_by_iterations(bw_context *context, bw_local_system *local
     if (*solved && reuse)
       reuse->method = BW_LOCAL_ITERATE;
   }
-  if (!*solved && most.pcg > 0) {
+  if (!*solved && max.pcg > 0) {
     int before = iterations;
-    BW_TRY(bwi_local_by_two_level(context, local, options, most.pcg, left, count, displacement,
+    BW_TRY(bwi_local_by_two_level(context, local, options, max.pcg, left, count, displacement,
                                   &iterations, solved));
     int needed = iterations - before;
     inner->spent += needed * cost.one_level_iteration;

@@ -23,7 +23,7 @@
 
 /* More domains than this are ordered as if there were none: what is counted here grows with their
  * square. */
-enum { MOST_DOMAINS = 512 };
+enum { MAX_DOMAINS = 512 };
 
 /* Of more domains than this nearly every second one is joined to another at least: interfaces of
  * all make the factor several times dearer. */
@@ -107,16 +107,16 @@ typedef struct grouping {
 static void join(grouping *g, int32_t wanted) {
   size_t n = (size_t)g->domains;
   while (g->groups > wanted) {
-    int32_t most = 0;
+    int32_t max = 0;
     size_t low = 0, high = 0;
     for (size_t a = 0; a < n; a++)
       for (size_t b = a + 1; b < n; b++)
-        if (g->shared[a * n + b] > most) {
-          most = g->shared[a * n + b];
+        if (g->shared[a * n + b] > max) {
+          max = g->shared[a * n + b];
           low = a;
           high = b;
         }
-    if (most == 0)
+    if (max == 0)
       return;
     for (size_t a = 0; a < n; a++) {
       g->shared[low * n + a] += g->shared[high * n + a];
@@ -350,7 +350,7 @@ bw_status bwi_order_create_domains(bw_context *context, const bw_graph *graph, c
     if (element_domain[e] < 0 || element_domain[e] >= domain_count)
       return bw_fail(context, BW_INVALID, "element %lld is of domain %d, there are %d",
                      (long long)(e + 1), element_domain[e] + 1, domain_count);
-  if (domain_count < 2 || domain_count > MOST_DOMAINS)
+  if (domain_count < 2 || domain_count > MAX_DOMAINS)
     return bwi_order_create(context, graph, take, order);
   BW_TRY(bwi_adjacency_create(context, graph, take, &near));
   s.permutation = BW_NEW(context, idx_t, near.size);

@@ -193,11 +193,11 @@ static void step(iteration *it, int k, bool *sound) {
 static bw_status retire_sure(iteration *it) {
   bw_status status = BW_OK;
   double tolerance = it->problem->tolerance;
-  double least = it->problem->energy_alone ? ENERGY_FALLS_MOSTLY : ENERGY_FALLS;
+  double min = it->problem->energy_alone ? ENERGY_FALLS_MOSTLY : ENERGY_FALLS;
   for (int k = 0; k < it->active;) {
     column *c = &it->column[k];
     const double *r = it->r + k * it->size;
-    double size = sqrt(bwi_dot(it->size, r, r)), fall = size / (c->size * least);
+    double size = sqrt(bwi_dot(it->size, r, r)), fall = size / (c->size * min);
     bool more = true;
     c->restarted = false;
     c->size = size;

@@ -8,7 +8,7 @@
 #include "solve/internal.h"
 
 /* A subtree becomes a task when it holds no more than this fraction of the work. */
-enum { TASKS_AT_LEAST = 24 };
+enum { MIN_TASKS = 24 };
 
 double bwi_front_flops(const bwi_symbolic *symbolic, int32_t s) {
   double n = bwi_pivots(symbolic, s), m = symbolic->rows[s];
@@ -69,7 +69,7 @@ bw_status bwi_plan_create(bw_context *context, const bwi_symbolic *symbolic, con
     } else
       plan->flops += below[s];
   }
-  double limit = plan->flops / TASKS_AT_LEAST;
+  double limit = plan->flops / MIN_TASKS;
   for (int32_t s = 0; s < supers; s++) {
     if (wanted && !wanted[s])
       continue;

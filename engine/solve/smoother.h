@@ -21,7 +21,7 @@
 
 #include "solve/internal.h"
 
-enum { BWI_SMOOTHER_SIDES = 8, BWI_SMOOTHER_ROWS = 512, BWI_SMOOTHER_MOST_CHUNKS = 16 };
+enum { BWI_SMOOTHER_SIDES = 8, BWI_SMOOTHER_ROWS = 512, BWI_SMOOTHER_MAX_CHUNKS = 16 };
 /* Numbers that a packed field has room for behind its end. */
 enum { BWI_SMOOTHER_SPARE = 8 };
 
@@ -42,8 +42,8 @@ typedef struct bwi_smoother {
   int32_t *node;         /* count: in the order of the rows */
   int32_t *place;        /* count: and the row of each */
   int32_t chunk_count;
-  int32_t chunk_start[BWI_SMOOTHER_MOST_CHUNKS + 1]; /* rows after the last are between chunks */
-  bwi_smoother_part even, odd;                       /* of 6 numbers, of 9 */
+  int32_t chunk_start[BWI_SMOOTHER_MAX_CHUNKS + 1]; /* rows after the last are between chunks */
+  bwi_smoother_part even, odd;                      /* of 6 numbers, of 9 */
   float *inverse;   /* 9 by row, by columns: of the diagonal block at the unknowns, of unit * K */
   double *diagonal; /* 9 by row: unit * K */
   double unit;

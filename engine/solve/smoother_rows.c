@@ -100,15 +100,15 @@ static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
 bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *s, const double *stiffness,
                               const bw_dof_map *dof_map, bool *usable) {
   bw_status status = BW_OK;
-  double most = 0;
+  double max = 0;
   int exponent = 0;
   *usable = false;
   for (int64_t i = 0; i < s->count; i++)
     for (int d = 0; d < 9; d += 4)
-      most = fmax(most, stiffness[9 * (s->graph->start[i + 1] - 1) + d]);
-  if (!(most > 0) || !isfinite(most))
+      max = fmax(max, stiffness[9 * (s->graph->start[i + 1] - 1) + d]);
+  if (!(max > 0) || !isfinite(max))
     return BW_OK;
-  frexp(most, &exponent);
+  frexp(max, &exponent);
   s->unit = ldexp(1, -exponent);
   taking t = {s, stiffness, dof_map};
   BW_TRY(bw_parallel(context, s->count, ROWS, take, &t));
@@ -167,7 +167,7 @@ static bool is_between(const bw_graph *graph, int32_t i, const int32_t *at, int3
 /* From nodes by distance (`at`: the inverse) to the order of rows, in as many chunks as leave few
  * nodes between them, whose rows are swept one after the other. */
 static void cut(bwi_smoother *s, const int32_t *near, const int32_t *at) {
-  int32_t chunks = BWI_SMOOTHER_MOST_CHUNKS, row = 0, chunk = -1;
+  int32_t chunks = BWI_SMOOTHER_MAX_CHUNKS, row = 0, chunk = -1;
   for (; chunks > 1; chunks /= 2) {
     int32_t shared = 0;
     for (int32_t i = 0; i < s->count; i++)

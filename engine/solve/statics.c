@@ -151,8 +151,8 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map, const
   bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, work);
   double scale = norm(work, size);
   result->residual = scale > 0 ? 1 : 0;
-  int most = solver->once ? 0 : REFINEMENTS;
-  for (int pass = 0; scale > 0 && pass <= most && result->residual > solver->refine_to; pass++) {
+  int max = solver->once ? 0 : REFINEMENTS;
+  for (int pass = 0; scale > 0 && pass <= max && result->residual > solver->refine_to; pass++) {
     BW_TRY(solver->solve(context, solver->data, work, step));
     for (int64_t i = 0; i < size; i++)
       step[i] += u[i];

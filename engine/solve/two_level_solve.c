@@ -270,8 +270,8 @@ static double allowed(const iteration *it, int f) {
   const column *c = &it->column[f];
   if (it->problem->energy_alone)
     return INFINITY;
-  double most = 0.5 * it->problem->tolerance * c->load; /* whoever looks at it takes other norms */
-  return c->size <= most ? most : fmax(most, noise(it, f));
+  double max = 0.5 * it->problem->tolerance * c->load; /* whoever looks at it takes other norms */
+  return c->size <= max ? max : fmax(max, noise(it, f));
 }
 
 /* r = f, z = M r, p = z, for all fields; forces that are 0 are done at once. */
@@ -375,11 +375,11 @@ done:
 /* Fields whose residual has fallen so far that r . z surely has too. */
 static bool find_sure(const iteration *it, const double *before, bool *ended) {
   double tolerance = aim(it->problem);
-  double least = it->problem->energy_alone ? ENERGY_FALLS_MOSTLY : ENERGY_FALLS;
+  double min = it->problem->energy_alone ? ENERGY_FALLS_MOSTLY : ENERGY_FALLS;
   bool any = false;
   for (int f = 0; f < it->used; f++) {
     const column *c = &it->column[f];
-    double fall = c->size / (before[f] * least);
+    double fall = c->size / (before[f] * min);
     ended[f] = !c->done && fall < 1 &&
                c->r_dot_z * fall * fall <= tolerance * tolerance * c->energy &&
                c->size <= allowed(it, f);
@@ -390,19 +390,19 @@ static bool find_sure(const iteration *it, const double *before, bool *ended) {
 
 /* How far the slowest has come, in digits. */
 static double fraction_done(const iteration *it) {
-  double wanted = log(aim(it->problem)), least = 1;
+  double wanted = log(aim(it->problem)), min = 1;
   for (int f = 0; f < it->used; f++)
     if (!it->column[f].done)
-      least = fmin(least, 0.5 * log(it->column[f].r_dot_z / it->column[f].energy) / wanted);
-  return fmax(0, least);
+      min = fmin(min, 0.5 * log(it->column[f].r_dot_z / it->column[f].energy) / wanted);
+  return fmax(0, min);
 }
 
 static double largest_residual(const iteration *it) {
-  double most = 0;
+  double max = 0;
   for (int f = 0; f < it->used; f++)
     if (!it->column[f].done)
-      most = fmax(most, it->column[f].size / it->column[f].load);
-  return most;
+      max = fmax(max, it->column[f].size / it->column[f].load);
+  return max;
 }
 
 static bool going_on(const iteration *it) {

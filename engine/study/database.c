@@ -61,9 +61,9 @@ static void database_destroy(void *object) {
 
 static size_t database_bytes(const void *object) {
   const bw_database *d = (const bw_database *)object;
-  int now = 0, most = 0;
+  int now = 0, max = 0;
   if (d->owner == getpid())
-    sqlite3_db_status(d->connection, SQLITE_DBSTATUS_CACHE_USED, &now, &most, 0);
+    sqlite3_db_status(d->connection, SQLITE_DBSTATUS_CACHE_USED, &now, &max, 0);
   return sizeof *d + (size_t)now;
 }
 

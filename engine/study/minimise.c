@@ -82,7 +82,7 @@ typedef struct run {
   bw_status failure;
   bool lost;  /* NLopt asked for a value at a point that is none */
   bool spent; /* NLopt asked for more evaluations than it may have */
-  int64_t evaluations, most_evaluations;
+  int64_t evaluations, max_evaluations;
   int constraints;
   double tolerance;
 
@@ -159,7 +159,7 @@ static double ask(unsigned n, const double *x, double *gradient, void *data) {
     return 0;
   for (unsigned i = 0; i < n; i++)
     r->lost = r->lost || !isfinite(x[i]);
-  r->spent = f->which == 0 && r->evaluations == r->most_evaluations;
+  r->spent = f->which == 0 && r->evaluations == r->max_evaluations;
   if (!r->lost && !r->spent) {
     r->failure = bw_check_cancel(r->context);
     if (r->failure == BW_OK)
@@ -188,7 +188,7 @@ static void list_methods(bool constraints, bool local, char text[160]) {
 }
 
 static bw_status check(bw_context *context, const method *m, int n, const double *x,
-                       const double *least, const double *most, int constraints,
+                       const double *min, const double *max, int constraints,
                        const bw_minimise_options *o) {
   char others[160];
   if (n < 1)
@@ -200,7 +200,7 @@ static bw_status check(bw_context *context, const method *m, int n, const double
     return bw_fail(context, BW_INVALID, "%s takes no constraints; these do: %s", m->word, others);
   list_methods(false, true, others);
   for (int i = 0; i < n; i++) {
-    double low = least ? least[i] : -INFINITY, high = most ? most[i] : INFINITY;
+    double low = min ? min[i] : -INFINITY, high = max ? max[i] : INFINITY;
     if (m->global && !(isfinite(low) && isfinite(high)))
       return bw_fail(context, BW_INVALID,
                      "%s searches between bounds, and variable %d lacks one; these go without: %s",
@@ -225,13 +225,13 @@ static bw_status check(bw_context *context, const method *m, int n, const double
 
 /* ---- a run ----------------------------------------------------------------------------------- */
 
-static nlopt_result prepare(nlopt_opt nlopt, const double *least, const double *most,
-                            int constraints, face *faces, const bw_minimise_options *o) {
+static nlopt_result prepare(nlopt_opt nlopt, const double *min, const double *max, int constraints,
+                            face *faces, const bw_minimise_options *o) {
   nlopt_result got = nlopt_set_min_objective(nlopt, ask, &faces[0]);
-  if (got > 0 && least)
-    got = nlopt_set_lower_bounds(nlopt, least);
-  if (got > 0 && most)
-    got = nlopt_set_upper_bounds(nlopt, most);
+  if (got > 0 && min)
+    got = nlopt_set_lower_bounds(nlopt, min);
+  if (got > 0 && max)
+    got = nlopt_set_upper_bounds(nlopt, max);
   for (int i = 1; i <= constraints && got > 0; i++)
     got = nlopt_add_inequality_constraint(nlopt, ask, &faces[i], o->constraint_tolerance);
   if (got > 0 && o->tolerance > 0)
@@ -298,8 +298,8 @@ static bw_status measure(run *r, const double *x, bw_minimise_result *result) {
   return BW_OK;
 }
 
-bw_status bw_minimise(bw_context *context, int n, double *x, const double *least,
-                      const double *most, int constraints, bw_minimised *function, void *data,
+bw_status bw_minimise(bw_context *context, int n, double *x, const double *min, const double *max,
+                      int constraints, bw_minimised *function, void *data,
                       const bw_minimise_options *options, bw_minimise_result *result) {
   bw_minimise_options defaults;
   bw_minimise_options_default(&defaults);
@@ -307,7 +307,7 @@ bw_status bw_minimise(bw_context *context, int n, double *x, const double *least
   if ((int)options->method < 0 || (int)options->method >= METHODS)
     return bw_fail(context, BW_INVALID, "minimiser %d is not known", (int)options->method);
   const method *m = &methods[options->method];
-  bw_status status = check(context, m, n, x, least, most, constraints, options);
+  bw_status status = check(context, m, n, x, min, max, constraints, options);
   if (status != BW_OK)
     return status;
   run r = {.context = context,
@@ -317,7 +317,7 @@ bw_status bw_minimise(bw_context *context, int n, double *x, const double *least
            .n = n,
            .constraints = constraints,
            .tolerance = options->constraint_tolerance,
-           .most_evaluations = options->evaluations,
+           .max_evaluations = options->evaluations,
            .best_value = INFINITY};
   bw_minimise_result found = {.value = INFINITY};
   face *faces = BW_NEW(context, face, constraints + 1);
@@ -334,7 +334,7 @@ bw_status bw_minimise(bw_context *context, int n, double *x, const double *least
     faces[i] = (face){&r, i};
   r.nlopt = nlopt_create(m->algorithm, (unsigned)n);
   nlopt_result got =
-      r.nlopt ? prepare(r.nlopt, least, most, constraints, faces, options) : NLOPT_OUT_OF_MEMORY;
+      r.nlopt ? prepare(r.nlopt, min, max, constraints, faces, options) : NLOPT_OUT_OF_MEMORY;
   if (got > 0)
     got = nlopt_optimize(r.nlopt, at, &found.value);
   BW_TRY(outcome(&r, got, &found));

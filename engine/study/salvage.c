@@ -22,7 +22,7 @@
 
 /* In one gap: so many row numbers one by one, then in strides that double after some more. */
 enum { TRIES = 1 << 12, TRIES_OF_A_STRIDE = 32, NAME = BWI_LONGEST_PATH + 64, SIDE = NAME + 16 };
-enum { MOST_ROWS = 1000000000 }; /* of a table: what is more is no count */
+enum { MAX_ROWS = 1000000000 }; /* of a table: what is more is no count */
 
 typedef struct salvage {
   bw_context *context;
@@ -243,7 +243,7 @@ static int64_t last_number(salvage *s, const char *table) {
 
 /* A damaged page may hold any row number: what no file has room for is no count. */
 static void add_lost(gap *gaps, int64_t rows) {
-  if (rows > MOST_ROWS)
+  if (rows > MAX_ROWS)
     gaps->open_end = true;
   else
     gaps->lost += rows;

@@ -65,8 +65,8 @@ bw_status bw_sobol(bw_context *context, int64_t count, int dimensions,
   if (dimensions < 1 || dimensions > BW_SOBOL_DIMENSIONS)
     return bw_fail(context, BW_INVALID, "Sobol points in %d dimensions: 1 to %d expected",
                    dimensions, BW_SOBOL_DIMENSIONS);
-  int64_t most = (int64_t)1 << BWI_SOBOL_BITS;
-  if (count < 0 || options->skip < 0 || count > most || options->skip > most - count)
+  int64_t max = (int64_t)1 << BWI_SOBOL_BITS;
+  if (count < 0 || options->skip < 0 || count > max || options->skip > max - count)
     return bw_fail(context, BW_INVALID, "Sobol points %lld to %lld: there are 2^%d, counted from 0",
                    (long long)options->skip, (long long)(options->skip + count - 1),
                    BWI_SOBOL_BITS);

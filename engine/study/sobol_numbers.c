@@ -119,7 +119,7 @@ static bool add_row(uint32_t *pivot, uint32_t row) {
 
 int bwi_sobol_t(const uint32_t *a, const uint32_t *b, int m) {
   uint32_t row_a[BWI_SOBOL_BITS], row_b[BWI_SOBOL_BITS], first[BWI_SOBOL_BITS] = {0};
-  int least = m;
+  int min = m;
   for (int r = 0; r < m; r++) {
     row_a[r] = row_of(a, r, m);
     row_b[r] = row_of(b, r, m);
@@ -132,10 +132,10 @@ int bwi_sobol_t(const uint32_t *a, const uint32_t *b, int m) {
       pivot[k] = first[k];
     while (i + j < m && add_row(pivot, row_b[j]))
       j++;
-    if (i + j < least)
-      least = i + j;
+    if (i + j < min)
+      min = i + j;
     if (i < m && !add_row(first, row_a[i]))
-      return m - (i < least ? i : least);
+      return m - (i < min ? i : min);
   }
-  return m - least;
+  return m - min;
 }

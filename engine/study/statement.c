@@ -208,13 +208,13 @@ static bw_status add_line(bw_context *context, text *list, const char *line, siz
   return BW_OK;
 }
 
-bw_status bw_database_check(bw_context *context, bw_database *d, int most, char **problems) {
+bw_status bw_database_check(bw_context *context, bw_database *d, int max, char **problems) {
   char sql[64];
   text list = {NULL, 0, 0};
   bw_statement *s = NULL;
   bw_sql_value value;
   bool row = true;
-  snprintf(sql, sizeof sql, "PRAGMA quick_check(%d)", most);
+  snprintf(sql, sizeof sql, "PRAGMA quick_check(%d)", max);
   bw_status status = bw_database_prepare(context, d, sql, &s);
   while (status == BW_OK) {
     status = bw_statement_step(context, s, &row);

@@ -15,13 +15,13 @@ local results = assert(bw.results.open(folder, {script = arg[0], seed = 1}))
 local study = bw.study {
   name = "bridge", seed = 1, file = results:path(quick and "bridge_quick.study" or "bridge.study"),
   variables = {
-    {name = "load", unit = "N", least = 500, most = 2000},
+    {name = "load", unit = "N", min = 500, max = 2000},
     {name = "start", kind = "choice", of = quick and {"truss"} or {"truss", "arch"}},
   },
   measures = {{name = "mass", unit = "kg"}, {name = "beam", unit = "kg"}, {name = "michell"},
     {name = "utilisation"}},
-  objectives = {{name = "mass", goal = "least"}},
-  constraints = {{name = "utilisation", most = 1}},
+  objectives = {{name = "mass", goal = "min"}},
+  constraints = {{name = "utilisation", max = 1}},
   design = {"grid", levels = {load = quick and 2 or 4}},
   run = function(point, trial)
     local bridge, message = bw.responsive.bridge {span = 200 * mm, load = point.load, stress_limit = 30e6,

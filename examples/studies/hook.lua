@@ -32,10 +32,10 @@ local limit = 12 * MPa
 local results = assert(bw.results.open(folder, {script = arg[0], seed = 1}))
 local study = bw.study {
   name = "safe hook", seed = 1, file = results:path(quick and "hook_quick.study" or "hook.study"),
-  variables = {{name = "force", unit = "N", least = 60, most = 240}},
+  variables = {{name = "force", unit = "N", min = 60, max = 240}},
   measures = {{name = "before", unit = "Pa"}, {name = "after", unit = "Pa"}, {name = "mass", unit = "kg"},
     {name = "moved", unit = "m"}, {name = "rounds"}},
-  objectives = {{name = "mass", goal = "least"}},
+  objectives = {{name = "mass", goal = "min"}},
   design = {"grid", levels = quick and 2 or 4},
   run = function(point, trial)
     local part = bw.model {mesh = mesh, material = pla}

@@ -21,8 +21,8 @@ local study = bw.study {
   },
   measures = {{name = "frequency", unit = "Hz"}, {name = "cents", unit = "cent"}, {name = "moved", unit = "m"},
     {name = "mass", unit = "kg"}},
-  objectives = {{name = "moved", goal = "least"}},
-  constraints = {{name = "cents", least = -1, most = 1}},
+  objectives = {{name = "moved", goal = "min"}},
+  constraints = {{name = "cents", min = -1, max = 1}},
   design = {"grid"},
   run = function(point, trial)
     local bar, message = bw.responsive.metallophone {outline = fish, thickness = 4 * mm,

@@ -36,11 +36,11 @@ local study = bw.study {
   name = "print orientation", seed = 1,
   file = results:path(quick and "orientation_quick.study" or "orientation.study"),
   variables = {
-    {name = "tilt", unit = "rad", least = 0, most = pi / 2},
-    {name = "turn", unit = "rad", least = 0, most = pi},
+    {name = "tilt", unit = "rad", min = 0, max = pi / 2},
+    {name = "turn", unit = "rad", min = 0, max = pi},
   },
   measures = {{name = "utilisation"}, {name = "max_principal", unit = "Pa"}},
-  objectives = {{name = "utilisation", goal = "least"}},
+  objectives = {{name = "utilisation", goal = "min"}},
   design = {"sobol", count = quick and 4 or 32},
   run = function(point, trial)
     local gypsum = bw.material.zp150:rotated(rotation(point.tilt, point.turn))

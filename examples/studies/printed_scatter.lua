@@ -31,7 +31,7 @@ local count = quick and 10 or 200
 local study = bw.study {
   name = "printed scatter", seed = 1,
   file = results:path(quick and "scatter_quick.study" or "scatter.study"),
-  variables = {{name = "sample", kind = "integer", least = 1, most = count}},
+  variables = {{name = "sample", kind = "integer", min = 1, max = count}},
   measures = {{name = "young_x", unit = "Pa"}, {name = "sag", unit = "m"}, {name = "frequency", unit = "Hz"},
     {name = "stress", unit = "Pa"}},
   design = {"grid"},
@@ -70,12 +70,12 @@ quantiles("frequency", 1, "Hz")
 quantiles("stress", 1e-6, "MPa")
 
 -- 3. A check that the sampling is sound: bending goes with 1 / E_x, so sag times E_x hardly varies.
-local least, most = math.huge, 0
+local min, max = math.huge, 0
 for _, trial in ipairs(trials) do
   local product = trial.results.sag * trial.results.young_x
-  least, most = math.min(least, product), math.max(most, product)
+  min, max = math.min(min, product), math.max(max, product)
 end
-assert(most / least < 1.1 and low < middle and middle < high)
+assert(max / min < 1.1 and low < middle and middle < high)
 assert(trials:plot("scatter_matrix"):write(results:path "scatter.svg"))
 assert(trials:report(results:path "scatter.html"))
 assert(results:write {parts = #trials, sag_5_percent_m = low * mm, sag_median_m = middle * mm,

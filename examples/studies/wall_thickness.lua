@@ -15,12 +15,12 @@ local results = assert(bw.results.open(folder, {script = arg[0], seed = 1}))
 local study = bw.study {
   name = "wall thickness", seed = 1, file = results:path(quick and "walls_quick.study" or "walls.study"),
   variables = {
-    {name = "radius", unit = "m", least = 6 * mm, most = 14 * mm},
-    {name = "wall", unit = "m", least = 1.6 * mm, most = 5 * mm},
+    {name = "radius", unit = "m", min = 6 * mm, max = 14 * mm},
+    {name = "wall", unit = "m", min = 1.6 * mm, max = 5 * mm},
   },
   measures = {{name = "mass", unit = "kg"}, {name = "sag", unit = "m"}, {name = "stress", unit = "Pa"}},
-  objectives = {{name = "mass", goal = "least"}, {name = "sag", goal = "least"}},
-  constraints = {{name = "stress", most = 25e6}},
+  objectives = {{name = "mass", goal = "min"}, {name = "sag", goal = "min"}},
+  constraints = {{name = "stress", max = 25e6}},
   design = {"pareto", population = quick and 4 or 12, generations = quick and 1 or 5},
   run = function(point)
     local r, wall = point.radius, point.wall

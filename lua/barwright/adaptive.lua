@@ -113,7 +113,7 @@ end
 -- ---- modes -----------------------------------------------------------------------------------------
 
 local mode_rules = with_common {
-  count = {type = "integer", default = 15, least = 1, most = 500},
+  count = {type = "integer", default = 15, min = 1, max = 500},
   tolerance = {type = "number", above = 0},
   sturm = {type = "boolean"},
   seed = {type = "integer"},

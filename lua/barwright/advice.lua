@@ -15,20 +15,20 @@ local rules = {
   force = {type = "number", above = 0, needed = true},
   estimate = {type = "number", above = 0},
   keep = {type = "function"},
-  most_offset = {type = "number", default = 0.25, above = 0, most = 1},
+  max_offset = {type = "number", default = 0.25, above = 0, max = 1},
 }
 
 -- Places at most. Where more are needed to cover all that is too weak, bumps are larger by this factor, and again.
-local MOST, WIDER = 20, 1.25
+local MAX, WIDER = 20, 1.25
 -- The radius of a bump: so many times the judged patch's radius, or the thickness there times the second; at most
 -- this share of the diagonal.
 local OF_PATCH, OF_THICKNESS, OF_DIAGONAL = 3, 1.25, 0.2
 -- An offset is at most this share of the thickness: the linearised stresses do not reach further.
-local MOST_OF_THICKNESS = 0.5
+local MAX_THICKNESS_FRACTION = 0.5
 -- Places are this share of the radius apart at least.
 local APART = 0.6
 -- Bumps of a smaller share of their radius are left out.
-local LEAST_OFFSET = 1e-3
+local MIN_OFFSET = 1e-3
 -- Rays by which thicknesses are measured.
 local RAYS = 4000
 -- The prediction is taken to be off by this share of the logarithm of what it promises.
@@ -111,19 +111,19 @@ local function thickness_meter(mesh)
   end
 end
 
--- Of a list of nodes those of which no two lie within one bump, MOST at most, and whether there are more. Bumps
+-- Of a list of nodes those of which no two lie within one bump, MAX at most, and whether there are more. Bumps
 -- are as large as the thickness asks for, times `wider`.
 local function apart(breaking, list, thickness, wider)
-  local chosen, most = {}, OF_DIAGONAL * diagonal(breaking.box)
+  local chosen, max = {}, OF_DIAGONAL * diagonal(breaking.box)
   for _, one in ipairs(list) do
     local free = true
     for _, other in ipairs(chosen) do free = free and distance(other.at, one.at) > APART * other.radius end
-    if free and #chosen == MOST then return chosen, true end
+    if free and #chosen == MAX then return chosen, true end
     if free then
       one.thickness = one.thickness or thickness(one.at)
       local radius = math.max(OF_PATCH * breaking.length,
         one.thickness < math.huge and OF_THICKNESS * one.thickness or 0)
-      one.radius = math.min(wider * radius, most)
+      one.radius = math.min(wider * radius, max)
       chosen[#chosen + 1] = one
     end
   end
@@ -144,9 +144,9 @@ local function choose(breaking, above, keep)
     if a.used ~= b.used then return a.used > b.used end
     return a.node < b.node
   end)
-  local most, wider = OF_DIAGONAL * diagonal(breaking.box), 1
+  local max, wider = OF_DIAGONAL * diagonal(breaking.box), 1
   local chosen, more = apart(breaking, list, thickness, wider)
-  while more and wider * OF_PATCH * breaking.length < most do
+  while more and wider * OF_PATCH * breaking.length < max do
     wider = WIDER * wider
     chosen, more = apart(breaking, list, thickness, wider)
   end
@@ -171,7 +171,7 @@ local function gradient_of(breaking, judge, place)
   local limits = worst.limits
   local pressure, value, motion, price = core.priced_load(worst.system, worst.basis,
     worst.basis:gradient(adjoint + by_force), {pressure = limits.pressure, force = limits.force,
-    at_most = limits.at_most})
+    force_is_max = limits.force_is_max})
   if not pressure then return nil, value, motion end
   local u
   u, message, details = worst.system:solve(worst.basis:force(pressure))
@@ -217,12 +217,12 @@ end
 
 -- The least offsets of some places with which the logarithms of all fall to that of the limit, where that can be,
 -- each at most a share of its radius and of the thickness. In radii, so that the numbers are of order one.
-local function offsets(places, moved, matrix, limit, most)
+local function offsets(places, moved, matrix, limit, max)
   local H, A, b, low, high, g = {}, {}, {}, {}, {}, {}
   for j, place in ipairs(moved) do
     H[j], low[j], g[j] = {}, 0, 0
     for k = 1, #moved do H[j][k] = j == k and 1 or 0 end
-    high[j] = math.min(most, MOST_OF_THICKNESS * place.thickness / place.radius)
+    high[j] = math.min(max, MAX_THICKNESS_FRACTION * place.thickness / place.radius)
   end
   for i, place in ipairs(places) do
     A[i], b[i] = {}, math.log(limit / place.used)
@@ -245,11 +245,11 @@ local function solve(breaking, judge, places, limit, opts)
   while #moved > 0 do
     local matrix = sensitivities(shape, slopes, moved, opts.keep)
     local fine
-    fine, message, details = offsets(places, moved, matrix, limit, opts.most_offset)
+    fine, message, details = offsets(places, moved, matrix, limit, opts.max_offset)
     if not fine then return nil, message, details end
     local needed = {}
     for _, place in ipairs(moved) do
-      if place.offset > LEAST_OFFSET * place.radius then needed[#needed + 1] = place end
+      if place.offset > MIN_OFFSET * place.radius then needed[#needed + 1] = place end
     end
     if #needed == #moved then return moved, matrix end
     moved = needed

@@ -10,9 +10,9 @@ local SHARE = 0.02
 local CRITICAL = 0.5
 
 local function thinnest(box)
-  local least = math.huge
-  for k = 1, 3 do least = math.min(least, box.high[k] - box.low[k]) end
-  return least
+  local min = math.huge
+  for k = 1, 3 do min = math.min(min, box.high[k] - box.low[k]) end
+  return min
 end
 
 local function of_material(material, box)

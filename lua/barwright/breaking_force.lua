@@ -28,20 +28,20 @@ local rules = breaking_loads.rules {
   material = {type = "material"},
   force = {type = "number", default = 20, above = 0},
   contact = {type = "number", default = 1e-4, above = 0},
-  error = {type = "number", default = 0.05, above = 0, most = 1},
-  elements = {type = "integer", default = ELEMENTS, least = 1, most = 10000000},
-  most_elements = {type = "integer", least = 1, most = 10000000},
+  error = {type = "number", default = 0.05, above = 0, max = 1},
+  elements = {type = "integer", default = ELEMENTS, min = 1, max = 10000000},
+  max_elements = {type = "integer", min = 1, max = 10000000},
   length = {type = "any"},
   failure = {type = "string", one_of = {"principal", "von_mises"}},
-  modes = {type = "integer", default = 15, least = 1, most = 500},
-  regions = {type = "integer", default = 5, least = 1, most = 1000},
+  modes = {type = "integer", default = 15, min = 1, max = 500},
+  regions = {type = "integer", default = 5, min = 1, max = 1000},
   seed = {type = "integer", default = 1},
 }
 
 -- A sound surface that filling wrapped is filled again with FEWER times the elements, so often at most.
 local OTHERS, FEWER = 2, 0.9
 -- A contact takes at most this share of the surface; with more, few loads are admissible.
-local MOST_OF_SURFACE = 0.05
+local MAX_SURFACE_FRACTION = 0.05
 -- The first mesh is uniform and has this share of the elements that are asked for, but not fewer than FEWEST. The
 -- others have so much of them, with BACKGROUND for the whole body, the rest near the weakest places.
 local FIRST, FEWEST, BACKGROUND = 0.25, 300, 0.5
@@ -50,7 +50,7 @@ local SHARES = {0.6, 1}
 -- times the number asked for, but not beyond the default of that number.
 local GROWTH, MORE = 2, 4
 -- Meshes whose weakest place was not refined are followed by one where it is: so many meshes in all.
-local MOST_MESHES = 8
+local MAX_MESHES = 8
 -- Places that are refined at once. Those that were refined before may be the weakest if their mean stress is so
 -- near to the largest; others if it is NEARLY.
 local REFINED, CLOSE, NEARLY = 8, 0.85, weak_places.NEARLY
@@ -78,7 +78,7 @@ local SEARCH = 0.02
 -- The relative error that a mean displacement of the surface by the radius of the patch stands for.
 local MOVED = 2
 -- No estimate from several meshes is trusted below this, and one mesh alone leaves so much open.
-local LEAST_ERROR, ALONE = 0.02, 0.5
+local MIN_ERROR, ALONE = 0.02, 0.5
 -- The least share by which the force may be higher: meshes of the same numbers scatter by a few percent.
 local HIGHER = 0.045
 -- Backgrounds hide weak places of walls that are thinner than their edges are long: the force may be lower by this
@@ -112,9 +112,9 @@ end
 
 -- Appends the first places of a list that are at least so weak and of which no two lie in one patch, up to `count`
 -- in all.
-local function append_apart(self, chosen, list, count, least)
+local function append_apart(self, chosen, list, count, min)
   return points.append_apart(chosen, list, count, self.length, function(place)
-    return place.utilisation >= least
+    return place.utilisation >= min
   end)
 end
 
@@ -245,7 +245,7 @@ local function estimate(self)
   if last.wrapped then return 1 end
   local unrefined = last.refined and 0 or UNREFINED * math.max(1, last.size / self.length)
   local misfit = self.volume and math.abs(last.volume / self.volume - 1) or 0
-  return math.max(change_of(self.history), unrefined, MOVED * last.moved / self.length, misfit, LEAST_ERROR)
+  return math.max(change_of(self.history), unrefined, MOVED * last.moved / self.length, misfit, MIN_ERROR)
 end
 
 -- Whether the largest surface stress grows without end, from the last mesh with longer edges to the last one.
@@ -298,7 +298,7 @@ end
 local function summarise(self)
   local last, former = self.history[#self.history], self.history[#self.history - 1]
   local change = estimate(self)
-  local most = math.max(last.utilisation, former and former.utilisation or 0)
+  local max = math.max(last.utilisation, former and former.utilisation or 0)
   self.force = 1 / last.utilisation
   local higher = math.max(change / 2, MOVED * last.moved / self.length, HIGHER)
   self.at, self.region = last.at, last.region
@@ -308,7 +308,7 @@ local function summarise(self)
   local hidden, factor = weak_places.unsettled(self.history, self.length)
   local hidden_use = hidden[1] and factor * hidden[1].utilisation or 0
   local thin = hidden_by(self.background, self.mesh)
-  self.low = 1 / math.max(most * (1 + change + SEARCH + thin), hidden_use)
+  self.low = 1 / math.max(max * (1 + change + SEARCH + thin), hidden_use)
   self.estimated_error = math.max(self.high / self.force - 1, 1 - self.low / self.force)
   if self.estimated_error >= 1 then self.low = 0 end -- which decides nothing
   self.ties = ties(self, last.places)
@@ -318,15 +318,15 @@ end
 -- is room; the same again where the weakest place is a new one.
 local function next_count(self)
   local opts, levels = self.options, #self.history
-  if self.given_mesh or levels >= MOST_MESHES then return nil end
+  if self.given_mesh or levels >= MAX_MESHES then return nil end
   if levels == 0 then return math.min(opts.elements, math.max(FEWEST, math.ceil(FIRST * opts.elements))) end
   if SHARES[levels] then return SHARES[levels] * opts.elements end
   local last = self.history[levels]
   local open = weak_places.unsettled(self.history, self.length)
   if #open > 0 and levels < #SHARES + 3 then return last.asked end
   local next = last.asked * GROWTH
-  local most = opts.most_elements or math.max(opts.elements, math.min(MORE * opts.elements, ELEMENTS))
-  if estimate(self) <= opts.error or next > most then return nil end
+  local max = opts.max_elements or math.max(opts.elements, math.min(MORE * opts.elements, ELEMENTS))
+  if estimate(self) <= opts.error or next > max then return nil end
   return next
 end
 
@@ -376,7 +376,7 @@ function breaking_force.analyse(body, given)
     local last = self.history[#self.history]
     if last and wrapped and not last.wrapped then break end
     if last and last.wrapped and not wrapped then self.history = {} end
-    self.contact = self.contact or math.min(opts.contact, MOST_OF_SURFACE * mesh.boundary.area)
+    self.contact = self.contact or math.min(opts.contact, MAX_SURFACE_FRACTION * mesh.boundary.area)
     local places, message, moved
     places, message, details = analyse_on(self, mesh)
     if not places then return nil, message, details end

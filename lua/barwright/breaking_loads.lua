@@ -15,8 +15,8 @@ local FACETS = 8
 function breaking_loads.rules(rules)
   rules.fix = {type = "function"}
   rules.forbidden = {type = "function"}
-  rules.friction = {type = "number", default = 0, least = 0, most = 100}
-  rules.hands = {type = "integer", least = 1, most = 16}
+  rules.friction = {type = "number", default = 0, min = 0, max = 100}
+  rules.hands = {type = "integer", min = 1, max = 16}
   return rules
 end
 

@@ -248,7 +248,7 @@ function class.uniform_beam(self)
   local opts = self.opts
   local a, e, c, d = opts.span / 2, opts.span / 2 + opts.bearing, opts.pad / 2, opts.hold
   local problem = problem_of(opts)
-  local function most(h)
+  local function max(h)
     local outline = core.outline.make({{0, 0}, {a, 0}, {e, 0}, {e, h}, {c, h}, {d, h}, {0, h}},
       {{1, 0, 0, 2, 1}, {2, 0, 0, 3, 2}, {3, 0, 0, 4, 1}, {4, 0, 0, 5, 1}, {5, 0, 0, 6, 3},
       {6, 0, 0, 7, 4}, {7, 0, 0, 1, 5}}, {{count = 7, region = 1, name = "beam"}},
@@ -261,7 +261,7 @@ function class.uniform_beam(self)
   local low, high = 0.5 * guess, 2 * guess
   for _ = 1, 12 do
     local h = (low + high) / 2
-    local stress, message, details = most(h)
+    local stress, message, details = max(h)
     if not stress then return nil, message, details end
     if stress > opts.stress_limit then low = h else high = h end
   end
@@ -279,9 +279,9 @@ end
 
 local design_rules = {
   starts = {type = "table"}, -- the current outline where it was given or changed, else all of the others
-  rounds = {type = "integer", default = 120, least = 1},
-  holes = {type = "integer", default = 6, least = 0}, -- in the half, besides one across the axis
-  polish = {type = "integer", default = 40, least = 0},
+  rounds = {type = "integer", default = 120, min = 1},
+  holes = {type = "integer", default = 6, min = 0}, -- in the half, besides one across the axis
+  polish = {type = "integer", default = 40, min = 0},
   report = {type = "function"}, -- of {start, round, rounds, area, utilisation, passes, outline}
 }
 
@@ -292,7 +292,7 @@ local function told(self, opts, name, first, count, report_total)
     if core.interrupted() then return false end
     if opts.report then
       return opts.report {start = name, round = round, rounds = count, area = 2 * here.area,
-        utilisation = here.most / self.opts.stress_limit, best_area = 2 * best.area,
+        utilisation = here.max / self.opts.stress_limit, best_area = 2 * best.area,
         passes = best.passes, outline = here.outline}
     end
   end
@@ -380,8 +380,8 @@ local function note_designed(self, kept)
 end
 
 -- What to say of the end of a search; nil: nothing.
-local function warning_of(self, last, most)
-  if most > 1 then return failing(self, most) end
+local function warning_of(self, last, max)
+  if max > 1 then return failing(self, max) end
   if last.converged then return nil end
   if not last.falling then return "the search has not converged: more rounds are needed" end
   return ("the search has not converged: the area fell by %.1f %% in the last %d rounds; more rounds are needed")
@@ -416,12 +416,12 @@ function class.design(self, given)
       found, message = shape_design.search(problem, form, told(self, opts, name, i - 1, opts.rounds, total))
     end
     if found then
-      results[i] = {start = name, area = 2 * found.area, utilisation = found.most / self.opts.stress_limit,
-        passes = found.passes and found.most <= self.opts.stress_limit, converged = found.converged,
+      results[i] = {start = name, area = 2 * found.area, utilisation = found.max / self.opts.stress_limit,
+        passes = found.passes and found.max <= self.opts.stress_limit, converged = found.converged,
         rounds = found.rounds, history = found.history}
       found.start = name
       if not best or found.passes and (not best.passes or found.area < best.area)
-        or not found.passes and not best.passes and found.most < best.most then
+        or not found.passes and not best.passes and found.max < best.max then
         best = found
       end
     else
@@ -437,11 +437,11 @@ function class.design(self, given)
     math.max(opts.polish, 10), total))
   if not last then return nil, message, details end
   note_designed(self, kept)
-  local most = last.worst / self.opts.stress_limit
+  local max = last.worst / self.opts.stress_limit
   return {starts = results, start = best.start, area = self.area, utilisation = self.utilisation,
     checked_utilisation = last.checked and last.checked / self.opts.stress_limit,
-    checked_elements = last.checked_elements, interrupted = core.interrupted(), passes = most <= 1,
-    converged = last.converged, message = warning_of(self, last, most)}
+    checked_elements = last.checked_elements, interrupted = core.interrupted(), passes = max <= 1,
+    converged = last.converged, message = warning_of(self, last, max)}
 end
 
 -- ---- making --------------------------------------------------------------------------------------

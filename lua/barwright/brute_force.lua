@@ -12,10 +12,10 @@ brute_force.__index = brute_force
 brute_force.__name = "barwright.brute_force"
 
 local rules = load_limits.rules {
-  elements = {type = "integer", least = 1},
+  elements = {type = "integer", min = 1},
   seed = {type = "integer", default = 1},
   one_sign = {type = "boolean", default = false},
-  batch = {type = "integer", default = 0, least = 0},
+  batch = {type = "integer", default = 0, min = 0},
   objective = {type = "string", default = "trace", one_of = {"trace", "principal"}},
 }
 

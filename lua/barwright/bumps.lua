@@ -9,9 +9,9 @@ local bumps = {}
 
 -- Full offset up to this share of the radius, then a smooth decay to zero.
 local FLAT = 0.4
--- Normals diffuse over this share of the radius. Where less than LEAST of their length is left, as in the middle
+-- Normals diffuse over this share of the radius. Where less than MIN of their length is left, as in the middle
 -- of a thin rib, the displacement is less as well.
-local SMOOTHED, LEAST = 0.3, 0.5
+local SMOOTHED, MIN = 0.3, 0.5
 -- Over that length: the size of the groups of points that have a direction, and the distance over which points
 -- blend those of groups. Of the conjugate gradients for them.
 local GATHERED, BLENDED = 0.33, 0.8
@@ -23,10 +23,10 @@ local AWAY = 0.3
 -- of the radius does not reach beyond a kept plane.
 local KEPT = 0.5
 -- Edges longer than a share of the radius are cut in halves near a place; the first share that adds no more points
--- than MOST_ADDED is taken. Rounds at most.
+-- than MAX_ADDED is taken. Rounds at most.
 local EDGES, ROUNDS = {1 / 7, 1 / 5, 1 / 3.5}, 40
 -- The work of a step grows with the points of the surface.
-local MOST_ADDED = 30000
+local MAX_ADDED = 30000
 
 local sqrt = math.sqrt
 
@@ -107,11 +107,11 @@ end
 
 -- The points within a distance of a place, and the nearest one.
 local function within(shape, at, radius)
-  local list, nearest, least = {}, nil, math.huge
+  local list, nearest, min = {}, nil, math.huge
   for i, p in ipairs(shape.points) do
     local d = distance(p, at)
     if d < radius then list[#list + 1] = i end
-    if d < least then nearest, least = i, d end
+    if d < min then nearest, min = i, d end
   end
   return list, nearest
 end
@@ -274,7 +274,7 @@ local function prepare(shape, places)
   shape.directions = {}
   for _, i in ipairs(list) do
     local x, y, z = interpolated(groups, group_of[i], shape.points[i], BLENDED * length, values)
-    local size = math.max(sqrt(x * x + y * y + z * z), LEAST)
+    local size = math.max(sqrt(x * x + y * y + z * z), MIN)
     shape.directions[i] = {x / size, y / size, z / size}
   end
 end
@@ -302,9 +302,9 @@ local function kept_share(shape, list, keep, length)
   end
   return function(i)
     if is_kept[i] then return 0 end
-    local least = length
-    for _, p in ipairs(border) do least = math.min(least, distance(p, shape.points[i])) end
-    return least / length
+    local min = length
+    for _, p in ipairs(border) do min = math.min(min, distance(p, shape.points[i])) end
+    return min / length
   end
 end
 
@@ -385,7 +385,7 @@ local function pieces(points, t, m)
   return out
 end
 
--- The shape with edges near places cut until they are at most a share of the radius long; nil beyond MOST_ADDED.
+-- The shape with edges near places cut until they are at most a share of the radius long; nil beyond MAX_ADDED.
 local function cut_to(shape, places, share)
   local points, triangles = table.move(shape.points, 1, #shape.points, 1, {}), shape.triangles
   for _ = 1, ROUNDS do
@@ -410,7 +410,7 @@ local function cut_to(shape, places, share)
     end
     triangles = cut
     if not changed then break end
-    if #points > #shape.points + MOST_ADDED then return nil end
+    if #points > #shape.points + MAX_ADDED then return nil end
   end
   return {points = points, triangles = triangles}
 end
@@ -422,7 +422,7 @@ function bumps.subdivide(shape, places)
     local cut = cut_to(shape, places, share)
     if cut then return cut end
   end
-  return nil, ("the surface would need more than %d new points around the weak places"):format(MOST_ADDED)
+  return nil, ("the surface would need more than %d new points around the weak places"):format(MAX_ADDED)
 end
 
 --- The shape displaced by the bumps of places, `units`, times their offsets and shares (1 where none is given).

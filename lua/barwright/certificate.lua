@@ -88,7 +88,7 @@ function certificate.text(worst, part, leaves)
   local forbidden = opts.forbidden
   lines[#lines + 1] = row("forbidden", forbidden and forbidden.facet_count or 0,
     forbidden and numbers(forbidden.facets) or "")
-  lines[#lines + 1] = row("loads", opts.force, opts.pressure, opts.at_most and "at_most" or "exactly",
+  lines[#lines + 1] = row("loads", opts.force, opts.pressure, opts.force_is_max and "max" or "exactly",
     opts.friction, opts.friction_facets)
   local motions = assert(part:free_motions())
   lines[#lines + 1] = row("motions", #motions)
@@ -152,37 +152,37 @@ function reader:number(word)
   return value
 end
 
-function reader:whole(word, least, most)
+function reader:whole(word, min, max)
   local value = math.tointeger(self:number(word))
-  if not value or value < least or value > most then
-    refuse(self, ("a whole number from %d to %d expected, got '%s'"):format(least, most, word))
+  if not value or value < min or value > max then
+    refuse(self, ("a whole number from %d to %d expected, got '%s'"):format(min, max, word))
   end
   return value
 end
 
 -- All words as numbers, so many of them.
-function reader:list(words, count, least, most)
+function reader:list(words, count, min, max)
   if #words ~= count then refuse(self, ("%d numbers expected, got %d"):format(count, #words)) end
   local list = {}
   for i, word in ipairs(words) do
-    list[i] = least and self:whole(word, least, most) or self:number(word)
+    list[i] = min and self:whole(word, min, max) or self:number(word)
   end
   return list
 end
 
-local MOST = 2 ^ 31 - 1
+local MAX = 2 ^ 31 - 1
 
-function reader:rows(name, width, least, most)
-  local count, list = self:whole(self:words(name)[1], 1, MOST), {}
-  for i = 1, count do list[i] = self:list(self:words(), width, least, most) end
+function reader:rows(name, width, min, max)
+  local count, list = self:whole(self:words(name)[1], 1, MAX), {}
+  for i = 1, count do list[i] = self:list(self:words(), width, min, max) end
   return list
 end
 
 -- "name COUNT n n n"
 function reader:indices(name)
   local words = self:words(name)
-  local count = self:whole(table.remove(words, 1), 0, MOST)
-  return self:list(words, count, 1, MOST)
+  local count = self:whole(table.remove(words, 1), 0, MAX)
+  return self:list(words, count, 1, MAX)
 end
 
 function reader:material()
@@ -202,7 +202,7 @@ end
 
 function reader:supports()
   local list = {}
-  for i = 1, self:whole(self:words "supports"[1], 0, MOST) do
+  for i = 1, self:whole(self:words "supports"[1], 0, MAX) do
     local words = self:words()
     local support = {kind = table.remove(words, 1)}
     if support.kind ~= "normal" and support.kind ~= "along" and support.kind ~= "held" then
@@ -217,7 +217,7 @@ end
 
 function reader:leaves(elements, motions)
   local list = {}
-  for i = 1, self:whole(self:words "leaves"[1], 0, MOST) do
+  for i = 1, self:whole(self:words "leaves"[1], 0, MAX) do
     local words = self:words()
     local leaf = {element = self:whole(words[1], 1, elements), cell = words[2], bound = self:number(words[3])}
     if leaf.cell ~= "all" and not (leaf.cell or ""):match "^%d%.[0-3]*$" then
@@ -255,14 +255,14 @@ local function parse(self)
   found.forbidden = self:indices "forbidden"
   local words = self:words "loads"
   found.force, found.pressure = self:number(words[1]), self:number(words[2])
-  found.at_most = words[3] == "at_most"
+  found.force_is_max = words[3] == "max"
   found.friction, found.friction_facets = self:number(words[4]), self:whole(words[5], 3, 64)
   found.motions = {}
-  for i = 1, self:whole(self:words "motions"[1], 0, MOST) do found.motions[i] = self:list(self:words(), 10) end
+  for i = 1, self:whole(self:words "motions"[1], 0, MAX) do found.motions[i] = self:list(self:words(), 10) end
   words = self:words "reached"
   found.reached, found.element = self:number(words[1]), self:whole(words[2], 1, #found.elements)
   words = self:words "pressures"
-  found.columns, found.load = self:whole(words[1], 1, MOST), {}
+  found.columns, found.load = self:whole(words[1], 1, MAX), {}
   for _ = 1, self:whole(words[2], 0, found.columns) do
     words = self:words()
     found.load[self:whole(words[1], 1, found.columns)] = self:number(words[2])

@@ -86,8 +86,8 @@ local function triangle(cell)
     t = parts_of(triangle(cell:sub(1, -2)))[tonumber(cell:sub(-1)) + 1]
   end
   t.centre = unit(sum(t[1], t[2], t[3]))
-  local least = math.min(dot(t.centre, t[1]), dot(t.centre, t[2]), dot(t.centre, t[3]))
-  t.cosine = (2 * least * least - 1) * (1 - ROUNDING)
+  local min = math.min(dot(t.centre, t[1]), dot(t.centre, t[2]), dot(t.centre, t[3]))
+  t.cosine = (2 * min * min - 1) * (1 - ROUNDING)
   triangles[cell] = t
   return t
 end
@@ -204,12 +204,12 @@ local function check_load(stated, state)
   for j = 1, basis.count do list[j] = stated.load[j] or 0.0 end
   local p = core.array.new(list)
   if p:min() < 0 then reject("the load pulls: a pressure of %g Pa", p:min()) end
-  local most = largest_pressure(basis, p)
-  if most > stated.pressure * (1 + ADMISSIBLE) then
-    reject("the load has a pressure of %.9g Pa, more than %.9g", most, stated.pressure)
+  local max = largest_pressure(basis, p)
+  if max > stated.pressure * (1 + ADMISSIBLE) then
+    reject("the load has a pressure of %.9g Pa, more than %.9g", max, stated.pressure)
   end
   local total = p:dot(basis.areas)
-  local missed = stated.at_most and math.max(0, total - stated.force) or math.abs(total - stated.force)
+  local missed = stated.force_is_max and math.max(0, total - stated.force) or math.abs(total - stated.force)
   if missed > ADMISSIBLE * stated.force then
     reject("the load amounts to %.9g N instead of %.9g", total, stated.force)
   end
@@ -254,10 +254,10 @@ local function check_leaves(stated, state)
   local leaves, rows = stated.leaves, {}
   for i, work in ipairs(state.works) do rows[i] = work:tostring "<f8" end
   local bounds, errors, details = core.dual_bounds(state.system, state.basis,
-    {force = stated.force, pressure = stated.pressure, at_most = stated.at_most},
+    {force = stated.force, pressure = stated.pressure, force_is_max = stated.force_is_max},
     core.array.from_string("<f8", table.concat(rows), state.basis.count), claims_of(leaves, #rows))
   needed("", bounds, errors, details)
-  local most, with_errors = 0, 0
+  local max, with_errors = 0, 0
   for i, leaf in ipairs(leaves) do
     local cosine = leaf.cell == "all" and 1 or triangle(leaf.cell).cosine
     local bound = bounds[i] / cosine
@@ -265,9 +265,9 @@ local function check_leaves(stated, state)
       reject("element %d, cell %s: its multipliers prove %.9g Pa, not %.9g", leaf.element, leaf.cell, bound,
         leaf.bound)
     end
-    most, with_errors = math.max(most, bound), math.max(with_errors, (bounds[i] + errors[i]) / cosine)
+    max, with_errors = math.max(max, bound), math.max(with_errors, (bounds[i] + errors[i]) / cosine)
   end
-  return most, with_errors
+  return max, with_errors
 end
 
 local function prepare(stated)
@@ -305,7 +305,7 @@ local function check(stated)
   return {upper_bound = upper, reached = stated.reached, gap = upper / stated.reached - 1,
     element = stated.element, elements = #stated.elements, leaves = #stated.leaves,
     solve_error = with_errors - proved, force = stated.force,
-    pressure = stated.pressure, at_most = stated.at_most, friction = stated.friction,
+    pressure = stated.pressure, force_is_max = stated.force_is_max, friction = stated.friction,
     supports = #stated.supports, forbidden_facets = #stated.forbidden}
 end
 

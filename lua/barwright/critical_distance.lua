@@ -9,7 +9,7 @@ local edge_length = require("barwright.singular_growth").edge_length
 local singular = require "barwright.singular"
 
 -- An edge is sampled at so many places at most.
-local MOST_STATIONS = 40
+local MAX_STATIONS = 40
 -- Nearer to the edge than so many edge lengths of elements, stresses follow Williams' exponent.
 local INNER = 2
 -- Points of the rest of a line (Simpson's rule: an even number of intervals).
@@ -37,7 +37,7 @@ end
 -- Places at equal distances along a polyline: {at, inward, tangent}.
 local function stations(place, spacing)
   if place.length == 0 then return {} end
-  local count = math.max(1, math.min(MOST_STATIONS, math.ceil(place.length / spacing)))
+  local count = math.max(1, math.min(MAX_STATIONS, math.ceil(place.length / spacing)))
   local list, passed, next = {}, 0, 1
   for i = 1, #place.points - 1 do
     local a, b = place.points[i], place.points[i + 1]
@@ -249,7 +249,7 @@ local function intensities(where, self, given, rules)
   local places, message, details = read_places(where, self, opts.places)
   if not places then return nil, message, details end
   local low, high = self.mesh.box.low, self.mesh.box.high
-  local list, why = over_places(places, distance(low, high) / MOST_STATIONS, function(place, station)
+  local list, why = over_places(places, distance(low, high) / MAX_STATIONS, function(place, station)
     if place.exponent <= 0 then return nil end
     return intensity_at(self, place, station)
   end)

@@ -10,9 +10,9 @@ drop_test.__index = drop_test
 drop_test.__name = "barwright.drop_test"
 
 local rules = {
-  drops = {type = "integer", default = 2000, least = 1},
+  drops = {type = "integer", default = 2000, min = 1},
   height = {type = "number", default = 1, above = 0},
-  peg_radius = {type = "number", default = 0, least = 0},
+  peg_radius = {type = "number", default = 0, min = 0},
   duration = {type = "number", default = 1e-3, above = 0},
   seed = {type = "integer", default = 1},
 }

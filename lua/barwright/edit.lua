@@ -26,14 +26,14 @@ local properties = {}
 
 local rules = {
   skeleton = {type = "skeleton"}, -- left out: extracted from the surface
-  bones = {type = "integer", default = 0, least = 0}, -- wanted of the extracted one
+  bones = {type = "integer", default = 0, min = 0}, -- wanted of the extracted one
   domains = {type = "domains"}, -- left out: from weights and thresholds
   -- of the domains; left out: the engine's own
-  threshold = {type = "number", above = 0, most = 1},
+  threshold = {type = "number", above = 0, max = 1},
   thresholds = {type = "table", default = {}}, -- of single bones, by name
-  share = {type = "number", least = 0, most = 1}, -- of what a bone moves most
+  share = {type = "number", min = 0, max = 1}, -- of what a bone moves most
   heat = {type = "number", above = 0},
-  quality = {type = "number", default = 0.02, least = 0, most = 0.5},
+  quality = {type = "number", default = 0.02, min = 0, max = 0.5},
   relax = {type = "boolean", default = true},
   refill = {type = "boolean", default = true},
   material_turns = {type = "boolean", default = false},

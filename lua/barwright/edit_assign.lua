@@ -34,11 +34,11 @@ local function by_domain(topology, elements)
 end
 
 local function nearest(place, elements, middle)
-  local best, least = nil, math.huge
+  local best, min = nil, math.huge
   for _, e in ipairs(elements) do
     local at = middle[e]
     local far = (at[1] - place[1]) ^ 2 + (at[2] - place[2]) ^ 2 + (at[3] - place[3]) ^ 2
-    if far < least then best, least = e, far end
+    if far < min then best, min = e, far end
   end
   return best
 end

@@ -304,7 +304,7 @@ end
 -- ---- limits ------------------------------------------------------------------------------------------
 
 local limit_rules = {
-  swing = {type = "number", least = 0, most = 180},
+  swing = {type = "number", min = 0, max = 180},
   twist = {type = "table"},
 }
 

@@ -42,7 +42,7 @@ end
 
 -- The domains of the elements that are no better than the floor, as a set.
 local function poor_domains(topology, nodes)
-  local poor = topology.mesh:shapes(nodes):map("a <= least", {least = topology.floor}):where()
+  local poor = topology.mesh:shapes(nodes):map("a <= bound", {bound = topology.floor}):where()
   local set = {}
   for _, d in ipairs(topology.domains.element_domain:gather(poor):totable()) do set[d] = true end
   return set

@@ -17,7 +17,7 @@ local followed = {}
 
 local rules = {
   outline = {type = "outline", needed = true},
-  elements = {type = "integer", least = 1},
+  elements = {type = "integer", min = 1},
   size = {type = "any"},
   follow = {type = "table", default = {}},
 }

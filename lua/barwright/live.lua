@@ -14,7 +14,7 @@ local live = {}
 
 local function with(more)
   local all = {
-    port = {type = "integer", default = 0, least = 0, most = 65535},
+    port = {type = "integer", default = 0, min = 0, max = 65535},
     title = {type = "string"},
     name = {type = "string"}, -- of the files that are exported
     von_mises = {type = "number", above = 0}, -- the limit shown; of a session left out: the material's strength
@@ -34,7 +34,7 @@ local session_rules = with {
 local outline_rules = with {
   script = {type = "string"}, -- what makes the object, as seen from the file of edits
   lines = {type = "table"}, -- edits that are made first
-  pace = {type = "integer", least = 1, most = 1000}, -- steps of time in a frame
+  pace = {type = "integer", min = 1, max = 1000}, -- steps of time in a frame
   paused = {type = "boolean"},
   goal = {type = "outline"}, -- drawn in red: a shape to be met
 }

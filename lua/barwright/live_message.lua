@@ -30,8 +30,8 @@ end
 
 -- Within reach of the body: 20 times its size.
 local function place(value, controller)
-  local most = 20 * controller.scene.size
-  return vector(number_between(-most, most), ("three numbers of at most %g m"):format(most))(value)
+  local max = 20 * controller.scene.size
+  return vector(number_between(-max, max), ("three numbers of at most %g m"):format(max))(value)
 end
 
 local function bone(value, controller)

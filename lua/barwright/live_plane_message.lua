@@ -10,9 +10,9 @@ local one_of, or_null, read_object, is_object = checks.one_of, checks.or_null, c
 local live_plane_message = {}
 
 -- A list of exactly `count` entries, or of any number up to `most`.
-local function list_of(check, count, most, what)
+local function list_of(check, count, max, what)
   return function(value, controller)
-    if not is_object(value) or count and #value ~= count or #value > (most or count) then
+    if not is_object(value) or count and #value ~= count or #value > (max or count) then
       return nil, what
     end
     local out, entries = {}, 0
@@ -28,8 +28,8 @@ end
 
 -- A place or a way, within 20 times the size of the outline.
 local function pair(value, controller)
-  local most = 20 * controller.size
-  return list_of(number_between(-most, most), 2, nil, ("two numbers of at most %g m"):format(most))(value)
+  local max = 20 * controller.size
+  return list_of(number_between(-max, max), 2, nil, ("two numbers of at most %g m"):format(max))(value)
 end
 
 local function edge(value, controller)

@@ -17,12 +17,12 @@ function load_limits.rules(rules)
   rules.force = {type = "number", default = 20, above = 0}
   rules.pressure = {type = "number", above = 0}
   rules.contact = {type = "number", above = 0}
-  rules.at_most = {type = "boolean", default = false}
+  rules.force_is_max = {type = "boolean", default = false}
   rules.forbidden = {type = "any"}
-  rules.hands = {type = "integer", least = 1, most = 16}
+  rules.hands = {type = "integer", min = 1, max = 16}
   rules.hand = {type = "number", above = 0}
-  rules.friction = {type = "number", default = 0, least = 0, most = 100}
-  rules.friction_facets = {type = "integer", default = 8, least = 3, most = 64}
+  rules.friction = {type = "number", default = 0, min = 0, max = 100}
+  rules.friction_facets = {type = "integer", default = 8, min = 3, max = 64}
   return rules
 end
 
@@ -101,7 +101,7 @@ end
 
 --- What the engine's linear programs take.
 function load_limits.linear_program(opts)
-  return {pressure = opts.pressure, force = opts.force, at_most = opts.at_most, glpk = opts.glpk,
+  return {pressure = opts.pressure, force = opts.force, force_is_max = opts.force_is_max, glpk = opts.glpk,
     hands = opts.hands, hand_area = opts.hands and opts.hand}
 end
 

@@ -7,7 +7,7 @@ local mesh_progress = {}
 mesh_progress.__index = mesh_progress
 
 -- Of the time foreseen, a mesh that is not done has taken at most this share; likewise the whole.
-local MOST = 0.95
+local MAX = 0.95
 
 -- Seconds that so many elements will take; nil before a mesh is done.
 local function expected(self, elements)
@@ -17,9 +17,9 @@ end
 local function fraction_of(self)
   local mesh = expected(self, self.elements)
   if not mesh then return 0 end
-  local spent = math.min(core.seconds() - self.start, MOST * mesh)
+  local spent = math.min(core.seconds() - self.start, MAX * mesh)
   local whole = self.done_seconds + mesh + expected(self, self.planned)
-  self.shown = math.max(self.shown, math.min(MOST, (self.done_seconds + spent) / whole))
+  self.shown = math.max(self.shown, math.min(MAX, (self.done_seconds + spent) / whole))
   return self.shown
 end
 
@@ -38,13 +38,13 @@ function mesh_progress:mesh(elements, planned, open)
   if open then self.planned = self.planned + (planned[#planned] or elements) end
   self.count = self.count + 1
   self.name = ("%s; %s %d of %s%d"):format(self.work, self.part, self.count,
-    self.most and "at most " or open and "at least " or "", self.count + #planned)
+    self.max and "at most " or open and "at least " or "", self.count + #planned)
 end
 
 --- From here on the progress is that of the work, until the object is closed. `part` is what it names in place
 --- of meshes; `most`: fewer than those that are planned may follow.
-function mesh_progress.open(work, part, most)
-  local self = setmetatable({work = work, part = part or "mesh", most = most, count = 0, shown = 0,
+function mesh_progress.open(work, part, max)
+  local self = setmetatable({work = work, part = part or "mesh", max = max, count = 0, shown = 0,
     done_seconds = 0, done_elements = 0}, mesh_progress)
   self.before = core.progress(function(stage, fraction)
     if self.elements then stage, fraction = ("%s, %s"):format(self.name, stage), fraction_of(self) end

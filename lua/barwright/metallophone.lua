@@ -17,7 +17,7 @@ local metallophone = {}
 local rules = followed.with {
   material = {type = "material", needed = true},
   thickness = {type = "number", needed = true, above = 0},
-  modes = {type = "integer", default = 1, least = 1, most = 200},
+  modes = {type = "integer", default = 1, min = 1, max = 200},
   tolerance = {type = "number", default = 1e-4, above = 0},
 }
 
@@ -127,12 +127,12 @@ local tune_rules = {
   keep = {type = "table", default = {}},
   pins = {type = "table", default = {}},
   smooth = {type = "number", above = 0},
-  finer = {type = "integer", default = 4, least = 1},
+  finer = {type = "integer", default = 4, min = 1},
   watch = {type = "function"},
   ratios = {type = "table"}, -- of the frequencies of the lowest modes of a kind
   kind = {type = "string", default = "bending", one_of = {"bending", "torsion"}},
   room = {type = "number", default = 0.2, above = 0}, -- part of the local width that a point may move by
-  stages = {type = "integer", default = 1, least = 1, most = 100}, -- each with room of its own
+  stages = {type = "integer", default = 1, min = 1, max = 100}, -- each with room of its own
 }
 
 local function wanted_frequency(where, target)
@@ -155,7 +155,7 @@ local FAR = 0.05
 -- Stages on the way need not be met nearer than this part of a step.
 local PASSED = 0.25
 -- Modes that are computed at most to find those that are tuned.
-local MOST_MODES = 60
+local MAX_MODES = 60
 
 -- The frequencies wanted, from the first one and the ratios.
 local function wanted_of(first, ratios)
@@ -183,11 +183,11 @@ local function enough_modes(self, choose)
   local modes = choose(self)
   while not modes or modes[#modes] + 2 > self.opts.modes do
     if modes and #modes == 1 and modes[1] == 1 then return true end
-    if self.opts.modes >= MOST_MODES then
+    if self.opts.modes >= MAX_MODES then
       return nil, ("the modes to be tuned are not among the lowest %d"):format(self.opts.modes),
         {status = "infeasible"}
     end
-    self.opts.modes = math.min(MOST_MODES, self.opts.modes + 3)
+    self.opts.modes = math.min(MAX_MODES, self.opts.modes + 3)
     local fine, message, details = self:solve()
     if not fine then return nil, message, details end
     modes = choose(self)
@@ -303,7 +303,7 @@ end
 -- ---- trimming ------------------------------------------------------------------------------------
 
 local trim_rules = {
-  places = {type = "integer", default = 3, least = 1},
+  places = {type = "integer", default = 3, min = 1},
   width = {type = "number", above = 0},
 }
 

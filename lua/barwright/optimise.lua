@@ -29,12 +29,12 @@ local rules = {
   cases = {type = "table", default = {}}, -- further parts
   loads = {type = "string", default = "own", one_of = {"own", "worst"}},
   worst = {type = "table", default = {}}, -- options of bw.worst_case
-  rounds = {type = "integer", default = 8, least = 1},
+  rounds = {type = "integer", default = 8, min = 1},
   change = {type = "number", default = 0.02, above = 0},
-  iterations = {type = "integer", default = 40, least = 1},
+  iterations = {type = "integer", default = 40, min = 1},
   tolerance = {type = "number", default = 1e-4, above = 0},
   step = {type = "number", default = 0.5, above = 0},
-  refills = {type = "integer", default = 3, least = 0},
+  refills = {type = "integer", default = 3, min = 0},
   inertia_relief = {type = "boolean"},
 }
 

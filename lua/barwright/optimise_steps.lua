@@ -9,7 +9,7 @@ local steps = {}
 
 local foretell, objective = models.foretell, unknowns.objective
 local programs = 50 -- of one step, at most
-local least_radius = 0.005 -- of the trust region, where the mesh stops steps
+local min_radius = 0.005 -- of the trust region, where the mesh stops steps
 local spared = 0.2 -- of what the objective may be off by at the end, that a margin in h may cost
 
 -- Adds the curvature of -h of a model, times a multiplier: h (D - v v^T) with D = q_i / t_i^2 and
@@ -109,9 +109,9 @@ local function predicted(list, to)
 end
 
 local function largest_step(t, to)
-  local most = 0
-  for i = 1, #t do most = math.max(most, math.abs(to[i] / t[i] - 1)) end
-  return most
+  local max = 0
+  for i = 1, #t do max = math.max(max, math.abs(to[i] / t[i] - 1)) end
+  return max
 end
 
 -- The least change of shape from the start by which the models meet the limit, or nearly do so where
@@ -177,7 +177,7 @@ function steps.take(self, point, t, list, met)
       self.blocked[#self.blocked + 1] = step.t
     end
     if not trial and try >= 3 and self.refills < self.opts.refills then break end
-    if not trial and self.stage.relaxing and self.radius < least_radius then break end
+    if not trial and self.stage.relaxing and self.radius < min_radius then break end
     if try > 1 then models.forget(self) end
     if try == 3 and not trial and not self.stage.relaxing then
       self.stage.relaxing = true -- shorter steps do not help: let inner nodes move

@@ -44,11 +44,11 @@ local function check(where, key, value, rule)
   if rule.above and value <= rule.above then
     fail(where, key, ("greater than %g expected, got %g"):format(rule.above, value))
   end
-  if rule.least and value < rule.least then
-    fail(where, key, ("at least %g expected, got %g"):format(rule.least, value))
+  if rule.min and value < rule.min then
+    fail(where, key, ("at least %g expected, got %g"):format(rule.min, value))
   end
-  if rule.most and value > rule.most then
-    fail(where, key, ("at most %g expected, got %g"):format(rule.most, value))
+  if rule.max and value > rule.max then
+    fail(where, key, ("at most %g expected, got %g"):format(rule.max, value))
   end
   if rule.one_of then
     for _, word in ipairs(rule.one_of) do

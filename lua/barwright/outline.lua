@@ -273,7 +273,7 @@ end
 local selections = {
   edges = {type = "any"},
   near = {type = "table"},
-  radius = {type = "number", least = 0},
+  radius = {type = "number", min = 0},
   box = {type = "table"},
   loop = {type = "any"},
 }

@@ -113,8 +113,8 @@ local function round_corner(list, a, b, c, radius, number)
     add_vertex(list, b, before)
     return 0
   end
-  local most = math.min(before, after) * (1 + 1e-12)
-  if cut > most then
+  local max = math.min(before, after) * (1 + 1e-12)
+  if cut > max then
     raise(("outline.rounded: corner %d: an arc of radius %g takes %g of edges of %g and %g"):format(
       number, radius, cut, before, after))
   end
@@ -187,7 +187,7 @@ function shapes.rectangle(given)
     width = {type = "number", above = 0},
     height = {type = "number", above = 0},
     centre = {type = "table"},
-    radius = {type = "number", least = 0, default = 0},
+    radius = {type = "number", min = 0, default = 0},
   })
   local low, high
   if opts.low or opts.high then

@@ -9,10 +9,10 @@ local distance, append_apart = points.distance, points.append_apart
 local patch_search = {}
 
 -- A pressed area F / p_max should span so many patches of pressure.
-local PRESSED, FEWEST, MOST = 8, 96, 128
+local PRESSED, FEWEST, MAX = 8, 96, 128
 -- For each patch the responses take 24 bytes for each node, and surface stresses 168 for each facet: so many
 -- at most, but FEWEST patches always.
-local MOST_BYTES = 2 ^ 29
+local MAX_BYTES = 2 ^ 29
 -- Patches that the screening ranks. Those that may come near the largest mean get linear programs, in rounds of so
 -- many; patches of one round lie SPREAD radii apart.
 local RANKED, ROUNDS, PER_ROUND, SPREAD = 300, 2, 20, 2
@@ -111,10 +111,10 @@ end
 local function screen(self)
   local limits = self.limits
   local bytes = 24 * self.mesh.node_count + 168 * self.mesh.facets.row_count
-  local patches = math.min(MOST, MOST_BYTES // bytes,
+  local patches = math.min(MAX, MAX_BYTES // bytes,
     PRESSED * limits.pressure * self.basis.areas:sum() // limits.force)
   local screened, message, details = core.worst_screening(self.system, self.screening_basis, {
-    pressure = limits.pressure, force = limits.force, at_most = limits.at_most, glpk = limits.glpk,
+    pressure = limits.pressure, force = limits.force, force_is_max = limits.force_is_max, glpk = limits.glpk,
     radius = self.radius, patches = math.floor(math.max(FEWEST, patches)), targets = RANKED})
   if not screened then return nil, message, details end
   screened.values, screened.tried, screened.reached = self.judge(screened.stresses), {}, {}
@@ -125,13 +125,13 @@ end
 
 -- Patches that no load at hand stresses as much as their own may: so many at most, the most stressed first, no two
 -- of them close together. `ratio`: what a linear program may gain; `least`: the utilisation that counts.
-local function choose(self, screened, ratio, least)
+local function choose(self, screened, ratio, min)
   local nodes, rows, chosen = {}, {}, {}
-  least = least or NEARLY * (self.places[1] and self.places[1].utilisation or 0)
+  min = min or NEARLY * (self.places[1] and self.places[1].utilisation or 0)
   for k = screened.order.row_count, 1, -1 do
     local i = screened.order[k]
     local node, promise = screened.targets[i], ratio * screened.values[i]
-    local free = not screened.tried[i] and #nodes < PER_ROUND and promise >= least
+    local free = not screened.tried[i] and #nodes < PER_ROUND and promise >= min
       and promise > (1 + GROWTH) * (screened.reached[i] or 0)
     for _, other in ipairs(nodes) do
       free = free and distance(node_at(self.mesh, other), node_at(self.mesh, node)) > SPREAD * self.radius
@@ -149,13 +149,13 @@ local function median(list)
   return list[(#list + 1) // 2]
 end
 
-local function explore(self, rounds, least)
+local function explore(self, rounds, min)
   local screened, message, details = self.screened, nil, nil
   if not screened then screened, message, details = screen(self) end
   if not screened then return nil, message, details end
   local ratio = FIRST_RATIO
   for _ = 1, rounds do
-    local nodes, rows, chosen = choose(self, screened, ratio, least)
+    local nodes, rows, chosen = choose(self, screened, ratio, min)
     if #nodes == 0 then break end
     local first = self.loads and self.loads.peaks.row_count or 0
     local fine
@@ -180,9 +180,9 @@ end
 
 -- Places near the largest mean that have not ascended, no two of them in one patch.
 local function starts(self)
-  local least = CLOSE * self.places[1].utilisation
+  local min = CLOSE * self.places[1].utilisation
   return append_apart({}, self.places, ASCENTS, self.radius, function(place)
-    return not place.tried and place.utilisation >= least
+    return not place.tried and place.utilisation >= min
   end)
 end
 

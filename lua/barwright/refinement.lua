@@ -11,8 +11,8 @@ accuracy.__name = "barwright.accuracy"
 
 --- Options that every analysis with an error has.
 refinement.rules = {
-  error = {type = "number", above = 0, most = 1, needed = true},
-  most_elements = {type = "integer", default = 200000, least = 1, most = 100000000},
+  error = {type = "number", above = 0, max = 1, needed = true},
+  max_elements = {type = "integer", default = 200000, min = 1, max = 100000000},
   time_limit = {type = "number", above = 0},
   surface = {type = "surface"},
 }
@@ -20,13 +20,13 @@ refinement.rules = {
 -- A step makes at most this many times as many elements; conforming bisection adds about 1.5 to each asked for.
 local GROWTH, CONFORMING = 3.5, 2.5
 -- Fewer elements than this many times the former are no step.
-local LEAST_GROWTH = 1.2
+local MIN_GROWTH = 1.2
 -- An element is bisected at most six times in a step, which quarters its edges.
-local MOST_LEVELS = 6
+local MAX_LEVELS = 6
 -- Bisecting an element divides its part of the error by 2^(7/3): with p = 2 it goes like h^(2p) times the volume.
 local GAIN = 7 / 3 * math.log(2)
 -- The rest of an error is at most this many times the last change.
-local MOST_REST = 1.5
+local MAX_REST = 1.5
 -- The value does not converge where each of so many steps changes it by at least this share of the change before,
 -- and the last one by more than this share of the value.
 local STEPS, STEADY, LARGE = 3, 0.9, 0.05
@@ -45,7 +45,7 @@ local function levels_of(parts, growth)
     local count = 0
     for e, x in ipairs(parts) do
       local k = math.ceil((math.log(math.abs(x) + 1e-300) - threshold) / GAIN)
-      k = k < 0 and 0 or k > MOST_LEVELS and MOST_LEVELS or k
+      k = k < 0 and 0 or k > MAX_LEVELS and MAX_LEVELS or k
       levels[e] = k
       count = count + (1 << k)
     end
@@ -65,7 +65,7 @@ local function growth_of(self, elements)
   local opts, last = self.options, self.history[#self.history]
   local growth = GROWTH
   if #self.history > 1 then growth = math.min(growth, 1.3 * last.estimated_error / opts.error) end
-  return math.max(LEAST_GROWTH, math.min(growth, opts.most_elements / elements))
+  return math.max(MIN_GROWTH, math.min(growth, opts.max_elements / elements))
 end
 
 local function refine(self, step, selections)
@@ -73,7 +73,7 @@ local function refine(self, step, selections)
   local levels = levels_of(step.parts, 1 + (growth_of(self, mesh.element_count) - 1) / CONFORMING)
   for _, e in ipairs(step.rivals or {}) do levels[e] = math.max(levels[e], 1) end
   return self.part:refined(core.array.new(levels), {surface = self.surface, also = selections,
-    most_elements = math.max(opts.most_elements, mesh.element_count)})
+    max_elements = math.max(opts.max_elements, mesh.element_count)})
 end
 
 -- ---- what refinement still changes ------------------------------------------------------------------
@@ -84,11 +84,11 @@ function refinement.rest(history, value_of, value, elements)
   local last, former = history[#history], history[#history - 1]
   if not last then return 0 end
   local ratio = elements / last.elements
-  local change, factor = value - value_of(last), 1 / math.max(ratio - 1, 1 / MOST_REST)
+  local change, factor = value - value_of(last), 1 / math.max(ratio - 1, 1 / MAX_REST)
   local before = former and value_of(last) - value_of(former) or 0
   if change * before > 0 then
     local rate = change / before
-    factor = math.max(factor, rate < 1 and math.min(rate / (1 - rate), MOST_REST) or MOST_REST)
+    factor = math.max(factor, rate < 1 and math.min(rate / (1 - rate), MAX_REST) or MAX_REST)
   end
   return factor * math.abs(change)
 end
@@ -116,7 +116,7 @@ local function verdict(self)
   if #self.history > 1 and last.estimated_error <= opts.error then return "tolerance" end
   if is_faceted(self.history, opts.error) then return "facets" end
   if does_not_converge(self.history) then return "divergence" end
-  if last.elements * LEAST_GROWTH > opts.most_elements then return "elements" end
+  if last.elements * MIN_GROWTH > opts.max_elements then return "elements" end
   if opts.time_limit then
     local before = #self.history > 1 and self.history[#self.history - 1].seconds or 0
     if last.seconds + GROWTH * (last.seconds - before) > opts.time_limit then return "time" end

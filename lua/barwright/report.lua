@@ -12,13 +12,13 @@ local report = {}
 local rules = {
   title = {type = "string"},
   manifest = {type = "table"},
-  loads = {type = "integer", default = 6, least = 1}, -- how many regions' loads can be shown
-  modes = {type = "integer", default = 15, least = 0},
+  loads = {type = "integer", default = 6, min = 1}, -- how many regions' loads can be shown
+  modes = {type = "integer", default = 15, min = 0},
   lines = {type = "table"}, -- lists of points, drawn over the surface
   line_name = {type = "string"}, -- what they are
   view = {type = "table"}, -- from the object to the viewer
   answer = {type = "string"}, -- sentences in place of that of the largest stress
-  region = {type = "integer", least = 1}, -- the one whose load is shown first; the worst one if left out
+  region = {type = "integer", min = 1}, -- the one whose load is shown first; the worst one if left out
 }
 
 -- The bundle lies beside this file when installed, and in build/web in a build tree, where this file
@@ -145,8 +145,8 @@ local function data_of(worst, opts, shown)
   data.fields[#data.fields + 1] = {name = "pressure of the worst load", unit = "MPa",
     values = floats(worst:pressure():gather(nodes) * 1e-6)}
   -- Many points make a heavy page: fewer modes then.
-  local most = math.max(3, math.floor(1.5e6 / surface.point_count))
-  add_modes(worst, nodes, data, math.min(opts.modes, most))
+  local max = math.max(3, math.floor(1.5e6 / surface.point_count))
+  add_modes(worst, nodes, data, math.min(opts.modes, max))
   return data
 end
 

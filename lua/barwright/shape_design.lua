@@ -36,7 +36,7 @@ local function analyse(problem, state, form)
     if not sheet then return nil, message, details end
     state.sheet = sheet
   end
-  return {outline = outline, area = outline.area, most = sheet.von_mises:max()}
+  return {outline = outline, area = outline.area, max = sheet.von_mises:max()}
 end
 
 -- ---- one round -----------------------------------------------------------------------------------
@@ -134,7 +134,7 @@ local function program(problem, state, form, here, radius)
   for i, row in ipairs(rows) do
     local can = 0
     for c = 1, n do can = can + math.max(row[c] * low[c], row[c] * high[c], -row[c] * low[c], 0) end
-    right[i] = math.max(-math.log(here.most / problem.limit) - problem.margin, -0.25, -0.7 * can)
+    right[i] = math.max(-math.log(here.max / problem.limit) - problem.margin, -0.25, -0.7 * can)
   end
   for k = 1, #A do rows[k + 2], right[k + 2] = A[k], b[k] end
   -- unknowns in units of the radius
@@ -171,10 +171,10 @@ local function loop_area(loop)
 end
 
 --- The form without holes smaller than an area; whether there were any.
-function design.without_small_holes(form, least)
+function design.without_small_holes(form, min)
   local loops, gone = {}, 0
   for _, loop in ipairs(form.loops) do
-    if loop.hole and loop[1].controls and loop_area(loop) < least then
+    if loop.hole and loop[1].controls and loop_area(loop) < min then
       gone = gone + 1
     else
       loops[#loops + 1] = loop
@@ -251,11 +251,11 @@ end
 
 -- The largest stress at nodes within a radius of a place.
 local function stress_near(state, x, y, radius)
-  local most, mises = 0, state.sheet.von_mises
+  local max, mises = 0, state.sheet.von_mises
   for i, p in ipairs(state.sheet.points:totable()) do
-    if (p[1] - x) ^ 2 + (p[2] - y) ^ 2 < radius ^ 2 then most = math.max(most, mises[i]) end
+    if (p[1] - x) ^ 2 + (p[2] - y) ^ 2 < radius ^ 2 then max = math.max(max, mises[i]) end
   end
-  return most
+  return max
 end
 
 --- The form with two holes made one: those with the thinnest wall between them that is stressed below the
@@ -315,7 +315,7 @@ end
 local PRICE, SLACK, TIGHT = 3, 0.002, 0.003
 
 local function merit(problem, here)
-  return math.log(here.area) + PRICE * math.max(0, math.log(here.most / problem.limit) + problem.margin)
+  return math.log(here.area) + PRICE * math.max(0, math.log(here.max / problem.limit) + problem.margin)
 end
 
 -- A round may be worse than the one before, but not worse than all of the last ones.
@@ -326,29 +326,29 @@ end
 --- The best so far, by area once something passes; `stalled` counts rounds without a better one.
 local function keep(self)
   local problem, here, best = self.problem, self.here, self.best
-  local passes = math.log(here.most / problem.limit) + problem.margin <= TIGHT
+  local passes = math.log(here.max / problem.limit) + problem.margin <= TIGHT
   local better = not best or passes and (not best.passes or here.area < best.area)
-    or not passes and not best.passes and here.most < best.most
+    or not passes and not best.passes and here.max < best.max
   self.stalled = self.stalled + 1
   if not better then return end
   if not best or not passes or not best.passes or here.area < best.area * (1 - 1e-3) then
     self.stalled = 0
   end
-  self.best = {form = self.form:copy(), area = here.area, most = here.most, passes = passes}
+  self.best = {form = self.form:copy(), area = here.area, max = here.max, passes = passes}
 end
 
 -- Knots spaced anew, holes that closed taken out, two made one, one put in where little is stressed.
 local function renew(self, may_hole)
   local problem, here = self.problem, self.here
   local fewer, gone = design.without_small_holes(self.form, problem.wall ^ 2)
-  local calm = here.most < 1.1 * problem.limit and gone == 0
+  local calm = here.max < 1.1 * problem.limit and gone == 0
   local one = calm and design.merged(problem, self.state, fewer)
   local with = not one and may_hole and calm and try_hole(problem, self.state, fewer)
   for _, form in ipairs {one or with or fewer, fewer} do
     local changed = form:respaced(problem.spacing)
     local state = {p = self.state.p, price = self.state.price}
     local there = analyse(problem, state, changed)
-    if there and not (form == one and there.most > 1.1 * math.max(here.most, problem.limit)) then
+    if there and not (form == one and there.max > 1.1 * math.max(here.max, problem.limit)) then
       self.form, self.state, self.here, self.recent = changed, state, there, {}
       return
     end
@@ -425,7 +425,7 @@ function design.search(problem, form, report)
     local done = round / problem.rounds
     self.state.p = problem.polish and 24 or done < 0.3 and 8 or done < 0.6 and 14 or 24
     keep(self)
-    history[round] = {area = self.here.area, most = self.here.most, radius = self.radius,
+    history[round] = {area = self.here.area, max = self.here.max, radius = self.radius,
       best_area = self.best.passes and self.best.area or nil}
     if report and report(round, self.here, self.best) == false or core.interrupted() then break end
     if self.stalled > 25 and done > 0.65 then break end

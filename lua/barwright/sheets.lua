@@ -20,7 +20,7 @@ local function with(more)
     plane = {type = "string", default = "stress", one_of = {"stress", "strain"}},
     conditions = {type = "table", default = {}},
     gravity = {type = "table", default = {0, 0}},
-    order = {type = "integer", default = 1, least = 1, most = 2},
+    order = {type = "integer", default = 1, min = 1, max = 2},
     solver = {type = "table", default = {}},
   }
   for key, rule in pairs(more) do all[key] = rule end
@@ -49,13 +49,13 @@ local function read_sections(where, opts)
 end
 
 -- Two finite numbers, `least` or more.
-local function check_pair(where, key, pair, least)
+local function check_pair(where, key, pair, min)
   for i = 1, 2 do
     local value = pair[i]
     if #pair ~= 2 or type(value) ~= "number" or value ~= value or math.abs(value) == math.huge
-      or value < least then
+      or value < min then
       raise(("%s: option '%s': two numbers%s expected"):format(where, key,
-        least == 0 and " of 0 or more" or " {x, y}"))
+        min == 0 and " of 0 or more" or " {x, y}"))
     end
   end
 end
@@ -153,8 +153,8 @@ function sheets.vibration(given)
     ground = {type = "any"},
     shake = {type = "table", default = {}},
     step = {type = "number", default = 1e-3, above = 0},
-    beta = {type = "number", default = 0.25, least = 0},
-    gamma = {type = "number", default = 0.5, least = 0},
+    beta = {type = "number", default = 0.25, min = 0},
+    gamma = {type = "number", default = 0.5, min = 0},
     damping = {type = "table", default = {0, 0}},
   }, stand_on_ground)
 end

@@ -43,17 +43,17 @@ end
 
 -- The point of a place nearest to x: distance, point, bisector into the material.
 local function nearest_on(place, x)
-  local least, at, inward = distance(place.points[1], x), place.points[1], place.inward[1]
+  local min, at, inward = distance(place.points[1], x), place.points[1], place.inward[1]
   for i = 1, #place.points - 1 do
     local a, b = place.points[i], place.points[i + 1]
     local share = share_of(a, b, x)
     local point = mixed(a, b, share)
     local far = distance(point, x)
-    if far < least then
-      least, at, inward = far, point, unit(mixed(place.inward[i], place.inward[i + 1], share))
+    if far < min then
+      min, at, inward = far, point, unit(mixed(place.inward[i], place.inward[i + 1], share))
     end
   end
-  return least, at, inward
+  return min, at, inward
 end
 
 local function is_point(value)
@@ -120,7 +120,7 @@ end
 arguments.methods("singular places", places, places, {near = "point: table, radius?: number"})
 arguments.functions("", places, {list = "chosen: table"})
 
-local edge_rules = {angle = {type = "number", above = 0, most = 1.5}}
+local edge_rules = {angle = {type = "number", above = 0, max = 1.5}}
 
 local surface = core.classes.surface.methods
 

@@ -345,14 +345,14 @@ end
 
 -- ---- solving -------------------------------------------------------------------------------------
 
-local MOST_PARTS = 1000
+local MAX_PARTS = 1000
 local solve_rules = {
-  path = {type = "integer", least = 1, most = MOST_PARTS},
+  path = {type = "integer", min = 1, max = MAX_PARTS},
   start = {type = "any"},
   choose = {type = "boolean", default = true},
 }
 for key, kind in pairs {tolerance = "number", iterations = "integer", steps = "integer",
-  most_iterations = "integer", least_step = "number", cg_tolerance = "number", cg_iterations = "integer",
+  max_iterations = "integer", min_step = "number", cg_tolerance = "number", cg_iterations = "integer",
   allow_inverted = "boolean", linear = "string", coarse = "any"} do
   solve_rules[key] = {type = kind}
 end
@@ -365,9 +365,9 @@ local function parts_of(self)
       parts = math.max(parts, math.ceil(math.abs(act.angle) / (math.pi / 6) - 1e-9))
     end
   end
-  if parts > MOST_PARTS then
+  if parts > MAX_PARTS then
     raise(("solve: turns by %.0f times 30 degrees are more than the %d parts that a path has at most"):format(
-      parts, MOST_PARTS))
+      parts, MAX_PARTS))
   end
   return parts
 end
@@ -386,15 +386,15 @@ end
 -- thick, of which nothing is left in a coarse one (docs/theory/data_driven.md, "Equilibrium"). The last
 -- coarse solid's tangent is factored; it gets few enough nodes for it.
 local FEW_NODES, MANY_NODES = 1500, 20000
-local MOST_FACTORED = 5000
-local MOST_LEVELS = 2
+local MAX_FACTORED = 5000
+local MAX_LEVELS = 2
 
 -- Pairs of a coarsening and a solid on its coarse grid to precondition with where none are given, kept;
 -- nil where a factor does. The naive materials below a looked-up one are too stiff, which costs few
 -- iterations more; those of blocks' representatives may be too soft, which costs many.
 local function own_coarse(self, wanted)
   local level = self.levels
-  if level == MOST_LEVELS then
+  if level == MAX_LEVELS then
     if wanted then raise 'solve: linear = "coarse": this solid is coarse itself, and has no coarser one' end
     return nil
   end
@@ -417,7 +417,7 @@ local function own_coarse(self, wanted)
       end
       if not body then break end
       list[#list + 1] = {coarse:coarsening(level), body}
-    until level == MOST_LEVELS or coarse.grid.node_count <= MOST_FACTORED
+    until level == MAX_LEVELS or coarse.grid.node_count <= MAX_FACTORED
     rawset(self, "under", #list > 0 and list or false)
   end
   return rawget(self, "under") or nil
@@ -458,8 +458,8 @@ local function solve_itself(self, opts)
   return solid_results.create(self, all[parts], all)
 end
 
---- Equilibrium: {tolerance =, iterations = in a load step, most_iterations = in all of them, steps =
---- load steps to begin with, least_step = where to give up, path = parts of the path
+--- Equilibrium: {tolerance =, iterations = in a load step, max_iterations = in all of them, steps =
+--- load steps to begin with, min_step = where to give up, path = parts of the path
 --- (each solved, from the last), linear = "direct" | "jacobi" | "coarse" (the first or the
 --- last, whichever costs less by count), coarse = a coarse solid, start = displacements,
 --- allow_inverted =, choose = whether a solid made coarse by a library gives way to the naive one where that is
@@ -545,7 +545,7 @@ function solid:solve_coarse(given)
   local opts = {}
   for key, value in pairs(given) do opts[key] = value end
   local own = options.read("solve_coarse", {by = opts.by, levels = opts.levels}, {
-    by = {type = "library", needed = true}, levels = {type = "integer", default = 1, least = 1, most = 2}})
+    by = {type = "library", needed = true}, levels = {type = "integer", default = 1, min = 1, max = 2}})
   opts.by, opts.levels = nil, nil
   local coarse, message, details = self:coarsen(own.by, own.levels)
   if not coarse then return nil, message, details end

@@ -18,13 +18,13 @@ local rules = {
   force = {type = "number", above = 0, needed = true},
   material = {type = "material", needed = true},
   contact = {type = "number", default = 1e-4, above = 0},
-  elements = {type = "integer", default = 20000, least = 1, most = 10000000},
+  elements = {type = "integer", default = 20000, min = 1, max = 10000000},
   length = {type = "any"},
   failure = {type = "string", one_of = {"principal", "von_mises"}},
-  modes = {type = "integer", default = 15, least = 1, most = 500},
-  regions = {type = "integer", default = 5, least = 1, most = 1000},
+  modes = {type = "integer", default = 15, min = 1, max = 500},
+  regions = {type = "integer", default = 5, min = 1, max = 1000},
   seed = {type = "integer", default = 1},
-  steps = {type = "integer", default = 8, least = 1, most = 100},
+  steps = {type = "integer", default = 8, min = 1, max = 100},
   keep = {type = "function"},
   unit = {type = "number", default = 1e-3, above = 0},
   progress = {type = "function"},
@@ -39,11 +39,11 @@ local CROSSINGS, RESOLVED, ROUNDS = 100, 0.2, 3
 -- The next step aims higher by what the last one fell short of its prediction, at least so much: what it falls
 -- short of the goal alone is less than a new mesh changes. All steps together aim higher by at most so much: a
 -- body that is nearly as weak everywhere falls short in each step, at places that no bump covers.
-local LEAST_MORE, MOST_MORE = 1.05, 1.3
+local MIN_MORE, MAX_MORE = 1.05, 1.3
 -- A step that moves nothing by more than this share of the judged patch's radius has no effect.
-local LEAST_OFFSET = 1e-3
+local MIN_OFFSET = 1e-3
 -- After a step that makes it worse the next one has half the offsets, down to this share of what was advised.
-local LEAST_SHARE = 0.25
+local MIN_SHARE = 0.25
 -- What the lower end of a trimmed step aims at over the force, and the share of the offsets from which it is not
 -- worth an analysis.
 local TRIMMED, WORTHWHILE = 1.03, 0.8
@@ -163,7 +163,7 @@ local function step_from(self, from, goal)
   end
   local largest = 0
   for _, place in ipairs(from.advised.places) do largest = math.max(largest, place.offset) end
-  if from.share < LEAST_SHARE or largest < LEAST_OFFSET * self.length then
+  if from.share < MIN_SHARE or largest < MIN_OFFSET * self.length then
     return nil, "thickening around the weak places does not help any more", {status = "infeasible"}
   end
   core.report_progress("thickening", 0)
@@ -218,7 +218,7 @@ local function trim(self, from, moved, current)
   if from.breaking.low == 0 then return moved, current end
   local share = math.log(TRIMMED * opts.force / from.breaking.low) / math.log(current.low / from.breaking.low)
   if share > WORTHWHILE then return moved, current end
-  from.share = math.max(share * from.share, LEAST_SHARE)
+  from.share = math.max(share * from.share, MIN_SHARE)
   local lighter, lesser = take(self, from)
   if not lighter then return moved, current end
   if lesser.low < opts.force then
@@ -254,7 +254,7 @@ local function run(self, breaking, progress)
     else
       goal = advice.goal(current, opts.force)
       if current.force < goal and is_moved(from.advised.places, current.at) then
-        aim = math.min(aim * math.max(LEAST_MORE, step.predicted / current.force), MOST_MORE)
+        aim = math.min(aim * math.max(MIN_MORE, step.predicted / current.force), MAX_MORE)
       end
       begin(self, from, moved, current)
     end

@@ -64,10 +64,10 @@ local function solve(l, b)
 end
 
 -- How far it is from each point straight through the material to the other side, at most `most`.
-local function widths(outline, most)
+local function widths(outline, max)
   local points, found = outline.points:totable(), {}
   local edges = {}
-  local polygons, message, details = outline:polygons(1e-3 * most)
+  local polygons, message, details = outline:polygons(1e-3 * max)
   if not polygons then return nil, message, details end
   for _, loop in ipairs(polygons) do
     local list = loop:totable()
@@ -76,7 +76,7 @@ local function widths(outline, most)
   for _, ring in ipairs(tune.rings(outline)) do
     for i, point in ipairs(ring) do
       local a, b = points[ring[(i - 2) % #ring + 1]], points[ring[i % #ring + 1]]
-      local at, best = points[point], most
+      local at, best = points[point], max
       local length = math.sqrt((b[1] - a[1]) ^ 2 + (b[2] - a[2]) ^ 2) + 1e-300
       local nx, ny = -(b[2] - a[2]) / length, (b[1] - a[1]) / length -- inwards
       for _, edge in ipairs(edges) do
@@ -85,7 +85,7 @@ local function widths(outline, most)
         local across = nx * vy - ny * vx
         if across ~= 0 then
           local t, along = (ux * vy - uy * vx) / across, (ux * ny - uy * nx) / across
-          if along >= 0 and along <= 1 and t > 0.02 * most then best = math.min(best, t) end
+          if along >= 0 and along <= 1 and t > 0.02 * max then best = math.min(best, t) end
         end
       end
       found[point] = best
@@ -170,9 +170,9 @@ local function dot(a, b)
 end
 
 local function longest(a)
-  local most = 0
-  for i = 1, #a do most = math.max(most, a[i][1] ^ 2 + a[i][2] ^ 2) end
-  return math.sqrt(most)
+  local max = 0
+  for i = 1, #a do max = math.max(max, a[i][1] ^ 2 + a[i][2] ^ 2) end
+  return math.sqrt(max)
 end
 
 -- p + a s + b t
@@ -188,7 +188,7 @@ end
 
 -- Largest part of ln f to be gone in one step and largest move in parts of `smooth`; how exactly the
 -- pitch has to be met; how little the way along may still be worth; rounds; smallest part of it tried.
-local STRIDE, REACH, EXACT, STILL, ROUNDS, LEAST = 0.08, 0.5, 1e-6, 1e-2, 80, 1 / 32
+local STRIDE, REACH, EXACT, STILL, ROUNDS, MIN = 0.08, 0.5, 1e-6, 1e-2, 80, 1 / 32
 -- Several pitches count as met this near (0.2 cents) where no step leads nearer: meshes that are made anew on
 -- the way move each by about that.
 local NEARLY = 1.2e-4
@@ -252,18 +252,18 @@ end
 -- c of every pitch, the largest in size, the sum of sizes; nil where the modes are not there.
 local function distances(bar, wanted, modes)
   if not modes then return nil end
-  local c, most, sum = {}, 0, 0
+  local c, max, sum = {}, 0, 0
   for k, mode in ipairs(modes) do
     c[k] = math.log(bar.frequencies[mode] / wanted[k])
-    most, sum = math.max(most, math.abs(c[k])), sum + math.abs(c[k])
+    max, sum = math.max(max, math.abs(c[k])), sum + math.abs(c[k])
   end
-  return c, most, sum
+  return c, max, sum
 end
 
 local function largest(list)
-  local most = 0
-  for _, value in ipairs(list) do most = math.max(most, math.abs(value)) end
-  return most
+  local max = 0
+  for _, value in ipairs(list) do max = math.max(max, math.abs(value)) end
+  return max
 end
 
 -- The gradients of ln f by the points, W^-1 times them, and G.
@@ -318,10 +318,10 @@ function tune.search(bar, wanted, outline, opts)
     if not modes then
       return nil, "the modes to be tuned are no longer among those that are computed", {status = "convergence"}
     end
-    local c, most, sum = distances(bar, wanted, modes)
-    if opts.enough and most < opts.enough then return bar.outline, round - 1 end
+    local c, max, sum = distances(bar, wanted, modes)
+    if opts.enough and max < opts.enough then return bar.outline, round - 1 end
     local frequencies = frequencies_of(bar, modes)
-    if #modes > 1 and most < nearest then best, nearest = p, most end
+    if #modes > 1 and max < nearest then best, nearest = p, max end
     local g, z, G = slopes(bar, modes, list, count)
     if not g then return nil, z, G end
     local by_p, short = {}, {}
@@ -341,12 +341,12 @@ function tune.search(bar, wanted, outline, opts)
     local size, rest, across = measured(list, p), sum_of(z, shares, count), sum_of(z, back, count)
     for i = 1, count do rest[i] = {rest[i][1] - p[i][1], rest[i][2] - p[i][2]} end
     local worth = measured(list, rest)
-    if most < EXACT and worth <= STILL ^ 2 * size then return bar.outline, round - 1 end
+    if max < EXACT and worth <= STILL ^ 2 * size then return bar.outline, round - 1 end
     local reach = -math.min(1, REACH * opts.smooth / (longest(across) + 1e-300))
     local price = 2 * largest(shares) + 2 * largest(back)
     local merit = size / 2 + price * sum
     -- not along while the pitch is far: it will be another way from there
-    local part = most > STRIDE / 2 and 0
+    local part = max > STRIDE / 2 and 0
       or math.min(1, 2 * along, REACH * opts.smooth / (longest(rest) + 1e-300))
     local fine, message, details
     local confined, halted = false, {}
@@ -368,7 +368,7 @@ function tune.search(bar, wanted, outline, opts)
         break
       end
       if part > 0 then
-        part = part > LEAST and part / 2 or 0
+        part = part > MIN and part / 2 or 0
       else
         reach = reach / 2
       end
@@ -388,7 +388,7 @@ function tune.search(bar, wanted, outline, opts)
     if confined then list = measures(outline, opts.smooth, kept, width) end
     if opts.watch and opts.watch(bar) == false then return nil, "stopped", {status = "cancelled"} end
     -- nothing along is worth it any more: the last of it, and the pitch is met
-    if not confined and part == 0 and most < EXACT then return bar.outline, round end
+    if not confined and part == 0 and max < EXACT then return bar.outline, round end
   end
   if best and take(bar, outline, origin, best) then return bar.outline, ROUNDS end
   local frequencies = frequencies_of(bar, opts.choose(bar) or {})

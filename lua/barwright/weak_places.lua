@@ -9,7 +9,7 @@ local weak_places = {}
 weak_places.NEARLY = 0.6
 -- Once the growth of the mean stress was seen at so many places that a mesh refined, the largest one counts
 -- instead of 1 / NEARLY, but at least this.
-local GROWN, LEAST_GROWTH = 3, 1.15
+local GROWN, MIN_GROWTH = 3, 1.15
 
 -- The weakest place of a list near a point that no mesh had refined.
 local function unrefined_near(list, at, length)
@@ -21,18 +21,18 @@ end
 --- By which factor the mean stress of a place may grow when it is refined: what was seen between meshes of the
 --- same kind, which the first one is not. `length`: places within it are one.
 function weak_places.growth(levels, length)
-  local most, seen, count = LEAST_GROWTH, {}, 0
+  local max, seen, count = MIN_GROWTH, {}, 0
   for k = 2, #levels - 1 do
     for _, place in ipairs(levels[k + 1].places) do
       local former = place.refined and unrefined_near(levels[k].places, place.at, length)
       if former and not seen[former] then
         seen[former], count = true, count + 1
-        most = math.max(most, place.utilisation / former.utilisation)
+        max = math.max(max, place.utilisation / former.utilisation)
       end
     end
   end
   local unknown = 1 / weak_places.NEARLY
-  return count < GROWN and unknown or math.min(most, unknown)
+  return count < GROWN and unknown or math.min(max, unknown)
 end
 
 --- Places of the last mesh that may be the weakest once they are refined, and by which factor their stress may

@@ -21,16 +21,16 @@ worst_case.__name = "barwright.worst_case"
 
 local rules = load_limits.rules {
   method = {type = "string", one_of = {"search", "paper"}},
-  certify = {type = "number", least = 0.001, most = 0.5},
+  certify = {type = "number", min = 0.001, max = 0.5},
   certificate = {type = "string"},
-  targets = {type = "integer", default = 48, least = 1, most = 100000},
-  modes = {type = "integer", default = 15, least = 1, most = 500},
-  regions = {type = "integer", default = 5, least = 1, most = 1000},
+  targets = {type = "integer", default = 48, min = 1, max = 100000},
+  modes = {type = "integer", default = 15, min = 1, max = 500},
+  regions = {type = "integer", default = 5, min = 1, max = 1000},
   length = {type = "number", above = 0},
   failure = {type = "string", one_of = {"principal", "von_mises"}},
   places = {type = "table"},
   screening = {type = "boolean", default = true},
-  fraction = {type = "number", default = 0.025, above = 0, most = 1},
+  fraction = {type = "number", default = 0.025, above = 0, max = 1},
   measure = {type = "string", default = "stress", one_of = {"stress", "energy"}},
   target = {type = "string", default = "stress", one_of = {"stress", "displacement"}},
   laplacian = {type = "boolean", default = false},
@@ -38,7 +38,7 @@ local rules = load_limits.rules {
   tolerance = {type = "number", default = 1e-8, above = 0},
   sturm = {type = "boolean", default = false},
   seed = {type = "integer", default = 1},
-  batch = {type = "integer", default = 0, least = 0},
+  batch = {type = "integer", default = 0, min = 0},
   glpk = {type = "boolean", default = false},
 }
 

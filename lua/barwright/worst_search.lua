@@ -7,11 +7,11 @@ local load_limits = require "barwright.load_limits"
 local worst_search = {}
 
 -- A pressed area F / p_max should span at least two patches.
-local PATCHES_PER_CONTACT, FEWEST_PATCHES, MOST_PATCHES = 2, 64, 192
+local PATCHES_PER_CONTACT, FEWEST_PATCHES, MAX_PATCHES = 2, 64, 192
 -- The responses to the patches take 24 bytes for each node and patch: so many at most, if 64 fit.
-local MOST_BYTES = 2 ^ 29
+local MAX_BYTES = 2 ^ 29
 -- Rounds of targets: at least two; more while the percentile by volume grows by this much.
-local ROUNDS, MOST_ROUNDS, GROWTH = 2, 3, 0.01
+local ROUNDS, MAX_ROUNDS, GROWTH = 2, 3, 0.01
 local PERCENTILE = 0.9975
 -- Peaks that ascend at once, and steps at most. A step that gains less than this ends the ascent.
 local ASCENTS, ASCENT_STEPS, GAIN = 6, 8, 1e-4
@@ -71,18 +71,18 @@ end
 local function explore(self, loads, origins, limits)
   local basis, message, details = load_limits.without_friction(self.mesh, self.options, self.basis)
   if not basis then return nil, message, details end
-  local patches = math.min(MOST_PATCHES, MOST_BYTES // (24 * self.mesh.node_count),
+  local patches = math.min(MAX_PATCHES, MAX_BYTES // (24 * self.mesh.node_count),
     PATCHES_PER_CONTACT * limits.pressure * basis.areas:sum() // limits.force)
   local screened
   screened, message, details = core.worst_screening(self.system, basis, {
-    pressure = limits.pressure, force = limits.force, at_most = limits.at_most, glpk = limits.glpk,
+    pressure = limits.pressure, force = limits.force, force_is_max = limits.force_is_max, glpk = limits.glpk,
     patches = math.floor(math.max(FEWEST_PATCHES, patches)), targets = 2 * self.options.targets + 32})
   if not screened then return nil, message, details end
   screened.values, screened.tried = core.max_principal(screened.stresses), {}
   local ratio, round = FIRST_RATIO, 0
   local volumes = self.mesh.volumes
   local reached, before = loads.weakness:quantile(PERCENTILE, volumes), 0
-  while round < ROUNDS or (round < MOST_ROUNDS and reached > (1 + GROWTH) * before) do
+  while round < ROUNDS or (round < MAX_ROUNDS and reached > (1 + GROWTH) * before) do
     round = round + 1
     local chosen = choose(self, screened, loads.weakness, ratio, math.max(1, self.options.targets // ROUNDS))
     if #chosen == 0 then break end
@@ -137,7 +137,7 @@ end
 function worst_search.certify(self, loads, origins, limits, tolerance)
   -- Of pressures anywhere, which bounds what hands do.
   local bound, message, details = core.worst_bound(self.system, self.basis, {pressure = limits.pressure,
-    force = limits.force, at_most = limits.at_most, glpk = limits.glpk, incumbent = loads.peaks:max(),
+    force = limits.force, force_is_max = limits.force_is_max, glpk = limits.glpk, incumbent = loads.peaks:max(),
     tolerance = tolerance, leaves = self.options.certificate ~= nil})
   if not bound then return nil, message, details end
   if bound.element then

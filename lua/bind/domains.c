@@ -97,14 +97,14 @@ static int domains_assign(lua_State *L) {
 
 /* Numbers as mesh:refill gives them, from 1 to `most` or (0 and below) as they are, in a userdata
  * that is pushed. */
-static int32_t *origins(lua_State *L, int argument, const char *what, int64_t rows, int32_t most) {
+static int32_t *origins(lua_State *L, int argument, const char *what, int64_t rows, int32_t max) {
   const bw_array *array = lbw_check_array(L, argument, what);
   lbw_argument_check(L, array->rows == rows && array->columns == 1, argument,
                      "numbers as mesh:refill gives them expected");
   int32_t *from = (int32_t *)lua_newuserdatauv(L, ((size_t)rows + 1) * sizeof *from, 0);
   for (int64_t i = 0; i < rows; i++) {
     double value = bw_array_get(array, i, 0);
-    lbw_argument_check(L, value >= -INT32_MAX && value <= most, argument,
+    lbw_argument_check(L, value >= -INT32_MAX && value <= max, argument,
                        "numbers as mesh:refill gives them expected");
     from[i] = (int32_t)value;
   }

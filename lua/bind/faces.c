@@ -235,7 +235,7 @@ int lbw_mesh_curved(lua_State *L) {
 
 /* ---- what print shows ------------------------------------------------------------------------ */
 
-enum { LINES = 12, MOST_TRIANGLES = 200000 };
+enum { LINES = 12, MAX_TRIANGLES = 200000 };
 
 static int add_lines(lua_State *L) {
   const bw_faces *faces = (const bw_faces *)lua_touserdata(L, 2);
@@ -273,7 +273,7 @@ static int add_lines(lua_State *L) {
 
 void lbw_add_faces(lua_State *L, const bw_surface *surface) {
   bw_faces *faces = NULL;
-  if (lbw_state_of(L)->running || surface->triangle_count > MOST_TRIANGLES)
+  if (lbw_state_of(L)->running || surface->triangle_count > MAX_TRIANGLES)
     return;
   bw_context *context = lbw_enter(L);
   if (bw_faces_find(context, surface, 0, &faces) != BW_OK)

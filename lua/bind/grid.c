@@ -11,7 +11,7 @@
 #include <strings.h>
 
 /* Beyond this (3 GB, were all of them elements) a mistyped spacing is likelier than intent. */
-#define MOST_CELLS 67108864.0
+#define MAX_CELLS 67108864.0
 
 static const bw_grid *self(lua_State *L) {
   return (const bw_grid *)lbw_check(L, 1, &lbw_grid_class);
@@ -132,7 +132,7 @@ static int grid_box(lua_State *L) {
     cells[d] = (int32_t)counts[d];
     all *= counts[d];
   }
-  if (all > MOST_CELLS)
+  if (all > MAX_CELLS)
     return lbw_error(L, "grid.box: %d x %d x %d cells are too many: up to 2^26", (int)cells[0],
                      (int)cells[1], (int)cells[2]);
   int64_t count = (int64_t)all;
@@ -173,13 +173,14 @@ done:
 
 /* grid.voxels(surface, {spacing or cells, material, least, whole, multiple}) */
 static int grid_voxels(lua_State *L) {
-  static const lbw_option list[] = {{"spacing", LBW_REAL, offsetof(bw_voxel_options, spacing)},
-                                    {"cells", LBW_INT, offsetof(bw_voxel_options, cells)},
-                                    {"least", LBW_REAL, offsetof(bw_voxel_options, least)},
-                                    {"whole", LBW_BOOLEAN, offsetof(bw_voxel_options, whole)},
-                                    {"multiple", LBW_INT, offsetof(bw_voxel_options, multiple)},
-                                    {"material", LBW_OTHER, 0},
-                                    {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {
+      {"spacing", LBW_REAL, offsetof(bw_voxel_options, spacing)},
+      {"cells", LBW_INT, offsetof(bw_voxel_options, cells)},
+      {"min_fraction", LBW_REAL, offsetof(bw_voxel_options, min_fraction)},
+      {"whole", LBW_BOOLEAN, offsetof(bw_voxel_options, whole)},
+      {"multiple", LBW_INT, offsetof(bw_voxel_options, multiple)},
+      {"material", LBW_OTHER, 0},
+      {NULL, LBW_OTHER, 0}};
   const bw_surface *surface = (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
   bw_voxel_options options;
   bw_voxel_options_default(&options);
@@ -448,9 +449,9 @@ static int grid_tostring(lua_State *L) {
   const bw_grid *grid = self(L);
   double low[3], high[3];
   char text[200];
-  int32_t most = 0, cut = 0;
+  int32_t max = 0, cut = 0;
   for (int32_t e = 0; e < grid->element_count; e++) {
-    most = grid->material[e] > most ? grid->material[e] : most;
+    max = grid->material[e] > max ? grid->material[e] : max;
     cut += grid->fraction && grid->fraction[e] < 1;
   }
   snprintf(text, sizeof text, "grid: %d x %d x %d cells, %d elements", (int)grid->cells[0],
@@ -463,7 +464,7 @@ static int grid_tostring(lua_State *L) {
     lua_pushliteral(L, "");
   }
   snprintf(text, sizeof text, ", %d nodes, %s %d, ", (int)grid->node_count,
-           most > 1 ? "materials up to" : "material", (int)most);
+           max > 1 ? "materials up to" : "material", (int)max);
   lua_pushstring(L, text);
   bw_grid_box(grid, low, high);
   lbw_push_box_text(L, low, high);

@@ -65,7 +65,7 @@ static void read_names(lua_State *L, int index, const char *function,
       {"direction", LBW_VECTOR, offsetof(bw_grid_picture_options, direction)},                     \
       {"up", LBW_VECTOR, offsetof(bw_grid_picture_options, up)},                                   \
       {"zoom", LBW_REAL, offsetof(bw_grid_picture_options, zoom)},                                 \
-      {"low", LBW_REAL, offsetof(bw_grid_picture_options, least)},                                 \
+      {"low", LBW_REAL, offsetof(bw_grid_picture_options, min)},                                   \
       {"high", LBW_REAL, offsetof(bw_grid_picture_options, largest)},                              \
       {"scale", LBW_REAL, offsetof(bw_grid_picture_options, scale)},                               \
       {"deformation", LBW_REAL, offsetof(bw_grid_picture_options, deformation)},                   \
@@ -118,7 +118,7 @@ static int grid_picture(lua_State *L) {
 
 /* picture_grids(path, {{grid, title, displacement, values}, ...}, options) */
 static int picture_grids(lua_State *L) {
-  enum { MOST = 64 };
+  enum { MAX_PANELS = 64 };
   static const lbw_option list[] = {SHARED, {NULL, LBW_OTHER, 0}};
   static const lbw_option keys[] = {{"grid", LBW_OTHER, 0},         {"title", LBW_OTHER, 0},
                                     {"displacement", LBW_OTHER, 0}, {"values", LBW_OTHER, 0},
@@ -129,13 +129,14 @@ static int picture_grids(lua_State *L) {
   bw_grid_picture_options_default(&options);
   lua_settop(L, 3);
   lbw_options(L, 3, "grid.picture", list, &options);
-  luaL_checkstack(L, 30 + 8 * MOST, "too many values");
+  luaL_checkstack(L, 30 + 8 * MAX_PANELS, "too many values");
   read_others(L, 3, "grid.picture", &options);
-  bw_grid_panel panel[MOST];
+  bw_grid_panel panel[MAX_PANELS];
   memset(panel, 0, sizeof panel);
   size_t count = lua_rawlen(L, 2);
-  if (count < 1 || count > MOST)
-    return lbw_error(L, "grid.picture: a list of 1 to %d panels {grid =, title =} expected", MOST);
+  if (count < 1 || count > MAX_PANELS)
+    return lbw_error(L, "grid.picture: a list of 1 to %d panels {grid =, title =} expected",
+                     MAX_PANELS);
   for (size_t i = 0; i < count; i++) {
     if (lua_rawgeti(L, 2, (lua_Integer)i + 1) != LUA_TTABLE)
       return lbw_error(L, "grid.picture: panel %d: {grid =, title =} expected, got %s", (int)i + 1,

@@ -30,7 +30,7 @@ static int judge_start(int first, int second, const char **reason) {
   return opcode == LIVE_BINARY || !final ? LIVE_CLOSE_TYPE : 0;
 }
 
-int live_judge_frame(const char *bytes, size_t filled, int64_t most, live_frame *frame,
+int live_judge_frame(const char *bytes, size_t filled, int64_t max, live_frame *frame,
                      const char **reason) {
   const unsigned char *head = (const unsigned char *)bytes;
   *frame = (live_frame){0};
@@ -52,7 +52,7 @@ int live_judge_frame(const char *bytes, size_t filled, int64_t most, live_frame 
       return LIVE_CLOSE_PROTOCOL;
   }
   *reason = "the message is too long";
-  if (length > (uint64_t)most && (head[0] & OPCODE) < LIVE_CLOSE)
+  if (length > (uint64_t)max && (head[0] & OPCODE) < LIVE_CLOSE)
     return LIVE_CLOSE_SIZE;
   *frame = (live_frame){head[0] & OPCODE, 2 + more + MASK_BYTES, (size_t)length};
   return 0;
@@ -109,8 +109,8 @@ live_outgoing *live_new_frame(bw_context *context, int opcode, const char *key, 
 
 live_outgoing *live_new_close(int code, const char *reason) {
   char payload[CONTROL_BYTES] = {(char)(code >> 8), (char)(code & 0xff)};
-  size_t length = strlen(reason), most = sizeof payload - 2;
-  length = length < most ? length : most;
+  size_t length = strlen(reason), max = sizeof payload - 2;
+  length = length < max ? length : max;
   memcpy(payload + 2, reason, length);
   return live_new_frame(NULL, LIVE_CLOSE, "", payload, 2 + length);
 }

@@ -123,18 +123,18 @@ static bool make_room(live_connection *connection, size_t bytes) {
 
 typedef enum taken { TOOK, NOTHING, ENDED } taken;
 
-static taken receive(live_connection *connection, void *into, size_t most) {
-  ssize_t got = recv(connection->socket, into, most, 0);
+static taken receive(live_connection *connection, void *into, size_t max) {
+  ssize_t got = recv(connection->socket, into, max, 0);
   if (got > 0)
     connection->filled += (size_t)got;
   return got > 0 ? TOOK : got < 0 && (errno == EAGAIN || errno == EINTR) ? NOTHING : ENDED;
 }
 
-static taken append(live_connection *connection, size_t most) {
+static taken append(live_connection *connection, size_t max) {
   if (!make_room(connection, connection->filled + 1))
     return ENDED;
   size_t room = connection->room - connection->filled;
-  return receive(connection, connection->in + connection->filled, room < most ? room : most);
+  return receive(connection, connection->in + connection->filled, room < max ? room : max);
 }
 
 static taken read_window(lbw_live_server *server, live_connection *connection) {
@@ -347,9 +347,9 @@ static void *live_thread(void *data) {
 }
 
 bw_status live_start(bw_context *context, lbw_live_server *server) {
-  int most = 2 + LIVE_WAITING + LIVE_LOADING + server->options.clients;
-  server->polls.entry = BW_NEW(context, struct pollfd, most);
-  server->polls.of = BW_NEW0(context, live_connection *, most);
+  int max = 2 + LIVE_WAITING + LIVE_LOADING + server->options.clients;
+  server->polls.entry = BW_NEW(context, struct pollfd, max);
+  server->polls.of = BW_NEW0(context, live_connection *, max);
   if (!server->polls.entry || !server->polls.of)
     return BW_MEMORY;
   sigset_t all, before;

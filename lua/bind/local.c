@@ -151,12 +151,12 @@ static int local_update(lua_State *L) {
 
 void lbw_read_guess(lua_State *L, int index, const char *function, int64_t nodes,
                     bw_local_options *options) {
-  enum { MOST = 64 };
+  enum { MAX_COUNT = 64 };
   int type = lbw_option_get(L, index, "guess"), list = lua_gettop(L);
   if (type == LUA_TNIL)
     return;
-  lua_Integer count = type == LUA_TTABLE ? (lua_Integer)lua_rawlen(L, list) : MOST + 1;
-  if (count > MOST)
+  lua_Integer count = type == LUA_TTABLE ? (lua_Integer)lua_rawlen(L, list) : MAX_COUNT + 1;
+  if (count > MAX_COUNT)
     lbw_option_error(L, function, "guess", "a list of at most 64 fields expected");
   luaL_checkstack(L, (int)count + 10, "too many values");
   const double **field =

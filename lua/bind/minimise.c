@@ -97,12 +97,12 @@ static double *numbers(lua_State *L, const char *key, int64_t *n) {
 }
 
 /* The middle between the bounds, where there is no start. */
-static double *start_of(lua_State *L, int64_t n, const double *least, const double *most) {
+static double *start_of(lua_State *L, int64_t n, const double *min, const double *max) {
   double *x = (double *)lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *x, 0);
-  if (!least || !most)
+  if (!min || !max)
     lbw_option_error(L, "minimise", "start", "expected, where there are no bounds on both sides");
   for (int64_t i = 0; i < n; i++) {
-    x[i] = least[i] + (most[i] - least[i]) / 2;
+    x[i] = min[i] + (max[i] - min[i]) / 2;
     if (!isfinite(x[i]))
       lbw_option_error(L, "minimise", "start", "expected, where bounds are infinite");
   }
@@ -137,15 +137,15 @@ static void push_report(lua_State *L, const bw_minimise_result *result) {
   lua_setfield(L, -2, "converged");
 }
 
-/* minimise{method, start, least, most, objective, constraints, tolerance, value_tolerance,
+/* minimise{method, start, min, max, objective, constraints, tolerance, value_tolerance,
  * constraint_tolerance, good_enough, evaluations, population, step, seed}: x, value, {why,
  * evaluations, violation, converged} */
 static int core_minimise(lua_State *L) {
   static const lbw_option list[] = {
       {"method", LBW_OTHER, 0},
       {"start", LBW_OTHER, 0},
-      {"least", LBW_OTHER, 0},
-      {"most", LBW_OTHER, 0},
+      {"min", LBW_OTHER, 0},
+      {"max", LBW_OTHER, 0},
       {"objective", LBW_OTHER, 0},
       {"constraints", LBW_OTHER, 0},
       {"step", LBW_OTHER, 0},
@@ -157,9 +157,9 @@ static int core_minimise(lua_State *L) {
       {"population", LBW_INT, offsetof(bw_minimise_options, population)},
       {"seed", LBW_SEED, offsetof(bw_minimise_options, seed)},
       {NULL, LBW_OTHER, 0}};
-  enum { MOST_WORDS = 32 };
-  const char *words[MOST_WORDS + 1] = {NULL};
-  for (int i = 0; i < MOST_WORDS && bw_minimiser_word((bw_minimiser)i); i++)
+  enum { MAX_WORDS = 32 };
+  const char *words[MAX_WORDS + 1] = {NULL};
+  for (int i = 0; i < MAX_WORDS && bw_minimiser_word((bw_minimiser)i); i++)
     words[i] = bw_minimiser_word((bw_minimiser)i);
   lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
@@ -170,12 +170,12 @@ static int core_minimise(lua_State *L) {
   options.method =
       (bw_minimiser)lbw_word_option(L, 1, "minimise", "method", words, (int)options.method);
   int64_t n = -1;
-  double *least = numbers(L, "least", &n), *most = numbers(L, "most", &n);
+  double *min = numbers(L, "min", &n), *max = numbers(L, "max", &n);
   double *start = numbers(L, "start", &n);
   options.step = numbers(L, "step", &n);
   if (n < 1 || n > 100000)
     return lbw_error(L, "minimise: option 'start': a list of numbers expected");
-  double *x = start ? start : start_of(L, n, least, most);
+  double *x = start ? start : start_of(L, n, min, max);
   lua_pushnil(L);
   request r = {.L = L, .error = lua_gettop(L), .n = (int)n};
   r.method = bw_minimiser_word(options.method);
@@ -183,7 +183,7 @@ static int core_minimise(lua_State *L) {
   int constraints = push_functions(L);
   bw_minimise_result result = {0};
   bw_status status =
-      bw_minimise(lbw_enter(L), (int)n, x, least, most, constraints, ask, &r, &options, &result);
+      bw_minimise(lbw_enter(L), (int)n, x, min, max, constraints, ask, &r, &options, &result);
   if (r.failed) {
     lbw_state_of(L)->running = 0;
     lua_settop(L, r.error);

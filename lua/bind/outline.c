@@ -512,13 +512,13 @@ static int outline_nearest(lua_State *L) {
   const bw_loop *loop = &outline->loop[bw_segment_loop(outline, found.segment)];
   int32_t next = found.segment + 1 < loop->first + loop->count ? found.segment + 1 : loop->first;
   int32_t nearer = found.segment;
-  double least = HUGE_VAL;
+  double min = HUGE_VAL;
   for (int i = 0; i < 2; i++) {
     int32_t s = i == 0 ? found.segment : next;
     const double *p = outline->point + 2 * (int64_t)vertex_of(outline, s);
     double distance = hypot(p[0] - at[0], p[1] - at[1]);
-    if (distance < least) {
-      least = distance;
+    if (distance < min) {
+      min = distance;
       nearer = s;
     }
   }

@@ -93,7 +93,7 @@ static int boundary_gather(lua_State *L) {
   return carried(L, bw_boundary_gather);
 }
 
-/* priced_load(system, basis, objective, {pressure, force, at_most}): the pressure of
+/* priced_load(system, basis, objective, {pressure, force, force_is_max}): the pressure of
  * basis:maximise, the value, and the multipliers: the rigid-body motion of the balance (a row for
  * every node) and the price of the total force */
 static int priced_load(lua_State *L) {
@@ -101,7 +101,7 @@ static int priced_load(lua_State *L) {
   static const lbw_option list[] = {
       {"pressure", LBW_REAL, offsetof(bw_worst_load_options, pressure)},
       {"force", LBW_REAL, offsetof(bw_worst_load_options, force)},
-      {"at_most", LBW_BOOLEAN, offsetof(bw_worst_load_options, at_most)},
+      {"force_is_max", LBW_BOOLEAN, offsetof(bw_worst_load_options, force_is_max)},
       {NULL, LBW_OTHER, 0}};
   const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
   const bw_pressure_basis *basis =

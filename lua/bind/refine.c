@@ -6,13 +6,13 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_LEVELS = 30, MOST_ALSO = 64 };
+enum { MAX_LEVELS = 30, MAX_ALSO = 64 };
 
 /* The selections in the list at `index`, in a userdata that is pushed. */
 static const bw_selection **read_selections(lua_State *L, int index, int *count) {
   lua_Integer length = lua_istable(L, index) ? (lua_Integer)lua_rawlen(L, index) : -1;
-  if (length < 0 || length > MOST_ALSO)
-    lbw_error(L, "refined: option 'also': a list of at most %d selections expected", MOST_ALSO);
+  if (length < 0 || length > MAX_ALSO)
+    lbw_error(L, "refined: option 'also': a list of at most %d selections expected", MAX_ALSO);
   *count = (int)length;
   const bw_selection **list =
       (const bw_selection **)lua_newuserdatauv(L, ((size_t)length + 1) * sizeof *list, 0);
@@ -33,29 +33,29 @@ static uint8_t *read_levels(lua_State *L, int index, int64_t elements) {
   lbw_argument_check(L, rows == elements, index, "levels: one for every element expected");
   uint8_t *levels = (uint8_t *)lua_newuserdatauv(L, (size_t)elements + 1, 0);
   for (int64_t e = 0; e < elements; e++) {
-    lbw_argument_check(L, given[e] >= 0 && given[e] <= MOST_LEVELS, index,
+    lbw_argument_check(L, given[e] >= 0 && given[e] <= MAX_LEVELS, index,
                        "levels: numbers from 0 to 30 expected");
     levels[e] = (uint8_t)given[e];
   }
   return levels;
 }
 
-/* model:refined(levels, {surface, order, most_elements, also}): model, the selections of `also` */
+/* model:refined(levels, {surface, order, max_elements, also}): model, the selections of `also` */
 static int model_refined(lua_State *L) {
   struct opts {
     int order;
-    int64_t most;
+    int64_t max;
   } opts = {0, 100000000};
   static const lbw_option list[] = {{"surface", LBW_OTHER, 0},
                                     {"also", LBW_OTHER, 0},
                                     {"order", LBW_INT, offsetof(struct opts, order)},
-                                    {"most_elements", LBW_COUNT, offsetof(struct opts, most)},
+                                    {"max_elements", LBW_COUNT, offsetof(struct opts, max)},
                                     {NULL, LBW_OTHER, 0}};
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
   const bw_surface *surface = NULL;
   const bw_selection **also = NULL;
-  bw_selection *carried[MOST_ALSO] = {NULL};
-  lbw_box *carried_box[MOST_ALSO];
+  bw_selection *carried[MAX_ALSO] = {NULL};
+  lbw_box *carried_box[MAX_ALSO];
   int also_count = 0;
   lua_settop(L, 3);
   lbw_options(L, 3, "refined", list, &opts);
@@ -81,7 +81,7 @@ static int model_refined(lua_State *L) {
   bw_status status;
   bw_context *context = lbw_enter(L);
   BW_TRY(bw_mesh_refine(context, model->mesh, levels, opts.order ? opts.order : model->mesh->order,
-                        opts.most, &refinement));
+                        opts.max, &refinement));
   if (surface)
     BW_TRY(bw_mesh_curved(context, refinement.mesh, surface, &curved, NULL));
   BW_TRY(bw_model_refined(context, model, &refinement, curved ? curved : refinement.mesh,

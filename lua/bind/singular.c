@@ -34,7 +34,7 @@ static int push_places(lua_State *L) {
     push_number(L, "growth", 1 - place->exponent);
     if (place->angle > 0) {
       push_number(L, "angle", place->angle);
-      push_number(L, "least_angle", place->least_angle);
+      push_number(L, "min_angle", place->min_angle);
       push_number(L, "largest_angle", place->largest_angle);
     }
     lua_rawseti(L, -2, i + 1);

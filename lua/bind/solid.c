@@ -44,7 +44,7 @@ static void set_integer(lua_State *L, const char *key, int64_t value) {
 
 void lbw_push_solid_shape(lua_State *L, const bw_solid_shape *shape) {
   lua_createtable(L, 0, 4);
-  set_number(L, "least_ratio", shape->least_ratio);
+  set_number(L, "min_ratio", shape->min_ratio);
   set_integer(L, "worst_element", shape->worst + 1);
   set_integer(L, "inverted", shape->inverted);
   lua_pushboolean(L, shape->defined);
@@ -342,7 +342,7 @@ static int newton_create(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-enum { MOST_LEVELS = 4 };
+enum { MAX_LEVELS = 4 };
 
 /* options.coarse = {{coarsening, solid}, ...}, from fine to coarse */
 static int read_coarse(lua_State *L, int index, const bw_coarsening **coarsening,
@@ -350,8 +350,8 @@ static int read_coarse(lua_State *L, int index, const bw_coarsening **coarsening
   int count = 0;
   if (lbw_option_get(L, index, "coarse") == LUA_TTABLE) {
     count = (int)lua_rawlen(L, -1);
-    if (count > MOST_LEVELS)
-      lbw_error(L, "solve: at most %d coarse solids", MOST_LEVELS);
+    if (count > MAX_LEVELS)
+      lbw_error(L, "solve: at most %d coarse solids", MAX_LEVELS);
     for (int i = 0; i < count; i++) {
       lua_rawgeti(L, -1, i + 1);
       lua_rawgeti(L, -1, 1);
@@ -372,8 +372,8 @@ static int solid_solve(lua_State *L) {
       {"tolerance", LBW_REAL, offsetof(bw_newton_options, tolerance)},
       {"iterations", LBW_INT, offsetof(bw_newton_options, iterations)},
       {"steps", LBW_INT, offsetof(bw_newton_options, steps)},
-      {"most_iterations", LBW_INT, offsetof(bw_newton_options, most_iterations)},
-      {"least_step", LBW_REAL, offsetof(bw_newton_options, least_step)},
+      {"max_iterations", LBW_INT, offsetof(bw_newton_options, max_iterations)},
+      {"min_step", LBW_REAL, offsetof(bw_newton_options, min_step)},
       {"cg_tolerance", LBW_REAL, offsetof(bw_newton_options, cg_tolerance)},
       {"cg_iterations", LBW_INT, offsetof(bw_newton_options, cg_iterations)},
       {"by_cost", LBW_BOOLEAN, offsetof(bw_newton_options, by_cost)},
@@ -386,8 +386,8 @@ static int solid_solve(lua_State *L) {
   const bw_solid *solid = self(L);
   const bw_load_case *load_case = (const bw_load_case *)lbw_check(L, 2, &lbw_load_case_class);
   lbw_box *kept = lua_isnil(L, 3) ? NULL : lbw_check_box(L, 3, &lbw_newton_class);
-  const bw_coarsening *coarsening[MOST_LEVELS];
-  const bw_solid *coarse[MOST_LEVELS];
+  const bw_coarsening *coarsening[MAX_LEVELS];
+  const bw_solid *coarse[MAX_LEVELS];
   bw_newton_options options;
   bw_newton_options_default(&options);
   lbw_options(L, 4, "solve", list, &options);
@@ -425,8 +425,8 @@ static int solid_correct(lua_State *L) {
   lua_settop(L, 4);
   const bw_solid *solid = self(L);
   const bw_load_case *load_case = (const bw_load_case *)lbw_check(L, 2, &lbw_load_case_class);
-  const bw_coarsening *coarsening[MOST_LEVELS];
-  const bw_solid *coarse[MOST_LEVELS];
+  const bw_coarsening *coarsening[MAX_LEVELS];
+  const bw_solid *coarse[MAX_LEVELS];
   bw_newton_options options;
   bool defined = false;
   bw_newton_options_default(&options);

@@ -18,7 +18,7 @@ const bw_material_table *lbw_check_material_table(lua_State *L, int index, const
 double *lbw_read_displacement(lua_State *L, int index, const char *what, const bw_grid *grid);
 /* {iterations =, residual =, seconds =, history = ...}, pushed. */
 void lbw_push_newton_report(lua_State *L, const bw_newton_report *report);
-/* {least_ratio =, worst_element =, inverted =, defined =}, pushed. */
+/* {min_ratio =, worst_element =, inverted =, defined =}, pushed. */
 void lbw_push_solid_shape(lua_State *L, const bw_solid_shape *shape);
 
 #endif

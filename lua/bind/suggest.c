@@ -13,8 +13,8 @@
 
 enum {
   LONGEST_WORD = 63, /* what is compared of a word */
-  LEAST_COMMON = 3,  /* letters that a beginning must have to tell something */
-  MOST_LISTED = 24
+  MIN_COMMON = 3,    /* letters that a beginning must have to tell something */
+  MAX_LISTED = 24
 };
 
 /* Letters as numbers, those of ASCII without capitals; dashes in front, which all options have,
@@ -63,25 +63,25 @@ static int edit_distance(const unsigned *a, int n, const unsigned *b, int m) {
 /* Two words of one letter each have nothing in common but that. */
 static bool resemble(const unsigned *a, int n, const unsigned *b, int m, int distance) {
   int longer = n > m ? n : m, shorter = n > m ? m : n;
-  int most = longer < 3 ? 1 : longer / 3;
-  if (distance <= most && distance < longer)
+  int max = longer < 3 ? 1 : longer / 3;
+  if (distance <= max && distance < longer)
     return true;
-  return shorter >= LEAST_COMMON && memcmp(a, b, (size_t)shorter * sizeof *a) == 0;
+  return shorter >= MIN_COMMON && memcmp(a, b, (size_t)shorter * sizeof *a) == 0;
 }
 
 const char *lbw_nearest(const char *word, const char *const *candidate, size_t count) {
   unsigned a[LONGEST_WORD], b[LONGEST_WORD];
   int n = letters(word, a);
   const char *best = NULL;
-  int least = INT_MAX;
+  int min = INT_MAX;
   for (size_t i = 0; i < count; i++) {
     int m = letters(candidate[i], b);
     int distance = edit_distance(a, n, b, m);
     if (!resemble(a, n, b, m, distance))
       continue;
     /* Ties go to the alphabet: the order of a table must not show. */
-    if (distance < least || (distance == least && strcmp(candidate[i], best) < 0)) {
-      least = distance;
+    if (distance < min || (distance == min && strcmp(candidate[i], best) < 0)) {
+      min = distance;
       best = candidate[i];
     }
   }
@@ -104,7 +104,7 @@ const char *lbw_suggestion(lua_State *L, const char *word, const char *const *ca
     return lua_pushfstring(L, near[0] == '-' ? "did you mean %s?" : "did you mean '%s'?", near);
   if (count == 0)
     return lua_pushliteral(L, "there are none");
-  if (count > MOST_LISTED)
+  if (count > MAX_LISTED)
     return lua_pushfstring(L, "none of the %d known names resembles it", (int)count);
   luaL_Buffer text;
   luaL_buffinit(L, &text);

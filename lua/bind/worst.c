@@ -251,9 +251,9 @@ static int basis_arrows(lua_State *L) {
   if (status != BW_OK)
     return lbw_leave(L, status, 0);
   /* Copied into Lua's memory first: from here on tables may run out of memory. */
-  enum { MOST = 4096 };
+  enum { MAX_SHOWN = 4096 };
   static const size_t size = sizeof(bw_arrow);
-  int kept = count < MOST ? count : MOST;
+  int kept = count < MAX_SHOWN ? count : MAX_SHOWN;
   luaL_Buffer buffer;
   luaL_buffinit(L, &buffer);
   if (kept > 0)
@@ -289,14 +289,14 @@ static int basis_gradient(lua_State *L) {
   return 1;
 }
 
-/* basis:maximise(system, objective, {pressure, force, at_most, hands, hand_area}): the pressure of
- * an allowed load that makes objective . pressure largest, and that value */
+/* basis:maximise(system, objective, {pressure, force, force_is_max, hands, hand_area}): the
+ * pressure of an allowed load that makes objective . pressure largest, and that value */
 static int basis_maximise(lua_State *L) {
   bw_worst_load_options options;
   static const lbw_option list[] = {
       {"pressure", LBW_REAL, offsetof(bw_worst_load_options, pressure)},
       {"force", LBW_REAL, offsetof(bw_worst_load_options, force)},
-      {"at_most", LBW_BOOLEAN, offsetof(bw_worst_load_options, at_most)},
+      {"force_is_max", LBW_BOOLEAN, offsetof(bw_worst_load_options, force_is_max)},
       {"hands", LBW_INT, offsetof(bw_worst_load_options, hands)},
       {"hand_area", LBW_REAL, offsetof(bw_worst_load_options, hand_area)},
       {NULL, LBW_OTHER, 0}};

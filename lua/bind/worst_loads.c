@@ -119,8 +119,8 @@ static void *by_element(const kept *k, const char *key, bw_type type, int64_t el
   return data;
 }
 
-/* worst_loads(system, basis, regions, {pressure, force, at_most, one_sign, hands, hand_area, batch,
- * keep_pressures, glpk, after}): a table of arrays */
+/* worst_loads(system, basis, regions, {pressure, force, force_is_max, one_sign, hands, hand_area,
+ * batch, keep_pressures, glpk, after}): a table of arrays */
 static int worst_loads(lua_State *L) {
   struct opts {
     bw_worst_load_options options;
@@ -130,7 +130,7 @@ static int worst_loads(lua_State *L) {
   static const lbw_option list[] = {
       {"pressure", LBW_REAL, offsetof(struct opts, options.pressure)},
       {"force", LBW_REAL, offsetof(struct opts, options.force)},
-      {"at_most", LBW_BOOLEAN, offsetof(struct opts, options.at_most)},
+      {"force_is_max", LBW_BOOLEAN, offsetof(struct opts, options.force_is_max)},
       {"one_sign", LBW_BOOLEAN, offsetof(struct opts, options.one_sign)},
       {"hands", LBW_INT, offsetof(struct opts, options.hands)},
       {"hand_area", LBW_REAL, offsetof(struct opts, options.hand_area)},
@@ -216,7 +216,7 @@ static int push_screening(lua_State *L) {
   return 1;
 }
 
-/* worst_screening(system, basis, {pressure, force, at_most, glpk, patches, targets, radius}):
+/* worst_screening(system, basis, {pressure, force, force_is_max, glpk, patches, targets, radius}):
  * {targets, stresses}, largest first. Targets are elements, or with a radius nodes in the middles
  * of patches. */
 static int worst_screening(lua_State *L) {
@@ -229,7 +229,7 @@ static int worst_screening(lua_State *L) {
   static const lbw_option list[] = {
       {"pressure", LBW_REAL, offsetof(struct opts, options.pressure)},
       {"force", LBW_REAL, offsetof(struct opts, options.force)},
-      {"at_most", LBW_BOOLEAN, offsetof(struct opts, options.at_most)},
+      {"force_is_max", LBW_BOOLEAN, offsetof(struct opts, options.force_is_max)},
       {"glpk", LBW_BOOLEAN, offsetof(struct opts, glpk)},
       {"patches", LBW_INT, offsetof(struct opts, patches)},
       {"targets", LBW_INT, offsetof(struct opts, targets)},
@@ -289,7 +289,7 @@ static int push_leaves(lua_State *L) {
   return 1;
 }
 
-/* worst_bound(system, basis, {pressure, force, at_most, glpk, incumbent, tolerance, leaves}):
+/* worst_bound(system, basis, {pressure, force, force_is_max, glpk, incumbent, tolerance, leaves}):
  * {upper, largest, linear programs}; where `largest` is more than the incumbent, element and stress
  * (an array of one row); with leaves = true these */
 static int worst_bound(lua_State *L) {
@@ -301,7 +301,7 @@ static int worst_bound(lua_State *L) {
   static const lbw_option list[] = {
       {"pressure", LBW_REAL, offsetof(struct opts, options.pressure)},
       {"force", LBW_REAL, offsetof(struct opts, options.force)},
-      {"at_most", LBW_BOOLEAN, offsetof(struct opts, options.at_most)},
+      {"force_is_max", LBW_BOOLEAN, offsetof(struct opts, options.force_is_max)},
       {"glpk", LBW_BOOLEAN, offsetof(struct opts, glpk)},
       {"incumbent", LBW_REAL, offsetof(struct opts, incumbent)},
       {"tolerance", LBW_REAL, offsetof(struct opts, tolerance)},
@@ -353,15 +353,16 @@ static int worst_bound(lua_State *L) {
 
 /* ---- what multipliers prove ------------------------------------------------------------------ */
 
-/* dual_bounds(system, basis, {force, pressure, at_most}, works, elements, directions, multipliers):
- * a bound for each element, and what the residuals of the linear solves may add to it. works: a row
- * for each rigid-body mode */
+/* dual_bounds(system, basis, {force, pressure, force_is_max}, works, elements, directions,
+ * multipliers): a bound for each element, and what the residuals of the linear solves may add to
+ * it. works: a row for each rigid-body mode */
 static int dual_bounds(lua_State *L) {
   bw_dual_claims claims;
-  static const lbw_option list[] = {{"pressure", LBW_REAL, offsetof(bw_dual_claims, pressure)},
-                                    {"force", LBW_REAL, offsetof(bw_dual_claims, force)},
-                                    {"at_most", LBW_BOOLEAN, offsetof(bw_dual_claims, at_most)},
-                                    {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {
+      {"pressure", LBW_REAL, offsetof(bw_dual_claims, pressure)},
+      {"force", LBW_REAL, offsetof(bw_dual_claims, force)},
+      {"force_is_max", LBW_BOOLEAN, offsetof(bw_dual_claims, force_is_max)},
+      {NULL, LBW_OTHER, 0}};
   bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
   const bw_pressure_basis *basis =
       (const bw_pressure_basis *)lbw_check(L, 2, &lbw_pressure_basis_class);

@@ -73,7 +73,7 @@ static void size_text(double bytes, char text[32]) {
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-static struct { size_t used, most; /* bytes that Lua holds and may hold; most 0: no limit */ } held;
+static struct { size_t used, max; /* bytes that Lua holds and may hold; most 0: no limit */ } held;
 
 /* As lua_Alloc asks: shrinking never fails. */
 static void *allocate(void *data, void *block, size_t old, size_t wanted) {
@@ -85,7 +85,7 @@ static void *allocate(void *data, void *block, size_t old, size_t wanted) {
     free(block);
     return NULL;
   }
-  if (wanted > old && wanted - old > held.most - held.used)
+  if (wanted > old && wanted - old > held.max - held.used)
     return NULL;
   void *grown = realloc(block, wanted);
   if (!grown)
@@ -103,7 +103,7 @@ static int on_panic(lua_State *L) {
 lua_State *program_new_state(const program_limits *limits) {
   if (limits->memory <= 0)
     return luaL_newstate();
-  held.most = (size_t)limits->memory;
+  held.max = (size_t)limits->memory;
   lua_State *L = lua_newstate(allocate, NULL);
   if (L)
     lua_atpanic(L, on_panic);
@@ -112,8 +112,8 @@ lua_State *program_new_state(const program_limits *limits) {
 
 void program_out_of_memory(void) {
   char size[32];
-  if (held.most > 0) {
-    size_text((double)held.most, size);
+  if (held.max > 0) {
+    size_text((double)held.max, size);
     fprintf(stderr, "barwright: not enough memory: the script may use %s (--memory)\n", size);
   } else
     fprintf(stderr, "barwright: not enough memory\n");

@@ -13,7 +13,7 @@ local bw = {}
 ---force is what presses on one side; the reactions press as much. With `fix` the whole force pushes.
 ---
 ---A surface is filled with tetrahedra of order 2 on meshes of about 0.25, 0.6 and 1 times `elements`. Finer ones follow while the
----estimated error is larger than `error`, up to `most_elements`. A mesh is taken as it is, and the interval is wide. The stress is
+---estimated error is larger than `error`, up to `max_elements`. A mesh is taken as it is, and the interval is wide. The stress is
 ---judged by its mean over a surface patch, which has a limit under refinement also at re-entrant edges.
 ---
 ---Errors: unsupported (the strength of the material is not known; `length = "critical"` without a toughness, or in a part that is
@@ -43,7 +43,7 @@ function bw.breaking_force(body, options) end
 ---@field hands? integer (count) places that are pressed at once. Range: 1 to 16, 2 to 16 without `fix`. Default: anywhere
 ---@field error? number (-) relative error at which refinement ends. Range: above 0 to 1. Default: 0.05
 ---@field elements? integer (count) of the third mesh. Range: 1 to 10000000. Default: 20000
----@field most_elements? integer (count) of the finest mesh. Range: 1 to 10000000. Default: four times `elements`, but not more than 20000 unless `elements` is larger
+---@field max_elements? integer (count) of the finest mesh. Range: 1 to 10000000. Default: four times `elements`, but not more than 20000 unless `elements` is larger
 ---@field length? number|"critical" (m) radius of the patch over which the stress is averaged; "critical" is half the critical distance of the material. Default: 2 % of the diagonal of the box
 ---@field failure? "principal"|"von_mises" what is judged against the strength. Default: "von_mises" of steel and aluminium of the library, else "principal"
 ---@field modes? integer (count) of modes. Range: 1 to 500. Default: 15
@@ -145,7 +145,7 @@ function BreakingForce:advice(options) end
 ---@field force number (N) that the lower end of the interval is to reach, above 0
 ---@field estimate? number (N) that the estimate is to reach, above 0. Default: from `force` and the interval
 ---@field keep? fun(x: number, y: number, z: number): boolean true where the surface must not move; coordinates in m. Default: it may move everywhere
----@field most_offset? number (-) the largest offset over the radius of a place; no offset is more than half of the thickness. Range: above 0 to 1. Default: 0.25
+---@field max_offset? number (-) the largest offset over the radius of a place; no offset is more than half of the thickness. Range: above 0 to 1. Default: 0.25
 
 ---Releases the factor and the modes of the last mesh at once.
 function BreakingForce:close() end

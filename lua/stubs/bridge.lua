@@ -209,7 +209,7 @@ function Bridge:design(options) end
 ---A round of a start.
 ---@class bw.BridgeHistory
 ---@field area number (m2) of the right half
----@field most number (Pa) the largest von Mises stress
+---@field max number (Pa) the largest von Mises stress
 ---@field radius number (m) how far control points may move in a round
 ---@field best_area? number (m2) of the best right half so far; nil where none passes
 

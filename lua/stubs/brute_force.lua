@@ -34,7 +34,7 @@ function bw.brute_force(part, options) end
 ---@field force? number (N) total force, see `bw.WorstCaseOptions`. Default: 20
 ---@field pressure? number (Pa) largest pressure. Default: 2e5
 ---@field contact? number (m2) in place of `pressure`: the largest pressure is `force / contact`
----@field at_most? boolean the total force may also be smaller. Default: false
+---@field force_is_max? boolean the total force may also be smaller. Default: false
 ---@field forbidden? bw.Selection|bw.Selection[] facets on which no pressure acts. Default: none
 ---@field friction? number (-) Coulomb's coefficient of friction. Range: 0 to 100. Default: 0
 ---@field friction_facets? integer (count) facets of the pyramid in the friction cone. Range: 3 to 64. Default: 8

@@ -84,7 +84,7 @@ function grid_module.voxels(surface, options) end
 ---@class bw.GridVoxelsOptions
 ---@field spacing? number (m) side of the cubes. Default: from `cells`
 ---@field cells? integer (count) along the longest side, rounded up to a multiple of `multiple`; without `spacing`. Default: 32
----@field least? number (-) cells with a smaller part inside are void. Range: 0 to 1. Default: 0.05
+---@field min_fraction? number (-) cells with a smaller part inside are void. Range: 0 to 1. Default: 0.05
 ---@field whole? boolean whether other cells count as full, not by their part. Default: false
 ---@field multiple? integer (count) the number of cells in each direction is a multiple of it, so that so many can become one. Default: 1
 ---@field material? integer|string|fun(x: number, y: number, z: number): (number|boolean) (index from 1) as of a box, but no list; 0: void. Default: 1

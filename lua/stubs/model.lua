@@ -174,7 +174,7 @@ function Model:free_motions() end
 ---
 ---Errors: unconstrained (a load is not balanced against free rigid-body motions), singular (the matrix is not positive definite although
 ---supports hold the part), convergence (conjugate gradients did not converge), memory (the factor does not fit), limit (more than
----`most_elements` at the first refinement), unsupported (`with = "petsc"` in a build without MPI).
+---`max_elements` at the first refinement), unsupported (`with = "petsc"` in a build without MPI).
 ---
 ---Source: docs/theory/solving.md; docs/theory/error_control.md.
 ---@param options? bw.ModelSolveOptions solver and error
@@ -194,7 +194,7 @@ function Model:solve(options) end
 ---@field rtol? number (-) with "petsc": relative residual to be reached. Default: 1e-10
 ---@field error? number (-) relative error to be reached. Range: above 0 to 1. Default: none, one mesh
 ---@field of? string|bw.Vector|bw.PointGoal|bw.ReactionGoal|bw.Selection|fun(static: bw.Static): number (m, of a point) with `error`: the quantity. A word means the largest value at nodes: "von_mises", "max_principal" or "displacement". A point means the von Mises stress there, a selection the reaction on it, a function the number that it returns. Default: "von_mises"
----@field most_elements? integer (count) with `error`: elements at most. Range: 1 to 100000000. Default: 200000
+---@field max_elements? integer (count) with `error`: elements at most. Range: 1 to 100000000. Default: 200000
 ---@field time_limit? number (s) with `error`: no finer mesh that would probably take longer. Default: none
 ---@field surface? bw.Surface with `error`: what the mesh was filled from; edges follow its planes and round faces. Default: edges stay as they are, and facets of round faces count as an error
 
@@ -211,7 +211,7 @@ function Model:solve(options) end
 ---The model on a mesh whose elements are bisected. Neighbours are bisected as conformity needs. Facets of supports and loads are
 ---those inside of the facets before; fields at nodes are interpolated.
 ---
----Errors: limit (more than `most_elements`), geometry (a part of a curved element has no volume), unsupported (a material whose
+---Errors: limit (more than `max_elements`), geometry (a part of a curved element has no volume), unsupported (a material whose
 ---axes differ from element to element).
 ---
 ---Source: M.-C. Rivara, Int. J. Numer. Meth. Eng. 20 (1984).
@@ -227,14 +227,14 @@ function Model:refined(levels, options) end
 ---@field order? 1|2 of the new elements, not below that of the old ones. Default: that of the mesh
 ---@field surface? bw.Surface that the mesh was filled from, for curved edges as of `mesh:curved`. Default: none
 ---@field also? bw.Selection[] further selections that are carried over. Range: at most 64. Default: none
----@field most_elements? integer (count) elements at most. Default: 100000000
+---@field max_elements? integer (count) elements at most. Default: 100000000
 
 ---The lowest natural frequencies and mode shapes, by block Lanczos; rigid-body motions are left out. With `error` on meshes of
 ---order 2 that are refined until the relative error of every frequency is small enough. With `laplacian` the modes of the scalar
 ---Laplacian instead.
 ---
 ---Errors: convergence (the modes did not converge), singular (the matrix is not positive definite), memory (the factor does not
----fit), limit (more than `most_elements` at the first refinement), unsupported (`with = "slepc"` in a build without MPI).
+---fit), limit (more than `max_elements` at the first refinement), unsupported (`with = "slepc"` in a build without MPI).
 ---
 ---Source: docs/theory/solving.md; docs/theory/error_control.md; the Laplacian: Zhou, Panetta and Zorin 2013, section 4.
 ---@param options? bw.ModelModesOptions how many, solver and error
@@ -255,7 +255,7 @@ function Model:modes(options) end
 ---@field rtol? number (-) with "slepc": relative residual of the inner solutions. Default: 1e-10
 ---@field iterations? integer (count) with "slepc": of conjugate gradients at most. Default: 2000
 ---@field error? number (-) relative error of every frequency to be reached. Range: above 0 to 1. Default: none, one mesh
----@field most_elements? integer (count) with `error`: elements at most. Range: 1 to 100000000. Default: 200000
+---@field max_elements? integer (count) with `error`: elements at most. Range: 1 to 100000000. Default: 200000
 ---@field time_limit? number (s) with `error`: no finer mesh that would probably take longer. Default: none
 ---@field surface? bw.Surface with `error`: what the mesh was filled from, for curved edges. Default: edges stay as they are
 

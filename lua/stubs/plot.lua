@@ -67,7 +67,7 @@ function PlotModule.history(options) end
 ---@class bw.PlotHistoryOptions
 ---@field values number[]
 ---@field numbers? integer[]
----@field goal? "least"|"most"
+---@field goal? "min"|"max"
 ---@field failed? boolean[]
 ---@field feasible? boolean[]
 ---@field label? string
@@ -77,7 +77,7 @@ function PlotModule.history(options) end
 ---@field trial? string
 
 ---Two objectives with the front and what it beats; three to six pair by pair. An objective: {name, unit,
----goal = "least" | "most", values, scale}.
+---goal = "min" | "max", values, scale}.
 ---@param options bw.PlotParetoOptions
 ---@return bw.Figure
 function PlotModule.pareto(options) end
@@ -99,7 +99,7 @@ function PlotModule.scatter_matrix(options) end
 ---@field columns table[]
 ---@field values? number[]
 ---@field value? table|string
----@field goal? "least"|"most"
+---@field goal? "min"|"max"
 ---@field chosen? integer[]
 ---@field faint? boolean[]
 ---@field notes? string[]
@@ -114,7 +114,7 @@ function PlotModule.parallel_coordinates(options) end
 ---@field columns table[]
 ---@field values? number[]
 ---@field value? table|string
----@field goal? "least"|"most"
+---@field goal? "min"|"max"
 ---@field chosen? integer[]
 ---@field faint? boolean[]
 

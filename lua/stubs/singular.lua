@@ -14,7 +14,7 @@
 ---@field inward bw.Vector[] (-, n, per point) the bisector into the material, unit
 ---@field length number (m) of the polyline; 0 of a point
 ---@field angle? number (rad) inside the material, the mean along an edge
----@field least_angle? number (rad) the smallest along the edge
+---@field min_angle? number (rad) the smallest along the edge
 ---@field largest_angle? number (rad) the largest along the edge
 ---@field exponent number (-) Williams' lambda: displacements go like r^lambda with the distance r
 ---@field growth number (-) 1 - lambda: the stress grows like h^-growth with the edge length h of elements

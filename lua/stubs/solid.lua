@@ -149,9 +149,9 @@ function Solid:contact_plane(options) end
 ---default a factor ("direct") or the last, whichever costs less by counted operations and bytes and the
 ---iterations that were needed so far. Loads that are more than the solid carries end in a failure that
 ---says how far it came: details.reached is the last equilibrium on the way. The work until then is
----bounded: `iterations` in a load step (100), `most_iterations` in all of them, where 100 of conjugate
+---bounded: `iterations` in a load step (100), `max_iterations` in all of them, where 100 of conjugate
 ---gradients count as one more (500, and 20 for each of `steps` beyond the first), load steps no smaller
----than `least_step` (1/256). A solid made coarse by a library is compared with the naive coarse one (`choose`, default
+---than `min_step` (1/256). A solid made coarse by a library is compared with the naive coarse one (`choose`, default
 ---true): both are solved, the errors of both are estimated, and the result is that of the nearer one, which its
 ---`choice` tells. This takes two to four times as long as `choose = false`.
 ---@param options? bw.SolidSolveOptions
@@ -163,9 +163,9 @@ function Solid:solve(options) end
 ---@class bw.SolidSolveOptions
 ---@field tolerance? number
 ---@field iterations? integer
----@field most_iterations? integer
+---@field max_iterations? integer
 ---@field steps? integer
----@field least_step? number
+---@field min_step? number
 ---@field path? integer
 ---@field linear? string
 ---@field coarse? bw.Solid
@@ -231,9 +231,9 @@ function Solid:solve_coarse(options) end
 ---@field levels? integer
 ---@field tolerance? number
 ---@field iterations? integer
----@field most_iterations? integer
+---@field max_iterations? integer
 ---@field steps? integer
----@field least_step? number
+---@field min_step? number
 ---@field path? integer
 ---@field linear? string
 ---@field cg_tolerance? number

@@ -21,10 +21,10 @@ function StudyModule:__call(options) end
 ---@field name string
 ---@field seed? integer default 1
 ---@field file? string where trials are kept; default NAME.study
----@field variables table[] {name, least, most, unit, scale = "linear"|"log"}, {name, kind = "integer", least, most} or {name, kind = "choice", of = {...}}; default = a value
+---@field variables table[] {name, min, max, unit, scale = "linear"|"log"}, {name, kind = "integer", min, max} or {name, kind = "choice", of = {...}}; default = a value
 ---@field measures table[] {name, unit, optional}: the numbers that run returns
----@field objectives? table[] {name, goal = "least"|"most"}
----@field constraints? table[] {name, least, most}
+---@field objectives? table[] {name, goal = "min"|"max"}
+---@field constraints? table[] {name, min, max}
 ---@field design table|fun(evaluate: function, problem: table, options: table): table {"latin_hypercube", count = 100}; see design names
 ---@field run fun(point: table, trial: bw.Trial): table?, any, any measures by name, and gradients where there are any; nil and a message for a trial that failed
 ---@field cache? bw.StudyCacheOptions

@@ -39,7 +39,7 @@ function bw.worst_case(part, options) end
 ---@field force? number (N) total force: the integral of the pressure. Of a part without supports one half pushes, the other half pushes back. Default: 20
 ---@field pressure? number (Pa) largest pressure. Default: 2e5
 ---@field contact? number (m2) in place of `pressure`: the smallest area over which the force presses; the largest pressure is `force / contact`
----@field at_most? boolean the total force may also be smaller. Default: false
+---@field force_is_max? boolean the total force may also be smaller. Default: false
 ---@field forbidden? bw.Selection|bw.Selection[] facets on which no pressure acts; it is zero at their nodes. Default: none
 ---@field hands? integer (count) the pressure lies within so many patches of the surface, by a heuristic search. Range: 1 to 16. Default: anywhere
 ---@field hand? number (m2) area that each of `hands` can reach: a disc. Default: `force / pressure`
@@ -276,7 +276,7 @@ function bw.check_certificate(path) end
 ---@field leaves integer (count) that were checked
 ---@field force number (N) total force
 ---@field pressure number (Pa) largest pressure
----@field at_most boolean whether the total force may also be smaller
+---@field force_is_max boolean whether the total force may also be smaller
 ---@field friction number (-) coefficient of the pyramid in the friction cone
 ---@field supports integer (count) of supports
 ---@field forbidden_facets integer (count) facets on which no pressure acts

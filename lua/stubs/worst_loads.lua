@@ -94,7 +94,7 @@ function bw.worst_loads(system, basis, regions, options) end
 ---@class bw.WorstLoadsOptions
 ---@field pressure number (Pa) largest pressure
 ---@field force number (N) total force
----@field at_most? boolean the total force may also be smaller. Default: false
+---@field force_is_max? boolean the total force may also be smaller. Default: false
 ---@field hands? integer (count) the pressure lies within so many patches. Default: 0, anywhere
 ---@field hand_area? number (m2) with `hands`: area of each
 ---@field one_sign? boolean try only the sign of the weights. Default: false, both
@@ -200,7 +200,7 @@ function PressureBasis:maximise(system, objective, options) end
 ---@class bw.PressureBasisMaximiseOptions
 ---@field pressure number (Pa) largest pressure
 ---@field force number (N) total force
----@field at_most? boolean the total force may also be smaller. Default: false
+---@field force_is_max? boolean the total force may also be smaller. Default: false
 ---@field hands? integer (count) the pressure lies within so many patches. Default: 0, anywhere
 ---@field hand_area? number (m2) with `hands`: area of each
 

@@ -79,16 +79,16 @@ end
 -- solution tells enough. `near` has the last solutions, where the next one begins.
 local function stress_at(fork, changes, near, limit, room)
   if not fork:pose(changes) then return nil end
-  local most
+  local max
   for _, tolerance in ipairs {rough, precise} do
     local result = assert(fork:solve {tolerance = tolerance, guess = near})
-    most = result.von_mises:max()
+    max = result.von_mises:max()
     table.insert(near, 1, result.displacement)
     near[room + 1] = nil
-    if tolerance == rough and most > limit * (1 + doubtful) then break end
+    if tolerance == rough and max > limit * (1 + doubtful) then break end
   end
   fork:undo()
-  return most
+  return max
 end
 
 -- Random points around the answer, within 0.1 to 10 % of it in each factor. Those that would change
@@ -112,12 +112,12 @@ local function sample(session, list, H, found, start, random)
     local gain = 1 - change_of(list, H, t) / seen.change
     if gain > 0 then
       seen.less = seen.less + 1
-      local most = stress_at(fork, pose_of(list, start, t), near, found.limit, room)
-      if not most then
+      local max = stress_at(fork, pose_of(list, start, t), near, found.limit, room)
+      if not max then
         seen.refused = seen.refused + 1
       else
-        seen.lowest = math.min(seen.lowest, most)
-        if most <= found.limit then
+        seen.lowest = math.min(seen.lowest, max)
+        if max <= found.limit then
           seen.better, seen.gain = seen.better + 1, math.max(seen.gain, gain)
         end
       end

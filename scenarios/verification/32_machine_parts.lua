@@ -43,8 +43,8 @@ for _, name in ipairs {"clevis", "shelf bracket", "snap clip"} do
 end
 
 -- The judged stress (mean over a patch) under the worst load of each element.
-local function least_force(t, found)
-  local worst, mesh, most = found.worst, found.mesh, 0
+local function min_force(t, found)
+  local worst, mesh, max = found.worst, found.mesh, 0
   local limits = {force = worst.options.force, pressure = worst.options.pressure}
   local regions = t:require(bw.single_regions(mesh))
   local loads = t:require(bw.worst_loads(worst.system, worst.basis, regions, limits))
@@ -53,16 +53,16 @@ local function least_force(t, found)
     local u = t:require(worst.system:solve(force))
     local stress = t:require(bw.surface_stress(mesh, found.material, u, force))
     local mean = t:require(bw.surface_mean(mesh, stress, found.length, worst.system))
-    most = math.max(most, t:require(bw.max_principal(mean)):max())
+    max = math.max(max, t:require(bw.max_principal(mean)):max())
   end
-  return found.material.strength / most * found.reference, regions.count
+  return found.material.strength / max * found.reference, regions.count
 end
 
 scenario("pipe clamp: breaking force on a mesh against loads from every element", function(t)
   local mesh = t:require(bw.mesh.fill(part_named "pipe clamp", {elements = 500, order = 2, tolerance = 0.1}))
   local found = t:require(bw.breaking_force(mesh, {material = bw.material.pla, contact = 5e-5}))
-  local least, count = least_force(t, found)
-  expect(found.force / least, "breaking force over the least of all these loads"):below(1.03,
+  local min, count = min_force(t, found)
+  expect(found.force / min, "breaking force over the least of all these loads"):below(1.03,
     {how = ("%d quadratic elements as targets; %.4g N"):format(count, found.force)})
 end)
 
@@ -82,7 +82,7 @@ scenario("sharp angle: re-entrant edge, interval", function(t)
   expect(edges[1].exponent, "its exponent"):near(0.5445, {relative = 1e-3, source = "Williams 1952, 270 degrees"})
   local function breaking(elements)
     return t:require(bw.breaking_force(surface, {material = bw.material.pla, elements = elements, length = 3e-3,
-      most_elements = elements, modes = 6, regions = 2}))
+      max_elements = elements, modes = 6, regions = 2}))
   end
   local coarse, fine = breaking(800), breaking(4000)
   local place = edges:near(fine.at, fine.length)

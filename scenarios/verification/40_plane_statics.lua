@@ -29,9 +29,9 @@ local function cook(plane, young, force, start)
     tags = {left = 5, right = {2, 3}}})
   -- fine at the held corner, where stresses have no bound, and at the loaded one, where the traction
   -- ends at a free edge and displacements would converge with h only
-  local least = start and 0.4 or 0.02
+  local min = start and 0.4 or 0.02
   local function size(x, y)
-    return least + 0.08 * math.min(math.sqrt(x ^ 2 + (y - 44) ^ 2), math.sqrt((x - 48) ^ 2 + (y - 60) ^ 2))
+    return min + 0.08 * math.min(math.sqrt(x ^ 2 + (y - 44) ^ 2), math.sqrt((x - 48) ^ 2 + (y - 60) ^ 2))
   end
   local s = assert(bw.responsive[start or "steady"] {outline = outline, plane = plane, order = 2,
     material = tools.elastic(young, plane == "strain" and start and 0.3 or 1 / 3),

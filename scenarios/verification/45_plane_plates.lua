@@ -56,11 +56,11 @@ end
 
 -- The largest distance of a nodal line's end from the place it should be at.
 local function farthest(lines, distance)
-  local most = 0
+  local max = 0
   for _, l in ipairs(lines:totable()) do
-    most = math.max(most, distance(l[1], l[2]), distance(l[3], l[4]))
+    max = math.max(max, distance(l[1], l[2]), distance(l[3], l[4]))
   end
-  return most
+  return max
 end
 
 scenario("Leissa, free square plate", {about = "A thousandth as thick as wide. Leissa's values are upper bounds; "

@@ -76,14 +76,14 @@ local function shedding(full)
     end
     return low, high
   end
-  local least, most = range(flow.signals.drag)
+  local min, max = range(flow.signals.drag)
   local down, up = range(flow.signals.lift)
   local strouhal, share = flow:frequency("lift", 2) * 0.1, full and 0.003 or 0.01
   between(strouhal, "Strouhal number", 0.295, 0.305, how)
-  between(most, "largest drag", 3.22, 3.24, how)
+  between(max, "largest drag", 3.22, 3.24, how)
   between((up - down) / 2, "largest lift (half its swing)", 0.99, 1.01, how)
   near(strouhal, "Strouhal number", 0.301841, 0.01, how)
-  near(least, "least drag", 3.164263, 0.01, how)
+  near(min, "least drag", 3.164263, 0.01, how)
   near(up - down, "swing of the lift", 2.007871, share, how)
   near(up, "largest lift", 0.9866, share, how)
   near(down, "least lift", -1.0213, share, how)

@@ -96,8 +96,8 @@ local function breaks(name, make, drags)
       if type(message) ~= "string" or before ~= flow.velocity:max() then broken = broken + 1 end
     end
     local stepped = flow:step()
-    local most = flow.velocity:max()
-    if not stepped or most ~= most or most > 1e4 then broken = broken + 1 end
+    local max = flow.velocity:max()
+    if not stepped or max ~= max or max > 1e4 then broken = broken + 1 end
     if i % 40 == 0 then assert(flow:become(fresh)) end
   end
   local how = ("%d drags done, %d refused"):format(done, refused)

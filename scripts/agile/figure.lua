@@ -48,11 +48,11 @@ local function refined(knots)
   return out
 end
 
--- The pieces of a part, each a function of the place; where it lies: `reach` around its box. `least`
+-- The pieces of a part, each a function of the place; where it lies: `reach` around its box. `scale`
 -- (nil: 1) scales what pieces say into a distance, after places were squashed about (x, y, z).
 local function part_of(p)
   local sx, sy, sz = table.unpack(p.squash or {1, 1, 1})
-  local least, most = min(sx, sy, sz), max(sx, sy, sz)
+  local thinnest, widest = min(sx, sy, sz), max(sx, sy, sz)
   if p.low then
     local r = p.r or 0
     local cx, cy, cz = (p.low[1] + p.high[1]) / 2, (p.low[2] + p.high[2]) / 2, (p.low[3] + p.high[3]) / 2
@@ -75,7 +75,7 @@ local function part_of(p)
       local os, ou = max(side, 0), max(up, 0)
       return sqrt(os * os + ou * ou) + min(max(side, up), 0) - r
     end
-    return {pieces = {f}, low = p.disc, high = p.disc, reach = max(p.radius * most, p.height)}
+    return {pieces = {f}, low = p.disc, high = p.disc, reach = max(p.radius * widest, p.height)}
   end
   local knots = p.chain
     or {{p.from[1], p.from[2], p.from[3], p.r}, {(p.to or p.from)[1], (p.to or p.from)[2],
@@ -91,14 +91,14 @@ local function part_of(p)
   local mx, my, mz = (low[1] + high[1]) / 2, (low[2] + high[2]) / 2, (low[3] + high[3]) / 2
   local pieces = {}
   for i = 1, #knots - 1 do pieces[i] = limb_of(knots[i], knots[i + 1], mx, my, mz, sx, sy, sz) end
-  return {pieces = pieces, x = mx, y = my, z = mz, sx = sx, sy = sy, sz = sz, least = least,
-    low = low, high = high, reach = thick * most}
+  return {pieces = pieces, x = mx, y = my, z = mz, sx = sx, sy = sy, sz = sz, scale = thinnest,
+    low = low, high = high, reach = thick * widest}
 end
 
 local BLOCK = 6 -- mm
 
 local function distance_to(body, pieces, x, y, z)
-  local scale = body.least
+  local scale = body.scale
   if scale then x, y, z = (x - body.x) / body.sx, (y - body.y) / body.sy, (z - body.z) / body.sz end
   local d = pieces[1](x, y, z)
   for i = 2, #pieces do d = min(d, pieces[i](x, y, z)) end

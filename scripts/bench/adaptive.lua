@@ -12,7 +12,7 @@ local folder = arg[0]:match "^(.*)/scripts/bench/" or "."
 package.path = folder .. "/scenarios/verification/lib/?.lua;" .. folder .. "/scripts/bench/?.lua;" .. package.path
 local bw = require "barwright"
 local grids = require "grids"
-local opts = require "arguments" {case = "value", error = "value", most = "value", out = "value"}
+local opts = require "arguments" {case = "value", error = "value", max = "value", out = "value"}
 
 local pi, cos, sin, tan, sqrt = math.pi, math.cos, math.sin, math.tan, math.sqrt
 
@@ -222,7 +222,7 @@ end)
 
 -- ---- measuring -------------------------------------------------------------------------------------
 
-local tolerance, most = tonumber(opts.error or 0.01), tonumber(opts.most or 300000)
+local tolerance, max = tonumber(opts.error or 0.01), tonumber(opts.max or 300000)
 
 local components = {xx = 1, yy = 2, zz = 3}
 
@@ -242,7 +242,7 @@ local function uniform(part, of, reference)
     value, unknowns = value_on(part, of)
     last = math.abs(value / reference - 1)
     first = last <= tolerance and (first or unknowns) or nil
-    if unknowns * 2 > most then return first, unknowns, last end
+    if unknowns * 2 > max then return first, unknowns, last end
     local levels = {}
     for e = 1, part.mesh.element_count do levels[e] = 1 end
     part = assert(part:refined(bw.array.new(levels)))
@@ -256,7 +256,7 @@ local function measure(name)
   local seconds = bw.seconds() - start
   local reference = exact
   if not reference then
-    local _, finest = assert(part:solve {error = tolerance / 10, of = of, most_elements = 60000})
+    local _, finest = assert(part:solve {error = tolerance / 10, of = of, max_elements = 60000})
     reference = finest.value
   end
   local first, reached, left = uniform(part, of, reference)
@@ -292,6 +292,6 @@ for _, name in ipairs(order) do
   end
 end
 if opts.out then
-  local results = assert(bw.results.open(opts.out, {options = {error = tolerance, most = most}}))
+  local results = assert(bw.results.open(opts.out, {options = {error = tolerance, max = max}}))
   assert(results:write {cases = all})
 end

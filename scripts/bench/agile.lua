@@ -49,12 +49,12 @@ local function timed(session, edit)
   local fine, message = edit(session)
   if not fine then return nil, message end
   local result = assert(session:solve())
-  local most = result.von_mises:max()
+  local max = result.von_mises:max()
   local reused = result.reused
   return {seconds = bw.seconds() - start, seconds_stiffness = reused.seconds_stiffness,
     seconds_factor = reused.seconds_factor, seconds_solve = reused.seconds_solve, kept = reused.factor_kept,
     method = reused.method, iterations = reused.iterations, precision = reused.precision,
-    refinements = reused.refinements, max = most,
+    refinements = reused.refinements, max = max,
     relaxed = reused.mesh ~= "posed"}
 end
 

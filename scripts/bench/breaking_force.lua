@@ -22,10 +22,10 @@ end
 
 -- Whether a place, or one of its ties, lies within a patch of another.
 local function same_place(found, other)
-  local least = distance(found.at, other.at)
-  for _, tie in ipairs(found.ties) do least = math.min(least, distance(tie.at, other.at)) end
-  for _, tie in ipairs(other.ties) do least = math.min(least, distance(tie.at, found.at)) end
-  return least / found.length
+  local min = distance(found.at, other.at)
+  for _, tie in ipairs(found.ties) do min = math.min(min, distance(tie.at, other.at)) end
+  for _, tie in ipairs(other.ties) do min = math.min(min, distance(tie.at, found.at)) end
+  return min / found.length
 end
 
 -- Elements around a place have edges of this share of the radius; the surface is followed to that share.
@@ -55,7 +55,7 @@ end
 
 print(("%-22s %-8s %-30s %-8s %-8s %s"):format("body", "largest/", "force, N (interval)", "elements", "apart, r",
   "CPU, s"))
-local most, covered, all = 1, 0, 0
+local max, covered, all = 1, 0, 0
 for _, body in ipairs(bodies(opts)) do
   local found, low, high = {}, math.huge, 0
   for k, elements in ipairs(starts) do
@@ -69,7 +69,7 @@ for _, body in ipairs(bodies(opts)) do
     else
       print(("%-22s start %d: %s"):format(body.name, elements, message))
     end
-    if k == #starts and #found > 0 then most = math.max(most, high / low) end
+    if k == #starts and #found > 0 then max = math.max(max, high / low) end
   end
   local finest = found[#found]
   local truth = opts.overkill > 0 and finest and overkill(body.surface(), found)
@@ -88,5 +88,5 @@ for _, body in ipairs(bodies(opts)) do
   end
   io.stdout:flush()
 end
-print(("largest over smallest at most %.3f; %d of %d intervals contain the force of the %s"):format(most, covered,
+print(("largest over smallest at most %.3f; %d of %d intervals contain the force of the %s"):format(max, covered,
   all, opts.overkill > 0 and "overkill mesh" or "finest start"))

@@ -23,7 +23,7 @@ for _, body in ipairs(bodies(opts)) do
   local known = ("%s | %.4g (%.4g to %.4g) | %.2f"):format(body.name, found.force, found.low, found.high,
     found.contact * 1e4)
   print(("| %s | %.4f | %d | %.4g | %.4g | %.1f | %.4g | %.1f | %.1f | %.1f |"):format(known,
-    impacts.peg_area / found.contact, #impacts, contact.least, contact.median, 100 * contact.below, inertia.least,
+    impacts.peg_area / found.contact, #impacts, contact.min, contact.median, 100 * contact.below, inertia.min,
     100 * inertia.below, 100 * impacts.predicted, 100 * impacts.predicted_of_tenth))
   io.stdout:flush()
 end

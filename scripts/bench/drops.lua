@@ -27,8 +27,8 @@ local function measure(part)
     {r = coarse.resultants, e = coarse.pushes, a = along})
   return {part = part.name, elements = coarse.mesh.element_count,
     facet_m2 = coarse.mesh.boundary.area / coarse.mesh.facet_count,
-    nodes_least = coarse.nodes:min(), nodes_median = coarse.nodes:quantile(0.5),
-    on_two_nodes = coarse.nodes:map("a <= 2"):sum() / opts.drops, sideways_most = across:max(),
+    nodes_min = coarse.nodes:min(), nodes_median = coarse.nodes:quantile(0.5),
+    on_two_nodes = coarse.nodes:map("a <= 2"):sum() / opts.drops, sideways_max = across:max(),
     area_m2 = coarse.areas:quantile(0.5), finer_elements = fine.mesh.element_count,
     finer_area_m2 = fine.areas:quantile(0.5), force_n = coarse.forces:quantile(0.5),
     finer_force_n = fine.forces:quantile(0.5)}
@@ -41,7 +41,7 @@ for _, part in ipairs(parts.list) do
     rows[#rows + 1] = row
     print(("%-15s %5d elements: %.1f %% on two nodes or fewer, nodes %d least, %g median; sideways %.1e at most; "
       .. "area %.3f of a facet, %.2f of that with %d elements; force %.2f"):format(row.part, row.elements,
-      100 * row.on_two_nodes, row.nodes_least, row.nodes_median, row.sideways_most, row.area_m2 / row.facet_m2,
+      100 * row.on_two_nodes, row.nodes_min, row.nodes_median, row.sideways_max, row.area_m2 / row.facet_m2,
       row.area_m2 / row.finer_area_m2, row.finer_elements, row.force_n / row.finer_force_n))
     io.stdout:flush()
     collectgarbage()

@@ -96,15 +96,15 @@ local function measure(name, surface, elements)
     local group = face.kind == "plane" and groups.plane or face.kind ~= "free form" and groups.round
     if group and own[k].area >= 1e-3 * total then
       local off = math.abs(face.area / own[k].area - 1)
-      group.n, group.sum, group.most = group.n + 1, group.sum + off, math.max(group.most or 0, off)
+      group.n, group.sum, group.max = group.n + 1, group.sum + off, math.max(group.max or 0, off)
     elseif group then
       lost = lost + 1
     end
   end
   local p, r, q = groups.plane, groups.round, mesh:quality()
   print(("| %s | %d | %d | %d | %s | %s | %d | %s | %s | %d | %.1f | %.1f |"):format(name, elements,
-    mesh.element_count, p.n, share(p.most), share(p.most and p.sum / p.n), r.n, share(r.most),
-    share(r.most and r.sum / r.n), lost, math.deg(q.dihedral_low), seconds))
+    mesh.element_count, p.n, share(p.max), share(p.max and p.sum / p.n), r.n, share(r.max),
+    share(r.max and r.sum / r.n), lost, math.deg(q.dihedral_low), seconds))
 end
 
 print("| body | asked | elements | planes | largest | mean | round | largest | mean | smaller faces | least angle "

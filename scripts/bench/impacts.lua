@@ -152,9 +152,9 @@ end
 
 -- Whether a place lies within a radius of the weakest one or of a tie.
 local function is_predicted(found, at)
-  local least = distance(found.at, at)
-  for _, tie in ipairs(found.ties) do least = math.min(least, distance(tie.at, at)) end
-  return least <= found.length
+  local min = distance(found.at, at)
+  for _, tie in ipairs(found.ties) do min = math.min(min, distance(tie.at, at)) end
+  return min <= found.length
 end
 
 local function column(impacts, name)
@@ -180,7 +180,7 @@ return function(found, options)
   impacts.peg_area = area
   for _, name in ipairs {"force", "with_inertia"} do
     local values = column(impacts, name)
-    impacts[name] = {least = values:min(), median = values:quantile(0.5),
+    impacts[name] = {min = values:min(), median = values:quantile(0.5),
       below = values:below(found.low):sum() / #impacts}
   end
   impacts.predicted = share_predicted(found, impacts, #impacts)

@@ -58,7 +58,7 @@ local function places_of(found, nodes, rows)
     local regions = assert(core.patch_regions(worst.system, found.length, table.move(nodes, from, to, 1, {}),
       core.array.new(table.move(rows, from, to, 1, {}))))
     local loads = assert(core.worst_loads(worst.system, worst.basis, regions, {one_sign = true,
-      force = worst.limits.force, pressure = worst.limits.pressure, at_most = worst.limits.at_most}))
+      force = worst.limits.force, pressure = worst.limits.pressure, force_is_max = worst.limits.force_is_max}))
     local forces, stresses = {}, {}
     for k = 1, regions.count do forces[k] = worst.basis:force(loads.pressures[k]) end
     for k, u in ipairs(assert(worst.system:solve(forces))) do
@@ -90,32 +90,32 @@ local function brute_force(found)
       nodes[#nodes + 1], rows[#rows + 1] = one[1], across(one[2], math.pi * k / DIRECTIONS)
     end
   end
-  local most = 0
+  local max = 0
   for _ = 0, STEPS do
     local places = places_of(found, nodes, rows)
-    count, most = count + #nodes, math.max(most, places[1].used)
+    count, max = count + #nodes, math.max(max, places[1].used)
     nodes, rows = {}, {}
     for k = 1, math.min(ASCENTS, #places) do nodes[k], rows[k] = places[k].node, places[k].stress end
   end
-  return most, count
+  return max, count
 end
 
 print(("%-22s %-9s %-11s %-12s %-12s %s"):format("body", "elements", "programs", "search, N", "brute, N",
   "brute over search"))
-local least, all = 1, {}
+local min, all = 1, {}
 for _, body in ipairs(bodies(opts)) do
   local surface = body.surface()
   local given = opts.one and assert(bw.mesh.fill(surface, {elements = opts.elements, order = 2,
     tolerance = 0.1}))
   local found <close> = assert(bw.breaking_force(given or surface, {material = bw.material.pla,
-    elements = opts.elements, most_elements = opts.elements}))
-  local most, count = brute_force(found)
-  local brute = found.reference / most
+    elements = opts.elements, max_elements = opts.elements}))
+  local max, count = brute_force(found)
+  local brute = found.reference / max
   print(("%-22s %-9d %-11d %-12.4g %-12.4g %.4f"):format(body.name, found.mesh.element_count, count,
     found.force, brute, brute / found.force))
   io.stdout:flush()
-  least = math.min(least, brute / found.force)
+  min = math.min(min, brute / found.force)
   all[#all + 1] = brute / found.force
 end
 table.sort(all)
-print(("least %.4f, median %.4f of %d bodies"):format(least, all[(#all + 1) // 2] or 0, #all))
+print(("least %.4f, median %.4f of %d bodies"):format(min, all[(#all + 1) // 2] or 0, #all))

@@ -48,11 +48,11 @@ local calculix = assert(run(("ccx -i '%s'"):format(stem)), "ccx failed")
 
 local start = bw.seconds()
 local static = assert(part:solve())
-local most_stress = static.von_mises:max()
+local max_stress = static.von_mises:max()
 local own = bw.seconds() - start
 
 -- Displacements that CalculiX printed: lines of node, x, y, z.
-local u, own_u, difference, most = {}, static.displacement, 0, 0
+local u, own_u, difference, max = {}, static.displacement, 0, 0
 for line in io.lines(stem .. ".dat") do
   local node, x, y, z = line:match "^%s*(%d+)%s+(%S+)%s+(%S+)%s+(%S+)%s*$"
   if node and not u[tonumber(node)] then u[tonumber(node)] = {tonumber(x), tonumber(y), tonumber(z)} end
@@ -60,11 +60,11 @@ end
 for node, value in pairs(u) do
   for k = 1, 3 do
     difference = math.max(difference, math.abs(own_u[node][k] - value[k]))
-    most = math.max(most, math.abs(value[k]))
+    max = math.max(max, math.abs(value[k]))
   end
 end
 folder:close()
 
 print(bw.json.encode({elements = mesh.element_count, nodes = mesh.node_count, threads = threads,
   seconds_calculix = calculix, seconds_barwright = own, ratio = calculix / own,
-  relative_difference = difference / most, compared_nodes = #u, max_von_mises_pa = most_stress}, "  "))
+  relative_difference = difference / max, compared_nodes = #u, max_von_mises_pa = max_stress}, "  "))

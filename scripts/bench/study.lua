@@ -18,7 +18,7 @@ local folder = temporary.path
 
 local function study(name, count, run)
   return bw.study {name = name, file = ("%s/%s.study"):format(folder, name), measures = {"y"},
-    variables = {{name = "x", least = 0, most = 1}, {name = "n", kind = "integer", least = 0, most = 9}},
+    variables = {{name = "x", min = 0, max = 1}, {name = "n", kind = "integer", min = 0, max = 9}},
     design = {"random", count = count}, run = run}
 end
 

@@ -16,7 +16,7 @@ package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. packa
 local surfaces = {"engine_bracket.obj", "gear_spur.stl", "tray_bottom.stl", "rocker_arm.obj", "fandisk.obj",
   "fan_blade.stl", "anchor.off", "bottle_opener_round.stl", "chair.ply", "screwdriver.ply", "fertility.off",
   "triceratops.off", "cat.obj"}
-local DIAGONAL, PRESSURE, MOST_OF_PRESSURE = 0.1, 2e5, 0.05
+local DIAGONAL, PRESSURE, MAX_PRESSURE_FRACTION = 0.1, 2e5, 0.05
 
 local opts = require "arguments" {out = "value", models = "value", only = "value", elements = 3000,
   certify = 0.0, principal = true, unseen = true}
@@ -52,7 +52,7 @@ end
 local function measure(body)
   local mesh = assert(bw.mesh.fill(body.surface(), {elements = opts.elements, tolerance = 0.1}))
   local part = bw.model {mesh = mesh, material = bw.material.pla}
-  local load = {force = math.min(20, MOST_OF_PRESSURE * PRESSURE * mesh.boundary.area), pressure = PRESSURE}
+  local load = {force = math.min(20, MAX_PRESSURE_FRACTION * PRESSURE * mesh.boundary.area), pressure = PRESSURE}
   local function with(key, value)
     return {force = load.force, pressure = load.pressure, [key] = value}
   end
@@ -86,7 +86,7 @@ local function spread(rows, key)
   local list = {}
   for k, row in ipairs(rows) do list[k] = row[key] end
   table.sort(list)
-  return {least = list[1], median = list[(#list + 1) // 2], most = list[#list]}
+  return {min = list[1], median = list[(#list + 1) // 2], max = list[#list]}
 end
 
 print("model               | elements | paper 99.75 %, peak | search 99.75 %, peak | seconds paper, search "
@@ -113,7 +113,7 @@ local summary = {}
 for _, key in ipairs {"paper", "paper_peak", "search", "search_peak", "cost"} do
   local s = spread(rows, key)
   summary[key] = s
-  print(("%-12s least %.3f, median %.3f, most %.3f"):format(key, s.least, s.median, s.most))
+  print(("%-12s least %.3f, median %.3f, most %.3f"):format(key, s.min, s.median, s.max))
 end
 if results then
   assert(results:write {benchmark = "worst_search", rows = bw.json.list(rows), summary = summary})

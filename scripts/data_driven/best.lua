@@ -7,7 +7,7 @@ local bw = require "barwright"
 local best = {}
 
 local ROUNDS, ITERATIONS, TOLERANCE = 15, 200, 1e-8
-local LEAST = 1e-3 -- a weight is bounded by this part of the mean distance
+local MIN = 1e-3 -- a weight is bounded by this part of the mean distance
 
 -- Rows of a coarse solid's nodes: 1 where a component is free, and the displacement of those held.
 local function supports(coarse)
@@ -60,18 +60,18 @@ function best.of(fine, coarse, u)
   local embedding = assert(coarse.grid:embed(fine.points))
   local free, x = supports(coarse)
   local weight = bw.array.zeros(#u, 1) + 1
-  local field, least
+  local field, min
   for _ = 1, ROUNDS do
     x = least_squares(embedding, free, u, weight, x)
     local now = embedding:values(x)
     local d = distances(now, u)
     local mean = d:sum() / #u
-    if least and mean > least * (1 - 1e-3) then
-      if mean < least then field = now end
+    if min and mean > min * (1 - 1e-3) then
+      if mean < min then field = now end
       break
     end
-    field, least = now, mean
-    weight = d:map("1/max(a, least)", {least = math.max(LEAST * mean, 1e-300)}) * mean
+    field, min = now, mean
+    weight = d:map("1/max(a, bound)", {bound = math.max(MIN * mean, 1e-300)}) * mean
   end
   return field
 end

@@ -41,7 +41,7 @@ local function generator(seed)
   end
 end
 
-local function whole(draw, least, most) return least + math.floor(draw() * (most - least + 1)) end
+local function whole(draw, min, max) return min + math.floor(draw() * (max - min + 1)) end
 
 local function direction(draw)
   while true do

@@ -23,14 +23,14 @@ end
 local opts, i = {methods = "naive,lookup,grown", levels = 2}, 1
 while arg[i] do
   local name, value = arg[i]:match "^%-%-(.+)$", arg[i + 1]
-  local most = ({levels = 2, threads = 1024})[name]
+  local max = ({levels = 2, threads = 1024})[name]
   local number = math.tointeger(tonumber(value))
-  if not value or not (most or ({scene = true, library = true, methods = true, json = true})[name]) then
+  if not value or not (max or ({scene = true, library = true, methods = true, json = true})[name]) then
     refuse(("'%s %s' is not understood"):format(arg[i], value or ""))
-  elseif most and not (number and number >= 1 and number <= most) then
-    refuse(("--%s %s: a whole number from 1 to %d expected"):format(name, value, most))
+  elseif max and not (number and number >= 1 and number <= max) then
+    refuse(("--%s %s: a whole number from 1 to %d expected"):format(name, value, max))
   end
-  opts[name] = most and number or value
+  opts[name] = max and number or value
   i = i + 2
 end
 if not opts.scene then refuse "--scene NAME|all expected" end

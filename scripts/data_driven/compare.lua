@@ -16,7 +16,7 @@ local function row_of(method, level, solid, solution, spent)
     seconds_clock_per_iteration = spent.clock / iterations,
     quadrature_share = report.seconds_quadrature / math.max(report.seconds, 1e-9),
     residual = report.residual, energy_j = solution.energy,
-    least_det_f = report.shape.least_ratio}
+    min_det_f = report.shape.min_ratio}
 end
 
 --- Runs f and returns what it returns after {processor =, clock =} seconds.

@@ -22,8 +22,8 @@ local sets = {
 local opts, i = {directions = 20}, 1
 while arg[i] do
   local name, value = arg[i]:match "^%-%-(.+)$", math.tointeger(tonumber(arg[i + 1]))
-  local most = ({only = #sets, directions = 5000, threads = 1024})[name]
-  if not most or not value or value < 1 or value > most then
+  local max = ({only = #sets, directions = 5000, threads = 1024})[name]
+  if not max or not value or value < 1 or value > max then
     io.stderr:write(("fibre_sets: '%s %s': expected --only 1 to %d, --directions or --threads with a "
       .. "number\n"):format(arg[i], arg[i + 1] or "", #sets))
     os.exit(2)

@@ -41,8 +41,8 @@ function motion.run(out, opts, fine, solutions)
     local margin = 0.12 * (box.high[2] - box.low[2])
     low[k], high[k] = box.low[k] - margin, box.high[k] + margin
   end
-  local names, rows, most = {}, bw.json.list {}, 0
-  for _, each in ipairs(solutions) do most = math.max(most, each.solution.movement:max()) end
+  local names, rows, max = {}, bw.json.list {}, 0
+  for _, each in ipairs(solutions) do max = math.max(max, each.solution.movement:max()) end
   local function draw(frame)
     local panels = {}
     for i, part in ipairs(parts) do
@@ -52,7 +52,7 @@ function motion.run(out, opts, fine, solutions)
     end
     names[#names + 1] = ("%s/frame_%03d.png"):format(out, frame)
     return bw.grid.picture(names[#names], panels, {direction = opts.direction, up = {0, 0, 1}, width = 380,
-      height = 380, columns = #panels, unit = "movement, mm", scale = 1e3, low = 0, high = most,
+      height = 380, columns = #panels, unit = "movement, mm", scale = 1e3, low = 0, high = max,
       view = {low, high}})
   end
   local function remove()

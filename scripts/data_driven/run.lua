@@ -73,11 +73,11 @@ local function read_arguments()
   each_of(opts.scene, scenes.order, "scene")
   opts.methods = split(opts.methods)
   each_of(opts.methods, {"lookup", "grown", "naive", "average"}, "method")
-  for name, most in pairs {levels = 2, threads = 1024} do
+  for name, max in pairs {levels = 2, threads = 1024} do
     if opts[name] then
       local number = math.tointeger(tonumber(opts[name]))
-      if not number or number < 1 or number > most then
-        stop(REFUSED, ("option --%s: a whole number from 1 to %d expected, got '%s'"):format(name, most,
+      if not number or number < 1 or number > max then
+        stop(REFUSED, ("option --%s: a whole number from 1 to %d expected, got '%s'"):format(name, max,
           opts[name]))
       end
       opts[name] = number

@@ -20,8 +20,8 @@ for i = 1, 90 do
   bend[i] = 4 * load * length ^ 3 / (material[2].young * b * h ^ 3)
   fits[i] = stress[i] <= allowed
 end
-local mass_column = {name = "mass", unit = "kg", values = mass, goal = "least"}
-local bend_column = {name = "deflection", unit = "m", values = bend, goal = "least", scale = "log"}
+local mass_column = {name = "mass", unit = "kg", values = mass, goal = "min"}
+local bend_column = {name = "deflection", unit = "m", values = bend, goal = "min", scale = "log"}
 
 -- The integral of exp from 0 to 1 by the trapezoidal rule and by Simpson's.
 local sizes, errors = {}, {{}, {}}

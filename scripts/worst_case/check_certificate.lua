@@ -17,7 +17,7 @@ if not proof then
 end
 print(("%d elements, %d supports, %d forbidden facets; loads: pressures up to %.6g Pa, %s %.6g N in all%s"):format(
   proof.elements, proof.supports, proof.forbidden_facets, proof.pressure,
-  proof.at_most and "at most" or "exactly", proof.force,
+  proof.force_is_max and "at most" or "exactly", proof.force,
   proof.friction > 0 and (", friction %g"):format(proof.friction) or ""))
 print(("A load reaches %.9g Pa in element %d."):format(proof.reached, proof.element))
 print(("No load exceeds %.9g Pa, %.3g %% more: %d leaves were checked. %.2g Pa of it stand for what the linear "

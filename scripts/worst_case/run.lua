@@ -37,7 +37,7 @@ local PRESSURE = 2e5
 
 -- The share of what full pressure could push that the total force may be: with less room the
 -- linear program has few loads to choose from, or none.
-local MOST_OF_PRESSURE = 0.05
+local MAX_PRESSURE_FRACTION = 0.05
 
 local function stop(status, message)
   io.stdout:flush()
@@ -60,7 +60,7 @@ end
 
 -- Before anything is read or computed: the value of an option, or a refusal.
 local function value_of(name, text)
-  local kind, _, least, most = table.unpack(known[name], 1, 4)
+  local kind, _, min, max = table.unpack(known[name], 1, 4)
   local above = known[name].above
   if text == nil then usage(("option --%s: a value expected, got nothing"):format(name)) end
   if kind == "string" then return text end
@@ -75,10 +75,10 @@ local function value_of(name, text)
     value = math.tointeger(value)
     fits = value ~= nil
   end
-  fits = fits and not (least and value < least or most and value > most or above and value <= above)
+  fits = fits and not (min and value < min or max and value > max or above and value <= above)
   if fits then return value end
-  local range = least and (" from %g to %.10g"):format(least, most)
-    or (most and " above %g and up to %g" or " above %g"):format(above, most)
+  local range = min and (" from %g to %.10g"):format(min, max)
+    or (max and " above %g and up to %g" or " above %g"):format(above, max)
   usage(("option --%s: a %s%s expected, got '%s'"):format(name, kind, range, text))
 end
 
@@ -254,11 +254,11 @@ local function main()
   -- ---- loads ----
 
   local force = opts.force
-  local room = MOST_OF_PRESSURE * opts.pressure * result.area_m2
+  local room = MAX_PRESSURE_FRACTION * opts.pressure * result.area_m2
   if force > room then
     print(("  %.4g N would press the whole surface (%.4g mm2) too much of the way to %.4g MPa: the total"
       .. " force is lowered to %.4g N, %g %% of pressure times area"):format(force,
-      result.area_m2 * 1e6, opts.pressure / 1e6, room, 100 * MOST_OF_PRESSURE))
+      result.area_m2 * 1e6, opts.pressure / 1e6, room, 100 * MAX_PRESSURE_FRACTION))
     force = room
   end
   result.force_n, result.force_asked_n, result.force_lowered = force, opts.force, force < opts.force

@@ -72,7 +72,7 @@ int main(int count, char **word) {
                                                 : BW_NEWTON_COARSE;
   if (count > 5) {
     options.iterations = atoi(word[5]);
-    options.least_step = 1;
+    options.min_step = 1;
   }
   CHECK(bw_coarsen(context, BW_COARSE_NAIVE, NULL, material_table, grid, 1, &coarse));
   CHECK(bw_solid_create(context, coarse->grid, coarse->material_table, NULL, &small));

@@ -12,13 +12,13 @@
 
 #include "barwright.h"
 
-enum { LIMBS_MOST = 40 };
+enum { LIMBS_MAX = 40 };
 
 typedef struct limbs {
   const char *name;
   int joints, bones;
-  double joint[LIMBS_MOST][4]; /* position (dm) and radius */
-  int bone[LIMBS_MOST][2];
+  double joint[LIMBS_MAX][4]; /* position (dm) and radius */
+  int bone[LIMBS_MAX][2];
 } limbs;
 
 static const limbs limbs_scenes[] = {
@@ -204,12 +204,12 @@ done:
 
 /* Domain of each element; empty ones are left out. Returns how many there are. */
 static int32_t limbs_domains(const limbs *body, const bw_mesh *mesh, int32_t *element_domain) {
-  int degree[LIMBS_MOST] = {0}, number[2 * LIMBS_MOST];
+  int degree[LIMBS_MAX] = {0}, number[2 * LIMBS_MAX];
   int32_t count = 0;
   for (int b = 0; b < body->bones; b++)
     for (int end = 0; end < 2; end++)
       degree[body->bone[b][end]]++;
-  for (int d = 0; d < 2 * LIMBS_MOST; d++)
+  for (int d = 0; d < 2 * LIMBS_MAX; d++)
     number[d] = -1;
   for (int64_t e = 0; e < mesh->element_count; e++) {
     double at[3] = {0, 0, 0}, along = 0, nearest = 1e30;
@@ -229,7 +229,7 @@ static int32_t limbs_domains(const limbs *body, const bw_mesh *mesh, int32_t *el
       const double *joint = body->joint[j];
       double r[3] = {at[0] - joint[0], at[1] - joint[1], at[2] - joint[2]};
       if (degree[j] > 1 && bw_norm(r) < 1.05 * joint[3]) {
-        best = LIMBS_MOST + j;
+        best = LIMBS_MAX + j;
         break;
       }
     }

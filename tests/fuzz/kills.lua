@@ -46,7 +46,7 @@ local study = [[
 local bw = require "barwright"
 local core = require "barwright.core"
 local study = bw.study {name = "killed", seed = 3, cache = {folder = "cache"},
-  variables = {{name = "x", least = -1, most = 1}}, measures = {"y", "r"}, design = {"random", count = 150},
+  variables = {{name = "x", min = -1, max = 1}}, measures = {"y", "r"}, design = {"random", count = 150},
   run = function(point, trial)
     local box = trial:cached({"box", trial.number % 7}, function()
       return bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1 + trial.number % 7}, cells = {6, 6, 6}}

@@ -148,7 +148,7 @@ describe("a refined model", function()
 
   it("stops at the most elements", function()
     local part = cantilever()
-    local none, message, details = part:refined(levels(part.mesh, function() return 3 end), {most_elements = 20})
+    local none, message, details = part:refined(levels(part.mesh, function() return 3 end), {max_elements = 20})
     assert.is_nil(none)
     assert.matches("more than 20 elements", message)
     assert.equal("limit", details.status)
@@ -206,11 +206,11 @@ describe("solve with an error", function()
     local static = assert(part:solve())
     for _, at in ipairs {{0.31, 0.42, 0.73}, {1.3, 0.2, 0.55}, {0.05, 0, 0}} do
       for field, column in pairs {xx = 1, xy = 6} do
-        local _, accuracy = assert(part:solve {error = 1e-9, of = {at = at, field = field}, most_elements = 1})
+        local _, accuracy = assert(part:solve {error = 1e-9, of = {at = at, field = field}, max_elements = 1})
         local value = part.mesh:sample(static.stress, {at})(1, column)
         assert.near(value, accuracy.value, 1e-9 * math.abs(value))
       end
-      local _, accuracy = assert(part:solve {error = 1e-9, of = {at = at, field = "uz"}, most_elements = 1})
+      local _, accuracy = assert(part:solve {error = 1e-9, of = {at = at, field = "uz"}, max_elements = 1})
       local value = part.mesh:sample(static.displacement, {at})(1, 3)
       assert.near(value, accuracy.value, 1e-9 * math.abs(value))
     end
@@ -267,12 +267,12 @@ describe("solve with an error", function()
   end)
 
   it("says why it ends without the error asked for", function()
-    local _, accuracy = assert(cantilever():solve {error = 1e-6, of = "displacement", most_elements = 500})
+    local _, accuracy = assert(cantilever():solve {error = 1e-6, of = "displacement", max_elements = 500})
     assert.is_false(accuracy.converged)
     assert.equal("elements", accuracy.reason)
     assert.is_true(accuracy.elements <= 500)
     -- a stress at a sharp re-entrant border has no limit
-    _, accuracy = assert(cantilever():solve {error = 1e-3, most_elements = 20000})
+    _, accuracy = assert(cantilever():solve {error = 1e-3, max_elements = 20000})
     assert.is_false(accuracy.converged)
     assert.equal("geometry and growth", accuracy.singular.by)
     assert.equal("border of a support", accuracy.singular.place.kind)
@@ -288,7 +288,7 @@ describe("solve with an error", function()
     assert.equal(1, #accuracy.history) -- the first mesh is always solved
     assert.equal(accuracy.elements, static.mesh.element_count)
     assert.truthy(tostring(accuracy):find("a finer mesh would take too long", 1, true))
-    static, accuracy = assert(cantilever():solve {error = 1e-6, of = "displacement", most_elements = 500,
+    static, accuracy = assert(cantilever():solve {error = 1e-6, of = "displacement", max_elements = 500,
       time_limit = 1e6})
     assert.equal("elements", accuracy.reason)
     assert.is_true(static.mesh.element_count > accuracy.history[1].elements)
@@ -299,7 +299,7 @@ describe("solve with an error", function()
         parts = levels(part.mesh, function() return 1 end):totable()}
     end
     local part
-    part, accuracy = refinement.run(cantilever(), {error = 0.01, most_elements = 10000},
+    part, accuracy = refinement.run(cantilever(), {error = 0.01, max_elements = 10000},
       {name = "", selections = {}, step = step})
     assert.equal("memory", accuracy.reason)
     assert.equal(2, #accuracy.history)
@@ -325,7 +325,7 @@ describe("solve with an error", function()
       return {result = part, value = 1, error = 0.2, facet_error = 0.1,
         parts = levels(part.mesh, function() return 1 end):totable()}
     end
-    local _, accuracy = refinement.run(cantilever(), {error = 0.01, most_elements = 1000},
+    local _, accuracy = refinement.run(cantilever(), {error = 0.01, max_elements = 1000},
       {name = "", selections = {}, step = step})
     assert.equal("facets", accuracy.reason)
     assert.equal(2, #accuracy.history)

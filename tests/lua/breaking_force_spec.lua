@@ -12,7 +12,7 @@ local function breaking(body, given)
   local options = {material = bw.material.pla}
   for key, value in pairs(beam) do options[key] = value end
   for key, value in pairs(given or {}) do options[key] = value end
-  options.most_elements = options.most_elements or options.elements
+  options.max_elements = options.max_elements or options.elements
   return bw.breaking_force(body, options)
 end
 
@@ -54,7 +54,7 @@ describe("the breaking force", function()
       local plate = math.max(math.abs(x) - 0.02, math.abs(y) - 0.02, math.abs(z) - 0.003)
       return math.min(plate, math.max(math.abs(x) - 0.004, math.abs(y) - 0.004, math.abs(z - 0.01) - 0.01))
     end, {low = {-0.03, -0.03, -0.01}, high = {0.03, 0.03, 0.03}, cells = 48}))
-    local coarse, fine = assert(breaking(stub, {elements = 500, most_elements = 2000})),
+    local coarse, fine = assert(breaking(stub, {elements = 500, max_elements = 2000})),
       assert(breaking(stub, {elements = 2500}))
     for _, found in ipairs {coarse, fine} do
       assert.is_true(found.history[#found.history].refined, tostring(found))
@@ -128,16 +128,16 @@ describe("the breaking force", function()
     local found <close> = assert(breaking(mesh))
     local impacts = impacts_of(found, {drops = 24, seed = 1})
     assert.equal(24, #impacts)
-    assert.is_true(impacts.with_inertia.least >= found.low and impacts.with_inertia.below == 0)
+    assert.is_true(impacts.with_inertia.min >= found.low and impacts.with_inertia.below == 0)
     -- An impact on 10 mm in the middle bends by P (90 mm) / 8, the worst load by F (42.5 mm) / 2. Slanted pushes
     -- press more than their resultant.
-    local least = impacts.force.least / found.force
-    assert.is_true(least > 1.8 and least < 2.2, least)
+    local min = impacts.force.min / found.force
+    assert.is_true(min > 1.8 and min < 2.2, min)
     check.near(0.05, impacts[1].at[1], 0.3)
     -- With the end's contact 0.45 l from the centre, a bar is accelerated by (1 + 5.4 x / l) P / m.
-    local most = 0
-    for _, impact in ipairs(impacts) do most = math.max(most, impact.with_inertia / impact.force) end
-    check.near((1 + (3.7 ^ 2 + 1.7 ^ 2) / 10.8) / 2, most, 5e-3)
+    local max = 0
+    for _, impact in ipairs(impacts) do max = math.max(max, impact.with_inertia / impact.force) end
+    check.near((1 + (3.7 ^ 2 + 1.7 ^ 2) / 10.8) / 2, max, 5e-3)
     -- The middles of the four sides are ties.
     local bent = 0
     for _, impact in ipairs(impacts) do bent = bent + (math.abs(impact.at[1] - 0.05) < 0.006 and 1 or 0) end
@@ -233,7 +233,7 @@ describe("the breaking force", function()
   it("leaves room for what a coarse background hides in a thin wall", function()
     local thickness = 0.8e-3
     local plate = assert(bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.06, thickness}})
-    local found = assert(breaking(plate, {elements = 400, most_elements = 400}))
+    local found = assert(breaking(plate, {elements = 400, max_elements = 400}))
     local longer = found.background / thickness - 1
     assert.is_true(longer > 4, longer)
     assert.is_true(1 - found.low / found.force > 1 - 1 / (1 + 0.02 * longer), tostring(found))
@@ -264,15 +264,15 @@ describe("a search that is extended", function()
 
   -- The largest utilisation at every node under loads.
   local function largest(worst, loads)
-    local most
+    local max
     for i = 1, loads.peaks.row_count do
       local force = worst.basis:force(loads.pressures[i])
       local u = assert(worst.system:solve(force))
       local stress = assert(bw.surface_stress(comb, part.material, u, force))
       local used = part.material:utilisation(assert(bw.surface_mean(comb, stress, radius, worst.system)))
-      most = most and bw.array.map("max(a, b)", {a = most, b = used}) or used
+      max = max and bw.array.map("max(a, b)", {a = max, b = used}) or used
     end
-    return most
+    return max
   end
 
   it("has loads for all patches that reach a utilisation, and keeps those it had", function()
@@ -296,14 +296,14 @@ describe("a search that is extended", function()
     local regions = assert(core.patch_regions(worst.system, radius, nodes, core.array.new(rows)))
     local own = largest(worst, assert(core.worst_loads(worst.system, worst.basis, regions, {one_sign = true,
       force = 5, pressure = 2e5})))
-    local least, former = 1, 1
+    local min, former = 1, 1
     for k = 1, #nodes, 3 do
       local node = nodes[k]
       if own[node] > limit then
-        least, former = math.min(least, after[node] / own[node]), math.min(former, before[node] / own[node])
+        min, former = math.min(min, after[node] / own[node]), math.min(former, before[node] / own[node])
       end
     end
-    assert.is_true(least > 0.65, ("%.3f"):format(least))
+    assert.is_true(min > 0.65, ("%.3f"):format(min))
     assert.is_true(former < 0.55, ("the search alone: %.3f"):format(former))
     check.raises("utilisation: a number above 0 expected", worst.extend, worst, 0)
     check.raises("with the option 'length' expected", function()

@@ -51,7 +51,7 @@ describe("a certificate", function()
     local top = box.boundary:facing {0, 0, 1}
     local cases = {
       free = {part_on(box)}, held = {part_on(box, true)}, slid = {slid}, wood = {part_on(box, true, wood)},
-      quadratic = {part_on(quadratic)}, at_most = {part_on(box), {at_most = true}},
+      quadratic = {part_on(quadratic)}, force_is_max = {part_on(box), {force_is_max = true}},
       friction = {part_on(box), {friction = 0.4, friction_facets = 3}},
       forbidden = {part_on(box, true), {forbidden = top}}, hands = {part_on(box, true), {hands = 1}},
     }

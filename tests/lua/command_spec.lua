@@ -19,7 +19,7 @@ local sample = {
     {name = "rest", many = true, optional = true, what = "more"}},
   options = {
     {name = "force", value = "N", type = "number", unit = "N", default = 20, above = 0, what = "total"},
-    {name = "count", value = "N", type = "integer", least = 1, most = 9, what = "how many"},
+    {name = "count", value = "N", type = "integer", min = 1, max = 9, what = "how many"},
     {name = "kind", value = "KIND", one_of = {"stress", "energy"}, default = "stress", what = "which"},
     {name = "fix", value = "PLACE", many = true, what = "where"},
     {name = "no-open", type = "flag", what = "not"},
@@ -467,7 +467,7 @@ describe("commands that compute", function()
     for _, words in ipairs {{}, {"--error", "0.1"}, {"--error", "0.1", "--elements", "300000"}} do
       command.run(assert(arguments.parse(command, {beam, table.unpack(words)})), deaf)
       assert.equal(tonumber(words[2]), given.error)
-      assert.equal(words[4] and 300000 or words[2] and 200000 or nil, given.most_elements)
+      assert.equal(words[4] and 300000 or words[2] and 200000 or nil, given.max_elements)
     end
     bw.breaking_force = breaking_force
     if os.getenv "BARWRIGHT_FULL" ~= "1" then return end

@@ -70,12 +70,12 @@ for i = 1, 1e9 do
 end
 ]]):format(folder))
     local path = folder .. "/journal.lua"
-    for _, most in ipairs {20, 60} do -- killed once the journal has so many lines
+    for _, max in ipairs {20, 60} do -- killed once the journal has so many lines
       os.remove(path)
       os.execute(("sh -c '\"%s\" %s/work.lua >/dev/null 2>&1 & pid=$!; "
         .. "until [ \"$(cat %s 2>/dev/null | wc -l)\" -gt %d ] || ! kill -0 $pid; do sleep 0.02; done; "
         .. "kill -9 $pid'")
-        :format(check.program, folder, path, most))
+        :format(check.program, folder, path, max))
       local lines = select(2, check.read(path):gsub("\n", "\n"))
       local session = assert(bw.edit.load(path))
       assert.truthy(#session.edits > 0 and #session.edits < lines)

@@ -507,7 +507,7 @@ local engine_start = [[
   assert(box:picture(IN .. "/one.png"))
   local materials = {bw.hyperelastic {young = 1e5, poisson = 0.4, name = "soft"}}
   local function study(file, cache)
-    return bw.study {name = "x", variables = {{name = "a", least = 0, most = 1}}, measures = {{name = "b"}},
+    return bw.study {name = "x", variables = {{name = "a", min = 0, max = 1}}, measures = {{name = "b"}},
       objectives = {"b"}, design = {"latin_hypercube", count = 2}, file = file, cache = cache and {folder = cache},
       run = function(point) return {b = point.a} end}
   end

@@ -2,7 +2,7 @@
 -- Every lesson runs, is short, and carries its own run line.
 local check = require "check"
 
-local function lessons(pattern, most, arguments)
+local function lessons(pattern, max, arguments)
   local list = assert(io.popen("ls " .. pattern))
   for path in list:lines() do
     it(path .. " runs", function()
@@ -16,7 +16,7 @@ local function lessons(pattern, most, arguments)
         lines = lines + 1
         run = run or line:find("build/barwright " .. path, 1, true) ~= nil
       end
-      assert.is_true(lines < most)
+      assert.is_true(lines < max)
       assert.is_true(run)
     end)
   end

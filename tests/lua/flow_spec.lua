@@ -305,8 +305,8 @@ describe("random drags", function()
             assert(type(message) == "string" and details.status ~= "internal", message)
           end
           assert(s:step())
-          local most = s.velocity:max()
-          assert(most == most and most < 1e4, most) -- 1 m/s through gaps of a millimetre
+          local max = s.velocity:max()
+          assert(max == max and max < 1e4, max) -- 1 m/s through gaps of a millimetre
           if i % 40 == 0 then assert(s:become(tunnel())) end -- wandered off: begin again
         end
         assert.is_true(done > 0.5 * count and refused > 0)

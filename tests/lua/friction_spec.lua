@@ -33,11 +33,11 @@ describe("the worst case with friction", function()
 
   it("grows with the friction, and with the facets from below", function()
     for _, part in ipairs {free, held} do
-      local former, least = objectives(part, 0), 1e-7
+      local former, min = objectives(part, 0), 1e-7
       local first = former
       for _, friction in ipairs {0.1, 0.3, 1} do
         local now = objectives(part, friction, 8)
-        assert.truthy((now - former):min() >= -least * former:max())
+        assert.truthy((now - former):min() >= -min * former:max())
         former = now
       end
       assert.truthy((former - first):max() > 0.1 * first:max())
@@ -45,8 +45,8 @@ describe("the worst case with friction", function()
       for _, facets in ipairs {3, 6, 12} do
         local inside = objectives(part, 0.4, facets)
         local around = objectives(part, 0.4 / math.cos(math.pi / facets), facets)
-        if former then assert.truthy((inside - former):min() >= -least * former:max()) end
-        assert.truthy((around - inside):min() >= -least * inside:max())
+        if former then assert.truthy((inside - former):min() >= -min * former:max()) end
+        assert.truthy((around - inside):min() >= -min * inside:max())
         former = inside
       end
     end

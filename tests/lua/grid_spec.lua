@@ -103,7 +103,7 @@ describe("a grid", function()
 
   it("holds what a surface encloses", function()
     local sphere = assert(bw.surface.sphere {centre = {0.1, 0, 0}, radius = 0.5, subdivisions = 3})
-    local grid = assert(bw.grid.voxels(sphere, {cells = 15, least = 0, multiple = 4}))
+    local grid = assert(bw.grid.voxels(sphere, {cells = 15, min_fraction = 0, multiple = 4}))
     assert.same({16, 16, 16}, grid.cells)
     check.near(sphere.volume, grid.volume, 1e-9)
     assert.is_true(grid.fractions:min() > 0 and grid.fractions:max() == 1)

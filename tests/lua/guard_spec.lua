@@ -83,7 +83,7 @@ describe("what is in use", function()
       if body then body:close() end
       body = nil
       return (x[1] - 0.3) ^ 2
-    end, start = {0.5}, least = {0}, most = {1}, evaluations = 20})
+    end, start = {0.5}, min = {0}, max = {1}, evaluations = 20})
     assert.is_nil(body)
   end)
 

@@ -27,10 +27,10 @@ describe("an object", function()
     collectgarbage()
     assert.same(before, view:totable())
     local u = static.displacement
-    local most = static.von_mises:max()
+    local max = static.von_mises:max()
     static:close()
     collectgarbage()
-    assert.truthy(u:norm() > 0 and most > 0)
+    assert.truthy(u:norm() > 0 and max > 0)
   end)
 
   it("survives any order of the collector, in both modes", function()
@@ -106,14 +106,14 @@ end)
 describe("memory", function()
   it("is not filled by a loop over meshes that are dropped", function()
     settle()
-    local most = 0
+    local max = 0
     for _ = 1, 60 do
       -- about 15 MB each, 900 MB in all
       local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {24, 24, 24}}
       assert(mesh.element_count > 0)
-      most = math.max(most, (core.external()))
+      max = math.max(max, (core.external()))
     end
-    assert.truthy(most < 300e6, ("%.0f MB at most"):format(most / 1e6))
+    assert.truthy(max < 300e6, ("%.0f MB at most"):format(max / 1e6))
   end)
 
   it("that runs out is told as nil, message, details; nothing leaks", function()

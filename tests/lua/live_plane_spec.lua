@@ -412,9 +412,9 @@ describe("a controller in the plane", function()
     local object = talk.object
     assert.is_true(object.outline.area > 0)
     -- the last good state is a solved one: solving again changes nothing
-    local most = object.von_mises:max()
+    local max = object.von_mises:max()
     assert(object:solve())
-    check.near(most, object.von_mises:max(), 1e-6)
+    check.near(max, object.von_mises:max(), 1e-6)
   end)
 end)
 

@@ -346,7 +346,7 @@ describe("a filled ball", function()
       near = {{at = top, radius = 0.004, length = near}}}))
     -- The largest distance from the zero set, by its value over its slope of 2 / radius, of the middles of facets.
     local function away(mesh)
-      local surface, most = mesh:surface(), 0
+      local surface, max = mesh:surface(), 0
       for _, t in ipairs(surface.triangles:totable()) do
         local at = {0, 0, 0}
         for k = 1, 3 do
@@ -354,10 +354,10 @@ describe("a filled ball", function()
         end
         if distance(at, top) < 0.004 then
           local value = (at[1] ^ 2 + at[2] ^ 2 + at[3] ^ 2) / 4e-4 - 1 + 0.02 * math.sin(300 * at[1])
-          most = math.max(most, math.abs(value) * radius / 2)
+          max = math.max(max, math.abs(value) * radius / 2)
         end
       end
-      return most
+      return max
     end
     assert.is_true(away(fine) < 0.3 * away(coarse), ("%g %g"):format(away(fine), away(coarse)))
     assert.is_true(away(fine) < 0.1 * near, away(fine))

@@ -14,7 +14,7 @@ describe("a minimiser", function()
     for _, method in ipairs {"bobyqa", "neldermead", "sbplx", "direct_l", "crs2", "isres", "mma", "slsqp",
       "lbfgs", "cobyla"} do
       local calls = 0
-      local x, value, report = core.minimise {method = method, start = {-1.2, 1}, least = {-5, -5}, most = {5, 5},
+      local x, value, report = core.minimise {method = method, start = {-1.2, 1}, min = {-5, -5}, max = {5, 5},
         tolerance = 1e-8, evaluations = 20000,
         objective = function(at)
           calls = calls + 1
@@ -36,7 +36,7 @@ describe("a minimiser", function()
     check.near(math.sqrt(0.5), x[1], 1e-4)
     assert.equal("tolerance", report.why)
     assert.truthy(report.violation <= 1e-6)
-    local none, message, details = core.minimise {start = {0}, least = {-1}, most = {1},
+    local none, message, details = core.minimise {start = {0}, min = {-1}, max = {1},
       objective = function(at) return at[1] end, constraints = {function(at) return 2 + at[1] end}}
     check.fails("infeasible", "fulfils the constraints", none, message, details)
     check.near(1, details.violation, 1e-6)
@@ -46,7 +46,7 @@ describe("a minimiser", function()
     for _, method in ipairs {"cobyla", "bobyqa", "neldermead", "direct_l", "crs2", "isres", "mma", "slsqp",
       "lbfgs"} do
       local calls, mine = 0, {}
-      local fine, raised = pcall(core.minimise, {method = method, start = {0, 0}, least = {-1, -1}, most = {1, 1},
+      local fine, raised = pcall(core.minimise, {method = method, start = {0, 0}, min = {-1, -1}, max = {1, 1},
         objective = function(x)
           calls = calls + 1
           if calls == 3 then error(mine) end
@@ -74,7 +74,7 @@ describe("a minimiser", function()
       assert(math.abs(inner[1]) < 0.1 and bw.array.zeros(2, 1).row_count == 2)
       return tonumber(assert(job:result()))
     end
-    local x = assert(core.minimise {start = {0.2}, least = {0}, most = {1}, evaluations = 12,
+    local x = assert(core.minimise {start = {0.2}, min = {0}, max = {1}, evaluations = 12,
       objective = objective})
     check.near(0.5, x[1], 0.1)
   end)
@@ -85,11 +85,11 @@ describe("a minimiser", function()
     check.raises("did you mean 'evaluations'", core.minimise, {evaluation = 7, start = {1}, objective = objective})
     check.raises("a function of x", core.minimise, {start = {1}})
     check.raises("option 'start'", core.minimise, {objective = objective})
-    check.raises("option 'most': 1 numbers expected, got 2", core.minimise,
-      {least = {0}, most = {1, 2}, objective = objective})
+    check.raises("option 'max': 1 numbers expected, got 2", core.minimise,
+      {min = {0}, max = {1, 2}, objective = objective})
     check.raises("takes no constraints", core.minimise,
       {method = "lbfgs", start = {1}, objective = objective, constraints = {objective}})
-    local x = core.minimise {least = {0, -math.huge}, most = {1, math.huge}, start = {0.5, 3},
+    local x = core.minimise {min = {0, -math.huge}, max = {1, math.huge}, start = {0.5, 3},
       objective = function(at) return at[1] + (at[2] - 1) ^ 2 end}
     check.near(1, x[2], 1e-2)
   end)

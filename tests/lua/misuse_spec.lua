@@ -113,7 +113,7 @@ describe("a method written in Lua", function()
     local flow = assert(bw.responsive.flow {outline = bw.outline.rectangle {width = 2, height = 1}, viscosity = 1,
       elements = 20, step = 0.1})
     local study = bw.study {name = "x", file = check.folder() .. "/x.study", variables = {{name = "a",
-      least = 0, most = 1}}, measures = {"m"},
+      min = 0, max = 1}}, measures = {"m"},
       design = {"random", count = 1}, run = print}
     local trials = require("barwright.study.trials").new(study)
     local figure = bw.plot.lines {series = {{name = "a", y = {1, 2}}}}

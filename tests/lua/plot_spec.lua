@@ -77,7 +77,7 @@ end)
 describe("a plot", function()
   it("has its points where its axes say", function()
     local figure = bw.plot.scatter {series = {{x = {1, 2, 4}, y = {10, 30, 20}}},
-      x = {label = "a", least = 0, most = 5}, y = {label = "b", least = 0, most = 40}}
+      x = {label = "a", min = 0, max = 5}, y = {label = "b", min = 0, max = 40}}
     local svg = svg_of(figure)
     local found = {}
     for x, y in svg:gmatch '<circle cx="([%d.]+)" cy="([%d.]+)"' do
@@ -168,7 +168,7 @@ describe("a plot", function()
     check.raises("a table with a length", bw.plot.sensitivity,
       {base = 1, high = endless, low = {1}, names = {"a"}})
     check.raises("'logarithmic' is not known", bw.plot.lines, {series = {{y = {1}}}, x = {scale = "logarithmic"}})
-    check.raises("least 3 must be below most 2", bw.plot.lines, {series = {}, x = {least = 3, most = 2}})
+    check.raises("min 3 must be below max 2", bw.plot.lines, {series = {}, x = {min = 3, max = 2}})
     check.raises("#rrggbb", bw.plot.lines, {series = {{y = {1}, colour = "red"}}})
   end)
 end)
@@ -210,7 +210,7 @@ describe("a plot of trials", function()
     assert.equal(2, count_of(svg, "<title>trial " .. best .. " &amp; &lt;more&gt;<"))
     assert.truthy(svg:find(numbers.quantity(t.mass[best], "kg"), 1, true))
     for _, values in ipairs {{}, {1}, {2, 2, 2}, {0 / 0, 0 / 0}, {math.huge, 1}} do
-      svg_of(bw.plot.history {values = values, goal = "most", scale = "log"})
+      svg_of(bw.plot.history {values = values, goal = "max", scale = "log"})
     end
     check.raises("40 numbers expected", bw.plot.history, {values = t.mass, numbers = {1, 2}})
   end)
@@ -225,16 +225,16 @@ describe("a plot of trials", function()
       table.sort(out)
       return table.concat(out, " ")
     end
-    assert.equal("1 2 3 5", front({"least", "least"}, feasible))
-    assert.equal("4", front({"most", "most"}, {false, false, false, true, false, false, false}))
-    assert.equal("1 4 6", front({"most", "most"}, {true, false, true, true, false, true, true}))
+    assert.equal("1 2 3 5", front({"min", "min"}, feasible))
+    assert.equal("4", front({"max", "max"}, {false, false, false, true, false, false, false}))
+    assert.equal("1 4 6", front({"max", "max"}, {true, false, true, true, false, true, true}))
     local svg = svg_of(bw.plot.pareto {objectives = {{name = "a", values = x}, {name = "b", values = y,
-      goal = "least"}}, feasible = feasible})
+      goal = "min"}}, feasible = feasible})
     assert.truthy(svg:find("front (4)", 1, true))
     assert.truthy(svg:find("a  ← better", 1, true))
     local t = trials(30)
     svg_of(bw.plot.pareto {objectives = {{name = "a", values = t.mass}, {name = "b", values = t.stress},
-      {name = "c", values = t.thickness, goal = "most"}}})
+      {name = "c", values = t.thickness, goal = "max"}}})
     for _, values in ipairs {{}, {1}, {1, 1}, {0 / 0}} do
       svg_of(bw.plot.pareto {objectives = {{name = "a", values = values}, {name = "b", values = values}}})
     end
@@ -252,7 +252,7 @@ describe("a plot of trials", function()
           scale = "log"}}
       svg_of(bw.plot.scatter_matrix {columns = columns, values = t.mass, value = {label = "mass", unit = "kg"},
         chosen = count > 0 and {1} or nil, faint = t.failed, notes = t.notes})
-      svg_of(bw.plot.parallel_coordinates {columns = columns, values = t.mass, goal = "most"})
+      svg_of(bw.plot.parallel_coordinates {columns = columns, values = t.mass, goal = "max"})
     end
     check.raises("'steel' is none of its names", bw.plot.scatter_matrix, {columns = {
       {name = "a", values = {"steel"}, of = {"pla"}}, {name = "b", values = {1}}}})

@@ -134,7 +134,7 @@ describe("a solid", function()
   it("is not solved with options that mean nothing", function()
     local solid = standing():force(top, {0, 0, 100})
     for key, list in pairs {tolerance = {0, -1, nan, inf, 1}, iterations = {0, -1, 1.5}, steps = {0, -1},
-      most_iterations = {-1, 1.5, "x"}, least_step = {0, -1, 2},
+      max_iterations = {-1, 1.5, "x"}, min_step = {0, -1, 2},
       cg_tolerance = {-1, 1, nan}, cg_iterations = {0, -1}, path = {0, -1, 1001},
       linear = {"x", 5}, start = {5, {}, {{1, 2, 3}}}, coarse = {5, {}, solid}} do
       for _, bad in ipairs(list) do

@@ -231,11 +231,11 @@ describe("a solid", function()
       local result = assert(solid:solve {linear = linear})
       assert.equal(0, result.report.undecided)
       assert.equal(linear == "coarse", result.report.stability_iterations > 10)
-      local most = 0
+      local max = 0
       for _, u in ipairs(result.displacement:totable()) do
-        most = math.max(most, math.abs(u[1]), math.abs(u[2]))
+        max = math.max(max, math.abs(u[1]), math.abs(u[2]))
       end
-      return most
+      return max
     end
     for _, linear in ipairs {"direct", "coarse"} do
       assert.is_true(sideways(0.018, linear) < 3e-4, linear)

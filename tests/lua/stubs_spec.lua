@@ -129,7 +129,7 @@ describe("the stubs", function()
     same(keys(bridge.class, bridge.properties), "bw.Bridge")
     same(keys(require("barwright.plot.figure").class, {kind = true, name = true, width = true,
       height = true}), "bw.Figure")
-    local one = bw.study {name = "x", variables = {{name = "a", least = 0, most = 1}}, what = "x",
+    local one = bw.study {name = "x", variables = {{name = "a", min = 0, max = 1}}, what = "x",
       measures = {"m"}, design = {"random", count = 1}, run = function() end}
     same(keys(require("barwright.study").class, one), "bw.Study")
     same(keys(require("barwright.study.trial").class, {number = 1, key = 1, seed = 1, point = 1, study = 1,

@@ -6,7 +6,7 @@ local check = require "check"
 
 local function study(folder, more)
   local opts = {name = "c", file = folder .. "/c.study", cache = {folder = folder .. "/cache"},
-    variables = {{name = "x", kind = "integer", least = 1, most = 6}}, measures = {"y"}, design = {"grid"},
+    variables = {{name = "x", kind = "integer", min = 1, max = 6}}, measures = {"y"}, design = {"grid"},
     run = function() return {y = 1} end}
   for key, value in pairs(more or {}) do opts[key] = value end
   return bw.study(opts)
@@ -61,7 +61,7 @@ describe("the cache", function()
     local folder = check.folder()
     check.write(folder .. "/script.lua", [[
       local study = bw.study {name = "c", file = arg[1] .. "/c.study",
-        variables = {{name = "x", least = 0, most = 1}}, measures = {{name = "y"}},
+        variables = {{name = "x", min = 0, max = 1}}, measures = {{name = "y"}},
         design = {"random", count = 1}, run = print}
       local made = 0
       for _ = 1, 2 do study:cached("what", function() made = made + 1 return made end) end

@@ -48,8 +48,8 @@ end)
 
 local GROWING = [[
 local bw = require "barwright"
-return bw.study {name = "grow", variables = {{name = "x", least = 0, most = 1}},
-  measures = {{name = "y"}}, objectives = {{name = "y", goal = "least"}},
+return bw.study {name = "grow", variables = {{name = "x", min = 0, max = 1}},
+  measures = {{name = "y"}}, objectives = {{name = "y", goal = "min"}},
   design = {"minimise", method = "cobyla", evaluations = 25},
   run = function(point) return {y = (point.x - 0.3) ^ 2} end}]]
 
@@ -83,7 +83,7 @@ describe("a study under MPI", function()
     assert.equal(0, status, text)
     status, text = run(("cd %s && %s study run grow.lua"):format(folder, PROGRAM))
     assert.equal(0, status, text)
-    assert.truthy(text:find "least y: trial", text)
+    assert.truthy(text:find "minimum y: trial", text)
   end)
 
   it("ends with a sentence where it cannot be run", function()

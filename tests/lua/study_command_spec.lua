@@ -7,10 +7,10 @@ local script = [[
 local bw = require "barwright"
 return bw.study {
   name = "hook", seed = 1, file = "%s/hook.study",
-  variables = {{name = "thickness", unit = "m", least = 1e-3, most = 5e-3},
+  variables = {{name = "thickness", unit = "m", min = 1e-3, max = 5e-3},
     {name = "material", of = {"pla", "abs"}}},
   measures = {{name = "mass", unit = "kg"}, {name = "stress", unit = "Pa"}},
-  objectives = {"mass"}, constraints = {{name = "stress", most = 55e6}},
+  objectives = {"mass"}, constraints = {{name = "stress", max = 55e6}},
   design = {"latin_hypercube", count = 12},
   run = function(point, trial)
     if trial.number == 3 then return nil, "the mesh is empty" end
@@ -172,7 +172,7 @@ describe("barwright study", function()
     assert.equal(3, status)
     assert.truthy(complaint:find("bad.lua:1: here", 1, true))
     -- what is wrong with a study names its file, and shows nothing of barwright's own calls
-    for from, to in pairs {["least = 1e%-3"] = "lowest = 1e-3", ["count = 12"] = "cuont = 12",
+    for from, to in pairs {["min = 1e%-3"] = "lowest = 1e-3", ["count = 12"] = "cuont = 12",
       ["latin_hypercube"] = "latin"} do
       check.write(folder .. "/wrong.lua", (script:format(folder):gsub(from, to)))
       status, _, complaint = run "run @wrong.lua"

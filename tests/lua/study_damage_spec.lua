@@ -10,9 +10,9 @@ local PAGE = 4096
 
 local function study(path, count)
   return bw.study {name = "damage", file = path,
-    variables = {{name = "x", least = 0, most = 1}, {name = "k", kind = "integer", least = 1, most = 9},
+    variables = {{name = "x", min = 0, max = 1}, {name = "k", kind = "integer", min = 1, max = 9},
       {name = "of", of = {true, false, "steel", 2.5}}},
-    measures = {"y", {name = "z", unit = "m", optional = true}}, objectives = {{name = "y", goal = "least"}},
+    measures = {"y", {name = "z", unit = "m", optional = true}}, objectives = {{name = "y", goal = "min"}},
     design = {"random", count = count},
     run = function(point)
       if point.k == 9 then return nil, "no such beam" end
@@ -302,7 +302,7 @@ describe("a file whose rows were changed", function()
       {"does not match its checksum (manifests)", "UPDATE manifests SET manifest = '{}'"},
       {"does not match its checksum (scripts)", "UPDATE scripts SET text = 'return 1'"},
       {"does not match its checksum (study)", "UPDATE study SET value = '2' WHERE name = 'seed'"},
-      {"does not match its checksum (variables)", "UPDATE variables SET least = 3 WHERE name = 'x'"},
+      {"does not match its checksum (variables)", "UPDATE variables SET min = 3 WHERE name = 'x'"},
       {"does not match its checksum (measures)", "UPDATE measures SET unit = 'ft' WHERE name = 'z'"},
       {"its format is lost", "UPDATE study SET value = 'barwright study 1' WHERE name = 'format'"},
     }
@@ -329,7 +329,7 @@ describe("a file whose rows were changed", function()
   it("ends every command with status 3 and a sentence, and salvage and a run bring it back", function()
     check.write(folder .. "/damage.lua", [[
       return require("barwright").study {name = "command", file = arg[0]:gsub("[^/]*$", "command.study"),
-        variables = {{name = "x", least = 0, most = 1}}, measures = {"y"}, design = {"random", count = 20},
+        variables = {{name = "x", min = 0, max = 1}}, measures = {"y"}, design = {"random", count = 20},
         run = function(point) return {y = point.x} end}]])
     local script, file = folder .. "/damage.lua", folder .. "/command.study"
     assert.equal(0, (check.run("study run " .. script)))

@@ -10,9 +10,9 @@ local random = require "barwright.study.random"
 
 local pi = math.pi
 
-local function reals(count, least, most)
+local function reals(count, min, max)
   local list = {}
-  for k = 1, count do list[k] = {name = "x" .. k, least = least or 0, most = most or 1} end
+  for k = 1, count do list[k] = {name = "x" .. k, min = min or 0, max = max or 1} end
   return list
 end
 
@@ -39,7 +39,7 @@ end
 local function nothing() return {y = 0} end
 
 describe("designs of levels", function()
-  local variables = {{name = "a", least = 0, most = 1}, {name = "n", kind = "integer", least = 1, most = 5},
+  local variables = {{name = "a", min = 0, max = 1}, {name = "n", kind = "integer", min = 1, max = 5},
     {name = "c", of = {"p", "q"}}}
 
   it("combine all", function()
@@ -291,9 +291,9 @@ describe("fronts", function()
 
   it("are found within constraints", function()
     -- Binh and Korn's: both constraints cut into the square; the front runs from (0, 50) to (136, 4).
-    local opts = {variables = {{name = "x", least = 0, most = 5}, {name = "y", least = 0, most = 3}},
+    local opts = {variables = {{name = "x", min = 0, max = 5}, {name = "y", min = 0, max = 3}},
       measures = {"f1", "f2", "g1", "g2"}, objectives = {"f1", "f2"},
-      constraints = {{name = "g1", most = 25}, {name = "g2", least = 7.7}}}
+      constraints = {{name = "g1", max = 25}, {name = "g2", min = 7.7}}}
     local function f(p)
       return {f1 = 4 * p.x ^ 2 + 4 * p.y ^ 2, f2 = (p.x - 5) ^ 2 + (p.y - 5) ^ 2, g1 = (p.x - 5) ^ 2 + p.y ^ 2,
         g2 = (p.x - 8) ^ 2 + (p.y + 3) ^ 2}
@@ -313,9 +313,9 @@ describe("fronts", function()
   end)
 
   it("live with integers, choices and trials that fail", function()
-    local opts = {variables = {{name = "n", kind = "integer", least = 0, most = 30},
-      {name = "c", of = {"a", "b", "c"}}, {name = "x", least = 0, most = 1}},
-      measures = {"f", "g"}, objectives = {{name = "f", goal = "most"}, "g"}}
+    local opts = {variables = {{name = "n", kind = "integer", min = 0, max = 30},
+      {name = "c", of = {"a", "b", "c"}}, {name = "x", min = 0, max = 1}},
+      measures = {"f", "g"}, objectives = {{name = "f", goal = "max"}, "g"}}
     local problem, _, _, results = run({"pareto", population = 20, generations = 20}, opts, function(p)
       if p.c == "a" then return false end
       return {f = p.n - 5 * p.x, g = p.n ^ 2 + (p.c == "b" and 100 or 0) + p.x}
@@ -341,7 +341,7 @@ describe("minimisation", function()
   end
   local plain = {variables = reals(2, -2, 2), measures = {"y"}, objectives = {"y"}}
 
-  local function least(results)
+  local function min(results)
     local best = math.huge
     for _, r in ipairs(results) do if r then best = math.min(best, r.y) end end
     return best
@@ -351,20 +351,20 @@ describe("minimisation", function()
     for method, limit in pairs {bobyqa = 1e-6, sbplx = 1e-6, neldermead = 1e-6, slsqp = 1e-6, lbfgs = 1e-6} do
       local _, summary, _, results = run({"minimise", method = method, evaluations = 600, tolerance = 1e-10,
         start = {x1 = -1.2, x2 = 1}, gradient = "run"}, plain, rosenbrock)
-      assert.is_true(least(results) < limit, method .. " " .. least(results))
-      check.near(summary.starts[1].value, least(results), 1e-9)
+      assert.is_true(min(results) < limit, method .. " " .. min(results))
+      check.near(summary.starts[1].value, min(results), 1e-9)
     end
     local _, _, _, results = run({"minimise", method = "lbfgs", evaluations = 200, step = 1e-7}, plain, rosenbrock)
-    assert.is_true(least(results) < 1e-4, least(results))
+    assert.is_true(min(results) < 1e-4, min(results))
     _, _, _, results = run({"minimise", method = "crs2", evaluations = 2000}, plain, rosenbrock)
-    assert.is_true(least(results) < 1e-3)
+    assert.is_true(min(results) < 1e-3)
   end)
 
   it("keeps constraints, with goals of either sense and numbers of any size", function()
     -- The largest box (volume in litres) of a surface of 6 m2 is the cube of 1 m.
-    local opts = {variables = {{name = "a", least = 0.1, most = 4, scale = "log"},
-      {name = "b", least = 0.1, most = 4}, {name = "c", least = 0.1, most = 4}}, measures = {"litres", "area"},
-      objectives = {{name = "litres", goal = "most"}}, constraints = {{name = "area", most = 6}}}
+    local opts = {variables = {{name = "a", min = 0.1, max = 4, scale = "log"},
+      {name = "b", min = 0.1, max = 4}, {name = "c", min = 0.1, max = 4}}, measures = {"litres", "area"},
+      objectives = {{name = "litres", goal = "max"}}, constraints = {{name = "area", max = 6}}}
     local function box(p)
       local a, b, c = p.a, p.b, p.c
       return {litres = 1000 * a * b * c, area = 2 * (a * b + b * c + c * a)},
@@ -410,13 +410,13 @@ describe("minimisation", function()
   end)
 
   it("says what it cannot do", function()
-    local limit = {{name = "y", most = 1}}
+    local limit = {{name = "y", max = 1}}
     check.raises("'bobyqa' knows no constraints: take cobyla", run, {"minimise", method = "bobyqa"},
       {variables = reals(2), measures = {"y"}, objectives = {"y"}, constraints = limit}, nothing)
     check.raises("one objective expected, the study has 2: take the design pareto", run, {"minimise"},
       {variables = reals(2), measures = {"y", "z"}, objectives = {"y", "z"}}, nothing)
-    check.raises("wants reals", run, {"minimise"}, {variables = {{name = "n", kind = "integer", least = 0,
-      most = 1}, {name = "x", least = 0, most = 1}}, measures = {"y"}, objectives = {"y"}}, nothing)
+    check.raises("wants reals", run, {"minimise"}, {variables = {{name = "n", kind = "integer", min = 0,
+      max = 1}, {name = "x", min = 0, max = 1}}, measures = {"y"}, objectives = {"y"}}, nothing)
     check.raises("run gave no gradient of 'y'", run, {"minimise", method = "lbfgs", gradient = "run"}, plain,
       function() return {y = 1} end)
     check.raises("no objectives", run, {"pareto"}, {variables = reals(1), measures = {"y"}}, nothing)

@@ -7,8 +7,8 @@ local plots = require "barwright.study.plots"
 local report = require "barwright.study.report"
 local says = require "barwright.study.plot_data"
 
-local least_mass = {{name = "mass", goal = "least"}}
-local two_goals = {{name = "mass", goal = "least"}, {name = "stiffness", goal = "most"}}
+local min_mass = {{name = "mass", goal = "min"}}
+local two_goals = {{name = "mass", goal = "min"}, {name = "stiffness", goal = "max"}}
 
 local function count_of(text, part)
   return select(2, text:gsub(part, ""))
@@ -26,14 +26,14 @@ end
 
 describe("trials:plot", function()
   it("knows names, units and goals", function()
-    local trials = make(least_mass, 60)
+    local trials = make(min_mass, 60)
     local best = best_of(trials)
     assert.same({best.number}, says.chosen(trials))
     local svg = assert(plots.plot(trials, "history"):svg())
     assert.truthy(svg:find("mass, g", 1, true))
     assert.truthy(svg:find("no result (4)", 1, true))
     assert.truthy(svg:find(("trial %d: thickness "):format(best.number), 1, true))
-    svg = assert(plots.plot(trials, "history", {measure = "stiffness", goal = "most", scale = "log"}):svg())
+    svg = assert(plots.plot(trials, "history", {measure = "stiffness", goal = "max", scale = "log"}):svg())
     assert.truthy(svg:find("stiffness, ", 1, true))
     for _, kind in ipairs {"scatter_matrix", "parallel_coordinates"} do
       svg = assert(plots.plot(trials, kind, {colour = "stress"}):svg())
@@ -61,7 +61,7 @@ describe("trials:plot", function()
   end)
 
   it("shows what a design says of the measures", function()
-    local trials = make(least_mass, 10)
+    local trials = make(min_mass, 10)
     trials.summary = {indices = {mass = {{name = "thickness", first = 0.7, total = 0.8,
       first_interval = {0.6, 0.8}, total_interval = {0.7, 0.9}}, {name = "holes", first = 0.2, total = 0.2}}}}
     assert.truthy(plots.plot(trials, "sensitivity"):svg():find("share of the variance of mass", 1, true))
@@ -73,7 +73,7 @@ describe("trials:plot", function()
       {name = "thickness", values = {1e-3, 2e-3, 3e-3}, results = {0.02, 0.03, 0.04}},
       {name = "holes", values = {0, 2, 4}, results = {0.04, 0.03, 0.02}}, {name = "material", values = {},
         results = {}}}}}
-    assert.truthy(plots.plot(trials, "sensitivity"):svg():find("at its least", 1, true))
+    assert.truthy(plots.plot(trials, "sensitivity"):svg():find("at its minimum", 1, true))
     trials.summary = {}
     check.raises("sobol_indices, morris or one_at_a_time", plots.plot, trials, "sensitivity")
   end)
@@ -88,7 +88,7 @@ describe("trials:plot", function()
       return trials
     end
     -- 5, then 1 (3 misses the constraint): a gap of 4, and none
-    local svg = plots.plot(trials_of(least_mass), "convergence"):svg()
+    local svg = plots.plot(trials_of(min_mass), "convergence"):svg()
     assert.truthy(svg:find("mass: best so far, from the best, kg", 1, true))
     assert.truthy(svg:find("best: 1 kg", 1, true))
     -- costs (5, -1), (4, -3), (1, -4), (2, -5) below the worst (5, -1): 0, 2, 12, 15
@@ -110,7 +110,7 @@ describe("trials:plot", function()
   end)
 
   it("names what it does not know", function()
-    local trials = make(least_mass, 3)
+    local trials = make(min_mass, 3)
     check.raises("no kind 'pareto_front': one of contact_sheet, ", plots.plot, trials, "pareto_front")
     check.raises("'thicknes' is no variable and no measure: did you mean 'thickness'", plots.plot, trials,
       "scatter", {x = "thicknes", y = "mass"})
@@ -122,7 +122,7 @@ describe("trials:plot", function()
 
   it("draws no trials, one, and those that all failed", function()
     for _, count in ipairs {0, 1, 2} do
-      for _, goals in ipairs {least_mass, two_goals, {}} do
+      for _, goals in ipairs {min_mass, two_goals, {}} do
         local trials = make(goals, count)
         if count == 2 then
           for _, trial in ipairs(trials) do trial.status, trial.results = "failed", nil end
@@ -141,7 +141,7 @@ describe("trials:report", function()
   local folder = check.folder()
 
   it("holds everything, and asks nobody for anything", function()
-    local trials = make(least_mass, 100, folder)
+    local trials = make(min_mass, 100, folder)
     local best = best_of(trials)
     for _, i in ipairs {1, 2, best.number} do
       os.execute(("mkdir -p '%s/%d'"):format(folder, i))
@@ -170,7 +170,7 @@ describe("trials:report", function()
 
   it("can be made of any trials", function()
     for _, count in ipairs {0, 1, 17} do
-      for _, goals in ipairs {least_mass, two_goals, {}} do
+      for _, goals in ipairs {min_mass, two_goals, {}} do
         local trials = make(goals, count)
         assert(report.write(trials, folder .. "/some.html"))
         local html = check.read(folder .. "/some.html")

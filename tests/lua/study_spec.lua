@@ -8,8 +8,8 @@ local function options(folder, more)
   local out = {
     name = "beam", seed = 7, file = folder .. "/beam.study",
     variables = {
-      {name = "height", unit = "m", least = 0.01, most = 0.1, scale = "log"},
-      {name = "holes", kind = "integer", least = 0, most = 4},
+      {name = "height", unit = "m", min = 0.01, max = 0.1, scale = "log"},
+      {name = "holes", kind = "integer", min = 0, max = 4},
       {name = "stiff", kind = "choice", of = {true, false}},
     },
     measures = {{name = "mass", unit = "kg"}, {name = "sag", unit = "m"}},
@@ -40,19 +40,19 @@ describe("the definition of a study", function()
     for _, each in ipairs {
       {{variabels = {}}, "did you mean 'variables'"},
       {{variables = {}}, "variables = {{name"},
-      {{variables = {{name = "a", least = 1, most = 1}}}, "variable 'a': least (1) is not below most (1)"},
-      {{variables = {{name = "a", least = -1, most = 1, scale = "log"}}}, "bounds above 0"},
-      {{variables = {{name = "a", kind = "integer", least = 0.5, most = 3}}}, "whole numbers"},
+      {{variables = {{name = "a", min = 1, max = 1}}}, "variable 'a': min (1) is not below max (1)"},
+      {{variables = {{name = "a", min = -1, max = 1, scale = "log"}}}, "bounds above 0"},
+      {{variables = {{name = "a", kind = "integer", min = 0.5, max = 3}}}, "whole numbers"},
       {{variables = {{name = "a", kind = "choice"}}}, "of = {...}"},
       {{variables = {{name = "a", of = {"x", "x"}}}}, "the choice x is there twice"},
-      {{variables = {{name = "a", least = 0, most = 1}, {name = "a", least = 0, most = 1}}}, "'a' is there twice"},
-      {{variables = {{name = "a", least = 0, most = 1, default = 2}}}, "2 lies outside of 0 to 1"},
+      {{variables = {{name = "a", min = 0, max = 1}, {name = "a", min = 0, max = 1}}}, "'a' is there twice"},
+      {{variables = {{name = "a", min = 0, max = 1, default = 2}}}, "2 lies outside of 0 to 1"},
       {{measures = {}}, "measures = {{name"},
       {{measures = {"height"}}, "measure 'height' has the name of a variable"},
       {{objectives = {{name = "mas"}}}, "did you mean 'mass'"},
-      {{constraints = {{name = "sag"}}}, "least or most expected"},
+      {{constraints = {{name = "sag"}}}, "min or max expected"},
       {{design = {"latin", count = 3}}, "one of grid, latin_hypercube, "},
-      {{variables = {{name = "a", min = 0, most = 1}}}, "unknown option 'min': known are default, "},
+      {{variables = {{name = "a", low = 0, high = 1}}}, "unknown option 'low': known are default, "},
       {{design = {"random", cuont = 3}}, "did you mean 'count'"},
       {{design = {"random"}}, "option 'count': is missing"},
       {{run = 1}, "a function (point, trial) expected"},
@@ -62,8 +62,8 @@ describe("the definition of a study", function()
 
   it("brings the unit interval to values and back", function()
     local variables = require "barwright.study.variables"
-    local list = variables.read("x", {{name = "r", least = -2, most = 5}, {name = "l", least = 1e-3, most = 10,
-      scale = "log"}, {name = "i", kind = "integer", least = -1, most = 2}, {name = "c", of = {"a", 2, true}}})
+    local list = variables.read("x", {{name = "r", min = -2, max = 5}, {name = "l", min = 1e-3, max = 10,
+      scale = "log"}, {name = "i", kind = "integer", min = -1, max = 2}, {name = "c", of = {"a", 2, true}}})
     for k, v in ipairs(list) do
       local seen, source = {}, check.random(k)
       for _ = 1, 200 do
@@ -160,7 +160,7 @@ describe("a run", function()
     local function make(mended)
       return bw.study {name = "bad", file = folder .. "/bad.study",
         measures = {"m", {name = "o", optional = true}},
-        variables = {{name = "k", kind = "integer", least = 1, most = 9}}, design = {"grid"},
+        variables = {{name = "k", kind = "integer", min = 1, max = 9}}, design = {"grid"},
         run = function(point)
           local k = mended and 1 or point.k
           if k == 2 then error("broken " .. point.k) end
@@ -200,7 +200,7 @@ describe("a run", function()
     local folder = check.folder()
     local text = [[
       local bw, file, factor = require "barwright", ...
-      return bw.study {name = "script", file = file, variables = {{name = "x", least = 0, most = 1}},
+      return bw.study {name = "script", file = file, variables = {{name = "x", min = 0, max = 1}},
         measures = {"y"}, design = {"random", count = 4}, run = function(point) return {y = %d * point.x} end}
     ]]
     local function make(factor)
@@ -242,7 +242,7 @@ describe("a run", function()
   it("goes on with designs that grow from results as if nothing had been", function()
     local function make(folder, design, objectives)
       return bw.study {name = "grow", file = folder .. "/grow.study", measures = {"y", "z"}, design = design,
-        variables = {{name = "a", least = -2, most = 2}, {name = "b", least = 0.1, most = 10, scale = "log"}},
+        variables = {{name = "a", min = -2, max = 2}, {name = "b", min = 0.1, max = 10, scale = "log"}},
         objectives = objectives, run = function(point)
           local file = io.open(folder .. "/log", "a")
           file:write "x"
@@ -261,9 +261,9 @@ describe("a run", function()
       local whole = assert(make(one, each[1], each[2]):run {workers = 2})
       local runs = #check.read(one .. "/log")
       assert.equal(#whole, runs)
-      for _, most in ipairs {3, 7, 11} do
-        local some = assert(make(two, each[1], each[2]):run {evaluations = most, workers = 1})
-        assert.equal(math.min(most, #whole), #some)
+      for _, max in ipairs {3, 7, 11} do
+        local some = assert(make(two, each[1], each[2]):run {evaluations = max, workers = 1})
+        assert.equal(math.min(max, #whole), #some)
       end
       local rest = assert(make(two, each[1], each[2]):run())
       assert.equal(runs, #check.read(two .. "/log"))
@@ -323,8 +323,8 @@ describe("a run", function()
     local folder = check.folder()
     assert(bw.study(options(folder)):run())
     local other = options(folder)
-    other.variables[1].most = 0.2
-    check.fails("different", "variable 'height': most was 0.1, is 0.2", bw.study(other):run())
+    other.variables[1].max = 0.2
+    check.fails("different", "variable 'height': max was 0.1, is 0.2", bw.study(other):run())
     other = options(folder, {seed = 8})
     check.fails("different", "its seed is 7, not 8", bw.study(other):run())
     other = options(folder)
@@ -397,7 +397,7 @@ describe("tables and merging", function()
     local folder = check.folder()
     local one = bw.study {name = "a table", file = folder .. "/t.study", design = {"points", points = {{x = 0.1,
       ['say "hi"'] = "a,b"}, {x = 1 / 3, ['say "hi"'] = "line\nbreak"}}}, measures = {{name = "y", unit = "Pa"}},
-      variables = {{name = "x", unit = "m", least = 0, most = 1},
+      variables = {{name = "x", unit = "m", min = 0, max = 1},
         {name = 'say "hi"', of = {"a,b", "line\nbreak"}}},
       run = function(point)
         if point.x > 0.3 then error "no, really" end

@@ -94,7 +94,7 @@ describe("a second process", function()
 end)
 
 local function study(path, count, more)
-  local opts = {name = "full", file = path, variables = {{name = "x", least = 0, most = 1}}, measures = {"y"},
+  local opts = {name = "full", file = path, variables = {{name = "x", min = 0, max = 1}}, measures = {"y"},
     design = {"random", count = count}, run = function(point) return {y = point.x} end}
   for key, value in pairs(more or {}) do opts[key] = value end
   return bw.study(opts)

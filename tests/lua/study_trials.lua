@@ -8,14 +8,14 @@ return function(objectives, count, folder)
   local trials = {
     problem = {
       variables = {
-        {name = "thickness", unit = "m", kind = "real", least = 1e-3, most = 5e-3, scale = "log"},
-        {name = "holes", kind = "integer", least = 0, most = 4, what = "along the rim"},
+        {name = "thickness", unit = "m", kind = "real", min = 1e-3, max = 5e-3, scale = "log"},
+        {name = "holes", kind = "integer", min = 0, max = 4, what = "along the rim"},
         {name = "material", kind = "choice", of = {"pla", "zp150"}},
       },
       measures = {{name = "mass", unit = "kg"}, {name = "stress", unit = "Pa", what = "largest von Mises"},
         {name = "stiffness", unit = "N/m"}},
       objectives = objectives,
-      constraints = {{name = "stress", most = 55e6}},
+      constraints = {{name = "stress", max = 55e6}},
     },
     study = {name = "hook & <eye>", seed = 1, file = "hook.study",
       design = {name = "latin_hypercube", opts = {count = count}}},

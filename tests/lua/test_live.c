@@ -116,7 +116,7 @@ static void put_frame(int s, int first, const void *bytes, size_t length) {
 
 /* The next frame: its first byte and its payload's length, or -1. Payloads beyond `most` are cut.
  */
-static int get_frame(int s, unsigned char *payload, size_t most, size_t *length) {
+static int get_frame(int s, unsigned char *payload, size_t max, size_t *length) {
   unsigned char head[2], more[8];
   if (get(s, head, 2) != 2)
     return -1;
@@ -135,7 +135,7 @@ static int get_frame(int s, unsigned char *payload, size_t most, size_t *length)
     size_t want = n - got < sizeof rest ? n - got : sizeof rest;
     if (get(s, rest, want) != want)
       return -1;
-    for (size_t i = 0; i < want && got + i < most; i++)
+    for (size_t i = 0; i < want && got + i < max; i++)
       payload[got + i] = rest[i];
     got += want;
   }
@@ -665,9 +665,9 @@ static void test_a_window_gone_without_a_word_is_noticed(void **state) {
 /* ---- noise ----------------------------------------------------------------------------------- */
 
 static uint64_t seed = 20130701;
-static unsigned random_number(unsigned most) {
+static unsigned random_number(unsigned max) {
   seed = seed * 6364136223846793005u + 1442695040888963407u;
-  return (unsigned)(seed >> 33) % most;
+  return (unsigned)(seed >> 33) % max;
 }
 
 static void test_noise_does_no_harm(void **state) {

@@ -9,7 +9,7 @@ local small = 3000
 local small_options = {check = "", worst = "--modes 2 --regions 1", statics = "", modes = "",
   strengthen = os.getenv "BARWRIGHT_FULL" == "1" and "--elements 300 --modes 2 --regions 1" or nil}
 
-local function describe_page(page, least_blocks, prepare)
+local function describe_page(page, min_blocks, prepare)
   describe("docs/" .. page, function()
     local text = check.read(check.root .. "/docs/" .. page)
     local folder = check.folder()
@@ -64,7 +64,7 @@ local function describe_page(page, least_blocks, prepare)
           parts[#parts + 1] = block
         end
       end
-      assert.is_true(#parts >= least_blocks)
+      assert.is_true(#parts >= min_blocks)
       check.write(folder .. "/tutorial.lua", adapted(table.concat(parts, "\n")))
       local code, _, complaint = check.run(folder .. "/tutorial.lua")
       assert.message(complaint).are.equal(0, code)

@@ -4,5 +4,5 @@ local here = arg[0]:match "^(.*)/[^/]*$" or "."
 package.path = here .. "/../lua/?.lua;" .. package.path
 local report = require "barwright.study.report"
 local make = require "study_trials"
-assert(report.write(make({{name = "mass", goal = "least"}, {name = "stiffness", goal = "most"}}, 120),
+assert(report.write(make({{name = "mass", goal = "min"}, {name = "stiffness", goal = "max"}}, 120),
   arg[1] .. "/study.html"))

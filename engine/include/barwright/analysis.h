@@ -249,7 +249,7 @@ typedef struct bw_pressure_basis {
   int64_t *facet_start;  /* facets + 1 */
   int32_t *facet_column; /* -1: forbidden */
 } bw_pressure_basis;
-enum { BW_MOST_FRICTION_FACETS = 64 };
+enum { BW_MAX_FRICTION_FACETS = 64 };
 typedef struct bw_pressure_options {
   /* No pressure on these facets (NULL: none are forbidden). That at corner nodes falls to zero over
    * the facets around. BW_EMPTY when no surface is left. */
@@ -276,18 +276,18 @@ typedef enum bw_lp_solver {
   BW_LP_GLPK /* GLPK: dual simplex with the bound-flipping ratio test, then others */
 } bw_lp_solver;
 typedef struct bw_worst_load_options {
-  double pressure; /* p_max, Pa */
-  double force;    /* F_tot, N */
-  bool at_most;    /* the total force may also be smaller; default false: fixed */
-  bool one_sign;   /* bw_worst_case_run only: maximise each region's objective as its weights are
-                      signed; default false: whichever sign reaches more, a mode's sign being
-                      arbitrary */
+  double pressure;   /* p_max, Pa */
+  double force;      /* F_tot, N */
+  bool force_is_max; /* the total force may also be smaller; default false: fixed */
+  bool one_sign;     /* bw_worst_case_run only: maximise each region's objective as its weights are
+                        signed; default false: whichever sign reaches more, a mode's sign being
+                        arbitrary */
   bw_lp_solver solver;
   int hands;        /* the pressure lies within so many patches of the boundary; 0: anywhere */
   double hand_area; /* m2 of the disc that a patch is: the nodes nearer than its radius to the
                        patch's centre whose normals are within 60 degrees of the centre's */
 } bw_worst_load_options;
-enum { BW_MOST_HANDS = 16 };
+enum { BW_MAX_HANDS = 16 };
 /* For `count` objectives f (basis->count each, one after the other): the pressures p (same layout)
  * that maximise f . p, and f . p. Objectives are worked on in parallel. Balance rows are those of
  * the DOF map's rigid-body modes; the pressures of a node's columns add up to p_max at most.

@@ -15,7 +15,7 @@ extern "C" {
  * no work on the motions. */
 typedef struct bw_dual_claims {
   double force, pressure; /* N, Pa */
-  bool at_most;           /* the force may also be smaller */
+  bool force_is_max;      /* the force may also be smaller */
   int32_t motions;
   const double
       *work; /* motions x basis->count: of a unit of each pressure on each rigid-body mode */

@@ -37,14 +37,14 @@ BW_API bw_status bw_grid_create(bw_context *context, const double origin[3],
                                 const int32_t *material, const double *fraction, bw_grid **grid);
 
 typedef struct bw_voxel_options {
-  double spacing;   /* side of the cubes; 0: from `cells` */
-  int32_t cells;    /* along the longest side, when spacing is 0 (rounded up to a multiple); default
-                       32 */
-  double least;     /* cells with a smaller part inside are void; default 0.05 */
-  bool whole;       /* cells count as full or void, by `least`: no fractions. Default false */
-  int32_t material; /* default 1 */
-  int32_t multiple; /* cells in each direction are a multiple of this, so that so many cells
-                       become one; default 1 */
+  double spacing; /* side of the cubes; 0: from `cells` */
+  int32_t cells;  /* along the longest side, when spacing is 0 (rounded up to a multiple); default
+                     32 */
+  double min_fraction; /* cells with a smaller part inside are void; default 0.05 */
+  bool whole;          /* cells count as full or void, by `least`: no fractions. Default false */
+  int32_t material;    /* default 1 */
+  int32_t multiple;    /* cells in each direction are a multiple of this, so that so many cells
+                          become one; default 1 */
 } bw_voxel_options;
 BW_API void bw_voxel_options_default(bw_voxel_options *options);
 /* The cells that a closed surface cuts or holds, with the fraction of each inside it. BW_GEOMETRY

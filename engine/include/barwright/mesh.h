@@ -275,9 +275,9 @@ typedef struct bw_refinement {
 /* Bisect element e levels[e] times (three halve its edges), and neighbours so that the mesh
  * conforms: longest-edge bisection, so angles stay bounded however often it is done. Curved edges
  * stay the curves that they are. order: of the result, that of the mesh or 2. BW_LIMIT beyond
- * most_elements. */
+ * max_elements. */
 BW_API bw_status bw_mesh_refine(bw_context *context, const bw_mesh *mesh, const uint8_t *levels,
-                                int order, int64_t most_elements, bw_refinement *refinement);
+                                int order, int64_t max_elements, bw_refinement *refinement);
 BW_API void bw_refinement_clear(bw_refinement *refinement);
 
 /* ---- filling ----------------------------------------------------------------------------- */

@@ -143,10 +143,10 @@ BW_API bw_status bw_solid_create(bw_context *context, const bw_grid *grid,
 
 /* How bad a shape is. */
 typedef struct bw_solid_shape {
-  double least_ratio; /* smallest det F over all points */
-  int32_t worst;      /* its element */
-  int64_t inverted;   /* elements with a point where det F <= 0 */
-  bool defined;       /* the energy exists: no neo-Hookean point has det F <= 0 */
+  double min_ratio; /* smallest det F over all points */
+  int32_t worst;    /* its element */
+  int64_t inverted; /* elements with a point where det F <= 0 */
+  bool defined;     /* the energy exists: no neo-Hookean point has det F <= 0 */
 } bw_solid_shape;
 /* Energy (J), its gradient (node_count x 3, N), and its second derivatives (9 per pair of the
  * graph, N/m); each of the three may be NULL. With `project` each point's tangent is made positive
@@ -254,11 +254,11 @@ typedef struct bw_newton_options {
   double tolerance;    /* |residual| over the norms of applied forces, reactions and pushes of
                           contact planes, added up; default 1e-6 */
   int iterations;      /* Newton iterations in a load step; default 100 */
-  int most_iterations; /* in all load steps together, failed ones included, where every 100 of
-                          conjugate gradients count as one more; default 0: 500, and 20 more for
-                          each load step to begin with beyond the first */
+  int max_iterations;  /* in all load steps together, failed ones included, where every 100 of
+                           conjugate gradients count as one more; default 0: 500, and 20 more for
+                           each load step to begin with beyond the first */
   int steps;           /* load steps to begin with; default 1; made smaller where one fails */
-  double least_step;   /* of the load factor before giving up; default 1/256 */
+  double min_step;     /* of the load factor before giving up; default 1/256 */
   double cg_tolerance; /* relative; default: by Eisenstat and Walker */
   int cg_iterations;   /* default 10000 */
   bool allow_inverted; /* a solution with inverted elements is a result, not BW_GEOMETRY */

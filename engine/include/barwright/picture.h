@@ -87,7 +87,7 @@ typedef struct bw_grid_picture_options {
                                  each other; both zero: what all panels' elements fill, moved */
   const char *title, *unit;   /* may be NULL */
   double scale;               /* values are multiplied by this for the bar's labels; default 1 */
-  double least, largest;      /* colour range; both 0: from all panels' values */
+  double min, largest;        /* colour range; both 0: from all panels' values */
   double deformation;         /* factor on displacements; default 1 */
   bool edges;                 /* of elements; default true */
   bool ghost;                 /* the undeformed outline behind */

@@ -34,7 +34,7 @@ typedef struct bw_singular_place {
   int32_t first, count; /* its points: a polyline, or one point */
   double length;        /* m */
   double angle;         /* inside the material, radians: mean along the edge; 0 for a point */
-  double least_angle, largest_angle;
+  double min_angle, largest_angle;
   double exponent; /* lambda at the mean angle */
 } bw_singular_place;
 

@@ -49,7 +49,7 @@ BW_API bw_status bw_database_execute(bw_context *context, bw_database *database,
 BW_API int64_t bw_database_changed(const bw_database *database);
 /* What SQLite's own check finds, one line each, at most `most`, to be released with bw_free; NULL
  * when the file is sound. */
-BW_API bw_status bw_database_check(bw_context *context, bw_database *database, int most,
+BW_API bw_status bw_database_check(bw_context *context, bw_database *database, int max,
                                    char **problems);
 
 /* The statement for one SQL text, kept by it with the database; its parameters are NULL again. It
@@ -174,10 +174,9 @@ typedef struct bw_minimise_result {
  *   BW_INFEASIBLE   a constraint is violated at the end (detail "violation"); x and result are set
  *   BW_CONVERGENCE  a value that is not a number
  *   the function's own status */
-BW_API bw_status bw_minimise(bw_context *context, int n, double *x, const double *least,
-                             const double *most, int constraints, bw_minimised *function,
-                             void *data, const bw_minimise_options *options,
-                             bw_minimise_result *result);
+BW_API bw_status bw_minimise(bw_context *context, int n, double *x, const double *min,
+                             const double *max, int constraints, bw_minimised *function, void *data,
+                             const bw_minimise_options *options, bw_minimise_result *result);
 
 #ifdef __cplusplus
 }

@@ -10,7 +10,7 @@
 --    run = function(opts, out) ... return exit_code end}
 --
 -- Types: "string" (the default), "number" (with a unit where `unit` names one), "integer", "flag", "file",
--- "folder". Rules of numbers: least, most, above, below. Rules of all: one_of, needed, many (a list; options
+-- "folder". Rules of numbers: min, max, above, below. Rules of all: one_of, needed, many (a list; options
 -- may then be repeated). The options have a field for each name ("-" becomes "_"); flags are true or false.
 -- --help, --json and --quiet are every command's.
 local core = require "barwright.core"
@@ -51,15 +51,15 @@ end
 
 local function range(rule)
   local parts = {}
-  if rule.least then parts[#parts + 1] = ("from %.14g"):format(rule.least) end
+  if rule.min then parts[#parts + 1] = ("from %.14g"):format(rule.min) end
   if rule.above then parts[#parts + 1] = ("above %.14g"):format(rule.above) end
-  if rule.most then parts[#parts + 1] = ("up to %.14g"):format(rule.most) end
+  if rule.max then parts[#parts + 1] = ("up to %.14g"):format(rule.max) end
   if rule.below then parts[#parts + 1] = ("below %.14g"):format(rule.below) end
   return #parts > 0 and " " .. table.concat(parts, " ") or ""
 end
 
 local function fits(rule, value)
-  return not (rule.least and value < rule.least or rule.most and value > rule.most
+  return not (rule.min and value < rule.min or rule.max and value > rule.max
     or rule.above and value <= rule.above or rule.below and value >= rule.below)
 end
 
@@ -241,7 +241,7 @@ end
 
 local types = {string = true, number = true, integer = true, flag = true, file = true, folder = true}
 local rule_keys = {name = true, value = true, type = true, default = true, one_of = true, what = true,
-  optional = true, many = true, needed = true, unit = true, least = true, most = true, above = true,
+  optional = true, many = true, needed = true, unit = true, min = true, max = true, above = true,
   below = true, endings = true, word = true}
 local command_keys = {summary = "string", about = "string", arguments = "table", options = "table",
   examples = "table", run = "function", server = "boolean"}

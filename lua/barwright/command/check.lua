@@ -131,7 +131,7 @@ local function tell_edges(surface, opts, shown, out)
 end
 
 -- So many faces are listed and drawn.
-local MOST_FACES = 24
+local MAX_FACES = 24
 -- A triangle is seen where its normal has this part of its length towards the viewer.
 local TOWARDS = 0.2
 -- A triangle may be so many times the radius of its inner circle farther away than another one.
@@ -168,11 +168,11 @@ local function face_labels(surface, shown)
     end
   end
   local labels = {}
-  for i = 1, math.min(#seen, MOST_FACES) do
-    local sum, best, least = seen[i], nil, nil
+  for i = 1, math.min(#seen, MAX_FACES) do
+    local sum, best, min = seen[i], nil, nil
     for _, middle in ipairs(sum.middles) do
       local away = distance(middle, {sum[1] / sum.area, sum[2] / sum.area, sum[3] / sum.area}) - middle.room
-      if not least or away < least then best, least = middle, away end
+      if not min or away < min then best, min = middle, away end
     end
     if best then labels[#labels + 1] = {at = best, text = faces[i].name} end
   end
@@ -189,12 +189,12 @@ local function tell_faces(surface, opts, out)
   for i, face in ipairs(faces) do
     list[i] = {name = face.name, kind = face.kind, area_m2 = face.area, centre_m = face.centre,
       radius_m = face.radius}
-    if i <= MOST_FACES then
+    if i <= MAX_FACES then
       out:say("  %-12s %.4g mm2%s", face.name, face.area * 1e6,
         face.radius and (", radius %s mm"):format(model.mm(face.radius)) or "")
     end
   end
-  if #faces > MOST_FACES then out:say("  and %d smaller ones.", #faces - MOST_FACES) end
+  if #faces > MAX_FACES then out:say("  and %d smaller ones.", #faces - MAX_FACES) end
   out:json {faces = list}
   return true
 end

@@ -126,7 +126,7 @@ return {
     {name = "edge", value = "LENGTH", type = "number", unit = "m", above = 0,
       what = "remesh a surface to even triangles of about this edge length"},
     {name = "scale", value = "FACTOR", type = "number", above = 0, what = "all lengths times a factor"},
-    {name = "elements", value = "N", type = "integer", least = 1, most = 10000000,
+    {name = "elements", value = "N", type = "integer", min = 1, max = 10000000,
       what = "fill a surface with about so many tetrahedra"},
     {name = "order", value = "1|2", type = "integer", one_of = {1, 2}, what = "linear or quadratic tetrahedra"},
     {name = "ascii", type = "flag", what = "write STL and PLY as text"},

@@ -189,7 +189,7 @@ return {
   server = true,
   arguments = {{name = "file", type = "file", what = "a script that returns the session, or saved edits"}},
   options = {
-    {name = "port", value = "N", type = "integer", default = 0, least = 0, most = 65535,
+    {name = "port", value = "N", type = "integer", default = 0, min = 0, max = 65535,
       what = "the port to listen at; 0: any that is free"},
     {name = "save", value = "FILE", type = "file", what = "where the edits are kept; else SESSION.edits.lua "
       .. "beside the file. They are replayed when they are there already"},

@@ -24,7 +24,7 @@ model.material_option = {name = "material", value = "NAME", default = "pla", one
 model.value_options = {
   {name = "young", value = "MODULUS", type = "number", unit = "Pa", above = 0,
     what = "Young's modulus, instead of the material's"},
-  {name = "poisson", value = "RATIO", type = "number", least = 0, most = 0.499,
+  {name = "poisson", value = "RATIO", type = "number", min = 0, max = 0.499,
     what = "Poisson's ratio, instead of the material's"},
   {name = "strength", value = "STRESS", type = "number", unit = "Pa", above = 0,
     what = "the stress at which it fails, instead of the material's"},
@@ -55,8 +55,8 @@ model.length_option = {name = "length", value = "critical|LENGTH", type = "numbe
   word = "critical", what = "radius of the surface patch over which the stress is averaged; critical: half the "
     .. "critical distance of the material; without it, 2 % of the part's diagonal"}
 
-model.elements_option = {name = "elements", value = "N", type = "integer", default = 20000, least = 1,
-  most = 10000000,
+model.elements_option = {name = "elements", value = "N", type = "integer", default = 20000, min = 1,
+  max = 10000000,
   what = "about how many tetrahedra a surface is filled with: more take longer and show finer stresses"}
 
 model.contact_option = {name = "contact", value = "AREA", type = "number", unit = "m2", default = 1e-4, above = 0,
@@ -64,16 +64,16 @@ model.contact_option = {name = "contact", value = "AREA", type = "number", unit 
 
 --- Where weak regions are looked for.
 model.search_options = {
-  {name = "modes", value = "N", type = "integer", default = 15, least = 1, most = 500,
+  {name = "modes", value = "N", type = "integer", default = 15, min = 1, max = 500,
     what = "modes of vibration of the first mesh in which weak regions are looked for"},
-  {name = "regions", value = "N", type = "integer", default = 5, least = 1, most = 1000,
+  {name = "regions", value = "N", type = "integer", default = 5, min = 1, max = 1000,
     what = "weak regions of each mode"},
 }
 
 model.order_option = {name = "order", value = "1|2", type = "integer", default = 1, one_of = {1, 2},
   what = "linear or quadratic elements: the latter are far more exact, and slower"}
 
-model.threads_option = {name = "threads", value = "N", type = "integer", least = 1, most = 64,
+model.threads_option = {name = "threads", value = "N", type = "integer", min = 1, max = 64,
   what = "number of threads; the numbers do not depend on it"}
 
 --- Millimetres with the digits that matter: "12.5".
@@ -353,7 +353,7 @@ local function missing_toughness(opts, material)
 end
 
 -- With --error the first mesh has this share of the elements asked for, the last one at most so many times them.
-local FIRST, MOST_GROWTH = 1 / 4, 10
+local FIRST, MAX_GROWTH = 1 / 4, 10
 
 --- With --error: what is asked of the first mesh.
 function model.first_mesh(opts)
@@ -364,7 +364,7 @@ end
 function model.refined(read, opts, mesh, given)
   local sound = read.surface and read.surface:check({limit = 1}).sound
   given.error, given.surface = opts.error, sound and read.surface or nil
-  given.most_elements = math.max(MOST_GROWTH * opts.elements, mesh.element_count)
+  given.max_elements = math.max(MAX_GROWTH * opts.elements, mesh.element_count)
   return given
 end
 

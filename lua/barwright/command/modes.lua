@@ -73,11 +73,11 @@ return {
   arguments = {model.body_argument},
   options = {
     model.material_option,
-    {name = "count", value = "N", type = "integer", default = 6, least = 1, most = 500, what = "how many"},
+    {name = "count", value = "N", type = "integer", default = 6, min = 1, max = 500, what = "how many"},
     model.fix_option,
     model.unit_option,
     model.elements_option,
-    {name = "error", value = "SHARE", type = "number", above = 0, most = 1,
+    {name = "error", value = "SHARE", type = "number", above = 0, max = 1,
       what = "refine until the estimated error of every frequency is this share, 0.02 (34 cents) for instance, or "
         .. "the mesh has ten times the elements; the first mesh has a quarter of them"},
     {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2},

@@ -8,7 +8,7 @@ local json = require "barwright.json"
 local output = require "barwright.command.output"
 local results = require "barwright.results"
 
-local most_listed = 40
+local max_listed = 40
 
 -- nil, message where a file cannot be read as a JSON object.
 local function read_json(path)
@@ -122,12 +122,12 @@ local function run(words, log)
   return how == "exit" and code or 128 + code
 end
 
-local function tell(out, title, list, most)
+local function tell(out, title, list, max)
   if #list == 0 then return end
   out:say(title)
   for i, entry in ipairs(list) do
-    if i > most then
-      out:say("  and %d more", #list - most)
+    if i > max then
+      out:say("  and %d more", #list - max)
       break
     end
     out:say("  %s: %s, was %s%s", entry.path, differences.show(entry.after), differences.show(entry.before),
@@ -201,7 +201,7 @@ local function work(opts, out)
   tell(out, ("different as the clock and the machine decide: %d"):format(#found.timings), found.timings,
     opts.verbose and math.huge or 5)
   tell(out, ("different: %d"):format(#found.differences), found.differences,
-    opts.verbose and math.huge or most_listed)
+    opts.verbose and math.huge or max_listed)
   out:say(#found.differences == 0 and "the same" or "not the same")
   out:json {same = #found.differences == 0, compared = found.count, folder = folder, exit_status = status,
     differences = plain(found.differences), timings = plain(found.timings), surroundings = json.list(changed)}
@@ -216,7 +216,7 @@ return {
   arguments = {{name = "manifest", type = "file", what = "the manifest.json of the run, or its folder"}},
   options = {
     {name = "out", value = "FOLDER", type = "folder", what = "where the new run goes (default: FOLDER.again)"},
-    {name = "tolerance", value = "SHARE", type = "number", default = 0, least = 0,
+    {name = "tolerance", value = "SHARE", type = "number", default = 0, min = 0,
       what = "numbers that are apart by no more than this share of themselves are the same"},
     {name = "verbose", type = "flag", what = "list all that is other, however much it is"},
     {name = "anyway", type = "flag", what = "run it although inputs are missing or changed"},

@@ -20,11 +20,11 @@ end
 
 -- The node of a selection that lies nearest to a point.
 local function nearest(selection, point)
-  local best, least
+  local best, min
   for _, node in ipairs(selection.nodes:totable()) do
     local at = node_at(selection.mesh, node)
     local away = distance(at, point)
-    if not least or away < least then best, least = at, away end
+    if not min or away < min then best, min = at, away end
   end
   return best
 end

@@ -92,7 +92,7 @@ end
 -- The coarser mesh has this share of the elements.
 local COARSER = 1 / 4
 -- Two meshes of quadratic elements show at least this much uncertainty; one alone leaves so much open.
-local LEAST_ERROR, ONE_MESH_ERROR = 0.02, 0.5
+local MIN_ERROR, ONE_MESH_ERROR = 0.02, 0.5
 
 -- Of a solution: the largest von Mises stress, and stress over strength at nodes and in the mean over patches.
 local function measure(static, mesh, material, radius)
@@ -120,7 +120,7 @@ end
 
 -- The relative error of a value that is `coarse` on the coarser mesh.
 local function error_of(value, coarse, mean)
-  return math.max(coarse and math.abs(value / coarse - 1) or ONE_MESH_ERROR, mean or 0, LEAST_ERROR)
+  return math.max(coarse and math.abs(value / coarse - 1) or ONE_MESH_ERROR, mean or 0, MIN_ERROR)
 end
 
 -- The part of the error of the stress at a point that no finer mesh of the same surface shows: facets of the file
@@ -200,7 +200,7 @@ end
 local function tell(static, part, read, loads, opts, accuracy, out)
   local mesh, material = static.mesh, static.material
   local node = static.von_mises:argmax()
-  local most = static.displacement:map "norm(a)":max()
+  local max = static.displacement:map "norm(a)":max()
   local at = {mesh.nodes(node, 1), mesh.nodes(node, 2), mesh.nodes(node, 3)}
   local found, message, details = judge(static, part, read, loads, opts, accuracy, at)
   if not found then return nil, message, details end
@@ -221,9 +221,9 @@ local function tell(static, part, read, loads, opts, accuracy, out)
     out:say(text[#text])
   end
   say("The largest displacement is %s mm. The von Mises stress is largest at %s: %.4g MPa (estimated error "
-    .. "%s %%%s).", model.mm(most), model.place(at), stress / 1e6, model.percent(estimated),
+    .. "%s %%%s).", model.mm(max), model.place(at), stress / 1e6, model.percent(estimated),
     (coarse or accuracy) and "" or ", one mesh only")
-  local large = model.beyond_linear(most, mesh.box)
+  local large = model.beyond_linear(max, mesh.box)
   if large then say("Displacements are beyond the range of linear theory: %s.", model.large_deflection) end
   if singular then
     say("%s. The mean over a surface patch of radius %s mm is judged.",
@@ -251,7 +251,7 @@ local function tell(static, part, read, loads, opts, accuracy, out)
     estimated_error = estimated, at_m = at, singular = singular ~= nil,
     averaging_radius_m = singular and radius or nil, unit = model.unit_of(read, opts),
     max_von_mises_pa = stress, max_von_mises_at_m = at,
-    max_displacement_m = most, beyond_linear_theory = large, utilisation = used,
+    max_displacement_m = max, beyond_linear_theory = large, utilisation = used,
     utilisation_error = used and judged_error,
     strength_pa = material.strength, mean_error = mean, facet_error = found.facets,
     coarse_value = coarse and coarse.stress, coarse_elements = coarse and coarse.elements,
@@ -303,7 +303,7 @@ local options = {
     what = "gravity: an acceleration in m/s2, 0,0,-9.81 for instance"},
   model.unit_option,
   model.elements_option,
-  {name = "error", value = "SHARE", type = "number", above = 0, most = 1,
+  {name = "error", value = "SHARE", type = "number", above = 0, max = 1,
     what = "refine where the error of the largest stress comes from until its estimate is this share, 0.02 for "
       .. "instance, or the mesh has ten times the elements; the first mesh has a quarter of them"},
   model.length_option,

@@ -124,7 +124,7 @@ local options = {
     what = "where the surface must not move"},
   model.contact_option,
   model.length_option,
-  {name = "steps", value = "N", type = "integer", default = 8, least = 1, most = 100,
+  {name = "steps", value = "N", type = "integer", default = 8, min = 1, max = 100,
     what = "how often it is thickened and computed again at most"},
   model.unit_option,
   model.elements_option,

@@ -225,7 +225,7 @@ return {
     {name = "only", value = "TEXT", type = "string", what = "scenarios whose file or title holds the text"},
     {name = "tag", value = "NAMES", type = "string", what = "scenarios with one of these tags"},
     {name = "skip-tag", value = "NAMES", type = "string", what = "scenarios with none of these tags"},
-    {name = "parallel", value = "N", type = "integer", default = 1, least = 1, what = "so many side by side"},
+    {name = "parallel", value = "N", type = "integer", default = 1, min = 1, what = "so many side by side"},
     {name = "seconds", value = "TIME", type = "number", unit = "s", default = 600, above = 0,
       what = "time for one scenario that names no limit of its own"},
     {name = "memory", value = "SIZE", type = "number", unit = "bytes", above = 0,

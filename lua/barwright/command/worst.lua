@@ -6,7 +6,7 @@ local output = require "barwright.command.output"
 local places = require "barwright.command.places"
 
 -- With --error the last mesh may have so many.
-local MOST_ELEMENTS = 200000
+local MAX_ELEMENTS = 200000
 
 local function newtons(force)
   return model.digits(force) .. " N"
@@ -255,7 +255,7 @@ local function analyse(opts, out)
   local breaking, message
   breaking, message, details = model.try(bw.breaking_force, read.surface or read.mesh, {material = material,
     force = opts.force, contact = opts.contact, error = opts.error, elements = opts.elements,
-    most_elements = opts.error and math.max(MOST_ELEMENTS, opts.elements) or nil, modes = opts.modes,
+    max_elements = opts.error and math.max(MAX_ELEMENTS, opts.elements) or nil, modes = opts.modes,
     regions = opts.regions, fix = limits.fix, forbidden = limits.forbidden, friction = limits.friction,
     hands = limits.hands, length = opts.length})
   out:warnings()
@@ -289,11 +289,11 @@ local options = {
   {name = "fix", value = "PLACE", many = true,
     what = "a support: all displacements are zero there; then the whole force is a load, and the supports react"},
   {name = "forbid", value = "PLACE", many = true, what = "no load acts there"},
-  {name = "friction", value = "MU", type = "number", default = 0, least = 0, most = 100,
+  {name = "friction", value = "MU", type = "number", default = 0, min = 0, max = 100,
     what = "Coulomb's coefficient of friction of the loads; without it, pressure alone"},
-  {name = "hands", value = "K", type = "integer", least = 1, most = 16,
+  {name = "hands", value = "K", type = "integer", min = 1, max = 16,
     what = "loads act within so many places at once, each as large as two contacts; without it, anywhere"},
-  {name = "error", value = "SHARE", type = "number", above = 0, most = 1,
+  {name = "error", value = "SHARE", type = "number", above = 0, max = 1,
     what = "refine until the estimated error is this share, 0.05 for instance, or the mesh becomes too large"},
   model.length_option,
   model.unit_option,

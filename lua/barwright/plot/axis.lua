@@ -18,7 +18,7 @@ local rules = {
   label = {type = "string", default = ""},
   unit = {type = "string", default = ""},
   scale = {type = "string", one_of = {"linear", "log"}, default = "linear"},
-  least = {type = "number"}, most = {type = "number"},
+  min = {type = "number"}, max = {type = "number"},
   prefix = {type = "boolean", default = true}, -- may the unit get one
   whole = {type = "boolean", default = false}, -- marks at whole numbers only
 }
@@ -33,31 +33,31 @@ local function widened(low, high, pad)
   return low - room, high + room
 end
 
-local function linear_range(opts, least, most, how)
-  local low, high = widened(least, most, how.pad or 0.04)
+local function linear_range(opts, min, max, how)
+  local low, high = widened(min, max, how.pad or 0.04)
   if how.zero then
-    if least >= 0 then low = 0 end
-    if most <= 0 then high = 0 end
-    if least == 0 and most == 0 then low, high = 0, 1 end
+    if min >= 0 then low = 0 end
+    if max <= 0 then high = 0 end
+    if min == 0 and max == 0 then low, high = 0, 1 end
   end
-  low, high = opts.least or low, opts.most or high
+  low, high = opts.min or low, opts.max or high
   if low >= high then -- one end given, the data beyond it
-    if opts.least then high = low + math.max(1e-9, math.abs(low) * 0.1)
+    if opts.min then high = low + math.max(1e-9, math.abs(low) * 0.1)
     else low = high - math.max(1e-9, math.abs(high) * 0.1) end
   end
   return low, high
 end
 
-local function log_range(opts, least, most, how)
-  local a, b = math.log(least, 10), math.log(most, 10)
+local function log_range(opts, min, max, how)
+  local a, b = math.log(min, 10), math.log(max, 10)
   if a == b then a, b = a - 0.3, b + 0.3
   else
     local room = (how.pad or 0.04) * (b - a)
     a, b = a - room, b + room
   end
-  local low, high = opts.least or 10.0 ^ a, opts.most or 10.0 ^ b
+  local low, high = opts.min or 10.0 ^ a, opts.max or 10.0 ^ b
   if low >= high then
-    if opts.least then high = 10 * low else low = high / 10 end
+    if opts.min then high = 10 * low else low = high / 10 end
   end
   return low, high
 end
@@ -66,11 +66,11 @@ end
 local function read(where, given)
   if type(given) == "string" then given = {label = given} end
   local opts = options.read(where, given, rules)
-  if opts.least and opts.most and opts.least >= opts.most then
-    raise(("%s: least %g must be below most %g"):format(where, opts.least, opts.most))
+  if opts.min and opts.max and opts.min >= opts.max then
+    raise(("%s: min %g must be below max %g"):format(where, opts.min, opts.max))
   end
-  if opts.scale == "log" and (opts.least and opts.least <= 0 or opts.most and opts.most <= 0) then
-    raise(("%s: a log axis shows numbers above 0: least, most"):format(where))
+  if opts.scale == "log" and (opts.min and opts.min <= 0 or opts.max and opts.max <= 0) then
+    raise(("%s: a log axis shows numbers above 0: min, max"):format(where))
   end
   return opts
 end
@@ -80,21 +80,21 @@ function axis.new(where, given, lists, how)
   how = how or {}
   local opts = read(where, given)
   local log = opts.scale == "log"
-  local least, most = data.range(lists, log)
+  local min, max = data.range(lists, log)
   local any = data.range(lists)
-  if log and any and not least and not (opts.least and opts.most) then
+  if log and any and not min and not (opts.min and opts.max) then
     raise(("%s: a log axis shows numbers above 0, and there is none (from %s to %s)"):format(where,
       numbers.short(any), numbers.short(select(2, data.range(lists)))))
   end
-  local self = setmetatable({log = log, whole = opts.whole, empty = least == nil}, Axis)
-  if self.empty then least, most = log and 1 or 0, log and 10 or 1 end
-  if log then self.low, self.high = log_range(opts, least, most, how)
-  else self.low, self.high = linear_range(opts, least, most, how) end
+  local self = setmetatable({log = log, whole = opts.whole, empty = min == nil}, Axis)
+  if self.empty then min, max = log and 1 or 0, log and 10 or 1 end
+  if log then self.low, self.high = log_range(opts, min, max, how)
+  else self.low, self.high = linear_range(opts, min, max, how) end
   self.factor, self.unit = 1, opts.unit
   if opts.prefix and not (self.empty and opts.unit == "") then
-    local size = math.max(math.abs(least), math.abs(most))
+    local size = math.max(math.abs(min), math.abs(max))
     if log and opts.unit == "" then size = 1 end -- powers of ten are on the axis
-    if opts.least and opts.most then size = math.max(math.abs(opts.least), math.abs(opts.most)) end
+    if opts.min and opts.max then size = math.max(math.abs(opts.min), math.abs(opts.max)) end
     self.factor, self.unit = numbers.unit(opts.unit, size, opts.whole)
   end
   self.label = opts.label .. (self.unit ~= "" and (opts.label ~= "" and ", " or "") .. self.unit or "")
@@ -138,7 +138,7 @@ function Axis:at(value)
 end
 
 --- At most about `most` marks: {{at, text (or nil: a small one)}}.
-function Axis:marks(most)
+function Axis:marks(max)
   local out = {}
   if self.names then
     for i, name in ipairs(self.names) do out[i] = {at = self:at(i), text = name} end
@@ -146,8 +146,8 @@ function Axis:marks(most)
   end
   local low, high = self.low * self.factor, self.high * self.factor
   local marks
-  if self.log then marks = numbers.log(low, high, most)
-  else marks = numbers.linear(low, high, most, self.whole) end
+  if self.log then marks = numbers.log(low, high, max)
+  else marks = numbers.linear(low, high, max, self.whole) end
   for i, mark in ipairs(marks) do out[i] = {at = self:at(mark.value / self.factor), text = mark.text} end
   return out
 end

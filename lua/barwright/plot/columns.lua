@@ -14,8 +14,8 @@ local rules = {
   scale = {type = "string", one_of = {"linear", "log"}},
   values = {type = "any", needed = true},
   of = {type = "table"}, -- the names, in order
-  goal = {type = "string", one_of = {"least", "most"}},
-  least = {type = "number"}, most = {type = "number"},
+  goal = {type = "string", one_of = {"min", "max"}},
+  min = {type = "number"}, max = {type = "number"},
   whole = {type = "boolean"},
 }
 
@@ -73,18 +73,18 @@ function columns.read(where, given, count)
 end
 
 --- All columns of a plot, of one length.
-function columns.list(where, given, least, most)
+function columns.list(where, given, min, max)
   local out = {}
   for i, one in ipairs(data.list(where, "columns", given)) do
     out[i] = columns.read(("%s: column %d"):format(where, i), one, out[1] and #out[1].numbers)
   end
-  if #out < least or #out > most then
-    raise(("%s: %d to %d columns expected, got %d"):format(where, least, most, #out))
+  if #out < min or #out > max then
+    raise(("%s: %d to %d columns expected, got %d"):format(where, min, max, #out))
   end
   return out
 end
 
-local better = {least = "  ← better", most = "  better →"}
+local better = {min = "  ← better", max = "  better →"}
 
 --- The axis of a column. A log axis without numbers above 0 becomes linear. how: see axis.new.
 function columns.axis(where, one, how)
@@ -93,7 +93,7 @@ function columns.axis(where, one, how)
   local scale = one.scale
   if scale == "log" and not data.range({one.numbers}, true) then scale = "linear" end
   local made = axis.new(where, {label = one.name, unit = one.unit or "", scale = scale or "linear",
-    least = one.least, most = one.most, whole = one.whole}, {one.numbers}, how)
+    min = one.min, max = one.max, whole = one.whole}, {one.numbers}, how)
   if how.goal and one.goal then made.label = made.label .. better[one.goal] end
   return made
 end

@@ -22,7 +22,7 @@ local one_rules = {
   name = {type = "string", default = ""},
   x = {type = "any", needed = true}, y = {type = "any", needed = true},
   slope = {type = "number"}, -- what it should be; else the nearest half of the fit
-  last = {type = "integer", least = 2}, -- so many of the finest are fitted; all without
+  last = {type = "integer", min = 2}, -- so many of the finest are fitted; all without
   colour = {type = "string"}, notes = {type = "table"},
 }
 

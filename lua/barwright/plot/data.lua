@@ -89,19 +89,19 @@ function data.colour(where, given)
   return given
 end
 
---- least, most, of the numbers of lists that are numbers (above 0 with `positive`); nil: none.
+--- min, max, of the numbers of lists that are numbers (above 0 with `positive`); nil: none.
 function data.range(lists, positive)
-  local least, most
+  local min, max
   for _, list in ipairs(lists) do
     for i = 1, #list do
       local v = list[i]
       if v == v and (not positive or v > 0) then
-        if not least or v < least then least = v end
-        if not most or v > most then most = v end
+        if not min or v < min then min = v end
+        if not max or v > max then max = v end
       end
     end
   end
-  return least, most
+  return min, max
 end
 
 --- The median-rank correlation of two lists (Spearman's) over the places where both have numbers; nil

@@ -13,8 +13,8 @@ local small, normal, large = 11.5, 12.5, 15
 -- Marks along x such that their texts have room: fewer until they do.
 local function x_marks(s, axis, width)
   local marks
-  for most = math.max(2, math.floor(width / 45)), 1, -1 do
-    marks = axis:marks(most)
+  for max = math.max(2, math.floor(width / 45)), 1, -1 do
+    marks = axis:marks(max)
     local fits, last = true, nil
     for _, mark in ipairs(marks) do
       if mark.text then
@@ -34,8 +34,8 @@ local function x_names(s, axis, width)
   local room, widest = width / #axis.names, 0
   for _, name in ipairs(axis.names) do widest = math.max(widest, s:text_width(name, small)) end
   if widest + 8 <= room then return 0, 20, widest end
-  local most = math.min(widest, 130)
-  return 40, most * math.sin(math.rad(40)) + 16, most
+  local max = math.min(widest, 130)
+  return 40, max * math.sin(math.rad(40)) + 16, max
 end
 
 local function widest_text(s, marks)
@@ -68,8 +68,8 @@ end
 function frame.new(s, box, x, y, with)
   with = with or {}
   local self = setmetatable({sketch = s, x = x, y = y}, Frame)
-  local turn, below, most_name = 0, with.quiet_x and 4 or 20, nil
-  if x.names and not with.quiet_x then turn, below, most_name = x_names(s, x, box[3] - (with.left or 70) - 10) end
+  local turn, below, max_name = 0, with.quiet_x and 4 or 20, nil
+  if x.names and not with.quiet_x then turn, below, max_name = x_names(s, x, box[3] - (with.left or 70) - 10) end
   -- frames of a matrix line up: their margins are given, whatever their marks need
   local label_x = not with.quiet_x and x.label ~= ""
   local label_y = not with.quiet_y and y.label ~= ""
@@ -84,7 +84,7 @@ function frame.new(s, box, x, y, with)
   local out_left, out_right = overhang(s, marks_x, width)
   if with.quiet_x then out_left, out_right = 0, 0 end
   if turn > 0 and not with.quiet_x then -- the first name begins left of the frame
-    out_left, out_right = most_name * math.cos(math.rad(turn)) - marks_x[1].at * width, 0
+    out_left, out_right = max_name * math.cos(math.rad(turn)) - marks_x[1].at * width, 0
   end
   left = with.left or math.max(left, out_left)
   if with.left then out_right = 0 end
@@ -94,7 +94,7 @@ function frame.new(s, box, x, y, with)
   self.right = math.max(self.right, self.left + 10)
   self.width, self.height = self.right - self.left, self.bottom - self.top
   self:draw_grid(marks_x, marks_y, with)
-  if not with.quiet_x then self:draw_x(marks_x, turn, below, most_name, with.left) end
+  if not with.quiet_x then self:draw_x(marks_x, turn, below, max_name, with.left) end
   if not with.quiet_y then self:draw_y(marks_y, texts, box[1]) end
   return self
 end
@@ -136,19 +136,19 @@ function Frame:draw_grid(marks_x, marks_y, with)
 end
 
 -- `close`: another frame is beside this one, so that texts stay within.
-function Frame:draw_x(marks, turn, below, most_name, close)
+function Frame:draw_x(marks, turn, below, max_name, close)
   local s, y = self.sketch, self.bottom
   for _, mark in ipairs(marks) do
     if within(mark.at) then
       local x = self.left + mark.at * self.width
       s:line({x, y, x, y + (mark.text and 4 or 2.5)}, {stroke = palette.line, width = 1})
       if mark.text and turn > 0 then
-        s:text(mark.text, x + 4, y + 14, {size = small, align = 1, angle = turn, most = most_name, midst = true,
+        s:text(mark.text, x + 4, y + 14, {size = small, align = 1, angle = turn, max = max_name, midst = true,
           colour = palette.soft})
       elseif mark.text then
         local own = s:text_width(mark.text, small) / 2
         if close then x = math.max(self.left - 5 + own, math.min(self.right + 5 - own, x)) end
-        s:text(mark.text, x, y + 17, {size = small, align = 0.5, most = most_name, midst = true,
+        s:text(mark.text, x, y + 17, {size = small, align = 0.5, max = max_name, midst = true,
           colour = palette.soft})
       end
     end
@@ -169,7 +169,7 @@ function Frame:draw_y(marks, texts, edge)
       end
       if mark.text and (not last or last - y >= 11.5) then -- in a low frame not every one
         last = y
-        s:text(mark.text, x - 7, y, {size = small, align = 1, middle = true, midst = true, most = texts + 1,
+        s:text(mark.text, x - 7, y, {size = small, align = 1, middle = true, midst = true, max = texts + 1,
           colour = palette.soft})
       end
     end
@@ -194,7 +194,7 @@ end
 --- Words in the middle, where there is nothing to be shown.
 function Frame:say(text)
   self.sketch:text(text, (self.left + self.right) / 2, (self.top + self.bottom) / 2,
-    {size = normal, align = 0.5, colour = palette.soft, most = self.width - 10})
+    {size = normal, align = 0.5, colour = palette.soft, max = self.width - 10})
 end
 
 -- ---- around frames -----------------------------------------------------------------------------
@@ -213,10 +213,10 @@ end
 
 -- Rows of keys and names as wide as the sketch, at most a third of its height; returns where they end.
 local function draw_legend(s, x, y, width, entries)
-  local most = math.max(80, math.min(260, width * 0.45))
+  local max = math.max(80, math.min(260, width * 0.45))
   local at, rows = x, math.max(1, math.floor(s.height / 3 / 19))
   for i, entry in ipairs(entries) do
-    local name = s:shortened(entry.name, small, most, false, true)
+    local name = s:shortened(entry.name, small, max, false, true)
     local wide = 28 + s:text_width(name, small) + 18
     local rest = #entries - i + 1
     local more = rest > 1 and rows == 1 and 90 or 0
@@ -248,7 +248,7 @@ function frame.around(s, about)
   if about.legend and #about.legend > 0 then y = draw_legend(s, x, y, width, about.legend) + 2 end
   local bottom = s.height - 8
   for i = #(about.notes or {}), 1, -1 do
-    s:text(about.notes[i], x + width, bottom - 3, {size = 10.5, align = 1, most = width,
+    s:text(about.notes[i], x + width, bottom - 3, {size = 10.5, align = 1, max = width,
       colour = palette.soft})
     bottom = bottom - 15
   end

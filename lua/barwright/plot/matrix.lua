@@ -17,7 +17,7 @@ local shared = {
   columns = {type = "table", needed = true},
   values = {type = "any"}, -- what colours the rows
   value = {type = "any"}, -- its axis
-  goal = {type = "string", one_of = {"least", "most"}, default = "least"}, -- of it: the best lie above
+  goal = {type = "string", one_of = {"min", "max"}, default = "min"}, -- of it: the best lie above
   chosen = {type = "table"}, -- places of rows that stand out
   faint = {type = "table"}, -- flags: rows that stand back (infeasible)
 }
@@ -38,7 +38,7 @@ local function coloured(where, opts, count)
     rows.colour[i] = faint[i] and "#c3cad1" or at and palette.value(math.floor(at * 63 + 0.5) / 63)
       or bar and "#a8a8a8" or palette.good
     rank[i] = (chosen[i] and 4 or 0) + (faint[i] and -4 or 0)
-      + (at and (opts.goal == "most" and at or 1 - at) or 0)
+      + (at and (opts.goal == "max" and at or 1 - at) or 0)
   end
   table.sort(rows.order, function(a, b)
     if rank[a] ~= rank[b] then return rank[a] < rank[b] end
@@ -65,8 +65,8 @@ end
 
 local matrix_rules = series.rules {notes = {type = "table"}}
 for key, rule in pairs(shared) do matrix_rules[key] = rule end
-matrix_rules.width, matrix_rules.height = {type = "number", least = 200, most = 6000},
-  {type = "number", least = 200, most = 6000}
+matrix_rules.width, matrix_rules.height = {type = "number", min = 200, max = 6000},
+  {type = "number", min = 200, max = 6000}
 
 local function draw_cell(s, f, a, b, all, notes, many)
   f:enter(4)
@@ -94,7 +94,7 @@ local function draw_shares(s, box, one, made)
   local whole = (one.names or one.whole) and made.high - made.low <= 40
   local bins, low = 12, 0
   if whole then bins, low = math.floor(made.high) - math.ceil(made.low) + 1, math.ceil(made.low) end
-  local counts, most = {}, 1
+  local counts, max = {}, 1
   for k = 1, bins do counts[k] = 0 end
   for i = 1, #one.numbers do
     local at = made:at(one.numbers[i])
@@ -102,11 +102,11 @@ local function draw_shares(s, box, one, made)
       local k = whole and math.floor(one.numbers[i] - low + 0.5) + 1 or math.floor(at * bins) + 1
       k = math.max(1, math.min(bins, k))
       counts[k] = counts[k] + 1
-      most = math.max(most, counts[k])
+      max = math.max(max, counts[k])
     end
   end
   for k = 1, bins do
-    local high = (box[4] - 26) * counts[k] / most
+    local high = (box[4] - 26) * counts[k] / max
     local from, to = (k - 1) / bins, k / bins
     if whole then from, to = made:at(low + k - 1.4), made:at(low + k - 0.6) end
     from, to = math.max(0, from), math.min(1, to)
@@ -188,7 +188,7 @@ local function draw_upright(s, x, top, bottom, made, room)
       local y = bottom - mark.at * (bottom - top)
       s:line({x - 4, y, x, y}, {stroke = palette.line, width = 1})
       s:text(mark.text, x - 6, y, {size = 10.5, align = 1, middle = true, colour = palette.soft, halo = true,
-        most = room * 0.62})
+        max = room * 0.62})
     end
   end
   local lines = made:wrapped(s, 12, room - 10, true)

@@ -52,8 +52,8 @@ function numbers.step(rough)
 end
 
 --- Round numbers from low to high, at most `most` of them: {{value, text}}.
-function numbers.linear(low, high, most, whole)
-  local step, decimals = numbers.step((high - low) / math.max(1, most))
+function numbers.linear(low, high, max, whole)
+  local step, decimals = numbers.step((high - low) / math.max(1, max))
   if whole and step < 1 then step, decimals = 1, 0 end
   local out = {}
   for i = math.ceil(low / step - 1e-6), math.floor(high / step + 1e-6) do
@@ -61,8 +61,8 @@ function numbers.linear(low, high, most, whole)
     if #out > 200 then break end
   end
   -- one mark is no scale: finer, where two were asked for
-  if #out < 2 and most >= 2 and most < 16 and not (whole and step == 1) then
-    return numbers.linear(low, high, 2 * most, whole)
+  if #out < 2 and max >= 2 and max < 16 and not (whole and step == 1) then
+    return numbers.linear(low, high, 2 * max, whole)
   end
   return out
 end
@@ -79,12 +79,12 @@ end
 
 --- Marks of a logarithmic axis: decades (every so many), with 2 and 5 where there is room, the rest
 --- between them without text; within part of a decade the round numbers of a linear one.
-function numbers.log(low, high, most)
+function numbers.log(low, high, max)
   local first, last = magnitude(low), magnitude(high)
   local decades = math.log(high / low, 10)
   local out = {}
-  local factors = decades * 3 <= most and {1, 2, 5} or {1}
-  local every = math.max(1, math.ceil(decades / math.max(1, most)))
+  local factors = decades * 3 <= max and {1, 2, 5} or {1}
+  local every = math.max(1, math.ceil(decades / math.max(1, max)))
   local plain = low >= 5e-4 and high <= 5e4 -- short enough, all of them
   for e = first, last do
     for m = 1, 9 do
@@ -103,7 +103,7 @@ function numbers.log(low, high, most)
   local named = 0
   for _, mark in ipairs(out) do named = named + (mark.text and 1 or 0) end
   if named >= 2 then return out end
-  local marks = numbers.linear(low, high, most)
+  local marks = numbers.linear(low, high, max)
   return #marks > 1 and marks or out
 end
 

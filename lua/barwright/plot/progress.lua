@@ -38,7 +38,7 @@ end
 local history_rules = series.rules {
   values = {type = "any", needed = true},
   numbers = {type = "any"}, -- of the trials, 1, 2, ... without
-  goal = {type = "string", one_of = {"least", "most"}, default = "least"},
+  goal = {type = "string", one_of = {"min", "max"}, default = "min"},
   failed = {type = "table"}, feasible = {type = "table"}, -- for each value true or false
   label = {type = "string", default = "value"}, unit = {type = "string", default = ""},
   scale = {type = "string", one_of = {"linear", "log"}, default = "linear"},
@@ -48,7 +48,7 @@ local history_rules = series.rules {
 
 -- The best so far as steps: from each trial that was better to the next.
 local function best_so_far(opts, xs, values, counts)
-  local sign = opts.goal == "most" and -1 or 1
+  local sign = opts.goal == "max" and -1 or 1
   local x, y, best = {}, {}, nil
   for i = 1, #values do
     local v = values[i]
@@ -99,7 +99,7 @@ local function trial_numbers(opts, count)
 end
 
 --- Every trial's value in the order of the trials, and the best so far. values: a number or nan for each;
---- failed, feasible: flags for each; goal "least" or "most".
+--- failed, feasible: flags for each; goal "min" or "max".
 function progress.history(given)
   local where = "plot.history"
   local opts = options.read(where, given, history_rules)
@@ -152,7 +152,7 @@ function progress.name_best(s, f, x, value, opts)
   if not px then return end
   local text = numbers.quantity(value, opts.unit)
   local right = px + 10 + s:text_width(text, 11.5, true) < f.right
-  local below = opts.goal == "least"
+  local below = opts.goal == "min"
   local ty = py + (below and 17 or -9)
   if ty > f.bottom - 4 then ty = py - 9 end
   if ty < f.top + 10 then ty = py + 17 end
@@ -175,7 +175,7 @@ local function find_front(objectives, able)
   for i = 1, #objectives[1].numbers do
     local row, whole = {}, able[i]
     for k, one in ipairs(objectives) do
-      row[k] = one.goal == "most" and -one.numbers[i] or one.numbers[i]
+      row[k] = one.goal == "max" and -one.numbers[i] or one.numbers[i]
       whole = whole and row[k] == row[k]
     end
     costs[i] = row
@@ -214,7 +214,7 @@ progress.find_front = find_front
 local function front_line(a, b, front)
   local order = {}
   for i in pairs(front) do order[#order + 1] = i end
-  local sign = a.goal == "most" and -1 or 1
+  local sign = a.goal == "max" and -1 or 1
   table.sort(order, function(p, q)
     if a.numbers[p] ~= a.numbers[q] then return sign * a.numbers[p] < sign * a.numbers[q] end
     return p < q
@@ -275,7 +275,7 @@ function progress.pareto(given)
   local n, count = #objectives, #objectives[1].numbers
   for _, one in ipairs(objectives) do
     if one.names then raise(("%s: objective '%s': numbers expected"):format(where, one.name)) end
-    one.goal = one.goal or "least"
+    one.goal = one.goal or "min"
   end
   local rows = {able = columns.flags(where, "feasible", opts.feasible, count, true),
     notes = data.texts(where, "notes", opts.notes, count)}

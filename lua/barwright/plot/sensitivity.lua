@@ -160,8 +160,8 @@ local function tornado(opts, given)
   return figure.new {kind = where, name = opts.title or "one variable at a time", width = opts.width,
     height = given.height or math.max(180, 110 + 34 * count),
     draw = function(s)
-      local box = frame.around(s, {title = opts.title, legend = {{name = "at its least", fill = "#56b4e9"},
-        {name = "at its most", fill = "#d55e00"}}})
+      local box = frame.around(s, {title = opts.title, legend = {{name = "at its minimum", fill = "#56b4e9"},
+        {name = "at its maximum", fill = "#d55e00"}}})
       local f = frame.new(s, box, x, y)
       if count == 0 then f:say "no variables" end
       local thick = math.min(24, f.height / math.max(1, count) * 0.7)

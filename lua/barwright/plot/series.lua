@@ -14,8 +14,8 @@ local series = {}
 
 local size = {
   title = {type = "string"},
-  width = {type = "number", least = 120, most = 6000, default = 720},
-  height = {type = "number", least = 100, most = 6000, default = 440},
+  width = {type = "number", min = 120, max = 6000, default = 720},
+  height = {type = "number", min = 100, max = 6000, default = 440},
 }
 
 --- Rules of options with those that every figure has.
@@ -35,9 +35,9 @@ local one_rules = {
   notes = {type = "table"}, values = {type = "any"}, colour = {type = "string"},
   marker = {type = "string", one_of = {"disc", "square", "diamond", "triangle", "triangle_down", "cross",
     "plus"}},
-  size = {type = "number", above = 0, most = 60},
+  size = {type = "number", above = 0, max = 60},
   markers = {type = "boolean"}, dashed = {type = "boolean"}, steps = {type = "boolean"},
-  width = {type = "number", above = 0, most = 30},
+  width = {type = "number", above = 0, max = 30},
 }
 
 local rules = series.rules {
@@ -208,7 +208,7 @@ local function draw_marks(s, f, marks)
     elseif mark.y and y then
       s:line({f.left, y, f.right, y}, pen)
       s:text(mark.name or "", f.right - 4, y - 5, {size = 11, align = 1, colour = palette.soft, halo = true,
-        most = f.width - 8})
+        max = f.width - 8})
     end
   end
 end

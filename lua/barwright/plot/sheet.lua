@@ -14,10 +14,10 @@ local where = "plot.contact_sheet"
 local rules = {
   pictures = {type = "table", needed = true},
   title = {type = "string"},
-  columns = {type = "integer", least = 1, most = 24},
-  cell = {type = "number", least = 60, most = 2000, default = 230}, -- width of a picture
-  ratio = {type = "number", least = 0.1, most = 10}, -- height of a picture by its width
-  lines = {type = "integer", least = 0, most = 8, default = 2}, -- of a caption
+  columns = {type = "integer", min = 1, max = 24},
+  cell = {type = "number", min = 60, max = 2000, default = 230}, -- width of a picture
+  ratio = {type = "number", min = 0.1, max = 10}, -- height of a picture by its width
+  lines = {type = "integer", min = 0, max = 8, default = 2}, -- of a caption
 }
 local one_rules = {
   path = {type = "string"}, figure = {type = "table"},
@@ -36,7 +36,7 @@ end
 local function draw_missing(s, box, text)
   s:rectangle(box[1], box[2], box[3], box[4], {fill = "#eef1f4"}, 4)
   s:text(text, box[1] + box[3] / 2, box[2] + box[4] / 2, {size = 11.5, align = 0.5, middle = true,
-    colour = palette.soft, most = box[3] - 12})
+    colour = palette.soft, max = box[3] - 12})
 end
 
 local function draw_picture(s, box, one)
@@ -57,11 +57,11 @@ local function draw_picture(s, box, one)
   end
 end
 
-local function caption_lines(s, one, width, most)
+local function caption_lines(s, one, width, max)
   local lines = {}
   for part in (one.caption .. "\n"):gmatch "(.-)\n" do
-    if #lines < most then
-      for _, line in ipairs(s:wrapped(part, 11.5, width, most - #lines)) do lines[#lines + 1] = line end
+    if #lines < max then
+      for _, line in ipairs(s:wrapped(part, 11.5, width, max - #lines)) do lines[#lines + 1] = line end
     end
   end
   return lines

@@ -77,11 +77,11 @@ function Sketch:shortened(text, size, width, bold, midst)
 end
 
 --- Lines of at most `width`, `most` of them, the last one shortened.
-function Sketch:wrapped(text, size, width, most, bold)
+function Sketch:wrapped(text, size, width, max, bold)
   local lines, line = {}, nil
   for word in text:gmatch "%S+" do
     local longer = line and line .. " " .. word or word
-    if line and #lines < most - 1 and self:text_width(longer, size, bold) > width then
+    if line and #lines < max - 1 and self:text_width(longer, size, bold) > width then
       lines[#lines + 1] = self:shortened(line, size, width, bold)
       line = word
     else
@@ -96,7 +96,7 @@ end
 function Sketch:text(text, x, y, style)
   style = style or {}
   local size = style.size or 12
-  if style.most then text = self:shortened(text, size, style.most, style.bold, style.midst) end
+  if style.max then text = self:shortened(text, size, style.max, style.bold, style.midst) end
   if style.middle then
     local angle = math.rad(style.angle or 0)
     x, y = x + 0.36 * size * math.sin(angle), y + 0.36 * size * math.cos(angle)

@@ -10,7 +10,7 @@ local numbers = require "barwright.scenario.numbers"
 
 local baseline = {}
 
-local most_values = 20000 -- of one array; of longer ones as many rows, evenly spaced
+local max_values = 20000 -- of one array; of longer ones as many rows, evenly spaced
 
 function baseline.path(scenario_file, name)
   local folder, stem = files.split(scenario_file)
@@ -21,7 +21,7 @@ end
 
 local function rows_of(array)
   local count, columns = array.row_count, array.column_count
-  local wanted = math.max(1, most_values // columns)
+  local wanted = math.max(1, max_values // columns)
   if count <= wanted then return array:totable(), nil end
   local picked, every = {}, count / wanted
   for i = 1, wanted do picked[i] = math.floor((i - 1) * every) + 1 end
@@ -110,9 +110,9 @@ local function compare_arrays(now, kept, opts, at)
       tostring(kept.columns)), math.huge
   end
   local a, b = flat(now), flat(kept)
-  local most, size, place = numbers.largest(a, b)
-  local figure = size > 0 and most / size or most
-  if most <= math.max(opts.absolute or 0, (opts.relative or 0) * size) then return nil, figure end
+  local max, size, place = numbers.largest(a, b)
+  local figure = size > 0 and max / size or max
+  if max <= math.max(opts.absolute or 0, (opts.relative or 0) * size) then return nil, figure end
   local x, y = numbers.apart(a[place], b[place])
   return ("%svalue %d is %s, %s expected: apart by %s of the largest"):format(at, place, x, y,
     numbers.show(figure, 3)), figure

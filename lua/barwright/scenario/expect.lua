@@ -98,7 +98,7 @@ function methods:below(bound, given)
   if self.value == nil then return missing(self, "below", opts) end
   local value = number_of(self, "below")
   local a, b = numbers.apart(value, bound)
-  return judged(self, "below", {figure = plain(value), most = plain(bound), source = opts.source, how = opts.how,
+  return judged(self, "below", {figure = plain(value), max = plain(bound), source = opts.source, how = opts.how,
     allowed = "at most " .. show(bound)}, value <= bound,
     ("%s, at most %s expected%s"):format(with_unit(self, a), with_unit(self, b), share(value, bound)))
 end
@@ -110,7 +110,7 @@ function methods:above(bound, given)
   if self.value == nil then return missing(self, "above", opts) end
   local value = number_of(self, "above")
   local a, b = numbers.apart(value, bound)
-  return judged(self, "above", {figure = plain(value), least = plain(bound), source = opts.source, how = opts.how,
+  return judged(self, "above", {figure = plain(value), min = plain(bound), source = opts.source, how = opts.how,
     allowed = "at least " .. show(bound)}, value >= bound,
     ("%s, at least %s expected%s"):format(with_unit(self, a), with_unit(self, b), share(value, bound)))
 end
@@ -124,7 +124,7 @@ function methods:between(low, high, given)
   if self.value == nil then return missing(self, "between", opts) end
   local value = number_of(self, "between")
   local a, b = numbers.apart(value, value < low and low or high)
-  return judged(self, "between", {figure = plain(value), least = plain(low), most = plain(high),
+  return judged(self, "between", {figure = plain(value), min = plain(low), max = plain(high),
     source = opts.source, how = opts.how, allowed = ("%s to %s"):format(show(low), show(high))},
     value >= low and value <= high, ("%s, from %s to %s expected (%s is passed)"):format(with_unit(self, a),
       show(low), with_unit(self, show(high)), b))
@@ -148,21 +148,21 @@ local function near_list(self, reference, opts)
   if #a ~= #b or own ~= shape then
     return judged(self, "near", entry, false, ("%s, %s expected"):format(own, shape))
   end
-  local most, size, at = numbers.largest(a, b)
-  entry.figure = plain(size > 0 and most / size or most)
+  local max, size, at = numbers.largest(a, b)
+  entry.figure = plain(size > 0 and max / size or max)
   entry.values, entry.at = #a, at
-  local good = most <= math.max(opts.absolute or 0, (opts.relative or 0) * size)
+  local good = max <= math.max(opts.absolute or 0, (opts.relative or 0) * size)
   local x, y = numbers.apart(a[at] or 0, b[at] or 0)
   return judged(self, "near", entry, good,
     ("value %d of %s is %s, %s expected: apart by %s of the largest (%s); %s expected"):format(at, own, x, y,
-      show(size > 0 and most / size or most, 3), show(size), entry.allowed))
+      show(size > 0 and max / size or max, 3), show(size), entry.allowed))
 end
 
 --- Near the reference: |figure - reference| at most `absolute`, or `relative` |reference|, whichever is
 --- more. Of arrays and lists every value, beside the largest one of the reference.
 function methods:near(reference, given)
-  local opts = read("near", given, {relative = {type = "number", least = 0},
-    absolute = {type = "number", least = 0}})
+  local opts = read("near", given, {relative = {type = "number", min = 0},
+    absolute = {type = "number", min = 0}})
   if not opts.relative and not opts.absolute then
     raise "near: {relative = ...} or {absolute = ...} expected: how near is near?"
   end
@@ -304,8 +304,8 @@ end
 --- frequencies are nearer than `degenerate`: frequencies within `relative`, and of each group the space
 --- that it spans, by the sine of the angle between, within `shapes` (false: not compared).
 function methods:same_modes(other, given)
-  local opts = read("same_modes", given, {relative = {type = "number", least = 0, default = 1e-6},
-    degenerate = {type = "number", least = 0, default = 1e-4}, shapes = {type = "any", default = 1e-3},
+  local opts = read("same_modes", given, {relative = {type = "number", min = 0, default = 1e-6},
+    degenerate = {type = "number", min = 0, default = 1e-4}, shapes = {type = "any", default = 1e-3},
     last = {type = "boolean", default = true}})
   if opts.shapes ~= false and type(opts.shapes) ~= "number" then
     raise "same_modes: option 'shapes': a number or false expected"
@@ -322,9 +322,9 @@ end
 --- What was measured before: a number, text, array, table of these, a static result or modes, kept in
 --- the folder baselines beside the file and written by `barwright test --update`.
 function methods:matches_baseline(name, given)
-  local opts = read("matches_baseline", given, {relative = {type = "number", least = 0},
-    absolute = {type = "number", least = 0}, degenerate = {type = "number", least = 0, default = 1e-4},
-    shapes = {type = "number", least = 0, default = 1e-3}, last = {type = "boolean", default = true}})
+  local opts = read("matches_baseline", given, {relative = {type = "number", min = 0},
+    absolute = {type = "number", min = 0}, degenerate = {type = "number", min = 0, default = 1e-4},
+    shapes = {type = "number", min = 0, default = 1e-3}, last = {type = "boolean", default = true}})
   if type(name) ~= "string" or not name:match "^[%w_][%w_. -]*$" then
     raise "matches_baseline: a name of letters, digits, '_', '-', '.' and spaces expected"
   end

@@ -73,16 +73,16 @@ end
 --- The largest difference of two lists of the same length, the largest magnitude of the second, and
 --- where the difference is; a value that is not a number differs by infinity.
 function numbers.largest(a, b)
-  local most, size, at = 0, 0, 1
+  local max, size, at = 0, 0, 1
   for i = 1, #b do
     local d = math.abs(a[i] - b[i])
     if a[i] == b[i] then d = 0 end
     if d ~= d then d = math.huge end
-    if d > most then most, at = d, i end
+    if d > max then max, at = d, i end
     local m = math.abs(b[i])
     if m > size then size = m end
   end
-  return most, size, at
+  return max, size, at
 end
 
 return numbers

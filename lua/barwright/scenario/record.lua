@@ -11,7 +11,7 @@ local record = {}
 
 local library = debug.getinfo(1, "S").source:match "^(.*)scenario/record%.lua$" or "barwright/scenario"
 
-local most_calls = 20 -- of a traceback
+local max_calls = 20 -- of a traceback
 
 local running -- the scenario that runs in this process
 
@@ -173,7 +173,7 @@ local function trace()
     local at = debug.getinfo(level, "Sln")
     if not at then break end
     if at.currentline > 0 and not at.source:find(library, 1, true) then
-      if #out == most_calls then return table.concat(out, "\n") .. "\n..." end
+      if #out == max_calls then return table.concat(out, "\n") .. "\n..." end
       out[#out + 1] = ("%s:%d:%s"):format(at.short_src, at.currentline, at.name and " in " .. at.name or "")
     end
   end

@@ -10,7 +10,7 @@ local text = require "barwright.scenario.text"
 
 local run = {}
 
-local most_output = 65536 -- bytes of what a scenario printed that are kept
+local max_output = 65536 -- bytes of what a scenario printed that are kept
 
 -- ---- tasks -------------------------------------------------------------------------------------------------
 
@@ -107,7 +107,7 @@ end
 local function read_output(path)
   local output = files.read(path)
   if not output or output == "" then return nil end
-  if #output > most_output then output = output:sub(1, most_output) .. "\n(the rest was left out)" end
+  if #output > max_output then output = output:sub(1, max_output) .. "\n(the rest was left out)" end
   return text.clean(output)
 end
 

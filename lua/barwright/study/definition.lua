@@ -33,7 +33,7 @@ function definition.of(study)
       item.of = json.list {}
       for k, value in ipairs(v.of) do item.of[k] = value end
     else
-      item.least, item.most, item.scale = v.least, v.most, v.scale
+      item.min, item.max, item.scale = v.min, v.max, v.scale
     end
     out.variables[i] = item
   end
@@ -53,7 +53,7 @@ function definition.rows(about)
   local columns = definition.columns_of(about.variables)
   for i, v in ipairs(about.variables) do
     out[#out + 1] = table.pack("INSERT INTO variables VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", i, v.name, columns[i],
-      v.kind, v.unit, v.least, v.most, v.kind == "real" and v.scale or nil, v.of and json.encode(v.of) or nil)
+      v.kind, v.unit, v.min, v.max, v.kind == "real" and v.scale or nil, v.of and json.encode(v.of) or nil)
   end
   columns = definition.columns_of(about.measures)
   for i, m in ipairs(about.measures) do
@@ -65,7 +65,7 @@ end
 --- The constraints as text.
 function definition.constraints_of(study)
   local out = json.list {}
-  for i, c in ipairs(study.problem.constraints) do out[i] = {name = c.name, least = c.least, most = c.most} end
+  for i, c in ipairs(study.problem.constraints) do out[i] = {name = c.name, min = c.min, max = c.max} end
   return json.encode(out)
 end
 
@@ -84,7 +84,7 @@ function definition.first_difference(old, new)
       local a, b = old[list][i], new[list][i]
       if not a then return ("%s '%s' is not in it"):format(what, b.name) end
       if not b then return ("its %s '%s' is gone"):format(what, a.name) end
-      for _, field in ipairs {"name", "kind", "unit", "least", "most", "scale", "of", "optional"} do
+      for _, field in ipairs {"name", "kind", "unit", "min", "max", "scale", "of", "optional"} do
         local was, is = describe(a, field), describe(b, field)
         if was ~= is then
           if field == "name" then return ("its %s %d is '%s', not '%s'"):format(what, i, was, is) end
@@ -117,7 +117,7 @@ function definition.schema(about, plain)
   return {
     "CREATE TABLE study (name TEXT PRIMARY KEY, value TEXT NOT NULL)",
     "CREATE TABLE variables (position INTEGER PRIMARY KEY, name TEXT, column_name TEXT, kind TEXT, unit TEXT,"
-      .. " least, most, scale TEXT, choices TEXT)",
+      .. " min, max, scale TEXT, choices TEXT)",
     "CREATE TABLE measures (position INTEGER PRIMARY KEY, name TEXT, column_name TEXT, unit TEXT)",
     "CREATE TABLE scripts (number INTEGER PRIMARY KEY, sha256 TEXT UNIQUE, path TEXT, text TEXT,"
       .. " constraints TEXT)",

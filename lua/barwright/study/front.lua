@@ -108,9 +108,9 @@ end
 local function volume(points, reference, m)
   if #points == 0 then return 0.0 end
   if m == 1 then
-    local least = math.huge
-    for _, p in ipairs(points) do least = math.min(least, p[1]) end
-    return reference[1] - least
+    local min = math.huge
+    for _, p in ipairs(points) do min = math.min(min, p[1]) end
+    return reference[1] - min
   end
   table.sort(points, function(a, b) return a[m] < b[m] end)
   local sum, slab = 0.0, {}

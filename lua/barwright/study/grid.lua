@@ -8,14 +8,14 @@ local raise = core.raise
 
 local grid = {}
 
-local MOST_POINTS = 10000000
+local MAX_POINTS = 10000000
 
 -- Values of one variable, evenly from end to end; integers and choices: all, unless fewer are wanted.
 local function spread(variable, count, where)
   local all = variable:count()
   if all and (not count or count >= all) then count = all end
   if not count then raise(("%s: how many levels '%s' has is missing"):format(where, variable.name)) end
-  if all and all > MOST_POINTS then
+  if all and all > MAX_POINTS then
     raise(("%s: '%s' has %d values: say how many levels"):format(where, variable.name, all))
   end
   local values = {}
@@ -78,8 +78,8 @@ function grid.grid.points(problem, opts)
   local count = 1
   for _, values in ipairs(levels) do
     count = count * #values
-    if count > MOST_POINTS then
-      raise(("%s: more than %d points: take fewer levels or another design"):format(where, MOST_POINTS))
+    if count > MAX_POINTS then
+      raise(("%s: more than %d points: take fewer levels or another design"):format(where, MAX_POINTS))
     end
   end
   local points = {}
@@ -146,7 +146,7 @@ function grid.one_at_a_time.points(problem, opts)
   return points
 end
 
---- effects[measure] = {{name, least, most, range, values = {...}, results = {...}}, ...}: what each
+--- effects[measure] = {{name, min, max, range, values = {...}, results = {...}}, ...}: what each
 --- variable does alone, in the order of the variables.
 function grid.one_at_a_time.summarise(problem, _, points, results)
   local base = points[1]
@@ -165,10 +165,10 @@ function grid.one_at_a_time.summarise(problem, _, points, results)
       local item = {name = v.name, values = {}, results = {}}
       for i, row in ipairs(rows) do
         item.values[i], item.results[i] = row.value, row.result
-        item.least = math.min(item.least or row.result, row.result)
-        item.most = math.max(item.most or row.result, row.result)
+        item.min = math.min(item.min or row.result, row.result)
+        item.max = math.max(item.max or row.result, row.result)
       end
-      item.range = item.least and item.most - item.least
+      item.range = item.min and item.max - item.min
       list[k] = item
     end
     effects[measure.name] = list
@@ -178,7 +178,7 @@ function grid.one_at_a_time.summarise(problem, _, points, results)
     for _, item in ipairs(effects[measure.name]) do
       if item.range then
         lines[#lines + 1] = ("%s by %s: %s to %s"):format(measure.name, item.name,
-          numbers.quantity(item.least, measure.unit), numbers.quantity(item.most, measure.unit))
+          numbers.quantity(item.min, measure.unit), numbers.quantity(item.max, measure.unit))
       end
     end
   end

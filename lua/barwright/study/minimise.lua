@@ -31,12 +31,12 @@ minimise.minimise = {
   summary = "NLopt's minimisers, from one or several starts",
   rules = {
     method = {type = "string", one_of = names},
-    starts = {type = "integer", default = 1, least = 1, most = 10000},
+    starts = {type = "integer", default = 1, min = 1, max = 10000},
     start = {type = "table"}, -- the point of the first; the others are spread evenly
-    evaluations = {type = "integer", default = 200, least = 1}, -- of the objective, for each start
-    tolerance = {type = "number", default = 1e-6, least = 0}, -- relative, of objective and variables
+    evaluations = {type = "integer", default = 200, min = 1}, -- of the objective, for each start
+    tolerance = {type = "number", default = 1e-6, min = 0}, -- relative, of objective and variables
     gradient = {type = "string", one_of = {"run", "differences"}, default = "differences"},
-    step = {type = "number", default = 1e-4, above = 0, most = 0.1}, -- of differences, parts of the range
+    step = {type = "number", default = 1e-4, above = 0, max = 0.1}, -- of differences, parts of the range
     seed = {type = "integer"},
   },
 }
@@ -96,10 +96,10 @@ end
 local function sides_of(problem)
   local sides = {}
   for _, c in ipairs(problem.constraints) do
-    for _, bound in ipairs {"most", "least"} do
+    for _, bound in ipairs {"max", "min"} do
       if c[bound] then
         local size = c[bound] ~= 0 and math.abs(c[bound]) or 1
-        local sign = (bound == "most" and 1 or -1) / size
+        local sign = (bound == "max" and 1 or -1) / size
         sides[#sides + 1] = {name = c.name, sign = sign, bound = c[bound]}
       end
     end
@@ -182,7 +182,7 @@ end
 
 local function objective_function(self)
   local objective = self.search.problem.objectives[1]
-  local sign = objective.goal == "most" and -1 or 1
+  local sign = objective.goal == "max" and -1 or 1
   return function(x)
     local known, place = look_up(self, x)
     local value = known.results and known.results[objective.name]
@@ -226,7 +226,7 @@ local function replay(self)
   for k = 1, search.dimensions do low[k], high[k] = 0.0, 1.0 end
   for i, side in ipairs(search.sides) do constraints[i] = constraint_function(self, side) end
   local fine, x, value, about = pcall(core.minimise, {method = search.method, start = copy(self.start),
-    least = low, most = high, evaluations = search.opts.evaluations, seed = search.opts.seed,
+    min = low, max = high, evaluations = search.opts.evaluations, seed = search.opts.seed,
     objective = objective_function(self), constraints = #constraints > 0 and constraints or nil,
     value_tolerance = search.opts.tolerance, tolerance = search.opts.tolerance})
   if not fine and x ~= GIVE_UP then error(x, 0) end
@@ -237,7 +237,7 @@ local function replay(self)
   end
   local place = {}
   for k = 1, search.dimensions do place[k] = x[k] end
-  local sign = search.problem.objectives[1].goal == "most" and -1 or 1
+  local sign = search.problem.objectives[1].goal == "max" and -1 or 1
   self.outcome = {place = place, value = sign * value * (self.size or 1), why = about.why,
     evaluations = about.evaluations, converged = about.converged}
 end

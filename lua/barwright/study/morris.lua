@@ -11,9 +11,9 @@ local morris = {}
 morris.morris = {
   summary = "elementary effects along random walks: which variables matter at all",
   rules = {
-    trajectories = {type = "integer", default = 10, least = 2, most = 1000000},
-    levels = {type = "integer", default = 4, least = 2, most = 1000},
-    resamples = {type = "integer", default = 200, least = 0, most = 100000},
+    trajectories = {type = "integer", default = 10, min = 2, max = 1000000},
+    levels = {type = "integer", default = 4, min = 2, max = 1000},
+    resamples = {type = "integer", default = 200, min = 0, max = 100000},
     seed = {type = "integer"},
   },
 }

@@ -15,12 +15,12 @@ local pareto = {}
 pareto.pareto = {
   summary = "NSGA-II: the front of several objectives",
   rules = {
-    population = {type = "integer", default = 40, least = 4, most = 100000},
-    generations = {type = "integer", default = 25, least = 0, most = 1000000},
-    crossover = {type = "number", default = 0.9, least = 0, most = 1},
-    crossover_index = {type = "number", default = 15, least = 0},
-    mutation = {type = "number", above = 0, most = 1}, -- of each variable; default 1 / their number
-    mutation_index = {type = "number", default = 20, least = 0},
+    population = {type = "integer", default = 40, min = 4, max = 100000},
+    generations = {type = "integer", default = 25, min = 0, max = 1000000},
+    crossover = {type = "number", default = 0.9, min = 0, max = 1},
+    crossover_index = {type = "number", default = 15, min = 0},
+    mutation = {type = "number", above = 0, max = 1}, -- of each variable; default 1 / their number
+    mutation_index = {type = "number", default = 20, min = 0},
     seed = {type = "integer"},
   },
 }

@@ -58,7 +58,7 @@ local function caption_of(problem, trial)
 end
 
 --- Pictures for a contact sheet: those of the best or the front first, `most` of them.
-function pictures.of(trials, name, most)
+function pictures.of(trials, name, max)
   local chosen, order, seen = {}, {}, {}
   for _, i in ipairs(says.chosen(trials)) do
     chosen[i] = true
@@ -68,7 +68,7 @@ function pictures.of(trials, name, most)
     if not chosen[i] then order[#order + 1] = i end
   end
   for _, i in ipairs(order) do
-    local path = #seen < most and pictures.one(trials[i], name)
+    local path = #seen < max and pictures.one(trials[i], name)
     if path then
       seen[#seen + 1] = {path = path, caption = caption_of(trials.problem, trials[i]), chosen = chosen[i]}
     end

@@ -41,7 +41,7 @@ function says.keeps(problem, trial)
   if trial.status ~= "done" or not trial.results then return false end
   for _, c in ipairs(problem.constraints or {}) do
     local value = trial.results[c.name]
-    if value == nil or c.least and value < c.least or c.most and value > c.most then return false end
+    if value == nil or c.min and value < c.min or c.max and value > c.max then return false end
   end
   return true
 end
@@ -74,13 +74,13 @@ end
 --- The goal of a measure, or nil where it has none.
 function says.goal_of(problem, name)
   local objective = says.find(problem.objectives or {}, name)
-  return objective and (objective.goal or "least")
+  return objective and (objective.goal or "min")
 end
 
 --- A measure over two decades or more is shown by its logarithm where it can be.
 function says.scale_of(values)
-  local least, most = data.range {values}
-  return least and least > 0 and most >= 100 * least and "log" or nil
+  local min, max = data.range {values}
+  return min and min > 0 and max >= 100 * min and "log" or nil
 end
 
 --- A column of bw.plot for a variable or a measure.
@@ -134,7 +134,7 @@ function says.chosen(trials)
   if #objectives == 0 then return {} end
   local able, list = says.feasible(trials), {}
   for k, objective in ipairs(objectives) do
-    list[k] = {numbers = says.values_of(trials, objective.name), goal = objective.goal or "least"}
+    list[k] = {numbers = says.values_of(trials, objective.name), goal = objective.goal or "min"}
   end
   local out = {}
   for i in pairs(progress.find_front(list, able)) do out[#out + 1] = i end

@@ -7,7 +7,7 @@ local search = {}
 
 --- By how much the best so far was worse than the best of all: numbers of trials, gaps, and the best.
 function search.gaps(trials, objective)
-  local sign = objective.goal == "most" and -1 or 1
+  local sign = objective.goal == "max" and -1 or 1
   local x, y, best = {}, {}, nil
   for i = 1, #trials do
     local value = says.keeps(trials.problem, trials[i]) and trials[i].results[objective.name]
@@ -30,7 +30,7 @@ function search.volumes(trials, objectives)
       local row, whole = {}, true -- measures may be optional
       for k, objective in ipairs(objectives) do
         local value = trials[i].results[objective.name]
-        row[k] = value and (objective.goal == "most" and -value or value)
+        row[k] = value and (objective.goal == "max" and -value or value)
         whole = whole and value ~= nil
       end
       if whole then

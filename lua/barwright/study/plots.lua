@@ -34,7 +34,7 @@ local function measure_of(trials, where, name)
 end
 
 kinds.history = {
-  rules = rules {measure = {type = "string"}, goal = {type = "string", one_of = {"least", "most"}},
+  rules = rules {measure = {type = "string"}, goal = {type = "string", one_of = {"min", "max"}},
     scale = {type = "string", one_of = {"linear", "log"}}},
   make = function(trials, where, opts)
     local item = measure_of(trials, where, opts.measure)
@@ -65,11 +65,11 @@ kinds.pareto = {
 
 -- All variables and measures, or those named; the measures last, the objectives among them first where
 -- there are too many.
-local function columns_of(trials, where, names, most)
+local function columns_of(trials, where, names, max)
   local problem, list = trials.problem, {}
   if not names then
     names = says.names_of(problem)
-    if #names > most then
+    if #names > max then
       names = {}
       local taken = {}
       local function take(items, room)
@@ -80,9 +80,9 @@ local function columns_of(trials, where, names, most)
           end
         end
       end
-      take(problem.variables, math.max(1, most - math.max(1, #(problem.objectives or {}))))
-      take(problem.objectives, most)
-      take(problem.measures, most)
+      take(problem.variables, math.max(1, max - math.max(1, #(problem.objectives or {}))))
+      take(problem.objectives, max)
+      take(problem.measures, max)
     end
   end
   for i, name in ipairs(names) do list[i] = says.column(trials, where, name) end
@@ -109,14 +109,14 @@ local function stood_back(trials)
   return out
 end
 
-for kind, most in pairs {scatter_matrix = 8, parallel_coordinates = 24} do
+for kind, max in pairs {scatter_matrix = 8, parallel_coordinates = 24} do
   kinds[kind] = {
     rules = rules {columns = {type = "table"}, colour = {type = "string"}},
     make = function(trials, where, opts)
       local values, value, goal = coloured(trials, where, opts)
       local chosen = says.chosen(trials)
       if #chosen > (kind == "scatter_matrix" and 60 or 12) then chosen = nil end -- many are no choice
-      return plot[kind] {columns = columns_of(trials, where, opts.columns, most), values = values,
+      return plot[kind] {columns = columns_of(trials, where, opts.columns, max), values = values,
         value = value, goal = goal, chosen = chosen, faint = stood_back(trials),
         notes = kind == "scatter_matrix" and #trials <= 300 and says.notes_of(trials) or nil,
         title = opts.title, width = opts.width, height = opts.height}
@@ -227,7 +227,7 @@ kinds.convergence = {
         scale = says.scale_of(y) or "linear"}
     else
       x, y = search.volumes(trials, objectives)
-      label = {label = "hypervolume of the front so far, of that at the end", least = 0, most = 1.04}
+      label = {label = "hypervolume of the front so far, of that at the end", min = 0, max = 1.04}
     end
     return plot.lines {series = {{x = x, y = y, steps = true, markers = not at and #x <= 60}}, y = label,
       marks = marks, x = {label = "trial", whole = true}, title = opts.title, width = opts.width,
@@ -236,10 +236,10 @@ kinds.convergence = {
 }
 
 kinds.contact_sheet = {
-  rules = rules {picture = {type = "string"}, most = {type = "integer", least = 1, most = 400, default = 40},
+  rules = rules {picture = {type = "string"}, max = {type = "integer", min = 1, max = 400, default = 40},
     columns = {type = "integer"}, cell = {type = "number"}},
   make = function(trials, _, opts)
-    return plot.contact_sheet {pictures = pictures.of(trials, opts.picture, opts.most), title = opts.title,
+    return plot.contact_sheet {pictures = pictures.of(trials, opts.picture, opts.max), title = opts.title,
       columns = opts.columns, cell = opts.cell, lines = 3}
   end,
 }

@@ -19,12 +19,12 @@ local measure_rules = {
 }
 local objective_rules = {
   name = {type = "string", needed = true},
-  goal = {type = "string", one_of = {"least", "most"}, default = "least"},
+  goal = {type = "string", one_of = {"min", "max"}, default = "min"},
 }
 local constraint_rules = {
   name = {type = "string", needed = true},
-  least = {type = "number"},
-  most = {type = "number"},
+  min = {type = "number"},
+  max = {type = "number"},
 }
 
 local function read_list(where, what, list, rules)
@@ -79,8 +79,8 @@ function problem.read(where, given)
   for _, item in ipairs(self.objectives) do known_measure(self, where, "objective", item.name) end
   for _, item in ipairs(self.constraints) do
     known_measure(self, where, "constraint", item.name)
-    if not item.least and not item.most then
-      raise(("%s: constraint '%s': least or most expected"):format(where, item.name))
+    if not item.min and not item.max then
+      raise(("%s: constraint '%s': min or max expected"):format(where, item.name))
     end
   end
   return self
@@ -136,9 +136,9 @@ function problem:violation(results)
   for _, c in ipairs(self.constraints) do
     local value = results[c.name]
     if value == nil then return math.huge end
-    if c.most and value > c.most then sum = sum + (value - c.most) / (c.most ~= 0 and math.abs(c.most) or 1) end
-    if c.least and value < c.least then
-      sum = sum + (c.least - value) / (c.least ~= 0 and math.abs(c.least) or 1)
+    if c.max and value > c.max then sum = sum + (value - c.max) / (c.max ~= 0 and math.abs(c.max) or 1) end
+    if c.min and value < c.min then
+      sum = sum + (c.min - value) / (c.min ~= 0 and math.abs(c.min) or 1)
     end
   end
   return sum
@@ -151,7 +151,7 @@ function problem:costs(results)
   for k, objective in ipairs(self.objectives) do
     local value = results[objective.name]
     if value == nil then return nil end
-    costs[k] = objective.goal == "most" and -value or value
+    costs[k] = objective.goal == "max" and -value or value
   end
   return costs
 end
@@ -164,7 +164,7 @@ end
 --- "mass in kg to be small"
 function problem:goal_text(objective)
   local measure = self.measure[objective.name]
-  return ("%s%s"):format(objective.goal == "most" and "most " or "least ", variables.title(measure))
+  return ("%s%s"):format(objective.goal == "max" and "maximum " or "minimum ", variables.title(measure))
 end
 
 return problem

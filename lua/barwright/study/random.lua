@@ -47,12 +47,12 @@ function random:normal(mean, deviation)
 end
 
 --- A whole number from `least` to `most`, each as likely.
-function random:integer(least, most)
-  local n = most - least + 1
+function random:integer(min, max)
+  local n = max - min + 1
   local above = (-1 >> 1) // n * n -- what lies above would favour the first ones
   local bits
   repeat bits = self:bits() >> 1 until bits < above
-  return least + bits % n
+  return min + bits % n
 end
 
 --- Puts a list into random order.

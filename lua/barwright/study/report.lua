@@ -18,8 +18,8 @@ local rules = {
   title = {type = "string"},
   text = {type = "string"}, -- a paragraph above all
   picture = {type = "string"}, -- which file of a trial's folder is its picture
-  pictures = {type = "integer", least = 0, most = 400, default = 40}, -- at most so many
-  rows = {type = "integer", least = 0, default = 5000}, -- of the table of trials
+  pictures = {type = "integer", min = 0, max = 400, default = 40}, -- at most so many
+  rows = {type = "integer", min = 0, default = 5000}, -- of the table of trials
   manifest = {type = "table"},
 }
 
@@ -57,14 +57,14 @@ local function range_of(v)
     for i, choice in ipairs(v.of) do words[i] = tostring(choice) end
     return table.concat(words, ", ")
   end
-  return ("%s to %s%s"):format(numbers.quantity(v.least, v.unit), numbers.quantity(v.most, v.unit),
+  return ("%s to %s%s"):format(numbers.quantity(v.min, v.unit), numbers.quantity(v.max, v.unit),
     v.scale == "log" and ", by its logarithm" or "")
 end
 
 local function bounds_of(c, unit)
   local parts = {}
-  if c.least then parts[#parts + 1] = "at least " .. numbers.quantity(c.least, unit) end
-  if c.most then parts[#parts + 1] = "at most " .. numbers.quantity(c.most, unit) end
+  if c.min then parts[#parts + 1] = "at least " .. numbers.quantity(c.min, unit) end
+  if c.max then parts[#parts + 1] = "at most " .. numbers.quantity(c.max, unit) end
   return table.concat(parts, ", ")
 end
 
@@ -78,7 +78,7 @@ local function asked(problem)
   for i, m in ipairs(problem.measures) do
     local wanted = {}
     for _, objective in ipairs(problem.objectives or {}) do
-      if objective.name == m.name then wanted[#wanted + 1] = "goal: " .. (objective.goal or "least") end
+      if objective.name == m.name then wanted[#wanted + 1] = "goal: " .. (objective.goal or "min") end
     end
     for _, c in ipairs(problem.constraints or {}) do
       if c.name == m.name then wanted[#wanted + 1] = bounds_of(c, m.unit) end
@@ -166,14 +166,14 @@ end
 local words = {done = "done", failed = "failed", time = "out of time", memory = "out of memory",
   crashed = "crashed"}
 
-local function all_trials(trials, most)
+local function all_trials(trials, max)
   local problem, columns = trials.problem, columns_of(trials)
   local head, rows = head_of(columns), {}
   head[#head + 1] = "status"
   head[#head + 1] = "seconds"
   local chosen = {}
   for _, i in ipairs(says.chosen(trials)) do chosen[i] = true end
-  for i = 1, math.min(#trials, most) do
+  for i = 1, math.min(#trials, max) do
     local trial = trials[i]
     local row = row_of(columns, trial)
     local keeps = says.keeps(problem, trial)
@@ -186,8 +186,8 @@ local function all_trials(trials, most)
     rows[i] = row
   end
   local out = {html_table(head, rows, "sortable")}
-  if #trials > most then
-    out[2] = ('<p class="hint">The first %d of %d trials.</p>\n'):format(most, #trials)
+  if #trials > max then
+    out[2] = ('<p class="hint">The first %d of %d trials.</p>\n'):format(max, #trials)
   end
   return table.concat(out)
 end
@@ -208,11 +208,11 @@ local function found(trials)
       table.sort(list)
       rows[i] = {m.name, cell(list[1], m.unit), cell(list[(#list + 1) // 2], m.unit), cell(list[#list], m.unit)}
     end
-    return "<h3>Measures</h3>\n" .. html_table({"measure", "least", "median", "most"}, rows)
+    return "<h3>Measures</h3>\n" .. html_table({"measure", "min", "median", "max"}, rows)
   end
   if #chosen == 0 then return "<p>No trial keeps the constraints.</p>\n" end
   local rows, columns = {}, columns_of(trials)
-  local name, sign = objectives[1].name, objectives[1].goal == "most" and -1 or 1
+  local name, sign = objectives[1].name, objectives[1].goal == "max" and -1 or 1
   table.sort(chosen, function(a, b)
     local u, v = trials[a].results[name], trials[b].results[name]
     if u ~= v then return sign * u < sign * v end

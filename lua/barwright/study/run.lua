@@ -15,11 +15,11 @@ local run = {}
 
 local rules = {
   design = {type = "table"}, -- another one than the study's own, on the same file
-  workers = {type = "integer", least = 1, most = 4096},
+  workers = {type = "integer", min = 1, max = 4096},
   seconds = {type = "number", above = 0}, -- of one trial, by the clock
   bytes = {type = "number", above = 0}, -- of one trial, beyond what is loaded; default: executor.lua
   stop_when = {type = "any"},
-  evaluations = {type = "integer", least = 1}, -- how many different points the design may ask for
+  evaluations = {type = "integer", min = 1}, -- how many different points the design may ask for
   seconds_total = {type = "number", above = 0},
   retry = {type = "boolean", default = false}, -- trials that failed are run again
   continue = {type = "boolean", default = false}, -- with a script that has changed

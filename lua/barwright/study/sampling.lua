@@ -5,7 +5,7 @@ local random = require "barwright.study.random"
 
 local sampling = {}
 
-local count_rule = {type = "integer", needed = true, least = 1, most = 10000000}
+local count_rule = {type = "integer", needed = true, min = 1, max = 10000000}
 local seed_rule = {type = "integer"}
 
 local function to_points(problem, places)
@@ -54,18 +54,18 @@ end
 
 --- The square of the least distance between two places.
 function sampling.separation(places)
-  local least = math.huge
+  local min = math.huge
   for i = 2, #places do
-    for j = 1, i - 1 do least = math.min(least, distance2(places[i], places[j])) end
+    for j = 1, i - 1 do min = math.min(min, distance2(places[i], places[j])) end
   end
-  return least
+  return min
 end
 
 -- Morris and Mitchell's measure of how close places come: the sum of 1/d^20 over pairs. Exchanging one
 -- coordinate of two places keeps the Latin property, and changes the squares of their distances to the
 -- others by one term; exchanges that lower the sum are kept.
 local PAIRS = 4000000 -- pairs looked at, for a bound on time
-local MOST_SPREAD = 1000 -- more are as far apart as they come
+local MAX_SPREAD = 1000 -- more are as far apart as they come
 
 local function nearness(d2)
   if d2 < 1e-12 then d2 = 1e-12 end
@@ -123,9 +123,9 @@ sampling.latin_hypercube = {
     middles = {type = "boolean", default = false}},
 }
 function sampling.latin_hypercube.check(_, opts)
-  if opts.maximin and opts.count > MOST_SPREAD then
+  if opts.maximin and opts.count > MAX_SPREAD then
     core.raise(("design latin_hypercube: maximin is for up to %d points: more are as far apart as they come")
-      :format(MOST_SPREAD))
+      :format(MAX_SPREAD))
   end
 end
 function sampling.latin_hypercube.points(problem, opts)
@@ -146,7 +146,7 @@ end
 
 sampling.sobol = {
   summary = "Sobol's sequence, scrambled by the seed",
-  rules = {count = count_rule, seed = seed_rule, skip = {type = "integer", default = 0, least = 0},
+  rules = {count = count_rule, seed = seed_rule, skip = {type = "integer", default = 0, min = 0},
     scramble = {type = "boolean", default = true}},
 }
 function sampling.sobol.points(problem, opts)

@@ -10,7 +10,7 @@ seals.TALLY = "checksum of trials"
 
 local tables = {
   study = {"name", "value"},
-  variables = {"position", "name", "column_name", "kind", "unit", "least", "most", "scale", "choices"},
+  variables = {"position", "name", "column_name", "kind", "unit", "min", "max", "scale", "choices"},
   measures = {"position", "name", "column_name", "unit"},
   scripts = {"number", "sha256", "path", "text", "constraints"},
   manifests = {"number", "manifest"},

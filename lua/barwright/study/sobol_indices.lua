@@ -11,10 +11,10 @@ local indices = {}
 indices.sobol_indices = {
   summary = "parts of the variance by variable, alone and with others",
   rules = {
-    base = {type = "integer", needed = true, least = 2, most = 10000000},
+    base = {type = "integer", needed = true, min = 2, max = 10000000},
     estimator = {type = "string", one_of = {"saltelli", "jansen"}, default = "saltelli"}, -- of the first order
-    resamples = {type = "integer", default = 200, least = 0, most = 100000},
-    level = {type = "number", default = 0.95, above = 0, most = 0.999},
+    resamples = {type = "integer", default = 200, min = 0, max = 100000},
+    level = {type = "number", default = 0.95, above = 0, max = 0.999},
     seed = {type = "integer"},
   },
 }

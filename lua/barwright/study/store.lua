@@ -33,7 +33,7 @@ local FORMAT = "barwright study 2"
 local PLAIN = "barwright study 1" -- without checksums: read and gone on with as it is
 store.FORMAT, store.PLAIN = FORMAT, PLAIN
 local TALLY = seals.TALLY
-local MOST_COLUMNS = 1900 -- SQLite's own limit is 2000
+local MAX_COLUMNS = 1900 -- SQLite's own limit is 2000
 
 -- ---- transactions --------------------------------------------------------------------------------------
 
@@ -251,8 +251,8 @@ end
 --- continue: a changed script is fine.
 function store.open(study, path, opts)
   opts = opts or {}
-  if #study.problem.variables > MOST_COLUMNS or #study.problem.measures > MOST_COLUMNS then
-    core.raise(("study '%s': more than %d variables or measures"):format(study.name, MOST_COLUMNS))
+  if #study.problem.variables > MAX_COLUMNS or #study.problem.measures > MAX_COLUMNS then
+    core.raise(("study '%s': more than %d variables or measures"):format(study.name, MAX_COLUMNS))
   end
   local about = definition.of(study)
   local self = setmetatable({path = path, problem = study.problem, about = about}, store)

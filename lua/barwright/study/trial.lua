@@ -44,11 +44,11 @@ end
 --- from a to b.
 function methods:random(a, b)
   if a == nil then return source(self):uniform() end
-  local least, most = b and a or 1, b or a
-  if math.type(least) ~= "integer" or math.type(most) ~= "integer" or least > most then
+  local min, max = b and a or 1, b or a
+  if math.type(min) ~= "integer" or math.type(max) ~= "integer" or min > max then
     raise "trial:random: whole numbers, the lesser first, expected"
   end
-  return source(self):integer(least, most)
+  return source(self):integer(min, max)
 end
 
 --- A number of the normal distribution.

@@ -123,14 +123,14 @@ local function objective_of(self, name)
     if objective.name == name then return objective end
   end
   if not problem.measure[name] then known_column(self, name) end
-  return {name = name, goal = "least"}
+  return {name = name, goal = "min"}
 end
 
 --- The trial that is best by the first objective, or by the one named, of those that keep the
 --- constraints; nil and a sentence where none does.
 function methods:best(name)
   local objective, problem = objective_of(self, name), self.problem
-  local sign = objective.goal == "most" and -1 or 1
+  local sign = objective.goal == "max" and -1 or 1
   local best, cost
   for _, trial in ipairs(self) do
     local value = trial.results and trial.results[objective.name]
@@ -217,13 +217,13 @@ function meta.__tostring(self)
     if #few > 12 then lines[#lines + 1] = ("  and %d more"):format(#few - 12) end
   else
     for _, m in ipairs(problem.measures) do
-      local least, most = math.huge, -math.huge
+      local min, max = math.huge, -math.huge
       for _, value in ipairs(self:column(m.name)) do
-        least, most = math.min(least, value), math.max(most, value)
+        min, max = math.min(min, value), math.max(max, value)
       end
-      if least <= most then
-        lines[#lines + 1] = ("%s: %s to %s"):format(m.name, numbers.quantity(least, m.unit),
-          numbers.quantity(most, m.unit))
+      if min <= max then
+        lines[#lines + 1] = ("%s: %s to %s"):format(m.name, numbers.quantity(min, m.unit),
+          numbers.quantity(max, m.unit))
       end
     end
   end

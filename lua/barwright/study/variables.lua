@@ -13,8 +13,8 @@ local rules = {
   name = {type = "string", needed = true},
   kind = {type = "string", one_of = {"real", "integer", "choice"}},
   unit = {type = "string"},
-  least = {type = "number"},
-  most = {type = "number"},
+  min = {type = "number"},
+  max = {type = "number"},
   scale = {type = "string", one_of = {"linear", "log"}, default = "linear"},
   of = {type = "table"},
   default = {type = "any"},
@@ -30,7 +30,7 @@ end
 
 local function check_choices(where, v)
   if not v.of or #v.of == 0 then raise(where .. ": of = {...} with the choices is missing") end
-  v.least, v.most, v.index = nil, nil, {}
+  v.min, v.max, v.index = nil, nil, {}
   for i, value in ipairs(v.of) do
     local kind = type(value)
     if kind ~= "string" and kind ~= "boolean" and not (kind == "number" and finite(value)) then
@@ -43,21 +43,21 @@ local function check_choices(where, v)
 end
 
 local function check_bounds(where, v)
-  if v.of then raise(where .. ": 'of' is for choices; a number has least and most") end
-  if not v.least or not v.most then raise(where .. ": least and most are missing") end
+  if v.of then raise(where .. ": 'of' is for choices; a number has min and max") end
+  if not v.min or not v.max then raise(where .. ": min and max are missing") end
   if v.kind == "integer" then
-    local least, most = math.tointeger(v.least), math.tointeger(v.most)
-    if not least or not most then raise(where .. ": least and most of an integer are whole numbers") end
-    v.least, v.most = least, most
+    local min, max = math.tointeger(v.min), math.tointeger(v.max)
+    if not min or not max then raise(where .. ": min and max of an integer are whole numbers") end
+    v.min, v.max = min, max
     if v.scale == "log" then raise(where .. ": scale 'log' is for reals") end
   else
-    v.least, v.most = v.least + 0.0, v.most + 0.0
-    if v.scale == "log" and v.least <= 0 then
-      raise(("%s: scale 'log' wants bounds above 0, least is %.14g"):format(where, v.least))
+    v.min, v.max = v.min + 0.0, v.max + 0.0
+    if v.scale == "log" and v.min <= 0 then
+      raise(("%s: scale 'log' wants bounds above 0, min is %.14g"):format(where, v.min))
     end
   end
-  if v.least >= v.most then
-    raise(("%s: least (%.14g) is not below most (%.14g)"):format(where, v.least, v.most))
+  if v.min >= v.max then
+    raise(("%s: min (%.14g) is not below max (%.14g)"):format(where, v.min, v.max))
   end
 end
 
@@ -72,7 +72,7 @@ end
 --- The list as given, checked and completed.
 function variables.read(where, list)
   if type(list) ~= "table" or #list == 0 then
-    raise(where .. ": variables = {{name = ..., least = ..., most = ...}, ...} expected")
+    raise(where .. ": variables = {{name = ..., min = ..., max = ...}, ...} expected")
   end
   local out, seen = {}, {}
   for i, given in ipairs(list) do
@@ -93,7 +93,7 @@ end
 
 --- How many values it can take; nil for a real.
 function class:count()
-  return self.kind == "choice" and #self.of or self.kind == "integer" and self.most - self.least + 1 or nil
+  return self.kind == "choice" and #self.of or self.kind == "integer" and self.max - self.min + 1 or nil
 end
 
 --- The value that belongs to u from 0 to 1.
@@ -102,30 +102,30 @@ function class:value(u)
   if n then
     local k = math.min(n - 1, math.max(0, math.floor(u * n)))
     if self.kind == "choice" then return self.of[k + 1] end -- which may be false
-    return self.least + k
+    return self.min + k
   end
-  if u <= 0 then return self.least end
-  if u >= 1 then return self.most end
-  local x = self.scale == "log" and self.least * (self.most / self.least) ^ u
-    or self.least + u * (self.most - self.least)
-  return math.min(self.most, math.max(self.least, x))
+  if u <= 0 then return self.min end
+  if u >= 1 then return self.max end
+  local x = self.scale == "log" and self.min * (self.max / self.min) ^ u
+    or self.min + u * (self.max - self.min)
+  return math.min(self.max, math.max(self.min, x))
 end
 
 --- The place of a value between 0 and 1.
 function class:place(value)
   local n = self:count()
   if n then
-    local k = self.kind == "choice" and self.index[variables.choice_text(value)] - 1 or value - self.least
+    local k = self.kind == "choice" and self.index[variables.choice_text(value)] - 1 or value - self.min
     return (k + 0.5) / n
   end
-  if self.scale == "log" then return math.log(value / self.least) / math.log(self.most / self.least) end
-  return (value - self.least) / (self.most - self.least)
+  if self.scale == "log" then return math.log(value / self.min) / math.log(self.max / self.min) end
+  return (value - self.min) / (self.max - self.min)
 end
 
 --- d(value)/du where the value is.
 function class:slope(value)
-  if self.scale == "log" then return value * math.log(self.most / self.least) end
-  return self.most - self.least
+  if self.scale == "log" then return value * math.log(self.max / self.min) end
+  return self.max - self.min
 end
 
 --- The value in the form that trials get; raises where it is none of the variable's.
@@ -148,8 +148,8 @@ function class:check(value, where)
     value = value + 0.0
     if value == 0 then value = 0.0 end -- of the two zeros the positive one
   end
-  if value < self.least or value > self.most then
-    raise(("%s: %.14g lies outside of %.14g to %.14g"):format(where, value, self.least, self.most))
+  if value < self.min or value > self.max then
+    raise(("%s: %.14g lies outside of %.14g to %.14g"):format(where, value, self.min, self.max))
   end
   return value
 end
@@ -172,7 +172,7 @@ function class:__tostring()
     return ("%s: %s"):format(self.name, table.concat(words, " or "))
   end
   return ("%s: %s%.6g to %.6g%s%s"):format(self.name, self.kind == "integer" and "whole numbers " or "",
-    self.least, self.most, self.unit and " " .. self.unit or "", self.scale == "log" and " (log)" or "")
+    self.min, self.max, self.unit and " " .. self.unit or "", self.scale == "log" and " (log)" or "")
 end
 
 return variables

@@ -30,12 +30,12 @@ end
 
 --- Half width and half height of the hole in an outline, and the least and the largest stress at its edge.
 function pulled_plate.hole(sheet, outline)
-  local hole = {wide = 0, high = 0, least = math.huge, most = 0}
+  local hole = {wide = 0, high = 0, min = math.huge, max = 0}
   local mises, edges = sheet.von_mises, sheet.mesh.node_edges
   for i, at in ipairs(sheet.points:totable()) do
     if edges[i] > 0 and outline:edge(edges[i]).tag == "free" then
       hole.wide, hole.high = math.max(hole.wide, at[1]), math.max(hole.high, math.abs(at[2]))
-      hole.least, hole.most = math.min(hole.least, mises[i]), math.max(hole.most, mises[i])
+      hole.min, hole.max = math.min(hole.min, mises[i]), math.max(hole.max, mises[i])
     end
   end
   return hole

@@ -40,13 +40,13 @@ end
 
 --- The number of the node at a place, which must be there.
 function tools.node(sheet, x, y)
-  local best, least = nil, math.huge
+  local best, min = nil, math.huge
   local points = sheet.points
   for i = 1, #points do
     local d = (points(i, 1) - x) ^ 2 + (points(i, 2) - y) ^ 2
-    if d < least then best, least = i, d end
+    if d < min then best, min = i, d end
   end
-  assert(least < 1e-12, ("no node at (%g, %g): the nearest is %g away"):format(x, y, math.sqrt(least)))
+  assert(min < 1e-12, ("no node at (%g, %g): the nearest is %g away"):format(x, y, math.sqrt(min)))
   return best
 end
 

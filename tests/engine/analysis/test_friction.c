@@ -90,14 +90,14 @@ static void own_method_agrees_with_glpk(void **state) {
     for (int tight = 0; tight < 3; tight++) {
       const double share[3] = {0.01, 0.1, 0.9};
       bw_worst_load_options options = {.pressure = 1, .force = share[tight] * area};
-      options.at_most = kind == 1 && tight == 1;
+      options.force_is_max = kind == 1 && tight == 1;
       bwi_linear_program *program = NULL;
       bwi_simplex *simplex = NULL;
       bwi_glpk *glpk = NULL;
       check_ok(context, bwi_linear_program_create(context, s.basis, s.dof_map, &options, &program));
       check_ok(context, bwi_simplex_create(context, program, &simplex));
       check_ok(context, bwi_glpk_create(context, program, &glpk));
-      assert_int_equal(program->groups, s.nodes + options.at_most);
+      assert_int_equal(program->groups, s.nodes + options.force_is_max);
       assert_int_equal(program->levels, kind == 3 ? 2 : 1);
       size_t n = (size_t)program->columns, m = (size_t)program->rows;
       double *cost = BW_NEW(context, double, n), *shares = BW_NEW(context, double, n), y[7];
@@ -227,7 +227,7 @@ static void bad_options_are_refused(void **state) {
       {.friction = -1, .friction_facets = 8},
       {.friction = NAN, .friction_facets = 8},
       {.friction = 0.3, .friction_facets = 2},
-      {.friction = 0.3, .friction_facets = BW_MOST_FRICTION_FACETS + 1}};
+      {.friction = 0.3, .friction_facets = BW_MAX_FRICTION_FACETS + 1}};
   for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
     assert_int_equal(bw_pressure_basis_create(context, mesh, &bad[i], &basis), BW_INVALID);
   assert_null(basis);

@@ -53,7 +53,7 @@ static void loads_are_admissible(void **state) {
     pressed_open(context, &s, make_box(context, 1, 0.5, 0.25, 8, 4, 2, 1), kind == 1,
                  kind == 2 ? 0.5 : 0, 4);
     for (int hands = kind == 1 ? 1 : 2; hands <= 4; hands++) {
-      bw_worst_load_options options = {.pressure = 1, .force = 0.06, .at_most = kind == 3};
+      bw_worst_load_options options = {.pressure = 1, .force = 0.06, .force_is_max = kind == 3};
       for (int which = 0; which < 3; which++) {
         double *f = pressed_objective(context, &s, which);
         double *p = BW_NEW(context, double, s.n), *q = BW_NEW(context, double, s.n);
@@ -158,7 +158,7 @@ static double best_of_all(bw_context *context, const pressed_body *s,
 /* The search is a heuristic: here it is measured. */
 static void reaches_the_best_of_all_sets(void **state) {
   bw_context *context = check_context(state);
-  double sum = 0, least = 1;
+  double sum = 0, min = 1;
   int count = 0;
   bool full = getenv("BARWRIGHT_FULL") != NULL;
   for (int kind = 0; kind < 2; kind++) {
@@ -180,7 +180,7 @@ static void reaches_the_best_of_all_sets(void **state) {
           printf("  held %d, %d hands, objective %d: %.4f of the best\n", kind, hands, which,
                  value / best);
         sum += value / best;
-        least = fmin(least, value / best);
+        min = fmin(min, value / best);
         count++;
         bw_free(f);
         bw_free(p);
@@ -189,7 +189,7 @@ static void reaches_the_best_of_all_sets(void **state) {
     bw_release(s.mesh);
   }
   assert_true(sum / count > 0.95);
-  assert_true(least > 0.7);
+  assert_true(min > 0.7);
 }
 
 static void impossible_hands_are_refused(void **state) {
@@ -201,13 +201,13 @@ static void impossible_hands_are_refused(void **state) {
   /* One hand pushes a free body away. */
   assert_int_equal(bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL),
                    BW_INFEASIBLE);
-  options.at_most = true;
+  options.force_is_max = true;
   check_ok(context, bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL));
   check_near(value, 0, 1e-9);
   options = (bw_worst_load_options){.pressure = 1, .force = 1, .hands = 2, .hand_area = 0.01};
   assert_int_equal(bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL),
                    BW_INFEASIBLE);
-  options.hands = BW_MOST_HANDS + 1;
+  options.hands = BW_MAX_HANDS + 1;
   assert_int_equal(bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL),
                    BW_INVALID);
   options.hands = 2;

@@ -341,7 +341,7 @@ static void own_method_agrees_with_glpk(void **state) {
     for (int tight = 0; tight < 3; tight++) {
       double share[3] = {0.002, 0.1, 0.97};
       bw_worst_load_options options = {.pressure = 1e5, .force = 1e5 * area * share[tight]};
-      options.at_most = kind == 2 && tight == 1;
+      options.force_is_max = kind == 2 && tight == 1;
       check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, OBJECTIVES, f, p,
                                        value, dual));
       options.solver = BW_LP_GLPK;
@@ -355,7 +355,7 @@ static void own_method_agrees_with_glpk(void **state) {
           assert_true(p[(size_t)i * n + j] >= 0 && p[(size_t)i * n + j] <= options.pressure);
           total += basis->area[j] * p[(size_t)i * n + j];
         }
-        if (options.at_most)
+        if (options.force_is_max)
           assert_true(total <= options.force * (1 + 1e-9));
         else
           check_near(total, options.force, 1e-9 * options.force);
@@ -577,7 +577,7 @@ static void bad_options_are_refused(void **state) {
               bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
   check_fails(context, BW_INFEASIBLE, "gives 6 N",
               bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
-  options.at_most = true;
+  options.force_is_max = true;
   check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
   options = (bw_worst_load_options){.pressure = 1, .force = 6};
   check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));

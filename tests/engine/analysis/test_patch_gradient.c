@@ -23,12 +23,12 @@ static bw_material *make_material(bw_context *context) {
 
 static int boundary_node_near(const bw_mesh *mesh, double x, double y, double z) {
   int best = -1;
-  double least = INFINITY;
+  double min = INFINITY;
   for (int32_t k = 0; k < mesh->boundary_node_count; k++) {
     const double *p = mesh->node + 3 * (size_t)mesh->boundary_node[k];
     double d = hypot(hypot(p[0] - x, p[1] - y), p[2] - z);
-    if (d < least)
-      least = d, best = mesh->boundary_node[k];
+    if (d < min)
+      min = d, best = mesh->boundary_node[k];
   }
   return best;
 }

@@ -2,12 +2,12 @@
 /* Small quadratic programs against closed forms, and against trying every set of active rows. */
 #include "check.h"
 
-enum { MOST_N = 6, MOST_M = 8 };
+enum { MAX_N = 6, MAX_M = 8 };
 
 typedef struct program {
   int n, m;
-  double H[MOST_N * MOST_N], g[MOST_N], A[MOST_M * MOST_N], b[MOST_M];
-  double low[MOST_N], high[MOST_N];
+  double H[MAX_N * MAX_N], g[MAX_N], A[MAX_M * MAX_N], b[MAX_M];
+  double low[MAX_N], high[MAX_N];
 } program;
 
 static double objective(const program *q, const double *x) {
@@ -69,7 +69,7 @@ static bool solve_dense(int n, double *a, double *b) {
  * there is none. */
 static bool try_all(const program *q, double *best) {
   int n = q->n, rows = q->m + 2 * n;
-  double row[(MOST_M + 2 * MOST_N) * MOST_N] = {0}, right[MOST_M + 2 * MOST_N];
+  double row[(MAX_M + 2 * MAX_N) * MAX_N] = {0}, right[MAX_M + 2 * MAX_N];
   for (int i = 0; i < q->m; i++) {
     memcpy(row + i * n, q->A + i * n, (size_t)n * sizeof *row);
     right[i] = q->b[i];
@@ -81,16 +81,16 @@ static bool try_all(const program *q, double *best) {
     right[q->m + 2 * j + 1] = -q->low[j];
   }
   bool any = false;
-  double least = 0;
+  double min = 0;
   for (unsigned set = 0; set < 1u << rows; set++) {
-    int active[MOST_M + 2 * MOST_N], k = 0;
+    int active[MAX_M + 2 * MAX_N], k = 0;
     for (int i = 0; i < rows; i++)
       if (set >> i & 1)
         active[k++] = i;
     if (k > n)
       continue;
     int size = n + k;
-    double a[4 * MOST_N * MOST_N] = {0}, x[2 * MOST_N];
+    double a[4 * MAX_N * MAX_N] = {0}, x[2 * MAX_N];
     for (int i = 0; i < n; i++) {
       for (int j = 0; j < n; j++)
         a[i * size + j] = q->H[i * n + j];
@@ -112,8 +112,8 @@ static bool try_all(const program *q, double *best) {
     }
     if (!feasible)
       continue;
-    if (!any || objective(q, x) < least) {
-      least = objective(q, x);
+    if (!any || objective(q, x) < min) {
+      min = objective(q, x);
       memcpy(best, x, (size_t)n * sizeof *best);
     }
     any = true;
@@ -126,7 +126,7 @@ static double uniform(bw_random *random) {
 }
 
 static void random_linear_program(bw_random *random, int n, int m, program *q) {
-  double j[2 * MOST_N * MOST_N];
+  double j[2 * MAX_N * MAX_N];
   memset(q, 0, sizeof *q);
   q->n = n;
   q->m = m;
@@ -173,7 +173,7 @@ static void against_trying_all(void **state) {
   int feasible = 0, infeasible = 0;
   for (int round = 0; round < 400; round++) {
     program q;
-    double x[MOST_N], expected[MOST_N], mu[MOST_M], violation;
+    double x[MAX_N], expected[MAX_N], mu[MAX_M], violation;
     int n = 1 + (int)(4 * bw_random_uniform(&random));
     int m = (int)(6 * bw_random_uniform(&random));
     random_linear_program(&random, n, m, &q);
@@ -274,7 +274,7 @@ static void badly_scaled(void **state) {
   bw_random_seed(&random, 5);
   for (int round = 0; round < 100; round++) {
     program q, s;
-    double x[MOST_N], y[MOST_N], violation, other, unit[MOST_N];
+    double x[MAX_N], y[MAX_N], violation, other, unit[MAX_N];
     random_linear_program(&random, 4, 5, &q);
     s = q;
     double all = pow(10, 8 * uniform(&random));

@@ -212,7 +212,7 @@ static void principal_stresses(void **state) {
   double *value = (double *)malloc(sizeof *value * 3 * COUNT);
   double *with = (double *)malloc(sizeof *with * 3 * COUNT);
   double *direction = (double *)malloc(sizeof *direction * 9 * COUNT);
-  double *most = (double *)malloc(sizeof *most * COUNT);
+  double *max = (double *)malloc(sizeof *max * COUNT);
   bw_random random;
   bw_random_seed(&random, 11);
   for (int i = 0; i < COUNT; i++)
@@ -228,14 +228,14 @@ static void principal_stresses(void **state) {
   t[42] = 1e200, t[42 + 3] = -2e200; /* huge */
   check_ok(context, bw_principal_field(context, COUNT, t, value, NULL));
   check_ok(context, bw_principal_field(context, COUNT, t, with, direction));
-  check_ok(context, bw_max_principal_field(context, COUNT, t, most));
+  check_ok(context, bw_max_principal_field(context, COUNT, t, max));
   for (int i = 0; i < COUNT; i++) {
     const double *v = value + 3 * i, *w = with + 3 * i;
     double size = fmax(fabs(w[0]), fabs(w[2]));
     assert_true(v[0] >= v[1] && v[1] >= v[2]);
     for (int k = 0; k < 3; k++)
       check_near(v[k], w[k], 2e-11 * size);
-    check_near(most[i], size, 2e-11 * size);
+    check_near(max[i], size, 2e-11 * size);
     for (int k = 0; k < 3; k++) { /* t d = w d */
       const double *d = direction + 9 * i + 3 * k, *s = t + 6 * i;
       check_near(s[0] * d[0] + s[5] * d[1] + s[4] * d[2], w[k] * d[0], 1e-13 * size);
@@ -244,10 +244,10 @@ static void principal_stresses(void **state) {
   }
   check_near(value[3], 5, 0);
   check_near(value[4], 0, 0);
-  check_near(most[2], 5, 0);
+  check_near(max[2], 5, 0);
   check_near(value[12], 2, 1e-14);
   check_near(value[14], -2, 1e-14);
-  free(t), free(value), free(with), free(direction), free(most);
+  free(t), free(value), free(with), free(direction), free(max);
 }
 
 static void von_mises_and_utilisation(void **state) {

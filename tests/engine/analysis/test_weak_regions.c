@@ -237,7 +237,7 @@ static void threshold_is_exact(void **state) {
     bw_weak_regions *regions = NULL;
     check_ok(context, bw_weak_regions_find(context, mesh, material, &modes, &options, &regions));
     for (int mode = 0; mode < 6; mode++) {
-      double filled = 0, total = 0, least = INFINITY, most = 0, largest = 0;
+      double filled = 0, total = 0, min = INFINITY, max = 0, largest = 0;
       memset(mark, 0, n);
       for (int r = 0; r < regions->count; r++)
         for (int32_t i = 0; i < regions->region[r].count && regions->region[r].mode == mode; i++) {
@@ -252,14 +252,14 @@ static void threshold_is_exact(void **state) {
         total += mesh->volume[e];
         if (mark[e]) {
           filled += mesh->volume[e];
-          least = fmin(least, value[e]);
-          if (value[e] == least)
+          min = fmin(min, value[e]);
+          if (value[e] == min)
             largest = fmax(largest, mesh->volume[e]);
         } else {
-          most = fmax(most, value[e]);
+          max = fmax(max, value[e]);
         }
       }
-      assert_true(least >= most);
+      assert_true(min >= max);
       assert_true(filled >= options.fraction * total * (1 - 1e-12));
       assert_true(filled <= options.fraction * total + largest * (1 + 1e-9) + 1e-12 * total);
     }

@@ -11,7 +11,7 @@
 
 #include <glpk.h>
 
-enum { MOST = 96 }; /* pressures */
+enum { MAX = 96 }; /* pressures */
 
 typedef struct exact {
   pressed_body body;
@@ -25,8 +25,8 @@ static void exact_open(bw_context *context, exact *x, bw_mesh *mesh, bool held, 
   pressed_open(context, s, mesh, held, friction, 3);
   x->problem = NULL;
   check_ok(context, bw_system_create(context, mesh, s->material, s->dof_map, NULL, &x->system));
-  assert_true(s->n <= MOST);
-  double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count), unit[MOST] = {0};
+  assert_true(s->n <= MAX);
+  double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count), unit[MAX] = {0};
   x->response = BW_NEW(context, double, 6 * s->n * (size_t)mesh->element_count);
   for (size_t j = 0; j < s->n; j++) {
     unit[j] = 1;
@@ -61,7 +61,7 @@ static void pose(exact *x, const bw_worst_load_options *options) {
   for (int i = 1; i <= balance; i++)
     glp_set_row_bnds(x->problem, i, GLP_FX, 0, 0);
   double total = options->force / options->pressure;
-  glp_set_row_bnds(x->problem, last, options->at_most ? GLP_UP : GLP_FX, total, total);
+  glp_set_row_bnds(x->problem, last, options->force_is_max ? GLP_UP : GLP_FX, total, total);
   for (int i = 1; i <= nodes; i++)
     glp_set_row_bnds(x->problem, last + i, GLP_UP, 0, 1);
   for (int j = 0; j < n; j++) {
@@ -93,7 +93,7 @@ static void pose(exact *x, const bw_worst_load_options *options) {
 static double largest(exact *x, const bw_worst_load_options *options, int32_t element,
                       const double d[3], double sign) {
   size_t elements = (size_t)x->body.mesh->element_count;
-  double scale = 0, cost[MOST];
+  double scale = 0, cost[MAX];
   for (int32_t j = 0; j < x->body.basis->count; j++) {
     const double *s = x->response + 6 * ((size_t)j * elements + (size_t)element);
     cost[j] = sign * (d[0] * d[0] * s[0] + d[1] * d[1] * s[1] + d[2] * d[2] * s[2] +
@@ -151,7 +151,7 @@ static void bound_holds_in_rational_arithmetic(void **state) {
     exact x;
     exact_open(context, &x, make_box(context, 1, 0.6, 0.3, 2, 1, 1, 1), kind == 1,
                kind == 2 ? 3 : 0);
-    bw_worst_load_options options = {.pressure = 1e5, .force = 2e4, .at_most = kind == 3};
+    bw_worst_load_options options = {.pressure = 1e5, .force = 2e4, .force_is_max = kind == 3};
     bw_worst_bound bound;
     check_ok(context,
              bw_worst_bound_find(context, x.system, x.body.basis, &options, 0, 0.01, &bound, NULL));
@@ -241,7 +241,7 @@ static void check_dual_bounds(bw_context *context, const exact *x,
   }
   bw_dual_claims claims = {.force = options->force,
                            .pressure = options->pressure,
-                           .at_most = options->at_most,
+                           .force_is_max = options->force_is_max,
                            .motions = m,
                            .work = work,
                            .count = (int64_t)count,
@@ -277,18 +277,18 @@ static void leaves_hold_in_rational_arithmetic(void **state) {
     exact x;
     exact_open(context, &x, make_box(context, 1, 0.6, 0.3, 2, 1, 1, 1), kind == 1,
                kind == 2 ? 3 : 0);
-    bw_worst_load_options options = {.pressure = 1e5, .force = 2e4, .at_most = kind == 3};
+    bw_worst_load_options options = {.pressure = 1e5, .force = 2e4, .force_is_max = kind == 3};
     bw_worst_bound bound;
     bw_bound_leaves leaves = {0};
     check_ok(context, bw_worst_bound_find(context, x.system, x.body.basis, &options, 0, 0.01,
                                           &bound, &leaves));
     pose(&x, &options);
-    double covered[64] = {0}, most = 0; /* faces of each element */
+    double covered[64] = {0}, max = 0; /* faces of each element */
     int32_t elements = x.body.mesh->element_count;
     assert_true(elements <= 64);
     for (size_t i = 0; i < leaves.count; i++) {
       const bw_bound_leaf *leaf = &leaves.leaf[i];
-      most = fmax(most, leaf->bound);
+      max = fmax(max, leaf->bound);
       if (leaf->cell == 0) {
         covered[leaf->element] += BWI_HALF_ICOSAHEDRON;
         for (int d = 0; d < directions; d++)
@@ -307,7 +307,7 @@ static void leaves_hold_in_rational_arithmetic(void **state) {
     }
     for (int32_t e = 0; e < elements; e++)
       assert_true(covered[e] == BWI_HALF_ICOSAHEDRON);
-    assert_true(fmax(most, bound.largest) == bound.upper);
+    assert_true(fmax(max, bound.largest) == bound.upper);
     check_dual_bounds(context, &x, &options, &leaves);
     bw_bound_leaves_clear(&leaves);
     exact_close(&x);

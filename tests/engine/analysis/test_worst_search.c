@@ -75,7 +75,7 @@ static void ascent_never_decreases(void **state) {
               kind < 2 ? make_bar(context, dumbbell_profile, 12, 3, 1)
                        : make_bar(context, dumbbell_profile, 6, 2, 2),
               held);
-    bw_worst_load_options options = {.pressure = 1e5, .force = 300, .at_most = kind == 3};
+    bw_worst_load_options options = {.pressure = 1e5, .force = 300, .force_is_max = kind == 3};
     bw_screening found;
     check_ok(context, bw_worst_screening(context, p.system, p.basis, &options, 40, 0, 30, &found));
     assert_true(found.count > 0 && found.count <= 30);
@@ -299,7 +299,7 @@ static void bound_is_above_every_linear_program(void **state) {
                         : make_bar(context, dumbbell_profile, 6, 2, kind == 2 ? 2 : 1),
               kind == 1);
     bw_worst_load_options options = {
-        .pressure = 1e5, .force = kind == 3 ? 2e5 : 300, .at_most = kind == 2};
+        .pressure = 1e5, .force = kind == 3 ? 2e5 : 300, .force_is_max = kind == 2};
     bw_worst_bound bound, again;
     check_ok(context,
              bw_worst_bound_find(context, p.system, p.basis, &options, 0, 0.03, &bound, NULL));
@@ -375,9 +375,9 @@ static void slabs_give_the_same_responses(void **state) {
     double *adjoint = BW_NEW(context, double, entries), *own = BW_NEW(context, double, 6 * n);
     for (int small = 0; small < 2; small++) {
       bwi_responses r;
-      size_t most = small ? 24 * n * (size_t)(order == 1 ? 30 : 120) : 1 << 30;
+      size_t max = small ? 24 * n * (size_t)(order == 1 ? 30 : 120) : 1 << 30;
       int32_t seen = 0;
-      check_ok(context, bwi_responses_open(context, p.system, p.basis, most, &r));
+      check_ok(context, bwi_responses_open(context, p.system, p.basis, max, &r));
       check_ok(context, bwi_responses_next(&r, 16));
       for (; r.count > 0; slabs[small]++) {
         assert_true(r.first + r.count == elements || r.count % 16 == 0);

@@ -174,12 +174,12 @@ static inline bw_mesh *posed(bw_context *context, const bar *b, const pose *p,
 
 /* Largest difference of entries, relative to the largest entry. */
 static inline double difference(const double *a, const double *b, int64_t n) {
-  double most = 0, size = 0;
+  double max = 0, size = 0;
   for (int64_t k = 0; k < n; k++) {
-    most = fmax(most, fabs(a[k] - b[k]));
+    max = fmax(max, fabs(a[k] - b[k]));
     size = fmax(size, fabs(b[k]));
   }
-  return most / size;
+  return max / size;
 }
 
 static inline double uniform(bw_random *random, double low, double high) {

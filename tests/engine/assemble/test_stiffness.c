@@ -14,10 +14,10 @@ static void tet10(double bulge, double x[10][3]) {
 }
 
 static double largest(const double *a, int64_t n) {
-  double most = 0;
+  double max = 0;
   for (int64_t i = 0; i < n; i++)
-    most = fmax(most, fabs(a[i]));
-  return most;
+    max = fmax(max, fabs(a[i]));
+  return max;
 }
 
 /* The assembled matrix is the sum of element matrices made by quadrature. */

@@ -73,7 +73,7 @@ static void aligned_box(void **state) {
   check_near(bw_grid_volume(grid), 0.096, 1e-14);
   bw_release(grid);
   options.whole = true;
-  options.least = 0.6;
+  options.min_fraction = 0.6;
   check_ok(context, bw_grid_of_surface(context, box, &options, &grid));
   assert_null(grid->fraction);
   check_near(bw_grid_volume(grid), 0.064, 1e-14);
@@ -89,7 +89,7 @@ static void spheres(void **state) {
   bw_grid *grid, *other;
   bw_voxel_options options;
   bw_voxel_options_default(&options);
-  options.least = 0;
+  options.min_fraction = 0;
   const double turn[12] = {0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0}; /* x to y, y to z, z to x */
   double exact = 4. / 3 * 3.141592653589793 * 0.7 * 0.7 * 0.7, error[2];
   for (int i = 0; i < 2; i++) {
@@ -152,7 +152,7 @@ static void shells(void **state) {
   bw_grid *grid;
   bw_voxel_options options;
   bw_voxel_options_default(&options);
-  options.least = 0;
+  options.min_fraction = 0;
   options.cells = 10;
   check_ok(context, bw_surface_box_shape(context, zero, one, &outer));
   check_ok(context, bw_surface_box_shape(context, (double[3]){0.25, 0.3, 0.3},
@@ -293,7 +293,7 @@ static void good_models(void **state) {
     options.cells = 60;
     double volume = fabs(bw_surface_volume(surface));
     for (int pass = 0; pass < 2; pass++) {
-      options.least = pass ? 0.05 : 0;
+      options.min_fraction = pass ? 0.05 : 0;
       check_ok(context, bw_grid_of_surface(context, surface, &options, &grid));
       check_near(bw_grid_volume(grid) / volume, 1, pass ? 0.05 : 1e-11);
       bw_release(grid);

@@ -8,7 +8,7 @@
 
 #include "../../fuzz/parse_bytes.h"
 
-enum { MOST_SEEDS = 400, STEPS = 700 };
+enum { MAX_SEEDS = 400, STEPS = 700 };
 
 static int by_name(const void *a, const void *b) {
   return strcmp(*(char *const *)a, *(char *const *)b);
@@ -67,13 +67,13 @@ static void splice(const char *format, const unsigned char *bytes, size_t count)
 }
 
 static void replay(const char *format) {
-  char folder[200], path[600], *name[MOST_SEEDS];
+  char folder[200], path[600], *name[MAX_SEEDS];
   int seeds = 0;
   bw_context *context = bw_context_create();
   snprintf(folder, sizeof folder, "tests/fuzz/seeds/%s", format);
   DIR *directory = opendir(folder);
   assert_non_null(directory);
-  for (struct dirent *entry; (entry = readdir(directory)) && seeds < MOST_SEEDS;)
+  for (struct dirent *entry; (entry = readdir(directory)) && seeds < MAX_SEEDS;)
     if (entry->d_name[0] != '.')
       name[seeds++] = strdup(entry->d_name);
   closedir(directory);

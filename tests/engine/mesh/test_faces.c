@@ -143,11 +143,10 @@ static void faces_survive_filling(void **state) {
       check_ok(context, bw_mesh_boundary(context, mesh, &boundary, NULL));
       int64_t off = 0;
       for (int32_t p = 0; p < boundary->point_count; p++) {
-        double least = HUGE_VAL;
+        double min = HUGE_VAL;
         for (int32_t f = 0; f < faces->count; f++)
-          least =
-              fmin(least, fabs(bw_face_distance(&faces->face[f], boundary->point + 3 * p, NULL)));
-        off += least > 1e-13;
+          min = fmin(min, fabs(bw_face_distance(&faces->face[f], boundary->point + 3 * p, NULL)));
+        off += min > 1e-13;
       }
       assert_int_equal(off, 0);
       if (shape == 0)

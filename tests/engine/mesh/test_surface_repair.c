@@ -258,7 +258,7 @@ static void test_refusals(void **state) {
 /* ---- remeshing ----------------------------------------------------------------------------- */
 
 static double smallest_angle(const bw_surface *surface) {
-  double least = 4;
+  double min = 4;
   for (int32_t t = 0; t < surface->triangle_count; t++)
     for (int k = 0; k < 3; k++) {
       const double *a = surface->point + 3 * surface->triangle[3 * t + k],
@@ -270,9 +270,9 @@ static double smallest_angle(const bw_surface *surface) {
         v[i] = c[i] - a[i];
       }
       bw_cross(u, v, n);
-      least = fmin(least, atan2(bw_norm(n), bw_dot(u, v)));
+      min = fmin(min, atan2(bw_norm(n), bw_dot(u, v)));
     }
-  return least * 180 / 3.14159265358979323846;
+  return min * 180 / 3.14159265358979323846;
 }
 
 static void test_remesh_keeps_edges_and_volume(void **state) {
@@ -306,7 +306,7 @@ static void test_remesh_steps(void **state) {
   bw_remesh_options_default(&options);
   options.edge_length = 0.1;
   check_ok(context, bw_surface_sphere_shape(context, zero, 1, 3, &ball));
-  int64_t least[2];
+  int64_t min[2];
   for (int k = 0; k < 2; k++) {
     int64_t low = 0, high = 1 << 22; /* too few, enough */
     check_ok(context, bw_set_threads(context, 1 + 3 * k));
@@ -324,9 +324,9 @@ static void test_remesh_steps(void **state) {
       }
     }
     assert_true(low > 0 && high < 1 << 22);
-    least[k] = high;
+    min[k] = high;
   }
-  assert_int_equal(least[0], least[1]);
+  assert_int_equal(min[0], min[1]);
   bw_release(ball);
 }
 

@@ -29,10 +29,10 @@ static bw_grid *make_grid(bw_context *context, const int32_t cells[3], const int
 }
 
 /* Random materials 0..most, with fractions below one in a third of the cells. */
-static void random_cells(bw_random *random, int count, int most, int32_t *material,
+static void random_cells(bw_random *random, int count, int max, int32_t *material,
                          double *fraction) {
   for (int i = 0; i < count; i++) {
-    material[i] = (int32_t)(bw_random_bits(random) % (uint64_t)(most + 1));
+    material[i] = (int32_t)(bw_random_bits(random) % (uint64_t)(max + 1));
     if (fraction)
       fraction[i] = bw_random_bits(random) % 3 ? 1 : 0.05 + 0.9 * bw_random_uniform(random);
   }

@@ -8,7 +8,7 @@ static void test_farthest(void **state) {
   bw_context *context = check_context(state);
   static const float at[] = {0, 1, 4, 10, 6};
   bwi_cover cover;
-  float typical, most;
+  float typical, max;
   check_ok(context, bwi_cover_begin(context, 5, &cover));
   for (int i = 0; i < 5; i++)
     cover.coordinate[BWI_FEATURES * i] = at[i];
@@ -19,8 +19,8 @@ static void test_farthest(void **state) {
   assert_int_equal(bwi_cover_farthest(&cover, 0, NULL, 0), 3);
   check_ok(context, bwi_cover_add(&cover, cover.coordinate + 3 * BWI_FEATURES, 1, 2));
   assert_int_equal(bwi_cover_farthest(&cover, 0, NULL, 0), 2);
-  bwi_cover_measure(&cover, &typical, &most);
-  check_near(most, sqrt(4.0 / BWI_FEATURES), 1e-6);
+  bwi_cover_measure(&cover, &typical, &max);
+  check_near(max, sqrt(4.0 / BWI_FEATURES), 1e-6);
   check_near(typical, sqrt((1 + 4) / 5.0 / BWI_FEATURES), 1e-6);
   assert_int_equal(bwi_cover_farthest(&cover, 2, NULL, 0), -1);
   static const uint8_t images[] = {1, 1, 8, 1, 1};
@@ -91,7 +91,7 @@ static void test_symmetry(void **state) {
           key[p] = other[p];
     }
     bw_solid_material *m, *turned, *expected;
-    double k[576], expected_k[576], most = 0;
+    double k[576], expected_k[576], max = 0;
     check_ok(context, bw_library_material(context, library, 2, key, &m, NULL));
     for (int s = 1; s < 48; s += round % 5 + 1) {
       turned_key(s, key, image);
@@ -100,9 +100,9 @@ static void test_symmetry(void **state) {
       bwi_material_stiffness(turned, k);
       bwi_material_stiffness(expected, expected_k);
       for (int i = 0; i < 576; i++)
-        most = fmax(most, fabs(expected_k[i]));
+        max = fmax(max, fabs(expected_k[i]));
       for (int i = 0; i < 576; i++)
-        check_near(k[i], expected_k[i], 1e-5 * most);
+        check_near(k[i], expected_k[i], 1e-5 * max);
       bw_release(turned);
       bw_release(expected);
     }

@@ -323,12 +323,12 @@ static void memory_that_runs_out(void **state) {
 /* Karush, Kuhn and Tucker: x >= 0, no slope where x > 0, none upwards where x = 0. */
 static void nnls_is_optimal(void **state) {
   (void)state;
-  enum { ROWS = 30, MOST = 20 };
+  enum { ROWS = 30, MAX = 20 };
   bw_random random;
   bw_random_seed(&random, 5);
   for (int trial = 0; trial < 50; trial++) {
-    int n = 1 + trial % MOST;
-    double a[ROWS][MOST], b[ROWS], g[MOST * MOST], h[MOST], x[MOST], work[BWI_NNLS_WORK(MOST)];
+    int n = 1 + trial % MAX;
+    double a[ROWS][MAX], b[ROWS], g[MAX * MAX], h[MAX], x[MAX], work[BWI_NNLS_WORK(MAX)];
     for (int r = 0; r < ROWS; r++) {
       b[r] = bw_random_normal(&random);
       for (int j = 0; j < n; j++)

@@ -36,7 +36,7 @@ static bw_library *grow(bw_context *context, const bw_library *of, const bw_grid
 }
 
 /* Few cells, so that fits are few: blocks repeat, turned. */
-static bw_grid *make_grid(bw_context *context, uint64_t seed, int materials, int32_t least) {
+static bw_grid *make_grid(bw_context *context, uint64_t seed, int materials, int32_t min) {
   enum { CELLS = 8 * 4 * 4 };
   const double origin[3] = {0, 0, 0}, spacing[3] = {0.01, 0.01, 0.01};
   const int32_t cells[3] = {8, 4, 4};
@@ -46,10 +46,9 @@ static bw_grid *make_grid(bw_context *context, uint64_t seed, int materials, int
   bw_random_seed(&random, seed);
   for (int i = 0; i < CELLS; i++) {
     int at[3] = {i % 8, i / 8 % 4, i / 32};
-    material[i] =
-        at[0] / 2 == (int)(seed % 4) && at[1] < 2
-            ? least + (int32_t)(bw_random_bits(&random) % (unsigned)(materials + 1 - least))
-            : 1 + (at[0] + (int)seed) / 2 % materials;
+    material[i] = at[0] / 2 == (int)(seed % 4) && at[1] < 2
+                      ? min + (int32_t)(bw_random_bits(&random) % (unsigned)(materials + 1 - min))
+                      : 1 + (at[0] + (int)seed) / 2 % materials;
   }
   check_ok(context, bw_grid_create(context, origin, spacing, cells, material, NULL, &grid));
   return grid;
@@ -59,15 +58,15 @@ static bw_grid *make_grid(bw_context *context, uint64_t seed, int materials, int
  * them in another order. */
 static double stiffness_along(const bw_solid_material *m, int p, const double v[3]) {
   int best = 0;
-  double most = -1;
+  double max = -1;
   for (int f = 0; f < m->fibre_count; f++) {
     double along = fabs(bw_dot(v, m->fibre + 3 * (p * m->fibre_count + f)));
-    if (along > most) {
-      most = along;
+    if (along > max) {
+      max = along;
       best = f;
     }
   }
-  check_near(most, 1, 1e-5);
+  check_near(max, 1, 1e-5);
   return m->fibre_stiffness[p * m->fibre_count + best];
 }
 

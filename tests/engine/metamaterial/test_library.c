@@ -30,24 +30,24 @@ static bw_library *build(bw_context *context, const bw_material_table *material_
 }
 
 static void progress(void *data, const char *stage, double fraction) {
-  double *most = (double *)data;
+  double *max = (double *)data;
   assert_non_null(stage);
   assert_true(fraction >= 0 && fraction <= 1);
-  *most = fraction > *most ? fraction : *most;
+  *max = fraction > *max ? fraction : *max;
 }
 
 static void test_threads(void **state) {
   bw_context *context = check_context(state);
   bw_material_table *material_table = fixture_material_table(context, 1);
-  double most = 0;
+  double max = 0;
   check_ok(context, bw_set_threads(context, 1));
   bw_library *one = build(context, material_table, 2, NULL);
   check_ok(context, bw_set_threads(context, 3));
-  bw_set_progress(context, progress, &most);
+  bw_set_progress(context, progress, &max);
   bw_library *three = build(context, material_table, 2, NULL);
   bw_set_progress(context, NULL, NULL);
   assert_int_equal(one->fit_count[0], 21); /* 22 by Burnside, one of them void alone */
-  check_near(most, 1, 0);
+  check_near(max, 1, 0);
   fixture_same(one, three);
   bw_release(one);
   bw_release(three);

@@ -17,10 +17,10 @@ static inline bw_mesh *box_mesh(bw_context *context, double lx, double ly, doubl
  * faces become the sphere and its near faces the three planes. Curved edges in order 2. */
 static inline void octant_map(void *data, const double unit[3], double out[3]) {
   (void)data;
-  double most = fmax(unit[0], fmax(unit[1], unit[2]));
+  double max = fmax(unit[0], fmax(unit[1], unit[2]));
   double size = sqrt(unit[0] * unit[0] + unit[1] * unit[1] + unit[2] * unit[2]);
   for (int k = 0; k < 3; k++)
-    out[k] = size > 0 ? unit[k] * (1 - most + most * most / size) : 0;
+    out[k] = size > 0 ? unit[k] * (1 - max + max * max / size) : 0;
 }
 
 static inline bw_mesh *octant_mesh(bw_context *context, int cells_per_side, int order) {

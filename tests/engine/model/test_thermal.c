@@ -19,10 +19,10 @@ static bw_material *metal(bw_context *context) {
 }
 
 static double largest(const double *values, size_t count) {
-  double most = 0;
+  double max = 0;
   for (size_t i = 0; i < count; i++)
-    most = fmax(most, fabs(values[i]));
-  return most;
+    max = fmax(max, fabs(values[i]));
+  return max;
 }
 
 static bw_static *heated(bw_context *context, int order, bool clamped) {

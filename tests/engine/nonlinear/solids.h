@@ -9,12 +9,12 @@
  * `law` BW_LAWS: all laws in turn. */
 static inline bw_solid_material *solids_mixed(bw_context *context, bw_law law, int level,
                                               int fibres, uint64_t seed) {
-  enum { MOST = 64 };
+  enum { MAX = 64 };
   bw_rule *rule = NULL;
   bw_solid_material *material = NULL;
   bw_random random;
-  uint8_t laws[MOST];
-  double mu[MOST], lambda[MOST], stiffness[3 * MOST], v[9 * MOST];
+  uint8_t laws[MAX];
+  double mu[MAX], lambda[MAX], stiffness[3 * MAX], v[9 * MAX];
   bw_random_seed(&random, seed);
   check_ok(context, bw_rule_create(context, level, &rule));
   for (int q = 0; q < rule->count; q++) {

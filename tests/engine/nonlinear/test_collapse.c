@@ -9,7 +9,7 @@ static void test_limit_point(void **state) {
   bw_context *context = check_context(state);
   const int32_t cells[3] = {1, 1, 2};
   const double size[3] = {0.2, 0.2, 0.4};
-  double most = 1 / (3 * sqrt(3));
+  double max = 1 / (3 * sqrt(3));
   for (int k = 0; k < 2; k++) {
     box b;
     bw_solid_static *result = NULL;
@@ -18,7 +18,7 @@ static void test_limit_point(void **state) {
     options.iterations = 40;
     box_make(context, &b, cells, size, BW_ST_VENANT_KIRCHHOFF, 1, 0, 0);
     box_symmetric(context, &b);
-    box_force(context, &b, 2, 1, 0, 0, -(k ? 1.1 : 0.95) * most * 0.04);
+    box_force(context, &b, 2, 1, 0, 0, -(k ? 1.1 : 0.95) * max * 0.04);
     bw_status status = bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result);
     assert_non_null(result);
     if (k == 0) {
@@ -31,7 +31,7 @@ static void test_limit_point(void **state) {
       /* the last equilibrium is on the way there, shortly before the limit */
       check_near(result->report.load, 1 / 1.1, 0.03);
       assert_true(result->report.load <= 1 / 1.1);
-      check_near(-0.5 * stretch * (stretch * stretch - 1), 1.1 * most * result->report.load, 1e-5);
+      check_near(-0.5 * stretch * (stretch * stretch - 1), 1.1 * max * result->report.load, 1e-5);
     }
     bw_release(result);
     box_free(&b);
@@ -84,7 +84,7 @@ static void test_bounded(void **state) {
       options.coarse_count = 1;
       options.coarsening = &coarsening;
       options.coarse = &one;
-      options.most_iterations = k == 1 ? 40 : 0;
+      options.max_iterations = k == 1 ? 40 : 0;
       bw_set_progress(context, look, &w);
       bw_status status = bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result);
       bw_set_progress(context, NULL, NULL);
@@ -95,17 +95,17 @@ static void test_bounded(void **state) {
         bw_clear_cancel(context);
       } else {
         const bw_newton_report *r = &result->report;
-        int64_t most = k ? 40 : 500;
+        int64_t max = k ? 40 : 500;
         assert_int_equal(status, BW_CONVERGENCE);
         assert_non_null(strstr(bw_message(context), "load factor"));
         assert_false(result->complete);
-        assert_true(r->iterations <= most);
-        assert_true(r->cg_iterations + r->stability_iterations <= 100 * (most + 1));
+        assert_true(r->iterations <= max);
+        assert_true(r->cg_iterations + r->stability_iterations <= 100 * (max + 1));
         assert_true(r->factorisations <= 12 * (r->iterations + r->failed_steps + 1));
         assert_true(k || r->residual <= options.tolerance);
         assert_true(r->failed_steps <= 16);
         if (k) {
-          assert_non_null(strstr(bw_message(context), "most_iterations"));
+          assert_non_null(strstr(bw_message(context), "max_iterations"));
           assert_true(w.fraction > 0.9);
         }
       }
@@ -118,7 +118,7 @@ static void test_bounded(void **state) {
   bw_solid_static *result = NULL;
   bw_newton_options options;
   bw_newton_options_default(&options);
-  options.most_iterations = -1;
+  options.max_iterations = -1;
   box_make(context, &b, cells, size, BW_NEO_HOOKEAN, 1e5, 0.45, 1000);
   box_hold(context, &b, 2, 0, true, true, true, 0);
   check_fails(context, BW_INVALID, "over all load steps",
@@ -184,11 +184,11 @@ static void test_buckling(void **state) {
     box_hold(context, &b, 2, 0, true, true, true, 0);
     box_hold(context, &b, 2, 1, true, true, true, -0.05);
     check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
-    double most = 0;
+    double max = 0;
     for (int32_t n = 0; n < b.grid->node_count; n++)
-      most = fmax(most, fabs(result->displacement[3 * (int64_t)n]));
-    sideways[k] = most;
-    assert_true(most > 0.05);
+      max = fmax(max, fabs(result->displacement[3 * (int64_t)n]));
+    sideways[k] = max;
+    assert_true(max > 0.05);
     /* far less than a straight column stores */
     assert_true(result->energy < 0.8 * 0.5 * 1e6 * 0.05 * 0.06 * 0.05 * 0.05);
     bw_release(result);
@@ -356,7 +356,7 @@ static void test_crushed(void **state) {
   bw_newton_options options;
   bw_newton_options_default(&options);
   options.iterations = 30;
-  options.least_step = 1.0 / 16;
+  options.min_step = 1.0 / 16;
   const int32_t few[3] = {2, 2, 2};
   const double cube[3] = {0.8, 0.8, 0.8};
   box_make(context, &b, few, cube, BW_NEO_HOOKEAN, 1e5, 0.3, 0);

@@ -237,7 +237,7 @@ static void test_threads(void **state) {
   assert_true(energy[0] == energy[1]);
   assert_memory_equal(g[0], g[1], (size_t)n * sizeof(double));
   assert_memory_equal(values[0], values[1], (size_t)m * sizeof(double));
-  assert_true(shape[0].worst == shape[1].worst && shape[0].least_ratio == shape[1].least_ratio);
+  assert_true(shape[0].worst == shape[1].worst && shape[0].min_ratio == shape[1].min_ratio);
   /* energy and gradient alone are the same, and so are products without the matrix */
   check_ok(context, bw_solid_evaluate(context, solid, u, true, &energy[1], NULL, NULL, &shape[1]));
   assert_true(energy[0] == energy[1]);
@@ -277,7 +277,7 @@ static void test_projected(void **state) {
     bw_solid_shape shape;
     bw_random_seed(&random, 1);
     for (int project = 0; project < 2; project++) {
-      double least = 0;
+      double min = 0;
       check_ok(context,
                bw_solid_evaluate(context, solid, u, project, &energy, NULL, values, &shape));
       for (int k = 0; k < 60; k++) { /* Rayleigh quotients, drawn to the low end */
@@ -289,14 +289,14 @@ static void test_projected(void **state) {
           xy += x[i] * y[i];
           xx += x[i] * x[i];
         }
-        least = fmin(least, xy / xx);
+        min = fmin(min, xy / xx);
         for (int64_t i = 0; i < n; i++)
           x[i] = (x[i] - y[i] / 6) / sqrt(xx);
       }
       if (project)
-        assert_true(least > -1e-12);
+        assert_true(min > -1e-12);
       else
-        assert_true(least < -1e-4);
+        assert_true(min < -1e-4);
     }
     free(u), free(x), free(y), free(values);
     bw_release(solid);
@@ -329,7 +329,7 @@ static void test_empty(void **state) {
     bw_solid_shape shape;
     check_ok(context, bw_solid_evaluate(context, solid, u, false, &energy, NULL, NULL, &shape));
     assert_int_equal(shape.inverted, 1 - empty);
-    assert_true((shape.least_ratio > 0) == (empty == 1));
+    assert_true((shape.min_ratio > 0) == (empty == 1));
     bw_release(solid);
     bw_release(rule);
   }
@@ -351,7 +351,7 @@ static void test_inverted(void **state) {
     check_ok(context, bw_solid_evaluate(context, solid, u, false, &energy, g, NULL, &shape));
     assert_int_equal(shape.inverted, 1);
     assert_int_equal(shape.worst, 2);
-    check_near(shape.least_ratio, -0.5, 1e-14);
+    check_near(shape.min_ratio, -0.5, 1e-14);
     assert_true(shape.defined == (law != BW_NEO_HOOKEAN));
     if (law == BW_NEO_HOOKEAN) {
       bw_solid_linear *linear = NULL;
@@ -365,7 +365,7 @@ static void test_inverted(void **state) {
     }
     u[4] = NAN;
     check_ok(context, bw_solid_evaluate(context, solid, u, true, &energy, g, NULL, &shape));
-    assert_true(!shape.defined && isnan(shape.least_ratio));
+    assert_true(!shape.defined && isnan(shape.min_ratio));
     free(u), free(g);
     bw_release(solid);
   }

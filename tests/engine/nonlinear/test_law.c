@@ -209,11 +209,11 @@ static void test_projection(void **state) {
       bw_law_evaluate((bw_law)law, mu, lambda, f, false, &energy, stress, plain);
       bw_law_evaluate((bw_law)law, mu, lambda, f, true, &energy, stress, projected);
       eigen9(plain, value, vector);
-      double scale = size_of(plain, 81), least = value[0];
+      double scale = size_of(plain, 81), min = value[0];
       for (int i = 1; i < 9; i++)
-        least = fmin(least, value[i]);
-      indefinite += least < -1e-9 * scale;
-      sound += least > 1e-9 * scale;
+        min = fmin(min, value[i]);
+      indefinite += min < -1e-9 * scale;
+      sound += min > 1e-9 * scale;
       for (int i = 0; i < 9; i++)
         for (int k = 0; k < 9; k++) {
           double expected = 0;

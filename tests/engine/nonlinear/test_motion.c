@@ -287,7 +287,7 @@ static void test_metamaterial(void **state) {
   const int32_t cells[3] = {3, 1, 1};
   enum { POINTS = 64 };
   uint8_t law[POINTS];
-  double mu[POINTS], lambda[POINTS], stiffness[POINTS], fibre[3 * POINTS], most[2];
+  double mu[POINTS], lambda[POINTS], stiffness[POINTS], fibre[3 * POINTS], max[2];
   bw_random random;
   bw_random_seed(&random, 8);
   for (int p = 0; p < POINTS; p++) {
@@ -323,10 +323,10 @@ static void test_metamaterial(void **state) {
     bw_solid_motion *m = motion_of(context, &b, load_case, &options, NULL, v);
     double first = m->kinetic + m->strain, p0[3], p[3], l[3];
     momenta(m, p0, l);
-    most[r] = 0;
+    max[r] = 0;
     for (int k = 0; k < 40 << r; k++) {
       steps(context, m, 1);
-      most[r] = fmax(most[r], fabs((m->kinetic + m->strain) / first - 1));
+      max[r] = fmax(max[r], fabs((m->kinetic + m->strain) / first - 1));
     }
     momenta(m, p, l);
     for (int c = 0; c < 3; c++)
@@ -335,9 +335,9 @@ static void test_metamaterial(void **state) {
   }
   printf("VERIFY | free body of 64 points an element, with fibres, Newmark | order of the swing of "
          "energy | 2 | %.2f | 0.4 | theory\n",
-         log2(most[0] / most[1]));
-  assert_true(most[0] < 0.02);
-  check_near(log2(most[0] / most[1]), 2, 0.4);
+         log2(max[0] / max[1]));
+  assert_true(max[0] < 0.02);
+  check_near(log2(max[0] / max[1]), 2, 0.4);
   bw_free(v);
   bw_release(rule);
   bw_release(material);
@@ -362,15 +362,15 @@ static void test_linear_energy(void **state) {
   }
   bw_motion_options options = options_of(BW_NEWMARK, 0.01);
   bw_solid_motion *m = motion_of(context, &b, load_case, &options, u, NULL);
-  double first = m->kinetic + m->strain, most = 0;
+  double first = m->kinetic + m->strain, max = 0;
   for (int k = 0; k < 300; k++) {
     steps(context, m, 1);
-    most = fmax(most, fabs((m->kinetic + m->strain) / first - 1));
+    max = fmax(max, fabs((m->kinetic + m->strain) / first - 1));
   }
   printf("VERIFY | linear motion, Newmark | change of energy in 300 steps | 0 | %.1e | 1e-10 | "
          "theory\n",
-         most);
-  assert_true(first > 0 && most < 1e-10);
+         max);
+  assert_true(first > 0 && max < 1e-10);
   bw_release(m);
   bw_free(u);
   bw_release(load_case);
@@ -444,7 +444,7 @@ static void test_pressed(void **state) {
     bw_motion_options options = options_of(BW_NEWMARK, 2e-3 / (1 << r));
     options.tolerance = 1e-10;
     bw_solid_motion *m = motion_of(context, &b, load_case, &options, NULL, NULL);
-    double least = 1, worst = 0;
+    double min = 1, worst = 0;
     for (int k = 0; k < 20 << r; k++) {
       steps(context, m, 1);
       double volume = 0;
@@ -459,14 +459,14 @@ static void test_pressed(void **state) {
         bw_cross(x[1], x[2], area);
         volume += bw_dot(x[0], area) / 6;
       }
-      least = fmin(least, volume / 8e-3);
+      min = fmin(min, volume / 8e-3);
       double work = pressure * (8e-3 - volume);
       worst = fmax(worst, fabs(sum_of(m) - work) / (pressure * 8e-3));
       double total = m->kinetic + m->strain;
       assert_true(total < 1.2 * work + 1e-9);
     }
     error[r] = worst;
-    assert_true(least < 0.75 && least > 0.5);
+    assert_true(min < 0.75 && min > 0.5);
     assert_true(worst < 5e-3);
     bw_release(m);
     bw_release(load_case);

@@ -75,13 +75,13 @@ static inline int32_t *nodes_at(bw_context *context, const bw_grid *grid, int ax
 
 static inline int32_t node_near(const bw_grid *grid, double x, double y, double z) {
   int32_t best = -1;
-  double least = INFINITY;
+  double min = INFINITY;
   for (int32_t i = 0; i < grid->node_count; i++) {
     double at[3], way[3];
     bw_grid_position(grid, i, at);
     way[0] = at[0] - x, way[1] = at[1] - y, way[2] = at[2] - z;
-    if (bw_norm(way) < least) {
-      least = bw_norm(way);
+    if (bw_norm(way) < min) {
+      min = bw_norm(way);
       best = i;
     }
   }

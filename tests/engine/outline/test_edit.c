@@ -231,14 +231,14 @@ static void pulling_bends_what_lies_between_pins(void **state) {
     check_near(pulled->point[2 * i + 1], pulled->point[2 * (40 - i) + 1], 1e-12);
   }
   /* edges are longer by the same small part, roughly */
-  double least = 10, most = 0, before = 2 * sin(PI / 80);
+  double min = 10, max = 0, before = 2 * sin(PI / 80);
   for (int i = 0; i < 20; i++) {
     double length = hypot(pulled->point[2 * i + 2] - pulled->point[2 * i],
                           pulled->point[2 * i + 3] - pulled->point[2 * i + 1]);
-    least = fmin(least, length / before);
-    most = fmax(most, length / before);
+    min = fmin(min, length / before);
+    max = fmax(max, length / before);
   }
-  assert_true(least > 1 && most < 1.35 && most / least < 1.15);
+  assert_true(min > 1 && max < 1.35 && max / min < 1.15);
   bw_release(pulled);
   /* within a reach nothing else moves */
   check_ok(context, bw_outline_pulled(context, o, 20, (double[]){0, 1.1}, 0, NULL, 0.5, &pulled));
@@ -324,16 +324,16 @@ static void the_nearest_place(void **state) {
   check_near(place.distance, 1, 1e-15);
   for (int round = 0; round < 200; round++) { /* against samples */
     double at[2] = {8 * bw_random_uniform(&random) - 1, 6 * bw_random_uniform(&random) - 1};
-    double least = 100;
+    double min = 100;
     for (int32_t s = 0; s < o->segment_count; s++)
       for (int k = 0; k <= 2000; k++) {
         double p[2];
         bw_outline_evaluate(o, s, k / 2000.0, p, NULL, NULL);
-        least = fmin(least, hypot(p[0] - at[0], p[1] - at[1]));
+        min = fmin(min, hypot(p[0] - at[0], p[1] - at[1]));
       }
     place = bw_outline_nearest(o, at);
-    assert_true(place.distance <= least + 1e-15);
-    check_near(place.distance, least, 2e-3);
+    assert_true(place.distance <= min + 1e-15);
+    check_near(place.distance, min, 2e-3);
     check_near(bw_segment_nearest(o, place.segment, at).distance, place.distance, 0);
   }
   check_near(bw_segment_length(o, 1), 4, 1e-14);

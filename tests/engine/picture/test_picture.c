@@ -549,7 +549,7 @@ static void ticks_are_round(void **state) {
 /* Lightness in OKLab falls all the way, and equal steps look equally different. */
 static void colours_are_even(void **state) {
   (void)state;
-  double lab[65][3], least = HUGE_VAL, most = 0;
+  double lab[65][3], min = HUGE_VAL, max = 0;
   for (int i = 0; i <= 64; i++) {
     unsigned char rgb[3];
     double c[3];
@@ -567,10 +567,10 @@ static void colours_are_even(void **state) {
   for (int i = 2; i <= 64; i += 2) {
     double d[3] = {lab[i][0] - lab[i - 2][0], lab[i][1] - lab[i - 2][1], lab[i][2] - lab[i - 2][2]};
     assert_true(d[0] < 0.002);
-    least = fmin(least, bw_norm(d));
-    most = fmax(most, bw_norm(d));
+    min = fmin(min, bw_norm(d));
+    max = fmax(max, bw_norm(d));
   }
-  assert_true(most < 1.25 * least);
+  assert_true(max < 1.25 * min);
   unsigned char rgb[3];
   bw_colour(NAN, rgb);
   assert_true(rgb[0] == rgb[1] && rgb[1] == rgb[2]);

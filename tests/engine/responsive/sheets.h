@@ -152,11 +152,11 @@ static inline void same_on_any_threads(bw_context *context, double young, double
 /* The node nearest to a place. */
 static inline int32_t node_at(const bw_plane_mesh *mesh, double x, double y) {
   int32_t best = 0;
-  double least = INFINITY;
+  double min = INFINITY;
   for (int32_t i = 0; i < mesh->topology->nodes->node_count; i++) {
     double d = hypot(mesh->point[2 * i] - x, mesh->point[2 * i + 1] - y);
-    if (d < least)
-      least = d, best = i;
+    if (d < min)
+      min = d, best = i;
   }
   return best;
 }

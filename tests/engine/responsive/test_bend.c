@@ -290,12 +290,12 @@ static void test_frames(void **state) {
       assert_true(kept.solves <= 6 || k == 0);
       bw_sheet *anew = sheet_on(context, moved, material, 1, false, 3, conditions);
       check_ok(context, bw_sheet_bend(context, anew, NULL, NULL, NULL));
-      double most = 0, off = 0;
+      double max = 0, off = 0;
       for (size_t i = 0; i < size; i++) {
-        most = fmax(most, fabs(anew->displacement[i]));
+        max = fmax(max, fabs(anew->displacement[i]));
         off = fmax(off, fabs(anew->displacement[i] - sheet->displacement[i]));
       }
-      assert_true(most > 0.1 && off <= 1e-7 * most);
+      assert_true(max > 0.1 && off <= 1e-7 * max);
       bw_release(anew);
       bw_release(moved);
     }

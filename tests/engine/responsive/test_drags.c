@@ -133,14 +133,14 @@ static double difference(kind what, const void *a, const void *b) {
     return fabs(p->frequency[0] - q->frequency[0]) / q->frequency[0];
   }
   const bw_sheet *p = a, *q = b;
-  double most = 0, off = 0;
+  double max = 0, off = 0;
   for (int32_t i = 0; i < 2 * p->mesh->topology->nodes->node_count; i++) {
     assert_true(isfinite(p->displacement[i]));
-    most = fmax(most, fabs(q->displacement[i]));
+    max = fmax(max, fabs(q->displacement[i]));
     off = fmax(off, fabs(p->displacement[i] - q->displacement[i]));
   }
-  assert_true(most > 0);
-  return off / most;
+  assert_true(max > 0);
+  return off / max;
 }
 
 /* ---- the run --------------------------------------------------------------------------------- */

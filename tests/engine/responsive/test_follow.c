@@ -126,12 +126,12 @@ static void drag(bw_context *context, kind what, int order) {
       anew = make(context, motion->mesh, material, what);
     }
     step(context, anew, what, BW_LAGGED_FACTOR_FULL, NULL);
-    double most = 0, off = 0;
+    double max = 0, off = 0;
     for (int32_t i = 0; i < 2 * motion->mesh->topology->nodes->node_count; i++) {
-      most = fmax(most, fabs(anew->displacement[i]));
+      max = fmax(max, fabs(anew->displacement[i]));
       off = fmax(off, fabs(anew->displacement[i] - reused->displacement[i]));
     }
-    assert_true(most > 0 && off <= 1e-6 * most);
+    assert_true(max > 0 && off <= 1e-6 * max);
     bw_release(outline);
     outline = moved;
   }

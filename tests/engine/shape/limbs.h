@@ -71,13 +71,13 @@ static inline double *limbs_weights(const bw_mesh *mesh, const bw_skeleton *skel
   int32_t bones = skeleton->bone_count;
   double *weight = malloc((size_t)mesh->node_count * (size_t)bones * sizeof *weight);
   for (int32_t i = 0; i < mesh->node_count; i++) {
-    double sum = 0, *w = weight + (size_t)i * (size_t)bones, least = INFINITY;
+    double sum = 0, *w = weight + (size_t)i * (size_t)bones, min = INFINITY;
     for (int32_t b = 0; b < bones; b++) {
       w[b] = limbs_distance(skeleton, b, mesh->node + 3 * i);
-      least = fmin(least, w[b]);
+      min = fmin(min, w[b]);
     }
     for (int32_t b = 0; b < bones; b++)
-      sum += w[b] = exp(-sharpness * (w[b] - least));
+      sum += w[b] = exp(-sharpness * (w[b] - min));
     for (int32_t b = 0; b < bones; b++)
       w[b] /= sum;
   }

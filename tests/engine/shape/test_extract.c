@@ -10,7 +10,7 @@ typedef struct capsules {
 
 static double union_of(void *data, const double at[3]) {
   const capsules *c = data;
-  double least = HUGE_VAL;
+  double min = HUGE_VAL;
   for (int i = 0; i < c->count; i++) {
     const double *a = c->end[i], *b = a + 3;
     double along[3], from[3], d[3];
@@ -21,9 +21,9 @@ static double union_of(void *data, const double at[3]) {
     double t = fmin(fmax(bw_dot(from, along) / bw_dot(along, along), 0), 1);
     for (int k = 0; k < 3; k++)
       d[k] = from[k] - t * along[k];
-    least = fmin(least, bw_norm(d) - c->radius);
+    min = fmin(min, bw_norm(d) - c->radius);
   }
-  return least;
+  return min;
 }
 
 static bw_surface *surface_of(bw_context *context, const capsules *c, int cells) {
@@ -56,12 +56,12 @@ static int bones_at(const bw_skeleton *s, int32_t joint) {
 
 /* The smallest distance from a joint to a point. */
 static double gap_to(const bw_skeleton *s, double x, double y, double z) {
-  double least = HUGE_VAL;
+  double min = HUGE_VAL;
   for (int32_t j = 0; j < s->joint_count; j++) {
     double d[3] = {s->joint[3 * j] - x, s->joint[3 * j + 1] - y, s->joint[3 * j + 2] - z};
-    least = fmin(least, bw_norm(d));
+    min = fmin(min, bw_norm(d));
   }
-  return least;
+  return min;
 }
 
 static void a_capsule_has_one_bone_along_its_axis(void **state) {

@@ -68,7 +68,7 @@ static void test_two_bones(void **state) {
   bw_skeleton *s = arm(context);
   bw_random random;
   bw_random_seed(&random, 2);
-  int most = 0;
+  int max = 0;
   for (int i = 0; i < 200; i++) {
     double at[3], x[3], distance = 0.35 + 1.3 * bw_random_uniform(&random);
     for (int k = 0; k < 3; k++)
@@ -85,9 +85,9 @@ static void test_two_bones(void **state) {
     /* between the bones: pi minus the angle of the triangle 1, 0.7, distance */
     double cosine = pose[1].rotation[0];
     check_near(cosine, (distance * distance - 1 - 0.49) / 1.4, 2e-5);
-    most = report.iterations > most ? report.iterations : most;
+    max = report.iterations > max ? report.iterations : max;
   }
-  assert_true(most <= 20);
+  assert_true(max <= 20);
   bw_release(s);
 }
 
@@ -333,12 +333,12 @@ static void test_random_trees(void **state) {
   bw_context *context = check_context(state);
   bw_random random;
   bw_random_seed(&random, 11);
-  enum { most_bones = 12 };
+  enum { max_bones = 12 };
   int64_t iterations = 0;
   for (int round = 0; round < 300; round++) {
-    int32_t bones = 2 + (int32_t)(bw_random_uniform(&random) * (most_bones - 2));
-    double joint[3 * (most_bones + 1)] = {0}, map[12 * most_bones], posed[3 * (most_bones + 1)];
-    int32_t bone[2 * most_bones];
+    int32_t bones = 2 + (int32_t)(bw_random_uniform(&random) * (max_bones - 2));
+    double joint[3 * (max_bones + 1)] = {0}, map[12 * max_bones], posed[3 * (max_bones + 1)];
+    int32_t bone[2 * max_bones];
     for (int32_t b = 0; b < bones; b++) {
       bool goes_on = bw_random_uniform(&random) < 0.7;
       bone[2 * b] = goes_on ? b : (int32_t)(bw_random_uniform(&random) * (b + 1));
@@ -349,10 +349,10 @@ static void test_random_trees(void **state) {
     bw_skeleton *s;
     check_ok(context,
              bw_skeleton_create(context, bones + 1, joint, NULL, bones, bone, NULL, 0, &s));
-    bw_bone_pose pose[most_bones], rested;
-    bw_joint_limit limit[most_bones];
+    bw_bone_pose pose[max_bones], rested;
+    bw_joint_limit limit[max_bones];
     bool limited = round % 2;
-    double direction[most_bones][3], q[4];
+    double direction[max_bones][3], q[4];
     bw_bone_pose_rest(&rested);
     limbs_random_pose(&random, bones, pose);
     for (int32_t b = 0; b < bones; b++) {

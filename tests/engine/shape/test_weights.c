@@ -123,14 +123,14 @@ static void a_symmetric_bar_has_symmetric_weights(void **state) {
 static double limbs(void *data, const double at[3]) {
   (void)data;
   static const double end[4][3] = {{1, 0.2, 0}, {-0.9, 0.3, 0.2}, {0.1, 1, -0.3}, {0, -0.4, 0.9}};
-  double least = HUGE_VAL;
+  double min = HUGE_VAL;
   for (int k = 0; k < 4; k++) {
     double t = fmin(fmax(bw_dot(at, end[k]) / bw_dot(end[k], end[k]), 0), 1), d[3];
     for (int c = 0; c < 3; c++)
       d[c] = at[c] - t * end[k][c];
-    least = fmin(least, bw_norm(d) - 0.2);
+    min = fmin(min, bw_norm(d) - 0.2);
   }
-  return least;
+  return min;
 }
 
 static void limbed(bw_context *context, int order, bw_mesh **mesh, bw_skeleton **s) {
@@ -225,7 +225,7 @@ static void weights_inside_are_harmonic(void **state) {
   check_ok(context, bw_graph_create(context, mesh, &graph));
   double *laplacian = malloc((size_t)graph->pair_count * sizeof *laplacian);
   double *x = malloc((size_t)mesh->node_count * sizeof *x);
-  double *y = malloc((size_t)mesh->node_count * sizeof *y), most = 0;
+  double *y = malloc((size_t)mesh->node_count * sizeof *y), max = 0;
   uint8_t *outer = calloc((size_t)mesh->node_count, 1);
   check_ok(context, bw_laplacian(context, graph, mesh, laplacian));
   for (int32_t k = 0; k < mesh->boundary_node_count; k++)
@@ -236,11 +236,11 @@ static void weights_inside_are_harmonic(void **state) {
     check_ok(context, bw_graph_multiply(context, graph, laplacian, 1, 1, 1, x, y));
     int inner = 0;
     for (int32_t i = 0; i < mesh->node_count; i++)
-      most = fmax(most, fabs(y[i]));
+      max = fmax(max, fabs(y[i]));
     for (int32_t i = 0; i < mesh->node_count; i++) {
       inner += !outer[i];
       if (!outer[i])
-        check_near(y[i], 0, 1e-4 * most); /* where a negative weight was cut: not quite */
+        check_near(y[i], 0, 1e-4 * max); /* where a negative weight was cut: not quite */
     }
     assert_true(inner > 100);
   }
@@ -328,8 +328,8 @@ static void bodies_without_a_bone_follow_the_nearest(void **state) {
 
 static void sparse_systems_are_solved(void **state) {
   bw_context *context = check_context(state);
-  enum { SIZE = 300, MOST = SIZE * 12, COUNT = 37 };
-  bwi_entry *entry = malloc(MOST * sizeof *entry);
+  enum { SIZE = 300, MAX = SIZE * 12, COUNT = 37 };
+  bwi_entry *entry = malloc(MAX * sizeof *entry);
   double *x = malloc(SIZE * COUNT * sizeof *x), *b = calloc(SIZE * COUNT, sizeof *b);
   int64_t count = 0;
   bw_random random;

@@ -259,22 +259,22 @@ static inline bw_model *posed(bw_context *context, bar *b) {
   follow(b);
   if (bw_mesh_moved(context, b->mesh, b->node, &mesh) != BW_OK)
     return NULL;
-  double least = 1;
+  double min = 1;
   for (int32_t e = 0; e < mesh->element_count; e++)
-    least = fmin(least, mesh->volume[e] / b->mesh->volume[e]);
-  if (least > 0.2)
+    min = fmin(min, mesh->volume[e] / b->mesh->volume[e]);
+  if (min > 0.2)
     check_ok(context, bw_model_moved(context, b->model, mesh, &model));
   bw_release(mesh);
   return model;
 }
 
 static inline double difference(const double *a, const double *b, int64_t count) {
-  double most = 0, scale = 0;
+  double max = 0, scale = 0;
   for (int64_t i = 0; i < count; i++) {
-    most = fmax(most, fabs(a[i] - b[i]));
+    max = fmax(max, fabs(a[i] - b[i]));
     scale = fmax(scale, fabs(b[i]));
   }
-  return scale > 0 ? most / scale : most;
+  return scale > 0 ? max / scale : max;
 }
 
 static const bw_statics_options relief = {.inertia_relief = true};

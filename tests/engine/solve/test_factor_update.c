@@ -207,12 +207,12 @@ static void units(void **state) {
     memcpy(v, u, (size_t)(SIDES * size) * sizeof *u);
     bw_release(factor);
   }
-  double most = 0, off = 0;
+  double max = 0, off = 0;
   for (int64_t i = 0; i < SIDES * size; i++) {
-    most = fmax(most, fabs(exact[i]));
+    max = fmax(max, fabs(exact[i]));
     off = fmax(off, fabs(exact[i] - v[i]));
   }
-  assert_true(off > 0 && off < 1e-3 * most);
+  assert_true(off > 0 && off < 1e-3 * max);
   free(force);
   free(u);
   free(v);
@@ -312,15 +312,15 @@ static void orders(void **state) {
       assert_true(order->parent[s] > s || order->parent[s] == -1);
     check_ok(context, bwi_factor_create(context, p.symbolic, &p.matrix, &factor, NULL));
     int32_t size = p.symbolic->unknowns;
-    double *x = numbers(size), *y = numbers(size), most = 0;
+    double *x = numbers(size), *y = numbers(size), max = 0;
     random_field(4, size, x);
     memcpy(y, x, (size_t)size * sizeof(double));
     check_ok(context, bwi_factor_solve(context, factor, 1, x));
     check_ok(context, bwi_baseline(context, p.symbolic, &p.matrix, y, &times));
     for (int32_t i = 0; i < size; i++)
-      most = fmax(most, fabs(y[i]));
+      max = fmax(max, fabs(y[i]));
     for (int32_t i = 0; i < size; i++)
-      check_near(x[i], y[i], 1e-9 * most);
+      check_near(x[i], y[i], 1e-9 * max);
     assert_true(times.flops > 0 && times.entries >= size);
     bw_release(factor);
     free(x);

@@ -142,13 +142,13 @@ static void test_stress_is_conjugate(void **state) {
   check_near(inner, 0.5, 0.05);
   /* pressures at nodes do not oscillate: below the largest normal stress of the theory */
   check_ok(context, bw_nodal_stress(context, mesh, material, result->displacement, nodal));
-  double most = 0, bending = 1 * 0.05 / (1e-4 / 12);
+  double max = 0, bending = 1 * 0.05 / (1e-4 / 12);
   for (int32_t i = 0; i < mesh->node_count; i++) {
     const double *s = nodal + 6 * (int64_t)i;
     if (mesh->node[3 * (int64_t)i] > 0.1)
-      most = fmax(most, fabs(s[0] + s[1] + s[2]) / 3);
+      max = fmax(max, fabs(s[0] + s[1] + s[2]) / 3);
   }
-  assert_true(most < 0.6 * bending); /* a third of the normal stress, in theory */
+  assert_true(max < 0.6 * bending); /* a third of the normal stress, in theory */
   check_ok(context,
            bw_error_estimate(context, mesh, material, result->displacement, NULL, &relative));
   assert_true(relative > 0 && relative < 0.5);

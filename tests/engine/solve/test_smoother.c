@@ -182,18 +182,18 @@ static void sweeps(void **state) {
         left[i] = r[i] - left[i];
       bwi_keep_states(s.dof_map, 1u << BW_DOF_UNKNOWN, left);
       for (int pass = 0; pass < 2; pass++) {
-        double most = 0, off = 0, off_rest = 0;
+        double max = 0, off = 0, off_rest = 0;
         for (int64_t i = 0; i < w->count; i++)
           for (int d = 0; d < 3; d++) {
             int64_t node = w->node[i], at = (3 * i + d) * width + f;
-            most = fmax(most, fabs(z[3 * node + d]));
+            max = fmax(max, fabs(z[3 * node + d]));
             off = fmax(off, fabs((double)pz[at] * w->unit - z[3 * node + d]));
             again[3 * node + d] = (double)rest[at];
           }
         bwi_keep_states(s.dof_map, 1u << BW_DOF_UNKNOWN, again);
         for (int64_t i = 0; pass == 0 && i < s.size; i++)
           off_rest = fmax(off_rest, fabs(again[i] - left[i]));
-        check_near(off / most, 0, 2e-5);
+        check_near(off / max, 0, 2e-5);
         check_near(off_rest, 0, 2e-5);
         if (pass == 1)
           break;

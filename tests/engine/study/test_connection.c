@@ -97,10 +97,10 @@ static void try_function(void *data, const char *name, int arguments) {
                                      "CREATE INDEX u ON t (\"%s\"(%s))",
                                      "CREATE TABLE u (a DEFAULT (\"%s\"(%s)))"};
   trial *it = (trial *)data;
-  int least = arguments < 0 ? 0 : arguments, most = arguments < 0 ? 3 : arguments;
+  int min = arguments < 0 ? 0 : arguments, max = arguments < 0 ? 3 : arguments;
   if (is_one_of(name, known))
     return;
-  for (int n = least; n <= most && n < 4; n++)
+  for (int n = min; n <= max && n < 4; n++)
     for (size_t i = 0; i < sizeof form / sizeof *form; i++) {
       char sql[256];
       snprintf(sql, sizeof sql, form[i], name, list[n]);

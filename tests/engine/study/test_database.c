@@ -290,14 +290,14 @@ static void test_full_disk(void **state) {
 
 /* ---- damage ---------------------------------------------------------------------------------- */
 
-static void save(bw_context *context, const char *path, int least, int most, bool exact) {
+static void save(bw_context *context, const char *path, int min, int max, bool exact) {
   bw_salvage_report report;
   unlink(path_of("saved"));
   check_ok(context, bw_database_salvage(context, path, path_of("saved"), NULL, false, &report));
   bw_database *d = open_file(context, path_of("saved"));
   int rows = count_rows(context, d);
-  if (rows < least || rows > most)
-    fail_msg("%d rows saved, %d to %d expected", rows, least, most);
+  if (rows < min || rows > max)
+    fail_msg("%d rows saved, %d to %d expected", rows, min, max);
   if (exact)
     assert_int_equal(rows + report.lost, ROWS);
   assert_int_equal(report.tables, 2);

@@ -5,7 +5,7 @@
 typedef struct problem {
   const char *name;
   int n, constraints;
-  double start[10], least[10], most[10];
+  double start[10], min[10], max[10];
   double optimum;
   double (*value)(int which, const double *x, double *gradient);
 } problem;
@@ -69,7 +69,7 @@ static double hock43(int which, const double *x, double *g) {
 /* 76: f* = -4.681818181 */
 static double hock76(int which, const double *x, double *g) {
   static const double row[3][4] = {{1, 2, 1, 1}, {3, 1, 2, -1}, {0, -1, -4, 0}};
-  static const double most[3] = {5, 4, -1.5};
+  static const double max[3] = {5, 4, -1.5};
   if (which == 0) {
     if (g) {
       g[0] = 2 * x[0] - x[2] - 1;
@@ -80,7 +80,7 @@ static double hock76(int which, const double *x, double *g) {
     return x[0] * x[0] + 0.5 * x[1] * x[1] + x[2] * x[2] + 0.5 * x[3] * x[3] - x[0] * x[2] +
            x[2] * x[3] - x[0] - 3 * x[1] + x[2] - x[3];
   }
-  double sum = -most[which - 1];
+  double sum = -max[which - 1];
   for (int i = 0; i < 4; i++) {
     sum += row[which - 1][i] * x[i];
     if (g)
@@ -126,7 +126,7 @@ static bw_status solve(bw_context *context, asked *a, const bw_minimise_options 
                        bw_minimise_result *result) {
   const problem *p = a->problem;
   memcpy(x, p->start, (size_t)p->n * sizeof *x);
-  return bw_minimise(context, p->n, x, p->least, p->most, p->constraints, ask, a, options, result);
+  return bw_minimise(context, p->n, x, p->min, p->max, p->constraints, ask, a, options, result);
 }
 
 static void test_every_method(void **state) {

@@ -81,7 +81,7 @@ static bw_status solve_local(void *data, bw_context *context, int64_t count, con
 /* One edit followed and solved, and the slopes of two stresses. */
 static bw_status follow_and_solve(bw_context *context, const bw_model *model,
                                   const bw_domains *domains, const bw_bone_pose *pose, shape *s,
-                                  bw_local_method method, bw_local_system *local, double *most) {
+                                  bw_local_method method, bw_local_system *local, double *max) {
   bw_mesh *mesh = NULL;
   bw_model *moved = NULL;
   bw_static *result = NULL;
@@ -103,7 +103,7 @@ static bw_status follow_and_solve(bw_context *context, const bw_model *model,
   const int32_t nodes[SLOPES] = {0, mesh->node_count / 2};
   BW_TRY(bw_von_mises_gradient(context, moved, local->system->dof_map, result->displacement,
                                solve_local, local, SLOPES, nodes, NULL, von_mises, gradient));
-  *most = von_mises[0];
+  *max = von_mises[0];
 done:
   bw_free(gradient);
   bw_release(result);
@@ -112,7 +112,7 @@ done:
   return status;
 }
 
-static bw_status whole_session(bw_context *context, double *most) {
+static bw_status whole_session(bw_context *context, double *max) {
   bw_mesh *mesh = NULL;
   bw_skeleton *skeleton = NULL;
   bw_domains *domains = NULL;
@@ -143,14 +143,14 @@ static bw_status whole_session(bw_context *context, double *most) {
   for (int b = 0; b < BONES; b++)
     bw_bone_pose_rest(&pose[b]);
   pose[1].scale[1] = 1.2;
-  BW_TRY(follow_and_solve(context, model, domains, pose, &s, BW_LOCAL_REFACTOR, local, most));
+  BW_TRY(follow_and_solve(context, model, domains, pose, &s, BW_LOCAL_REFACTOR, local, max));
   const bw_reach_target target = {
       .bone = 1, .along = 1, .at = {0.95, 0.15, 0.1}, .weight = 1, .chain_from = -1};
   BW_TRY(bw_pose_reach(context, skeleton, NULL, 1, &target, 0, pose, &reached));
-  BW_TRY(follow_and_solve(context, model, domains, pose, &s, BW_LOCAL_ITERATE, local, most));
+  BW_TRY(follow_and_solve(context, model, domains, pose, &s, BW_LOCAL_ITERATE, local, max));
   for (int b = 0; b < BONES; b++) /* undone */
     bw_bone_pose_rest(&pose[b]);
-  BW_TRY(follow_and_solve(context, model, domains, pose, &s, BW_LOCAL_AUTO, local, most));
+  BW_TRY(follow_and_solve(context, model, domains, pose, &s, BW_LOCAL_AUTO, local, max));
 done:
   shape_clear(&s);
   bw_free(weight);
@@ -168,15 +168,15 @@ static int64_t sweep(bw_context *context, int64_t asked, int64_t step, bool and_
   int64_t failed = 0;
   for (int64_t n = 1; n <= asked; n += step) {
     int64_t blocks = bw_live_blocks();
-    double most = 0;
+    double max = 0;
     bw_fail_allocation(n, and_later);
-    bw_status status = whole_session(context, &most);
+    bw_status status = whole_session(context, &max);
     bw_fail_allocation(0, false);
     if (bw_live_blocks() != blocks)
       fail_msg("allocation %lld: %lld blocks left", (long long)n,
                (long long)(bw_live_blocks() - blocks));
     if (status == BW_OK) { /* a warning or a cache went without */
-      check_near(most, expected, 1e-8 * expected);
+      check_near(max, expected, 1e-8 * expected);
       continue;
     }
     failed++;
@@ -189,17 +189,17 @@ static int64_t sweep(bw_context *context, int64_t asked, int64_t step, bool and_
 
 static void test_sweep(void **state) {
   bw_context *context = check_context(state);
-  double most = 0, again = 0;
-  check_ok(context, whole_session(context, &most));
-  assert_true(most > 0);
+  double max = 0, again = 0;
+  check_ok(context, whole_session(context, &max));
+  assert_true(max > 0);
   int64_t asked = bw_allocation_count();
   check_ok(context, whole_session(context, &again));
   asked = bw_allocation_count() - asked;
-  assert_true(again == most);
+  assert_true(again == max);
   /* Every allocation in the full run, one in eleven otherwise. */
   int64_t step = getenv("BARWRIGHT_FULL") ? 1 : 11;
-  int64_t all = sweep(context, asked, step, true, most);
-  int64_t one = sweep(context, asked, step, false, most);
+  int64_t all = sweep(context, asked, step, true, max);
+  int64_t one = sweep(context, asked, step, false, max);
   printf("%lld allocations: %lld and all later made to fail, %lld alone\n", (long long)asked,
          (long long)all, (long long)one);
   assert_true(all > asked / step / 2 && one > asked / step / 2);

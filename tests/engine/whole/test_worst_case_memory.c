@@ -10,18 +10,18 @@ typedef struct files {
 } files;
 
 typedef struct worst {
-  double most, *field;
+  double max, *field;
   int32_t elements;
 } worst;
 
 static bw_status keep_worst(void *data, const bw_worst_case_visit *visit) {
   worst *w = (worst *)data;
   for (int32_t e = 0; e < w->elements; e++)
-    w->most = fmax(w->most, w->field[e] = fmax(w->field[e], visit->max_principal[e]));
+    w->max = fmax(w->max, w->field[e] = fmax(w->field[e], visit->max_principal[e]));
   return BW_OK;
 }
 
-static bw_status whole_run(bw_context *context, const files *file, double *most) {
+static bw_status whole_run(bw_context *context, const files *file, double *max) {
   bw_surface *surface = NULL, *boundary = NULL;
   bw_mesh *mesh = NULL;
   bw_material *material = NULL;
@@ -67,7 +67,7 @@ static bw_status whole_run(bw_context *context, const files *file, double *most)
   picture.width = 80;
   picture.height = 64;
   BW_TRY(bw_picture_surface(context, boundary, NULL, false, &picture, file->picture));
-  *most = found.most;
+  *max = found.max;
 done:
   bw_surface_report_clear(&report);
   bw_release(weakness);
@@ -95,13 +95,13 @@ static void test_sweep(void **state) {
   check_ok(context, bw_surface_box_shape(context, low, high, &box));
   check_ok(context, bw_surface_write(context, box, file.surface, false));
   bw_release(box);
-  double most = 0, again = 0;
-  check_ok(context, whole_run(context, &file, &most));
-  assert_true(most > 0);
+  double max = 0, again = 0;
+  check_ok(context, whole_run(context, &file, &max));
+  assert_true(max > 0);
   int64_t asked = bw_allocation_count();
   check_ok(context, whole_run(context, &file, &again));
   asked = bw_allocation_count() - asked;
-  assert_true(again == most);
+  assert_true(again == max);
   /* Every allocation in the full run, one in seven otherwise. */
   int64_t step = getenv("BARWRIGHT_FULL") ? 1 : 7, failed = 0;
   for (int64_t n = 1; n <= asked; n += step) {

@@ -43,11 +43,11 @@ write(files.path "good.lua", "local bw = require 'barwright'\nlocal session = ..
 --- A study of a file.
 function files.study(file)
   return bw.study {name = "beam", seed = 7, file = files.path(file), variables = {
-      {name = "height", unit = "m", least = 0.01, most = 0.1, scale = "log"},
-      {name = "holes", kind = "integer", least = 0, most = 4}, {name = "stiff", kind = "choice", of = {"a",
+      {name = "height", unit = "m", min = 0.01, max = 0.1, scale = "log"},
+      {name = "holes", kind = "integer", min = 0, max = 4}, {name = "stiff", kind = "choice", of = {"a",
         "b"}}},
     measures = {{name = "mass", unit = "kg"}, {name = "sag", unit = "m"}}, objectives = {{name = "mass"},
-      {name = "sag"}}, constraints = {{name = "sag", most = 0.05}}, design = {"random", count = 3},
+      {name = "sag"}}, constraints = {{name = "sag", max = 0.05}}, design = {"random", count = 3},
     run = function(point) return {mass = point.height * (10 - point.holes), sag = point.height} end}
 end
 

@@ -219,7 +219,7 @@ makers.Figure = {
 makers.Study = {function() return files.study "good.study" end, function()
   return files.study "another.study" end}
 makers.Trials = {function(p) return assert(p.Study:trials()) end, function()
-  local list = require "study_trials" ({{name = "mass", goal = "least"}, {name = "stiffness", goal = "most"}},
+  local list = require "study_trials" ({{name = "mass", goal = "min"}, {name = "stiffness", goal = "max"}},
     20, "trials")
   local of = bw.study {name = "hook", file = files.path "hook.study", variables = list.problem.variables,
     measures = list.problem.measures,

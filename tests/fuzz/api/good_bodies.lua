@@ -131,7 +131,7 @@ add {
   ["Model:temperature"] = function(p, r) return r:one_of {20, bw.array.zeros(p.Mesh.node_count)}, 1e-5 end,
   ["Model:solve"] = function(_, r)
     if r:chance(0.2) then
-      return {error = 0.2, of = r:one_of {"von_mises", "displacement", {0, 0, 0}}, most_elements = 2000}
+      return {error = 0.2, of = r:one_of {"von_mises", "displacement", {0, 0, 0}}, max_elements = 2000}
     end
     return {with = r:one_of {"auto", "factor", "pcg"}, inertia_relief = r:chance(0.5)}
   end,
@@ -284,8 +284,8 @@ add {
   ["bw.grid.box"] = function(_, r) return {size = {1, 1, 1}, cells = {2, 1, r:integer(3)},
     material = r:one_of {1, "where(x > 0.5, 2, 1)",
     function() return 1 end}} end,
-  ["bw.grid.voxels"] = function(p, r) return p:variant("bw.Surface", 2), {cells = 2 + r:integer(3), least = 0.1,
-    multiple = 2, material = 1} end,
+  ["bw.grid.voxels"] = function(p, r) return p:variant("bw.Surface", 2), {cells = 2 + r:integer(3), multiple = 2,
+    min_fraction = 0.1, material = 1} end,
   ["bw.grid.picture"] = function(p) return "out.png", {{grid = p.Grid, title = "a"}, {grid = p.Grid}},
     {width = 64, height = 64} end,
   ["Grid:set"] = function(p, r) return r:one_of {1, {1, 2}, region(p, r)}, r:integer(3) - 1,

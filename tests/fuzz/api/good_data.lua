@@ -70,10 +70,10 @@ add {
   ["bw.plot.bars"] = function() return {names = {"a", "b"}, series = {{name = "s", values = {1, -2}, low = {0,
     -3}, high = {2, -1}}}, value = "v",
     horizontal = true} end,
-  ["bw.plot.history"] = function() return {values = {3, 2, 4, 1}, goal = "least", failed = {false, true, false,
+  ["bw.plot.history"] = function() return {values = {3, 2, 4, 1}, goal = "min", failed = {false, true, false,
     false}, label = "l", scale = "log"} end,
   ["bw.plot.pareto"] = function() return {objectives = {{name = "a", values = {1, 2}}, {name = "b", values = {2,
-    1}, goal = "most"}}, front = {1}} end,
+    1}, goal = "max"}}, front = {1}} end,
   ["bw.plot.sensitivity"] = function(_, r) return r:one_of {{names = {"a", "b"}, first = {0.2, 0.5},
     total = {0.3, 0.6}},
     {names = {"a", "b"}, mu_star = {1, 2}, sigma = {0.1, 0.2}}, {names = {"a"}, low = {1}, high = {2},
@@ -90,11 +90,11 @@ add {
 -- ---- studies ------------------------------------------------------------------------------------
 
 add {
-  ["bw.study()"] = function(_, r) return {name = "x", file = "out.study", variables = {{name = "a", least = 0,
-    most = 1},
-      {name = "n", kind = "integer", least = 1, most = 3}}, measures = {{name = "m", unit = "kg"}},
+  ["bw.study()"] = function(_, r) return {name = "x", file = "out.study", variables = {{name = "a", min = 0,
+    max = 1},
+      {name = "n", kind = "integer", min = 1, max = 3}}, measures = {{name = "m", unit = "kg"}},
         objectives = {{name = "m"}},
-    constraints = {{name = "m", most = 1}}, design = {r:one_of(bw.study.designs()), count = 4},
+    constraints = {{name = "m", max = 1}}, design = {r:one_of(bw.study.designs()), count = 4},
       run = function(p) return {m = p.a} end,
     what = "w", cache = {folder = "out.cache", bytes = 1e6}} end,
   ["bw.study.salvage"] = function() return "good.study", "out.saved" end,

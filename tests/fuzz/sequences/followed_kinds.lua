@@ -55,8 +55,8 @@ end
 local function other(outline) return fair(others[math.random(#others)](outline)) end
 
 local function way(size)
-  local most = math.random() < 0.7 and 0.08 or math.random() < 0.5 and 0.5 or 3
-  return {uniform(-most, most) * size, uniform(-most, most) * size}
+  local max = math.random() < 0.7 and 0.08 or math.random() < 0.5 and 0.5 or 3
+  return {uniform(-max, max) * size, uniform(-max, max) * size}
 end
 
 local function handle(outline)

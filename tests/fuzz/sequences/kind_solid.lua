@@ -78,7 +78,7 @@ kind.operations = {
   solve = {4, function(subject)
     local linear = {"direct", "jacobi", "coarse"}
     local result, message, details = subject.solid:solve {linear = linear[math.random(4)],
-      path = math.random(4) < 2 and math.random(3) or nil, most_iterations = 60, iterations = math.random(2, 20)}
+      path = math.random(4) < 2 and math.random(3) or nil, max_iterations = 60, iterations = math.random(2, 20)}
     if not result then return nil, message, details end
     subject.result = result
     return result
@@ -96,7 +96,7 @@ kind.operations = {
   coarsen = {0.5, function(subject)
     local solid, message, details = subject.solid:coarsen(math.random() < 0.5 and "naive" or "average")
     if not solid then return nil, message, details end
-    return solid:solve {most_iterations = 30}
+    return solid:solve {max_iterations = 30}
   end},
 }
 

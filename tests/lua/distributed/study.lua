@@ -4,9 +4,9 @@ local bw = require "barwright"
 
 return bw.study {
   name = "cluster", seed = 3,
-  variables = {{name = "x", least = 0, most = 1}, {name = "n", kind = "integer", least = 0, most = 4}},
+  variables = {{name = "x", min = 0, max = 1}, {name = "n", kind = "integer", min = 0, max = 4}},
   measures = {{name = "y"}, {name = "r"}},
-  objectives = {{name = "y", goal = "least"}},
+  objectives = {{name = "y", goal = "min"}},
   design = {"latin_hypercube", count = 30},
   run = function(point, trial)
     if point.n == 3 and point.x > 0.5 then return nil, "too far out" end

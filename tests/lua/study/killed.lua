@@ -3,7 +3,7 @@
 local bw = require "barwright"
 local study = bw.study {
   name = "killed", seed = 3, file = arg[1],
-  variables = {{name = "x", least = -1, most = 1}, {name = "k", kind = "integer", least = 1, most = 1000000}},
+  variables = {{name = "x", min = -1, max = 1}, {name = "k", kind = "integer", min = 1, max = 1000000}},
   measures = {"y", "r"},
   design = {"random", count = math.tointeger(tonumber(arg[2]))},
   run = function(point, trial) return {y = math.sin(point.x) * point.k, r = trial:random()} end,
