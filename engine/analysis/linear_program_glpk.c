@@ -82,10 +82,10 @@ bw_status bwi_glpk_create(bw_context *context, const bwi_linear_program *program
                           bwi_glpk **result) {
   bwi_glpk *volatile glpk = BW_NEW0(context, bwi_glpk, 1);
   volatile bw_status status = BW_OK;
-  size_t room = (size_t)program->columns * (BWI_LOCAL_ROWS + 2) + 1;
-  int *volatile row = BW_NEW(context, int, room);
-  int *volatile column = BW_NEW(context, int, room);
-  double *volatile value = BW_NEW(context, double, room);
+  size_t capacity = (size_t)program->columns * (BWI_LOCAL_ROWS + 2) + 1;
+  int *volatile row = BW_NEW(context, int, capacity);
+  int *volatile column = BW_NEW(context, int, capacity);
+  double *volatile value = BW_NEW(context, double, capacity);
   if (!glpk || !row || !column || !value) {
     status = BW_MEMORY;
     goto done;

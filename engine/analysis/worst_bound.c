@@ -402,8 +402,8 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
                      ? basis->area[(size_t)g * (size_t)basis->directions] *
                            (options->pressure / options->force)
                      : 1; /* the slack */
-  double room = fmax(MIN_BYTES, fmin(MAX_BYTES, bw_free_memory() / 4));
-  BW_TRY(bwi_responses_open(context, system, basis, (size_t)room, &s.responses));
+  double available = fmax(MIN_BYTES, fmin(MAX_BYTES, bw_free_memory() / 4));
+  BW_TRY(bwi_responses_open(context, system, basis, (size_t)available, &s.responses));
   BW_TRY(bwi_responses_next(&s.responses, BATCH));
   while (s.responses.count > 0) {
     int32_t end = s.responses.first + s.responses.count;

@@ -34,7 +34,7 @@ typedef struct bwi_responses {
   int32_t first, count; /* the slab: order[first] to order[first + count - 1] */
   int32_t *place;       /* node_count: of a node among those of the slab, or -1 */
   int32_t *node;        /* the slab's nodes */
-  int32_t node_count, room;
+  int32_t node_count, capacity;
   double *displacement;          /* slab's nodes x 3 x pressures */
   double *block;                 /* several displacements of all nodes */
   int32_t pressure, block_count; /* whose */

@@ -38,12 +38,12 @@ static int32_t *write_vector(int32_t count, const double *y, int32_t *to) {
   return to;
 }
 
-static bw_status make_room(bw_context *context, bw_bound_leaves *leaves, size_t count,
-                           size_t numbers) {
-  bool fits = bw_grow(context, (void **)&leaves->leaf, &leaves->leaf_room, leaves->count, count,
+static bw_status reserve(bw_context *context, bw_bound_leaves *leaves, size_t count,
+                         size_t numbers) {
+  bool fits = bw_grow(context, (void **)&leaves->leaf, &leaves->leaf_capacity, leaves->count, count,
                       sizeof *leaves->leaf) &&
-              bw_grow(context, (void **)&leaves->number, &leaves->number_room, leaves->number_count,
-                      numbers, sizeof *leaves->number);
+              bw_grow(context, (void **)&leaves->number, &leaves->number_capacity,
+                      leaves->number_count, numbers, sizeof *leaves->number);
   return fits ? BW_OK : BW_MEMORY;
 }
 
@@ -52,7 +52,7 @@ bw_status bwi_keep_leaf(bw_context *context, bw_bound_leaves *leaves, int64_t ce
   bw_status status = BW_OK;
   int vectors = cell == 0 ? 6 : 2;
   size_t m = (size_t)motions;
-  BW_TRY(make_room(context, leaves, 1, (size_t)vectors * (m + 3)));
+  BW_TRY(reserve(context, leaves, 1, (size_t)vectors * (m + 3)));
   int32_t *to = leaves->number + leaves->number_count;
   leaves->leaf[leaves->count++] =
       (bw_bound_leaf){.cell = cell, .bound = bound, .start = (int64_t)leaves->number_count};
@@ -71,7 +71,7 @@ done:
 bw_status bwi_append_leaves(bw_context *context, bw_bound_leaves *leaves, int32_t element,
                             const bw_bound_leaves *more) {
   bw_status status = BW_OK;
-  BW_TRY(make_room(context, leaves, more->count, more->number_count));
+  BW_TRY(reserve(context, leaves, more->count, more->number_count));
   for (size_t i = 0; i < more->count; i++) {
     bw_bound_leaf *leaf = &leaves->leaf[leaves->count++];
     *leaf = more->leaf[i];

@@ -142,14 +142,14 @@ bw_status bwi_responses_next(bwi_responses *r, int32_t batch) {
   choose_slab(r, batch);
   if (r->count == 0)
     return BW_OK;
-  if (r->node_count > r->room) {
+  if (r->node_count > r->capacity) {
     bw_free(r->displacement);
-    r->room = 0;
+    r->capacity = 0;
     r->displacement =
         BW_NEW(r->context, double, 3 * (size_t)r->node_count * (size_t)r->basis->count);
     if (!r->displacement)
       return BW_MEMORY;
-    r->room = r->node_count;
+    r->capacity = r->node_count;
   }
   for (r->pressure = 0; r->pressure < r->basis->count; r->pressure += CHUNK) {
     int32_t left = r->basis->count - r->pressure;

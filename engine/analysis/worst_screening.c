@@ -288,9 +288,9 @@ static bw_status solve_linear_programs(screen *s) {
   bw_status status = BW_OK;
   bw_context *context = s->context;
   bwi_loads *loads = NULL;
-  size_t room = (size_t)s->wanted * (size_t)s->patches;
-  s->objective = BW_NEW(context, double, room);
-  s->pressure = BW_NEW(context, double, room);
+  size_t capacity = (size_t)s->wanted * (size_t)s->patches;
+  s->objective = BW_NEW(context, double, capacity);
+  s->pressure = BW_NEW(context, double, capacity);
   s->value = BW_NEW(context, double, s->wanted);
   s->stress = BW_NEW0(context, double, 6 * (size_t)s->wanted);
   if (!s->objective || !s->pressure || !s->value || !s->stress) {
@@ -356,8 +356,9 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
   BW_TRY(bwi_pressure_patches(context, basis, patches > fewest ? patches : fewest, &s.coarse));
   s.patches = s.coarse->count;
   BW_TRY(bwi_linear_program_create(context, s.coarse, system->dof_map, options, &s.program));
-  size_t room = 8 * (size_t)s.patches, rows = (size_t)s.program->rows;
-  s.scratch = BW_NEW(context, double, (size_t)bw_threads(context) * (room > rows ? room : rows));
+  size_t capacity = 8 * (size_t)s.patches, rows = (size_t)s.program->rows;
+  s.scratch =
+      BW_NEW(context, double, (size_t)bw_threads(context) * (capacity > rows ? capacity : rows));
   if (!s.scratch) {
     status = BW_MEMORY;
     goto done;

@@ -59,7 +59,7 @@ double bwi_address_space(void) {
              : 0;
 }
 
-double bwi_address_room(void) {
+double bwi_address_space_left(void) {
   struct rlimit space;
   if (getrlimit(RLIMIT_AS, &space) != 0 || space.rlim_cur == RLIM_INFINITY)
     return INFINITY;
@@ -79,10 +79,10 @@ static double of_group(const char *limit, const char *used, const char *parts, c
 
 double bw_free_memory(void) {
   char text[TEXT];
-  double room = fmin(of_machine(text), bwi_address_room());
-  room = fmin(room, of_group("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current",
-                             "/sys/fs/cgroup/memory.stat", text));
-  return fmin(room, of_group("/sys/fs/cgroup/memory/memory.limit_in_bytes",
-                             "/sys/fs/cgroup/memory/memory.usage_in_bytes",
-                             "/sys/fs/cgroup/memory/memory.stat", text));
+  double available = fmin(of_machine(text), bwi_address_space_left());
+  available = fmin(available, of_group("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current",
+                                       "/sys/fs/cgroup/memory.stat", text));
+  return fmin(available, of_group("/sys/fs/cgroup/memory/memory.limit_in_bytes",
+                                  "/sys/fs/cgroup/memory/memory.usage_in_bytes",
+                                  "/sys/fs/cgroup/memory/memory.stat", text));
 }

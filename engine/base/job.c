@@ -159,7 +159,7 @@ bw_status bw_job_start(bw_context *context, const bw_job_options *options, bw_jo
   job->seconds_limit = options->seconds;
   job->processor_limit = options->processor_seconds;
   /* Where this process may use less, so may the child. */
-  job->bytes_limit = options->bytes > 0 ? fmin(options->bytes, bwi_address_room()) : 0;
+  job->bytes_limit = options->bytes > 0 ? fmin(options->bytes, bwi_address_space()) : 0;
   job->show = options->show;
   job->starter = getpid();
   if (options->output) {
@@ -277,8 +277,8 @@ static void take(bw_context *context, bw_job *job, const unsigned char *at, size
         memcpy(job->bytes + job->count, at, part);
         job->count += part;
       } else {
-        size_t room = sizeof job->payload - 1 - job->payload_held;
-        size_t keep = part < room ? part : room;
+        size_t capacity = sizeof job->payload - 1 - job->payload_held;
+        size_t keep = part < capacity ? part : capacity;
         memcpy(job->payload + job->payload_held, at, keep);
         job->payload_held += keep;
       }

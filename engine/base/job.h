@@ -72,7 +72,7 @@ void bwi_context_forked(bw_context *context);
 /* Bytes of address space: in use (0 where nobody says), and left to this process by a limit on it
  * (infinite where there is none). */
 double bwi_address_space(void);
-double bwi_address_room(void);
+double bwi_address_space_left(void);
 
 /* Hands over what bw_job_result shows: released with bw_free. */
 unsigned char *bwi_job_take(bw_job *job);

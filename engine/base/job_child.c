@@ -67,8 +67,8 @@ bw_status bw_job_write(bw_job_stream *out, const void *bytes, size_t count) {
 void bw_job_tell(void *data, const char *stage, double fraction) {
   bw_job_stream *out = (bw_job_stream *)data;
   /* A pipe is ready when a page of it is free, and then a short frame goes in whole. */
-  struct pollfd room = {out->pipe, POLLOUT, 0};
-  if (poll(&room, 1, 0) != 1)
+  struct pollfd writable = {out->pipe, POLLOUT, 0};
+  if (poll(&writable, 1, 0) != 1)
     return;
   struct {
     bwi_message_frame head;

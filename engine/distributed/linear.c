@@ -205,7 +205,7 @@ done:
   return status;
 }
 
-static bw_status with_factor(bw_context *context, bwd_system *system, int room) {
+static bw_status with_factor(bw_context *context, bwd_system *system, int percent) {
   bw_status status = BW_OK;
   PC pc;
   Mat factor;
@@ -220,7 +220,7 @@ static bw_status with_factor(bw_context *context, bwd_system *system, int room) 
   BWD_TRY(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   BWD_TRY(PCFactorSetUpMatSolverType(pc));
   BWD_TRY(PCFactorGetMatrix(pc, &factor));
-  BWD_TRY(MatMumpsSetIcntl(factor, 14, room));
+  BWD_TRY(MatMumpsSetIcntl(factor, 14, percent));
 done:
   return status;
 }
@@ -246,23 +246,23 @@ static bw_status factor_failed(bw_context *context, const bwd_system *system) {
 
 /* MUMPS plans its memory before it factors, and with several ranks it may need more: percent of
  * room beside the plan. */
-static const int rooms[] = {30, 100, 400};
-enum { ROOMS = 3 };
+static const int memory_percent[] = {30, 100, 400};
+enum { TRIES = 3 };
 
 /* Too little room, in MUMPS's numbers for it; not the system's memory. */
-static bool wants_room(Mat factor) {
+static bool wants_memory(Mat factor) {
   PetscInt code = 0;
   if (MatMumpsGetInfog(factor, 1, &code) != 0)
     return false;
   return code == -8 || code == -9 || code == -11 || code == -12 || code == -14 || code == -15;
 }
 
-static bw_status set_up(bw_context *context, bwd_system *system, double rtol, int room) {
+static bw_status set_up(bw_context *context, bwd_system *system, double rtol, int percent) {
   bw_status status = BW_OK;
   BWD_TRY(KSPCreate(PETSC_COMM_WORLD, &system->solver));
   BWD_TRY(KSPSetOptionsPrefix(system->solver, "barwright_"));
   if (system->direct)
-    BW_TRY(with_factor(context, system, room));
+    BW_TRY(with_factor(context, system, percent));
   else
     BW_TRY(with_multigrid(context, system, rtol));
   BWD_TRY(KSPSetFromOptions(system->solver)); /* PETSC_OPTIONS="-barwright_..." for who knows */
@@ -276,16 +276,16 @@ bw_status bwd_solver_create(bw_context *context, bwd_system *system, double rtol
   double begin = bw_seconds();
   if (system->rank == 0)
     bw_progress(context, system->direct ? "factor" : "multigrid", 0);
-  BW_TRY(set_up(context, system, rtol, rooms[0]));
-  for (int k = 1; k < ROOMS && system->direct; k++) {
+  BW_TRY(set_up(context, system, rtol, memory_percent[0]));
+  for (int k = 1; k < TRIES && system->direct; k++) {
     PC pc;
     Mat factor;
     BWD_TRY(KSPGetPC(system->solver, &pc));
     BWD_TRY(PCFactorGetMatrix(pc, &factor));
-    if (!wants_room(factor))
+    if (!wants_memory(factor))
       break;
     BWD_TRY(KSPDestroy(&system->solver));
-    BW_TRY(set_up(context, system, rtol, rooms[k]));
+    BW_TRY(set_up(context, system, rtol, memory_percent[k]));
   }
   BW_TRY(factor_failed(context, system));
 done:
@@ -349,7 +349,7 @@ bw_status bwd_count_below(bw_context *context, bwd_system *system, double sigma,
   BWD_TRY(MatAXPY(shifted, -sigma, system->M, SUBSET_NONZERO_PATTERN));
   BWD_TRY(MatSetOption(shifted, MAT_SPD, PETSC_FALSE));
   BWD_TRY(MatSetOption(shifted, MAT_SYMMETRIC, PETSC_TRUE));
-  for (int k = 0; k < ROOMS; k++) {
+  for (int k = 0; k < TRIES; k++) {
     MatFactorInfo info;
     MatFactorError error;
     BWD_TRY(MatDestroy(&factor));
@@ -357,7 +357,7 @@ bw_status bwd_count_below(bw_context *context, bwd_system *system, double sigma,
     BWD_TRY(MatMumpsSetIcntl(factor, 13,
                              1)); /* the root on one rank: else its pivots are not counted */
     BWD_TRY(MatMumpsSetIcntl(factor, 24, 1)); /* pivots near zero are told */
-    BWD_TRY(MatMumpsSetIcntl(factor, 14, rooms[k]));
+    BWD_TRY(MatMumpsSetIcntl(factor, 14, memory_percent[k]));
     BWD_TRY(MatFactorInfoInitialize(&info));
     BWD_TRY(MatCholeskyFactorSymbolic(factor, shifted, NULL, &info));
     BWD_TRY(MatCholeskyFactorNumeric(factor, shifted, &info));
@@ -365,7 +365,7 @@ bw_status bwd_count_below(bw_context *context, bwd_system *system, double sigma,
     if (error == MAT_FACTOR_NOERROR) {
       BWD_TRY(MatGetInertia(factor, &negative, &zero, &positive));
       *trusted = zero == 0;
-    } else if (wants_room(factor))
+    } else if (wants_memory(factor))
       continue;
     break;
   }

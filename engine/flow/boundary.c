@@ -42,9 +42,9 @@ static bw_status convect(bw_context *context, bw_flow *flow, const bw_condition 
       BW_TRY(point_at(context, flow->mesh, c, node, q, time, &p));
       for (int a = 0; a < WIDTH; a++) {
         double test = c->coefficient * p.weight * p.shape[a];
-        in->room.load[k * (int64_t)node[a] + HEAT] += test * p.value;
+        in->workspace.load[k * (int64_t)node[a] + HEAT] += test * p.value;
         for (int b = 0; b < WIDTH; b++)
-          in->room
+          in->workspace
               .values[k * (k * bwi_plane_pair(in->now->graph, node[a], node[b]) + HEAT) + HEAT] +=
               test * p.shape[b];
       }
@@ -60,9 +60,9 @@ bw_status bwi_flow_boundary(bw_context *context, bw_flow *flow, double time) {
   const bw_flow_description *about = &in->about;
   size_t unknowns = (size_t)in->now->graph->node_count * (size_t)flow->components;
   BW_TRY(bw_conditions_force(context, flow->mesh, flow->components, about->condition_count,
-                             about->condition, time, 1, in->room.rhs));
+                             about->condition, time, 1, in->workspace.rhs));
   for (size_t i = 0; i < unknowns; i++)
-    in->room.load[i] += in->room.rhs[i];
+    in->workspace.load[i] += in->workspace.rhs[i];
   for (int32_t i = 0; i < about->condition_count; i++)
     if (about->condition[i].kind == BW_CONVECTION)
       BW_TRY(convect(context, flow, &about->condition[i], time));

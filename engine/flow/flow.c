@@ -6,29 +6,29 @@
 #include "flow/internal.h"
 #include "responsive/internal.h"
 
-void bwi_flow_room_clear(bwi_flow_room *room) {
-  bw_free(room->block);
-  bw_free(room->vector);
-  bw_free(room->values);
-  bw_free(room->system);
-  bw_free(room->load);
-  bw_free(room->rhs);
-  bw_free(room->prescribed);
-  bw_free(room->solution);
-  bw_free(room->history);
-  bw_free(room->reaction);
-  bw_free(room->convect);
-  bw_free(room->laplacian);
-  bw_free(room->held);
-  *room = (bwi_flow_room){0};
+void bwi_flow_workspace_clear(bwi_flow_workspace *workspace) {
+  bw_free(workspace->block);
+  bw_free(workspace->vector);
+  bw_free(workspace->values);
+  bw_free(workspace->system);
+  bw_free(workspace->load);
+  bw_free(workspace->rhs);
+  bw_free(workspace->prescribed);
+  bw_free(workspace->solution);
+  bw_free(workspace->history);
+  bw_free(workspace->reaction);
+  bw_free(workspace->convect);
+  bw_free(workspace->laplacian);
+  bw_free(workspace->held);
+  *workspace = (bwi_flow_workspace){0};
 }
 
-bw_status bwi_flow_room_make(bw_context *context, const bw_plane_graph *graph, int components,
-                             bwi_flow_room *room) {
+bw_status bwi_flow_workspace_make(bw_context *context, const bw_plane_graph *graph, int components,
+                                  bwi_flow_workspace *workspace) {
   size_t entries = (size_t)graph->pair_count * (size_t)(components * components);
   size_t unknowns = (size_t)graph->node_count * (size_t)components;
-  *room = (bwi_flow_room){
-      .block = BW_NEW(context, double, bwi_plane_room(graph, components)),
+  *workspace = (bwi_flow_workspace){
+      .block = BW_NEW(context, double, bwi_plane_workspace_size(graph, components)),
       .vector =
           BW_NEW(context, double, 3 * (size_t)components * (size_t)graph->topology->element_count),
       .values = BW_NEW(context, double, entries),
@@ -43,11 +43,12 @@ bw_status bwi_flow_room_make(bw_context *context, const bw_plane_graph *graph, i
       .laplacian = BW_NEW(context, double, 3 * (size_t)graph->topology->element_count),
       .held = BW_NEW(context, uint8_t, unknowns),
   };
-  if (room->block && room->vector && room->values && room->system && room->load && room->rhs &&
-      room->prescribed && room->solution && room->history && room->reaction && room->convect &&
-      room->laplacian && room->held)
+  if (workspace->block && workspace->vector && workspace->values && workspace->system &&
+      workspace->load && workspace->rhs && workspace->prescribed && workspace->solution &&
+      workspace->history && workspace->reaction && workspace->convect && workspace->laplacian &&
+      workspace->held)
     return BW_OK;
-  bwi_flow_room_clear(room);
+  bwi_flow_workspace_clear(workspace);
   return BW_MEMORY;
 }
 
@@ -59,7 +60,7 @@ static void flow_destroy(void *object) {
     bw_release(in->now);
     bw_plane_locator_free(in->locator);
     bw_lagged_factor_free(in->lagged);
-    bwi_flow_room_clear(&in->room);
+    bwi_flow_workspace_clear(&in->workspace);
     bw_free(in);
   }
   bw_free(flow);
@@ -73,7 +74,7 @@ static size_t flow_bytes(const void *object) {
   return sizeof *flow +
          (2 * square * (size_t)flow->inner->now->graph->pair_count +
           8 * nodes * (size_t)flow->components +
-          bwi_plane_room(flow->inner->now->graph, flow->components) + 12 * elements) *
+          bwi_plane_workspace_size(flow->inner->now->graph, flow->components) + 12 * elements) *
              sizeof(double);
 }
 

@@ -41,8 +41,8 @@ void bwi_flow_element_vector(const bwi_linear *linear, int32_t element, const bw
 bw_status bwi_flow_recover(bw_context *context, const bw_plane_mesh *mesh, int components,
                            const double *state, double *laplacian);
 
-/* What the equations need as room, made anew with the graph. */
-typedef struct bwi_flow_room {
+/* What the equations need as workspace, recomputed with the graph. */
+typedef struct bwi_flow_workspace {
   double *block, *vector;  /* of all elements */
   double *values, *system; /* components^2 per pair: the matrix, and with prescribed unknowns */
   double *load, *rhs;      /* node_count x components: likewise */
@@ -52,10 +52,10 @@ typedef struct bwi_flow_room {
   double *convect;   /* node_count x 2 */
   double *laplacian; /* element_count x 3 */
   uint8_t *held;
-} bwi_flow_room;
-bw_status bwi_flow_room_make(bw_context *context, const bw_plane_graph *graph, int components,
-                             bwi_flow_room *room);
-void bwi_flow_room_clear(bwi_flow_room *room);
+} bwi_flow_workspace;
+bw_status bwi_flow_workspace_make(bw_context *context, const bw_plane_graph *graph, int components,
+                                  bwi_flow_workspace *workspace);
+void bwi_flow_workspace_clear(bwi_flow_workspace *workspace);
 
 /* All that an operation on a flow changes (kept.c). An operation makes the next state beside the
  * one that stands and puts it in its place when nothing can fail any more: it happens whole or not
@@ -84,8 +84,8 @@ struct bwi_flow {
   /* What follows from it, or makes it faster. */
   bw_plane_locator *locator; /* of the current mesh; NULL until it is asked for */
   bw_lagged_factor *lagged;
-  bwi_flow_room room;      /* of the current graph; empty until it is needed */
-  bool conflicts_reported; /* of the conditions' prescribed values */
+  bwi_flow_workspace workspace; /* of the current graph; empty until it is needed */
+  bool conflicts_reported;      /* of the conditions' prescribed values */
 };
 
 /* A copy of the state that stands, as the first draft of the next on the same nodes. */
@@ -99,8 +99,8 @@ void bwi_flow_adopt(bw_flow *flow, const bw_flow_state *state);
  * a result would surprise. */
 bw_status bwi_flow_commit(bw_context *context, bw_flow *flow, const bw_flow_state *next);
 
-/* What the boundary's conditions bring at a time: tractions and heat into room.load, the part of
- * convection that goes with the temperature into room.values. */
+/* What the boundary's conditions bring at a time: tractions and heat into workspace.load, the part
+ * of convection that goes with the temperature into workspace.values. */
 bw_status bwi_flow_boundary(bw_context *context, bw_flow *flow, double time);
 /* Heat by fluxes and convection on a tag (-1: all), of the state as it is. */
 bw_status bwi_flow_boundary_heat(bw_context *context, const bw_flow *flow, int32_t tag,

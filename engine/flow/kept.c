@@ -90,7 +90,7 @@ void bwi_flow_adopt(bw_flow *flow, const bw_flow_state *state) {
   struct bwi_flow *in = flow->inner;
   const bw_flow_state *former = in->now;
   if (former && former->graph != state->graph)
-    bwi_flow_room_clear(&in->room);
+    bwi_flow_workspace_clear(&in->workspace);
   if (former && former->mesh != state->mesh) {
     bw_plane_locator_free(in->locator);
     in->locator = NULL;

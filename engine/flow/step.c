@@ -51,18 +51,19 @@ static bw_status matrix_of(void *data, int32_t element, double *matrix) {
 }
 
 static bw_status assemble(bw_context *context, bw_flow *flow, const bwi_linear *linear) {
-  bwi_flow_room *room = &flow->inner->room;
+  bwi_flow_workspace *workspace = &flow->inner->workspace;
   const bw_plane_topology *topology = flow->mesh->topology;
-  assembly data = {context, linear, room->vector};
+  assembly data = {context, linear, workspace->vector};
   int c = flow->components;
   bw_status status = bwi_plane_assemble(context, flow->inner->now->graph, c, matrix_of, &data,
-                                        room->block, room->values);
-  memset(room->load, 0, (size_t)topology->nodes->node_count * (size_t)c * sizeof *room->load);
+                                        workspace->block, workspace->values);
+  memset(workspace->load, 0,
+         (size_t)topology->nodes->node_count * (size_t)c * sizeof *workspace->load);
   for (int64_t k = 0; k < topology->element_count; k++)
     for (int i = 0; i < 3; i++)
       for (int d = 0; d < c; d++)
-        room->load[c * (int64_t)topology->element[3 * k + i] + d] +=
-            room->vector[c * (3 * k + i) + d];
+        workspace->load[c * (int64_t)topology->element[3 * k + i] + d] +=
+            workspace->vector[c * (3 * k + i) + d];
   return status;
 }
 
@@ -70,7 +71,7 @@ static bw_status assemble(bw_context *context, bw_flow *flow, const bwi_linear *
  * constant. */
 static bool is_enclosed(const bw_flow *flow) {
   const bw_plane_topology *topology = flow->mesh->topology;
-  const uint8_t *held = flow->inner->room.held;
+  const uint8_t *held = flow->inner->workspace.held;
   int c = flow->components;
   for (int64_t i = 0; i < topology->nodes->node_count; i++)
     if (held[c * i + 2])
@@ -112,13 +113,13 @@ static void center_pressure(const bw_flow *flow, double *state) {
  * multiplied by does not change the solution.) */
 static void balance(const bw_flow *flow) {
   const bw_plane_graph *graph = flow->inner->now->graph;
-  const bwi_flow_room *room = &flow->inner->room;
+  const bwi_flow_workspace *workspace = &flow->inner->workspace;
   int c = flow->components;
   double diagonal[BWI_MAX] = {0}, right[BWI_MAX] = {0}, by[BWI_MAX] = {1, 1, 1, 1};
   for (int64_t i = 0; i < graph->node_count; i++)
     for (int d = 0; d < c; d++) {
-      diagonal[d] += fabs(room->system[c * (c * graph->diagonal[i] + d) + d]);
-      right[d] += room->rhs[c * i + d] * room->rhs[c * i + d];
+      diagonal[d] += fabs(workspace->system[c * (c * graph->diagonal[i] + d) + d]);
+      right[d] += workspace->rhs[c * i + d] * workspace->rhs[c * i + d];
     }
   double momentum = diagonal[0] + diagonal[1], force = sqrt(right[0] + right[1]);
   if (diagonal[2] > 0)
@@ -133,10 +134,10 @@ static void balance(const bw_flow *flow) {
   for (int64_t p = 0; p < graph->pair_count; p++)
     for (int d = 2; d < c; d++)
       for (int e = 0; e < c; e++)
-        room->system[c * (c * p + d) + e] *= by[d];
+        workspace->system[c * (c * p + d) + e] *= by[d];
   for (int64_t i = 0; i < graph->node_count; i++)
     for (int d = 2; d < c; d++)
-      room->rhs[c * i + d] *= by[d];
+      workspace->rhs[c * i + d] *= by[d];
 }
 
 /* Assembles and solves; room.solution is the first guess and the result, room.reaction follows. */
@@ -144,40 +145,41 @@ static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *lin
                        const bw_flow_options *options, bw_plane_reuse *kept) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
-  bwi_flow_room *room = &in->room;
+  bwi_flow_workspace *workspace = &in->workspace;
   const bw_flow_description *about = &in->about;
   int c = flow->components;
   size_t unknowns = (size_t)in->now->graph->node_count * (size_t)c;
   double started = bw_seconds();
-  BW_TRY(bwi_flow_recover(context, flow->mesh, c, room->solution, room->laplacian));
+  BW_TRY(bwi_flow_recover(context, flow->mesh, c, workspace->solution, workspace->laplacian));
   BW_TRY(assemble(context, flow, linear));
-  memset(room->held, 0, unknowns);
+  memset(workspace->held, 0, unknowns);
   BW_TRY(bw_conditions_prescribe(context, flow->mesh, c, about->condition_count, about->condition,
-                                 time, room->held, room->prescribed, &in->conflicts_reported));
+                                 time, workspace->held, workspace->prescribed,
+                                 &in->conflicts_reported));
   BW_TRY(bwi_flow_boundary(context, flow, time));
   bool enclosed = is_enclosed(flow);
   if (enclosed) {
-    room->held[2] = 1;
-    room->prescribed[2] = 0;
+    workspace->held[2] = 1;
+    workspace->prescribed[2] = 0;
   }
   size_t entries = (size_t)in->now->graph->pair_count * (size_t)(c * c);
-  memcpy(room->system, room->values, entries * sizeof *room->system);
-  memcpy(room->rhs, room->load, unknowns * sizeof *room->rhs);
-  BW_TRY(bw_plane_prescribe(context, in->now->graph, c, room->held, room->prescribed, room->system,
-                            room->rhs));
+  memcpy(workspace->system, workspace->values, entries * sizeof *workspace->system);
+  memcpy(workspace->rhs, workspace->load, unknowns * sizeof *workspace->rhs);
+  BW_TRY(bw_plane_prescribe(context, in->now->graph, c, workspace->held, workspace->prescribed,
+                            workspace->system, workspace->rhs));
   balance(flow);
   for (size_t i = 0; i < unknowns; i++)
-    if (room->held[i])
-      room->solution[i] = room->prescribed[i];
+    if (workspace->held[i])
+      workspace->solution[i] = workspace->prescribed[i];
   kept->seconds_assemble += bw_seconds() - started;
-  BW_TRY(bw_lagged_factor_solve(context, in->lagged, in->now->graph, room->system, room->rhs,
-                                room->solution, &options->linear, kept));
-  BW_TRY(
-      bw_plane_multiply(context, in->now->graph, c, room->values, room->solution, room->reaction));
+  BW_TRY(bw_lagged_factor_solve(context, in->lagged, in->now->graph, workspace->system,
+                                workspace->rhs, workspace->solution, &options->linear, kept));
+  BW_TRY(bw_plane_multiply(context, in->now->graph, c, workspace->values, workspace->solution,
+                           workspace->reaction));
   for (size_t i = 0; i < unknowns; i++)
-    room->reaction[i] -= room->load[i];
+    workspace->reaction[i] -= workspace->load[i];
   if (enclosed)
-    center_pressure(flow, room->solution);
+    center_pressure(flow, workspace->solution);
 done:
   return status;
 }
@@ -218,7 +220,7 @@ static void carried_by(const bw_flow *flow, const double *state, const scheme *m
       int64_t k = 2 * i + d;
       double mesh =
           moving ? moving->rate * now[k] - moving->one * old[k] + moving->two * older[k] : 0;
-      in->room.convect[k] = state[c * i + d] - mesh;
+      in->workspace.convect[k] = state[c * i + d] - mesh;
     }
 }
 
@@ -230,23 +232,23 @@ static bw_status march(bw_context *context, bw_flow *flow, const bw_flow_options
   size_t unknowns = (size_t)in->now->graph->node_count * (size_t)c;
   double dt = options->step, ratio = in->now->known == 2 ? dt / in->now->last_step : 0;
   bool second = options->bdf == 2 && in->now->known == 2;
-  double *x = in->room.solution, *last = NULL;
+  double *x = in->workspace.solution, *last = NULL;
   /* u' = rate u - history, from the parabola through the new and the two former states */
   scheme s = {1 / dt, 1 / dt, 0};
   if (second)
     s = (scheme){(1 + 2 * ratio) / (1 + ratio) / dt, (1 + ratio) / dt,
                  ratio * ratio / (1 + ratio) / dt};
   for (size_t i = 0; i < unknowns; i++) {
-    in->room.history[i] = s.one * flow->state[i] - s.two * flow->before[i];
+    in->workspace.history[i] = s.one * flow->state[i] - s.two * flow->before[i];
     x[i] = flow->state[i] + ratio * (flow->state[i] - flow->before[i]);
   }
   bwi_linear linear = {.mesh = flow->mesh,
                        .about = &in->about,
                        .components = c,
                        .rate = s.rate,
-                       .convect = in->room.convect,
-                       .laplacian = in->room.laplacian,
-                       .history = in->room.history};
+                       .convect = in->workspace.convect,
+                       .laplacian = in->workspace.laplacian,
+                       .history = in->workspace.history};
   int rounds = options->iterations > 0 ? options->iterations : 1;
   last = BW_NEW(context, double, unknowns);
   if (!last)
@@ -293,21 +295,21 @@ static bw_status search(bw_context *context, bw_flow *flow, const bw_flow_option
   struct bwi_flow *in = flow->inner;
   int c = flow->components;
   size_t unknowns = (size_t)in->now->graph->node_count * (size_t)c;
-  double *x = in->room.solution, rate = pseudo;
+  double *x = in->workspace.solution, rate = pseudo;
   *reached = INFINITY;
   for (int k = 0; k < rounds; k++) {
     BW_TRY(bw_check_cancel(context));
     carried_by(flow, x, NULL);
     memcpy(last, x, unknowns * sizeof *x);
     for (size_t i = 0; i < unknowns; i++)
-      in->room.history[i] = rate * x[i];
+      in->workspace.history[i] = rate * x[i];
     bwi_linear linear = {.mesh = flow->mesh,
                          .about = &in->about,
                          .components = c,
                          .rate = rate,
-                         .convect = in->room.convect,
-                         .laplacian = in->room.laplacian,
-                         .history = in->room.history,
+                         .convect = in->workspace.convect,
+                         .laplacian = in->workspace.laplacian,
+                         .history = in->workspace.history,
                          .newton = pseudo > 0 || k >= PICARD ? last : NULL};
     BW_TRY(solve(context, flow, &linear, flow->time, options, kept));
     double moved = change(flow, last, x), before = *reached;
@@ -355,7 +357,7 @@ static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_option
         "there is a heat flux, but neither a temperature nor convection: no steady state "
         "is determined. Prescribe a temperature somewhere, or give a time step");
   size_t unknowns = (size_t)in->now->graph->node_count * (size_t)flow->components;
-  double *x = in->room.solution, reached = INFINITY;
+  double *x = in->workspace.solution, reached = INFINITY;
   double *last = BW_NEW(context, double, unknowns);
   int rounds = options->iterations > 0 ? options->iterations : 30;
   if (!last)
@@ -368,7 +370,7 @@ static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_option
     bwi_linear linear = {.mesh = flow->mesh,
                          .about = &in->about,
                          .components = flow->components,
-                         .convect = in->room.convect};
+                         .convect = in->workspace.convect};
     double pseudo = fastest(flow, &linear) / 10;
     BW_TRY(search(context, flow, options, pseudo, 10 * rounds, &reached, last, kept));
   }
@@ -411,14 +413,14 @@ bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options
                    options.step, options.bdf, options.iterations, options.tolerance);
   if (options.step == 0)
     options.linear.tolerance = fmin(options.linear.tolerance, 0.01 * options.tolerance);
-  if (!in->room.block)
-    BW_TRY(bwi_flow_room_make(context, in->now->graph, flow->components, &in->room));
+  if (!in->workspace.block)
+    BW_TRY(bwi_flow_workspace_make(context, in->now->graph, flow->components, &in->workspace));
   BW_TRY(bwi_flow_next(context, flow, &next));
   if (options.step > 0)
     BW_TRY(march(context, flow, &options, next, kept));
   else
     BW_TRY(settle(context, flow, &options, next, kept));
-  memcpy(next->reaction, in->room.reaction,
+  memcpy(next->reaction, in->workspace.reaction,
          (size_t)in->now->graph->node_count * (size_t)flow->components * sizeof(double));
   next->reacted = true;
   BW_TRY(bwi_flow_commit(context, flow, next));

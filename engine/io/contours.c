@@ -35,7 +35,7 @@ static void transform(const bwi_contours *c, const double from[2], double to[2])
 void bwi_contours_begin(bwi_contours *c, const double at[2], const bw_name *name, int32_t region,
                         int64_t line) {
   if (c->status == BW_OK &&
-      !bw_grow(c->context, (void **)&c->piece, &c->piece_room, c->pieces, 1, sizeof *c->piece))
+      !bw_grow(c->context, (void **)&c->piece, &c->piece_capacity, c->pieces, 1, sizeof *c->piece))
     c->status = BW_MEMORY;
   if (c->status != BW_OK)
     return;
@@ -47,7 +47,7 @@ void bwi_contours_begin(bwi_contours *c, const double at[2], const bw_name *name
 
 static void add(bwi_contours *c, int count, const double *const point[4]) {
   if (c->status == BW_OK &&
-      !bw_grow(c->context, (void **)&c->edge, &c->edge_room, c->edges, 1, sizeof *c->edge))
+      !bw_grow(c->context, (void **)&c->edge, &c->edge_capacity, c->edges, 1, sizeof *c->edge))
     c->status = BW_MEMORY;
   if (c->status != BW_OK)
     return;

@@ -29,7 +29,7 @@ typedef struct bwi_contours {
   const char *name; /* of the file */
   bwi_contour_edge *edge;
   bwi_contour_piece *piece;
-  size_t edges, edge_room, pieces, piece_room;
+  size_t edges, edge_capacity, pieces, piece_capacity;
   bwi_draft draft;  /* its tags */
   double matrix[6]; /* a c e; b d f as in SVG: x' = m0 x + m2 y + m4, y' = m1 x + m3 y + m5 */
   double start[2], at[2];

@@ -222,8 +222,9 @@ static bw_name free_name(const bwi_draft *draft, const bw_name *wanted) {
     if (!taken)
       break;
     char text[BW_NAME + 16];
-    size_t room = BW_NAME - 12, length = strlen(wanted->text);
-    snprintf(text, sizeof text, "%.*s %d", (int)(length < room ? length : room), wanted->text, n);
+    size_t capacity = BW_NAME - 12, length = strlen(wanted->text);
+    snprintf(text, sizeof text, "%.*s %d", (int)(length < capacity ? length : capacity),
+             wanted->text, n);
     name = bwi_name(text, strlen(text));
   }
   return name;

@@ -20,12 +20,12 @@ typedef struct reader {
   bwi_cursor *cursor;
   bwi_contours *contours;
   group *list;
-  size_t count, room;
+  size_t count, capacity;
   group ahead; /* the group of code 0 that ended the last entity */
   bwi_word type;
   int64_t type_line;
   double *number; /* of splines: knots, then points */
-  size_t number_room;
+  size_t number_capacity;
   double unit;
   int64_t skipped, entities;
 } reader;
@@ -92,7 +92,7 @@ static bw_status read_entity(reader *r) {
       r->ahead = g;
       return BW_OK;
     }
-    if (!bw_grow(r->cursor->context, (void **)&r->list, &r->room, r->count, 1, sizeof *r->list))
+    if (!bw_grow(r->cursor->context, (void **)&r->list, &r->capacity, r->count, 1, sizeof *r->list))
       return BW_MEMORY;
     r->list[r->count++] = g;
   }
@@ -328,7 +328,7 @@ static bw_status read_spline(reader *r) {
     s.knots += r->list[i].code == 40;
     s.points += r->list[i].code == 10;
   }
-  if (!bw_grow(r->cursor->context, (void **)&r->number, &r->number_room, 0,
+  if (!bw_grow(r->cursor->context, (void **)&r->number, &r->number_capacity, 0,
                s.knots + 2 * s.points + 1, sizeof *r->number))
     return BW_MEMORY;
   double *knot = r->number, *point = r->number + s.knots, weight = 0;

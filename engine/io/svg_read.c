@@ -25,7 +25,7 @@ typedef struct reader {
   bwi_cursor *cursor;
   bwi_contours *contours;
   level *stack;
-  size_t depth, room;
+  size_t depth, capacity;
   double unit; /* asked for, or 0 */
   int64_t skipped;
   const unsigned char *counted; /* up to where `line` has counted */
@@ -460,7 +460,7 @@ static bw_status open_element(reader *r, const bwi_tag *tag) {
     goto done;
   if (r->depth >= DEEPEST)
     BW_TRY(bwi_fail_line(r->cursor, "elements lie more than %d deep in each other", DEEPEST));
-  if (!bw_grow(r->cursor->context, (void **)&r->stack, &r->room, r->depth, 1, sizeof *r->stack))
+  if (!bw_grow(r->cursor->context, (void **)&r->stack, &r->capacity, r->depth, 1, sizeof *r->stack))
     return BW_MEMORY;
   r->stack[r->depth++] = now;
 done:

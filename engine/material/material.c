@@ -29,9 +29,9 @@ bw_material *bwi_material_create(bw_context *context, const char *name, const ch
   bw_object_init(material, &material_kind);
   if (!name || !*name)
     name = fallback;
-  size_t length = strlen(name), room = sizeof material->name - 1;
-  if (length > room) {
-    length = room; /* not in the middle of a UTF-8 character */
+  size_t length = strlen(name), capacity = sizeof material->name - 1;
+  if (length > capacity) {
+    length = capacity; /* not in the middle of a UTF-8 character */
     while (length > 0 && ((unsigned char)name[length] & 0xC0) == 0x80)
       length--;
   }

@@ -111,10 +111,10 @@ static inline double shape_of(const double *const x[3], const double n[3]) {
   return sum > 0 ? 3.4641016 * bw_norm(n) / sum : 0;
 }
 
-/* coarsen_room.c: enter a triangle in the grid; do the new triangles stay near the surface that was
- * given and meet nothing? */
+/* coarsen_overlap.c: enter a triangle in the grid; do the new triangles stay near the surface that
+ * was given and meet nothing? */
 bool bwi_coarsen_enter(bwi_coarsening *c, int32_t triangle);
-bool bwi_coarsen_has_room(bwi_coarsening *c, bwi_coarsen_change *now);
+bool bwi_coarsen_is_free(bwi_coarsening *c, bwi_coarsen_change *now);
 
 /* coarsen_collapse.c: remove points and short edges; move points to where their planes ask for. */
 bool bwi_coarsen_ring(bwi_coarsening *c, int32_t point, int32_t *ring, int *count);

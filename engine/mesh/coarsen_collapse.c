@@ -140,7 +140,7 @@ static bw_status collapse(bwi_coarsening *c, int32_t a, int32_t b, bool *done) {
     for (int k = 0; k < 3; k++)
       now.at[k] = try == 0 ? (place(c, a)[k] + place(c, b)[k]) / 2 : place(c, try == 1 ? a : b)[k];
     *done = (try == 0 ? best_place(c, q, now.at) : planes_near(c, q, now.at)) &&
-            plan(c, &now, ring, count_a + count_b) && bwi_coarsen_has_room(c, &now);
+            plan(c, &now, ring, count_a + count_b) && bwi_coarsen_is_free(c, &now);
   }
   if (!*done)
     return BW_OK;
@@ -205,7 +205,7 @@ static bw_status remove_point(bwi_coarsening *c, int32_t point, bool *done) {
   if (!(shape > 1e-4 && shape >= fmin(c->floor, worst_before)) ||
       bwi_nearest_on_triangle(place(c, point), now.x[0][0], now.x[0][1], now.x[0][2], near) >
           far * far ||
-      !bwi_coarsen_has_room(c, &now))
+      !bwi_coarsen_is_free(c, &now))
     return BW_OK;
   *done = true;
   for (int k = 0; k < 3; k++) {
@@ -259,7 +259,7 @@ static bw_status move(bwi_coarsening *c, int32_t point) {
     now.at[k] -= along * whole[k];
   if (!planes_near(c, c->quadric[point], now.at) || !plan(c, &now, ring, count) ||
       now.worst_before > 0.3 || now.worst < now.worst_before + 0.02 ||
-      !bwi_coarsen_has_room(c, &now))
+      !bwi_coarsen_is_free(c, &now))
     return BW_OK;
   memcpy(c->x + 3 * (size_t)point, now.at, sizeof now.at);
   c->lost[point] = now.lost;

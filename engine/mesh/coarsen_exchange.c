@@ -81,8 +81,7 @@ static bw_status exchange(bwi_coarsening *c, int32_t t, int side, bool *done) {
   for (int i = 0; i < 2; i++)
     if (!(bw_dot(now.normal[i], sum) > limit * bw_norm(now.normal[i]) * size))
       return BW_OK;
-  if (bw_norm(nt) + bw_norm(nu) > (limit > 0.7 ? 1.1 : 1.4) * size ||
-      !bwi_coarsen_has_room(c, &now))
+  if (bw_norm(nt) + bw_norm(nu) > (limit > 0.7 ? 1.1 : 1.4) * size || !bwi_coarsen_is_free(c, &now))
     return BW_OK;
   *done = true;
   int32_t two[2] = {t, u};

@@ -116,16 +116,16 @@ bw_status bw_faces_on_mesh(bw_context *context, const bw_surface *surface, const
 
 /* The faces at each point, and the longest move that its edges allow. */
 static void look_around(const bw_faces *faces, const bw_surface *surface, const int32_t *label,
-                        bwi_faces_around *at, double *room) {
+                        bwi_faces_around *at, double *max_move) {
   for (int32_t i = 0; i < surface->point_count; i++)
-    room[i] = HUGE_VAL;
+    max_move[i] = HUGE_VAL;
   for (int32_t t = 0; t < surface->triangle_count; t++) {
     const int32_t *corner = surface->triangle + 3 * (size_t)t;
     for (int k = 0; k < 3; k++) {
       int32_t a = corner[k], b = corner[(k + 1) % 3];
       double max = of_edge * apart(surface->point + 3 * (size_t)a, surface->point + 3 * (size_t)b);
-      room[a] = fmin(room[a], max);
-      room[b] = fmin(room[b], max);
+      max_move[a] = fmin(max_move[a], max);
+      max_move[b] = fmin(max_move[b], max);
       if (label[t] >= 0)
         bwi_around_add(&at[a], faces, label[t]);
     }
@@ -161,7 +161,7 @@ typedef struct projection {
   const bw_faces *faces;
   const bw_surface *surface;
   const bwi_faces_around *at;
-  const double *room;
+  const double *max_move;
   double longest, diagonal;
   double *from, *point; /* before and after a round */
   uint8_t *moved;       /* in this round */
@@ -188,7 +188,7 @@ static bw_status move_onto(bw_context *context, projection *p, bw_face_kind last
     double x[3];
     const bool outline =
         p->surface->group && is_outline(p->faces, &p->at[i], p->from + 3 * (size_t)i);
-    const double longest = outline ? of_rounding * p->diagonal : fmin(p->room[i], p->longest);
+    const double longest = outline ? of_rounding * p->diagonal : fmin(p->max_move[i], p->longest);
     memcpy(x, p->from + 3 * (size_t)i, sizeof x);
     p->moved[i] = p->at[i].count > 0 &&
                   bwi_around_project(p->faces, &p->at[i], last, p->diagonal, x) &&
@@ -211,12 +211,12 @@ bw_status bwi_faces_project(bw_context *context, const bw_surface *base, const b
   bw_surface_report report = {0};
   size_t points = (size_t)surface->point_count;
   bwi_faces_around *at = BW_NEW0(context, bwi_faces_around, points);
-  double *room = BW_NEW(context, double, points);
+  double *max_move = BW_NEW(context, double, points);
   int32_t *label = BW_NEW(context, int32_t, surface->triangle_count);
   projection p = {.faces = faces,
                   .surface = surface,
                   .at = at,
-                  .room = room,
+                  .max_move = max_move,
                   .longest = longest,
                   .diagonal = bwi_surface_diagonal(surface),
                   .from = BW_NEW(context, double, 3 * points),
@@ -224,7 +224,7 @@ bw_status bwi_faces_project(bw_context *context, const bw_surface *base, const b
                   .moved = BW_NEW0(context, uint8_t, points)};
   *count = 0;
   *moved = 0;
-  if (!at || !room || !label || !p.from || !p.point || !p.moved) {
+  if (!at || !max_move || !label || !p.from || !p.point || !p.moved) {
     status = BW_MEMORY;
     goto done;
   }
@@ -232,7 +232,7 @@ bw_status bwi_faces_project(bw_context *context, const bw_surface *base, const b
     memcpy(label, surface->group, (size_t)surface->triangle_count * sizeof *label);
   else
     BW_TRY(bwi_faces_label(context, base, faces, surface, label));
-  look_around(faces, surface, label, at, room);
+  look_around(faces, surface, label, at, max_move);
   memcpy(p.point, surface->point, 3 * points * sizeof *p.point);
   /* Planes first, by hair's breadths: what the longer moves onto round faces give up stays flat. */
   BW_TRY(move_onto(context, &p, BW_FACE_PLANE));
@@ -259,7 +259,7 @@ done:
   bw_surface_report_clear(&report);
   bw_release(made);
   bw_free(at);
-  bw_free(room);
+  bw_free(max_move);
   bw_free(label);
   bw_free(p.from);
   bw_free(p.point);

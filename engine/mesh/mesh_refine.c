@@ -30,11 +30,11 @@ typedef struct refining {
   bw_context *context;
   const bw_mesh *from;
   cell *cells;
-  int64_t cell_count, cell_room, cell_limit;
+  int64_t cell_count, cell_capacity, cell_limit;
   double *node; /* of the corners */
-  int32_t node_count, node_room;
-  slot *slots; /* bisected edges, open addressing; slot_room is a power of two */
-  int64_t slot_count, slot_room;
+  int32_t node_count, node_capacity;
+  slot *slots; /* bisected edges, open addressing; slot_capacity is a power of two */
+  int64_t slot_count, slot_capacity;
 } refining;
 
 static void shape_of(int order, const double l[4], double *value) {
@@ -59,9 +59,9 @@ static void place_of(const bw_mesh *mesh, int32_t element, const double l[4], do
 
 static slot *find_slot(const refining *r, int32_t low, int32_t high) {
   uint64_t hash = ((uint64_t)(uint32_t)low << 32 | (uint32_t)high) * 0x9E3779B97F4A7C15u;
-  int64_t at = (int64_t)(hash >> 20) & (r->slot_room - 1);
+  int64_t at = (int64_t)(hash >> 20) & (r->slot_capacity - 1);
   while (r->slots[at].middle >= 0 && (r->slots[at].low != low || r->slots[at].high != high))
-    at = (at + 1) & (r->slot_room - 1);
+    at = (at + 1) & (r->slot_capacity - 1);
   return &r->slots[at];
 }
 
@@ -69,16 +69,16 @@ static int32_t middle_of(const refining *r, int32_t a, int32_t b) {
   return find_slot(r, a < b ? a : b, a < b ? b : a)->middle;
 }
 
-static bw_status make_slots(refining *r, int64_t room) {
+static bw_status make_slots(refining *r, int64_t capacity) {
   refining old = *r;
-  slot *slots = BW_NEW(r->context, slot, room);
+  slot *slots = BW_NEW(r->context, slot, capacity);
   if (!slots)
     return BW_MEMORY;
-  for (int64_t i = 0; i < room; i++)
+  for (int64_t i = 0; i < capacity; i++)
     slots[i].middle = -1;
   r->slots = slots;
-  r->slot_room = room;
-  for (int64_t i = 0; i < old.slot_room; i++)
+  r->slot_capacity = capacity;
+  for (int64_t i = 0; i < old.slot_capacity; i++)
     if (old.slots[i].middle >= 0)
       *find_slot(r, old.slots[i].low, old.slots[i].high) = old.slots[i];
   bw_free(old.slots);
@@ -93,20 +93,20 @@ static bw_status take_middle(refining *r, const cell *c, int a, int b, int32_t *
     low = c->node[b];
     high = c->node[a];
   }
-  if (2 * r->slot_count >= r->slot_room)
-    BW_TRY(make_slots(r, 2 * r->slot_room));
+  if (2 * r->slot_count >= r->slot_capacity)
+    BW_TRY(make_slots(r, 2 * r->slot_capacity));
   slot *s = find_slot(r, low, high);
   if (s->middle < 0) {
     double l[4];
-    if (r->node_count == r->node_room) {
-      int64_t room = 2 * (int64_t)r->node_room;
-      double *node = BW_NEW(r->context, double, 3 * room);
+    if (r->node_count == r->node_capacity) {
+      int64_t capacity = 2 * (int64_t)r->node_capacity;
+      double *node = BW_NEW(r->context, double, 3 * capacity);
       if (!node)
         return BW_MEMORY;
       memcpy(node, r->node, 3 * (size_t)r->node_count * sizeof *node);
       bw_free(r->node);
       r->node = node;
-      r->node_room = (int32_t)room;
+      r->node_capacity = (int32_t)capacity;
     }
     for (int k = 0; k < 4; k++)
       l[k] = (c->at[a][k] + c->at[b][k]) / 2;
@@ -156,14 +156,14 @@ static bw_status bisect(refining *r, int64_t number) {
   if (r->cell_count >= r->cell_limit)
     return bw_fail(r->context, BW_LIMIT, "the refinement needs more than %lld elements",
                    (long long)r->cell_limit);
-  if (r->cell_count == r->cell_room) {
-    cell *cells = BW_NEW(r->context, cell, 2 * r->cell_room);
+  if (r->cell_count == r->cell_capacity) {
+    cell *cells = BW_NEW(r->context, cell, 2 * r->cell_capacity);
     if (!cells)
       return BW_MEMORY;
     memcpy(cells, r->cells, (size_t)r->cell_count * sizeof *cells);
     bw_free(r->cells);
     r->cells = cells;
-    r->cell_room *= 2;
+    r->cell_capacity *= 2;
   }
   cell *one = &r->cells[number], *two = &r->cells[r->cell_count];
   int edge = longest_edge(r, one), a = bw_tet_edge[edge][0], b = bw_tet_edge[edge][1];
@@ -204,11 +204,11 @@ static bw_status begin(refining *r, const uint8_t *levels) {
   const bw_mesh *mesh = r->from;
   size_t width = (size_t)mesh->nodes_per_element;
   r->cell_count = mesh->element_count;
-  r->cell_room = 2 * r->cell_count;
+  r->cell_capacity = 2 * r->cell_count;
   r->node_count = mesh->node_count; /* middles are dropped at the end */
-  r->node_room = 2 * r->node_count;
-  r->cells = BW_NEW(r->context, cell, r->cell_room);
-  r->node = BW_NEW(r->context, double, 3 * (int64_t)r->node_room);
+  r->node_capacity = 2 * r->node_count;
+  r->cells = BW_NEW(r->context, cell, r->cell_capacity);
+  r->node = BW_NEW(r->context, double, 3 * (int64_t)r->node_capacity);
   if (!r->cells || !r->node)
     return BW_MEMORY;
   memcpy(r->node, mesh->node, 3 * (size_t)mesh->node_count * sizeof *r->node);

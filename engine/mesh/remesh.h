@@ -38,7 +38,8 @@ typedef struct bwi_remesher {
   bwi_time_limit time;
   double share;               /* done of the whole, for progress */
   const bw_size_field *sizes; /* NULL: none */
-  double *room; /* per facet of the original: how far what lies opposite is, inside or outside */
+  double
+      *clearance; /* per facet of the original: how far what lies opposite is, inside or outside */
   bwi_fine_place *fine;
   size_t fine_count, fine_capacity;
 } bwi_remesher;
@@ -85,7 +86,8 @@ static inline bw_status look_up(const bwi_remesher *r, size_t step) {
 }
 
 /* remesh_guard.c: how far the surface may be left near a point; whether a point, a side and a facet
- * stay near enough; the size wanted at a point; the room up to what lies opposite each facet. */
+ * stay near enough; the size wanted at a point; the clearance up to what lies opposite each facet.
+ */
 double bwi_remesh_slack(const bwi_remesher *r, double size);
 bool bwi_remesh_near_surface(const bwi_remesher *r, const double x[3], double limit);
 bool bwi_remesh_near_crease(const bwi_remesher *r, const double a[3], const double b[3],
@@ -93,7 +95,7 @@ bool bwi_remesh_near_crease(const bwi_remesher *r, const double a[3], const doub
 bool bwi_remesh_facet_near_surface(const bwi_remesher *r, const double a[3], const double b[3],
                                    const double c[3], double limit);
 double bwi_remesh_size_near(const bwi_remesher *r, const double x[3]);
-bw_status bwi_remesh_find_room(void *data, int64_t begin, int64_t end, int worker);
+bw_status bwi_remesh_find_clearance(void *data, int64_t begin, int64_t end, int worker);
 
 /* remesh_faces.c: borders of faces are sharp edges, groups the numbers of faces; edges on round
  * faces are short beside the radius. Is a side a chord of a round face beside a plane? */

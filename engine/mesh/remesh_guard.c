@@ -17,11 +17,11 @@ bool bwi_remesh_near_surface(const bwi_remesher *r, const double x[3], double li
   double far = bwi_tree_nearest(r->tree, x, -1, limit * limit, place, &facet);
   if (far > limit * limit)
     return false;
-  double close = fmax(0.2 * r->room[facet], 0.01 * r->length);
+  double close = fmax(0.2 * r->clearance[facet], 0.01 * r->length);
   if (close >= limit || far <= close * close)
     return true;
   far = bwi_tree_nearest(r->tree, x, facet, 0, place, &facet);
-  close = fmax(0.2 * r->room[facet], 0.01 * r->length);
+  close = fmax(0.2 * r->clearance[facet], 0.01 * r->length);
   return far <= close * close;
 }
 
@@ -96,14 +96,14 @@ static bool hit(void *data, int32_t facet) {
 }
 
 /* Look from the middle of each facet straight in and straight out. */
-bw_status bwi_remesh_find_room(void *data, int64_t begin, int64_t end, int worker) {
+bw_status bwi_remesh_find_clearance(void *data, int64_t begin, int64_t end, int worker) {
   bwi_remesher *r = (bwi_remesher *)data;
   (void)worker;
   for (int64_t t = begin; t < end; t++) {
     double n[3], middle[3] = {0}, far[3];
     bwi_facet_normal(r->original->point, r->original->triangle + 3 * t, n);
     double length = bw_norm(n);
-    r->room[t] = 5 * r->length;
+    r->clearance[t] = 5 * r->length;
     for (int k = 0; k < 9; k++)
       middle[k % 3] +=
           r->original->point[3 * (int64_t)r->original->triangle[3 * t + k / 3] + k % 3] / 3;
@@ -113,9 +113,9 @@ bw_status bwi_remesh_find_room(void *data, int64_t begin, int64_t end, int worke
         along[k] = way * n[k] / length;
         far[k] = middle[k] + 5 * r->length * along[k];
       }
-      ray shot = {r->original, middle, along, (int32_t)t, r->room[t]};
+      ray shot = {r->original, middle, along, (int32_t)t, r->clearance[t]};
       bwi_tree_on_segment(r->tree, middle, far, hit, &shot);
-      r->room[t] = shot.hit;
+      r->clearance[t] = shot.hit;
     }
   }
   return BW_OK;

@@ -24,7 +24,7 @@ void bwi_changing_free(bwi_changing *mesh) {
 }
 
 /* Room for more points and facets; all arrays grow together. */
-static bw_status make_room(bwi_changing *mesh, size_t points, size_t facets) {
+static bw_status reserve(bwi_changing *mesh, size_t points, size_t facets) {
   bw_context *context = mesh->context;
   if (mesh->point_count + points > mesh->point_capacity) {
     size_t capacity = 2 * (mesh->point_count + points);
@@ -99,7 +99,7 @@ bw_status bwi_changing_create(bw_context *context, const bw_surface *surface, do
     return BW_MEMORY;
   mesh->context = context;
   size_t points = (size_t)surface->point_count, facets = (size_t)surface->triangle_count;
-  BW_TRY(make_room(mesh, points, facets));
+  BW_TRY(reserve(mesh, points, facets));
   BW_TRY(bwi_topology_create(context, surface, &topology));
   mesh->point_count = points;
   mesh->facet_count = facets;
@@ -179,7 +179,7 @@ static void join(bwi_changing *mesh, int32_t s, int32_t t, uint8_t sharp) {
  *      \   /                 \ | /
  *        d                     d                                                          */
 bw_status bwi_split(bwi_changing *mesh, int32_t side, const double at[3], int32_t *made) {
-  bw_status status = make_room(mesh, 1, 2);
+  bw_status status = reserve(mesh, 1, 2);
   if (status != BW_OK)
     return status;
   int32_t other = mesh->opposite[side];

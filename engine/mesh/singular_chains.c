@@ -38,11 +38,12 @@ bw_status bwi_singular_add(bw_context *context, bw_singular_places *places,
                            const bw_singular_place *place, int32_t count, const double *point,
                            const double *inward) {
   size_t points = (size_t)places->point_count, rows = (size_t)count;
-  size_t room = (size_t)places->count, point_room = 3 * points, inward_room = 3 * points;
-  if (!bw_grow(context, (void **)&places->place, &room, room, 1, sizeof *places->place) ||
-      !bw_grow(context, (void **)&places->point, &point_room, 3 * points, 3 * rows,
+  size_t capacity = (size_t)places->count, point_capacity = 3 * points,
+         inward_capacity = 3 * points;
+  if (!bw_grow(context, (void **)&places->place, &capacity, capacity, 1, sizeof *places->place) ||
+      !bw_grow(context, (void **)&places->point, &point_capacity, 3 * points, 3 * rows,
                sizeof(double)) ||
-      !bw_grow(context, (void **)&places->inward, &inward_room, 3 * points, 3 * rows,
+      !bw_grow(context, (void **)&places->inward, &inward_capacity, 3 * points, 3 * rows,
                sizeof(double)))
     return BW_MEMORY;
   memcpy(places->point + 3 * points, point, 3 * rows * sizeof *point);

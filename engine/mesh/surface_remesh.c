@@ -226,12 +226,12 @@ bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
   r.original = welded;
   BW_TRY(bwi_tree_create(context, welded->point, welded->triangle_count, welded->triangle, NULL,
                          &r.tree));
-  r.room = BW_NEW(context, double, welded->triangle_count);
-  if (!r.room) {
+  r.clearance = BW_NEW(context, double, welded->triangle_count);
+  if (!r.clearance) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bw_parallel(context, welded->triangle_count, 512, bwi_remesh_find_room, &r));
+  BW_TRY(bw_parallel(context, welded->triangle_count, 512, bwi_remesh_find_clearance, &r));
   for (; attempt < 5; attempt++) {
     bw_release(made);
     made = NULL;
@@ -270,7 +270,7 @@ done:
   bwi_tree_free(r.creases);
   bw_free(r.crease);
   bw_free(r.fine);
-  bw_free(r.room);
+  bw_free(r.clearance);
   return status;
 }
 

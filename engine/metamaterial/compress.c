@@ -65,11 +65,12 @@ bw_status bwi_cover_add(bwi_cover *cover, const float coordinate[BWI_FEATURES], 
 }
 
 int32_t bwi_cover_farthest(const bwi_cover *cover, uint64_t mask, const uint8_t *images,
-                           int32_t room) {
+                           int32_t available) {
   int32_t farthest = -1;
   float max = 0;
   for (int32_t i = 0; i < cover->count; i++)
-    if (cover->distance[i] > max && !(mask & ~cover->mask[i]) && (!images || images[i] <= room)) {
+    if (cover->distance[i] > max && !(mask & ~cover->mask[i]) &&
+        (!images || images[i] <= available)) {
       max = cover->distance[i];
       farthest = i;
     }

@@ -52,7 +52,7 @@ int32_t bwi_grown_find(const bwi_grown *it, const uint8_t *first) {
   return -1;
 }
 
-bw_status bwi_grown_room(bw_context *context, int32_t width, int32_t count, bwi_grown *it) {
+bw_status bwi_grown_reserve(bw_context *context, int32_t width, int32_t count, bwi_grown *it) {
   memset(it, 0, sizeof *it);
   it->width = width;
   it->key = BW_NEW0(context, uint8_t, (int64_t)width * count);
@@ -76,7 +76,7 @@ static void take(bwi_grown *to, int32_t i, const bwi_grown *from, int32_t j) {
 bw_status bwi_grown_join(bw_context *context, const bwi_grown *a, const bwi_grown *b,
                          bwi_grown *joined) {
   size_t width = (size_t)b->width;
-  bw_status status = bwi_grown_room(context, b->width, a->count + b->count, joined);
+  bw_status status = bwi_grown_reserve(context, b->width, a->count + b->count, joined);
   for (int32_t i = 0, j = 0; status == BW_OK && i + j < joined->count;) {
     bool of_a =
         j == b->count || (i < a->count && bwi_key_compare(b->width, a->key + width * (size_t)i,

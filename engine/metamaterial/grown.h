@@ -25,7 +25,7 @@ int32_t bwi_grown_find(const bwi_grown *grown, const uint8_t *first);
 bw_status bwi_grown_join(bw_context *context, const bwi_grown *a, const bwi_grown *b,
                          bwi_grown *joined);
 /* Room for `count` entries without fits. */
-bw_status bwi_grown_room(bw_context *context, int32_t width, int32_t count, bwi_grown *grown);
+bw_status bwi_grown_reserve(bw_context *context, int32_t width, int32_t count, bwi_grown *grown);
 void bwi_grown_clear(bwi_grown *grown);
 
 #endif

@@ -253,11 +253,11 @@ static bw_status choose_all(chooser *it) {
   static const char *const name[] = {"representatives of cells", "pairs along x", "pairs along y",
                                      "pairs along z"};
   levels->chosen[s] = BW_NEW(it->context, int32_t, max);
-  int64_t room = 1 + (int64_t)max * (limit_images ? 1 : images);
-  it->stiffness[s] = BW_NEW0(it->context, double, 576 * room);
-  it->solid[s] = BW_NEW0(it->context, uint8_t, room);
-  it->cells[s] = BW_NEW0(it->context, uint8_t, room);
-  it->mask = BW_NEW0(it->context, uint64_t, room);
+  int64_t capacity = 1 + (int64_t)max * (limit_images ? 1 : images);
+  it->stiffness[s] = BW_NEW0(it->context, double, 576 * capacity);
+  it->solid[s] = BW_NEW0(it->context, uint8_t, capacity);
+  it->cells[s] = BW_NEW0(it->context, uint8_t, capacity);
+  it->mask = BW_NEW0(it->context, uint64_t, capacity);
   if (!levels->chosen[s] || !it->stiffness[s] || !it->solid[s] || !it->cells[s] || !it->mask)
     return BW_MEMORY;
   levels->count[s] = 1;
@@ -269,14 +269,14 @@ static bw_status choose_all(chooser *it) {
     int32_t have = limit_images ? levels->count[s] - 1 : levels->chosen_count[s];
     if (have >= max)
       break;
-    int32_t room_left = limit_images ? max - have : images;
+    int32_t left = limit_images ? max - have : images;
     /* Blocks with void are far from everything; those without are what bodies are mostly made of.
      * Every second choice is among these. */
     int32_t next = -1;
     if (levels->chosen_count[s] % 2)
-      next = bwi_cover_farthest(&it->cover, BWI_SOLID, it->images, room_left);
+      next = bwi_cover_farthest(&it->cover, BWI_SOLID, it->images, left);
     if (next < 0)
-      next = bwi_cover_farthest(&it->cover, 0, it->images, room_left);
+      next = bwi_cover_farthest(&it->cover, 0, it->images, left);
     if (next < 0)
       break;
     BW_TRY(bw_check_cancel(it->context));

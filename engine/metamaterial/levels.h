@@ -92,7 +92,7 @@ bw_status bwi_cover_add(bwi_cover *cover, const float coordinate[BWI_FEATURES], 
  * `room` images (may be NULL: any number); -1 when all such are at distance 0. Ties go to the lower
  * number. */
 int32_t bwi_cover_farthest(const bwi_cover *cover, uint64_t mask, const uint8_t *images,
-                           int32_t room);
+                           int32_t available);
 /* Root mean square and largest distance, over the number of features. */
 void bwi_cover_measure(const bwi_cover *cover, float *typical, float *max);
 

@@ -6,7 +6,7 @@
 #include "metamaterial/levels.h"
 
 /* What a chosen item of stage 0 or of another can at most become. */
-static bw_status room(bw_context *context, bwi_levels *it, int s, int64_t max) {
+static bw_status capacity(bw_context *context, bwi_levels *it, int s, int64_t max) {
   it->code[s] = BW_NEW0(context, int32_t, max);
   it->origin[s] = BW_NEW0(context, int32_t, max);
   it->how[s] = BW_NEW0(context, uint8_t, max);
@@ -30,7 +30,7 @@ bw_status bwi_levels_expand_cells(bw_context *context, bwi_levels *it, const bwi
   int32_t *representative = BW_NEW0(context, int32_t, keys->code_count);
   if (!representative)
     return BW_MEMORY;
-  BW_TRY(room(context, it, 0, 1 + (int64_t)BWI_SYMMETRIES * it->chosen_count[0]));
+  BW_TRY(capacity(context, it, 0, 1 + (int64_t)BWI_SYMMETRIES * it->chosen_count[0]));
   it->count[0] = 0;
   add(it, 0, 0, -1, 0);
   for (int32_t k = 0; k < it->chosen_count[0]; k++) {
@@ -100,7 +100,7 @@ bw_status bwi_levels_expand_pairs(bw_context *context, bwi_levels *it, int s) {
   int32_t *representative = BW_NEW0(context, int32_t, pairs);
   if (!representative)
     return BW_MEMORY;
-  BW_TRY(room(context, it, s, 1 + (int64_t)BWI_FLIPS * it->chosen_count[s]));
+  BW_TRY(capacity(context, it, s, 1 + (int64_t)BWI_FLIPS * it->chosen_count[s]));
   it->count[s] = 0;
   add(it, s, 0, -1, 0);
   for (int32_t k = 0; k < it->chosen_count[s]; k++) {

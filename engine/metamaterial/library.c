@@ -115,7 +115,7 @@ bw_status bwi_library_begin(bw_context *context, const bw_material_table *materi
   }
   BW_TRY(bwi_keys_create(context, material_table->count, options->voids, it->levels > 0,
                          &it->inner->keys));
-  BW_TRY(bwi_library_room(context, it, 1, it->levels > 0 ? it->inner->keys->orbit_count : 0));
+  BW_TRY(bwi_library_reserve(context, it, 1, it->levels > 0 ? it->inner->keys->orbit_count : 0));
   bwi_library_show(it);
   *out = it;
   it = NULL;
@@ -162,7 +162,7 @@ bw_status bwi_library_with(bw_context *context, const bw_library *of, bwi_grown 
   return BW_OK;
 }
 
-bw_status bwi_library_room(bw_context *context, bw_library *it, int level, int32_t count) {
+bw_status bwi_library_reserve(bw_context *context, bw_library *it, int level, int32_t count) {
   bwi_library *inner = it->inner;
   inner->fit[level - 1] = BW_NEW0(context, bw_solid_material *, count);
   inner->error[level - 1] = BW_NEW0(context, bw_fit_error, count);

@@ -21,7 +21,7 @@ typedef struct bwi_library {
 bw_status bwi_library_begin(bw_context *context, const bw_material_table *material_table,
                             const bw_library_options *options, bw_library **library);
 /* Room for `count` fits of a level, all NULL. */
-bw_status bwi_library_room(bw_context *context, bw_library *library, int level, int32_t count);
+bw_status bwi_library_reserve(bw_context *context, bw_library *library, int level, int32_t count);
 /* A library with the fits of another, and `grown` beside, which it takes over. */
 bw_status bwi_library_with(bw_context *context, const bw_library *of, bwi_grown grown[2],
                            bw_library **library);

@@ -112,7 +112,7 @@ static bw_status begin_level2(builder *it, later *second) {
   bwi_library *inner = library->inner;
   BW_TRY(bwi_levels_create(it->fits.context, inner->keys, inner->fit[0],
                            library->options.representatives, &inner->levels));
-  BW_TRY(bwi_library_room(it->fits.context, library, 2, inner->levels->chosen_count[3]));
+  BW_TRY(bwi_library_reserve(it->fits.context, library, 2, inner->levels->chosen_count[3]));
   for (size_t f = 0; f < second->count && f < (size_t)library->fit_count[1]; f++) {
     inner->fit[1][f] = second->fit[f];
     inner->error[1][f] = second->error[f];

@@ -169,7 +169,7 @@ done:
 }
 
 /* Fits take at least so many bytes: what a file claims can be no more. */
-static bw_status check_room(bwi_unpack *from, int64_t count, int64_t min, const char *what) {
+static bw_status check_size(bwi_unpack *from, int64_t count, int64_t min, const char *what) {
   int64_t left = (int64_t)(from->end - from->at);
   if (from->short_of || count > left / min)
     return bwi_unpack_fail(from, "%lld %s do not fit into %lld bytes", (long long)count, what,
@@ -182,7 +182,7 @@ static bw_status unpack_stage(bwi_unpack *from, bwi_levels *it, int s, int32_t m
   uint32_t count = bwi_unpack_u32(from);
   if (count < 1 || count > (uint32_t)max)
     return bwi_unpack_fail(from, "%u representatives chosen; 1 to %d", count, (int)max);
-  BW_TRY(check_room(from, count, 4, "representatives"));
+  BW_TRY(check_size(from, count, 4, "representatives"));
   it->chosen[s] = BW_NEW(from->context, int32_t, count);
   if (!it->chosen[s])
     return BW_MEMORY;
@@ -215,10 +215,10 @@ static bw_status unpack_pairs(bwi_unpack *from, bwi_levels *it, int s, int32_t m
   uint16_t *representative = NULL;
   int64_t pairs = (int64_t)it->count[s - 1] * it->count[s - 1];
   BW_TRY(unpack_stage(from, it, s, max));
-  BW_TRY(check_room(from, (pairs - 1) / BWI_FLIPS, 2, "pairs"));
+  BW_TRY(check_size(from, (pairs - 1) / BWI_FLIPS, 2, "pairs"));
   BW_TRY(bwi_levels_expand_pairs(from->context, it, s));
   BW_TRY(bwi_levels_items(from->context, it, s - 1, &item, &count));
-  BW_TRY(check_room(from, count, 2, "pairs"));
+  BW_TRY(check_size(from, count, 2, "pairs"));
   representative = BW_NEW(from->context, uint16_t, count);
   if (!representative) {
     status = BW_MEMORY;
@@ -244,7 +244,7 @@ static bw_status unpack_tables(bw_context *context, const char *name,
     return BW_MEMORY;
   library->inner->levels = it;
   BW_TRY(unpack_stage(&from, it, 0, max));
-  BW_TRY(check_room(&from, orbits, 2, "entries"));
+  BW_TRY(check_size(&from, orbits, 2, "entries"));
   BW_TRY(bwi_levels_expand_cells(context, it, keys));
   it->nearest = BW_NEW(context, uint16_t, orbits);
   if (!it->nearest) {
@@ -288,8 +288,8 @@ static bw_status unpack_grown(bw_context *context, const char *name,
     bwi_grown *grown = &it->inner->grown[level - 1];
     int32_t width = grown->width;
     uint32_t count = bwi_unpack_u32(&from);
-    BW_TRY(check_room(&from, count, width + BWI_FIT_MIN_BYTES, "fits"));
-    BW_TRY(bwi_grown_room(context, width, (int32_t)count, grown));
+    BW_TRY(check_size(&from, count, width + BWI_FIT_MIN_BYTES, "fits"));
+    BW_TRY(bwi_grown_reserve(context, width, (int32_t)count, grown));
     const unsigned char *keys = bwi_unpack_bytes(&from, (size_t)width * count);
     if (count > 0 && keys)
       memcpy(grown->key, keys, (size_t)width * count);
@@ -335,7 +335,7 @@ bw_status bwi_library_of_sections(bw_context *context, const char *name,
   BW_TRY(unpack_fits(context, name, &section[1], it, 1));
   if (options.levels == 2) {
     BW_TRY(unpack_tables(context, name, &section[3], it));
-    BW_TRY(bwi_library_room(context, it, 2, it->inner->levels->chosen_count[3]));
+    BW_TRY(bwi_library_reserve(context, it, 2, it->inner->levels->chosen_count[3]));
     BW_TRY(unpack_fits(context, name, &section[2], it, 2));
   } else if (section[2].count || section[3].count) {
     status = bwi_unpack_fail(&from, "one level, but data of a second");

@@ -75,7 +75,7 @@ static bw_status find_missing(grower *it, const bw_grid *fine,
       memmove(key + w * (size_t)missing, key + w * (size_t)i, w);
       missing++;
     }
-  BW_TRY(bwi_grown_room(it->fits.context, width, missing, &it->fresh[it->level - 1]));
+  BW_TRY(bwi_grown_reserve(it->fits.context, width, missing, &it->fresh[it->level - 1]));
   if (missing > 0)
     memcpy(it->fresh[it->level - 1].key, key, w * (size_t)missing);
 done:

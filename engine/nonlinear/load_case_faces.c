@@ -76,8 +76,7 @@ typedef struct faces {
   int64_t face_count, point_count;
 } faces;
 
-static bw_status make_room(bw_context *context, const bw_grid *grid, const uint8_t *given,
-                           faces *f) {
+static bw_status reserve(bw_context *context, const bw_grid *grid, const uint8_t *given, faces *f) {
   int32_t corner[4];
   f->number = BW_NEW(context, int32_t, grid->node_count);
   if (!f->number)
@@ -125,7 +124,7 @@ bw_status bw_load_case_surface_pressure(bw_context *context, bw_load_case *it, i
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(make_room(context, grid, given, &f));
+  BW_TRY(reserve(context, grid, given, &f));
   for (int32_t e = 0; e < grid->element_count; e++)
     for (int side = 0; side < 6; side++) {
       int32_t corner[4];

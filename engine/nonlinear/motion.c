@@ -18,9 +18,9 @@ static void destroy(void *object) {
     bw_solid_linear_free(inner->damping_linear);
     bw_free(inner->centre);
     bw_free(inner->next_velocity);
-    bw_free(inner->room[0]);
-    bw_free(inner->room[1]);
-    bw_free(inner->room[2]);
+    bw_free(inner->workspace[0]);
+    bw_free(inner->workspace[1]);
+    bw_free(inner->workspace[2]);
     bw_free(inner);
   }
   bw_free(motion->report.history);
@@ -108,16 +108,16 @@ static bw_status check_finite(bw_context *context, const char *what, const doubl
   return BW_OK;
 }
 
-static bw_status make_room(bw_context *context, bw_solid_motion *motion) {
+static bw_status reserve(bw_context *context, bw_solid_motion *motion) {
   bwi_motion *inner = motion->inner = BW_NEW0(context, bwi_motion, 1);
   if (!inner)
     return BW_MEMORY;
-  double **room[] = {&motion->displacement, &motion->velocity, &motion->acceleration,
-                     &inner->dead,          &inner->centre,    &inner->next_velocity,
-                     &inner->room[0],       &inner->room[1],   &inner->room[2]};
-  for (size_t k = 0; k < sizeof room / sizeof *room; k++) {
-    *room[k] = BW_NEW0(context, double, 3 * (int64_t)motion->solid->grid->node_count);
-    if (!*room[k])
+  double **workspace[] = {&motion->displacement, &motion->velocity,    &motion->acceleration,
+                          &inner->dead,          &inner->centre,       &inner->next_velocity,
+                          &inner->workspace[0],  &inner->workspace[1], &inner->workspace[2]};
+  for (size_t k = 0; k < sizeof workspace / sizeof *workspace; k++) {
+    *workspace[k] = BW_NEW0(context, double, 3 * (int64_t)motion->solid->grid->node_count);
+    if (!*workspace[k])
       return BW_MEMORY;
   }
   return bw_newton_create(context, &inner->newton);
@@ -166,7 +166,7 @@ static bw_status begin(bw_context *context, bw_solid_motion *motion) {
   bw_status status = BW_OK;
   const bw_solid *solid = motion->solid;
   bwi_motion *inner = motion->inner;
-  double *force = inner->room[0], *other = inner->room[1];
+  double *force = inner->workspace[0], *other = inner->workspace[1];
   int64_t size = 3 * (int64_t)solid->grid->node_count;
   bw_solid_shape shape;
   BW_TRY(bw_solid_evaluate(context, solid, motion->displacement, false, &motion->strain, other,
@@ -225,7 +225,7 @@ bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
   motion->solid = bw_retain(solid);
   motion->load_case = bw_retain(load_case);
   motion->options = *options;
-  BW_TRY(make_room(context, motion));
+  BW_TRY(reserve(context, motion));
   for (int64_t i = 0; i < size; i++) {
     motion->displacement[i] = load_case->held[i] ? load_case->value[i] : u ? u[i] : 0;
     motion->velocity[i] = load_case->held[i] || !v ? 0 : v[i];

@@ -4,7 +4,7 @@
  * Invariants between steps: held components of u are the case's values, and their velocities and
  * accelerations 0; kinetic + strain + potential + dissipated changes by the work of follower
  * pressures only; Newmark's acceleration is without the push of contact planes. A step that fails
- * has written nothing but what is marked as room. */
+ * has written nothing but what is marked as workspace. */
 #ifndef BWI_NONLINEAR_MOTION_H
 #define BWI_NONLINEAR_MOTION_H
 
@@ -15,11 +15,11 @@ typedef struct bwi_motion {
   double *dead; /* node_count x 3: loads that do not follow */
   bwi_contact *contact;
   double contact_for; /* the factor of the mass that `contact` was made for */
-  /* room */
+  /* workspace */
   double *multiplier; /* of contact, before the step */
   double *damping;    /* the tangent at the step's start, where damping needs it: 9 per pair */
-  bw_solid_linear *damping_linear;          /* or element by element */
-  double *centre, *next_velocity, *room[3]; /* node_count x 3 each */
+  bw_solid_linear *damping_linear;               /* or element by element */
+  double *centre, *next_velocity, *workspace[3]; /* node_count x 3 each */
 } bwi_motion;
 
 /* The coefficients of a step of length h, with which the end's displacement u gives

@@ -32,8 +32,8 @@ static bw_status prepare_contact_planes(bw_context *context, bw_solid_motion *mo
     status = BW_MEMORY;
     goto done;
   }
-  memset(inner->room[0], 0, 3 * (size_t)nodes * sizeof(double));
-  BW_TRY(bw_solid_evaluate(context, solid, inner->room[0], true, NULL, NULL, matrix, &shape));
+  memset(inner->workspace[0], 0, 3 * (size_t)nodes * sizeof(double));
+  BW_TRY(bw_solid_evaluate(context, solid, inner->workspace[0], true, NULL, NULL, matrix, &shape));
   for (int64_t i = 0; i < nodes; i++) {
     memcpy(blocks + 9 * i, matrix + 9 * (graph->start[i + 1] - 1), 9 * sizeof *blocks);
     for (int c = 0; c < 3; c++)
@@ -77,12 +77,12 @@ static bw_status set_centre(bw_context *context, bw_solid_motion *motion,
     inner->next_velocity[i] = motion->velocity[i] + rule->old_velocity * motion->acceleration[i];
   }
   if (o->stiffness_damping > 0) {
-    BW_TRY(bwi_motion_tangent(context, motion, inner->next_velocity, inner->room[0]));
+    BW_TRY(bwi_motion_tangent(context, motion, inner->next_velocity, inner->workspace[0]));
   } else
-    memset(inner->room[0], 0, (size_t)size * sizeof(double));
+    memset(inner->workspace[0], 0, (size_t)size * sizeof(double));
   for (int64_t i = 0; i < size; i++)
-    inner->room[0][i] = o->stiffness_damping * inner->room[0][i] +
-                        o->mass_damping * solid->mass[i / 3] * inner->next_velocity[i];
+    inner->workspace[0][i] = o->stiffness_damping * inner->workspace[0][i] +
+                             o->mass_damping * solid->mass[i / 3] * inner->next_velocity[i];
 done:
   return status;
 }
@@ -189,12 +189,12 @@ bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion) {
   BW_TRY(prepare_contact_planes(context, motion, of_mass));
   BW_TRY(set_centre(context, motion, &rule));
   bwi_quadratic inertia = {.centre = inner->centre,
-                           .force = inner->room[0],
+                           .force = inner->workspace[0],
                            .of_mass = of_mass,
                            .stiffness = stiff && direct ? inner->damping : NULL,
                            .linear = stiff && !direct ? inner->damping_linear : NULL,
                            .of_stiffness = rule.velocity * o->stiffness_damping,
-                           .room = {inner->room[1], inner->room[2]}};
+                           .workspace = {inner->workspace[1], inner->workspace[2]}};
   bw_newton_options_default(&newton);
   newton.tolerance = o->tolerance;
   newton.iterations = o->iterations;
@@ -225,11 +225,11 @@ bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion) {
   }
   if (state.follows) { /* by the trapezoidal rule */
     const double *u[2] = {motion->displacement, state.now.u};
-    memset(inner->room[1], 0, (size_t)state.size * sizeof(double));
+    memset(inner->workspace[1], 0, (size_t)state.size * sizeof(double));
     for (int k = 0; k < 2; k++)
-      BW_TRY(bwi_load_case_follow(context, motion->load_case, u[k], 0.5, inner->room[1]));
+      BW_TRY(bwi_load_case_follow(context, motion->load_case, u[k], 0.5, inner->workspace[1]));
     for (int64_t i = 0; i < state.size; i++)
-      work += inner->room[1][i] * (u[1][i] - u[0][i]);
+      work += inner->workspace[1][i] * (u[1][i] - u[0][i]);
   }
   BW_TRY(bw_check_cancel(context)); /* a result would surprise who asked to stop */
   take(motion, &rule, &state, work);

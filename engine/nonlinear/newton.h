@@ -43,8 +43,8 @@ typedef struct bwi_quadratic {
   double of_stiffness;
   const double *stiffness; /* K, 9 per pair of the graph, */
   const bw_solid_linear
-      *linear;     /* or element by element where the Newton state is iterative; or NULL */
-  double *room[2]; /* node_count x 3 */
+      *linear;          /* or element by element where the Newton state is iterative; or NULL */
+  double *workspace[2]; /* node_count x 3 */
 } bwi_quadratic;
 
 /* Energy and forces at displacements u. */

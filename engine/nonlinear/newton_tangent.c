@@ -15,7 +15,7 @@ enum { BASIS = 40 };
 #define GROWTH 5 /* of shifts that are not enough */
 #define FOLLOWER_TOLERANCE 1e-6
 
-static bw_status make_room(bwi_newton_state *state) {
+static bw_status reserve(bwi_newton_state *state) {
   bw_newton *newton = state->newton;
   int64_t pairs = state->solid->graph->pair_count;
   if (newton->pairs == pairs)
@@ -99,7 +99,7 @@ static bw_status evaluate(bwi_newton_state *state, bool project) {
   const bw_graph *graph = state->solid->graph;
   double before = bw_seconds();
   bw_solid_shape shape;
-  BW_TRY(make_room(state));
+  BW_TRY(reserve(state));
   if (project || !state->fresh) {
     BW_TRY(bw_solid_evaluate(state->context, state->solid, state->now.u, project, NULL, NULL,
                              state->newton->stiffness, &shape));

@@ -7,7 +7,7 @@
 bw_status bwi_quadratic_evaluate(bwi_newton_state *state, bwi_energy_forces *at) {
   bw_status status = BW_OK;
   const bwi_quadratic *q = state->quadratic;
-  double *moved = q->room[0], *product = q->room[1], energy = 0, size = 0;
+  double *moved = q->workspace[0], *product = q->workspace[1], energy = 0, size = 0;
   bool stiff = q->stiffness || q->linear;
   for (int64_t i = 0; stiff && i < state->size; i++)
     moved[i] = at->u[i] - q->centre[i];

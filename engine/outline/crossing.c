@@ -347,12 +347,12 @@ bw_status bwi_outline_check_crossings(bw_context *context, const double *point, 
                                       const bw_segment *segment) {
   bw_status status = BW_OK;
   int32_t count = 0;
-  size_t room = 0;
+  size_t capacity = 0;
   contact c = {.gap = gap};
   for (int32_t l = 0; l < loops; l++)
-    room += (size_t)loop[l].count * (size_t)cuts(&loop[l]);
-  piece *pieces = BW_NEW(context, piece, room);
-  start *order = BW_NEW(context, start, room);
+    capacity += (size_t)loop[l].count * (size_t)cuts(&loop[l]);
+  piece *pieces = BW_NEW(context, piece, capacity);
+  start *order = BW_NEW(context, start, capacity);
   if (!pieces || !order) {
     status = BW_MEMORY;
     goto done;

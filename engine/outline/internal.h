@@ -85,7 +85,8 @@ typedef struct bwi_draft {
   bw_segment *segment;
   bw_loop *loop;
   bw_name *tag;
-  size_t points, point_room, segments, segment_room, loops, loop_room, tags, tag_room;
+  size_t points, point_capacity, segments, segment_capacity, loops, loop_capacity, tags,
+      tag_capacity;
   bw_status status;
 } bwi_draft;
 void bwi_draft_init(bwi_draft *draft, bw_context *context);

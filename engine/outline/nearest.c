@@ -106,8 +106,8 @@ bw_outline_place bw_outline_nearest(const bw_outline *outline, const double at[2
     double low[2], high[2];
     bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[s]);
     bwi_curve_hull(&curve, low, high);
-    double room = best.distance + 2e-4 * hypot(high[0] - low[0], high[1] - low[1]);
-    bw_outline_place place = nearest_on(outline, s, at, s == 0 ? DBL_MAX : room * room);
+    double reach = best.distance + 2e-4 * hypot(high[0] - low[0], high[1] - low[1]);
+    bw_outline_place place = nearest_on(outline, s, at, s == 0 ? DBL_MAX : reach * reach);
     if (place.distance < best.distance)
       best = place;
   }

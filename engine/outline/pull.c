@@ -82,10 +82,10 @@ static void settle_sides(int32_t count, int32_t *left, int32_t *right, bool *hel
 
 static bw_status build_chain(bw_context *context, const bw_outline *outline, const bw_loop *loop,
                              int32_t segment, int32_t left, int32_t right, chain *c) {
-  size_t room = 3 * ((size_t)left + (size_t)right) + 1;
-  c->point = BW_NEW(context, int32_t, room);
-  c->edge = BW_NEW(context, complex2, room);
-  c->length = BW_NEW(context, double, room);
+  size_t capacity = 3 * ((size_t)left + (size_t)right) + 1;
+  c->point = BW_NEW(context, int32_t, capacity);
+  c->edge = BW_NEW(context, complex2, capacity);
+  c->length = BW_NEW(context, double, capacity);
   if (!c->point || !c->edge || !c->length)
     return BW_MEMORY;
   int32_t s = segment;

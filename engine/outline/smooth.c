@@ -34,11 +34,11 @@ bw_status bw_outline_smoothed(bw_context *context, const bw_outline *outline, in
         strength, rounds, corner);
   const bw_loop *l = &outline->loop[loop];
   int32_t n = 0;
-  size_t room = 3 * (size_t)l->count, bytes = 2 * (size_t)outline->point_count * sizeof *point;
+  size_t capacity = 3 * (size_t)l->count, bytes = 2 * (size_t)outline->point_count * sizeof *point;
   point = BW_NEW(context, double, 2 * (size_t)outline->point_count);
-  ring = BW_NEW(context, double, 4 * room);
-  number = BW_NEW(context, int32_t, room);
-  kept = BW_NEW(context, bool, room);
+  ring = BW_NEW(context, double, 4 * capacity);
+  number = BW_NEW(context, int32_t, capacity);
+  kept = BW_NEW(context, bool, capacity);
   if (!point || !ring || !number || !kept) {
     status = BW_MEMORY;
     goto done;
@@ -51,7 +51,7 @@ bw_status bw_outline_smoothed(bw_context *context, const bw_outline *outline, in
         memcpy(ring + 2 * (size_t)n, outline->point + 2 * (int64_t)number[n], 2 * sizeof *ring);
         n++;
       }
-  double *now = ring, *next = ring + 2 * room;
+  double *now = ring, *next = ring + 2 * capacity;
   for (int r = 0; r < rounds; r++) {
     for (int32_t i = 0; i < n; i++) {
       const double *a = now + 2 * (size_t)(i > 0 ? i - 1 : n - 1), *b = now + 2 * (size_t)i;

@@ -75,9 +75,9 @@ bw_status bwi_png_decode(bw_context *context, const char *name, const unsigned c
     return bw_fail(context, BW_LIMIT, "%s: %u x %u pixels: at most %d x %d and %g in all are read",
                    name, (unsigned)columns, (unsigned)rows, MAX_PIXELS, MAX_PIXELS, max_area);
   /* Cairo calls a damaged file a lack of memory, so that is found out here */
-  void *room = bw_alloc(context, (size_t)columns * rows, 4);
-  bw_free(room);
-  if (!room)
+  void *block = bw_alloc(context, (size_t)columns * rows, 4);
+  bw_free(block);
+  if (!block)
     return BW_MEMORY;
   memory m = {.bytes = (unsigned char *)(uintptr_t)png, .count = length};
   cairo_surface_t *out = cairo_image_surface_create_from_png_stream(get_bytes, &m);

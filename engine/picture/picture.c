@@ -341,8 +341,8 @@ static void label_largest(const stage *s, cairo_t *cairo, const char *unit) {
   short_number(number, sizeof number, s->range.largest * s->options->scale);
   snprintf(label, sizeof label, "max %s%s%.60s%s", number, comma ? " " : "",
            comma ? comma + 1 + strspn(comma + 1, " ") : "", hidden ? " (behind)" : "");
-  double room[4] = {12 * s->u, s->frame[1] - 30 * s->u, s->frame[2] + 10 * s->u, h - 12 * s->u};
-  bwi_draw_mark(cairo, pixel, hidden, room, s->u, label);
+  double frame[4] = {12 * s->u, s->frame[1] - 30 * s->u, s->frame[2] + 10 * s->u, h - 12 * s->u};
+  bwi_draw_mark(cairo, pixel, hidden, frame, s->u, label);
 }
 
 static void label_arrows(const stage *s, cairo_t *cairo) {

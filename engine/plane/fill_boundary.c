@@ -160,7 +160,7 @@ bw_status bwi_fill_boundary_create(bw_context *context, const bw_outline *outlin
                                    bwi_fill_boundary *boundary) {
   bw_status status = BW_OK;
   sample *list = NULL;
-  size_t room = 0, capacity[3] = {0, 0, 0};
+  size_t list_capacity = 0, capacity[3] = {0, 0, 0};
   int64_t *start = BW_NEW(context, int64_t, (size_t)outline->segment_count + 1);
   /* a polygon of n corners is cut into n - 2 triangles at least, and more around holes */
   double max = fmin((double)limit + 2.0 * outline->loop_count, INT32_MAX / 8);
@@ -177,7 +177,7 @@ bw_status bwi_fill_boundary_create(bw_context *context, const bw_outline *outlin
       int32_t s = loop->first + k;
       int samples = samples_of(outline, s, field->size);
       for (;;) {
-        if (!bw_grow(context, (void **)&list, &room, (size_t)count, (size_t)samples,
+        if (!bw_grow(context, (void **)&list, &list_capacity, (size_t)count, (size_t)samples,
                      sizeof *list)) {
           status = BW_MEMORY;
           goto done;

@@ -89,17 +89,17 @@ static bw_status element_body(void *data, int64_t begin, int64_t end, int worker
 }
 
 bw_status bwi_plane_assemble(bw_context *context, const bw_plane_graph *graph, int components,
-                             bw_element_matrix *element_matrix, void *data, double *room,
+                             bw_element_matrix *element_matrix, void *data, double *workspace,
                              double *values) {
   gathering g = {.graph = graph,
-                 .block = room,
+                 .block = workspace,
                  .element_matrix = element_matrix,
                  .data = data,
                  .n = bwi_nodes_per_element(graph->topology),
                  .components = components};
   bw_status status =
       bw_parallel(context, graph->topology->element_count, BWI_GRAIN_ELEMENTS, element_body, &g);
-  return status != BW_OK ? status : bwi_plane_gather(context, graph, components, room, values);
+  return status != BW_OK ? status : bwi_plane_gather(context, graph, components, workspace, values);
 }
 
 bw_status bw_plane_assemble(bw_context *context, const bw_plane_graph *graph, int components,
@@ -107,10 +107,11 @@ bw_status bw_plane_assemble(bw_context *context, const bw_plane_graph *graph, in
   bw_status status = check_components(context, components);
   if (status != BW_OK)
     return status;
-  double *room = BW_NEW(context, double, bwi_plane_room(graph, components));
-  status = room ? bwi_plane_assemble(context, graph, components, element_matrix, data, room, values)
-                : BW_MEMORY;
-  bw_free(room);
+  double *workspace = BW_NEW(context, double, bwi_plane_workspace_size(graph, components));
+  status = workspace ? bwi_plane_assemble(context, graph, components, element_matrix, data,
+                                          workspace, values)
+                     : BW_MEMORY;
+  bw_free(workspace);
   return status;
 }
 

@@ -172,7 +172,7 @@ static bw_status solve_tangent(newton *n, double load, double accuracy, bool kee
     if (attempt > 0) {
       linear.method = n->options->linear.method;
       n->bend.convex = attempt == 2;
-      BW_TRY(bwi_bend_tangent(n->context, &n->bend, inner->graph, inner->room, inner->matrix));
+      BW_TRY(bwi_bend_tangent(n->context, &n->bend, inner->graph, inner->workspace, inner->matrix));
       BW_TRY(bw_plane_prescribe(n->context, inner->graph, 2, inner->held, n->step, inner->matrix,
                                 inner->work));
     }
@@ -320,7 +320,7 @@ bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_opti
   bw_plane_reuse ignored = {0};
   bw_bend_report unread;
   newton n = {.context = context, .sheet = sheet, .inner = inner};
-  double *room = NULL;
+  double *workspace = NULL;
   bool made;
   bw_bend_options_default(&defaults);
   n.options = options ? options : &defaults;
@@ -337,17 +337,17 @@ bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_opti
   n.kept->pattern = !made;
   n.kept->solution = n.next->solved;
   n.size = 2 * (size_t)inner->graph->node_count;
-  room = BW_NEW(context, double, 6 * n.size);
-  if (!room) {
+  workspace = BW_NEW(context, double, 6 * n.size);
+  if (!workspace) {
     status = BW_MEMORY;
     goto done;
   }
-  n.u = room;
-  n.trial = room + n.size;
-  n.step = room + 2 * n.size;
-  n.inside = room + 3 * n.size;
-  n.inside_trial = room + 4 * n.size;
-  n.way = room + 5 * n.size;
+  n.u = workspace;
+  n.trial = workspace + n.size;
+  n.step = workspace + 2 * n.size;
+  n.inside = workspace + 3 * n.size;
+  n.inside_trial = workspace + 4 * n.size;
+  n.way = workspace + 5 * n.size;
   BW_TRY(bwi_bend_prepare(context, sheet, &n.bend));
   BW_TRY(bwi_sheet_hold(context, sheet, sheet->time));
   if (!inner->held_checked)
@@ -372,6 +372,6 @@ bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_opti
 done:
   bw_release(n.next);
   bwi_bend_clear(&n.bend);
-  bw_free(room);
+  bw_free(workspace);
   return status;
 }

@@ -22,6 +22,6 @@ void bwi_bend_clear(bwi_bend *bend);
 bw_status bwi_bend_evaluate(bw_context *context, bwi_bend *bend, double *energy, double *force);
 /* The second derivative (4 per pair; room for element matrices). */
 bw_status bwi_bend_tangent(bw_context *context, bwi_bend *bend, const bw_plane_graph *graph,
-                           double *room, double *values);
+                           double *workspace, double *values);
 
 #endif

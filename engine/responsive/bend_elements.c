@@ -308,7 +308,7 @@ bw_status bwi_bend_evaluate(bw_context *context, bwi_bend *bend, double *energy,
 }
 
 bw_status bwi_bend_tangent(bw_context *context, bwi_bend *bend, const bw_plane_graph *graph,
-                           double *room, double *values) {
-  return bwi_plane_assemble(context, graph, 2, bend->rule.n == 3 ? tangent3 : tangent6, bend, room,
-                            values);
+                           double *workspace, double *values) {
+  return bwi_plane_assemble(context, graph, 2, bend->rule.n == 3 ? tangent3 : tangent6, bend,
+                            workspace, values);
 }

@@ -24,12 +24,12 @@ int64_t bwi_plane_pair(const bw_plane_graph *graph, int32_t row, int32_t column)
 bw_status bwi_plane_gather(bw_context *context, const bw_plane_graph *graph, int components,
                            const double *block, double *values);
 
-/* bw_plane_assemble with room for all element matrices, kept by the caller. */
+/* bw_plane_assemble with a workspace for all element matrices, which the caller owns. */
 bw_status bwi_plane_assemble(bw_context *context, const bw_plane_graph *graph, int components,
-                             bw_element_matrix *element_matrix, void *data, double *room,
+                             bw_element_matrix *element_matrix, void *data, double *workspace,
                              double *values);
-/* Numbers in that room. */
-static inline size_t bwi_plane_room(const bw_plane_graph *graph, int components) {
+/* Numbers in that workspace. */
+static inline size_t bwi_plane_workspace_size(const bw_plane_graph *graph, int components) {
   size_t rows = (size_t)bwi_nodes_per_element(graph->topology) * (size_t)components;
   return (size_t)graph->topology->element_count * rows * rows;
 }

@@ -39,7 +39,7 @@ struct bwi_lagged_blocks {
   float *upper, *lower; /* blocks */
   float *inverse;       /* of diagonal blocks of U */
   double *scale;        /* of unknowns, by node */
-  float *room;          /* one row of blocks; in solves a vector */
+  float *workspace;     /* one row of blocks; in solves a vector */
 };
 
 bw_status bwi_lagged_blocks_create(bw_context *context, int components, bwi_lagged_blocks **out) {
@@ -72,7 +72,7 @@ void bwi_lagged_blocks_reset(bwi_lagged_blocks *s) {
   bw_free(s->position);
   bw_free(s->inverse);
   bw_free(s->scale);
-  bw_free(s->room);
+  bw_free(s->workspace);
   *s = (bwi_lagged_blocks){.components = s->components};
 }
 
@@ -91,11 +91,11 @@ static bw_status find_upper(bw_context *context, bwi_lagged_blocks *s,
                             const bw_plane_graph *graph) {
   bw_status status = BW_OK;
   int32_t n = s->size;
-  int64_t room = 4 * graph->pair_count + n, used = 0;
+  int64_t capacity = 4 * graph->pair_count + n, used = 0;
   int32_t *child = BW_NEW(context, int32_t, n), *sibling = BW_NEW(context, int32_t, n);
   int32_t *mark = BW_NEW(context, int32_t, n);
   s->upper_start = BW_NEW0(context, int64_t, (size_t)n + 1);
-  s->upper_column = BW_NEW(context, int32_t, room);
+  s->upper_column = BW_NEW(context, int32_t, capacity);
   if (!child || !sibling || !mark || !s->upper_start || !s->upper_column) {
     status = BW_MEMORY;
     goto done;
@@ -106,9 +106,9 @@ static bw_status find_upper(bw_context *context, bwi_lagged_blocks *s,
     int64_t bound = graph->start[s->order[k] + 1] - graph->start[s->order[k]];
     for (int32_t c = child[k]; c >= 0; c = sibling[c])
       bound += s->upper_start[c + 1] - s->upper_start[c];
-    if (used + bound > room) {
-      room = 2 * room + bound;
-      int32_t *larger = BW_NEW(context, int32_t, room);
+    if (used + bound > capacity) {
+      capacity = 2 * capacity + bound;
+      int32_t *larger = BW_NEW(context, int32_t, capacity);
       if (!larger) {
         status = BW_MEMORY;
         goto done;
@@ -203,8 +203,8 @@ static bw_status analyse(bw_context *context, bwi_lagged_blocks *s, const bw_pla
     s->position = BW_NEW(context, int32_t, n);
     s->inverse = BW_NEW(context, float, n *block);
     s->scale = BW_NEW(context, double, n *(size_t)s->components);
-    s->room = BW_NEW(context, float, n *block);
-    if (!s->order || !s->position || !s->inverse || !s->scale || !s->room) {
+    s->workspace = BW_NEW(context, float, n *block);
+    if (!s->order || !s->position || !s->inverse || !s->scale || !s->workspace) {
       status = BW_MEMORY;
       goto done;
     }
@@ -277,7 +277,7 @@ static inline __attribute__((always_inline)) bool invert(const lanes *block, lan
  * expanded. */
 static inline __attribute__((always_inline)) bool
 eliminate(bwi_lagged_blocks *s, const bw_plane_graph *graph, const double *values, int C) {
-  lanes *work = (lanes *)s->room;
+  lanes *work = (lanes *)s->workspace;
   const lanes zero = {0};
   for (int32_t i = 0; i < s->size; i++) {
     int32_t node = s->order[i];
@@ -339,7 +339,7 @@ static inline __attribute__((always_inline)) float sum_of(lanes v, int C) {
 
 static inline __attribute__((always_inline)) void substitute(const bwi_lagged_blocks *s,
                                                              const double *r, double *z, int C) {
-  lanes *y = (lanes *)s->room;
+  lanes *y = (lanes *)s->workspace;
   double largest = 0;
   for (int64_t u = 0; u < (int64_t)C * s->size; u++)
     largest = fmax(largest, fabs(r[u] * s->scale[u]));

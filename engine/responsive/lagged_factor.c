@@ -49,7 +49,7 @@ struct bw_lagged_factor {
   double spent;                           /* s of the model's machine, the factorisation included */
   const bw_plane_topology *last_topology; /* of the last solve, retained */
   double first, first_flipped; /* iterations expected of the first of them, and after flips */
-  double *room;                /* vectors */
+  double *workspace;           /* vectors */
   size_t size;                 /* numbers in each */
 };
 
@@ -113,8 +113,8 @@ void bw_lagged_factor_reset(bw_lagged_factor *lagged) {
   lagged->pivoting = false;
   lagged->first = FIRST_GUESS;
   lagged->first_flipped = FIRST_GUESS_FLIPPED;
-  bw_free(lagged->room);
-  lagged->room = NULL;
+  bw_free(lagged->workspace);
+  lagged->workspace = NULL;
   lagged->size = 0;
 }
 
@@ -254,7 +254,7 @@ static bw_status conjugate_gradients(iteration *it, int limit) {
   bw_status status = BW_OK;
   bw_context *context = it->context;
   size_t n = it->lagged->size;
-  double *r = it->lagged->room + n, *z = r + n, *p = z + n, *q = p + n;
+  double *r = it->lagged->workspace + n, *z = r + n, *p = z + n, *q = p + n;
   double rho = 0;
   BW_TRY(true_residual(it, r));
   for (int i = 0; i < limit && it->residual > it->tolerance; i++) {
@@ -287,7 +287,7 @@ static bw_status stabilised(iteration *it, int limit) {
   bw_status status = BW_OK;
   bw_context *context = it->context;
   size_t n = it->lagged->size;
-  double *r = it->lagged->room + n, *shadow = r + n, *p = shadow + n, *v = p + n, *t = v + n,
+  double *r = it->lagged->workspace + n, *shadow = r + n, *p = shadow + n, *v = p + n, *t = v + n,
          *y = t + n, *z = y + n;
   double rho = 1, alpha = 1, omega = 1;
   BW_TRY(true_residual(it, r));
@@ -346,14 +346,14 @@ static bw_status iterate(iteration *it, int limit, bw_plane_reuse *kept) {
 static bw_status prepare(bw_context *context, bw_lagged_factor *lagged,
                          const bw_plane_graph *graph) {
   size_t n = (size_t)graph->node_count * (size_t)lagged->components;
-  if (lagged->room && lagged->size == n)
+  if (lagged->workspace && lagged->size == n)
     return BW_OK;
-  double *room =
+  double *workspace =
       BW_NEW(context, double, n *(lagged->symmetric ? SYMMETRIC_VECTORS : UNSYMMETRIC_VECTORS));
-  if (!room)
+  if (!workspace)
     return BW_MEMORY;
-  bw_free(lagged->room);
-  lagged->room = room;
+  bw_free(lagged->workspace);
+  lagged->workspace = workspace;
   lagged->size = n;
   return BW_OK;
 }
@@ -380,7 +380,7 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
                   .graph = graph,
                   .values = values,
                   .rhs = rhs,
-                  .x = lagged->room,
+                  .x = lagged->workspace,
                   .tolerance = options->tolerance};
   kept->solves++;
   BW_TRY(bwi_dot(context, n, rhs, rhs, &square));

@@ -26,8 +26,8 @@ struct bwi_lagged_unsymmetric {
   int *start, *row;
   double *value;
   void *symbolic, *numeric;
-  int *room_index;
-  double *room;
+  int *work_index;
+  double *workspace;
 };
 
 bw_status bwi_lagged_unsymmetric_create(bw_context *context, int components,
@@ -59,8 +59,8 @@ void bwi_lagged_unsymmetric_reset(bwi_lagged_unsymmetric *s) {
     umfpack_di_free_numeric(&s->numeric);
   bw_release(s->nodes);
   bw_free(s->order);
-  bw_free(s->room_index);
-  bw_free(s->room);
+  bw_free(s->work_index);
+  bw_free(s->workspace);
   *s = (bwi_lagged_unsymmetric){.components = s->components};
 }
 
@@ -103,11 +103,11 @@ static bw_status order_unknowns(bw_context *context, bwi_lagged_unsymmetric *s,
   int32_t *nodes = BW_NEW(context, int32_t, graph->node_count);
   if (!s->order)
     s->order = BW_NEW(context, int32_t, s->size);
-  if (!s->room_index)
-    s->room_index = BW_NEW(context, int, s->size);
-  if (!s->room)
-    s->room = BW_NEW(context, double, s->size);
-  if (!nodes || !s->order || !s->room_index || !s->room) {
+  if (!s->work_index)
+    s->work_index = BW_NEW(context, int, s->size);
+  if (!s->workspace)
+    s->workspace = BW_NEW(context, double, s->size);
+  if (!nodes || !s->order || !s->work_index || !s->workspace) {
     status = BW_MEMORY;
     goto done;
   }
@@ -232,7 +232,7 @@ bw_status bwi_lagged_unsymmetric_apply(bw_context *context, bwi_lagged_unsymmetr
   controls(control);
   bwi_blas_enter();
   int code = umfpack_di_wsolve(UMFPACK_At, s->start, s->row, s->value, z, r, s->numeric, control,
-                               info, s->room_index, s->room);
+                               info, s->work_index, s->workspace);
   bwi_blas_leave();
   if (code != UMFPACK_OK)
     return bw_fail(context, BW_INTERNAL, "UMFPACK's solve of %d unknowns failed (code %d)", s->size,

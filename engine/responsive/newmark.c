@@ -80,7 +80,7 @@ static bw_status blend_rows(void *data, int64_t begin, int64_t end, int worker) 
  * its samples, has the acceleration that a step sees, and no spikes. Never asked for times below 0.
  * Rooms of 2 node_count. */
 static bw_status ground(bw_context *context, bw_sheet *sheet, double time, double step,
-                        double *velocity, double *acceleration, double *room) {
+                        double *velocity, double *acceleration, double *workspace) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
   size_t size = 2 * (size_t)inner->graph->node_count;
@@ -92,13 +92,13 @@ static bw_status ground(bw_context *context, bw_sheet *sheet, double time, doubl
   if (moves) {
     bool first = time < 0.5 * step; /* then ahead, in place of on both sides */
     BW_TRY(bwi_sheet_hold(context, sheet, first ? time + 2 * step : time - step));
-    memcpy(room, inner->prescribed, size * sizeof *room);
+    memcpy(workspace, inner->prescribed, size * sizeof *workspace);
     BW_TRY(bwi_sheet_hold(context, sheet, time + step));
     memcpy(velocity, inner->prescribed, size * sizeof *velocity);
     BW_TRY(bwi_sheet_hold(context, sheet, time));
     for (size_t i = 0; i < size; i++)
       if (inner->held[i]) {
-        double other = room[i], after = velocity[i], now = inner->prescribed[i];
+        double other = workspace[i], after = velocity[i], now = inner->prescribed[i];
         velocity[i] = (first ? 4 * after - 3 * now - other : after - other) / (2 * step);
         acceleration[i] =
             (first ? now - 2 * after + other : after - 2 * now + other) / (step * step);
@@ -119,9 +119,9 @@ static bw_status first_acceleration(bw_context *context, bw_sheet *sheet, const 
   struct bwi_sheet *inner = sheet->inner;
   const bw_plane_graph *graph = inner->graph;
   size_t n = 2 * (size_t)graph->node_count;
-  double *room = BW_NEW(context, double, 5 * n);
-  double *r = room, *z = room + n, *p = z + n, *q = p + n, *zero = q + n, size = 0;
-  if (!room)
+  double *workspace = BW_NEW(context, double, 5 * n);
+  double *r = workspace, *z = workspace + n, *p = z + n, *q = p + n, *zero = q + n, size = 0;
+  if (!workspace)
     return BW_MEMORY;
   memset(zero, 0, n * sizeof *zero);
   for (size_t i = 0; i < n; i++) {
@@ -151,7 +151,7 @@ static bw_status first_acceleration(bw_context *context, bw_sheet *sheet, const 
     BW_TRY(bwi_step(context, n, rho / curvature, p, q, acceleration, r, &square));
   }
 done:
-  bw_free(room);
+  bw_free(workspace);
   return status;
 }
 
@@ -174,11 +174,12 @@ static bw_status check(bw_context *context, const bw_newmark *newmark) {
 /* From rest where there was no motion yet: velocity and acceleration of `next`, which has the
  * fields of the sheet as it is. */
 static bw_status begin(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
-                       double *room, bw_sheet_state *next) {
+                       double *workspace, bw_sheet_state *next) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
   size_t size = 2 * (size_t)inner->graph->node_count;
-  double *velocity = room, *acceleration = room + size, *displacement = room + 2 * size;
+  double *velocity = workspace, *acceleration = workspace + size,
+         *displacement = workspace + 2 * size;
   BW_TRY(bwi_sheet_force(context, sheet, sheet->time));
   BW_TRY(ground(context, sheet, sheet->time, newmark->step, velocity, acceleration, displacement));
   for (size_t i = 0; i < size; i++) {
@@ -210,7 +211,7 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
   bw_newmark defaults;
   bw_sheet_state *next = NULL;
   bw_plane_reuse ignored = {0};
-  double *room = NULL;
+  double *workspace = NULL;
   bool made;
   bw_newmark_default(&defaults);
   newmark = newmark ? newmark : &defaults;
@@ -224,18 +225,18 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
   size_t size = 2 * (size_t)inner->graph->node_count;
   BW_TRY(bwi_sheet_stiffness(context, sheet));
   BW_TRY(bwi_sheet_mass(context, sheet));
-  room = BW_NEW(context, double, 4 * size);
-  if (!room) {
+  workspace = BW_NEW(context, double, 4 * size);
+  if (!workspace) {
     status = BW_MEMORY;
     goto done;
   }
   if (!next->moving)
-    BW_TRY(begin(context, sheet, newmark, room, next));
+    BW_TRY(begin(context, sheet, newmark, workspace, next));
 
   double h = newmark->step, beta = newmark->beta, gamma = newmark->gamma;
   double am = newmark->damping_mass, ak = newmark->damping_stiffness;
   double by_mass = 1 / (beta * h * h), by_damping = gamma / (beta * h), time = sheet->time + h;
-  double *u = room, *v = room + size, *a = v + size, *w = a + size;
+  double *u = workspace, *v = workspace + size, *a = v + size, *w = a + size;
   BW_TRY(bwi_sheet_force(context, sheet, time));
   BW_TRY(ground(context, sheet, time, h, v, a, w));
   /* What multiplies M, C and K in the load: at held unknowns the ground's own, at free ones the
@@ -292,6 +293,6 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
   BW_TRY(bwi_sheet_commit(context, sheet, next));
 done:
   bw_release(next);
-  bw_free(room);
+  bw_free(workspace);
   return status;
 }

@@ -16,7 +16,7 @@ typedef struct problem {
   bw_context *context;
   const bw_plate *plate;
   const double *turn; /* from the factor's shape to this one; NULL: they are the same */
-  double *room;       /* one vector */
+  double *workspace;  /* one vector */
 } problem;
 
 static bw_status times_stiffness(void *data, const double *x, double *y) {
@@ -36,9 +36,9 @@ static bw_status precondition(void *data, const double *x, double *y) {
   int64_t nodes = p->plate->mesh->topology->nodes->node_count;
   if (!p->turn)
     return bwi_lagged_symmetric_apply(p->context, factor, false, x, y);
-  memcpy(p->room, x, (size_t)(3 * nodes) * sizeof *x);
-  bwi_plate_turn(nodes, p->turn, true, p->room);
-  bw_status status = bwi_lagged_symmetric_apply(p->context, factor, true, p->room, y);
+  memcpy(p->workspace, x, (size_t)(3 * nodes) * sizeof *x);
+  bwi_plate_turn(nodes, p->turn, true, p->workspace);
+  bw_status status = bwi_lagged_symmetric_apply(p->context, factor, true, p->workspace, y);
   if (status == BW_OK)
     bwi_plate_turn(nodes, p->turn, false, y);
   return status;
@@ -182,7 +182,7 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
     BW_TRY(bwi_plate_turns(context, &in->reference, plate->mesh->topology, in->origin,
                            plate->mesh->point, turn));
     data.turn = turn;
-    data.room = turn + 4 * nodes;
+    data.workspace = turn + 4 * nodes;
   }
   bwi_ritz ritz = {.size = n,
                    .stiffness = times_stiffness,

@@ -150,13 +150,13 @@ static void combine(const workspace *w, const double *from, int first, int colum
 /* Ritz values and vectors of the basis: theta ascending, vectors in the rows of `projected`. */
 static bw_status project(bw_context *context, workspace *w) {
   int64_t n = w->problem->size;
-  int m = w->count, room = 8 * 3 * w->problem->block, info = 0;
+  int m = w->count, capacity = 8 * 3 * w->problem->block, info = 0;
   for (int i = 0; i < m; i++)
     for (int j = 0; j <= i; j++)
       w->projected[i * m + j] = w->projected[j * m + i] =
           dot(w->basis + i * n, w->stiff + j * n, n);
   bwi_blas_enter();
-  dsyev_("V", "U", &m, w->projected, &m, w->theta, w->scratch, &room, &info);
+  dsyev_("V", "U", &m, w->projected, &m, w->theta, w->scratch, &capacity, &info);
   bwi_blas_leave();
   if (info != 0)
     return bw_fail(context, BW_INTERNAL, "the projected eigenproblem of %d vectors failed (%d)", m,

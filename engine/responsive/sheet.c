@@ -22,7 +22,7 @@ static void sheet_destroy(void *object) {
     bw_free(inner->stiffness);
     bw_free(inner->matrix);
     bw_free(inner->mass);
-    bw_free(inner->room);
+    bw_free(inner->workspace);
     bw_free(inner->held);
     bw_free(inner->prescribed);
     bw_free(inner->force);
@@ -42,7 +42,7 @@ static size_t sheet_bytes(const void *object) {
   bytes += bw_bytes(inner->now) + nodes * 8 * (inner->prescribed ? 9 : 0);
   if (inner->graph)
     bytes += bw_bytes(inner->graph) +
-             8 * (9 * (size_t)inner->graph->pair_count + bwi_plane_room(inner->graph, 2));
+             8 * (9 * (size_t)inner->graph->pair_count + bwi_plane_workspace_size(inner->graph, 2));
   return bytes;
 }
 
@@ -119,9 +119,9 @@ done:
 static bw_status extrapolate(bw_context *context, const bw_sheet *sheet, size_t size) {
   bw_status status = BW_OK;
   const struct bwi_sheet *inner = sheet->inner;
-  double *room = BW_NEW(context, double, 2 * size), along, curvature;
-  double *change = room, *product = room + size;
-  if (!room)
+  double *workspace = BW_NEW(context, double, 2 * size), along, curvature;
+  double *change = workspace, *product = workspace + size;
+  if (!workspace)
     return BW_MEMORY;
   for (size_t i = 0; i < size; i++)
     change[i] = inner->held[i] ? 0 : sheet->displacement[i] - inner->now->before[i];
@@ -135,7 +135,7 @@ static bw_status extrapolate(bw_context *context, const bw_sheet *sheet, size_t 
     for (size_t i = 0; i < size; i++)
       inner->work[i] += length * change[i];
 done:
-  bw_free(room);
+  bw_free(workspace);
   return status;
 }
 

@@ -108,7 +108,7 @@ struct bwi_sheet {
   double *stiffness; /* 4 per pair: as assembled */
   double *matrix;    /* 4 per pair: what is solved with */
   double *mass;      /* 1 per pair, density included */
-  double *room;      /* element matrices */
+  double *workspace; /* element matrices */
   /* By nodes. */
   uint8_t *held;                           /* node_count x 2 */
   double *prescribed, *force, *rhs, *work; /* node_count x 2 each */

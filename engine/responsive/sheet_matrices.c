@@ -72,7 +72,7 @@ static bw_status element_mass(void *data, int32_t e, double *m) {
 }
 
 /* Room for one array per topology, when it is not there yet. */
-static bw_status room(bw_context *context, double **block, size_t size) {
+static bw_status workspace(bw_context *context, double **block, size_t size) {
   if (!*block)
     *block = BW_NEW(context, double, size);
   return *block ? BW_OK : BW_MEMORY;
@@ -87,13 +87,13 @@ bw_status bwi_sheet_prepare(bw_context *context, bw_sheet *sheet, bool *made) {
     BW_TRY(bw_plane_graph_create(context, sheet->mesh->topology, &inner->graph));
   }
   size_t pairs = (size_t)inner->graph->pair_count, size = 2 * (size_t)inner->graph->node_count;
-  BW_TRY(room(context, &inner->stiffness, 4 * pairs));
-  BW_TRY(room(context, &inner->matrix, 4 * pairs));
-  BW_TRY(room(context, &inner->room, bwi_plane_room(inner->graph, 2)));
-  BW_TRY(room(context, &inner->prescribed, size));
-  BW_TRY(room(context, &inner->force, size));
-  BW_TRY(room(context, &inner->rhs, size));
-  BW_TRY(room(context, &inner->work, size));
+  BW_TRY(workspace(context, &inner->stiffness, 4 * pairs));
+  BW_TRY(workspace(context, &inner->matrix, 4 * pairs));
+  BW_TRY(workspace(context, &inner->workspace, bwi_plane_workspace_size(inner->graph, 2)));
+  BW_TRY(workspace(context, &inner->prescribed, size));
+  BW_TRY(workspace(context, &inner->force, size));
+  BW_TRY(workspace(context, &inner->rhs, size));
+  BW_TRY(workspace(context, &inner->work, size));
   if (!inner->held && !(inner->held = BW_NEW(context, uint8_t, size)))
     status = BW_MEMORY;
 done:
@@ -110,8 +110,8 @@ bw_status bwi_sheet_stiffness(bw_context *context, bw_sheet *sheet) {
     status = bwi_sheet_tri3_stiffness(context, sheet, inner->stiffness);
   } else {
     bwi_rules_create(2, &l.rules);
-    status =
-        bwi_plane_assemble(context, inner->graph, 2, stiffness6, &l, inner->room, inner->stiffness);
+    status = bwi_plane_assemble(context, inner->graph, 2, stiffness6, &l, inner->workspace,
+                                inner->stiffness);
   }
   if (status == BW_GEOMETRY)
     for (int32_t e = 0; e < sheet->mesh->topology->element_count; e++)
@@ -141,7 +141,7 @@ bw_status bwi_sheet_mass(bw_context *context, bw_sheet *sheet) {
     status = bwi_sheet_tri3_mass(context, sheet, mass);
   } else {
     bwi_rule_create(2, 4, &l.rule);
-    status = bwi_plane_assemble(context, inner->graph, 1, element_mass, &l, inner->room, mass);
+    status = bwi_plane_assemble(context, inner->graph, 1, element_mass, &l, inner->workspace, mass);
   }
   if (status == BW_OK)
     inner->mass = mass;

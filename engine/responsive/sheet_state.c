@@ -96,7 +96,7 @@ static void drop_what_is_of(struct bwi_sheet *inner, const bw_plane_mesh *was,
   inner->held_checked = false;
   drop(&inner->stiffness);
   drop(&inner->matrix);
-  drop(&inner->room);
+  drop(&inner->workspace);
   if (now->topology->nodes == was->topology->nodes)
     return;
   drop(&inner->prescribed);

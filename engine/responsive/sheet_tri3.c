@@ -98,8 +98,10 @@ static bw_status mass_rows(void *data, int64_t begin, int64_t end, int worker) {
 }
 
 static bw_status run(bw_context *context, const bw_sheet *sheet, bw_body *rows, double *values) {
-  lines l = {
-      .sheet = sheet, .graph = sheet->inner->graph, .line = sheet->inner->room, .values = values};
+  lines l = {.sheet = sheet,
+             .graph = sheet->inner->graph,
+             .line = sheet->inner->workspace,
+             .values = values};
   bw_status status = bw_parallel(context, sheet->mesh->topology->element_count, BWI_GRAIN_ELEMENTS,
                                  make_lines, &l);
   if (status == BW_OK)

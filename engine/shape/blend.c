@@ -42,9 +42,9 @@ typedef struct blend {
   int32_t *local;                   /* node -> number in the domain at hand, or -1 */
   int32_t *held_bone;               /* node -> the bone of its type R domain, or -1 */
   influence *list;                  /* of all free nodes, in any order of nodes */
-  size_t count, room;
+  size_t count, capacity;
   int32_t *bone; /* the lists of bones of the domains, one after the other */
-  size_t bone_count, bone_room;
+  size_t bone_count, bone_capacity;
   /* the domain at hand */
   int32_t *node; /* free ones, then held ones */
   int32_t free_count, node_count;
@@ -202,7 +202,7 @@ static bw_status solve(blend *b, int32_t domain, int32_t bone, double *x) {
 /* ---- what each domain follows ---------------------------------------------------------------- */
 
 static bw_status add_influence(blend *b, int32_t node, int32_t bone, double weight) {
-  if (!bw_grow(b->context, (void **)&b->list, &b->room, b->count, 1, sizeof *b->list))
+  if (!bw_grow(b->context, (void **)&b->list, &b->capacity, b->count, 1, sizeof *b->list))
     return BW_MEMORY;
   b->list[b->count++] = (influence){node, bone, weight};
   return BW_OK;
@@ -224,7 +224,8 @@ static bw_status touched_bones(blend *b, int32_t *count) {
       known = b->bone[i] == bone;
     if (known)
       continue;
-    if (!bw_grow(b->context, (void **)&b->bone, &b->bone_room, b->bone_count, 1, sizeof *b->bone))
+    if (!bw_grow(b->context, (void **)&b->bone, &b->bone_capacity, b->bone_count, 1,
+                 sizeof *b->bone))
       return BW_MEMORY;
     b->bone[b->bone_count++] = bone;
   }
@@ -244,7 +245,7 @@ static bw_status follow_guide(blend *b, int32_t domain) {
     bwi_guide_score(b->guide, d->mesh, d->skeleton, b->element[at], score);
   int32_t bone = bwi_highest(score, d->skeleton->bone_count);
   bw_free(score);
-  if (!bw_grow(b->context, (void **)&b->bone, &b->bone_room, b->bone_count, 1, sizeof *b->bone))
+  if (!bw_grow(b->context, (void **)&b->bone, &b->bone_capacity, b->bone_count, 1, sizeof *b->bone))
     return BW_MEMORY;
   b->bone[b->bone_count++] = bone < 0 ? 0 : bone;
   return BW_OK;
@@ -468,7 +469,7 @@ bw_status bwi_domains_blend(bw_context *context, bw_domains *domains, const bwi_
       BW_TRY(blend_domain(&b, i));
       BW_TRY(bw_check_cancel(context));
     } else {
-      if (!bw_grow(context, (void **)&b.bone, &b.bone_room, b.bone_count, 1, sizeof *b.bone)) {
+      if (!bw_grow(context, (void **)&b.bone, &b.bone_capacity, b.bone_count, 1, sizeof *b.bone)) {
         status = BW_MEMORY;
         goto done;
       }

@@ -65,10 +65,10 @@ static void draw_out(const walls *w, double *tip, const double *before) {
     way[k] = (tip[k] - before[k]) / length;
   double radius = sqrt(bwi_tree_nearest(w->tree, tip, -1, 0, place, &facet));
   double far = 6 * fmax(radius, tip[3]);
-  double room = to_wall(w, tip, way, far);
-  if (room >= far)
+  double clearance = to_wall(w, tip, way, far);
+  if (clearance >= far)
     return;
-  double on = room - 0.5 * fmin(radius, room);
+  double on = clearance - 0.5 * fmin(radius, clearance);
   for (int k = 0; k < 3; k++)
     tip[k] += on * way[k];
 }

@@ -195,13 +195,13 @@ static bw_status find_neighbours(bw_context *context, bw_domains *d) {
   const bw_mesh *mesh = d->mesh;
   bw_status status = BW_MEMORY;
   int64_t *at = NULL, *pair = NULL; /* node * count + domain; domain * count + domain */
-  size_t at_count = 0, at_room = 0, pair_count = 0, pair_room = 0;
+  size_t at_count = 0, at_capacity = 0, pair_count = 0, pair_capacity = 0;
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < mesh->nodes_per_element; k++) {
       int32_t i = nodes_of(mesh, e)[k];
       if (!d->interface[i])
         continue;
-      if (!bw_grow(context, (void **)&at, &at_room, at_count, 1, sizeof *at))
+      if (!bw_grow(context, (void **)&at, &at_capacity, at_count, 1, sizeof *at))
         goto done;
       at[at_count++] = (int64_t)i * d->count + d->element_domain[e];
     }
@@ -214,7 +214,7 @@ static bw_status find_neighbours(bw_context *context, bw_domains *d) {
       for (size_t b = first; b < end; b++) {
         if (a == b)
           continue;
-        if (!bw_grow(context, (void **)&pair, &pair_room, pair_count, 1, sizeof *pair))
+        if (!bw_grow(context, (void **)&pair, &pair_capacity, pair_count, 1, sizeof *pair))
           goto done;
         pair[pair_count++] = at[a] % d->count * d->count + at[b] % d->count;
       }

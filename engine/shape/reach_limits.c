@@ -7,7 +7,7 @@
 
 static const double pi = 3.14159265358979323846;
 /* Limits closer than this, in radians, leave no room. */
-static const double no_room = 1e-6;
+static const double min_range = 1e-6;
 
 void bw_joint_limit_none(bw_joint_limit *limit) {
   limit->swing = pi;
@@ -132,7 +132,7 @@ void bwi_limit_bars(const bw_joint_limit *limit, const double direction[3], cons
     middle[k] = direction[k] + turned[k];
   }
   bw_cross(direction, turned, around);
-  if (limit->swing < no_room) { /* both directions across are barred */
+  if (limit->swing < min_range) { /* both directions across are barred */
     double across[3], other[3];
     bw_across(direction, across, other);
     bar(bars, across, 0, 0);
@@ -143,7 +143,7 @@ void bwi_limit_bars(const bw_joint_limit *limit, const double direction[3], cons
   double rate = bw_norm(middle) / 2;
   if (rate < 1e-9)
     return;
-  if (limit->twist_high - limit->twist_low < no_room)
+  if (limit->twist_high - limit->twist_low < min_range)
     bar(bars, middle, 0, 0);
   else if (limit->twist_high < pi || limit->twist_low > -pi)
     bar(bars, middle, limit->twist_low > -pi ? rate * (limit->twist_low - twist) : -INFINITY,

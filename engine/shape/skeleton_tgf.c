@@ -30,8 +30,8 @@ typedef struct draft {
   bw_name *bone_name;
   int64_t *joint_line, *bone_line;
   size_t joints, bones, skipped;
-  size_t joint_room, joint_name_room, of_room, joint_line_room;
-  size_t bone_room, bone_name_room, bone_line_room;
+  size_t joint_capacity, joint_name_capacity, of_capacity, joint_line_capacity;
+  size_t bone_capacity, bone_name_capacity, bone_line_capacity;
 } draft;
 
 static void draft_clear(draft *d) {
@@ -85,11 +85,11 @@ static bw_status read_joint(bwi_cursor *line, double unit, draft *d) {
   bw_status status = BW_OK;
   bw_context *c = d->context;
   int64_t number;
-  if (!bw_grow(c, (void **)&d->joint, &d->joint_room, 3 * d->joints, 3, sizeof *d->joint) ||
-      !bw_grow(c, (void **)&d->joint_name, &d->joint_name_room, d->joints, 1,
+  if (!bw_grow(c, (void **)&d->joint, &d->joint_capacity, 3 * d->joints, 3, sizeof *d->joint) ||
+      !bw_grow(c, (void **)&d->joint_name, &d->joint_name_capacity, d->joints, 1,
                sizeof *d->joint_name) ||
-      !bw_grow(c, (void **)&d->of, &d->of_room, d->joints, 1, sizeof *d->of) ||
-      !bw_grow(c, (void **)&d->joint_line, &d->joint_line_room, d->joints, 1,
+      !bw_grow(c, (void **)&d->of, &d->of_capacity, d->joints, 1, sizeof *d->of) ||
+      !bw_grow(c, (void **)&d->joint_line, &d->joint_line_capacity, d->joints, 1,
                sizeof *d->joint_line))
     return BW_MEMORY;
   BW_TRY(bwi_read_integer(line, &number, "the number of a joint (or '#' before the bones)"));
@@ -154,9 +154,11 @@ static bw_status read_bone(bwi_cursor *line, draft *d) {
   bw_status status = BW_OK;
   bw_context *c = d->context;
   bool is_bone = true;
-  if (!bw_grow(c, (void **)&d->bone, &d->bone_room, 2 * d->bones, 2, sizeof *d->bone) ||
-      !bw_grow(c, (void **)&d->bone_name, &d->bone_name_room, d->bones, 1, sizeof *d->bone_name) ||
-      !bw_grow(c, (void **)&d->bone_line, &d->bone_line_room, d->bones, 1, sizeof *d->bone_line))
+  if (!bw_grow(c, (void **)&d->bone, &d->bone_capacity, 2 * d->bones, 2, sizeof *d->bone) ||
+      !bw_grow(c, (void **)&d->bone_name, &d->bone_name_capacity, d->bones, 1,
+               sizeof *d->bone_name) ||
+      !bw_grow(c, (void **)&d->bone_line, &d->bone_line_capacity, d->bones, 1,
+               sizeof *d->bone_line))
     return BW_MEMORY;
   BW_TRY(read_end(line, d, &d->bone[2 * d->bones]));
   BW_TRY(read_end(line, d, &d->bone[2 * d->bones + 1]));

@@ -5,16 +5,16 @@
 
 enum { BUFFER = 130 << 20 }; /* a little more than OpenBLAS takes at a time */
 
-bool bwi_blas_has_room(int threads) {
-  static bool had_room;
-  if (__atomic_load_n(&had_room, __ATOMIC_RELAXED))
+bool bwi_blas_has_memory(int threads) {
+  static bool had_memory;
+  if (__atomic_load_n(&had_memory, __ATOMIC_RELAXED))
     return true;
   size_t size = (size_t)threads * BUFFER;
-  void *room =
+  void *block =
       mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (room == MAP_FAILED)
+  if (block == MAP_FAILED)
     return false;
-  munmap(room, size);
-  __atomic_store_n(&had_room, true, __ATOMIC_RELAXED);
+  munmap(block, size);
+  __atomic_store_n(&had_memory, true, __ATOMIC_RELAXED);
   return true;
 }

@@ -36,6 +36,6 @@ void dsyev_(const char *, const char *, const int *, double *, const int *, doub
 
 /* Whether the address space has room for the buffers that OpenBLAS takes, one per thread: under a
  * limit (ulimit -v) it would wait for them for ever. Asked until it has once been answered yes. */
-bool bwi_blas_has_room(int threads);
+bool bwi_blas_has_memory(int threads);
 
 #endif

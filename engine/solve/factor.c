@@ -199,35 +199,35 @@ done:
 
 /* ---- memory to work in --------------------------------------------------------------------- */
 
-static void store_clear(store *room) {
-  for (int w = 0; room->space && w < room->workers; w++) {
-    bw_free(room->space[w].local);
-    bw_free(room->space[w].runs);
-    bw_free(room->space[w].scale);
-    bw_free(room->space[w].panel);
-    bw_free(room->space[w].stack);
+static void store_clear(store *fronts) {
+  for (int w = 0; fronts->space && w < fronts->workers; w++) {
+    bw_free(fronts->space[w].local);
+    bw_free(fronts->space[w].runs);
+    bw_free(fronts->space[w].scale);
+    bw_free(fronts->space[w].panel);
+    bw_free(fronts->space[w].stack);
   }
-  bw_free(room->space);
-  bw_free(room->own);
-  bw_free(room->update);
-  bw_free(room->child);
-  bw_free(room->sibling);
-  *room = (store){0};
+  bw_free(fronts->space);
+  bw_free(fronts->own);
+  bw_free(fronts->update);
+  bw_free(fronts->child);
+  bw_free(fronts->sibling);
+  *fronts = (store){0};
 }
 
-static bw_status link_children(bw_context *context, const bwi_order *order, store *room) {
+static bw_status link_children(bw_context *context, const bwi_order *order, store *fronts) {
   int32_t supers = order->super_count;
-  room->update = BW_NEW0(context, void *, supers);
-  room->child = BW_NEW(context, int32_t, supers);
-  room->sibling = BW_NEW(context, int32_t, supers);
-  if (!room->update || !room->child || !room->sibling)
+  fronts->update = BW_NEW0(context, void *, supers);
+  fronts->child = BW_NEW(context, int32_t, supers);
+  fronts->sibling = BW_NEW(context, int32_t, supers);
+  if (!fronts->update || !fronts->child || !fronts->sibling)
     return BW_MEMORY;
   for (int32_t s = 0; s < supers; s++)
-    room->child[s] = -1;
+    fronts->child[s] = -1;
   for (int32_t s = supers - 1; s >= 0; s--)
     if (order->parent[s] >= 0) {
-      room->sibling[s] = room->child[order->parent[s]];
-      room->child[order->parent[s]] = s;
+      fronts->sibling[s] = fronts->child[order->parent[s]];
+      fronts->child[order->parent[s]] = s;
     }
   return BW_OK;
 }
@@ -237,18 +237,18 @@ static bw_status store_prepare(factorisation *f) {
   bw_status status = BW_OK;
   bw_context *context = f->context;
   const bwi_symbolic *symbolic = f->symbolic;
-  store *room = f->store;
+  store *fronts = f->store;
   int workers = bw_threads(context);
-  if (workers > room->workers) {
-    workspace *space = bw_resize(context, room->space, (size_t)workers, sizeof *space);
+  if (workers > fronts->workers) {
+    workspace *space = bw_resize(context, fronts->space, (size_t)workers, sizeof *space);
     if (!space)
       return BW_MEMORY;
-    room->space = space;
-    for (; room->workers < workers; room->workers++)
-      space[room->workers] = (workspace){0};
+    fronts->space = space;
+    for (; fronts->workers < workers; fronts->workers++)
+      space[fronts->workers] = (workspace){0};
   }
   for (int w = 0; w < workers; w++) {
-    workspace *space = &room->space[w];
+    workspace *space = &fronts->space[w];
     if (!space->local)
       space->local = BW_NEW(context, int32_t, symbolic->order->size);
     if (!space->runs)
@@ -260,9 +260,9 @@ static bw_status store_prepare(factorisation *f) {
     if (!space->local || !space->runs || !space->scale || (!space->panel && !f->value))
       return BW_MEMORY;
   }
-  if (!room->sibling)
-    BW_TRY(link_children(context, symbolic->order, room));
-  BW_TRY(reserve(f, f->plan->own, &room->own, &room->own_size));
+  if (!fronts->sibling)
+    BW_TRY(link_children(context, symbolic->order, fronts));
+  BW_TRY(reserve(f, f->plan->own, &fronts->own, &fronts->own_size));
 done:
   return status;
 }
@@ -273,7 +273,7 @@ static bw_status factorise(factorisation *f) {
   const bwi_plan *plan = f->plan;
   int threads = bw_threads(context);
   bwi_blas_enter();
-  if (!bwi_blas_has_room(threads)) {
+  if (!bwi_blas_has_memory(threads)) {
     status =
         bw_fail(context, BW_MEMORY,
                 "the address space has no room for OpenBLAS, which takes 128 MB for each of %d "
@@ -421,7 +421,7 @@ static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_m
                         bwi_elimination_reach *reach, const bwi_kernels *kernels, bwi_factor **out,
                         int32_t *bad_node) {
   bw_status status = BW_OK;
-  store room = {0};
+  store fronts = {0};
   bwi_factor *factor = BW_NEW0(context, bwi_factor, 1);
   if (!factor)
     return BW_MEMORY;
@@ -445,12 +445,12 @@ static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_m
                        .unit = 1,
                        .value = factor->value,
                        .plan = &symbolic->plan,
-                       .store = &room};
+                       .store = &fronts};
     factor->unit = 1;
     status = judge(&f, factorise(&f), bad_node);
   }
 done:
-  store_clear(&room);
+  store_clear(&fronts);
   if (status == BW_OK)
     *out = factor;
   else
@@ -520,7 +520,7 @@ done:
 
 bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
                              int64_t *negative, bool *trusted) {
-  store room = {0};
+  store fronts = {0};
   factorisation f = {.context = context,
                      .symbolic = symbolic,
                      .matrix = matrix,
@@ -528,9 +528,9 @@ bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const 
                      .unit = 1,
                      .signs = true,
                      .plan = &symbolic->plan,
-                     .store = &room};
+                     .store = &fronts};
   bw_status status = factorise(&f);
-  store_clear(&room);
+  store_clear(&fronts);
   bool singular = status == BW_SINGULAR;
   if (status != BW_OK && !singular)
     return status;

@@ -313,7 +313,8 @@ bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_ma
                            const bw_dof_map *dof_map, const bw_system *previous,
                            bw_system **system);
 /* bw_system_factor with what of an order fits (or NULL), and the bytes that a factor may take. */
-bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic *old, double room);
+bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic *old,
+                            double available);
 
 /* Zero the components of a global field whose state's bit (1u << bw_dof_state) is not in
  * `states`, in each node's frame. */
@@ -333,7 +334,7 @@ bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph, const bw_
                            int32_t domain_count, const int32_t *element_domain,
                            const bw_edits *edits, bwi_symbolic *old, bwi_symbolic **symbolic);
 /* Bytes that making a factor of doubles takes, at their peak. */
-double bwi_factor_room(const bwi_symbolic *symbolic, int threads);
+double bwi_factor_peak_bytes(const bwi_symbolic *symbolic, int threads);
 /* f -= W R (R^T f), and u -= R (R^T W u), of several fields; nothing where no motion is free. */
 bw_status bwi_balance_fields(bw_context *context, const bw_dof_map *dof_map, int64_t count,
                              double *force);

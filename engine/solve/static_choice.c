@@ -26,7 +26,7 @@ typedef struct statics {
   bw_context *context;
   const bw_model *model;
   bw_statics_options opts;
-  double room;       /* bytes that a factor may take */
+  double available;  /* bytes that a factor may take */
   bwi_symbolic *old; /* of a former system, or NULL */
   bw_static *result;
   int limit, passes;
@@ -70,14 +70,14 @@ static double next_by_pcg(const bwi_cost_prediction *cost) {
   return (1 + BWI_TWO_LEVEL_RATE * log(2 / bwi_refine_to)) * cost->one_iteration;
 }
 
-static bool has_room(const statics *s, const bwi_cost_prediction *cost) {
-  return cost->factor_bytes <= s->room;
+static bool has_memory(const statics *s, const bwi_cost_prediction *cost) {
+  return cost->factor_bytes <= s->available;
 }
 
 static bool pcg_is_better(const statics *s, const bw_system *system) {
   const bwi_two_level_solver *two_level = system->two_level;
   const bwi_cost_prediction *cost = &two_level->prediction;
-  if (cost->factor_bytes > LARGE || !has_room(s, cost))
+  if (cost->factor_bytes > LARGE || !has_memory(s, cost))
     return true;
   if (two_level->preconditioner)
     return two_level->spent + next_by_pcg(cost) <= cost->factor;
@@ -108,7 +108,7 @@ done:
 
 /* As many iterations as the factor would have cost, where there is room for it. */
 static int limit_of(const statics *s, const bwi_cost_prediction *cost) {
-  if (s->opts.method == BW_STATICS_PCG || !has_room(s, cost))
+  if (s->opts.method == BW_STATICS_PCG || !has_memory(s, cost))
     return s->opts.iterations;
   double worth = fmax(cost->factor, 2 * next_by_pcg(cost)) / cost->one_iteration;
   return worth < s->opts.iterations ? (int)worth : s->opts.iterations;
@@ -200,7 +200,7 @@ static bw_status solve_by_factor(statics *s) {
     bw_release(system->two_level->preconditioner);
     system->two_level->preconditioner = NULL;
   }
-  BW_TRY(bwi_system_factor(s->context, system, s->old, s->room));
+  BW_TRY(bwi_system_factor(s->context, system, s->old, s->available));
   report->method = BW_STATICS_FACTOR;
   report->factor_flops = system->times.factor_flops;
   report->factor_bytes = (double)bwi_factor_bytes(system->factor);
@@ -226,7 +226,7 @@ static bool other_way(const statics *s, bw_status status) {
   if (s->opts.method != BW_STATICS_AUTO)
     return false;
   if (s->pcg)
-    return (status == BW_CONVERGENCE && has_room(s, &system->two_level->prediction)) ||
+    return (status == BW_CONVERGENCE && has_memory(s, &system->two_level->prediction)) ||
            status == BW_SINGULAR;
   return status == BW_MEMORY && bwi_two_level_applies(system) &&
          system->dof_map->unknown_count >= SMALL;
@@ -249,7 +249,7 @@ static bw_status solve(statics *s) {
               s->result->report.iterations);
     BW_TRY(solve_by_factor(s));
   } else {
-    s->room = 0; /* there is none */
+    s->available = 0; /* there is none */
     if (!s->result->system->two_level)
       BW_TRY(bwi_two_level_predict(context, s->result->system));
     note_prediction(s);
@@ -268,7 +268,7 @@ bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *syst
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
   BW_TRY(bwi_static_begin(context, model, options, dof_map, &s.result));
   BW_TRY(bring_system(&s, dof_map, system));
-  s.room = s.opts.memory > 0 ? s.opts.memory : bw_free_memory();
+  s.available = s.opts.memory > 0 ? s.opts.memory : bw_free_memory();
   BW_TRY(solve(&s));
 done:
   bw_release(dof_map);

@@ -163,7 +163,7 @@ static bw_status bring_mass(bw_context *context, bw_system *system) {
   return BW_OK;
 }
 
-double bwi_factor_room(const bwi_symbolic *symbolic, int threads) {
+double bwi_factor_peak_bytes(const bwi_symbolic *symbolic, int threads) {
   const bwi_plan *plan = &symbolic->plan;
   double stack = 0;
   for (int32_t t = 0; t < plan->task_count; t++)
@@ -174,23 +174,23 @@ double bwi_factor_room(const bwi_symbolic *symbolic, int threads) {
 }
 
 /* Not even begun: memory given out but never there would end the process, or all others. */
-static bw_status check_room(bw_context *context, const bwi_symbolic *symbolic, double room) {
-  double wanted = bwi_factor_room(symbolic, bw_threads(context));
-  if (wanted <= room)
+static bw_status check_memory(bw_context *context, const bwi_symbolic *symbolic, double available) {
+  double wanted = bwi_factor_peak_bytes(symbolic, bw_threads(context));
+  if (wanted <= available)
     return BW_OK;
   bw_fail(context, BW_MEMORY,
           "the factor of %d unknowns takes %.3g GB of memory, more than the %.3g GB that there are "
           "for it. Take fewer elements; or a machine with more memory; a static solution on "
           "quadratic elements that supports hold needs no factor (with = \"pcg\"), and several "
           "machines can share one (with = \"petsc\")",
-          (int)symbolic->unknowns, wanted / 1e9, room / 1e9);
+          (int)symbolic->unknowns, wanted / 1e9, available / 1e9);
   bw_detail_number(context, "bytes", wanted);
-  bw_detail_number(context, "free_bytes", room);
+  bw_detail_number(context, "free_bytes", available);
   return BW_MEMORY;
 }
 
 bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic *old,
-                            double room) {
+                            double available) {
   bw_status status = BW_OK;
   bwi_symbolic *symbolic = NULL;
   double start = bw_seconds();
@@ -198,7 +198,7 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic
     return BW_OK;
   bw_progress(context, "order", 0);
   BW_TRY(bwi_symbolic_for(context, system->graph, system->dof_map, 0, NULL, NULL, old, &symbolic));
-  BW_TRY(check_room(context, symbolic, room));
+  BW_TRY(check_memory(context, symbolic, available));
   BW_TRY(bring_mass(context, system));
   system->times.order += bw_seconds() - start;
 

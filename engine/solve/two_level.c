@@ -6,7 +6,7 @@
 
 enum { ROWS = BWI_SMOOTHER_ROWS };
 
-static void free_room(bwi_two_level *l) {
+static void free_vectors(bwi_two_level *l) {
   bw_free(l->u);
   bw_free(l->r);
   bw_free(l->p);
@@ -23,7 +23,7 @@ static void free_room(bwi_two_level *l) {
 
 static void two_level_destroy(void *object) {
   bwi_two_level *l = object;
-  free_room(l);
+  free_vectors(l);
   bw_release(l->coarse);
   bw_release(l->smoother);
   bw_release(l->dof_map);
@@ -179,11 +179,11 @@ done:
   return status;
 }
 
-bw_status bwi_two_level_room(bw_context *context, bwi_two_level *l, int width) {
+bw_status bwi_two_level_reserve(bw_context *context, bwi_two_level *l, int width) {
   size_t numbers = 3 * (size_t)l->smoother->count * (size_t)width + BWI_SMOOTHER_SPARE;
   if (l->width >= width)
     return BW_OK;
-  free_room(l);
+  free_vectors(l);
   l->u = BW_NEW(context, double, numbers);
   l->r = BW_NEW(context, double, numbers);
   l->p = BW_NEW0(context, double, numbers);
@@ -194,7 +194,7 @@ bw_status bwi_two_level_room(bw_context *context, bwi_two_level *l, int width) {
   l->floats = BW_NEW(context, float, numbers);
   l->corner = BW_NEW(context, double, 3 * (size_t)bwi_coarse_corners(l->coarse) * (size_t)width);
   if (!l->u || !l->r || !l->p || !l->q || !l->ku || !l->z || !l->rest || !l->floats || !l->corner) {
-    free_room(l);
+    free_vectors(l);
     return BW_MEMORY;
   }
   l->width = width;

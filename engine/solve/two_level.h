@@ -53,7 +53,7 @@ double bwi_two_level_bytes(const bwi_two_level *two_level);
 double bwi_two_level_flops(const bwi_two_level *two_level);
 
 /* Room for `width` fields side by side, 1 or BWI_SMOOTHER_SIDES. */
-bw_status bwi_two_level_room(bw_context *context, bwi_two_level *two_level, int width);
+bw_status bwi_two_level_reserve(bw_context *context, bwi_two_level *two_level, int width);
 /* z of the residuals in `floats`, of which `used` are real: a sweep forwards, the corners, a sweep
  * backwards. */
 bw_status bwi_two_level_precondition(bw_context *context, bwi_two_level *two_level, int width,

@@ -487,7 +487,7 @@ bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *l, bwi_two_lev
   problem->iterations = 0;
   problem->converged = true;
   it.problem = &part;
-  BW_TRY(bwi_two_level_room(context, l, it.width));
+  BW_TRY(bwi_two_level_reserve(context, l, it.width));
   it.part = BW_NEW(context, double, 2 * SIDES * (l->smoother->count / ROWS + 1));
   if (!it.part) {
     status = BW_MEMORY;

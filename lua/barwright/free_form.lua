@@ -417,15 +417,15 @@ function form:distance_rows(samples, directions, wall, gap, reach_of)
     end
   end
   for _, one in ipairs(list) do
-    local room, s, o, d = one[1], one[2], one[3], one[4]
-    if room < 2 * reach_of then
+    local allowed, s, o, d = one[1], one[2], one[3], one[4]
+    if allowed < 2 * reach_of then
       local row = {}
       for c = 1, #self.controls do row[c] = 0 end
       local ux, uy = (s.x - o.x) / d, (s.y - o.y) / d
       add_move(row, s, -ux, -uy, directions)
       add_move(row, o, ux, uy, directions)
       -- a place that is too thin already grows back in a few rounds
-      A[#A + 1], b[#b + 1] = row, math.max(room, -0.5 * reach_of)
+      A[#A + 1], b[#b + 1] = row, math.max(allowed, -0.5 * reach_of)
     end
   end
   return A, b, thinnest, narrowest, inner

@@ -131,8 +131,8 @@ local tune_rules = {
   watch = {type = "function"},
   ratios = {type = "table"}, -- of the frequencies of the lowest modes of a kind
   kind = {type = "string", default = "bending", one_of = {"bending", "torsion"}},
-  room = {type = "number", default = 0.2, above = 0}, -- part of the local width that a point may move by
-  stages = {type = "integer", default = 1, min = 1, max = 100}, -- each with room of its own
+  move_limit = {type = "number", default = 0.2, above = 0}, -- part of the local width that a point may move by
+  stages = {type = "integer", default = 1, min = 1, max = 100}, -- each with a move limit of its own
 }
 
 local function wanted_frequency(where, target)
@@ -234,7 +234,7 @@ local function tuned(self, wanted, opts, keep)
   local box = self.outline.box
   local size = math.sqrt((box.high[1] - box.low[1]) ^ 2 + (box.high[2] - box.low[2]) ^ 2)
   local search = {keep = keep, smooth = opts.smooth or 0.1 * size, watch = opts.watch, choose = choose,
-    room = opts.room}
+    move_limit = opts.move_limit}
   local rounds, message, details = approach(self, wanted, opts, search)
   if not rounds then return nil, message, details end
   local base, aim, modes, off = self.outline, table.move(wanted, 1, #wanted, 1, {}), nil, 0
@@ -278,9 +278,10 @@ end
 --- `pins` hold from there. The tone is met on a mesh `finer` times as fine (default 4; 1: on the bar's own).
 --- `watch` is called with the bar after every round; when it returns false, all is as before.
 --- `ratios`: of the frequencies of the lowest modes of a `kind` ("bending" or "torsion"), the first of which gets
---- the target: {1, 4, 10}. They are followed by kind and number while modes of another kind pass them. `room`:
---- part of the local width that a point may move by (0.2). `stages`: the way is divided into so many (1), each
---- from the outline that the one before led to, with room of its own; ratios far from an even bar's need some.
+--- the target: {1, 4, 10}. They are followed by kind and number while modes of another kind pass them.
+--- `move_limit`: part of the local width that a point may move by (0.2). `stages`: the way is divided into so many
+--- (1), each from the outline that the one before led to, with a move limit of its own; ratios far from an even
+--- bar's need some.
 --- Returns what was done: {frequency, cents, moved (largest displacement, m), rounds, mesh_cents, modes}.
 function bar:tune(target, given)
   local wanted = wanted_frequency("tune", target)

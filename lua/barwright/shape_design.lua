@@ -207,13 +207,13 @@ local function idle_circle(problem, state, form, part)
   local best, radius = nil, 0
   for i, p in ipairs(points) do
     if mises[i] <= part * problem.limit then
-      local room = problem.axis and p[1] - problem.wall / 2 or math.huge
+      local clearance = problem.axis and p[1] - problem.wall / 2 or math.huge
       for _, q in ipairs(busy) do
-        if room <= radius then break end
+        if clearance <= radius then break end
         local d = math.sqrt((p[1] - q[1]) ^ 2 + (p[2] - q[2]) ^ 2) - q[3]
-        room = math.min(room, d)
+        clearance = math.min(clearance, d)
       end
-      if room > radius then best, radius = p, room end
+      if clearance > radius then best, radius = p, clearance end
     end
   end
   return best, radius
@@ -226,12 +226,12 @@ local function try_hole(problem, state, form)
     if loop.name then names[loop.name] = true end
   end
   if holes >= problem.holes then return nil end
-  local at, room = idle_circle(problem, state, form, problem.idle)
-  if not at or room < problem.wall then return nil end
+  local at, clearance = idle_circle(problem, state, form, problem.idle)
+  if not at or clearance < problem.wall then return nil end
   local n = 1
   while names["hole " .. n] do n = n + 1 end
   local loops = table.move(form.loops, 1, #form.loops, 1, {})
-  local radius = 0.7 * room
+  local radius = 0.7 * clearance
   local count = math.max(8, math.floor(2 * math.pi * radius / problem.spacing + 0.5))
   loops[#loops + 1] = design.circle("hole " .. n, at[1], at[2], radius, count)
   return form_of.create(loops)

@@ -196,9 +196,9 @@ local NEARLY = 1.2e-4
 local function confine(try, width, part, kept)
   local list = {}
   for i = 1, #try do
-    local moved, room = math.sqrt(try[i][1] ^ 2 + try[i][2] ^ 2), part * width[i]
-    if moved > room and not kept[i] then
-      try[i] = {try[i][1] * room / moved, try[i][2] * room / moved}
+    local moved, allowed = math.sqrt(try[i][1] ^ 2 + try[i][2] ^ 2), part * width[i]
+    if moved > allowed and not kept[i] then
+      try[i] = {try[i][1] * allowed / moved, try[i][2] * allowed / moved}
       list[#list + 1] = i
     end
   end
@@ -335,7 +335,7 @@ function tune.search(bar, wanted, outline, opts)
       return bar.outline, round
     elseif not back then
       return nil, ("%s: this is as near to %s as the points that may move get (by %.3g of the width where they "
-        .. "are)"):format(hertz(frequencies), hertz(wanted), opts.room), {status = "infeasible",
+        .. "are)"):format(hertz(frequencies), hertz(wanted), opts.move_limit), {status = "infeasible",
         frequency = frequencies[1], frequencies = frequencies}
     end
     local size, rest, across = measured(list, p), sum_of(z, shares, count), sum_of(z, back, count)
@@ -352,7 +352,7 @@ function tune.search(bar, wanted, outline, opts)
     local confined, halted = false, {}
     for _ = 1, 16 do
       local try = combined(p, reach, across, part, rest)
-      local list_of_try = confine(try, width, opts.room, kept)
+      local list_of_try = confine(try, width, opts.move_limit, kept)
       for _, i in ipairs(list_of_try) do halted[i] = true end
       fine, message, details = take(bar, outline, origin, try)
       if fine then

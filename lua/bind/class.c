@@ -57,12 +57,13 @@ static const char *const *names_in(lua_State *L, int methods, int properties, si
   for (int t = 0; t < 2; t++)
     for (lua_pushnil(L); lua_next(L, tables[t]); lua_pop(L, 1))
       n++;
-  const size_t room = n; /* a finaliser may add names meanwhile */
-  const char **name = (const char **)lua_newuserdatauv(L, (room + 1) * sizeof *name, 0);
+  const size_t capacity = n; /* a finaliser may add names meanwhile */
+  const char **name = (const char **)lua_newuserdatauv(L, (capacity + 1) * sizeof *name, 0);
   n = 0;
   for (int t = 0; t < 2; t++)
     for (lua_pushnil(L); lua_next(L, tables[t]); lua_pop(L, 1))
-      if (n < room && lua_type(L, -2) == LUA_TSTRING && strncmp(lua_tostring(L, -2), "__", 2) != 0)
+      if (n < capacity && lua_type(L, -2) == LUA_TSTRING &&
+          strncmp(lua_tostring(L, -2), "__", 2) != 0)
         name[n++] = lua_tostring(L, -2);
   *count = n;
   return name;

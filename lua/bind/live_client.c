@@ -157,8 +157,8 @@ void live_admit(lbw_live_server *server, live_connection *connection) {
   live_outgoing *refusal = NULL;
   connection->stage = LIVE_WINDOW;
   pthread_mutex_lock(&server->lock);
-  bool room = server->window_count < server->options.clients;
-  if (memory && room) {
+  bool has_space = server->window_count < server->options.clients;
+  if (memory && has_space) {
     connection->number = open->client = connection->close->client = ++server->last_window;
     server->window_count++;
     post(server, open);
@@ -213,9 +213,10 @@ static int hand_over(lbw_live_server *server, live_connection *connection, const
   if (!event)
     return LIVE_CLOSE_LATER;
   pthread_mutex_lock(&server->lock);
-  bool room = connection->waiting < server->options.queue_messages &&
-              connection->waiting_bytes + (int64_t)length <= 16 * server->options.message_bytes;
-  if (room) {
+  bool has_space =
+      connection->waiting < server->options.queue_messages &&
+      connection->waiting_bytes + (int64_t)length <= 16 * server->options.message_bytes;
+  if (has_space) {
     connection->waiting++;
     connection->waiting_bytes += (int64_t)length;
     post(server, event);
@@ -224,7 +225,7 @@ static int hand_over(lbw_live_server *server, live_connection *connection, const
   pthread_mutex_unlock(&server->lock);
   bw_free(event);
   *reason = "too many messages";
-  return room ? 0 : LIVE_CLOSE_POLICY;
+  return has_space ? 0 : LIVE_CLOSE_POLICY;
 }
 
 static bool takes_more(lbw_live_server *server, const live_connection *connection) {

@@ -60,7 +60,7 @@ typedef struct live_connection {
   double heard;    /* when a window last took or gave a byte */
   bool pinged;     /* since then */
   char *in;
-  size_t filled, room;
+  size_t filled, capacity;
   live_outgoing *sending;
   size_t sent;
   int64_t number; /* shared: of a window; 0 for none */

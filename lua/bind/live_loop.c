@@ -107,17 +107,17 @@ static void accept_some(lbw_live_server *server) {
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-static bool make_room(live_connection *connection, size_t bytes) {
-  if (connection->room >= bytes)
+static bool reserve(live_connection *connection, size_t bytes) {
+  if (connection->capacity >= bytes)
     return true;
-  size_t room = connection->room ? connection->room : 2048;
-  while (room < bytes)
-    room *= 2;
-  char *in = (char *)bw_resize(NULL, connection->in, room, 1);
+  size_t capacity = connection->capacity ? connection->capacity : 2048;
+  while (capacity < bytes)
+    capacity *= 2;
+  char *in = (char *)bw_resize(NULL, connection->in, capacity, 1);
   if (!in)
     return false;
   connection->in = in;
-  connection->room = room;
+  connection->capacity = capacity;
   return true;
 }
 
@@ -131,10 +131,10 @@ static taken receive(live_connection *connection, void *into, size_t max) {
 }
 
 static taken append(live_connection *connection, size_t max) {
-  if (!make_room(connection, connection->filled + 1))
+  if (!reserve(connection, connection->filled + 1))
     return ENDED;
-  size_t room = connection->room - connection->filled;
-  return receive(connection, connection->in + connection->filled, room < max ? room : max);
+  size_t capacity = connection->capacity - connection->filled;
+  return receive(connection, connection->in + connection->filled, capacity < max ? capacity : max);
 }
 
 static taken read_window(lbw_live_server *server, live_connection *connection) {

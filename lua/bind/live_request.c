@@ -128,13 +128,13 @@ __attribute__((format(printf, 1, 2))) static live_outgoing *new_text(const char 
   va_start(list, format);
   int length = vsnprintf(NULL, 0, format, list);
   va_end(list);
-  size_t room = (size_t)(length < 0 ? 0 : length) + 1;
-  live_outgoing *out = (live_outgoing *)bw_alloc(NULL, 1, sizeof *out + room);
+  size_t capacity = (size_t)(length < 0 ? 0 : length) + 1;
+  live_outgoing *out = (live_outgoing *)bw_alloc(NULL, 1, sizeof *out + capacity);
   if (!out)
     return NULL;
-  *out = (live_outgoing){.data = out->bytes, .length = room - 1};
+  *out = (live_outgoing){.data = out->bytes, .length = capacity - 1};
   va_start(list, format);
-  vsnprintf(out->bytes, room, format, list);
+  vsnprintf(out->bytes, capacity, format, list);
   va_end(list);
   return out;
 }

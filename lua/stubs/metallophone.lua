@@ -114,10 +114,10 @@ function Metallophone:write_tone(path, options) end
 
 ---Changes the outline until the tone is `target` (Hz, or a note like "C5"), moving it least in the mean
 ---square and as evenly as the length `smooth` asks (default: a tenth of the size), no point by more than
----the part `room` (0.2) of the width where it is. `ratios`: of the frequencies of the lowest modes of a `kind`
+---the part `move_limit` (0.2) of the width where it is. `ratios`: of the frequencies of the lowest modes of a `kind`
 ---("bending" or "torsion"), the first of which gets the target: {1, 4, 10}; they are followed by kind and number
----while modes of another kind pass them. `stages` (1) divides the way into as many searches, each with room of its own
----from the outline of the one before: {1, 4, 10} is reached from an even bar in 8 with a room of 0.45. Ratios that the outline cannot reach fail with status "infeasible" or
+---while modes of another kind pass them. `stages` (1) divides the way into as many searches, each with a move limit of its own
+---from the outline of the one before: {1, 4, 10} is reached from an even bar in 8 with a move limit of 0.45. Ratios that the outline cannot reach fail with status "infeasible" or
 ---"convergence" and details.frequencies, the nearest found. More than 5 % off, the size is changed first. `keep`: numbers of points
 ---that stay (from there), `pins`: of vertices, as in Outline:pull. Met on a mesh `finer` times as fine (default 4). On failure nothing has changed.
 ---`watch` is called with the bar after every round; where it returns false, tuning ends as a failure.
@@ -135,7 +135,7 @@ function Metallophone:tune(target, options) end
 ---@field finer? integer
 ---@field ratios? number[]
 ---@field kind? "bending"|"torsion"
----@field room? number
+---@field move_limit? number
 ---@field stages? integer
 ---@field watch? fun(bar: bw.Metallophone): boolean?
 

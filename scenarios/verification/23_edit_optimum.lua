@@ -77,14 +77,14 @@ end
 
 -- The largest stress at the factors t, or nil where they cannot be made. Far from the limit a rough
 -- solution tells enough. `near` has the last solutions, where the next one begins.
-local function stress_at(fork, changes, near, limit, room)
+local function stress_at(fork, changes, near, limit, count)
   if not fork:pose(changes) then return nil end
   local max
   for _, tolerance in ipairs {rough, precise} do
     local result = assert(fork:solve {tolerance = tolerance, guess = near})
     max = result.von_mises:max()
     table.insert(near, 1, result.displacement)
-    near[room + 1] = nil
+    near[count + 1] = nil
     if tolerance == rough and max > limit * (1 + doubtful) then break end
   end
   fork:undo()
@@ -98,7 +98,7 @@ local function sample(session, list, H, found, start, random)
   local optimum, near = {}, {}
   for i, unknown in ipairs(list) do optimum[i] = unknown.t end
   seen.change = change_of(list, H, optimum)
-  local fork, room = session:fork {refill = false}, math.min(remembered, #list + 2)
+  local fork, count = session:fork {refill = false}, math.min(remembered, #list + 2)
   assert(fork:pose(pose_of(list, start, optimum)))
   near[1] = assert(fork:solve {method = "refactor"}).displacement
   fork:undo()
@@ -112,7 +112,7 @@ local function sample(session, list, H, found, start, random)
     local gain = 1 - change_of(list, H, t) / seen.change
     if gain > 0 then
       seen.less = seen.less + 1
-      local max = stress_at(fork, pose_of(list, start, t), near, found.limit, room)
+      local max = stress_at(fork, pose_of(list, start, t), near, found.limit, count)
       if not max then
         seen.refused = seen.refused + 1
       else

@@ -254,12 +254,12 @@ local function main()
   -- ---- loads ----
 
   local force = opts.force
-  local room = MAX_PRESSURE_FRACTION * opts.pressure * result.area_m2
-  if force > room then
+  local allowed = MAX_PRESSURE_FRACTION * opts.pressure * result.area_m2
+  if force > allowed then
     print(("  %.4g N would press the whole surface (%.4g mm2) too much of the way to %.4g MPa: the total"
       .. " force is lowered to %.4g N, %g %% of pressure times area"):format(force,
-      result.area_m2 * 1e6, opts.pressure / 1e6, room, 100 * MAX_PRESSURE_FRACTION))
-    force = room
+      result.area_m2 * 1e6, opts.pressure / 1e6, allowed, 100 * MAX_PRESSURE_FRACTION))
+    force = allowed
   end
   result.force_n, result.force_asked_n, result.force_lowered = force, opts.force, force < opts.force
   result.pressure_pa = opts.pressure

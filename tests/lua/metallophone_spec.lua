@@ -137,7 +137,7 @@ describe("a metallophone bar", function()
         material = bw.material.isotropic {name = "alloy", young = 70e9, poisson = 0.33, density = 2700}})
     end
     local bar = bar_of_modes(0.006)
-    local found = assert(bar:tune(350, {ratios = {1, 3}, room = 0.35, finer = 1}))
+    local found = assert(bar:tune(350, {ratios = {1, 3}, move_limit = 0.35, finer = 1}))
     assert.equal(2, #found.modes)
     for k, mode in ipairs(found.modes) do
       assert.is_true(math.abs(mode.cents) < 0.5)
@@ -171,7 +171,7 @@ describe("a metallophone bar", function()
     end
     local before = frequencies()
     assert.is_true(before.torsion1 > before.bending2)
-    local found = assert(bar:tune(220, {ratios = {1, 4, 10}, room = 0.45, stages = 8, finer = 1}))
+    local found = assert(bar:tune(220, {ratios = {1, 4, 10}, move_limit = 0.45, stages = 8, finer = 1}))
     for k, ratio in ipairs {1, 4, 10} do
       assert.is_true(math.abs(found.modes[k].cents) < 0.1)
       check.near(220 * ratio, found.modes[k].frequency, 1e-4)

@@ -52,7 +52,7 @@ describe("the definition of a study", function()
       {{objectives = {{name = "mas"}}}, "did you mean 'mass'"},
       {{constraints = {{name = "sag"}}}, "min or max expected"},
       {{design = {"latin", count = 3}}, "one of grid, latin_hypercube, "},
-      {{variables = {{name = "a", low = 0, high = 1}}}, "unknown option 'low': known are default, "},
+      {{variables = {{name = "a", low = 0, max = 1}}}, "unknown option 'low': known are default, "},
       {{design = {"random", cuont = 3}}, "did you mean 'count'"},
       {{design = {"random"}}, "option 'count': is missing"},
       {{run = 1}, "a function (point, trial) expected"},

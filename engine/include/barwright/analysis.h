@@ -366,7 +366,7 @@ typedef struct bw_bound_leaf {
   int64_t start; /* its first number */
 } bw_bound_leaf;
 typedef struct bw_bound_leaves {
-  size_t count, number_count, leaf_room, number_room;
+  size_t count, number_count, leaf_capacity, number_capacity;
   bw_bound_leaf *leaf;
   int32_t *number;
 } bw_bound_leaves;

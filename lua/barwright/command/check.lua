@@ -160,7 +160,7 @@ local function face_labels(surface, shown)
     local towards = (normal[1] * view[1] + normal[2] * view[2] + normal[3] * view[3]) / length
     local size = math.sqrt(normal[1] ^ 2 + normal[2] ^ 2 + normal[3] ^ 2)
     if towards > TOWARDS * size then
-      middle.room = WIDE * inner_radius(a, b, c, size)
+      middle.clearance = WIDE * inner_radius(a, b, c, size)
       local sum = seen[of(t, 1)]
       for k = 1, 3 do sum[k] = sum[k] + towards * middle[k] end
       sum.area = sum.area + towards
@@ -171,7 +171,7 @@ local function face_labels(surface, shown)
   for i = 1, math.min(#seen, MAX_FACES) do
     local sum, best, min = seen[i], nil, nil
     for _, middle in ipairs(sum.middles) do
-      local away = distance(middle, {sum[1] / sum.area, sum[2] / sum.area, sum[3] / sum.area}) - middle.room
+      local away = distance(middle, {sum[1] / sum.area, sum[2] / sum.area, sum[3] / sum.area}) - middle.clearance
       if not min or away < min then best, min = middle, away end
     end
     if best then labels[#labels + 1] = {at = best, text = faces[i].name} end

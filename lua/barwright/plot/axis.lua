@@ -29,8 +29,8 @@ local function widened(low, high, pad)
     local half = low == 0 and 1 or 0.05 * math.abs(low)
     return low - half, high + half
   end
-  local room = pad * (high - low)
-  return low - room, high + room
+  local padding = pad * (high - low)
+  return low - padding, high + padding
 end
 
 local function linear_range(opts, min, max, how)
@@ -52,8 +52,8 @@ local function log_range(opts, min, max, how)
   local a, b = math.log(min, 10), math.log(max, 10)
   if a == b then a, b = a - 0.3, b + 0.3
   else
-    local room = (how.pad or 0.04) * (b - a)
-    a, b = a - room, b + room
+    local padding = (how.pad or 0.04) * (b - a)
+    a, b = a - padding, b + padding
   end
   local low, high = opts.min or 10.0 ^ a, opts.max or 10.0 ^ b
   if low >= high then
@@ -112,9 +112,9 @@ end
 function Axis:fitted(s, size, width, bold)
   if s:text_width(self.label, size, bold) <= width then return self.label end
   local behind = self.label:sub(#self.name + 1)
-  local room = width - s:text_width(behind, size, bold)
-  if room < 3 * size then return s:shortened(self.label, size, width, bold, true) end
-  return s:shortened(self.name, size, room, bold, true) .. behind
+  local padding = width - s:text_width(behind, size, bold)
+  if padding < 3 * size then return s:shortened(self.label, size, width, bold, true) end
+  return s:shortened(self.name, size, padding, bold, true) .. behind
 end
 
 --- The label in lines: in two, or the name in two and its unit below.

@@ -91,10 +91,10 @@ return function(given)
     for i = 1, #names do listed[i] = names[#names + 1 - i] end
   end
   local across = axis.names(opts.label, #listed > 0 and listed or {""})
-  local room = #names * math.max(17, 9 * #all) + 90 -- for every name its line
+  local length = #names * math.max(17, 9 * #all) + 90 -- for every name its line
   return figure.new {kind = where, name = opts.title or values.label,
-    width = given.width or not flat and math.min(6000, math.max(opts.width, room)) or opts.width,
-    height = given.height or flat and math.min(6000, math.max(opts.height, room)) or opts.height,
+    width = given.width or not flat and math.min(6000, math.max(opts.width, length)) or opts.width,
+    height = given.height or flat and math.min(6000, math.max(opts.height, length)) or opts.height,
     draw = function(s)
       local box = frame.around(s, {title = opts.title, legend = opts.legend and legend, notes = opts.notes})
       local f = flat and frame.new(s, box, values, across) or frame.new(s, box, across, values)

@@ -31,9 +31,9 @@ end
 
 -- Names along x: how they are written (turned where they need it), and the height that this takes.
 local function x_names(s, axis, width)
-  local room, widest = width / #axis.names, 0
+  local each, widest = width / #axis.names, 0
   for _, name in ipairs(axis.names) do widest = math.max(widest, s:text_width(name, small)) end
-  if widest + 8 <= room then return 0, 20, widest end
+  if widest + 8 <= each then return 0, 20, widest end
   local max = math.min(widest, 130)
   return 40, max * math.sin(math.rad(40)) + 16, max
 end

@@ -181,17 +181,17 @@ local parallel_rules = series.rules {}
 for key, rule in pairs(shared) do parallel_rules[key] = rule end
 
 -- One upright axis with marks on its left and its name above.
-local function draw_upright(s, x, top, bottom, made, room)
+local function draw_upright(s, x, top, bottom, made, each)
   s:line({x, top, x, bottom}, {stroke = palette.line, width = 1.2})
   for _, mark in ipairs(made:marks(math.max(2, math.floor((bottom - top) / 42)))) do
     if mark.text and mark.at >= -1e-9 and mark.at <= 1 + 1e-9 then
       local y = bottom - mark.at * (bottom - top)
       s:line({x - 4, y, x, y}, {stroke = palette.line, width = 1})
       s:text(mark.text, x - 6, y, {size = 10.5, align = 1, middle = true, colour = palette.soft, halo = true,
-        max = room * 0.62})
+        max = each * 0.62})
     end
   end
-  local lines = made:wrapped(s, 12, room - 10, true)
+  local lines = made:wrapped(s, 12, each - 10, true)
   for i, line in ipairs(lines) do
     s:text(line, x, top - 10 - 15 * (#lines - i), {size = 12, bold = true, align = 0.5})
   end
@@ -212,10 +212,10 @@ function matrix.parallel_coordinates(given)
     draw = function(s)
       local box = frame.around(s, {title = opts.title})
       if bar then box = frame.colour_bar(s, box, bar) end
-      local room = box[3] / n
-      local first = box[1] + math.min(70, room * 0.66)
+      local each = box[3] / n
+      local first = box[1] + math.min(70, each * 0.66)
       local name = s:text_width(axes[n].label, 12, true) / 2 + 8
-      local last = box[1] + box[3] - math.max(math.min(52, room * 0.5), math.min(name, room * 0.6))
+      local last = box[1] + box[3] - math.max(math.min(52, each * 0.5), math.min(name, each * 0.6))
       local step, lines = (last - first) / (n - 1), 1
       for k = 1, n do lines = math.max(lines, #axes[k]:wrapped(s, 12, step - 10, true)) end
       local top, bottom = box[2] + 16 + 15 * lines, box[2] + box[4] - 14

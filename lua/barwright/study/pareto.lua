@@ -44,8 +44,8 @@ local function cross(a, b, index, source)
   if math.abs(a - b) < 1e-14 then return a, b end
   local low, high = math.min(a, b), math.max(a, b)
   local u = source:uniform()
-  local function child(room)
-    local beta = 1 + 2 * room / (high - low)
+  local function child(allowed)
+    local beta = 1 + 2 * allowed / (high - low)
     local alpha = 2 - beta ^ -(index + 1)
     if u <= 1 / alpha then return (u * alpha) ^ (1 / (index + 1)) end
     return (1 / (2 - u * alpha)) ^ (1 / (index + 1))

@@ -72,9 +72,9 @@ local function columns_of(trials, where, names, max)
     if #names > max then
       names = {}
       local taken = {}
-      local function take(items, room)
+      local function take(items, allowed)
         for _, item in ipairs(items or {}) do
-          if not taken[item.name] and #names < room then
+          if not taken[item.name] and #names < allowed then
             names[#names + 1] = item.name
             taken[item.name] = true
           end

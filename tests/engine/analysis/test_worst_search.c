@@ -234,22 +234,22 @@ static void knapsack_bounds(void **state) {
   (void)state;
   enum { N = 40 };
   for (int turn = 0; turn < 50; turn++) {
-    double gain[N], upper[N], room = 1, greedy = 0, range = 0;
+    double gain[N], upper[N], capacity = 1, greedy = 0, range = 0;
     bool used[N] = {false};
     for (int j = 0; j < N; j++) {
       gain[j] = 2 * noise() - 1;
       upper[j] = 0.01 + 0.1 * noise();
       range = fmax(range, fabs(gain[j]));
     }
-    while (room > 0) {
+    while (capacity > 0) {
       int best = -1;
       for (int j = 0; j < N; j++)
         if (!used[j] && (best < 0 || gain[j] > gain[best]))
           best = j;
       assert_true(best >= 0);
-      double t = fmin(room, upper[best]);
+      double t = fmin(capacity, upper[best]);
       greedy += t * gain[best];
-      room -= t;
+      capacity -= t;
       used[best] = true;
     }
     double close = bwi_knapsack(N, gain, upper, 48), rough = bwi_knapsack(N, gain, upper, 6);

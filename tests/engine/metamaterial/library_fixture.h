@@ -103,7 +103,7 @@ static inline bw_library *fixture_library(bw_context *context, int materials, bo
     check_ok(context, bwi_levels_create(context, library->inner->keys, library->inner->fit[0],
                                         representatives, &library->inner->levels));
     check_ok(context,
-             bwi_library_room(context, library, 2, library->inner->levels->chosen_count[3]));
+             bwi_library_reserve(context, library, 2, library->inner->levels->chosen_count[3]));
     for (int32_t f = 0; f < library->fit_count[1]; f++) {
       bw_solid_material *child[8];
       check_ok(context, bwi_level2_block(context, library, f, child));

@@ -25,8 +25,8 @@ static void test_derivatives(void **state) {
         u[i] = 0.08 * bw_random_uniform(&random);
       bend.u = u;
       check_ok(context, bwi_bend_evaluate(context, &bend, NULL, force));
-      check_ok(context, bwi_bend_tangent(context, &bend, sheet->inner->graph, sheet->inner->room,
-                                         sheet->inner->matrix));
+      check_ok(context, bwi_bend_tangent(context, &bend, sheet->inner->graph,
+                                         sheet->inner->workspace, sheet->inner->matrix));
       for (int i = 0; i < size; i++) {
         double h = 1e-5, was = u[i];
         u[i] = was + h;

@@ -163,15 +163,15 @@ static void sweeps(void **state) {
     double *left = numbers(s.size);
     bwi_smoother *w = smoother_of(context, &s, true);
     for (int width = 1; width <= BWI_SMOOTHER_SIDES; width += BWI_SMOOTHER_SIDES - 1) {
-      size_t room = (size_t)(width * s.size) + BWI_SMOOTHER_SPARE;
-      float *pr = calloc(room, sizeof *pr), *pz = calloc(room, sizeof *pz);
-      float *rest = calloc(room, sizeof *rest);
-      double *p = numbers((int64_t)room);
+      size_t capacity = (size_t)(width * s.size) + BWI_SMOOTHER_SPARE;
+      float *pr = calloc(capacity, sizeof *pr), *pz = calloc(capacity, sizeof *pz);
+      float *rest = calloc(capacity, sizeof *rest);
+      double *p = numbers((int64_t)capacity);
       int f = width - 1;
       random_field(3, s.size, r);
       bwi_keep_states(s.dof_map, 1u << BW_DOF_UNKNOWN, r);
       packed(w, width, f, p, r);
-      for (size_t i = 0; i < room; i++)
+      for (size_t i = 0; i < capacity; i++)
         pr[i] = (float)p[i];
       memset(z, 0, (size_t)s.size * sizeof *z);
       for (int32_t n = 0; n < w->count; n++)

@@ -357,8 +357,8 @@ static void no_memory(void **state) {
 /* The machine has some memory, and not more than there are addresses. */
 static void free_memory(void **state) {
   (void)state;
-  double room = bw_free_memory();
-  assert_true(room > 1e6 && room < 1e18);
+  double available = bw_free_memory();
+  assert_true(available > 1e6 && available < 1e18);
 }
 
 int main(void) {

@@ -189,7 +189,7 @@ static bool stays_near(const bwi_coarsening *c, bwi_coarsen_change *now) {
   return near_change(c, now, now->kept) && near_change(c, now, now->gone);
 }
 
-bool bwi_coarsen_has_room(bwi_coarsening *c, bwi_coarsen_change *now) {
+bool bwi_coarsen_is_free(bwi_coarsening *c, bwi_coarsen_change *now) {
   double box[2 * BWI_RING][6], low[3], high[3];
   int64_t from[3], to[3];
   if (!fan_is_plain(now))
