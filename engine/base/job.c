@@ -159,7 +159,7 @@ bw_status bw_job_start(bw_context *context, const bw_job_options *options, bw_jo
   job->seconds_limit = options->seconds;
   job->processor_limit = options->processor_seconds;
   /* Where this process may use less, so may the child. */
-  job->bytes_limit = options->bytes > 0 ? fmin(options->bytes, bwi_address_space()) : 0;
+  job->bytes_limit = options->bytes > 0 ? fmin(options->bytes, bwi_address_space_left()) : 0;
   job->show = options->show;
   job->starter = getpid();
   if (options->output) {
