@@ -126,3 +126,47 @@ describe_page("tutorial_responsive.md", 8, function(folder)
   local page = check.read(check.root .. "/docs/tutorial_responsive.md")
   check.write(folder .. "/whale.svg", page:match "```svg\n(.-)```")
 end)
+
+describe("README.md", function()
+  local text = check.read(check.root .. "/README.md")
+  local folder = check.folder()
+  local full = os.getenv "BARWRIGHT_FULL" == "1"
+
+  setup(function()
+    assert(assert(bw.mesh.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.008}, cells = {30, 10, 4}}):surface()
+      :write(folder .. "/part.stl", {unit = "mm"}))
+    assert.equal(0, (check.run(check.root .. "/examples/09_skeleton_from_stl.lua " .. folder)))
+  end)
+
+  it("has commands that run", function()
+    local count = 0
+    for line in text:gmatch "\nbuild/barwright (%l+ part%.stl[^\n#]*)" do
+      local name = line:match "^%l+"
+      if small_options[name] then
+        line = line:gsub("part%.%l+", folder .. "/%0"):gsub("stronger%.stl", folder .. "/%0")
+        local code, out, complaint = check.run(line .. " " .. (full and "" or small_options[name]))
+        assert.message(line .. "\n" .. out .. complaint).is_true(code <= 1) -- 1: it breaks, or is unsure
+        count = count + 1
+      end
+    end
+    assert.is_true(count >= 3)
+  end)
+
+  -- Each block is a script that runs as printed; only meshes, fits and populations are smaller.
+  it("has scripts of which each runs by itself", function()
+    local count = 0
+    for block in text:gmatch "```lua\n(.-)```" do
+      count = count + 1
+      if not full then
+        block = block:gsub("elements = %d+", "elements = " .. small):gsub("directions = %d+", "directions = 4")
+          :gsub("generations = %d+", "generations = 2"):gsub("(material = bw%.material%.pla)}%)%)\nprint",
+            "%1, modes = 2, regions = 1}))\nprint")
+      end
+      check.write(folder .. "/script.lua", block)
+      local _, _, code = os.execute(("cd '%s' && BARWRIGHT_QUIET=1 '%s' script.lua >out 2>&1"):format(folder,
+        check.program))
+      assert.message(block .. "\n" .. check.read(folder .. "/out")).equal(0, code)
+    end
+    assert.equal(5, count)
+  end)
+end)
