@@ -336,7 +336,7 @@ done:
 static bw_status check_drops(bw_context *context, const bw_system *system,
                              const bw_drop_options *options) {
   if (options->drops < 1 || options->drops > 100000000)
-    return bw_fail(context, BW_INVALID, "%lld drops are asked for: give from 1 to 100000000",
+    return bw_fail(context, BW_INVALID, "%lld drops were requested: 1 to 100000000 expected",
                    (long long)options->drops);
   if (!(options->height > 0) || !(options->duration > 0) || !(options->peg_radius >= 0) ||
       isinf(options->height) || isinf(options->duration) ||
@@ -350,11 +350,10 @@ static bw_status check_drops(bw_context *context, const bw_system *system,
                    "a drop test needs the density of the material, and %s has none",
                    system->material->name[0] ? system->material->name : "this one");
   if (system->dof_map->motion_count != 6 * system->mesh->component_count)
-    return bw_fail(
-        context, BW_INVALID,
-        "a drop test is of a free body: of the %d rigid-body motions of this model %d are "
-        "free, take the supports off",
-        6 * system->mesh->component_count, system->dof_map->motion_count);
+    return bw_fail(context, BW_INVALID,
+                   "a drop test needs a body without supports: of the %d rigid-body modes of this "
+                   "model %d are unconstrained; remove the supports",
+                   6 * system->mesh->component_count, system->dof_map->motion_count);
   return BW_OK;
 }
 

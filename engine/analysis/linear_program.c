@@ -285,16 +285,15 @@ static bw_status check_options(bw_context *context, const bw_pressure_basis *bas
     return bw_fail(context, BW_INVALID, "the total force is %g N: it must be positive",
                    options->force);
   if (basis->count < 1)
-    return bw_fail(context, BW_INVALID, "the mesh has no boundary to press on");
+    return bw_fail(context, BW_INVALID, "the mesh has no boundary for pressures");
   for (int32_t j = 0; j < basis->count; j += basis->directions)
     area += basis->area[j];
   if (!options->force_is_max && options->force > options->pressure * area) {
-    bw_status status = bw_fail(
-        context, BW_INFEASIBLE,
-        "a total force of %g N is asked for, but a pressure of at most %g Pa on the whole surface "
-        "that may be pressed, %g m2, gives %g N: raise the pressure (a smaller contact) or lower "
-        "the force",
-        options->force, options->pressure, area, options->pressure * area);
+    bw_status status = bw_fail(context, BW_INFEASIBLE,
+                               "a total force of %g N was requested, but a pressure of at most %g "
+                               "Pa on the whole admissible surface, %g m2, gives %g N: raise the "
+                               "pressure (a smaller contact) or lower the force",
+                               options->force, options->pressure, area, options->pressure * area);
     bw_detail_number(context, "force", options->force);
     bw_detail_number(context, "largest_force", options->pressure * area);
     return status;

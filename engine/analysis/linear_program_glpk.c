@@ -29,8 +29,8 @@ static bw_status lost(bw_context *context, bwi_glpk *glpk) {
   glpk->own_environment = false;
   glp_free_env();
   return bw_fail(context, BW_CONVERGENCE,
-                 "GLPK gave up on a linear program of %d rows and %d columns (out of memory, or an "
-                 "error inside it)",
+                 "GLPK failed on a linear program of %d rows and %d columns (out of memory, or an "
+                 "internal error)",
                  glpk->program->rows, glpk->program->columns);
 }
 

@@ -72,7 +72,7 @@ static bw_status slsqp(const bwi_polyhedron *p, double *z, const char **word) {
     status =
         bw_fail(p->context, BW_MEMORY, "no memory for a quadratic program of %d unknowns", p->n);
   else if (result == NLOPT_INVALID_ARGS)
-    status = bw_fail(p->context, BW_INTERNAL, "NLopt refused a quadratic program: %s", *word);
+    status = bw_fail(p->context, BW_INTERNAL, "NLopt rejected a quadratic program: %s", *word);
   for (int j = 0; j < p->n; j++)
     if (!isfinite(z[j]))
       z[j] = 0;

@@ -113,8 +113,8 @@ static void add_element(const bw_mesh *mesh, const bw_material *material, bw_wor
 static bw_status check_region(bw_context *context, const bw_weak_regions *regions, int region,
                               const bw_material *material) {
   if (region < 0 || region >= regions->count)
-    return bw_fail(context, BW_INVALID, "region %d is asked for: there are %d (0 to %d)", region,
-                   regions->count, regions->count - 1);
+    return bw_fail(context, BW_INVALID, "region %d: the regions are 1 to %d", region + 1,
+                   regions->count);
   return bw_material_fits(context, material, regions->mesh->element_count);
 }
 

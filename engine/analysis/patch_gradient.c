@@ -86,7 +86,7 @@ static bw_status patch_begin(bw_context *context, const bw_mesh *mesh, const bw_
   BW_TRY(bwi_surface_patches_begin(context, mesh, dof_map, radius, &p->patches));
   if (!bwi_surface_patch_exists(&p->patches, node))
     return bw_fail(context, BW_INVALID, "node %d is not on the boundary, or inside of a support",
-                   node);
+                   node + 1);
   p->facet = BW_NEW(context, int32_t, mesh->facet_count);
   p->weight = BW_NEW(context, double, 3 * (size_t)mesh->facet_count);
   if (!p->facet || !p->weight)

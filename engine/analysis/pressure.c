@@ -316,9 +316,9 @@ bw_status bw_pressure_basis_create(bw_context *context, const bw_mesh *mesh,
   BW_TRY(number_columns(context, options, &rules, basis));
   int32_t count = basis->count;
   if (count == 0) {
-    status = bw_fail(context, BW_EMPTY,
-                     "the forbidden surface takes up the boundary: no surface is left on which "
-                     "pressure may act");
+    status = bw_fail(
+        context, BW_EMPTY,
+        "the forbidden surface is the whole boundary: no admissible surface is left for pressures");
     goto done;
   }
   basis->at = BW_NEW0(context, double, 3 * (size_t)count);

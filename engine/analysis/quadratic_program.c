@@ -49,8 +49,8 @@ static bw_status check_input(bw_context *context, int n, const double *H, const 
   for (int i = 0; i < m && !bad; i++)
     bad = isfinite(b[i]) ? NULL : "right-hand side";
   if (bad)
-    return bw_fail(context, BW_INVALID, "the %s of a quadratic program holds what is no number",
-                   bad);
+    return bw_fail(context, BW_INVALID,
+                   "the %s of a quadratic program has an entry that is not finite", bad);
   for (int i = 0; i < n; i++)
     if (!(low[i] <= high[i]) || low[i] == INFINITY || high[i] == -INFINITY)
       return bw_fail(context, BW_INVALID,

@@ -33,7 +33,7 @@ static bw_status sorted(bw_context *context, int64_t count, const double *value,
       bw_status status = bw_fail(context, BW_INVALID,
                                  "sample %lld has value %g and weight %g: values must be numbers, "
                                  "weights finite and not negative",
-                                 (long long)i, value[i], w);
+                                 (long long)i + 1, value[i], w);
       bw_detail_number(context, "sample", (double)i);
       return status;
     }
@@ -117,8 +117,7 @@ bw_status bw_weighted_quantile(bw_context *context, int64_t count, const double 
   sample *list = NULL;
   double total = 0, below = 0;
   if (!(p >= 0 && p <= 1))
-    return bw_fail(context, BW_INVALID, "a quantile is asked for at %g: it must lie from 0 to 1",
-                   p);
+    return bw_fail(context, BW_INVALID, "a quantile at %g: 0 to 1 expected", p);
   bw_status status = sorted(context, count, value, weight, &list, &total);
   if (status != BW_OK)
     return status;

@@ -357,9 +357,9 @@ static bw_status take_inertia(bw_context *context, const bw_model *model, const 
       size += bw_norm(force + 3 * (size_t)dof_map->body_node[j]);
     if (length * bw_norm(body->w) > 1e-6 * size) {
       status = bw_fail(context, BW_UNSUPPORTED,
-                       "body %d is held in part and turns freely under its load (%s): how the "
-                       "inertia that balances the load changes with the shape is known for bodies "
-                       "that are wholly free only. Balance the load, or hold the body",
+                       "body %d is partly constrained and its load acts on a rigid-body mode (%s): "
+                       "shape gradients of inertia relief are implemented for bodies without "
+                       "supports only. Balance the load, or constrain the body",
                        b + 1, dof_map->motion[dof_map->motion_start[b]].text);
       goto done;
     }
@@ -377,8 +377,8 @@ bw_status bwi_gradient_supports(bw_context *context, const bw_model *model) {
     if (!support->slide || bw_norm(support->normal) > 0)
       continue;
     bw_fail(context, BW_UNSUPPORTED,
-            "support %d slides along the surface's own normals, which turn with the shape: how "
-            "stresses change with them is not known. Give the slide a direction",
+            "support %d slides along the surface normals, which change with the shape: their "
+            "stress gradient is not implemented. Give the sliding support a direction",
             s + 1);
     bw_detail_number(context, "support", s + 1);
     return BW_UNSUPPORTED;

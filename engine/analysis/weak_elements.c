@@ -48,7 +48,7 @@ bw_status bw_weak_regions_directed(bw_context *context, const bw_mesh *mesh, int
     if (!isfinite(largest) || !(largest > 0)) {
       status =
           bw_fail(context, BW_INVALID,
-                  "the stress of region %d must be finite and not zero to have a direction", i);
+                  "the stress of region %d must be finite and not zero to have a direction", i + 1);
       goto done;
     }
     double volume =

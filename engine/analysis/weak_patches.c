@@ -48,14 +48,14 @@ static bw_status check_patch(bw_context *context, const bwi_surface_patches *pat
                              int32_t node, const double stress[6]) {
   if (!bwi_surface_patch_exists(patches, node))
     return bw_fail(context, BW_INVALID, "node %d is not on the boundary, or inside of a support",
-                   node);
+                   node + 1);
   double largest = 0;
   for (int k = 0; k < 6; k++)
     largest = fmax(largest, fabs(stress[k]));
   if (!isfinite(largest) || !(largest > 0))
     return bw_fail(context, BW_INVALID,
                    "the stress of patch %lld must be finite and not zero to have a direction",
-                   (long long)i);
+                   (long long)i + 1);
   return BW_OK;
 }
 

@@ -295,7 +295,8 @@ static bw_status find_in_mode(const find_work *work, int mode) {
     list[e] = (candidate){fields.measure[e], mesh->volume[e], (int32_t)e};
     total += mesh->volume[e];
     if (!isfinite(fields.measure[e])) {
-      status = bw_fail(context, BW_INVALID, "mode %d is not finite in element %zu", mode + 1, e);
+      status =
+          bw_fail(context, BW_INVALID, "mode %d is not finite in element %zu", mode + 1, e + 1);
       goto done;
     }
   }
@@ -340,7 +341,7 @@ bw_status bw_weak_regions_find(bw_context *context, const bw_mesh *mesh,
                    options->fraction);
   if (options->regions < 1 || options->regions > 100000)
     return bw_fail(context, BW_INVALID,
-                   "%d weak regions per mode are asked for: give from 1 to 100000",
+                   "%d weak regions per mode were requested: 1 to 100000 expected",
                    options->regions);
   if (modes->mesh->node_count != mesh->node_count)
     return bw_fail(context, BW_INVALID, "the modes have %d nodes and the mesh has %d",
@@ -365,8 +366,7 @@ bw_status bw_weak_regions_find(bw_context *context, const bw_mesh *mesh,
   for (size_t i = (size_t)regions->count; i < slots; i++)
     memset(&work.region[i], 0, sizeof *work.region);
   if (regions->count == 0)
-    status =
-        bw_fail(context, BW_EMPTY, "none of the %d modes strains the body anywhere", modes->count);
+    status = bw_fail(context, BW_EMPTY, "none of the %d modes has strain energy", modes->count);
 done:
   if (status != BW_OK) {
     for (size_t i = 0; work.region && i < slots; i++)
@@ -388,15 +388,16 @@ bw_status bwi_element_regions(bw_context *context, const bw_mesh *mesh, int64_t 
                               const int32_t *element, bw_worst_target target,
                               bw_weak_regions **result) {
   if (count < 1 || count > INT32_MAX)
-    return bw_fail(context, BW_INVALID, "%lld single-element regions are asked for",
+    return bw_fail(context, BW_INVALID,
+                   "%lld single-element regions were requested: at least 1 expected",
                    (long long)count);
   if (!element && count > mesh->element_count)
     return bw_fail(context, BW_INVALID, "%lld regions of a mesh of %d elements", (long long)count,
                    mesh->element_count);
   for (int64_t i = 0; element && i < count; i++)
     if (element[i] < 0 || element[i] >= mesh->element_count)
-      return bw_fail(context, BW_INVALID, "element %d is asked for: there are %d", element[i],
-                     mesh->element_count);
+      return bw_fail(context, BW_INVALID, "element %d: the mesh has elements 1 to %d",
+                     element[i] + 1, mesh->element_count);
   bw_weak_regions *regions = BW_NEW0(context, bw_weak_regions, 1);
   if (!regions)
     return BW_MEMORY;

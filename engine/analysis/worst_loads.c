@@ -79,7 +79,7 @@ static bw_status gains(const loads_work *work, int64_t i, double *cost, double *
     cost[j] = from < 0 ? 0 : f[from] / program->area[j];
     if (!isfinite(cost[j]))
       return bw_fail(work->context, BW_INVALID, "objective %lld has the entry %g for pressure %d",
-                     (long long)i, f[from], from);
+                     (long long)i + 1, f[from], from + 1);
     *scale = fmax(*scale, fabs(cost[j]));
   }
   for (int32_t j = 0; j<program->columns && * scale> 0; j++)
@@ -165,7 +165,7 @@ static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scr
   status = bw_fail(work->context, BW_CONVERGENCE,
                    "no optimal pressure for objective %lld: the last attempt misses balance by %g "
                    "of the total force and the optimum by %g of its value",
-                   (long long)i, solution.violation, solution.gap);
+                   (long long)i + 1, solution.violation, solution.gap);
 done:
   return status;
 }
@@ -201,9 +201,9 @@ static bw_status check_balance(bw_context *context, const bw_pressure_basis *bas
   BW_TRY(bw_worst_loads(context, basis, dof_map, &less, 1, basis->area, pressure, &largest, NULL));
   if (largest < options->force * (1 - violation_limit)) {
     status = bw_fail(context, BW_INFEASIBLE,
-                     "a total force of %g N is asked for, but on the surface that may be pressed "
-                     "pressures up to %g Pa are in balance up to a total of %g N only: forbid "
-                     "less, hold the part, or let the force be smaller (force_is_max)",
+                     "a total force of %g N was requested, but on the admissible surface pressures "
+                     "up to %g Pa are in equilibrium up to a total of %g N only: forbid less, hold "
+                     "the part, or allow a smaller force (force_is_max)",
                      options->force, options->pressure, largest);
     bw_detail_number(context, "force", options->force);
     bw_detail_number(context, "largest_force", largest);
@@ -218,8 +218,8 @@ bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,
                            bwi_loads **result) {
   if (dof_map->prescribed)
     return bw_fail(context, BW_UNSUPPORTED,
-                   "a support prescribes a displacement that is not zero: the worst load is found "
-                   "for supports that hold still");
+                   "a support prescribes a displacement that is not zero: the worst loads are "
+                   "implemented for fixed supports only");
   bw_status status = check_balance(context, basis, dof_map, options);
   if (status != BW_OK)
     return status;

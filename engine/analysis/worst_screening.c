@@ -347,8 +347,8 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
                    basis->mesh->node_count, system->mesh->node_count);
   if (patches < 1 || wanted < 1)
     return bw_fail(context, BW_INVALID,
-                   "a screening of %d targets with %d patches is asked for: both must be positive",
-                   wanted, patches);
+                   "a screening of %d targets with %d patches: both must be positive", wanted,
+                   patches);
   /* Pressures by patch may miss the balance that pressures by node reach. */
   limits.force_is_max = options->force_is_max || !basis->complete;
   limits.hands = 0; /* the screening ranks targets by what pressures anywhere do */

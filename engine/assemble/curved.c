@@ -54,8 +54,8 @@ bw_status bwi_fail_inverted(bw_context *context, const bw_mesh *mesh, int64_t el
       context, BW_GEOMETRY,
       "element %lld near (%g, %g, %g) m is %s: the Jacobian determinant there is %g m3, and must "
       "be positive; move its %s or mesh again",
-      (long long)element, at[0], at[1], at[2], determinant < 0 ? "turned inside out" : "flat",
-      determinant, mesh->order == 2 ? "middle nodes" : "nodes");
+      (long long)element + 1, at[0], at[1], at[2], determinant < 0 ? "inverted" : "flat",
+      determinant, mesh->order == 2 ? "mid-edge nodes" : "nodes");
   bw_detail_number(context, "element", (double)element);
   bw_detail_number(context, "determinant", determinant);
   return status;

@@ -71,21 +71,22 @@ size_t bw_domain_stiffness_bytes(const bw_domain_stiffness *stiffness) {
 static bw_status check_arguments(bw_context *context, const bw_mesh *mesh, int32_t domain_count,
                                  const int32_t *element_domain, const int32_t *node_domain) {
   if (domain_count < 1)
-    return bw_fail(context, BW_INVALID, "%d domains; at least one is needed", domain_count);
+    return bw_fail(context, BW_INVALID, "%d domains: at least one expected", domain_count);
   for (int32_t e = 0; e < mesh->element_count; e++)
     if (element_domain[e] < 0 || element_domain[e] >= domain_count) {
       bw_status status =
-          bw_fail(context, BW_INVALID, "element %d is said to be in domain %d; there are 0 to %d",
-                  e, element_domain[e], domain_count - 1);
+          bw_fail(context, BW_INVALID, "element %d is in domain %d: the domains are 1 to %d", e + 1,
+                  element_domain[e] + 1, domain_count);
       bw_detail_number(context, "element", e);
       return status;
     }
   for (int32_t i = 0; i < mesh->node_count; i++)
     if (node_domain[i] < -1 || node_domain[i] >= domain_count) {
-      bw_status status = bw_fail(context, BW_INVALID,
-                                 "node %d is said to go with the frame of domain %d; there are 0 "
-                                 "to %d, and -1 for the global frame",
-                                 i, node_domain[i], domain_count - 1);
+      bw_status status =
+          bw_fail(context, BW_INVALID,
+                  "node %d has the frame of domain %d: the domains are 1 to %d, and 0 is the "
+                  "global frame",
+                  i + 1, node_domain[i] + 1, domain_count);
       bw_detail_number(context, "node", i);
       return status;
     }
@@ -109,8 +110,8 @@ static bw_status take_turns(bw_context *context, const bw_material *material, in
       memcpy(rest, own, 9 * sizeof *rest);
     else if (memcmp(rest, own, 9 * sizeof *rest) != 0) {
       bw_fail(context, BW_INVALID,
-              "element %d of domain %d has its material turned otherwise than elements before it: "
-              "each domain needs one direction of its material",
+              "element %d of domain %d has another material orientation than the elements before "
+              "it: each domain needs one orientation",
               e + 1, element_domain[e] + 1);
       bw_detail_number(context, "element", e + 1);
       return BW_INVALID;
@@ -133,9 +134,9 @@ bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
   BW_TRY(check_arguments(context, mesh, domain_count, element_domain, node_domain));
   BW_TRY(bw_material_fits(context, material, mesh->element_count));
   if (material->formulation == BW_B_BAR)
-    return bw_fail(context, BW_UNSUPPORTED,
-                   "a stiffness kept domain by domain is of the standard formulation; B-bar is not "
-                   "implemented there");
+    return bw_fail(
+        context, BW_UNSUPPORTED,
+        "the stiffness by domains is implemented for the standard formulation, not for B-bar");
   if (graph->gather_start[graph->pair_count] > INT32_MAX)
     return bw_fail(context, BW_LIMIT,
                    "the mesh has %lld contributions of elements to pairs of nodes; at most %d fit",
@@ -250,13 +251,13 @@ bw_status bw_domain_stiffness_derivative(bw_context *context, const bw_domain_st
   const bwi_domain_coefficients *c = stiffness->coefficients;
   const bw_graph *graph = stiffness->graph;
   if (domain < 0 || domain >= stiffness->domain_count)
-    return bw_fail(context, BW_INVALID, "domain %d; there are 0 to %d", domain,
-                   stiffness->domain_count - 1);
+    return bw_fail(context, BW_INVALID, "domain %d: the domains are 1 to %d", domain + 1,
+                   stiffness->domain_count);
   if (c->written[domain].reshaped)
     return bw_fail(context, BW_INVALID,
                    "domain %d is reshaped and has no map to differentiate by; differentiate by its "
                    "node positions",
-                   domain);
+                   domain + 1);
   double elasticity[81], map[BWI_DOMAIN_MAP];
   bwi_domain_elasticity(stiffness, domain, c->written[domain].frame, elasticity);
   bwi_domain_map_derivative(elasticity, c->written[domain].linear, direction, map);

@@ -88,18 +88,18 @@ static bw_status check_motion(bw_context *context, int32_t domain, const bw_doma
   bw_status status = BW_OK;
   if (!finite)
     status = bw_fail(context, BW_INVALID, "the motion of domain %d has numbers that are not finite",
-                     domain);
+                     domain + 1);
   else if (error > 1e-6 || bw_inverse3(motion->frame, inverse) < 0)
     status = bw_fail(context, BW_INVALID,
                      "the frame of domain %d is no rotation (off by %g); its rows must be "
                      "orthonormal and right-handed",
-                     domain, error);
+                     domain + 1, error);
   else if (!motion->reshaped && !(bw_inverse3(motion->linear, inverse) > 0))
     status =
         bw_fail(context, BW_INVALID,
                 "the map of domain %d has determinant %g; it must be positive: no factor may be "
                 "zero and nothing mirrored",
-                domain, bw_inverse3(motion->linear, inverse));
+                domain + 1, bw_inverse3(motion->linear, inverse));
   if (status != BW_OK)
     bw_detail_number(context, "domain", domain);
   return status;

@@ -71,11 +71,11 @@ static bw_status name_refused(bw_context *context, const bw_mesh *mesh,
     bwi_vector h[10];
     bwi_element_nodes(mesh, e, x);
     if (mesh->order == 2 && !bw_tet_is_straight((const double(*)[3])x)) {
-      bw_status status =
-          bw_fail(context, BW_INVALID,
-                  "element %d near (%g, %g, %g) m has a middle node that is not half-way along its "
-                  "edge; only straight edges have a closed form, so put middle nodes half-way",
-                  e, x[4][0], x[4][1], x[4][2]);
+      bw_status status = bw_fail(
+          context, BW_INVALID,
+          "element %d near (%g, %g, %g) m has a mid-edge node that is not half-way along its "
+          "edge: only straight edges have a closed form; put mid-edge nodes half-way",
+          e + 1, x[4][0], x[4][1], x[4][2]);
       bw_detail_number(context, "element", e);
       return status;
     }

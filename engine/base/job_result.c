@@ -59,10 +59,10 @@ static bw_status crashed(bw_context *context, const bw_job *job) {
   bw_status status;
   int number = job->usage.signal;
   if (number == SIGKILL)
-    status = bw_fail(context, BW_INTERNAL,
-                     "%s was killed (signal 9) from outside: by somebody, or by the system "
-                     "because its memory ran out",
-                     job->name);
+    status = bw_fail(
+        context, BW_INTERNAL,
+        "%s was killed by signal 9 from outside: by a user, or by the system for lack of memory",
+        job->name);
   else if (number)
     status = bw_fail(context, BW_INTERNAL, "%s crashed with signal %d (%s)", job->name, number,
                      strsignal(number));

@@ -318,12 +318,11 @@ bw_status bwd_solver_apply(bw_context *context, bwd_system *system, Vec force, V
     bw_check_cancel(context);
     status = bw_fail(context, BW_CANCELLED, "cancelled");
   } else if (reason == KSP_DIVERGED_ITS) {
-    status =
-        bw_fail(context, BW_CONVERGENCE,
-                "conjugate gradients have not converged in %d iterations. Thin parts and poor "
-                "elements make it slow: allow more by iterations, ask for less by rtol, or for "
-                "method = \"cholesky\"",
-                (int)iterations);
+    status = bw_fail(context, BW_CONVERGENCE,
+                     "conjugate gradients have not converged in %d iterations. Thin parts and poor "
+                     "elements make convergence slow: allow more iterations, give a larger rtol, "
+                     "or method = \"cholesky\"",
+                     (int)iterations);
     bw_detail_number(context, "iterations", (double)iterations);
   } else {
     BW_TRY(factor_failed(context, system));

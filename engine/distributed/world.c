@@ -167,7 +167,7 @@ bw_status bwd_petsc_status(bw_context *context, PetscErrorCode code) {
   if (bw_message(context)[0] && code == PETSC_ERR_USER) /* ours, passed through PETSc */
     return BW_CONVERGENCE;
   bw_status status = code == PETSC_ERR_MEM ? BW_MEMORY : BW_UNSUPPORTED;
-  return bw_fail(context, status, "PETSc gave up with error %d: %s", (int)code, petsc_text);
+  return bw_fail(context, status, "PETSc stopped with error %d: %s", (int)code, petsc_text);
 }
 
 bw_status bwd_libraries(bw_context *context) {

@@ -99,13 +99,14 @@ static bw_status check_description(bw_context *context, const bw_flow_descriptio
                      c->component == 3 ? "a condition of heat is given, but the fluid has no "
                                          "diffusivity: give one, in m2/s"
                                        : "condition %d is on component %d of a fluid with %d",
-                     i + 1, c->component, components);
+                     i + 1, c->component + 1, components);
     if (c->kind == BW_CONVECTION &&
         (c->component != 3 || !(c->coefficient >= 0) || !isfinite(c->coefficient)))
-      return bw_fail(context, BW_INVALID,
-                     "condition %d is convection: it is on component 3, the temperature, not %d, "
-                     "with a coefficient of at least 0 m/s, not %g",
-                     i + 1, c->component, c->coefficient);
+      return bw_fail(
+          context, BW_INVALID,
+          "condition %d is convection: it must be on component 4, the temperature, not %d, "
+          "with a coefficient of at least 0 m/s, not %g",
+          i + 1, c->component + 1, c->coefficient);
   }
   return BW_OK;
 }

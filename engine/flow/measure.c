@@ -17,7 +17,7 @@ static bw_status sum_reactions(bw_context *context, const bw_flow *flow, int32_t
     return bw_fail(context, BW_INVALID,
                    "no step has been done on this mesh yet: forces are the reactions of one");
   if (tag < -1 || tag >= outline->tag_count)
-    return bw_fail(context, BW_INVALID, "tag %d of an outline with %d", tag + 1,
+    return bw_fail(context, BW_INVALID, "tag %d: the outline has tags 1 to %d", tag + 1,
                    outline->tag_count);
   uint8_t *seen = BW_NEW0(context, uint8_t, nodes);
   if (!seen)

@@ -31,9 +31,8 @@ typedef struct assembly {
 static bw_status fail_inverted(const assembly *a, int32_t element) {
   const bw_plane_mesh *mesh = a->linear->mesh;
   const double *x = mesh->point + 2 * (int64_t)mesh->topology->element[3 * (int64_t)element];
-  bw_status status =
-      bw_fail(a->context, BW_GEOMETRY, "element %d near (%g, %g) is turned inside out", element + 1,
-              x[0], x[1]);
+  bw_status status = bw_fail(a->context, BW_GEOMETRY, "element %d near (%g, %g) is inverted",
+                             element + 1, x[0], x[1]);
   bw_detail_number(a->context, "element", element + 1);
   return status;
 }
@@ -376,8 +375,8 @@ static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_option
   }
   if (!(reached <= options->tolerance)) {
     status = bw_fail(context, BW_CONVERGENCE,
-                     "no steady state was found: the last round still changed it by %.3g of its "
-                     "size (wanted %.3g). The flow may be unsteady: give a time step",
+                     "no steady state was found: the last iteration changed it by %.3g of its "
+                     "magnitude (tolerance %.3g). The flow may be unsteady: give a time step",
                      reached, options->tolerance);
     bw_detail_number(context, "change", reached);
     goto done;

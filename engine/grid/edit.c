@@ -12,7 +12,7 @@ static bw_status check_edit(bw_context *context, const bw_grid *grid, int64_t co
       return bw_fail(context, BW_INVALID, "cell %lld: the grid has cells 1 to %lld",
                      (long long)cell[i] + 1, (long long)cells);
     if (material[i] < 0)
-      return bw_fail(context, BW_INVALID, "cell %lld has material %d; 0 (void) is the least",
+      return bw_fail(context, BW_INVALID, "cell %lld has material %d: at least 0 (void) expected",
                      (long long)cell[i] + 1, (int)material[i]);
   }
   return BW_OK;

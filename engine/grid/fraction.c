@@ -310,8 +310,8 @@ bw_status bw_grid_fractions(bw_context *context, const bw_surface *surface, cons
   }
   if (odd > 0)
     bw_warn(context,
-            "shells of the surface overlap in %lld cells: where they do, cut cells count too "
-            "full; a repaired surface has none",
+            "shells of the surface overlap in %lld cells: the volume fractions of cut cells are "
+            "too large there; repair the surface first",
             (long long)odd);
   for (int64_t c = 0; c < count; c++) {
     double f = fraction[c];

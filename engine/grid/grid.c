@@ -79,7 +79,7 @@ static bw_status count_elements(bw_context *context, bw_grid *grid, const int32_
   for (int64_t c = 0; c < cells; c++) {
     int32_t m = material ? material[c] : 1;
     if (m < 0)
-      return bw_fail(context, BW_INVALID, "cell %lld has material %d; 0 (void) is the least",
+      return bw_fail(context, BW_INVALID, "cell %lld has material %d: at least 0 (void) expected",
                      (long long)c + 1, (int)m);
     if (m > 0 && fraction && !(fraction[c] > 0 && fraction[c] <= 1))
       return bw_fail(context, BW_INVALID,
@@ -183,8 +183,8 @@ bw_status bw_grid_with_materials(bw_context *context, const bw_grid *grid, const
                                  bw_grid **out) {
   for (int32_t e = 0; e < grid->element_count; e++)
     if (material[e] < 1)
-      return bw_fail(context, BW_INVALID, "element %d has material %d; 1 is the least", (int)e + 1,
-                     (int)material[e]);
+      return bw_fail(context, BW_INVALID, "element %d has material %d: at least 1 expected",
+                     (int)e + 1, (int)material[e]);
   bw_grid *made = BW_NEW(context, bw_grid, 1);
   int32_t *copy = BW_NEW(context, int32_t, grid->element_count);
   if (!made || !copy) {

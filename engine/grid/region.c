@@ -33,7 +33,8 @@ static bool in(const bw_region *region, unsigned part) {
 static bw_status check_normal(bw_context *context, const double normal[3], double unit[3]) {
   double size = bw_norm(normal);
   if (!(size > 0) || !isfinite(size))
-    return bw_fail(context, BW_INVALID, "the normal (%g, %g, %g) of a plane is no direction",
+    return bw_fail(context, BW_INVALID,
+                   "the normal (%g, %g, %g) of a plane must be a finite vector that is not 0",
                    normal[0], normal[1], normal[2]);
   for (int d = 0; d < 3; d++)
     unit[d] = normal[d] / size;
@@ -45,14 +46,18 @@ static bw_status check_region(bw_context *context, places *p) {
   const bw_region *r = p->region;
   for (int d = 0; d < 3 && in(r, BW_IN_BOX); d++)
     if (!(r->low[d] <= r->high[d]))
-      return bw_fail(context, BW_INVALID, "the region's box goes from %g to %g m along %c",
+      return bw_fail(context, BW_INVALID,
+                     "the box of the region runs from %g to %g m along %c: the low corner must lie "
+                     "below the high one",
                      r->low[d], r->high[d], "xyz"[d]);
   if (in(r, BW_IN_BALL) && !(r->radius >= 0))
-    return bw_fail(context, BW_INVALID, "a ball of radius %g m", r->radius);
+    return bw_fail(context, BW_INVALID, "a sphere of radius %g m: a positive radius expected",
+                   r->radius);
   if (in(r, BW_ON_SIDE) && (r->side < 0 || r->side > 5))
-    return bw_fail(context, BW_INVALID, "side %d; there are 0 to 5", r->side);
+    return bw_fail(context, BW_INVALID, "side %d: 0 to 5 expected", r->side);
   if (!(r->within >= 0))
-    return bw_fail(context, BW_INVALID, "a region with %g m around it", r->within);
+    return bw_fail(context, BW_INVALID, "a region with a margin of %g m: at least 0 expected",
+                   r->within);
   if (in(r, BW_ON_PLANE))
     BW_TRY(check_normal(context, r->plane_normal, p->normal[0]));
   if (in(r, BW_BEYOND))

@@ -27,13 +27,14 @@ static bw_status check(bw_context *context, const bw_voxel_options *o) {
                    "%d cells along the longest side; at least one is needed, or a spacing",
                    (int)o->cells);
   if (!(o->min_fraction >= 0 && o->min_fraction <= 1))
-    return bw_fail(context, BW_INVALID, "the least part of a cell, %g, is not between 0 and 1",
+    return bw_fail(context, BW_INVALID,
+                   "the smallest fraction of a cell, %g, must lie between 0 and 1",
                    o->min_fraction);
   if (o->material < 1)
-    return bw_fail(context, BW_INVALID, "material %d; 1 is the first (0 is void)",
+    return bw_fail(context, BW_INVALID, "material %d: at least 1 expected (0 is void)",
                    (int)o->material);
   if (o->multiple < 1)
-    return bw_fail(context, BW_INVALID, "cells in multiples of %d; 1 is the least",
+    return bw_fail(context, BW_INVALID, "cells in multiples of %d: at least 1 expected",
                    (int)o->multiple);
   return BW_OK;
 }
@@ -95,7 +96,7 @@ static bw_status warning_parts(bw_context *context, const bw_grid *grid) {
   }
   bw_warn(context,
           "the grid is in %d parts that share no node, of %d to %d elements: smaller cells, or a "
-          "smaller least part, keep thin places together",
+          "smaller minimum fraction, keep thin places connected",
           (int)parts, (int)min, (int)max);
 done:
   bw_free(group);
@@ -139,8 +140,8 @@ bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
   }
   if (held == 0) {
     status = bw_fail(context, BW_EMPTY,
-                     "no cell of %g m has more than %.3g of itself inside the surface, and %g is "
-                     "the least: take smaller cells or a smaller least part",
+                     "no cell of %g m has a volume fraction above %.3g inside the surface, and the "
+                     "minimum fraction is %g: take smaller cells or a smaller minimum fraction",
                      spacing[0], max, options->min_fraction);
     goto done;
   }

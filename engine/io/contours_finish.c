@@ -106,7 +106,7 @@ static bw_status drop_doubles(bwi_contours *c, double min, bool *used) {
     }
   bw_free(order);
   if (dropped > 0)
-    bw_warn(c->context, "%s: %lld curves lie on others and were passed over", c->name,
+    bw_warn(c->context, "%s: %lld curves lie on others and were ignored", c->name,
             (long long)dropped);
   return BW_OK;
 }
@@ -140,8 +140,8 @@ static bw_status fail_open(const bwi_contours *c, const open_end *end, size_t co
     if (j != i)
       min = fmin(min, apart(end[i].at, end[j].at));
   snprintf(text, sizeof text,
-           "a curve is open at (%g, %g) m: the nearest other end is %.3g m away, and ends are put "
-           "together within %.3g m: close it, or read with a larger tolerance",
+           "a curve is open at (%g, %g) m: the nearest other end is %.3g m away, and ends are "
+           "joined within %.3g m: close it, or read with a larger tolerance",
            end[i].at[0], end[i].at[1], min, tolerance);
   return fail_at(c->context, c->name, c->piece[end[i].number / 2].line, end[i].at, text);
 }
@@ -378,7 +378,7 @@ bw_status bwi_contours_finish(bwi_contours *c, double tolerance, bw_outline **ou
   if (tolerance == 0)
     tolerance = 1e-5 * size;
   if (c->pieces == 0)
-    return bw_fail(c->context, BW_FORMAT, "%s: there is no curve in it", c->name);
+    return bw_fail(c->context, BW_FORMAT, "%s: it contains no curve", c->name);
   BW_TRY(build_loops(c, tolerance, min, &lines));
   if (c->draft.loops == 0)
     BW_TRY(bw_fail(c->context, BW_FORMAT, "%s: its curves have no length", c->name));

@@ -430,7 +430,7 @@ static bw_status read_section(reader *r, bwi_word name, bool *found) {
     if (r->unit == 0) {
       r->unit = 1e-3;
       bw_warn(r->cursor->context,
-              "%s: the drawing does not say what its unit is ($INSUNITS): taken as millimetres",
+              "%s: the drawing gives no unit ($INSUNITS): millimetres are assumed",
               r->cursor->name);
     }
   }
@@ -478,8 +478,8 @@ bw_status bwi_dxf_parse(bwi_cursor *cursor, double unit, bwi_contours *contours,
     *info = (bw_read_info){.format = "DXF", .skipped = r.skipped};
   if (r.skipped > 0)
     bw_warn(cursor->context,
-            "%s: %lld of %lld entities are no flat curves (text, hatches, blocks, ...) and were "
-            "passed over",
+            "%s: %lld of %lld entities are not plane curves (text, hatches, blocks, ...) and were "
+            "ignored",
             cursor->name, (long long)r.skipped, (long long)r.entities);
 done:
   bw_free(r.list);

@@ -314,7 +314,7 @@ static bw_status include_set(inp *deck, size_t set, bool of_elements, bwi_word n
     }
     /* sets of sets could double without end */
     if (deck->raw->set[set].count > 4 * (deck->raw->point_count + deck->raw->tet_count) + 64)
-      return bwi_fail_line(line, "the set '%s' is included over and over", bwi_show(name));
+      return bwi_fail_line(line, "the set '%s' includes itself", bwi_show(name));
     return BW_OK;
   }
   return bwi_fail_line(line, "found '%s' where a number or the name of a set was expected",
@@ -365,7 +365,7 @@ bw_status bwi_inp_read(bwi_cursor *cursor, bwi_raw *raw, const char **format) {
       continue; /* data of a keyword that was passed over */
     read_keyword(&deck, &line, &key);
     if (bwi_word_is_nocase(key.name, "*INCLUDE") || key.input)
-      BW_TRY(bwi_fail_line(&line, "%s: other files are not read in; put their lines in this place",
+      BW_TRY(bwi_fail_line(&line, "%s: included files are not read; put their lines in this place",
                            bwi_show(key.name)));
     if (bwi_word_is_nocase(key.name, "*NODE"))
       BW_TRY(read_nodes(&deck, &key));

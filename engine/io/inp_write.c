@@ -230,11 +230,12 @@ static bw_status check_deck(bw_context *context, const bw_inp_deck *deck) {
   for (int64_t i = 0; i < deck->fixed_count; i++)
     if (deck->fixed_node[i] < 0 || deck->fixed_node[i] >= deck->mesh->node_count ||
         deck->fixed_direction[i] < 0 || deck->fixed_direction[i] > 2)
-      return bw_fail(context, BW_INVALID,
-                     "support %lld of the input deck holds node %d in direction %d: there are %d "
-                     "nodes, counted from 0, and directions 0 to 2",
-                     (long long)i, (int)deck->fixed_node[i], deck->fixed_direction[i],
-                     (int)deck->mesh->node_count);
+      return bw_fail(
+          context, BW_INVALID,
+          "support %lld of the input deck fixes node %d in direction %d: the nodes are 1 to "
+          "%d, the directions 1 to 3",
+          (long long)i + 1, (int)deck->fixed_node[i] + 1, deck->fixed_direction[i] + 1,
+          (int)deck->mesh->node_count);
   return BW_OK;
 }
 

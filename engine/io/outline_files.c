@@ -31,11 +31,10 @@ bw_status bw_outline_parse(bw_context *context, const char *name, const unsigned
   bwi_contours contours;
   bwi_cursor cursor;
   if (!(opts->unit >= 0 && opts->unit < 1e9 && opts->tolerance >= 0 && opts->tolerance < 1e9))
-    return bw_fail(
-        context, BW_INVALID,
-        "a unit of %g m and a tolerance of %g m: positive lengths, or 0 for what the file "
-        "says, are asked for",
-        opts->unit, opts->tolerance);
+    return bw_fail(context, BW_INVALID,
+                   "a unit of %g m and a tolerance of %g m: positive lengths expected, or 0 for "
+                   "what the file says",
+                   opts->unit, opts->tolerance);
   bwi_contours_init(&contours, context, name);
   bwi_cursor_init(&cursor, context, name, bytes, count);
   bwi_cursor text = cursor;

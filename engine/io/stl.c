@@ -258,7 +258,7 @@ bw_status bwi_stl_write(bw_writer *writer, const bw_surface *surface, bool ascii
     if (fabs(surface->point[i]) > 3.4e38)
       return bw_fail(bwi_writer_context(writer), BW_INVALID,
                      "point %lld has the coordinate %g: binary STL holds float32; write text",
-                     (long long)(i / 3), surface->point[i]);
+                     (long long)(i / 3) + 1, surface->point[i]);
   if (ascii)
     write_text(writer, surface);
   else

@@ -411,8 +411,8 @@ static bw_status read_root(reader *r, const bwi_tag *tag, double matrix[6]) {
     unit = 0.0254 / 96;
   if (r->unit == 0 && !absolute[0] && !absolute[1])
     bw_warn(r->cursor->context,
-            "%s: the drawing has no size in mm or the like: a unit of it is taken as a pixel, 1/96 "
-            "inch",
+            "%s: the drawing has no size in a unit of length: its units are taken as pixels of "
+            "1/96 inch",
             r->cursor->name);
   const double root[6] = {unit, 0, 0, -unit, 0, unit * (2 * box[1] + box[3])};
   memcpy(matrix, root, sizeof root);
@@ -459,7 +459,7 @@ static bw_status open_element(reader *r, const bwi_tag *tag) {
   if (tag->empty)
     goto done;
   if (r->depth >= DEEPEST)
-    BW_TRY(bwi_fail_line(r->cursor, "elements lie more than %d deep in each other", DEEPEST));
+    BW_TRY(bwi_fail_line(r->cursor, "elements are nested more than %d deep", DEEPEST));
   if (!bw_grow(r->cursor->context, (void **)&r->stack, &r->capacity, r->depth, 1, sizeof *r->stack))
     return BW_MEMORY;
   r->stack[r->depth++] = now;
@@ -512,8 +512,7 @@ bw_status bwi_svg_parse(bwi_cursor *cursor, double unit, bwi_contours *contours,
   }
   if (r.skipped > 0)
     bw_warn(cursor->context,
-            "%s: %lld elements (text, image, use) were passed over: turn them into paths to have "
-            "them read",
+            "%s: %lld elements (text, image, use) were ignored: convert them to paths to read them",
             cursor->name, (long long)r.skipped);
 done:
   bw_free(r.stack);

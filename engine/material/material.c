@@ -88,8 +88,8 @@ bw_status bwi_material_check_finite(bw_context *context, const bw_material *mate
   for (int k = 0; k < 36; k++)
     if (!isfinite(material->elasticity[k]) || !isfinite(material->compliance[k]))
       return bw_fail(context, BW_INVALID,
-                     "material %s: Y = (%g, %g, %g) Pa with these Poisson's ratios is out of the "
-                     "range that can be computed with; give moduli in Pa",
+                     "material %s: Y = (%g, %g, %g) Pa with these Poisson's ratios is outside the "
+                     "range of double precision; give moduli in Pa",
                      material->name, material->young[0], material->young[1], material->young[2]);
   return BW_OK;
 }
@@ -145,7 +145,7 @@ bw_status bw_material_formulated(bw_context *context, const bw_material *materia
                                  bw_formulation formulation, bw_material **formulated) {
   if (material->turns)
     return bw_fail(context, BW_INVALID,
-                   "material %s is turned by element: choose the formulation before it is turned",
+                   "material %s has axes by element: choose the formulation before the axes",
                    material->name);
   bw_material *made = bwi_material_copy(context, material);
   if (!made)

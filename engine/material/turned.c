@@ -20,17 +20,17 @@ static bw_status check_groups(bw_context *context, const bw_material *material,
                               int32_t element_count, int32_t group_count,
                               const int32_t *of_element) {
   if (material->turns)
-    return bw_fail(context, BW_INVALID,
-                   "material %s is turned by element already; turn the one that it was made of",
-                   material->name);
+    return bw_fail(
+        context, BW_INVALID,
+        "material %s has axes by element already: rotate the material that it was made of",
+        material->name);
   if (group_count < 1 || element_count < 0)
-    return bw_fail(context, BW_INVALID,
-                   "%d groups of %d elements: a material is turned in at least one group",
+    return bw_fail(context, BW_INVALID, "%d groups of %d elements: at least one group expected",
                    group_count, element_count);
   for (int32_t e = 0; e < element_count; e++)
     if (of_element[e] < 0 || of_element[e] >= group_count) {
-      bw_fail(context, BW_INVALID, "element %d is said to be turned with group %d; there are %d",
-              e + 1, of_element[e] + 1, group_count);
+      bw_fail(context, BW_INVALID, "element %d is in group %d: the groups are 1 to %d", e + 1,
+              of_element[e] + 1, group_count);
       bw_detail_number(context, "element", e + 1);
       return BW_INVALID;
     }

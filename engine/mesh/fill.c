@@ -73,7 +73,7 @@ static bw_status check_options(bw_context *context, const bw_fill_options *o) {
           context, BW_INVALID,
           "size point %lld: length %g and radius %g; the length must be positive and the radius "
           "not negative",
-          (long long)i, o->size_point[i].length, o->size_point[i].radius);
+          (long long)i + 1, o->size_point[i].length, o->size_point[i].radius);
       return BW_INVALID;
     }
   return BW_OK;
@@ -156,7 +156,7 @@ static bw_status prepare_base(bwi_filler *f, const bw_surface *given) {
     BW_TRY(bw_surface_orient(context, welded, &made, NULL));
   } else {
     status = bw_fail(context, BW_GEOMETRY,
-                     "the surface is not closed (%s): mend it, or let it be repaired", text);
+                     "the surface is not closed (%s): repair it, or allow the repair", text);
     goto done;
   }
   set_base(f, made);
@@ -205,7 +205,7 @@ static bw_status report(bwi_filler *f, bw_mesh *mesh, bw_fill_log *log) {
   if (f->options->elements > 0 && f->best_miss > log1p(f->options->tolerance))
     bw_warn(
         f->context,
-        "%lld elements were asked for; %d is the nearest number that %d run%s of TetGen came to%s",
+        "%lld elements were requested; %d is the nearest number that %d run%s of TetGen reached%s",
         (long long)f->options->elements, mesh->element_count, f->attempts,
         f->attempts == 1 ? "" : "s", bwi_fill_too_late(f) ? " within time_limit" : "");
   if (log)

@@ -133,7 +133,7 @@ static bw_status fill_at(bwi_filler *f, bwi_fill_way *how, double length, double
       break;
   }
   if (status == BW_OK && why[0] && *how == WAY_WRAP)
-    bw_warn(f->context, "%s; a surface wrapped around it and remeshed serves instead", why);
+    bw_warn(f->context, "%s; a surface wrapped around it and remeshed is used instead", why);
   return status;
 }
 

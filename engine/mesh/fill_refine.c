@@ -99,8 +99,8 @@ static int longest(const pass *p, int32_t t) {
 static bw_status in_time(bw_context *context, const pass *p) {
   if (p->deadline > 0 && bw_seconds() > p->deadline)
     return bw_fail(context, BW_LIMIT,
-                   "cutting edges to the sizes asked for ran out of time at %d facets: allow more "
-                   "seconds, or ask for longer edges",
+                   "refining the surface to the requested sizes reached the time limit at %d "
+                   "facets: allow more seconds, or give larger sizes",
                    p->surface->triangle_count);
   return bw_check_cancel(context);
 }
@@ -232,9 +232,10 @@ bw_status bwi_refine_surface(bw_context *context, const bw_surface *surface,
     if (cuts == 0)
       break;
     if (now->triangle_count + 2 * (int64_t)cuts > limit) {
-      status = bw_fail(context, BW_LIMIT,
-                       "the sizes asked for need more than %lld facets on the surface alone",
-                       (long long)limit);
+      status = bw_fail(
+          context, BW_LIMIT,
+          "the requested sizes need more than %lld facets on the surface alone: give larger sizes",
+          (long long)limit);
       goto done;
     }
     bw_surface *next;

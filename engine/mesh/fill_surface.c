@@ -103,7 +103,8 @@ static bw_status remesh(bwi_filler *f, bwi_fill_way how, const bw_surface *from,
       head.triangles > INT32_MAX || (head.groups != 0 && head.groups != head.triangles) ||
       count != sizeof head + 24 * (size_t)head.points + 12 * (size_t)head.triangles +
                    4 * (size_t)head.groups) {
-    status = bw_fail(f->context, BW_INTERNAL, "%zu bytes are no remeshed surface", count);
+    status = bw_fail(f->context, BW_INTERNAL, "remeshing returned %zu bytes that are not a surface",
+                     count);
     goto done;
   }
   const unsigned char *points = bytes + sizeof head; /* aligned: the head is whole doubles long */
@@ -125,9 +126,9 @@ static bw_status check_sound(bwi_filler *f, const bw_surface *surface, double le
   if (status == BW_OK && !report.sound) {
     char text[200];
     bwi_fill_describe_defects(&report, text, sizeof text);
-    status =
-        bw_fail(f->context, BW_GEOMETRY,
-                "remeshing the surface to an edge length of %.3g m spoils it (%s)", length, text);
+    status = bw_fail(f->context, BW_GEOMETRY,
+                     "remeshing the surface to an edge length of %.3g m makes it invalid (%s)",
+                     length, text);
   }
   bw_surface_report_clear(&report);
   return status;

@@ -147,16 +147,16 @@ static bw_status check_numbers(bw_context *context, int per_element, int64_t nod
     if (!isfinite(node[i])) {
       bw_fail(context, BW_GEOMETRY,
               "node %lld has the coordinates %g %g %g: every one must be a finite number",
-              (long long)(i / 3), node[i / 3 * 3], node[i / 3 * 3 + 1], node[i / 3 * 3 + 2]);
-      bw_detail_number(context, "node", (double)(i / 3));
+              (long long)(i / 3) + 1, node[i / 3 * 3], node[i / 3 * 3 + 1], node[i / 3 * 3 + 2]);
+      bw_detail_number(context, "node", (double)(i / 3 + 1));
       return BW_GEOMETRY;
     }
   for (int64_t i = 0; i < per_element * elements; i++)
     if (element[i] < 0 || element[i] >= nodes) {
-      bw_fail(context, BW_GEOMETRY, "element %lld names node %d, but the nodes are 0 to %lld",
-              (long long)(i / per_element), element[i], (long long)nodes - 1);
-      bw_detail_number(context, "element", (double)(i / per_element));
-      bw_detail_number(context, "node", element[i]);
+      bw_fail(context, BW_GEOMETRY, "element %lld names node %d, but the nodes are 1 to %lld",
+              (long long)(i / per_element) + 1, element[i] + 1, (long long)nodes);
+      bw_detail_number(context, "element", (double)(i / per_element + 1));
+      bw_detail_number(context, "node", element[i] + 1.0);
       return BW_GEOMETRY;
     }
   return BW_OK;
@@ -188,8 +188,8 @@ static bw_status find_volumes(bw_context *context, bw_mesh *mesh, bool flat) {
       bw_fail(context, BW_GEOMETRY,
               "element %d (nodes %d %d %d %d) near (%g, %g, %g) has no volume: its corners lie in "
               "one plane to within rounding",
-              i, e[0], e[1], e[2], e[3], x[0][0], x[0][1], x[0][2]);
-      bw_detail_number(context, "element", i);
+              i + 1, e[0] + 1, e[1] + 1, e[2] + 1, e[3] + 1, x[0][0], x[0][1], x[0][2]);
+      bw_detail_number(context, "element", i + 1.0);
       return BW_GEOMETRY;
     }
     if (determinant < 0)
@@ -242,10 +242,10 @@ static bw_status fail_pair(bw_context *context, const bw_mesh *mesh, const bwi_k
   face_corners(mesh, a->item, a->part, c);
   const double *x = mesh->node + 3 * (size_t)c[0];
   bw_fail(context, BW_GEOMETRY,
-          "elements %d and %d share the face of nodes %d %d %d near (%g, %g, %g) but %s", a->item,
-          b->item, c[0], c[1], c[2], x[0], x[1], x[2], what);
-  bw_detail_number(context, "element", a->item);
-  bw_detail_number(context, "other", b->item);
+          "elements %d and %d share the face of nodes %d %d %d near (%g, %g, %g) but %s",
+          a->item + 1, b->item + 1, c[0] + 1, c[1] + 1, c[2] + 1, x[0], x[1], x[2], what);
+  bw_detail_number(context, "element", a->item + 1.0);
+  bw_detail_number(context, "other", b->item + 1.0);
   return BW_GEOMETRY;
 }
 

@@ -13,9 +13,9 @@ bw_status bw_mesh_moved(bw_context *context, const bw_mesh *mesh, const double *
   size_t numbers = 3 * (size_t)mesh->node_count;
   for (size_t i = 0; i < numbers; i++)
     if (!isfinite(node[i])) {
-      bw_fail(context, BW_GEOMETRY, "node %zu is moved to a place that is not a finite number",
-              i / 3);
-      bw_detail_number(context, "node", (double)(i / 3));
+      bw_fail(context, BW_GEOMETRY, "node %zu moves to a place whose coordinates are not finite",
+              i / 3 + 1);
+      bw_detail_number(context, "node", (double)(i / 3 + 1));
       return BW_GEOMETRY;
     }
   bw_mesh *made = bwi_mesh_create(context);
@@ -59,9 +59,9 @@ bw_status bw_mesh_moved(bw_context *context, const bw_mesh *mesh, const double *
     status = bw_fail(context, BW_GEOMETRY,
                      "%d elements are flat or inverted at the new positions; the worst is element "
                      "%d near (%g, %g, %g), whose volume goes from %g to %g m3",
-                     inverted, worst, at[0], at[1], at[2], mesh->volume[worst],
+                     inverted, worst + 1, at[0], at[1], at[2], mesh->volume[worst],
                      worst_ratio * mesh->volume[worst]);
-    bw_detail_number(context, "element", worst);
+    bw_detail_number(context, "element", worst + 1.0);
     bw_detail_number(context, "inverted", inverted);
   }
 done:

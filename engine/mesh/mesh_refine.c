@@ -154,7 +154,9 @@ static bool is_hanging(const refining *r, const cell *c) {
 static bw_status bisect(refining *r, int64_t number) {
   bw_status status = BW_OK;
   if (r->cell_count >= r->cell_limit)
-    return bw_fail(r->context, BW_LIMIT, "the refinement needs more than %lld elements",
+    return bw_fail(r->context, BW_LIMIT,
+                   "the refinement needs more than %lld elements: allow more, or refine less: "
+                   "allow more, or refine less",
                    (long long)r->cell_limit);
   if (r->cell_count == r->cell_capacity) {
     cell *cells = BW_NEW(r->context, cell, 2 * r->cell_capacity);
@@ -246,8 +248,8 @@ static bw_status make_mesh(refining *r, int order, bw_mesh **out, int32_t **cell
       status = bw_fail(r->context, BW_GEOMETRY,
                        "a part of element %d, which has curved edges, has no volume near (%g, %g, "
                        "%g): refine a mesh with better elements or straight edges",
-                       r->cells[i].parent, r->node[3 * (size_t)n[0]], r->node[3 * (size_t)n[0] + 1],
-                       r->node[3 * (size_t)n[0] + 2]);
+                       r->cells[i].parent + 1, r->node[3 * (size_t)n[0]],
+                       r->node[3 * (size_t)n[0] + 1], r->node[3 * (size_t)n[0] + 2]);
       goto done;
     }
     memcpy(element + 4 * i, r->cells[i].node, 4 * sizeof *element);
@@ -356,7 +358,7 @@ bw_status bw_mesh_refine(bw_context *context, const bw_mesh *mesh, const uint8_t
   int32_t *cell_of = NULL;
   if (order < mesh->order || order > 2)
     return bw_fail(context, BW_INVALID,
-                   "order %d: a refined mesh has the order of the mesh before, which is %d, or 2",
+                   "order %d: a refined mesh has the order of the given mesh, which is %d, or 2",
                    order, mesh->order);
   if (max_elements < mesh->element_count || max_elements > INT32_MAX / 8)
     return bw_fail(context, BW_INVALID,

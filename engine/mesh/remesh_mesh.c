@@ -46,7 +46,10 @@ static bw_status reserve(bwi_changing *mesh, size_t points, size_t facets) {
     size_t capacity = 2 * (mesh->facet_count + facets);
     void *block;
     if (capacity > INT32_MAX / 3)
-      return bw_fail(context, BW_LIMIT, "remeshing needs more than %d facets", INT32_MAX / 3);
+      return bw_fail(context, BW_LIMIT,
+                     "remeshing needs more than %d facets: give a larger edge length: give a "
+                     "larger edge length",
+                     INT32_MAX / 3);
     GROW(corner, 3);
     GROW(opposite, 3);
     GROW(sharp, 3);

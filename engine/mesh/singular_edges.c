@@ -106,8 +106,8 @@ static bw_status find_edges(bw_context *context, const finder *f, bwi_seams *sea
       continue;
     if (bwi_side_from(top, side[0]) != bwi_side_to(top, side[1]))
       return bw_fail(context, BW_GEOMETRY,
-                     "singular edges: facets are turned against each other: surface:repair() or "
-                     "surface:orient() turns them");
+                     "singular edges: facets have inconsistent orientation: surface:repair() or "
+                     "surface:orient() corrects it");
     bw_status status = add_edge(context, f, side[0], side[1], seams);
     if (status != BW_OK)
       return status;
@@ -138,8 +138,8 @@ bw_status bw_singular_edges(bw_context *context, const bw_surface *surface, cons
   BW_TRY(find_edges(context, &f, &seams));
   if (!(bw_surface_volume(surface) > 0)) {
     status = bw_fail(context, BW_GEOMETRY,
-                     "singular edges: the surface is turned inside out or encloses nothing: "
-                     "surface:repair() or surface:orient() turns it");
+                     "singular edges: the normals of the surface point inwards, or it encloses no "
+                     "volume: surface:repair() or surface:orient() corrects the normals");
     goto done;
   }
   BW_TRY(bwi_singular_create(context, &places));

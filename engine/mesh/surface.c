@@ -38,21 +38,22 @@ static bw_status check_arrays(bw_context *context, int64_t points, const double 
                    (long long)points, (long long)triangles);
   for (int64_t i = 0; i < points; i++)
     if (!isfinite(point[3 * i]) || !isfinite(point[3 * i + 1]) || !isfinite(point[3 * i + 2])) {
-      bw_status status = bw_fail(context, BW_GEOMETRY,
-                                 "point %lld of the surface is (%g, %g, %g): every coordinate "
-                                 "must be a finite number",
-                                 (long long)i, point[3 * i], point[3 * i + 1], point[3 * i + 2]);
-      bw_detail_number(context, "point", (double)i);
+      bw_status status =
+          bw_fail(context, BW_GEOMETRY,
+                  "point %lld of the surface is (%g, %g, %g): every coordinate "
+                  "must be a finite number",
+                  (long long)i + 1, point[3 * i], point[3 * i + 1], point[3 * i + 2]);
+      bw_detail_number(context, "point", (double)i + 1);
       return status;
     }
   for (int64_t t = 0; t < triangles; t++)
     for (int k = 0; k < 3; k++)
       if (triangle[3 * t + k] < 0 || triangle[3 * t + k] >= points) {
-        bw_status status = bw_fail(context, BW_GEOMETRY,
-                                   "facet %lld of the surface names point %d, but there are %lld "
-                                   "points, numbered from 0",
-                                   (long long)t, (int)triangle[3 * t + k], (long long)points);
-        bw_detail_number(context, "facet", (double)t);
+        bw_status status =
+            bw_fail(context, BW_GEOMETRY,
+                    "facet %lld of the surface names point %d, but the points are 1 to %lld",
+                    (long long)t + 1, (int)triangle[3 * t + k] + 1, (long long)points);
+        bw_detail_number(context, "facet", (double)t + 1);
         return status;
       }
   return BW_OK;
@@ -169,7 +170,9 @@ bw_status bw_surface_transform(bw_context *context, const bw_surface *surface,
                                const double matrix[12], bw_surface **moved) {
   for (int k = 0; k < 12; k++)
     if (!isfinite(matrix[k]))
-      return bw_fail(context, BW_INVALID, "entry %d of the transformation is %g", k, matrix[k]);
+      return bw_fail(context, BW_INVALID,
+                     "entry %d of the transformation is %g: it must be a finite number", k + 1,
+                     matrix[k]);
   bw_surface *made = NULL;
   bw_status status = BW_OK;
   double *point = BW_NEW(context, double, (size_t)surface->point_count * 3);

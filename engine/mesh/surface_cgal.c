@@ -23,7 +23,8 @@ bw_status bwi_cgal_surface(bw_context *context, const char *what, const bwi_chil
       head[1] > INT32_MAX ||
       count != sizeof head + (size_t)head[0] * 3 * sizeof *point +
                    (size_t)head[1] * 3 * sizeof *triangle) {
-    status = bw_fail(context, BW_INTERNAL, "%s sent %zu bytes that are not a surface", what, count);
+    status =
+        bw_fail(context, BW_INTERNAL, "%s returned %zu bytes that are not a surface", what, count);
     goto done;
   }
   point = BW_NEW(context, double, (size_t)head[0] * 3);

@@ -79,9 +79,9 @@ inline bw_status caught(bw_context *context, const char *what) {
   } catch (const std::bad_alloc &) {
     return bw_fail(context, BW_MEMORY, "%s: memory ran out", what);
   } catch (const std::exception &error) {
-    return bw_fail(context, BW_GEOMETRY, "%s was given up by CGAL: %s", what, error.what());
+    return bw_fail(context, BW_GEOMETRY, "%s: CGAL stopped with an error: %s", what, error.what());
   } catch (...) {
-    return bw_fail(context, BW_GEOMETRY, "%s was given up by CGAL", what);
+    return bw_fail(context, BW_GEOMETRY, "%s: CGAL stopped with an error", what);
   }
 }
 

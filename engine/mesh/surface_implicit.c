@@ -191,8 +191,8 @@ bw_status bw_surface_implicit(bw_context *context, const double low[3], const do
   for (int k = 0; k < 3; k++) {
     if (!(low[k] < high[k]) || !isfinite(high[k] - low[k]))
       return bw_fail(context, BW_INVALID,
-                     "a box from %g to %g along axis %d: low must lie below high", low[k], high[k],
-                     k);
+                     "a box from %g to %g m along %c: the low corner must lie below the high one",
+                     low[k], high[k], "xyz"[k]);
     longest = fmax(longest, high[k] - low[k]);
   }
   if (cells < 1 || cells > 4000)

@@ -47,8 +47,8 @@ static bw_status spread(bw_context *context, const bwi_topology *topology, int32
             bw_fail(context, BW_GEOMETRY,
                     "the surface has one side only, like a Moebius strip: facets %d and %d near "
                     "(%g, %g, %g) cannot agree on an outside",
-                    t, other, x[0], x[1], x[2]);
-        bw_detail_number(context, "facet", t);
+                    t + 1, other + 1, x[0], x[1], x[2]);
+        bw_detail_number(context, "facet", t + 1.0);
         return status;
       }
     }

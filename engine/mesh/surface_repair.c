@@ -377,8 +377,8 @@ static bw_status wrap(repairer *r, const bw_surface *original) {
   bw_surface *taken = wrapped;
   wrapped = NULL;
   char why[300];
-  snprintf(why, sizeof why, "facets wrapped around it, since it could not be mended in place (%s)",
-           text);
+  snprintf(why, sizeof why,
+           "facets wrapped around it, since it could not be repaired in place (%s)", text);
   BW_TRY(take(r, taken, "wrap", taken->triangle_count, why));
   BW_TRY(look(r));
 done:
@@ -413,8 +413,8 @@ bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
   }
   if (!(r.diagonal > 1e-90 && r.diagonal < 1e90)) { /* volumes and their squares must be numbers */
     status = bw_fail(context, BW_GEOMETRY,
-                     "the box of the surface has a diagonal of %g m, beyond what can be computed "
-                     "(1e-90 to 1e90): are the coordinates or the unit wrong?",
+                     "the bounding box of the surface has a diagonal of %g m, outside the range "
+                     "1e-90 to 1e90: check the coordinates and the unit",
                      r.diagonal);
     goto done;
   }

@@ -14,10 +14,10 @@ bw_status bwi_cgal_resolve(bw_context *context, void *data, bwi_child_stream *ou
     CGAL::Surface_mesh<Kernel::Point_3> mesh;
     if (!bwi::load(surface, nullptr, 0, false, mesh))
       return bw_fail(context, BW_GEOMETRY,
-                     "self-intersections are taken out of manifold surfaces only");
+                     "self-intersections can be removed from manifold surfaces only");
     namespace steps = CGAL::Polygon_mesh_processing::experimental;
     if (!steps::remove_self_intersections(mesh, CGAL::parameters::preserve_genus(false)))
-      return bw_fail(context, BW_GEOMETRY, "not every self-intersection could be taken out");
+      return bw_fail(context, BW_GEOMETRY, "not every self-intersection could be removed");
     return bwi::store(out, mesh);
   } catch (...) {
     return bwi::caught(context, "taking out self-intersections");

@@ -15,8 +15,8 @@ bw_status bw_surface_box_shape(bw_context *context, const double low[3], const d
   for (int k = 0; k < 3; k++)
     if (!(low[k] < high[k]))
       return bw_fail(context, BW_INVALID,
-                     "a box from %g to %g along axis %d: low must lie below high", low[k], high[k],
-                     k);
+                     "a box from %g to %g m along %c: the low corner must lie below the high one",
+                     low[k], high[k], "xyz"[k]);
   for (int i = 0; i < 8; i++)
     for (int k = 0; k < 3; k++)
       point[3 * i + k] = i >> k & 1 ? high[k] : low[k];
@@ -32,8 +32,8 @@ bw_status bw_surface_sphere_shape(bw_context *context, const double centre[3], d
                                    {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   if (!(radius > 0) || subdivisions < 0 || subdivisions > 9)
     return bw_fail(context, BW_INVALID,
-                   "a sphere of radius %g m cut %d times: a positive radius and 0 to 9 cuts are "
-                   "needed",
+                   "a sphere of radius %g m with %d subdivisions: a positive radius and 0 to 9 "
+                   "subdivisions expected",
                    radius, subdivisions);
   bw_status status = BW_OK;
   bw_surface *loose = NULL;

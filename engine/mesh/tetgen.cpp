@@ -132,7 +132,7 @@ bw_status bwi_tetgen_child(bw_context *context, void *job, bwi_child_stream *out
   } catch (int code) {
     if (code == 1)
       return bw_fail(context, BW_MEMORY, "memory ran out while TetGen filled the surface");
-    bw_status status = bw_fail(context, BW_GEOMETRY, "TetGen refuses the surface: %s (code %d)",
+    bw_status status = bw_fail(context, BW_GEOMETRY, "TetGen rejects the surface: %s (code %d)",
                                meaning(code), code);
     bw_detail_number(context, "tetgen", code);
     return status;

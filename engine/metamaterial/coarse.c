@@ -136,9 +136,9 @@ bw_status bwi_coarse_check(bw_context *context, const bw_library *library,
 static bw_status check(bw_context *context, bw_coarse_method method, const bw_library *library,
                        const bw_material_table *material_table, const bw_grid *fine, int levels) {
   if ((unsigned)method > BW_COARSE_AVERAGE)
-    return bw_fail(context, BW_INVALID, "there is no method of coarsening %d", (int)method);
+    return bw_fail(context, BW_INVALID, "coarsening method %d is not known", (int)method);
   if (levels < 1 || levels > 2)
-    return bw_fail(context, BW_INVALID, "coarsening by %d levels; 1 or 2", levels);
+    return bw_fail(context, BW_INVALID, "coarsening by %d levels: 1 or 2 expected", levels);
   if (method != BW_COARSE_LOOKUP)
     return check_materials(context, material_table, fine);
   if (!library)
@@ -288,7 +288,7 @@ bw_status bw_coarse_follow(bw_context *context, const bw_coarse *before, const b
         fine->spacing[d] != old->spacing[d])
       return bw_fail(context, BW_INVALID,
                      "the edited grid lies on another lattice (%d x %d x %d cells, before %d x %d "
-                     "x %d, or moved): coarsen it anew",
+                     "x %d, or moved): coarsen it again",
                      (int)fine->cells[0], (int)fine->cells[1], (int)fine->cells[2],
                      (int)old->cells[0], (int)old->cells[1], (int)old->cells[2]);
   BW_TRY(check(context, before->method, before->library, before->fine_material_table, fine,

@@ -202,7 +202,7 @@ bw_status bwi_checkpoint_open(bw_context *context, const char *path,
     BW_TRY(fail_system(context, path, "cannot open the checkpoint"));
   if (flock(it->file, LOCK_EX | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK)
-      status = bw_fail(context, BW_IO, "%s: another run is building on this checkpoint", path);
+      status = bw_fail(context, BW_IO, "%s: another process uses this checkpoint", path);
     else
       status = fail_system(context, path, "cannot lock the checkpoint");
     goto done;

@@ -182,7 +182,7 @@ bw_status bw_library_grow(bw_context *context, const bw_library *library,
   grower it;
   memset(&it, 0, sizeof it);
   if (levels < 1 || levels > 2)
-    return bw_fail(context, BW_INVALID, "growing for %d levels; 1 or 2", levels);
+    return bw_fail(context, BW_INVALID, "growing for %d levels: 1 or 2 expected", levels);
   BW_TRY(bwi_coarse_check(context, library, material_table, fine));
   BW_TRY(bwi_fits_begin(context, make_block, &it, &it.fits));
   it.fits.library = library;

@@ -115,17 +115,16 @@ bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
     if (share == 1 && !dof_map->prescribed) {
       status =
           bw_fail(context, BW_INVALID,
-                  "load %d, a %s, acts on supports only: its force goes straight into them and "
-                  "nothing deforms. Move the load or fix less; coordinates and tolerances are "
-                  "in metres",
+                  "load %d, a %s, acts on supports only: they take its force directly and nothing "
+                  "deforms. Move the load or fix less; coordinates and tolerances are in metres",
                   i + 1, kind_word(load->kind));
       bw_detail_number(context, "load", i + 1);
       goto done;
     }
     if (share >= warning_share)
       bw_warn(context,
-              "%.2g %% of the area of load %d, a %s, lies on supports: that part of its force "
-              "goes straight into them",
+              "%.2g %% of the area of load %d, a %s, lies on supports: the supports take that part "
+              "of its force directly",
               100 * share, i + 1, kind_word(load->kind));
   }
 done:

@@ -27,7 +27,7 @@ bw_status bwi_take_frames(bw_context *context, bw_dof_map *dof_map, const bwi_fo
     if (domain < 0 || state[0] != state[1] || state[1] != state[2])
       continue;
     if (domain >= domains)
-      return bw_fail(context, BW_INVALID, "node %d goes with domain %d of %d", i, domain + 1,
+      return bw_fail(context, BW_INVALID, "node %d goes with domain %d of %d", i + 1, domain + 1,
                      domains);
     dof_map->frame_of[i] = first + domain;
     double *value = dof_map->value + 3 * (size_t)i, global[3];

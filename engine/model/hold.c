@@ -45,8 +45,8 @@ static bw_status add_condition(bw_context *context, const bw_model *model, int s
       bw_fail(context, BW_INVALID,
               "support %d moves node %d at %s m by %s m along %s, but earlier supports move it by "
               "%s m: give one displacement to the nodes where supports meet",
-              support + 1, hold->node, at, now, along, before);
-  bw_detail_number(context, "node", hold->node);
+              support + 1, hold->node + 1, at, now, along, before);
+  bw_detail_number(context, "node", hold->node + 1.0);
   bw_detail_number(context, "support", support + 1);
   return status;
 }

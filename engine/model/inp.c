@@ -40,10 +40,11 @@ static bw_status oblique_node(bw_context *context, const bw_dof_map *dof_map, in
   if (value[0] != 0 || value[1] != 0 || value[2] != 0) {
     char at[96];
     bwi_vector_string(at, sizeof at, dof_map->mesh->node + 3 * (size_t)node, 6, 0);
-    return bw_fail(context, BW_UNSUPPORTED,
-                   "node %d at %s m slides obliquely and is moved too: the .inp file has no form "
-                   "for that; prescribe the displacement along x, y, z instead",
-                   node, at);
+    return bw_fail(
+        context, BW_UNSUPPORTED,
+        "node %d at %s m has an oblique sliding support and a prescribed displacement: an .inp "
+        "file cannot express both; prescribe the displacement along x, y, z instead",
+        node + 1, at);
   }
   int held = 0;
   for (int k = 0; k < 3; k++) /* pins are wanted here too: they come as held directions */
@@ -116,7 +117,7 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
   bw_inp_deck deck = {.mesh = mesh, .title = "written by barwright", .modes = modes};
   bw_status status;
   if (modes < 0)
-    return bw_fail(context, BW_INVALID, "%d modes asked for: 0 for a static step, or more", modes);
+    return bw_fail(context, BW_INVALID, "%d modes requested: 0 for a static step, or more", modes);
   if (model->material->turns)
     return bw_fail(context, BW_UNSUPPORTED,
                    "%s: material %s has axes by element, and the deck that is written has one "

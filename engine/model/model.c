@@ -151,7 +151,7 @@ static bw_status check_nodal(bw_context *context, const bw_model *model, const b
     for (int k = 0; k < columns; k++)
       if (!isfinite(bw_array_get(array, i, k)))
         return bw_fail(context, BW_INVALID, "component %d of the %s at node %lld is not finite",
-                       k + 1, what, (long long)i);
+                       k + 1, what, (long long)i + 1);
   return BW_OK;
 }
 
@@ -228,7 +228,9 @@ bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_sele
   bw_status status;
   BW_TRY(check_selection(context, model, on, true, "a prescribed displacement"));
   if (!held[0] && !held[1] && !held[2]) {
-    status = bw_fail(context, BW_INVALID, "a prescribed displacement holds no direction");
+    status =
+        bw_fail(context, BW_INVALID,
+                "a prescribed displacement constrains no direction: give a number for x, y or z");
     goto done;
   }
   for (int k = 0; k < 3; k++)
@@ -245,7 +247,9 @@ bw_status bw_model_prescribe_field(bw_context *context, bw_model *model, const b
   bw_status status;
   BW_TRY(check_selection(context, model, on, true, "a prescribed displacement"));
   if (!held[0] && !held[1] && !held[2]) {
-    status = bw_fail(context, BW_INVALID, "a prescribed displacement holds no direction");
+    status =
+        bw_fail(context, BW_INVALID,
+                "a prescribed displacement constrains no direction: give a number for x, y or z");
     goto done;
   }
   BW_TRY(check_nodal(context, model, field, 3, "prescribed displacement"));

@@ -36,10 +36,11 @@ static bw_status invert(transfer *t) {
   for (int32_t i = 0; i < new_count; i++) {
     int32_t old = t->node_from[i];
     if (old < -1 || old >= old_count || (old >= 0 && t->node_to[old] >= 0))
-      return bw_fail(t->context, BW_INVALID,
-                     "node %d is said to come from node %d, which is taken or not one of the %d "
-                     "nodes before",
-                     i, old, old_count);
+      return bw_fail(
+          t->context, BW_INVALID,
+          "node %d comes from node %d, which another node comes from too, or which is none "
+          "of the %d nodes before",
+          i + 1, old + 1, old_count);
     if (old >= 0)
       t->node_to[old] = i;
   }
@@ -77,7 +78,7 @@ static bw_status carry_selection(transfer *t, const bw_selection *on, const bw_s
       if (node[i] < 0) {
         status = bw_fail(t->context, BW_INVALID,
                          "node %d, which a support or load is given on, is gone from the new mesh",
-                         on->node[i]);
+                         on->node[i] + 1);
         goto done;
       }
     }
@@ -144,19 +145,19 @@ static bw_status check_nodal(const transfer *t, int number, const bw_load *load)
           bw_fail(t->context, BW_UNSUPPORTED,
                   "load %d is a force at node %d, which is inside the part that was filled again "
                   "and is gone: give it on the surface",
-                  number + 1, i);
-          bw_detail_number(t->context, "node", i);
+                  number + 1, i + 1);
+          bw_detail_number(t->context, "node", i + 1.0);
           return BW_UNSUPPORTED;
         }
   if (load->kind == BW_LOAD_TEMPERATURE)
     for (int32_t i = 1; i < nodes; i++)
       if (bw_array_get(load->nodal, i, 0) != bw_array_get(load->nodal, 0, 0))
         return bw_fail(t->context, BW_UNSUPPORTED,
-                       "load %d is a temperature that varies over the nodes (%g K at node 0, %g K "
+                       "load %d is a temperature that varies over the nodes (%g K at node 1, %g K "
                        "at node %d); on a mesh that was filled again it is not known at the new "
                        "nodes: give the temperatures on the new mesh",
                        number + 1, bw_array_get(load->nodal, 0, 0), bw_array_get(load->nodal, i, 0),
-                       i);
+                       i + 1);
   return BW_OK;
 }
 
@@ -267,8 +268,8 @@ bw_status bw_model_transferred(bw_context *context, const bw_model *model, const
                    mesh->facet_count, old->facet_count);
   if (model->material->turns)
     return bw_fail(context, BW_UNSUPPORTED,
-                   "material %s is turned by element, and the mesh has other elements: transfer "
-                   "the model with the unturned material and turn it there",
+                   "material %s has axes by element, and the mesh has other elements: transfer the "
+                   "model with the material before the rotation, and rotate it on the new mesh",
                    model->material->name);
   return carry(context, model, mesh, node_from, NULL, 0, NULL, NULL, transferred);
 }
@@ -287,7 +288,7 @@ bw_status bw_model_refined(bw_context *context, const bw_model *model,
                    refinement->mesh->element_count);
   if (model->material->turns)
     return bw_fail(context, BW_UNSUPPORTED,
-                   "material %s is turned by element: such a model cannot be refined",
+                   "material %s has axes by element: such a model cannot be refined",
                    model->material->name);
   return carry(context, model, mesh, NULL, refinement, also_count, also, also_refined, refined);
 }

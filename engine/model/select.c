@@ -38,15 +38,15 @@ static bw_status fail_empty(bw_context *context, const bw_mesh *mesh, const char
     bwi_vector_string(at, sizeof at, mesh->node + 3 * (size_t)nearest, 6, 0);
     bwi_number_string(number, sizeof number, distance, 4, 0);
     status = bw_fail(context, BW_EMPTY,
-                     "%s holds no boundary node: the nearest is node %d at %s m, %s m away; the "
-                     "mesh fills the box %s to %s m",
-                     what, nearest, at, number, from, to);
-    bw_detail_number(context, "node", nearest);
+                     "%s selects no boundary node: the nearest is node %d at %s m, %s m away; the "
+                     "bounding box of the mesh is %s to %s m",
+                     what, nearest + 1, at, number, from, to);
+    bw_detail_number(context, "node", nearest + 1.0);
     bw_detail_number(context, "distance", distance);
   } else
-    status =
-        bw_fail(context, BW_EMPTY, "%s holds no boundary node; the mesh fills the box %s to %s m",
-                what, from, to);
+    status = bw_fail(context, BW_EMPTY,
+                     "%s selects no boundary node; the bounding box of the mesh is %s to %s m",
+                     what, from, to);
   return status;
 }
 

@@ -44,8 +44,10 @@ bw_status bw_select_normal_cone(bw_context *context, const bw_mesh *mesh, const 
   BW_TRY(check_angle(context, "normal", angle));
   double max = fmax(fabs(direction[0]), fmax(fabs(direction[1]), fabs(direction[2])));
   if (!(max > 0) || !isfinite(direction[0] + direction[1] + direction[2])) {
-    status = bw_fail(context, BW_INVALID, "normal selection: (%g, %g, %g) is no direction",
-                     direction[0], direction[1], direction[2]);
+    status = bw_fail(
+        context, BW_INVALID,
+        "normal selection: (%g, %g, %g) has no direction: a finite vector that is not 0 expected",
+        direction[0], direction[1], direction[2]);
     goto done;
   }
   for (int k = 0; k < 3; k++)

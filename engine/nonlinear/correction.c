@@ -43,7 +43,7 @@ bw_status bw_solid_correct(bw_context *context, const bw_solid *solid,
   bool moved = true;
   if (!options->start || options->linear == BW_NEWTON_DIRECT)
     return bw_fail(context, BW_INVALID,
-                   "a correction begins at displacements, and is one of conjugate gradients");
+                   "a correction needs initial displacements and the conjugate gradient solver");
   BW_TRY(bwi_newton_check(context, solid, load_case, options));
   BW_TRY(bw_newton_create(context, &newton));
   state.newton = newton;

@@ -68,8 +68,8 @@ static bw_status order_nodes(bw_context *context, const bw_graph *graph, const u
   if (code == AMD_OUT_OF_MEMORY)
     status = bw_fail(context, BW_MEMORY, "no memory to order %d nodes", (int)near.size);
   else if (code != AMD_OK && code != AMD_OK_BUT_JUMBLED)
-    status = bw_fail(context, BW_INTERNAL, "AMD refused to order %d nodes (code %d)",
-                     (int)near.size, code);
+    status = bw_fail(context, BW_INTERNAL, "AMD failed to order %d nodes (code %d)", (int)near.size,
+                     code);
   if (status == BW_OK)
     BW_TRY(bwi_order_analyse(context, &near, permutation, order));
 done:
@@ -114,7 +114,7 @@ bw_status bwi_direct_analyse(bw_context *context, bwi_direct *direct, const bw_g
     take[i / 3] = (uint8_t)(take[i / 3] | !held[i]);
   }
   if (count == 0) {
-    status = bw_fail(context, BW_INTERNAL, "a matrix without unknowns is to be factored");
+    status = bw_fail(context, BW_INTERNAL, "a matrix without unknowns cannot be factorised");
     goto done;
   }
   BW_TRY(order_nodes(context, graph, take, &order));

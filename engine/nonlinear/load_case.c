@@ -62,7 +62,8 @@ bw_status bw_load_case_create(bw_context *context, const bw_grid *grid, bw_load_
 bw_status bwi_load_case_check_nodes(bw_context *context, const bw_grid *grid, int64_t count,
                                     const int32_t *node, const char *what) {
   if (count < 1)
-    return bw_fail(context, BW_EMPTY, "%s: no node is given", what);
+    return bw_fail(context, BW_EMPTY, "%s: the list of nodes is empty: at least one node expected",
+                   what);
   for (int64_t k = 0; k < count; k++)
     if (node[k] < 0 || node[k] >= grid->node_count)
       return bw_fail(context, BW_INVALID, "%s: there is no node %lld; the grid has %d", what,
@@ -87,7 +88,7 @@ bw_status bw_load_case_fix(bw_context *context, bw_load_case *it, int64_t count,
   BW_TRY(bwi_load_case_check_nodes(context, it->grid, count, node, "a support"));
   BW_TRY(bwi_load_case_check_finite(context, "the prescribed displacement", value));
   if (!hold[0] && !hold[1] && !hold[2])
-    return bw_fail(context, BW_EMPTY, "a support that holds no direction");
+    return bw_fail(context, BW_EMPTY, "a support that constrains no direction");
   for (int64_t k = 0; k < count; k++)
     for (int c = 0; c < 3; c++) {
       int64_t i = 3 * (int64_t)node[k] + c;
@@ -141,7 +142,7 @@ bw_status bw_load_case_pressure(bw_context *context, bw_load_case *it,
   bw_pressure_patch patch = {.triangle_count = triangles, .follower = follower};
   BW_TRY(check_embedding(context, it, embedding));
   if (triangles < 1)
-    return bw_fail(context, BW_EMPTY, "a pressure on no triangle");
+    return bw_fail(context, BW_EMPTY, "a pressure without triangles: at least one expected");
   for (int64_t t = 0; t < triangles; t++) {
     for (int c = 0; c < 3; c++)
       if (triangle[3 * t + c] < 0 || triangle[3 * t + c] >= embedding->point_count)

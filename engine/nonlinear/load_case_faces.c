@@ -93,7 +93,8 @@ static bw_status reserve(bw_context *context, const bw_grid *grid, const uint8_t
     }
   if (f->face_count == 0)
     return bw_fail(context, BW_EMPTY,
-                   "a pressure on no face: of no free face of the grid are all four nodes given");
+                   "a pressure without faces: no free face of the grid has all its four nodes in "
+                   "the selection");
   for (int32_t n = 0; n < grid->node_count; n++)
     f->number[n] = f->number[n] < 0 ? -1 : (int32_t)f->point_count++;
   f->at = BW_NEW(context, double, 3 * f->point_count);

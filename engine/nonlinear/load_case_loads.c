@@ -92,7 +92,7 @@ bw_status bwi_load_case_dead(bw_context *context, const bw_solid *solid, const b
   bool heavy = bw_norm(it->gravity) > 0;
   if (heavy && solid->weightless)
     return bw_fail(context, BW_INVALID,
-                   "gravity acts on a material whose density is not known: give it one");
+                   "gravity needs the density of the material, which is not given");
   for (int64_t i = 0; i < size; i++)
     force[i] = it->force[i] + (heavy ? solid->mass[i / 3] * it->gravity[i % 3] : 0);
   for (int32_t p = 0; p < it->patch_count; p++)

@@ -54,7 +54,7 @@ void bw_motion_options_default(bw_motion_options *options) {
 
 bw_status bwi_motion_check(bw_context *context, const bw_motion_options *o) {
   if (o->scheme != BW_IMPLICIT_EULER && o->scheme != BW_NEWMARK)
-    return bw_fail(context, BW_INVALID, "there is no scheme %d of motion", (int)o->scheme);
+    return bw_fail(context, BW_INVALID, "time integration scheme %d is not known", (int)o->scheme);
   if (!(o->step > 1e-100 && o->step < 1e100)) /* its square is divided by */
     return bw_fail(context, BW_INVALID,
                    "the time step is %g s; it must be positive (from 1e-100 to 1e100)", o->step);
@@ -77,8 +77,8 @@ bw_status bwi_motion_check(bw_context *context, const bw_motion_options *o) {
                    o->iterations);
   if (o->scheme == BW_NEWMARK && !(o->gamma >= 0.5 && o->gamma <= 2))
     return bw_fail(context, BW_INVALID,
-                   "Newmark's gamma is %g; below 1/2 motions grow by themselves, above 2 nothing "
-                   "is left of them. 1/2 keeps the energy",
+                   "Newmark's gamma is %g: it must lie from 1/2 to 2. Below 1/2 the amplitude "
+                   "grows without load; 1/2 conserves the energy",
                    o->gamma);
   if (o->scheme == BW_NEWMARK && !(2 * o->beta >= o->gamma && o->beta <= 2))
     return bw_fail(context, BW_INVALID,
@@ -172,10 +172,10 @@ static bw_status begin(bw_context *context, bw_solid_motion *motion) {
   BW_TRY(bw_solid_evaluate(context, solid, motion->displacement, false, &motion->strain, other,
                            NULL, &shape));
   if (!shape.defined || !isfinite(motion->strain)) {
-    status = bw_fail(context, BW_GEOMETRY,
-                     "the shape that the motion should begin with has no energy: element %d is "
-                     "turned inside out (det F = %g)",
-                     (int)shape.worst + 1, shape.min_ratio);
+    status = bw_fail(
+        context, BW_GEOMETRY,
+        "the initial shape of the motion has no energy: element %d is inverted (det F = %g)",
+        (int)shape.worst + 1, shape.min_ratio);
     bw_detail_number(context, "element", shape.worst + 1);
     goto done;
   }
@@ -213,7 +213,7 @@ bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
     return bw_fail(context, BW_INVALID, "the supports and loads belong to another grid");
   if (solid->weightless)
     return bw_fail(context, BW_INVALID,
-                   "a motion needs every material's density, and one is not known: give it one");
+                   "transient dynamics needs the density of every material, and one is not given");
   if (u)
     BW_TRY(check_finite(context, "displacement", u, size));
   if (v)
@@ -256,11 +256,11 @@ bw_status bw_solid_motion_check(bw_context *context, const bw_solid_motion *moti
     for (size_t k = 0; k < sizeof field / sizeof *field; k++)
       if (!isfinite(field[k][i]))
         return bw_fail(context, BW_INTERNAL, "node %lld of a motion has %g in field %zu",
-                       (long long)(i / 3), field[k][i], k);
+                       (long long)(i / 3) + 1, field[k][i], k);
     if (motion->load_case->held[i] && (motion->displacement[i] != motion->load_case->value[i] ||
                                        motion->velocity[i] != 0 || motion->acceleration[i] != 0))
-      return bw_fail(context, BW_INTERNAL, "node %lld of a motion is held and moves",
-                     (long long)(i / 3));
+      return bw_fail(context, BW_INTERNAL, "node %lld of a motion is fixed and moves",
+                     (long long)(i / 3) + 1);
   }
   return BW_OK;
 }

@@ -124,8 +124,8 @@ static bw_status say_failed(bw_context *context, const bw_solid_motion *motion,
   bw_grid_position(motion->solid->grid, motion->solid->grid->element[8 * (int64_t)worst], at);
   if (state->obstacle == BWI_INVERTED)
     status = bw_fail(context, BW_GEOMETRY,
-                     "the step from %g s, %g s long, ends with %lld elements turned inside out, "
-                     "the worst element %d at (%g, %g, %g) m with det F = %.3g. Make the step "
+                     "the step from %g s, %g s long, ends with %lld inverted elements, the worst "
+                     "element %d at (%g, %g, %g) m with det F = %.3g. Make the step "
                      "shorter, or allow inverted elements",
                      motion->time, o->step, (long long)shape->inverted, (int)worst + 1, at[0],
                      at[1], at[2], shape->min_ratio);
@@ -133,7 +133,7 @@ static bw_status say_failed(bw_context *context, const bw_solid_motion *motion,
     status = bw_fail(context, BW_CONVERGENCE,
                      "the step from %g s, %g s long, found no solution after %d iterations: %s. "
                      "The residual is %.2e of the forces at work, the tolerance %.2e; the most "
-                     "squeezed element is %d at (%g, %g, %g) m, det F = %.3g. Make the step "
+                     "compressed element is %d at (%g, %g, %g) m, det F = %.3g. Make the step "
                      "shorter, or allow more iterations",
                      motion->time, o->step, state->report->iterations,
                      bwi_obstacle_text(state->obstacle), state->relative, o->tolerance,

@@ -11,7 +11,7 @@
  *
  * What is held moves in the first iteration, K_ff d_f = -(r_f + K_fh d_h), so that the rest of the
  * solid goes along: the only step that is not measured by the potential, since the problem changes
- * with it. It is taken when no element is turned inside out by it. */
+ * with it. It is taken when no element is inverted by it. */
 #include "nonlinear/newton.h"
 
 #include <float.h>

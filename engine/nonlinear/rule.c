@@ -88,10 +88,11 @@ static bw_rule *reserve(bw_context *context, int level, int32_t count, const dou
 bw_status bw_rule_create_spread(bw_context *context, int level, const double spread[3],
                                 bw_rule **out) {
   if (level < 0 || level > LEVELS)
-    return bw_fail(context, BW_INVALID, "no quadrature of level %d; 0 to %d", level, LEVELS);
+    return bw_fail(context, BW_INVALID, "quadrature level %d: 0 to %d expected", level, LEVELS);
   for (int d = 0; d < 3; d++)
     if (!(spread[d] > 0 && spread[d] <= 1))
-      return bw_fail(context, BW_INVALID, "points spread by %g; above 0, up to 1", spread[d]);
+      return bw_fail(context, BW_INVALID,
+                     "quadrature points spread by %g: above 0 and at most 1 expected", spread[d]);
   int32_t count = 8;
   for (int l = 1; l < level; l++)
     count *= 8;

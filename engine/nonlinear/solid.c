@@ -88,8 +88,7 @@ const char *bw_solid_locking(const bw_solid *solid) {
 bw_status bwi_fail_undefined(bw_context *context, int64_t element) {
   bw_status status = bw_fail(context, BW_GEOMETRY,
                              "element %lld has a neo-Hookean point with det F <= 0, where its "
-                             "energy does not exist; take displacements that do not turn it inside "
-                             "out",
+                             "energy does not exist; give displacements that do not invert it",
                              (long long)element + 1);
   bw_detail_number(context, "element", (double)element + 1);
   return status;

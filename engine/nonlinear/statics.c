@@ -124,7 +124,7 @@ bw_status bwi_newton_check(bw_context *context, const bw_solid *solid,
                    o->min_step);
   for (int64_t i = 0; o->start && i < 3 * (int64_t)solid->grid->node_count; i++)
     if (!isfinite(o->start[i]))
-      return bw_fail(context, BW_INVALID, "the first guess is %g at node %lld; it must be finite",
+      return bw_fail(context, BW_INVALID, "the initial guess is %g at node %lld: it must be finite",
                      o->start[i], (long long)(i / 3) + 1);
   BW_TRY(bwi_load_case_check_held(context, load_case));
 done:
@@ -152,8 +152,8 @@ static bw_status say_undefined(bwi_newton_state *state) {
   const bw_grid *grid = state->solid->grid;
   bw_grid_position(grid, grid->element[8 * (int64_t)e], at);
   bw_status status = bw_fail(state->context, BW_GEOMETRY,
-                             "the first guess turns element %d at (%g, %g, %g) m inside out (det F "
-                             "= %.3g), where its law has no energy: begin at rest",
+                             "the initial guess inverts element %d at (%g, %g, %g) m (det F = "
+                             "%.3g), where its law has no energy: start from zero displacement",
                              (int)e + 1, at[0], at[1], at[2], state->now.shape.min_ratio);
   bw_detail_number(state->context, "element", e + 1);
   return status;
@@ -346,8 +346,8 @@ static void warning_rounding(bwi_newton_state *state) {
   applied = sqrt(applied);
   if (applied > 0 && left > 1e-2 * applied && left > state->options->tolerance * state->reference)
     bw_warn(state->context,
-            "the loads (%.3g N) are out of balance by %.3g N, which rounding of the stiffest "
-            "elements' forces (%.3g N) hides: the displacements are not to be relied on",
+            "the residual of the loads (%.3g N) is %.3g N, below the rounding error of the "
+            "stiffest elements' forces (%.3g N): the displacements are not reliable",
             applied, left, state->noise);
 }
 
@@ -356,9 +356,9 @@ static void warning_stability(bwi_newton_state *state) {
   const bw_newton_report *report = state->report;
   if (report->undecided > 0)
     bw_warn(state->context,
-            "whether the solid is stable is not known at %d of %d load steps: %d iterations of "
-            "conjugate gradients met no direction in which it gives way, and did not rule one "
-            "out. Solve by a factor (\"direct\") or allow more iterations to find out",
+            "the stability of the solid is unknown at %d of %d load steps: %d iterations of "
+            "conjugate gradients found no direction of negative stiffness, and did not exclude "
+            "one. Solve by a factor (\"direct\") or allow more iterations to decide",
             report->undecided, report->load_steps, state->options->cg_iterations);
 }
 

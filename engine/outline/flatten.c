@@ -16,7 +16,7 @@ bw_status bw_outline_flatten(bw_context *context, const bw_outline *outline, dou
                              bw_polygons *polygons) {
   double count = 0;
   if (!(tolerance > 0) || !isfinite(tolerance))
-    return bw_fail(context, BW_INVALID, "a tolerance of %g m: a positive length is needed",
+    return bw_fail(context, BW_INVALID, "a tolerance of %g m: a length above 0 expected",
                    tolerance);
   for (int32_t s = 0; s < outline->segment_count; s++) {
     bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[s]);

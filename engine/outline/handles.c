@@ -35,8 +35,8 @@ bw_status bw_outline_handle(bw_context *context, const bw_outline *outline, bw_h
   else if (kind == BW_HANDLE_LOOP)
     BW_TRY(bwi_check_loop(context, outline, index));
   else if (index < 0 || index >= outline->point_count)
-    return bw_fail(context, BW_INVALID, "point %lld of an outline with %d", (long long)index + 1,
-                   outline->point_count);
+    return bw_fail(context, BW_INVALID, "point %lld: the outline has points 1 to %d",
+                   (long long)index + 1, outline->point_count);
   memset(weight, 0, (size_t)outline->point_count * sizeof *weight);
   if (kind == BW_HANDLE_POINT) {
     weight[index] = 1;

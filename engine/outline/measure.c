@@ -118,8 +118,8 @@ static bw_status check_region(bw_context *context, const bw_outline *outline, in
   if (region >= -1 && region < outline->region_count)
     return BW_OK;
   return bw_fail(context, BW_INVALID,
-                 "region %d of an outline with %d: 0 to %d, or -1 for all, is asked for", region,
-                 outline->region_count, outline->region_count - 1);
+                 "region %d of an outline: the regions are 1 to %d, and 0 stands for all",
+                 region + 1, outline->region_count);
 }
 
 bw_status bw_outline_measure(bw_context *context, const bw_outline *outline, int32_t region,

@@ -73,10 +73,10 @@ static bw_status check_loops(bw_context *context, int32_t loops, const bw_loop *
                      l + 1, loop[l].count, loop[l].first + 1, segments);
     end += loop[l].count;
     if (loop[l].region < -1 || loop[l].region >= loops)
-      return bw_fail(context, BW_INVALID,
-                     "loop %d has region %d: -1 for a hole, or a number from 0 without gaps, is "
-                     "expected",
-                     l + 1, loop[l].region);
+      return bw_fail(
+          context, BW_INVALID,
+          "loop %d has region %d: 0 for a hole, or a number from 1 without gaps, expected", l + 1,
+          loop[l].region + 1);
     if (loop[l].region >= *regions)
       *regions = loop[l].region + 1;
   }
@@ -88,8 +88,8 @@ static bw_status check_loops(bw_context *context, int32_t loops, const bw_loop *
     for (int32_t l = 0; l < loops && !found; l++)
       found = loop[l].region == r;
     if (!found)
-      return bw_fail(context, BW_INVALID, "no loop has region %d although one has region %d", r,
-                     *regions - 1);
+      return bw_fail(context, BW_INVALID, "no loop has region %d although one has region %d", r + 1,
+                     *regions);
   }
   return BW_OK;
 }
@@ -131,7 +131,7 @@ static bw_status check_segments(bw_context *context, int32_t points, int32_t loo
                        s + 1, (long long)p[3] + 1, (long long)segment[next].point[0] + 1));
       if (segment[s].tag < 0 || segment[s].tag >= tags)
         BW_TRY(bw_fail(context, BW_INVALID, "segment %d has tag %d; there are %d", s + 1,
-                       segment[s].tag, tags));
+                       segment[s].tag + 1, tags));
     }
   for (int32_t p = 0; p < points; p++)
     if (!used[p])
@@ -329,13 +329,13 @@ static bw_status check_nesting(bw_context *context, const bw_outline *o) {
   for (int32_t l = 0; l < o->loop_count; l++) {
     const bw_loop *loop = &o->loop[l];
     if (!(loop->region >= 0 ? area[l] > 0 : area[l] < 0))
-      BW_TRY(fail_loop(context, o->point, loop, o->segment, "is turned inside out"));
+      BW_TRY(fail_loop(context, o->point, loop, o->segment, "is inverted"));
     if (parent[l] != loop->parent) {
       char text[200];
       const char *was = loop->parent < 0 ? "none" : o->loop[loop->parent].name.text;
       const char *is = parent[l] < 0 ? "none" : o->loop[parent[l]].name.text;
-      snprintf(text, sizeof text, "has come to lie in another loop: directly in %s, before in %s",
-               is, was);
+      snprintf(text, sizeof text, "now lies in another loop: directly in %s, before in %s", is,
+               was);
       BW_TRY(fail_loop(context, o->point, loop, o->segment, text));
     }
   }
@@ -402,22 +402,22 @@ int32_t bw_segment_loop(const bw_outline *outline, int32_t segment) {
 bw_status bwi_check_loop(bw_context *context, const bw_outline *outline, int32_t loop) {
   if (loop >= 0 && loop < outline->loop_count)
     return BW_OK;
-  return bw_fail(context, BW_INVALID, "loop %lld of an outline with %d", (long long)loop + 1,
-                 outline->loop_count);
+  return bw_fail(context, BW_INVALID, "loop %lld: the outline has loops 1 to %d",
+                 (long long)loop + 1, outline->loop_count);
 }
 
 bw_status bwi_check_segment(bw_context *context, const bw_outline *outline, int32_t segment) {
   if (segment >= 0 && segment < outline->segment_count)
     return BW_OK;
-  return bw_fail(context, BW_INVALID, "segment %lld of an outline with %d", (long long)segment + 1,
-                 outline->segment_count);
+  return bw_fail(context, BW_INVALID, "segment %lld: the outline has segments 1 to %d",
+                 (long long)segment + 1, outline->segment_count);
 }
 
 bw_status bwi_check_vertex(bw_context *context, const bw_outline *outline, int32_t vertex,
                            int32_t *segment) {
   if (vertex < 0 || vertex >= outline->point_count)
-    return bw_fail(context, BW_INVALID, "point %lld of an outline with %d", (long long)vertex + 1,
-                   outline->point_count);
+    return bw_fail(context, BW_INVALID, "point %lld: the outline has points 1 to %d",
+                   (long long)vertex + 1, outline->point_count);
   for (int32_t s = 0; s < outline->segment_count; s++)
     if (outline->segment[s].point[0] == vertex) {
       *segment = s;

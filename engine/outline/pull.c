@@ -260,8 +260,7 @@ bw_status bw_outline_pulled(bw_context *context, const bw_outline *outline, int3
   if (!isfinite(to[0]) || !isfinite(to[1]) || !(reach >= 0) || !isfinite(reach))
     BW_TRY(
         bw_fail(context, BW_INVALID,
-                "pulling to (%g, %g) with reach %g: finite numbers, and a reach of 0 or more, are "
-                "asked for",
+                "pulling to (%g, %g) with reach %g: finite numbers expected, the reach at least 0",
                 to[0], to[1], reach));
   point = BW_NEW(context, double, 2 * (size_t)outline->point_count);
   if (!point) {

@@ -27,11 +27,10 @@ bw_status bw_outline_smoothed(bw_context *context, const bw_outline *outline, in
   if (status != BW_OK)
     return status;
   if (!(strength >= 0 && strength <= 1) || rounds < 0 || rounds > 100000 || !(corner >= 0))
-    return bw_fail(
-        context, BW_INVALID,
-        "smoothing with strength %g, %d rounds, corners from %g: a strength of 0 to 1, 0 "
-        "to 100000 rounds and a corner of 0 or more are asked for",
-        strength, rounds, corner);
+    return bw_fail(context, BW_INVALID,
+                   "smoothing with strength %g, %d rounds, corners from %g: a strength of 0 to 1, "
+                   "0 to 100000 rounds and a corner of at least 0 expected",
+                   strength, rounds, corner);
   const bw_loop *l = &outline->loop[loop];
   int32_t n = 0;
   size_t capacity = 3 * (size_t)l->count, bytes = 2 * (size_t)outline->point_count * sizeof *point;

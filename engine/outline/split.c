@@ -14,7 +14,7 @@ bw_status bw_outline_split(bw_context *context, const bw_outline *outline, int32
     return status;
   if (!(t > 0 && t < 1))
     return bw_fail(context, BW_INVALID,
-                   "a segment cannot be cut at %g: between 0 and 1 is asked for", t);
+                   "a segment cannot be cut at %g: a parameter between 0 and 1 expected", t);
   bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]), left, right;
   bwi_curve_split(&curve, t, &left, &right);
   bwi_draft_init(&draft, context);

@@ -10,7 +10,7 @@ bw_status bw_outline_tagged(bw_context *context, const bw_outline *outline, int3
   bw_status status = BW_OK;
   bwi_draft_init(&draft, context);
   if (!tag[0] || strlen(tag) >= BW_NAME)
-    return bw_fail(context, BW_INVALID, "the tag '%s': a name of 1 to %d bytes is asked for", tag,
+    return bw_fail(context, BW_INVALID, "the tag '%s': a name of 1 to %d bytes expected", tag,
                    BW_NAME - 1);
   for (int32_t i = 0; i < segments; i++)
     BW_TRY(bwi_check_segment(context, outline, segment[i]));

@@ -23,7 +23,8 @@ bw_status bwi_view_axes(bw_context *context, const double direction[3], const do
   double *right = view->axis[0], *above = view->axis[1], *toward = view->axis[2], high[3];
   memset(view, 0, sizeof *view);
   if (!unit(direction, toward))
-    return bw_fail(context, BW_INVALID, "the direction of the view (%g, %g, %g) is no direction",
+    return bw_fail(context, BW_INVALID,
+                   "the direction of the view (%g, %g, %g) must be a finite vector that is not 0",
                    direction[0], direction[1], direction[2]);
   bool given = unit(up, high);
   if (given) {

@@ -189,7 +189,7 @@ bw_status bw_canvas_markers(bw_context *context, bw_canvas *canvas, const bw_pen
   bwi_ink ink = {.kind = BWI_MARKERS, .pen = *pen, .marker = marker, .size = size};
   bw_status status = BW_OK;
   if (marker < 0 || marker >= BW_MARKER_COUNT)
-    return bw_fail(context, BW_INVALID, "there is no marker %d", (int)marker);
+    return bw_fail(context, BW_INVALID, "marker %d is not known", (int)marker);
   BW_TRY(check_pen(context, pen));
   BW_TRY(check_length(context, "a marker", size));
   BW_TRY(copy_points(context, count, point, &ink));
@@ -281,7 +281,7 @@ bw_status bw_canvas_enter(bw_context *context, bw_canvas *canvas, const double b
   if (status != BW_OK)
     return status;
   if (canvas->depth >= DEEPEST)
-    return bw_fail(context, BW_INVALID, "%d drawings within each other: leave some", DEEPEST);
+    return bw_fail(context, BW_INVALID, "%d nested drawings: leave some of them first", DEEPEST);
   bwi_ink ink = {.kind = BWI_ENTER};
   hold_box(box, ink.box);
   hold_box(view ? view : box, ink.view);
@@ -292,7 +292,7 @@ bw_status bw_canvas_enter(bw_context *context, bw_canvas *canvas, const double b
 
 bw_status bw_canvas_leave(bw_context *context, bw_canvas *canvas) {
   if (canvas->depth == 0)
-    return bw_fail(context, BW_INVALID, "there is no drawing within to be left");
+    return bw_fail(context, BW_INVALID, "there is no nested drawing to leave");
   bwi_ink ink = {.kind = BWI_LEAVE};
   bw_status status = add(context, canvas, &ink);
   canvas->depth -= status == BW_OK;

@@ -138,8 +138,8 @@ bw_status bw_picture_outline(bw_context *context, const bw_outline *outline, int
   if (status != BW_OK)
     return status;
   if (width < 16 || height < 16 || width > 20000 || height > 20000)
-    return bw_fail(context, BW_INVALID, "a picture of %d x %d pixels: 16 to 20000 are asked for",
-                   width, height);
+    return bw_fail(context, BW_INVALID,
+                   "a picture of %d x %d pixels: 16 to 20000 on each side expected", width, height);
   double size = fmax(10, fmin(width, height) / 45.0), margin = 2.5 * size;
   double legend = legend_count(outline) ? fmin(14 * size, 0.3 * width) : 0;
   double drawing[2] = {fmax(1, width - 2 * margin - legend), fmax(1, height - 2 * margin)};

@@ -39,7 +39,7 @@ static bw_status check(bwi_panel_sheet *s) {
   if (!(o->zoom > 0) || !(o->zoom <= 1e4))
     return bw_fail(s->context, BW_INVALID, "the zoom %g is not between 0 and 10000", o->zoom);
   if (!isfinite(o->scale) || o->scale == 0)
-    return bw_fail(s->context, BW_INVALID, "the scale %g of the values is no usable number",
+    return bw_fail(s->context, BW_INVALID, "the scale %g of the values must be finite and not 0",
                    o->scale);
   if (!isfinite(o->min) || !isfinite(o->largest) || o->min > o->largest)
     return bw_fail(s->context, BW_INVALID, "the colour range %g to %g is not ascending", o->min,

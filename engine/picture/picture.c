@@ -41,7 +41,7 @@ static bw_status check_options(bw_context *context, const bw_picture_options *op
   if (!(options->zoom > 0) || !(options->zoom <= 1e4))
     return bw_fail(context, BW_INVALID, "the zoom %g is not between 0 and 10000", options->zoom);
   if (!isfinite(options->scale) || options->scale == 0)
-    return bw_fail(context, BW_INVALID, "the scale %g of the values is no usable number",
+    return bw_fail(context, BW_INVALID, "the scale %g of the values must be finite and not 0",
                    options->scale);
   if (!isfinite(options->low) || !isfinite(options->high) || options->low > options->high)
     return bw_fail(context, BW_INVALID, "the colour range %g to %g is not ascending", options->low,
@@ -208,7 +208,7 @@ static bw_status deform(bw_context *context, stage *s) {
   for (size_t i = 0; i < (size_t)body->point_count; i++) {
     double size = hypot(hypot(u[3 * i], u[3 * i + 1]), u[3 * i + 2]);
     if (!isfinite(size))
-      return bw_fail(context, BW_INVALID, "the displacement of point %zu is not finite", i);
+      return bw_fail(context, BW_INVALID, "the displacement of point %zu is not finite", i + 1);
     largest = fmax(largest, size);
   }
   s->factor = s->options->deformation;

@@ -47,7 +47,7 @@ static bw_status find_border(bw_context *context, int order, int32_t nodes, int3
       bw_fail(context, BW_GEOMETRY,
               "%d elements lie on the same side of the edge from node %d to node %d: elements may "
               "not overlap",
-              same, a, b);
+              same, a + 1, b + 1);
       bw_detail_number(context, "element", (double)(h / 3));
       status = BW_GEOMETRY;
       goto done;
@@ -60,7 +60,7 @@ static bw_status find_border(bw_context *context, int order, int32_t nodes, int3
       bw_fail(context, BW_GEOMETRY,
               "the boundary passes through node %d more than once: loops of an outline may not "
               "touch",
-              a);
+              a + 1);
       bw_detail_number(context, "node", a);
       status = BW_GEOMETRY;
       goto done;
@@ -126,7 +126,8 @@ static bw_status border_outline(bw_context *context, int32_t nodes, const double
       at = to;
       if (at != first && (border->next[at] < 0 || segment[at] >= 0)) {
         bw_fail(context, BW_GEOMETRY,
-                "the boundary of the mesh is not closed at node %d: elements overlap there", at);
+                "the boundary of the mesh is not closed at node %d: elements overlap there",
+                at + 1);
         bw_detail_number(context, "node", at);
         status = BW_GEOMETRY;
         goto done;
@@ -140,7 +141,8 @@ static bw_status border_outline(bw_context *context, int32_t nodes, const double
   BW_TRY(bw_outline_create(context, points, place, segments, list, loops, loop, 1, &tag, outline));
   for (int32_t s = 0; s < segments; s++) /* the order is that of the loops given */
     if (memcmp((*outline)->segment[s].point, list[s].point, sizeof list[s].point)) {
-      status = bw_fail(context, BW_INTERNAL, "segment %d of a mesh's boundary was turned round", s);
+      status =
+          bw_fail(context, BW_INTERNAL, "segment %d of a mesh's boundary was turned round", s + 1);
       goto done;
     }
 done:
@@ -175,7 +177,7 @@ bw_status bw_plane_mesh_copy(bw_context *context, int order, int32_t nodes, cons
     bw_fail(context, BW_GEOMETRY,
             "element %d (corners %d %d %d) near (%g, %g) is flat or inverted: its corners must run "
             "counter-clockwise",
-            e, n[0], n[1], n[2], a[0], a[1]);
+            e + 1, n[0] + 1, n[1] + 1, n[2] + 1, a[0], a[1]);
     bw_detail_number(context, "element", e);
     status = BW_GEOMETRY;
     goto done;

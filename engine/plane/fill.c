@@ -268,7 +268,8 @@ bw_status bw_plane_fill(bw_context *context, const bw_outline *outline,
     return status;
   double count = (*mesh)->topology->element_count;
   if (fabs(count / options->elements - 1) > 0.1)
-    bw_warn(context, "%d elements were made where %d were wanted: the outline's details decide",
+    bw_warn(context,
+            "%d elements were made, %d were requested: the details of the outline need that many",
             (*mesh)->topology->element_count, options->elements);
   return BW_OK;
 }

@@ -445,9 +445,8 @@ bw_status bwi_fill_cgal(bw_context *context, const bw_outline *outline,
   } catch (const std::bad_alloc &) {
     return bw_fail(context, BW_MEMORY, "filling an outline: memory ran out");
   } catch (const std::exception &error) {
-    return bw_fail(context, BW_GEOMETRY, "filling an outline was given up by CGAL: %s",
-                   error.what());
+    return bw_fail(context, BW_GEOMETRY, "CGAL could not fill the outline: %s", error.what());
   } catch (...) {
-    return bw_fail(context, BW_GEOMETRY, "filling an outline was given up by CGAL");
+    return bw_fail(context, BW_GEOMETRY, "CGAL could not fill the outline");
   }
 }

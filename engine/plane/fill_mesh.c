@@ -177,7 +177,7 @@ static bw_status add_middles(bw_context *context, const bw_outline *outline,
       }
     }
     if (k < 0) {
-      status = bw_fail(context, BW_INTERNAL, "filling: side %d was lost", s);
+      status = bw_fail(context, BW_INTERNAL, "filling: side %d was lost", s + 1);
       goto done;
     }
     int32_t m = middle[3 * (size_t)e + (size_t)k], on = topology->side_segment[s];

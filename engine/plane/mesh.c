@@ -92,14 +92,14 @@ bw_status bwi_plane_check_arrays(bw_context *context, int order, int32_t nodes, 
     if (!isfinite(point[i])) {
       bw_fail(context, BW_GEOMETRY,
               "node %lld has the coordinates %g %g: every one must be a finite number",
-              (long long)(i / 2), point[i / 2 * 2], point[i / 2 * 2 + 1]);
+              (long long)(i / 2) + 1, point[i / 2 * 2], point[i / 2 * 2 + 1]);
       bw_detail_number(context, "node", (double)(i / 2));
       return BW_GEOMETRY;
     }
   for (int64_t i = 0; i < (int64_t)width * elements; i++)
     if (element[i] < 0 || element[i] >= nodes) {
-      bw_fail(context, BW_GEOMETRY, "element %lld names node %d, but the nodes are 0 to %d",
-              (long long)(i / width), element[i], nodes - 1);
+      bw_fail(context, BW_GEOMETRY, "element %lld names node %d, but the nodes are 1 to %d",
+              (long long)(i / width) + 1, element[i] + 1, nodes);
       bw_detail_number(context, "element", (double)(i / width));
       bw_detail_number(context, "node", element[i]);
       return BW_GEOMETRY;
@@ -122,12 +122,12 @@ static bw_status count_corners(bw_context *context, int order, int32_t nodes, in
     count++;
   for (int32_t i = 0; i < nodes && status == BW_OK; i++) {
     if (role[i] == 0)
-      status = bw_fail(context, BW_GEOMETRY, "node %d belongs to no element: leave it out", i);
+      status = bw_fail(context, BW_GEOMETRY, "node %d belongs to no element: leave it out", i + 1);
     else if (role[i] != (i < count ? 1 : 2))
       status = bw_fail(context, BW_GEOMETRY,
-                       "node %d is a %s: nodes at corners come first, nodes in the middle of edges "
-                       "after them",
-                       i, role[i] == 3 ? "corner and a middle" : "corner behind a middle");
+                       "node %d is %s: corner nodes come first, mid-edge nodes after them", i + 1,
+                       role[i] == 3 ? "a corner node of one element and a mid-edge node of another"
+                                    : "a corner node behind a mid-edge node");
     if (status != BW_OK)
       bw_detail_number(context, "node", i);
   }
@@ -148,12 +148,11 @@ static bw_status check_elements(bw_context *context, const bw_plane_topology *to
     bool folded = order == 2 &&
                   bwi_triangle_quality(a, point + 2 * (size_t)n[1], point + 2 * (size_t)n[2]) > 0;
     bw_fail(context, BW_GEOMETRY,
-            folded
-                ? "element %d (corners %d %d %d) near (%g, %g) is folded: the node in the middle "
-                  "of an edge lies too far from it"
-                : "element %d (corners %d %d %d) near (%g, %g) is flat or inverted: its corners "
-                  "must run counter-clockwise",
-            e, n[0], n[1], n[2], a[0], a[1]);
+            folded ? "element %d (corners %d %d %d) near (%g, %g) is folded: a mid-edge node lies "
+                     "too far from the middle of its edge"
+                   : "element %d (corners %d %d %d) near (%g, %g) is flat or inverted: its corners "
+                     "must run counter-clockwise",
+            e + 1, n[0] + 1, n[1] + 1, n[2] + 1, a[0], a[1]);
     bw_detail_number(context, "element", e);
     bw_detail_number(context, "x", a[0]);
     bw_detail_number(context, "y", a[1]);
@@ -185,7 +184,7 @@ static bw_status check_places(bw_context *context, const bw_plane_nodes *nodes,
     bw_fail(context, BW_GEOMETRY,
             "node %d at (%g, %g) lies %g away from its place on the outline, segment %d at "
             "parameter %g, which is (%g, %g)",
-            i, point[2 * (size_t)i], point[2 * (size_t)i + 1], off, nodes->segment[i],
+            i + 1, point[2 * (size_t)i], point[2 * (size_t)i + 1], off, nodes->segment[i] + 1,
             nodes->parameter[i], at[0], at[1]);
     bw_detail_number(context, "node", i);
     return BW_GEOMETRY;
@@ -200,26 +199,27 @@ static bw_status check_topology(bw_context *context, const bw_plane_topology *to
   for (int32_t i = 0; i < nodes->node_count; i++)
     if (nodes->segment[i] < -1 || nodes->segment[i] >= outline->segment_count ||
         (nodes->segment[i] >= 0 && !(nodes->parameter[i] >= 0 && nodes->parameter[i] < 1)))
-      return bw_fail(context, BW_INTERNAL, "node %d is at parameter %g of segment %d of %d", i,
-                     nodes->parameter[i], nodes->segment[i], outline->segment_count);
+      return bw_fail(context, BW_INTERNAL, "node %d is at parameter %g of segment %d of %d", i + 1,
+                     nodes->parameter[i], nodes->segment[i] + 1, outline->segment_count);
   for (int64_t h = 0; h < 3 * (int64_t)topology->element_count; h++) {
     int64_t element = h / 3, other = topology->neighbour[h];
     bool back = other == -1;
     if (other < -1 || other >= topology->element_count)
       return bw_fail(context, BW_INTERNAL, "element %lld is beside element %lld of %d",
-                     (long long)element, (long long)other, topology->element_count);
+                     (long long)element + 1, (long long)other + 1, topology->element_count);
     for (int64_t k = 3 * other; other >= 0 && k < 3 * other + 3; k++)
       back = back || topology->neighbour[k] == element;
     if (!back)
       return bw_fail(context, BW_INTERNAL, "element %lld is beside %lld, which is not beside it",
-                     (long long)element, (long long)other);
+                     (long long)element + 1, (long long)other + 1);
   }
   for (int64_t k = 0; k < topology->side_count; k++)
     if (topology->side_segment[k] < 0 || topology->side_segment[k] >= outline->segment_count ||
         topology->side_element[2 * k] < 0 ||
         topology->side_element[2 * k] >= topology->element_count)
       return bw_fail(context, BW_INTERNAL, "side %lld is of element %d and segment %d",
-                     (long long)k, topology->side_element[2 * k], topology->side_segment[k]);
+                     (long long)k + 1, topology->side_element[2 * k] + 1,
+                     topology->side_segment[k] + 1);
   return BW_OK;
 }
 
@@ -253,10 +253,11 @@ bw_status bw_plane_mesh_on(bw_context *context, const bw_outline *outline, int o
   for (int32_t i = 0; i < nodes; i++)
     if (segment[i] < -1 || segment[i] >= outline->segment_count ||
         (segment[i] >= 0 && !(parameter[i] >= 0 && parameter[i] < 1))) {
-      status = bw_fail(context, BW_INVALID,
-                       "node %d is on segment %d at parameter %g: segments are 0 to %d (-1: none), "
-                       "parameters from 0 up to below 1",
-                       i, segment[i], parameter[i], outline->segment_count - 1);
+      status =
+          bw_fail(context, BW_INVALID,
+                  "node %d is on segment %d at parameter %g: the segments are 1 to %d (0: none), "
+                  "parameters at least 0 and below 1",
+                  i + 1, segment[i] + 1, parameter[i], outline->segment_count);
       goto done;
     }
   size_t width = order == 2 ? 6 : 3;
@@ -311,8 +312,8 @@ bw_status bw_plane_mesh_moved(bw_context *context, const bw_plane_mesh *mesh,
                    "mesh of it");
   for (size_t i = 0; i < count; i++)
     if (!isfinite(point[i])) {
-      bw_fail(context, BW_GEOMETRY, "node %zu was moved to (%g, %g), which is no place", i / 2,
-              point[i / 2 * 2], point[i / 2 * 2 + 1]);
+      bw_fail(context, BW_GEOMETRY, "node %zu moves to (%g, %g): both must be finite numbers",
+              i / 2 + 1, point[i / 2 * 2], point[i / 2 * 2 + 1]);
       bw_detail_number(context, "node", (double)(i / 2));
       return BW_GEOMETRY;
     }

@@ -94,14 +94,13 @@ static bw_status find_neighbours(bw_context *context, bw_plane_topology *t, half
     }
     if (!joined)
       bw_fail(context, BW_GEOMETRY,
-              "elements %d and %d share the edge between nodes %d and %d but not the node in its "
-              "middle",
-              h / 3, other / 3, a, b);
+              "elements %d and %d share the edge between nodes %d and %d but not its mid-edge node",
+              h / 3 + 1, other / 3 + 1, a + 1, b + 1);
     else
       bw_fail(context, BW_GEOMETRY,
               "elements %d and %d lie on the same side of the edge from node %d to node %d: "
               "elements may not overlap",
-              twin / 3, h / 3, a, b);
+              twin / 3 + 1, h / 3 + 1, a + 1, b + 1);
     bw_detail_number(context, "element", (double)(h / 3));
     return BW_GEOMETRY;
   }
@@ -172,7 +171,7 @@ static bw_status find_sides(bw_context *context, bw_plane_topology *t, const bw_
     status = bw_fail(context, BW_GEOMETRY,
                      "no node lies at the beginning of segment %d of the outline: every vertex of "
                      "the outline is a node",
-                     i);
+                     i + 1);
     bw_detail_number(context, "segment", i);
     goto done;
   }
@@ -184,7 +183,7 @@ static bw_status find_sides(bw_context *context, bw_plane_topology *t, const bw_
       bw_fail(context, BW_GEOMETRY,
               "nodes %d and %d follow each other on segment %d of the outline, but no element has "
               "an edge between them",
-              a, b, segment);
+              a + 1, b + 1, segment + 1);
       bw_detail_number(context, "segment", segment);
       status = BW_GEOMETRY;
       goto done;
@@ -200,11 +199,10 @@ static bw_status find_sides(bw_context *context, bw_plane_topology *t, const bw_
     if (left < 0 || right < 0)
       t->neighbour[one] = -2; /* seen: set back below */
     if (order == 2 && nodes->segment[side[2]] != segment) {
-      bw_fail(
-          context, BW_GEOMETRY,
-          "node %d is the middle of an edge on segment %d of the outline, but is said to lie on "
-          "segment %d",
-          side[2], segment, nodes->segment[side[2]]);
+      bw_fail(context, BW_GEOMETRY,
+              "node %d is the mid-edge node of an edge on segment %d of the outline, but is given "
+              "on segment %d",
+              side[2] + 1, segment + 1, nodes->segment[side[2]] + 1);
       bw_detail_number(context, "node", side[2]);
       status = BW_GEOMETRY;
       goto done;
@@ -216,7 +214,7 @@ static bw_status find_sides(bw_context *context, bw_plane_topology *t, const bw_
       bw_fail(context, BW_GEOMETRY,
               "the edge from node %d to node %d of element %d has no neighbour and lies on no "
               "segment of the outline",
-              n[h % 3], n[(h % 3 + 1) % 3], (int)(h / 3));
+              n[h % 3] + 1, n[(h % 3 + 1) % 3] + 1, (int)(h / 3) + 1);
       bw_detail_number(context, "element", (double)(h / 3));
       status = BW_GEOMETRY;
       goto done;

@@ -250,10 +250,10 @@ static bw_status equilibrium(newton *n, double load, bool follow) {
     inside = next_inside;
     total = next;
   }
-  status = bw_fail(n->context, BW_CONVERGENCE,
-                   "Newton's method came to a relative residual of %.3g in %d iterations; %.3g was "
-                   "wanted",
-                   relative, n->options->iterations, tolerance);
+  status = bw_fail(
+      n->context, BW_CONVERGENCE,
+      "Newton's method reached a relative residual of %.3g in %d iterations; %.3g was requested",
+      relative, n->options->iterations, tolerance);
 done:
   return status;
 }
@@ -272,9 +272,9 @@ static bw_status in_steps(newton *n) {
     double load = fmin(1, n->reached + share);
     if (n->report->load_steps >= n->options->load_steps || share < 1e-4) {
       status = bw_fail(n->context, BW_CONVERGENCE,
-                       "the sheet was followed to %.3g of its load in %d load steps and not "
-                       "further: it snaps or folds there, or an element (%d) inverts; refine the "
-                       "mesh or lower the load",
+                       "the load continuation of the sheet stopped at %.3g of its load after %d "
+                       "load steps: it snaps through or folds there, or an element (%d) inverts; "
+                       "refine the mesh or lower the load",
                        n->reached, n->report->load_steps, n->bend.inverted + 1);
       bw_detail_number(n->context, "load", n->reached);
       goto done;

@@ -461,7 +461,7 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
     status =
         bw_fail(context, BW_CONVERGENCE,
                 "the solution of %zu equations stopped at a relative residual of %.3g after %d "
-                "iterations on a new factor; %.3g was wanted: the matrix is close to singular",
+                "iterations with a new factor; %.3g was requested: the matrix is close to singular",
                 n, it.residual, it.count, it.tolerance);
     bw_detail_number(context, "residual", it.residual);
     bw_detail_number(context, "iterations", it.count);

@@ -68,7 +68,8 @@ static bw_status adjacency(bw_context *context, const bw_plane_graph *graph, bwi
   int64_t entries = graph->pair_count - nodes;
   *near = (bwi_adjacency){.size = nodes, .node_count = nodes};
   if (entries > INT32_MAX)
-    return bw_fail(context, BW_LIMIT, "the mesh has %lld node pairs, more than the ordering takes",
+    return bw_fail(context, BW_LIMIT,
+                   "the mesh has %lld node pairs: more than the integers of the ordering can count",
                    (long long)entries);
   near->start = BW_NEW(context, idx_t, (size_t)nodes + 1);
   near->neighbour = BW_NEW(context, idx_t, entries);
@@ -105,7 +106,7 @@ static bw_status order_nodes(bw_context *context, const bwi_adjacency *near, boo
     if (code == AMD_OUT_OF_MEMORY)
       status = bw_fail(context, BW_MEMORY, "no memory to order %d nodes", (int)near->size);
     else if (code != AMD_OK && code != AMD_OK_BUT_JUMBLED)
-      status = bw_fail(context, BW_INTERNAL, "AMD refused to order %d nodes (code %d)",
+      status = bw_fail(context, BW_INTERNAL, "AMD failed to order %d nodes (code %d)",
                        (int)near->size, code);
     if (status != BW_OK)
       goto done;

@@ -84,7 +84,7 @@ static bw_status judge(bw_context *context, const bwi_lagged_unsymmetric *s, int
   if (code == UMFPACK_WARNING_singular_matrix || (code == UMFPACK_OK && !(smallest_pivot > 0))) {
     bw_fail(context, BW_SINGULAR,
             "the matrix of %d unknowns is singular (its smallest pivot is %.3g times the largest): "
-            "something is not held by any condition, or a coefficient is 0 or not finite",
+            "a part is not constrained by any condition, or a coefficient is 0 or not finite",
             s->size, smallest_pivot);
     bw_detail_number(context, "pivot_ratio", smallest_pivot);
     return BW_SINGULAR;
@@ -92,7 +92,7 @@ static bw_status judge(bw_context *context, const bwi_lagged_unsymmetric *s, int
   if (code == UMFPACK_ERROR_out_of_memory)
     return bw_fail(context, BW_MEMORY, "no memory for the LU factor of %d unknowns", s->size);
   if (code != UMFPACK_OK)
-    return bw_fail(context, BW_INTERNAL, "UMFPACK refused a matrix of %d unknowns (code %d)",
+    return bw_fail(context, BW_INTERNAL, "UMFPACK failed on a matrix of %d unknowns (code %d)",
                    s->size, code);
   return BW_OK;
 }
@@ -144,7 +144,8 @@ static bw_status analyse(bw_context *context, bwi_lagged_unsymmetric *s,
     return BW_OK;
   }
   if (entries > INT_MAX)
-    return bw_fail(context, BW_LIMIT, "%lld matrix entries are more than UMFPACK takes",
+    return bw_fail(context, BW_LIMIT,
+                   "%lld matrix entries: more than the integers of UMFPACK can count",
                    (long long)entries);
   work->analysed = true;
   forget_analysis(s);

@@ -49,9 +49,8 @@ static bw_status stiffness_of(void *data, int32_t element, double *matrix) {
   double jacobian = bwi_plate_stiffness(&a->inner->reference, &a->inner->law, x, matrix, NULL);
   if (jacobian > 0)
     return BW_OK;
-  bw_status status =
-      bw_fail(a->context, BW_GEOMETRY, "element %d near (%g, %g) is turned inside out", element + 1,
-              x[0][0], x[0][1]);
+  bw_status status = bw_fail(a->context, BW_GEOMETRY, "element %d near (%g, %g) is inverted",
+                             element + 1, x[0][0], x[0][1]);
   bw_detail_number(a->context, "element", element + 1);
   return status;
 }

@@ -34,8 +34,8 @@ bw_status bwi_plate_law_create(bw_context *context, const bw_material *material,
                    material->name);
   if (material->turns)
     return bw_fail(context, BW_INVALID,
-                   "material '%s' has its axes turned by element of a solid mesh: the triangles of "
-                   "a plate are other elements. Give the material with one set of axes",
+                   "material '%s' has axes by element of a solid mesh: the triangles of a plate "
+                   "are other elements. Give the material with one set of axes",
                    material->name);
   static const int in[3] = {0, 1, 5}, across[2] = {4, 3}; /* xx yy xy; zx yz */
   const double *s = material->compliance;

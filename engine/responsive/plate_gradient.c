@@ -14,7 +14,7 @@ static const double STEP = 1e-5;
 bw_status bw_plate_gradient(bw_context *context, const bw_plate *plate, int mode,
                             double *gradient) {
   if (mode < 0 || mode >= plate->mode_count)
-    return bw_fail(context, BW_INVALID, "mode %d of a plate with %d modes solved for", mode + 1,
+    return bw_fail(context, BW_INVALID, "mode %d: the plate has modes 1 to %d", mode + 1,
                    plate->mode_count);
   const struct bwi_plate *in = plate->inner;
   const bw_plane_topology *topology = plate->mesh->topology;

@@ -21,7 +21,7 @@ bw_status bw_plate_nodal_lines(bw_context *context, const bw_plate *plate, int m
                                double **lines) {
   static const int part[4][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};
   if (mode < 0 || mode >= plate->mode_count)
-    return bw_fail(context, BW_INVALID, "mode %d of a plate with %d modes solved for", mode + 1,
+    return bw_fail(context, BW_INVALID, "mode %d: the plate has modes 1 to %d", mode + 1,
                    plate->mode_count);
   const bw_plane_topology *topology = plate->mesh->topology;
   const double *shape = plate->shape + mode * 3 * (int64_t)topology->nodes->node_count;

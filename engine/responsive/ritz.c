@@ -203,7 +203,7 @@ static bw_status start(bw_context *context, workspace *w, const double *vector) 
       if (attempt == 8 && !taken) {
         status =
             bw_fail(context, BW_INVALID,
-                    "%d eigenpairs are wanted of a problem with fewer elastic ones", p->wanted);
+                    "%d eigenpairs were requested of a problem with fewer elastic ones", p->wanted);
         goto done;
       }
     }
@@ -265,8 +265,10 @@ bw_status bwi_ritz_solve(bw_context *context, const bwi_ritz *p, double *vector,
       int worst = 0;
       for (int k = 1; k < p->wanted; k++)
         worst = residual[k] > residual[worst] ? k : worst;
-      status = bw_fail(context, BW_CONVERGENCE, "mode %d is exact to %g after %d rounds, wanted %g",
-                       worst + 1, residual[worst], round, p->tolerance);
+      status =
+          bw_fail(context, BW_CONVERGENCE,
+                  "mode %d has a relative residual of %g after %d iterations; %g was requested",
+                  worst + 1, residual[worst], round, p->tolerance);
       bw_detail_number(context, "residual", residual[worst]);
       goto done;
     }

@@ -130,7 +130,8 @@ bw_status bwi_sheet_mass(bw_context *context, bw_sheet *sheet) {
     return BW_OK;
   for (int32_t k = 0; k < inner->section_count; k++)
     if (!(inner->section[k].density > 0))
-      return bw_fail(context, BW_INVALID, "material '%s' has no density: motion needs one (kg/m3)",
+      return bw_fail(context, BW_INVALID,
+                     "material '%s' has no density: transient dynamics needs one (kg/m3)",
                      inner->material[k]->name);
   double *mass = BW_NEW(context, double, inner->graph->pair_count);
   if (!mass)
@@ -192,7 +193,8 @@ bw_status bwi_sheet_force(bw_context *context, bw_sheet *sheet, double time) {
     const int32_t *node = topology->element + (int64_t)e * n;
     double x[6][2], g[6][2];
     if (!(section->density > 0))
-      return bw_fail(context, BW_INVALID, "gravity acts on a material without density (kg/m3)");
+      return bw_fail(context, BW_INVALID,
+                     "gravity needs the density of the material (kg/m3), which is not given");
     bwi_element_points(mesh, e, n, x);
     const bwi_triangle_rule *rule = bwi_rules_for(&rules, x);
     for (int q = 0; q < rule->count; q++) {
@@ -274,13 +276,13 @@ bw_status bwi_sheet_check_free(bw_context *context, const bw_sheet *sheet) {
     const double *free = vector + 6;
     int max = fabs(free[0]) > fabs(free[1]) ? 0 : 1;
     max = fabs(free[2]) > fabs(free[max]) ? 2 : max;
-    status = bw_fail(context, BW_UNCONSTRAINED,
-                     "the sheet's piece around (%.6g, %.6g) is free to %s: hold it by more "
-                     "conditions",
-                     s[6] / s[8], s[7] / s[8],
-                     max == 0   ? "move along x"
-                     : max == 1 ? "move along y"
-                                : "turn");
+    status = bw_fail(
+        context, BW_UNCONSTRAINED,
+        "the piece of the sheet around (%.6g, %.6g) is free to %s: constrain it by more conditions",
+        s[6] / s[8], s[7] / s[8],
+        max == 0   ? "move along x"
+        : max == 1 ? "move along y"
+                   : "turn");
     bw_detail_number(context, "x", s[6] / s[8]);
     bw_detail_number(context, "y", s[7] / s[8]);
     goto done;

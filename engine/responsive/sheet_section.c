@@ -33,8 +33,8 @@ bw_status bwi_section_create(bw_context *context, const bw_sheet_section *given,
                    given->thickness);
   if (material->turns)
     return bw_fail(context, BW_INVALID,
-                   "material '%s' has its axes turned by element of a solid mesh: the triangles of "
-                   "a sheet are other elements. Give the material with one set of axes",
+                   "material '%s' has axes by element of a solid mesh: the triangles of a sheet "
+                   "are other elements. Give the material with one set of axes",
                    material->name);
   const double *c = material->elasticity, *s = material->compliance;
   double size = fabs(c[0]) + fabs(c[7]) + fabs(c[14]);

@@ -155,7 +155,7 @@ static bw_status check_field(bw_context *context, const char *what, const double
                              size_t count) {
   for (size_t i = 0; field && i < count; i++)
     if (!isfinite(field[i]))
-      return bw_fail(context, BW_INTERNAL, "the %s of node %zu is %g", what, i / 2, field[i]);
+      return bw_fail(context, BW_INTERNAL, "the %s of node %zu is %g", what, i / 2 + 1, field[i]);
   return BW_OK;
 }
 

@@ -195,7 +195,7 @@ static bw_status solve(blend *b, int32_t domain, int32_t bone, double *x) {
           "the blending weights of domain %d (%d elements) did not converge: its elements are too "
           "thin; refill or coarsen the mesh there",
           domain + 1, b->domains->elements[domain]);
-  bw_detail_number(b->context, "domain", domain);
+  bw_detail_number(b->context, "domain", domain + 1.0);
   return BW_CONVERGENCE;
 }
 

@@ -311,10 +311,9 @@ static void warning(growth *g, double share) {
 static bw_status check_threshold(bw_context *context, double threshold, const char *of) {
   if (threshold > 0 && threshold <= 1)
     return BW_OK;
-  bw_fail(
-      context, BW_INVALID,
-      "%s has the threshold %g: a mean weight above 0 and at most 1 is asked for (usually 0.95)",
-      of, threshold);
+  bw_fail(context, BW_INVALID,
+          "%s has the threshold %g: a mean weight above 0 and at most 1 expected (usually 0.95)",
+          of, threshold);
   bw_detail_number(context, "threshold", threshold);
   return BW_INVALID;
 }
@@ -335,7 +334,7 @@ static bw_status check_weights(bw_context *context, const bw_mesh *mesh,
     bw_fail(context, BW_INVALID,
             "the weights of node %d sum to %g%s: they must not be negative and must sum to 1",
             i + 1, sum, negative ? ", some negative or not a number" : "");
-    bw_detail_number(context, "node", i);
+    bw_detail_number(context, "node", i + 1.0);
     return BW_INVALID;
   }
   return BW_OK;
@@ -348,10 +347,10 @@ bw_status bw_domains_create(bw_context *context, const bw_mesh *mesh, const bw_s
   double usual = options && options->threshold != 0 ? options->threshold : 0.95;
   double share = options && options->share != 0 ? options->share : 0.35;
   if (!(share <= 1))
-    return bw_fail(context, BW_INVALID,
-                   "a share of %g: at most 1, or a negative number for thresholds as they are, is "
-                   "asked for",
-                   share);
+    return bw_fail(
+        context, BW_INVALID,
+        "a fraction of %g: at most 1 expected, or a negative number for thresholds as they are",
+        share);
   bw_status status = check_threshold(context, usual, "the skeleton");
   if (status == BW_OK)
     status = check_weights(context, mesh, skeleton, weight);

@@ -22,9 +22,9 @@ static const char *bone_name(const labels *l, int32_t domain) {
 }
 
 static bw_status fail_at(bw_context *context, int32_t element, int32_t other) {
-  bw_detail_number(context, "element", element);
+  bw_detail_number(context, "element", element + 1.0);
   if (other >= 0)
-    bw_detail_number(context, "other", other);
+    bw_detail_number(context, "other", other + 1.0);
   return BW_INVALID;
 }
 
@@ -37,8 +37,8 @@ static bw_status check_numbers(const labels *l, bool may_be_empty) {
     int32_t b = l->bone_of[i];
     if (b < -1 || b >= l->skeleton->bone_count) {
       status = bw_fail(l->context, BW_INVALID,
-                       "domain %d names bone %d of %d: 1 to %d, or none for type F, is asked for",
-                       i + 1, b + 1, l->skeleton->bone_count, l->skeleton->bone_count);
+                       "domain %d names bone %d of %d: 1 to %d expected, or none for type F", i + 1,
+                       b + 1, l->skeleton->bone_count, l->skeleton->bone_count);
       goto done;
     }
     if (b >= 0 && b <= before) {
@@ -157,8 +157,8 @@ static bw_status check_connected(const labels *l) {
     if (l->bone_of[i] < 0 || part == largest[i])
       continue;
     bw_fail(l->context, BW_INVALID,
-            "the domain of bone \"%s\" falls apart: element %d, in a part of %d elements, is not "
-            "joined through faces to the part of %d",
+            "the domain of bone \"%s\" is not connected: no path through faces leads from element "
+            "%d, in a part of %d elements, to the part of %d",
             bone_name(l, i), e + 1, size[part], size[largest[i]]);
     status = fail_at(l->context, e, largest[i]);
     goto done;
@@ -188,8 +188,8 @@ bw_status bw_domains_assign(bw_context *context, const bw_domains *domains, int6
   int32_t bones = skeleton->bone_count;
   if (bone < -1 || bone >= bones)
     return bw_fail(context, BW_INVALID,
-                   "bone %d of %d: 1 to %d, or none to take elements out, is asked for", bone + 1,
-                   bones, bones);
+                   "bone %d of %d: 1 to %d expected, or none to remove elements", bone + 1, bones,
+                   bones);
   for (int64_t i = 0; i < count; i++)
     if (element[i] < 0 || element[i] >= mesh->element_count) {
       bw_fail(context, BW_INVALID, "element %d does not exist: the mesh has %d", element[i] + 1,
@@ -226,7 +226,7 @@ bw_status bw_domains_from_labels(bw_context *context, const bw_mesh *mesh,
                                  const bw_skeleton *skeleton, int32_t count, const int32_t *bone_of,
                                  const int32_t *element_domain, bw_domains **domains) {
   if (count < 1)
-    return bw_fail(context, BW_INVALID, "%d domains: at least one is asked for", count);
+    return bw_fail(context, BW_INVALID, "%d domains: at least one expected", count);
   labels l = {context, mesh, skeleton, count, bone_of, element_domain};
   bw_status status = check_labels(&l, false);
   if (status != BW_OK)
@@ -245,7 +245,7 @@ static bw_status check_influences(bw_context *context, const bw_domains *d) {
       int64_t first = d->influence_start[i], end = d->influence_start[i + 1];
       if (k >= 4) {
         if (first != end)
-          return bw_fail(context, BW_INTERNAL, "middle node %d has weights of its own", i + 1);
+          return bw_fail(context, BW_INTERNAL, "mid-edge node %d has weights of its own", i + 1);
         continue;
       }
       double sum = 0;

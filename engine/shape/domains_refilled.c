@@ -71,7 +71,7 @@ static bw_status make_labels(bw_context *context, const bw_domains *old, const b
     bool fits = from < 0 ? -1 - from < pieces : from < old->mesh->element_count;
     if (!fits) {
       status = bw_fail(context, BW_INVALID, "element %d comes from %d, which does not exist", e + 1,
-                       from);
+                       from + 1);
       goto done;
     }
     label[e] = from < 0 ? piece_domain[-1 - from] : old->element_domain[from];
@@ -178,8 +178,8 @@ static bw_status pull_back(bw_context *context, bw_domains *d, const double *map
     size = fmax(size, fabs(linear[j]));
   if (!(fabs(determinant) > 1e-9 * size * size * size)) {
     bw_fail(context, BW_GEOMETRY,
-            "the bones of domain %d turn against each other so far that they blend to a plane at "
-            "(%g, %g, %g): undo the edit or make it smaller",
+            "the relative rotation of the bones of domain %d is so large that their blend is "
+            "singular at (%g, %g, %g): undo the edit or make it smaller",
             d->node_domain[i] + 1, posed[0], posed[1], posed[2]);
     bw_detail_number(context, "domain", d->node_domain[i] + 1);
     return BW_GEOMETRY;
@@ -241,7 +241,7 @@ static bw_status check_numbers(bw_context *context, const bw_domains *old, const
   for (int32_t i = 0; i < mesh->node_count; i++)
     if (node_from[i] < -1 || node_from[i] >= old->mesh->node_count)
       return bw_fail(context, BW_INVALID, "node %d comes from %d, which does not exist", i + 1,
-                     node_from[i]);
+                     node_from[i] + 1);
   return BW_OK;
 }
 

@@ -291,7 +291,7 @@ done:
 
 static bw_status fail_piece(bw_context *context, int32_t element, int32_t piece, const char *what) {
   bw_fail(context, BW_INTERNAL, "element %d is in piece %d, %s", element + 1, piece + 1, what);
-  bw_detail_number(context, "element", element);
+  bw_detail_number(context, "element", element + 1.0);
   return BW_INTERNAL;
 }
 

@@ -188,7 +188,7 @@ bw_status bw_pose_derivative(bw_context *context, const bw_domains *domains,
   if (bone < 0 || bone >= bones || axis < 0 || axis > 2)
     return bw_fail(context, BW_INVALID,
                    "the derivative by the scale of bone %d along axis %d: bones 1 to %d and axes 1 "
-                   "to 3 are asked for",
+                   "to 3 expected",
                    bone + 1, axis + 1, bones);
   bw_status status = BW_MEMORY;
   double *frame = BW_NEW(context, double, 9 * (int64_t)bones);

@@ -15,10 +15,10 @@ static bw_status check_target(bw_context *context, const bw_skeleton *skeleton, 
                    t->bone + 1, skeleton->bone_count);
   const char *name = skeleton->bone_name[t->bone].text;
   if (!(t->along >= 0 && t->along <= 1))
-    return bw_fail(context, BW_INVALID,
-                   "target %d is for the point at %g along bone \"%s\": 0 (head) to 1 (tail) is "
-                   "asked for",
-                   i + 1, t->along, name);
+    return bw_fail(
+        context, BW_INVALID,
+        "target %d is for the point at %g along bone \"%s\": 0 (head) to 1 (tail) expected", i + 1,
+        t->along, name);
   if (!isfinite(t->at[0]) || !isfinite(t->at[1]) || !isfinite(t->at[2]))
     return bw_fail(context, BW_INVALID, "target %d of bone \"%s\" is at (%g, %g, %g)", i + 1, name,
                    t->at[0], t->at[1], t->at[2]);
@@ -42,11 +42,10 @@ static bw_status check_limit(bw_context *context, const bw_skeleton *skeleton, i
       limit->twist_low <= limit->twist_high && limit->twist_low >= -pi_and_rounding &&
       limit->twist_high <= pi_and_rounding)
     return BW_OK;
-  return bw_fail(
-      context, BW_INVALID,
-      "the limits of bone \"%s\" are swing %g and twist %g to %g: swing from 0 to pi and "
-      "twists from -pi to pi, the lower first, are asked for",
-      skeleton->bone_name[b].text, limit->swing, limit->twist_low, limit->twist_high);
+  return bw_fail(context, BW_INVALID,
+                 "the limits of bone \"%s\" are swing %g and twist %g to %g: swing from 0 to pi "
+                 "and twists from -pi to pi, the lower first, expected",
+                 skeleton->bone_name[b].text, limit->swing, limit->twist_low, limit->twist_high);
 }
 
 /* Which bones turn, and for which targets. */
@@ -165,10 +164,10 @@ bw_status bw_pose_reach(bw_context *context, const bw_skeleton *skeleton,
                         const bw_joint_limit *limit, int count, const bw_reach_target *target,
                         double tolerance, bw_bone_pose *pose, bw_reach_report *report) {
   if (!(tolerance >= 0) || !isfinite(tolerance))
-    return bw_fail(context, BW_INVALID,
-                   "a tolerance of %g m: 0 (the usual one) or more is asked for", tolerance);
+    return bw_fail(context, BW_INVALID, "a tolerance of %g m: 0 (the default) or more expected",
+                   tolerance);
   if (count < 1)
-    return bw_fail(context, BW_INVALID, "%d targets: at least one is asked for", count);
+    return bw_fail(context, BW_INVALID, "%d targets: at least one expected", count);
   bw_status status = BW_OK;
   for (int i = 0; i < count && status == BW_OK; i++)
     status = check_target(context, skeleton, i, target + i);

@@ -60,8 +60,8 @@ static bw_status find_pieces(bwi_refiller *r, const uint8_t *replace) {
 static bw_status check_kept(const bwi_refiller *r) {
   for (int64_t i = 0; i < 3 * (int64_t)r->mesh->node_count; i++)
     if (!isfinite(r->node[i])) {
-      bw_fail(r->context, BW_INVALID, "node %d is not at a finite place", (int)(i / 3));
-      bw_detail_number(r->context, "node", (double)(i / 3));
+      bw_fail(r->context, BW_INVALID, "node %d is not at a finite place", (int)(i / 3) + 1);
+      bw_detail_number(r->context, "node", (double)(i / 3 + 1));
       return BW_INVALID;
     }
   for (int32_t e = 0; e < r->mesh->element_count; e++) {
@@ -73,7 +73,7 @@ static bw_status check_kept(const bwi_refiller *r) {
     bw_fail(r->context, BW_GEOMETRY,
             "element %d near (%g, %g, %g) is inverted and not among those to be replaced", e + 1,
             x[0][0], x[0][1], x[0][2]);
-    bw_detail_number(r->context, "element", e);
+    bw_detail_number(r->context, "element", e + 1.0);
     return BW_GEOMETRY;
   }
   return BW_OK;
@@ -230,16 +230,16 @@ static bw_status check_boundary(const bwi_refiller *r, int32_t number, const bw_
         bw_fail(r->context, BW_GEOMETRY,
                 "the boundary of the %d elements to be replaced %s at (%g, %g, %g), by a facet "
                 "of element %d (%lld such places): undo the edit or make it smaller",
-                p->element_count, what, d->at[0], d->at[1], d->at[2], element_of[d->facet],
+                p->element_count, what, d->at[0], d->at[1], d->at[2], element_of[d->facet] + 1,
                 (long long)report.count[d->kind]);
-    bw_detail_number(r->context, "element", element_of[d->facet]);
+    bw_detail_number(r->context, "element", element_of[d->facet] + 1.0);
     bw_detail_number(r->context, "piece", number);
     goto done;
   }
   if (!(report.volume > 0)) {
     status = bw_fail(r->context, BW_GEOMETRY,
-                     "the boundary of the %d elements to be replaced is inside out: it encloses %g "
-                     "m3 near (%g, %g, %g)",
+                     "the boundary of the %d elements to be replaced has inward normals: it "
+                     "encloses %g m3 near (%g, %g, %g)",
                      p->element_count, report.volume, surface->point[0], surface->point[1],
                      surface->point[2]);
     bw_detail_number(r->context, "piece", number);
@@ -289,7 +289,7 @@ bw_status bw_mesh_refill(bw_context *context, const bw_mesh *mesh, const double 
   r.new_node = NULL;
   r.element = r.region = NULL;
   if (made->node_count != r.node_count) {
-    status = bw_fail(context, BW_INTERNAL, "%lld nodes became %d when a part was filled anew",
+    status = bw_fail(context, BW_INTERNAL, "%lld nodes became %d when a part was remeshed",
                      (long long)r.node_count, made->node_count);
     goto done;
   }

@@ -258,7 +258,7 @@ bw_status bwi_refill_order_facets(bwi_refiller *r, bw_mesh *made) {
   goto done;
 different:
   status = bw_fail(r->context, BW_INTERNAL,
-                   "%d boundary facets became %d others when a part was filled anew",
+                   "%d boundary facets became %d others when a part was remeshed",
                    mesh->facet_count, made->facet_count);
 done:
   bw_free(element);

@@ -230,13 +230,12 @@ static bw_status refuse(const relaxer *r, int32_t left, const double *before) {
   int held = 0;
   for (int k = 0; k < 4; k++)
     held += !r->is_free[c[k]];
-  bw_fail(
-      r->context, BW_GEOMETRY,
-      "moving inner nodes leaves %d of %d inverted elements as they are; the worst is element %d "
-      "near (%g, %g, %g) with shape quality %.3g, %d of whose corners are on the boundary or "
-      "must stay: undo the edit, make it smaller, or fill the place with new elements",
-      left, r->report.inverted, now.worst, x[0], x[1], x[2], now.worst_before, held);
-  bw_detail_number(r->context, "element", now.worst);
+  bw_fail(r->context, BW_GEOMETRY,
+          "moving inner nodes leaves %d of %d elements inverted; the worst is element %d "
+          "near (%g, %g, %g) with shape quality %.3g, %d of whose corners are on the boundary or "
+          "must stay: undo the edit, make it smaller, or remesh there",
+          left, r->report.inverted, now.worst + 1, x[0], x[1], x[2], now.worst_before, held);
+  bw_detail_number(r->context, "element", now.worst + 1.0);
   bw_detail_number(r->context, "inverted", left);
   return BW_GEOMETRY;
 }
@@ -288,7 +287,7 @@ bw_status bw_mesh_relax(bw_context *context, const bw_mesh *mesh, const uint8_t 
     const int32_t *c = corners(&r, r.report.worst);
     return bw_fail(context, BW_INVALID,
                    "element %d (nodes %d %d %d %d) has a corner that is not at a finite place",
-                   r.report.worst, c[0], c[1], c[2], c[3]);
+                   r.report.worst + 1, c[0] + 1, c[1] + 1, c[2] + 1, c[3] + 1);
   }
   r.node = BW_NEW(context, double, numbers);
   place = BW_NEW(context, int32_t, mesh->node_count);

@@ -45,19 +45,18 @@ static const char *name_fault(const bw_name *name) {
   return NULL;
 }
 
-/* What a message calls joint or bone i: by its name where it has one, else by its number, whose
- * first in a message says how it counts. */
+/* What a message calls joint or bone i: by its name where it has one, else by its number, from 1.
+ */
 typedef struct label {
   char text[BW_NAME + 40];
 } label;
 
-static label label_of(const char *kind, const bw_name *name, int64_t i, bool first) {
+static label label_of(const char *kind, const bw_name *name, int64_t i) {
   label made;
   if (name && name[i].text[0] && !name_fault(&name[i]))
     snprintf(made.text, sizeof made.text, "%s \"%s\"", kind, name[i].text);
   else
-    snprintf(made.text, sizeof made.text, "%s %lld%s", kind, (long long)i,
-             first ? " (counting from 0)" : "");
+    snprintf(made.text, sizeof made.text, "%s %lld", kind, (long long)i + 1);
   return made;
 }
 
@@ -79,9 +78,9 @@ static bw_status settle_names(bw_context *context, const char *kind, int64_t cou
   for (int64_t i = 0; i < count; i++) {
     const char *fault = name_fault(&name[i]);
     if (fault) {
-      status = bw_fail(context, BW_INVALID, "the name of %s %lld (counting from 0), '%.*s', %s",
-                       kind, (long long)i, BW_NAME, name[i].text, fault);
-      bw_detail_number(context, kind, (double)i);
+      status = bw_fail(context, BW_INVALID, "the name of %s %lld, '%.*s', %s", kind,
+                       (long long)i + 1, BW_NAME, name[i].text, fault);
+      bw_detail_number(context, kind, (double)i + 1);
       goto done;
     }
     if (name[i].text[0])
@@ -91,10 +90,9 @@ static bw_status settle_names(bw_context *context, const char *kind, int64_t cou
   for (size_t i = 1; i < given; i++)
     if (strcmp(sorted[i - 1]->text, sorted[i]->text) == 0) {
       long long a = sorted[i - 1] - name, b = sorted[i] - name;
-      status = bw_fail(context, BW_INVALID,
-                       "the name '%s' is used twice, by %ss %lld and %lld (counting from 0)",
-                       sorted[i]->text, kind, a < b ? a : b, a < b ? b : a);
-      bw_detail_number(context, kind, (double)(a < b ? b : a));
+      status = bw_fail(context, BW_INVALID, "the name '%s' is used twice, by %ss %lld and %lld",
+                       sorted[i]->text, kind, (a < b ? a : b) + 1, (a < b ? b : a) + 1);
+      bw_detail_number(context, kind, (double)(a < b ? b : a) + 1);
       bw_detail_text(context, "name", sorted[i]->text);
       goto done;
     }
@@ -240,14 +238,13 @@ static bw_status check_counts(bw_context *context, int64_t joints, int64_t bones
                    (long long)joints, (long long)bones, INT32_MAX / 4);
   if (root < -1 || root >= joints)
     return bw_fail(context, BW_INVALID,
-                   "joint %d cannot be the root: there are %lld joints, numbered from 0 (-1: the "
-                   "middle one)",
-                   root, (long long)joints);
+                   "joint %d cannot be the root: the joints are 1 to %lld (0: the middle one)",
+                   root + 1, (long long)joints);
   return BW_OK;
 }
 
 static bw_status fail_bone(bw_context *context, int64_t bone) {
-  bw_detail_number(context, "bone", (double)bone);
+  bw_detail_number(context, "bone", (double)bone + 1);
   return BW_INVALID;
 }
 
@@ -262,9 +259,9 @@ static bw_status check_geometry(bw_context *context, int64_t joints, const doubl
       if (!(fabs(x) < 1e100)) {
         bw_fail(context, BW_INVALID,
                 "%s is at (%g, %g, %g): every coordinate must be a number of ordinary size",
-                label_of("joint", joint_name, j, true).text, joint[3 * j], joint[3 * j + 1],
+                label_of("joint", joint_name, j).text, joint[3 * j], joint[3 * j + 1],
                 joint[3 * j + 2]);
-        bw_detail_number(context, "joint", (double)j);
+        bw_detail_number(context, "joint", (double)j + 1);
         return BW_INVALID;
       }
       low[k] = fmin(low[k], x);
@@ -274,16 +271,14 @@ static bw_status check_geometry(bw_context *context, int64_t joints, const doubl
   for (int64_t b = 0; b < bones; b++) {
     int32_t head = ends[2 * b], tail = ends[2 * b + 1];
     if (head < 0 || tail < 0 || head >= joints || tail >= joints) {
-      bw_fail(context, BW_INVALID,
-              "%s joins joints %d and %d, but there are %lld joints, numbered from 0",
-              label_of("bone", bone_name, b, true).text, head, tail, (long long)joints);
+      bw_fail(context, BW_INVALID, "%s joins joints %d and %d, but the joints are 1 to %lld",
+              label_of("bone", bone_name, b).text, head + 1, tail + 1, (long long)joints);
       return fail_bone(context, b);
     }
     if (!(distance(joint, head, tail) > 1e-9 * size)) {
       bw_fail(context, BW_INVALID, "%s, from %s to %s, has no length: both are at (%g, %g, %g)",
-              label_of("bone", bone_name, b, true).text,
-              label_of("joint", joint_name, head, false).text,
-              label_of("joint", joint_name, tail, false).text, joint[3 * (int64_t)head],
+              label_of("bone", bone_name, b).text, label_of("joint", joint_name, head).text,
+              label_of("joint", joint_name, tail).text, joint[3 * (int64_t)head],
               joint[3 * (int64_t)head + 1], joint[3 * (int64_t)head + 2]);
       return fail_bone(context, b);
     }
@@ -310,9 +305,8 @@ static bw_status check_tree(bw_context *context, int32_t joints, const bw_name *
       bw_fail(context, BW_INVALID,
               "%s, from %s to %s, closes a cycle: these joints are joined already; a skeleton is a "
               "tree",
-              label_of("bone", bone_name, b, true).text,
-              label_of("joint", joint_name, i, false).text,
-              label_of("joint", joint_name, k, false).text);
+              label_of("bone", bone_name, b).text, label_of("joint", joint_name, i).text,
+              label_of("joint", joint_name, k).text);
       return fail_bone(context, b);
     }
     group[one > other ? one : other] = one > other ? other : one;
@@ -320,9 +314,8 @@ static bw_status check_tree(bw_context *context, int32_t joints, const bw_name *
   for (int32_t j = 0; j < joints; j++)
     if (group_of(group, j) != group_of(group, 0)) {
       bw_fail(context, BW_INVALID, "%s is not connected: no way along bones leads from %s to it",
-              label_of("joint", joint_name, j, true).text,
-              label_of("joint", joint_name, 0, false).text);
-      bw_detail_number(context, "joint", j);
+              label_of("joint", joint_name, j).text, label_of("joint", joint_name, 0).text);
+      bw_detail_number(context, "joint", j + 1.0);
       return BW_INVALID;
     }
   return BW_OK;

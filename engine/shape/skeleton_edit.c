@@ -98,18 +98,18 @@ static bw_name fresh_name(const bw_name *list, int32_t count, const char *kind) 
 static bw_status check_bone(bw_context *context, const bw_skeleton *s, int32_t bone) {
   if (bone >= 0 && bone < s->bone_count)
     return BW_OK;
-  bw_fail(context, BW_INVALID, "bone %d is not there: the skeleton has %d bones, numbered from 0",
-          bone, s->bone_count);
-  bw_detail_number(context, "bone", bone);
+  bw_fail(context, BW_INVALID, "bone %d: the bones of the skeleton are 1 to %d", bone + 1,
+          s->bone_count);
+  bw_detail_number(context, "bone", bone + 1.0);
   return BW_INVALID;
 }
 
 static bw_status check_joint(bw_context *context, const bw_skeleton *s, int32_t joint) {
   if (joint >= 0 && joint < s->joint_count)
     return BW_OK;
-  bw_fail(context, BW_INVALID, "joint %d is not there: the skeleton has %d joints, numbered from 0",
-          joint, s->joint_count);
-  bw_detail_number(context, "joint", joint);
+  bw_fail(context, BW_INVALID, "joint %d: the joints of the skeleton are 1 to %d", joint + 1,
+          s->joint_count);
+  bw_detail_number(context, "joint", joint + 1.0);
   return BW_INVALID;
 }
 
@@ -188,7 +188,7 @@ bw_status bw_skeleton_merge_bones(bw_context *context, const bw_skeleton *skelet
   if (joint < 0) {
     status = bw_fail(context, BW_INVALID, "bones '%s' and '%s' do not meet at a joint",
                      skeleton->bone_name[a].text, skeleton->bone_name[b].text);
-    bw_detail_number(context, "bone", b);
+    bw_detail_number(context, "bone", b + 1.0);
     goto done;
   }
   for (int64_t i = 0; i < 2 * (int64_t)skeleton->bone_count; i++)
@@ -199,7 +199,7 @@ bw_status bw_skeleton_merge_bones(bw_context *context, const bw_skeleton *skelet
                      "meet alone can become one",
                      skeleton->bone_name[a].text, skeleton->bone_name[b].text,
                      skeleton->joint_name[joint].text, meeting);
-    bw_detail_number(context, "joint", joint);
+    bw_detail_number(context, "joint", joint + 1.0);
     goto done;
   }
   BW_TRY(draft_create(context, skeleton, &d));
@@ -234,7 +234,7 @@ bw_status bw_skeleton_remove_bone(bw_context *context, const bw_skeleton *skelet
     status =
         bw_fail(context, BW_INVALID, "without bone '%s' and what hangs on it no bone would be left",
                 skeleton->bone_name[bone].text);
-    bw_detail_number(context, "bone", bone);
+    bw_detail_number(context, "bone", bone + 1.0);
     goto done;
   }
   BW_TRY(draft_drop(context, &d));

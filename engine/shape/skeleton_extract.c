@@ -137,7 +137,8 @@ static bw_status contract(bw_context *context, bw_surface *surface, double minut
   if (head[0] < 0 || head[1] < 0 || head[0] > INT32_MAX / 8 || head[1] > INT32_MAX / 8 ||
       count != sizeof head + (size_t)head[0] * 4 * sizeof(double) +
                    (size_t)head[1] * 2 * sizeof(int32_t)) {
-    status = bw_fail(context, BW_INTERNAL, "contracting sent %zu bytes that are no graph", count);
+    status = bw_fail(context, BW_INTERNAL,
+                     "the contraction returned %zu bytes that are not a graph", count);
     goto done;
   }
   graph->point_count = (int32_t)head[0];

@@ -202,9 +202,9 @@ static bw_status add_line(const bwi_cursor *cursor, const draft *d) {
   char message[512];
   for (int i = 0; bw_detail(d->context, i, &key, &value, &text); i++) {
     if (strcmp(key, "joint") == 0)
-      at.line = d->joint_line[(size_t)value];
+      at.line = d->joint_line[(size_t)value - 1];
     else if (strcmp(key, "bone") == 0)
-      at.line = d->bone_line[(size_t)value];
+      at.line = d->bone_line[(size_t)value - 1];
   }
   size_t length = strlen(bw_message(d->context));
   length = length < sizeof message - 1 ? length : sizeof message - 1;
@@ -244,7 +244,8 @@ bw_status bwi_tgf_parse(bw_context *context, const char *name, const unsigned ch
   if (status == BW_INVALID)
     status = add_line(&cursor, &d);
   if (status == BW_OK && d.skipped)
-    bw_warn(context, "%s: %zu edges are marked as no bones and were passed over", name, d.skipped);
+    bw_warn(context, "%s: %zu edges are marked as not being bones and were ignored", name,
+            d.skipped);
 done:
   draft_clear(&d);
   return status;
@@ -253,7 +254,7 @@ done:
 static bw_status check_unit(bw_context *context, double unit) {
   if (unit > 0 && unit < 1e100)
     return BW_OK;
-  return bw_fail(context, BW_INVALID, "a unit of %g m: a positive length is needed", unit);
+  return bw_fail(context, BW_INVALID, "a unit of %g m: a length above 0 expected", unit);
 }
 
 bw_status bw_skeleton_read_tgf(bw_context *context, const char *path, double unit,

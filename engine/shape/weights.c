@@ -283,8 +283,8 @@ static bw_status check_rows(const bwi_skinning *s, const double *weight) {
     if (!(fabs(sum - 1) <= 1e-12) || min < 0) {
       bw_status status =
           bw_fail(s->context, BW_INTERNAL, "the weights of node %d sum to %.17g, the least is %g",
-                  i, sum, min);
-      bw_detail_number(s->context, "node", i);
+                  i + 1, sum, min);
+      bw_detail_number(s->context, "node", i + 1.0);
       return status;
     }
   }

@@ -28,8 +28,8 @@ static bw_status reduced_matrix(bw_context *context, const bwi_symbolic *symboli
   for (int pass = 0; pass < 2; pass++) {
     if (pass == 1) {
       if (entries > INT_MAX)
-        return bw_fail(context, BW_LIMIT, "%zu matrix entries are more than CHOLMOD takes",
-                       entries);
+        return bw_fail(context, BW_LIMIT,
+                       "%zu matrix entries: more than the integers of CHOLMOD can count", entries);
       a = cholmod_allocate_sparse(size, size, entries, 0, 1, -1, CHOLMOD_REAL, common);
       if (!a)
         return bw_fail(context, BW_MEMORY, "no memory for a matrix of %zu entries", entries);

@@ -158,7 +158,7 @@ bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem
   if (capacity > problem->dimension + BWI_BLOCK)
     capacity = problem->dimension + BWI_BLOCK;
   if (capacity * capacity > INT32_MAX)
-    return bw_fail(context, BW_LIMIT, "%d modes are more than this eigensolver takes", count);
+    return bw_fail(context, BW_LIMIT, "%d modes: more than this eigensolver can compute", count);
   int block = problem->dimension < BWI_BLOCK ? (int)problem->dimension : BWI_BLOCK;
   double tolerance = fmin(options->tolerance, 1e-6);
   bwi_lanczos l;

@@ -31,8 +31,7 @@ static bw_status check_options(bw_context *context, const bw_external_options *g
   if (!(options->rtol > 0 && options->rtol < 1))
     return bw_fail(context, BW_INVALID, "rtol is %g; it must lie between 0 and 1", options->rtol);
   if (options->iterations < 1)
-    return bw_fail(context, BW_INVALID, "%d iterations are allowed; at least 1",
-                   options->iterations);
+    return bw_fail(context, BW_INVALID, "%d iterations: at least 1 expected", options->iterations);
   if (!registered)
     return bw_fail(context, BW_UNSUPPORTED,
                    "no external solver is loaded: require \"barwright.distributed\"");
@@ -138,8 +137,8 @@ static bw_status judge(bw_context *context, const equations *e, double rtol,
   bool nothing_to_solve = left < 1e-13 * norm(result->force, size);
   if (!product_rounding && !nothing_to_solve) {
     status = bw_fail(context, BW_CONVERGENCE,
-                     "the solution's residual is %.2e of the load; %.2e was asked for. Ask for "
-                     "less by rtol, or for method = \"cholesky\"",
+                     "the residual of the solution is %.2e of the load; %.2e was requested. Give a "
+                     "larger rtol, or method = \"cholesky\"",
                      result->residual, rtol);
     bw_detail_number(context, "residual", result->residual);
   }

@@ -495,10 +495,9 @@ bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_m
   if (flops)
     *flops = 0;
   if (!kept)
-    return bw_fail(context, BW_INTERNAL, "this factor was not made to be updated");
+    return bw_fail(context, BW_INTERNAL, "this factor was not created for updates");
   if (kept->broken && touched_domain)
-    return bw_fail(context, BW_INTERNAL,
-                   "a factor whose last update failed has to be made again as a whole");
+    return bw_fail(context, BW_INTERNAL, "the last update of this factor failed: refactorise it");
   f.store = &kept->store;
   if (touched_domain) {
     if (bwi_elimination_reach_supernodes(kept->reach, touched_domain, kept->wanted) == 0)

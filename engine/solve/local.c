@@ -137,11 +137,11 @@ static bw_status check_domains(bw_context *context, const bw_mesh *mesh, int32_t
                    domain_count);
   for (int32_t e = 0; e < mesh->element_count; e++)
     if (element_domain[e] < 0 || element_domain[e] >= domain_count)
-      return bw_fail(context, BW_INVALID, "element %d is in domain %d of %d", e,
+      return bw_fail(context, BW_INVALID, "element %d is in domain %d of %d", e + 1,
                      element_domain[e] + 1, domain_count);
   for (int32_t i = 0; i < mesh->node_count; i++)
     if (node_domain[i] < -1 || node_domain[i] >= domain_count)
-      return bw_fail(context, BW_INVALID, "node %d goes with domain %d of %d", i,
+      return bw_fail(context, BW_INVALID, "node %d goes with domain %d of %d", i + 1,
                      node_domain[i] + 1, domain_count);
   for (int32_t k = 0; edits && k < edits->start[domain_count]; k++)
     if (edits->edit[k] < 0 || edits->edit[k] >= edits->count)

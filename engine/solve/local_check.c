@@ -82,8 +82,8 @@ bw_status bwi_local_check(bw_context *context, const bw_local_system *local, dou
     reuse->difference_stiffness = fmax(reuse->difference_stiffness, off);
   if (!(off <= same_stiffness)) {
     status = bw_fail(context, BW_INTERNAL,
-                     "the stiffness kept through edits differs from that made anew by %.3g of the "
-                     "largest entry (allowed: %g)",
+                     "the incrementally updated stiffness differs from the reassembled one by %.3g "
+                     "of the largest entry (allowed: %g)",
                      off, same_stiffness);
     goto done;
   }

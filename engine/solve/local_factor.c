@@ -100,8 +100,8 @@ static bw_status update_or_make(bw_context *context, bw_local_system *local, boo
     if (status == BW_OK) {
       bw_clear_failure(context);
       bw_warn(context,
-              "the factor in single precision broke down at node %d: these equations are solved "
-              "in double precision from here on",
+              "the factorisation in single precision failed at node %d: these equations are solved "
+              "in double precision from now on",
               bad + 1);
     }
   }
@@ -146,9 +146,8 @@ bw_status bwi_local_lose_single(bw_context *context, bw_local_system *local, bw_
   bw_status status = BW_OK;
   double start = bw_seconds(), kept = 0;
   local->inner->lost = true;
-  bw_warn(context,
-          "solutions with the factor in single precision do not converge: these equations are "
-          "solved in double precision from here on");
+  bw_warn(context, "solutions with the factor in single precision do not converge: these equations "
+                   "are solved in double precision from now on");
   BW_TRY(update_or_make(context, local, true, reuse, &kept));
   is_current(local);
   local->system->times.factor = bw_seconds() - start;

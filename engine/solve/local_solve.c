@@ -35,7 +35,7 @@ static bw_status options_of(bw_context *context, const bw_local_options *given,
     return bw_fail(context, BW_INVALID, "the factor's precision is 32 or 64 bits, not %d",
                    options->precision);
   if (options->method < BW_LOCAL_AUTO || options->method > BW_LOCAL_PCG)
-    return bw_fail(context, BW_INVALID, "there is no method %d", (int)options->method);
+    return bw_fail(context, BW_INVALID, "method %d is not known", (int)options->method);
   return BW_OK;
 }
 
@@ -162,9 +162,9 @@ static limits iterations_worth(const bw_local_system *local, bw_local_method met
 
 static bw_status fail_convergence(bw_context *context, int iterations, double tolerance) {
   bw_fail(context, BW_CONVERGENCE,
-          "conjugate gradients with the factor of an earlier shape did not reach a relative "
-          "residual of %g in %d iterations: the shape has changed too much for that factor, or "
-          "the body is a mechanism; bring the factor up to date (method refactor or auto)",
+          "conjugate gradients with the lagged factor of an earlier shape did not reach a relative "
+          "residual of %g in %d iterations: the shape has changed too much for that factor, or the "
+          "body is a mechanism; refactorise (method refactor or auto)",
           tolerance, iterations);
   bw_detail_number(context, "iterations", iterations);
   return BW_CONVERGENCE;
@@ -174,7 +174,8 @@ static bw_status fail_levels(bw_context *context, const bw_local_system *local, 
                              double tolerance) {
   if (!bwi_local_has_two_level(local))
     return bw_fail(context, BW_INVALID,
-                   "the method pcg needs quadratic elements, and supports that hold the body: %s",
+                   "the method pcg needs quadratic elements, and supports that constrain all "
+                   "rigid-body modes: %s",
                    local->inner->rest->mesh->order == 2 ? "this one is free to move"
                                                         : "these are linear");
   bw_fail(context, BW_CONVERGENCE,

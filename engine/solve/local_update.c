@@ -110,7 +110,7 @@ static bw_status check_material(bw_context *context, const bw_local_system *loca
   bool turns = inner->material_turns && !rest->isotropic;
   if (turns ? before_turns(now) != before_turns(rest) : now != rest)
     return bw_fail(context, BW_INVALID,
-                   "the edited model has another material than the system that is to follow it");
+                   "the edited model has another material than the incremental system");
   int32_t domain = -1, group = -1; /* of the element before */
   for (int32_t e = 0; turns && e < model->mesh->element_count; e++) {
     int32_t of = now->turns ? now->turns->of_element[e] : 0, d = inner->element_domain[e];
@@ -121,9 +121,8 @@ static bw_status check_material(bw_context *context, const bw_local_system *loca
     double off = off_turn(rest, now, e, motion[d].frame);
     if (!(off <= 1e-9)) {
       bw_fail(context, BW_INVALID,
-              "element %d of the edited model has its material turned otherwise than its domain %d "
-              "is since the system was made (off by %.3g): the material turns with the domains "
-              "(bw_model_turn_material)",
+              "element %d of the edited model has another material orientation than its domain %d "
+              "(off by %.3g): the orientation follows the domains (bw_model_turn_material)",
               e + 1, d + 1, off);
       bw_detail_number(context, "element", e + 1);
       return BW_INVALID;

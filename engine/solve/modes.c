@@ -40,7 +40,8 @@ bw_status bwi_modes_options_check(bw_context *context, const bw_modes_options *g
   if (given)
     *options = *given;
   if (options->count < 1)
-    return bw_fail(context, BW_INVALID, "%d modes were asked for; at least 1", options->count);
+    return bw_fail(context, BW_INVALID, "%d modes were requested: at least 1 expected",
+                   options->count);
   if (!(options->tolerance > 0 && options->tolerance < 1))
     return bw_fail(context, BW_INVALID, "the tolerance on modes is %g; it must lie between 0 and 1",
                    options->tolerance);

@@ -63,7 +63,8 @@ bw_status bwi_adjacency_create(bw_context *context, const bw_graph *graph, const
         }
       }
   if (entries > INT_MAX)
-    return bw_fail(context, BW_LIMIT, "the mesh has %lld node pairs, more than the ordering takes",
+    return bw_fail(context, BW_LIMIT,
+                   "the mesh has %lld node pairs: more than the integers of the ordering can count",
                    (long long)entries);
   out->neighbour = BW_NEW(context, idx_t, entries);
   if (!out->neighbour)
@@ -122,7 +123,7 @@ bw_status bwi_dissect_trial(bw_context *context, idx_t size, idx_t *start, idx_t
   if (done == METIS_ERROR_MEMORY)
     return bw_fail(context, BW_MEMORY, "no memory to order %lld nodes", (long long)size);
   if (done != METIS_OK)
-    return bw_fail(context, BW_INTERNAL, "METIS refused to order %lld nodes (code %d)",
+    return bw_fail(context, BW_INTERNAL, "METIS failed to order %lld nodes (code %d)",
                    (long long)size, done);
   return BW_OK;
 }

@@ -37,12 +37,11 @@ static bw_status check_options(bw_context *context, const bw_statics_options *gi
                                bw_statics_options *opts) {
   *opts = given ? *given : (bw_statics_options){0};
   if (opts->method < BW_STATICS_AUTO || opts->method > BW_STATICS_PCG)
-    return bw_fail(context, BW_INVALID, "there is no method %d of static solutions",
-                   (int)opts->method);
+    return bw_fail(context, BW_INVALID, "solution method %d is not known", (int)opts->method);
   if (opts->iterations == 0)
     opts->iterations = ITERATIONS;
   if (opts->iterations < 1)
-    return bw_fail(context, BW_INVALID, "%d iterations are allowed; at least 1", opts->iterations);
+    return bw_fail(context, BW_INVALID, "%d iterations: at least 1 expected", opts->iterations);
   if (!(opts->memory >= 0))
     return bw_fail(context, BW_INVALID, "%g bytes of memory are allowed; a positive number",
                    opts->memory);
@@ -91,11 +90,10 @@ static bw_status choose(statics *s) {
   bool fit = bwi_two_level_applies(system);
   s->pcg = false;
   if (method == BW_STATICS_PCG && !fit)
-    return bw_fail(
-        s->context, BW_INVALID,
-        "a solution by two-level PCG needs quadratic elements, and supports that hold the "
-        "body: %s",
-        system->mesh->order == 2 ? "this one is free to move" : "these are linear");
+    return bw_fail(s->context, BW_INVALID,
+                   "a solution by two-level PCG needs quadratic elements, and supports that "
+                   "constrain all rigid-body modes: %s",
+                   system->mesh->order == 2 ? "this one is free to move" : "these are linear");
   if (method == BW_STATICS_FACTOR || !fit || (method == BW_STATICS_AUTO && system->factor) ||
       (method == BW_STATICS_AUTO && system->dof_map->unknown_count < SMALL))
     return BW_OK;
@@ -123,8 +121,8 @@ static bw_status fail_convergence(const statics *s, double reached) {
   double bytes = system->two_level->prediction.factor_bytes;
   bw_fail(
       s->context, BW_CONVERGENCE,
-      "conjugate gradients by two-level PCG came to a residual of %.2g of the load in %d "
-      "iterations, and %.0e was asked for: elements are very flat, walls thinner than elements "
+      "two-level PCG reached a residual of %.2g of the load in %d iterations; %.0e was requested: "
+      "elements are very flat, walls thinner than elements "
       "are long, the material is nearly incompressible, or the body nearly a mechanism. Solve "
       "by a factor (with = \"factor\"), which would take about %.3g GB of memory, or mesh again "
       "with elements as thick as long",
@@ -244,8 +242,8 @@ static bw_status solve(statics *s) {
   if (s->pcg) {
     if (status == BW_CONVERGENCE)
       bw_warn(context,
-              "iterating by two-level PCG did not converge in %d iterations; the solution "
-              "is by a factor",
+              "two-level PCG did not converge in %d iterations; a Cholesky factorisation gives the "
+              "solution",
               s->result->report.iterations);
     BW_TRY(solve_by_factor(s));
   } else {

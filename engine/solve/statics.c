@@ -72,10 +72,10 @@ static bw_status check_balance(bw_context *context, const bw_dof_map *dof_map, c
         resultant[c] += force[3 * i + c];
     BW_TRY(bw_dof_map_describe_rigid_modes(context, dof_map, &text));
     status = bw_fail(context, BW_UNCONSTRAINED,
-                     "the load is not balanced on a body that can move freely; %s. The load works "
-                     "on motion %d, %s: %.3g of its size is along it (allowed: %.3g); its "
-                     "resultant is (%g, %g, %g) N. Add supports, balance the load, or ask for "
-                     "inertia relief",
+                     "the load is not in equilibrium on a body that can move freely; %s. The load "
+                     "acts on rigid-body mode %d, %s: the fraction %.3g of its magnitude is along "
+                     "that mode (allowed: %.3g); its resultant is (%g, %g, %g) N. Add supports, "
+                     "balance the load, or use inertia relief",
                      text, worst + 1, dof_map->motion[worst].text, excess, tolerance, resultant[0],
                      resultant[1], resultant[2]);
     bw_detail_number(context, "motions", motions);

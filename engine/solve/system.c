@@ -299,11 +299,11 @@ bw_status bwi_need_factor(bw_context *context, const bw_system *system) {
     return BW_OK;
   if (system->two_level)
     return bw_fail(context, BW_INVALID,
-                   "the system was made for solutions by two-level PCG and has no factor: "
-                   "make it first (bw_system_factor)");
+                   "the system was created for two-level PCG and has no factor: factorise it first "
+                   "(bw_system_factor)");
   return bw_fail(context, BW_INVALID,
-                 "the system follows an edited shape and its factor is not up to date: bring it up "
-                 "to date first (bw_local_system_refactor)");
+                 "the system follows an edited shape and its factor is lagged: refactorise it "
+                 "first (bw_local_system_refactor)");
 }
 
 /* What the frame's directions with `keep` see of a vector at a node. */

@@ -120,7 +120,7 @@ static bw_status describe(bw_context *context, sqlite3 *connection, int code, co
 bw_status bwi_database_failure(bw_context *context, bw_database *d, int code) {
   bw_status status = describe(context, d->connection, code, d->path);
   if (status == BW_CANCELLED && !bw_cancelled(context))
-    status = bw_fail(context, BW_INTERNAL, "%s: interrupted although nobody asked", d->path);
+    status = bw_fail(context, BW_INTERNAL, "%s: SQLite was interrupted without a request", d->path);
   bool untrusted = status == BW_FORMAT || status == BW_IO || status == BW_MEMORY ||
                    (status == BW_LIMIT && (code & 0xff) != SQLITE_BUSY);
   if (untrusted && d->connection && !sqlite3_get_autocommit(d->connection))

@@ -142,7 +142,7 @@ static bw_status mend_head(salvage *s) {
                               (long long)about.st_size);
   else if (!head_is_sound(head, about.st_size)) {
     write_head(head);
-    bw_warn(s->context, "the head of the file was damaged and is taken to be what it usually is");
+    bw_warn(s->context, "the header of the file is damaged; the usual header is assumed");
     s->report.whole = false;
     if (pwrite(file, head, sizeof head, 0) != (ssize_t)sizeof head)
       status = io_failure(s->context, s->copy);
@@ -167,7 +167,7 @@ static bool has_changes_of_its_own(salvage *s) {
     return false;
   if (!sound || bwi_expects_changes(head))
     return true;
-  bw_warn(s->context, "%s-wal is of another state of the file and was left out", s->damaged);
+  bw_warn(s->context, "%s-wal belongs to another state of the file and was ignored", s->damaged);
   s->report.whole = false;
   return false;
 }
@@ -413,7 +413,7 @@ static bw_status copy_schema(salvage *s, part what) {
     count++;
     status = what == ROWS ? copy_table(s, name) : bw_database_execute(s->context, s->to, sql);
     if (what != ROWS && (status == BW_INVALID || status == BW_INFEASIBLE)) {
-      bw_warn(s->context, "%s could not be made again: %s", name, bw_message(s->context));
+      bw_warn(s->context, "%s could not be rebuilt: %s", name, bw_message(s->context));
       s->report.whole = false;
       status = BW_OK;
     }
@@ -460,7 +460,7 @@ static bw_status open_with_tables(salvage *s, const char *schema, bool relist) {
   if (status != BW_OK || !s->report.relisted)
     return status;
   s->report.whole = false;
-  bw_warn(s->context, "the list of tables was damaged and is taken to be that of a new file");
+  bw_warn(s->context, "the list of tables is damaged; that of a new file is assumed");
   return open_copy(s);
 }
 

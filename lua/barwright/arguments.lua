@@ -76,12 +76,15 @@ local function parse(text)
   return list
 end
 
+-- Tables of the library have a class.
+local function got(value) return type(value) == "table" and kind_of(value) or core.got(value) end
+
 local function check_one(where, rule, value)
   if value == nil and rule.optional then return end
   for _, kind in ipairs(rule.kinds) do
     if is(value, kind) and (value ~= nil or kind == "any") then return end
   end
-  raise(("%s: %s: %s expected, got %s"):format(where, rule.name, expected(rule.kinds), kind_of(value)))
+  raise(("%s: %s: %s expected, got %s"):format(where, rule.name, expected(rule.kinds), got(value)))
 end
 
 -- The function with its arguments checked; a tail call, so that it finds its caller where it would without.
@@ -102,7 +105,7 @@ function arguments.methods(name, methods, meta, signatures)
   local function check_self(where, self)
     if not is(self, kind) then
       raise(("%s: %s expected, got %s: call it with a colon, as in %s:%s(...)"):format(where, expected {kind},
-        kind_of(self), kind, where))
+        got(self), kind, where))
     end
   end
   for where, text in pairs(signatures) do

@@ -35,7 +35,7 @@ return function(where, length, material, box)
   if length == "critical" then return of_material(material, box) end
   if type(length) ~= "number" or not (length > 0 and length < math.huge) then
     core.raise(("%s: option 'length': a length in m above 0 or 'critical' expected, got %s"):format(where,
-      type(length) == "table" and "a table" or tostring(length)))
+      core.got(length)))
   end
   return length
 end

@@ -342,7 +342,7 @@ local function start_with(body)
   local kind = core.class_name(body)
   if kind == "surface" then return {surface = body, box = body.box} end
   if kind == "mesh" then return {box = body.box, given_mesh = body.order == 2 and body or body:with_order(2)} end
-  core.raise(("breaking_force: body: a surface or a mesh expected, got %s"):format(kind or type(body)))
+  core.raise(("breaking_force: body: a surface or a mesh expected, got %s"):format(kind or core.got(body)))
 end
 
 --- The least force that breaks a body. `body`: a surface, which is filled and refined, or a mesh, which

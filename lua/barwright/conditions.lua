@@ -59,7 +59,7 @@ local function by_tag(where, given, word)
     local group = tables[order]
     if type(group) ~= "table" then
       raise(("%s: entry %d of the list of conditions: {tag = ...} expected, got %s"):format(where, order,
-        type(group)))
+        core.got(group)))
     end
     for tag, one in pairs(group) do
       if type(tag) ~= "string" then
@@ -67,7 +67,7 @@ local function by_tag(where, given, word)
       end
       if one ~= word and type(one) ~= "table" then
         raise(("%s: condition of '%s': \"%s\" or a table expected, got %s"):format(where, tag, word,
-          type(one) == "string" and ("'%s'"):format(one) or type(one)))
+          core.got(one)))
       end
       if conditions_by_tag[tag] then
         raise(("%s: the list of conditions names '%s' twice: give its conditions in one entry"):format(where, tag))

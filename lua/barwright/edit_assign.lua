@@ -77,7 +77,7 @@ function edit_assign.domains(topology, elements, bone)
   if type(elements) ~= "table" then core.raise "assign: a list of elements expected" end
   for _, e in ipairs(elements) do
     if math.type(e) ~= "integer" or e < 1 or e > count then
-      core.raise(("assign: elements from 1 to %d expected, got %s"):format(count, tostring(e)))
+      core.raise(("assign: elements from 1 to %d expected, got %s"):format(count, core.got(e)))
     end
   end
   if not topology.former then return topology.domains:assign(elements, bone) end

@@ -24,7 +24,7 @@ local function record(self)
   for name, signal in pairs(self.signals) do
     local value = self.watched[name](self)
     if type(value) ~= "number" then
-      raise(("the signal '%s' must be a number, got %s"):format(name, type(value)))
+      raise(("the signal '%s' must be a number, got %s"):format(name, core.got(value)))
     end
     signal[#signal + 1] = value
   end
@@ -59,7 +59,7 @@ function methods:step(count)
   if not step then raise "step: this flow was made without a time step: give the option 'step', in s" end
   count = count or 1
   if math.type(count) ~= "integer" or count < 1 then
-    raise(("step: a whole number of steps above 0 expected, got %s"):format(tostring(count)))
+    raise(("step: a whole number of steps above 0 expected, got %s"):format(core.got(count)))
   end
   local function walk(report)
     if not next(self.signals) then return advance(self, report, step, count) end
@@ -77,7 +77,7 @@ end
 --- From now on steps of so many seconds. What is recorded begins anew: signals have equal steps.
 function methods:pace(seconds)
   if type(seconds) ~= "number" or not (seconds > 0 and seconds < math.huge) then
-    raise(("pace: seconds above 0 expected, got %s"):format(tostring(seconds)))
+    raise(("pace: seconds above 0 expected, got %s"):format(core.got(seconds)))
   end
   self.opts.step = seconds
   for name in pairs(self.signals) do self.signals[name] = {} end
@@ -92,7 +92,7 @@ end
 --- From now on `value(flow)`, a number, is recorded after every step; none: recording ends.
 function methods:record(name, value)
   if value ~= nil and type(value) ~= "function" then
-    raise(("record: a function of the flow expected, got %s"):format(type(value)))
+    raise(("record: a function of the flow expected, got %s"):format(core.got(value)))
   end
   self.watched[name], self.signals[name] = value, value and {}
   return self

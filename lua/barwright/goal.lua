@@ -256,7 +256,7 @@ local function by_function(f)
   return function(_, static)
     local value = f(static)
     if type(value) ~= "number" or value ~= value or math.abs(value) == math.huge then
-      raise(("the function must return a finite number, got %s"):format(tostring(value)))
+      raise(("the function must return a finite number, got %s"):format(core.got(value)))
     end
     return {value = value, recovery_error = 0}
   end
@@ -307,7 +307,7 @@ function goal.read(of, mesh)
   if core.class_name(of) == "selection" then return of_selection(of, nil, mesh) end
   if is_point(of) then of = {at = of} end
   if type(of) == "table" then return of_table(of, mesh) end
-  raise(("a quantity, a point, a face or a function expected, got %s"):format(options.kind(of)))
+  raise(("a quantity, a point, a face or a function expected, got %s"):format(core.got(of)))
 end
 
 return goal

@@ -36,7 +36,7 @@ local list_mark = {}
 --- Marks a table as a list, so that an empty one is written as [].
 function json.list(table)
   if table ~= nil and type(table) ~= "table" then
-    raise(("json.list: a table expected, got %s"):format(type(table)))
+    raise(("json.list: a table expected, got %s"):format(core.got(table)))
   end
   local fine, list = pcall(setmetatable, table or {}, list_mark)
   if not fine then raise "json.list: a table whose metatable is not protected expected" end
@@ -119,7 +119,7 @@ end
 --- The text of a value; indent: a string such as "  " for lines, nil for one line.
 function json.encode(value, indent)
   if indent ~= nil and type(indent) ~= "string" then
-    raise(("json.encode: indent: a string expected, got %s"):format(type(indent)))
+    raise(("json.encode: indent: a string expected, got %s"):format(core.got(indent)))
   end
   local out = {}
   local fine, message = pcall(write, value, out, indent, 0, {})

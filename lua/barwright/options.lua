@@ -36,19 +36,19 @@ local function check(where, key, value, rule)
   if rule.type == "number" and kind == "integer" then kind = "number" end
   if kind ~= rule.type then
     fail(where, key, ("%s expected, got %s"):format(
-      rule.type == "integer" and "a whole number" or "a " .. rule.type, kind))
+      rule.type == "integer" and "a whole number" or "a " .. rule.type, core.got(value)))
   end
   if rule.type == "number" and (value ~= value or value == math.huge or value == -math.huge) then
-    fail(where, key, "a finite number expected")
+    fail(where, key, ("a finite number expected, got %s"):format(core.got(value)))
   end
   if rule.above and value <= rule.above then
-    fail(where, key, ("greater than %g expected, got %g"):format(rule.above, value))
+    fail(where, key, ("greater than %g expected, got %s"):format(rule.above, core.got(value)))
   end
   if rule.min and value < rule.min then
-    fail(where, key, ("at least %g expected, got %g"):format(rule.min, value))
+    fail(where, key, ("at least %g expected, got %s"):format(rule.min, core.got(value)))
   end
   if rule.max and value > rule.max then
-    fail(where, key, ("at most %g expected, got %g"):format(rule.max, value))
+    fail(where, key, ("at most %g expected, got %s"):format(rule.max, core.got(value)))
   end
   if rule.one_of then
     for _, word in ipairs(rule.one_of) do
@@ -63,7 +63,7 @@ end
 function options.read(where, given, rules)
   if given == nil then given = {} end
   if type(given) ~= "table" then
-    raise(("%s: a table of options expected, got %s"):format(where, kind_of(given)))
+    raise(("%s: a table of options expected, got %s"):format(where, core.got(given)))
   end
   local known = {}
   for key in pairs(rules) do known[#known + 1] = key end
@@ -72,7 +72,7 @@ function options.read(where, given, rules)
     local rule = rules[key]
     if not rule then
       if type(key) ~= "string" then
-        raise(("%s: options are named: {name = value}"):format(where))
+        raise(("%s: named options expected, {name = value}, got a value at %s"):format(where, core.got(key)))
       end
       raise(("%s: unknown option '%s': %s"):format(where, key, core.suggestion(key, known)))
     end
@@ -92,7 +92,7 @@ end
 function options.object(where, argument, value, class)
   if kind_of(value) ~= class then
     raise(("%s: %s: %s %s expected, got %s"):format(where, argument,
-      class:find "^[aeiou]" and "an" or "a", class, kind_of(value)))
+      class:find "^[aeiou]" and "an" or "a", class, core.got(value)))
   end
 end
 

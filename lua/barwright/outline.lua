@@ -55,7 +55,7 @@ local function read_tags(where, given, count)
     for _, edge in ipairs(type(edges) == "table" and edges or {edges}) do
       if math.type(edge) ~= "integer" or edge < 1 or edge > count then
         raise(("%s: tag '%s': edges from 1 to %d expected, got %s"):format(where, name, count,
-          tostring(edge)))
+          core.got(edge)))
       end
       if tags[edge] then
         raise(("%s: edge %d has the tags '%s' and '%s'"):format(where, edge, tags[edge], name))
@@ -81,7 +81,7 @@ end
 
 local function check_name(where, name)
   if name ~= nil and type(name) ~= "string" then
-    raise(("%s: a name expected, got %s"):format(where, kind_of(name)))
+    raise(("%s: a name expected, got %s"):format(where, core.got(name)))
   end
   return name
 end
@@ -89,12 +89,12 @@ end
 -- Adds a loop to a draft {points, segments, loops, tags, tag_number}.
 local function add_loop(draft, where, given, region, default_name)
   if type(given) ~= "table" then
-    raise(("%s: a list of points expected, got %s"):format(where, kind_of(given)))
+    raise(("%s: a list of points expected, got %s"):format(where, core.got(given)))
   end
   check_keys(where, given)
   local list = given.points or given
   if type(list) ~= "table" then
-    raise(("%s: option 'points': a list of points expected, got %s"):format(where, kind_of(list)))
+    raise(("%s: option 'points': a list of points expected, got %s"):format(where, core.got(list)))
   end
   local name = check_name(where .. ": name", given.name)
   local tag = check_name(where .. ": tag", given.tag) or name or "boundary"
@@ -157,7 +157,7 @@ end
 -- Loops under option `key`: each a list, or an outline of one loop.
 local function add_all(draft, names, key, given, region_of)
   if type(given) ~= "table" then
-    raise(("outline: %s: a list of loops expected, got %s"):format(key, kind_of(given)))
+    raise(("outline: %s: a list of loops expected, got %s"):format(key, core.got(given)))
   end
   local stem = key:sub(1, -2)
   for i, one in ipairs(given) do
@@ -182,7 +182,7 @@ local rules = {
 --- loop alone.
 local function create(given)
   if type(given) ~= "table" then
-    raise(("outline: a table of points expected, got %s"):format(kind_of(given)))
+    raise(("outline: a table of points expected, got %s"):format(core.got(given)))
   end
   if rawlen(given) > 0 then given = {points = given} end
   local opts = options.read("outline", given, rules)
@@ -264,7 +264,7 @@ function methods:region(loop)
   local number = type(given) == "table" and given.region or self.region_count + 1
   if math.type(number) ~= "integer" or number < 1 or number > self.region_count + 1 then
     raise(("region: a number from 1 to %d expected, got %s"):format(self.region_count + 1,
-      tostring(number)))
+      core.got(number)))
   end
   return add(self, "region", loop, number, "region")
 end
@@ -328,7 +328,7 @@ function methods:edges(which)
   if #edges == 0 then raise "edges: no edge is there" end
   for _, edge in ipairs(edges) do
     if math.type(edge) ~= "integer" or edge < 1 or edge > self.edge_count then
-      raise(("edges: numbers from 1 to %d expected, got %s"):format(self.edge_count, tostring(edge)))
+      raise(("edges: numbers from 1 to %d expected, got %s"):format(self.edge_count, core.got(edge)))
     end
   end
   return edges

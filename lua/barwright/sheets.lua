@@ -137,7 +137,7 @@ end
 --- Advances by `count` time steps (default 1).
 function vibration:step(count)
   if count ~= nil and (math.type(count) ~= "integer" or count < 1) then
-    raise(("step: a whole number of steps above 0 expected, got %s"):format(tostring(count)))
+    raise(("step: a whole number of steps above 0 expected, got %s"):format(core.got(count)))
   end
   local opts = self.opts
   return followed.step(self, function(report)

@@ -110,7 +110,7 @@ function places.list(chosen)
   for i, place in ipairs(chosen) do
     if not found[place] then
       core.raise(("list: item %d: a place of singular_edges or singular_places expected, got %s"):format(i,
-        options.kind(place)))
+        core.got(place)))
     end
     list[i] = place
   end

@@ -48,7 +48,7 @@ local function joint_number(value, joints, names, number, where)
       core.suggestion(value, known)))
   end
   raise(("skeleton.create: %s: the name or number of a joint expected, got %s"):format(where,
-    tostring(value)))
+    core.got(value)))
 end
 
 --- A skeleton from {joints = {name = {x, y, z}, ...}, bones = {{"hip", "knee", name = "thigh"}, ...},

@@ -60,7 +60,7 @@ result.__name = "barwright.solid_result"
 --- 6.2), which is small wherever little moves.
 function result:error(reference)
   if getmetatable(reference) ~= result then
-    core.raise(("error: a result to compare with expected, got %s"):format(type(reference)))
+    core.raise(("error: a result to compare with expected, got %s"):format(core.got(reference)))
   end
   local fine = self.solid.coarse and self.solid.coarse.fine or self.solid.grid
   local moved = reference.fine_displacement
@@ -103,7 +103,7 @@ end
 --- materials; other options as of grid:picture}.
 function result:picture(path, given)
   if given ~= nil and type(given) ~= "table" then
-    core.raise(("picture: a table of options expected, got %s"):format(type(given)))
+    core.raise(("picture: a table of options expected, got %s"):format(core.got(given)))
   end
   local opts = {}
   for key, value in pairs(given or {}) do opts[key] = value end

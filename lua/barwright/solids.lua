@@ -25,7 +25,7 @@ solid.__name = "barwright.solid"
 
 local function check_self(where, self)
   if getmetatable(self) ~= solid then
-    raise(("%s: a solid expected, got %s: call it as solid:%s(...)"):format(where, type(self), where))
+    raise(("%s: a solid expected, got %s: call it as solid:%s(...)"):format(where, core.got(self), where))
   end
 end
 
@@ -138,7 +138,7 @@ function solid:fix(where, by)
     end
     if not (by[1] or by[2] or by[3]) then raise "hold: {false, false, false} holds nothing" end
   elseif type(by) ~= "function" then
-    raise(("hold: {x, y, z} or a function of x, y, z expected, got %s"):format(type(by)))
+    raise(("hold: {x, y, z} or a function of x, y, z expected, got %s"):format(core.got(by)))
   end
   return add(self, {kind = type(by) == "table" and "fix" or "move", by = by}, where)
 end
@@ -189,7 +189,7 @@ function solid:pressure(on, given)
   local kind = type(opts.pressure)
   if kind ~= "number" and kind ~= "function" and kind ~= "table" and not is_array(opts.pressure) then
     raise(("pressure: a number, a list or a function of x, y, z expected, got %s"):format(
-      options.kind(opts.pressure)))
+      core.got(opts.pressure)))
   end
   if kind == "number" and not finite(opts.pressure) then raise "pressure: a finite number expected" end
   if not surface then
@@ -478,7 +478,7 @@ end
 function solid:motion(given)
   check_self("motion", self)
   if given ~= nil and type(given) ~= "table" then
-    raise(("motion: a table of options expected, got %s"):format(type(given)))
+    raise(("motion: a table of options expected, got %s"):format(core.got(given)))
   end
   local opts = {}
   for key, value in pairs(given or {}) do opts[key] = value end
@@ -540,7 +540,7 @@ end
 function solid:solve_coarse(given)
   check_self("solve_coarse", self)
   if type(given) ~= "table" then
-    raise(("solve_coarse: a table of options expected, got %s"):format(type(given)))
+    raise(("solve_coarse: a table of options expected, got %s"):format(core.got(given)))
   end
   local opts = {}
   for key, value in pairs(given) do opts[key] = value end

@@ -278,7 +278,7 @@ local function check_region(self, i, where)
   check_open(self, where)
   i = i or self.region
   if math.type(i) ~= "integer" or i < 1 or i > #self.regions then
-    raise(("%s: a region from 1 to %d expected, got %s"):format(where, #self.regions, tostring(i)))
+    raise(("%s: a region from 1 to %d expected, got %s"):format(where, #self.regions, core.got(i)))
   end
   return i
 end
@@ -289,7 +289,7 @@ function worst_case:extend(utilisation)
   check_open(self, "extend")
   if not self.search then raise "extend: a worst case with the option 'length' expected" end
   if type(utilisation) ~= "number" or utilisation <= 0 then
-    raise(("extend: utilisation: a number above 0 expected, got %s"):format(tostring(utilisation)))
+    raise(("extend: utilisation: a number above 0 expected, got %s"):format(core.got(utilisation)))
   end
   local found, message, details = patch_search.extend(self.search, utilisation)
   if not found then return nil, message, details end

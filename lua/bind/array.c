@@ -12,7 +12,7 @@ const bw_array *lbw_check_array(lua_State *L, int argument, const char *what) {
   if (!array)
     lbw_argument_error(
         L, argument,
-        lua_pushfstring(L, "%s: an array expected, got %s", what, lbw_type_name(L, argument)));
+        lua_pushfstring(L, "%s: an array expected, got %s", what, lbw_got(L, argument)));
   return array;
 }
 
@@ -480,7 +480,7 @@ static void *to_packed(lua_State *L, int index, const char *what, bw_type type, 
   } else if (lua_istable(L, index))
     table_shape(L, index, rows, &width);
   else
-    lbw_error(L, "%s: an array or a table of rows expected, got %s", what, lbw_type_name(L, index));
+    lbw_error(L, "%s: an array or a table of rows expected, got %s", what, lbw_got(L, index));
   if (columns > 0 && width != columns && *rows > 0)
     lbw_error(L, "%s: rows of %I numbers expected, got %I", what, (LUAI_UACINT)columns,
               (LUAI_UACINT)width);
@@ -521,7 +521,7 @@ int32_t *lbw_to_indices(lua_State *L, int index, const char *what, int64_t colum
 uint8_t *lbw_to_mask(lua_State *L, int index, const char *what, int64_t count) {
   const bw_array *array = (const bw_array *)lbw_test(L, index, &lbw_array_class);
   if (!array || array->columns != 1)
-    lbw_error(L, "%s: an array of one column expected, got %s", what, lbw_type_name(L, index));
+    lbw_error(L, "%s: an array of one column expected, got %s", what, lbw_got(L, index));
   else if (array->rows != count)
     lbw_error(L, "%s: %I rows expected, got %I", what, (LUAI_UACINT)count,
               (LUAI_UACINT)array->rows);

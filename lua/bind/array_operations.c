@@ -301,7 +301,7 @@ static int map(lua_State *L, int formula, int table, const bw_array *array) {
             .name = name, .type = BW_F64, .rows = -1, .columns = 1, .data = &number[count]};
       } else
         return lbw_error(L, "map: variable '%s': an array or a number expected, got %s", name,
-                         lbw_type_name(L, -1));
+                         lbw_got(L, -1));
       count++;
       lua_pushvalue(L, -2); /* the value stays below, the key goes on */
       lua_remove(L, -3);

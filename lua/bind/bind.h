@@ -140,6 +140,9 @@ const void *lbw_check(lua_State *L, int argument, const lbw_class *class);
 const void *lbw_test(lua_State *L, int index, const lbw_class *class);
 /* "mesh", "surface", ... or Lua's type name. */
 const char *lbw_type_name(lua_State *L, int index);
+/* What a message says was found: a number or boolean as it is, "string 'abc'", "array of 3 x 2",
+ * else the class or type. Left on the stack. */
+const char *lbw_got(lua_State *L, int index);
 /* Runs `compute` once per box and key; the value is kept with the box. Called from a property. */
 int lbw_cached(lua_State *L, const char *key, lua_CFunction compute);
 
@@ -157,8 +160,10 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
  * instead of luaL_error, luaL_argerror, luaL_checkinteger and the like. */
 int lbw_error(lua_State *L, const char *format, ...);
 int lbw_argument_error(lua_State *L, int argument, const char *text);
+/* As lbw_argument_error, with what was found where the text ends with "expected". */
+int lbw_argument_refused(lua_State *L, int argument, const char *text);
 #define lbw_argument_check(L, condition, argument, text)                                           \
-  ((void)((condition) || lbw_argument_error(L, argument, text)))
+  ((void)((condition) || lbw_argument_refused(L, argument, text)))
 void lbw_check_type(lua_State *L, int argument, int type);
 const char *lbw_check_text(lua_State *L, int argument, size_t *length); /* length: may be NULL */
 lua_Integer lbw_check_integer(lua_State *L, int argument);

@@ -32,7 +32,7 @@ void lbw_check_vector(lua_State *L, int argument, const char *what, double vecto
   if (!lbw_to_vector(L, argument, vector))
     lbw_argument_error(L, argument,
                        lua_pushfstring(L, "%s: three finite numbers {x, y, z} expected, got %s",
-                                       what, lbw_type_name(L, argument)));
+                                       what, lbw_got(L, argument)));
 }
 
 void lbw_push_vector(lua_State *L, const double vector[3]) {
@@ -47,10 +47,12 @@ double lbw_check_real(lua_State *L, int argument, const char *what) {
   if (lua_type(L, argument) != LUA_TNUMBER)
     lbw_argument_error(
         L, argument,
-        lua_pushfstring(L, "%s: a number expected, got %s", what, lbw_type_name(L, argument)));
+        lua_pushfstring(L, "%s: a number expected, got %s", what, lbw_got(L, argument)));
   double value = lua_tonumber(L, argument);
   if (!isfinite(value))
-    lbw_argument_error(L, argument, lua_pushfstring(L, "%s: a finite number expected", what));
+    lbw_argument_error(
+        L, argument,
+        lua_pushfstring(L, "%s: a finite number expected, got %s", what, lbw_got(L, argument)));
   return value;
 }
 
@@ -59,7 +61,7 @@ int64_t lbw_check_index(lua_State *L, int argument, const char *what, int64_t co
   lua_Integer value =
       lua_type(L, argument) == LUA_TNUMBER ? lua_tointegerx(L, argument, &is_integer) : 0;
   if (!is_integer || value < 1 || value > count) { /* often a table's field: no argument number */
-    const char *got = luaL_tolstring(L, argument, NULL);
+    const char *got = lbw_got(L, argument);
     lbw_error(L, "%s: a number from 1 to %I expected, got %s", what, (LUAI_UACINT)count, got);
   }
   return value - 1;
@@ -75,7 +77,7 @@ int lbw_check_axis(lua_State *L, int argument) {
     if (axis >= 1 && axis <= 3)
       return (int)axis - 1;
   }
-  return lbw_argument_error(L, argument, "an axis expected: 1, 2, 3 or \"x\", \"y\", \"z\"");
+  return lbw_argument_refused(L, argument, "an axis, 1, 2, 3 or \"x\", \"y\", \"z\", expected");
 }
 
 void lbw_check_matrix(lua_State *L, int argument, const char *what, int rows, int columns,
@@ -91,7 +93,7 @@ void lbw_check_matrix(lua_State *L, int argument, const char *what, int rows, in
   } else {
     lbw_argument_error(L, argument,
                        lua_pushfstring(L, "%s: %d rows of %d numbers expected, got %s", what, rows,
-                                       columns, lbw_type_name(L, argument)));
+                                       columns, lbw_got(L, argument)));
   }
   if (count != rows)
     lbw_error(L, "%s: %d rows of %d numbers expected", what, rows, columns);
@@ -104,8 +106,7 @@ int lbw_option_error(lua_State *L, const char *function, const char *key, const 
 }
 
 static void wrong_type(lua_State *L, const char *function, const char *key, const char *expected) {
-  lbw_error(L, "%s: option '%s': %s expected, got %s", function, key, expected,
-            lbw_type_name(L, -1));
+  lbw_error(L, "%s: option '%s': %s expected, got %s", function, key, expected, lbw_got(L, -1));
 }
 
 /* The value is on the top of the stack. */
@@ -131,7 +132,7 @@ static void read_option(lua_State *L, const char *function, const lbw_option *op
     break;
   case LBW_COUNT:
     if (!is_integer || integer < 0)
-      wrong_type(L, function, option->key, "a whole number, 0 or more,");
+      wrong_type(L, function, option->key, "a whole number of at least 0");
     *(int64_t *)place = integer;
     break;
   case LBW_SEED:
@@ -150,7 +151,7 @@ static void read_option(lua_State *L, const char *function, const lbw_option *op
 
 static void unknown_option(lua_State *L, const char *function, const lbw_option *options) {
   if (lua_type(L, -2) != LUA_TSTRING)
-    lbw_error(L, "%s: options are named: {name = value}, found a value at %s", function,
+    lbw_error(L, "%s: named options expected, {name = value}, got a value at %s", function,
               luaL_tolstring(L, -2, NULL));
   const char *name[64];
   size_t count = 0;
@@ -166,7 +167,7 @@ void lbw_options(lua_State *L, int index, const char *function, const lbw_option
   if (lua_isnoneornil(L, index))
     return;
   if (!lua_istable(L, index))
-    lbw_error(L, "%s: a table of options expected, got %s", function, lbw_type_name(L, index));
+    lbw_error(L, "%s: a table of options expected, got %s", function, lbw_got(L, index));
   index = lua_absindex(L, index);
   for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
     const lbw_option *option = options;

@@ -78,7 +78,7 @@ static void read_value(lua_State *L, const char *what, lbw_conditions *all, int3
     break;
   default:
     lbw_error(L, "%s: a number, a formula in x, y, t, or a function of them expected, got %s", what,
-              lbw_type_name(L, -1));
+              lbw_got(L, -1));
   }
   c->data = v;
   lua_pop(L, 1);

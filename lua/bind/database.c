@@ -83,7 +83,7 @@ static int prepare(lua_State *L, call *c) {
     int type = lua_type(L, FIRST_PARAMETER + i);
     if (type != LUA_TNIL && type != LUA_TNUMBER && type != LUA_TBOOLEAN && type != LUA_TSTRING)
       return lbw_error(L, "parameter %d: nil, a number, a boolean or a text expected, got %s",
-                       i + 1, lbw_type_name(L, FIRST_PARAMETER + i));
+                       i + 1, lbw_got(L, FIRST_PARAMETER + i));
   }
   bw_context *context = lbw_enter(L);
   bw_status status = bw_database_prepare(context, c->database, sql, &c->statement);

@@ -43,7 +43,7 @@ lbw_field *lbw_field_read(lua_State *L, int index, const char *what) {
     break;
   default:
     lbw_error(L, "%s: a function of x, y, z, a formula in them, or a number expected, got %s", what,
-              lbw_type_name(L, index));
+              lbw_got(L, index));
   }
   return field;
 }
@@ -192,7 +192,7 @@ bw_field *lbw_fields(lua_State *L, int index, const char *function, int64_t node
     return field;
   if (!lua_istable(L, index))
     lbw_error(L, "%s: fields: a table {name = array} expected, got %s", function,
-              lbw_type_name(L, index));
+              lbw_got(L, index));
   for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
     if (lua_type(L, -2) != LUA_TSTRING)
       lbw_error(L, "%s: fields are named: {name = array}", function);
@@ -205,8 +205,7 @@ bw_field *lbw_fields(lua_State *L, int index, const char *function, int64_t node
     }
     const bw_array *array = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
     if (!array)
-      lbw_error(L, "%s: field '%s': an array expected, got %s", function, name,
-                lbw_type_name(L, -1));
+      lbw_error(L, "%s: field '%s': an array expected, got %s", function, name, lbw_got(L, -1));
     if (place < 0)
       place = array->rows == nodes ? 0 : 1;
     if (array->rows != (place ? elements : nodes))

@@ -251,7 +251,7 @@ static int flow_frequency(lua_State *L) {
   double *signal = (double *)lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *signal, 0);
   for (lua_Integer i = 0; i < count; i++) {
     if (lua_rawgeti(L, 1, i + 1) != LUA_TNUMBER)
-      lbw_error(L, "a signal is a list of numbers; number %I is a %s", i + 1, lbw_type_name(L, -1));
+      lbw_error(L, "a signal: entry %I: a number expected, got %s", i + 1, lbw_got(L, -1));
     signal[i] = lua_tonumber(L, -1);
     lua_pop(L, 1);
   }

@@ -140,7 +140,7 @@ static int picture_grids(lua_State *L) {
   for (size_t i = 0; i < count; i++) {
     if (lua_rawgeti(L, 2, (lua_Integer)i + 1) != LUA_TTABLE)
       return lbw_error(L, "grid.picture: panel %d: {grid =, title =} expected, got %s", (int)i + 1,
-                       lbw_type_name(L, -1));
+                       lbw_got(L, -1));
     int index = lua_gettop(L);
     lbw_options(L, index, "grid.picture: panel", keys, NULL);
     lbw_option_get(L, index, "grid");
@@ -172,7 +172,7 @@ static int animation(lua_State *L) {
   for (int i = 0; i < count; i++) {
     if (lua_rawgeti(L, 2, i + 1) != LUA_TSTRING)
       return lbw_error(L, "animation: picture %d: the path of a PNG file expected, got %s", i + 1,
-                       lbw_type_name(L, -1));
+                       lbw_got(L, -1));
     png[i] = lua_tostring(L, -1); /* held by the list */
     lua_pop(L, 1);
   }

@@ -168,7 +168,7 @@ static int core_wait(lua_State *L) {
     lua_rawgeti(L, 1, (lua_Integer)i + 1);
     jobs[i] = (bw_job *)lbw_test(L, -1, &lbw_job_class);
     if (!jobs[i])
-      return lbw_error(L, "wait: a list of open jobs expected, got %s at %d", lbw_type_name(L, -1),
+      return lbw_error(L, "wait: a list of open jobs expected, got %s at %d", lbw_got(L, -1),
                        (int)i + 1);
     lua_pop(L, 1);
   }

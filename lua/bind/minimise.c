@@ -43,7 +43,7 @@ static int call(lua_State *L) {
   }
   lua_call(L, 1, 2);
   if (lua_type(L, 2) != LUA_TNUMBER)
-    return number_expected(L, lbw_type_name(L, 2), a->which);
+    return number_expected(L, lbw_got(L, 2), a->which);
   *a->value = lua_tonumber(L, 2);
   if (!a->gradient)
     return 0;

@@ -34,13 +34,12 @@ static int model_new(lua_State *L) {
   lbw_option_get(L, 1, "mesh");
   const bw_mesh *mesh = (const bw_mesh *)lbw_test(L, -1, &lbw_mesh_class);
   if (!mesh)
-    return lbw_error(L, "model: option 'mesh': an open mesh expected, got %s",
-                     lbw_type_name(L, -1));
+    return lbw_error(L, "model: option 'mesh': an open mesh expected, got %s", lbw_got(L, -1));
   lbw_option_get(L, 1, "material");
   const bw_material *material = (const bw_material *)lbw_test(L, -1, &lbw_material_class);
   if (!material)
     return lbw_error(L, "model: option 'material': an open material expected, got %s",
-                     lbw_type_name(L, -1));
+                     lbw_got(L, -1));
   bw_formulation formulation = (bw_formulation)lbw_word_option(
       L, 1, "model", "formulation", formulations, (int)material->formulation);
   lbw_box *box = lbw_box_new(L, &lbw_model_class);
@@ -178,8 +177,7 @@ static int model_load(lua_State *L) {
   lbw_option_get(L, 2, "on");
   const bw_selection *on = (const bw_selection *)lbw_test(L, -1, &lbw_selection_class);
   if (!on)
-    return lbw_error(L, "load: option 'on': an open selection expected, got %s",
-                     lbw_type_name(L, -1));
+    return lbw_error(L, "load: option 'on': an open selection expected, got %s", lbw_got(L, -1));
   bw_context *context = lbw_enter(L);
   bw_status status;
   if (kind == PRESSURE)

@@ -26,7 +26,7 @@ static void check_pair(lua_State *L, int index, const char *what, double pair[2]
     lua_pop(L, 1);
   }
   if (!fine)
-    lbw_error(L, "%s: two finite numbers {x, y} expected, got %s", what, lbw_type_name(L, index));
+    lbw_error(L, "%s: two finite numbers {x, y} expected, got %s", what, lbw_got(L, index));
 }
 
 static int32_t check_loop(lua_State *L, int index, const bw_outline *outline) {
@@ -61,7 +61,7 @@ static void copy_name(lua_State *L, int index, const char *what, bw_name *name) 
   const char *text = lua_type(L, index) == LUA_TSTRING ? lua_tolstring(L, index, &length) : NULL;
   if (!text || length >= BW_NAME || strlen(text) != length)
     lbw_error(L, "%s: a name of at most %d bytes, without zeros, expected, got %s", what,
-              BW_NAME - 1, lbw_type_name(L, index));
+              BW_NAME - 1, lbw_got(L, index));
   memset(name, 0, sizeof *name);
   memcpy(name->text, text, length);
 }

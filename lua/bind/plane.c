@@ -25,7 +25,7 @@ static void check_pair(lua_State *L, int index, const char *what, double pair[2]
     lua_pop(L, 1);
   }
   if (!fine)
-    lbw_error(L, "%s: two finite numbers {x, y} expected, got %s", what, lbw_type_name(L, index));
+    lbw_error(L, "%s: two finite numbers {x, y} expected, got %s", what, lbw_got(L, index));
 }
 
 /* ---- making ---------------------------------------------------------------------------------- */

@@ -60,11 +60,55 @@ int lbw_argument_error(lua_State *L, int argument, const char *text) {
   return lbw_error(L, "bad argument #%d to '%s' (%s)", argument, name, text);
 }
 
+static const char *got_string(lua_State *L, int index) {
+  enum { SHOWN = 40 };
+  size_t length, shown = 0;
+  const char *text = lua_tolstring(L, index, &length);
+  char copy[SHOWN + 1];
+  for (; shown < length && shown < SHOWN; shown++)
+    copy[shown] = (unsigned char)text[shown] < ' ' ? '?' : text[shown];
+  if (shown < length) /* no part of a character at the end */
+    while (shown > 0 && ((unsigned char)text[shown] & 0xc0) == 0x80)
+      shown--;
+  copy[shown] = 0;
+  return lua_pushfstring(L, "string '%s%s'", copy, shown < length ? "..." : "");
+}
+
+const char *lbw_got(lua_State *L, int index) {
+  index = lua_absindex(L, index);
+  switch (lua_type(L, index)) {
+  case LUA_TNONE:
+    return lua_pushliteral(L, "no value");
+  case LUA_TNUMBER:
+    lua_pushvalue(L, index);
+    return lua_tostring(L, -1);
+  case LUA_TBOOLEAN:
+    return lua_pushstring(L, lua_toboolean(L, index) ? "true" : "false");
+  case LUA_TSTRING:
+    return got_string(L, index);
+  default: {
+    const bw_array *array = (const bw_array *)lbw_test(L, index, &lbw_array_class);
+    return array ? lua_pushfstring(L, "array of %I x %I", (LUAI_UACINT)array->rows,
+                                   (LUAI_UACINT)array->columns)
+                 : lua_pushstring(L, lbw_type_name(L, index));
+  }
+  }
+}
+
+int lbw_argument_refused(lua_State *L, int argument, const char *text) {
+  static const char word[] = "expected";
+  const size_t length = strlen(text), end = sizeof word - 1;
+  const int type = lua_type(L, argument);
+  const bool tells = type != LUA_TTABLE && type != LUA_TFUNCTION &&
+                     (type != LUA_TUSERDATA || lbw_test(L, argument, &lbw_array_class));
+  if (tells && length >= end && strcmp(text + length - end, word) == 0)
+    text = lua_pushfstring(L, "%s, got %s", text, lbw_got(L, argument));
+  return lbw_argument_error(L, argument, text);
+}
+
 static int type_error(lua_State *L, int argument, const char *expected) {
   return lbw_argument_error(
-      L, argument,
-      lua_pushfstring(L, "%s expected, got %s", expected,
-                      lua_isnone(L, argument) ? "no value" : lbw_type_name(L, argument)));
+      L, argument, lua_pushfstring(L, "%s expected, got %s", expected, lbw_got(L, argument)));
 }
 
 void lbw_check_type(lua_State *L, int argument, int type) {
@@ -126,6 +170,12 @@ static int core_raise(lua_State *L) {
   return lbw_error(L, "%s", lbw_check_text(L, 1, NULL));
 }
 
+/* got(value): what a message says was found */
+static int core_got(lua_State *L) {
+  lbw_got(L, 1);
+  return 1;
+}
+
 /* library(): the folder of the file that calls holds the library */
 static int core_library(lua_State *L) {
   lua_Debug at;
@@ -145,6 +195,6 @@ static int core_library(lua_State *L) {
 
 void lbw_open_raise(lua_State *L) {
   static const luaL_Reg functions[] = {
-      {"raise", core_raise}, {"library", core_library}, {NULL, NULL}};
+      {"raise", core_raise}, {"got", core_got}, {"library", core_library}, {NULL, NULL}};
   luaL_setfuncs(L, functions, 0);
 }

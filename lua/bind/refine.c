@@ -21,7 +21,7 @@ static const bw_selection **read_selections(lua_State *L, int index, int *count)
     list[i] = (const bw_selection *)lbw_test(L, -1, &lbw_selection_class);
     if (!list[i])
       lbw_error(L, "refined: option 'also': item %d: an open selection expected, got %s", i + 1,
-                lbw_type_name(L, -1));
+                lbw_got(L, -1));
     lua_pop(L, 1);
   }
   return list;
@@ -63,7 +63,7 @@ static int model_refined(lua_State *L) {
     surface = (const bw_surface *)lbw_test(L, -1, &lbw_surface_class);
     if (!surface)
       return lbw_error(L, "refined: option 'surface': an open surface expected, got %s",
-                       lbw_type_name(L, -1));
+                       lbw_got(L, -1));
   }
   if (lbw_option_get(L, 3, "also") != LUA_TNIL)
     also = read_selections(L, lua_gettop(L), &also_count);

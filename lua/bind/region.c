@@ -100,7 +100,7 @@ void lbw_read_region(lua_State *L, int index, const char *function, lbw_region *
     lbw_error(L,
               "%s: a region expected: {low =, high =}, {centre =, radius =}, {side = \"low x\"}, a "
               "function of x, y, z, a formula, or a surface, got %s",
-              function, lbw_type_name(L, index));
+              function, lbw_got(L, index));
 }
 
 bw_status lbw_region_cells(bw_context *context, const bw_grid *grid, const lbw_region *region,

@@ -27,7 +27,7 @@ static bw_sheet_section *read_sections(lua_State *L, int index, int32_t *count) 
     lua_getfield(L, -1, "material");
     section[i].material = (const bw_material *)lbw_test(L, -1, &lbw_material_class);
     if (!section[i].material)
-      lbw_error(L, "sheet: a material expected, got %s", lbw_type_name(L, -1));
+      lbw_error(L, "sheet: a material expected, got %s", lbw_got(L, -1));
     lua_getfield(L, -2, "thickness");
     section[i].thickness = lua_tonumber(L, -1);
     lua_getfield(L, -3, "strain");

@@ -45,7 +45,7 @@ static void copy_name(lua_State *L, int index, const char *what, bw_name *name) 
   size_t length = 0;
   const char *text = lua_type(L, index) == LUA_TSTRING ? lua_tolstring(L, index, &length) : NULL;
   if (!text)
-    lbw_error(L, "%s: a name expected, got %s", what, lbw_type_name(L, index));
+    lbw_error(L, "%s: a name expected, got %s", what, lbw_got(L, index));
   if (length >= sizeof name->text || strlen(text) != length)
     lbw_error(L, "%s: a name of at most %d bytes, without zeros, expected", what,
               (int)sizeof name->text - 1);

@@ -63,7 +63,7 @@ bw_material_table *lbw_read_material_table(lua_State *L, int index, const char *
   index = lua_absindex(L, index);
   if (!lua_istable(L, index))
     lbw_error(L, "%s: materials: a list of materials expected, got %s", function,
-              lbw_type_name(L, index));
+              lbw_got(L, index));
   size_t count = lua_rawlen(L, index);
   const bw_solid_material **material =
       (const bw_solid_material **)lua_newuserdatauv(L, (count + 1) * sizeof *material, 0);
@@ -72,7 +72,7 @@ bw_material_table *lbw_read_material_table(lua_State *L, int index, const char *
     material[i] = (const bw_solid_material *)lbw_test(L, -1, &lbw_solid_material_class);
     if (!material[i])
       lbw_error(L, "%s: materials: number %d is %s, a hyperelastic material expected", function,
-                (int)i + 1, lbw_type_name(L, -1));
+                (int)i + 1, lbw_got(L, -1));
     lua_pop(L, 1); /* the list keeps it alive */
   }
   lbw_box *box = lbw_box_new(L, &lbw_material_table_class);

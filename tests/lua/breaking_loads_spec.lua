@@ -69,7 +69,7 @@ describe("the breaking force of a held bar", function()
     end
     fails("invalid", "the whole surface is constrained", {fix = function(of) return of.boundary end})
     fails("empty", "'forbidden' selects nothing", {forbidden = function() return {} end})
-    raises("no surface is left on which pressure may act", {forbidden = function(of) return of.boundary end})
+    raises("no admissible surface is left for pressures", {forbidden = function(of) return of.boundary end})
     fails("odd", "nothing there", {fix = function() return nil, "nothing there", {status = "odd"} end})
     check.raises("my own mistake", bw.breaking_force, mesh, {material = bw.material.pla,
       fix = function() error "my own mistake" end})
@@ -98,9 +98,9 @@ describe("barwright worst", function()
     for options, what in pairs {
       ["--fix nowhere"] = "option --fix: 'nowhere' is no place",
       ["--forbid near:1"] = "option --forbid: 'near:1'",
-      ["--fix near:1,1,1m:1mm"] = "holds no boundary node",
+      ["--fix near:1,1,1m:1mm"] = "selects no boundary node",
       ["--fix all"] = "the whole surface is constrained",
-      ["--forbid all"] = "no surface is left on which pressure may act",
+      ["--forbid all"] = "no admissible surface is left for pressures",
       ["--hands 1"] = "option --hands: a part without supports moves freely",
       ["--hands 0"] = "--hands", ["--friction -0.1"] = "--friction",
     } do

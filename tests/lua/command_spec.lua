@@ -981,7 +981,7 @@ describe("commands that compute", function()
       ["strengthen --force 5 --keep lwo:z --out x.stl " .. beam] = "'lwo:z' is no place",
       ["strengthen --force 5 --out x.stl " .. folder .. "plate.svg"] = "a drawing is flat",
       ["worst " .. folder .. "plate.svg"] = "a drawing is flat",
-      ["statics --fix near:9,9,9m:1mm --gravity 0,0,1 " .. beam] = "holds no boundary node",
+      ["statics --fix near:9,9,9m:1mm --gravity 0,0,1 " .. beam] = "selects no boundary node",
       ["worst --material zp150 --young 1GPa " .. beam] = "differs with the direction",
     } do
       local status, _, err = answer(words)
@@ -999,7 +999,7 @@ describe("commands that compute", function()
     end
     for words, text in pairs {
       ["modes --fix near:0,0,0:1mm " .. beam] = "near:0,0,0:1mm: a fixed support acts on area",
-      ["modes --fix near:9,9,9m:1mm " .. beam] = "holds no boundary node",
+      ["modes --fix near:9,9,9m:1mm " .. beam] = "selects no boundary node",
       ["convert " .. folder .. "sound.stl " .. folder .. "x.dxf"] = "not as a drawing",
       ["convert " .. folder .. "sound.stl " .. folder .. "x.xyz"] = "ending .xyz is not known",
       ["convert " .. folder .. "plate.svg " .. folder .. "x.stl"] = "a drawing can be written as",

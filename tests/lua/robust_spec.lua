@@ -99,7 +99,7 @@ describe("wrong input", function()
   end)
 
   it("of impossible sizes is refused with the file's name", function()
-    refused("huge.off: the box of the surface", cubes({{0, 0, 0, 1e200}}, "huge.off"))
+    refused("huge.off: the bounding box of the surface", cubes({{0, 0, 0, 1e200}}, "huge.off"))
     refused("tiny.off: a surface of 12 facets in a box", cubes({{0, 0, 0, 1e-200}}, "tiny.off"))
   end)
 

@@ -163,7 +163,7 @@ describe("a solid", function()
     end
     check.fails("unconstrained", "along", column():contact_plane({point = {0, 0, 0}, normal = {0, 0, 1}}):gravity(
       {0, 0, -9.81}):solve())
-    check.raises("density is not known", function()
+    check.raises("needs the density", function()
       standing({bw.hyperelastic {young = 1, poisson = 0}}):gravity({0, 0, -1}):solve()
     end)
   end)

@@ -159,7 +159,7 @@ describe("a file", function()
       check.write(bad, damaged or ("\xff"):rep(4096) .. check.read(folder .. "/new1.study"):sub(4097))
       local saved = assert(bw.study.salvage(bad, new))
       assert.is_true(saved.relisted, i)
-      assert.truthy(tostring(saved):find "list of tables was damaged")
+      assert.truthy(tostring(saved):find "list of tables is damaged")
       local trials = assert(study(new, 300):trials())
       assert.equal(300, #trials)
       for k, trial in ipairs(trials) do

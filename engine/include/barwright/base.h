@@ -72,7 +72,9 @@ BW_API void bw_context_destroy(bw_context *context);
  * The message names what was expected and what to do. May be called inside bw_parallel bodies. */
 BW_API bw_status bw_fail(bw_context *context, bw_status status, const char *format, ...)
     BW_PRINTF(3, 4);
-/* Attach a number or a text to the last failure ("line", "byte", "element", "file", ...). */
+/* Attach a number or a text to the last failure ("line", "byte", "element", "file", ...). Numbers
+ * of nodes, elements and the like count from 1 in details, as in messages; those of the C interface
+ * from 0. */
 BW_API void bw_detail_number(bw_context *context, const char *key, double value);
 BW_API void bw_detail_text(bw_context *context, const char *key, const char *value);
 /* The sentence of the last failure; "" when there was none. Valid until the next failure. */

@@ -39,7 +39,7 @@ local function numbered(where, given)
   end
   local count = 0
   if type(given.values) ~= "table" then
-    raise(("%s: values: a list of names expected, got %s"):format(where, type(given.values)))
+    raise(("%s: values: a list of names expected, got %s"):format(where, core.got(given.values)))
   end
   for i in pairs(given.values) do
     if math.type(i) == "integer" and i > count then count = i end
@@ -114,7 +114,7 @@ function columns.chosen(where, what, given, count)
   local out = {}
   for _, i in ipairs(given and data.list(where, what, given) or {}) do
     if math.type(i) ~= "integer" or i < 1 or i > count then
-      raise(("%s: %s: places from 1 to %d expected, got %s"):format(where, what, count, tostring(i)))
+      raise(("%s: %s: places from 1 to %d expected, got %s"):format(where, what, count, core.got(i)))
     end
     out[i] = true
   end

@@ -29,7 +29,7 @@ function data.numbers(where, what, given, count)
     given = given:totable()
   end
   if type(given) ~= "table" then
-    raise(("%s: %s: a list of numbers expected, got %s"):format(where, what, type(given)))
+    raise(("%s: %s: a list of numbers expected, got %s"):format(where, what, core.got(given)))
   end
   if not options.countable(given) then
     raise(("%s: %s: a list of numbers expected, got a table without a length"):format(where, what))
@@ -43,7 +43,7 @@ function data.numbers(where, what, given, count)
     local value = given[i]
     if type(value) == "table" and options.countable(value) and #value == 1 then value = value[1] end
     if value ~= nil and value ~= false and math.type(value) == nil then
-      raise(("%s: %s: entry %d: a number expected, got %s"):format(where, what, i, type(value)))
+      raise(("%s: %s: entry %d: a number expected, got %s"):format(where, what, i, core.got(value)))
     end
     out[i] = data.finite(value) and (math.abs(value) < smallest and 0.0 or value) or 0 / 0
   end
@@ -61,7 +61,7 @@ end
 function data.texts(where, what, given, count)
   if given == nil then return nil end
   if type(given) ~= "table" then
-    raise(("%s: %s: a list of texts expected, got %s"):format(where, what, type(given)))
+    raise(("%s: %s: a list of texts expected, got %s"):format(where, what, core.got(given)))
   end
   local out = {}
   for i = 1, count do
@@ -74,7 +74,7 @@ end
 --- A list that is a table with something in it.
 function data.list(where, what, given)
   if type(given) ~= "table" then
-    raise(("%s: %s: a list expected, got %s"):format(where, what, type(given)))
+    raise(("%s: %s: a list expected, got %s"):format(where, what, core.got(given)))
   end
   if not options.countable(given) then
     raise(("%s: %s: a list expected, got a table without a length"):format(where, what))
@@ -84,7 +84,7 @@ end
 
 function data.colour(where, given)
   if given ~= nil and not palette.is_colour(given) then
-    raise(("%s: colour: \"#rrggbb\" or \"#rrggbbaa\" expected, got %s"):format(where, tostring(given)))
+    raise(("%s: colour: \"#rrggbb\" or \"#rrggbbaa\" expected, got %s"):format(where, core.got(given)))
   end
   return given
 end

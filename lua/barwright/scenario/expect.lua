@@ -80,7 +80,7 @@ end
 
 local function checked_bound(form, bound)
   if type(bound) ~= "number" or bound ~= bound then
-    raise(("%s: a number as the bound expected, got %s"):format(form, tostring(bound)))
+    raise(("%s: a number as the bound expected, got %s"):format(form, core.got(bound)))
   end
   return bound
 end
@@ -170,7 +170,7 @@ function methods:near(reference, given)
   if type(reference) ~= "number" then
     if not numbers.flat(reference) then
       raise(("near: a number, an array or a list of numbers as the reference expected, got %s"):format(
-        type(reference)))
+        core.got(reference)))
     end
     return near_list(self, reference, opts)
   end
@@ -254,7 +254,7 @@ function methods:fails_with(status, message, given)
     message = {type = "string"}, raises = {type = "string"}})
   for _, key in ipairs {"status", "message"} do
     if wanted[key] ~= nil and type(wanted[key]) ~= "string" then
-      raise(("fails_with: the %s: a text expected, got %s"):format(key, type(wanted[key])))
+      raise(("fails_with: the %s: a text expected, got %s"):format(key, core.got(wanted[key])))
     end
   end
   local got, fault = outcome(self), nil

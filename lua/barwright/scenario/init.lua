@@ -44,7 +44,7 @@ local function state(title, given, work)
   if type(title) ~= "string" or not title:find "%S" then raise("scenario: a title expected") end
   if title:find "[%c]" then raise("scenario: a title of one line expected") end
   if type(work) ~= "function" then
-    raise(("scenario '%s': a function expected, got %s"):format(title, type(work)))
+    raise(("scenario '%s': a function expected, got %s"):format(title, core.got(work)))
   end
   local opts = options.read("scenario", given, rules)
   if opts.skip ~= nil and type(opts.skip) ~= "boolean" and type(opts.skip) ~= "string" then

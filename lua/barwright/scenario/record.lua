@@ -89,7 +89,7 @@ function methods.table(_, given)
   local rows = json.list {}
   for i, row in ipairs(given.rows) do
     if type(row) ~= "table" then raise(("table: row %d: a list of cells expected, got %s"):format(i,
-      type(row))) end
+      core.got(row))) end
     rows[i] = json.list {}
     for k = 1, #given.heads do rows[i][k] = row[k] == nil and "" or tostring(row[k]) end
   end
@@ -100,7 +100,7 @@ end
 --- modes the number comes in `options.mode`), a figure of bw.plot, or a function of a path.
 function methods.picture_of(_, object, options)
   if type(object) ~= "function" and type(object) ~= "userdata" and type(object) ~= "table" then
-    raise(("picture_of: an object with a picture expected, got %s"):format(type(object)))
+    raise(("picture_of: an object with a picture expected, got %s"):format(core.got(object)))
   end
   table.insert(running.pictures, {object = object, options = options, line = line_of()})
 end

@@ -1,6 +1,8 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Vectors of costs, all to be small: which are beaten by none, ranks of fronts, crowding, hypervolume.
-local raise = require("barwright.core").raise
+local core = require "barwright.core"
+
+local raise = core.raise
 
 local front = {}
 
@@ -132,7 +134,7 @@ local function check_costs(where, list, count)
   for k = 1, count do
     local cost = rawget(list, k)
     if type(cost) ~= "number" or cost ~= cost then
-      raise(("hypervolume: %s: numbers expected, got %s at %d"):format(where, tostring(cost), k))
+      raise(("hypervolume: %s: numbers expected, got %s at %d"):format(where, core.got(cost), k))
     end
   end
 end

@@ -41,7 +41,7 @@ local function levels_of(variable, opts, where)
   end
   if opts ~= nil and (math.type(opts) ~= "integer" or opts < 1) then
     raise(("%s: levels of '%s': a whole number from 1 or a list expected, got %s"):format(where,
-      variable.name, tostring(opts)))
+      variable.name, core.got(opts)))
   end
   return spread(variable, opts, where)
 end

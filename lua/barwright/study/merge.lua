@@ -108,7 +108,7 @@ function merge.into(self, files, given)
   if type(files) ~= "table" or #files == 0 then core.raise "study:merge: a list of files expected" end
   for i, path in ipairs(files) do
     if type(path) ~= "string" then
-      core.raise(("study:merge: file %d: a path expected, got %s"):format(i, type(path)))
+      core.raise(("study:merge: file %d: a path expected, got %s"):format(i, core.got(path)))
     end
   end
   local lock <close>, message, details = core.lock(self.file .. ".lock", 0)

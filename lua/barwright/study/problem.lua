@@ -28,7 +28,7 @@ local constraint_rules = {
 }
 
 local function read_list(where, what, list, rules)
-  if type(list) ~= "table" then raise(("%s: %ss = {...} expected, got %s"):format(where, what, type(list))) end
+  if type(list) ~= "table" then raise(("%s: %ss = {...} expected, got %s"):format(where, what, core.got(list))) end
   local out, named = {}, {}
   for i, given in ipairs(list) do
     if type(given) == "string" then given = {name = given} end

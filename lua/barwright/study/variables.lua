@@ -138,7 +138,7 @@ function class:check(value, where)
     raise(("%s: %s is none of %s"):format(where, tostring(value), table.concat(words, ", ")))
   end
   if type(value) ~= "number" or not finite(value) then
-    raise(("%s: a finite number expected, got %s"):format(where, tostring(value)))
+    raise(("%s: a finite number expected, got %s"):format(where, core.got(value)))
   end
   if self.kind == "integer" then
     local whole = math.tointeger(value)

@@ -58,7 +58,7 @@ static void patches_become_arrows(void **state) {
   check_fails(context, BW_INVALID, "radius",
               bw_resultant_arrows(context, basis, p, -1, &count, &arrow));
   p[3] = INFINITY;
-  check_fails(context, BW_INVALID, "pressure 3",
+  check_fails(context, BW_INVALID, "pressure 4",
               bw_resultant_arrows(context, basis, p, 1, &count, &arrow));
   bw_free(p);
   bw_free(force);

@@ -591,7 +591,7 @@ static void bad_options_are_refused(void **state) {
               bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
   options.pressure = 1;
   f[3] = NAN;
-  check_fails(context, BW_INVALID, "objective 0",
+  check_fails(context, BW_INVALID, "objective 1",
               bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
   bw_release(basis);
   bw_release(mesh);

@@ -79,7 +79,7 @@ static void functional_is_the_integral(void **state) {
       by_stress = -(s[0] + s[1] + s[2]);
       check_near(by_force, by_stress, (kind == 3 ? 0.2 : 1e-10) * fabs(by_stress));
     }
-    check_fails(context, BW_INVALID, "there are 3",
+    check_fails(context, BW_INVALID, "the regions are 1 to",
                 bw_region_objective(context, regions, 3, material, g));
     bw_free(u);
     bw_free(g);
@@ -333,13 +333,13 @@ static void nonsense_is_refused(void **state) {
               bw_weak_regions_find(context, mesh, material, &modes, &options, &regions));
   for (int32_t i = 0; i < 3 * mesh->node_count; i++)
     modes.shape[i] = 0;
-  check_fails(context, BW_EMPTY, "strains",
+  check_fails(context, BW_EMPTY, "has strain energy",
               bw_weak_regions_find(context, mesh, material, &modes, NULL, &regions));
   modes.shape[4] = NAN;
   check_fails(context, BW_INVALID, "not finite",
               bw_weak_regions_find(context, mesh, material, &modes, NULL, &regions));
   const int32_t wrong[1] = {4800};
-  check_fails(context, BW_INVALID, "element 4800",
+  check_fails(context, BW_INVALID, "element 4801",
               bw_weak_regions_single(context, mesh, 1, wrong, 1, &regions));
   check_fails(context, BW_INVALID, "sign",
               bw_weak_regions_single(context, mesh, 1, NULL, 0, &regions));

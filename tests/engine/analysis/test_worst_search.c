@@ -462,10 +462,10 @@ static void failures(void **state) {
   bw_weak_regions *regions = NULL;
   const int32_t element[2] = {3, 1};
   const double stress[12] = {1, 2, 3, 0, 0, 0};
-  check_fails(context, BW_INVALID, "region 1 must be finite and not zero",
+  check_fails(context, BW_INVALID, "region 2 must be finite and not zero",
               bw_weak_regions_directed(context, p.mesh, 2, element, stress, &regions));
   const int32_t far[1] = {100000};
-  check_fails(context, BW_INVALID, "element 100000",
+  check_fails(context, BW_INVALID, "element 100001",
               bw_weak_regions_directed(context, p.mesh, 1, far, stress, &regions));
   bw_worst_bound bound;
   check_fails(context, BW_INVALID, "from 0.001 to 0.5",

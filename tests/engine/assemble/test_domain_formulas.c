@@ -180,9 +180,9 @@ static void derivative(void **state) {
       check_near(y[i], z[i], 1e-13 * size);
     motion[1].reshaped = true;
     check_ok(context, bw_domain_stiffness_update(context, now.s, now.b.rest, motion, NULL));
-    check_fails(context, BW_INVALID, "domain 1 is reshaped",
+    check_fails(context, BW_INVALID, "domain 2 is reshaped",
                 bw_domain_stiffness_derivative(context, now.s, 1, q, x, y));
-    check_fails(context, BW_INVALID, "domain 9",
+    check_fails(context, BW_INVALID, "domain 10",
                 bw_domain_stiffness_derivative(context, now.s, 9, q, x, y));
     free(x), free(y), free(z), free(k);
     session_clear(&now);

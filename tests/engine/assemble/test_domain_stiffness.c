@@ -218,10 +218,10 @@ static void refusals(void **state) {
     assert_memory_equal(now.s->values, before, size);                                              \
     motion[3] = good;                                                                              \
   } while (0)
-  REFUSED(motion[3].linear[4] = 0, BW_INVALID, "map of domain 3 has determinant 0", rest);
+  REFUSED(motion[3].linear[4] = 0, BW_INVALID, "map of domain 4 has determinant 0", rest);
   REFUSED(motion[3].linear[4] = -1, BW_INVALID, "determinant -1", rest);
   REFUSED(motion[3].linear[4] = NAN, BW_INVALID, "not finite", rest);
-  REFUSED(motion[3].frame[4] = 1.1, BW_INVALID, "frame of domain 3 is no rotation", rest);
+  REFUSED(motion[3].frame[4] = 1.1, BW_INVALID, "frame of domain 4 is no rotation", rest);
   REFUSED(motion[3].frame[4] = -1, BW_INVALID, "right-handed", rest);
   bw_mesh *curved = NULL, *linear = NULL;
   double *node = (double *)malloc(sizeof(double) * 3 * (size_t)rest->node_count);
@@ -241,12 +241,12 @@ static void refusals(void **state) {
               bw_domain_stiffness_create(context, now.b.graph, curved, now.material, false, DOMAINS,
                                          now.b.element_domain, now.b.node_domain, &none));
   now.b.element_domain[7] = DOMAINS;
-  check_fails(context, BW_INVALID, "element 7 is said to be in domain 5",
+  check_fails(context, BW_INVALID, "element 8 is in domain 6",
               bw_domain_stiffness_create(context, now.b.graph, rest, now.material, false, DOMAINS,
                                          now.b.element_domain, now.b.node_domain, &none));
   now.b.element_domain[7] = 0;
   now.b.node_domain[5] = -2;
-  check_fails(context, BW_INVALID, "node 5",
+  check_fails(context, BW_INVALID, "node 6",
               bw_domain_stiffness_create(context, now.b.graph, rest, now.material, false, DOMAINS,
                                          now.b.element_domain, now.b.node_domain, &none));
   check_fails(context, BW_INVALID, "at least one",

@@ -187,7 +187,7 @@ static void inverted_elements_are_named(void **state) {
   if (bw_mesh_copy(context, 2, 10, x[0], 1, element, NULL, &mesh) == BW_OK) {
     check_ok(context, bw_graph_create(context, mesh, &g));
     double *values = (double *)malloc(sizeof *values * 9 * (size_t)g->pair_count);
-    check_fails(context, BW_GEOMETRY, "element 0",
+    check_fails(context, BW_GEOMETRY, "element 1",
                 bw_stiffness(context, g, mesh, material, values));
     free(values);
   }

@@ -116,7 +116,7 @@ static void refusals(void **state) {
   check_fails(context, BW_INVALID, "from 1 to 0.43 m along x",
               bw_grid_nodes(context, grid, &r, &node, &count));
   r = (bw_region){.parts = BW_ON_PLANE};
-  check_fails(context, BW_INVALID, "is no direction",
+  check_fails(context, BW_INVALID, "a finite vector that is not 0",
               bw_grid_cells(context, grid, &r, false, &node, &count));
   int32_t material[192];
   double one = 1, half = 1.5;

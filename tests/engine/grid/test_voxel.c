@@ -200,7 +200,7 @@ static void refusals(void **state) {
            bw_surface_copy(context, box->point_count, box->point, 11, box->triangle, NULL, &open));
   check_fails(context, BW_GEOMETRY, "not closed: at 3 of its 18 edges",
               bw_grid_of_surface(context, open, NULL, &grid));
-  check_fails(context, BW_EMPTY, "more than 0.032 of itself",
+  check_fails(context, BW_EMPTY, "volume fraction above 0.032 inside",
               bw_grid_of_surface(context, box, NULL, &grid));
   bw_voxel_options_default(&options);
   options.spacing = 1e-7;

@@ -238,7 +238,7 @@ static void calculix_prescribed(void **state) {
     check_near(u[3 * i + 1], -0.25 * pulled / 2 * mesh->node[3 * i + 1], 1e-6 * fabs(pulled));
   }
   node[0] = 9999;
-  check_fails(context, BW_INVALID, "holds node 9999", bw_inp_write(context, &deck, path));
+  check_fails(context, BW_INVALID, "fixes node 10000", bw_inp_write(context, &deck, path));
   remove_all(stem);
   free(u);
   bw_release(mesh);

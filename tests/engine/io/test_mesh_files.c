@@ -290,7 +290,7 @@ static void inp_text(void **state) {
 
 static void inp_refusals(void **state) {
   refuse(state, "a.inp", "*NODE\n1,0,0,0\n*INCLUDE, INPUT=b.inp\n",
-         "a.inp:3: *INCLUDE: other files are not read in");
+         "a.inp:3: *INCLUDE: included files are not read");
   refuse(state, "a.inp", "*NODE\n1,0,x,0\n", "a.inp:2: found 'x'");
   refuse(state, "a.inp", "*NODE\n1,0,inf,0\n", "a.inp:2: found 'inf'");
   refuse(state, "a.inp", "*NODE\nx,0,0,0\n", "a.inp:2: found 'x' where the number of a node");

@@ -368,9 +368,9 @@ static void wrong_svg_is_refused(void **state) {
        "</svg> where </g> was expected, for the element of line 2", BW_FORMAT},
       {"<svg>\n<g>", "ends inside the element 'g' of line 2", BW_FORMAT},
       {"<html><svg/></html>", "found 'html' where the element svg", BW_FORMAT},
-      {"<svg/>", "there is no curve in it", BW_FORMAT},
-      {"<svg><path d='M1 1'/></svg>", "there is no curve in it", BW_FORMAT},
-      {"<svg><path d='M1 1Z'/></svg>", "there is no curve in it", BW_FORMAT},
+      {"<svg/>", "it contains no curve", BW_FORMAT},
+      {"<svg><path d='M1 1'/></svg>", "it contains no curve", BW_FORMAT},
+      {"<svg><path d='M1 1Z'/></svg>", "it contains no curve", BW_FORMAT},
       {"<svg><path d='M1 1L1 1Z'/></svg>", "its curves have no length", BW_FORMAT},
       {"<svg>\n\n<path d='L1 1'/></svg>", "a.svg:3: found 'L1 1' where the M", BW_FORMAT},
       {"<svg>\n<path\n d='M0 0\nL1 x'/></svg>", "a.svg:4: found 'x' where a number", BW_FORMAT},
@@ -429,7 +429,7 @@ static void wrong_dxf_is_refused(void **state) {
       {"0 LINE|10 0|20 0|11 1|21 0|0 LINE|10 0|20 0|11 0|21 2|0 LINE|10 0|20 0|11 1|21 1|0 LINE|10 "
        "1|20 0|11 1|21 1",
        "more than two curves end at (", BW_GEOMETRY},
-      {"0 TEXT|1 x", "there is no curve", BW_FORMAT},
+      {"0 TEXT|1 x", "contains no curve", BW_FORMAT},
       {"0 EOF", "where an entity or ENDSEC", BW_FORMAT},
       {"x LINE", "found 'x' where a group code", BW_FORMAT},
   };

@@ -250,9 +250,9 @@ static void turned_by_element(void **state) {
     }
   assert_ptr_equal(again->unturned, m);
   assert_true(bw_bytes(turned) > bw_bytes(m));
-  check_fails(context, BW_INVALID, "turned by element already",
+  check_fails(context, BW_INVALID, "has axes by element already",
               bw_material_turned(context, turned, 3, 2, group, turn[0], &one));
-  check_fails(context, BW_INVALID, "said to be turned with group 3",
+  check_fails(context, BW_INVALID, "element 2 is in group 3",
               bw_material_turned(context, m, 3, 2, beyond, turn[0], &one));
   check_fails(context, BW_INVALID, "left-handed",
               bw_material_turned(context, m, 3, 2, group, mirror, &one));

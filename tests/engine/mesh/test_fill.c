@@ -152,7 +152,7 @@ static void test_keep_surface(void **state) {
   options.elements = 1000;
   check_ok(context, bw_mesh_fill(context, ball, &options, &mesh, &log));
   assert_non_null(bw_warning_at(context, 0));
-  assert_non_null(strstr(bw_warning_at(context, 0), "1000 elements were asked for"));
+  assert_non_null(strstr(bw_warning_at(context, 0), "1000 elements were requested"));
   bw_release(mesh);
   bw_release(ball);
 }
@@ -306,7 +306,7 @@ static void test_refine(void **state) {
   assert_true(fine->triangle_count < 20000);
   check_fails(context, BW_LIMIT, "facets",
               bwi_refine_surface(context, cube, &field, 1.0, 500, 0, &none));
-  check_fails(context, BW_LIMIT, "ran out of time",
+  check_fails(context, BW_LIMIT, "reached the time limit",
               bwi_refine_surface(context, cube, &field, 1.0, 100000, 1e-9, &none));
   bw_release(fine);
   bw_release(cube);

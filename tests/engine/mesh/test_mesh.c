@@ -211,12 +211,12 @@ static void test_refusals(void **state) {
   check_fails(context, BW_GEOMETRY, "no elements",
               bw_mesh_copy(context, 1, 6, node[0], 0, good, NULL, &mesh));
   int32_t wild[] = {0, 1, 2, 3, 0, 1, 2, 6}, negative[] = {0, 1, 2, -1};
-  check_fails(context, BW_GEOMETRY, "element 1 names node 6",
+  check_fails(context, BW_GEOMETRY, "element 2 names node 7",
               bw_mesh_copy(context, 1, 6, node[0], 2, wild, NULL, &mesh));
-  check_fails(context, BW_GEOMETRY, "node -1",
+  check_fails(context, BW_GEOMETRY, "node 0",
               bw_mesh_copy(context, 1, 6, node[0], 1, negative, NULL, &mesh));
   int32_t flat[] = {0, 1, 2, 3, 0, 1, 2, 2};
-  check_fails(context, BW_GEOMETRY, "element 1 (nodes 0 1 2 2)",
+  check_fails(context, BW_GEOMETRY, "element 2 (nodes 1 2 3 3)",
               bw_mesh_copy(context, 1, 6, node[0], 2, flat, NULL, &mesh));
   int32_t three[] = {0, 1, 2, 3, 0, 1, 2, 5, 0, 1, 2, 4};
   check_fails(context, BW_GEOMETRY, "third",
@@ -225,7 +225,7 @@ static void test_refusals(void **state) {
   check_fails(context, BW_GEOMETRY, "overlap",
               bw_mesh_copy(context, 1, 6, node[0], 2, overlap, NULL, &mesh));
   node[3][1] = NAN;
-  check_fails(context, BW_GEOMETRY, "node 3",
+  check_fails(context, BW_GEOMETRY, "node 4",
               bw_mesh_copy(context, 1, 6, node[0], 1, good, NULL, &mesh));
   /* A sheet of a billionth of a metre far from the origin: flat to within rounding. */
   double far[4][3] = {{1e6, 0, 0}, {1e6 + 1, 0, 0}, {1e6, 1, 0}, {1e6, 0, 1e-9}};

@@ -197,7 +197,7 @@ static void surfaces_without_an_inside_are_refused(void **state) {
   triangle[1] = box->triangle[0];
   check_ok(context,
            bw_surface_copy(context, box->point_count, box->point, 12, triangle, NULL, &bad));
-  check_fails(context, BW_GEOMETRY, "turned against",
+  check_fails(context, BW_GEOMETRY, "inconsistent orientation",
               bw_singular_edges(context, bad, NULL, 0, &edges));
   bw_release(bad);
   for (int t = 0; t < 12; t++) {
@@ -207,7 +207,8 @@ static void surfaces_without_an_inside_are_refused(void **state) {
   }
   check_ok(context,
            bw_surface_copy(context, box->point_count, box->point, 12, triangle, NULL, &bad));
-  check_fails(context, BW_GEOMETRY, "inside out", bw_singular_edges(context, bad, NULL, 0, &edges));
+  check_fails(context, BW_GEOMETRY, "normals of the surface point inwards",
+              bw_singular_edges(context, bad, NULL, 0, &edges));
   check_fails(context, BW_INVALID, "not within 0 and 1.5",
               bw_singular_edges(context, box, NULL, 2, &edges));
   bw_release(bad);

@@ -60,11 +60,11 @@ static void test_bad_arrays_are_refused(void **state) {
   bw_surface *surface = NULL;
   const double point[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, bad[9] = {0, 0, 0, 1, NAN, 0, 0, 1, 0};
   const int32_t triangle[3] = {0, 1, 2}, far[3] = {0, 1, 3}, below[3] = {0, -1, 2};
-  check_fails(context, BW_GEOMETRY, "point 1",
+  check_fails(context, BW_GEOMETRY, "point 2",
               bw_surface_copy(context, 3, bad, 1, triangle, NULL, &surface));
-  check_fails(context, BW_GEOMETRY, "point 3",
+  check_fails(context, BW_GEOMETRY, "point 4",
               bw_surface_copy(context, 3, point, 1, far, NULL, &surface));
-  check_fails(context, BW_GEOMETRY, "point -1",
+  check_fails(context, BW_GEOMETRY, "point 0",
               bw_surface_copy(context, 3, point, 1, below, NULL, &surface));
   check_fails(context, BW_LIMIT, "3000000000",
               bw_surface_copy(context, 3000000000, point, 1, triangle, NULL, &surface));

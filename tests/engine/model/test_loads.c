@@ -194,7 +194,7 @@ static void nodal_forces_pass_through(void **state) {
   double *force = forces_of(context, model);
   check_near(force[4], 5, 0);
   ((double *)array->data)[7] = NAN;
-  check_fails(context, BW_INVALID, "component 2 of the nodal force at node 2",
+  check_fails(context, BW_INVALID, "component 2 of the nodal force at node 3",
               bw_model_nodal_forces(context, model, array));
   free(force);
   bw_release(array);
@@ -217,7 +217,7 @@ static void unusable_loads_are_refused(void **state) {
   check_fails(context, BW_INVALID, "not a finite", bw_model_gravity(context, model, bad));
   check_fails(context, BW_INVALID, "normal is (0, 0, 0)",
               bw_model_slide(context, model, corner, zero));
-  check_fails(context, BW_INVALID, "holds no direction",
+  check_fails(context, BW_INVALID, "constrains no direction",
               bw_model_prescribe(context, model, corner, none, zero));
   assert_int_equal(model->load_count, 0);
   assert_int_equal(model->support_count, 0);

@@ -96,7 +96,7 @@ static void selections_combine(void **state) {
   check_selection(rest);
   check_selection(both);
   bw_selection *none = NULL;
-  check_fails(context, BW_EMPTY, "the difference holds no boundary node",
+  check_fails(context, BW_EMPTY, "the difference selects no boundary node",
               bw_select_combine(context, low, all, BW_DIFFERENCE, &none));
   uint8_t *mask = calloc((size_t)mesh->node_count, 1);
   for (int32_t i = 0; i < low->node_count; i++)
@@ -223,7 +223,8 @@ static void empty_selections_say_where_the_body_is(void **state) {
   bw_mesh *mesh = box_mesh(context, 2, 1, 1, 2, 1, 1, 1);
   bw_selection *none = NULL;
   double far_low[3] = {3, 0, 0}, far_high[3] = {4, 1, 1}, z[3] = {0, 0, 1}, above[3] = {0, 0, 1.5};
-  check_fails(context, BW_EMPTY, "1 m away; the mesh fills the box (0, 0, 0) to (2, 1, 1) m",
+  check_fails(context, BW_EMPTY,
+              "1 m away; the bounding box of the mesh is (0, 0, 0) to (2, 1, 1) m",
               bw_select_box(context, mesh, far_low, far_high, &none));
   check_fails(context, BW_EMPTY, "0.4 m away",
               bw_select_plane(context, mesh, above, z, 0.1, &none));
@@ -233,7 +234,7 @@ static void empty_selections_say_where_the_body_is(void **state) {
   check_fails(context, BW_EMPTY, "54.74 degrees off",
               bw_select_normal_cone(context, mesh, odd, 0.1, &none));
   uint8_t *mask = calloc((size_t)mesh->node_count, 1);
-  check_fails(context, BW_EMPTY, "the mask holds no boundary node",
+  check_fails(context, BW_EMPTY, "the mask selects no boundary node",
               bw_select_mask(context, mesh, NULL, mask, &none));
   free(mask);
   check_fails(context, BW_INVALID, "above the high one along x",

@@ -164,7 +164,7 @@ static void test_press(void **state) {
   check_fails(context, BW_INVALID, "finite",
               bw_load_case_surface_pressure(context, b.load_case, count, node, linear_in_x, &bad, 2,
                                             false));
-  check_fails(context, BW_EMPTY, "no face",
+  check_fails(context, BW_EMPTY, "no free face",
               bw_load_case_surface_pressure(context, b.load_case, 3, node, NULL, NULL, 2, false));
   free(node);
   free(force);
@@ -288,7 +288,8 @@ static void test_contradictions(void **state) {
               bw_load_case_fix(context, b.load_case, 1, node, z, bad));
   check_fails(context, BW_EMPTY, "no direction",
               bw_load_case_fix(context, b.load_case, 1, node, none, up));
-  check_fails(context, BW_EMPTY, "no node", bw_load_case_force(context, b.load_case, 0, node, up));
+  check_fails(context, BW_EMPTY, "the list of nodes is empty",
+              bw_load_case_force(context, b.load_case, 0, node, up));
   bw_embedding *embedding;
   double at[6] = {0.1, 0.1, 0.1, 0.2, 0.1, 0.1};
   check_ok(context, bw_embedding_create(context, b.grid, 2, at, 1, &embedding));

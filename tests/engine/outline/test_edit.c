@@ -361,7 +361,8 @@ static void polygons_keep_their_tolerance(void **state) {
   }
   assert_true(worst < 1.01e-4 && worst > 2e-5);
   bw_polygons_clear(&p);
-  check_fails(context, BW_INVALID, "positive", bw_outline_flatten(context, o, 0, &p));
+  check_fails(context, BW_INVALID, "a length above 0 expected",
+              bw_outline_flatten(context, o, 0, &p));
   check_fails(context, BW_LIMIT, "choose a larger one", bw_outline_flatten(context, o, 1e-17, &p));
   bw_release(o);
 }

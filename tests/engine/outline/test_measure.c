@@ -95,7 +95,7 @@ static void regions_are_measured_apart(void **state) {
   check_near(measure(context, o, 1).perimeter, 20, 1e-12);
   check_near(measure(context, o, 1).low[0], 5, 0);
   bw_outline_measures m;
-  check_fails(context, BW_INVALID, "region 2", bw_outline_measure(context, o, 2, &m));
+  check_fails(context, BW_INVALID, "region 3", bw_outline_measure(context, o, 2, &m));
   bw_release(o);
 }
 

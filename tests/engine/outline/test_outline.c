@@ -174,13 +174,13 @@ static void wrong_descriptions_are_refused(void **state) {
   REFUSED(BW_INVALID, "belong to no loop", e.loops = 1);
   REFUSED(BW_INVALID, "must have at least one each", e.loop[1].first = 5);
   REFUSED(BW_INVALID, "must have at least one each", e.loop[1].count = 5);
-  REFUSED(BW_INVALID, "region -2", e.loop[1].region = -2);
-  REFUSED(BW_INVALID, "no loop has region 0", e.loop[0].region = 1);
+  REFUSED(BW_INVALID, "region -1", e.loop[1].region = -2);
+  REFUSED(BW_INVALID, "no loop has region 1", e.loop[0].region = 1);
   REFUSED(BW_INVALID, "ends at point 4", e.segment[1].point[3] = 3);
   REFUSED(BW_INVALID, "names point 9", e.segment[1].point[0] = e.segment[0].point[3] = 8);
   REFUSED(BW_INVALID, "which another uses", e.segment[1].point[0] = e.segment[0].point[3] = 0);
   REFUSED(BW_INVALID, "one control point", e.segment[1].point[1] = 1);
-  REFUSED(BW_INVALID, "has tag 3", e.segment[1].tag = 3);
+  REFUSED(BW_INVALID, "has tag 4", e.segment[1].tag = 3);
   REFUSED(BW_INVALID, "belongs to no segment", e.points = 9);
   REFUSED(BW_INVALID, "both called 'body'", strcpy(e.loop[1].name.text, "body"));
   REFUSED(BW_INVALID, "longer than", memset(e.loop[1].name.text, 'x', BW_NAME));
@@ -232,11 +232,11 @@ static void moving_keeps_the_topology(void **state) {
   check_near(detail(context, "x"), 4, 1e-12);
   for (int i = 0; i < 32; i++) /* out at one go */
     point[i] = again->point[i] + weight[i / 2] * (i % 2 == 0 ? 10 : 0);
-  check_fails(context, BW_GEOMETRY, "has come to lie in another loop: directly in none",
+  check_fails(context, BW_GEOMETRY, "now lies in another loop: directly in none",
               bw_outline_moved(context, again, point, &lost));
   for (int i = 0; i < 32; i++) /* mirrored */
     point[i] = i % 2 == 0 ? -again->point[i] : again->point[i];
-  check_fails(context, BW_GEOMETRY, "inside out", bw_outline_moved(context, again, point, &lost));
+  check_fails(context, BW_GEOMETRY, "inverted", bw_outline_moved(context, again, point, &lost));
   point[5] = INFINITY;
   check_fails(context, BW_INVALID, "point 3", bw_outline_moved(context, again, point, &lost));
   assert_null(lost);

@@ -127,7 +127,7 @@ static void drawings_within_are_moved_scaled_and_cut(void **state) {
                                     (double[4]){0, 0, 40, 40}));
   check_ok(context, bw_canvas_rectangle(context, canvas, &red, (double[4]){0, 0, 20, 200}, 0));
   check_ok(context, bw_canvas_leave(context, canvas));
-  check_fails(context, BW_INVALID, "left", bw_canvas_leave(context, canvas));
+  check_fails(context, BW_INVALID, "no nested drawing", bw_canvas_leave(context, canvas));
   cairo_surface_t *image = pixels_of(context, canvas, 1);
   assert_int_equal(pixel_at(image, 42, 45), 0xff0000); /* from 40 to 50 across, 40 to 60 down */
   assert_int_equal(pixel_at(image, 52, 45), 0xffffff);

@@ -370,7 +370,7 @@ static void unusable_requests_are_refused(void **state) {
               bw_picture_surface(context, surface, NULL, false, &options, "x.png"));
   bw_picture_options_default(&options);
   options.direction[0] = NAN;
-  check_fails(context, BW_INVALID, "no direction",
+  check_fails(context, BW_INVALID, "a finite vector that is not 0",
               bw_picture_surface(context, surface, NULL, false, &options, "x.png"));
   bw_picture_options_default(&options);
   options.low = 2;
@@ -381,7 +381,7 @@ static void unusable_requests_are_refused(void **state) {
   double *u = calloc(3 * (size_t)surface->point_count, sizeof *u);
   u[3] = INFINITY;
   options.displacement = u;
-  check_fails(context, BW_INVALID, "displacement of point 1 is not finite",
+  check_fails(context, BW_INVALID, "displacement of point 2 is not finite",
               bw_picture_surface(context, surface, NULL, false, &options, "x.png"));
   bw_picture_options_default(&options);
   options.width = options.height = 64;

@@ -127,7 +127,7 @@ static void curved(void **state) {
   assert_true(quality.worst > 0 && quality.worst < 0.71);
   bw_release(mesh);
   point[6] = 0.2; /* beyond the quarter: folded */
-  check_fails(context, BW_GEOMETRY, "element 0",
+  check_fails(context, BW_GEOMETRY, "element 1",
               bw_plane_mesh_copy(context, 2, 6, point, 1, element, NULL, &mesh));
 }
 
@@ -137,7 +137,7 @@ static void refusals(void **state) {
   double point[10] = {0, 0, 1, 0, 1, 1, 0, 1, 2, 0.5};
   check_fails(context, BW_GEOMETRY, "counter-clockwise",
               bw_plane_mesh_copy(context, 1, 3, point, 1, (int32_t[]){0, 2, 1}, NULL, &mesh));
-  check_fails(context, BW_GEOMETRY, "names node 7",
+  check_fails(context, BW_GEOMETRY, "names node 8",
               bw_plane_mesh_copy(context, 1, 4, point, 1, (int32_t[]){0, 1, 7}, NULL, &mesh));
   check_fails(context, BW_GEOMETRY, "belongs to no element",
               bw_plane_mesh_copy(context, 1, 4, point, 1, (int32_t[]){0, 1, 2}, NULL, &mesh));
@@ -147,7 +147,7 @@ static void refusals(void **state) {
   check_fails(context, BW_GEOMETRY, "more than once",
               bw_plane_mesh_copy(context, 1, 5, (double[]){0, 0, 1, 0, 0, 1, -1, 0, 0, -1}, 2,
                                  (int32_t[]){0, 1, 2, 0, 3, 4}, NULL, &mesh));
-  check_fails(context, BW_GEOMETRY, "corner behind a middle",
+  check_fails(context, BW_GEOMETRY, "a corner node behind a mid-edge node",
               bw_plane_mesh_copy(context, 2, 6, (double[]){0, 0, 2, 0, 1, 0, 0, 2, 1, 1, 0, 1}, 1,
                                  (int32_t[]){0, 1, 3, 2, 4, 5}, NULL, &mesh));
   point[4] = NAN;

@@ -390,9 +390,9 @@ static void test_turned_material(void **state) {
   bw_plane_mesh *mesh = rectangle(context, 2, 2, 1, 2, 2);
   bw_sheet_section section = {turned, 1, false};
   bw_sheet_description description = {.section_count = 1, .section = &section};
-  check_fails(context, BW_INVALID, "turned by element",
+  check_fails(context, BW_INVALID, "axes by element",
               bw_sheet_create(context, mesh, &description, &sheet));
-  check_fails(context, BW_INVALID, "turned by element",
+  check_fails(context, BW_INVALID, "axes by element",
               bw_plate_create(context, mesh, turned, 0.01, &plate));
   bw_release(mesh);
   bw_release(turned);

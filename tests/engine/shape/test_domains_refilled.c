@@ -139,7 +139,7 @@ static void test_refusals(void **state) {
   for (int b = 0; b < 3; b++)
     for (int k = 0; k < 2; k++)
       map[12 * b + 5 * k] = 1;
-  check_fails(context, BW_GEOMETRY, "blend to a plane",
+  check_fails(context, BW_GEOMETRY, "blend is singular",
               bw_domains_refilled(context, s.domains, map, s.replace, s.refilled, s.node_from,
                                   s.element_from, &d));
   clear(&s);

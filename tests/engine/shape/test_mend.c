@@ -209,7 +209,7 @@ static void test_refusals(void **state) {
     memcpy(node + 3 * i, mesh->node + 3 * i, 24);
     node[3 * i] *= -1;
   }
-  check_fails(context, BW_GEOMETRY, "inside out",
+  check_fails(context, BW_GEOMETRY, "has inward normals",
               bw_mesh_refill(context, mesh, node, replace, &refilled, NULL, NULL));
   memcpy(node, mesh->node, 24 * (size_t)mesh->node_count);
   for (int k = 0; k < 3; k++)

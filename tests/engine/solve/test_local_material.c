@@ -48,7 +48,7 @@ static void orthotropic(void **state) {
       bw_model *model = posed(context, &b);
       if (turns) { /* the material must lie as the domains do */
         uint64_t revision = local->object.revision;
-        check_fails(context, BW_INVALID, "turned otherwise than its domain",
+        check_fails(context, BW_INVALID, "another material orientation than its domain",
                     bw_local_system_update(context, local, model, b.motion, &reuse));
         assert_int_equal(local->object.revision, revision);
         turn_material(context, &b, model);

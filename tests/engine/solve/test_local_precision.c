@@ -71,7 +71,7 @@ static void too_thin_for_single(void **state) {
     assert_int_equal(reuse.precision, k == 0 ? 32 : 64);
     if (k == 1) {
       assert_int_equal(reuse.method, BW_LOCAL_SCRATCH);
-      assert_non_null(strstr(bw_warning_at(context, 0), "double precision from here on"));
+      assert_non_null(strstr(bw_warning_at(context, 0), "double precision from now on"));
       b.now.scale[1][1] = b.now.scale[1][2] = 1;
       bw_model *back = posed(context, &b);
       check_ok(context, bw_local_system_update(context, local, back, b.motion, &reuse));

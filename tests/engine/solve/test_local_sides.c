@@ -186,9 +186,9 @@ static void view_serves_modes(void **state) {
   bw_modes_options_default(&options);
   options.count = 4;
   check_ok(context, bw_local_system_update(context, local, model, b.motion, NULL));
-  check_fails(context, BW_INVALID, "not up to date",
+  check_fails(context, BW_INVALID, "its factor is lagged",
               bw_modes_elastic(context, local->system, &options, &mine));
-  check_fails(context, BW_INVALID, "not up to date",
+  check_fails(context, BW_INVALID, "its factor is lagged",
               bw_system_solve(context, local->system, 1, b.node, b.node));
   bw_local_options single;
   bw_local_options_default(&single);
