@@ -143,10 +143,8 @@ bw_status bw_resultant_arrows(bw_context *context, const bw_pressure_basis *basi
   size_t capacity = 0, found = 0;
   double low[3], high[3], diagonal = 0;
   if (!(radius >= 0) || isinf(radius))
-    return bw_fail(
-        context, BW_INVALID,
-        "arrows within a radius of %g m: a length above 0 expected: a length above 0 expected",
-        radius);
+    return bw_fail(context, BW_INVALID, "arrows within a radius of %g m: a length above 0 expected",
+                   radius);
   for (int32_t j = 0; j < basis->count; j++)
     if (!isfinite(pressure[j]))
       return bw_fail(context, BW_INVALID, "pressure %d is %g: it must be a finite number", j + 1,

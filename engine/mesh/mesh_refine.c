@@ -155,8 +155,7 @@ static bw_status bisect(refining *r, int64_t number) {
   bw_status status = BW_OK;
   if (r->cell_count >= r->cell_limit)
     return bw_fail(r->context, BW_LIMIT,
-                   "the refinement needs more than %lld elements: allow more, or refine less: "
-                   "allow more, or refine less",
+                   "the refinement needs more than %lld elements: allow more, or refine less",
                    (long long)r->cell_limit);
   if (r->cell_count == r->cell_capacity) {
     cell *cells = BW_NEW(r->context, cell, 2 * r->cell_capacity);

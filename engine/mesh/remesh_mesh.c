@@ -47,8 +47,7 @@ static bw_status reserve(bwi_changing *mesh, size_t points, size_t facets) {
     void *block;
     if (capacity > INT32_MAX / 3)
       return bw_fail(context, BW_LIMIT,
-                     "remeshing needs more than %d facets: give a larger edge length: give a "
-                     "larger edge length",
+                     "remeshing needs more than %d facets: give a larger edge length",
                      INT32_MAX / 3);
     GROW(corner, 3);
     GROW(opposite, 3);

@@ -449,9 +449,8 @@ bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int wi
   if (factor->kernels->size != sizeof *x)
     return bw_fail(context, BW_INTERNAL, "a solve in another precision than that of the factor");
   if (bwi_factor_broken(factor))
-    return bw_fail(
-        context, BW_INTERNAL,
-        "a solve with a factor whose last update failed: refactorise it: refactorise it");
+    return bw_fail(context, BW_INTERNAL,
+                   "a solve with a factor whose last update failed: refactorise it");
   if (width != 1 && width != 2 && width != 4 && width != 8 && width != 16)
     return bw_fail(context, BW_INTERNAL, "a solve of %d right-hand sides at once", width);
   solve.collector = BW_NEW0(context, real *, symbolic->plan.task_count);

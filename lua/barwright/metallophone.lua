@@ -303,6 +303,8 @@ end
 
 -- ---- trimming ------------------------------------------------------------------------------------
 
+local MOST_CUT = 0.5 -- of the width of the bar: the change is linear for shallow cuts only
+
 local trim_rules = {
   places = {type = "integer", default = 3, min = 1},
   width = {type = "number", above = 0},
@@ -338,7 +340,8 @@ end
 --- Where to take material off a bar that was made and sounds at `measured` instead of `target`: places on
 --- the edge, best first, {at = {x, y}, depth = m, cents = what it brings, per_mm = cents per mm}. Each
 --- place alone, over `width` (default: a tenth of the perimeter), would do as far as a change that
---- small is linear; the model's own mistuning is taken out by the ratio of measured to computed.
+--- small is linear; the model's own mistuning is taken out by the ratio of measured to computed. A cut is at most
+--- half as deep as the bar is wide there: where more is needed, the place is left out.
 function bar:trim(measured, target, given)
   if type(measured) ~= "number" or measured <= 0 then
     raise "trim: the measured frequency in Hz expected"
@@ -355,7 +358,13 @@ function bar:trim(measured, target, given)
     thickness = self.opts.thickness, elements = self.element_count}
   if not fine then return nil, message, details end
   local gradient = fine:gradient():totable()
+  local box = drawn.box
+  local size = math.max(box.high[1] - box.low[1], box.high[2] - box.low[2])
+  local across
+  across, message, details = tune.widths(drawn, 1e-6 * size, 2 * size)
+  if not across then return nil, message, details end
   local points, places = drawn.points:totable(), {}
+  local most, where = 0, nil -- the largest change by one cut
   for _, ring in ipairs(tune.rings(drawn)) do
     local n = #ring
     local inward = {}
@@ -378,7 +387,9 @@ function bar:trim(measured, target, given)
         end
       end
       local per_m = 1200 / math.log(2) * change / fine.frequency
-      if per_m * needed > 0 then
+      local reached = MOST_CUT * across[ring[i]] * math.abs(per_m)
+      if per_m * needed > 0 and reached > most then most, where = reached, here end
+      if per_m * needed > 0 and reached >= math.abs(needed) then
         places[#places + 1] = {at = {here[1], here[2]}, depth = needed / per_m, cents = needed,
           per_mm = per_m / 1000}
       end
@@ -396,8 +407,10 @@ function bar:trim(measured, target, given)
     if apart and #chosen < opts.places then chosen[#chosen + 1] = place end
   end
   if #chosen == 0 then
-    return nil, ("taking material off nowhere changes the tone by %+.1f cents"):format(needed),
-      {status = "infeasible"}
+    local reason = where and ("the largest change by one cut of at most half the width is %.1f cents, "
+      .. "at (%.1f, %.1f) mm; trim towards a nearer tone, or make another bar"):format(most, 1e3 * where[1], 1e3 * where[2])
+      or "no cut changes the tone in that direction"
+    return nil, ("trim: no cut changes the tone by %+.1f cents: %s"):format(needed, reason), {status = "infeasible"}
   end
   return chosen
 end

@@ -63,8 +63,9 @@ local function solve(l, b)
   return x
 end
 
--- How far it is from each point straight through the material to the other side, at most `most`.
-local function widths(outline, max)
+--- The distance from each point straight through the material to the other side of the outline, between `min`
+--- and `max`.
+function tune.widths(outline, min, max)
   local points, found = outline.points:totable(), {}
   local edges = {}
   local polygons, message, details = outline:polygons(1e-3 * max)
@@ -85,7 +86,7 @@ local function widths(outline, max)
         local across = nx * vy - ny * vx
         if across ~= 0 then
           local t, along = (ux * vy - uy * vx) / across, (ux * ny - uy * nx) / across
-          if along >= 0 and along <= 1 and t > 0.02 * max then best = math.min(best, t) end
+          if along >= 0 and along <= 1 and t > min then best = math.min(best, t) end
         end
       end
       found[point] = best
@@ -306,7 +307,7 @@ function tune.search(bar, wanted, outline, opts)
   local count = outline.points.row_count
   local origin, now = outline.points:totable(), bar.outline.points:totable()
   local p, kept = {}, {}
-  local width, unknown, because = widths(outline, 10 * opts.smooth)
+  local width, unknown, because = tune.widths(outline, 0.02 * 10 * opts.smooth, 10 * opts.smooth)
   if not width then return nil, unknown, because end
   for point in pairs(opts.keep) do kept[point] = true end
   local list = measures(outline, opts.smooth, kept, width)

@@ -155,7 +155,10 @@ function Metallophone:tune(target, options) end
 ---@field kind string?
 
 ---Where to take material off the edge of a bar that was made and sounds at `measured` Hz: places, the
----best first, each alone enough as far as the change is linear.
+---best first, each alone enough as far as the change is linear. A cut is at most half as deep as the bar is wide
+---there, and a place that needs more is left out.
+---
+---Errors: `infeasible` where no cut within that bound is enough; the message gives the largest change.
 ---@param measured number Hz
 ---@param target number|string
 ---@param options? bw.MetallophoneTrimOptions

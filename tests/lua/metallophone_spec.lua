@@ -233,6 +233,13 @@ describe("a metallophone bar", function()
     assert.is_true(math.abs(down[1].at[1] - 0.1) < 0.02)
     assert.is_true(up[1].depth > 0 and down[1].depth > 0)
     assert.is_true(up[1].cents > 0 and down[1].cents < 0)
+    -- No cut passes the bar, neither the best nor the last of many; the largest change is named.
+    local many = assert(bar:trim(515, 523, {places = 8}))
+    for _, place in ipairs(many) do
+      local along = place.at[1] < 1e-6 or place.at[1] > 0.2 - 1e-6
+      assert.is_true(place.depth <= (along and 0.1 or 0.01) + 1e-9, place.depth)
+    end
+    check.fails("infeasible", "half the width", bar:trim(60, 523))
   end)
 
   it("knows vibrations within its plane", function()
