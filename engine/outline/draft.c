@@ -20,10 +20,9 @@ void bwi_draft_clear(bwi_draft *draft) {
 static bool grow(bwi_draft *draft, void **list, size_t *capacity, size_t count, size_t extra,
                  size_t size) {
   if (draft->status == BW_OK && count + extra > INT32_MAX / 2)
-    draft->status = bw_fail(
-        draft->context, BW_LIMIT,
-        "an outline of more than %d points: simplify it or split it: simplify it or split it",
-        INT32_MAX / 2);
+    draft->status =
+        bw_fail(draft->context, BW_LIMIT,
+                "an outline of more than %d points: simplify it or split it", INT32_MAX / 2);
   if (draft->status == BW_OK && !bw_grow(draft->context, list, capacity, count, extra, size))
     draft->status = BW_MEMORY;
   return draft->status == BW_OK;

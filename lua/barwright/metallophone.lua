@@ -407,10 +407,13 @@ function bar:trim(measured, target, given)
     if apart and #chosen < opts.places then chosen[#chosen + 1] = place end
   end
   if #chosen == 0 then
-    local reason = where and ("the largest change by one cut of at most half the width is %.1f cents, "
-      .. "at (%.1f, %.1f) mm; trim towards a nearer tone, or make another bar"):format(most, 1e3 * where[1], 1e3 * where[2])
-      or "no cut changes the tone in that direction"
-    return nil, ("trim: no cut changes the tone by %+.1f cents: %s"):format(needed, reason), {status = "infeasible"}
+    local reason = "no cut changes the tone in that direction"
+    if where then
+      reason = ("the largest change by one cut of at most half the width is %.1f cents, at (%.1f, %.1f) mm; trim "
+        .. "towards a nearer tone, or make another bar"):format(most, 1e3 * where[1], 1e3 * where[2])
+    end
+    return nil, ("trim: no cut changes the tone by %+.1f cents: %s"):format(needed, reason),
+      {status = "infeasible"}
   end
   return chosen
 end

@@ -52,7 +52,7 @@ local function calls(session, part)
     ["scale: factor: a number expected"] = function() part.mesh:scale "big" end,
     ["results.open: folder: a string expected"] = function() bw.results.open(5) end,
     ["results.open: unknown option 'sed': did you mean 'seed'"] = function() bw.results.open("x", {sed = 1}) end,
-    ["hypervolume: costs 1: numbers expected, got x at 2"] = function() bw.study.hypervolume({{1, "x"}}, {2,
+    ["costs 1: numbers expected, got string 'x' at 2"] = function() bw.study.hypervolume({{1, "x"}}, {2,
       2}) end,
     ["hypervolume: reference"] = function() bw.study.hypervolume({}, {}) end,
     ["json.list: a table whose metatable is not protected"] = function()
