@@ -2,7 +2,7 @@
 -- Lesson 4: files as they are.
 --   build/barwright examples/04_repair.lua
 --
--- Real files have holes, flipped facets, cracks. `check` says what is wrong and where; `repair` mends
+-- Real files have holes, flipped facets, cracks. `check` says what is wrong and where; `repair` corrects
 -- it and says how far the surface moved.
 local bw = require "barwright"
 
@@ -22,13 +22,13 @@ local report = broken:check()
 print(report)
 assert(not report.sound and report.holes > 0)
 
--- 3. Mend it.
-local mended, log = broken:repair()
-assert(mended, log)
+-- 3. Repair it.
+local repaired, log = broken:repair()
+assert(repaired, log)
 for _, step in ipairs(log) do print(step.name, step.text) end
-assert(mended:check().sound)
-print(("volume %.3f cm3, of the ball %.3f cm3"):format(mended.volume * 1e6, ball.volume * 1e6))
-assert(math.abs(mended.volume / ball.volume - 1) < 0.01)
+assert(repaired:check().sound)
+print(("volume %.3f cm3, of the ball %.3f cm3"):format(repaired.volume * 1e6, ball.volume * 1e6))
+assert(math.abs(repaired.volume / ball.volume - 1) < 0.01)
 
 -- 4. What the world causes comes back as nil and a sentence, so that a study can go on.
 local nothing, message, details = bw.surface.read "no_such_file.stl"

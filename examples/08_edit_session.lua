@@ -42,7 +42,7 @@ assert(now.von_mises:max() < before.von_mises:max())
 local report = assert(session:reach("tip", {60 * mm, 4 * mm, 26 * mm}))
 print(("tip left %.2g mm from its place"):format(report.distance * 1e3))
 
--- 5. Undo goes to any depth. An edit that would turn elements inside out is mended, or refused.
+-- 5. Undo goes to any depth. An edit that would turn elements inside out is repaired, or refused.
 assert(session:undo())
 local fine, message = session:bone("nose"):rotate {axis = {0, 1, 0}, degrees = -170}
 print(fine and "that went well" or message)

@@ -39,13 +39,13 @@ print(("power mean %.2f MPa; its steepest slope %.3g MPa/mm"):format(mean / 1e6,
   math.max(slopes:max(), -slopes:min()) / 1e9))
 
 -- 5. The same outline on ground that shakes at 400 Hz; a drag between time steps changes its tune.
-local shaken = assert(bw.responsive.vibration {outline = outline, material = aluminium,
+local transient = assert(bw.responsive.vibration {outline = outline, material = aluminium,
   thickness = 4 * mm, elements = 2000, ground = "wall", shake = {y = "1e-4*sin(2*pi*400*t)"},
   step = 5e-5})
 for _ = 1, 20 do
-  assert(shaken:drag({loop = "hole"}, {1 * mm, 0}))
-  assert(shaken:step(5))
+  assert(transient:drag({loop = "hole"}, {1 * mm, 0}))
+  assert(transient:step(5))
 end
-print(("after %.0f ms: %.3f mm at most; %s"):format(shaken.time * 1e3, shaken.displacement:max() * 1e3,
-  tostring(shaken.reused)))
+print(("after %.0f ms: %.3f mm at most; %s"):format(transient.time * 1e3, transient.displacement:max() * 1e3,
+  tostring(transient.reused)))
 -- Next: bw.responsive.cantilever for what bends largely, order = 2 for six-node triangles.

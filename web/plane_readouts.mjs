@@ -44,7 +44,7 @@ export function readouts(scene, state) {
   }
   if (state.frequency)
     withUnit(byId("tone"), `${state.frequency.toFixed(1)} Hz`, `${state.note} ${state.cents >= 0 ? "+" : "−"}${Math.abs(state.cents).toFixed(1)} cents`);
-  rows("told", [...(state.time === undefined ? [] : [["time", `${number(state.time)} s`]]), ...state.told]);
+  rows("results", [...(state.time === undefined ? [] : [["time", `${number(state.time)} s`]]), ...state.reported]);
   if (scene.steps) {
     byId("pause").textContent = state.running ? "Pause" : "Go on";
     if (document.activeElement !== byId("pace")) byId("pace").value = state.pace;

@@ -2,7 +2,7 @@
 /* What the files of the stress gradient share.
  *
  * A derivative by the shape is a covector on corner positions: gradient[3 i + c] is by component c
- * of corner node i. Edges stay straight, so middle nodes are no variables of their own. */
+ * of corner node i. Edges stay straight, so mid-edge nodes are no variables of their own. */
 #ifndef BARWRIGHT_GRADIENT_H
 #define BARWRIGHT_GRADIENT_H
 

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* How the mean surface stress over a patch changes with the shape (docs/theory/strengthen.md).
  *
- * Middle nodes are variables of their own: inside an element, curved or not, the shape changes by
+ * Mid-edge nodes are variables of their own: inside an element, curved or not, the shape changes by
  * V(x) = sum_a dx_a N_a(x), so with nodal values held d(grad u) = -(grad u)(grad V) and
  * d(volume) = tr(grad V) volume at every point of quadrature. */
 #include "analysis/pressure.h"

@@ -69,7 +69,7 @@ static bw_status corners_body(void *data, int64_t begin, int64_t end, int worker
   return BW_OK;
 }
 
-/* Corners of facets; middles of edges have almost the same patches. */
+/* Corners of facets; mid-edge nodes have almost the same patches. */
 static bw_status list_corners(bw_context *context, bwi_targets *t) {
   const bw_mesh *mesh = t->mesh;
   bool *corner = BW_NEW0(context, bool, mesh->node_count);

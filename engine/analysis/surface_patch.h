@@ -44,8 +44,8 @@ bool bwi_surface_patch_exists(const bwi_surface_patches *patches, int32_t node);
 
 /* Calls `add` for each facet of the patch around a boundary node with the weights of its corners,
  * their shares not divided by the total. Where no sample lies within the radius, the weight is the
- * area of the facets around the node at that corner, or half of it at both ends of a middle node's
- * edge. So the sum of the weights is 0 where there is no patch only. `mark`: greater than 0,
+ * area of the facets around the node at that corner, or half of it at both ends of a mid-edge
+ * node's edge. So the sum of the weights is 0 where there is no patch only. `mark`: greater than 0,
  * another one for each patch of a worker. */
 void bwi_surface_patch_visit(const bwi_surface_patches *patches, int32_t node, int32_t mark,
                              int worker,

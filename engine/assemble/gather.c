@@ -10,7 +10,7 @@ static bool has(int middle, int corner) {
   return bw_tet_edge[middle - 4][0] == corner || bw_tet_edge[middle - 4][1] == corner;
 }
 
-/* The other end of a middle node's edge. */
+/* The other end of a mid-edge node's edge. */
 static int other(int middle, int corner) {
   const int *edge = bw_tet_edge[middle - 4];
   return edge[0] == corner ? edge[1] : edge[0];
@@ -20,7 +20,7 @@ static int other(int middle, int corner) {
  *   T_ij = 3/5 g_i g_j when i = j, else -1/5 g_i g_j
  *   T_im = 4/5 g_i g_b - 1/5 g_i s_m when i = a, else -1/5 g_i s_m
  *   T_mn = 4/5 (s_m s_n + g_b g_c) for m = ab, n = ac; 4/5 s_m s_n for opposite edges
- * The diagonal of a middle node has three products and is summed on its own. */
+ * The diagonal of a mid-edge node has three products and is summed on its own. */
 void bwi_product_table(int order, bwi_pair_product table[256]) {
   memset(table, 0, 256 * sizeof *table);
   int n = order == 1 ? 4 : 10;

@@ -64,7 +64,7 @@ bw_status bw_job_write(bw_job_stream *out, const void *bytes, size_t count) {
   return BW_OK;
 }
 
-void bw_job_tell(void *data, const char *stage, double fraction) {
+void bw_job_progress(void *data, const char *stage, double fraction) {
   bw_job_stream *out = (bw_job_stream *)data;
   /* A pipe is ready when a page of it is free, and then a short frame goes in whole. */
   struct pollfd writable = {out->pipe, POLLOUT, 0};
@@ -155,7 +155,7 @@ _Noreturn void bwi_job_child(bw_context *context, const bw_job_options *options,
   bw_fail_allocation(0, false); /* a test's failing allocation concerns the starter alone */
   prepare(options, output, parent);
   bwi_context_forked(context);
-  bw_set_progress(context, bw_job_tell, &out);
+  bw_set_progress(context, bw_job_progress, &out);
   bw_status status = work(context, data, &out);
   fflush(NULL);
   if (status != BW_OK)

@@ -62,7 +62,7 @@ static bool flatten(const double *point, const int32_t *corner, size_t count, co
   return true;
 }
 
-static void judge(corner2 *ring, int32_t i) {
+static void check(corner2 *ring, int32_t i) {
   corner2 *b = ring + i;
   const corner2 *a = ring + b->before, *c = ring + b->after;
   double area = turn(a, b, c);
@@ -92,7 +92,7 @@ static bw_status clip(bw_context *context, corner2 *ring, const int32_t *corner,
   for (size_t i = 0; i < count; i++) /* the ear test asks who is reflex */
     ring[i].reflex = !(turn(ring + ring[i].before, ring + i, ring + ring[i].after) > 0);
   for (size_t i = 0; i < count; i++)
-    judge(ring, (int32_t)i);
+    check(ring, (int32_t)i);
   int32_t at = 0;
   for (size_t left = count; left > 3; left--) {
     /* No ear: the polygon crosses itself. Any cut is as good as another; take the flattest, and
@@ -105,8 +105,8 @@ static bw_status clip(bw_context *context, corner2 *ring, const int32_t *corner,
     emit(&triangle, corner[before], corner[best], corner[after]);
     ring[before].after = after;
     ring[after].before = before;
-    judge(ring, before);
-    judge(ring, after);
+    check(ring, before);
+    check(ring, after);
     at = after;
     if (left % 256 == 0) {
       bw_status status = bw_check_cancel(context);

@@ -95,7 +95,7 @@ static bw_status fresh_grid(bwi_coarsening *c) {
 }
 
 /* Collapse to this length. Where shapes bring that to a halt, worse ones are let pass for a while:
- * exchanges and moves mend them afterwards. */
+ * exchanges and moves repair them afterwards. */
 static bw_status coarsen_to(bwi_coarsening *c, double length, double shorter) {
   static const double contact_planes[] = {0.45, 0.3, 0.15};
   bw_status status = BW_OK;

@@ -212,7 +212,7 @@ static bw_status coarsen(bwi_filler *f, double length, bw_surface **out, bw_shap
                                  .seconds = f->options->time_limit};
   bw_surface *cut = NULL;
   bw_status status;
-  /* Needles would be cut into needles: mend what can be mended first. */
+  /* Needles would be cut into needles: repair what can be repaired first. */
   if (!f->tidy || f->tidy_length > 1.2 * length) {
     bw_surface *tidy;
     BW_TRY(bwi_coarsen_surface(f->context, f->base, &options, &tidy));

@@ -5,7 +5,7 @@
  * Invariants of every bw_mesh:
  *   - every node is used by an element, every coordinate is finite, every volume is positive;
  *   - a face belongs to one element (then it is a boundary facet) or to two that lie on opposite
- *     sides of it and, at order 2, share its middle nodes;
+ *     sides of it and, at order 2, share its mid-edge nodes;
  *   - neighbour[4 e + k] is the element across face k of e, and that element names e in return;
  *   - facets come in the order of their elements and faces, components in the order of their lowest
  *     nodes: the same input gives the same arrays. */
@@ -18,7 +18,7 @@
 
 const int bw_tet_edge[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
 const int bw_tet_face[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-const int bw_tet_face_middle[4][3] = {{6, 5, 4}, {4, 8, 7}, {5, 9, 8}, {7, 9, 6}};
+const int bw_tet_face_mid_edge[4][3] = {{6, 5, 4}, {4, 8, 7}, {5, 9, 8}, {7, 9, 6}};
 
 static void mesh_destroy(void *object) {
   bwi_mesh *body = object;
@@ -250,7 +250,7 @@ static bw_status fail_pair(bw_context *context, const bw_mesh *mesh, const bwi_k
 }
 
 /* Two elements meet in a face: seen from both it must turn the opposite way round, since both have
- * positive volume, and have the same middle nodes. */
+ * positive volume, and have the same mid-edge nodes. */
 static bw_status join_faces(bw_context *context, bw_mesh *mesh, const bwi_keyed *a,
                             const bwi_keyed *b) {
   size_t width = (size_t)mesh->nodes_per_element;
@@ -264,10 +264,10 @@ static bw_status join_faces(bw_context *context, bw_mesh *mesh, const bwi_keyed 
   if (solid && eb[fb[(shift + 2) % 3]] != ea[fa[1]])
     return fail_pair(context, mesh, a, b, "lie on the same side of it: they overlap");
   if (mesh->order == 2) {
-    const int *ma = bw_tet_face_middle[a->part], *mb = bw_tet_face_middle[b->part];
+    const int *ma = bw_tet_face_mid_edge[a->part], *mb = bw_tet_face_mid_edge[b->part];
     for (int k = 0; k < 3; k++) /* edge k of a runs backwards through edge shift - 1 - k of b */
       if (ea[ma[k]] != eb[mb[(shift + 5 - k) % 3]])
-        return fail_pair(context, mesh, a, b, "have different middle nodes on its edges");
+        return fail_pair(context, mesh, a, b, "have different mid-edge nodes on its edges");
   }
   mesh->neighbour[4 * (size_t)a->item + (size_t)a->part] = b->item;
   mesh->neighbour[4 * (size_t)b->item + (size_t)b->part] = a->item;
@@ -351,7 +351,7 @@ static bw_status find_boundary(bw_context *context, bw_mesh *mesh) {
     for (int k = 0; k < 3; k++) {
       facet[k] = e[bw_tet_face[i % 4][k]];
       if (mesh->order == 2)
-        facet[3 + k] = e[bw_tet_face_middle[i % 4][k]];
+        facet[3 + k] = e[bw_tet_face_mid_edge[i % 4][k]];
     }
     for (size_t k = 0; k < facet_width; k++)
       outside[facet[k]] = 1;

@@ -74,10 +74,10 @@ done:
 
 /* ---- another order -------------------------------------------------------------------------- */
 
-/* A middle node for every edge, in the order of the edges' lower and then upper corner, numbered
+/* A mid-edge node for every edge, in the order of the edges' lower and then upper corner, numbered
  * behind the corners. `wide` receives ten nodes per element. */
-static bw_status number_middles(bw_context *context, const bw_mesh *mesh, int32_t *wide,
-                                double **node, int64_t *nodes) {
+static bw_status number_mid_edge_nodes(bw_context *context, const bw_mesh *mesh, int32_t *wide,
+                                       double **node, int64_t *nodes) {
   bw_status status = BW_OK;
   size_t entries = 6 * (size_t)mesh->element_count;
   bwi_keyed *list = BW_NEW(context, bwi_keyed, entries);
@@ -168,7 +168,7 @@ bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order
     memcpy(element + width * i, mesh->element + (size_t)mesh->nodes_per_element * i,
            4 * sizeof *element);
   if (order == 2) {
-    BW_TRY(number_middles(context, mesh, element, &node, &nodes));
+    BW_TRY(number_mid_edge_nodes(context, mesh, element, &node, &nodes));
   } else { /* the middles, which no element uses any more, are dropped by the constructor */
     node = BW_NEW(context, double, 3 * (size_t)nodes);
     if (!node) {

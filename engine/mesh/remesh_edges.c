@@ -56,7 +56,7 @@ done:
 typedef enum verdict { FINE, REFUSED, FEATURE } verdict;
 
 /* May the start of a side go to its end? FEATURE: no, because something small would be lost. */
-static verdict judge_collapse(const bwi_remesher *r, int32_t side, bool coarse) {
+static verdict check_collapse(const bwi_remesher *r, int32_t side, bool coarse) {
   const bwi_changing *mesh = r->mesh;
   int32_t a = bwi_from(mesh, side), b = bwi_to(mesh, side);
   bool tiny = side_length(mesh, side) < r->tiny;
@@ -157,9 +157,9 @@ bw_status bwi_remesh_collapse_short(bwi_remesher *r, bool coarse, bool learn) {
         s = o;
         o = keep;
       }
-      verdict there = judge_collapse(r, s, coarse), back = REFUSED;
+      verdict there = check_collapse(r, s, coarse), back = REFUSED;
       if (there != FINE) {
-        back = judge_collapse(r, o, coarse);
+        back = check_collapse(r, o, coarse);
         s = o;
       }
       if (there == FINE || back == FINE) {

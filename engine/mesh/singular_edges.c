@@ -33,7 +33,7 @@ static void facet_normal(const bwi_topology *top, int32_t t, double normal[3]) {
     normal[k] = size > 0 ? normal[k] / size : 0;
 }
 
-static bw_status judge_faces(bw_context *context, finder *f) {
+static bw_status check_faces(bw_context *context, finder *f) {
   const bw_faces *faces = f->faces;
   double *normal = BW_NEW(context, double, 3 * MIN_STRIPS * (size_t)faces->count);
   f->known = BW_NEW0(context, uint8_t, faces->count); /* number of strips at first */
@@ -134,7 +134,7 @@ bw_status bw_singular_edges(bw_context *context, const bw_surface *surface, cons
     faces = found;
   }
   f = (finder){.top = top, .faces = faces, .margin = margin > 0 ? margin : min_margin};
-  BW_TRY(judge_faces(context, &f));
+  BW_TRY(check_faces(context, &f));
   BW_TRY(find_edges(context, &f, &seams));
   if (!(bw_surface_volume(surface) > 0)) {
     status = bw_fail(context, BW_GEOMETRY,

@@ -3,7 +3,7 @@
  * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
  *
  * Steps go from those that move nothing to those that move much, each only where the check calls
- * for it. A step that fails or makes things worse is left out. What cannot be mended in place is
+ * for it. A step that fails or makes things worse is left out. What cannot be repaired in place is
  * wrapped. */
 #include "mesh/surface_repair.h"
 
@@ -307,7 +307,7 @@ static void describe(const bw_surface_report *report, char *text, size_t size) {
                              report->count[k] > 1 ? "s" : "");
 }
 
-static bw_status mend(repairer *r) {
+static bw_status repair(repairer *r) {
   bw_status status = BW_OK;
   bw_surface *next = NULL;
   int64_t before = r->now->point_count;
@@ -420,7 +420,7 @@ bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
   }
   BW_TRY(look(&r));
   if (!r.report.sound) {
-    BW_TRY(mend(&r));
+    BW_TRY(repair(&r));
     if (!r.report.sound && r.options.wrap)
       BW_TRY(wrap(&r, surface));
   }

@@ -5,7 +5,7 @@
  *
  * On a curve both steps have closed forms. With points and edges as complex numbers, edge d_i
  * becomes z_i d_i, where z_i turns and scales it. Step one makes z as even along the curve as it
- * can be: min sum w_i |z_{i+1} - z_i|^2, w_i one over the distance of the edges' middles, with z =
+ * can be: min sum w_i |z_{i+1} - z_i|^2, w_i one over the distance of the mid-edge nodes, with z =
  * 1 in the curve beyond the ends of the chain where that stays, subject to sum of z_i d_i from the
  * left end to the vertex = the way between them as pulled, and the same from the vertex to the
  * right end. That is a real tridiagonal matrix with two complex constraints. Step two gives each

@@ -20,7 +20,7 @@ enum {
   MAX_PIXELS = 16384,
   MAX_ARROWS = 10000,
   MAX_LINE_POINTS = 1000000,
-  MAX_JUDGED = 6,
+  MAX_CHECKED = 6,
   SOLIDS = 4
 };
 
@@ -140,7 +140,7 @@ static void largest_place(const stage *s, double at[3], double normal[3]) {
 static double arrows_show(const stage *s, const double direction[3]) {
   double all = 0, shown = 0, first;
   int count = s->arrow_end ? s->options->arrow_count : 0;
-  for (int i = 0; i < count && i < MAX_JUDGED; i++) {
+  for (int i = 0; i < count && i < MAX_CHECKED; i++) {
     const double *force = s->options->arrow[i].force, *at = s->options->arrow[i].at;
     const double *end = s->arrow_end + 3 * (size_t)i;
     double size = bw_norm(force), across[3], near_body[3];

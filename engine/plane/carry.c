@@ -26,7 +26,7 @@ static void interpolate(const bw_plane_mesh *from, const bw_plane_locator *locat
 }
 
 /* The edges' ends of middles: x 2, the lower first. */
-static int32_t *ends_of_middles(bw_context *context, const bw_plane_topology *t) {
+static int32_t *ends_of_mid_edge_nodes(bw_context *context, const bw_plane_topology *t) {
   int32_t corners = t->nodes->corner_count;
   int32_t *ends = BW_NEW(context, int32_t, 2 * (size_t)(t->nodes->node_count - corners));
   if (!ends)
@@ -49,8 +49,8 @@ static bw_status carry_flips(bw_context *context, const bw_plane_mesh *from,
   bw_status status = BW_OK;
   const bw_plane_nodes *nodes = from->topology->nodes;
   bw_plane_locator *locator = NULL;
-  int32_t *before = ends_of_middles(context, from->topology);
-  int32_t *after = ends_of_middles(context, to->topology);
+  int32_t *before = ends_of_mid_edge_nodes(context, from->topology);
+  int32_t *after = ends_of_mid_edge_nodes(context, to->topology);
   if (!before || !after) {
     status = BW_MEMORY;
     goto done;

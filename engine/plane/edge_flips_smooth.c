@@ -30,7 +30,7 @@ static int around(const bwi_edge_flips *flipping, int32_t node, int32_t element[
 }
 
 /* Qualities of the elements around as they are now; the worst. */
-static double judge(const bwi_edge_flips *flipping, int count, const int32_t *element,
+static double check(const bwi_edge_flips *flipping, int count, const int32_t *element,
                     double *quality) {
   size_t width = flipping->order == 2 ? 6 : 3;
   double worst = INFINITY;
@@ -87,7 +87,7 @@ static bool smooth_node(bwi_edge_flips *flipping, int32_t node, double below, do
   for (int tries = 0; tries < 4; tries++, part /= 2) {
     double at[2] = {old[0] + part * (target[0] - old[0]), old[1] + part * (target[1] - old[1])};
     put(flipping, node, count, element, corner, at);
-    double after = judge(flipping, count, element, quality);
+    double after = check(flipping, count, element, quality);
     if (!(after > before || after >= enough))
       continue;
     for (int i = 0; i < count; i++) {

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Filling an outline with triangles: nodes along the outline, triangles between them by CGAL, nodes
- * that CGAL put on boundary edges moved onto the curves, smoothing with flips, middles of edges.
+ * that CGAL put on boundary edges moved onto the curves, smoothing with flips, mid-edge nodes.
  *
  * What can go wrong on the way is answered by denser nodes along the curves: boundary edges that
  * cross where two curves run close to each other, elements inverted by a node moved onto its curve,

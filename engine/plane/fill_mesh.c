@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* From the triangles of a filling to a mesh: nodes that were put on boundary edges go onto the
  * curves, nodes and elements are numbered along a Morton curve, smoothing and flips take turns,
- * middles of edges are made. */
+ * mid-edge nodes are made. */
 #include "plane/edge_flips.h"
 #include "plane/fill_internal.h"
 
@@ -110,10 +110,11 @@ done:
 }
 
 /* Middles on all edges, numbered element by element, those on sides on their curve. */
-static bw_status add_middles(bw_context *context, const bw_outline *outline,
-                             const bw_plane_topology *topology, const bwi_edge_flips *flipping,
-                             int32_t *nodes, int32_t **segment, double **parameter, double **point,
-                             int32_t **element) {
+static bw_status add_mid_edge_nodes(bw_context *context, const bw_outline *outline,
+                                    const bw_plane_topology *topology,
+                                    const bwi_edge_flips *flipping, int32_t *nodes,
+                                    int32_t **segment, double **parameter, double **point,
+                                    int32_t **element) {
   bw_status status = BW_OK;
   const bw_plane_nodes *corners = topology->nodes;
   int32_t count = corners->corner_count, elements = flipping->element_count;
@@ -217,8 +218,8 @@ bw_status bwi_fill_mesh(bw_context *context, const bw_outline *outline,
   }
   nodes = corners->nodes->node_count;
   if (order == 2) {
-    BW_TRY(add_middles(context, outline, corners, &flipping, &nodes, &segment, &parameter, &point,
-                       &element));
+    BW_TRY(add_mid_edge_nodes(context, outline, corners, &flipping, &nodes, &segment, &parameter,
+                              &point, &element));
   } else {
     segment = BW_NEW(context, int32_t, nodes);
     parameter = BW_NEW(context, double, nodes);

@@ -165,7 +165,7 @@ done:
 /* ---- springs ----------------------------------------------------------------------------------
  */
 
-static void centre_middles(const bw_plane_topology *t, double *point) {
+static void centre_mid_edge_nodes(const bw_plane_topology *t, double *point) {
   for (int64_t h = 0; h < 3 * (int64_t)t->element_count; h++) {
     const int32_t *n = t->element + 6 * (size_t)(h / 3);
     if (t->nodes->segment[n[3 + h % 3]] >= 0)
@@ -205,7 +205,7 @@ bw_status bwi_relocate_springs(bw_context *context, const bw_plane_mesh *mesh,
           point[2 * (size_t)i + k] = sum[3 * (size_t)i + k] / sum[3 * (size_t)i + 2];
   }
   if (nodes->order == 2)
-    centre_middles(t, point);
+    centre_mid_edge_nodes(t, point);
   bw_free(sum);
   return BW_OK;
 }

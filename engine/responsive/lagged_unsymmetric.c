@@ -79,7 +79,7 @@ static void controls(double *control) {
   control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
 }
 
-static bw_status judge(bw_context *context, const bwi_lagged_unsymmetric *s, int code,
+static bw_status check(bw_context *context, const bwi_lagged_unsymmetric *s, int code,
                        double smallest_pivot) {
   if (code == UMFPACK_WARNING_singular_matrix || (code == UMFPACK_OK && !(smallest_pivot > 0))) {
     bw_fail(context, BW_SINGULAR,
@@ -178,7 +178,7 @@ static bw_status analyse(bw_context *context, bwi_lagged_unsymmetric *s,
   for (;;) {
     int code = umfpack_di_qsymbolic(s->size, s->size, s->start, s->row, s->value, s->order,
                                     &s->symbolic, control, info);
-    BW_TRY(judge(context, s, code, 1));
+    BW_TRY(check(context, s, code, 1));
     double flops = info[UMFPACK_FLOPS_ESTIMATE];
     if (work->reordered)
       s->ordered = flops;
@@ -209,7 +209,7 @@ bw_status bwi_lagged_unsymmetric_factor(bw_context *context, bwi_lagged_unsymmet
   bwi_blas_enter();
   int code = umfpack_di_numeric(s->start, s->row, s->value, s->symbolic, &numeric, control, info);
   bwi_blas_leave();
-  status = judge(context, s, code, info[UMFPACK_RCOND]);
+  status = check(context, s, code, info[UMFPACK_RCOND]);
   if (s->numeric)
     umfpack_di_free_numeric(&s->numeric);
   s->numeric = NULL;

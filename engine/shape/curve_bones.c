@@ -66,7 +66,7 @@ static double to_segment(const double *x, const double *a, const double *b) {
   return bw_norm(d);
 }
 
-static void judge(const samples *along, piece *p) {
+static void check(const samples *along, piece *p) {
   const double *at = along[p->branch].at;
   const double *a = at + 4 * (size_t)p->first, *b = at + 4 * (size_t)p->last;
   p->bend = -1;
@@ -113,8 +113,8 @@ static bw_status cut_pieces(bw_context *context, const samples *along, double be
     piece *p = *list + of, *rest = *list + (*count)++;
     *rest = *p;
     p->last = rest->first = at;
-    judge(along, p);
-    judge(along, rest);
+    check(along, p);
+    check(along, rest);
   }
   return BW_OK;
 }
@@ -199,7 +199,7 @@ bw_status bwi_curve_bones(bw_context *context, const bwi_curve *curve, double be
       goto done;
     }
     list[count] = (piece){b, 0, along[b].count - 1, -1, 0, 0};
-    judge(along, &list[count++]);
+    check(along, &list[count++]);
   }
   if (count == 0)
     goto done;

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* What the files of mending share. */
+/* What the files of repair share. */
 #ifndef BWI_MESH_REPAIR_INTERNAL_H
 #define BWI_MESH_REPAIR_INTERNAL_H
 
@@ -31,7 +31,7 @@ bw_status bwi_patch_smooth(bw_context *context, bwi_patch *patch);
 
 /* The quality of a tetrahedron, 0 at most where its volume is not positive beyond rounding (the
  * test of bw_mesh_moved), and -infinity where a coordinate is not finite. */
-double bwi_judged_quality(const double *const x[4]);
+double bwi_checked_quality(const double *const x[4]);
 
 /* A closed surface filled from within: the surface's points come first and none is added on it. */
 typedef struct bwi_filled {

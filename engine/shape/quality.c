@@ -30,7 +30,7 @@ double bw_shape_quality(const double *a, const double *b, const double *c, const
   return quality_of(x, bwi_tet_determinant(a, b, c, d, NULL));
 }
 
-double bwi_judged_quality(const double *const x[4]) {
+double bwi_checked_quality(const double *const x[4]) {
   double error, determinant = bwi_tet_determinant(x[0], x[1], x[2], x[3], &error);
   double quality = quality_of(x, determinant);
   if (!isfinite(determinant) || !isfinite(quality))
@@ -45,7 +45,7 @@ void bw_mesh_shape_check(const bw_mesh *mesh, const double *node, double floor,
     const int32_t *corner = mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
     const double *const x[4] = {node + 3 * (size_t)corner[0], node + 3 * (size_t)corner[1],
                                 node + 3 * (size_t)corner[2], node + 3 * (size_t)corner[3]};
-    double quality = bwi_judged_quality(x);
+    double quality = bwi_checked_quality(x);
     r.inverted += quality <= 0 || quality < floor;
     if (quality < r.worst_before) {
       r.worst_before = quality;

@@ -56,7 +56,7 @@ static bw_status find_pieces(bwi_refiller *r, const uint8_t *replace) {
   return BW_OK;
 }
 
-/* Kept elements are not mended here. */
+/* Kept elements are not repaired here. */
 static bw_status check_kept(const bwi_refiller *r) {
   for (int64_t i = 0; i < 3 * (int64_t)r->mesh->node_count; i++)
     if (!isfinite(r->node[i])) {
@@ -68,7 +68,7 @@ static bw_status check_kept(const bwi_refiller *r) {
     const int32_t *c = corners_of(r, e);
     const double *const x[4] = {r->node + 3 * (size_t)c[0], r->node + 3 * (size_t)c[1],
                                 r->node + 3 * (size_t)c[2], r->node + 3 * (size_t)c[3]};
-    if (r->piece_of[e] >= 0 || bwi_judged_quality(x) > 0)
+    if (r->piece_of[e] >= 0 || bwi_checked_quality(x) > 0)
       continue;
     bw_fail(r->context, BW_GEOMETRY,
             "element %d near (%g, %g, %g) is inverted and not among those to be replaced", e + 1,

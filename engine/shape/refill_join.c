@@ -29,7 +29,7 @@ static void number_nodes(bwi_refiller *r) {
         for (int j = 0; j < 3 && bwi_on_piece_boundary(r, e, k); j++) {
           r->number[n[bw_tet_face[k][j]]] = 0;
           if (mesh->order == 2)
-            r->number[n[bw_tet_face_middle[k][j]]] = 0;
+            r->number[n[bw_tet_face_mid_edge[k][j]]] = 0;
         }
   }
   r->node_count = 0;
@@ -88,7 +88,7 @@ static int32_t find_edge(const bwi_keyed *list, size_t count, uint64_t key) {
 
 /* Middles for the elements from r->kept on: old ones where the edge is old, else new ones in the
  * order of edges. Grows r->new_node and r->node_from. */
-static bw_status place_new_middles(bwi_refiller *r) {
+static bw_status place_new_mid_edge_nodes(bwi_refiller *r) {
   bw_status status;
   bwi_keyed *old = NULL, *edge = NULL;
   size_t olds = 0, edges = 6 * (size_t)(r->element_count - r->kept), at = 0;
@@ -207,7 +207,7 @@ bw_status bwi_refill_join(bwi_refiller *r) {
     }
   }
   r->node_count = next;
-  return mesh->order == 2 ? place_new_middles(r) : BW_OK;
+  return mesh->order == 2 ? place_new_mid_edge_nodes(r) : BW_OK;
 }
 
 /* ---- facets in their old order --------------------------------------------------------------- */

@@ -12,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Elements below this, and below half of what they were at rest, are mended too, though they are
+/* Elements below this, and below half of what they were at rest, are repaired too, though they are
  * the right way round: what is nearly flat spoils the equations. */
 static const double poor_quality = 0.05;
 
@@ -28,7 +28,7 @@ typedef struct relaxer {
   int32_t *found;   /* the nodes found, by patch */
   int32_t *element_of_patch;
   uint8_t *seen;  /* element_count */
-  uint8_t *stuck; /* element_count: cannot be mended */
+  uint8_t *stuck; /* element_count: cannot be repaired */
   bw_mesh_repair_report report;
 } relaxer;
 
@@ -40,7 +40,7 @@ static double quality_now(const relaxer *r, int32_t e) {
   const int32_t *c = corners(r, e);
   const double *const x[4] = {r->node + 3 * (size_t)c[0], r->node + 3 * (size_t)c[1],
                               r->node + 3 * (size_t)c[2], r->node + 3 * (size_t)c[3]};
-  return bwi_judged_quality(x);
+  return bwi_checked_quality(x);
 }
 
 static double quality_at_rest(const relaxer *r, int32_t e) {
@@ -179,13 +179,13 @@ static bw_status make_patch(relaxer *r, int32_t first, int32_t end, bwi_patch *p
   return BW_OK;
 }
 
-/* Mend the patch of found[first, end): the nodes move only when it is untangled. */
-static bw_status mend_patch(relaxer *r, int32_t first, int32_t end, bool *mended) {
+/* Repair the patch of found[first, end): the nodes move only when it is untangled. */
+static bw_status repair_patch(relaxer *r, int32_t first, int32_t end, bool *repaired) {
   bwi_patch p;
   bw_status status;
   BW_TRY(make_patch(r, first, end, &p));
-  BW_TRY(bwi_patch_untangle(r->context, &p, mended));
-  if (*mended) {
+  BW_TRY(bwi_patch_untangle(r->context, &p, repaired));
+  if (*repaired) {
     BW_TRY(bwi_patch_smooth(r->context, &p));
     for (int32_t i = first; i < end; i++)
       memcpy(r->node + 3 * (size_t)r->found[i], p.x + 3 * (size_t)(i - first), 3 * sizeof(double));
@@ -199,7 +199,7 @@ done:
 }
 
 /* One pass over all bad places with so many rings; *left counts what is still inverted. */
-static bw_status mend_with(relaxer *r, int rings, int32_t *place, int32_t *left, int32_t *nodes) {
+static bw_status repair_with(relaxer *r, int rings, int32_t *place, int32_t *left, int32_t *nodes) {
   bw_status status = BW_OK;
   int32_t count = find_nodes(r, rings);
   *nodes = count;
@@ -207,8 +207,8 @@ static bw_status mend_with(relaxer *r, int rings, int32_t *place, int32_t *left,
     place[r->found[i]] = i;
   for (int32_t first = 0; first < count;) {
     int32_t end = gather_patch(r, first, place);
-    bool mended;
-    BW_TRY(mend_patch(r, first, end, &mended));
+    bool repaired;
+    BW_TRY(repair_patch(r, first, end, &repaired));
     first = end;
   }
   *left = 0;
@@ -251,7 +251,7 @@ static bool hopeless(const relaxer *r) {
   return false;
 }
 
-static void place_middles(const bw_mesh *mesh, const uint8_t *moved, double *node) {
+static void place_mid_edge_nodes(const bw_mesh *mesh, const uint8_t *moved, double *node) {
   for (int32_t e = 0; e < mesh->element_count && mesh->order == 2; e++) {
     const int32_t *n = mesh->element + 10 * (size_t)e;
     for (int k = 0; k < 6; k++) {
@@ -302,7 +302,7 @@ bw_status bw_mesh_relax(bw_context *context, const bw_mesh *mesh, const uint8_t 
     if (hopeless(&r))
       break;
     int32_t left_before = left, nodes_before = nodes;
-    BW_TRY(mend_with(&r, rings[i], place, &left, &nodes));
+    BW_TRY(repair_with(&r, rings[i], place, &left, &nodes));
     if (nodes == nodes_before && left == left_before)
       break; /* there are no more rings */
   }
@@ -314,7 +314,7 @@ bw_status bw_mesh_relax(bw_context *context, const bw_mesh *mesh, const uint8_t 
     r.is_free[i] = memcmp(r.node + 3 * (size_t)i, node + 3 * (size_t)i, 3 * sizeof *node) != 0;
     r.report.moved += r.is_free[i];
   }
-  place_middles(mesh, r.is_free, r.node);
+  place_mid_edge_nodes(mesh, r.is_free, r.node);
   memcpy(node, r.node, numbers * sizeof *node);
   r.report.worst_after = INFINITY;
   for (int32_t e = 0; e < mesh->element_count; e++)

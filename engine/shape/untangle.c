@@ -47,7 +47,7 @@ double bwi_patch_quality(bwi_patch *patch) {
     const double *x[4];
     for (int k = 0; k < 4; k++)
       x[k] = corner_at(patch, patch->x, e, k);
-    double quality = bwi_judged_quality((const double *const *)x);
+    double quality = bwi_checked_quality((const double *const *)x);
     if (quality < patch->worst) {
       patch->worst = quality;
       patch->worst_place = e;

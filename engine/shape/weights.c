@@ -255,7 +255,7 @@ static void settle_row(const bwi_skinning *s, int32_t node, double *row) {
   row[nearest] = 1;
 }
 
-static void fill_middles(const bwi_skinning *s, double *weight) {
+static void fill_centroids(const bwi_skinning *s, double *weight) {
   const bw_mesh *mesh = s->mesh;
   size_t bones = (size_t)s->skeleton->bone_count;
   if (mesh->order == 1)
@@ -335,7 +335,7 @@ bw_status bw_skinning_weights(bw_context *context, const bw_mesh *mesh, const bw
   BW_TRY(solve_inside(&s, weight));
   for (int32_t i = s.points; i < s.corners; i++)
     settle_row(&s, s.node[i], weight + (size_t)s.node[i] * bones);
-  fill_middles(&s, weight);
+  fill_centroids(&s, weight);
   BW_TRY(check_rows(&s, weight));
   bw_progress(context, "skinning weights", 1);
 done:

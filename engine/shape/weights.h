@@ -12,7 +12,7 @@ typedef struct bwi_skinning {
   const bw_skeleton *skeleton;
   double heat, size;       /* size: the diagonal of mesh and skeleton */
   int32_t corners, points; /* corner nodes; those of them on the surface come first */
-  int32_t *number;         /* node_count: among the corners, -1 for middle nodes */
+  int32_t *number;         /* node_count: among the corners, -1 for mid-edge nodes */
   int32_t *node;           /* corners: the node */
   int32_t *triangle;       /* facet_count x 3, of points */
   double *at;              /* points x 3 */

@@ -4,7 +4,8 @@
  * elements; it has an eighth of the unknowns and is factored in a hundredth of the time.
  *
  * With P from corners to all nodes, A = P^T K P is exact because elements are straight and because
- * a corner takes part only with unknowns that the supports leave to the middle nodes around it too.
+ * a corner takes part only with unknowns that the supports leave to the mid-edge nodes around it
+ * too.
  */
 #ifndef BWI_SOLVE_COARSE_H
 #define BWI_SOLVE_COARSE_H

@@ -112,7 +112,7 @@ static double norm(const double *a, int64_t size) {
 
 /* The residual is above what was asked for. It stands where rounding alone leaves as much: of K u,
  * or of a load that inertia balances to nothing (a body that falls). */
-static bw_status judge(bw_context *context, const equations *e, double rtol,
+static bw_status check(bw_context *context, const equations *e, double rtol,
                        const bw_static *result) {
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)e->graph->node_count;
@@ -169,7 +169,7 @@ bw_status bw_statics_external(bw_context *context, const bw_model *model,
   bwi_static_solver solver = {.solve = solve, .data = &data, .refine_to = options.rtol};
   BW_TRY(bwi_static_solve(context, e.dof_map, e.graph, e.stiffness, &solver, result));
   if (result->residual > options.rtol)
-    BW_TRY(judge(context, &e, options.rtol, result));
+    BW_TRY(check(context, &e, options.rtol, result));
 done:
   clear(context, &e, result ? result->external : NULL);
   if (status == BW_OK)

@@ -363,7 +363,7 @@ static int32_t node_of_unknown(const bwi_symbolic *symbolic, int32_t unknown) {
 }
 
 /* After factorise: a pivot without digits left is as bad as one that is not positive. */
-static bw_status judge(const factorisation *f, bw_status status, int32_t *bad_node) {
+static bw_status check(const factorisation *f, bw_status status, int32_t *bad_node) {
   if (status == BW_OK && f->weak < INT32_MAX)
     status = BW_SINGULAR;
   if (status == BW_SINGULAR) {
@@ -447,7 +447,7 @@ static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_m
                        .plan = &symbolic->plan,
                        .store = &fronts};
     factor->unit = 1;
-    status = judge(&f, factorise(&f), bad_node);
+    status = check(&f, factorise(&f), bad_node);
   }
 done:
   store_clear(&fronts);
@@ -508,7 +508,7 @@ bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_m
   f.unit = factor->unit;
   BW_TRY(bwi_plan_create(context, symbolic, f.wanted, kept->reach->keep, &plan));
   kept->broken = true;
-  BW_TRY(judge(&f, factorise(&f), bad_node));
+  BW_TRY(check(&f, factorise(&f), bad_node));
   kept->broken = false;
   if (flops)
     *flops = plan.flops;

@@ -171,7 +171,7 @@ bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
 /* Factor again, in place, what entries of the touched domains (NULL: all) reach: the same bits as
  * from scratch, when only entries of theirs have changed since. *flops (may be NULL): work done. On
  * failure, BW_CANCELLED included, the factor is broken (bwi_factor_broken): solves refuse it, an
- * update of all domains (NULL) mends it. *bad_node as above. */
+ * update of all domains (NULL) repairs it. *bad_node as above. */
 bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_matrix *matrix,
                             const uint8_t *touched_domain, double *flops, int32_t *bad_node);
 bool bwi_factor_broken(const bwi_factor *factor);

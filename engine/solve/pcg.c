@@ -24,7 +24,7 @@
 enum { WIDTH = 8, STARTS = 4 };
 
 /* Convergence is judged from this iteration on: until then outlying eigenvalues rule. */
-enum { JUDGED_FROM = 6, REMEMBERED = 512 };
+enum { CHECKED_FROM = 6, REMEMBERED = 512 };
 
 /* In one iteration the energy of the error falls by at least this fraction of what the residual
  * falls by (its root; measured: 0.1 to 1.3); and mostly by this. */
@@ -164,7 +164,7 @@ static bool beyond_bound(iteration *it, int made) {
   for (int k = 0; k < it->active; k++)
     worst = fmax(worst, it->column[k].r_dot_z / it->column[k].energy);
   it->level[made] = made > 1 ? fmin(worst, it->level[made - 1]) : worst;
-  if (made < JUDGED_FROM || it->active == 0 || !(it->level[made] > wanted))
+  if (made < CHECKED_FROM || it->active == 0 || !(it->level[made] > wanted))
     return false;
   double fallen = log(it->level[made / 2] / it->level[made]) / (made - made / 2);
   double left = 0.5 * log(it->level[made] / wanted) / fallen;

@@ -319,7 +319,7 @@ static double aim(const bwi_two_level_problem *problem) {
 
 /* Fields whose iteration ended: is the residual, computed anew, small enough too? Those for which
  * it is not, and still falls, start again from it: they are restarted. */
-static bw_status judge(iteration *it, const bool *ended) {
+static bw_status check(iteration *it, const bool *ended) {
   bw_status status = BW_OK;
   bwi_two_level *l = it->l;
   bool any = false;
@@ -462,11 +462,11 @@ static bw_status run(iteration *it) {
       break;
     }
     if (find_sure(it, before, ended))
-      BW_TRY(judge(it, ended));
+      BW_TRY(check(it, ended));
     if (!going_on(it))
       break;
     BW_TRY(look_ahead(it, false, ended));
-    BW_TRY(judge(it, ended));
+    BW_TRY(check(it, ended));
     if (any_fresh(it))
       BW_TRY(look_ahead(it, true, ended));
     BW_TRY(turn_all(it));

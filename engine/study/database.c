@@ -114,7 +114,7 @@ static bool only_zeros(const unsigned char *head) {
   return true;
 }
 
-static bw_status judge_head(bw_context *context, const char *path, const unsigned char *head,
+static bw_status check_head(bw_context *context, const char *path, const unsigned char *head,
                             ssize_t got) {
   bool ours = bwi_big_endian(head + BWI_MARK_AT) == bwi_mark;
   if (memcmp(head, bwi_magic, sizeof bwi_magic) != 0) {
@@ -150,7 +150,7 @@ bool bwi_expects_changes(const unsigned char *head) {
 }
 
 /* What SQLite would say only in general terms, or not at all, is judged by the first bytes. */
-static bw_status judge_file(bw_context *context, const char *path, bool read_only) {
+static bw_status check_file(bw_context *context, const char *path, bool read_only) {
   unsigned char head[BWI_HEADER] = {0};
   struct stat about;
   if (stat(path, &about) != 0) {
@@ -173,7 +173,7 @@ static bw_status judge_file(bw_context *context, const char *path, bool read_onl
     close(file);
   if (got < 0)
     return bwi_database_say(context, BW_IO, NULL, path, "%s", strerror(error));
-  bw_status status = judge_head(context, path, head, got);
+  bw_status status = check_head(context, path, head, got);
   /* The same before and after the head was read: nobody ended the mode meanwhile. */
   if (status == BW_OK && !bwi_expects_changes(head) && ahead != 0 &&
       bwi_changes_ahead(path) == ahead)
@@ -284,7 +284,7 @@ bw_status bw_database_open(bw_context *context, const char *path,
                    BWI_LONGEST_PATH - 8);
   bw_status status = bw_may_use(context, path, options->read_only ? BW_TO_READ : BW_TO_WRITE);
   if (status == BW_OK)
-    status = judge_file(context, path, options->read_only);
+    status = check_file(context, path, options->read_only);
   if (status != BW_OK)
     return status;
   bw_database *d = BW_NEW0(context, bw_database, 1);

@@ -113,7 +113,8 @@ static const char *point_text(const run *r, const double *x, char text[160]) {
   return text;
 }
 
-static bw_status judge(run *r, int which, const double *x, double value, const double *gradient) {
+static bw_status check_solution(run *r, int which, const double *x, double value,
+                                const double *gradient) {
   char name[40], at[160];
   bool fine = r->method->models ? isfinite(value) : !isnan(value) && value != -INFINITY;
   if (!fine)
@@ -165,7 +166,7 @@ static double ask(unsigned n, const double *x, double *gradient, void *data) {
     if (r->failure == BW_OK)
       r->failure = r->function(r->context, r->data, f->which, x, &value, gradient);
     if (r->failure == BW_OK)
-      r->failure = judge(r, f->which, x, value, gradient);
+      r->failure = check_solution(r, f->which, x, value, gradient);
     r->evaluations += f->which == 0;
   }
   if (r->failure != BW_OK || r->lost || r->spent) {

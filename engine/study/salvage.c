@@ -129,7 +129,7 @@ static void write_head(unsigned char *head) {
     head[BWI_MARK_AT + i] = (unsigned char)((uint32_t)bwi_mark >> (24 - 8 * i));
 }
 
-static bw_status mend_head(salvage *s) {
+static bw_status repair_head(salvage *s) {
   unsigned char head[BWI_HEADER];
   struct stat about;
   bw_status status = BW_OK;
@@ -181,7 +181,7 @@ static bw_status make_copy(salvage *s) {
   side_name(s->copy, "-wal", to);
   if (has_changes_of_its_own(s))
     status = copy_file(s->context, from, to, true);
-  return status == BW_OK ? mend_head(s) : status;
+  return status == BW_OK ? repair_head(s) : status;
 }
 
 /* ---- rows ------------------------------------------------------------------------------------ */
@@ -327,7 +327,7 @@ static bw_status columns_of(salvage *s, const char *table, char **names, char **
   return (code & 0xff) != SQLITE_NOMEM && any == (*names && *marks) ? BW_OK : no_memory(s);
 }
 
-static void tell(salvage *s, const char *table, int64_t saved, const gap *gaps) {
+static void add_note(salvage *s, const char *table, int64_t saved, const gap *gaps) {
   s->report.tables++;
   s->report.rows += saved;
   s->report.lost += gaps->lost;
@@ -372,7 +372,7 @@ static bw_status copy_table(salvage *s, const char *table) {
     gaps.count = 1;
     gaps.open_end = true;
   }
-  tell(s, table, saved, &gaps);
+  add_note(s, table, saved, &gaps);
 done:
   sqlite3_finalize(row);
   sqlite3_free(names);

@@ -63,7 +63,7 @@ static bool is_marked(sqlite3 *from) {
 
 /* The list is damaged where it cannot be read, is empty, or lacks tables. A file that has none of
  * them, nor our mark, is another's. */
-static int judge(sqlite3 *from, sqlite3 *empty, bool *damaged) {
+static int check(sqlite3 *from, sqlite3 *empty, bool *damaged) {
   int there = 0, missing = 0, entries = 0;
   sqlite3_stmt *row = NULL;
   int code = sqlite3_prepare_v2(empty, "SELECT name FROM sqlite_master WHERE type = 'table'", -1,
@@ -118,7 +118,7 @@ bw_status bwi_salvage_tables(bw_context *context, sqlite3 *from, const char *sch
   bw_status status = BW_OK;
   int code = connect_to_empty(scratch, schema, &empty);
   if (code == SQLITE_OK) {
-    code = judge(from, empty, anew);
+    code = check(from, empty, anew);
     *anew = *anew || always;
   }
   if (code != SQLITE_OK)

@@ -285,7 +285,7 @@ local design_rules = {
   report = {type = "function"}, -- of {start, round, rounds, area, utilisation, passes, outline}
 }
 
-local function told(self, opts, name, first, count, report_total)
+local function reported(self, opts, name, first, count, report_total)
   return function(round, here, best)
     local fraction = (first + round / count) / report_total
     core.report_progress(("bridge: %s, %.4g mm2"):format(name, 2e6 * best.area), math.min(fraction, 1))
@@ -413,7 +413,7 @@ function class.design(self, given)
     local form, message = form_of_start(self, name, kept)
     local found
     if form then
-      found, message = shape_design.search(problem, form, told(self, opts, name, i - 1, opts.rounds, total))
+      found, message = shape_design.search(problem, form, reported(self, opts, name, i - 1, opts.rounds, total))
     end
     if found then
       results[i] = {start = name, area = 2 * found.area, utilisation = found.max / self.opts.stress_limit,
@@ -433,7 +433,7 @@ function class.design(self, given)
     return nil, ("no start could be analysed: %s"):format(results[1] and results[1].message or ""),
       {status = "infeasible"}
   end
-  local last, message, details = settled(self, opts, best, told(self, opts, best.start, total - 1,
+  local last, message, details = settled(self, opts, best, reported(self, opts, best.start, total - 1,
     math.max(opts.polish, 10), total))
   if not last then return nil, message, details end
   note_designed(self, kept)

@@ -51,7 +51,7 @@ function bumps.rounded(surface, unit)
   return core.surface.new {points = core.array.new(rows), triangles = surface.triangles}
 end
 
---- The shape of a mesh's boundary, middle nodes among its points; `nodes` has the mesh node of each point.
+--- The shape of a mesh's boundary, mid-edge nodes among its points; `nodes` has the mesh node of each point.
 function bumps.of_mesh(mesh)
   local shape, index = {points = {}, triangles = {}, nodes = {}}, {}
   local nodes, facets = mesh.nodes, mesh.facets:totable()
@@ -389,7 +389,7 @@ end
 local function cut_to(shape, places, share)
   local points, triangles = table.move(shape.points, 1, #shape.points, 1, {}), shape.triangles
   for _ = 1, ROUNDS do
-    local middles, known, cut, changed = {}, {}, {}, false
+    local centroids, known, cut, changed = {}, {}, {}, false
     local function middle(a, b)
       if a > b then a, b = b, a end
       local key = a * 4294967296 + b
@@ -398,10 +398,10 @@ local function cut_to(shape, places, share)
         if known[key] then
           local p, q = points[a], points[b]
           points[#points + 1] = {(p[1] + q[1]) / 2, (p[2] + q[2]) / 2, (p[3] + q[3]) / 2}
-          middles[key] = #points
+          centroids[key] = #points
         end
       end
-      return middles[key] or false
+      return centroids[key] or false
     end
     for _, t in ipairs(triangles) do
       local m = {middle(t[1], t[2]), middle(t[2], t[3]), middle(t[3], t[1])}

@@ -157,7 +157,7 @@ local function commit(self, edit)
   local state = {topology = edit.topology or before.topology, pose = edit.pose or before.pose,
     limits = edit.limits or before.limits, script = edit.script, note = "posed"}
   if edit.pose or edit.topology then
-    local shape, message, details = edit_shape.mended(state.topology, state.pose, self.opts)
+    local shape, message, details = edit_shape.repaired(state.topology, state.pose, self.opts)
     if not shape then return nil, message, details end
     state.topology, state.shape, state.note = shape.topology, shape, shape.how
     if shape.topology.refilled and shape.topology ~= before.topology then
@@ -269,7 +269,7 @@ function class:limit(name, limit)
 end
 
 --- Gives elements to a bone's domain, or (without a bone) takes them out of those that follow one. On
---- a refilled mesh the domains change as they were before it, and the pose is mended anew.
+--- a refilled mesh the domains change as they were before it, and the pose is repaired anew.
 function class:assign(elements, bone)
   local state = current(self)
   if type(elements) == "userdata" then elements = elements:totable() end

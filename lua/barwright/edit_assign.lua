@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Elements given to a bone by hand. Domains are made at rest, and the mesh at rest of a refilled
 -- topology only carries positions (edit_shape); so a choice made on a refilled mesh is taken back to
--- the mesh that was filled again, and from there the pose is mended anew. Elements that were kept
+-- the mesh that was filled again, and from there the pose is repaired anew. Elements that were kept
 -- are the same there; one that was replaced goes with the new one that lies nearest at rest, of
 -- those of its domain.
 local core = require "barwright.core"
@@ -9,7 +9,7 @@ local core = require "barwright.core"
 local edit_assign = {}
 
 -- The middles of some elements at rest, as {x, y, z} by number.
-local function middles(mesh, elements)
+local function centroids(mesh, elements)
   local corners = mesh.elements:gather(elements):totable()
   local out = {}
   for i, e in ipairs(elements) do
@@ -59,7 +59,7 @@ local function taken_back(topology, elements)
   for e = 1, former.mesh.element_count do
     if not kept[e] then replaced[#replaced + 1] = e end
   end
-  local here, there = middles(topology.mesh, made), middles(former.mesh, replaced)
+  local here, there = centroids(topology.mesh, made), centroids(former.mesh, replaced)
   local new = by_domain(topology, made)
   for d, list in pairs(by_domain(former, replaced)) do
     for _, e in ipairs(list) do

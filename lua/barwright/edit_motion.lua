@@ -64,9 +64,9 @@ end
 --- or where its inner nodes are relaxed in one of the two.
 function edit_motion.rows(memory, shape)
   local topology = shape.topology
-  local told, message, details = topology.domains:motion(shape.maps, shape.rotations)
-  if not told then return nil, message, details end
-  local motion = told:totable()
+  local reported, message, details = topology.domains:motion(shape.maps, shape.rotations)
+  if not reported then return nil, message, details end
+  local motion = reported:totable()
   local now = memory.maps and shape.maps:totable()
   for p, row in ipairs(motion) do
     if now then

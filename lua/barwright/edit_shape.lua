@@ -2,7 +2,7 @@
 -- The mesh of a pose. The shape is a function of the topology (domains on a mesh at rest) and the
 -- pose alone: posed from rest, and where that inverts elements, inner nodes relaxed from there. So
 -- the same pose gives the same nodes, whatever came before it, and undo need not keep meshes.
--- What relaxing cannot mend is refilled, which makes another topology.
+-- What relaxing cannot repair is refilled, which makes another topology.
 local core = require "barwright.core"
 local edit_pose = require "barwright.edit_pose"
 
@@ -12,7 +12,7 @@ local edit_shape = {}
 local topologies = setmetatable({}, {__mode = "k"})
 
 --- A topology: domains, what is asked about them often, the quality below which elements are
---- mended, and the numbers that the nodes have in the part as it was given (nil: the same). A refilled
+--- repaired, and the numbers that the nodes have in the part as it was given (nil: the same). A refilled
 --- one also has the topology before it (`former`), and where its elements were there.
 function edit_shape.topology(domains, floor, node_from)
   local skeleton, mesh = domains.skeleton, domains.mesh
@@ -182,7 +182,7 @@ end
 
 --- The shape of a pose, and where relaxing does not help, on a refilled mesh: then the topology of
 --- the shape is another one.
-function edit_shape.mended(topology, pose, opts)
+function edit_shape.repaired(topology, pose, opts)
   local shape, message, details, inverted = edit_shape.of(topology, pose, opts)
   if shape or not inverted then return shape, message, details end
   local tried = opts.relax and "; inner nodes could not be relaxed" or ""

@@ -16,7 +16,7 @@ local live_loads = require "barwright.live_loads"
 local live_message = require "barwright.live_message"
 local shared = require "barwright.live_session"
 
-local tell, tell_all, refuse, send_all = shared.tell, shared.tell_all, shared.refuse, shared.send_all
+local notify, notify_all, refuse, send_all = shared.notify, shared.notify_all, shared.refuse, shared.send_all
 local own_drag, no_drag = shared.own_drag, shared.no_drag
 
 local controller = {}
@@ -44,7 +44,7 @@ local longest = 2
 -- Whether what arrived makes the stresses of a drag's move obsolete: its end does, and for a while
 -- whatever else is of the same window.
 local function overtakes(self)
-  local drag, since = self.drag, self.told
+  local drag, since = self.drag, self.reported
   return function(client, kind, text)
     if client ~= drag.client then return false end
     return kind == "close" or live_message.is(text, "end")
@@ -52,7 +52,7 @@ local function overtakes(self)
   end
 end
 
-local function drag_told(drag)
+local function drag_reported(drag)
   return drag and {client = drag.client, bone = drag.bone, joint = drag.joint, seq = drag.seq} or nil
 end
 
@@ -68,7 +68,7 @@ local function publish(self, shown)
     send_all(self, scene.bytes, "scene")
   end
   if self.seconds > patience then
-    send_all(self, live_frame.shape(self.scene, state, drag_told(drag)), "shape")
+    send_all(self, live_frame.shape(self.scene, state, drag_reported(drag)), "shape")
   end
   local result, why, details
   if drag and self.seconds > patience then
@@ -77,15 +77,15 @@ local function publish(self, shown)
     result, why, details = live_loads.solve(self, shown)
   end
   if not result and drag and details and details.status == "cancelled" then return true end
-  self.told = core.seconds()
-  self.seconds = self.told - start
+  self.reported = core.seconds()
+  self.seconds = self.reported - start
   self.revision = self.revision + 1
   local bytes = live_frame.state(self.scene, state, result, {
     revision = self.revision, seconds = self.seconds, limit = self.limit,
     trouble = not result and why or nil, edits = self.session.position - 1,
     can_undo = self.session.position > 1, can_redo = #self.session.history > self.session.position,
-    script = history(self.session), loads = live_loads.told(self), ties = self.ties,
-    drag = drag_told(drag)})
+    script = history(self.session), loads = live_loads.reported(self), ties = self.ties,
+    drag = drag_reported(drag)})
   self.state = bytes
   send_all(self, bytes, "state")
   return true
@@ -145,7 +145,7 @@ function handlers.begin(self, client, message)
   if not shared.may_begin(self, client, message) then return end
   self.drag = {client = client, bone = message.bone, joint = message.joint, seq = message.seq,
     good = false, fork = self.session:fork {refill = false}}
-  self.told = core.seconds() -- what was told before is no hurry
+  self.reported = core.seconds() -- what was told before is no hurry
 end
 
 function handlers.move(self, client, message)
@@ -227,12 +227,12 @@ end
 function handlers.optimise(self, client, message)
   if not no_drag(self, client, message) then return end
   self.limit = message.von_mises
-  local report, why, details = shared.told_of(self, "optimising", self.session.optimise, self.session,
+  local report, why, details = shared.reported_of(self, "optimising", self.session.optimise, self.session,
     {von_mises = message.von_mises, low = message.low, high = message.high, bones = message.bones,
       ties = self.ties, loads = self.loads.kind, worst = self.about.worst,
       move_supports = message.move_supports})
   if not report and shared.stopped(details) then why = "stopped: the shape is as it was" end
-  tell_all(self, {type = "optimised", met = report ~= nil, message = report and tostring(report) or why})
+  notify_all(self, {type = "optimised", met = report ~= nil, message = report and tostring(report) or why})
   return publish(self, self.session)
 end
 
@@ -240,9 +240,9 @@ end
 function handlers.loads(self, client, message)
   if not no_drag(self, client, message) then return end
   if message.loads == "worst" then
-    local fine, why, details = shared.told_of(self, "looking for the worst load", live_loads.find, self)
+    local fine, why, details = shared.reported_of(self, "looking for the worst load", live_loads.find, self)
     if not fine and shared.stopped(details) then why = "stopped: the loads are what they were" end
-    tell_all(self, {type = "optimised", met = fine ~= nil, message = fine and live_loads.words(self) or why})
+    notify_all(self, {type = "optimised", met = fine ~= nil, message = fine and live_loads.words(self) or why})
     if not fine then return publish(self, self.session) end
   else
     live_loads.own(self)
@@ -272,7 +272,7 @@ function handlers.export(self, client, message)
   local bytes, why = shared.written("." .. message.format, write)
   if not bytes then return refuse(self, client, message, why) end
   self.server:serve(file.path, file.mime, bytes, self.about.name .. "." .. message.format)
-  tell(self, client, {type = "file", path = file.path, format = message.format, bytes = #bytes})
+  notify(self, client, {type = "file", path = file.path, format = message.format, bytes = #bytes})
 end
 
 -- ---- the controller ------------------------------------------------------------------------------------
@@ -287,7 +287,7 @@ function controller.new(session, server, about)
     solve = about.solve or (#session.source.supports == 0 and {inertia_relief = true} or nil),
     limit = about.limit, worst = about.worst, ties = about.ties}
   local self = setmetatable({session = session, server = server, about = about, clients = {},
-    revision = 0, seconds = 0, told = 0, later = {}, limit = about.limit or strength,
+    revision = 0, seconds = 0, reported = 0, later = {}, limit = about.limit or strength,
     loads = {kind = "own"}, ties = json.list(about.ties or {}), drag = nil}, controller)
   local scene, why, details = live_frame.scene(state, 1, about)
   if not scene then return nil, why, details end
@@ -300,7 +300,7 @@ end
 
 local function open(self, client)
   self.clients[client] = true
-  tell(self, client, {type = "welcome", client = client, saved = self.about.saved})
+  notify(self, client, {type = "welcome", client = client, saved = self.about.saved})
   self.server:send(client, self.scene.bytes, {binary = true, replace = "scene"})
   self.server:send(client, self.state, {binary = true, replace = "state"})
 end
@@ -323,7 +323,7 @@ end
 --- The session will not go on: a drag is ended, the pages are told.
 function controller:finish()
   if self.drag then pcall(finish, self, true) end
-  tell_all(self, {type = "bye"})
+  notify_all(self, {type = "bye"})
 end
 
 return controller

@@ -57,7 +57,7 @@ function live_loads.words(controller)
 end
 
 --- For the pages.
-function live_loads.told(controller)
+function live_loads.reported(controller)
   local worst = controller.loads.worst
   if not worst then return {kind = "own"} end
   return {kind = "worst", arrows = worst.arrows, max_principal = worst.max_principal,

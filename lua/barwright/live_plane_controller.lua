@@ -16,7 +16,7 @@ local live_plane_frame = require "barwright.live_plane_frame"
 local live_plane_message = require "barwright.live_plane_message"
 local shared = require "barwright.live_session"
 
-local tell, tell_all, refuse, send_all = shared.tell, shared.tell_all, shared.refuse, shared.send_all
+local notify, notify_all, refuse, send_all = shared.notify, shared.notify_all, shared.refuse, shared.send_all
 local own_drag, no_drag = shared.own_drag, shared.no_drag
 
 local controller = {}
@@ -34,7 +34,7 @@ local function size_of(outline)
   return math.sqrt((box.high[1] - box.low[1]) ^ 2 + (box.high[2] - box.low[2]) ^ 2)
 end
 
-local function drag_told(drag)
+local function drag_reported(drag)
   return drag and {client = drag.client, seq = drag.seq} or nil
 end
 
@@ -84,7 +84,7 @@ local function publish(self)
   local header = {level = level, scene = self.scene.id, mesh = self.mesh.id, revision = self.revision,
     seconds = self.seconds, levels = self.levels, limit = self.limit, edits = self.position - 1,
     can_undo = self.position > 1, can_redo = #self.history > self.position,
-    script = last_lines(self), drag = drag_told(self.drag), trouble = self.trouble}
+    script = last_lines(self), drag = drag_reported(self.drag), trouble = self.trouble}
   if self.steps then header.running, header.pace = self.running, self.pace end
   self.state = live_plane_frame.state(object, self.kind, shown(self), header)
   send_all(self, self.state, "state")
@@ -282,13 +282,13 @@ function handlers.tune(self, client, message)
     frame(self, since)
     since = core.seconds()
     publish(self)
-    tell_all(self, {type = "progress", stage = ("tuning: %.2f Hz, %s"):format(object.frequency, object.note)})
+    notify_all(self, {type = "progress", stage = ("tuning: %.2f Hz, %s"):format(object.frequency, object.note)})
     return not (asked_to_stop(self) or core.interrupted())
   end
-  tell_all(self, {type = "progress", stage = "tuning"})
+  notify_all(self, {type = "progress", stage = "tuning"})
   local report, why = object:tune(message.target, {watch = watch, pins = message.pins})
   local words = report and tuned_words(report) or why == "stopped" and "stopped: the shape is as it was" or why
-  tell_all(self, {type = "tuned", met = report ~= nil, message = words})
+  notify_all(self, {type = "tuned", met = report ~= nil, message = words})
   if not report then return publish(self) end
   return done(self, client, message, push(self, edits.tuned(message.target, message.pins)))
 end
@@ -311,7 +311,7 @@ function handlers.export(self, client, message)
   if not bytes then return refuse(self, client, message, why) end
   local path = "outline." .. format
   self.server:serve(path, mimes[format], bytes, self.about.name .. "." .. format)
-  tell(self, client, {type = "file", path = path, format = format, bytes = #bytes})
+  notify(self, client, {type = "file", path = path, format = format, bytes = #bytes})
 end
 
 -- ---- time ----------------------------------------------------------------------------------------
@@ -378,7 +378,7 @@ end
 
 local function open(self, client)
   self.clients[client] = self.kind.fields[1].key
-  tell(self, client, {type = "welcome", client = client, saved = self.about.saved})
+  notify(self, client, {type = "welcome", client = client, saved = self.about.saved})
   self.server:send(client, self.scene.bytes, {binary = true, replace = "scene"})
   self.server:send(client, self.mesh.bytes, {binary = true, replace = "mesh"})
   self.server:send(client, self.state, {binary = true, replace = "state"})
@@ -403,7 +403,7 @@ end
 --- The view will not go on: a drag is ended, the pages are told.
 function controller:finish()
   if self.drag then pcall(finish, self, true) end
-  tell_all(self, {type = "bye"})
+  notify_all(self, {type = "bye"})
 end
 
 return controller

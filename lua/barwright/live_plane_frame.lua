@@ -93,7 +93,7 @@ function live_plane_frame.state(object, kind, shown, header)
   if lines then blocks[#blocks + 1] = {"lines", "f4", lines:tostring "<f4"} end
   if kind.steps then header.time = object.time end
   if kind.header then kind.header(object, header) end
-  header.told = as_list(kind.told(object))
+  header.reported = as_list(kind.reported(object))
   return live_pack.pack(header, blocks)
 end
 

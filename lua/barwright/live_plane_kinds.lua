@@ -49,7 +49,7 @@ kinds["steady sheet"] = {
   fields = {von_mises, displacement, table.unpack(stresses)},
   deform = property "displacement",
   stress = true,
-  told = function(object) return {moved(object)} end,
+  reported = function(object) return {moved(object)} end,
 }
 
 kinds["bridge"] = {
@@ -60,32 +60,32 @@ kinds["bridge"] = {
   limit = property "stress_limit",
   hole_tag = "free",
   mirror = true,
-  told = function(object)
+  reported = function(object)
     return {{"area of both halves", ("%.5g mm2"):format(object.area * 1e6)},
       {"largest stress", ("%.1f %% of %.4g MPa: %s"):format(100 * object.utilisation,
         object.stress_limit / 1e6, object.passes and "passes" or "fails")}, moved(object)}
   end,
 }
 
-kinds["bent sheet"] = {
-  title = "Bent sheet",
+kinds["large-deflection sheet"] = {
+  title = "Large-deflection sheet",
   fields = {von_mises, displacement, table.unpack(stresses)},
   deform = property "displacement",
   true_size = true, -- drawn as bent as it is
   stress = true,
-  told = function(object)
+  reported = function(object)
     return {moved(object), {"Newton iterations", tostring(object.reused.newton_iterations or 0)}}
   end,
 }
 
-kinds["shaken sheet"] = {
-  title = "Shaken sheet",
+kinds["transient sheet"] = {
+  title = "Transient sheet",
   fields = {von_mises, displacement, {key = "velocity", name = "velocity", unit = "m/s", scale = 1,
     values = length_of "velocity"}, table.unpack(stresses)},
   deform = property "displacement",
   stress = true,
   steps = true,
-  told = function(object) return {moved(object)} end,
+  reported = function(object) return {moved(object)} end,
 }
 
 -- How a stroke sounds where the lowest mode deflects most: as in the bar's :tone.
@@ -109,7 +109,7 @@ kinds["metallophone bar"] = {
     local holes = object:holes()
     header.holes = holes or nil
   end,
-  told = function(object)
+  reported = function(object)
     local list = {}
     local frequencies = object.frequencies:totable()
     for k = 2, math.min(6, #frequencies) do
@@ -168,7 +168,7 @@ kinds["flow"] = {
   fields = {pressure, speed, vorticity},
   arrows = property "velocity",
   steps = flow_steps,
-  told = forces,
+  reported = forces,
 }
 
 kinds["thermal flow"] = {
@@ -177,7 +177,7 @@ kinds["thermal flow"] = {
     values = property "temperature"}, speed, pressure, vorticity},
   arrows = property "velocity",
   steps = flow_steps,
-  told = heats,
+  reported = heats,
 }
 
 --- What is known of an object's class, or nil.

@@ -13,17 +13,17 @@ local shared = {}
 -- ---- telling -------------------------------------------------------------------------------------
 
 --- A browser closes a socket on text that is not UTF-8; names of bones come from files.
-function shared.tell(self, client, message)
+function shared.notify(self, client, message)
   local text = json.encode(message)
   self.server:send(client, utf8.len(text) and text or (text:gsub("[\128-\255]", "?")))
 end
 
-function shared.tell_all(self, message)
-  for client in pairs(self.clients) do shared.tell(self, client, message) end
+function shared.notify_all(self, message)
+  for client in pairs(self.clients) do shared.notify(self, client, message) end
 end
 
 function shared.refuse(self, client, message, why)
-  shared.tell(self, client, {type = "refused", asked = message.type, seq = message.seq, message = why})
+  shared.notify(self, client, {type = "refused", asked = message.type, seq = message.seq, message = why})
 end
 
 function shared.send_all(self, bytes, key)
@@ -54,14 +54,14 @@ function shared.meanwhile(self, gives_up, work, ...)
 end
 
 --- Long work that every page is told of, and any may stop: the results of `work`.
-function shared.told_of(self, what, work, ...)
+function shared.reported_of(self, what, work, ...)
   local shown = -1
-  shared.tell_all(self, {type = "progress", stage = what, fraction = 0})
+  shared.notify_all(self, {type = "progress", stage = what, fraction = 0})
   self.telling = function(stage, fraction)
     local now = core.seconds()
     if now - shown < 0.2 then return end
     shown = now
-    shared.tell_all(self, {type = "progress", stage = stage, fraction = fraction})
+    shared.notify_all(self, {type = "progress", stage = stage, fraction = fraction})
   end
   local results = table.pack(pcall(shared.meanwhile, self, function(_, kind, text)
     return kind == "message" and live_check.is(text, "stop")
@@ -165,7 +165,7 @@ function shared.handle(self, events, how)
     elseif entry.message then
       shared.protected(self, entry.client, entry.message, how.handlers[entry.message.type])
     else
-      shared.tell(self, entry.client, {type = "error", message = entry.why})
+      shared.notify(self, entry.client, {type = "error", message = entry.why})
     end
     if core.interrupted() then return end
   end

@@ -102,7 +102,7 @@ function mirror.body(points, triangles, thickness)
     corner[i] = {list[i][1], list[i][2], 0}
     corner[i + count] = {list[i][1], list[i][2], thickness}
   end
-  -- middles of edges are no corners of triangles
+  -- mid-edge nodes are no corners of triangles
   for _, t in ipairs(solid) do
     for k = 1, 3 do
       if not used[t[k]] then

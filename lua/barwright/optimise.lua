@@ -260,7 +260,7 @@ local function steps_left(self)
 end
 
 -- The whole work as one stage: what the engine tells is a part of a step.
-local function told(self, fraction)
+local function reported(self, fraction)
   local done = #self.history
   local part = (done + 0.9 * math.max(0, math.min(1, fraction))) / (done + steps_left(self))
   if #self.rounds > 0 then part = (#self.rounds - 1 + part) / (#self.rounds + 1) end
@@ -272,7 +272,7 @@ end
 local function with_progress(self, work)
   local before
   before = core.progress(function(stage, fraction)
-    if not self.passing_on then stage, fraction = "optimise", told(self, fraction) end
+    if not self.passing_on then stage, fraction = "optimise", reported(self, fraction) end
     if before then return before(stage, fraction) end
     core.report_progress(stage, fraction)
   end)

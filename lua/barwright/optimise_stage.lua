@@ -176,7 +176,7 @@ end
 --- whether there is one.
 function stage:refill(scales)
   local pose = self:pose_of(scales)
-  local shape = edit_shape.mended(self.topology, pose, self.session.opts)
+  local shape = edit_shape.repaired(self.topology, pose, self.session.opts)
   if not shape or shape.topology == self.topology then return false end
   self.topology, self.relaxing, self.near, self.last = shape.topology, true, {}, nil
   return true

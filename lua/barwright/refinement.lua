@@ -135,7 +135,7 @@ local function keep(self, part, step, started)
 end
 
 -- The estimate of every mesh beside the difference to the last value.
-local function judge_history(self)
+local function check_history(self)
   for i = 1, #self.history - 1 do
     local row = self.history[i]
     local difference = math.abs(row.value - self.value)
@@ -147,7 +147,7 @@ local function finish(self, result, reason)
   local last = self.history[#self.history]
   self.reason, self.converged = reason, reason == "tolerance"
   self.elements, self.seconds = last.elements, last.seconds
-  judge_history(self)
+  check_history(self)
   return result, self
 end
 

@@ -96,7 +96,7 @@ end
 
 -- ---- cantilever: large deflection ----------------------------------------------------------------
 
-local cantilever = followed.class("bent sheet", fields)
+local cantilever = followed.class("large-deflection sheet", fields)
 cantilever.drag, cantilever.become = followed.drag, followed.become
 
 function cantilever.finish(self, report)
@@ -112,7 +112,7 @@ end
 
 -- ---- vibration -----------------------------------------------------------------------------------
 
-local vibration = followed.class("shaken sheet", fields)
+local vibration = followed.class("transient sheet", fields)
 vibration.drag, vibration.become = followed.drag, followed.become
 
 function vibration.marches() return true end
@@ -160,11 +160,14 @@ function sheets.vibration(given)
 end
 
 local shared = {drag = "handle: any, by: any", become = "outline: any"}
-for name, class in pairs {["steady sheet"] = steady, ["bent sheet"] = cantilever, ["shaken sheet"] = vibration} do
+local classes = {
+  ["steady sheet"] = steady, ["large-deflection sheet"] = cantilever, ["transient sheet"] = vibration,
+}
+for name, class in pairs(classes) do
   arguments.methods(name, class, class, shared)
 end
 arguments.methods("steady sheet", steady, steady, {solve = "", stress_norm = "p: number"})
-arguments.methods("bent sheet", cantilever, cantilever, {solve = ""})
-arguments.methods("shaken sheet", vibration, vibration, {step = "count?: any"})
+arguments.methods("large-deflection sheet", cantilever, cantilever, {solve = ""})
+arguments.methods("transient sheet", vibration, vibration, {step = "count?: any"})
 
 return sheets

@@ -86,14 +86,14 @@ end
 local function resolve(self, surface, moved, found)
   if found.count["self-intersection"] > CROSSINGS then return nil end
   local added = math.abs(moved.volume - surface.volume)
-  local mended = moved
+  local repaired = moved
   for _ = 1, ROUNDS do
-    mended = mended:repair {wrap = false}
-    mended = mended and bumps.rounded(mended, self.options.unit)
-    local report = mended and mended:check {limit = 1}
-    if not report or report.shells ~= found.shells or characteristic(mended) ~= characteristic(surface)
-      or math.abs(mended.volume - moved.volume) > RESOLVED * added then return nil end
-    if report.sound then return mended end
+    repaired = repaired:repair {wrap = false}
+    repaired = repaired and bumps.rounded(repaired, self.options.unit)
+    local report = repaired and repaired:check {limit = 1}
+    if not report or report.shells ~= found.shells or characteristic(repaired) ~= characteristic(surface)
+      or math.abs(repaired.volume - moved.volume) > RESOLVED * added then return nil end
+    if report.sound then return repaired end
   end
 end
 

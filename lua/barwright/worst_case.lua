@@ -117,7 +117,7 @@ local function summarise(self, loads, origins)
 end
 
 -- From rows of stress tensors to stress over strength; without a strength, to stress.
-local function judge_of(material, failure)
+local function criterion_of(material, failure)
   local scale = type(material.strength) == "number" and 1 / material.strength or 1
   if failure == "von_mises" then return function(stress) return core.von_mises(stress) * scale end end
   if material.strength then return function(stress) return material:utilisation(stress) end end
@@ -134,7 +134,7 @@ local function search_patches(self, opts, loads)
   local found
   found, message, details = patch_search.run({mesh = self.mesh, material = self.material, system = self.system,
     basis = self.basis, screening_basis = screening_basis, limits = self.limits, radius = opts.length,
-    judge = judge_of(self.material, opts.failure), loads = loads, known = opts.places,
+    judge = criterion_of(self.material, opts.failure), loads = loads, known = opts.places,
     screening = opts.screening})
   if not found then return nil, message, details end
   self.seconds.search = core.seconds() - start

@@ -312,7 +312,7 @@ void lbw_open_canvas(lua_State *L);
 void lbw_open_skeleton(lua_State *L);
 void lbw_open_domains(lua_State *L);
 void lbw_open_pose(lua_State *L);
-void lbw_open_mend(lua_State *L);
+void lbw_open_repair(lua_State *L);
 void lbw_open_refine(lua_State *L);
 void lbw_open_singular(lua_State *L);
 void lbw_open_local(lua_State *L);

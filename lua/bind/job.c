@@ -55,13 +55,13 @@ static bw_status fail(lua_State *L, const char *message, int details) {
   lbw_state *state = lbw_state_of(L);
   bw_context *context = state->context;
   bw_status cause = BW_OK;
-  const char *told = bw_message(context);
+  const char *reported = bw_message(context);
   bool table = lua_istable(L, details);
   if (table) {
     if (lbw_option_get(L, details, "status") == LUA_TSTRING)
       cause = status_of_word(lua_tostring(L, -1));
     lua_pop(L, 1);
-  } else if (message && told[0] && strstr(message, told))
+  } else if (message && reported[0] && strstr(message, reported))
     cause = state->last_failure;
   bw_status status = cause == BW_MEMORY ? BW_MEMORY : BW_INTERNAL;
   bw_fail(context, status, "%s", message ? message : "the job's function failed without a message");
@@ -75,7 +75,7 @@ static bw_status fail(lua_State *L, const char *message, int details) {
 /* (function, stream), protected: the status */
 static int run(lua_State *L) {
   bw_job_stream *out = (bw_job_stream *)lua_touserdata(L, 2);
-  lbw_forked(L, bw_job_tell, out);
+  lbw_forked(L, bw_job_progress, out);
   lua_settop(L, 2);
   lua_pushvalue(L, 1);
   lua_call(L, 0, 3);

@@ -242,7 +242,7 @@ void live_take_frames(lbw_live_server *server, live_connection *connection) {
     size_t left = connection->filled - done;
     live_frame frame;
     const char *reason = "";
-    int code = live_judge_frame(bytes, left, server->options.message_bytes, &frame, &reason);
+    int code = live_check_frame(bytes, left, server->options.message_bytes, &frame, &reason);
     if (!code && (frame.head == 0 || left - frame.head < frame.length))
       break;
     if (!code) {

@@ -11,7 +11,7 @@ enum { FINAL = 0x80, RESERVED = 0x70, OPCODE = 0x0f, MASKED = 0x80, LENGTH = 0x7
 enum { MASK_BYTES = 4, CONTROL_BYTES = 125 };
 
 /* Of the first two bytes of a frame. */
-static int judge_start(int first, int second, const char **reason) {
+static int check_start(int first, int second, const char **reason) {
   int opcode = first & OPCODE;
   bool control = opcode >= LIVE_CLOSE, final = first & FINAL;
   *reason = "reserved bits are set";
@@ -30,13 +30,13 @@ static int judge_start(int first, int second, const char **reason) {
   return opcode == LIVE_BINARY || !final ? LIVE_CLOSE_TYPE : 0;
 }
 
-int live_judge_frame(const char *bytes, size_t filled, int64_t max, live_frame *frame,
+int live_check_frame(const char *bytes, size_t filled, int64_t max, live_frame *frame,
                      const char **reason) {
   const unsigned char *head = (const unsigned char *)bytes;
   *frame = (live_frame){0};
   if (filled < 2)
     return 0;
-  int code = judge_start(head[0], head[1], reason);
+  int code = check_start(head[0], head[1], reason);
   if (code)
     return code;
   uint64_t length = head[1] & LENGTH;

@@ -141,7 +141,7 @@ typedef struct live_frame {
 
 /* Judges the head of a frame from a client. Returns 0, or the code to close with and the reason.
  * frame->head is 0 as long as bytes of the head are missing. */
-int live_judge_frame(const char *bytes, size_t filled, int64_t max, live_frame *frame,
+int live_check_frame(const char *bytes, size_t filled, int64_t max, live_frame *frame,
                      const char **reason);
 /* Removes the mask from a whole frame; gives its payload. */
 char *live_unmask(char *bytes, const live_frame *frame);

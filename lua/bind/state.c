@@ -390,7 +390,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_skeleton(L);
   lbw_open_domains(L);
   lbw_open_pose(L);
-  lbw_open_mend(L);
+  lbw_open_repair(L);
   lbw_open_refine(L);
   lbw_open_singular(L);
   lbw_open_local(L);

@@ -144,13 +144,13 @@ static void limit_memory(double bytes) {
 /* ---- the parent ------------------------------------------------------------------------------ */
 
 static volatile pid_t watched;
-static volatile sig_atomic_t told_to_end;
+static volatile sig_atomic_t asked_to_end;
 
 /* What a terminal sends, the child gets by itself. */
 static void pass_on(int number, siginfo_t *about, void *context) {
   (void)context;
   if (number != SIGINT && number != SIGQUIT)
-    told_to_end = number;
+    asked_to_end = number;
   if (about->si_code == SI_USER || number == SIGTERM)
     kill(watched, number);
 }
@@ -193,7 +193,7 @@ static int code_of(int how, bool overdue, const program_limits *limits) {
   if (WIFEXITED(how))
     return WEXITSTATUS(how);
   int number = WTERMSIG(how);
-  if (number == told_to_end) { /* as the script would have ended without a parent */
+  if (number == asked_to_end) { /* as the script would have ended without a parent */
     signal(number, SIG_DFL);
     raise(number);
   }

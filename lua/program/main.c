@@ -111,7 +111,7 @@ static int run(lua_State *L, const program_command *c) {
   if (!program_set_library(L, c))
     return EXIT_FAILURE;
   if (c->version || c->help)
-    return program_tell(L, c->help) ? EXIT_SUCCESS : EXIT_FAILURE;
+    return program_report(L, c->help) ? EXIT_SUCCESS : EXIT_FAILURE;
   bool prompt = c->prompt || (!c->script && !c->statements);
   if (c->stress) {
     /* No pause, and a step as large as the heap: every allocation runs a whole cycle. */

@@ -47,9 +47,9 @@ bool program_read_command(int argc, char **argv, program_command *c);
 /* arg[0] the script, arg[1].. its arguments, negative what stands before, as in lua. */
 void program_set_arguments(lua_State *L, const program_command *c);
 /* Each of these prints what went wrong, and is false then. */
-bool program_tell(lua_State *L, bool help); /* else versions */
-bool program_join_ranks(lua_State *L);      /* goes on at rank 0; the others work for it, and end */
-bool program_load_module(lua_State *L);     /* the global bw */
+bool program_report(lua_State *L, bool help); /* else versions */
+bool program_join_ranks(lua_State *L);  /* goes on at rank 0; the others work for it, and end */
+bool program_load_module(lua_State *L); /* the global bw */
 bool program_run_statements(lua_State *L, const char *text);
 /* A word without a dot or a slash is the name of a command, if there is one; else a script. The
  * exit status. */

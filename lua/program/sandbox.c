@@ -30,7 +30,7 @@ static int refuse(lua_State *L, const char *message) {
 
 /* The engine's sentence on the path; NULL where it may be used. Names with a zero byte would be cut
  * short by the C library. */
-static const char *judge(lua_State *L, int argument, bw_use use) {
+static const char *check(lua_State *L, int argument, bw_use use) {
   size_t length;
   const char *path = luaL_checklstring(L, argument, &length);
   if (strlen(path) != length)
@@ -76,7 +76,7 @@ static int flags_of(const char *mode) {
 static int open_stream(lua_State *L, int argument, const char *mode) {
   int flags = flags_of(mode);
   bool reads = (flags & O_ACCMODE) == O_RDONLY;
-  const char *message = judge(L, argument, reads ? BW_TO_READ : BW_TO_WRITE);
+  const char *message = check(L, argument, reads ? BW_TO_READ : BW_TO_WRITE);
   if (message)
     return refuse(L, message);
   const char *path = lua_tostring(L, argument);
@@ -146,7 +146,7 @@ static int io_output(lua_State *L) {
 }
 
 static int os_remove(lua_State *L) {
-  const char *message = judge(L, 1, BW_TO_REPLACE);
+  const char *message = check(L, 1, BW_TO_REPLACE);
   if (message)
     return refuse(L, message);
   const char *path = lua_tostring(L, 1);
@@ -154,8 +154,8 @@ static int os_remove(lua_State *L) {
 }
 
 static int os_rename(lua_State *L) {
-  const char *message = judge(L, 1, BW_TO_REPLACE);
-  message = message ? message : judge(L, 2, BW_TO_REPLACE);
+  const char *message = check(L, 1, BW_TO_REPLACE);
+  message = message ? message : check(L, 2, BW_TO_REPLACE);
   if (message)
     return refuse(L, message);
   return luaL_fileresult(L, bw_rename(lua_tostring(L, 1), lua_tostring(L, 2)) == 0, NULL);
@@ -231,7 +231,7 @@ static int load_text(lua_State *L) {
 static bool load_path(lua_State *L, int argument) {
   size_t count, skipped = 0;
   unsigned char *bytes;
-  if (judge(L, argument, BW_TO_READ))
+  if (check(L, argument, BW_TO_READ))
     return false;
   const char *path = lua_tostring(L, argument), *name = lua_pushfstring(L, "@%s", path);
   if (bw_read_file(judging, path, &bytes, &count) != BW_OK) {

@@ -46,7 +46,7 @@ static int print_version(lua_State *L) {
   return 0;
 }
 
-bool program_tell(lua_State *L, bool help) {
+bool program_report(lua_State *L, bool help) {
   lua_pushcfunction(L, help ? print_help : print_version);
   return program_call(L, 0, 0);
 }

@@ -16,7 +16,7 @@
 ---@field nodal_lines bw.Array rows x0, y0, x1, y1: where the lowest mode is at rest
 ---@field thickness number m
 ---@field points bw.Array of the mesh, m
----@field elements bw.Array corners and middles of edges 12, 23, 31, from 1
+---@field elements bw.Array corners and mid-edge nodes 12, 23, 31, from 1
 ---@field element_count integer
 ---@field node_count integer
 local Metallophone = {}

@@ -4,7 +4,7 @@
 --
 -- Sheets
 --
--- Elastic sheets in the plane: static, in large deflection, and shaken.
+-- Elastic sheets in the plane: static, in large deflection, and transient.
 
 ---@class bw.SteadySheet
 ---@field outline bw.Outline as it is now
@@ -15,11 +15,11 @@
 ---@field error_estimate number relative, in energy (Zienkiewicz, Zhu)
 ---@field mesh bw.PlaneMesh as it is now
 ---@field points bw.Array of the mesh, m
----@field elements bw.Array corners (and middles of edges 12, 23, 31), from 1
+---@field elements bw.Array corners (and mid-edge nodes 12, 23, 31), from 1
 ---@field element_count integer
 ---@field node_count integer
 ---@field time number s
----@field velocity bw.Array? of a shaken sheet
+---@field velocity bw.Array? of a transient sheet
 ---@field acceleration bw.Array?
 local SteadySheet = {}
 
@@ -66,11 +66,11 @@ function SteadySheet:stress_norm(p) end
 ---@field error_estimate number relative, in energy (Zienkiewicz, Zhu)
 ---@field mesh bw.PlaneMesh as it is now
 ---@field points bw.Array of the mesh, m
----@field elements bw.Array corners (and middles of edges 12, 23, 31), from 1
+---@field elements bw.Array corners (and mid-edge nodes 12, 23, 31), from 1
 ---@field element_count integer
 ---@field node_count integer
 ---@field time number s
----@field velocity bw.Array? of a shaken sheet
+---@field velocity bw.Array? of a transient sheet
 ---@field acceleration bw.Array?
 local BentSheet = {}
 
@@ -104,11 +104,11 @@ function BentSheet:solve() end
 ---@field error_estimate number relative, in energy (Zienkiewicz, Zhu)
 ---@field mesh bw.PlaneMesh as it is now
 ---@field points bw.Array of the mesh, m
----@field elements bw.Array corners (and middles of edges 12, 23, 31), from 1
+---@field elements bw.Array corners (and mid-edge nodes 12, 23, 31), from 1
 ---@field element_count integer
 ---@field node_count integer
 ---@field time number s
----@field velocity bw.Array? of a shaken sheet
+---@field velocity bw.Array? of a transient sheet
 ---@field acceleration bw.Array?
 local ShakenSheet = {}
 

@@ -299,7 +299,7 @@ function Surface:translate(by) end
 ---@return bw.Surface surface the rotated surface
 function Surface:rotate(axis, angle, centre) end
 
----The largest distance between two surfaces, in either direction, from samples (points and the middles of edges and
+---The largest distance between two surfaces, in either direction, from samples (points and the mid-edge nodes and
 ---triangles). With points, how far each of them is from the surface. A surface without triangles beside another one
 ---raises.
 ---

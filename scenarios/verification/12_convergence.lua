@@ -6,7 +6,7 @@ local engine = require "engine"
 local scenario = bw.scenario
 
 scenario.about {title = "Convergence",
-  text = [[Manufactured solutions on shaken grids (`tests/engine/convergence`): the error of a smooth field must
+  text = [[Manufactured solutions on perturbed grids (`tests/engine/convergence`): the error of a smooth field must
 fall with the power of the mesh size that theory gives.]]}
 
 scenario("manufactured solutions on tetrahedra", {tags = {"slow"}}, function(t)

@@ -6,11 +6,11 @@ local bodies = require "bodies"
 
 local scenario, expect = bw.scenario, bw.scenario.expect
 
-scenario.about {title = "Edit sessions: mending",
+scenario.about {title = "Edit sessions: repair",
   text = [[One bone of a body at rest, drawn at random, is turned about a random axis by an angle of the band (or
 its negative). "As posed": no element was poorer than allowed. Quality is the mean ratio of the worst element of
 the meshes made. The volume is that beside rest: bending by blending thins a joint, whatever the mesh; what
-mending itself changes of it is in the rows above the table.]]}
+repair itself changes of it is in the rows above the table.]]}
 
 local bands = {{10, 30}, {30, 50}, {50, 70}, {70, 90}, {90, 120}}
 
@@ -19,7 +19,7 @@ local function turns(t, each)
   for _, body in ipairs {bodies.list[1], bodies.list[2]} do
     local session = bodies.session(body)
     local names, rest = session.skeleton.bone_names, session.mesh.volume
-    local poorest, changed, solved, mended, wrong = 1, 0, 0, 0, 0
+    local poorest, changed, solved, repaired, wrong = 1, 0, 0, 0, 0
     local at_rest = session.mesh.nodes
     for _, band in ipairs(bands) do
       local seen = {posed = 0, relaxed = 0, refilled = 0, refused = 0}
@@ -39,7 +39,7 @@ local function turns(t, each)
           local quality, ratio = mesh:shapes():min(), mesh.volume / rest
           worst, low, high = math.min(worst, quality), math.min(low, ratio), math.max(high, ratio)
           if how ~= "posed" then
-            mended = mended + 1
+            repaired = repaired + 1
             if how == "relaxed" then -- the boundary stays where it was posed, and with it the volume
               local nodes = session.domains:posed_nodes(session.skeleton:pose_maps(session.current_pose))
               local facets = mesh.facets
@@ -62,8 +62,8 @@ local function turns(t, each)
     end
     expect(poorest, body.name .. ": poorest element of any mesh made")
       :above(1e-4, {how = "mean ratio; positive: not inverted"})
-    expect(mended - solved, body.name .. ": mended meshes that do not solve")
-      :below(0, {how = ("%d mended"):format(mended)})
+    expect(repaired - solved, body.name .. ": repaired meshes that do not solve")
+      :below(0, {how = ("%d repaired"):format(repaired)})
     expect(changed, body.name .. ": moves of boundary nodes by relaxing", "m")
       :below(1e-15, {how = "none is moved"})
     expect(wrong, body.name .. ": sessions changed by a refused edit"):below(0, {how = "nodes and list of edits"})
@@ -73,6 +73,6 @@ local function turns(t, each)
     "volume of rest"}, rows = rows}
 end
 
-scenario("Mending of 200 turns", {tags = {"slow"}}, function(t) turns(t, 20) end)
+scenario("Repair of 200 turns", {tags = {"slow"}}, function(t) turns(t, 20) end)
 
-scenario("Mending of 1,000 turns", {tags = {"slow", "long"}, seconds = 3600}, function(t) turns(t, 100) end)
+scenario("Repair of 1,000 turns", {tags = {"slow", "long"}, seconds = 3600}, function(t) turns(t, 100) end)

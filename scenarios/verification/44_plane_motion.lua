@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Shaken sheets: the period of a cantilever and how Newmark's method stretches it, resonance, energy.
+-- Transient sheets: the period of a cantilever and how Newmark's method stretches it, resonance, energy.
 local bw = require "barwright"
 local tools = require "tools"
 

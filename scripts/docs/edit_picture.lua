@@ -9,7 +9,7 @@ local scenes = require "scenes"
 local points, triangles, values = {}, {}, {}
 
 -- Adds the boundary of a tet10 mesh with its stresses, moved by a vector; each facet in four, so that
--- the stresses of middle nodes show.
+-- the stresses of mid-edge nodes show.
 local function add(mesh, von_mises, by)
   local number, nodes = {}, mesh.nodes
   for _, facet in ipairs(mesh.facets:totable()) do

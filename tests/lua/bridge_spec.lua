@@ -276,19 +276,19 @@ describe("a bridge", function()
     end
     holes[1] = places()
     assert.is_true(#holes[1] >= 4)
-    local told
+    local reported
     local found = assert(b:design {rounds = 4, holes = 1, polish = 0, report = function(now)
-      told = told or now
+      reported = reported or now
     end})
     assert.equal("current", found.start)
     assert.equal(1, #found.starts)
-    assert.equal(2, #told.outline.loops)
+    assert.equal(2, #reported.outline.loops)
     assert.same(holes[1], places())
     -- the utilisation of the first round is that of the outline as it was, closely
     local same = assert(small_bridge {size = 0.006})
     assert(same:hole({0.02, 0.06}, 0.007))
-    check.near(same.utilisation, told.utilisation, 0.05)
-    check.near(same.area, told.area, 0.01)
+    check.near(same.utilisation, reported.utilisation, 0.05)
+    check.near(same.area, reported.area, 0.01)
     assert.equal(found.utilisation, b.utilisation)
     -- also where another start is asked for, or nothing else
     found = assert(b:design {starts = {"beam"}, rounds = 2, holes = 0, polish = 0})

@@ -364,7 +364,7 @@ describe("barwright check", function()
   it("speaks to people, or not at all", function()
     local _, out = check.run("check " .. folder .. "open.stl")
     assert.truthy(out:find("3 open edges: the surface has a rim there", 1, true), out)
-    assert.truthy(out:find("Repair mends it", 1, true), out)
+    assert.truthy(out:find("Repair corrects it", 1, true), out)
     local status, quiet, err = check.run("check --quiet " .. folder .. "open.stl")
     assert.equal(1, status)
     assert.equal("", quiet .. err)
@@ -834,7 +834,7 @@ describe("commands that compute", function()
     end
     check.near(200 * 0.1, up, 1e-9) -- towards the body
     assert.same({0, 0, -20}, arrows[#arrows].force)
-    -- All nodes are on the picture, the middles of edges too.
+    -- All nodes are on the picture, the mid-edge nodes too.
     local part = bw.model {mesh = mesh, material = bw.material.steel}
     part:fix(mesh.boundary:below("x", 0))
     part:load {on = mesh.boundary:above("x", 1), force = {0, 0, -100}}
@@ -1021,9 +1021,9 @@ describe("barwright convert", function()
     end
     assert.equal(0, (answer(("convert %sopen.stl %sb.stl --repair --scale 2 --out-unit cm"):format(folder,
       folder))))
-    local mended = assert(bw.surface.read(folder .. "b.stl", {unit = "cm"}))
-    assert.is_true(mended:check().sound)
-    check.near(8 * 1.2e-5, mended.volume, 1e-6)
+    local repaired = assert(bw.surface.read(folder .. "b.stl", {unit = "cm"}))
+    assert.is_true(repaired:check().sound)
+    check.near(8 * 1.2e-5, repaired.volume, 1e-6)
     for _, ending in ipairs {"msh", "mesh", "inp", "vtu"} do
       assert.equal(0, (answer(("convert %ssound.stl %sc.%s --elements 300 --order 2"):format(folder, folder,
         ending))))

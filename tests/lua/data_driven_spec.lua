@@ -67,9 +67,9 @@ describe("the experiments of data-driven", function()
       .. "--json %s/blind.json"):format(folder))
     assert.message(complaint).are.equal(0, code)
     assert.is_truthy(said:find("of grown, level 2: median", 1, true))
-    local told = assert(bw.json.decode(check.read(folder .. "/blind.json")))
-    assert.equal(2, #told.rows)
-    assert.is_true(told.rows[1].grown < told.rows[1].naive)
+    local reported = assert(bw.json.decode(check.read(folder .. "/blind.json")))
+    assert.equal(2, #reported.rows)
+    assert.is_true(reported.rows[1].grown < reported.rows[1].naive)
     code, said, complaint = check.run "scripts/data_driven/blind.lua --bodies many"
     assert.equal(2, code)
     assert.equal("", said)
@@ -86,12 +86,12 @@ describe("the experiments of data-driven", function()
     assert.is_true(row.best < lookup.error and 3 * lookup.error < naive.error)
     assert.is_true(naive.factor > 2 and math.abs(lookup.factor - 1) < 0.1)
     assert.is_true(naive.after_factor < naive.error)
-    for words, told in pairs {["--scene twistin"] = "did you mean 'twisting'?",
+    for words, reported in pairs {["--scene twistin"] = "did you mean 'twisting'?",
       ["--scene twisting --methods naive,lokup"] = "there is no method 'lokup': did you mean 'lookup'?"} do
       code, said, complaint = check.run("scripts/data_driven/bound.lua " .. words)
       assert.equal(2, code)
       assert.equal("", said)
-      assert.truthy(complaint:find(told, 1, true), complaint)
+      assert.truthy(complaint:find(reported, 1, true), complaint)
     end
   end)
 

@@ -226,9 +226,9 @@ describe("a controller in the plane", function()
     local before, position = points_of(talk.object), talk.controller.position
     os.execute("rm -r '" .. folder .. "'")
     for _, act in ipairs {drag, function() return select(2, talk.say(1, {type = "undo"})) end} do
-      local all, told = act(), nil
-      for _, message in ipairs(all) do told = told or message.type == "refused" and message.message end
-      assert.truthy(told and told:find "cannot be kept")
+      local all, reported = act(), nil
+      for _, message in ipairs(all) do reported = reported or message.type == "refused" and message.message end
+      assert.truthy(reported and reported:find "cannot be kept")
       assert.equal(before, points_of(talk.object))
       assert.equal(position, talk.controller.position)
     end
@@ -344,7 +344,7 @@ describe("a controller in the plane", function()
       assert.is_nil(state.trouble)
       assert.equal(8 * talk.object.node_count, #talk.server.blocks.state.arrows)
       assert.is_true(state.time > 0)
-      assert.truthy(state.told[1][1]:find(name == "flow" and "force on cylinder" or "heat in at bottom"))
+      assert.truthy(state.reported[1][1]:find(name == "flow" and "force on cylinder" or "heat in at bottom"))
     end
     -- a hole in a stream is a wall
     local stream = controller_on(made "flow")
@@ -424,7 +424,7 @@ describe("live views of other things", function()
     assert.is_nil(kinds.of(nil))
     assert.is_nil(kinds.of(core))
     assert.is_nil(kinds.of(made "steady".outline))
-    assert.equal("Bent sheet", kinds.of(made "cantilever").title)
+    assert.equal("Large-deflection sheet", kinds.of(made "cantilever").title)
     check.raises("unknown option 'ties'", bw.live, made "steady", {ties = {}})
   end)
 end)

@@ -110,9 +110,9 @@ describe("a controller", function()
     talk.say(1, {type = "begin", bone = "arm", seq = 1}, {type = "move", seq = 2, change = scaled(1.1)})
     talk.close(1)
     assert.equal(1, #talk.object.edits)
-    local told = talk.server.got[2][#talk.server.got[2]]
-    assert.is_nil(told.drag)
-    assert.equal(1, told.edits)
+    local reported = talk.server.got[2][#talk.server.got[2]]
+    assert.is_nil(reported.drag)
+    assert.equal(1, reported.edits)
     talk.say(2, {type = "begin", bone = "arm", seq = 1}, {type = "move", seq = 2, change = scaled(1.1)},
       {type = "end", cancel = true})
     assert.equal(1, #talk.object.edits)
@@ -237,7 +237,7 @@ describe("a controller", function()
     talk.controller.seconds, talk.server.waiting = 1, {{2, "message", '{"type":"undo"}'}}
     _, got = talk.say(1, move(4, 1.3))
     assert.equal("shape4 state4", kinds(got))
-    talk.controller.seconds, talk.controller.told = 1, -100
+    talk.controller.seconds, talk.controller.reported = 1, -100
     talk.server.waiting = {{1, "message", move(6, 1.4)}}
     _, got = talk.say(1, move(5, 1.35))
     assert.equal("shape5 state5 state6", (kinds(got):gsub("shape6 ", ""))) -- shape6: on a busy machine

@@ -287,14 +287,14 @@ describe("the scaling optimisation", function()
   it("tells how far it is, and leaves the best point when it is stopped", function()
     local session = bar(3, {load = tip {0, 40, -100}})
     local before = max_of(session)
-    local told, last, rising = 0, 0, true
+    local reported, last, rising = 0, 0, true
     local old = bw.progress(function(stage, fraction)
       if stage == "optimise" then
-        rising, last, told = rising and fraction >= last, fraction, told + 1
+        rising, last, reported = rising and fraction >= last, fraction, reported + 1
       end
     end)
     assert(session:optimise {von_mises = 0.6 * before, move_supports = true})
-    assert.truthy(told > 1 and rising and last > 0 and last < 1)
+    assert.truthy(reported > 1 and rising and last > 0 and last < 1)
     assert.truthy(session:undo())
     -- Half-way, not after so many calls: work that a pool thread takes over is not told of, so that
     -- their number differs from run to run.

@@ -139,7 +139,7 @@ describe("a steady sheet", function()
   end)
 end)
 
-describe("a bent sheet", function()
+describe("a large-deflection sheet", function()
   it("that hardly bends is a steady one: strains of 1e-12 lose no digits", function()
     local stiff = bw.material.isotropic {name = "stiff", young = 70e9, poisson = 0.3, density = 2700}
     local options = {outline = plate(), material = stiff, elements = 150,
@@ -183,7 +183,7 @@ describe("a bent sheet", function()
   end)
 end)
 
-describe("a shaken sheet", function()
+describe("a transient sheet", function()
   it("moves with the ground, in steps between drags", function()
     local s = assert(bw.responsive.vibration {outline = plate(), material = rubber, elements = 300,
       ground = "left", shake = {y = function(_, _, t) return 0.01 * math.sin(20 * t) end}, step = 1e-3})

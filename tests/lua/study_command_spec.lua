@@ -121,8 +121,8 @@ describe("barwright study", function()
     local status, said = run "run @hook.lua --retry --output --json"
     assert.equal(0, status)
     assert.equal(1, bw.json.decode(said).counts.failed)
-    check.write(folder .. "/mended.lua", (script:format(folder):gsub("== 3", "== 33")))
-    status, said = run "run @mended.lua --retry --output --continue --json"
+    check.write(folder .. "/repaired.lua", (script:format(folder):gsub("== 3", "== 33")))
+    status, said = run "run @repaired.lua --retry --output --continue --json"
     assert.equal(0, status)
     assert.equal(12, bw.json.decode(said).counts.done)
     local list = io.popen(("cat '%s'/*/output.txt"):format(path)):read "a"

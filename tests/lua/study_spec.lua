@@ -157,12 +157,12 @@ describe("a run", function()
 
   it("records what fails, crashes, hangs and fills memory, and goes on; retry runs those again", function()
     local folder = check.folder()
-    local function make(mended)
+    local function make(repaired)
       return bw.study {name = "bad", file = folder .. "/bad.study",
         measures = {"m", {name = "o", optional = true}},
         variables = {{name = "k", kind = "integer", min = 1, max = 9}}, design = {"grid"},
         run = function(point)
-          local k = mended and 1 or point.k
+          local k = repaired and 1 or point.k
           if k == 2 then error("broken " .. point.k) end
           if k == 3 then return nil, "no convergence" end
           if k == 4 then os.execute("kill -SEGV $PPID") end
@@ -190,10 +190,10 @@ describe("a run", function()
     assert.equal(0, state.missing)
     assert.equal(1, state.crashed)
     assert.equal(1, make(true):run():counts().done)
-    local mended = assert(make(true):run {retry = true})
-    assert.equal(9, mended:counts().done)
-    assert.equal(2, mended[5].attempts)
-    assert.equal(1, mended[1].attempts)
+    local repaired = assert(make(true):run {retry = true})
+    assert.equal(9, repaired:counts().done)
+    assert.equal(2, repaired[5].attempts)
+    assert.equal(1, repaired[1].attempts)
   end)
 
   it("goes on with a changed script when told to, and remembers both", function()

@@ -24,8 +24,8 @@ describe("A name that is not known", function()
   it("that resembles none is answered with what there is", function()
     for _, word in ipairs {"", "x", "te", "zebra", "colour", "pre", "fortune", "bananas", "--", "\xff\xfe\x80",
       ("a"):rep(1000)} do
-      local told = core.suggestion(word, {"steel", "pla", "abs"})
-      assert.equal("known are abs, pla, steel", told, word)
+      local reported = core.suggestion(word, {"steel", "pla", "abs"})
+      assert.equal("known are abs, pla, steel", reported, word)
     end
     assert.equal("known is only pla", core.suggestion("steel", {"pla"}))
     assert.equal("there are none", core.suggestion("steel", {}))

@@ -332,7 +332,7 @@ static void test_other_addresses_of_the_machine_are_not_listened_to(void **state
   bw_release(server);
 }
 
-static void test_a_taken_port_is_told(void **state) {
+static void test_a_taken_port_is_reported(void **state) {
   lbw_live_server *server = start(state, NULL), *second = NULL;
   lbw_live_options options;
   lbw_live_defaults(&options);
@@ -442,7 +442,7 @@ static void test_unmasked_frames_close_with_1002(void **state) {
   bw_release(server);
 }
 
-static void test_a_length_is_judged_before_the_bytes_come(void **state) {
+static void test_a_length_is_checked_before_the_bytes_come(void **state) {
   lbw_live_server *server = start(state, NULL);
   const struct {
     unsigned char head[14];
@@ -795,11 +795,11 @@ int main(void) {
       check_test(test_what_is_no_request_is_refused),
       check_test(test_the_handshake_is_that_of_rfc_6455),
       check_test(test_other_addresses_of_the_machine_are_not_listened_to),
-      check_test(test_a_taken_port_is_told),
+      check_test(test_a_taken_port_is_reported),
       check_test(test_messages_go_both_ways),
       check_test(test_bad_frames_close_their_connection),
       check_test(test_unmasked_frames_close_with_1002),
-      check_test(test_a_length_is_judged_before_the_bytes_come),
+      check_test(test_a_length_is_checked_before_the_bytes_come),
       check_test(test_a_ping_is_answered),
       check_test(test_limits_hold),
       check_test(test_a_stalled_client_holds_up_nobody),

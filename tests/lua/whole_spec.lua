@@ -229,14 +229,14 @@ end)
 
 describe("a progress function", function()
   it("that asks to stop too late stops neither that call nor the next", function()
-    local told = 0
+    local reported = 0
     local former = bw.progress(function(_, fraction)
-      told = told + 1
+      reported = reported + 1
       return fraction < 1
     end)
     local mesh, message = bw.plane.fill(outline(), {elements = 20})
     bw.progress(former)
-    assert.is_true(told > 0)
+    assert.is_true(reported > 0)
     assert(mesh, message)
     assert(bw.plane.fill(outline(), {elements = 20}))
   end)

@@ -274,7 +274,7 @@ async function cantilever(all) {
   const v = await view(all, "cantilever");
   await test("a soft beam is drawn as it sags, and longer ones sag more", async () => {
     assert((await v.state()).goal > 16, "the goal is not there");
-    const sag = async () => (await v.page.textContent("#told")).match(/([\d.]+) mm/)[1];
+    const sag = async () => (await v.page.textContent("#results")).match(/([\d.]+) mm/)[1];
     const before = Number(await sag());
     await v.picture("start");
     await v.drag(await v.place("edge", 2), 60, 0, 20);
@@ -386,7 +386,7 @@ async function bridge(all) {
   const v = await view(all, "bridge", "scripts/bridge/session.lua");
   await test("a bridge is pulled and bored, its feet stay, and it says whether it passes", async () => {
     assert((await v.page.textContent("#title")) === "Bridge", await v.page.textContent("#title"));
-    assert(/passes|fails/.test(await v.page.textContent("#told")), await v.page.textContent("#told"));
+    assert(/passes|fails/.test(await v.page.textContent("#results")), await v.page.textContent("#results"));
     const first = await v.state();
     assert(first.limit === 30e6, `limit ${first.limit}`);
     const low = (points) => Math.min(...points.filter((_, i) => i % 2));

@@ -27,7 +27,7 @@ BW_API double bw_tet_gradient(int order, const double (*x)[3], const double bary
 /* Gradients of the four barycentric coordinates of a straight tetrahedron; returns its volume. */
 BW_API double bw_tet_barycentric_gradient(const double *x0, const double *x1, const double *x2,
                                           const double *x3, double gradient[4][3]);
-/* True when all middle nodes lie on the middles of their edges (relative 1e-9): closed forms
+/* True when all mid-edge nodes lie on the middles of their edges (relative 1e-9): closed forms
  * hold. */
 BW_API bool bw_tet_is_straight(const double (*x)[3]);
 

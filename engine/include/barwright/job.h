@@ -37,7 +37,7 @@ typedef bw_status bw_job_work(bw_context *context, void *data, bw_job_stream *ou
 BW_API bw_status bw_job_write(bw_job_stream *out, const void *bytes, size_t count);
 /* A bw_progress_function for the child; `out` is the stream. What finds no room in the pipe is
  * dropped: the work does not wait for a starter that is busy. */
-BW_API void bw_job_tell(void *out, const char *stage, double fraction);
+BW_API void bw_job_progress(void *out, const char *stage, double fraction);
 
 /* Fork and begin. Nothing of the context's threads may be at work. */
 BW_API bw_status bw_job_start(bw_context *context, const bw_job_options *options, bw_job_work *work,

@@ -116,7 +116,7 @@ typedef struct bw_repair_options {
 BW_API void bw_repair_options_default(bw_repair_options *options);
 /* Weld, drop duplicates and degenerates, orient, fill holes, resolve intersections, wrap: each only
  * where the check calls for it; a sound surface comes back as it is with an empty log. The result
- * is sound, or BW_GEOMETRY says what could not be mended. */
+ * is sound, or BW_GEOMETRY says what could not be repaired. */
 BW_API bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
                                    const bw_repair_options *options, bw_surface **repaired,
                                    bw_shape_log *log);
@@ -186,8 +186,8 @@ BW_API extern const int bw_tet_edge[6][2];
 /* Faces, counter-clockwise seen from outside: opposite corner 3 2 0 1 for k = 0..3:
  * {0,2,1} {0,1,3} {1,2,3} {0,3,2}. */
 BW_API extern const int bw_tet_face[4][3];
-/* The middle nodes (4..9) of a face's edges, in the order ab, bc, ca of bw_tet_face. */
-BW_API extern const int bw_tet_face_middle[4][3];
+/* The mid-edge nodes (4..9) of a face's edges, in the order ab, bc, ca of bw_tet_face. */
+BW_API extern const int bw_tet_face_mid_edge[4][3];
 
 typedef struct bw_mesh {
   bw_object object;

@@ -17,8 +17,8 @@ extern "C" {
  *   reconnecting    new topology (edges flipped), same nodes
  *   reconstruction  all new
  *
- * Nodes: the first corner_count are corners, the rest middles of edges (order 2). A flip takes one
- * edge away and adds one, so that with order 2 the middle node of the flipped edge becomes the
+ * Nodes: the first corner_count are corners, the rest mid-edge nodes (order 2). A flip takes one
+ * edge away and adds one, so that with order 2 the mid-edge node of the flipped edge becomes the
  * middle of the new one and keeps its number: the DOF map, and with it the preconditioner,
  * survives reconnecting for tri6 as well. */
 typedef struct bw_plane_nodes {

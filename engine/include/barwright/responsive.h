@@ -1,5 +1,5 @@
 /* responsive: equations on plane meshes that follow an outline, with lagged factors reused; elastic
- * sheets (static, shaken, largely bent) and plates that ring. */
+ * sheets (static, transient, large-deflection) and plates with natural modes. */
 #ifndef BARWRIGHT_RESPONSIVE_H
 #define BARWRIGHT_RESPONSIVE_H
 
@@ -159,7 +159,7 @@ typedef struct bw_sheet {
   /* Of the state that stands; they live until the next operation that succeeds. */
   const bw_plane_mesh *mesh;
   const double *displacement;            /* node_count x 2: of the last solution; zero at first */
-  const double *velocity, *acceleration; /* of shaken sheets; NULL otherwise */
+  const double *velocity, *acceleration; /* of transient sheets; NULL otherwise */
   double time;
   struct bwi_sheet *inner;
 } bw_sheet;

@@ -1,4 +1,4 @@
-/* shape: skeletons, skinning weights, domains, poses, inverse kinematics, mending of edited meshes
+/* shape: skeletons, skinning weights, domains, poses, inverse kinematics, repair of edited meshes
  * (the paper agile, sections 3 and 4, and what it calls future work). */
 #ifndef BARWRIGHT_SHAPE_H
 #define BARWRIGHT_SHAPE_H
@@ -92,7 +92,8 @@ typedef struct bw_weights_options {
  * one (checked: BW_INTERNAL otherwise). On the surface the heat equilibrium of Baran and Popovic,
  * (-Laplace + H) w = H p with H = heat / d^2 to the nearest bones that a surface point sees;
  * inside, a Laplace solve with these as boundary values (eq. 2 of agile); negative values, which
- * cotangents can cause, are cut and rows scaled. Middle nodes get the mean of their edge's ends. */
+ * cotangents can cause, are cut and rows scaled. Mid-edge nodes get the mean of their edge's ends.
+ */
 BW_API bw_status bw_skinning_weights(bw_context *context, const bw_mesh *mesh,
                                      const bw_skeleton *skeleton, const bw_weights_options *options,
                                      double *weight);
@@ -121,7 +122,7 @@ typedef struct bw_domains {
   int32_t *node_domain; /* node_count: the domain whose frame a node goes with: the one of type R if
                            any, else the one of type F */
   uint8_t *interface;   /* node_count: 1 where elements of several domains meet */
-  /* what moves each corner node: bones and weights summing to one; empty for middle nodes */
+  /* what moves each corner node: bones and weights summing to one; empty for mid-edge nodes */
   int64_t *influence_start; /* node_count + 1 */
   int32_t *influence_bone;
   double *influence_weight;
@@ -196,7 +197,7 @@ BW_API bw_status bw_pose_maps(bw_context *context, const bw_skeleton *skeleton,
                               const bw_bone_pose *pose, double *map, double *rotation);
 /* Posed joints, joint_count x 3 (the root's bones' heads, else tails). */
 BW_API void bw_pose_joints(const bw_skeleton *skeleton, const double *map, double *joint);
-/* Posed nodes, node_count x 3: corners blended, middle nodes half-way. */
+/* Posed nodes, node_count x 3: corners blended, mid-edge nodes half-way. */
 BW_API bw_status bw_pose_nodes(bw_context *context, const bw_domains *domains, const double *map,
                                double *node);
 /* d node / d scale[axis] of one bone (agile, eq. 20: node positions are linear in the scales):
@@ -261,8 +262,8 @@ BW_API void bw_mesh_shape_check(const bw_mesh *mesh, const double *node, double 
                                 bw_mesh_repair_report *report);
 /* Move nodes with may_move (corners off the boundary; others are left) until no element is inverted
  * and the worst quality stops growing: local untangling of the worst elements' neighbourhoods.
- * Middle nodes stay half-way. BW_GEOMETRY, the worst element named, when it cannot; `node` is then
- * as it was. */
+ * Mid-edge nodes stay half-way. BW_GEOMETRY, the worst element named, when it cannot; `node` is
+ * then as it was. */
 BW_API bw_status bw_mesh_relax(bw_context *context, const bw_mesh *mesh, const uint8_t *may_move,
                                double *node, bw_mesh_repair_report *report);
 /* New tetrahedra by TetGen in the part of the mesh with replace[e] != 0, at the positions `node`:

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- barwright check MODEL: what a file holds, what is wrong with it, whether that can be mended.
+-- barwright check MODEL: what a file holds, what is wrong with it, whether that can be repaired.
 local bw = require "barwright"
 local core = require "barwright.core"
 local distance = require("barwright.points").distance
@@ -39,7 +39,7 @@ end
 
 -- ---- surfaces --------------------------------------------------------------------------------------
 
-local function tell_unit(read, out)
+local function report_unit(read, out)
   local size = size_of(read.box)
   local sentence, names = model.guess_unit(size, read.metres_per_unit or 1, read.unit)
   out:json {size_m = size, box_low_m = read.box.low, box_high_m = read.box.high,
@@ -48,7 +48,7 @@ local function tell_unit(read, out)
   if sentence then out:say(sentence) end
 end
 
-local function tell_defects(report, out)
+local function report_defects(report, out)
   local counts, first = {}, {}
   for _, defect in ipairs(report.defects) do
     first[defect.kind] = first[defect.kind] or defect
@@ -66,7 +66,7 @@ local function tell_defects(report, out)
 end
 
 -- How much of the surface stands on how little material.
-local function tell_thickness(surface, opts, out)
+local function report_thickness(surface, opts, out)
   local values = surface:thickness(2000)
   local list = values:totable()
   table.sort(list)
@@ -84,32 +84,32 @@ local function tell_thickness(surface, opts, out)
   return share <= 0.01
 end
 
-local function tell_repair(surface, opts, out)
+local function report_repair(surface, opts, out)
   if not opts.repair then return end
-  local mended, log, details = model.try(surface.repair, surface, {time_limit = opts.seconds})
+  local repaired, log, details = model.try(surface.repair, surface, {time_limit = opts.seconds})
   out:warnings()
-  if not mended and details and details.status == "cancelled" then
+  if not repaired and details and details.status == "cancelled" then
     out:say "Whether repair helps was not found out: it was interrupted."
     return
-  elseif not mended then
+  elseif not repaired then
     out:say("Repair does not help: %s", log)
     out:json {repairable = false, repair_message = log, repair_status = details and details.status}
     return
   end
   local steps = bw.json.list {}
-  out:say("Repair mends it (what computes does so by itself; `barwright convert IN OUT --repair` keeps it):")
+  out:say("Repair corrects it (what computes does so by itself; `barwright convert IN OUT --repair` keeps it):")
   for i, step in ipairs(log.steps) do
     steps[i] = {name = step.name, count = step.count, moved_m = step.moved, text = step.text}
     out:say("  %s: %s", step.name, lengths(step.text))
   end
-  out:say("  Then its volume is %.4g cm3, and it lies %s.", mended.volume * 1e6, model.moved_text(log.moved))
+  out:say("  Then its volume is %.4g cm3, and it lies %s.", repaired.volume * 1e6, model.moved_text(log.moved))
   out:json {repairable = true, repair_steps = steps, repair_moved_m = log.moved,
-    repaired_volume_m3 = mended.volume}
-  return mended
+    repaired_volume_m3 = repaired.volume}
+  return repaired
 end
 
 -- With --edges: the re-entrant edges without a fillet, where a stress has no finite value.
-local function tell_edges(surface, opts, shown, out)
+local function report_edges(surface, opts, shown, out)
   if not opts.edges then return end
   local edges, message = surface:singular_edges()
   if not edges then
@@ -148,7 +148,7 @@ local function face_labels(surface, shown)
   local view = core.picture_direction(surface, nil, shown)
   local length = math.sqrt(view[1] ^ 2 + view[2] ^ 2 + view[3] ^ 2)
   local points, seen = surface.points:totable(), {}
-  for i = 1, #faces do seen[i] = {0, 0, 0, area = 0, middles = {}} end
+  for i = 1, #faces do seen[i] = {0, 0, 0, area = 0, centroids = {}} end
   for t, corners in ipairs(surface.triangles:totable()) do
     local a, b, c = points[corners[1]], points[corners[2]], points[corners[3]]
     local normal, middle = {}, {}
@@ -164,13 +164,13 @@ local function face_labels(surface, shown)
       local sum = seen[of(t, 1)]
       for k = 1, 3 do sum[k] = sum[k] + towards * middle[k] end
       sum.area = sum.area + towards
-      sum.middles[#sum.middles + 1] = middle
+      sum.centroids[#sum.centroids + 1] = middle
     end
   end
   local labels = {}
   for i = 1, math.min(#seen, MAX_FACES) do
     local sum, best, min = seen[i], nil, nil
-    for _, middle in ipairs(sum.middles) do
+    for _, middle in ipairs(sum.centroids) do
       local away = distance(middle, {sum[1] / sum.area, sum[2] / sum.area, sum[3] / sum.area}) - middle.clearance
       if not min or away < min then best, min = middle, away end
     end
@@ -180,7 +180,7 @@ local function face_labels(surface, shown)
 end
 
 -- With --faces: the faces, the largest first.
-local function tell_faces(surface, opts, out)
+local function report_faces(surface, opts, out)
   if not opts.faces then return true end
   local faces, message, details = surface:faces()
   if not faces then return nil, message, details end
@@ -200,10 +200,10 @@ local function tell_faces(surface, opts, out)
 end
 
 -- What --edges and --faces ask for, listed and drawn.
-local function tell_marked(surface, opts, out)
+local function report_marked(surface, opts, out)
   local shown = {title = model.name(opts.model)}
-  tell_edges(surface, opts, shown, out)
-  local fine, message, details = tell_faces(surface, opts, out)
+  report_edges(surface, opts, shown, out)
+  local fine, message, details = report_faces(surface, opts, out)
   if not fine then return nil, message, details end
   if not opts.picture then return true end
   if opts.faces then shown.labels = face_labels(surface, shown) end
@@ -219,7 +219,7 @@ local function check_surface(read, opts, out)
   local report = surface:check {limit = 1}
   out:say("%s: %s, %s, %s mm.", model.name(read.path), read.format,
     model.count(surface.triangle_count, "triangle"), model.size_text(size_of(read.box)))
-  tell_unit(read, out)
+  report_unit(read, out)
   out:json {triangles = surface.triangle_count, points = surface.point_count, sound = report.sound,
     closed = report.closed, oriented = report.oriented, shells = report.shells, area_m2 = report.area,
     volume_m3 = report.volume}
@@ -227,19 +227,19 @@ local function check_surface(read, opts, out)
   if report.sound then
     out:say("Sound: closed, facing outwards, not crossing itself; %s, %.4g cm3, surface %.4g cm2.",
       model.count(report.shells, "shell"), report.volume * 1e6, report.area * 1e4)
-    good = tell_thickness(surface, opts, out)
-    local fine, message, details = tell_marked(surface, opts, out)
+    good = report_thickness(surface, opts, out)
+    local fine, message, details = report_marked(surface, opts, out)
     if not fine then return nil, message, details end
   else
     local text = {}
     text[#text + 1] = report.closed and "closed" or ("open, with %s"):format(model.count(report.holes, "hole"))
     text[#text + 1] = model.count(report.shells, "shell")
     out:say("Not sound (%s):", table.concat(text, ", "))
-    tell_defects(report, out)
-    local mended = tell_repair(surface, opts, out)
-    if mended then
-      tell_thickness(mended, opts, out)
-      local fine, message, details = tell_marked(mended, opts, out)
+    report_defects(report, out)
+    local repaired = report_repair(surface, opts, out)
+    if repaired then
+      report_thickness(repaired, opts, out)
+      local fine, message, details = report_marked(repaired, opts, out)
       if not fine then return nil, message, details end
     end
     good = false
@@ -253,8 +253,8 @@ local function check_mesh(read, opts, out)
   local mesh = read.mesh
   out:say("%s: %s, a mesh of %s tetrahedra of %d nodes.", model.name(read.path), read.format,
     mesh.order == 1 and "linear" or "quadratic", mesh.order == 1 and 4 or 10)
-  model.tell_mesh(mesh, nil, out)
-  tell_unit(read, out)
+  model.report_mesh(mesh, nil, out)
+  report_unit(read, out)
   local quality = mesh:quality()
   local degrees = 180 / math.pi
   local low, high = quality.dihedral_low, quality.dihedral_high
@@ -263,7 +263,7 @@ local function check_mesh(read, opts, out)
     quality.volume_low * 1e9, quality.volume_high * 1e9, model.count(mesh.component_count, "body", "bodies"))
   out:json {order = mesh.order, dihedral_low_degrees = low, dihedral_high_degrees = high,
     volume_low_m3 = quality.volume_low, volume_high_m3 = quality.volume_high, sound = true}
-  local fine, message, details = tell_marked(mesh:surface(), opts, out)
+  local fine, message, details = report_marked(mesh:surface(), opts, out)
   if not fine then return nil, message, details end
   if mesh.component_count > 1 then
     out:say("The bodies are not connected: a load on one has no effect on the others.")
@@ -298,7 +298,7 @@ return {
   about = "Reads a surface (STL OBJ OFF PLY), a mesh of tetrahedra (MSH VTU MEDIT INP TetGen) or a drawing (SVG "
     .. "DXF) and tells what is in it: size, and whether the unit can be right; whether the surface is closed, "
     .. "faces outwards, crosses itself; how thin its walls are; what a repair would do.\n\n"
-    .. output.codes("sound", "it has faults (also where they can be mended)"),
+    .. output.codes("sound", "it has faults (also where they can be repaired)"),
   arguments = {{name = "model", type = "file", what = "the file"}},
   options = {
     model.unit_option,

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- barwright convert IN OUT: from one format into another, mended or filled on the way.
+-- barwright convert IN OUT: from one format into another, repaired or filled on the way.
 local lengths = require "barwright.command.lengths"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
@@ -22,12 +22,12 @@ local function changed(surface, opts, out)
   if opts.repair then
     local report = surface:check {limit = 0}
     if not report.sound then
-      local mended, log, details = model.try(surface.repair, surface)
+      local repaired, log, details = model.try(surface.repair, surface)
       out:warnings()
-      if not mended then return nil, "repair: " .. log, details end
+      if not repaired then return nil, "repair: " .. log, details end
       for _, step in ipairs(log.steps) do out:say("  %s: %s", step.name, lengths(step.text)) end
       out:json {repaired = true, repair_moved_m = log.moved}
-      surface = mended
+      surface = repaired
     else
       out:json {repaired = false}
     end
@@ -110,7 +110,7 @@ local function run(opts, out)
 end
 
 return {
-  summary = "from one file format into another, mended or filled on the way",
+  summary = "from one file format into another, repaired or filled on the way",
   about = "The ending of OUT says the format: surfaces STL OBJ PLY OFF VTU MSH, meshes of tetrahedra MSH VTU MESH "
     .. "INP NODE, drawings SVG DXF. A mesh that is written as STL, OBJ, PLY or OFF gives its boundary; a surface "
     .. "that is written as MESH, INP or NODE, or with --elements, is filled with tetrahedra. Surfaces are "

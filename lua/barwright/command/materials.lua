@@ -30,7 +30,7 @@ local function scattered(value, scatter, scale)
   return ("%.3g"):format(value * scale) .. (scatter and (" +- %.2g"):format(scatter * scale) or "")
 end
 
-local function tell_one(entry, out)
+local function report_one(entry, out)
   out:say("%s", entry.name)
   local keys, said = {}, {}
   for key in pairs(entry.sources) do keys[#keys + 1] = key end
@@ -55,7 +55,7 @@ return {
   run = function(opts, out)
     if opts.material then
       local entry = about(opts.material)
-      tell_one(entry, out)
+      report_one(entry, out)
       out:json {materials = bw.json.list {entry}}
       return 0
     end

@@ -328,7 +328,7 @@ function model.mesh(read, opts, out)
 end
 
 --- Says and keeps what a mesh is.
-function model.tell_mesh(mesh, material, out)
+function model.report_mesh(mesh, material, out)
   local size = {}
   for i = 1, 3 do size[i] = mesh.box.high[i] - mesh.box.low[i] end
   out:say("%s, %s, %s mm, %.4g cm3%s.", model.count(mesh.element_count, "element"),
@@ -369,7 +369,7 @@ function model.refined(read, opts, mesh, given)
 end
 
 --- With --error: how it was reached.
-function model.tell_accuracy(accuracy, out)
+function model.report_accuracy(accuracy, out)
   local steps = bw.json.list {}
   for i, row in ipairs(accuracy.history) do
     steps[i] = {elements = row.elements, value = row.value, estimated_error = row.estimated_error}
@@ -433,7 +433,7 @@ function model.body(opts, out)
     if not part then return nil, message, details end
     material = part.material
   end
-  model.tell_mesh(mesh, material, out)
+  model.report_mesh(mesh, material, out)
   return mesh, material, read
 end
 

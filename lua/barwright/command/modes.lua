@@ -34,8 +34,8 @@ local function analyse(opts, out)
   return modes, held, errors:totable(), accuracy
 end
 
-local function tell(modes, held, errors, accuracy, opts, out)
-  if accuracy then model.tell_accuracy(accuracy, out) end
+local function report(modes, held, errors, accuracy, opts, out)
+  if accuracy then model.report_accuracy(accuracy, out) end
   out:say("")
   if #opts.fix > 0 then
     out:say("Constrained at %s (%.4g cm2), natural frequencies are:", table.concat(opts.fix, " and "), held * 1e4)
@@ -99,7 +99,7 @@ return {
     end
     local modes, held, errors, accuracy = analyse(opts, out)
     if not modes then return out:fail(held, errors) end
-    tell(modes, held, errors, accuracy, opts, out)
+    report(modes, held, errors, accuracy, opts, out)
     local written = bw.json.list {}
     for _, how in ipairs {{opts.vtu, function() return modes:write(opts.vtu) end},
       {opts.picture, function() return modes:picture(1, opts.picture) end}} do

@@ -122,7 +122,7 @@ local function run(words, log)
   return how == "exit" and code or 128 + code
 end
 
-local function tell(out, title, list, max)
+local function report(out, title, list, max)
   if #list == 0 then return end
   out:say(title)
   for i, entry in ipairs(list) do
@@ -198,9 +198,9 @@ local function work(opts, out)
     return (a:gsub(old, new)) == b
   end})
   out:say("it took %.1f s; %d values compared", core.seconds() - start, found.count)
-  tell(out, ("different as the clock and the machine decide: %d"):format(#found.timings), found.timings,
+  report(out, ("different as the clock and the machine decide: %d"):format(#found.timings), found.timings,
     opts.verbose and math.huge or 5)
-  tell(out, ("different: %d"):format(#found.differences), found.differences,
+  report(out, ("different: %d"):format(#found.differences), found.differences,
     opts.verbose and math.huge or max_listed)
   out:say(#found.differences == 0 and "the same" or "not the same")
   out:json {same = #found.differences == 0, compared = found.count, folder = folder, exit_status = status,

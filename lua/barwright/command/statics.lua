@@ -177,7 +177,7 @@ local function judge(static, part, read, loads, opts, accuracy, at)
 end
 
 -- With --fillet: the largest stress that the re-entrant edges would have with a fillet.
-local function tell_fillet(static, read, opts, say, out)
+local function report_fillet(static, read, opts, say, out)
   if not opts.fillet then return end
   local sound = read.surface and read.surface:check({limit = 1}).sound
   local list, message = static:fillet_stress {radius = opts.fillet,
@@ -197,7 +197,7 @@ local function tell_fillet(static, read, opts, say, out)
     fillet_stress_error = found.estimated_error, fillet_at_m = found.at}
 end
 
-local function tell(static, part, read, loads, opts, accuracy, out)
+local function report(static, part, read, loads, opts, accuracy, out)
   local mesh, material = static.mesh, static.material
   local node = static.von_mises:argmax()
   local max = static.displacement:map "norm(a)":max()
@@ -207,7 +207,7 @@ local function tell(static, part, read, loads, opts, accuracy, out)
   local fine, coarse, radius, mean = found.fine, found.coarse, found.radius, found.mean
   local stress, used, estimated, singular = fine.stress, fine.used, found.estimated, found.singular
   local critical = effective(static, singular)
-  if accuracy then model.tell_accuracy(accuracy, out) end
+  if accuracy then model.report_accuracy(accuracy, out) end
   local judged_error = estimated
   if singular and used then
     used = fine.used_mean
@@ -234,7 +234,7 @@ local function tell(static, part, read, loads, opts, accuracy, out)
         critical.value / 1e6, model.percent(critical.estimated_error), 100 * critical.utilisation)
     end
   end
-  tell_fillet(static, read, opts, say, out)
+  report_fillet(static, read, opts, say, out)
   if not used then
     say("The strength of %s is not known.", opts.material)
   else
@@ -288,7 +288,7 @@ local function analyse(opts, loads, out)
   end
   out:warnings()
   if not static then return nil, accuracy, details end
-  local answer, why, about = tell(static, part, read, loads, opts, accuracy, out)
+  local answer, why, about = report(static, part, read, loads, opts, accuracy, out)
   if not answer then return nil, why, about end
   out:json {seconds = bw.seconds() - start}
   return static, answer

@@ -19,7 +19,7 @@ local function row(name, one, out)
     and model.mass_text(one.mass) or ("%.4g cm3"):format(one.volume * 1e6), model.place(one.at))
 end
 
-local function tell(result, moved, opts, out)
+local function report(result, moved, opts, out)
   out:say("")
   out:say("  %-8s%11s%24s%14s   weakest place", "", "breaks at", "interval",
     result.before.mass and "mass" or "volume")
@@ -107,7 +107,7 @@ local function strengthen(opts, out)
   local moved
   moved, message, details = result.original:distance(result.surface.points)
   if not moved then return nil, message, details end
-  tell(result, moved, opts, out)
+  report(result, moved, opts, out)
   fine, message, details = write_files(result, moved, read, opts, out)
   if not fine then return nil, message, details end
   out:json {seconds = bw.seconds() - start}

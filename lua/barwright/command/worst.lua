@@ -50,7 +50,7 @@ local sentences = {
 }
 
 -- The answer, in sentences.
-local function tell(breaking, verdict, large, mass, opts, out)
+local function report(breaking, verdict, large, mass, opts, out)
   local singular = breaking.singular
   out:say("")
   out:say("%s breaks at %s under the worst load, on at least %.3g cm2, at %s; %s%s.",
@@ -109,7 +109,7 @@ local function read_limits(opts)
   return limits
 end
 
-local function tell_limits(breaking, opts, out)
+local function report_limits(breaking, opts, out)
   local held, forbidden = breaking.held_area, breaking.forbidden_area
   if held then
     out:say("  Constrained at %s (%.4g cm2): the whole force is a load, the supports react.",
@@ -202,7 +202,7 @@ local function write_files(breaking, verdict, opts, folder, out)
   local function file(name, own)
     return own or folder and folder:path(name)
   end
-  local vtu, report = file("worst.vtu", opts.vtu), file("report.html", opts.report)
+  local vtu, page = file("worst.vtu", opts.vtu), file("report.html", opts.report)
   local title = ("%s breaks at %s; shown under %s"):format(model.name(opts.model),
     model.interval(breaking.force, breaking.low, breaking.high), newtons(opts.force))
   local load, fine, message, details = {title = title, region = breaking.region}, true, nil, nil
@@ -218,13 +218,13 @@ local function write_files(breaking, verdict, opts, folder, out)
       region = von_mises and breaking.region or nil}))
   end
   if fine and vtu then fine, message, details = leave(vtu, worst:write(vtu)) end
-  if fine and report then
+  if fine and page then
     local force = newtons(opts.force)
     local answer = ("breaks at %s at %s under the worst load, on at least %.3g cm2; under %s: %s.\nShown first: "
       .. "the load that breaks it, with %s on one side. The colours are stresses of elements, without an estimate "
       .. "of their error."):format(model.interval(breaking.force, breaking.low, breaking.high),
       model.place(breaking.at), breaking.contact * 1e4, force, VERDICTS[verdict], force)
-    fine, message, details = leave(report, worst:report(report, marked {manifest = folder and folder.manifest,
+    fine, message, details = leave(page, worst:report(page, marked {manifest = folder and folder.manifest,
       view = view_of(breaking), answer = answer, region = breaking.region,
       title = "Worst case of " .. model.name(opts.model)}))
   end
@@ -263,12 +263,12 @@ local function analyse(opts, out)
   local worst = breaking.worst
   local verdict = breaking:verdict(opts.force)
   local large = model.beyond_linear(worst.max_displacement * math.min(1, breaking.force / opts.force), read.box)
-  model.tell_mesh(worst.mesh, material, out)
+  model.report_mesh(worst.mesh, material, out)
   out:json {unit = model.unit_of(read, opts), repaired = breaking.log and breaking.log.repaired or false,
     surface_moved_m = breaking.log and breaking.log.surface_moved or 0}
   keep(breaking, verdict, large, opts, out)
-  tell(breaking, verdict, large, out.object.mass_kg, opts, out)
-  tell_limits(breaking, opts, out)
+  report(breaking, verdict, large, out.object.mass_kg, opts, out)
+  report_limits(breaking, opts, out)
   advise(breaking, verdict, opts, out)
   local fine
   fine, message, details = write_files(breaking, verdict, opts, folder, out)

@@ -279,7 +279,7 @@ function methods:fails_with(status, message, given)
     source = opts.source, how = opts.how, allowed = allowed}, not fault, fault)
 end
 
-local function judged_modes(self, found, opts)
+local function checked_modes(self, found, opts)
   local entry = {relative = opts.relative, source = opts.source, how = opts.how,
     allowed = ("frequencies within %s, shapes within %s"):format(show(opts.relative), opts.shapes == false and
       "anything" or show(opts.shapes))}
@@ -316,7 +316,7 @@ function methods:same_modes(other, given)
   end
   if other == nil then raise "same_modes: the modes to compare with are missing" end
   local found = modes.compare(self.value, other, opts)
-  return judged_modes(self, found, opts)
+  return checked_modes(self, found, opts)
 end
 
 --- What was measured before: a number, text, array, table of these, a static result or modes, kept in

@@ -44,19 +44,19 @@ end
 -- Runs tasks {work, name, seconds, bytes, output}, up to `parallel` at a time; calls done(i, ending) in
 -- their order as early as that is known. nil, message where it was interrupted.
 local function all(tasks, parallel, in_process, done)
-  local ends, told = {}, 0
-  local function tell()
-    while ends[told + 1] do
-      told = told + 1
-      done(told, ends[told])
-      ends[told] = true
+  local ends, reported = {}, 0
+  local function report()
+    while ends[reported + 1] do
+      reported = reported + 1
+      done(reported, ends[reported])
+      ends[reported] = true
     end
   end
   if in_process then
     for i, task in ipairs(tasks) do
       ends[i] = here(task)
       if core.interrupted() then return nil, "interrupted" end
-      tell()
+      report()
     end
     return true
   end
@@ -85,9 +85,9 @@ local function all(tasks, parallel, in_process, done)
         table.remove(numbers, at)
       end
     end
-    tell()
+    report()
   end
-  tell()
+  report()
   return true
 end
 
@@ -190,11 +190,11 @@ end
 --- list of results, and why it is not whole.
 function run.items(items, options, done)
   local tasks, numbers, results = {}, {}, {}
-  local told = 0
-  local function tell()
-    while results[told + 1] do
-      told = told + 1
-      done(told, results[told])
+  local reported = 0
+  local function report()
+    while results[reported + 1] do
+      reported = reported + 1
+      done(reported, results[reported])
     end
   end
   for i, item in ipairs(items) do
@@ -213,13 +213,13 @@ function run.items(items, options, done)
       numbers[#tasks] = i
     end
   end
-  tell()
+  report()
   local fine, why = all(tasks, options.parallel, options.in_process, function(k, ending)
     local i = numbers[k]
     local stem = ("%s/%04d"):format(options.scratch, i)
     results[i] = finish(items[i], ending, stem .. ".lines")
     results[i].output = read_output(stem .. ".out")
-    tell()
+    report()
   end)
   -- interrupted: those that ended, in their order
   local ended_ones = {}

@@ -124,13 +124,13 @@ local function head(db, seen, plain, list)
   return true
 end
 
-local function tell(report, text, ...)
+local function add_note(report, text, ...)
   report.log[#report.log + 1] = text:format(...)
   report.whole = false
 end
 
 -- Leaves in the saved file what is what was written.
-local function mend(into, seen, plain, report)
+local function repair(into, seen, plain, report)
   local db <close>, message, details = core.database(into)
   if not db then return nil, message, details end
   local point, result, read, broken
@@ -142,24 +142,26 @@ local function mend(into, seen, plain, report)
     for _, trial in ipairs(read.trials) do trial.sound = is_whole(trial) end
   end
   local list, bad, gone = cleared(seen, read, plain, #point)
-  if bad > 0 then tell(report, "%d trials are not what was written; of %d of them nothing is left", bad, gone) end
+  if bad > 0 then
+    add_note(report, "%d trials are not what was written; of %d of them nothing is left", bad, gone)
+  end
   if not plain and seen.definition then
     local count = checksum.read_tally(seen.about[seals.TALLY])
     if not count then
-      tell(report, "how many trials were written is lost")
+      add_note(report, "how many trials were written is lost")
     elseif count > #read.trials then
-      tell(report, "%d of %d trials are gone", count - #read.trials, count)
+      add_note(report, "%d of %d trials are gone", count - #read.trials, count)
     elseif bad == 0 and not intact.verify(into, read, seen.about[seals.TALLY]) then
-      tell(report, "some trials are older than those that were written last")
+      add_note(report, "some trials are older than those that were written last")
     end
     broken, message, details = seals.broken(db)
     if not broken then return nil, message, details end
     if #broken > 0 then
-      tell(report, "what was said of the study is not what was written (%s)", table.concat(broken, ", "))
+      add_note(report, "what was said of the study is not what was written (%s)", table.concat(broken, ", "))
     end
   end
   if plain and not report.whole then
-    tell(report, "the file has no checksums: look at what its rows say")
+    add_note(report, "the file has no checksums: look at what its rows say")
   end
   local fine
   fine, message, details = head(db, seen, plain, list)
@@ -199,7 +201,7 @@ function salvage.into(path, into)
   end
   local report, seen, plain = copy(path, into)
   if not report then return nil, seen, plain end
-  local fine, message, details = mend(into, seen, plain, report)
+  local fine, message, details = repair(into, seen, plain, report)
   if not fine then
     os.remove(into)
     return nil, message, details

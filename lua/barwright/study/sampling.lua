@@ -120,7 +120,7 @@ end
 sampling.latin_hypercube = {
   summary = "every one of `count` slices of each variable once",
   rules = {count = count_rule, seed = seed_rule, maximin = {type = "boolean", default = false},
-    middles = {type = "boolean", default = false}},
+    centroids = {type = "boolean", default = false}},
 }
 function sampling.latin_hypercube.check(_, opts)
   if opts.maximin and opts.count > MAX_SPREAD then
@@ -130,7 +130,7 @@ function sampling.latin_hypercube.check(_, opts)
 end
 function sampling.latin_hypercube.points(problem, opts)
   local source = random.new(opts.seed)
-  local places = sampling.latin(opts.count, #problem.variables, source, not opts.middles)
+  local places = sampling.latin(opts.count, #problem.variables, source, not opts.centroids)
   if opts.maximin then sampling.spread(places, source) end
   return to_points(problem, places)
 end

@@ -97,7 +97,7 @@ local kinds = {
   {5, function(bone, random)
     return bone:rotate {axis = bodies.random_axis(random), degrees = random(-20, 20)}
   end},
-  {2, function(bone, random) -- often mended, sometimes refused
+  {2, function(bone, random) -- often repaired, sometimes refused
     return bone:rotate {axis = bodies.random_axis(random), degrees = random(-75, 75)}
   end},
   {1, function(bone, random)

@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Mapped grids for benchmarks: a unit box of tetrahedra sent through a function, with its faces and
--- nodes found again by their places in the unit box. Middle nodes are mapped too: edges are curved.
+-- nodes found again by their places in the unit box. Mid-edge nodes are mapped too: edges are curved.
 local bw = require "barwright"
 
 local grids = {}

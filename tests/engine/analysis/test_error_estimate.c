@@ -23,7 +23,7 @@ static void solve(bw_context *context, int order, int cells, double shake, doubl
                   double *estimate) {
   bw_material *material = plain_material(context, 1, 0.3);
   bw_mesh *mesh = NULL;
-  shaken_box(context, cells, cells, cells, order, shake, 0, &mesh);
+  perturbed_box(context, cells, cells, cells, order, shake, 0, &mesh);
   int n = mesh->node_count, per = mesh->nodes_per_element;
   double *u = (double *)calloc(3 * (size_t)n, sizeof *u), grad[9];
   double *element = (double *)malloc(sizeof *element * (size_t)mesh->element_count);
@@ -84,13 +84,13 @@ static void solve(bw_context *context, int order, int cells, double shake, doubl
 static void effectivity_on_a_smooth_solution(void **state) {
   bw_context *context = check_context(state);
   for (int order = 1; order <= 2; order++)
-    for (int shaken = 0; shaken < 2; shaken++) {
+    for (int perturbed = 0; perturbed < 2; perturbed++) {
       double truth[2], estimate[2];
       for (int level = 0; level < 2; level++) {
         int cells = (order == 1 ? 3 : 2) << level;
         if (order == 2 && level == 1)
           cells = 3;
-        solve(context, order, cells, shaken ? 0.3 : 0, &truth[level], &estimate[level]);
+        solve(context, order, cells, perturbed ? 0.3 : 0, &truth[level], &estimate[level]);
         check_near(estimate[level] / truth[level], 1, 0.12);
       }
       double ratio = order == 1 ? 2 : 1.5;
@@ -109,7 +109,7 @@ static void no_error_in_constant_stress(void **state) {
   bw_material *material = odd_material(context);
   for (int kind = 0; kind < 3; kind++) {
     bw_mesh *mesh = NULL;
-    shaken_box(context, 2, 2, 2, kind ? 2 : 1, 0.3, kind == 2 ? 0.1 : 0, &mesh);
+    perturbed_box(context, 2, 2, 2, kind ? 2 : 1, 0.3, kind == 2 ? 0.1 : 0, &mesh);
     double *u = (double *)malloc(sizeof *u * 3 * (size_t)mesh->node_count), relative = 1;
     for (int i = 0; i < mesh->node_count; i++)
       stretch(mesh->node + 3 * i, u + 3 * i);

@@ -68,7 +68,7 @@ static void constant_stress(void **state) {
   for (int kind = 0; kind < 3; kind++)
     for (int m = 0; m < 2; m++) {
       bw_mesh *mesh = NULL;
-      shaken_box(context, 2, 3, 2, kind ? 2 : 1, 0.3, kind == 2 ? 0.2 : 0, &mesh);
+      perturbed_box(context, 2, 3, 2, kind ? 2 : 1, 0.3, kind == 2 ? 0.2 : 0, &mesh);
       double *u = nodal_field(mesh, linear), expected[6], scale = 0;
       double *out =
           (double *)malloc(sizeof *out * 6 * (size_t)(mesh->node_count + mesh->element_count));
@@ -105,7 +105,7 @@ static void linear_stress(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = odd_material(context);
   bw_mesh *mesh = NULL;
-  shaken_box(context, 2, 2, 2, 2, 0.3, 0, &mesh);
+  perturbed_box(context, 2, 2, 2, 2, 0.3, 0, &mesh);
   double *u = nodal_field(mesh, quadratic), grad[9], expected[6];
   double *out =
       (double *)malloc(sizeof *out * 6 * (size_t)(mesh->node_count + mesh->element_count));
@@ -146,7 +146,7 @@ static void energies_sum_to_that_of_the_stiffness(void **state) {
     for (int m = 0; m < 2; m++) {
       bw_mesh *mesh = NULL;
       bw_graph *g = NULL;
-      shaken_box(context, 3, 3, 2, kind ? 2 : 1, 0.3, kind == 2 ? 0.2 : 0, &mesh);
+      perturbed_box(context, 3, 3, 2, kind ? 2 : 1, 0.3, kind == 2 ? 0.2 : 0, &mesh);
       check_ok(context, bw_graph_create(context, mesh, &g));
       double *u = nodal_field(mesh, rough);
       double *k = (double *)malloc(sizeof *k * 9 * (size_t)g->pair_count);
@@ -177,7 +177,7 @@ static void stress_does_not_depend_on_youngs_modulus(void **state) {
   bw_context *context = check_context(state);
   const double young[3] = {1e6, 7e10, 1e6}, poisson[3] = {0.3, 0.3, 0.1};
   bw_mesh *mesh = NULL;
-  shaken_box(context, 4, 1, 1, 2, 0, 0, &mesh);
+  perturbed_box(context, 4, 1, 1, 2, 0, 0, &mesh);
   int n = mesh->node_count;
   double peak[3] = {0}, *f = (double *)calloc(3 * (size_t)n, sizeof *f);
   double *u = (double *)malloc(sizeof *u * 3 * (size_t)n);
@@ -284,7 +284,7 @@ static void same_bits_for_any_thread_count(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = odd_material(context);
   bw_mesh *mesh = NULL;
-  shaken_box(context, 8, 7, 6, 2, 0.3, 0.1, &mesh);
+  perturbed_box(context, 8, 7, 6, 2, 0.3, 0.1, &mesh);
   size_t n = (size_t)mesh->node_count, e = (size_t)mesh->element_count, all = 9 * e + 6 * n + 1;
   double *u = nodal_field(mesh, rough);
   double *first = (double *)malloc(sizeof *first * all);
@@ -311,7 +311,7 @@ static void out_of_memory(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = odd_material(context);
   bw_mesh *mesh = NULL;
-  shaken_box(context, 1, 1, 1, 2, 0, 0.1, &mesh);
+  perturbed_box(context, 1, 1, 1, 2, 0, 0.1, &mesh);
   double *u = nodal_field(mesh, rough), out[6 * 100], relative = -1;
   int64_t before = bw_live_blocks();
   int failures = 0;

@@ -54,7 +54,7 @@ static void turn_material(bw_context *context, bw_model *model) {
   free(group);
 }
 
-static void middles_half_way(const bw_mesh *mesh, double *x) {
+static void mid_edge_nodes_at_midpoints(const bw_mesh *mesh, double *x) {
   for (int64_t e = 0; mesh->order == 2 && e < mesh->element_count; e++)
     for (int k = 0; k < 6; k++) {
       const int32_t *node = mesh->element + 10 * e;
@@ -70,7 +70,7 @@ static void random_motion(const bw_mesh *mesh, uint64_t seed, double size, doubl
   bw_random_seed(&random, seed);
   for (int64_t i = 0; i < 3 * (int64_t)mesh->node_count; i++)
     dx[i] = size * (2 * bw_random_uniform(&random) - 1);
-  middles_half_way(mesh, dx);
+  mid_edge_nodes_at_midpoints(mesh, dx);
 }
 
 static bw_mesh *moved_mesh(bw_context *context, const bw_mesh *mesh, double factor,
@@ -79,7 +79,7 @@ static bw_mesh *moved_mesh(bw_context *context, const bw_mesh *mesh, double fact
   double *x = numbers(3 * (int64_t)mesh->node_count);
   for (int64_t i = 0; i < 3 * (int64_t)mesh->node_count; i++)
     x[i] = mesh->node[i] + factor * dx[i];
-  middles_half_way(mesh, x);
+  mid_edge_nodes_at_midpoints(mesh, x);
   check_ok(context, bw_mesh_moved(context, mesh, x, &out));
   free(x);
   return out;

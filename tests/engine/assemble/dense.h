@@ -114,9 +114,10 @@ static inline void dense_static(bw_context *context, const bw_mesh *mesh,
   bw_release(graph);
 }
 
-/* A box whose inner nodes are shaken and, with `bulge`, whose middle nodes leave their edges. */
-static inline void shaken_box(bw_context *context, int nx, int ny, int nz, int order, double shake,
-                              double bulge, bw_mesh **mesh) {
+/* A box whose inner nodes are perturbed and, with `bulge`, whose mid-edge nodes leave their edges.
+ */
+static inline void perturbed_box(bw_context *context, int nx, int ny, int nz, int order,
+                                 double shake, double bulge, bw_mesh **mesh) {
   double low[3] = {0, 0, 0}, high[3] = {0.3 * nx, 0.2 * ny, 0.25 * nz};
   int cells[3] = {nx, ny, nz};
   bw_mesh *linear = NULL, *moved = NULL, *quadratic = NULL;

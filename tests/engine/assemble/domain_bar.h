@@ -25,7 +25,7 @@ static inline int32_t strip(double x, double length) {
 }
 
 static inline void bar_create(bw_context *context, int order, bar *b) {
-  shaken_box(context, 8, 2, 1, order, 0, 0, &b->rest);
+  perturbed_box(context, 8, 2, 1, order, 0, 0, &b->rest);
   check_ok(context, bw_graph_create(context, b->rest, &b->graph));
   int n = b->rest->node_count, per = b->rest->nodes_per_element;
   double length = 0.3 * 8;

@@ -211,7 +211,7 @@ static void skew_halves_are_of_the_boundary(void **state) {
   for (int order = 1; order <= 2; order++) {
     bw_mesh *mesh = NULL;
     bw_graph *graph = NULL;
-    shaken_box(context, 4, 3, 3, order, 0, 0, &mesh);
+    perturbed_box(context, 4, 3, 3, order, 0, 0, &mesh);
     check_ok(context, bw_graph_create(context, mesh, &graph));
     double *values = (double *)malloc(sizeof *values * 9 * (size_t)graph->pair_count);
     for (int m = 0; m < 2; m++) {

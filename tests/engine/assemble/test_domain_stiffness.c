@@ -147,7 +147,7 @@ static void many_domains_and_one(void **state) {
   for (int order = 1; order <= 2; order++) {
     bw_mesh *mesh = NULL;
     bw_graph *g = NULL;
-    shaken_box(context, 5 * order, 3, 3, order, 0.3, 0, &mesh);
+    perturbed_box(context, 5 * order, 3, 3, order, 0.3, 0, &mesh);
     check_ok(context, bw_graph_create(context, mesh, &g));
     int32_t n = mesh->element_count;
     int32_t *own = (int32_t *)malloc(sizeof(int32_t) * (size_t)n);

@@ -66,7 +66,7 @@ static void invariants(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = NULL;
   for (int order = 1; order <= 2; order++) {
-    shaken_box(context, 3, 2, 2, order, 0.2, 0, &mesh);
+    perturbed_box(context, 3, 2, 2, order, 0.2, 0, &mesh);
     check_graph(context, mesh);
     bw_release(mesh);
   }
@@ -79,7 +79,7 @@ static void same_graph_for_any_thread_count(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = NULL;
   bw_graph *first = NULL;
-  shaken_box(context, 12, 10, 8, 2, 0.2, 0, &mesh);
+  perturbed_box(context, 12, 10, 8, 2, 0.2, 0, &mesh);
   const int threads[] = {1, 2, 3, 7};
   for (int t = 0; t < 4; t++) {
     bw_graph *g = NULL;
@@ -105,7 +105,7 @@ static void product_is_that_of_the_full_matrix(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = NULL;
   bw_graph *g = NULL;
-  shaken_box(context, 2, 2, 2, 2, 0.2, 0, &mesh);
+  perturbed_box(context, 2, 2, 2, 2, 0.2, 0, &mesh);
   check_ok(context, bw_graph_create(context, mesh, &g));
   int n = 3 * mesh->node_count, vectors = 6;
   double *a = (double *)malloc(sizeof *a * 9 * (size_t)g->pair_count);

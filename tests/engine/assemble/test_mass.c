@@ -10,7 +10,7 @@ typedef struct fixture {
 
 static void open_fixture(bw_context *context, int kind, fixture *f) {
   memset(f, 0, sizeof *f);
-  shaken_box(context, 2, 3, 2, kind ? 2 : 1, 0.3, kind == 2 ? 0.2 : 0, &f->mesh);
+  perturbed_box(context, 2, 3, 2, kind ? 2 : 1, 0.3, kind == 2 ? 0.2 : 0, &f->mesh);
   check_ok(context, bw_graph_create(context, f->mesh, &f->graph));
   f->values = (double *)malloc(sizeof *f->values * (size_t)f->graph->pair_count);
 }

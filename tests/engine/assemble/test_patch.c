@@ -11,7 +11,7 @@ static void linear_displacement_needs_no_inner_force(void **state) {
     for (int m = 0; m < 4; m++) {
       bw_mesh *mesh = NULL;
       bw_graph *g = NULL;
-      shaken_box(context, 4, 3, 3, kind ? 2 : 1, 0.4, kind == 2 ? 0.2 : 0, &mesh);
+      perturbed_box(context, 4, 3, 3, kind ? 2 : 1, 0.4, kind == 2 ? 0.2 : 0, &mesh);
       check_ok(context, bw_graph_create(context, mesh, &g));
       int n = mesh->node_count;
       double *k = (double *)malloc(sizeof *k * 9 * (size_t)g->pair_count), scale = 0;

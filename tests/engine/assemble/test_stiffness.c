@@ -29,7 +29,7 @@ static void assembly_is_the_sum_of_elements(void **state) {
     for (int m = 0; m < 4; m++) {
       bw_mesh *mesh = NULL;
       bw_graph *g = NULL;
-      shaken_box(context, 2, 2, 1, kind ? 2 : 1, 0.3, kind == 2 ? 0.2 : 0, &mesh);
+      perturbed_box(context, 2, 2, 1, kind ? 2 : 1, 0.3, kind == 2 ? 0.2 : 0, &mesh);
       check_ok(context, bw_graph_create(context, mesh, &g));
       double *values = (double *)malloc(sizeof *values * 9 * (size_t)g->pair_count);
       check_ok(context, bw_stiffness(context, g, mesh, material[m], values));
@@ -109,7 +109,7 @@ static void orthotropic_rotation(void **state) {
   for (int order = 1; order <= 2; order++) {
     bw_mesh *mesh = NULL, *moved = NULL;
     bw_graph *g = NULL;
-    shaken_box(context, 2, 1, 2, order, 0.3, 0.1, &mesh);
+    perturbed_box(context, 2, 1, 2, order, 0.3, 0.1, &mesh);
     int n = mesh->node_count;
     double *node = (double *)malloc(sizeof *node * 3 * (size_t)n);
     for (int i = 0; i < n; i++)
@@ -147,7 +147,7 @@ static void same_bits_for_any_thread_count(void **state) {
   for (int kind = 0; kind < 3; kind++) {
     bw_mesh *mesh = NULL;
     bw_graph *g = NULL;
-    shaken_box(context, 8, 6, 6, kind ? 2 : 1, 0.3, kind == 2 ? 0.1 : 0, &mesh);
+    perturbed_box(context, 8, 6, 6, kind ? 2 : 1, 0.3, kind == 2 ? 0.1 : 0, &mesh);
     check_ok(context, bw_graph_create(context, mesh, &g));
     size_t pairs = (size_t)g->pair_count, n = 3 * (size_t)mesh->node_count;
     double *first = (double *)malloc(sizeof *first * (20 * pairs + n));
@@ -201,8 +201,8 @@ static void graphs_of_other_meshes_are_refused(void **state) {
   bw_material *material = plain_material(context, 1, 0.3);
   bw_mesh *small = NULL, *large = NULL;
   bw_graph *g = NULL;
-  shaken_box(context, 1, 1, 1, 1, 0, 0, &small);
-  shaken_box(context, 2, 1, 1, 1, 0, 0, &large);
+  perturbed_box(context, 1, 1, 1, 1, 0, 0, &small);
+  perturbed_box(context, 2, 1, 1, 1, 0, 0, &large);
   check_ok(context, bw_graph_create(context, large, &g));
   double *values = (double *)malloc(sizeof *values * 9 * (size_t)g->pair_count);
   check_fails(context, BW_INVALID, "12 elements",
@@ -234,7 +234,7 @@ static void out_of_memory(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = odd_material(context);
   bw_mesh *mesh = NULL;
-  shaken_box(context, 1, 1, 1, 2, 0, 0.1, &mesh);
+  perturbed_box(context, 1, 1, 1, 2, 0, 0.1, &mesh);
   double *values = (double *)calloc(8000, sizeof *values);
   int64_t before = bw_live_blocks();
   int failures = 0;

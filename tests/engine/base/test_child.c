@@ -114,7 +114,7 @@ static bw_status misbehave(bw_context *context, void *data, bwi_child_stream *ou
   return BW_OK;
 }
 
-static void test_failures_are_told(void **state) {
+static void test_failures_are_reported(void **state) {
   bw_context *context = check_context(state);
   unsigned char *bytes = NULL;
   size_t count = 0;
@@ -160,7 +160,7 @@ static void cancel_soon(void *data, const char *stage, double fraction) {
   bw_cancel((bw_context *)data);
 }
 
-static bw_status tell_and_hang(bw_context *context, void *data, bwi_child_stream *out) {
+static bw_status report_and_hang(bw_context *context, void *data, bwi_child_stream *out) {
   (void)out;
   bw_progress(context, "hanging", 0.5);
   return misbehave(context, data, out);
@@ -173,7 +173,7 @@ static void test_cancel_ends_the_child(void **state) {
   enum way way = HANG;
   bw_set_progress(context, cancel_soon, context);
   check_fails(context, BW_CANCELLED, "",
-              bwi_child_run(context, "work", NULL, tell_and_hang, &way, &bytes, &count));
+              bwi_child_run(context, "work", NULL, report_and_hang, &way, &bytes, &count));
 }
 
 static void test_allocation_failures(void **state) {
@@ -197,8 +197,8 @@ static void test_allocation_failures(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(test_bytes_come_back),     check_test(test_threads_of_others),
-      check_test(test_failures_are_told),   check_test(test_cancel_ends_the_child),
+      check_test(test_bytes_come_back),       check_test(test_threads_of_others),
+      check_test(test_failures_are_reported), check_test(test_cancel_ends_the_child),
       check_test(test_allocation_failures),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

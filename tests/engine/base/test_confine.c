@@ -82,7 +82,7 @@ static void confined(bw_context *context, confined_work *work) {
   assert_int_equal(WEXITSTATUS(how), 0);
 }
 
-static bool judge_paths(bw_context *c) {
+static bool check_paths(bw_context *c) {
   static const struct {
     const char *name;
     bool read, write, replace;
@@ -117,13 +117,13 @@ static bool judge_paths(bw_context *c) {
   return !may(c, "", BW_TO_READ) && !may(c, "/etc/passwd", BW_TO_READ) && !may(c, "/", BW_TO_READ);
 }
 
-static bool judge_relative(bw_context *c) {
+static bool check_relative(bw_context *c) {
   return chdir(in("inside")) == 0 && may(c, "file", BW_TO_READ) && may(c, "new", BW_TO_WRITE) &&
          may(c, "./deep/../new", BW_TO_WRITE) && !may(c, "../file", BW_TO_READ) &&
          !may(c, "..", BW_TO_READ) && may(c, ".", BW_TO_READ) && !may(c, ".", BW_TO_REPLACE);
 }
 
-static bool judge_engine(bw_context *c) {
+static bool check_engine(bw_context *c) {
   unsigned char *bytes = NULL;
   size_t count;
   char digest[65];
@@ -159,7 +159,7 @@ static bool renames(const char *from, const char *to) {
   return bw_rename(old, in(to)) == 0;
 }
 
-static bool judge_opening(bw_context *c) {
+static bool check_opening(bw_context *c) {
   (void)c;
   static const struct {
     const char *name;
@@ -216,7 +216,7 @@ static bool judge_opening(bw_context *c) {
 
 /* Another process exchanges a folder for a link to the outside, again and again: what is opened,
  * made and removed lies inside all the same. */
-static bool judge_moving(bw_context *c) {
+static bool check_moving(bw_context *c) {
   (void)c;
   enum { TIMES = 4000 };
   char turn[256], away[256];
@@ -248,7 +248,7 @@ static bool judge_moving(bw_context *c) {
 }
 
 static void test_opening(void **state) {
-  confined(check_context(state), judge_opening);
+  confined(check_context(state), check_opening);
 }
 
 static void test_moving(void **state) {
@@ -257,19 +257,19 @@ static void test_moving(void **state) {
   write_letter("letter", 'o');
   write_letter("inside/turn/letter", 'i');
   write_letter("kept", 'o');
-  confined(check_context(state), judge_moving);
+  confined(check_context(state), check_moving);
 }
 
 static void test_paths(void **state) {
-  confined(check_context(state), judge_paths);
+  confined(check_context(state), check_paths);
 }
 
 static void test_relative(void **state) {
-  confined(check_context(state), judge_relative);
+  confined(check_context(state), check_relative);
 }
 
 static void test_engine(void **state) {
-  confined(check_context(state), judge_engine);
+  confined(check_context(state), check_engine);
 }
 
 static void test_unconfined(void **state) {

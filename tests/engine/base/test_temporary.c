@@ -49,8 +49,8 @@ static int tear_down(void **state) {
 /* A child that makes a temporary file for the target with two more that belong to it, tells its
  * path, and waits to be killed. */
 static pid_t start_child(const char *target, char path[400]) {
-  int tell[2];
-  assert_int_equal(pipe(tell), 0);
+  int report[2];
+  assert_int_equal(pipe(report), 0);
   pid_t child = fork();
   if (child == 0) {
     bw_context *context = bw_context_create();
@@ -65,14 +65,14 @@ static pid_t start_child(const char *target, char path[400]) {
     snprintf(other, sizeof other, "%s.d/inside", bw_temporary_path(temporary));
     touch(other);
     snprintf(other, sizeof other, "%s", bw_temporary_path(temporary));
-    if (write(tell[1], other, sizeof other) != (ssize_t)sizeof other)
+    if (write(report[1], other, sizeof other) != (ssize_t)sizeof other)
       _exit(2);
     for (;;)
       pause();
   }
-  close(tell[1]);
-  assert_int_equal(read(tell[0], path, 400), 400);
-  close(tell[0]);
+  close(report[1]);
+  assert_int_equal(read(report[0], path, 400), 400);
+  close(report[0]);
   return child;
 }
 

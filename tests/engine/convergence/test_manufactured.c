@@ -2,7 +2,7 @@
 /* Manufactured solutions: a smooth displacement is chosen, the body force that it needs follows
  * from the law, and the error of the computed field must fall with the power of the mesh size that
  * theory gives: p+1 in L2, p in energy, for tet4 (p = 1) and tet10 (p = 2). Isotropic and rotated
- * orthotropic, on grids whose inner nodes are shaken. */
+ * orthotropic, on grids whose inner nodes are perturbed. */
 #include "check.h"
 
 /* u_i = A_i sin(k_i . x + phase_i) */
@@ -42,7 +42,7 @@ static bool on_surface(const double *x) {
   return false;
 }
 
-static bw_mesh *shaken_grid(bw_context *context, int cells, int order) {
+static bw_mesh *perturbed_grid(bw_context *context, int cells, int order) {
   double low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
   int n[3] = {cells, cells, cells};
   bw_mesh *grid, *moved, *mesh;
@@ -77,7 +77,7 @@ static void place(const double x[10][3], const double at[4], double point[3]) {
 
 static void errors(bw_context *context, const bw_material *material, int cells, int order,
                    double *l2, double *energy) {
-  bw_mesh *mesh = shaken_grid(context, cells, order);
+  bw_mesh *mesh = perturbed_grid(context, cells, order);
   bw_model *model;
   check_ok(context, bw_model_create(context, mesh, material, &model));
   const bool held[3] = {true, true, true};

@@ -88,7 +88,7 @@ static void facets_are_traces(void **state) {
       for (int i = 0; i < 3; i++) {
         check_near(facet[i], value[bw_tet_face[k][i]], 1e-16);
         if (order == 2)
-          check_near(facet[3 + i], value[bw_tet_face_middle[k][i]], 1e-16);
+          check_near(facet[3 + i], value[bw_tet_face_mid_edge[k][i]], 1e-16);
       }
     }
 }

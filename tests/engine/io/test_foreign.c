@@ -38,7 +38,7 @@ static void write_reference(const char *name, int points, const double *x, int c
   fclose(file);
 }
 
-static bw_mesh *bent_box(bw_context *context, int order) {
+static bw_mesh *curved_box(bw_context *context, int order) {
   bw_mesh *box, *bent;
   check_ok(context, bw_mesh_box_grid(context, (double[3]){0, 0, 0}, (double[3]){1, 0.3, 2},
                                      (int[3]){2, 2, 3}, order, &box));
@@ -54,7 +54,7 @@ static bw_mesh *bent_box(bw_context *context, int order) {
 
 static void write_all(bw_context *context, int order) {
   char path[400], name[40];
-  bw_mesh *mesh = bent_box(context, order);
+  bw_mesh *mesh = curved_box(context, order);
   bw_array *u;
   check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 3, &u));
   for (int i = 0; i < mesh->node_count; i++)
@@ -106,7 +106,7 @@ static void read_all(bw_context *context) {
                                           "gmsh22.a.msh", "gmsh22.b.msh", "gmsh.a.msh",
                                           "gmsh.b.msh",   "mesh",         "inp"};
   static const char *const surface_name[] = {"a.stl", "b.stl", "a.ply", "b.ply", "obj", "off"};
-  bw_mesh *mesh = bent_box(context, 1);
+  bw_mesh *mesh = curved_box(context, 1);
   bw_surface *surface, *read;
   for (size_t i = 0; i < sizeof mesh_name / sizeof *mesh_name; i++) {
     char name[60];

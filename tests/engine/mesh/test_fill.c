@@ -58,12 +58,12 @@ static void test_moves_by_rounding(void **state) {
   options.elements = 3000;
   check_ok(context, bw_mesh_fill(context, cube, &options, &mesh, &log));
   assert_true(log.surface_moved == 0);
-  bool told = false;
+  bool reported = false;
   for (int i = 0; bw_warning_at(context, i); i++) {
     assert_null(strstr(bw_warning_at(context, i), "moved it"));
-    told |= strstr(bw_warning_at(context, i), "m: the boundary lies on the input") != NULL;
+    reported |= strstr(bw_warning_at(context, i), "m: the boundary lies on the input") != NULL;
   }
-  assert_true(told);
+  assert_true(reported);
   bw_release(mesh);
   bw_release(cube);
 }

@@ -232,7 +232,7 @@ static void test_refusals(void **state) {
   check_fails(context, BW_GEOMETRY, "no volume",
               bw_mesh_copy(context, 1, 4, far[0], 1, good, NULL, &mesh));
 
-  /* Two quadratic elements that differ in a middle node of their common face. */
+  /* Two quadratic elements that differ in a mid-edge node of their common face. */
   bw_mesh *wide = box(context, 1, 1, 1, 2);
   int32_t torn[60];
   memcpy(torn, wide->element, sizeof torn);
@@ -247,7 +247,7 @@ static void test_refusals(void **state) {
   assert_true(inner > 0);
   memcpy(more + 81, more + 3 * torn[inner], 3 * sizeof(double));
   torn[inner] = 27;
-  check_fails(context, BW_GEOMETRY, "middle nodes",
+  check_fails(context, BW_GEOMETRY, "mid-edge nodes",
               bw_mesh_copy(context, 2, 28, more, 6, torn, NULL, &mesh));
   bw_release(wide);
 }

@@ -162,7 +162,7 @@ static void gravity_is_the_weight(void **state) {
   }
 }
 
-static void uniform_pressure_on_tet10_loads_only_the_middles(void **state) {
+static void uniform_pressure_on_tet10_loads_only_mid_edge_nodes(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = box_mesh(context, 1, 1, 1, 1, 1, 1, 2);
   bw_model *model = some_model(context, mesh);
@@ -324,7 +324,7 @@ int main(void) {
       check_test(total_force_is_exact_and_spread_evenly),
       check_test(torque_is_what_was_asked_for),
       check_test(gravity_is_the_weight),
-      check_test(uniform_pressure_on_tet10_loads_only_the_middles),
+      check_test(uniform_pressure_on_tet10_loads_only_mid_edge_nodes),
       check_test(nodal_forces_pass_through),
       check_test(unusable_loads_are_refused),
       check_test(model_describes_itself),

@@ -189,7 +189,7 @@ static void supports_need_facets_or_a_node_set(void **state) {
 }
 
 /* Three nodes of the top are out of the tolerance, each with six facets of 1/32 m2. */
-static void what_is_missed_is_told(void **state) {
+static void what_is_missed_is_reported(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *flat = box_mesh(context, 2, 1, 1, 8, 4, 4, 1), *mesh = NULL;
   double *x = malloc(3 * (size_t)flat->node_count * sizeof *x);
@@ -256,7 +256,7 @@ int main(void) {
       check_test(selections_combine),
       check_test(a_selection_knows_the_face_it_misses),
       check_test(supports_need_facets_or_a_node_set),
-      check_test(what_is_missed_is_told),
+      check_test(what_is_missed_is_reported),
       check_test(empty_selections_say_where_the_body_is),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

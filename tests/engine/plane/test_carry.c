@@ -96,7 +96,7 @@ static void polynomials(void **state) {
 }
 
 /* Six-node triangles with flips: a quadratic field before a hole is moved. */
-static void flipped_middles(void **state) {
+static void flipped_mid_edge_nodes(void **state) {
   bw_context *context = check_context(state);
   shape s = {.points = 0};
   add_box(&s, 0, "body", 0, 0, 3, 1);
@@ -195,7 +195,7 @@ static void memory_failures(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(locating), check_test(polynomials),
-                                     check_test(flipped_middles), check_test(curved_sides),
+                                     check_test(flipped_mid_edge_nodes), check_test(curved_sides),
                                      check_test(memory_failures)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

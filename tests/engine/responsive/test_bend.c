@@ -206,16 +206,16 @@ static void test_small_load(void **state) {
                                           .condition_count = 3,
                                           .condition = conditions,
                                           .gravity = {0.03 * sign, 0.01 * sign}};
-      bw_sheet *bent, *linear_one;
-      check_ok(context, bw_sheet_create(context, mesh, &description, &bent));
+      bw_sheet *large_deflection, *linear_one;
+      check_ok(context, bw_sheet_create(context, mesh, &description, &large_deflection));
       check_ok(context, bw_sheet_create(context, mesh, &description, &linear_one));
-      check_ok(context, bw_sheet_bend(context, bent, &options, NULL, NULL));
+      check_ok(context, bw_sheet_bend(context, large_deflection, &options, NULL, NULL));
       check_ok(context, bw_sheet_static(context, linear_one, &linear, NULL));
       for (int32_t i = 0; i < size; i++) {
-        sum[i] += 0.5 * sign * (bent->displacement[i] - linear_one->displacement[i]);
+        sum[i] += 0.5 * sign * (large_deflection->displacement[i] - linear_one->displacement[i]);
         largest = fmax(largest, fabs(linear_one->displacement[i]));
       }
-      bw_release(bent);
+      bw_release(large_deflection);
       bw_release(linear_one);
     }
     for (int32_t i = 0; i < size; i++)
@@ -337,12 +337,12 @@ static void test_memory(void **state) {
   bw_release(material);
 }
 
-static void bent(bw_context *context, bw_sheet *sheet) {
+static void large_deflection(bw_context *context, bw_sheet *sheet) {
   check_ok(context, bw_sheet_bend(context, sheet, NULL, NULL, NULL));
 }
 
 static void test_threads(void **state) {
-  same_on_any_threads(check_context(state), 1e6, 1e3, 0, bent);
+  same_on_any_threads(check_context(state), 1e6, 1e3, 0, large_deflection);
 }
 
 int main(void) {

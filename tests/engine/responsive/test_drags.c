@@ -10,7 +10,7 @@
 #include "outline/shapes.h"
 #include "sheets.h"
 
-typedef enum kind { STEADY, SHAKEN, BENT, RINGING } kind;
+typedef enum kind { STEADY, TRANSIENT, LARGE_DEFLECTION, RINGING } kind;
 static const char *const kind_words[] = {"steady", "vibration", "cantilever", "metallophone"};
 
 /* A beam with a curved top and a round hole; `inlay`: one with a region of its own, and straight.
@@ -82,13 +82,13 @@ static void *make(bw_context *context, kind what, const bw_plane_mesh *mesh,
   bw_condition conditions[3] = {
       {.tag = 0, .kind = BW_PRESSURE, .value = 3},
       {.tag = 1, .component = 0},
-      {.tag = 1, .component = 1, .function = what == SHAKEN ? ground : NULL}};
+      {.tag = 1, .component = 1, .function = what == TRANSIENT ? ground : NULL}};
   bw_sheet_section section[2] = {{material, 0.5, false}, {material, 0.5, true}};
   bw_sheet_description description = {.section_count = mesh->outline->region_count,
                                       .section = section,
                                       .condition_count = 3,
                                       .condition = conditions,
-                                      .gravity = {0, what == BENT ? -30 : -5}};
+                                      .gravity = {0, what == LARGE_DEFLECTION ? -30 : -5}};
   bw_sheet *sheet;
   check_ok(context, bw_sheet_create(context, mesh, &description, &sheet));
   return sheet;
@@ -112,7 +112,7 @@ static bw_status solve(bw_context *context, kind what, void *body, bool scratch,
     plate.scratch = scratch;
     return bw_plate_solve(context, body, &plate, kept);
   }
-  if (what == BENT) {
+  if (what == LARGE_DEFLECTION) {
     bw_bend_options newton;
     bw_bend_options_default(&newton);
     newton.linear = options;
@@ -172,7 +172,7 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
   check_ok(context, bw_plane_fill(context, outline, &options.fill, &mesh));
   check_ok(context, bw_mesh_motion_create(context, mesh, &options, &motion));
   void *body = make(context, what, mesh, material), *beside = NULL;
-  if (what == SHAKEN)
+  if (what == TRANSIENT)
     beside = make(context, what, mesh, material);
   bw_release(mesh);
   check_ok(context, solve(context, what, body, false, NULL));
@@ -194,7 +194,7 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
     bw_plane_reuse kept = {0};
     const bw_plane_mesh *before = motion->mesh;
     const bw_mesh_motion_state *there = bw_mesh_motion_keep(motion);
-    const bw_sheet_state *then = what == BENT ? bw_sheet_keep(body) : NULL;
+    const bw_sheet_state *then = what == LARGE_DEFLECTION ? bw_sheet_keep(body) : NULL;
     bw_retain(before);
     bw_status status = bw_mesh_motion_follow(context, motion, moved, &report);
     if (status != BW_OK) { /* walls thinner than any mesh: the mesh motion is as it was */
@@ -216,7 +216,7 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
     check_ok(context, follow(context, what, body, motion->mesh, &kept));
     status = solve(context, what, body, false, &kept);
     if (status != BW_OK) { /* back to the last good state */
-      assert_true(what == BENT && status == BW_CONVERGENCE);
+      assert_true(what == LARGE_DEFLECTION && status == BW_CONVERGENCE);
       r.unsolved++;
       check_ok(context, bw_mesh_motion_return(context, motion, there));
       assert_ptr_equal(motion->mesh, before);
@@ -237,23 +237,23 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
       bw_release(moved);
       continue;
     }
-    if (what == SHAKEN) {
+    if (what == TRANSIENT) {
       check_ok(context, follow(context, what, beside, motion->mesh, NULL));
       check_ok(context, solve(context, what, beside, true, NULL));
     }
     if (k % every == 0) {
-      void *anew = what == SHAKEN ? beside : make(context, what, motion->mesh, material);
-      if (what != SHAKEN)
+      void *anew = what == TRANSIENT ? beside : make(context, what, motion->mesh, material);
+      if (what != TRANSIENT)
         check_ok(context, solve(context, what, anew, true, NULL));
       double off = difference(what, body, anew);
       if (!(off <= 1e-6))
         fail_msg("%s, order %d, drag %d: %g off, level %d, quality %g", kind_words[what], order, k,
                  off, (int)report.level, quality.worst);
       r.worst = fmax(r.worst, off);
-      if (what != SHAKEN)
+      if (what != TRANSIENT)
         bw_release(anew);
     }
-    if (what == SHAKEN) { /* the same state again for the next step */
+    if (what == TRANSIENT) { /* the same state again for the next step */
       const bw_sheet_state *same = bw_sheet_keep(body);
       check_ok(context, bw_sheet_return(context, beside, same));
       bw_release(same);
@@ -296,12 +296,12 @@ static void test_steady(void **state) {
   drags(check_context(state), STEADY, 2, 2);
 }
 static void test_vibration(void **state) {
-  drags(check_context(state), SHAKEN, 1, 3);
-  drags(check_context(state), SHAKEN, 2, 4);
+  drags(check_context(state), TRANSIENT, 1, 3);
+  drags(check_context(state), TRANSIENT, 2, 4);
 }
 static void test_cantilever(void **state) {
-  drags(check_context(state), BENT, 1, 5);
-  drags(check_context(state), BENT, 2, 6);
+  drags(check_context(state), LARGE_DEFLECTION, 1, 5);
+  drags(check_context(state), LARGE_DEFLECTION, 2, 6);
 }
 static void test_metallophone(void **state) {
   drags(check_context(state), RINGING, 2, 7);

@@ -39,7 +39,7 @@ static bw_outline *hole_at(bw_context *context, const bw_outline *outline, doubl
   return moved;
 }
 
-typedef enum kind { STATIC, SHAKEN, BENT } kind;
+typedef enum kind { STATIC, TRANSIENT, LARGE_DEFLECTION } kind;
 
 static double shaking(void *data, const double at[2], double time) {
   (void)data, (void)at;
@@ -50,8 +50,11 @@ static bw_sheet *make(bw_context *context, const bw_plane_mesh *mesh, const bw_m
                       kind what) {
   bw_condition conditions[3] = {
       {.tag = LEFT, .component = 0},
-      {.tag = LEFT, .component = 1, .function = what == SHAKEN ? shaking : NULL},
-      {.tag = RIGHT, .kind = BW_TRACTION, .component = 1, .value = what == BENT ? -15 : -10}};
+      {.tag = LEFT, .component = 1, .function = what == TRANSIENT ? shaking : NULL},
+      {.tag = RIGHT,
+       .kind = BW_TRACTION,
+       .component = 1,
+       .value = what == LARGE_DEFLECTION ? -15 : -10}};
   bw_sheet_section section = {material, 1, false};
   bw_sheet_description description = {.section_count = 1,
                                       .section = &section,
@@ -75,7 +78,7 @@ static void step(bw_context *context, bw_sheet *sheet, kind what, bw_lagged_fact
   options.method = newton.linear.method = method;
   if (what == STATIC)
     check_ok(context, bw_sheet_static(context, sheet, &options, kept));
-  else if (what == SHAKEN)
+  else if (what == TRANSIENT)
     check_ok(context, bw_sheet_shake(context, sheet, &newmark, &options, kept));
   else
     check_ok(context, bw_sheet_bend(context, sheet, &newton, NULL, kept));
@@ -96,7 +99,7 @@ static void drag(bw_context *context, kind what, int order) {
   check_ok(context, bw_plane_fill(context, outline, &fill, &mesh));
   check_ok(context, bw_mesh_motion_create(context, mesh, &follow, &motion));
   bw_sheet *reused = make(context, mesh, material, what);
-  bw_sheet *anew = make(context, mesh, material, what); /* for SHAKEN: history needed */
+  bw_sheet *anew = make(context, mesh, material, what); /* for TRANSIENT: history needed */
   bw_random random;
   bw_random_seed(&random, 9 + (uint64_t)what);
   double x = 0.6, y = 0.5;
@@ -119,7 +122,7 @@ static void drag(bw_context *context, kind what, int order) {
     lagged += kept.factor;
     if (k > 0)
       assert_true(kept.pattern == (report.level < BW_LEVEL_RECONNECTING));
-    if (what == SHAKEN)
+    if (what == TRANSIENT)
       check_ok(context, bw_sheet_follow(context, anew, motion->mesh, NULL));
     else {
       bw_release(anew);
@@ -137,7 +140,7 @@ static void drag(bw_context *context, kind what, int order) {
   }
   assert_true(seen[BW_LEVEL_RELOCATION] > 0);
   assert_true(seen[BW_LEVEL_RECONNECTING] + seen[BW_LEVEL_RECONSTRUCTION] > 0);
-  assert_true(lagged > 0 || what == SHAKEN); /* on so few nodes a new factor is soon as cheap */
+  assert_true(lagged > 0 || what == TRANSIENT); /* on so few nodes a new factor is soon as cheap */
   bw_release(reused);
   bw_release(anew);
   bw_release(motion);
@@ -150,13 +153,13 @@ static void test_static(void **state) {
   drag(check_context(state), STATIC, 1);
   drag(check_context(state), STATIC, 2);
 }
-static void test_shaken(void **state) {
-  drag(check_context(state), SHAKEN, 1);
-  drag(check_context(state), SHAKEN, 2);
+static void test_transient(void **state) {
+  drag(check_context(state), TRANSIENT, 1);
+  drag(check_context(state), TRANSIENT, 2);
 }
-static void test_bent(void **state) {
-  drag(check_context(state), BENT, 1);
-  drag(check_context(state), BENT, 2);
+static void test_large_deflection(void **state) {
+  drag(check_context(state), LARGE_DEFLECTION, 1);
+  drag(check_context(state), LARGE_DEFLECTION, 2);
 }
 
 /* Memory that runs out anywhere in a frame: the frame fails, the sheet is as it was, and goes on.
@@ -189,7 +192,7 @@ static void memory(bw_context *context, kind what, int order, double by) {
     status = bw_sheet_follow(context, sheet, motion->mesh, &kept);
     if (status == BW_OK && what == STATIC)
       status = bw_sheet_static(context, sheet, NULL, &kept);
-    else if (status == BW_OK && what == SHAKEN)
+    else if (status == BW_OK && what == TRANSIENT)
       status = bw_sheet_shake(context, sheet, NULL, NULL, &kept);
     else if (status == BW_OK)
       status = bw_sheet_bend(context, sheet, NULL, NULL, &kept);
@@ -212,7 +215,7 @@ static void memory(bw_context *context, kind what, int order, double by) {
 
 static void test_memory(void **state) {
   for (int order = 1; order <= 2; order++)
-    for (kind what = STATIC; what <= BENT; what++) {
+    for (kind what = STATIC; what <= LARGE_DEFLECTION; what++) {
       memory(check_context(state), what, order, 0.02);
       memory(check_context(state), what, order, 0.3);
     }
@@ -370,9 +373,9 @@ static void test_kirsch(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_static),  check_test(test_shaken),
-                                     check_test(test_bent),    check_test(test_memory),
-                                     check_test(test_renamed), check_test(test_le1),
-                                     check_test(test_kirsch)};
+  const struct CMUnitTest tests[] = {
+      check_test(test_static), check_test(test_transient), check_test(test_large_deflection),
+      check_test(test_memory), check_test(test_renamed),   check_test(test_le1),
+      check_test(test_kirsch)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Shaken sheets: order 2 in time against an exact motion, energy kept without damping, resonance at
- * the eigenfrequency of a cantilever and nowhere else, Rayleigh's damping of a free vibration. */
+/* Transient sheets: order 2 in time against an exact motion, energy kept without damping, resonance
+ * at the eigenfrequency of a cantilever and nowhere else, Rayleigh's damping of a free vibration.
+ */
 #include "responsive/sheet.h"
 #include "sheets.h"
 
@@ -122,7 +123,7 @@ static void test_energy(void **state) {
 
 /* Largest deflection of a cantilever's tip against the ground, shaken at a multiple of its lowest
  * eigenfrequency (Euler's beam). */
-static double shaken(bw_context *context, double ratio, double *deflection) {
+static double transient(bw_context *context, double ratio, double *deflection) {
   double length = 1, height = 0.05, young = 1e6, density = 100;
   double omega = 1.875104 * 1.875104 * sqrt(young * height * height / (12 * density));
   double motion[2] = {1e-3, ratio * omega};
@@ -152,9 +153,9 @@ static double shaken(bw_context *context, double ratio, double *deflection) {
 static void test_resonance(void **state) {
   bw_context *context = check_context(state);
   double at[3];
-  shaken(context, 0.6, &at[0]);
-  shaken(context, 1, &at[1]);
-  shaken(context, 1.5, &at[2]);
+  transient(context, 0.6, &at[0]);
+  transient(context, 1, &at[1]);
+  transient(context, 1.5, &at[2]);
   assert_true(at[1] > 6 * at[0]);
   assert_true(at[1] > 6 * at[2]);
   /* Undamped at resonance the first mode's amplitude grows by pi times its participation (1.566 at

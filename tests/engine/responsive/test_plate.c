@@ -141,8 +141,8 @@ static void test_solid(void **state) {
 }
 
 /* The same nodes elsewhere: inner nodes moved at random, middles not in the middle. */
-static bw_plane_mesh *shaken(bw_context *context, const bw_plane_mesh *mesh, double by,
-                             uint64_t seed) {
+static bw_plane_mesh *perturbed(bw_context *context, const bw_plane_mesh *mesh, double by,
+                                uint64_t seed) {
   const bw_plane_nodes *nodes = mesh->topology->nodes;
   double *point = malloc((size_t)nodes->node_count * 2 * sizeof *point);
   bw_random random;
@@ -161,7 +161,7 @@ static void test_curved_inside(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = make_material(context, &aluminium);
   bw_plane_mesh *mesh = rectangle(context, 1, 0.6, 10, 6);
-  bw_plane_mesh *moved = shaken(context, mesh, 0.02, 7);
+  bw_plane_mesh *moved = perturbed(context, mesh, 0.02, 7);
   double straight[3], curved[3];
   frequencies(context, mesh, material, 0.01, 3, straight);
   frequencies(context, moved, material, 0.01, 3, curved);
@@ -245,7 +245,7 @@ static void test_gradient(void **state) {
   check_ok(context, bw_plate_solve(context, plate, &options, NULL));
   for (int mode = 0; mode < 2; mode++) {
     check_ok(context, bw_plate_gradient(context, plate, mode, gradient));
-    bw_plane_mesh *far = shaken(context, mesh, 2e-5, 3);
+    bw_plane_mesh *far = perturbed(context, mesh, 2e-5, 3);
     bw_plane_mesh *back;
     double *opposite = malloc((size_t)nodes * 2 * sizeof *opposite), predicted = 0;
     for (int64_t i = 0; i < 2 * nodes; i++) {
@@ -353,7 +353,7 @@ static void test_memory(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = make_material(context, &aluminium);
   bw_plane_mesh *mesh = rectangle(context, 1, 0.6, 3, 2);
-  bw_plane_mesh *moved = shaken(context, mesh, 0.01, 1);
+  bw_plane_mesh *moved = perturbed(context, mesh, 0.01, 1);
   double before;
   frequencies(context, mesh, material, 0.01, 1, &before); /* makes the context's threads */
   int64_t blocks = bw_live_blocks();

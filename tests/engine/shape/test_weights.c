@@ -185,7 +185,7 @@ static void scale_and_place_do_not_matter(void **state) {
   double *again = weights(context, other, turned);
   for (int32_t i = 0; i < 4 * mesh->node_count; i++)
     check_near(again[i], w[i], 1e-6);
-  /* middle nodes are the mean of their edge's ends */
+  /* mid-edge nodes are the mean of their edge's ends */
   for (int32_t e = 0; e < mesh->element_count; e++) {
     const int32_t *node = mesh->element + 10 * e;
     check_near(w[4 * node[7]], 0.5 * (w[4 * node[0]] + w[4 * node[3]]), 1e-15);

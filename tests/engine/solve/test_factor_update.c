@@ -256,7 +256,7 @@ static void sets(void **state) {
 }
 
 /* An update that meets a matrix that is not positive definite breaks the factor; a whole update
- * mends it. */
+ * repairs it. */
 static void broken(void **state) {
   bw_context *context = check_context(state);
   const int cells[3] = {8, 3, 3};

@@ -137,7 +137,7 @@ static void failures_and_recovery(void **state) {
               bw_local_system_solve(context, local, &options, 1, u, u, NULL));
   options.tolerance = 1e-10;
 
-  /* a waist so thin that the stiffness is singular: said when it is factored, and mended after */
+  /* a waist so thin that the stiffness is singular: said when it is factored, and repaired after */
   pose before = b.now;
   b.now.scale[1][1] = b.now.scale[1][2] = 3e-6;
   follow(&b);

@@ -215,7 +215,7 @@ static void sweeps(void **state) {
   }
 }
 
-static void singular_nodes_are_told(void **state) {
+static void singular_nodes_are_reported(void **state) {
   bw_context *context = check_context(state);
   scene s;
   bool usable = true;
@@ -250,8 +250,9 @@ static void no_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(chunks_are_apart),        check_test(products),  check_test(sweeps),
-      check_test(singular_nodes_are_told), check_test(no_memory),
+      check_test(chunks_are_apart), check_test(products),
+      check_test(sweeps),           check_test(singular_nodes_are_reported),
+      check_test(no_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -160,7 +160,7 @@ end
 
 --- Makes the call of a number: {name, outcome = "done" | "failed" | "raised" | "late", finding, message, text,
 --- seconds}. `tell` is given the text before it; `limit`: seconds until it is asked to end.
-function call.make(seed, number, pool, limit, tell)
+function call.make(seed, number, pool, limit, report)
   local random = new_random(seed, number)
   local entry = draw(random)
   local about = {used = pool.used, depth = 0, engine = engine}
@@ -179,7 +179,7 @@ function call.make(seed, number, pool, limit, tell)
   local text = text_of(entry, self, list, (about.wrong and " of " .. values.describe(about.wrong[1]) or "")
     .. (way < 0.1 and " in a thread" or way < 0.2 and " with odd progress" or way < 0.23 and " without memory"
     or ""))
-  tell(text)
+  report(text)
   local start = os.clock()
   deadline = start + limit
   bw.progress(progress_functions[way >= 0.1 and way < 0.2 and 2 or 1](random, about))

@@ -77,17 +77,19 @@ end
 -- ---- a subject -----------------------------------------------------------------------------------
 
 -- What can be told of a value, bit for bit.
-local function told(value)
+local function text_of(value)
   if type(value) == "number" then return ("%a"):format(value) end
   if type(value) == "userdata" then return value:tostring "<f8" end
   return tostring(value)
 end
-kinds.told = told
+kinds.text_of = text_of
 
 local function fields(object, names)
   local parts = {}
-  for _, name in ipairs {"points", "elements", table.unpack(names)} do parts[#parts + 1] = told(object[name]) end
-  parts[#parts + 1] = told(object.outline.points)
+  for _, name in ipairs {"points", "elements", table.unpack(names)} do
+    parts[#parts + 1] = text_of(object[name])
+  end
+  parts[#parts + 1] = text_of(object.outline.points)
   return table.concat(parts, "|")
 end
 
@@ -103,7 +105,7 @@ function kinds.new(about)
     local parts = {fields(object, about.fields), tostring(object.reused)}
     for _, ask in ipairs(about.asks or {}) do
       local answers = table.pack(pcall(ask, object))
-      for i = 1, answers.n do parts[#parts + 1] = told(answers[i]) end
+      for i = 1, answers.n do parts[#parts + 1] = text_of(answers[i]) end
     end
     return table.concat(parts, "|")
   end

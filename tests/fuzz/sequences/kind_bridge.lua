@@ -4,7 +4,7 @@ local bw = require "barwright"
 local followed_kinds = require "followed_kinds"
 
 local kind = {}
-local told = followed_kinds.told
+local text_of = followed_kinds.text_of
 
 function kind.make()
   local starts = {"truss", "gable", "beam", "arch"}
@@ -15,8 +15,8 @@ end
 
 function kind.seen(subject)
   local object = subject.object
-  return table.concat({told(object.points), told(object.elements), told(object.displacement), told(object.stress),
-    told(object.outline.points), tostring(object.reused), told(object.area)}, "|")
+  return table.concat({text_of(object.points), text_of(object.elements), text_of(object.displacement),
+    text_of(object.stress), text_of(object.outline.points), tostring(object.reused), text_of(object.area)}, "|")
 end
 
 function kind.check(subject) subject.object.sheet.body:check() end

@@ -7,7 +7,7 @@ local followed_kinds = require "followed_kinds"
 local live_plane_controller = require "barwright.live_plane_controller"
 
 local kind = {}
-local told, uniform = followed_kinds.told, followed_kinds.uniform
+local text_of, uniform = followed_kinds.text_of, followed_kinds.uniform
 
 -- Takes what is sent, and has received nothing.
 local server = {}
@@ -46,7 +46,7 @@ function kind.check(subject)
   object.body:check()
   local here = controller.history[controller.position]
   if not here then error "check: the controller is at no edit" end
-  if not controller.drag and told(here.outline.points) ~= told(object.outline.points) then
+  if not controller.drag and text_of(here.outline.points) ~= text_of(object.outline.points) then
     error "check: nothing is dragged, and the outline is not that of the last edit"
   end
 end

@@ -4,7 +4,7 @@ local bw = require "barwright"
 local followed_kinds = require "followed_kinds"
 
 local kind = {}
-local told, uniform = followed_kinds.told, followed_kinds.uniform
+local text_of, uniform = followed_kinds.text_of, followed_kinds.uniform
 
 function kind.make()
   local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.2}, cells = {2, 2, 4}})
@@ -26,9 +26,9 @@ function kind.seen(subject)
   local parts = {}
   for _, name in ipairs {"displacement", "velocity", "acceleration", "time", "steps", "kinetic", "strain",
     "potential", "dissipated"} do
-    parts[#parts + 1] = told(motion[name])
+    parts[#parts + 1] = text_of(motion[name])
   end
-  parts[#parts + 1] = told(motion.report.residual)
+  parts[#parts + 1] = text_of(motion.report.residual)
   return table.concat(parts, "|")
 end
 

@@ -5,7 +5,7 @@ local edit_bodies = require "edit_bodies"
 local followed_kinds = require "followed_kinds"
 
 local kind = {}
-local told, uniform = followed_kinds.told, followed_kinds.uniform
+local text_of, uniform = followed_kinds.text_of, followed_kinds.uniform
 local bones = {"upper", "lower"}
 local mesh, steel, other
 
@@ -34,8 +34,8 @@ local function lines_of(path)
 end
 
 local function seen(session)
-  local parts = {session.position, told(session.mesh.nodes), told(session.mesh.elements),
-    told(session.current_pose), told(session.domains.element_domain), told(session.joints)}
+  local parts = {session.position, text_of(session.mesh.nodes), text_of(session.mesh.elements),
+    text_of(session.current_pose), text_of(session.domains.element_domain), text_of(session.joints)}
   for i, state in ipairs(session.history) do
     parts[#parts + 1] = ("%d %s"):format(i, state.script)
     for b, limit in pairs(state.limits) do

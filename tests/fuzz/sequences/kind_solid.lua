@@ -5,7 +5,7 @@ local followed_kinds = require "followed_kinds"
 local fuse = require "fuse"
 
 local kind = {}
-local told, uniform = followed_kinds.told, followed_kinds.uniform
+local text_of, uniform = followed_kinds.text_of, followed_kinds.uniform
 local materials
 
 local function rubber(young) return bw.hyperelastic {young = young, poisson = 0.3, density = 1000} end
@@ -20,8 +20,8 @@ end
 
 function kind.seen(subject)
   local solid, result = subject.solid, subject.result
-  local parts = {told(solid.grid.points), tostring(solid), #solid.acts, solid.mass:sum()}
-  if result then parts[#parts + 1] = told(result.displacement) end
+  local parts = {text_of(solid.grid.points), tostring(solid), #solid.acts, solid.mass:sum()}
+  if result then parts[#parts + 1] = text_of(result.displacement) end
   return table.concat(parts, "|")
 end
 

@@ -4,8 +4,8 @@ local bw = require "barwright"
 local core = require "barwright.core"
 local sequence = require "sequence"
 
-local names = {"sheet", "bent", "shaken", "flow", "thermal", "plate", "bridge", "mover", "session", "solid",
-  "motion", "controller"}
+local names = {"sheet", "cantilever", "vibration", "flow", "thermal", "plate", "bridge", "mesh_motion", "session",
+  "solid", "motion", "controller"}
 local batch_size = 5 -- sequences
 local seconds, bytes = 600, 4e9 -- of processor time and memory that a batch may take
 
@@ -46,7 +46,7 @@ local function read(path)
   return text
 end
 
-local function tell(opts, n, what, about)
+local function report(opts, n, what, about)
   print(("FOUND in sequence %d: %s\n  %s\n  again: --seed %d --sequence %d --length %d%s"):format(n, what,
     about:gsub("\n", "\n  "), opts.seed, n, opts.length, opts.kind and " --kind " .. opts.kind or ""))
   io.stdout:flush()
@@ -58,8 +58,8 @@ local function crashed(opts, batch, message)
   local n
   for number in log:gmatch "sequence (%d+)\n" do n = tonumber(number) end
   local trace = log:match ".*sequence %d+\n(.*)$" or ""
-  local report = output:match "[^\n]*ERROR: %w+Sanitizer.*" or output:match "[^\n]*runtime error:.*" or output
-  tell(opts, n or batch.first, message, trace:sub(-1500) .. "\n" .. report:sub(1, 4000))
+  local sanitizer = output:match "[^\n]*ERROR: %w+Sanitizer.*" or output:match "[^\n]*runtime error:.*" or output
+  report(opts, n or batch.first, message, trace:sub(-1500) .. "\n" .. sanitizer:sub(1, 4000))
   return n or batch.first
 end
 
@@ -71,7 +71,7 @@ local function finish(opts, batch, sum)
     sum.operations, sum.failed = sum.operations + result.operations, sum.failed + result.failed
     for _, finding in ipairs(result.findings) do
       sum.findings = sum.findings + 1
-      tell(opts, finding.sequence, finding.what, finding.trace)
+      report(opts, finding.sequence, finding.what, finding.trace)
     end
   else
     sum.findings = sum.findings + 1
@@ -89,7 +89,7 @@ return function(opts)
   local kinds = kinds_of(opts)
   if opts.sequence then
     local one = run_one(opts, kinds, opts.sequence, print)
-    for _, finding in ipairs(one.findings) do tell(opts, opts.sequence, finding.what, "") end
+    for _, finding in ipairs(one.findings) do report(opts, opts.sequence, finding.what, "") end
     return #one.findings > 0 and 1 or 0
   end
   bw.threads(1)

@@ -88,7 +88,7 @@ local function is_slip(message)
 end
 
 --- {operations =, failed =, findings = {{what =, trace =}}}
-function sequence.run(name, seed, number, length, tell)
+function sequence.run(name, seed, number, length, report)
   local kind = require("kind_" .. name)
   math.randomseed(seed, number)
   local result, trace = {operations = 0, failed = 0, findings = {}}, {}
@@ -97,7 +97,7 @@ function sequence.run(name, seed, number, length, tell)
   end
   local function say(text)
     trace[#trace + 1] = text
-    tell(text)
+    report(text)
   end
   local made, subject = xpcall(kind.make, debug.traceback)
   if not made then

@@ -50,7 +50,7 @@ static int mesh_shapes(lua_State *L) {
 
 /* mesh:judge(nodes, floor): how many elements are inverted or poorer than the floor, and the worst
  */
-static int mesh_judge(lua_State *L) {
+static int mesh_shape_check(lua_State *L) {
   const bw_mesh *mesh = check_mesh(L);
   double floor = lua_isnoneornil(L, 3) ? 0 : lbw_check_real(L, 3, "floor");
   const double *node = check_nodes(L, 2, mesh);
@@ -150,9 +150,9 @@ static int model_transferred(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-void lbw_open_mend(lua_State *L) {
+void lbw_open_repair(lua_State *L) {
   static const luaL_Reg of_mesh[] = {{"shapes", mesh_shapes},
-                                     {"judge", mesh_judge},
+                                     {"judge", mesh_shape_check},
                                      {"relax", mesh_relax},
                                      {"refill", mesh_refill},
                                      {NULL, NULL}};

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- A largely bent sheet.
+-- A sheet in large deflection.
 local acting = require "acting"
 local bw = require "barwright"
 local followed_kinds = require "followed_kinds"

@@ -5,7 +5,7 @@ local followed_kinds = require "followed_kinds"
 local fuse = require "fuse"
 
 local kind = {}
-local told = followed_kinds.told
+local text_of = followed_kinds.text_of
 
 function kind.make()
   local size = fuse.around(function(x) return 0.2 + 0.1 * math.abs(x) end)
@@ -18,7 +18,7 @@ end
 
 function kind.seen(subject)
   local mesh = subject.mover.mesh
-  return table.concat({told(mesh.points), told(mesh.elements), told(subject.mover.outline.points)}, "|")
+  return table.concat({text_of(mesh.points), text_of(mesh.elements), text_of(subject.mover.outline.points)}, "|")
 end
 
 function kind.check(subject) subject.mover:check() end

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Mending: what relaxation can restore and what it must refuse; refilling keeps the boundary, the
+/* Repair: what relaxation can restore and what it must refuse; refilling keeps the boundary, the
  * volume and the equations. */
 #include "check.h"
 
@@ -17,7 +17,7 @@ static double *copy_nodes(bw_context *context, const bw_mesh *mesh) {
   return node;
 }
 
-/* The boundary and middle nodes are 2, other corners 0. */
+/* The boundary and mid-edge nodes are 2, other corners 0. */
 static uint8_t *classify(const bw_mesh *mesh) {
   uint8_t *kind = (uint8_t *)malloc((size_t)mesh->node_count);
   memset(kind, 2, (size_t)mesh->node_count);
@@ -72,17 +72,17 @@ static void test_pushed_nodes(void **state) {
       }
     straighten(mesh, node);
     assert_true(pushed > 10);
-    bw_mesh_repair_report judged, report;
-    bw_mesh_shape_check(mesh, node, 0, &judged);
-    assert_true(judged.inverted > 30 && judged.worst_before < 0);
+    bw_mesh_repair_report checked, report;
+    bw_mesh_shape_check(mesh, node, 0, &checked);
+    assert_true(checked.inverted > 30 && checked.worst_before < 0);
     check_fails(context, BW_GEOMETRY, "inverted", bw_mesh_moved(context, mesh, node, &moved));
     bw_clear_failure(context);
     check_ok(context, bw_mesh_relax(context, mesh, may, node, &report));
-    assert_int_equal(report.inverted, judged.inverted);
-    assert_int_equal(report.worst, judged.worst);
-    bw_mesh_shape_check(mesh, node, 0, &judged);
-    assert_int_equal(judged.inverted, 0);
-    check_near(judged.worst_before, report.worst_after, 0);
+    assert_int_equal(report.inverted, checked.inverted);
+    assert_int_equal(report.worst, checked.worst);
+    bw_mesh_shape_check(mesh, node, 0, &checked);
+    assert_int_equal(checked.inverted, 0);
+    check_near(checked.worst_before, report.worst_after, 0);
     assert_true(report.worst_after > 0.1);
     check_ok(context, bw_mesh_moved(context, mesh, node, &moved));
     check_near(bw_mesh_volume(moved), 1, 1e-12);
