@@ -227,7 +227,7 @@ describe("the breaking force", function()
     check.raises("a length in m above 0 or 'critical' expected, got string 'long'", breaking, mesh, {length = "long"})
     check.raises("a length in m above 0 or 'critical' expected, got 0", breaking, mesh, {length = 0})
     check.raises("a length in m above 0 or 'critical' expected, got", breaking, mesh, {length = 0 / 0})
-    check.raises("a length in m above 0 or 'critical' expected, got a table", breaking, mesh, {length = {}})
+    check.raises("a length in m above 0 or 'critical' expected, got table", breaking, mesh, {length = {}})
   end)
 
   it("leaves room for what a coarse background hides in a thin wall", function()
