@@ -224,7 +224,8 @@ describe("the breaking force", function()
     -- twice the 21.8 mm of steel in a bar of 10 mm
     check.fails("unsupported", "does not fit into a part that is 10 mm thick",
       breaking(mesh, {material = bw.material.steel, length = "critical"}))
-    check.raises("a length in m above 0 or 'critical' expected, got string 'long'", breaking, mesh, {length = "long"})
+    check.raises("a length in m above 0 or 'critical' expected, got string 'long'", breaking, mesh,
+      {length = "long"})
     check.raises("a length in m above 0 or 'critical' expected, got 0", breaking, mesh, {length = 0})
     check.raises("a length in m above 0 or 'critical' expected, got", breaking, mesh, {length = 0 / 0})
     check.raises("a length in m above 0 or 'critical' expected, got table", breaking, mesh, {length = {}})
