@@ -34,7 +34,7 @@
 ---@field element_count integer (count) elements of the right half
 ---@field node_count integer (count) nodes of the right half
 ---@field error_estimate number (-) estimated relative error in the energy norm
----@field reused bw.Kept what the last solution reused
+---@field reused bw.ReuseStatistics what the last solution reused
 ---@field options bw.BridgeSettings what was asked for, with the values that were chosen
 local Bridge = {}
 

@@ -9,7 +9,7 @@
 ---A flow whose outline is dragged.
 ---@class bw.Flow
 ---@field outline bw.Outline as it is now
----@field reused bw.Kept what the last frame kept
+---@field reused bw.ReuseStatistics what the last frame kept
 ---@field time number s
 ---@field velocity bw.Array x, y at the nodes, m/s
 ---@field pressure bw.Array at the nodes, Pa
@@ -23,7 +23,7 @@ local Flow = {}
 
 ---Moves a handle of the outline ({vertex = n}, {edge = n}, {loop = name}) by {dx, dy}; the flow goes on
 ---from where it was (steady: is found anew).
----@param handle bw.DragHandle
+---@param handle bw.OutlineHandle
 ---@param by number[]
 ---@return bw.Flow?
 ---@return string? message
@@ -115,7 +115,7 @@ function Flow:pressure_drop(from, to) end
 ---A flow with heat whose outline is dragged.
 ---@class bw.ThermalFlow
 ---@field outline bw.Outline as it is now
----@field reused bw.Kept what the last frame kept
+---@field reused bw.ReuseStatistics what the last frame kept
 ---@field time number s
 ---@field velocity bw.Array x, y at the nodes, m/s
 ---@field pressure bw.Array at the nodes, Pa
@@ -130,7 +130,7 @@ local ThermalFlow = {}
 
 ---Moves a handle of the outline ({vertex = n}, {edge = n}, {loop = name}) by {dx, dy}; the flow goes on
 ---from where it was (steady: is found anew).
----@param handle bw.DragHandle
+---@param handle bw.OutlineHandle
 ---@param by number[]
 ---@return bw.ThermalFlow?
 ---@return string? message
@@ -216,7 +216,7 @@ function ThermalFlow:at(x, y) end
 function ThermalFlow:pressure_drop(from, to) end
 
 ---What stands behind flows: a fluid and the mesh that follows. `frame` is a table that is filled with what
----was kept (bw.Kept).
+---was kept (bw.ReuseStatistics).
 ---@class bw.FlowBody
 ---@field outline bw.Outline
 ---@field velocity bw.Array

@@ -9,7 +9,7 @@
 ---A bar that rings. Umetani et al. 2011, section 5.1 and appendix A.
 ---@class bw.Metallophone
 ---@field outline bw.Outline as it is now
----@field reused bw.Kept what the last frame kept
+---@field reused bw.ReuseStatistics what the last frame kept
 ---@field frequency number of the lowest elastic mode, Hz
 ---@field frequencies bw.Array of all modes asked for, Hz
 ---@field note string nearest note and how far above it: "C5 +3.2 cents"

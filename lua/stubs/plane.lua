@@ -94,14 +94,14 @@ function plane_module.rectangle(options) end
 ---print(report.level, report.worst)
 ---```
 ---@param mesh bw.PlaneMesh the mesh to begin with
----@param options? bw.PlaneMoverOptions when nodes are relocated, edges flipped, or meshes made
+---@param options? bw.MeshMotionOptions when nodes are relocated, edges flipped, or meshes made
 ---@return bw.MeshMotion? motion the mesh motion
 ---@return string? message
 ---@return bw.Details? details
 function plane_module.mesh_motion(mesh, options) end
 
 ---How a mesh follows its outline.
----@class bw.PlaneMoverOptions
+---@class bw.MeshMotionOptions
 ---@field relocation? "harmonic"|"springs" how inner nodes move: by the harmonic extension of the boundary's displacement, or towards the mean of their neighbours. Default: "harmonic"
 ---@field sweeps? integer (count) rounds of "springs". Range: 0 to 10000. Default: 2
 ---@field distorted? number (-) element quality below which edges are flipped. Range: 0 to below 1. Default: 0.35

@@ -4,226 +4,309 @@
 --
 -- Sheets
 --
--- Elastic sheets in the plane: static, in large deflection, and transient.
+-- Elastic sheets in the plane whose outline is dragged: linear statics, large deflection, and transient dynamics.
 
+---A sheet in linear statics, made by `bw.responsive.steady`.
+---```lua
+---local outline = assert(bw.plane.rectangle {high = {0.1, 0.02}}).outline
+---local options = {outline = outline, material = bw.material.pla, elements = 200}
+---options.conditions = {left = "fixed", right = {traction = {0, -1e5}}}
+---local sheet = assert(bw.responsive.steady(options))
+---assert(sheet:drag({vertex = 3}, {0, 0.005}))
+---print(sheet:stress_norm(20))
+---```
 ---@class bw.SteadySheet
----@field outline bw.Outline as it is now
----@field reused bw.Kept what the last frame kept
----@field displacement bw.Array x, y at the nodes, m
----@field stress bw.Array xx, yy, xy, zz at the nodes, Pa
----@field von_mises bw.Array at the nodes, Pa
----@field error_estimate number relative, in energy (Zienkiewicz, Zhu)
----@field mesh bw.PlaneMesh as it is now
----@field points bw.Array of the mesh, m
----@field elements bw.Array corners (and mid-edge nodes 12, 23, 31), from 1
----@field element_count integer
----@field node_count integer
----@field time number s
----@field velocity bw.Array? of a transient sheet
----@field acceleration bw.Array?
+---@field outline bw.Outline the current outline
+---@field mesh bw.PlaneMesh the current mesh
+---@field reused bw.ReuseStatistics what the last frame reused
+---@field displacement bw.Array (m, node_count × 2, per node) displacement along x and y
+---@field velocity bw.Array? (m/s, node_count × 2, per node) velocity along x and y; nil here
+---@field acceleration bw.Array? (m/s2, node_count × 2, per node) acceleration along x and y; nil here
+---@field stress bw.Array (Pa, node_count × 4, per node) stress: xx, yy, xy, zz
+---@field von_mises bw.Array (Pa, node_count × 1, per node) von Mises stress
+---@field error_estimate number (-) relative error in the energy norm, estimated by Zienkiewicz and Zhu
+---@field points bw.Array (m, node_count × 2, per node) x and y of the mesh
+---@field elements bw.Array (index from 1, element_count × 3 or 6, per element) corners, then the mid-edge nodes of edges 1-2, 2-3 and 3-1
+---@field element_count integer (count) triangles
+---@field node_count integer (count) nodes
+---@field time number (s) the time in conditions: 0
 local SteadySheet = {}
 
----Moves a handle of the outline ({vertex = n}, {edge = n}, {loop = name}) by {dx, dy}.
----@param handle bw.DragHandle
----@param by number[]
----@return bw.SteadySheet?
+---Moves a handle of the outline; the sheet is solved again.
+---
+---Errors: geometry (edges would cross or touch), and those of `bw.responsive.steady`. After a failure the sheet is as it was.
+---@param handle bw.OutlineHandle what is moved
+---@param by number[] (m, {x, y}) the displacement
+---@return bw.SteadySheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
 function SteadySheet:drag(handle, by) end
 
----@class bw.DragHandle
----@field vertex? integer
----@field edge? integer
----@field loop? string|integer
-
----Goes over to another outline, of any topology with the same tags.
----@param outline bw.Outline
----@return bw.SteadySheet?
+---Takes another outline, of any topology with the tags of the conditions; the sheet is solved again.
+---
+---Errors: those of `bw.responsive.steady`. An outline without a tag that a condition is on raises. After a failure the
+---sheet is as it was.
+---@param outline bw.Outline the other outline
+---@return bw.SteadySheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
 function SteadySheet:become(outline) end
 
----Solves again where it stands.
----@return bw.SteadySheet?
+---Solves again on the outline as it is.
+---
+---Errors: those of `bw.responsive.steady`. After a failure the sheet is as it was.
+---@return bw.SteadySheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
 function SteadySheet:solve() end
 
----The power mean of von Mises stresses over the area with exponent p (1 to 1000: the larger, the closer
----to their maximum), and its exact gradient by the outline's points and by the mesh's nodes.
----@param p number
----@return number?
----@return bw.Array|string by_points
----@return bw.Array|table by_nodes
+---The power mean of von Mises stresses over the area, (∫ σ^p dA / A)^(1/p), and its exact gradient by one adjoint
+---solution. It tends to the largest stress from below as p grows.
+---
+---Errors: singular, convergence (the adjoint equations could not be solved).
+---@param p number (-) the exponent. Range: 1 to 1000
+---@return number? norm (Pa) the power mean
+---@return bw.Array|string by_points (Pa/m, point_count × 2, per point of the outline) its gradient, or the message
+---@return bw.Array|bw.Details by_nodes (Pa/m, node_count × 2, per node) its gradient, or the details
 function SteadySheet:stress_norm(p) end
 
+---A sheet in large deflection, made by `bw.responsive.cantilever`.
+---```lua
+---local outline = assert(bw.plane.rectangle {high = {0.1, 0.02}}).outline
+---local options = {outline = outline, material = bw.material.pla, elements = 200}
+---options.conditions = {left = "fixed", right = {traction = {0, -1e5}}}
+---local sheet = assert(bw.responsive.cantilever(options))
+---assert(sheet:drag({vertex = 3}, {0, 0.005}))
+---print(sheet.displacement:min(), sheet.reused)
+---```
 ---@class bw.BentSheet
----@field outline bw.Outline as it is now
----@field reused bw.Kept what the last frame kept
----@field displacement bw.Array x, y at the nodes, m
----@field stress bw.Array xx, yy, xy, zz at the nodes, Pa
----@field von_mises bw.Array at the nodes, Pa
----@field error_estimate number relative, in energy (Zienkiewicz, Zhu)
----@field mesh bw.PlaneMesh as it is now
----@field points bw.Array of the mesh, m
----@field elements bw.Array corners (and mid-edge nodes 12, 23, 31), from 1
----@field element_count integer
----@field node_count integer
----@field time number s
----@field velocity bw.Array? of a transient sheet
----@field acceleration bw.Array?
+---@field outline bw.Outline the current outline
+---@field mesh bw.PlaneMesh the current mesh
+---@field reused bw.ReuseStatistics what the last frame reused
+---@field displacement bw.Array (m, node_count × 2, per node) displacement along x and y
+---@field velocity bw.Array? (m/s, node_count × 2, per node) velocity along x and y; nil here
+---@field acceleration bw.Array? (m/s2, node_count × 2, per node) acceleration along x and y; nil here
+---@field stress bw.Array (Pa, node_count × 4, per node) stress: xx, yy, xy, zz (Cauchy)
+---@field von_mises bw.Array (Pa, node_count × 1, per node) von Mises stress
+---@field error_estimate number (-) relative error in the energy norm, estimated by Zienkiewicz and Zhu
+---@field points bw.Array (m, node_count × 2, per node) x and y of the mesh
+---@field elements bw.Array (index from 1, element_count × 3 or 6, per element) corners, then the mid-edge nodes of edges 1-2, 2-3 and 3-1
+---@field element_count integer (count) triangles
+---@field node_count integer (count) nodes
+---@field time number (s) the time in conditions: 0
 local BentSheet = {}
 
----Moves a handle of the outline ({vertex = n}, {edge = n}, {loop = name}) by {dx, dy}.
----@param handle bw.DragHandle
----@param by number[]
----@return bw.BentSheet?
+---Moves a handle of the outline; the sheet is brought to equilibrium again.
+---
+---Errors: geometry (edges would cross or touch), and those of `bw.responsive.cantilever`. After a failure the sheet is as it was.
+---@param handle bw.OutlineHandle what is moved
+---@param by number[] (m, {x, y}) the displacement
+---@return bw.BentSheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
 function BentSheet:drag(handle, by) end
 
----Goes over to another outline, of any topology with the same tags.
----@param outline bw.Outline
----@return bw.BentSheet?
+---Takes another outline, of any topology with the tags of the conditions; the sheet is brought to equilibrium again.
+---
+---Errors: those of `bw.responsive.cantilever`. An outline without a tag that a condition is on raises. After a failure the
+---sheet is as it was.
+---@param outline bw.Outline the other outline
+---@return bw.BentSheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
 function BentSheet:become(outline) end
 
----Solves again where it stands.
----@return bw.BentSheet?
+---Solves again on the outline as it is.
+---
+---Errors: those of `bw.responsive.cantilever`. After a failure the sheet is as it was.
+---@return bw.BentSheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
 function BentSheet:solve() end
 
+---A sheet on ground that shakes, made by `bw.responsive.vibration`.
+---```lua
+---local outline = assert(bw.plane.rectangle {high = {0.1, 0.02}}).outline
+---local options = {outline = outline, material = bw.material.pla, elements = 200}
+---options.ground, options.shake = "left", {y = "0.001 * sin(100 * t)"}
+---local sheet = assert(bw.responsive.vibration(options))
+---assert(sheet:step(5))
+---print(sheet.time, sheet.velocity)
+---```
 ---@class bw.ShakenSheet
----@field outline bw.Outline as it is now
----@field reused bw.Kept what the last frame kept
----@field displacement bw.Array x, y at the nodes, m
----@field stress bw.Array xx, yy, xy, zz at the nodes, Pa
----@field von_mises bw.Array at the nodes, Pa
----@field error_estimate number relative, in energy (Zienkiewicz, Zhu)
----@field mesh bw.PlaneMesh as it is now
----@field points bw.Array of the mesh, m
----@field elements bw.Array corners (and mid-edge nodes 12, 23, 31), from 1
----@field element_count integer
----@field node_count integer
----@field time number s
----@field velocity bw.Array? of a transient sheet
----@field acceleration bw.Array?
+---@field outline bw.Outline the current outline
+---@field mesh bw.PlaneMesh the current mesh
+---@field reused bw.ReuseStatistics what the last frame reused
+---@field displacement bw.Array (m, node_count × 2, per node) displacement along x and y
+---@field velocity bw.Array? (m/s, node_count × 2, per node) velocity along x and y; nil before the first step
+---@field acceleration bw.Array? (m/s2, node_count × 2, per node) acceleration along x and y; nil before the first step
+---@field stress bw.Array (Pa, node_count × 4, per node) stress: xx, yy, xy, zz
+---@field von_mises bw.Array (Pa, node_count × 1, per node) von Mises stress
+---@field error_estimate number (-) relative error in the energy norm, estimated by Zienkiewicz and Zhu
+---@field points bw.Array (m, node_count × 2, per node) x and y of the mesh
+---@field elements bw.Array (index from 1, element_count × 3 or 6, per element) corners, then the mid-edge nodes of edges 1-2, 2-3 and 3-1
+---@field element_count integer (count) triangles
+---@field node_count integer (count) nodes
+---@field time number (s) the time since the start
 local ShakenSheet = {}
 
----Moves a handle of the outline ({vertex = n}, {edge = n}, {loop = name}) by {dx, dy}.
----@param handle bw.DragHandle
----@param by number[]
----@return bw.ShakenSheet?
+---Moves a handle of the outline; displacements and velocities are transferred to the new mesh.
+---
+---Errors: geometry (edges would cross or touch), and those of `bw.responsive.vibration`. After a failure the sheet is as it was.
+---@param handle bw.OutlineHandle what is moved
+---@param by number[] (m, {x, y}) the displacement
+---@return bw.ShakenSheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
 function ShakenSheet:drag(handle, by) end
 
----Goes over to another outline, of any topology with the same tags.
----@param outline bw.Outline
----@return bw.ShakenSheet?
+---Takes another outline, of any topology with the tags of the conditions; displacements and velocities are transferred to the new mesh.
+---
+---Errors: those of `bw.responsive.vibration`. An outline without a tag that a condition is on raises. After a failure the
+---sheet is as it was.
+---@param outline bw.Outline the other outline
+---@return bw.ShakenSheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
 function ShakenSheet:become(outline) end
 
----Advances by `count` time steps (default 1).
----@param count? integer
----@return bw.ShakenSheet?
+---Advances by time steps, all or none.
+---
+---Errors: singular, convergence (the linear equations could not be solved). After a failure the sheet is as it was.
+---@param count? integer (count) steps, 1 and more. Default: 1
+---@return bw.ShakenSheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
 function ShakenSheet:step(count) end
 
----What stands behind the applications: a sheet and the mesh that follows. `frame` is a table that is
----filled with what was kept (bw.Kept).
+---The engine's sheet and its mesh motion, `body` of the sheets above. Scripts take these. `frame` is a table that receives
+---what the call reused.
+---```lua
+---local outline = assert(bw.plane.rectangle {high = {0.1, 0.02}}).outline
+---local options = {outline = outline, material = bw.material.pla, elements = 200}
+---options.conditions = {left = "fixed", right = {traction = {0, -1e5}}}
+---local sheet = assert(bw.responsive.steady(options))
+---print(sheet.body:counts())
+---```
 ---@class bw.Sheet
----@field outline bw.Outline
----@field displacement bw.Array
----@field velocity bw.Array?
----@field acceleration bw.Array?
----@field stress bw.Array
----@field von_mises bw.Array
----@field error_estimate number
----@field mesh bw.PlaneMesh
----@field points bw.Array
----@field elements bw.Array
----@field order integer
----@field time number
+---@field outline bw.Outline the current outline
+---@field mesh bw.PlaneMesh the current mesh
+---@field displacement bw.Array (m, node_count × 2, per node) displacement along x and y
+---@field velocity bw.Array? (m/s, node_count × 2, per node) velocity along x and y; nil before the first step in time
+---@field acceleration bw.Array? (m/s2, node_count × 2, per node) acceleration along x and y; nil before the first step in time
+---@field stress bw.Array (Pa, node_count × 4, per node) stress: xx, yy, xy, zz; Cauchy stress after `bend`
+---@field von_mises bw.Array (Pa, node_count × 1, per node) von Mises stress
+---@field error_estimate number (-) relative error in the energy norm, estimated by Zienkiewicz and Zhu
+---@field points bw.Array (m, node_count × 2, per node) x and y of the mesh
+---@field elements bw.Array (index from 1, element_count × 3 or 6, per element) corners, then the mid-edge nodes of edges 1-2, 2-3 and 3-1
+---@field time number (s) the time since the start
+---@field order integer (-) order of the elements: 1 or 2
 local Sheet = {}
 
----@param frame table
----@param outline bw.Outline
----@return table?
+---Takes mesh and solution to an outline; it does not solve.
+---
+---Errors: those of `bw.plane.fill`.
+---@param frame bw.ReuseStatistics receives what was reused
+---@param outline bw.Outline the outline, with the tags of the conditions
+---@return bw.ReuseStatistics? frame the same table
 ---@return string? message
 ---@return bw.Details? details
 function Sheet:follow(frame, outline) end
 
----@param frame table
----@param solver? table
----@return table?
+---Solves linear statics.
+---
+---Errors: unconstrained, singular (the conditions leave the sheet free to move), convergence (the linear solution stopped
+---early).
+---@param frame bw.ReuseStatistics receives what was reused
+---@param solver? bw.ResponsiveSolverOptions how linear equations are solved. Default: as stated there
+---@return bw.ReuseStatistics? frame the same table
 ---@return string? message
 ---@return bw.Details? details
 function Sheet:static(frame, solver) end
 
----@param frame table
----@param solver? table
----@param newmark? bw.NewmarkOptions
----@param steps? integer
----@return table?
+---Advances by time steps of Newmark's method, all or none.
+---
+---Errors: singular, convergence (the linear equations could not be solved).
+---@param frame bw.ReuseStatistics receives what was reused
+---@param solver? bw.ResponsiveSolverOptions how linear equations are solved. Default: as stated there
+---@param newmark? bw.NewmarkOptions the time step and the scheme. Default: as stated there
+---@param steps? integer (count) steps. Default: 1
+---@return bw.ReuseStatistics? frame the same table
 ---@return string? message
 ---@return bw.Details? details
 function Sheet:shake(frame, solver, newmark, steps) end
 
+---Newmark's method with Rayleigh damping.
 ---@class bw.NewmarkOptions
----@field step? number
----@field beta? number
----@field gamma? number
----@field damping_mass? number
----@field damping_stiffness? number
+---@field step? number (s) the time step, above 0. Default: 1e-3
+---@field beta? number (-) Newmark's beta. Range: gamma / 2 and more. Default: 0.25
+---@field gamma? number (-) Newmark's gamma. Range: 1/2 and more. Default: 0.5
+---@field damping_mass? number (1/s) coefficient of the mass matrix, 0 or more. Default: 0
+---@field damping_stiffness? number (s) coefficient of the stiffness matrix, 0 or more. Default: 0
 
----@param frame table
----@param solver? table
----@param newton? bw.NewtonOptions
----@return table?
+---Finds equilibrium in large deflection by Newton's method with a line search on the energy.
+---
+---Errors: convergence (there is no equilibrium on the way, or an element inverts), singular.
+---@param frame bw.ReuseStatistics receives what was reused
+---@param solver? bw.ResponsiveSolverOptions how linear equations are solved. Default: as stated there
+---@param newton? bw.NewtonOptions when Newton's method ends. Default: as stated there
+---@return bw.ReuseStatistics? frame the same table
 ---@return string? message
 ---@return bw.Details? details
 function Sheet:bend(frame, solver, newton) end
 
+---When Newton's method ends.
 ---@class bw.NewtonOptions
----@field tolerance? number
----@field iterations? integer
----@field load_steps? integer
+---@field tolerance? number (-) residual over load, above 0. Default: 1e-8
+---@field iterations? integer (count) iterations of a load step, 1 and more. Default: 30
+---@field load_steps? integer (count) the most load steps, 1 and more. Default: 64
 
----What mesh and body are at.
----@return bw.BodyState
+---The current state of mesh and sheet. It copies nothing.
+---@return bw.BodyState state the state
 function Sheet:keep() end
 
----Back to what was kept, bit for bit.
----@param state bw.BodyState
----@return table?
+---Returns to a state, bit for bit. A state of another sheet raises.
+---
+---Errors: only those that every function may give.
+---@param state bw.BodyState a state of this sheet
+---@return bw.Sheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
 function Sheet:return_to(state) end
 
----Checks that all parts of it belong together, for tests and debugging. Raises where they do not.
----@return table
+---Checks that all parts of it belong together, for tests and debugging. It raises where they do not.
+---@return bw.Sheet self
 function Sheet:check() end
 
----@param p number
----@return number?
----@return bw.Array|string by_points
----@return bw.Array|table by_nodes
+---The power mean of von Mises stresses over the area, (∫ σ^p dA / A)^(1/p), and its exact gradient by one adjoint
+---solution. It tends to the largest stress from below as p grows.
+---
+---Errors: singular, convergence (the adjoint equations could not be solved).
+---@param p number (-) the exponent. Range: 1 to 1000
+---@return number? norm (Pa) the power mean
+---@return bw.Array|string by_points (Pa/m, point_count × 2, per point of the outline) its gradient, or the message
+---@return bw.Array|bw.Details by_nodes (Pa/m, node_count × 2, per node) its gradient, or the details
 function Sheet:stress_norm(p) end
 
----@return integer elements
----@return integer nodes
+---The size of the mesh.
+---@return integer elements (count) triangles
+---@return integer nodes (count) nodes
 function Sheet:counts() end
 
----Releases it early.
+---Frees its memory at once.
 function Sheet:close() end
 
----What a body that follows an outline, and its mesh, were at.
+---The state of a body that follows an outline, and of its mesh, made by `keep`.
+---```lua
+---local outline = assert(bw.plane.rectangle {high = {0.1, 0.02}}).outline
+---local options = {outline = outline, material = bw.material.pla, elements = 200}
+---options.conditions = {left = "fixed", right = {traction = {0, -1e5}}}
+---local sheet = assert(bw.responsive.steady(options))
+---local state = sheet.body:keep()
+---assert(sheet.body:return_to(state))
+---```
 ---@class bw.BodyState
 local BodyState = {}
 
+---Frees its memory at once.
 function BodyState:close() end

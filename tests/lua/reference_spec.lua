@@ -14,10 +14,6 @@ local allowed = {
 
   plot = 175,
 
-  responsive = 201,
-
-  sheet = 198,
-
   solid = 257,
 
   study = 178,

@@ -113,6 +113,6 @@ function entries.of(folder)
 end
 
 --- Classes without methods whose fields are read all the same.
-entries.objects = {["bw.Kept"] = true, ["bw.Optimisation"] = true}
+entries.objects = {["bw.ReuseStatistics"] = true, ["bw.Optimisation"] = true}
 
 return entries
