@@ -2,10 +2,14 @@
 -- Which page stands where in the site. Every page of docs/ must be named here, or lie in the folder `below` of an
 -- entry: run.lua refuses to leave one out.
 return {
+  {title = "Tutorials", pages = {
+    {"docs/tutorial.md", "From an STL file to an answer"}, {"docs/tutorial_edit.md", "Edit sessions"},
+    {"docs/tutorial_responsive.md", "From a drawing to a tuned bar"}, {"docs/tutorial_solids.md", "Soft bodies"},
+    {"lessons", "Lessons"},
+  }},
   {title = "Start", pages = {
-    {"README.md", "Overview"}, {"docs/tutorial.md", "From an STL file to an answer"},
-    {"docs/installation.md", "Installation"}, {"gallery", "Gallery"}, {"lessons", "Lessons"},
-    {"docs/faq.md", "Frequently asked questions"},
+    {"README.md", "Overview"}, {"docs/installation.md", "Installation"}, {"docs/validity.md", "Validity"},
+    {"docs/faq.md", "Frequently asked questions"}, {"gallery", "Gallery"},
   }},
   {title = "How to", pages = {
     {"docs/loads_and_supports.md", "Loads, supports, selections"},
@@ -15,10 +19,6 @@ return {
     {"docs/howto_scenarios.md", "Test a requirement"},
     {"docs/command_line.md", "Use the command line"}, {"docs/sandbox.md", "Run scripts of others"},
     {"docs/live.md", "Edit in the browser"}, {"docs/formats.md", "Formats"},
-  }},
-  {title = "Tutorials", pages = {
-    {"docs/tutorial_edit.md", "Edit sessions"}, {"docs/tutorial_responsive.md", "From a drawing to a tuned bar"},
-    {"docs/tutorial_solids.md", "Soft bodies"},
   }},
   {title = "Theory", pages = {
     {"docs/theory/elements.md", "Elements"}, {"docs/theory/filling.md", "Filling a surface"},
@@ -33,7 +33,7 @@ return {
   }},
   {title = "Reference", pages = {
     {"docs/reference/index.md", "API", below = "docs/reference/*.md"}, {"docs/glossary.md", "Glossary"},
-    {"docs/validity.md", "Validity"}, {"docs/units.md", "Units"}, {"docs/bibliography.md", "Bibliography"},
+    {"docs/units.md", "Units"}, {"docs/bibliography.md", "Bibliography"},
     {"docs/stability.md", "Versions and stability"}, {"docs/third_party.md", "Third-party licences"},
     {"docs/verification.md", "Verification"},
     {"docs/benchmarks.md", "Benchmarks"}, {"docs/comparison.md", "Beside other tools"},

@@ -1,8 +1,9 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Markdown to HTML by cmark-gfm, with what a site needs beside it: a name for each heading, links to other
--- pages and to sources, colours for code.
+-- pages and to sources, formulas as MathML, colours for code.
 local colour = require "colour"
 local core = require "barwright.core"
+local formula = require "formula"
 
 local markdown = {}
 
@@ -30,7 +31,8 @@ local function slug(text, taken)
 end
 
 --- The HTML of a Markdown text: html, headings {level, name, text}. `link(target)` says where a link leads to.
-function markdown.html(text, link)
+--- `formulas`: code blocks without a language are formulas; what is wrong with them follows as a third result.
+function markdown.html(text, link, formulas)
   local folder <close> = assert(core.temporary_folder())
   local name = folder.path .. "/text.md"
   assert(core.write_file(name, text))
@@ -50,12 +52,20 @@ function markdown.html(text, link)
     if attribute ~= "href" and attribute ~= "src" then return nil end
     return ('%s%s="%s"'):format(before, attribute, link(target, attribute))
   end)
+  local wrong = {}
+  if formulas then
+    html = formula.inline(html:gsub("<pre><code>(.-)</code></pre>", function(code)
+      local block, message = formula.block(plain(code))
+      wrong[#wrong + 1] = message
+      return block
+    end))
+  end
   html = html:gsub('<pre><code class="language%-(%a+)">(.-)</code></pre>', function(language, code)
     local coloured = language == "lua" and markdown.lua(plain(code)) or code
     return ('<pre class="%s"><code>%s</code></pre>'):format(language, coloured)
   end)
   html = html:gsub("<table>(.-)</table>", '<div class="scroll"><table>%1</table></div>')
-  return html, headings
+  return html, headings, wrong
 end
 
 --- Lua with its words, texts, numbers and comments marked.

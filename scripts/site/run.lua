@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Makes the documentation's site from README, docs/ and examples/: one folder that opens from disk or from any
 -- web server. With --gallery the lessons are run first, and what they draw is shown. Exits with 1 when a page is
--- left out or a link leads nowhere.
+-- left out, a link leads nowhere or a formula cannot be set.
 --   build/barwright scripts/site/run.lua [--out out/site] [--gallery]
 local root = arg[0]:match "^(.*)/scripts/site/[^/]*$" or "."
 package.path = root .. "/scripts/site/?.lua;" .. package.path
@@ -141,14 +141,14 @@ local function section_list(page)
   return #out > 1 and "<ul>" .. table.concat(out) .. "</ul>" or ""
 end
 
--- For the search: the text under each heading.
+-- For the search: the whole text under each heading.
 local function index(page)
   local heading, name = page.title, nil
   local function add_section(html)
     local text = markdown.plain(html:gsub('<a class="anchor".-</a>', "")):gsub("%s+", " ")
     if #text > 1 then
       sections[#sections + 1] = {page = page.title, heading = heading,
-        address = page.address .. (name and "#" .. name or ""), text = text:sub(1, 1500)}
+        address = page.address .. (name and "#" .. name or ""), text = text}
     end
   end
   local at = 1
@@ -166,7 +166,11 @@ for _, page in ipairs(pages) do
     local text = file:read "a"
     file:close()
     page.there = true
-    page.html, page.headings = assert(markdown.html(text, links.from(page, by_source, shown)))
+    local wrong
+    page.html, page.headings, wrong = markdown.html(text, links.from(page, by_source, shown),
+      page.source:match "^docs/theory/" ~= nil)
+    assert(page.html, page.headings)
+    for _, message in ipairs(wrong) do problems[#problems + 1] = page.source .. ": " .. message end
   elseif page.source == "gallery" then
     page.there, page.html = true, gallery.html(pictures, by_source)
   elseif page.source == "lessons" then

@@ -24,9 +24,31 @@ describe("site", function()
     assert.falsy(index:find("@%u+@"))
     local search = read(folder .. "/search.js")
     assert.truthy(search:find("Weak regions", 1, true) or search:find("weak regions", 1, true))
+    assert.truthy(search:find("comes on top", 1, true), "search has whole sections")
+    local theory = read(folder .. "/docs/theory/data_driven.html")
+    assert.truthy(theory:find('<div class="formula"><math display="block">', 1, true))
+    assert.falsy(theory:find("<pre><code>", 1, true))
+    assert.truthy(theory:find("<math><msub><mi>J</mi><mi>i</mi></msub></math>", 1, true))
     local lesson = read(folder .. "/examples/01_where_will_it_break.html")
     assert.truthy(lesson:find('<span class="word">local</span>', 1, true))
     os.execute(("rm -rf '%s'"):format(folder))
+  end)
+
+  it("sets formulas as MathML", function()
+    local formula = require "formula"
+    local function set(text) return (formula.mathml(text):gsub("</?mrow>", ""):gsub("</?math>", "")) end
+    assert.equal("<mfrac><mi>a</mi><mo>+</mo><mi>b</mi><mn>2</mn></mfrac>", set "(a + b) / 2")
+    assert.equal("<msup><mi>x</mi><mi>n</mi><mo>−</mo><mn>1</mn></msup>", set "x^(n - 1)")
+    assert.equal("<msub><mi>K</mi><mi>a</mi><mi>b</mi></msub><mo>=</mo><mi>λ</mi>", set "K_ab = lambda")
+    assert.equal("<munder><mo>∑</mo><mi>e</mi></munder>", set "Σ_e")
+    assert.equal("<msqrt><mn>2</mn><mi>π</mi></msqrt>", set "√(2π)")
+    assert.truthy(set("1 / s(n)² such that x"):find("<mtext>such</mtext>", 1, true))
+    local html, message = formula.mathml "a § b"
+    assert.is_nil(html)
+    assert.truthy(message:find("'§' is not known", 1, true))
+    assert.is_nil((formula.mathml "(a + b"))
+    assert.equal("<p>sum <math><msub><mi>w</mi><mrow><mi>i</mi><mi>j</mi></mrow></msub></math> of "
+      .. "<code>w_i</code></p>", formula.inline "<p>sum w_ij of <code>w_i</code></p>")
   end)
 
   it("colours Lua without changing it", function()
