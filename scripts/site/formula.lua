@@ -1,7 +1,8 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Formulas of the theory pages as MathML. Their sources are plain text: `K_ab = Σ w B_aᵀ D B_b`, `(a + b) / 2`,
 -- `x^(n - 1)`, Greek letters as such or by name, words between formulas. A code block without a language in
--- docs/theory is a formula; letters with an index or a power are set in running text too. `run.lua` reports each one that holds a sign that is not known here.
+-- docs/theory is a formula; letters with an index or a power are set in running text too. `run.lua` reports each
+-- formula with a sign that is not known here.
 local formula = {}
 
 local greek = {alpha = "α", beta = "β", gamma = "γ", delta = "δ", eta = "η", theta = "θ", kappa = "κ",
