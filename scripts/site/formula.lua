@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Formulas of the theory pages as MathML. Their sources are plain text: `K_ab = Σ w B_aᵀ D B_b`, `(a + b) / 2`,
 -- `x^(n - 1)`, Greek letters as such or by name, words between formulas. A code block without a language in
--- docs/theory is a formula; letters with an index or a power are set in running text too. `run.lua` reports each
+-- docs/theory is a formula; in running text those words are set that can only be one. `run.lua` reports each
 -- formula with a sign that is not known here.
 local formula = {}
 
@@ -306,7 +306,110 @@ function formula.mathml(text, display)
   return ("<math%s>%s</math>"):format(display and ' display="block"' or "", result)
 end
 
---- HTML of a theory page's running text: letters with an index or a power (w_ij, R^T) as formulas.
+-- Running text: which words are formulas. A word is one where each of its letters stands alone, is of an index or
+-- a power, or belongs to a function; `of`, `is` and `5 mm` are not.
+local between = {} -- signs between two operands
+for sign in ("+ - − ± × · ⊗ : = ≈ ≠ ≤ ≥ < > / → ↦ ∈ ∝ <= >="):gmatch "%S+" do between[sign] = true end
+local prose = {a = true, A = true, I = true, C = true} -- words of English, and a language
+local verbal = {mean = true, sign = true, log = true, min = true, max = true, clamp = true} -- words, and functions
+local units = {m = true, N = true, s = true, J = true, K = true, W = true, g = true}
+
+-- Whether a word without its punctuation is an operand, or a part of one in brackets.
+local function operand(word)
+  if not word:find "[%w\128-\255]" or word:find '["#&]' then return false end
+  if word:find "\226\128[\147\148\156\157]" then return false end -- dashes and quotes
+  if word:find "^%(%d+%a?%)$" then return false end -- the number of an equation
+  local bare = word:gsub("[_^]{[^}]*}", ""):gsub("[_^]%-?[%w,]+", "")
+  if verbal[bare] then return false end
+  for run in bare:gmatch "%a+" do
+    local known = #run == 1 or functions[run] or greek[run] or run:match "^d%a$" or run == "sqrt"
+    if not known then return false end
+  end
+  return signs_of(bare) ~= nil
+end
+
+local function balance(word)
+  local open = 0
+  for sign in word:gmatch "[%(%)%[%]]" do open = open + ((sign == "(" or sign == "[") and 1 or -1) end
+  return open
+end
+
+local function decoded(text) return (text:gsub("&lt;", "<"):gsub("&gt;", ">")) end
+
+-- Words of a text as {text, space = before it, core = without punctuation, tail = that punctuation}.
+local function words_of(text)
+  local words = {}
+  for space, word in text:gmatch "(%s*)(%S+)" do
+    local plain = decoded(word)
+    local core, tail = plain:match "^(.-)([%.,;:]*)$"
+    if core == "" then core, tail = plain, "" end
+    words[#words + 1] = {text = word, space = space, core = core, tail = tail}
+  end
+  return words
+end
+
+-- The last word of the formula that begins with word k, or nil; and whether the formula is worth setting.
+local function extent(words, k)
+  local last, open, telling, n = nil, 0, false, k
+  local expects = true -- an operand, after an operator
+  while words[n] do
+    local core, tail = words[n].core, words[n].tail
+    local sign_follows = words[n + 1] and between[words[n + 1].core]
+    if between[core] and tail == "" then
+      if n == k and core ~= "-" and core ~= "±" then return nil end
+      telling, expects = true, true
+    elseif big[core] or operand(core) then
+      if prose[core] and not sign_follows and (n == k or not expects and open == 0) then break end
+      open = open + balance(core)
+      if open < 0 then break end
+      if core:find "[_^|∫∂√=+/]" or core:find "%a%(" or big[core] then telling = true end
+      if open == 0 and not big[core] then last = n end
+      if open == 0 and tail ~= "" then break end
+      expects = false
+    else
+      break
+    end
+    n = n + 1
+  end
+  return last, telling
+end
+
+-- MathML of words k to last; nil where that is no formula.
+local function set_words(words, k, last)
+  local parts = {}
+  for n = k, last do parts[#parts + 1] = words[n].core .. (n < last and words[n].tail or "") end
+  local text = table.concat(parts, " ")
+  if not text:find "%a" and not text:find "[\206-\207]" then return nil end
+  local unit = last > k and units[parts[#parts]] and parts[#parts - 1]:match "^%d[%d%.]*$"
+  if unit then text = table.concat(parts, " ", 1, #parts - 1) end
+  local html = formula.mathml(text)
+  return html and html .. (unit and " " .. parts[#parts] or "")
+end
+
+local function inline_text(text)
+  local words, out, k = words_of(text), {}, 1
+  while words[k] do
+    local word = words[k]
+    local html
+    local last, telling = extent(words, k)
+    if last then
+      -- a letter on its own, but not the unit behind a number
+      local alone = last == k and word.core:match "^%a$" or letters[word.core]
+      local number = words[k - 1] and words[k - 1].core:match "^[%d%.]+$"
+      if telling or alone and not number then html = set_words(words, k, last) end
+    end
+    if html then
+      out[#out + 1] = word.space .. html .. words[last].tail
+      k = last + 1
+    else
+      out[#out + 1] = word.space .. word.text
+      k = k + 1
+    end
+  end
+  return table.concat(out) .. text:match "%s*$"
+end
+
+--- HTML of a theory page's running text: formulas such as K u = f, w_ij, R^T and single letters as MathML.
 function formula.inline(html)
   local inside = nil -- the element whose text stays as it is
   return (html:gsub("(<?)([^<>]*)(>?)", function(open, text, close)
@@ -314,15 +417,12 @@ function formula.inline(html)
       local slash, name = text:match "^(/?)(%a+%d?)"
       if inside then
         if slash == "/" and name == inside then inside = nil end
-      elseif slash == "" and (name == "pre" or name == "code" or name == "math" or name == "h1" or name == "h2"
-        or name == "h3") then
+      elseif slash == "" and (name == "pre" or name == "code" or name == "math" or name == "a" or name == "h1"
+        or name == "h2" or name == "h3") then
         inside = name
       end
-    elseif not inside then
-      return open .. text:gsub("%f[%w_\128-\255]([%a\128-\255]+)([_^]%-?%w+)%f[^%w_^]", function(base, script)
-        if not base:match "^%a$" and not letters[base] or #script > 6 then return nil end
-        return (formula.mathml(base .. script))
-      end) .. close
+    elseif not inside and text:find "%S" then
+      return open .. inline_text(text) .. close
     end
   end))
 end

@@ -28,7 +28,7 @@ describe("site", function()
     local theory = read(folder .. "/docs/theory/data_driven.html")
     assert.truthy(theory:find('<div class="formula"><math display="block">', 1, true))
     assert.falsy(theory:find("<pre><code>", 1, true))
-    assert.truthy(theory:find("<math><msub><mi>J</mi><mi>i</mi></msub></math>", 1, true))
+    assert.truthy(theory:find("<msub><mi>J</mi><mi>i</mi></msub>", 1, true))
     local lesson = read(folder .. "/examples/01_where_will_it_break.html")
     assert.truthy(lesson:find('<span class="word">local</span>', 1, true))
     os.execute(("rm -rf '%s'"):format(folder))
@@ -49,6 +49,21 @@ describe("site", function()
     assert.is_nil((formula.mathml "(a + b"))
     assert.equal("<p>sum <math><msub><mi>w</mi><mrow><mi>i</mi><mi>j</mi></mrow></msub></math> of "
       .. "<code>w_i</code></p>", formula.inline "<p>sum w_ij of <code>w_i</code></p>")
+  end)
+
+  it("finds formulas in running text", function()
+    local formula = require "formula"
+    -- Each formula as its bare text in brackets.
+    local function found(text)
+      return (formula.inline(text):gsub("<math>(.-)</math>", function(html)
+        return "[" .. html:gsub("<[^>]*>", "") .. "]"
+      end))
+    end
+    assert.equal("so [Ku=f], and a force [F] on [∂Ω].", found "so K u = f, and a force F on ∂Ω.")
+    assert.equal("the mean [r(x)=t+ω×x] of (14), 5 mm", found "the mean r(x) = t + ω × x of (14), 5 mm")
+    assert.equal("[0≤p≤pmax], where", found "0 ≤ p &lt;= p_max, where")
+    assert.equal("A body in C; [2μ+λ] of I; 3 N and a lot", found "A body in C; 2 μ + λ of I; 3 N and a lot")
+    assert.equal("<a>see K u = f</a> <code>K u</code>", found "<a>see K u = f</a> <code>K u</code>")
   end)
 
   it("colours Lua without changing it", function()
