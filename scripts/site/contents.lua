@@ -40,5 +40,6 @@ return {
   }},
   {title = "Inside", pages = {
     {"docs/map.md", "Map of the source"}, {"CONTRIBUTING.md", "How to contribute"},
+    {"docs/notes/index.md", "Notes", below = "docs/notes/*.md"},
   }},
 }

@@ -48,7 +48,7 @@ local function list(pattern)
 end
 
 assert(os.execute("mkdir -p " .. quoted(opts.out)))
-assert(os.execute(("cd %s && mkdir -p docs/theory docs/reference docs/images examples/studies source"):format(
+assert(os.execute(("cd %s && mkdir -p docs/theory docs/notes docs/reference docs/images examples/studies source"):format(
   quoted(opts.out))))
 local problems = {}
 
@@ -76,7 +76,7 @@ for _, group in ipairs(contents) do
     by_source[source].below = below
   end
 end
-for _, source in ipairs(list "docs/*.md docs/theory/*.md") do
+for _, source in ipairs(list "docs/*.md docs/theory/*.md docs/notes/*.md") do
   if not by_source[source] then
     problems[#problems + 1] = source .. ": stands in no group of scripts/site/contents.lua"
   end
