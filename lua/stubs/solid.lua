@@ -4,333 +4,488 @@
 --
 -- Solids
 --
--- Hyperelastic bodies on grids: large deformation, statics and motion.
+-- Hyperelastic bodies on grids: static equilibrium at large deformation, transient dynamics, and coarse solids with an
+-- estimate of their error.
 
 ---@class bw
 local bw = {}
 
----A law of large deformation, W = mu a(F) + lambda b(F) J/m3: "neo_hookean" (the default; not defined
----where an element is turned inside out), "st_venant_kirchhoff", "corotated", "fixed_corotated". Either
----`young` (Pa) and `poisson`, or Lame's constants `mu` and `lambda` (Pa); `density` in kg/m3. With
----`formulation` = "b_bar" (default "standard") elements do not lock where Poisson's ratio is near 0.5; such a
----material cannot be made coarse.
----@param options bw.HyperelasticOptions
----@return bw.Hyperelastic
+---A hyperelastic material, W = mu a(F) + lambda b(F) with the deformation gradient F. Constants outside their ranges raise.
+---
+---Source: docs/theory/data_driven.md, "Energies", has a and b of each law; docs/theory/elements.md has B-bar.
+---```lua
+---local rubber = bw.hyperelastic {young = 1e6, poisson = 0.45, density = 1100, name = "rubber"}
+---local gel = bw.hyperelastic {law = "corotated", mu = 2e4, lambda = 5e5, formulation = "b_bar"}
+---print(rubber, gel.young)
+---```
+---@param options bw.HyperelasticOptions law and constants
+---@return bw.Hyperelastic material the same at all points of an element
 function bw.hyperelastic(options) end
 
+---Law and constants of a hyperelastic material: either `young` and `poisson`, or Lame's constants `mu` and `lambda`.
 ---@class bw.HyperelasticOptions
----@field law? string
----@field young? number
----@field poisson? number
----@field mu? number
----@field lambda? number
----@field density? number
----@field name? string
----@field formulation? "standard"|"b_bar"
+---@field law? "neo_hookean"|"st_venant_kirchhoff"|"corotated"|"fixed_corotated" the neo-Hookean energy is not defined where det F <= 0, the others are defined everywhere. Default: "neo_hookean"
+---@field young? number (Pa) Young's modulus, above 0
+---@field poisson? number (-) Poisson's ratio. Range: above -1, below 0.5
+---@field mu? number (Pa) shear modulus, above 0
+---@field lambda? number (Pa) Lame's first constant; 3 lambda + 2 mu is above 0
+---@field density? number (kg/m3) 0: not known; gravity and `motion` need it. Default: 0
+---@field name? string for `print`. Default: that of the law
+---@field formulation? "standard"|"b_bar" "b_bar": elements do not lock where Poisson's ratio is near 0.5; such a material cannot be made coarse. Default: "standard"
 
+---A hyperelastic material. That of a coarse element has a law and constants of its own at each quadrature point.
+---```lua
+---local rubber = bw.hyperelastic {young = 1e6, poisson = 0.45}
+---local energy, stress = rubber:energy {{1.2, 0, 0}, {0, 0.93, 0}, {0, 0, 0.93}}
+---print(energy, stress(1, 1)) -- J/m3 and Pa of a bar that is stretched by a fifth
+---```
 ---@class bw.Hyperelastic
----@field name string
----@field law string of its points; "mixed" where they differ
----@field points integer points of quadrature with constants of their own
----@field uniform boolean the same everywhere, without fibres
----@field density number kg/m3; 0: not known
----@field young number of the first point, Pa
----@field poisson number of the first point
----@field formulation string "standard" or "b_bar"
----@field mu bw.Array of points, Pa
----@field lambda bw.Array of points, Pa
----@field fibre_stiffness bw.Array of points: C of each fibre, Pa (data-driven, formula 2)
----@field fibre bw.Array of points: directions of the fibres, three numbers each
+---@field name string as it was given, or that of the law
+---@field law "neo_hookean"|"st_venant_kirchhoff"|"corotated"|"fixed_corotated"|"mixed" of the points; "mixed" where they differ
+---@field points integer (count) quadrature points
+---@field uniform boolean whether law and constants are the same at all points, without fibres
+---@field density number (kg/m3) 0: not known
+---@field young number (Pa) Young's modulus of the first point
+---@field poisson number (-) Poisson's ratio of the first point
+---@field formulation "standard"|"b_bar" how the volumetric strain is integrated
+---@field mu bw.Array (Pa, points × 1, per point) shear moduli; with "b_bar" twice the modulus at points 1 to 8, 0 at the others
+---@field lambda bw.Array (Pa, points × 1, per point) Lame's first constants; with "b_bar" 0 at points 1 to 8, twice the constant at the others
+---@field fibre_stiffness bw.Array (Pa, points × fibres, per point) C of each fibre in formula 2 of docs/theory/data_driven.md
+---@field fibre bw.Array (-, points × 3 fibres, per point) unit vectors of the fibres, one after the other
 local Hyperelastic = {}
 
----Energy density and first Piola-Kirchhoff stress at a deformation gradient, of the first point's law.
----@param gradient number[][] 3 x 3
----@return number? energy J/m3
----@return bw.Array|string stress Pa, 3 x 3
+---Energy density and first Piola-Kirchhoff stress at a deformation gradient, by the law and constants of the first
+---point, without fibres. nil and a message where the neo-Hookean law is not defined.
+---@param gradient number[][]|bw.Array (-, 3 × 3) F_ij = dx_i / dX_j
+---@return number? energy (J/m3) W
+---@return bw.Array|string stress (Pa, 3 × 3) P_ij = dW / dF_ij; or a message
 function Hyperelastic:energy(gradient) end
 
----Releases it early.
+---Releases its memory early, which the garbage collector else does.
 function Hyperelastic:close() end
 
 ---Materials by number, as a solid or a library has them.
+---```lua
+---local grid = bw.grid.box {size = {0.04, 0.02, 0.02}, cells = {4, 2, 2}, material = "1 + (x > 0.02)"}
+---local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e5, poisson = 0.4},
+---  bw.hyperelastic {young = 1e6, poisson = 0.4}}})
+---print(solid.materials.count, solid.materials:material(2).young)
+---```
 ---@class bw.MaterialTable
----@field count integer
+---@field count integer (count) of materials
 local MaterialTable = {}
 
----@param number integer
----@return bw.Hyperelastic
+---One material of the table. A number outside of it raises.
+---@param number integer (index from 1) as in the grid
+---@return bw.Hyperelastic material that elements of this number are made of
 function MaterialTable:material(number) end
 
----Releases it early.
+---Releases its memory early, which the garbage collector else does.
 function MaterialTable:close() end
 
----A body of hyperelastic materials on a grid; the grid's numbers are places in the palette.
----@param options bw.SolidOptions
----@return bw.Solid?
+---A body of hyperelastic materials on a grid. An element whose number is not in the table raises.
+---
+---Errors: memory.
+---```lua
+---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
+---local bar = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.45}}})
+---bar:fix({side = "low x"}):force({side = "high x"}, {0, 0, -0.5})
+---print(assert(bar:solve()).movement:max())
+---```
+---@param options bw.SolidOptions the grid and what it is made of
+---@return bw.Solid? solid without supports and loads
 ---@return string? message
 ---@return bw.Details? details
 function bw.solid(options) end
 
+---The grid of a solid and what it is made of.
 ---@class bw.SolidOptions
----@field grid bw.Grid
----@field materials bw.Hyperelastic[]|bw.MaterialTable
+---@field grid bw.Grid the elements, with the numbers of their materials
+---@field materials bw.Hyperelastic[]|bw.MaterialTable by number: the first is 1
 
----A solid with its supports and loads. They are kept as they are given, by place (see bw.Region), and
----found again on an edited grid and on coarse ones. Nodes may be given by number too, which binds them
----to the grid.
+---A solid with its supports and loads. They are kept as they are given, by place, and applied to the nodes that lie there
+---on an edited grid and on coarse ones. Node numbers are accepted, too; they bind the solid to its grid. A place that
+---chooses no node raises.
+---```lua
+---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
+---local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.45}}})
+---solid:fix({side = "low x"}):turn({side = "high x"}, {axis = {1, 0, 0}, point = {0, 0.01, 0.01}, angle = 60})
+---local twisted = assert(solid:solve())
+---print(twisted, twisted.von_mises:max())
+---```
 ---@class bw.Solid
----@field grid bw.Grid
----@field materials bw.MaterialTable
----@field element_count integer
----@field node_count integer
----@field mass bw.Array of nodes, kg
----@field levels integer how many times it was made coarse
----@field locking string? a warning of volumetric locking and its cure, or nil; a solve reports it as well
+---@field grid bw.Grid that it lies on
+---@field materials bw.MaterialTable by the numbers of the grid
+---@field element_count integer (count) of elements
+---@field node_count integer (count) of nodes
+---@field mass bw.Array (kg, node_count × 1, per node) lumped mass
+---@field levels integer (count) how many times it was made coarse; 0: not
+---@field locking string? a warning of volumetric locking and its cure, which a solve reports as well; nil where none is expected
 local Solid = {}
 
----Holds nodes; or moves them by {x, y, z} (m), where false leaves a component free; or by a function of
----x, y, z that returns three numbers.
----@param where bw.Region|function|string|bw.Array|integer[]
----@param by? table|function
----@return bw.Solid
+---Prescribes displacements of nodes. A contradiction to an earlier support is raised by `solve` and `motion`.
+---@param where bw.Region|bw.Surface|string|fun(x: number, y: number, z: number): (boolean|number)|bw.Array|integer[] (index from 1, n × 1) a place, or node numbers
+---@param by? (number|false)[]|fun(x: number, y: number, z: number): number, number, number (m) displacement {x, y, z} at full load, where false leaves a component free; or a function of the node's place that returns all three. Default: {0, 0, 0}
+---@return bw.Solid self
 function Solid:fix(where, by) end
 
----Holds nodes and turns them about an axis by `angle` (degrees, right-handed), along their arcs; `move` (m)
----shifts them too.
----@param where bw.Region|function|string|bw.Array|integer[]
----@param options bw.SolidTurnOptions
----@return bw.Solid
+---Prescribes displacements of nodes that turn about an axis, along their arcs.
+---@param where bw.Region|bw.Surface|string|fun(x: number, y: number, z: number): (boolean|number)|bw.Array|integer[] (index from 1, n × 1) a place, or node numbers
+---@param options bw.SolidTurnOptions axis and angle
+---@return bw.Solid self
 function Solid:turn(where, options) end
 
+---How nodes turn about an axis.
 ---@class bw.SolidTurnOptions
----@field axis bw.Vector
----@field point? bw.Vector
----@field angle number
----@field move? bw.Vector
+---@field axis bw.Vector (-) direction of the axis, of any length but 0
+---@field point? bw.Vector (m) on the axis. Default: {0, 0, 0}
+---@field angle number (degrees) right-handed about the axis
+---@field move? bw.Vector (m) a translation beside. Default: {0, 0, 0}
 
----A total force (N) on the boundary faces of nodes, by area; on the nodes alike where they have none.
----@param where bw.Region|function|string|bw.Array|integer[]
----@param total bw.Vector
----@return bw.Solid
+---Applies a total force to the boundary faces all of whose nodes are chosen, by area; where there is no such face, to the
+---nodes in equal parts.
+---@param where bw.Region|bw.Surface|string|fun(x: number, y: number, z: number): (boolean|number)|bw.Array|integer[] (index from 1, n × 1) a place, or node numbers
+---@param total bw.Vector (N) the sum
+---@return bw.Solid self
 function Solid:force(where, total) end
 
----@param acceleration bw.Vector m/s2
----@return bw.Solid
+---Applies gravity to all elements, which need a density. A later call replaces the acceleration.
+---@param acceleration bw.Vector (m/s2) such as {0, 0, -9.81}
+---@return bw.Solid self
 function Solid:gravity(acceleration) end
 
----Pressure (Pa, positive pushes inwards) on the free faces of cells all of whose nodes are in a region,
----or on a surface that is embedded in the solid: a number, a function of x, y, z (of a face's or
----triangle's middle), or for a surface a list with one for each triangle. `follower`: along the normals
----as they turn.
----@param on bw.Region|function|string|bw.Array|integer[]|bw.Surface
----@param options bw.SolidPressureOptions
----@return bw.Solid
+---Applies pressure to the free faces of elements all of whose nodes are chosen, or to a surface that is embedded in the
+---solid.
+---@param on bw.Region|bw.Surface|string|fun(x: number, y: number, z: number): (boolean|number)|bw.Array|integer[] (index from 1, n × 1) a place, node numbers, or a surface whose triangles are loaded
+---@param options bw.SolidPressureOptions how large the pressure is
+---@return bw.Solid self
 function Solid:pressure(on, options) end
 
+---How large a pressure on a solid is.
 ---@class bw.SolidPressureOptions
----@field pressure number|table|function|bw.Array
----@field follower? boolean
+---@field pressure number|fun(x: number, y: number, z: number): number|number[]|bw.Array (Pa, n × 1, per triangle) positive pushes inwards; a function takes the middle of a face or triangle at rest; a list needs a surface
+---@field follower? boolean along the normals of the deformed shape; else of the shape at rest. Default: false
 
----A plane that the solid's nodes, or the points of a `surface`, may touch and not pass, without
----friction. `normal` points to the solid's side; `move`: its displacement at full load.
----@param options bw.SolidFloorOptions
----@return bw.Solid
+---Adds a rigid contact plane without friction, which the nodes or the points of a surface may touch and not pass.
+---@param options bw.SolidContactPlaneOptions where it is
+---@return bw.Solid self
 function Solid:contact_plane(options) end
 
----@class bw.SolidFloorOptions
----@field point bw.Vector
----@field normal bw.Vector
----@field move? bw.Vector
----@field surface? bw.Surface
+---A rigid contact plane.
+---@class bw.SolidContactPlaneOptions
+---@field point bw.Vector (m) on the plane
+---@field normal bw.Vector (-) towards the side of the solid, of any length but 0
+---@field move? bw.Vector (m) displacement of the plane at full load. Default: {0, 0, 0}
+---@field surface? bw.Surface that touches the plane; it is embedded in the solid. Default: the nodes do
 
----Equilibrium by Newton's method, from rest. `path`: parts of the way that are solved one after the
----other (turns: of at most 30 degrees); `steps`: load steps to begin with; `linear`: "direct",
----"jacobi", or "coarse": conjugate gradients over a coarse solid, `coarse` or those that are made. By
----default a factor ("direct") or the last, whichever costs less by counted operations and bytes and the
----iterations that were needed so far. Loads that are more than the solid carries end in a failure that
----says how far it came: details.reached is the last equilibrium on the way. The work until then is
----bounded: `iterations` in a load step (100), `max_iterations` in all of them, where 100 of conjugate
----gradients count as one more (500, and 20 for each of `steps` beyond the first), load steps no smaller
----than `min_step` (1/256). A solid made coarse by a library is compared with the naive coarse one (`choose`, default
----true): both are solved, the errors of both are estimated, and the result is that of the nearer one, which its
----`choice` tells. This takes two to four times as long as `choose = false`.
----@param options? bw.SolidSolveOptions
----@return bw.SolidResult?
+---The stable equilibrium at full load, by Newton's method with line search. Loads, prescribed displacements and contact
+---planes grow together from rest. A load step that fails is halved.
+---
+---A solid made coarse by a library is compared with the naive coarse one: both are solved, the errors of both are
+---estimated, and the result is the one with the smaller estimate (`choice`). This takes two to four times as long as
+---`choose = false`.
+---
+---Errors: convergence (a load step finds no equilibrium, as where the load is more than the solid carries), geometry
+---(elements are inverted), unconstrained (a part can move as a rigid body), memory, cancelled. Where a load path failed on
+---its way, the details have `reached`, the last equilibrium (a bw.SolidResult), and `load`, its load factor.
+---
+---Source: docs/theory/data_driven.md, "Equilibrium".
+---```lua
+---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
+---local bar = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.45}}})
+---bar:fix({side = "low x"}):force({side = "high x"}, {0, 0, -2})
+---local result = assert(bar:solve {steps = 2, linear = "direct"})
+---print(result.report.iterations, result.report.shape.min_ratio)
+---```
+---@param options? bw.SolidSolveOptions tolerance, load steps and linear solver
+---@return bw.SolidResult? result the equilibrium
 ---@return string? message
 ---@return bw.Details? details
 function Solid:solve(options) end
 
+---Tolerance, load steps and linear solver of an equilibrium.
 ---@class bw.SolidSolveOptions
----@field tolerance? number
----@field iterations? integer
----@field max_iterations? integer
----@field steps? integer
----@field min_step? number
----@field path? integer
----@field linear? string
----@field coarse? bw.Solid
----@field cg_tolerance? number
----@field cg_iterations? integer
----@field allow_inverted? boolean
----@field start? bw.Array
----@field choose? boolean
+---@field tolerance? number (-) norm of the residual over the sum of the norms of applied forces, reactions and contact forces. Range: above 0, below 1. Default: 1e-6
+---@field iterations? integer (count) Newton iterations in a load step. Range: at least 1. Default: 100
+---@field max_iterations? integer (count) Newton iterations in all load steps, failed ones included; every 100 iterations of conjugate gradients count as one more. Range: at least 1; 0: the default. Default: 500, and 20 for each of `steps` beyond the first
+---@field steps? integer (count) load steps to begin with. Range: at least 1. Default: 1
+---@field min_step? number (-) a load step of this part of the load that fails ends the solution. Range: above 0 to 1. Default: 1/256
+---@field path? integer (count) parts of the load path that are solved one after the other; turns go along their arcs from part to part. Range: 1 to 1000. Default: 1; with turns, one for each 30 degrees
+---@field linear? "direct"|"jacobi"|"coarse" solver of the linear equations: a factor; conjugate gradients with node blocks; conjugate gradients with a smoother and coarse solids. Default: "direct" or "coarse", by predicted cost
+---@field coarse? bw.Solid made coarse once from this solid, for "coarse". Default: naive coarse solids
+---@field cg_tolerance? number (-) relative residual of conjugate gradients. Range: 0 to below 1; 0: by Eisenstat and Walker. Default: 0
+---@field cg_iterations? integer (count) of conjugate gradients in one solution. Range: at least 1. Default: 10000
+---@field allow_inverted? boolean accept an equilibrium with inverted elements. Default: false
+---@field start? bw.Array|number[][] (m, node_count × 3, per node) initial guess; the loads then act in full from the start. Default: rest
+---@field choose? boolean compare a solid made coarse by a library with the naive one. Default: true
 
----The solid in motion, its loads at full. `scheme`: "implicit_euler" or "newmark"; `step` in s;
----Rayleigh damping `mass_damping` (1/s) and `stiffness_damping` (s); `iterations` 1: linearly implicit;
----`linear`: "direct" or, for large solids, "jacobi".
----@param options bw.SolidMotionOptions
----@return bw.SolidMotion?
+---The solid in transient dynamics, its loads in full from the start. Prescribed displacements are at their full values.
+---
+---Errors: geometry (elements of the initial shape are inverted), memory, cancelled.
+---
+---Source: docs/theory/data_driven.md, "Time".
+---```lua
+---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
+---local rubber = bw.hyperelastic {young = 1e6, poisson = 0.45, density = 1100}
+---local bar = assert(bw.solid {grid = grid, materials = {rubber}}):fix({side = "low x"}):gravity {0, 0, -9.81}
+---local motion = assert(bar:motion {scheme = "newmark", step = 2e-3, mass_damping = 1})
+---print(assert(motion:step(10)).displacement:column(3):min())
+---```
+---@param options? bw.SolidMotionOptions scheme, time step and initial values
+---@return bw.SolidMotion? motion at time 0
 ---@return string? message
 ---@return bw.Details? details
 function Solid:motion(options) end
 
+---Scheme, time step and initial values of a transient solid.
 ---@class bw.SolidMotionOptions
----@field scheme? string
----@field step number
----@field mass_damping? number
----@field stiffness_damping? number
----@field beta? number
----@field gamma? number
----@field tolerance? number
----@field iterations? integer
----@field allow_inverted? boolean
----@field linear? string
----@field displacement? bw.Array
----@field velocity? bw.Array
+---@field scheme? "implicit_euler"|"newmark" Newmark's scheme keeps the energy, implicit Euler dissipates some in each step. Default: "implicit_euler"
+---@field step? number (s) time step, above 0. Default: 0.01
+---@field mass_damping? number (1/s) Rayleigh damping by the mass matrix. Range: at least 0. Default: 0
+---@field stiffness_damping? number (s) Rayleigh damping by the stiffness matrix at the start of the step. Range: at least 0. Default: 0
+---@field beta? number (-) of Newmark's scheme. Range: gamma / 2 to 2. Default: 0.25
+---@field gamma? number (-) of Newmark's scheme. Range: 0.5 to 2. Default: 0.5
+---@field tolerance? number (-) as of `solve`. Range: above 0, below 1. Default: 1e-6
+---@field iterations? integer (count) Newton iterations in a time step; 1: linearly implicit. Range: at least 1. Default: 30
+---@field allow_inverted? boolean accept steps with inverted elements. Default: false
+---@field linear? "direct"|"jacobi" solver of the linear equations: a factor; or, for large solids, conjugate gradients with node blocks. Default: "direct"
+---@field displacement? bw.Array|number[][] (m, node_count × 3, per node) initial displacements. Default: 0
+---@field velocity? bw.Array|number[][] (m/s, node_count × 3, per node) initial velocities. Default: 0
 
----The same solid on an edited grid. A coarse solid takes its fine grid, edited, and looks up again only
----what differs.
----@param grid bw.Grid
----@return bw.Solid?
+---The same solid on an edited grid. A coarse solid takes its fine grid, edited, and looks up again only the elements that
+---differ. A grid on another lattice raises.
+---
+---Errors: memory, cancelled.
+---```lua
+---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {20, 4, 4}})
+---local bar = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.45}}})
+---bar:fix({side = "low x"}):force({side = "high x"}, {0, 0, -0.5})
+---local hole = assert(grid:set({centre = {0.05, 0.01, 0.01}, radius = 0.006}, 0))
+---print(assert(assert(bar:with(hole)):solve()).movement:max())
+---```
+---@param grid bw.Grid the edited one
+---@return bw.Solid? solid with the same supports and loads
 ---@return string? message
 ---@return bw.Details? details
 function Solid:with(grid) end
 
----The solid made coarse `levels` times (1): by a library's lookup; or "naive" (points take the material
----of the fine element there), or "average" (constants averaged), for comparison. What a library does not resolve
----(straight stiff rods, displacements that are imposed) it can make worse than "naive": so `solve` chooses between
----the two, while `motion` takes the library as it is.
----@param by bw.Library|"naive"|"average"
----@param levels? integer
----@return bw.Solid?
+---The solid on a grid made coarse: 2 × 2 × 2 cells become one, with a material that stands for them. "naive": each
+---point takes the material of the fine element there; "average": means of their constants. A library can be worse than
+---"naive" where its blocks do not behave as they were sampled, as with straight stiff rods or prescribed displacements:
+---`solve` chooses between the two, `motion` takes the library.
+---
+---Materials that differ from point to point or are B-bar raise, as do a coarse solid and another library's materials.
+---
+---Errors: memory, cancelled.
+---
+---Source: docs/theory/data_driven.md, "Coarsening by lookup"; D. Chen, D. I. W. Levin, S. Sueda, W. Matusik, Data-driven
+---finite elements for geometry and material design, ACM Trans. Graph. 34 (2015), section 4.
+---```lua
+---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {20, 4, 4}, material = "1 + (z > 0.01)"})
+---local soft, stiff = bw.hyperelastic {young = 1e5, poisson = 0.4}, bw.hyperelastic {young = 1e6, poisson = 0.4}
+---local fine = assert(bw.solid {grid = grid, materials = {soft, stiff}}):fix {side = "low x"}
+---local coarse = assert(fine:force({side = "high x"}, {0, 0, -0.02}):coarsen "naive")
+---print(coarse, assert(coarse:solve()):error(assert(fine:solve())))
+---```
+---@param by bw.Library|"naive"|"average" what the materials come from
+---@param levels? integer (count) how many times. Range: 1 to 2, and at most the levels of the library. Default: 1
+---@return bw.Solid? coarse with the same supports and loads
 ---@return string? message
 ---@return bw.Details? details
 function Solid:coarsen(by, levels) end
 
----`coarsen` and `solve` in one: options as of `solve`, with `by` and `levels` as of `coarsen`. Beside the result its
----`choice`. Example:
----`local result, how = fine:solve_coarse {by = library}; print(how.chosen, result.estimated_error)`.
----@param options bw.SolidSolveCoarseOptions
----@return bw.SolidResult?
----@return table|string how
+---`coarsen` by a library and `solve` in one.
+---
+---Errors: as of `coarsen` and `solve`.
+---```lua
+---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {20, 4, 4}, material = "1 + (z > 0.01)"})
+---local soft, stiff = bw.hyperelastic {young = 1e5, poisson = 0.4}, bw.hyperelastic {young = 1e6, poisson = 0.4}
+---local fine = assert(bw.solid {grid = grid, materials = {soft, stiff}}):fix {side = "low x"}
+---fine:force({side = "high x"}, {0, 0, -0.02})
+---local result, choice = fine:solve_coarse {by = assert(bw.metamaterial.grow({soft, stiff}, grid))}
+---print(choice.chosen, result.estimated_error)
+---```
+---@param options bw.SolidSolveCoarseOptions the library, and options of `solve`
+---@return bw.SolidResult? result the equilibrium of the coarse solid
+---@return bw.CoarseChoice|string|nil choice which coarse solid it is of, nil with `choose = false`; or a message
 ---@return bw.Details? details
 function Solid:solve_coarse(options) end
 
----@class bw.SolidSolveCoarseOptions
----@field by bw.Library
----@field levels? integer
----@field tolerance? number
----@field iterations? integer
----@field max_iterations? integer
----@field steps? integer
----@field min_step? number
----@field path? integer
----@field linear? string
----@field cg_tolerance? number
----@field cg_iterations? integer
----@field allow_inverted? boolean
+---The library that a solid is made coarse by, and options of its equilibrium.
+---@class bw.SolidSolveCoarseOptions: bw.SolidSolveOptions
+---@field by bw.Library what the materials come from
+---@field levels? integer (count) how many times. Range: 1 to 2. Default: 1
 
----What a coarse solid's `solve` chose by the estimated errors of both, relative to the displacement (nil where there
----is no equilibrium or no estimate, then with `message` and `details` of why).
+---Which of two coarse solids was chosen, by the smaller estimated error (`estimate_error`).
 ---@class bw.CoarseChoice
----@field chosen "library"|"naive"
----@field library number?
----@field naive number?
----@field message string?
----@field details table?
+---@field chosen "library"|"naive" of which the result is
+---@field library number? (-) estimated error of the library's; nil where it has no equilibrium or no estimate
+---@field naive number? (-) estimated error of the naive one; nil likewise
+---@field message string? why one of them has no estimate
+---@field details bw.Details? of this failure
 
+---The equilibrium of a solid. Fields are computed when they are first asked for, and kept.
+---```lua
+---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
+---local bar = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.45}}})
+---local result = assert(bar:fix({side = "low x"}):force({side = "high x"}, {0, 0, -0.5}):solve())
+---print(result.energy, result:total_reaction({side = "low x"})[3])
+---assert(result:picture("bent.png", {values = "von_mises", width = 400, height = 300}))
+---```
 ---@class bw.SolidResult
----@field solid bw.Solid
----@field grid bw.Grid
----@field displacement bw.Array of nodes, m
----@field reaction bw.Array of supports and floors at nodes, N
----@field energy number stored, J
----@field complete boolean full load was reached
----@field report table iterations, cg_iterations, stability_iterations, load_steps, analyses (0 where those of an earlier solve were kept), undecided (of these: stability was not found out), residual, seconds, seconds_factor, shape, history, ...
----@field stress bw.Array Cauchy stress at nodes, Pa
----@field element_stress bw.Array
----@field von_mises bw.Array at nodes, Pa
----@field movement bw.Array of nodes: how far each went, m
----@field fine_displacement bw.Array of a coarse solid: at the nodes of its fine grid
----@field estimated_error number? of a coarse solid: the first number of `estimate_error`, kept
----@field choice bw.CoarseChoice? of a solid made coarse by a library: what `solve` chose
+---@field solid bw.Solid that it is of
+---@field grid bw.Grid of the solid
+---@field displacement bw.Array (m, node_count × 3, per node) displacements
+---@field reaction bw.Array (N, node_count × 3, per node) of supports and contact planes
+---@field energy number (J) strain energy
+---@field complete boolean whether the full load was reached
+---@field report bw.SolidReport iterations, residual and times, summed over the parts of the load path
+---@field stress bw.Array (Pa, node_count × 6, per node) Cauchy stress xx yy zz yz zx xy
+---@field element_stress bw.Array (Pa, element_count × 6, per element) Cauchy stress, mean over the deformed volume
+---@field von_mises bw.Array (Pa, node_count × 1, per node) of `stress`
+---@field movement bw.Array (m, node_count × 1, per node) length of the displacement
+---@field fine_displacement bw.Array (m, n × 3, per node of the fine grid) of a coarse solid, interpolated; else `displacement`
+---@field estimated_error number? (-) first number of `estimate_error`; nil where there is none
+---@field choice bw.CoarseChoice? of a solid made coarse by a library: which one `solve` chose; else nil
 local SolidResult = {}
 
----Mean distance of the fine grid's nodes from those of a reference on the same fine grid: over the mean
----displacement of the reference (1: as wrong as no displacement at all; math.huge where the reference does not
----move), and over the longest side of the body. Example: `local relative, of_size = coarse:error(fine)`.
----@param reference bw.SolidResult
----@return number relative to the displacement
----@return number of_size relative to the longest side of the body
+---What Newton's method did.
+---@class bw.SolidReport
+---@field iterations integer (count) Newton iterations
+---@field load_steps integer (count) load steps that reached an equilibrium
+---@field failed_steps integer (count) load steps that failed and were made smaller
+---@field factorisations integer (count) of the tangent stiffness
+---@field analyses integer (count) symbolic analyses; 0 where that of an earlier solve was reused
+---@field evaluations integer (count) of energy and forces
+---@field cg_iterations integer (count) of conjugate gradients
+---@field stability_iterations integer (count) of conjugate gradients that test whether an equilibrium is stable
+---@field undecided integer (count) load steps for which this test ended without an answer
+---@field contacts integer (count) points on contact planes
+---@field load number (-) load factor that was reached; 1: full load
+---@field residual number (-) of the last equilibrium, as `tolerance` measures it
+---@field seconds_quadrature number (s) energies, forces and stiffnesses of elements
+---@field seconds_analysis number (s) symbolic analyses
+---@field seconds_factor number (s) factorisations
+---@field seconds_solve number (s) solutions of the linear equations
+---@field seconds number (s) in all
+---@field shape bw.SolidShape how far elements are deformed
+---@field history bw.SolidIteration[] (list) one entry for each Newton iteration of the last part of the load path
+
+---How far the elements of a solid are deformed.
+---@class bw.SolidShape
+---@field min_ratio number (-) the smallest det F of all points
+---@field worst_element integer (index from 1) the element that has it
+---@field inverted integer (count) elements with a point where det F <= 0
+---@field defined boolean whether the energy exists
+
+---One Newton iteration.
+---@class bw.SolidIteration
+---@field load number (-) load factor
+---@field energy number (J) strain energy after it
+---@field residual number (-) before the iteration, as `tolerance` measures it
+---@field step number (-) accepted step length of the line search
+---@field cg_iterations integer (count) of conjugate gradients
+---@field contacts integer (count) points on contact planes
+---@field projected boolean whether the tangent stiffness was made positive definite
+
+---Mean distance of the fine grid's nodes from those of a reference on the same fine grid.
+---
+---Source: D. Chen and others 2015, section 6.2.
+---@param reference bw.SolidResult of the fine solid, or of another coarse one
+---@return number relative (-) to the mean displacement of the reference; 1: as wrong as no displacement; math.huge where the reference does not move
+---@return number of_size (-) relative to the longest side of the body
 function SolidResult:error(reference) end
 
----About what `error` says of a coarse result against the fine solution, without that: two Newton steps of the
----fine solid with eight iterations of conjugate gradients each show how far away it is. The last value is
----where they lead, nearer to the fine solution. Only coarse results have it. Example:
----`print(coarse:solve():estimate_error())`.
----@return number? relative to the displacement
----@return number|string of_size relative to the longest side of the body
----@return bw.Array|table corrected displacements at the nodes of the fine grid, m
+---An estimate of `error` of a coarse result, without the fine solution. Two Newton steps of the fine solid with eight
+---iterations of conjugate gradients each, from the coarse displacements, show about how far the fine solution is
+---away. It is no bound: errors that take many iterations are underestimated.
+---
+---Errors: unsupported (the result is of a fine solid, or a material is B-bar), geometry (fine elements are inverted),
+---memory, cancelled.
+---
+---Source: docs/theory/data_driven.md, "The error of a coarse solution".
+---```lua
+---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {20, 4, 4}, material = "1 + (z > 0.01)"})
+---local soft, stiff = bw.hyperelastic {young = 1e5, poisson = 0.4}, bw.hyperelastic {young = 1e6, poisson = 0.4}
+---local fine = assert(bw.solid {grid = grid, materials = {soft, stiff}}):fix {side = "low x"}
+---local coarse = assert(fine:force({side = "high x"}, {0, 0, -0.02}):coarsen "naive")
+---print(assert(coarse:solve()):estimate_error())
+---```
+---@return number? relative (-) to the mean displacement
+---@return number|string of_size (-) relative to the longest side of the body; or a message
+---@return bw.Array|bw.Details corrected (m, n × 3, per node of the fine grid) displacements after the steps, nearer to the fine solution; or details
 function SolidResult:estimate_error() end
 
----The sum of the reactions at nodes.
----@param where bw.Region|function|string
----@return number[]
+---The sum of the reactions of nodes.
+---@param where bw.Region|bw.Surface|string|fun(x: number, y: number, z: number): (boolean|number) their place
+---@return bw.Vector reaction (N) the sum
 function SolidResult:total_reaction(where) end
 
----A .vtu file of hexahedra with displacement, reaction and stresses.
----@param path string
----@return boolean?
+---Writes a .vtu file of hexahedra with displacement, reaction and stresses, for ParaView.
+---
+---Errors: io (the file cannot be written), memory.
+---@param path string of a .vtu file
+---@return true? written true
 ---@return string? message
 ---@return bw.Details? details
 function SolidResult:write(path) end
 
----The deformed grid, as Grid:picture; `values` may be "von_mises" or "movement" too.
----@param path string
----@param options? table
----@return boolean?
+---Draws the deformed grid as a PNG file.
+---
+---Errors: io (the file cannot be written), memory.
+---@param path string of the PNG file
+---@param options? bw.SolidPictureOptions how it is drawn
+---@return true? drawn true
 ---@return string? message
 ---@return bw.Details? details
 function SolidResult:picture(path, options) end
 
----A panel of bw.grid.picture, to be beside others.
----@param title? string
----@param values? "von_mises"|"movement"|bw.Array
----@return table
+---How the deformed grid of a solid is drawn.
+---@class bw.SolidPictureOptions: bw.GridOnePictureOptions
+---@field values? "von_mises"|"movement"|bw.Array|number[] (any, n × 1, per node or per element) what colours it. Default: the materials
+---@field displacement? bw.Array|number[][] (m, n × 3, per node) how the grid is deformed. Default: that of the result
+
+---A panel of `bw.grid.picture`, which draws several side by side.
+---@param title? string a line above. Default: none
+---@param values? "von_mises"|"movement"|bw.Array (any, n × 1, per node or per element) what colours it. Default: the materials
+---@return bw.GridPanel panel the deformed grid
 function SolidResult:panel(title, values) end
 
+---A solid in transient dynamics. Each field is a copy of its moment.
+---```lua
+---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
+---local rubber = bw.hyperelastic {young = 1e6, poisson = 0.45, density = 1100}
+---local bar = assert(bw.solid {grid = grid, materials = {rubber}}):fix({side = "low x"}):gravity {0, 0, -9.81}
+---local motion = assert(bar:motion {step = 2e-3})
+---for _ = 1, 3 do assert(motion:step(5)) end
+---print(motion, motion.kinetic + motion.strain + motion.potential + motion.dissipated)
+---```
 ---@class bw.SolidMotion
----@field time number s
----@field steps integer
----@field displacement bw.Array m
----@field velocity bw.Array m/s
----@field acceleration bw.Array m/s2
----@field kinetic number J
----@field strain number J
----@field potential number of loads and gravity, J
----@field dissipated number by damping and the scheme, J
----@field report table of the last step, as of SolidResult
+---@field time number (s) since the start
+---@field steps integer (count) time steps so far
+---@field displacement bw.Array (m, node_count × 3, per node) displacements
+---@field velocity bw.Array (m/s, node_count × 3, per node) velocities
+---@field acceleration bw.Array (m/s2, node_count × 3, per node) accelerations; of Newmark's scheme without contact forces
+---@field kinetic number (J) kinetic energy
+---@field strain number (J) strain energy
+---@field potential number (J) potential of gravity and of loads that do not follow
+---@field dissipated number (J) by damping, contact planes and the scheme; the sum of all four changes by the work of followers only
+---@field report bw.SolidReport of the last step
 local SolidMotion = {}
 
----@param count? integer
----@return bw.SolidMotion?
+---Advances in time. On failure the motion is as it was before the call.
+---
+---Errors: convergence (a step finds no solution), geometry (it has inverted elements), memory, cancelled. Details have
+---`time`, `step`, `residual`, `element` and its place `x`, `y`, `z`.
+---@param count? integer (count) time steps. Range: at least 0. Default: 1
+---@return bw.SolidMotion? self
 ---@return string? message
 ---@return bw.Details? details
 function SolidMotion:step(count) end
 
----Checks that all parts of it belong together, for tests and debugging. Raises where they do not.
----@return bw.SolidMotion
+---Checks that its parts belong together, for tests and debugging. Raises where they do not.
+---@return bw.SolidMotion self
 function SolidMotion:check() end
 
----Releases it early.
+---Releases its memory early, which the garbage collector else does.
 function SolidMotion:close() end

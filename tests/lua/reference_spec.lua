@@ -14,8 +14,6 @@ local allowed = {
 
   plot = 175,
 
-  solid = 257,
-
   study = 178,
 }
 
