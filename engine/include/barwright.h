@@ -15,6 +15,9 @@
  *              only on success, unless its comment says otherwise.
  * Return       Every function that can fail returns a bw_status. BW_OK is 0. The sentence
  *              that says what happened, with its numbers, is in the context (bw_message).
+ *              Any function may return BW_INVALID (an argument outside of what its comment
+ *              allows), BW_MEMORY, BW_CANCELLED and BW_INTERNAL, and BW_IO where it has a path
+ *              or starts a process. Comments name the other statuses.
  *              A positive status leaves every object passed in as it was. A negative status
  *              leaves the object that was being changed fit only for release.
  * Ownership    Engine objects carry a reference count (bw_retain, bw_release). A function
@@ -22,6 +25,35 @@
  *              reference. An object retains what it depends on. The words in a function's
  *              name say what happens to arrays: _copy copies them, _own takes them over (they
  *              must come from bw_alloc), _borrow uses them while the named owner lives.
+ *              Other input arrays and texts are read during the call only. Output arrays are
+ *              the caller's; all of their entries are written. `T **` gives a block or an
+ *              object to the caller. Callbacks run during the call only, on its thread.
+ * Comments     Brackets behind the name of a parameter, and at the beginning of a field's
+ *              comment, hold unit and shape: (m), (N, n x 3), (-) without dimension, rows first
+ *              and contiguous. The index type counts from 0: (index). An array of fixed size
+ *              shows its shape in C; `*x` is one number. Statuses follow in capitals.
+ * Words        Parameters and fields of these names have these units unless their comment
+ *              says otherwise, and need no text:
+ *                (m)      point, at, low, high, centre, origin, spacing, displacement
+ *                (m)      radius, thickness, length
+ *                (-)      normal, direction, axis, barycentric, fraction, poisson
+ *                (N)      force, reaction
+ *                (Pa)     stress, pressure, von_mises
+ *                (s)      seconds, time, time_limit
+ *                (rad)    angle
+ *                (kg/m3)  density
+ *                (index)  node, element, facet, cell, triangle, region
+ *                (-)      order, path, name, data
+ *              A position has 3 coordinates, 2 in the plane. A direction need not have unit
+ *              length, but is not 0; a normal that the engine gives has unit length. Stress is
+ *              xx yy zz yz zx xy. `order` is that of the elements' shape functions, 1 or 2;
+ *              `data` is passed on to callbacks; x_count is the number of x.
+ * Functions    bw_X_default writes the defaults that the comments of the fields of bw_X name.
+ *              bw_X_free and bw_X_destroy release a bw_X and all that it holds; NULL is fine.
+ *              bw_X_clear releases what a struct holds, which may be all zeros, and leaves it
+ *              all zeros. bw_X_word gives a static text. bw_X_check returns BW_GEOMETRY or
+ *              BW_INVALID where the parts of an object contradict each other; for tests and
+ *              debuggers.
  * Constness    Surfaces, meshes and materials do not change once made. Their fields may be
  *              read freely, from any thread, and must not be written.
  * Threads      A context serves one thread at a time. Objects may be shared between threads

@@ -15,6 +15,7 @@ for _, unit in ipairs {
   "K m/s", "K m2/s", "m/s", "m/s2", "m2/s", "pixels", "bytes", "bits"} do
   units[unit] = true
 end
+gaps.units = units
 
 -- The alternatives of a type: those of a union outside of brackets.
 local function alternatives(kind)
