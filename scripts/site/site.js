@@ -32,7 +32,7 @@ function show() {
   if (found.hidden) return;
   const hits = sections.map((section) => ({ section, value: score(section, words) })).filter((hit) => hit.value)
     .sort((a, b) => b.value - a.value).slice(0, 20);
-  if (!hits.length) found.append("Nothing holds all of these words.");
+  if (!hits.length) found.append("No section contains all of these words.");
   for (const { section } of hits) {
     const line = document.createElement("p"), link = document.createElement("a"), small = document.createElement("small");
     link.href = root + section.address;

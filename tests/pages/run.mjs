@@ -9,6 +9,7 @@ import { fileURLToPath } from "node:url";
 import { live } from "./live.mjs";
 import { liveMore } from "./live_more.mjs";
 import { plane } from "./plane.mjs";
+import { site } from "./site.mjs";
 import { study } from "./study.mjs";
 
 const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
@@ -180,6 +181,7 @@ await test("the report of a session shows the shape as it was drawn, in its true
 
 // With BARWRIGHT_PICTURES=FOLDER pictures of the live view are left there, to be looked at.
 await study({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
+await site({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await liveMore({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await live({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
 await plane({ browser, root, folder, test, assert, pictures: process.env.BARWRIGHT_PICTURES });
