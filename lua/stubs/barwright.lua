@@ -36,8 +36,12 @@
 ---- `empty`: what is asked for is not there
 ---- `rejected`: a certificate proves less than it states
 ---- `invalid`: what a function that was given, such as `fix`, returned cannot be used
----- `busy`, `damaged`, `different`, `failed`, `foreign`: of studies and their files
----@alias bw.Status "io"|"format"|"geometry"|"unconstrained"|"singular"|"convergence"|"infeasible"|"limit"|"memory"|"cancelled"|"unsupported"|"internal"|"empty"|"rejected"|"invalid"|"busy"|"damaged"|"different"|"failed"|"foreign"
+---- `busy`: another process runs this study
+---- `damaged`, `foreign`, `newer`: a study file does not match its checksums, is none, or is of a later version
+---- `different`: a study file is of another study or of another script
+---- `full`: no room is left on the disk
+---- `failed`: work in another process failed
+---@alias bw.Status "io"|"format"|"geometry"|"unconstrained"|"singular"|"convergence"|"infeasible"|"limit"|"memory"|"cancelled"|"unsupported"|"internal"|"empty"|"rejected"|"invalid"|"busy"|"damaged"|"different"|"failed"|"foreign"|"newer"|"full"
 
 ---Three numbers `{x, y, z}`. As an argument an array of three numbers is accepted, too.
 ---@class bw.Vector

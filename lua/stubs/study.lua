@@ -4,269 +4,683 @@
 --
 -- Studies
 --
--- Many runs of a model, done once each, kept and read.
+-- Designs of experiments and optimisations over a model: a trial for each point, run once, stored in a file, and evaluated.
+-- docs/howto_study.md is the way in; the methods are in docs/theory/studies.md.
 
----Making studies; called, it makes one.
+---Studies of a model over variables.
 ---@class bw.StudyModule
 ---@overload fun(options: bw.StudyOptions): bw.Study
 local StudyModule = {}
 
----A study: how many runs of a model are asked for, done once each, kept, and read. docs/howto_study.md begins at
----the beginning. Raises where the options do not make a study.
----@param options bw.StudyOptions
----@return bw.Study study
+---A study of a model. Nothing is run and no file is written before `run`. Options that contradict each other raise.
+---
+---A study is a file of trials. Each trial has a key, the SHA-256 of the study's name, seed and point: a point that the file
+---has is not run again.
+---
+---Source: docs/theory/studies.md.
+---```lua
+---local study = bw.study {name = "ball", design = {"grid", levels = 3},
+---  variables = {{name = "radius", unit = "m", min = 0.01, max = 0.02}},
+---  measures = {{name = "volume", unit = "m3"}},
+---  run = function(point) return {volume = bw.surface.sphere({radius = point.radius}).volume} end}
+---print(assert(study:run()))
+---```
+---@param options bw.StudyOptions variables, measures, design and the function that makes a trial
+---@return bw.Study study not run yet
 function StudyModule:__call(options) end
 
+---What a study asks for.
 ---@class bw.StudyOptions
----@field name string
----@field seed? integer default 1
----@field file? string where trials are kept; default NAME.study
----@field variables table[] {name, min, max, unit, scale = "linear"|"log"}, {name, kind = "integer", min, max} or {name, kind = "choice", of = {...}}; default = a value
----@field measures table[] {name, unit, optional}: the numbers that run returns
----@field objectives? table[] {name, goal = "min"|"max"}
----@field constraints? table[] {name, min, max}
----@field design table|fun(evaluate: function, problem: table, options: table): table {"latin_hypercube", count = 100}; see design names
----@field run fun(point: table, trial: bw.Trial): table?, any, any measures by name, and gradients where there are any; nil and a message for a trial that failed
----@field cache? bw.StudyCacheOptions
----@field what? string a sentence for people
+---@field name string names the study in keys, messages and files; no slash
+---@field seed? integer (seed) of designs and trials. Default: 1
+---@field file? string of the trials. Default: the name and ".study"; blanks become "_"
+---@field variables bw.StudyVariable[] (list) at least one, at most 1900
+---@field measures (bw.StudyMeasure|string)[] (list) at least one, at most 1900; a string is a name
+---@field objectives? (bw.StudyObjective|string)[] (list) measures to be minimised or maximised. Default: none
+---@field constraints? bw.StudyConstraint[] (list) bounds of measures. Default: none
+---@field design bw.StudyDesign which points are asked for
+---@field run fun(point: table<string, any>, trial: bw.Trial): (table<string, number>?, any, bw.Details?) makes one trial: measures by name, and gradients[measure][variable] where a design uses them; nil, message, details of a trial that failed
+---@field cache? bw.StudyCacheOptions of `study:cached`
+---@field what? string a sentence for reports. Default: none
 
+---A variable of a study: a real number, an integer or a choice.
+---@class bw.StudyVariable
+---@field name string as `run` gets it
+---@field kind? "real"|"integer"|"choice" Default: "choice" with `of`, else "real"
+---@field unit? string of min, max and values. Default: none
+---@field min? number (any) the smallest value; needed but for a choice
+---@field max? number (any) the largest value, above min; needed but for a choice
+---@field scale? "linear"|"log" how designs spread a real; "log" needs min above 0. Default: "linear"
+---@field of? (string|number|boolean)[] (any, n) the values of a choice, all different
+---@field default? string|number|boolean (any) where one-at-a-time designs and optimisations begin. Default: the middle
+---@field what? string a sentence for reports. Default: none
+
+---A number that each trial gives.
+---@class bw.StudyMeasure
+---@field name string as `run` returns it; not that of a variable
+---@field unit? string of the values. Default: none
+---@field optional? boolean it may be missing in a trial. Default: false
+---@field what? string a sentence for reports. Default: none
+
+---A measure that is minimised or maximised.
+---@class bw.StudyObjective
+---@field name string of the measure
+---@field goal? "min"|"max" Default: "min"
+
+---Bounds of a measure; at least one of the two.
+---@class bw.StudyConstraint
+---@field name string of the measure
+---@field min? number (any) in the unit of the measure. Default: none
+---@field max? number (any) in the unit of the measure. Default: none
+
+---Where `study:cached` keeps what it made.
 ---@class bw.StudyCacheOptions
----@field folder? string
----@field bytes? number
+---@field folder? string Default: barwright in $XDG_CACHE_HOME, or in ~/.cache; without both nothing is kept
+---@field bytes? number (bytes) the least recently used entries beyond it are removed. Range: above 0. Default: 4e9
 
----Saves what can be read of a damaged file of a study into a new one. Trials that do not match their
----checksums are left out, or asked again where their points are sound: the next run on the new file runs them.
----@param path string a regular file
----@param into string a file that is not there yet
----@return table? report tables, rows, lost, whole, relisted, log
+---Which points a study asks for: a table that begins with the name of a design, or a function that asks for lists of points
+---until it has what it looks for. `evaluate` returns the results in the order of the points, false where a trial has none,
+---and the trials; what the function returns becomes the summary.
+---@alias bw.StudyDesign bw.GridDesign|bw.PointsDesign|bw.OneAtATimeDesign|bw.SamplingDesign|bw.MorrisDesign|bw.SobolIndicesDesign|bw.MinimiseDesign|bw.ParetoDesign|fun(evaluate: bw.StudyEvaluate, problem: bw.StudyProblem): table<string, any>?
+
+---Runs the trials of points that the file does not have.
+---@alias bw.StudyEvaluate fun(points: table<string, any>[]): (table<string, number>|false)[], bw.TrialRecord[]
+
+---All combinations of levels, at most ten million. The last variable changes fastest.
+---@class bw.GridDesign
+---@field [1] "grid" the name
+---@field levels? integer|table<string, integer|any[]> (count) of values, evenly spread, for each real; or for variables by name, as a number or a list of values. Integers and choices that are not named take all their values. Default: none, needed for reals
+
+---A list of points.
+---@class bw.PointsDesign
+---@field [1] "points" the name
+---@field points table<string, any>[] (list) values by the names of variables; missing ones are the defaults
+
+---Each variable over its levels, the others at the base point. The summary has `base` and `ranges`.
+---@class bw.OneAtATimeDesign
+---@field [1] "one_at_a_time" the name
+---@field levels? integer|table<string, integer|any[]> (count) as of a grid. Default: 5
+---@field at? table<string, any> the base point; missing values are defaults or middles. Default: none
+
+---Points that fill the space of the variables: independent ones, a Latin hypercube, or Sobol's sequence.
+---@class bw.SamplingDesign
+---@field [1] "random"|"latin_hypercube"|"sobol" the name
+---@field count integer (count) of points. Range: 1 to 10000000
+---@field seed? integer (seed) Default: that of the study
+---@field maximin? boolean of "latin_hypercube": spread the points apart, at most 1000 of them. Default: false
+---@field centroids? boolean of "latin_hypercube": points in the middles of their slices. Default: false
+---@field skip? integer (count) of "sobol": points of the sequence that are left out. Range: at least 0. Default: 0
+---@field scramble? boolean of "sobol": scramble by the seed. Default: true
+
+---Screening by elementary effects along random trajectories. The summary has `effects`.
+---
+---Source: M. D. Morris, Technometrics 33 (1991); mu_star: F. Campolongo, J. Cariboni, A. Saltelli, Environmental Modelling
+---and Software 22 (2007).
+---@class bw.MorrisDesign
+---@field [1] "morris" the name
+---@field trajectories? integer (count) each of one trial more than there are variables. Range: 2 to 1000000. Default: 10
+---@field levels? integer (count) of each variable, even. Range: 2 to 1000. Default: 4
+---@field resamples? integer (count) of the bootstrap for the intervals; 0: none. Range: 0 to 100000. Default: 200
+---@field seed? integer (seed) Default: that of the study
+
+---Sobol's indices of the variance of each measure. The summary has `indices`, `mean` and `variance`.
+---
+---Source: A. Saltelli and others, Computer Physics Communications 181 (2010).
+---@class bw.SobolIndicesDesign
+---@field [1] "sobol_indices" the name
+---@field base integer (count) rows; base × (variables + 2) trials. A power of 2 is best. Range: 2 to 10000000
+---@field estimator? "saltelli"|"jansen" of the first-order indices. Default: "saltelli"
+---@field resamples? integer (count) of the bootstrap for the intervals; 0: none. Range: 0 to 100000. Default: 200
+---@field level? number (-) confidence level of the intervals. Range: above 0 to 0.999. Default: 0.95
+---@field seed? integer (seed) Default: that of the study
+
+---Optimisation of one objective by NLopt, from one start or several. The summary has `starts`.
+---@class bw.MinimiseDesign
+---@field [1] "minimise" the name
+---@field method? "cobyla"|"bobyqa"|"neldermead"|"sbplx"|"direct_l"|"crs2"|"isres"|"mma"|"slsqp"|"lbfgs" constraints: cobyla, isres, mma, slsqp; integers and choices: direct_l, crs2, isres. Default: "bobyqa"; "cobyla" with constraints or one variable
+---@field starts? integer (count) run side by side. Range: 1 to 10000. Default: 1
+---@field start? table<string, any> the first start; the others are spread by a Latin hypercube. Default: defaults or middles of the variables
+---@field evaluations? integer (count) of the objective for each start. Range: at least 1. Default: 200
+---@field tolerance? number (-) relative, of objective and variables. Range: at least 0. Default: 1e-6
+---@field gradient? "run"|"differences" of mma, slsqp and lbfgs: those that `run` returns, or finite differences. Default: "differences"
+---@field step? number (-) of the differences, a fraction of the range of a variable. Range: above 0 to 0.1. Default: 1e-4
+---@field seed? integer (seed) Default: that of the study
+
+---The Pareto front of several objectives by NSGA-II. The summary has `hypervolume` after each generation.
+---
+---Source: K. Deb, A. Pratap, S. Agarwal, T. Meyarivan, IEEE Trans. Evolutionary Computation 6 (2002).
+---@class bw.ParetoDesign
+---@field [1] "pareto" the name
+---@field population? integer (count) trials in a generation. Range: 4 to 100000. Default: 40
+---@field generations? integer (count) after the first. Range: 0 to 1000000. Default: 25
+---@field crossover? number (-) its probability. Range: 0 to 1. Default: 0.9
+---@field crossover_index? number (-) distribution index of the crossover. Range: at least 0. Default: 15
+---@field mutation? number (-) its probability for each variable. Range: above 0 to 1. Default: one over the number of variables
+---@field mutation_index? number (-) distribution index of the mutation. Range: at least 0. Default: 20
+---@field seed? integer (seed) Default: that of the study
+
+---Saves what can be read of a damaged study file into a new one. Trials that do not match their checksums are left out, or
+---asked for again where their points are sound; the next run on the new file runs them.
+---
+---Errors: io (a file cannot be read or written, or the new one exists), damaged (nothing can be saved), foreign (no study
+---file), newer (written by a later version), full (the disk), memory, cancelled.
+---```lua
+---local study = bw.study {name = "ball", design = {"grid", levels = 3}, measures = {"volume"},
+---  variables = {{name = "radius", unit = "m", min = 0.01, max = 0.02}},
+---  run = function(point) return {volume = 4 / 3 * math.pi * point.radius ^ 3} end}
+---assert(study:run())
+---print(assert(bw.study.salvage("ball.study", "saved.study")))
+---```
+---@param path string the damaged file, a regular one
+---@param into string the new file, which must not exist
+---@return bw.SalvageReport? report what was saved
 ---@return string? message
 ---@return bw.Details? details
 function StudyModule.salvage(path, into) end
 
+---What was saved of a damaged study file.
+---@class bw.SalvageReport
+---@field tables integer (count) tables that were copied
+---@field rows integer (count) rows that were copied
+---@field lost integer (count) rows that could not be read, at most
+---@field whole boolean whether all that was written is there
+---@field relisted boolean whether the list of tables was replaced by that of the study's definition
+---@field log string[] one sentence for each table, and for each thing that is missing
+
 ---The names of all designs.
----@return string[]
+---```lua
+---local names = bw.study.designs()
+---print(table.concat(names, ", "))
+---```
+---@return string[] names in alphabetical order
 function StudyModule.designs() end
 
----The volume that vectors of costs, all to be small, dominate below a reference.
----@param costs number[][]
----@param reference number[]
----@return number
+---The hypervolume of a set of cost vectors: the volume that they dominate below a reference point. All costs are minimised.
+---Vectors that are not below the reference in every cost count nothing. Lists of different lengths raise.
+---```lua
+---local volume = bw.study.hypervolume({{1, 3}, {2, 1}}, {4, 4})
+---print(volume) -- 7.0
+---```
+---@param costs number[][] (any, n × m) vectors of costs
+---@param reference number[] (any, m) the reference point
+---@return number volume (any) product of the units of the costs
 function StudyModule.hypervolume(costs, reference) end
 
+---A study: its problem, its design and its file.
+---```lua
+---local study = bw.study {name = "ball", design = {"latin_hypercube", count = 5}, measures = {"volume"},
+---  variables = {{name = "radius", unit = "m", min = 0.01, max = 0.02}},
+---  run = function(point) return {volume = 4 / 3 * math.pi * point.radius ^ 3} end}
+---local trials = assert(study:run {workers = 1})
+---print(study:status(), trials:column "volume"[1])
+---```
 ---@class bw.Study
----@field name string
----@field seed integer
----@field file string
----@field problem table variables, measures, objectives, constraints, completed
----@field design table
----@field trial_folder string where folders of trials lie
----@field script table path and text of the script
----@field run_function function
----@field cache_options table
----@field what string?
+---@field name string of the study
+---@field seed integer (seed) of designs and trials
+---@field file string path of the file of trials
+---@field problem bw.StudyProblem variables, measures, objectives and constraints
+---@field design bw.StudyDesignInUse the design, checked
+---@field trial_folder string in which trials have their folders
+---@field script bw.StudyScript the script that has the function `run`
+---@field run_function fun(point: table<string, any>, trial: bw.Trial): (table<string, number>?, any, bw.Details?) `run` of the options
+---@field cache_options bw.StudyCacheOptions of `cached`
+---@field what string? a sentence for reports
 local Study = {}
 
----Runs what is missing of the design's trials, each in a process of its own; what is done before stays. Ends
----early by stop_when(trials so far, in order), after `evaluations` different points, or `seconds_total`;
----seconds and bytes are limits of one trial. retry: trials that failed once more; continue: with a script that
----has changed; output: what trials print goes to output.txt in their folders; shard = {2, 10}: the second of
----ten parts; executor: who runs trials (lua/barwright/study/executor.lua); design: another one than the study's,
----on the same file.
----@param options? bw.StudyRunOptions
----@return bw.Trials?
+---The design of a study, checked.
+---@class bw.StudyDesignInUse
+---@field name string its name, or "function"
+---@field opts table<string, any> its options with defaults
+---@field total integer? (count) the most trials that it may ask for; nil where its points are a list, or not known
+
+---The script of a study.
+---@class bw.StudyScript
+---@field path string? nil where the function was typed at the prompt
+---@field text string of the whole file; a run on a file whose trials another text made is refused
+
+---Runs the trials that the file does not have, each in a process of its own, and stores each result before the next. Ctrl-C
+---or a loss of power loses running trials only; another run goes on.
+---
+---Errors: busy (another process runs this study), different (the file is of another study, or the script has changed),
+---damaged, foreign, newer (the file), full (the disk), format, io, cancelled (what has ended is in the file), memory,
+---internal (a process of a trial cannot be started).
+---```lua
+---local study = bw.study {name = "ball", design = {"grid", levels = 9}, measures = {"volume"},
+---  variables = {{name = "radius", unit = "m", min = 0.01, max = 0.02}},
+---  run = function(point) return {volume = 4 / 3 * math.pi * point.radius ^ 3} end}
+---local some = assert(study:run {workers = 2, seconds = 60, stop_when = function(trials) return #trials >= 3 end})
+---print(some.stopped, #assert(study:run())) -- 9: three of them from the file
+---```
+---@param options? bw.StudyRunOptions how, and how many
+---@return bw.Trials? trials in the order in which the design asked for them
 ---@return string? message
 ---@return bw.Details? details
 function Study:run(options) end
 
+---How trials are run, and when a run ends.
 ---@class bw.StudyRunOptions
----@field design? table
----@field workers? integer
----@field seconds? number
----@field bytes? number
----@field stop_when? function
----@field evaluations? integer
----@field seconds_total? number
----@field retry? boolean
----@field continue? boolean
----@field output? boolean
----@field shard? integer[]
----@field executor? any
+---@field design? bw.StudyDesign in place of the study's, on the same file. Default: the study's
+---@field workers? integer (count) trials side by side. Range: 1 to 4096. Default: the processors
+---@field seconds? number (s) wall-clock time of a trial, above 0; longer ones end with status "time". Default: no limit
+---@field bytes? number (bytes) memory of a trial, above 0; larger ones end with status "memory". Default: nine tenths of the machine's by `workers`, at least 4e9
+---@field stop_when? fun(trials: bw.Trials): boolean? asked after each trial with those so far, in their order; true ends the run. Default: none
+---@field evaluations? integer (count) different points, after which the run ends. Range: at least 1. Default: no limit
+---@field seconds_total? number (s) after which the run ends. Default: no limit
+---@field retry? boolean run trials again that failed, crashed or exceeded a limit. Default: false
+---@field continue? boolean accept that the script has changed. Default: false
+---@field output? boolean keep what trials print in output.txt of their folders. Default: false
+---@field shard? integer[] (index from 1, 2) which of how many parts of the points is run; {2, 10}: the second of ten. Default: all
+---@field executor? bw.StudyExecutor|fun(study: bw.Study, options: bw.StudyRunOptions): bw.StudyExecutor?, string?, bw.Details? what runs trials. Default: processes of this machine
 
----The trials of the file that have ended, by number.
----@return bw.Trials?
+---What runs trials in place of processes of this machine.
+---@class bw.StudyExecutor
+---@field capacity integer (count) trials side by side, at least 1
+---@field start fun(self: bw.StudyExecutor, record: bw.TrialRecord): boolean?, string?, bw.Details? begins a trial; nil and a message ends the run
+---@field wait fun(self: bw.StudyExecutor, seconds: number): bw.TrialRecord?, any a trial that has ended and its outcome; nil when the time has passed; nil and "cancelled", or a message, ends the run
+---@field close fun(self: bw.StudyExecutor) ends what still runs
+
+---The trials of the file that have ended.
+---
+---Errors: format (no study in the file), different (of another study), damaged, foreign, newer, io, memory.
+---@return bw.Trials? trials by number
 ---@return string? message
 ---@return bw.Details? details
 function Study:trials() end
 
----How far it is, from the file: done, failed, time, memory, crashed, asked, planned, missing, seconds, running.
----@return table?
+---How far the study is, read from its file; also while another process runs it.
+---
+---Errors: format (no study in the file), different (of another study), damaged, foreign, newer, io, memory.
+---@return bw.StudyStatus? status counts and times
 ---@return string? message
 ---@return bw.Details? details
 function Study:status() end
 
----All trials of the file as a table (RFC 4180).
----@param path string
----@return boolean?
+---How far a study is.
+---@class bw.StudyStatus
+---@field name string of the study
+---@field file string of its trials
+---@field done integer (count) trials with results
+---@field failed integer (count) trials whose `run` raised, or returned nil or something unusable
+---@field time integer (count) trials that exceeded `seconds`
+---@field memory integer (count) trials that exceeded `bytes`
+---@field crashed integer (count) trials whose process ended
+---@field asked integer (count) trials that have not ended
+---@field planned integer? (count) points of the design; nil where they depend on results
+---@field missing integer? (count) of these, which have not ended
+---@field seconds number (s) of all trials that have ended
+---@field mean_seconds number? (s) of one; nil where none has ended
+---@field running string? which process runs the study; nil where none does
+---@field messages bw.StudyMessage[] (list) the five most frequent messages
+
+---A message of trials that failed.
+---@class bw.StudyMessage
+---@field message string without the number of the trial
+---@field count integer (count) of trials
+---@field first integer (index from 1) the first trial that has it
+
+---Writes all trials of the file as CSV (RFC 4180), with units in the head.
+---
+---Errors: as of `trials`; io (the table cannot be written).
+---@param path string of the table
+---@return true? written true
 ---@return string? message
 ---@return bw.Details? details
 function Study:csv(path) end
 
----Takes over the trials of other files of the same study: taken, duplicates, conflicts.
----@param files string[]|string
----@param options? bw.StudyMergeOptions
----@return table?
+---Adds trials of other files of the same study to the study's file. A trial that both have is kept as it is.
+---
+---Errors: busy (a process runs this study), different (of another study, or by another script), format, damaged, foreign,
+---newer, full, io, memory.
+---@param files string[]|string paths
+---@param options? bw.StudyMergeOptions whether the script may differ
+---@return bw.StudyMerged? merged how many were new
 ---@return string? message
 ---@return bw.Details? details
 function Study:merge(files, options) end
 
+---Whether trials of another script are taken.
 ---@class bw.StudyMergeOptions
----@field continue? boolean
+---@field continue? boolean accept that the script differs. Default: false
 
----Runs one trial again, by number, the beginning of its key, or a point: trial, before, same (all numbers are
----the same bits), differences. inside: in this process.
----@param which integer|string|table
----@param options? bw.StudyTrialOptions
----@return table?
+---What a merge added.
+---@class bw.StudyMerged
+---@field file string of the study
+---@field files integer (count) that were read
+---@field taken integer (count) trials that were new
+---@field duplicates integer (count) trials that were there with the same results
+---@field conflicts bw.StudyConflict[] (list) trials that were there with other results
+
+---A trial with different results in two files.
+---@class bw.StudyConflict
+---@field number integer (index from 1) in the study's file
+---@field key string of the trial
+---@field name string of the measure
+---@field kept number? (any) the value in the study's file
+---@field other number? (any) the value in the other file
+---@field file string the other file
+
+---Runs one trial again and compares it with the file, which does not change.
+---
+---Errors: empty (the file has no such trial, or several), as of `trials`, cancelled, internal (the process cannot be
+---started).
+---@param which integer|string|table<string, any> (index from 1) number of a trial, at least four digits that its key begins with, or a point
+---@param options? bw.StudyTrialOptions where it runs, and limits
+---@return bw.StudyRerun? rerun the trial, and what the file has
 ---@return string? message
 ---@return bw.Details? details
 function Study:trial(which, options) end
 
+---Where a single trial runs, and its limits.
 ---@class bw.StudyTrialOptions
----@field inside? boolean
----@field seconds? number
----@field bytes? number
+---@field inside? boolean in this process, so that its output is seen and a debugger works. Default: false
+---@field seconds? number (s) wall-clock time, above 0. Default: no limit
+---@field bytes? number (bytes) memory, above 0. Default: as of `run` with one worker
 
----What `make` returns, made once for all processes and runs and kept in the cache's folder: a mesh, a
----surface, a library, arrays, numbers, strings, tables of these. `what` says what it is; files: files whose
----content matters too.
----@param what any
----@param make fun(): any
----@param options? bw.StudyCachedOptions
----@return any
+---A trial that was run again.
+---@class bw.StudyRerun
+---@field trial bw.TrialRecord as it ended now
+---@field before bw.TrialRecord? as the file has it; nil where it does not
+---@field same boolean whether status and results are the same, bit for bit
+---@field differences bw.StudyDifference[] (list) where they are not
+
+---A value that differs between two runs of a trial.
+---@class bw.StudyDifference
+---@field name string of a measure, or "status"
+---@field before any in the file
+---@field now any in this run
+
+---What `make` returns, made once for all trials, processes and runs, and kept in the cache. Meshes, surfaces, libraries,
+---arrays, numbers, strings and tables of these are kept. The entry is named by `what`, the files' contents and the version
+---of the program.
+---
+---Errors: those of `make`; io (one of `files` cannot be read), cancelled.
+---@param what any names the entry: strings, numbers, booleans and tables of these
+---@param make fun(): any makes it; nil, message, details on failure
+---@param options? bw.StudyCachedOptions files that it depends on
+---@return any made what `make` returns
 ---@return string? message
 ---@return bw.Details? details
 function Study:cached(what, make, options) end
 
+---What an entry of the cache depends on.
 ---@class bw.StudyCachedOptions
----@field files? string[]
+---@field files? string[] paths; another content is another entry. Default: none
 
----The points that the design will ask for with their keys; nil where they depend on results.
----@return bw.PlannedTrial[]?
+---The points that the design asks for, with their keys; nil where they depend on results.
+---@return bw.PlannedTrial[]? planned in the order of the design
 function Study:planned() end
 
+---A point that a design asks for.
 ---@class bw.PlannedTrial
----@field point table
----@field key string
+---@field point table<string, any> values by the names of variables
+---@field key string of the trial
 
----The same study with another file.
----@param path string
----@return bw.Study
+---Sets the study's file.
+---@param path string of the file, which may not exist
+---@return bw.Study self
 function Study:use_file(path) end
 
----What makes the results: program, version, libraries, processors.
----@return table
+---What results depend on beside the script: program, version, libraries, machine.
+---@return table<string, any> manifest as in `bw.results.surroundings`, with `script`
 function Study:manifest() end
 
----What a study's function gets beside the point.
+---The problem of a study, checked. Designs that are functions get it.
+---```lua
+---local function design(evaluate, problem)
+---  local results = evaluate {problem:middle(), problem:point {0}}
+---  return {change = results[2] and results[1].y - results[2].y}
+---end
+---print(bw.study({name = "line", variables = {{name = "x", min = 0, max = 1}}, measures = {"y"}, design = design,
+---  run = function(point) return {y = 3 * point.x} end}):run().summary.change) -- 1.5
+---```
+---@class bw.StudyProblem
+---@field variables bw.StudyVariable[] (list) with all fields filled in
+---@field measures bw.StudyMeasure[] (list) with all fields filled in
+---@field objectives bw.StudyObjective[] (list) with all fields filled in
+---@field constraints bw.StudyConstraint[] (list) as they were given
+local StudyProblem = {}
+
+---The point at a place of the unit cube.
+---@param place number[] (-, one for each variable) Range: 0 to 1
+---@return table<string, any> point values by the names of variables
+function StudyProblem:point(place) end
+
+---The place of a point in the unit cube.
+---@param point table<string, any> values by the names of variables
+---@return number[] place (-, one for each variable) an integer or a choice is in the middle of its interval
+function StudyProblem:place(point) end
+
+---The defaults of the variables, or their middles.
+---@return table<string, any> point values by the names of variables
+function StudyProblem:middle() end
+
+---By how much results violate the constraints.
+---@param results table<string, number>? by the names of measures
+---@return number violation (-) sum over the constraints of the excess over the size of the bound; 0: feasible; math.huge without results
+function StudyProblem:violation(results) end
+
+---The objectives as costs that are minimised: a maximised one is negated. nil where a result is missing.
+---@param results table<string, number>? by the names of measures
+---@return number[]? costs (any, one for each objective) in their order
+function StudyProblem:costs(results) end
+
+---What `run` of a study gets beside the point. Its random numbers depend on the seed of the trial only.
+---```lua
+---local study = bw.study {name = "scatter", variables = {{name = "sample", kind = "integer", min = 1, max = 8}},
+---  measures = {{name = "young", unit = "Pa"}}, design = {"grid"},
+---  run = function(_, trial) return {young = trial:normal(2.3e9, 0.1e9)} end}
+---print(assert(study:run()))
+---```
 ---@class bw.Trial
----@field number integer
----@field key string
----@field seed integer
----@field point table
----@field study bw.Study
----@field folder string for files of this trial, made when it is asked for
+---@field number integer (index from 1) in the file
+---@field key string SHA-256 of the study's name, seed and point, hexadecimal
+---@field seed integer (seed) of the trial, from the study's seed and the key
+---@field point table<string, any> values by the names of variables
+---@field study bw.Study that it is of
+---@field folder string for files of this trial, made when it is first read
 local Trial = {}
 
----As math.random, from the trial's own seed.
----@param a? integer
----@param b? integer
----@return number
+---A random number, as of math.random: from 0 to below 1; an integer from 1 to a; an integer from a to b.
+---@param a? integer (any) the largest, or the smallest, integer
+---@param b? integer (any) the largest integer, at least a
+---@return number random (any) the number
 function Trial:random(a, b) end
 
----A number of the normal distribution, from the trial's own seed.
----@param mean? number
----@param deviation? number
----@return number
+---A random number of a normal distribution.
+---@param mean? number (any) its mean. Default: 0
+---@param deviation? number (any) its standard deviation. Default: 1
+---@return number random (any) the number
 function Trial:normal(mean, deviation) end
 
----See Study:cached.
----@param what any
----@param make fun(): any
----@param options? bw.StudyCachedOptions
----@return any
+---As `study:cached`.
+---
+---Errors: as of `study:cached`.
+---@param what any names the entry
+---@param make fun(): any makes it; nil, message, details on failure
+---@param options? bw.StudyCachedOptions files that it depends on
+---@return any made what `make` returns
+---@return string? message
+---@return bw.Details? details
 function Trial:cached(what, make, options) end
 
----A list of trials that have ended: number, key, seed, status ("done", "failed", "time", "memory",
----"crashed"), message, seconds, processor_seconds, peak_bytes, attempts, point, results, gradients, folder.
+---How a trial ended: with results; `run` failed; beyond its time; beyond its memory; its process ended.
+---@alias bw.TrialStatus "done"|"failed"|"time"|"memory"|"crashed"
+
+---A trial that has ended.
+---@class bw.TrialRecord
+---@field number integer (index from 1) in the file
+---@field key string SHA-256 of the study's name, seed and point, hexadecimal
+---@field seed integer (seed) of the trial
+---@field status bw.TrialStatus how it ended
+---@field message string? why it has no results
+---@field point table<string, any> values by the names of variables
+---@field results table<string, number>? by the names of measures; nil but for "done"
+---@field gradients table<string, table<string, number>>? of measures by variables; nil where `run` returned none
+---@field seconds number (s) wall-clock time
+---@field processor_seconds number? (s) time on processors
+---@field peak_bytes integer? (bytes) the most memory in use
+---@field attempts integer (count) how often it was run
+---@field folder string of its files; it may not exist
+
+---A list of trials that have ended, each a bw.TrialRecord.
+---```lua
+---local study = bw.study {name = "ball", design = {"grid", levels = 5}, objectives = {"volume"},
+---  variables = {{name = "radius", unit = "m", min = 0.01, max = 0.02}},
+---  measures = {{name = "volume", unit = "m3"}}, constraints = {{name = "volume", min = 1e-5}},
+---  run = function(point) return {volume = 4 / 3 * math.pi * point.radius ^ 3} end}
+---local trials = assert(study:run())
+---print(assert(trials:best()), #trials:where "done", assert(trials:plot("history"):write "history.svg"))
+---```
 ---@class bw.Trials
----@field problem table
----@field study bw.Study
----@field summary table of the design: best, front, indices, effects, ranges, starts, ...
----@field stopped string? why the design was ended early
+---@field problem bw.StudyProblem of the study
+---@field study bw.Study that they are of
+---@field summary bw.StudySummary what the design found; empty but after `study:run`
+---@field stopped string? why the run ended before the design did; nil where it did not
 local Trials = {}
 
----The values of a variable or a measure, one for each trial that is done; all: of every trial, false where
----there is none.
----@param name string
----@param options? bw.TrialsColumnOptions
----@return any[]
+---What a design found. Which fields there are depends on the design.
+---@class bw.StudySummary
+---@field best? bw.TrialRecord of a study with one objective: the best feasible trial; nil where there is none
+---@field front? bw.Trials of a study with several objectives: the Pareto front of the feasible trials
+---@field text? string for `print`
+---@field base? table<string, any> of "one_at_a_time": the base point
+---@field ranges? table<string, bw.StudyRange[]> of "one_at_a_time": by measures, an entry for each variable
+---@field effects? table<string, bw.StudyEffect[]> of "morris": by measures, an entry for each variable
+---@field indices? table<string, bw.StudyIndex[]> of "sobol_indices": by measures, an entry for each variable
+---@field mean? table<string, number> of "sobol_indices": of each measure
+---@field variance? table<string, number> of "sobol_indices": of each measure
+---@field dropped? integer (count) of "morris" and "sobol_indices": effects or rows left out, where a trial has no result
+---@field starts? bw.StudyStart[] (list) of "minimise": how each start ended
+---@field method? string of "minimise": NLopt's method
+---@field generations? integer (count) of "pareto"
+---@field population? integer (count) of "pareto"
+---@field hypervolume? number[] (any, one for each generation) of "pareto": of the front so far, for at most three objectives
+---@field value? any of a function that returned a number or a string
+
+---What one variable does to a measure, the others at the base point.
+---@class bw.StudyRange
+---@field name string of the variable
+---@field values any[] of the variable, in order
+---@field results number[] (any, n) of the measure at these values
+---@field min number? (any) the smallest result; nil where there is none
+---@field max number? (any) the largest result; nil where there is none
+---@field range number? (any) their difference
+
+---Elementary effects of one variable on a measure, for a change over the whole range of the variable.
+---@class bw.StudyEffect
+---@field name string of the variable
+---@field count integer (count) of effects
+---@field mu number? (any) their mean; nil without any
+---@field mu_star number? (any) the mean of their magnitudes
+---@field mu_star_interval number[]? (any, 2: low, high) 95 % interval of mu_star by the bootstrap
+---@field sigma number? (any) their standard deviation
+
+---Sobol's indices of one variable.
+---@class bw.StudyIndex
+---@field name string of the variable
+---@field first number (-) fraction of the variance by this variable alone
+---@field total number (-) fraction of the variance by this variable and all its interactions
+---@field first_interval number[]? (-, 2: low, high) of `first`, by the bootstrap
+---@field total_interval number[]? (-, 2: low, high) of `total`, by the bootstrap
+
+---How an optimisation from one start ended.
+---@class bw.StudyStart
+---@field start table<string, any> the point that it began at
+---@field point table<string, any>? the point that it ended at; nil where it failed
+---@field value number? (any) the objective there
+---@field why string what ended it
+---@field evaluations integer? (count) of the objective
+---@field converged boolean? whether a tolerance was met
+
+---Values of one column, for each trial that is done and has one. An unknown name raises.
+---@param name string of a variable or a measure; or "number", "key", "seed", "status", "seconds", "processor_seconds", "peak_bytes"
+---@param options? bw.TrialsColumnOptions of which trials
+---@return any[] values in the order of the trials
 function Trials:column(name, options) end
 
+---Which trials a column has.
 ---@class bw.TrialsColumnOptions
----@field all? boolean
+---@field all? boolean of every trial, false where there is no value. Default: false
 
----Those of a status, or those that a function chooses.
----@param which string|fun(trial: table): boolean
----@return bw.Trials
+---The trials with a status, or those that a function chooses.
+---@param which bw.TrialStatus|fun(trial: bw.TrialRecord): boolean a status, or a choice
+---@return bw.Trials trials in the same order
 function Trials:where(which) end
 
----The best by the first objective, or the one named, of those that keep the constraints.
----@param name? string
----@return table?
+---The best feasible trial by one objective. A study without objectives needs a name.
+---
+---Errors: infeasible (no trial satisfies the constraints).
+---@param name? string of an objective, or of a measure, which is minimised. Default: the first objective
+---@return bw.TrialRecord? best the trial
 ---@return string? message
 ---@return bw.Details? details
 function Trials:best(name) end
 
----Those that none beats in every objective, of those that keep the constraints.
----@return bw.Trials
+---The Pareto front of the feasible trials: those that no other trial dominates. A study without objectives raises.
+---@return bw.Trials front by the first objective
 function Trials:front() end
 
----How many there are of each status.
----@return table<string, integer>
+---The number of trials of each status.
+---@return table<bw.TrialStatus, integer> counts (count) by status, 0 where there is none
 function Trials:counts() end
 
----As a table for other programs (RFC 4180), units in the head.
----@param path string
----@return boolean?
+---Writes the trials as CSV (RFC 4180), with units in the head.
+---
+---Errors: io (the table cannot be written).
+---@param path string of the table
+---@return true? written true
 ---@return string? message
 ---@return bw.Details? details
 function Trials:csv(path) end
 
----A figure with the study's names, units, goals and constraints: history (measure, goal, scale), convergence
----(how the search came closer to the best, or its front to the last one), pareto (objectives: names), scatter
----(x, y, colour: names), scatter_matrix and parallel_coordinates (columns: names, colour), sensitivity
----(measure; of the designs sobol_indices, morris, one_at_a_time), contact_sheet (picture: the file's name,
----most, columns, cell). All take title, width, height.
----@param kind string
----@param options? table
----@return bw.Figure?
----@return string? message
----@return bw.Details? details
+---A figure with the study's names, units, goals and constraints. Kinds:
+---
+---- "history": a measure over the trials;
+---- "convergence": the distance to the best value, or for two or three objectives the hypervolume of the front;
+---- "pareto": objectives against each other, with the front;
+---- "scatter": two columns against each other;
+---- "scatter_matrix", "parallel_coordinates": many columns;
+---- "sensitivity": after the designs sobol_indices, morris and one_at_a_time;
+---- "contact_sheet": pictures in the folders of the trials.
+---
+---Options of other kinds, and studies that a kind is not for, raise.
+---@param kind "history"|"convergence"|"pareto"|"scatter"|"scatter_matrix"|"parallel_coordinates"|"sensitivity"|"contact_sheet" which
+---@param options? bw.TrialsPlotOptions of this kind
+---@return bw.Figure figure to be written
 function Trials:plot(kind, options) end
 
----One HTML file that needs no network: what was asked and found, failures, plots, pictures of the trials'
----folders (`picture`: the file's name, else picture.png or the first PNG), all trials.
----@param path string
----@param options? bw.TrialsReportOptions
----@return boolean?
+---Options of figures of trials. The text names the kinds that take an option; all take title, width and height.
+---@class bw.TrialsPlotOptions
+---@field title? string above the figure. Default: none, or by the kind
+---@field width? number (pixels) Default: by the kind
+---@field height? number (pixels) Default: by the kind
+---@field measure? string of "history" and "sensitivity". Default: the first objective, else the first measure
+---@field goal? "min"|"max" of "history". Default: that of the objective
+---@field scale? "linear"|"log" of "history" and "scatter". Default: by the values
+---@field objectives? string[] of "pareto": two or more. Default: the study's
+---@field x? string of "scatter": a column, needed
+---@field y? string of "scatter": a column, needed
+---@field columns? string[]|integer (count) of "scatter_matrix" and "parallel_coordinates": names of columns. Default: all, at most 8 or 24; of "contact_sheet": pictures in a row
+---@field colour? string of "scatter", "scatter_matrix" and "parallel_coordinates": a column. Default: the first objective, else the first measure; of "scatter" none
+---@field picture? string of "contact_sheet": the file's name. Default: picture.png, else the first PNG file
+---@field max? integer (count) of "contact_sheet": pictures. Range: 1 to 400. Default: 40
+---@field cell? number (pixels) of "contact_sheet": width of a picture. Range: 60 to 2000. Default: 230
+
+---Writes a page that needs no network: problem, results, failures, figures, pictures and all trials.
+---
+---Errors: io (the page cannot be written).
+---@param path string of the HTML file
+---@param options? bw.TrialsReportOptions what it shows
+---@return true? written true
 ---@return string? message
 ---@return bw.Details? details
 function Trials:report(path, options) end
 
+---What a page of trials shows.
 ---@class bw.TrialsReportOptions
----@field title? string
----@field text? string
----@field picture? string
----@field pictures? integer
----@field rows? integer
----@field manifest? table
+---@field title? string Default: "Study" and its name
+---@field text? string a paragraph at the top. Default: `what` of the study
+---@field picture? string name of a file in the folders of the trials. Default: picture.png, else the first PNG file
+---@field pictures? integer (count) at most. Range: 0 to 400. Default: 40
+---@field rows? integer (count) of the table of trials, at most. Range: at least 0. Default: 5000
+---@field manifest? table<string, any> shown at the end. Default: `study:manifest()`

@@ -29,9 +29,9 @@ local function new_block()
   return {lines = {}, params = {}, returns = {}, fields = {}, overloads = {}}
 end
 
--- "name? type text" as a parameter or a field.
+-- "name? type text" as a parameter or a field; "[1]" is the first value of a table.
 local function named(rest, line)
-  local name, optional, described = rest:match "^([%w_%.]+)(%??)%s+(.+)$"
+  local name, optional, described = rest:match "^(%[?[%w_%.]+%]?)(%??)%s+(.+)$"
   if not name then error(("line %d: a name and a type expected: %s"):format(line, rest), 0) end
   local kind, text = stubs.split(described)
   return {name = name, optional = optional == "?", type = kind, text = text, line = line}

@@ -13,8 +13,6 @@ local allowed = {
   metallophone = 207,
 
   plot = 175,
-
-  study = 178,
 }
 
 -- What an example is run by where it is not a script for the program alone.

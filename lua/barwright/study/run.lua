@@ -304,7 +304,8 @@ function run.run(study, given)
   out, message, details = run_design(self, design)
   core.report_progress(self.stage, 1)
   assert(closing)
-  return out, message, details
+  if not out then return nil, message, details end
+  return out
 end
 
 --- All points of the study's design with their keys: {{point, key}, ...}; nil where they depend on results.
