@@ -25,7 +25,7 @@ part:load {on = mesh.boundary:above(3, 20 * mm), force = {0, 0, -60}}
 local skeleton = bw.skeleton.create {joints = {wall = wall, bend = bend, tip = tip}, root = "wall",
   bones = {{"wall", "bend", name = "arm"}, {"bend", "tip", name = "nose"}}}
 local session = assert(bw.edit(part, {skeleton = skeleton}))
-print(session.domains)
+print(session.subdomains)
 local before = assert(session:solve())
 print(("as drawn: %.1f MPa, estimated error %.0f %%"):format(before.von_mises:max() / 1e6,
   100 * before:error_estimate()))

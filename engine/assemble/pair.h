@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The closed forms of one pair (gather.h), in the one place where they are written: for all pairs
- * of a mesh (gather.c) and for those of a domain (domain_write.c). Inlined into their loops. */
+ * of a mesh (gather.c) and for those of a subdomain (subdomain_write.c). Inlined into their loops.
+ */
 #ifndef BARWRIGHT_PAIR_H
 #define BARWRIGHT_PAIR_H
 
@@ -16,7 +17,7 @@ typedef struct bwi_pair_product {
 } bwi_pair_product;
 void bwi_product_table(int order, bwi_pair_product table[256]);
 
-/* Where tensors are summed from: frames of all elements, or of those of one domain only. */
+/* Where tensors are summed from: frames of all elements, or of those of one subdomain only. */
 typedef struct bwi_pair_source {
   const bw_graph *graph;
   const bwi_frames *frames;

@@ -56,11 +56,11 @@ static void complete(int count, double (*row)[3]) {
 }
 
 /* The frame of a node held along one or two directions, these first. Following an edit, the rest is
- * chosen as seen from the node's domain, so that where both turn together, the frame does. */
+ * chosen as seen from the node's subdomain, so that where both turn together, the frame does. */
 static void support_frame(const bwi_hold *at, const bwi_follow *follow, double row[3][3]) {
   const double *turn = NULL;
-  if (follow && follow->node_domain[at->node] >= 0)
-    turn = follow->frame + 9 * (size_t)follow->node_domain[at->node];
+  if (follow && follow->node_subdomain[at->node] >= 0)
+    turn = follow->frame + 9 * (size_t)follow->node_subdomain[at->node];
   memcpy(row, at->direction, 3 * sizeof *row);
   if (at->count == 1 && turn) {
     double seen[3][3];

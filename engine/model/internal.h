@@ -59,14 +59,15 @@ void bwi_motion_at(const bw_rigid_mode *motion, const double x[3], double u[3]);
 /* What a DOF map of an edited shape follows. */
 typedef struct bwi_follow {
   const bw_dof_map *previous; /* of the same topology, or NULL: its pins stay where they serve */
-  int32_t domain_count;
-  const int32_t *node_domain;
-  const double *frame; /* domain_count x 9 */
+  int32_t subdomain_count;
+  const int32_t *node_subdomain;
+  const double *frame; /* subdomain_count x 9 */
 } bwi_follow;
 /* The DOF map of what is held; `follow` may be NULL. */
 bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t hold_count,
                      const bwi_hold *hold, const bwi_follow *follow, bw_dof_map **dof_map);
-/* Nodes with the frame of their domain (follow.c): held components are known, pins are not yet. */
+/* Nodes with the frame of their subdomain (follow.c): held components are known, pins are not yet.
+ */
 bw_status bwi_take_frames(bw_context *context, bw_dof_map *dof_map, const bwi_follow *follow);
 /* Mark the pins of a body that has `count` rigid-body modes and the radius of gyration `length`. */
 bw_status bwi_pin(bw_context *context, bw_dof_map *dof_map, int32_t body, int count,

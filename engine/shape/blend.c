@@ -1,19 +1,19 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* How the nodes of domains follow the bones.
+/* How the nodes of subdomains follow the bones.
  *
- * Nodes of a type R domain follow its bone alone, also where a domain of type F begins: so the
- * posed mesh is continuous. Inside a type F domain the weight of each bone solves Laplace's
- * equation with one on the interface with that bone's domain and zero on the others (agile, section
- * 4), on linear elements: edge weights w_ij = -integral of grad N_i . grad N_j (the cotangent
- * weights). They can be negative where angles are obtuse, and then so can a solution.
+ * Nodes of a type R subdomain follow its bone alone, also where a subdomain of type F begins: so
+ * the posed mesh is continuous. Inside a type F subdomain the weight of each bone solves Laplace's
+ * equation with one on the interface with that bone's subdomain and zero on the others (agile,
+ * section 4), on linear elements: edge weights w_ij = -integral of grad N_i . grad N_j (the
+ * cotangent weights). They can be negative where angles are obtuse, and then so can a solution.
  *
- * Harmonic functions vanish nowhere inside: each bone would move every node of the domain, far from
- * it by next to nothing, and every edit would change the equations of the whole domain. So what is
- * left of the weights above a small share is taken, and scaled to sum to one: still continuous,
- * still one on the interfaces, and a node follows only the few bones that matter there. Domains of
- * type F share no nodes but those of type R, so each is solved for by itself. */
+ * Harmonic functions vanish nowhere inside: each bone would move every node of the subdomain, far
+ * from it by next to nothing, and every edit would change the equations of the whole subdomain. So
+ * what is left of the weights above a small share is taken, and scaled to sum to one: still
+ * continuous, still one on the interfaces, and a node follows only the few bones that matter there.
+ * Subdomains of type F share no nodes but those of type R, so each is solved for by itself. */
 #include "base/dense.h"
-#include "shape/domains_internal.h"
+#include "shape/subdomains_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,7 +24,7 @@
 static const double taken = 0.02;
 
 typedef struct edge {
-  int32_t i, j;    /* nodes of the domain, i < j; free ones come first */
+  int32_t i, j;    /* nodes of the subdomain, i < j; free ones come first */
   int32_t element; /* sums run in the order of elements */
   double weight;
 } edge;
@@ -36,16 +36,16 @@ typedef struct influence {
 
 typedef struct blend {
   bw_context *context;
-  bw_domains *domains;
+  bw_subdomains *subdomains;
   const bwi_guide *guide;
-  int32_t *element_start, *element; /* elements of each domain */
-  int32_t *local;                   /* node -> number in the domain at hand, or -1 */
-  int32_t *held_bone;               /* node -> the bone of its type R domain, or -1 */
+  int32_t *element_start, *element; /* elements of each subdomain */
+  int32_t *local;                   /* node -> number in the subdomain at hand, or -1 */
+  int32_t *held_bone;               /* node -> the bone of its type R subdomain, or -1 */
   influence *list;                  /* of all free nodes, in any order of nodes */
   size_t count, capacity;
-  int32_t *bone; /* the lists of bones of the domains, one after the other */
+  int32_t *bone; /* the lists of bones of the subdomains, one after the other */
   size_t bone_count, bone_capacity;
-  /* the domain at hand */
+  /* the subdomain at hand */
   int32_t *node; /* free ones, then held ones */
   int32_t free_count, node_count;
   edge *edges;
@@ -57,11 +57,12 @@ static const int32_t *corners(const bw_mesh *mesh, int32_t e) {
   return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
 }
 
-/* ---- the equations of one domain ------------------------------------------------------------- */
+/* ---- the equations of one subdomain -------------------------------------------------------------
+ */
 
-static bw_status collect_nodes(blend *b, int32_t domain) {
-  const bw_domains *d = b->domains;
-  int32_t first = b->element_start[domain], end = b->element_start[domain + 1];
+static bw_status collect_nodes(blend *b, int32_t subdomain) {
+  const bw_subdomains *d = b->subdomains;
+  int32_t first = b->element_start[subdomain], end = b->element_start[subdomain + 1];
   b->node = BW_NEW(b->context, int32_t, 4 * ((int64_t)end - first));
   if (!b->node)
     return BW_MEMORY;
@@ -107,17 +108,17 @@ static int compare_edges(const void *a, const void *b) {
   return (x->element > y->element) - (x->element < y->element);
 }
 
-static bw_status collect_edges(blend *b, int32_t domain) {
-  int32_t first = b->element_start[domain], end = b->element_start[domain + 1];
+static bw_status collect_edges(blend *b, int32_t subdomain) {
+  int32_t first = b->element_start[subdomain], end = b->element_start[subdomain + 1];
   b->edges = BW_NEW(b->context, edge, 6 * ((int64_t)end - first));
   if (!b->edges)
     return BW_MEMORY;
   size_t count = 0;
   for (int32_t at = first; at < end; at++) {
     int32_t e = b->element[at];
-    const int32_t *node = corners(b->domains->mesh, e);
+    const int32_t *node = corners(b->subdomains->mesh, e);
     double weight[6];
-    edge_weights(b->domains->mesh, e, weight);
+    edge_weights(b->subdomains->mesh, e, weight);
     for (int k = 0; k < 6; k++) {
       int32_t i = b->local[node[bw_tet_edge[k][0]]], j = b->local[node[bw_tet_edge[k][1]]];
       if (i < b->free_count || j < b->free_count)
@@ -148,9 +149,9 @@ static void multiply(const blend *b, const double *x, double *y) {
   }
 }
 
-/* Conjugate gradients with the diagonal as preconditioner: a domain has a few thousand nodes, and
- * what rounding leaves does not matter beyond 1e-13. x: the weight of `bone`. */
-static bw_status solve(blend *b, int32_t domain, int32_t bone, double *x) {
+/* Conjugate gradients with the diagonal as preconditioner: a subdomain has a few thousand nodes,
+ * and what rounding leaves does not matter beyond 1e-13. x: the weight of `bone`. */
+static bw_status solve(blend *b, int32_t subdomain, int32_t bone, double *x) {
   int32_t n = b->free_count;
   memset(x, 0, (size_t)n * sizeof *x);
   memset(b->r, 0, (size_t)n * sizeof *b->r);
@@ -191,15 +192,17 @@ static bw_status solve(blend *b, int32_t domain, int32_t bone, double *x) {
   }
   if (min <= 1e-16 * start) /* as good as rounding lets it be on needle elements */
     return BW_OK;
-  bw_fail(b->context, BW_CONVERGENCE,
-          "the blending weights of domain %d (%d elements) did not converge: its elements are too "
-          "thin; refill or coarsen the mesh there",
-          domain + 1, b->domains->elements[domain]);
-  bw_detail_number(b->context, "domain", domain + 1.0);
+  bw_fail(
+      b->context, BW_CONVERGENCE,
+      "the blending weights of subdomain %d (%d elements) did not converge: its elements are too "
+      "thin; refill or coarsen the mesh there",
+      subdomain + 1, b->subdomains->elements[subdomain]);
+  bw_detail_number(b->context, "subdomain", subdomain + 1.0);
   return BW_CONVERGENCE;
 }
 
-/* ---- what each domain follows ---------------------------------------------------------------- */
+/* ---- what each subdomain follows ----------------------------------------------------------------
+ */
 
 static bw_status add_influence(blend *b, int32_t node, int32_t bone, double weight) {
   if (!bw_grow(b->context, (void **)&b->list, &b->capacity, b->count, 1, sizeof *b->list))
@@ -213,7 +216,8 @@ static int compare_numbers(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* The bones of the type R domains that a type F domain touches, ascending, at the end of b->bone.
+/* The bones of the type R subdomains that a type F subdomain touches, ascending, at the end of
+ * b->bone.
  */
 static bw_status touched_bones(blend *b, int32_t *count) {
   size_t first = b->bone_count;
@@ -235,13 +239,13 @@ static bw_status touched_bones(blend *b, int32_t *count) {
   return BW_OK;
 }
 
-/* A domain that touches no type R domain follows one bone, the one its guide speaks for. */
-static bw_status follow_guide(blend *b, int32_t domain) {
-  const bw_domains *d = b->domains;
+/* A subdomain that touches no type R subdomain follows one bone, the one its guide speaks for. */
+static bw_status follow_guide(blend *b, int32_t subdomain) {
+  const bw_subdomains *d = b->subdomains;
   double *score = BW_NEW0(b->context, double, d->skeleton->bone_count);
   if (!score)
     return BW_MEMORY;
-  for (int32_t at = b->element_start[domain]; at < b->element_start[domain + 1]; at++)
+  for (int32_t at = b->element_start[subdomain]; at < b->element_start[subdomain + 1]; at++)
     bwi_guide_score(b->guide, d->mesh, d->skeleton, b->element[at], score);
   int32_t bone = bwi_highest(score, d->skeleton->bone_count);
   bw_free(score);
@@ -251,7 +255,7 @@ static bw_status follow_guide(blend *b, int32_t domain) {
   return BW_OK;
 }
 
-/* Free nodes that no chain of edges joins to a held one (in a domain of several parts) have no
+/* Free nodes that no chain of edges joins to a held one (in a subdomain of several parts) have no
  * equation of their own: they take the bone of the nearest held node. lost[i] says which. */
 static bw_status find_lost(blend *b, int32_t *lost, int32_t *lost_count) {
   int32_t n = b->node_count;
@@ -277,7 +281,7 @@ static bw_status find_lost(blend *b, int32_t *lost, int32_t *lost_count) {
 }
 
 static int32_t nearest_held(const blend *b, int32_t i) {
-  const double *x = b->domains->mesh->node, *at = x + 3 * (size_t)b->node[i];
+  const double *x = b->subdomains->mesh->node, *at = x + 3 * (size_t)b->node[i];
   double min = INFINITY;
   int32_t bone = -1;
   for (int32_t k = b->free_count; k < b->node_count; k++) {
@@ -311,7 +315,7 @@ static bw_status write_weights(blend *b, int32_t node, const int32_t *bone, int3
   return BW_OK;
 }
 
-static bw_status blend_several(blend *b, int32_t domain, size_t first_bone, int32_t bones) {
+static bw_status blend_several(blend *b, int32_t subdomain, size_t first_bone, int32_t bones) {
   bw_status status = BW_MEMORY;
   int32_t n = b->free_count, lost_count = 0, at = 0;
   double *x = BW_NEW(b->context, double, (int64_t)n *bones);
@@ -323,7 +327,7 @@ static bw_status blend_several(blend *b, int32_t domain, size_t first_bone, int3
   b->r = b->diagonal + n;
   b->p = b->r + n;
   b->q = b->p + n;
-  BW_TRY(collect_edges(b, domain));
+  BW_TRY(collect_edges(b, subdomain));
   for (size_t k = 0; k < b->edge_count; k++) {
     b->diagonal[b->edges[k].i] += b->edges[k].weight;
     if (b->edges[k].j < n)
@@ -331,7 +335,7 @@ static bw_status blend_several(blend *b, int32_t domain, size_t first_bone, int3
   }
   BW_TRY(find_lost(b, lost, &lost_count));
   for (int32_t k = 0; k + 1 < bones; k++)
-    BW_TRY(solve(b, domain, b->bone[first_bone + (size_t)k], x + (size_t)k * (size_t)n));
+    BW_TRY(solve(b, subdomain, b->bone[first_bone + (size_t)k], x + (size_t)k * (size_t)n));
   for (int32_t i = 0; i < n; i++) {
     if (at < lost_count && lost[at] == i) {
       at++;
@@ -353,18 +357,18 @@ done:
   return status;
 }
 
-static bw_status blend_domain(blend *b, int32_t domain) {
+static bw_status blend_subdomain(blend *b, int32_t subdomain) {
   bw_status status = BW_OK;
   int32_t bones = 0;
   size_t first_bone = b->bone_count;
   b->node_count = b->free_count = 0;
   b->edge_count = 0;
-  BW_TRY(collect_nodes(b, domain));
+  BW_TRY(collect_nodes(b, subdomain));
   BW_TRY(touched_bones(b, &bones));
   if (bones == 0)
-    BW_TRY(follow_guide(b, domain));
+    BW_TRY(follow_guide(b, subdomain));
   if (bones > 1) {
-    BW_TRY(blend_several(b, domain, first_bone, bones));
+    BW_TRY(blend_several(b, subdomain, first_bone, bones));
   } else {
     for (int32_t i = 0; i < b->free_count; i++)
       BW_TRY(add_influence(b, b->node[i], b->bone[first_bone], 1));
@@ -381,10 +385,11 @@ done:
   return status;
 }
 
-/* ---- all domains ----------------------------------------------------------------------------- */
+/* ---- all subdomains -----------------------------------------------------------------------------
+ */
 
 static bw_status sort_elements(blend *b) {
-  const bw_domains *d = b->domains;
+  const bw_subdomains *d = b->subdomains;
   int32_t elements = d->mesh->element_count;
   b->element_start = BW_NEW0(b->context, int32_t, d->count + 2);
   b->element = BW_NEW(b->context, int32_t, elements);
@@ -392,16 +397,16 @@ static bw_status sort_elements(blend *b) {
     return BW_MEMORY;
   /* counted one place up: filling moves each start to its own place */
   for (int32_t e = 0; e < elements; e++)
-    b->element_start[d->element_domain[e] + 2]++;
+    b->element_start[d->element_subdomain[e] + 2]++;
   for (int32_t i = 0; i < d->count; i++)
     b->element_start[i + 2] += b->element_start[i + 1];
   for (int32_t e = 0; e < elements; e++)
-    b->element[b->element_start[d->element_domain[e] + 1]++] = e;
+    b->element[b->element_start[d->element_subdomain[e] + 1]++] = e;
   return BW_OK;
 }
 
 static bw_status find_held(blend *b) {
-  const bw_domains *d = b->domains;
+  const bw_subdomains *d = b->subdomains;
   int32_t nodes = d->mesh->node_count;
   b->local = BW_NEW(b->context, int32_t, nodes);
   b->held_bone = BW_NEW(b->context, int32_t, nodes);
@@ -409,14 +414,14 @@ static bw_status find_held(blend *b) {
     return BW_MEMORY;
   for (int32_t i = 0; i < nodes; i++) {
     b->local[i] = -1;
-    b->held_bone[i] = d->bone_of[d->node_domain[i]];
+    b->held_bone[i] = d->bone_of[d->node_subdomain[i]];
   }
   return BW_OK;
 }
 
 /* The lists by node: the free nodes' entries stand together, ascending by bone. */
 static bw_status sort_influences(blend *b) {
-  bw_domains *d = b->domains;
+  bw_subdomains *d = b->subdomains;
   const bw_mesh *mesh = d->mesh;
   bw_status status = BW_MEMORY;
   int32_t nodes = mesh->node_count;
@@ -456,29 +461,30 @@ done:
   return status;
 }
 
-bw_status bwi_domains_blend(bw_context *context, bw_domains *domains, const bwi_guide *guide) {
-  blend b = {.context = context, .domains = domains, .guide = guide};
+bw_status bwi_subdomains_blend(bw_context *context, bw_subdomains *subdomains,
+                               const bwi_guide *guide) {
+  blend b = {.context = context, .subdomains = subdomains, .guide = guide};
   bw_status status = BW_MEMORY;
-  domains->bone_start = BW_NEW0(context, int32_t, domains->count + 1);
-  if (!domains->bone_start)
+  subdomains->bone_start = BW_NEW0(context, int32_t, subdomains->count + 1);
+  if (!subdomains->bone_start)
     goto done;
   BW_TRY(sort_elements(&b));
   BW_TRY(find_held(&b));
-  for (int32_t i = 0; i < domains->count; i++) {
-    if (domains->bone_of[i] < 0) {
-      BW_TRY(blend_domain(&b, i));
+  for (int32_t i = 0; i < subdomains->count; i++) {
+    if (subdomains->bone_of[i] < 0) {
+      BW_TRY(blend_subdomain(&b, i));
       BW_TRY(bw_check_cancel(context));
     } else {
       if (!bw_grow(context, (void **)&b.bone, &b.bone_capacity, b.bone_count, 1, sizeof *b.bone)) {
         status = BW_MEMORY;
         goto done;
       }
-      b.bone[b.bone_count++] = domains->bone_of[i];
+      b.bone[b.bone_count++] = subdomains->bone_of[i];
     }
-    domains->bone_start[i + 1] = (int32_t)b.bone_count;
+    subdomains->bone_start[i + 1] = (int32_t)b.bone_count;
   }
   BW_TRY(sort_influences(&b));
-  domains->bone = b.bone;
+  subdomains->bone = b.bone;
   b.bone = NULL;
 done:
   bw_free(b.element_start);

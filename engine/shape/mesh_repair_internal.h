@@ -51,35 +51,35 @@ bwi_keyed bwi_triangle_key(int32_t a, int32_t b, int32_t c, bool *turned);
 
 /* ---- what refilling keeps while it works (refill.c, refill_join.c) */
 
-/* One piece: elements to be replaced that are connected through faces. */
-typedef struct bwi_piece {
+/* One component: elements to be replaced that are connected through faces. */
+typedef struct bwi_component {
   int32_t element_count, facet_count;
   int32_t first;   /* its elements in bwi_refiller.ordered */
   int32_t region;  /* that of most of its elements */
   int32_t corners; /* on its boundary */
   int32_t *corner; /* the old node of each point of its boundary, ascending */
   bwi_filled filled;
-} bwi_piece;
+} bwi_component;
 
 typedef struct bwi_refiller {
   bw_context *context;
   const bw_mesh *mesh;
   const double *node;
-  int32_t pieces;
-  bwi_piece *piece;
-  int32_t *piece_of; /* element_count: or -1, kept */
-  int32_t *ordered;  /* elements to replace, by piece */
-  int32_t *number;   /* node_count: scratch, then the new number of an old node or -1 */
-  int32_t kept;      /* elements */
+  int32_t components;
+  bwi_component *component;
+  int32_t *component_of; /* element_count: or -1, kept */
+  int32_t *ordered;      /* elements to replace, by component */
+  int32_t *number;       /* node_count: scratch, then the new number of an old node or -1 */
+  int32_t kept;          /* elements */
   /* the new mesh */
   int64_t node_count, element_count;
   double *new_node;
   int32_t *element, *region, *node_from, *element_from;
 } bwi_refiller;
 
-/* Is this face of an element to be replaced one of its piece's boundary? */
-bool bwi_on_piece_boundary(const bwi_refiller *r, int32_t element, int face);
-/* Once every piece is filled: nodes, elements and where they come from. */
+/* Is this face of an element to be replaced one of its component's boundary? */
+bool bwi_on_component_boundary(const bwi_refiller *r, int32_t element, int face);
+/* Once every component is filled: nodes, elements and where they come from. */
 bw_status bwi_refill_join(bwi_refiller *r);
 /* Give the facets of a mesh that nobody has seen yet the order they had. */
 bw_status bwi_refill_order_facets(bwi_refiller *r, bw_mesh *made);

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Poses: forward kinematics, posed joints and nodes, their derivative by scales, and how pieces of
- * domains moved.
+/* Poses: forward kinematics, posed joints and nodes, their derivative by scales, and how the
+ * stiffness subdomains moved.
  *
  * Bone b with parent p, rest head h, rest frame F (rows are its axes), local rotation r, scales s,
  * translation t:
@@ -141,7 +141,7 @@ void bw_pose_joints(const bw_skeleton *skeleton, const double *map, double *join
 
 /* Nodes sent through one map per bone, blended: x' = M_0 x + sum w_k (M_k - M_0) x, which is M_0 x
  * to the last bit where the maps agree. Linear in the maps. */
-static void blend_nodes(const bw_domains *d, const double *map, double *node) {
+static void blend_nodes(const bw_subdomains *d, const double *map, double *node) {
   const bw_mesh *mesh = d->mesh;
   for (int32_t i = 0; i < mesh->node_count; i++) {
     int64_t first = d->influence_start[i], end = d->influence_start[i + 1];
@@ -173,17 +173,17 @@ static void blend_nodes(const bw_domains *d, const double *map, double *node) {
   }
 }
 
-bw_status bw_pose_nodes(bw_context *context, const bw_domains *domains, const double *map,
+bw_status bw_pose_nodes(bw_context *context, const bw_subdomains *subdomains, const double *map,
                         double *node) {
   bw_status status = bw_check_cancel(context);
   if (status == BW_OK)
-    blend_nodes(domains, map, node);
+    blend_nodes(subdomains, map, node);
   return status;
 }
 
-bw_status bw_pose_derivative(bw_context *context, const bw_domains *domains,
+bw_status bw_pose_derivative(bw_context *context, const bw_subdomains *subdomains,
                              const bw_bone_pose *pose, int32_t bone, int axis, double *derivative) {
-  const bw_skeleton *skeleton = domains->skeleton;
+  const bw_skeleton *skeleton = subdomains->skeleton;
   int32_t bones = skeleton->bone_count;
   if (bone < 0 || bone >= bones || axis < 0 || axis > 2)
     return bw_fail(context, BW_INVALID,
@@ -219,7 +219,7 @@ bw_status bw_pose_derivative(bw_context *context, const bw_domains *domains,
     for (int i = 0; i < 3; i++)
       change[12 * (size_t)b + (size_t)(4 * i + 3)] = moved[i];
   }
-  blend_nodes(domains, change, derivative);
+  blend_nodes(subdomains, change, derivative);
   status = BW_OK;
 done:
   bw_free(frame);
@@ -228,7 +228,7 @@ done:
   return status;
 }
 
-/* ---- pieces ---------------------------------------------------------------------------------- */
+/* ---- stiffness subdomains -------------------------------------------------------------------- */
 
 /* The furthest that two maps send a corner of the box apart. */
 static double maps_differ(const double *a, const double *b, const double low[3],
@@ -246,9 +246,9 @@ static double maps_differ(const double *a, const double *b, const double low[3],
   return furthest;
 }
 
-bw_status bw_pose_pieces(bw_context *context, const bw_domains *domains, const double *map,
-                         const double *rotation, bw_domain_motion *motion) {
-  const bw_domains *d = domains;
+bw_status bw_pose_motion(bw_context *context, const bw_subdomains *subdomains, const double *map,
+                         const double *rotation, bw_subdomain_motion *motion) {
+  const bw_subdomains *d = subdomains;
   bw_status status = bw_check_cancel(context);
   if (status != BW_OK)
     return status;
@@ -256,17 +256,17 @@ bw_status bw_pose_pieces(bw_context *context, const bw_domains *domains, const d
   bw_mesh_box(d->mesh, low, high);
   for (int k = 0; k < 3; k++)
     size = fmax(size, fmax(fabs(low[k]), fabs(high[k])));
-  for (int32_t i = 0; i < d->piece_count; i++) {
-    int32_t first = d->piece_bone_start[i], end = d->piece_bone_start[i + 1];
-    const double *own = map + 12 * (size_t)d->piece_bone[first];
-    const double *turn = rotation + 9 * (size_t)d->piece_bone[first];
+  for (int32_t i = 0; i < d->stiffness.count; i++) {
+    int32_t first = d->stiffness.bone_start[i], end = d->stiffness.bone_start[i + 1];
+    const double *own = map + 12 * (size_t)d->stiffness.bone[first];
+    const double *turn = rotation + 9 * (size_t)d->stiffness.bone[first];
     linear_part(own, motion[i].linear);
     for (int r = 0; r < 3; r++)
       for (int c = 0; c < 3; c++)
         motion[i].frame[3 * r + c] = turn[3 * c + r];
     motion[i].reshaped = false;
     for (int32_t k = first + 1; k < end; k++)
-      if (!(maps_differ(own, map + 12 * (size_t)d->piece_bone[k], low, high) <= 1e-14 * size))
+      if (!(maps_differ(own, map + 12 * (size_t)d->stiffness.bone[k], low, high) <= 1e-14 * size))
         motion[i].reshaped = true;
   }
   return BW_OK;

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Refilling parts of an edited mesh: what is to be replaced falls into pieces connected through
- * faces; the boundary of each is checked and filled anew (refill_piece.c), and the parts are joined
- * again (refill_join.c). */
+/* Refilling parts of an edited mesh: what is to be replaced falls into components connected through
+ * faces; the boundary of each is checked and filled anew (refill_component.c), and the parts are
+ * joined again (refill_join.c). */
 #include "shape/mesh_repair_internal.h"
 
 #include <math.h>
@@ -11,43 +11,45 @@ static const int32_t *corners_of(const bwi_refiller *r, int32_t e) {
   return r->mesh->element + (size_t)e * (size_t)r->mesh->nodes_per_element;
 }
 
-bool bwi_on_piece_boundary(const bwi_refiller *r, int32_t e, int face) {
+bool bwi_on_component_boundary(const bwi_refiller *r, int32_t e, int face) {
   int32_t other = r->mesh->neighbour[4 * (size_t)e + (size_t)face];
-  return other < 0 || r->piece_of[other] != r->piece_of[e];
+  return other < 0 || r->component_of[other] != r->component_of[e];
 }
 
-/* ---- pieces ---------------------------------------------------------------------------------- */
+/* ---- components
+ * ---------------------------------------------------------------------------------- */
 
-static bw_status find_pieces(bwi_refiller *r, const uint8_t *replace) {
+static bw_status find_components(bwi_refiller *r, const uint8_t *replace) {
   const bw_mesh *mesh = r->mesh;
   int32_t count = 0;
   size_t capacity = 0;
-  r->piece_of = BW_NEW(r->context, int32_t, mesh->element_count);
+  r->component_of = BW_NEW(r->context, int32_t, mesh->element_count);
   r->ordered = BW_NEW(r->context, int32_t, mesh->element_count);
   r->number = BW_NEW(r->context, int32_t, mesh->node_count);
-  if (!r->piece_of || !r->ordered || !r->number)
+  if (!r->component_of || !r->ordered || !r->number)
     return BW_MEMORY;
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    r->piece_of[e] = -1;
+    r->component_of[e] = -1;
     r->kept += !replace[e];
   }
   if (r->kept == mesh->element_count)
     return bw_fail(r->context, BW_EMPTY, "none of the %d elements is to be replaced",
                    mesh->element_count);
   for (int32_t seed = 0; seed < mesh->element_count; seed++) {
-    if (!replace[seed] || r->piece_of[seed] >= 0)
+    if (!replace[seed] || r->component_of[seed] >= 0)
       continue;
-    if (!bw_grow(r->context, (void **)&r->piece, &capacity, (size_t)r->pieces, 1, sizeof *r->piece))
+    if (!bw_grow(r->context, (void **)&r->component, &capacity, (size_t)r->components, 1,
+                 sizeof *r->component))
       return BW_MEMORY;
-    bwi_piece *p = &r->piece[r->pieces];
-    *p = (bwi_piece){.first = count};
-    r->piece_of[seed] = r->pieces++;
+    bwi_component *p = &r->component[r->components];
+    *p = (bwi_component){.first = count};
+    r->component_of[seed] = r->components++;
     r->ordered[count++] = seed;
     for (int32_t at = p->first; at < count; at++)
       for (size_t k = 0; k < 4; k++) {
         int32_t other = mesh->neighbour[4 * (size_t)r->ordered[at] + k];
-        if (other >= 0 && replace[other] && r->piece_of[other] < 0) {
-          r->piece_of[other] = r->piece_of[seed];
+        if (other >= 0 && replace[other] && r->component_of[other] < 0) {
+          r->component_of[other] = r->component_of[seed];
           r->ordered[count++] = other;
         }
       }
@@ -68,7 +70,7 @@ static bw_status check_kept(const bwi_refiller *r) {
     const int32_t *c = corners_of(r, e);
     const double *const x[4] = {r->node + 3 * (size_t)c[0], r->node + 3 * (size_t)c[1],
                                 r->node + 3 * (size_t)c[2], r->node + 3 * (size_t)c[3]};
-    if (r->piece_of[e] >= 0 || bwi_checked_quality(x) > 0)
+    if (r->component_of[e] >= 0 || bwi_checked_quality(x) > 0)
       continue;
     bw_fail(r->context, BW_GEOMETRY,
             "element %d near (%g, %g, %g) is inverted and not among those to be replaced", e + 1,
@@ -79,8 +81,8 @@ static bw_status check_kept(const bwi_refiller *r) {
   return BW_OK;
 }
 
-/* The region of most elements of a piece, the lowest of several. */
-static int32_t common_region(const bwi_refiller *r, const bwi_piece *p) {
+/* The region of most elements of a component, the lowest of several. */
+static int32_t common_region(const bwi_refiller *r, const bwi_component *p) {
   const int32_t *region = r->mesh->region;
   int32_t best = 0, max = 0, candidate = 0;
   if (!region)
@@ -108,9 +110,10 @@ static int32_t common_region(const bwi_refiller *r, const bwi_piece *p) {
   return best;
 }
 
-/* Mean length of the old edges at each corner of a piece, in its new place: the sizes to ask for.
+/* Mean length of the old edges at each corner of a component, in its new place: the sizes to ask
+ * for.
  */
-static bw_status measure_edges(bwi_refiller *r, const bwi_piece *p, double **sample,
+static bw_status measure_edges(bwi_refiller *r, const bwi_component *p, double **sample,
                                double **length, int64_t *count) {
   bw_status status = BW_OK;
   int32_t corners = 0, *edges = NULL;
@@ -161,10 +164,10 @@ done:
   return BW_OK;
 }
 
-/* The boundary of a piece as a surface; p->corner tells the old nodes. element_of (may be NULL):
- * the element behind each facet. */
-static bw_status piece_boundary(bwi_refiller *r, bwi_piece *p, bw_surface **surface,
-                                int32_t *element_of) {
+/* The boundary of a component as a surface; p->corner tells the old nodes. element_of (may be
+ * NULL): the element behind each facet. */
+static bw_status component_boundary(bwi_refiller *r, bwi_component *p, bw_surface **surface,
+                                    int32_t *element_of) {
   bw_status status = BW_OK;
   int32_t *triangle = NULL;
   double *point = NULL;
@@ -173,7 +176,7 @@ static bw_status piece_boundary(bwi_refiller *r, bwi_piece *p, bw_surface **surf
   p->facet_count = p->corners = 0;
   for (int32_t i = p->first; i < p->first + p->element_count; i++)
     for (int k = 0; k < 4; k++)
-      if (bwi_on_piece_boundary(r, r->ordered[i], k)) {
+      if (bwi_on_component_boundary(r, r->ordered[i], k)) {
         p->facet_count++;
         for (int j = 0; j < 3; j++)
           r->number[corners_of(r, r->ordered[i])[bw_tet_face[k][j]]] = 0;
@@ -196,7 +199,7 @@ static bw_status piece_boundary(bwi_refiller *r, bwi_piece *p, bw_surface **surf
   int32_t at = 0;
   for (int32_t i = p->first; i < p->first + p->element_count; i++)
     for (int k = 0; k < 4; k++)
-      if (bwi_on_piece_boundary(r, r->ordered[i], k)) {
+      if (bwi_on_component_boundary(r, r->ordered[i], k)) {
         for (int j = 0; j < 3; j++)
           triangle[3 * (size_t)at + (size_t)j] =
               r->number[corners_of(r, r->ordered[i])[bw_tet_face[k][j]]];
@@ -215,7 +218,7 @@ done:
 static bw_status check_boundary(const bwi_refiller *r, int32_t number, const bw_surface *surface,
                                 const int32_t *element_of) {
   bw_surface_report report = {0};
-  const bwi_piece *p = &r->piece[number];
+  const bwi_component *p = &r->component[number];
   bw_status status;
   BW_TRY(bw_surface_check(r->context, surface, 1, &report));
   for (int64_t i = 0; i < report.defect_count; i++) {
@@ -233,7 +236,7 @@ static bw_status check_boundary(const bwi_refiller *r, int32_t number, const bw_
                 p->element_count, what, d->at[0], d->at[1], d->at[2], element_of[d->facet] + 1,
                 (long long)report.count[d->kind]);
     bw_detail_number(r->context, "element", element_of[d->facet] + 1.0);
-    bw_detail_number(r->context, "piece", number);
+    bw_detail_number(r->context, "component", number);
     goto done;
   }
   if (!(report.volume > 0)) {
@@ -242,15 +245,15 @@ static bw_status check_boundary(const bwi_refiller *r, int32_t number, const bw_
                      "encloses %g m3 near (%g, %g, %g)",
                      p->element_count, report.volume, surface->point[0], surface->point[1],
                      surface->point[2]);
-    bw_detail_number(r->context, "piece", number);
+    bw_detail_number(r->context, "component", number);
   }
 done:
   bw_surface_report_clear(&report);
   return status;
 }
 
-static bw_status fill_piece(bwi_refiller *r, int32_t number) {
-  bwi_piece *p = &r->piece[number];
+static bw_status fill_component(bwi_refiller *r, int32_t number) {
+  bwi_component *p = &r->component[number];
   bw_surface *surface = NULL;
   double *sample = NULL, *length = NULL;
   int64_t samples = 0;
@@ -259,7 +262,7 @@ static bw_status fill_piece(bwi_refiller *r, int32_t number) {
   if (!element_of)
     return BW_MEMORY;
   BW_TRY(measure_edges(r, p, &sample, &length, &samples));
-  BW_TRY(piece_boundary(r, p, &surface, element_of));
+  BW_TRY(component_boundary(r, p, &surface, element_of));
   BW_TRY(check_boundary(r, number, surface, element_of));
   p->region = common_region(r, p);
   BW_TRY(bwi_fill_exactly(r->context, surface, samples, sample, length, &p->filled));
@@ -277,11 +280,11 @@ bw_status bw_mesh_refill(bw_context *context, const bw_mesh *mesh, const double 
   bwi_refiller r = {.context = context, .mesh = mesh, .node = node};
   bw_mesh *made = NULL;
   bw_status status;
-  BW_TRY(find_pieces(&r, replace));
+  BW_TRY(find_components(&r, replace));
   BW_TRY(check_kept(&r));
-  for (int32_t p = 0; p < r.pieces; p++) {
-    bw_progress(context, "filling anew", (double)p / r.pieces);
-    BW_TRY(fill_piece(&r, p));
+  for (int32_t p = 0; p < r.components; p++) {
+    bw_progress(context, "filling anew", (double)p / r.components);
+    BW_TRY(fill_component(&r, p));
   }
   BW_TRY(bwi_refill_join(&r));
   BW_TRY(bw_mesh_own(context, mesh->order, r.node_count, r.new_node, r.element_count, r.element,
@@ -306,13 +309,13 @@ bw_status bw_mesh_refill(bw_context *context, const bw_mesh *mesh, const double 
   }
 done:
   bw_release(made);
-  for (int32_t p = 0; p < r.pieces; p++) {
-    bw_free(r.piece[p].corner);
-    bw_free(r.piece[p].filled.node);
-    bw_free(r.piece[p].filled.element);
+  for (int32_t p = 0; p < r.components; p++) {
+    bw_free(r.component[p].corner);
+    bw_free(r.component[p].filled.node);
+    bw_free(r.component[p].filled.element);
   }
-  bw_free(r.piece);
-  bw_free(r.piece_of);
+  bw_free(r.component);
+  bw_free(r.component_of);
   bw_free(r.ordered);
   bw_free(r.number);
   bw_free(r.new_node);

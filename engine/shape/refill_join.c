@@ -1,10 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Joining what was kept of a mesh and what was filled anew.
  *
- * Nodes of the new mesh are the old ones that a kept element or a facet of a piece has, in their
- * order, then new ones by piece: corners, and at order 2 the middles of all new edges. An edge of a
- * new element that was there before (along a piece's boundary) has its old middle, so that the
- * parts fit. */
+ * Nodes of the new mesh are the old ones that a kept element or a facet of a component has, in
+ * their order, then new ones by component: corners, and at order 2 the middles of all new edges. An
+ * edge of a new element that was there before (along a component's boundary) has its old middle, so
+ * that the parts fit. */
 #include "shape/mesh_repair_internal.h"
 
 #include <string.h>
@@ -21,12 +21,12 @@ static void number_nodes(bwi_refiller *r) {
     r->number[i] = -1;
   for (int32_t e = 0; e < mesh->element_count; e++) {
     const int32_t *n = nodes_of(r, e);
-    if (r->piece_of[e] < 0)
+    if (r->component_of[e] < 0)
       for (size_t k = 0; k < width; k++)
         r->number[n[k]] = 0;
     else
       for (int k = 0; k < 4; k++)
-        for (int j = 0; j < 3 && bwi_on_piece_boundary(r, e, k); j++) {
+        for (int j = 0; j < 3 && bwi_on_component_boundary(r, e, k); j++) {
           r->number[n[bw_tet_face[k][j]]] = 0;
           if (mesh->order == 2)
             r->number[n[bw_tet_face_mid_edge[k][j]]] = 0;
@@ -38,8 +38,8 @@ static void number_nodes(bwi_refiller *r) {
       r->number[i] = (int32_t)r->node_count++;
 }
 
-/* Old edges that a new element may meet again: those of kept elements and of pieces' facets whose
- * ends are both on a piece's boundary. Keyed by new numbers, sorted; item: the middle. */
+/* Old edges that a new element may meet again: those of kept elements and of components' facets
+ * whose ends are both on a component's boundary. Keyed by new numbers, sorted; item: the middle. */
 static bw_status old_edges(bwi_refiller *r, bwi_keyed **list, size_t *count) {
   bw_status status = BW_OK;
   size_t found = 0, capacity = 0;
@@ -47,9 +47,9 @@ static bw_status old_edges(bwi_refiller *r, bwi_keyed **list, size_t *count) {
   uint8_t *touched = BW_NEW0(r->context, uint8_t, r->mesh->node_count);
   if (!touched)
     return BW_MEMORY;
-  for (int32_t p = 0; p < r->pieces; p++)
-    for (int32_t i = 0; i < r->piece[p].corners; i++)
-      touched[r->piece[p].corner[i]] = 1;
+  for (int32_t p = 0; p < r->components; p++)
+    for (int32_t i = 0; i < r->component[p].corners; i++)
+      touched[r->component[p].corner[i]] = 1;
   for (int32_t e = 0; e < r->mesh->element_count; e++) {
     const int32_t *n = nodes_of(r, e);
     for (int k = 0; k < 6; k++) {
@@ -158,9 +158,9 @@ bw_status bwi_refill_join(bwi_refiller *r) {
   number_nodes(r);
   int64_t next = r->node_count, nodes = r->node_count;
   r->element_count = r->kept;
-  for (int32_t p = 0; p < r->pieces; p++) {
-    nodes += r->piece[p].filled.node_count - r->piece[p].corners;
-    r->element_count += r->piece[p].filled.element_count;
+  for (int32_t p = 0; p < r->components; p++) {
+    nodes += r->component[p].filled.node_count - r->component[p].corners;
+    r->element_count += r->component[p].filled.element_count;
   }
   if (nodes > INT32_MAX || r->element_count > INT32_MAX)
     return bw_fail(r->context, BW_LIMIT,
@@ -181,15 +181,15 @@ bw_status bwi_refill_join(bwi_refiller *r) {
     }
   size_t at = 0;
   for (int32_t e = 0; e < mesh->element_count; e++)
-    if (r->piece_of[e] < 0) {
+    if (r->component_of[e] < 0) {
       for (size_t k = 0; k < width; k++)
         r->element[width * at + k] = r->number[nodes_of(r, e)[k]];
       if (r->region)
         r->region[at] = mesh->region[e];
       r->element_from[at++] = e;
     }
-  for (int32_t i = 0; i < r->pieces; i++) {
-    const bwi_piece *p = &r->piece[i];
+  for (int32_t i = 0; i < r->components; i++) {
+    const bwi_component *p = &r->component[i];
     int64_t offset = next - p->corners;
     for (int32_t n = p->corners; n < p->filled.node_count; n++, next++) {
       memcpy(r->new_node + 3 * (size_t)next, p->filled.node + 3 * (size_t)n, 3 * sizeof(double));

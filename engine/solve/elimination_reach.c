@@ -1,10 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Which domains contribute to which supernodes.
+/* Which subdomains contribute to which supernodes.
  *
- * Every node of an element has a diagonal entry of that element, so the domains of a supernode's
+ * Every node of an element has a diagonal entry of that element, so the subdomains of a supernode's
  * own columns are those of the elements around its nodes. Sets grow from child to parent; a
- * supernode is done again when its set meets the touched domains, and then so is its parent. What
- * it needs from a child that is not done again is the child's update matrix: kept wherever the
+ * supernode is done again when its set meets the touched subdomains, and then so is its parent.
+ * What it needs from a child that is not done again is the child's update matrix: kept wherever the
  * parent's set is larger. */
 #include <string.h>
 
@@ -24,11 +24,12 @@ static size_t reach_bytes(const void *object) {
          (size_t)reach->symbolic->order->super_count * (size_t)(8 * reach->words + 1);
 }
 
-static const bw_kind reach_kind = {"reach of domains", reach_destroy, reach_bytes};
+static const bw_kind reach_kind = {"reach of subdomains", reach_destroy, reach_bytes};
 
 bw_status bwi_elimination_reach_create(bw_context *context, bwi_symbolic *symbolic,
-                                       const bw_mesh *mesh, int32_t domain_count,
-                                       const int32_t *element_domain, bwi_elimination_reach **out) {
+                                       const bw_mesh *mesh, int32_t subdomain_count,
+                                       const int32_t *element_subdomain,
+                                       bwi_elimination_reach **out) {
   bw_status status = BW_OK;
   const bwi_order *order = symbolic->order;
   int32_t supers = order->super_count, *super_of = NULL;
@@ -41,8 +42,8 @@ bw_status bwi_elimination_reach_create(bw_context *context, bwi_symbolic *symbol
     return BW_MEMORY;
   bw_object_init(reach, &reach_kind);
   reach->symbolic = bw_retain(symbolic);
-  reach->domain_count = domain_count;
-  reach->words = (domain_count + 63) / 64;
+  reach->subdomain_count = subdomain_count;
+  reach->words = (subdomain_count + 63) / 64;
   size_t words = (size_t)reach->words;
   reach->set = BW_NEW0(context, uint64_t, (size_t)supers * words);
   reach->keep = BW_NEW0(context, uint8_t, supers);
@@ -55,17 +56,17 @@ bw_status bwi_elimination_reach_create(bw_context *context, bwi_symbolic *symbol
     for (int32_t p = order->super[s]; p < order->super[s + 1]; p++)
       super_of[p] = s;
   for (int64_t e = 0; e < mesh->element_count; e++) {
-    int32_t domain = element_domain[e];
-    if (domain < 0 || domain >= domain_count) {
-      status = bw_fail(context, BW_INVALID, "element %lld is of domain %d, there are %d",
-                       (long long)(e + 1), domain + 1, domain_count);
+    int32_t subdomain = element_subdomain[e];
+    if (subdomain < 0 || subdomain >= subdomain_count) {
+      status = bw_fail(context, BW_INVALID, "element %lld is of subdomain %d, there are %d",
+                       (long long)(e + 1), subdomain + 1, subdomain_count);
       goto done;
     }
     for (int k = 0; k < npe; k++) {
       int32_t place = order->place[mesh->element[e * npe + k]];
       if (place >= 0)
-        reach->set[(size_t)super_of[place] * words + (size_t)(domain / 64)] |= (uint64_t)1
-                                                                               << domain % 64;
+        reach->set[(size_t)super_of[place] * words + (size_t)(subdomain / 64)] |= (uint64_t)1
+                                                                                  << subdomain % 64;
     }
   }
   for (int32_t s = 0; s < supers; s++) {
@@ -92,20 +93,20 @@ done:
   return status;
 }
 
-static bool meets(const bwi_elimination_reach *reach, int32_t s, const uint8_t *touched_domain) {
+static bool meets(const bwi_elimination_reach *reach, int32_t s, const uint8_t *touched_subdomain) {
   const uint64_t *set = reach->set + (size_t)s * (size_t)reach->words;
   for (int w = 0; w < reach->words; w++)
     for (uint64_t left = set[w]; left; left &= left - 1)
-      if (touched_domain[64 * w + __builtin_ctzll(left)])
+      if (touched_subdomain[64 * w + __builtin_ctzll(left)])
         return true;
   return false;
 }
 
 double bwi_elimination_reach_supernodes(const bwi_elimination_reach *reach,
-                                        const uint8_t *touched_domain, uint8_t *wanted) {
+                                        const uint8_t *touched_subdomain, uint8_t *wanted) {
   double flops = 0;
   for (int32_t s = 0; s < reach->symbolic->order->super_count; s++) {
-    wanted[s] = meets(reach, s, touched_domain);
+    wanted[s] = meets(reach, s, touched_subdomain);
     if (wanted[s])
       flops += bwi_front_flops(reach->symbolic, s);
   }
@@ -113,10 +114,10 @@ double bwi_elimination_reach_supernodes(const bwi_elimination_reach *reach,
 }
 
 double bwi_elimination_reach_flops(const bwi_elimination_reach *reach,
-                                   const uint8_t *touched_domain) {
+                                   const uint8_t *touched_subdomain) {
   double flops = 0;
   for (int32_t s = 0; s < reach->symbolic->order->super_count; s++)
-    if (meets(reach, s, touched_domain))
+    if (meets(reach, s, touched_subdomain))
       flops += bwi_front_flops(reach->symbolic, s);
   return flops;
 }
@@ -129,7 +130,7 @@ bw_status bwi_elimination_reach_create_whole(bw_context *context, bwi_symbolic *
     return BW_MEMORY;
   bw_object_init(reach, &reach_kind);
   reach->symbolic = bw_retain(symbolic);
-  reach->domain_count = reach->words = 1;
+  reach->subdomain_count = reach->words = 1;
   reach->set = BW_NEW(context, uint64_t, supers);
   reach->keep = BW_NEW0(context, uint8_t, supers);
   if (!reach->set || !reach->keep) {

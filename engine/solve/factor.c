@@ -480,7 +480,7 @@ bool bwi_factor_broken(const bwi_factor *factor) {
 }
 
 bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_matrix *matrix,
-                            const uint8_t *touched_domain, double *flops, int32_t *bad_node) {
+                            const uint8_t *touched_subdomain, double *flops, int32_t *bad_node) {
   bw_status status = BW_OK;
   const bwi_symbolic *symbolic = factor->symbolic;
   bwi_refactor_data *kept = factor->kept;
@@ -496,11 +496,11 @@ bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_m
     *flops = 0;
   if (!kept)
     return bw_fail(context, BW_INTERNAL, "this factor was not created for updates");
-  if (kept->broken && touched_domain)
+  if (kept->broken && touched_subdomain)
     return bw_fail(context, BW_INTERNAL, "the last update of this factor failed: refactorise it");
   f.store = &kept->store;
-  if (touched_domain) {
-    if (bwi_elimination_reach_supernodes(kept->reach, touched_domain, kept->wanted) == 0)
+  if (touched_subdomain) {
+    if (bwi_elimination_reach_supernodes(kept->reach, touched_subdomain, kept->wanted) == 0)
       goto done;
     f.wanted = kept->wanted;
   } else

@@ -35,12 +35,12 @@ typedef struct bwi_order {
 bw_status bwi_order_create(bw_context *context, const bw_graph *graph, const uint8_t *take,
                            bwi_order **order);
 
-/* An order for edits domain by domain: of several candidates the one in which an edit (NULL: of one
- * domain) touches the least work, without making the whole factor much dearer. */
-bw_status bwi_order_create_domains(bw_context *context, const bw_graph *graph, const uint8_t *take,
-                                   const bw_mesh *mesh, int32_t domain_count,
-                                   const int32_t *element_domain, const bw_edits *edits,
-                                   bwi_order **order);
+/* An order for edits subdomain by subdomain: of several candidates the one in which an edit (NULL:
+ * of one subdomain) touches the least work, without making the whole factor much dearer. */
+bw_status bwi_order_create_subdomains(bw_context *context, const bw_graph *graph,
+                                      const uint8_t *take, const bw_mesh *mesh,
+                                      int32_t subdomain_count, const int32_t *element_subdomain,
+                                      const bw_edits *edits, bwi_order **order);
 
 /* ---- symbolic ------------------------------------------------------------------------------ */
 
@@ -98,34 +98,35 @@ bw_status bwi_plan_create(bw_context *context, const bwi_symbolic *symbolic, con
                           const uint8_t *keep, bwi_plan *plan);
 void bwi_plan_clear(bwi_plan *plan);
 
-/* ---- which domains reach which supernodes (elimination_reach.c)
+/* ---- which subdomains reach which supernodes (elimination_reach.c)
  * ---------------------------------------- */
 
-/* A matrix entry is of the domains whose elements contribute to its pair of nodes; it sits in the
- * supernode of the node eliminated first. */
+/* A matrix entry is of the subdomains whose elements contribute to its pair of nodes; it sits in
+ * the supernode of the node eliminated first. */
 typedef struct bwi_elimination_reach {
   bw_object object;
   const bwi_symbolic *symbolic; /* retained */
-  int32_t domain_count;
-  int words;     /* of 64 domains */
-  uint64_t *set; /* super_count x words: domains that contribute to the columns of the supernode or
-                    of any below it */
+  int32_t subdomain_count;
+  int words;     /* of 64 subdomains */
+  uint64_t *set; /* super_count x words: subdomains that contribute to the columns of the supernode
+                    or of any below it */
   uint8_t *keep; /* super_count: its update matrix is kept, its set differs from its parent's */
   int64_t kept_numbers; /* in all those update matrices */
 } bwi_elimination_reach;
 bw_status bwi_elimination_reach_create(bw_context *context, bwi_symbolic *symbolic,
-                                       const bw_mesh *mesh, int32_t domain_count,
-                                       const int32_t *element_domain,
+                                       const bw_mesh *mesh, int32_t subdomain_count,
+                                       const int32_t *element_subdomain,
                                        bwi_elimination_reach **reach);
-/* Of one domain that is everything: for factors made again as a whole, in place. */
+/* Of one subdomain that is everything: for factors made again as a whole, in place. */
 bw_status bwi_elimination_reach_create_whole(bw_context *context, bwi_symbolic *symbolic,
                                              bwi_elimination_reach **reach);
-/* wanted: super_count, 1 where the set meets touched_domain (domain_count). Returns the work. */
+/* wanted: super_count, 1 where the set meets touched_subdomain (subdomain_count). Returns the work.
+ */
 double bwi_elimination_reach_supernodes(const bwi_elimination_reach *reach,
-                                        const uint8_t *touched_domain, uint8_t *wanted);
-/* The work that refactoring for these domains would take. */
+                                        const uint8_t *touched_subdomain, uint8_t *wanted);
+/* The work that refactoring for these subdomains would take. */
 double bwi_elimination_reach_flops(const bwi_elimination_reach *reach,
-                                   const uint8_t *touched_domain);
+                                   const uint8_t *touched_subdomain);
 
 /* ---- factor -------------------------------------------------------------------------------- */
 
@@ -168,12 +169,12 @@ bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
                                const bwi_matrix *matrix, bwi_elimination_reach *reach,
                                const struct bwi_kernels *kernels, bwi_factor **factor,
                                int32_t *bad_node);
-/* Factor again, in place, what entries of the touched domains (NULL: all) reach: the same bits as
- * from scratch, when only entries of theirs have changed since. *flops (may be NULL): work done. On
- * failure, BW_CANCELLED included, the factor is broken (bwi_factor_broken): solves refuse it, an
- * update of all domains (NULL) repairs it. *bad_node as above. */
+/* Factor again, in place, what entries of the touched subdomains (NULL: all) reach: the same bits
+ * as from scratch, when only entries of theirs have changed since. *flops (may be NULL): work done.
+ * On failure, BW_CANCELLED included, the factor is broken (bwi_factor_broken): solves refuse it, an
+ * update of all subdomains (NULL) repairs it. *bad_node as above. */
 bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_matrix *matrix,
-                            const uint8_t *touched_domain, double *flops, int32_t *bad_node);
+                            const uint8_t *touched_subdomain, double *flops, int32_t *bad_node);
 bool bwi_factor_broken(const bwi_factor *factor);
 /* Bytes of L. */
 size_t bwi_factor_bytes(const bwi_factor *factor);
@@ -329,9 +330,9 @@ bool bwi_same_topology(const bw_mesh *a, const bw_mesh *b);
  * also serves the matrix without pins), and elsewhere those with an unknown. */
 void bwi_nodes_taking_part(const bw_dof_map *dof_map, uint8_t *take);
 /* The expanded order for a DOF map's unknowns, with what of `old` (may be NULL) fits. With
- * element_domain (may be NULL) a new order is made for edits by domains. */
+ * element_subdomain (may be NULL) a new order is made for edits by subdomains. */
 bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph, const bw_dof_map *dof_map,
-                           int32_t domain_count, const int32_t *element_domain,
+                           int32_t subdomain_count, const int32_t *element_subdomain,
                            const bw_edits *edits, bwi_symbolic *old, bwi_symbolic **symbolic);
 /* Bytes that making a factor of doubles takes, at their peak. */
 double bwi_factor_peak_bytes(const bwi_symbolic *symbolic, int threads);

@@ -9,7 +9,7 @@
 /* What the local system shows as a bw_system: it keeps the stiffness alive that it points into. */
 typedef struct view {
   bw_system system;
-  const bw_domain_stiffness *stiffness;
+  const bw_subdomain_stiffness *stiffness;
 } view;
 
 static void view_destroy(void *object) {
@@ -33,8 +33,8 @@ static void inner_free(bwi_local *inner) {
     return;
   bw_release(inner->rest);
   bw_release(inner->model);
-  bw_free(inner->element_domain);
-  bw_free(inner->node_domain);
+  bw_free(inner->element_subdomain);
+  bw_free(inner->node_subdomain);
   bw_free(inner->edit_start);
   bw_free(inner->edit);
   bw_free(inner->motion);
@@ -81,8 +81,8 @@ static size_t local_bytes(const void *object) {
 static const bw_kind local_kind = {"local system", local_destroy, local_bytes};
 
 static bw_status copy_edits(bw_context *context, bwi_local *inner, const bw_edits *edits) {
-  size_t starts = (size_t)inner->domain_count + 1;
-  size_t count = (size_t)edits->start[inner->domain_count];
+  size_t starts = (size_t)inner->subdomain_count + 1;
+  size_t count = (size_t)edits->start[inner->subdomain_count];
   inner->edit_start = BW_NEW(context, int32_t, starts);
   inner->edit = BW_NEW(context, int32_t, count);
   if (!inner->edit_start || !inner->edit)
@@ -94,56 +94,56 @@ static bw_status copy_edits(bw_context *context, bwi_local *inner, const bw_edit
 }
 
 static bw_status inner_create(bw_context *context, const bw_model *model, bool material_turns,
-                              int32_t domain_count, const int32_t *element_domain,
-                              const int32_t *node_domain, bwi_local **out) {
+                              int32_t subdomain_count, const int32_t *element_subdomain,
+                              const int32_t *node_subdomain, bwi_local **out) {
   size_t elements = (size_t)model->mesh->element_count, nodes = (size_t)model->mesh->node_count;
-  size_t domains = (size_t)domain_count;
+  size_t subdomains = (size_t)subdomain_count;
   bwi_local *inner = BW_NEW0(context, bwi_local, 1);
   if (!inner)
     return BW_MEMORY;
   inner->rest = bw_retain(model);
   inner->model = bw_retain(model);
   inner->material_turns = material_turns;
-  inner->domain_count = domain_count;
-  inner->element_domain = BW_NEW(context, int32_t, elements);
-  inner->node_domain = BW_NEW(context, int32_t, nodes);
-  inner->motion = BW_NEW0(context, bw_domain_motion, domains);
-  inner->frame = BW_NEW(context, double, 9 * domains);
-  inner->factored_frame = BW_NEW0(context, double, 9 * domains);
-  inner->touched = BW_NEW0(context, uint8_t, domains);
-  inner->latest = BW_NEW0(context, uint8_t, domains);
-  inner->iterated_on = BW_NEW0(context, uint8_t, domains);
+  inner->subdomain_count = subdomain_count;
+  inner->element_subdomain = BW_NEW(context, int32_t, elements);
+  inner->node_subdomain = BW_NEW(context, int32_t, nodes);
+  inner->motion = BW_NEW0(context, bw_subdomain_motion, subdomains);
+  inner->frame = BW_NEW(context, double, 9 * subdomains);
+  inner->factored_frame = BW_NEW0(context, double, 9 * subdomains);
+  inner->touched = BW_NEW0(context, uint8_t, subdomains);
+  inner->latest = BW_NEW0(context, uint8_t, subdomains);
+  inner->iterated_on = BW_NEW0(context, uint8_t, subdomains);
   inner->iteration_ratio = 1;
-  if (!inner->element_domain || !inner->node_domain || !inner->motion || !inner->frame ||
+  if (!inner->element_subdomain || !inner->node_subdomain || !inner->motion || !inner->frame ||
       !inner->factored_frame || !inner->touched || !inner->latest || !inner->iterated_on) {
     inner_free(inner);
     return BW_MEMORY;
   }
-  memcpy(inner->element_domain, element_domain, elements * sizeof *element_domain);
-  memcpy(inner->node_domain, node_domain, nodes * sizeof *node_domain);
-  for (size_t d = 0; d < domains; d++) {
-    bw_domain_motion_rest(&inner->motion[d]);
+  memcpy(inner->element_subdomain, element_subdomain, elements * sizeof *element_subdomain);
+  memcpy(inner->node_subdomain, node_subdomain, nodes * sizeof *node_subdomain);
+  for (size_t d = 0; d < subdomains; d++) {
+    bw_subdomain_motion_rest(&inner->motion[d]);
     memcpy(inner->frame + 9 * d, inner->motion[d].frame, 9 * sizeof *inner->frame);
   }
   *out = inner;
   return BW_OK;
 }
 
-static bw_status check_domains(bw_context *context, const bw_mesh *mesh, int32_t domain_count,
-                               const int32_t *element_domain, const int32_t *node_domain,
-                               const bw_edits *edits) {
-  if (domain_count < 1)
-    return bw_fail(context, BW_INVALID, "a body is cut into at least one domain, not %d",
-                   domain_count);
+static bw_status check_subdomains(bw_context *context, const bw_mesh *mesh, int32_t subdomain_count,
+                                  const int32_t *element_subdomain, const int32_t *node_subdomain,
+                                  const bw_edits *edits) {
+  if (subdomain_count < 1)
+    return bw_fail(context, BW_INVALID, "a body is cut into at least one subdomain, not %d",
+                   subdomain_count);
   for (int32_t e = 0; e < mesh->element_count; e++)
-    if (element_domain[e] < 0 || element_domain[e] >= domain_count)
-      return bw_fail(context, BW_INVALID, "element %d is in domain %d of %d", e + 1,
-                     element_domain[e] + 1, domain_count);
+    if (element_subdomain[e] < 0 || element_subdomain[e] >= subdomain_count)
+      return bw_fail(context, BW_INVALID, "element %d is in subdomain %d of %d", e + 1,
+                     element_subdomain[e] + 1, subdomain_count);
   for (int32_t i = 0; i < mesh->node_count; i++)
-    if (node_domain[i] < -1 || node_domain[i] >= domain_count)
-      return bw_fail(context, BW_INVALID, "node %d goes with domain %d of %d", i + 1,
-                     node_domain[i] + 1, domain_count);
-  for (int32_t k = 0; edits && k < edits->start[domain_count]; k++)
+    if (node_subdomain[i] < -1 || node_subdomain[i] >= subdomain_count)
+      return bw_fail(context, BW_INVALID, "node %d goes with subdomain %d of %d", i + 1,
+                     node_subdomain[i] + 1, subdomain_count);
+  for (int32_t k = 0; edits && k < edits->start[subdomain_count]; k++)
     if (edits->edit[k] < 0 || edits->edit[k] >= edits->count)
       return bw_fail(context, BW_INVALID, "edit %d of the list is %d, there are %d", k + 1,
                      edits->edit[k] + 1, edits->count);
@@ -165,37 +165,38 @@ static bw_status view_create(bw_context *context, const bw_model *model, bw_syst
 /* ---- making -------------------------------------------------------------------------------- */
 
 bw_status bw_local_system_create(bw_context *context, const bw_model *model, bool material_turns,
-                                 int32_t domain_count, const int32_t *element_domain,
-                                 const int32_t *node_domain, const bw_edits *edits,
+                                 int32_t subdomain_count, const int32_t *element_subdomain,
+                                 const int32_t *node_subdomain, const bw_edits *edits,
                                  bw_local_system **out) {
   bw_status status = BW_OK;
   bw_local_system *local = NULL;
   bw_dof_map *dof_map = NULL;
-  bw_domain_stiffness *stiffness = NULL;
+  bw_subdomain_stiffness *stiffness = NULL;
   bool same;
-  BW_TRY(check_domains(context, model->mesh, domain_count, element_domain, node_domain, edits));
+  BW_TRY(check_subdomains(context, model->mesh, subdomain_count, element_subdomain, node_subdomain,
+                          edits));
   local = BW_NEW0(context, bw_local_system, 1);
   if (!local)
     return BW_MEMORY;
   bw_object_init(local, &local_kind);
   BW_TRY(view_create(context, model, &local->system));
-  BW_TRY(inner_create(context, model, material_turns, domain_count, element_domain, node_domain,
-                      &local->inner));
+  BW_TRY(inner_create(context, model, material_turns, subdomain_count, element_subdomain,
+                      node_subdomain, &local->inner));
   bwi_local *inner = local->inner;
   if (edits)
     BW_TRY(copy_edits(context, inner, edits));
   bw_system *system = local->system;
-  BW_TRY(bw_dof_map_follow(context, model, NULL, domain_count, node_domain, inner->frame, &same,
-                           &dof_map));
+  BW_TRY(bw_dof_map_follow(context, model, NULL, subdomain_count, node_subdomain, inner->frame,
+                           &same, &dof_map));
   system->dof_map = dof_map;
   BW_TRY(bwi_local_supports(context, local, dof_map, inner->frame, &inner->supports));
   double start = bw_seconds();
   BW_TRY(bw_graph_create(context, model->mesh, &system->graph));
   system->times.graph = bw_seconds() - start;
   start = bw_seconds();
-  BW_TRY(bw_domain_stiffness_create(context, system->graph, model->mesh, model->material,
-                                    material_turns, domain_count, element_domain, node_domain,
-                                    &stiffness));
+  BW_TRY(bw_subdomain_stiffness_create(context, system->graph, model->mesh, model->material,
+                                       material_turns, subdomain_count, element_subdomain,
+                                       node_subdomain, &stiffness));
   local->stiffness = stiffness;
   system->stiffness = stiffness->values;
   ((view *)system)->stiffness = bw_retain(stiffness);

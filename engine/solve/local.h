@@ -3,8 +3,8 @@
  *
  * Invariants. Numbering and stiffness are of the model last synchronised. The factor, where there
  * is one, fits the present unknowns. It is that of the stiffness when it was last brought up to
- * date; since then the domains marked in `touched` have changed in the frames of their nodes, and
- * no others: with no mark it is the factor of the present stiffness, whatever has turned. It is
+ * date; since then the subdomains marked in `touched` have changed in the frames of their nodes,
+ * and no others: with no mark it is the factor of the present stiffness, whatever has turned. It is
  * always applied in the present frames. */
 #ifndef BWI_SOLVE_LOCAL_H
 #define BWI_SOLVE_LOCAL_H
@@ -13,38 +13,38 @@
 #include "solve/two_level.h"
 
 typedef struct bwi_local {
-  const bw_model *rest;  /* retained: all domains at rest */
+  const bw_model *rest;  /* retained: all subdomains at rest */
   const bw_model *model; /* retained: last synchronised */
   bool material_turns;
-  int32_t domain_count;
-  int32_t *element_domain, *node_domain;
+  int32_t subdomain_count;
+  int32_t *element_subdomain, *node_subdomain;
   bw_edits edits;               /* count 0: none are known */
   int32_t *edit_start, *edit;   /* what `edits` points to */
-  bw_domain_motion *motion;     /* domain_count: since rest */
-  double *frame;                /* domain_count x 9: those of `motion` */
+  bw_subdomain_motion *motion;  /* subdomain_count: since rest */
+  double *frame;                /* subdomain_count x 9: those of `motion` */
   double *supports;             /* rows of the DOF map that are supports' x 9: as last reported */
   bwi_factor *factor;           /* or NULL */
   int wanted_bits;              /* of its numbers, asked for: 32, 64; 0: as is cheaper */
   bool lost;                    /* single precision did not serve this body: no more of it */
   double refinements;           /* iterations with a factor in single precision, when last solved */
   bwi_elimination_reach *reach; /* of the factor's symbolic; or NULL */
-  uint8_t *touched;             /* domain_count */
+  uint8_t *touched;             /* subdomain_count */
   const bw_mesh *factored; /* retained: the shape the factor was last brought up to date with */
-  double *factored_frame;  /* domain_count x 9: and the frames then */
+  double *factored_frame;  /* subdomain_count x 9: and the frames then */
   /* iterations with the factor as it is */
   double iteration_ratio; /* iterations needed over predicted, when last iterated */
-  uint8_t *iterated_on;   /* domain_count: what was touched then */
+  uint8_t *iterated_on;   /* subdomain_count: what was touched then */
   double spent;           /* s of the model's machine on iterations since the last edit */
   /* what solves without the factor; made and followed when first needed at a shape */
   bwi_two_level *two_level;
   bool two_level_known, two_level_usable; /* of the present shape */
   double two_level_ratio[2]; /* iterations needed over predicted, when last used: from nothing,
                                   from a solution near by; 0: not yet */
-  uint8_t *latest;           /* domain_count: touched since the system was last solved */
+  uint8_t *latest;           /* subdomain_count: touched since the system was last solved */
   bool answered;             /* it was solved since the last update */
   double excess_seconds; /* s: what solutions by two-level PCG cost more than bringing a factor up
                     to date would have cost that had always been, since it last was */
-  double change; /* of the touched domains' shape since it was factored; negative: not known */
+  double change; /* of the touched subdomains' shape since it was factored; negative: not known */
 } bwi_local;
 
 /* Whether there is a factor that can be used, and whether it is that of the present stiffness. */
@@ -53,8 +53,8 @@ bool bwi_local_current(const bw_local_system *local);
 
 /* ---- local_update.c ------------------------------------------------------------------------ */
 
-/* The frames of supports as they are, seen from the domains of their nodes (`frame`: the domains'
- * frames): what turns later is told against these. Release with bw_free. */
+/* The frames of supports as they are, seen from the subdomains of their nodes (`frame`: the
+ * subdomains' frames): what turns later is told against these. Release with bw_free. */
 bw_status bwi_local_supports(bw_context *context, const bw_local_system *local,
                              const bw_dof_map *dof_map, const double *frame, double **reported);
 

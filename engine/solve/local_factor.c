@@ -13,7 +13,7 @@ bool bwi_local_current(const bw_local_system *local) {
   const bwi_local *inner = local->inner;
   if (!bwi_local_usable(local))
     return false;
-  for (int32_t d = 0; d < inner->domain_count; d++)
+  for (int32_t d = 0; d < inner->subdomain_count; d++)
     if (inner->touched[d])
       return false;
   return true;
@@ -32,11 +32,11 @@ static bw_status factor_anew(bw_context *context, bw_local_system *local, const 
   bw_release(inner->factor);
   inner->factor = NULL;
   bw_progress(context, "order", 0);
-  BW_TRY(bwi_symbolic_for(context, matrix->graph, matrix->dof_map, inner->domain_count,
-                          inner->element_domain, inner->edits.count ? &inner->edits : NULL,
+  BW_TRY(bwi_symbolic_for(context, matrix->graph, matrix->dof_map, inner->subdomain_count,
+                          inner->element_subdomain, inner->edits.count ? &inner->edits : NULL,
                           (bwi_symbolic *)old, &symbolic));
-  BW_TRY(bwi_elimination_reach_create(context, symbolic, inner->model->mesh, inner->domain_count,
-                                      inner->element_domain, &reach));
+  BW_TRY(bwi_elimination_reach_create(context, symbolic, inner->model->mesh, inner->subdomain_count,
+                                      inner->element_subdomain, &reach));
   if (reuse)
     reuse->ordering = old && symbolic->order == old->order;
   bw_release(inner->reach);
@@ -59,13 +59,13 @@ done:
 static void is_current(bw_local_system *local) {
   bwi_local *inner = local->inner;
   const bw_system *view = local->system;
-  memset(inner->touched, 0, (size_t)inner->domain_count);
+  memset(inner->touched, 0, (size_t)inner->subdomain_count);
   inner->excess_seconds = 0;
   bw_retain(view->mesh);
   bw_release(inner->factored);
   inner->factored = view->mesh;
   memcpy(inner->factored_frame, inner->frame,
-         9 * (size_t)inner->domain_count * sizeof *inner->frame);
+         9 * (size_t)inner->subdomain_count * sizeof *inner->frame);
   inner->spent = 0;
   inner->change = -1;
 }

@@ -47,18 +47,18 @@ bw_status bwi_local_choose_bits(bw_context *context, const bw_local_system *loca
                                 const bwi_elimination_reach *reach, int *bits) {
   const bwi_local *inner = local->inner;
   const bw_edits *edits = &inner->edits;
-  int32_t count = edits->count > 0 ? edits->count : inner->domain_count;
+  int32_t count = edits->count > 0 ? edits->count : inner->subdomain_count;
   double flops = 0;
   if (inner->wanted_bits || inner->lost || *bits == 64) {
     *bits = inner->lost || inner->wanted_bits == 0 ? 64 : inner->wanted_bits;
     return BW_OK;
   }
-  uint8_t *touched = BW_NEW(context, uint8_t, inner->domain_count);
+  uint8_t *touched = BW_NEW(context, uint8_t, inner->subdomain_count);
   if (!touched)
     return BW_MEMORY;
   for (int32_t e = 0; e < count; e++) {
-    memset(touched, 0, (size_t)inner->domain_count);
-    for (int32_t d = 0; d < inner->domain_count; d++) {
+    memset(touched, 0, (size_t)inner->subdomain_count);
+    for (int32_t d = 0; d < inner->subdomain_count; d++) {
       if (edits->count == 0)
         touched[d] = d == e;
       for (int32_t k = edits->count ? edits->start[d] : 0;

@@ -7,16 +7,16 @@
  * and writing what of the factor it concerns.
  *
  * How many iterations: let B be an element's affine map from the shape that was factored to the
- * present one, both seen from the frame of its domain, and e the largest |B - 1| in Frobenius's
- * norm over the touched domains.
+ * present one, both seen from the frame of its subdomain, and e the largest |B - 1| in Frobenius's
+ * norm over the touched subdomains.
  * Preconditioned by the former matrix, the eigenvalues spread over about (1 + SPREAD e)^2; the
  * bound of conjugate gradients for that spread is the prediction, times what the last solve needed
  * over what was predicted for it. A long slender limb has more spread than that, a stiff block
  * less: hence the iteration_ratio, and the limit that a solve sets itself. What was learnt from one
- * edit says nothing about others: iteration_ratio holds for the same touched domains only. No bound
- * by the elements alone would do: a body that turns without strain in one shape strains in the
- * other, by as much as it turns, so that their stiffnesses have no ratio. What a prediction misses,
- * the rate of convergence shows after a few iterations (pcg.c).
+ * edit says nothing about others: iteration_ratio holds for the same touched subdomains only. No
+ * bound by the elements alone would do: a body that turns without strain in one shape strains in
+ * the other, by as much as it turns, so that their stiffnesses have no ratio. What a prediction
+ * misses, the rate of convergence shows after a few iterations (pcg.c).
  *
  * Levels leave the factor behind, and what it would cost to catch up grows with every edit. So they
  * are not compared with that alone: where they cost less than the last edit's own refactoring they
@@ -50,13 +50,13 @@ static double largest_change(const bw_local_system *local) {
   const bw_mesh *before = inner->factored, *now = inner->model->mesh;
   double max = 0;
   for (int32_t e = 0; e < now->element_count; e++) {
-    int32_t domain = inner->element_domain[e];
-    if (!inner->touched[domain])
+    int32_t subdomain = inner->element_subdomain[e];
+    if (!inner->touched[subdomain])
       continue;
     const int32_t *node = now->element + (size_t)e * (size_t)now->nodes_per_element;
     double from[9], to[9], inverse[9], change = 0;
-    edges(before, node, inner->factored_frame + 9 * (size_t)domain, from);
-    edges(now, node, inner->frame + 9 * (size_t)domain, to);
+    edges(before, node, inner->factored_frame + 9 * (size_t)subdomain, from);
+    edges(now, node, inner->frame + 9 * (size_t)subdomain, to);
     if (bw_inverse3(from, inverse) == 0)
       continue;
     for (int i = 0; i < 3; i++)
@@ -128,7 +128,7 @@ void bwi_local_predict(bw_local_system *local, const bw_local_options *options, 
   cost->again = refactoring(inner, inner->latest, factor_bytes) + solutions;
   if (inner->change < 0)
     inner->change = largest_change(local);
-  bool known = memcmp(inner->iterated_on, inner->touched, (size_t)inner->domain_count) == 0;
+  bool known = memcmp(inner->iterated_on, inner->touched, (size_t)inner->subdomain_count) == 0;
   cost->factor = known ? inner->iteration_ratio : 1;
   if (options->max_iteration_ratio > 0)
     cost->factor = fmin(cost->factor, options->max_iteration_ratio);

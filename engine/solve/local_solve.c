@@ -123,7 +123,7 @@ static bw_status iterate(bw_context *context, bw_local_system *local,
       problem.converged ? problem.iterations : fmax(problem.predicted_iterations, limit);
   double seen = cost->factor * needed / cost->iterations;
   inner->iteration_ratio = fmin(fmax(seen, 0.1), problem.converged ? 10 : 3);
-  memcpy(inner->iterated_on, inner->touched, (size_t)inner->domain_count);
+  memcpy(inner->iterated_on, inner->touched, (size_t)inner->subdomain_count);
   if (problem.converged) {
     BW_TRY(bwi_steady_fields(context, local->system->dof_map, count, displacement));
   }

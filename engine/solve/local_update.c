@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* A system that follows edits is brought to another shape: dof_map, stiffness, and which domains
+/* A system that follows edits is brought to another shape: dof_map, stiffness, and which subdomains
  * the factor no longer knows. All that can fail is done before anything is changed. */
 #include <math.h>
 #include <string.h>
@@ -12,25 +12,25 @@
 
 /* ---- frames of supports -------------------------------------------------------------------- */
 
-/* The frame of a support at a node, seen from the node's domain; false where it has none. */
+/* The frame of a support at a node, seen from the node's subdomain; false where it has none. */
 static bool support_frame(const bw_local_system *local, const bw_dof_map *dof_map,
                           const double *frame, int32_t node, double seen[9]) {
   const bwi_local *inner = local->inner;
-  int32_t row = dof_map->frame_of[node], domain = inner->node_domain[node];
-  if (row < 0 || row >= dof_map->frame_count - inner->domain_count)
+  int32_t row = dof_map->frame_of[node], subdomain = inner->node_subdomain[node];
+  if (row < 0 || row >= dof_map->frame_count - inner->subdomain_count)
     return false;
   const double *own = dof_map->frame + 9 * (size_t)row;
-  if (domain < 0)
+  if (subdomain < 0)
     memcpy(seen, own, 9 * sizeof *seen);
-  for (int i = 0; domain >= 0 && i < 3; i++)
+  for (int i = 0; subdomain >= 0 && i < 3; i++)
     for (int j = 0; j < 3; j++)
-      seen[3 * i + j] = bw_dot(own + 3 * i, frame + 9 * (size_t)domain + 3 * j);
+      seen[3 * i + j] = bw_dot(own + 3 * i, frame + 9 * (size_t)subdomain + 3 * j);
   return true;
 }
 
 bw_status bwi_local_supports(bw_context *context, const bw_local_system *local,
                              const bw_dof_map *dof_map, const double *frame, double **reported) {
-  int32_t supports = dof_map->frame_count - local->inner->domain_count;
+  int32_t supports = dof_map->frame_count - local->inner->subdomain_count;
   double *made = BW_NEW(context, double, 9 * (size_t)supports);
   if (!made)
     return BW_MEMORY;
@@ -43,14 +43,14 @@ bw_status bwi_local_supports(bw_context *context, const bw_local_system *local,
   return BW_OK;
 }
 
-/* Mark the domains of the elements around nodes whose support has turned against their domain:
- * entries change there although the domains' own frames know nothing of it. `now` receives what was
- * reported, renewed where it changed. */
+/* Mark the subdomains of the elements around nodes whose support has turned against their
+ * subdomain: entries change there although the subdomains' own frames know nothing of it. `now`
+ * receives what was reported, renewed where it changed. */
 static void touch_turned_supports(const bw_local_system *local, const bw_dof_map *dof_map,
                                   const double *frame, double *now, uint8_t *touched) {
   const bwi_local *inner = local->inner;
   const bw_mesh *mesh = dof_map->mesh;
-  int32_t supports = dof_map->frame_count - inner->domain_count;
+  int32_t supports = dof_map->frame_count - inner->subdomain_count;
   if (supports == 0)
     return;
   for (int64_t e = 0; e < mesh->element_count; e++)
@@ -63,7 +63,7 @@ static void touch_turned_supports(const bw_local_system *local, const bw_dof_map
       for (int k = 0; k < 9; k++)
         off = fmax(off, fabs(seen[k] - before[k]));
       if (off > SAME_FRAME) {
-        touched[inner->element_domain[e]] = 1;
+        touched[inner->element_subdomain[e]] = 1;
         memcpy(now + 9 * (size_t)dof_map->frame_of[node], seen, sizeof seen);
       }
     }
@@ -86,7 +86,7 @@ static const bw_material *before_turns(const bw_material *material) {
   return material->turns ? material->unturned : material;
 }
 
-/* How far the turn of an element's material is from that of its domain since rest. */
+/* How far the turn of an element's material is from that of its subdomain since rest. */
 static double off_turn(const bw_material *rest, const bw_material *now, int64_t element,
                        const double frame[9]) {
   static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -101,29 +101,30 @@ static double off_turn(const bw_material *rest, const bw_material *now, int64_t 
   return off;
 }
 
-/* The model's material is the system's; where that turns with the domains, it has to be turned by
- * element as they lie now, since stresses are taken from it. */
+/* The model's material is the system's; where that turns with the subdomains, it has to be turned
+ * by element as they lie now, since stresses are taken from it. */
 static bw_status check_material(bw_context *context, const bw_local_system *local,
-                                const bw_model *model, const bw_domain_motion *motion) {
+                                const bw_model *model, const bw_subdomain_motion *motion) {
   const bwi_local *inner = local->inner;
   const bw_material *rest = inner->rest->material, *now = model->material;
   bool turns = inner->material_turns && !rest->isotropic;
   if (turns ? before_turns(now) != before_turns(rest) : now != rest)
     return bw_fail(context, BW_INVALID,
                    "the edited model has another material than the incremental system");
-  int32_t domain = -1, group = -1; /* of the element before */
+  int32_t subdomain = -1, group = -1; /* of the element before */
   for (int32_t e = 0; turns && e < model->mesh->element_count; e++) {
-    int32_t of = now->turns ? now->turns->of_element[e] : 0, d = inner->element_domain[e];
-    if (d == domain && of == group)
+    int32_t of = now->turns ? now->turns->of_element[e] : 0, d = inner->element_subdomain[e];
+    if (d == subdomain && of == group)
       continue;
-    domain = d;
+    subdomain = d;
     group = of;
     double off = off_turn(rest, now, e, motion[d].frame);
     if (!(off <= 1e-9)) {
-      bw_fail(context, BW_INVALID,
-              "element %d of the edited model has another material orientation than its domain %d "
-              "(off by %.3g): the orientation follows the domains (bw_model_turn_material)",
-              e + 1, d + 1, off);
+      bw_fail(
+          context, BW_INVALID,
+          "element %d of the edited model has another material orientation than its subdomain %d "
+          "(off by %.3g): the orientation follows the subdomains (bw_model_turn_material)",
+          e + 1, d + 1, off);
       bw_detail_number(context, "element", e + 1);
       return BW_INVALID;
     }
@@ -131,90 +132,90 @@ static bw_status check_material(bw_context *context, const bw_local_system *loca
   return BW_OK;
 }
 
-/* Domains whose nodes and frames are bit for bit those that were factored need nothing done again:
- * an edit that was taken back while the factor was left as it was. Where supports have frames of
- * their own, which hang on the facets around a node, only if the whole shape is back. `moved` is
- * room for domain_count. */
+/* Subdomains whose nodes and frames are bit for bit those that were factored need nothing done
+ * again: an edit that was taken back while the factor was left as it was. Where supports have
+ * frames of their own, which hang on the facets around a node, only if the whole shape is back.
+ * `moved` is room for subdomain_count. */
 static void forget_undone(bwi_local *inner, const bw_mesh *now, const bw_dof_map *dof_map,
                           uint8_t *moved) {
   const bw_mesh *before = inner->factored;
-  bool all = dof_map->frame_count > inner->domain_count, any = false;
-  size_t domains = (size_t)inner->domain_count, vector = 3 * sizeof(double);
-  for (size_t d = 0; d < domains; d++) {
+  bool all = dof_map->frame_count > inner->subdomain_count, any = false;
+  size_t subdomains = (size_t)inner->subdomain_count, vector = 3 * sizeof(double);
+  for (size_t d = 0; d < subdomains; d++) {
     moved[d] = memcmp(inner->frame + 9 * d, inner->factored_frame + 9 * d, 3 * vector) != 0;
     any |= moved[d] != 0;
   }
   for (int64_t e = 0; e < now->element_count; e++) {
-    int32_t d = inner->element_domain[e];
+    int32_t d = inner->element_subdomain[e];
     if (moved[d] || (!all && !inner->touched[d]))
       continue;
     const int32_t *node = now->element + e * now->nodes_per_element;
     for (int a = 0; a < now->nodes_per_element && !moved[d]; a++) {
       size_t at = 3 * (size_t)node[a];
-      int32_t of = inner->node_domain[node[a]];
+      int32_t of = inner->node_subdomain[node[a]];
       moved[d] = memcmp(now->node + at, before->node + at, vector) != 0 ||
                  (of >= 0 && memcmp(inner->frame + 9 * (size_t)of,
                                     inner->factored_frame + 9 * (size_t)of, 3 * vector) != 0);
     }
     any |= moved[d] != 0;
   }
-  for (size_t d = 0; d < domains; d++)
+  for (size_t d = 0; d < subdomains; d++)
     if (all ? !any : !moved[d])
       inner->touched[d] = 0;
 }
 
 bw_status bw_local_system_update(bw_context *context, bw_local_system *local, const bw_model *model,
-                                 const bw_domain_motion *motion, bw_reuse *reuse) {
+                                 const bw_subdomain_motion *motion, bw_reuse *reuse) {
   bw_status status = BW_OK;
   bwi_local *inner = local->inner;
   bw_system *system = local->system;
-  size_t domains = (size_t)inner->domain_count;
+  size_t subdomains = (size_t)inner->subdomain_count;
   bw_dof_map *dof_map = NULL;
-  bw_domain_change change;
+  bw_subdomain_change change;
   bool same;
   double start = bw_seconds(), *supports = NULL;
-  double *frame = BW_NEW(context, double, 9 * domains);
-  uint8_t *touched = BW_NEW0(context, uint8_t, domains);
+  double *frame = BW_NEW(context, double, 9 * subdomains);
+  uint8_t *touched = BW_NEW0(context, uint8_t, subdomains);
   if (!frame || !touched) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(check_model(context, local, model));
   BW_TRY(check_material(context, local, model, motion));
-  for (size_t d = 0; d < domains; d++)
+  for (size_t d = 0; d < subdomains; d++)
     memcpy(frame + 9 * d, motion[d].frame, 9 * sizeof *frame);
-  BW_TRY(bw_dof_map_follow(context, model, system->dof_map, inner->domain_count, inner->node_domain,
-                           frame, &same, &dof_map));
+  BW_TRY(bw_dof_map_follow(context, model, system->dof_map, inner->subdomain_count,
+                           inner->node_subdomain, frame, &same, &dof_map));
   same = same && dof_map->frame_count == system->dof_map->frame_count;
   BW_TRY(bwi_local_supports(context, local, dof_map, frame, &supports));
   double unknowns = bw_seconds() - start;
   uint64_t revision = local->stiffness->revision;
-  BW_TRY(bw_domain_stiffness_update(context, local->stiffness, model->mesh, motion, &change));
+  BW_TRY(bw_subdomain_stiffness_update(context, local->stiffness, model->mesh, motion, &change));
   double stiffness = bw_seconds() - start - unknowns;
 
   /* From here on nothing fails. */
   if (same) {
-    size_t count = 9 * (size_t)(dof_map->frame_count - inner->domain_count);
+    size_t count = 9 * (size_t)(dof_map->frame_count - inner->subdomain_count);
     memcpy(supports, inner->supports, count * sizeof *supports);
     touch_turned_supports(local, dof_map, frame, supports, touched);
   } else { /* the factor is of other unknowns */
     bw_release(inner->factor);
     inner->factor = NULL;
-    memset(touched, 1, domains);
+    memset(touched, 1, subdomains);
   }
   bw_free(inner->supports);
   inner->supports = supports;
   supports = NULL;
   int32_t count = 0;
-  for (size_t d = 0; d < domains; d++) {
+  for (size_t d = 0; d < subdomains; d++) {
     touched[d] |= local->stiffness->changed[d];
     count += touched[d];
     inner->touched[d] |= touched[d];
     inner->latest[d] = (inner->latest[d] && !inner->answered) || touched[d];
   }
   inner->answered = false;
-  memcpy(inner->motion, motion, domains * sizeof *motion);
-  memcpy(inner->frame, frame, 9 * domains * sizeof *frame);
+  memcpy(inner->motion, motion, subdomains * sizeof *motion);
+  memcpy(inner->frame, frame, 9 * subdomains * sizeof *frame);
   if (inner->factor && inner->factored)
     forget_undone(inner, model->mesh, dof_map, touched);
   inner->spent = 0;
@@ -236,11 +237,11 @@ bw_status bw_local_system_update(bw_context *context, bw_local_system *local, co
   system->factor = NULL;
   local->object.revision++;
   if (reuse) {
-    int32_t left = inner->domain_count - count;
-    *reuse = (bw_reuse){.pattern = true, .ordering = true, .domains = inner->domain_count};
-    reuse->domains_touched = count;
-    reuse->domains_kept = change.kept < left ? change.kept : left;
-    reuse->domains_turned = left - reuse->domains_kept;
+    int32_t left = inner->subdomain_count - count;
+    *reuse = (bw_reuse){.pattern = true, .ordering = true, .subdomains = inner->subdomain_count};
+    reuse->subdomains_changed = count;
+    reuse->subdomains_reused = change.kept < left ? change.kept : left;
+    reuse->subdomains_rotated = left - reuse->subdomains_reused;
     reuse->seconds_stiffness = stiffness;
     reuse->seconds_unknowns = unknowns;
   }

@@ -60,7 +60,7 @@ static bool order_fits(const bwi_order *order, const uint8_t *take, int32_t node
 }
 
 bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph, const bw_dof_map *dof_map,
-                           int32_t domain_count, const int32_t *element_domain,
+                           int32_t subdomain_count, const int32_t *element_subdomain,
                            const bw_edits *edits, bwi_symbolic *old, bwi_symbolic **symbolic) {
   bw_status status = BW_OK;
   int32_t nodes = graph->node_count;
@@ -75,9 +75,9 @@ bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph, const bw_
       goto done;
     }
     order = bw_retain(old->order);
-  } else if (element_domain)
-    BW_TRY(bwi_order_create_domains(context, graph, take, dof_map->mesh, domain_count,
-                                    element_domain, edits, &order));
+  } else if (element_subdomain)
+    BW_TRY(bwi_order_create_subdomains(context, graph, take, dof_map->mesh, subdomain_count,
+                                       element_subdomain, edits, &order));
   else
     BW_TRY(bwi_order_create(context, graph, take, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, dof_map->unknown, symbolic));

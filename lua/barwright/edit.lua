@@ -27,8 +27,8 @@ local properties = {}
 local rules = {
   skeleton = {type = "skeleton"}, -- left out: extracted from the surface
   bones = {type = "integer", default = 0, min = 0}, -- wanted of the extracted one
-  domains = {type = "domains"}, -- left out: from weights and thresholds
-  -- of the domains; left out: the engine's own
+  subdomains = {type = "subdomains"}, -- left out: from weights and thresholds
+  -- of the subdomains; left out: the engine's own
   threshold = {type = "number", above = 0, max = 1},
   thresholds = {type = "table", default = {}}, -- of single bones, by name
   share = {type = "number", min = 0, max = 1}, -- of what a bone moves most
@@ -71,7 +71,7 @@ local function misplaced(skeleton, mesh)
     .. "unit that of the part?"):format(#joints - inside, #joints, size * 1e3)
 end
 
-local function make_domains(mesh, opts)
+local function make_subdomains(mesh, opts)
   local skeleton, message, details = opts.skeleton
   if not skeleton then
     local surface
@@ -86,7 +86,7 @@ local function make_domains(mesh, opts)
   local weights
   weights, message, details = core.skinning_weights(mesh, skeleton, {heat = opts.heat})
   if not weights then return nil, message, details end
-  return core.domains(mesh, skeleton, weights, {threshold = opts.threshold,
+  return core.subdomains(mesh, skeleton, weights, {threshold = opts.threshold,
     bone_threshold = thresholds, share = opts.share == 0 and -1 or opts.share})
 end
 
@@ -98,16 +98,16 @@ local function begin(part, given)
     raise("edit: option 'material_turns': the part's material is turned by element already")
   end
   local mesh = part.mesh
-  local domains, message, details = opts.domains
-  if domains and domains.mesh ~= mesh then
-    raise("edit: option 'domains': domains of the part's own mesh expected")
+  local subdomains, message, details = opts.subdomains
+  if subdomains and subdomains.mesh ~= mesh then
+    raise("edit: option 'subdomains': subdomains of the part's own mesh expected")
   end
-  if not domains then
-    domains, message, details = make_domains(mesh, opts)
-    if not domains then return nil, message, details end
+  if not subdomains then
+    subdomains, message, details = make_subdomains(mesh, opts)
+    if not subdomains then return nil, message, details end
   end
-  local topology = edit_shape.topology(domains, edit_shape.floor(mesh, opts.quality))
-  local pose = edit_pose.rest(domains.skeleton.bone_count)
+  local topology = edit_shape.topology(subdomains, edit_shape.floor(mesh, opts.quality))
+  local pose = edit_pose.rest(subdomains.skeleton.bone_count)
   local shape
   shape, message, details = edit_shape.of(topology, pose, opts)
   if not shape then return nil, message, details end
@@ -268,15 +268,15 @@ function class:limit(name, limit)
   return edit_bone.limit(self, name, limit)
 end
 
---- Gives elements to a bone's domain, or (without a bone) takes them out of those that follow one. On
---- a refilled mesh the domains change as they were before it, and the pose is repaired anew.
+--- Gives elements to a bone's subdomain, or (without a bone) takes them out of those that follow one. On
+--- a refilled mesh the subdomains change as they were before it, and the pose is repaired anew.
 function class:assign(elements, bone)
   local state = current(self)
   if type(elements) == "userdata" then elements = elements:totable() end
-  local domains, message, details = edit_assign.domains(state.topology, elements, bone)
-  if not domains then return nil, message, details end
+  local subdomains, message, details = edit_assign.subdomains(state.topology, elements, bone)
+  if not subdomains then return nil, message, details end
   local fine
-  fine, message, details = commit(self, {topology = edit_shape.topology(domains, state.topology.floor),
+  fine, message, details = commit(self, {topology = edit_shape.topology(subdomains, state.topology.floor),
     script = ("session:assign(%s, %s)"):format(edit_script.list(elements),
       edit_script.value(bone))})
   if not fine then return nil, message, details end
@@ -376,8 +376,8 @@ function properties:rest()
   return self.history[1].topology.mesh
 end
 
-function properties:domains()
-  return current(self).topology.domains
+function properties:subdomains()
+  return current(self).topology.subdomains
 end
 
 function properties:skeleton()
@@ -416,7 +416,7 @@ local function result_now(self)
   return self:solve()
 end
 
---- Writes the fields of the current shape: those of bw.Static, and the domains.
+--- Writes the fields of the current shape: those of bw.Static, and the subdomains.
 function class:write(path, given)
   current(self)
   local result, message, details = result_now(self)
@@ -427,7 +427,7 @@ function class:write(path, given)
   if opts.fields ~= nil
     and type(opts.fields) ~= "table" then raise "write: option 'fields': a table of arrays expected" end
   for key, value in pairs(opts.fields or {}) do fields[key] = value end
-  fields.domain = fields.domain or {self.domains.element_domain, on = "elements"}
+  fields.subdomain = fields.subdomain or {self.subdomains.element_subdomain, on = "elements"}
   opts.fields = fields
   return result:write(path, opts)
 end
@@ -474,9 +474,9 @@ class.__close = class.close
 function class:__tostring()
   local state = self.history[self.position]
   if not state then return "edit session (closed)" end
-  local domains = state.topology.domains
-  local lines = {("edit session on %s; %d bones, %d domains"):format(tostring(state.shape.mesh),
-    state.topology.skeleton.bone_count, domains.count)}
+  local subdomains = state.topology.subdomains
+  local lines = {("edit session on %s; %d bones, %d subdomains"):format(tostring(state.shape.mesh),
+    state.topology.skeleton.bone_count, subdomains.count)}
   if self.position == 1 then
     lines[1] = lines[1] .. "; no edits"
   else

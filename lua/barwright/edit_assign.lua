@@ -1,9 +1,9 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Elements given to a bone by hand. Domains are made at rest, and the mesh at rest of a refilled
+-- Elements given to a bone by hand. Subdomains are made at rest, and the mesh at rest of a refilled
 -- topology only carries positions (edit_shape); so a choice made on a refilled mesh is taken back to
 -- the mesh that was filled again, and from there the pose is repaired anew. Elements that were kept
 -- are the same there; one that was replaced goes with the new one that lies nearest at rest, of
--- those of its domain.
+-- those of its subdomain.
 local core = require "barwright.core"
 
 local edit_assign = {}
@@ -22,9 +22,9 @@ local function centroids(mesh, elements)
   return out
 end
 
--- The elements of each domain, of those in the list.
-local function by_domain(topology, elements)
-  local lists, label = {}, topology.domains.element_domain
+-- The elements of each subdomain, of those in the list.
+local function by_subdomain(topology, elements)
+  local lists, label = {}, topology.subdomains.element_subdomain
   for _, e in ipairs(elements) do
     local d = label[e]
     lists[d] = lists[d] or {}
@@ -60,8 +60,8 @@ local function taken_back(topology, elements)
     if not kept[e] then replaced[#replaced + 1] = e end
   end
   local here, there = centroids(topology.mesh, made), centroids(former.mesh, replaced)
-  local new = by_domain(topology, made)
-  for d, list in pairs(by_domain(former, replaced)) do
+  local new = by_subdomain(topology, made)
+  for d, list in pairs(by_subdomain(former, replaced)) do
     for _, e in ipairs(list) do
       if chosen[nearest(there[e], new[d] or {}, here)] then out[#out + 1] = e end
     end
@@ -70,9 +70,9 @@ local function taken_back(topology, elements)
   return out
 end
 
---- The domains of a topology with elements given to a bone (nil: taken out of those that follow one),
+--- The subdomains of a topology with elements given to a bone (nil: taken out of those that follow one),
 --- on the mesh as it was before it was refilled; or nil, message, details.
-function edit_assign.domains(topology, elements, bone)
+function edit_assign.subdomains(topology, elements, bone)
   local count = topology.mesh.element_count
   if type(elements) ~= "table" then core.raise "assign: a list of elements expected" end
   for _, e in ipairs(elements) do
@@ -80,7 +80,7 @@ function edit_assign.domains(topology, elements, bone)
       core.raise(("assign: elements from 1 to %d expected, got %s"):format(count, core.got(e)))
     end
   end
-  if not topology.former then return topology.domains:assign(elements, bone) end
+  if not topology.former then return topology.subdomains:assign(elements, bone) end
   repeat
     elements, topology = taken_back(topology, elements), topology.former
   until not topology.former
@@ -88,12 +88,12 @@ function edit_assign.domains(topology, elements, bone)
     return nil, "assign: of the elements before the mesh was refilled none lies where these do",
       {status = "geometry"}
   end
-  local fine, domains, message, details = pcall(topology.domains.assign, topology.domains, elements, bone)
+  local fine, subdomains, message, details = pcall(topology.subdomains.assign, topology.subdomains, elements, bone)
   if not fine then
     core.raise("assign, on the mesh as it was before it was refilled: "
-      .. domains:gsub("^[^\n]-:%d+: ", ""))
+      .. subdomains:gsub("^[^\n]-:%d+: ", ""))
   end
-  return domains, message, details
+  return subdomains, message, details
 end
 
 return edit_assign

@@ -122,11 +122,11 @@ local function place(session, joint)
   return row:totable()[1]
 end
 
---- The number of the domain that follows this bone alone, or nil: then the bone only takes part in
+--- The number of the subdomain that follows this bone alone, or nil: then the bone only takes part in
 --- blending, or moves nothing but what hangs on it.
-function properties:domain()
-  for i, domain in ipairs(state_of(self.session).topology.domains) do
-    if domain.bone == self.name then return i end
+function properties:subdomain()
+  for i, subdomain in ipairs(state_of(self.session).topology.subdomains) do
+    if subdomain.bone == self.name then return i end
   end
 end
 
@@ -160,7 +160,7 @@ function class:__tostring()
   return ("bone %s from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) mm, %s"):format(self.name,
     from[1] * 1e3, from[2] * 1e3, from[3] * 1e3, to[1] * 1e3, to[2] * 1e3, to[3] * 1e3,
     #parts > 0 and table.concat(parts, ", ") or "at rest")
-    .. (self.domain and "" or "; no domain follows it alone")
+    .. (self.subdomain and "" or "; no subdomain follows it alone")
 end
 
 class.__index = members("a bone", class, properties)

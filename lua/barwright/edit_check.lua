@@ -44,7 +44,7 @@ return function(session)
   demand(history[position], "the session is at state %d of %d", position, #history)
   demand(history[position].shape, "the state that stands has no shape")
   for i, state in ipairs(history) do
-    demand(state.topology.domains.mesh == state.topology.mesh, "state %d has domains of another mesh", i)
+    demand(state.topology.subdomains.mesh == state.topology.mesh, "state %d has subdomains of another mesh", i)
     demand(i == 1 or type(state.script) == "string", "state %d cannot be replayed", i)
     check_pose(i, state)
     if state.shape then check_shape(i, state) end

@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The equations of a session. One local system follows the edits within a topology; another topology
--- (a refilled mesh, other domains) needs another system, made at the shape it is needed for. What a
+-- (a refilled mesh, other subdomains) needs another system, made at the shape it is needed for. What a
 -- solve reused is told in words.
 local core = require "barwright.core"
 local edit_motion = require "barwright.edit_motion"
@@ -8,7 +8,7 @@ local edit_motion = require "barwright.edit_motion"
 local edit_follow = {}
 
 --- A part given on the original mesh, with its supports and loads on the shape of a state. Where the
---- material turns with the bones, every piece has its own directions there.
+--- material turns with the bones, every subdomain has its own directions there.
 function edit_follow.model(state, part)
   local shape, topology = state.shape, state.topology
   local model, message, details
@@ -20,15 +20,15 @@ function edit_follow.model(state, part)
   if not model then return nil, message, details end
   if shape.material_turns and not shape.at_rest then
     local motion
-    motion, message, details = topology.domains:motion(shape.maps, shape.rotations)
+    motion, message, details = topology.subdomains:motion(shape.maps, shape.rotations)
     if not motion then return nil, message, details end
-    return core.turn_material(model, topology.domains, motion)
+    return core.turn_material(model, topology.subdomains, motion)
   end
   return model
 end
 
 local function make(owner, state, model)
-  local system, message, details = core.local_system(model, state.topology.domains, state.shape.material_turns)
+  local system, message, details = core.local_system(model, state.topology.subdomains, state.shape.material_turns)
   if not system then return nil, message, details end
   local memory
   memory, message, details = edit_motion.begin(state.shape)
@@ -79,8 +79,8 @@ local methods = {
 
 function core.tables.reuse:__tostring()
   local function yes(flag) return flag and "yes" or "no" end
-  local text = ("pattern %s, ordering %s, %d of %d pieces, %s"):format(yes(self.pattern),
-    yes(self.ordering), self.pieces - self.pieces_touched, self.pieces,
+  local text = ("pattern %s, ordering %s, %d of %d subdomains, %s"):format(yes(self.pattern),
+    yes(self.ordering), self.subdomains - self.subdomains_changed, self.subdomains,
     (methods[self.method] or methods.refactor)(self))
   if self.precision == 32 then text = text .. " in single precision" end
   if self.mesh and self.mesh ~= "posed" then text = text .. "; mesh " .. self.mesh end
@@ -88,10 +88,10 @@ function core.tables.reuse:__tostring()
 end
 
 -- Of equations that were made for this solve.
-local function complete_new(reuse, pieces)
+local function complete_new(reuse, subdomains)
   reuse.pattern, reuse.ordering = false, false
-  reuse.pieces, reuse.pieces_kept, reuse.pieces_turned = pieces, 0, 0
-  reuse.pieces_touched, reuse.factor_kept = pieces, 0
+  reuse.subdomains, reuse.subdomains_reused, reuse.subdomains_rotated = subdomains, 0, 0
+  reuse.subdomains_changed, reuse.factor_kept = subdomains, 0
   if reuse.method ~= "pcg" then reuse.method = "scratch" end
 end
 
@@ -115,7 +115,7 @@ function edit_follow.solve(session, state, given, part)
   if not result then return nil, reuse, details end
   local near = record.near[case] or {}
   record.near[case] = {result.displacement, table.unpack(near, 1, solutions - 1)}
-  if not before then complete_new(reuse, state.topology.domains.piece_count) end
+  if not before then complete_new(reuse, state.topology.subdomains.stiffness_subdomain_count) end
   reuse.mesh = state.note or "posed"
   reused[result] = reuse
   return result

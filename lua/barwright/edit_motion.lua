@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- How each piece lies now against the shape that a local system was made at. The engine tells it
--- against rest (domains:motion); a system made at an edited shape, as after a refill, counts from
--- there: by the maps that take its bones from then to now, which are one map when the piece moved as
+-- How each subdomain lies now against the shape that a local system was made at. The engine tells it
+-- against rest (subdomains:motion); a system made at an edited shape, as after a refill, counts from
+-- there: by the maps that take its bones from then to now, which are one map when the subdomain moved as
 -- a whole between the two.
 local edit_pose = require "barwright.edit_pose"
 
@@ -50,7 +50,7 @@ end
 --- What a system made at this shape has to remember.
 function edit_motion.begin(shape)
   if shape.at_rest then return {relaxed = {}} end
-  local motion, message, details = shape.topology.domains:motion(shape.maps, shape.rotations)
+  local motion, message, details = shape.topology.subdomains:motion(shape.maps, shape.rotations)
   if not motion then return nil, message, details end
   local turned = {}
   for p, row in ipairs(motion:totable()) do
@@ -60,17 +60,17 @@ function edit_motion.begin(shape)
     size = largest_coordinate(shape.mesh)}
 end
 
---- The rows that bring a system to a shape. A piece is reshaped where its bones moved differently,
+--- The rows that bring a system to a shape. A subdomain is reshaped where its bones moved differently,
 --- or where its inner nodes are relaxed in one of the two.
 function edit_motion.rows(memory, shape)
   local topology = shape.topology
-  local reported, message, details = topology.domains:motion(shape.maps, shape.rotations)
+  local reported, message, details = topology.subdomains:motion(shape.maps, shape.rotations)
   if not reported then return nil, message, details end
   local motion = reported:totable()
   local now = memory.maps and shape.maps:totable()
   for p, row in ipairs(motion) do
     if now then
-      local linear = common_map(topology.piece_bones[p], memory.maps, now, memory.size)
+      local linear = common_map(topology.stiffness_subdomain_bones[p], memory.maps, now, memory.size)
       local frame = edit_pose.multiply(memory.turned[p], {table.unpack(row, 10, 18)})
       table.move(linear or edit_pose.identity, 1, 9, 1, row)
       table.move(frame, 1, 9, 10, row)

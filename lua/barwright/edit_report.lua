@@ -21,10 +21,10 @@ local function data_of(session, state, result)
   local surface, nodes, details = mesh:surface()
   if not surface then return nil, nodes, details end
   local data = report.data(surface)
-  local labels = core.array.map("a + 0", {a = session.domains.node_domain})
+  local labels = core.array.map("a + 0", {a = session.subdomains.node_subdomain})
   data.fields[1] = {name = "von Mises stress", unit = "MPa",
     values = report.floats(result.von_mises:gather(nodes) * 1e-6)}
-  data.fields[2] = {name = "domain", unit = "", values = report.floats(labels:gather(nodes))}
+  data.fields[2] = {name = "subdomain", unit = "", values = report.floats(labels:gather(nodes))}
   data.displacements[1] = {name = "under its loads", kind = "load",
     values = report.floats(result.displacement:gather(nodes)), field = 0, arrows = json.list {}}
   data.displacements[2] = {name = "as it was drawn", kind = "shape",

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The mesh of a pose. The shape is a function of the topology (domains on a mesh at rest) and the
+-- The mesh of a pose. The shape is a function of the topology (subdomains on a mesh at rest) and the
 -- pose alone: posed from rest, and where that inverts elements, inner nodes relaxed from there. So
 -- the same pose gives the same nodes, whatever came before it, and undo need not keep meshes.
 -- What relaxing cannot repair is refilled, which makes another topology.
@@ -11,22 +11,22 @@ local edit_shape = {}
 -- The topologies made here: a script cannot make one by hand.
 local topologies = setmetatable({}, {__mode = "k"})
 
---- A topology: domains, what is asked about them often, the quality below which elements are
+--- A topology: subdomains, what is asked about them often, the quality below which elements are
 --- repaired, and the numbers that the nodes have in the part as it was given (nil: the same). A refilled
 --- one also has the topology before it (`former`), and where its elements were there.
-function edit_shape.topology(domains, floor, node_from)
-  local skeleton, mesh = domains.skeleton, domains.mesh
+function edit_shape.topology(subdomains, floor, node_from)
+  local skeleton, mesh = subdomains.skeleton, subdomains.mesh
   local number = {}
   for i, name in ipairs(skeleton.bone_names) do number[name] = i end
   local list = {}
-  for d, domain in ipairs(domains) do
+  for d, subdomain in ipairs(subdomains) do
     local bones = {}
-    for k, name in ipairs(domain.bones) do bones[k] = number[name] end
-    list[d] = {bones = bones, type = domain.type, adjacent = domain.adjacent,
-      elements = domain.elements}
+    for k, name in ipairs(subdomain.bones) do bones[k] = number[name] end
+    list[d] = {bones = bones, type = subdomain.type, adjacent = subdomain.adjacent,
+      elements = subdomain.elements}
   end
-  local made = {domains = domains, skeleton = skeleton, mesh = mesh, list = list, box = mesh.box,
-    piece_bones = domains.piece_bones, node_from = node_from, floor = floor}
+  local made = {subdomains = subdomains, skeleton = skeleton, mesh = mesh, list = list, box = mesh.box,
+    stiffness_subdomain_bones = subdomains.stiffness_subdomain_bones, node_from = node_from, floor = floor}
   topologies[made] = true
   return made
 end
@@ -40,11 +40,11 @@ function edit_shape.floor(mesh, quality)
   return math.max(0, math.min(quality, mesh:shapes():min() / 2))
 end
 
--- The domains of the elements that are no better than the floor, as a set.
-local function poor_domains(topology, nodes)
+-- The subdomains of the elements that are no better than the floor, as a set.
+local function poor_subdomains(topology, nodes)
   local poor = topology.mesh:shapes(nodes):map("a <= bound", {bound = topology.floor}):where()
   local set = {}
-  for _, d in ipairs(topology.domains.element_domain:gather(poor):totable()) do set[d] = true end
+  for _, d in ipairs(topology.subdomains.element_subdomain:gather(poor):totable()) do set[d] = true end
   return set
 end
 
@@ -57,21 +57,21 @@ local function with_neighbours(topology, set)
   return out
 end
 
---- One number for every domain: 1 for those of the set.
+--- One number for every subdomain: 1 for those of the set.
 function edit_shape.flags(topology, set)
   local flags = {}
   for d = 1, #topology.list do flags[d] = set[d] and 1 or 0 end
   return core.array(flags, "u8")
 end
 
--- Inner nodes of the domains of the set are moved until nothing is inverted.
+-- Inner nodes of the subdomains of the set are moved until nothing is inverted.
 local function relax(topology, shape, nodes, set)
-  local mask = edit_shape.flags(topology, set):gather(topology.domains.node_domain)
+  local mask = edit_shape.flags(topology, set):gather(topology.subdomains.node_subdomain)
   local relaxed, report, details = topology.mesh:relax(nodes, mask)
   if not relaxed then return nil, report, details end
   local moved = core.array.map("norm(a) > 0", {a = relaxed - nodes})
   shape.relaxed = {}
-  for _, p in ipairs(topology.domains:pieces_touched(moved)) do shape.relaxed[p] = true end
+  for _, p in ipairs(topology.subdomains:stiffness_subdomains_touched(moved)) do shape.relaxed[p] = true end
   if next(shape.relaxed) then shape.how = "relaxed" end
   return relaxed
 end
@@ -97,15 +97,15 @@ local function refusal(topology, nodes, judged)
   for k = 1, 4 do
     x, y, z = x + nodes(corners[k], 1), y + nodes(corners[k], 2), z + nodes(corners[k], 3)
   end
-  local domain = topology.domains[topology.domains.element_domain[element]]
+  local subdomain = topology.subdomains[topology.subdomains.element_subdomain[element]]
   return ("the edit inverts %d element%s; the worst is element %d at (%.4g, %.4g, %.4g) mm, between %s")
     :format(judged.inverted, judged.inverted == 1 and "" or "s", element, x * 250, y * 250, z * 250,
-      table.concat(domain.bones, ", "))
+      table.concat(subdomain.bones, ", "))
 end
 
--- Relaxing in two rounds: blended domains alone, then with their neighbours.
+-- Relaxing in two rounds: blended subdomains alone, then with their neighbours.
 local function relaxed_nodes(topology, shape, nodes)
-  local set = poor_domains(topology, nodes)
+  local set = poor_subdomains(topology, nodes)
   local out, message, details = relax(topology, shape, nodes, set)
   if out or details.status == "memory" or details.status == "cancelled" then
     return out, message, details
@@ -113,14 +113,14 @@ local function relaxed_nodes(topology, shape, nodes)
   return relax(topology, shape, nodes, with_neighbours(topology, set))
 end
 
---- The shape of a pose: {maps, rotations, mesh, how = "posed" | "relaxed", relaxed = set of pieces,
+--- The shape of a pose: {maps, rotations, mesh, how = "posed" | "relaxed", relaxed = set of subdomains,
 --- topology, material_turns}. Where elements are inverted and stay so, a fourth value has what refilling
 --- starts from.
 function edit_shape.of(topology, pose, opts)
   local maps, rotations, details = topology.skeleton:pose_maps(pose)
   if not maps then return nil, rotations, details end
   local nodes, message
-  nodes, message, details = topology.domains:posed_nodes(maps)
+  nodes, message, details = topology.subdomains:posed_nodes(maps)
   if not nodes then return nil, message, details end
   if is_far(topology, nodes) then
     return nil, ("the edit takes nodes farther away than %.0g times the part's size: is a factor or a length "
@@ -142,13 +142,13 @@ function edit_shape.of(topology, pose, opts)
     if not final then
       return nil, refusal(topology, nodes, inverted), {status = "geometry",
         element = inverted.worst, inverted = inverted.inverted},
-        {nodes = nodes, maps = maps, domains = poor_domains(topology, nodes)}
+        {nodes = nodes, maps = maps, subdomains = poor_subdomains(topology, nodes)}
     end
   end
   shape.mesh, message, details = topology.mesh:moved(final)
   if not shape.mesh then
     return nil, message, details, details.status == "geometry"
-      and {nodes = nodes, maps = maps, domains = poor_domains(topology, nodes)} or nil
+      and {nodes = nodes, maps = maps, subdomains = poor_subdomains(topology, nodes)} or nil
   end
   return shape
 end
@@ -162,20 +162,20 @@ local function compose(before, node_from)
   return before:scatter(core.array.range(2, count + 1), count + 1):gather(node_from + 1)
 end
 
--- The topology with new elements in the blended domains of the set.
+-- The topology with new elements in the blended subdomains of the set.
 local function refill(topology, inverted)
   local set, any = {}, false
-  for d in pairs(inverted.domains) do
+  for d in pairs(inverted.subdomains) do
     if topology.list[d].type == "F" then set[d], any = true, true end
   end
-  if not any then return nil, "no blended domain is inverted", {status = "geometry"} end
-  local mask = edit_shape.flags(topology, set):gather(topology.domains.element_domain)
+  if not any then return nil, "no blended subdomain is inverted", {status = "geometry"} end
+  local mask = edit_shape.flags(topology, set):gather(topology.subdomains.element_subdomain)
   local mesh, node_from, element_from = topology.mesh:refill(inverted.nodes, mask)
   if not mesh then return nil, node_from, element_from end
-  local domains, message, details = topology.domains:refilled(inverted.maps, mask, mesh, node_from,
+  local subdomains, message, details = topology.subdomains:refilled(inverted.maps, mask, mesh, node_from,
     element_from)
-  if not domains then return nil, message, details end
-  local other = edit_shape.topology(domains, topology.floor, compose(topology.node_from, node_from))
+  if not subdomains then return nil, message, details end
+  local other = edit_shape.topology(subdomains, topology.floor, compose(topology.node_from, node_from))
   other.former, other.element_from = topology, element_from
   return other
 end

@@ -16,8 +16,8 @@ function live_frame.scene(state, id, about)
   local skeleton, bones = topology.skeleton, json.list {}
   local ends, parents = skeleton.bones:totable(), skeleton.parents:totable()
   local alone = {}
-  for _, domain in ipairs(topology.domains) do
-    if domain.bone then alone[domain.bone] = true end
+  for _, subdomain in ipairs(topology.subdomains) do
+    if subdomain.bone then alone[subdomain.bone] = true end
   end
   for b, name in ipairs(skeleton.bone_names) do
     bones[b] = {name = name, head = ends[b][1] - 1, tail = ends[b][2] - 1, parent = parents[b] - 1,

@@ -57,7 +57,7 @@ local function note(self, point, t)
 end
 
 -- Where the mesh stopped all steps: goes to the farthest of their shapes that can be had by filling
--- domains again. Returns the point there, on the new mesh, or false.
+-- subdomains again. Returns the point there, on the new mesh, or false.
 local function refill(self)
   self.refills = self.refills + 1
   for _, t in ipairs(self.blocked) do
@@ -241,7 +241,7 @@ local function refuse(self, word)
     text = text .. "; at their bounds are " .. table.concat(active, ", ")
   elseif self.inverted then
     text = text .. "; further steps are stopped by the mesh: " .. self.inverted .. " (wider blended "
-      .. "domains, by a higher 'threshold' of the session, fold later)"
+      .. "subdomains, by a higher 'threshold' of the session, fold later)"
   end
   return nil, text, {status = statuses[word], best = found, von_mises = best.point.max}
 end

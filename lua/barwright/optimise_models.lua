@@ -25,10 +25,10 @@ local function constrain(self, case, node)
   return true
 end
 
---- Constrains the highest nodes above the limit, one for each domain and case, a few at a time.
+--- Constrains the highest nodes above the limit, one for each subdomain and case, a few at a time.
 --- Returns whether a new one was among them.
 function models.constrain_peaks(self, point)
-  local node_domain, new = self.stage.topology.domains.node_domain, false
+  local node_subdomain, new = self.stage.topology.subdomains.node_subdomain, false
   for i, case in ipairs(point.cases) do
     local high = case.von_mises:above(self.limit * (1 + margin)):where()
     if #high > 0 then
@@ -37,9 +37,9 @@ function models.constrain_peaks(self, point)
       local rank = values:order()
       for k = #high, 1, -1 do
         local node = math.tointeger(high[rank[k]])
-        local domain = node_domain[node]
-        if not seen[domain] then
-          seen[domain], count = true, count + 1
+        local subdomain = node_subdomain[node]
+        if not seen[subdomain] then
+          seen[subdomain], count = true, count + 1
           new = constrain(self, i, node) or new
           if count == peaks_at_once then break end
         end
@@ -71,7 +71,7 @@ local function spread(stresses, nodes, level, distance, list, count)
   return list
 end
 
---- Constrains nodes that are not yet above the limit, or are not the highest of their domain: what a
+--- Constrains nodes that are not yet above the limit, or are not the highest of their subdomain: what a
 --- step would bring up next. For points whose adjoint solutions are cheap.
 function models.watch(self, point)
   local mesh = point.state.shape.mesh

@@ -34,7 +34,7 @@ end
 
 --- How every node moves with one factor (1 to 3) of a bone.
 function stage:derivative(bone, axis)
-  return self.topology.domains:pose_derivative(self.pose, bone, axis)
+  return self.topology.subdomains:pose_derivative(self.pose, bone, axis)
 end
 
 -- Fields near the solutions of a load case: its last displacements, and the last adjoint displacements,

@@ -111,7 +111,7 @@ local function add_bone(self, bone)
   return true
 end
 
---- Takes in the bones of domains that have stresses above the limit, or are next to a blended domain
+--- Takes in the bones of subdomains that have stresses above the limit, or are next to a blended subdomain
 --- that has; where the bones were named, all these and no others. The set only grows.
 function unknowns.choose(self, point)
   for _, bone in ipairs(self.only or {}) do
@@ -119,13 +119,13 @@ function unknowns.choose(self, point)
     if not fine then return nil, message, details end
   end
   if self.only then return true end
-  local domains = self.stage.topology.domains
+  local subdomains = self.stage.topology.subdomains
   for _, case in ipairs(point.cases) do
-    for _, d in ipairs(domains:touched(case.von_mises:above(self.opts.von_mises))) do
-      local domain = domains[d]
-      local near = domain.type == "R" and {d} or domain.adjacent
+    for _, d in ipairs(subdomains:touched(case.von_mises:above(self.opts.von_mises))) do
+      local subdomain = subdomains[d]
+      local near = subdomain.type == "R" and {d} or subdomain.adjacent
       for _, other in ipairs(near) do
-        local bone = domains[other].bone
+        local bone = subdomains[other].bone
         if bone then
           local fine, message, details = add_bone(self, self.stage.topology.skeleton:bone(bone).index)
           if not fine then return nil, message, details end

@@ -148,7 +148,7 @@ int lbw_cached(lua_State *L, const char *key, lua_CFunction compute);
 
 extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_selection_class,
     lbw_material_class, lbw_model_class, lbw_static_class, lbw_modes_class, lbw_system_class,
-    lbw_weak_regions_class, lbw_pressure_basis_class, lbw_skeleton_class, lbw_domains_class,
+    lbw_weak_regions_class, lbw_pressure_basis_class, lbw_skeleton_class, lbw_subdomains_class,
     lbw_local_system_class, lbw_live_server_class, lbw_outline_class, lbw_sheet_class,
     lbw_plane_mesh_class, lbw_mesh_motion_class, lbw_flow_class, lbw_plate_class, lbw_grid_class,
     lbw_embedding_class, lbw_job_class, lbw_canvas_class, lbw_database_class, lbw_lock_class,
@@ -187,8 +187,8 @@ int lbw_check_axis(lua_State *L, int argument);
 /* A bone or a joint by name, or by number from 1. */
 int32_t lbw_check_bone(lua_State *L, int argument, const bw_skeleton *skeleton);
 int32_t lbw_check_joint(lua_State *L, int argument, const bw_skeleton *skeleton);
-/* A row of 19 numbers for every domain (see pose.c), as structs in a userdata that is pushed. */
-bw_domain_motion *lbw_read_motion(lua_State *L, int argument, int32_t count);
+/* A row of 19 numbers for every subdomain (see pose.c), as structs in a userdata that is pushed. */
+bw_subdomain_motion *lbw_read_motion(lua_State *L, int argument, int32_t count);
 /* The words for bw_local_method; ends with NULL. */
 extern const char *const lbw_local_methods[];
 /* options.guess, a list of fields on a mesh of `nodes` nodes; they stay on the stack. */
@@ -310,7 +310,7 @@ void lbw_open_patch_gradient(lua_State *L);
 void lbw_open_picture(lua_State *L);
 void lbw_open_canvas(lua_State *L);
 void lbw_open_skeleton(lua_State *L);
-void lbw_open_domains(lua_State *L);
+void lbw_open_subdomains(lua_State *L);
 void lbw_open_pose(lua_State *L);
 void lbw_open_repair(lua_State *L);
 void lbw_open_refine(lua_State *L);

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Systems that follow edits: the equations of a body cut into pieces, kept up to date, and what an
- * update and a solve reused, as a table. The box's second reference is to the domains. */
+/* Systems that follow edits: the equations of a body cut into subdomains, kept up to date, and what
+ * an update and a solve reused, as a table. The box's second reference is to the subdomains. */
 #include "bind.h"
 
 #include <stdio.h>
@@ -10,23 +10,23 @@ static bw_local_system *self(lua_State *L) {
   return (bw_local_system *)lbw_check(L, 1, &lbw_local_system_class);
 }
 
-static int32_t piece_count(lua_State *L) {
+static int32_t subdomain_count(lua_State *L) {
   const lbw_box *box = lbw_check_box(L, 1, &lbw_local_system_class);
-  return ((const bw_domains *)box->extra)->piece_count;
+  return ((const bw_subdomains *)box->extra)->stiffness.count;
 }
 
 const char *const lbw_local_methods[] = {"auto", "refactor", "iterate", "scratch", "pcg", NULL};
 
 /* ---- what was reused ------------------------------------------------------------------------- */
 
-/* The domains of a local system are the pieces of bw_domains, and are called so here. */
+/* The subdomains of a local system are the stiffness subdomains of bw_subdomains. */
 #define KEYS_OF_REUSE(BOOLEAN, INTEGER, NUMBER)                                                    \
   BOOLEAN(pattern, pattern)                                                                        \
   BOOLEAN(ordering, ordering)                                                                      \
-  INTEGER(domains, pieces)                                                                         \
-  INTEGER(domains_kept, pieces_kept)                                                               \
-  INTEGER(domains_turned, pieces_turned)                                                           \
-  INTEGER(domains_touched, pieces_touched)                                                         \
+  INTEGER(subdomains, subdomains)                                                                  \
+  INTEGER(subdomains_reused, subdomains_reused)                                                    \
+  INTEGER(subdomains_rotated, subdomains_rotated)                                                  \
+  INTEGER(subdomains_changed, subdomains_changed)                                                  \
   NUMBER(factor_kept, factor_kept)                                                                 \
   INTEGER(iterations, iterations)                                                                  \
   INTEGER(precision, precision)                                                                    \
@@ -94,43 +94,45 @@ static int leave_with_reuse(lua_State *L, bw_status status, const bw_reuse *reus
 
 /* ---- making, following, solving -------------------------------------------------------------- */
 
-/* turn_material(model, domains, motion): model; its material turned as each piece lies by rows as
- * those of domains:motion */
+/* turn_material(model, subdomains, motion): model; its material turned as each subdomain lies by
+ * rows as those of subdomains:motion */
 static int core_turn_material(lua_State *L) {
   bw_model *model = (bw_model *)lbw_check(L, 1, &lbw_model_class);
-  const bw_domains *domains = (const bw_domains *)lbw_check(L, 2, &lbw_domains_class);
-  lbw_argument_check(L, domains->mesh->element_count == model->mesh->element_count, 2,
-                     "domains of the model's mesh expected");
-  const bw_domain_motion *motion = lbw_read_motion(L, 3, domains->piece_count);
-  double *turn = (double *)lua_newuserdatauv(L, (size_t)domains->piece_count * 9 * sizeof *turn, 0);
-  for (int32_t p = 0; p < domains->piece_count; p++)
+  const bw_subdomains *subdomains = (const bw_subdomains *)lbw_check(L, 2, &lbw_subdomains_class);
+  lbw_argument_check(L, subdomains->mesh->element_count == model->mesh->element_count, 2,
+                     "subdomains of the model's mesh expected");
+  const bw_subdomain_motion *motion = lbw_read_motion(L, 3, subdomains->stiffness.count);
+  double *turn =
+      (double *)lua_newuserdatauv(L, (size_t)subdomains->stiffness.count * 9 * sizeof *turn, 0);
+  for (int32_t p = 0; p < subdomains->stiffness.count; p++)
     for (int r = 0; r < 3; r++)
       for (int c = 0; c < 3; c++)
         turn[9 * (size_t)p + (size_t)(3 * r + c)] = motion[p].frame[3 * c + r];
-  bw_status status = bw_model_turn_material(lbw_enter(L), model, domains->piece_count,
-                                            domains->element_piece, turn);
+  bw_status status = bw_model_turn_material(lbw_enter(L), model, subdomains->stiffness.count,
+                                            subdomains->stiffness.of_element, turn);
   lua_pushvalue(L, 1);
   return lbw_leave(L, status, 1);
 }
 
-/* local_system(model, domains, material_turns): the model at the shape that later motions count
+/* local_system(model, subdomains, material_turns): the model at the shape that later motions count
  * from */
 static int core_local_system(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
-  const bw_domains *domains = (const bw_domains *)lbw_check(L, 2, &lbw_domains_class);
+  const bw_subdomains *subdomains = (const bw_subdomains *)lbw_check(L, 2, &lbw_subdomains_class);
   lbw_argument_check(L,
-                     domains->mesh->node_count == model->mesh->node_count &&
-                         domains->mesh->element_count == model->mesh->element_count,
-                     2, "domains of the model's mesh expected");
+                     subdomains->mesh->node_count == model->mesh->node_count &&
+                         subdomains->mesh->element_count == model->mesh->element_count,
+                     2, "subdomains of the model's mesh expected");
   lbw_box *box = lbw_box_new(L, &lbw_local_system_class);
   bw_local_system *local = NULL;
   bool material_turns = lua_toboolean(L, 3);
-  bw_edits edits = {domains->skeleton->bone_count, domains->piece_bone_start, domains->piece_bone};
-  bw_status status =
-      bw_local_system_create(lbw_enter(L), model, material_turns, domains->piece_count,
-                             domains->element_piece, domains->node_piece, &edits, &local);
+  bw_edits edits = {subdomains->skeleton->bone_count, subdomains->stiffness.bone_start,
+                    subdomains->stiffness.bone};
+  bw_status status = bw_local_system_create(
+      lbw_enter(L), model, material_turns, subdomains->stiffness.count,
+      subdomains->stiffness.of_element, subdomains->stiffness.of_node, &edits, &local);
   if (local)
-    box->extra = bw_retain(domains);
+    box->extra = bw_retain(subdomains);
   lbw_box_fill(L, box, local);
   return lbw_leave(L, status, 1);
 }
@@ -142,7 +144,7 @@ static int local_update(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 2, &lbw_model_class);
   lbw_argument_check(L, model->mesh->node_count == local->system->mesh->node_count, 2,
                      "a model of the same topology expected");
-  bw_domain_motion *motion = lbw_read_motion(L, 3, piece_count(L));
+  bw_subdomain_motion *motion = lbw_read_motion(L, 3, subdomain_count(L));
   bw_reuse reuse;
   begin_reuse(L, 0, &reuse);
   bw_status status = bw_local_system_update(lbw_enter(L), local, model, motion, &reuse);
@@ -263,7 +265,7 @@ static int local_view(lua_State *L) {
 
 /* ---- views ----------------------------------------------------------------------------------- */
 
-/* local:memory(): bytes of the factor, of the update matrices, of the domains' coefficients, of
+/* local:memory(): bytes of the factor, of the update matrices, of the subdomains' coefficients, of
  * the two-level preconditioner */
 static int local_memory(lua_State *L) {
   const bw_local_system *local = self(L);
@@ -271,8 +273,8 @@ static int local_memory(lua_State *L) {
   bw_local_system_memory(local, &factor, &updates);
   lua_pushinteger(L, (lua_Integer)factor);
   lua_pushinteger(L, (lua_Integer)updates);
-  lua_pushinteger(L,
-                  local->stiffness ? (lua_Integer)bw_domain_stiffness_bytes(local->stiffness) : 0);
+  lua_pushinteger(L, local->stiffness ? (lua_Integer)bw_subdomain_stiffness_bytes(local->stiffness)
+                                      : 0);
   lua_pushinteger(L, (lua_Integer)bw_local_system_two_level_bytes(local));
   return 4;
 }
@@ -298,8 +300,8 @@ static int local_unknown_count(lua_State *L) {
   return 1;
 }
 
-static int local_piece_count(lua_State *L) {
-  lua_pushinteger(L, piece_count(L));
+static int local_subdomain_count(lua_State *L) {
+  lua_pushinteger(L, subdomain_count(L));
   return 1;
 }
 
@@ -308,10 +310,11 @@ static int local_tostring(lua_State *L) {
   size_t factor = 0, updates = 0;
   bw_local_system_memory(local, &factor, &updates);
   char text[200];
-  snprintf(text, sizeof text,
-           "local system of %d unknowns in %d pieces, factor of %.3g MB, %.3g MB kept for updates",
-           (int)local->system->dof_map->unknown_count, (int)local->stiffness->domain_count,
-           (double)factor / 1e6, (double)updates / 1e6);
+  snprintf(
+      text, sizeof text,
+      "local system of %d unknowns in %d subdomains, factor of %.3g MB, %.3g MB kept for updates",
+      (int)local->system->dof_map->unknown_count, (int)local->stiffness->subdomain_count,
+      (double)factor / 1e6, (double)updates / 1e6);
   lua_pushstring(L, text);
   return 1;
 }
@@ -320,8 +323,9 @@ static const luaL_Reg methods[] = {{"update", local_update},     {"solve", local
                                    {"statics", local_statics},   {"refactor", local_refactor},
                                    {"view", local_view},         {"memory", local_memory},
                                    {"baseline", local_baseline}, {NULL, NULL}};
-static const luaL_Reg properties[] = {
-    {"unknown_count", local_unknown_count}, {"piece_count", local_piece_count}, {NULL, NULL}};
+static const luaL_Reg properties[] = {{"unknown_count", local_unknown_count},
+                                      {"subdomain_count", local_subdomain_count},
+                                      {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", local_tostring}, {NULL, NULL}};
 const lbw_class lbw_local_system_class = {"local_system", methods, properties, meta, NULL};
 

@@ -1,9 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Poses of a skeleton: maps of the bones, posed nodes, motions of pieces, inverse kinematics.
+/* Poses of a skeleton: maps of the bones, posed nodes, motions of stiffness subdomains, inverse
+ * kinematics.
  *
  * A pose is an array or table with a row of 15 numbers for every bone: the rotation by rows, the
  * scale along the bone's axes, the translation of its head. Maps are rows of 12: [A | b] by rows.
- * Motions are rows of 19: linear part, frame, and 1 where the piece was reshaped. */
+ * Motions are rows of 19: linear part, frame, and 1 where the stiffness subdomain was reshaped. */
 #include "bind.h"
 
 #include <string.h>
@@ -14,8 +15,8 @@ static const bw_skeleton *check_skeleton(lua_State *L, int argument) {
   return (const bw_skeleton *)lbw_check(L, argument, &lbw_skeleton_class);
 }
 
-static const bw_domains *check_domains(lua_State *L, int argument) {
-  return (const bw_domains *)lbw_check(L, argument, &lbw_domains_class);
+static const bw_subdomains *check_subdomains(lua_State *L, int argument) {
+  return (const bw_subdomains *)lbw_check(L, argument, &lbw_subdomains_class);
 }
 
 /* Rows of `columns` numbers for every bone, in a userdata that is pushed. */
@@ -81,35 +82,36 @@ static int skeleton_posed_joints(lua_State *L) {
   return 1;
 }
 
-/* domains:posed_nodes(maps) */
-static int domains_posed_nodes(lua_State *L) {
-  const bw_domains *domains = check_domains(L, 1);
-  double *map = bone_rows(L, 2, "maps", domains->skeleton->bone_count, MAP);
-  double *node = (double *)lbw_push_array(L, BW_F64, domains->mesh->node_count, 3)->data;
-  return lbw_leave(L, bw_pose_nodes(lbw_enter(L), domains, map, node), 1);
+/* subdomains:posed_nodes(maps) */
+static int subdomains_posed_nodes(lua_State *L) {
+  const bw_subdomains *subdomains = check_subdomains(L, 1);
+  double *map = bone_rows(L, 2, "maps", subdomains->skeleton->bone_count, MAP);
+  double *node = (double *)lbw_push_array(L, BW_F64, subdomains->mesh->node_count, 3)->data;
+  return lbw_leave(L, bw_pose_nodes(lbw_enter(L), subdomains, map, node), 1);
 }
 
-/* domains:pose_derivative(pose, bone, axis): of every node by the scale of a bone along its axis */
-static int domains_pose_derivative(lua_State *L) {
-  const bw_domains *domains = check_domains(L, 1);
-  bw_bone_pose *pose = read_pose(L, 2, domains->skeleton);
-  int32_t bone = lbw_check_bone(L, 3, domains->skeleton);
+/* subdomains:pose_derivative(pose, bone, axis): of every node by the scale of a bone along its axis
+ */
+static int subdomains_pose_derivative(lua_State *L) {
+  const bw_subdomains *subdomains = check_subdomains(L, 1);
+  bw_bone_pose *pose = read_pose(L, 2, subdomains->skeleton);
+  int32_t bone = lbw_check_bone(L, 3, subdomains->skeleton);
   int axis = lbw_check_axis(L, 4);
-  double *out = (double *)lbw_push_array(L, BW_F64, domains->mesh->node_count, 3)->data;
-  return lbw_leave(L, bw_pose_derivative(lbw_enter(L), domains, pose, bone, axis, out), 1);
+  double *out = (double *)lbw_push_array(L, BW_F64, subdomains->mesh->node_count, 3)->data;
+  return lbw_leave(L, bw_pose_derivative(lbw_enter(L), subdomains, pose, bone, axis, out), 1);
 }
 
-/* domains:motion(maps, rotations): a row of 19 for every piece */
-static int domains_motion(lua_State *L) {
-  const bw_domains *domains = check_domains(L, 1);
-  double *map = bone_rows(L, 2, "maps", domains->skeleton->bone_count, MAP);
-  double *rotation = bone_rows(L, 3, "rotations", domains->skeleton->bone_count, ROTATION);
-  bw_domain_motion *motion = (bw_domain_motion *)lua_newuserdatauv(
-      L, ((size_t)domains->piece_count + 1) * sizeof *motion, 0);
-  double *row = (double *)lbw_push_array(L, BW_F64, domains->piece_count, MOTION)->data;
-  bw_status status = bw_pose_pieces(lbw_enter(L), domains, map, rotation, motion);
+/* subdomains:motion(maps, rotations): a row of 19 for every stiffness subdomain */
+static int subdomains_motion(lua_State *L) {
+  const bw_subdomains *subdomains = check_subdomains(L, 1);
+  double *map = bone_rows(L, 2, "maps", subdomains->skeleton->bone_count, MAP);
+  double *rotation = bone_rows(L, 3, "rotations", subdomains->skeleton->bone_count, ROTATION);
+  bw_subdomain_motion *motion = (bw_subdomain_motion *)lua_newuserdatauv(
+      L, ((size_t)subdomains->stiffness.count + 1) * sizeof *motion, 0);
+  double *row = (double *)lbw_push_array(L, BW_F64, subdomains->stiffness.count, MOTION)->data;
+  bw_status status = bw_pose_motion(lbw_enter(L), subdomains, map, rotation, motion);
   if (status == BW_OK)
-    for (int32_t p = 0; p < domains->piece_count; p++, row += MOTION) {
+    for (int32_t p = 0; p < subdomains->stiffness.count; p++, row += MOTION) {
       memcpy(row, motion[p].linear, sizeof motion[p].linear);
       memcpy(row + 9, motion[p].frame, sizeof motion[p].frame);
       row[18] = motion[p].reshaped;
@@ -117,13 +119,13 @@ static int domains_motion(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-bw_domain_motion *lbw_read_motion(lua_State *L, int argument, int32_t count) {
+bw_subdomain_motion *lbw_read_motion(lua_State *L, int argument, int32_t count) {
   int64_t rows;
   double *row = lbw_to_doubles(L, argument, "motion", MOTION, &rows);
   if (rows != count)
-    lbw_error(L, "motion: a row for every piece expected");
-  bw_domain_motion *motion =
-      (bw_domain_motion *)lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *motion, 0);
+    lbw_error(L, "motion: a row for every stiffness subdomain expected");
+  bw_subdomain_motion *motion =
+      (bw_subdomain_motion *)lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *motion, 0);
   for (int32_t d = 0; d < count; d++, row += MOTION) {
     memcpy(motion[d].linear, row, sizeof motion[d].linear);
     memcpy(motion[d].frame, row + 9, sizeof motion[d].frame);
@@ -219,10 +221,10 @@ void lbw_open_pose(lua_State *L) {
                                          {"posed_joints", skeleton_posed_joints},
                                          {"reach", skeleton_reach},
                                          {NULL, NULL}};
-  static const luaL_Reg of_domains[] = {{"posed_nodes", domains_posed_nodes},
-                                        {"pose_derivative", domains_pose_derivative},
-                                        {"motion", domains_motion},
-                                        {NULL, NULL}};
+  static const luaL_Reg of_subdomains[] = {{"posed_nodes", subdomains_posed_nodes},
+                                           {"pose_derivative", subdomains_pose_derivative},
+                                           {"motion", subdomains_motion},
+                                           {NULL, NULL}};
   lbw_add_methods(L, &lbw_skeleton_class, of_skeleton);
-  lbw_add_methods(L, &lbw_domains_class, of_domains);
+  lbw_add_methods(L, &lbw_subdomains_class, of_subdomains);
 }

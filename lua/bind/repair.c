@@ -78,7 +78,7 @@ static int mesh_relax(lua_State *L) {
 }
 
 /* mesh:refill(nodes, mask of elements): mesh, the old node of every node (0: new), the old element
- * of every element (negative: the number of its piece) */
+ * of every element (negative: the number of its component) */
 static int mesh_refill(lua_State *L) {
   const bw_mesh *mesh = check_mesh(L);
   const double *node = check_nodes(L, 2, mesh);

@@ -388,7 +388,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_picture(L);
   lbw_open_canvas(L);
   lbw_open_skeleton(L);
-  lbw_open_domains(L);
+  lbw_open_subdomains(L);
   lbw_open_pose(L);
   lbw_open_repair(L);
   lbw_open_refine(L);

@@ -14,7 +14,7 @@
 ---@field properties table<string, any> the properties of sessions
 local edit_module = {}
 
----Begins an edit session on a part: its mesh is cut into domains along a skeleton.
+---Begins an edit session on a part: its mesh is cut into subdomains along a skeleton.
 ---
 ---Errors: geometry (no skeleton can be extracted, or the skeleton lies far outside of the part), limit (the extraction took too
 ---long), singular (the equations of the weights have no solution), io (the journal cannot be written).
@@ -28,7 +28,7 @@ local edit_module = {}
 ---print(session)
 ---```
 ---@param part bw.Model the part, with its supports and loads; order 2 is advised
----@param options? bw.EditOptions skeleton and domains
+---@param options? bw.EditOptions skeleton and subdomains
 ---@return bw.Session? session the session
 ---@return string? message
 ---@return bw.Details? details
@@ -79,10 +79,10 @@ function edit_module.begin(script, session) end
 ---@field thresholds? table<string, number> in its place, for single bones by name. Default: none
 ---@field share? number (-) thresholds are lowered until each bone has this fraction of the elements that it moves most; 0: never. Range: 0 to 1. Default: 0.35
 ---@field heat? number (-) of the skinning weights, above 0; larger: more elements follow one bone. Default: 20
----@field domains? bw.Domains of the part's own mesh. Default: made from skeleton and weights
+---@field subdomains? bw.Subdomains of the part's own mesh. Default: made from skeleton and weights
 ---@field quality? number (-) elements of a lower shape quality (`mesh:shapes`) are relaxed. Range: 0 to 0.5. Default: 0.02
 ---@field relax? boolean relax inner nodes where an edit inverts elements. Default: true
----@field refill? boolean refill domains where that fails. Default: true
+---@field refill? boolean refill subdomains where that fails. Default: true
 ---@field material_turns? boolean the axes of an orthotropic material turn with the bones. Default: false, they stay
 ---@field journal? string a script that every edit is added to at once; an older journal becomes path~, any other file there is refused. Default: none
 ---@field script? string a file that returns the part and these options, named by saved scripts. Default: none
@@ -101,7 +101,7 @@ function edit_module.begin(script, session) end
 ---@field part bw.Model as it is now
 ---@field mesh bw.Mesh as it is now
 ---@field rest bw.Mesh as it was given
----@field domains bw.Domains of the mesh
+---@field subdomains bw.Subdomains of the mesh
 ---@field skeleton bw.Skeleton at rest
 ---@field joints bw.Array (m, joint_count × 3, per joint) where they are now
 ---@field current_pose bw.Array (any, bone_count × 15, per bone) as of `skeleton:rest_pose`
@@ -166,9 +166,9 @@ function Session:limit(name, limit) end
 ---@field swing? number (degrees) largest angle between the bone and where its parent would carry it. Range: 0 to 180. Default: none
 ---@field twist? number[] (degrees, 2) {lowest, highest} angle about the bone's own axis. Default: none
 
----Gives elements to a bone's domain, or takes them out of those that follow a bone, as an edit. On a refilled mesh, of which
----`elements` are, the domains change as they were before it was refilled; the mesh after it may be another one. An element by which
----a domain would fall apart raises.
+---Gives elements to a bone's subdomain, or takes them out of those that follow a bone, as an edit. On a refilled mesh, of which
+---`elements` are, the subdomains change as they were before it was refilled; the mesh after it may be another one. An element by which
+---a subdomain would fall apart raises.
 ---
 ---Errors: geometry, io (as of `pose`).
 ---@param elements bw.Array|integer[] (index from 1, n × 1) the elements
@@ -287,7 +287,7 @@ function Session:moved(part) end
 ---@return bw.Array nodes (index from 1, point_count × 1, per point) the node of the mesh
 function Session:surface() end
 
----Writes the fields of the current shape to a .vtu file: those of `static:write`, and the domains.
+---Writes the fields of the current shape to a .vtu file: those of `static:write`, and the subdomains.
 ---
 ---Errors: io (the file cannot be written), those of `solve`.
 ---@param path string the file
@@ -355,7 +355,7 @@ function Session:close() end
 ---@field tail string the other joint
 ---@field parent string? the bone that it hangs on; nil at the root
 ---@field children string[] the bones that hang on it
----@field domain integer? (index from 1) the domain that follows this bone alone; nil where there is none
+---@field subdomain integer? (index from 1) the subdomain that follows this bone alone; nil where there is none
 ---@field from bw.Vector (m) where its head is now
 ---@field to bw.Vector (m) where its tail is now
 ---@field factors bw.Vector (-) its scale along and across it

@@ -4,27 +4,27 @@
 --
 -- Systems that follow edits
 --
--- The equations of an edit session, which are updated piece by piece. The theory is in docs/theory/edit.md.
+-- The equations of an edit session, which are updated subdomain by subdomain. The theory is in docs/theory/edit.md.
 
----The equations of a part cut into pieces, updated through edits; `update` changes them. `session:synchronise()` gives them.
+---The equations of a part cut into subdomains, updated through edits; `update` changes them. `session:synchronise()` gives them.
 ---```lua
 ---local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}, order = 2}
 ---local skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}
 ---local part = bw.model({mesh = mesh, material = bw.material.pla}):fix(mesh.boundary:below("x", 0))
 ---local session = assert(bw.edit(part:load {on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}, {skeleton = skeleton}))
 ---local system, model = assert(session:synchronise())
----print(system.piece_count, assert(system:solve(model:force_vector())):column(3):min())
+---print(system.subdomain_count, assert(system:solve(model:force_vector())):column(3):min())
 ---```
 ---@class bw.LocalSystem
 ---@field unknown_count integer (count) of degrees of freedom
----@field piece_count integer (count) of pieces
+---@field subdomain_count integer (count) of subdomains
 local LocalSystem = {}
 
 ---Updates the equations to an edited shape.
 ---
 ---Errors: singular (the matrix is not positive definite), memory.
 ---@param model bw.Model of the edited shape
----@param motion bw.Array|number[][] (-, piece_count × 19, per piece) how each piece lies against the shape that the system was made at, as of `domains:motion`
+---@param motion bw.Array|number[][] (-, subdomain_count × 19, per subdomain) how each subdomain lies against the shape that the system was made at, as of `subdomains:motion`
 ---@return bw.Reuse? reused what was reused
 ---@return string? message
 ---@return bw.Details? details
@@ -85,7 +85,7 @@ function LocalSystem:view() end
 ---How much memory the equations take.
 ---@return integer factor (bytes) of the factor
 ---@return integer updates (bytes) of what is kept for updating it
----@return integer coefficients (bytes) of the pieces
+---@return integer coefficients (bytes) of the subdomains
 ---@return integer pcg (bytes) of the two-level preconditioner; 0 until it is first used
 function LocalSystem:memory() end
 

@@ -12,7 +12,7 @@ local bw = {}
 ---What `session:optimise` is asked for.
 ---@class bw.OptimiseOptions
 ---@field von_mises number (Pa) the limit, above 0
----@field bones? string[] which bones may change. Default: those of domains with stresses above the limit, and those next to blended domains with such stresses
+---@field bones? string[] which bones may change. Default: those of subdomains with stresses above the limit, and those next to blended subdomains with such stresses
 ---@field keep? (string|bw.Selection)[] bones that stay as they are, by name; and selections on the mesh as it was given that do not move. Default: none
 ---@field move_supports? boolean scaled bones may move the supports. Default: false, not in the directions that a support holds
 ---@field ties? string[][] lists of bones that change by the same factors. Default: none
@@ -25,7 +25,7 @@ local bw = {}
 ---@field change? number (-) a worst load whose stress is above the limit by no more than this fraction is the last, above 0. Default: 0.02
 ---@field iterations? integer (count) of steps at most, 1 or more. Default: 40
 ---@field tolerance? number (-) relative change of the change of shape at which it ends, above 0. Default: 1e-4
----@field refills? integer (count) how often domains may be refilled where the mesh stops steps. Range: 0 and above. Default: 3
+---@field refills? integer (count) how often subdomains may be refilled where the mesh stops steps. Range: 0 and above. Default: 3
 ---@field step? number (-) largest relative change of a factor in the first step, above 0. Default: 0.5
 ---@field inertia_relief? boolean balance the loads of a free part by inertia. Default: false; with the worst loads true
 

@@ -74,10 +74,10 @@ local Static = {}
 ---@class bw.Reuse
 ---@field pattern boolean whether the sparsity pattern was kept
 ---@field ordering boolean whether the ordering was kept
----@field pieces integer (count) pieces of the equations
----@field pieces_kept integer (count) pieces whose coefficients stayed
----@field pieces_turned integer (count) pieces that are unchanged in their own frames
----@field pieces_touched integer (count) pieces that changed
+---@field subdomains integer (count) subdomains of the equations
+---@field subdomains_reused integer (count) subdomains whose coefficients stayed
+---@field subdomains_rotated integer (count) subdomains that are unchanged in their own frames
+---@field subdomains_changed integer (count) subdomains that changed
 ---@field method "refactor"|"iterate"|"pcg"|"scratch" how it was solved
 ---@field factor_kept number (-) fraction of the factor's work that was not done again
 ---@field iterations integer (count) of conjugate gradients

@@ -9,8 +9,8 @@ local scenario, expect = bw.scenario, bw.scenario.expect
 
 scenario.about {title = "Edit sessions: sensitivities",
   text = [[Bodies after five random edits that leave their mesh posed (nodes are linear in the factors then). For
-the nodes of the highest stress of every domain, the derivative of the von Mises stress by all three factors of
-every bone, through domains of type R and F, gravity, pressure and torque. The differences are central ones of
+the nodes of the highest stress of every subdomain, the derivative of the von Mises stress by all three factors of
+every bone, through subdomains of type R and F, gravity, pressure and torque. The differences are central ones of
 complete solves, extrapolated from steps of 0.4 and 0.2 % of the factor; the figure is the largest deviation,
 relative to the largest derivative of the stress at that node.]]}
 
@@ -26,17 +26,17 @@ local function edited(body, random)
   return session
 end
 
--- Two nodes of every domain: that of the highest stress, and the middle one by rank.
+-- Two nodes of every subdomain: that of the highest stress, and the middle one by rank.
 local function nodes_of(session, von_mises)
-  local domains, list, about = session.domains, {}, {}
-  for d = 1, domains.count do
-    local own = domains.node_domain:map("a == d", {d = d}):where()
+  local subdomains, list, about = session.subdomains, {}, {}
+  for d = 1, subdomains.count do
+    local own = subdomains.node_subdomain:map("a == d", {d = d}):where()
     if #own > 0 then
       local values = von_mises:gather(own)
       local rank = values:order()
       for _, place in ipairs {#own, #own // 2 + 1} do
         list[#list + 1] = math.tointeger(own[rank[place]])
-        about[#list] = domains[d].type
+        about[#list] = subdomains[d].type
       end
     end
   end
@@ -72,7 +72,7 @@ scenario("Sensitivities beside central differences", {tags = {"slow"}}, function
     for _, name in ipairs(names) do
       for axis = 1, 3 do
         local factor = session:bone(name).factors[axis]
-        motions[#motions + 1] = session.domains:pose_derivative(session.current_pose, name, axis) * factor
+        motions[#motions + 1] = session.subdomains:pose_derivative(session.current_pose, name, axis) * factor
         factors[#factors + 1] = {name, axis}
       end
     end

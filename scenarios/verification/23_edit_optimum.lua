@@ -38,7 +38,7 @@ local function unknowns_of(session, found, ties, start)
       for axis = 2, 3 do
         local moves
         for _, other in ipairs(together) do
-          local d = session.domains:pose_derivative(session.current_pose, other, axis)
+          local d = session.subdomains:pose_derivative(session.current_pose, other, axis)
             :gather(corners) * start[other][axis]
           moves = moves and moves + d or d
         end
@@ -129,7 +129,7 @@ end
 
 -- Where the nodes are by the pose alone, before inner ones are relaxed.
 local function posed(session)
-  return session.domains:posed_nodes(session.skeleton:pose_maps(session.current_pose))
+  return session.subdomains:posed_nodes(session.skeleton:pose_maps(session.current_pose))
 end
 
 local function optimise(t, name, elements)

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- What becomes of large turns that invert elements: inner nodes relaxed, blended domains refilled, or
+-- What becomes of large turns that invert elements: inner nodes relaxed, blended subdomains refilled, or
 -- the edit refused; and that what was made is a sound mesh of about the volume of the posed one.
 local bw = require "barwright"
 local bodies = require "bodies"
@@ -41,7 +41,7 @@ local function turns(t, each)
           if how ~= "posed" then
             repaired = repaired + 1
             if how == "relaxed" then -- the boundary stays where it was posed, and with it the volume
-              local nodes = session.domains:posed_nodes(session.skeleton:pose_maps(session.current_pose))
+              local nodes = session.subdomains:posed_nodes(session.skeleton:pose_maps(session.current_pose))
               local facets = mesh.facets
               for column = 1, 3 do
                 local on = facets:column(column)

@@ -71,10 +71,10 @@ function page.write(path, scene, result, results)
   end
   local parts = {'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>', escape(scene.title),
     "</title><style>", STYLE, "</style></head><body><h1>", escape(scene.title), "</h1>",
-    ("<p>%d tetrahedra of order %d, %d bones, %d domains of type R with %d elements, %d of type F with %d."
+    ("<p>%d tetrahedra of order %d, %d bones, %d subdomains of type R with %d elements, %d of type F with %d."
       .. " Limit: %s.</p>"):format(result.elements, scene.mesh.order, result.bones,
-      result.domains.type_r, result.domains.elements_r, result.domains.type_f,
-      result.domains.elements_f, mpa(result.limit_pa)),
+      result.subdomains.type_r, result.subdomains.elements_r, result.subdomains.type_f,
+      result.subdomains.elements_f, mpa(result.limit_pa)),
     "<h2>Before and after</h2><div class=pair>",
     image(results:path "before.png", ("before: %s at most"):format(mpa(result.before_max_von_mises_pa))),
     found and image(results:path "after.png", ("after: %s at most, same colours"):format(

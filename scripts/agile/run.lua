@@ -83,7 +83,7 @@ end
 -- Reused, as it goes into result.json.
 local function reused_of(result)
   local reuse = result.reused
-  return {words = tostring(reuse), pieces = reuse.pieces, pieces_touched = reuse.pieces_touched,
+  return {words = tostring(reuse), subdomains = reuse.subdomains, subdomains_changed = reuse.subdomains_changed,
     method = reuse.method, factor_kept = reuse.factor_kept, iterations = reuse.iterations}
 end
 
@@ -98,11 +98,11 @@ local function solved(session, what)
   return row, result
 end
 
-local function domain_counts(domains)
+local function subdomain_counts(subdomains)
   local count = {R = 0, F = 0, elements_R = 0, elements_F = 0}
-  for _, domain in ipairs(domains) do
-    count[domain.type] = count[domain.type] + 1
-    count["elements_" .. domain.type] = count["elements_" .. domain.type] + domain.elements
+  for _, subdomain in ipairs(subdomains) do
+    count[subdomain.type] = count[subdomain.type] + 1
+    count["elements_" .. subdomain.type] = count["elements_" .. subdomain.type] + subdomain.elements
   end
   return {type_r = count.R, type_f = count.F, elements_r = count.elements_R,
     elements_f = count.elements_F}
@@ -116,9 +116,10 @@ end
 -- one cannot be solved.
 local function replay(session, scene, result, results)
   warnings_into(result.remarks)
-  result.domains = domain_counts(session.domains)
-  print(("  %d bones, %d domains of type R with %d elements, %d of type F with %d"):format(result.bones,
-    result.domains.type_r, result.domains.elements_r, result.domains.type_f, result.domains.elements_f))
+  result.subdomains = subdomain_counts(session.subdomains)
+  print(("  %d bones, %d subdomains of type R with %d elements, %d of type F with %d"):format(
+    result.bones, result.subdomains.type_r, result.subdomains.elements_r, result.subdomains.type_f,
+    result.subdomains.elements_f))
 
   local function take(row, static)
     result.edits[#result.edits + 1] = row

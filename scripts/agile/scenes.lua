@@ -7,7 +7,7 @@ local figure = require "figure"
 
 local scenes = {names = {"opener", "bird", "horse", "dinosaur", "earphone"}}
 
--- Table 1 (tetrahedra, domains of type R, tetrahedra of type F) and table 3 (largest von Mises stress
+-- Table 1 (tetrahedra, subdomains of type R, tetrahedra of type F) and table 3 (largest von Mises stress
 -- before) of agile.
 scenes.paper = {
   opener = {elements = 38729, bones = 3, blended = 5436, von_mises = 89.95e6},

@@ -11,7 +11,7 @@ package.path = root .. "/agile/?.lua;" .. package.path
 local bw = require "barwright"
 local scenes = require "scenes"
 
--- Table 2: all entries directly, by domains all, by domains local (ms), solve (s). Table 3: s.
+-- Table 2: all entries directly, by subdomains all, by subdomains local (ms), solve (s). Table 3: s.
 local paper = {
   opener = {direct = 387, all = 103, update = 50, solve = 1.11, optimise = 20.78},
   bird = {direct = 634, all = 199, update = 23, solve = 2.93, optimise = 77.89},
@@ -73,21 +73,21 @@ for name in opts.scenes:gmatch "[^,]+" do
   local scene = scenes.make(name, {elements = opts.elements})
   local session = assert(bw.edit(scene.part, scene.session))
   local row = {scene = name, elements = scene.mesh.element_count, nodes = scene.mesh.node_count,
-    domains = session.domains.count}
+    subdomains = session.subdomains.count}
   local start = bw.seconds()
   local first = assert(session:solve())
   first.von_mises:max()
   row.seconds_begin, row.max_von_mises_pa = bw.seconds() - start, first.von_mises:max()
   row.elements_blended = 0
-  for _, domain in ipairs(session.domains) do
-    if domain.type == "F" then row.elements_blended = row.elements_blended + domain.elements end
+  for _, subdomain in ipairs(session.subdomains) do
+    if subdomain.type == "F" then row.elements_blended = row.elements_blended + subdomain.elements end
   end
   local bones = {}
   for _, bone in ipairs(scene.skeleton.bone_names) do
-    if #bones < opts.bones and session:bone(bone).domain then bones[#bones + 1] = bone end
+    if #bones < opts.bones and session:bone(bone).subdomain then bones[#bones + 1] = bone end
   end
 
-  -- All domains by their polynomials, what the paper calls DD assemble, first number: the body turned
+  -- All subdomains by their polynomials, what the paper calls DD assemble, first number: the body turned
   -- as a whole, so that none is gathered from coordinates.
   local all = {}
   for _, bone in ipairs(scene.skeleton.bone_names) do

@@ -78,9 +78,9 @@ for _, line in ipairs(agile) do
     printed = t[1] + t[2], part = part, pick = scaled "seconds_begin", want = "less"}
   add {what = name .. ": stiffness from coordinates", unit = "ms", printed = t[3], part = part,
     pick = scaled("seconds_direct", 1e3), want = "less"}
-  add {what = name .. ": stiffness by domains, all", unit = "ms", printed = t[4], part = part,
+  add {what = name .. ": stiffness by subdomains, all", unit = "ms", printed = t[4], part = part,
     pick = scaled("seconds_all", 1e3), want = "less"}
-  add {what = name .. ": stiffness by domains, after an edit", unit = "ms", printed = t[5], part = part,
+  add {what = name .. ": stiffness by subdomains, after an edit", unit = "ms", printed = t[5], part = part,
     pick = scaled("seconds_local", 1e3), want = "less"}
   add {what = name .. ": solution after an edit", unit = "s", printed = t[6], part = part, pick = edit_solve,
     want = "less"}
@@ -88,14 +88,14 @@ end
 
 add = new("agile", "Table 3", "Scaling optimisation to 55 MPa", "Stresses before are those of our scenes. The "
   .. "paper's "
-  .. "domains that are optimised are beside our unknowns (two a domain, ties taken together).")
+  .. "subdomains that are optimised are beside our unknowns (two a subdomain, ties taken together).")
 for _, line in ipairs(agile) do
   local name, part, t = line[1], "agile_" .. line[1], line[4]
   add {what = name .. ": largest stress before", unit = "MPa", printed = t[1], part = part,
     pick = scaled("max_von_mises_pa", 1e-6)}
   add {what = name .. ": largest stress after", unit = "MPa", printed = 55, part = part,
     pick = scaled("optimise_max_von_mises_pa", 1e-6), want = "near"}
-  add {what = name .. ": domains optimised (ours: unknowns)", printed = t[2], part = part,
+  add {what = name .. ": subdomains optimised (ours: unknowns)", printed = t[2], part = part,
     pick = scaled "optimise_unknowns"}
   add {what = name .. ": constrained nodes", printed = t[3], part = part, pick = scaled "optimise_constrained"}
   add {what = name .. ": iterations", printed = t[4], part = part, pick = scaled "optimise_steps"}

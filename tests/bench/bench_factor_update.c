@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Factor reuse in limbed bodies: for an edit of every single domain the work touched and the time
- * of bringing the factor up to date and solving, beside CHOLMOD's factor and solve from scratch in
- * the same run.
+/* Factor reuse in limbed bodies: for an edit of every single subdomain the work touched and the
+ * time of bringing the factor up to date and solving, beside CHOLMOD's factor and solve from
+ * scratch in the same run.
  *
  *   build/tests/bench_factor_update [scene or all] [elements] [folder of meshes made before]
  *
@@ -30,17 +30,18 @@ static double median(double *value, int count) {
 typedef bw_status order_function(bw_context *, const bw_graph *, const uint8_t *, const bw_mesh *,
                                  int32_t, const int32_t *, bwi_order **);
 static bw_status plain(bw_context *context, const bw_graph *graph, const uint8_t *take,
-                       const bw_mesh *mesh, int32_t domains, const int32_t *domain,
+                       const bw_mesh *mesh, int32_t subdomains, const int32_t *subdomain,
                        bwi_order **order) {
   (void)mesh;
-  (void)domains;
-  (void)domain;
+  (void)subdomains;
+  (void)subdomain;
   return bwi_order_create(context, graph, take, order);
 }
-static bw_status by_domains(bw_context *context, const bw_graph *graph, const uint8_t *take,
-                            const bw_mesh *mesh, int32_t domains, const int32_t *domain,
-                            bwi_order **order) {
-  return bwi_order_create_domains(context, graph, take, mesh, domains, domain, NULL, order);
+static bw_status by_subdomains(bw_context *context, const bw_graph *graph, const uint8_t *take,
+                               const bw_mesh *mesh, int32_t subdomains, const int32_t *subdomain,
+                               bwi_order **order) {
+  return bwi_order_create_subdomains(context, graph, take, mesh, subdomains, subdomain, NULL,
+                                     order);
 }
 
 typedef struct scene {
@@ -48,7 +49,7 @@ typedef struct scene {
   bw_graph *graph;
   double *stiffness;
   uint8_t *take;
-  int32_t *unknown, *domain, domains;
+  int32_t *unknown, *subdomain, subdomains;
 } scene;
 
 /* Held where it is lowest. */
@@ -76,9 +77,9 @@ static bw_status open_scene(bw_context *context, const limbs *body, int64_t elem
   s->stiffness = malloc(9 * (size_t)s->graph->pair_count * sizeof(double));
   s->take = malloc(nodes);
   s->unknown = malloc(3 * nodes * sizeof(int32_t));
-  s->domain = malloc((size_t)s->mesh->element_count * sizeof(int32_t));
+  s->subdomain = malloc((size_t)s->mesh->element_count * sizeof(int32_t));
   BW_TRY(bw_stiffness(context, s->graph, s->mesh, material, s->stiffness));
-  s->domains = limbs_domains(body, s->mesh, s->domain);
+  s->subdomains = limbs_subdomains(body, s->mesh, s->subdomain);
   double low = 1e30;
   for (size_t i = 0; i < nodes; i++)
     low = fmin(low, s->mesh->node[3 * i + 1]);
@@ -99,7 +100,7 @@ static void close_scene(scene *s) {
   free(s->stiffness);
   free(s->take);
   free(s->unknown);
-  free(s->domain);
+  free(s->subdomain);
 }
 
 static bw_status run(bw_context *context, const limbs *body, const scene *s, const char *name,
@@ -110,15 +111,16 @@ static bw_status run(bw_context *context, const limbs *body, const scene *s, con
   bwi_elimination_reach *reach = NULL;
   bwi_factor *factor = NULL;
   bwi_matrix matrix = {.graph = s->graph, .stiffness = s->stiffness};
-  double *x = NULL, *fraction = malloc((size_t)s->domains * sizeof(double)),
-         *seconds = malloc((size_t)s->domains * sizeof(double)),
-         *total = malloc((size_t)s->domains * sizeof(double));
-  uint8_t *touched = calloc((size_t)s->domains, 1);
+  double *x = NULL, *fraction = malloc((size_t)s->subdomains * sizeof(double)),
+         *seconds = malloc((size_t)s->subdomains * sizeof(double)),
+         *total = malloc((size_t)s->subdomains * sizeof(double));
+  uint8_t *touched = calloc((size_t)s->subdomains, 1);
   double start = bw_seconds();
-  BW_TRY(make(context, s->graph, s->take, s->mesh, s->domains, s->domain, &order));
+  BW_TRY(make(context, s->graph, s->take, s->mesh, s->subdomains, s->subdomain, &order));
   double seconds_order = bw_seconds() - start;
   BW_TRY(bwi_symbolic_create(context, order, 3, s->unknown, &symbolic));
-  BW_TRY(bwi_elimination_reach_create(context, symbolic, s->mesh, s->domains, s->domain, &reach));
+  BW_TRY(bwi_elimination_reach_create(context, symbolic, s->mesh, s->subdomains, s->subdomain,
+                                      &reach));
   start = bw_seconds();
   BW_TRY(bwi_factor_create_kept(context, symbolic, &matrix, reach, &factor, NULL));
   double first = bw_seconds() - start;
@@ -146,9 +148,9 @@ static bw_status run(bw_context *context, const limbs *body, const scene *s, con
     baseline[1] = times.solve;
   }
   double update = 0, update_cpu = processor();
-  for (int32_t d = 0; d < s->domains; d++) {
+  for (int32_t d = 0; d < s->subdomains; d++) {
     double flops;
-    memset(touched, 0, (size_t)s->domains);
+    memset(touched, 0, (size_t)s->subdomains);
     touched[d] = 1;
     start = bw_seconds();
     BW_TRY(bwi_factor_update(context, factor, &matrix, touched, &flops, NULL));
@@ -162,12 +164,12 @@ static bw_status run(bw_context *context, const limbs *body, const scene *s, con
   bwi_factor_kept_bytes(factor, &kept, &work);
   double entries = (double)symbolic->panel[order->super_count];
   printf("{\"scene\": \"%s\", \"order\": \"%s\", \"elements\": %d, \"unknowns\": %d, "
-         "\"domains\": %d, \"gigaflops\": %.2f, \"entries_million\": %.1f, "
+         "\"subdomains\": %d, \"gigaflops\": %.2f, \"entries_million\": %.1f, "
          "\"kept_megabytes\": %.0f, \"work_megabytes\": %.0f, \"seconds_order\": %.2f, "
          "\"seconds_factor_first\": %.3f, \"seconds_factor\": %.3f, \"factor_gflops_per_s\": %.1f, "
          "\"seconds_solve\": %.4f, \"solve_gb_per_s\": %.1f, "
          "\"seconds_cholmod_factor\": %.3f, \"seconds_cholmod_solve\": %.3f, ",
-         body->name, name, s->mesh->element_count, symbolic->unknowns, s->domains,
+         body->name, name, s->mesh->element_count, symbolic->unknowns, s->subdomains,
          symbolic->flops / 1e9, entries / 1e6, (double)kept / 1e6, (double)work / 1e6,
          seconds_order, first, again, symbolic->flops / again / 1e9, solve,
          16 * entries / solve / 1e9, baseline[0], baseline[1]);
@@ -175,16 +177,16 @@ static bw_status run(bw_context *context, const limbs *body, const scene *s, con
          "\"cpu_gflops_per_s_factor\": %.1f, \"cpu_gflops_per_s_updates\": %.1f, ",
          whole_cpu, solve_cpu, symbolic->flops / whole_cpu / 1e9, update / update_cpu / 1e9);
   double worst = 0, mean = 0;
-  for (int32_t d = 0; d < s->domains; d++) {
-    mean += fraction[d] / s->domains;
+  for (int32_t d = 0; d < s->subdomains; d++) {
+    mean += fraction[d] / s->subdomains;
     worst = fmax(worst, fraction[d]);
   }
   printf("\"fraction_median\": %.4f, \"fraction_mean\": %.4f, \"fraction_max\": %.4f, ",
-         median(fraction, s->domains), mean, worst);
-  double middle = median(seconds, s->domains), faster = median(total, s->domains);
+         median(fraction, s->subdomains), mean, worst);
+  double middle = median(seconds, s->subdomains), faster = median(total, s->subdomains);
   printf("\"seconds_update_median\": %.4f, \"seconds_update_max\": %.4f, "
          "\"speedup_median\": %.2f, \"speedup_min\": %.2f}\n",
-         middle, seconds[s->domains - 1], faster, total[0]);
+         middle, seconds[s->subdomains - 1], faster, total[0]);
   fflush(stdout);
 done:
   bw_release(factor);
@@ -215,7 +217,7 @@ int main(int count, char **argument) {
     if (status == BW_OK)
       status = run(context, body, &s, "nodes", plain, baseline);
     if (status == BW_OK)
-      status = run(context, body, &s, "domains", by_domains, baseline);
+      status = run(context, body, &s, "subdomains", by_subdomains, baseline);
     close_scene(&s);
   }
   if (status != BW_OK)

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Limbed bodies for benchmarks: a tree of tapering bones, its smooth union filled with tetrahedra,
- * and domains as an edit session makes them: around every joint a blended one, along every bone a
- * rigid one. */
+ * and subdomains as an edit session makes them: around every joint a blended one, along every bone
+ * a rigid one. */
 #ifndef LIMBS_H
 #define LIMBS_H
 
@@ -202,8 +202,9 @@ done:
   return status;
 }
 
-/* Domain of each element; empty ones are left out. Returns how many there are. */
-static int32_t limbs_domains(const limbs *body, const bw_mesh *mesh, int32_t *element_domain) {
+/* Subdomain of each element; empty ones are left out. Returns how many there are. */
+static int32_t limbs_subdomains(const limbs *body, const bw_mesh *mesh,
+                                int32_t *element_subdomain) {
   int degree[LIMBS_MAX] = {0}, number[2 * LIMBS_MAX];
   int32_t count = 0;
   for (int b = 0; b < body->bones; b++)
@@ -235,7 +236,7 @@ static int32_t limbs_domains(const limbs *body, const bw_mesh *mesh, int32_t *el
     }
     if (number[best] < 0)
       number[best] = count++;
-    element_domain[e] = number[best];
+    element_subdomain[e] = number[best];
   }
   return count;
 }

@@ -21,7 +21,7 @@ describe("a session", function()
       local bone, mesh = session:bone "lower", session.mesh
       session:close()
       collectgarbage()
-      assert.truthy(result.von_mises:max() > 0 and result.reused.pieces == 3 and mesh.volume > 0)
+      assert.truthy(result.von_mises:max() > 0 and result.reused.subdomains == 3 and mesh.volume > 0)
       assert.equal("edit session (closed)", tostring(session))
       check.raises("closed", session.bone, session, "lower")
       check.raises("closed", bone.scale, bone, 2)

@@ -19,9 +19,9 @@ local function turn_until(session, axis, ending)
   error("no turn ended " .. ending)
 end
 
--- The boundary's corner nodes are where the domains as they were at first put them.
+-- The boundary's corner nodes are where the subdomains as they were at first put them.
 local function surface_is_posed(session)
-  local first = session.history[1].topology.domains
+  local first = session.history[1].topology.subdomains
   local want = assert(first:posed_nodes(assert(first.skeleton:pose_maps(session.current_pose))))
   local _, rest_nodes = session.rest:surface()
   local _, nodes = session.mesh:surface()
@@ -60,7 +60,7 @@ describe("an edit that inverts elements", function()
     assert.truthy(session.part.material.turned)
   end)
 
-  it("has blended domains refilled where that fails, and goes on", function()
+  it("has blended subdomains refilled where that fails, and goes on", function()
     local session = body()
     local degrees = turn_until(session, "x", "refilled")
     assert.truthy(session.mesh:shapes():min() > 0)
@@ -79,7 +79,7 @@ describe("an edit that inverts elements", function()
     assert(session:bone("trunk"):rotate {x = 10, z = 20})
     result = assert(session:solve())
     compare(session, result)
-    assert.truthy(result.reused.pieces_touched < result.reused.pieces)
+    assert.truthy(result.reused.subdomains_changed < result.reused.subdomains)
     assert(session:bone("neck"):set {rotation = {x = 0.8 * degrees}})
     surface_is_posed(session)
     compare(session, assert(session:solve()))
@@ -98,28 +98,28 @@ describe("an edit that inverts elements", function()
     assert.is_true(same_nodes(last, assert(bw.edit.load(path, (body()))).mesh))
   end)
 
-  it("has blended domains refilled, and still lets elements be assigned", function()
+  it("has blended subdomains refilled, and still lets elements be assigned", function()
     local session = body()
     turn_until(session, "x", "refilled")
     -- an element of the filling beside one that follows the neck, and one that follows the neck
-    local label, neighbours = session.domains.element_domain, session.mesh.neighbours
+    local label, neighbours = session.subdomains.element_subdomain, session.mesh.neighbours
     local neck = session.skeleton:bone("neck").index
     local from = session.history[2].topology.element_from
     local blended, following = {}, {}
     for e = 1, session.mesh.element_count do
       for k = 1, 4 do
         local other = neighbours(e, k)
-        local beside = other > 0 and session.domains[label[other]].bones[1] == "neck"
-          and session.domains[label[other]].type == "R"
-        if beside and session.domains[label[e]].type == "F" then
+        local beside = other > 0 and session.subdomains[label[other]].bones[1] == "neck"
+          and session.subdomains[label[other]].type == "R"
+        if beside and session.subdomains[label[e]].type == "F" then
           following[#following + 1] = other
           if from[e] < 0 then blended[#blended + 1] = e end
         end
       end
     end
-    local before = session.domains[neck].elements
-    assert.truthy(#blended > 0 and #following > 0 and session.domains[neck].type == "R")
-    -- the first that leaves the neck's domain in one piece
+    local before = session.subdomains[neck].elements
+    assert.truthy(#blended > 0 and #following > 0 and session.subdomains[neck].type == "R")
+    -- the first that leaves the neck's subdomain in one piece
     local function assign_one(list, bone)
       for _, e in ipairs(list) do
         local fine, edited = pcall(session.assign, session, {e}, bone)
@@ -127,11 +127,11 @@ describe("an edit that inverts elements", function()
       end
     end
     assert.is_true(assign_one(following))
-    assert.is_true(session.domains[neck].elements < before)
+    assert.is_true(session.subdomains[neck].elements < before)
     compare(session, assert(session:solve()))
     assert(session:undo())
     assert.is_true(assign_one(blended, "neck"))
-    assert.is_true(session.domains[neck].elements > before)
+    assert.is_true(session.subdomains[neck].elements > before)
     compare(session, assert(session:solve()))
     local mesh, path = session.mesh, check.folder() .. "/edits.lua"
     assert(session:save(path))

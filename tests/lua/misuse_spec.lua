@@ -74,7 +74,7 @@ local function calls(session, part)
     ["a whole number expected, got string"] = function() bw.array.zeros("many") end,
     ["selection expected"] = function() part:fix(5) end,
     ["the weights of node 1 sum to 0"] = function() -- an engine's refusal
-      bw.domains(part.mesh, session.skeleton, bw.array.zeros(part.mesh.node_count, 2)) end,
+      bw.subdomains(part.mesh, session.skeleton, bw.array.zeros(part.mesh.node_count, 2)) end,
   }
 end
 

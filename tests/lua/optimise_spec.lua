@@ -12,7 +12,7 @@ local function material(poisson)
   return bw.material.isotropic {young = 2e9, poisson = poisson or 0.35, density = 1100, strength = 50 * MPa}
 end
 
--- A bar of bones of equal length, 300 mm x 24 mm x 16 mm, cut across into domains.
+-- A bar of bones of equal length, 300 mm x 24 mm x 16 mm, cut across into subdomains.
 local function bar(bones, given)
   given = given or {}
   local cells = given.cells or {24, 2, 2}
@@ -333,7 +333,7 @@ describe("the scaling optimisation", function()
     local system, model = fork:synchronise()
     local result = assert(system:statics(model, {method = "iterate", tolerance = 1e-10}))
     local node = result.von_mises:argmax()
-    local motion = session.domains:pose_derivative(fork.current_pose, "bone 1", 2)
+    local motion = session.subdomains:pose_derivative(fork.current_pose, "bone 1", 2)
     local _, slopes = assert(core.von_mises_slopes(model, system, result.displacement, {node}, {motion},
       {method = "iterate", tolerance = 1e-6, guess = {result.displacement}}))
     local h, ends = 1e-3, {}

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Skeletons made, asked, changed, written; the domains that follow their bones.
+-- Skeletons made, asked, changed, written; the subdomains that follow their bones.
 local bw = require "barwright"
 local check = require "check"
 local edit_bodies = require "edit_bodies"
@@ -71,36 +71,36 @@ describe("a skeleton", function()
   end)
 end)
 
--- ---- domains ---------------------------------------------------------------------------------------
+-- ---- subdomains ---------------------------------------------------------------------------------------
 
-describe("domains", function()
+describe("subdomains", function()
   it("cover the part, and say what they follow", function()
-    local domains = body().domains
-    for _, beyond in ipairs {0, -1, #domains + 1, math.mininteger, math.maxinteger} do
-      assert.is_nil(domains[beyond])
+    local subdomains = body().subdomains
+    for _, beyond in ipairs {0, -1, #subdomains + 1, math.mininteger, math.maxinteger} do
+      assert.is_nil(subdomains[beyond])
     end
     local elements, rigid = 0, 0
-    for i, domain in ipairs(domains) do
-      assert.equal(i, domain.index)
-      elements = elements + domain.elements
-      if domain.type == "R" then
+    for i, subdomain in ipairs(subdomains) do
+      assert.equal(i, subdomain.index)
+      elements = elements + subdomain.elements
+      if subdomain.type == "R" then
         rigid = rigid + 1
-        assert.same({domain.bone}, domain.bones)
+        assert.same({subdomain.bone}, subdomain.bones)
       end
     end
-    assert.equal(domains.mesh.element_count, elements)
-    assert.equal(domains.rigid_count, rigid)
-    assert.truthy(#domains > rigid)
-    assert.truthy(tostring(domains):find "domains: %d+ that follow a bone")
-    assert.equal(domains.mesh.node_count, #domains.node_domain)
+    assert.equal(subdomains.mesh.element_count, elements)
+    assert.equal(subdomains.rigid_count, rigid)
+    assert.truthy(#subdomains > rigid)
+    assert.truthy(tostring(subdomains):find "subdomains: %d+ that follow a bone")
+    assert.equal(subdomains.mesh.node_count, #subdomains.node_subdomain)
   end)
 
   it("are changed by hand, as an edit", function()
     local session = beam()
-    local blended = session.domains[3]
+    local blended = session.subdomains[3]
     local before = blended.elements
-    -- an element of the blended domain beside one of the bone's
-    local label, neighbours = session.domains.element_domain, session.mesh.neighbours
+    -- an element of the blended subdomain beside one of the bone's
+    local label, neighbours = session.subdomains.element_subdomain, session.mesh.neighbours
     local chosen
     for e = 1, session.mesh.element_count do
       for k = 1, 4 do
@@ -109,22 +109,22 @@ describe("domains", function()
       end
     end
     assert(session:assign({chosen}, "upper"))
-    assert.equal(before - 1, session.domains[3].elements)
+    assert.equal(before - 1, session.subdomains[3].elements)
     assert(session:bone("upper"):scale(1.1))
     compare(session, assert(session:solve()))
     assert(session:assign({chosen}))
-    assert.equal(before, session.domains[3].elements)
+    assert.equal(before, session.subdomains[3].elements)
     compare(session, assert(session:solve()))
     assert(session:undo())
-    assert.equal(before - 1, session.domains[3].elements)
+    assert.equal(before - 1, session.subdomains[3].elements)
     for _ = 1, 2 do assert(session:undo()) end
-    assert.equal(before, session.domains[3].elements)
+    assert.equal(before, session.subdomains[3].elements)
     check.raises("bone 'nobody'", session.assign, session, {chosen}, "nobody")
   end)
 
   it("take a threshold for every bone", function()
-    local loose = beam {threshold = 0.6}.domains
-    local strict = beam {threshold = 0.6, thresholds = {lower = 0.99}}.domains
+    local loose = beam {threshold = 0.6}.subdomains
+    local strict = beam {threshold = 0.6, thresholds = {lower = 0.99}}.subdomains
     assert.truthy(strict[2].elements < loose[2].elements)
     assert.truthy(strict[1].elements >= loose[1].elements)
     check.raises("no bone 'loer': did you mean 'lower'", beam, {thresholds = {loer = 0.5}})

@@ -64,84 +64,89 @@ BW_API bw_status bw_graph_multiply(bw_context *context, const bw_graph *graph, c
                                    int block, int components, int64_t count, const double *x,
                                    double *y);
 
-/* ---- stiffness kept domain by domain (agile, sections 5 and 6) ---------------------------------
+/* ---- stiffness kept subdomain by subdomain (agile, sections 5 and 6)
+ * ---------------------------------
  */
 
-/* How a domain lies now, against rest: the mesh that the stiffness was created with. Never against
- * an earlier edit, so that nothing piles up over a session and undoing is giving an old motion. */
-typedef struct bw_domain_motion {
+/* How a subdomain lies now, against rest: the mesh that the stiffness was created with. Never
+ * against an earlier edit, so that nothing piles up over a session and undoing is giving an old
+ * motion. */
+typedef struct bw_subdomain_motion {
   /* Where !reshaped: x -> linear x + translation took it from rest to now. Positive determinant; a
-     rotation times a scaling for a domain of type R. The translation changes no stiffness. */
+     rotation times a scaling for a subdomain of type R. The translation changes no stiffness. */
   double linear[9];
-  /* With R the domain's rotation since rest: frame = R^T. Row i is R e_i, where the i-th direction
-     of rest has gone to: the unknowns of nodes that go with the domain are taken along these rows
-     (own = frame * global). A rotation also where reshaped. Turning a domain as a whole, so that R
-     and the shape turn together, changes none of its entries in these directions. */
+  /* With R the subdomain's rotation since rest: frame = R^T. Row i is R e_i, where the i-th
+     direction of rest has gone to: the unknowns of nodes that go with the subdomain are taken along
+     these rows (own = frame * global). A rotation also where reshaped. Turning a subdomain as a
+     whole, so that R and the shape turn together, changes none of its entries in these directions.
+   */
   double frame[9];
   bool reshaped; /* its nodes moved otherwise: they are read from the mesh, and linear is not used.
-                    Any domain may become so and stop being so again */
-} bw_domain_motion;
-BW_API void bw_domain_motion_rest(bw_domain_motion *motion);
+                    Any subdomain may become so and stop being so again */
+} bw_subdomain_motion;
+BW_API void bw_subdomain_motion_rest(bw_subdomain_motion *motion);
 
-typedef struct bw_domain_change {
-  /* how many domains: left alone; written by the polynomials; gathered from coordinates anew */
+typedef struct bw_subdomain_change {
+  /* how many subdomains: left alone; written by the polynomials; gathered from coordinates anew */
   int32_t kept, evaluated, gathered;
   int64_t pairs; /* written */
-} bw_domain_change;
+} bw_subdomain_change;
 
-/* The stiffness of a mesh cut into domains, in global directions, 9 per pair of the graph. Per pair
- * and domain it keeps the coefficients T_ab = integral of grad N_a (x) grad N_b at rest; a domain
- * moved by x -> A x has det(A) A^-T T A^-1, of which eq. A.8 of agile is the case of a diagonal A.
- * Entries are products of these with the elasticity tensor, isotropic or not
+/* The stiffness of a mesh cut into subdomains, in global directions, 9 per pair of the graph. Per
+ * pair and subdomain it keeps the coefficients T_ab = integral of grad N_a (x) grad N_b at rest; a
+ * subdomain moved by x -> A x has det(A) A^-T T A^-1, of which eq. A.8 of agile is the case of a
+ * diagonal A. Entries are products of these with the elasticity tensor, isotropic or not
  * (docs/theory/edit.md). Mutable; the object's revision moves when entries were written. */
-typedef struct bw_domain_stiffness {
+typedef struct bw_subdomain_stiffness {
   bw_object object;
   const bw_graph *graph;       /* retained */
   const bw_material *material; /* retained; its axes stay global, unless material_turns */
-  bool material_turns;         /* an orthotropic material's axes turn with each domain's frame, from
-                                  what they are in `material` (turned by element: one way in each
-                                  domain) */
-  int32_t domain_count;
+  bool material_turns; /* an orthotropic material's axes turn with each subdomain's frame, from
+                          what they are in `material` (turned by element: one way in each
+                          subdomain) */
+  int32_t subdomain_count;
   double *values;    /* 9 per pair: what bw_stiffness would give for the mesh as it is now */
-  uint8_t *changed;  /* domain_count: by the last update, in the unknowns' own frames */
+  uint8_t *changed;  /* subdomain_count: by the last update, in the unknowns' own frames */
   uint64_t revision; /* of the values: the same as the object's */
-  struct bwi_domain_coefficients *coefficients;
-} bw_domain_stiffness;
-/* All domains at rest in `mesh`. element_domain (element_count) and node_domain (node_count; -1:
- * the global frame, for nodes some but not all of whose components are held) are copied. Curved
- * elements are BW_INVALID, as they have no closed form. */
-BW_API bw_status bw_domain_stiffness_create(bw_context *context, const bw_graph *graph,
-                                            const bw_mesh *mesh, const bw_material *material,
-                                            bool material_turns, int32_t domain_count,
-                                            const int32_t *element_domain,
-                                            const int32_t *node_domain,
-                                            bw_domain_stiffness **stiffness);
-/* Bring it to another shape: motion[domain_count] says how every domain lies now; `mesh` has the
- * nodes as they are now, and is read for reshaped domains only. Only entries of domains whose
- * global entries changed are written (contributions of the others at shared pairs are kept). What
- * differs from the last writing by less than 2e-14 (of the map; for reshaped domains of the largest
- * coordinate) counts as rounding and is left, so that the values stay within 1e-12 of those from
- * scratch however many updates there were.
+  struct bwi_subdomain_coefficients *coefficients;
+} bw_subdomain_stiffness;
+/* All subdomains at rest in `mesh`. element_subdomain (element_count) and node_subdomain
+ * (node_count; -1: the global frame, for nodes some but not all of whose components are held) are
+ * copied. Curved elements are BW_INVALID, as they have no closed form. */
+BW_API bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_graph *graph,
+                                               const bw_mesh *mesh, const bw_material *material,
+                                               bool material_turns, int32_t subdomain_count,
+                                               const int32_t *element_subdomain,
+                                               const int32_t *node_subdomain,
+                                               bw_subdomain_stiffness **stiffness);
+/* Bring it to another shape: motion[subdomain_count] says how every subdomain lies now; `mesh` has
+ * the nodes as they are now, and is read for reshaped subdomains only. Only entries of subdomains
+ * whose global entries changed are written (contributions of the others at shared pairs are kept).
+ * What differs from the last writing by less than 2e-14 (of the map; for reshaped subdomains of the
+ * largest coordinate) counts as rounding and is left, so that the values stay within 1e-12 of those
+ * from scratch however many updates there were.
  *
- * `changed` says for which domains any entry changed in the frames of its nodes, with the same
- * tolerance against the shape at which it was last reported: a domain that only turned as a whole
- * together with the frames of all its nodes (and, if anisotropic, its material) is false there
- * though its global entries were written; one that stayed while the frame of a neighbour's node
- * turned is true though nothing was. On failure everything is as it was: BW_INVALID for a motion
- * that is none (not finite, determinant not positive, frame no rotation) or a curved element,
- * BW_GEOMETRY for an inverted one. `change` may be NULL. */
-BW_API bw_status bw_domain_stiffness_update(bw_context *context, bw_domain_stiffness *stiffness,
-                                            const bw_mesh *mesh, const bw_domain_motion *motion,
-                                            bw_domain_change *change);
-/* y += (d K / d p) x where a domain's map changes by d linear / d p = direction (9 numbers), the
+ * `changed` says for which subdomains any entry changed in the frames of its nodes, with the same
+ * tolerance against the shape at which it was last reported: a subdomain that only turned as a
+ * whole together with the frames of all its nodes (and, if anisotropic, its material) is false
+ * there though its global entries were written; one that stayed while the frame of a neighbour's
+ * node turned is true though nothing was. On failure everything is as it was: BW_INVALID for a
+ * motion that is none (not finite, determinant not positive, frame no rotation) or a curved
+ * element, BW_GEOMETRY for an inverted one. `change` may be NULL. */
+BW_API bw_status bw_subdomain_stiffness_update(bw_context *context,
+                                               bw_subdomain_stiffness *stiffness,
+                                               const bw_mesh *mesh,
+                                               const bw_subdomain_motion *motion,
+                                               bw_subdomain_change *change);
+/* y += (d K / d p) x where a subdomain's map changes by d linear / d p = direction (9 numbers), the
  * material's directions staying: the polynomials' derivative. x, y node_count x 3 in global
- * directions. BW_INVALID for a domain that is reshaped now: it has no map. */
-BW_API bw_status bw_domain_stiffness_derivative(bw_context *context,
-                                                const bw_domain_stiffness *stiffness,
-                                                int32_t domain, const double direction[9],
-                                                const double *x, double *y);
+ * directions. BW_INVALID for a subdomain that is reshaped now: it has no map. */
+BW_API bw_status bw_subdomain_stiffness_derivative(bw_context *context,
+                                                   const bw_subdomain_stiffness *stiffness,
+                                                   int32_t subdomain, const double direction[9],
+                                                   const double *x, double *y);
 /* Bytes of coefficients, contribution lists and entries, for the benchmarks. */
-BW_API size_t bw_domain_stiffness_bytes(const bw_domain_stiffness *stiffness);
+BW_API size_t bw_subdomain_stiffness_bytes(const bw_subdomain_stiffness *stiffness);
 
 #ifdef __cplusplus
 }

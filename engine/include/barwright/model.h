@@ -243,14 +243,15 @@ BW_API bw_status bw_dof_map_unconstrained(bw_context *context, const bw_mesh *me
                                           bw_dof_map **dof_map);
 /* The DOF map of an edited model, with the unknowns of `previous` (its pins too, unless they have
  * become poor on the new shape), and the unknowns of nodes that no support holds, or that are held
- * wholly, taken in the frame of their domain: node_domain (node_count; -1: none), frame
- * (domain_count x 9, rows are directions). Pins turn with these. Nodes held in some directions keep
- * the frame of their support. The frames of the domains are the last domain_count rows of the
- * DOF map's. previous may be NULL. *same says whether state and unknown are those of `previous`.
+ * wholly, taken in the frame of their subdomain: node_subdomain (node_count; -1: none), frame
+ * (subdomain_count x 9, rows are directions). Pins turn with these. Nodes held in some directions
+ * keep the frame of their support. The frames of the subdomains are the last subdomain_count rows
+ * of the DOF map's. previous may be NULL. *same says whether state and unknown are those of
+ * `previous`.
  */
 BW_API bw_status bw_dof_map_follow(bw_context *context, const bw_model *model,
-                                   const bw_dof_map *previous, int32_t domain_count,
-                                   const int32_t *node_domain, const double *frame, bool *same,
+                                   const bw_dof_map *previous, int32_t subdomain_count,
+                                   const int32_t *node_subdomain, const double *frame, bool *same,
                                    bw_dof_map **dof_map);
 /* Whether the loads reach the body, before a static solution: BW_INVALID when the supports fix the
  * whole boundary at zero (unless temperatures or nodal forces act), or when a load acts on

@@ -1,5 +1,5 @@
-/* shape: skeletons, skinning weights, domains, poses, inverse kinematics, repair of edited meshes
- * (the paper agile, sections 3 and 4, and what it calls future work). */
+/* shape: skeletons, skinning weights, subdomains, poses, inverse kinematics, repair of edited
+ * meshes (the paper agile, sections 3 and 4, and what it calls future work). */
 #ifndef BARWRIGHT_SHAPE_H
 #define BARWRIGHT_SHAPE_H
 
@@ -98,88 +98,96 @@ BW_API bw_status bw_skinning_weights(bw_context *context, const bw_mesh *mesh,
                                      const bw_skeleton *skeleton, const bw_weights_options *options,
                                      double *weight);
 
-/* ---- domains (agile, section 4) ----------------------------------------------------------------
+/* ---- subdomains (agile, section 4)
+ * ----------------------------------------------------------------
  */
 
-/* The elements cut into domains. Type R follows one bone; type F lies between several and is
- * blended. Domains are numbered with all of type R first, by bone. Immutable.
+/* Subdomains cut further, for the equations: elements joined through faces whose corners follow the
+ * same set of bones. Few of a blended subdomain's bones matter at any place, so that an edit
+ * changes some of its stiffness subdomains and leaves the others. A subdomain of type R is one
+ * stiffness subdomain, of its own number; the others come after, by subdomain. */
+typedef struct bw_stiffness_subdomains {
+  int32_t count;
+  int32_t *of_element; /* element_count */
+  int32_t *parent;     /* count: the subdomain that each is part of, ascending */
+  int32_t *bone_start; /* count + 1: the bones its corners follow, ascending */
+  int32_t *bone;
+  int32_t *of_node; /* node_count: that whose frame a node goes with: that of type R if any, else
+                       one whose first bone all stiffness subdomains at the node follow, where there
+                       is one, and of these that of the fewest bones */
+} bw_stiffness_subdomains;
+
+/* The subdomains of an edit session, which bones pose and scale. Type R follows one bone; type F
+ * lies between several and is blended. They are numbered with all of type R first, by bone.
+ * Immutable.
  *
- * Invariants: every element belongs to one domain; a type R domain is connected through faces; two
- * type R domains share no node; domains of type F share only nodes of type R domains. So the posed
- * mesh is continuous whatever the bones do. */
-typedef struct bw_domains {
+ * Invariants: every element belongs to one subdomain; a type R subdomain is connected through
+ * faces; two type R subdomains share no node; subdomains of type F share only nodes of type R
+ * subdomains. So the posed mesh is continuous whatever the bones do. */
+typedef struct bw_subdomains {
   bw_object object;
   const bw_mesh *mesh;         /* retained: the rest shape */
   const bw_skeleton *skeleton; /* retained */
   int32_t count, rigid_count;  /* all, and those of type R */
-  int32_t *element_domain;     /* element_count */
+  int32_t *element_subdomain;  /* element_count */
   int32_t *elements;           /* count: number of elements in each */
-  int32_t *bone_of;            /* count: the bone of a type R domain, -1 for type F */
-  int32_t *bone_start;         /* count + 1: the bones each domain follows, ascending */
+  int32_t *bone_of;            /* count: the bone of a type R subdomain, -1 for type F */
+  int32_t *bone_start;         /* count + 1: the bones each subdomain follows, ascending */
   int32_t *bone;
-  int32_t *adjacent_start; /* count + 1: domains that share a node, ascending */
+  int32_t *adjacent_start; /* count + 1: subdomains that share a node, ascending */
   int32_t *adjacent;
-  int32_t *node_domain; /* node_count: the domain whose frame a node goes with: the one of type R if
-                           any, else the one of type F */
-  uint8_t *interface;   /* node_count: 1 where elements of several domains meet */
+  int32_t *node_subdomain; /* node_count: the subdomain whose frame a node goes with: the one of
+                              type R if any, else the one of type F */
+  uint8_t *interface;      /* node_count: 1 where elements of several subdomains meet */
   /* what moves each corner node: bones and weights summing to one; empty for mid-edge nodes */
   int64_t *influence_start; /* node_count + 1 */
   int32_t *influence_bone;
   double *influence_weight;
-  /* Domains cut further, for the equations: elements joined through faces whose corners follow the
-   * same set of bones. Few of a blended domain's bones matter at any place, so that an edit changes
-   * some of its pieces and leaves the others. A domain of type R is one piece, of its own number;
-   * the others come after, by domain. */
-  int32_t piece_count;
-  int32_t *element_piece;    /* element_count */
-  int32_t *piece_domain;     /* piece_count: ascending */
-  int32_t *piece_bone_start; /* piece_count + 1: the bones its corners follow, ascending */
-  int32_t *piece_bone;
-  int32_t *node_piece; /* node_count: the piece whose frame a node goes with: that of type R if any,
-                          else one whose first bone all pieces at the node follow, where there is
-                          one, and of these that of the fewest bones */
-} bw_domains;
+  bw_stiffness_subdomains stiffness;
+} bw_subdomains;
 
-typedef struct bw_domains_options {
+typedef struct bw_subdomains_options {
   double threshold;             /* mean weight from which an element is of type R; 0: 0.95 */
   const double *bone_threshold; /* bone_count: instead of it, where not 0; may be NULL */
   /* Where bones are short for the body's thickness no weight comes near one. So that a bone has a
-   * domain all the same, its threshold is lowered (with a warning) to what this share, by volume,
-   * of the elements that it moves most reach; not below a bone_threshold of its own. 0: 0.35;
-   * negative: never, as the paper. */
+   * subdomain all the same, its threshold is lowered (with a warning) to what this share, by
+   * volume, of the elements that it moves most reach; not below a bone_threshold of its own. 0:
+   * 0.35; negative: never, as the paper. */
   double share;
-} bw_domains_options;
+} bw_subdomains_options;
 /* Region growing through faces from the element of the highest mean weight of each bone; what is
- * left is grouped by faces (and through shared nodes that no type R domain has). Type F is blended
- * by weights from Laplace solves with ones and zeros on the interfaces. `weight` as from
- * bw_skinning_weights. A bone without a domain gets a warning. */
-BW_API bw_status bw_domains_create(bw_context *context, const bw_mesh *mesh,
-                                   const bw_skeleton *skeleton, const double *weight,
-                                   const bw_domains_options *options, bw_domains **domains);
-/* Give elements to a bone's type R domain, or (bone -1) take them out of type R. BW_INVALID names
- * the element when the domain would fall apart or touch another bone's. */
-BW_API bw_status bw_domains_assign(bw_context *context, const bw_domains *domains, int64_t count,
-                                   const int32_t *element, int32_t bone, bw_domains **changed);
-/* The same domains from labels: element_domain as numbered in `bone_of` (count entries). For meshes
- * refilled in a session. */
-BW_API bw_status bw_domains_from_labels(bw_context *context, const bw_mesh *mesh,
-                                        const bw_skeleton *skeleton, int32_t count,
-                                        const int32_t *bone_of, const int32_t *element_domain,
-                                        bw_domains **domains);
+ * left is grouped by faces (and through shared nodes that no type R subdomain has). Type F is
+ * blended by weights from Laplace solves with ones and zeros on the interfaces. `weight` as from
+ * bw_skinning_weights. A bone without a subdomain gets a warning. */
+BW_API bw_status bw_subdomains_create(bw_context *context, const bw_mesh *mesh,
+                                      const bw_skeleton *skeleton, const double *weight,
+                                      const bw_subdomains_options *options,
+                                      bw_subdomains **subdomains);
+/* Give elements to a bone's type R subdomain, or (bone -1) take them out of type R. BW_INVALID
+ * names the element when the subdomain would fall apart or touch another bone's. */
+BW_API bw_status bw_subdomains_assign(bw_context *context, const bw_subdomains *subdomains,
+                                      int64_t count, const int32_t *element, int32_t bone,
+                                      bw_subdomains **changed);
+/* The same subdomains from labels: element_subdomain as numbered in `bone_of` (count entries). For
+ * meshes refilled in a session. */
+BW_API bw_status bw_subdomains_from_labels(bw_context *context, const bw_mesh *mesh,
+                                           const bw_skeleton *skeleton, int32_t count,
+                                           const int32_t *bone_of, const int32_t *element_subdomain,
+                                           bw_subdomains **subdomains);
 
 /* Whether the invariants hold, for tests and debuggers: BW_INVALID or BW_INTERNAL names the first
  * element or node where they do not. */
-BW_API bw_status bw_domains_check(bw_context *context, const bw_domains *domains);
+BW_API bw_status bw_subdomains_check(bw_context *context, const bw_subdomains *subdomains);
 
-/* The domains on `mesh`, which bw_mesh_refill made of the posed shape with `replace` (whole domains
- * of type F), node_from and element_from. Kept nodes keep their places at rest and what moves them;
- * a new one gets weights from Laplace on `mesh` and the place at rest that its own blended map, of
- * the bones' maps at hand, takes to where it is. The rest mesh of these domains carries positions:
- * elements in it may be inverted. BW_GEOMETRY where bones blend to a plane. */
-BW_API bw_status bw_domains_refilled(bw_context *context, const bw_domains *domains,
-                                     const double *map, const uint8_t *replace, const bw_mesh *mesh,
-                                     const int32_t *node_from, const int32_t *element_from,
-                                     bw_domains **refilled);
+/* The subdomains on `mesh`, which bw_mesh_refill made of the posed shape with `replace` (whole
+ * subdomains of type F), node_from and element_from. Kept nodes keep their places at rest and what
+ * moves them; a new one gets weights from Laplace on `mesh` and the place at rest that its own
+ * blended map, of the bones' maps at hand, takes to where it is. The rest mesh of these subdomains
+ * carries positions: elements in it may be inverted. BW_GEOMETRY where bones blend to a plane. */
+BW_API bw_status bw_subdomains_refilled(bw_context *context, const bw_subdomains *subdomains,
+                                        const double *map, const uint8_t *replace,
+                                        const bw_mesh *mesh, const int32_t *node_from,
+                                        const int32_t *element_from, bw_subdomains **refilled);
 
 /* ---- poses ----------------------------------------------------------------------------------- */
 
@@ -198,19 +206,20 @@ BW_API bw_status bw_pose_maps(bw_context *context, const bw_skeleton *skeleton,
 /* Posed joints, joint_count x 3 (the root's bones' heads, else tails). */
 BW_API void bw_pose_joints(const bw_skeleton *skeleton, const double *map, double *joint);
 /* Posed nodes, node_count x 3: corners blended, mid-edge nodes half-way. */
-BW_API bw_status bw_pose_nodes(bw_context *context, const bw_domains *domains, const double *map,
-                               double *node);
+BW_API bw_status bw_pose_nodes(bw_context *context, const bw_subdomains *subdomains,
+                               const double *map, double *node);
 /* d node / d scale[axis] of one bone (agile, eq. 20: node positions are linear in the scales):
  * node_count x 3. */
-BW_API bw_status bw_pose_derivative(bw_context *context, const bw_domains *domains,
+BW_API bw_status bw_pose_derivative(bw_context *context, const bw_subdomains *subdomains,
                                     const bw_bone_pose *pose, int32_t bone, int axis,
                                     double *derivative);
 
-/* How each piece moved since rest (piece_count): see bw_domain_motion (assemble.h). A piece all of
- * whose bones moved by one affine map moves with it as a whole. Its frame is the rotation of its
- * first bone. */
-BW_API bw_status bw_pose_pieces(bw_context *context, const bw_domains *domains, const double *map,
-                                const double *rotation, bw_domain_motion *motion);
+/* How each stiffness subdomain moved since rest (stiffness.count): see bw_subdomain_motion
+ * (assemble.h). One all of whose bones moved by one affine map moves with it as a whole. Its frame
+ * is the rotation of its first bone. */
+BW_API bw_status bw_pose_motion(bw_context *context, const bw_subdomains *subdomains,
+                                const double *map, const double *rotation,
+                                bw_subdomain_motion *motion);
 
 /* ---- inverse kinematics ---------------------------------------------------------------------- */
 
@@ -270,8 +279,9 @@ BW_API bw_status bw_mesh_relax(bw_context *context, const bw_mesh *mesh, const u
  * the facets between it and the rest, and those on the boundary, stay exactly. The boundary facets
  * of `refilled` are those of `mesh`, in the same order, with the same positions; boundary and kept
  * nodes come first: node_from[i] is the old node or -1; element_from[e] the old element (kept ones,
- * in order, first) or -1 - k with k the part's piece (face-connected parts of `replace`, by lowest
- * element). BW_GEOMETRY when the part's own boundary intersects itself. Blocks for bw_free. */
+ * in order, first) or -1 - k with k the part's component (face-connected parts of `replace`, by
+ * lowest element). BW_GEOMETRY when the part's own boundary intersects itself. Blocks for bw_free.
+ */
 BW_API bw_status bw_mesh_refill(bw_context *context, const bw_mesh *mesh, const double *node,
                                 const uint8_t *replace, bw_mesh **refilled, int32_t **node_from,
                                 int32_t **element_from);

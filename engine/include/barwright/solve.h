@@ -126,11 +126,11 @@ typedef enum bw_local_method {
 
 /* What an update and a solve reused and what they cost. */
 typedef struct bw_reuse {
-  bool pattern, ordering;  /* kept */
-  int32_t domains;         /* in all */
-  int32_t domains_kept;    /* no entry of theirs was written */
-  int32_t domains_turned;  /* written, but unchanged in their own frames */
-  int32_t domains_touched; /* changed: evaluated by polynomials or gathered */
+  bool pattern, ordering;     /* kept */
+  int32_t subdomains;         /* in all */
+  int32_t subdomains_reused;  /* no entry of theirs was written */
+  int32_t subdomains_rotated; /* written, but unchanged in their own frames */
+  int32_t subdomains_changed; /* changed: evaluated by polynomials or gathered */
   bw_local_method
       method;         /* REFACTOR (also where nothing had to be done), ITERATE, SCRATCH, LEVELS */
   double factor_kept; /* fraction of the factor's work that was not done again */
@@ -173,7 +173,7 @@ typedef struct bw_local_options {
 } bw_local_options;
 BW_API void bw_local_options_default(bw_local_options *options);
 
-/* The equations of a body cut into domains, kept up to date through edits of its shape. Mutable:
+/* The equations of a body cut into subdomains, kept up to date through edits of its shape. Mutable:
  * one owner, one thread at a time. `system` is a view for what takes a bw_system: its mesh,
  * dof_map and stiffness are of the shape last synchronised; factor and mass are so only
  * after bw_local_system_refactor (NULL, or of no use, otherwise), the factor in double precision;
@@ -181,28 +181,30 @@ BW_API void bw_local_options_default(bw_local_options *options);
 typedef struct bw_local_system {
   bw_object object;
   bw_system *system;
-  bw_domain_stiffness *stiffness;
+  bw_subdomain_stiffness *stiffness;
   struct bwi_local *inner;
 } bw_local_system;
-/* The edits to be expected, by the domains that they touch: those of domain d are edit[start[d]] to
- * edit[start[d + 1] - 1], numbers from 0 to count - 1 (bones, mostly). */
+/* The edits to be expected, by the subdomains that they touch: those of subdomain d are
+ * edit[start[d]] to edit[start[d + 1] - 1], numbers from 0 to count - 1 (bones, mostly). */
 typedef struct bw_edits {
   int32_t count;
-  const int32_t *start; /* domain_count + 1 */
+  const int32_t *start; /* subdomain_count + 1 */
   const int32_t *edit;
 } bw_edits;
-/* `domain_count` domains by element and by node, as in bw_domains; all at rest in the model's mesh.
- * `material_turns`: an orthotropic material's axes turn with the frames of the domains, and models
- * that are followed come with their material turned so (bw_model_turn_material).
- * Orders with the edits in mind (NULL: of each domain by itself), factors. */
+/* `subdomain_count` subdomains by element and by node, as in bw_subdomains; all at rest in the
+ * model's mesh. `material_turns`: an orthotropic material's axes turn with the frames of the
+ * subdomains, and models that are followed come with their material turned so
+ * (bw_model_turn_material). Orders with the edits in mind (NULL: of each subdomain by itself),
+ * factors. */
 BW_API bw_status bw_local_system_create(bw_context *context, const bw_model *model,
-                                        bool material_turns, int32_t domain_count,
-                                        const int32_t *element_domain, const int32_t *node_domain,
-                                        const bw_edits *edits, bw_local_system **local);
+                                        bool material_turns, int32_t subdomain_count,
+                                        const int32_t *element_subdomain,
+                                        const int32_t *node_subdomain, const bw_edits *edits,
+                                        bw_local_system **local);
 /* Follow an edit: `model` is the edited one (bw_model_moved). Where the supports are no longer the
  * same, the whole factor is made again on the next solve. On failure the shape is as it was. */
 BW_API bw_status bw_local_system_update(bw_context *context, bw_local_system *local,
-                                        const bw_model *model, const bw_domain_motion *motion,
+                                        const bw_model *model, const bw_subdomain_motion *motion,
                                         bw_reuse *reuse);
 /* u = K^-1 f as bw_system_solve: `count` right-hand sides, by the method asked for or chosen.
  * `reuse` (may be NULL) is completed, not cleared. */

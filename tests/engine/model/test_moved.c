@@ -202,7 +202,7 @@ static void transferred_to_a_refilled_mesh(void **state) {
   bw_release(mesh);
 }
 
-/* A DOF map in the frames of two domains: which nodes take them, what they make of prescribed
+/* A DOF map in the frames of two subdomains: which nodes take them, what they make of prescribed
  * values, what makes the unknowns others. */
 static void dof_map_in_frames(void **state) {
   bw_context *context = check_context(state);
@@ -213,14 +213,14 @@ static void dof_map_in_frames(void **state) {
   const double by[3] = {0, 0, 3}; /* along the side, however it turns: the two agree */
   check_ok(context, bw_model_prescribe(context, model, root, all, by));
   check_ok(context, bw_model_slide(context, model, side, NULL));
-  int32_t *domain = (int32_t *)malloc(sizeof *domain * (size_t)mesh->node_count);
+  int32_t *subdomain = (int32_t *)malloc(sizeof *subdomain * (size_t)mesh->node_count);
   for (int32_t i = 0; i < mesh->node_count; i++)
-    domain[i] = mesh->node[3 * i] > 2 ? 1 : mesh->node[3 * i] > 1.5 ? -1 : 0;
+    subdomain[i] = mesh->node[3 * i] > 2 ? 1 : mesh->node[3 * i] > 1.5 ? -1 : 0;
   double c = cos(0.3), s = sin(0.3);
   const double frame[18] = {c, s, 0, -s, c, 0, 0, 0, 1, 1, 0, 0, 0, c, s, 0, -s, c};
   bw_dof_map *first = NULL, *next = NULL;
   bool same = true;
-  check_ok(context, bw_dof_map_follow(context, model, NULL, 2, domain, frame, &same, &first));
+  check_ok(context, bw_dof_map_follow(context, model, NULL, 2, subdomain, frame, &same, &first));
   assert_false(same);
   int32_t supports = first->frame_count - 2;
   for (int32_t i = 0; i < mesh->node_count; i++) {
@@ -231,7 +231,7 @@ static void dof_map_in_frames(void **state) {
       assert_int_equal(first->state[3 * i], BW_DOF_PRESCRIBED);
       assert_int_equal(first->state[3 * i + 1], BW_DOF_UNKNOWN);
     } else
-      assert_int_equal(first->frame_of[i], domain[i] < 0 ? -1 : supports + domain[i]);
+      assert_int_equal(first->frame_of[i], subdomain[i] < 0 ? -1 : supports + subdomain[i]);
     for (int k = 0; x[0] == 0 && k < 3; k++) { /* the value back in global directions */
       double value = 0;
       const double *rows = first->frame + 9 * first->frame_of[i];
@@ -244,27 +244,27 @@ static void dof_map_in_frames(void **state) {
   bw_mesh *turned = turned_mesh(context, mesh, 0.5, 1.2);
   bw_model *moved = NULL;
   check_ok(context, bw_model_moved(context, model, turned, &moved));
-  check_ok(context, bw_dof_map_follow(context, moved, first, 2, domain, frame, &same, &next));
+  check_ok(context, bw_dof_map_follow(context, moved, first, 2, subdomain, frame, &same, &next));
   assert_true(same);
   assert_memory_equal(next->unknown, first->unknown,
                       3 * sizeof(int32_t) * (size_t)mesh->node_count);
   bw_release(next);
-  domain[0] = 2;
-  check_fails(context, BW_INVALID, "domain 3 of 2",
-              bw_dof_map_follow(context, moved, first, 2, domain, frame, &same, &next));
-  domain[0] = 0;
+  subdomain[0] = 2;
+  check_fails(context, BW_INVALID, "subdomain 3 of 2",
+              bw_dof_map_follow(context, moved, first, 2, subdomain, frame, &same, &next));
+  subdomain[0] = 0;
   /* held in other directions: other unknowns */
   check_ok(context, bw_model_fix(context, moved, moved->support[1].on));
   check_fails(context, BW_INVALID, "earlier supports",
-              bw_dof_map_follow(context, moved, first, 2, domain, frame, &same, &next));
+              bw_dof_map_follow(context, moved, first, 2, subdomain, frame, &same, &next));
   bw_model_clear_supports(moved);
-  check_ok(context, bw_dof_map_follow(context, moved, first, 2, domain, frame, &same, &next));
+  check_ok(context, bw_dof_map_follow(context, moved, first, 2, subdomain, frame, &same, &next));
   assert_false(same);
   bw_release(next);
   bw_release(moved);
   bw_release(turned);
   bw_release(first);
-  free(domain);
+  free(subdomain);
   bw_release(side);
   bw_release(root);
   bw_release(model);
@@ -276,17 +276,17 @@ static void pins_stay(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = box_mesh(context, 4, 1, 1, 8, 2, 2, 1);
   bw_model *model = some_model(context, mesh), *moved = NULL;
-  int32_t *domain = (int32_t *)calloc((size_t)mesh->node_count, sizeof *domain);
+  int32_t *subdomain = (int32_t *)calloc((size_t)mesh->node_count, sizeof *subdomain);
   const double rest[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   bw_dof_map *first = NULL, *next = NULL;
   bool same;
-  check_ok(context, bw_dof_map_follow(context, model, NULL, 1, domain, rest, &same, &first));
+  check_ok(context, bw_dof_map_follow(context, model, NULL, 1, subdomain, rest, &same, &first));
   assert_int_equal(first->motion_count, 6);
   double c = cos(2.), s = sin(2.);
   const double frame[9] = {c, s, 0, -s, c, 0, 0, 0, 1};
   bw_mesh *turned = turned_mesh(context, mesh, 2., 1.3);
   check_ok(context, bw_model_moved(context, model, turned, &moved));
-  check_ok(context, bw_dof_map_follow(context, moved, first, 1, domain, frame, &same, &next));
+  check_ok(context, bw_dof_map_follow(context, moved, first, 1, subdomain, frame, &same, &next));
   assert_true(same);
   assert_int_equal(next->motion_count, 6);
   bw_release(next);
@@ -299,11 +299,11 @@ static void pins_stay(void **state) {
     if (mesh->node[3 * i] < 0.1)
       for (int k = 0; k < 3 && pinned < 6; k++, pinned++)
         first->state[3 * i + k] = BW_DOF_ISOSTATIC;
-  check_ok(context, bw_dof_map_follow(context, model, first, 1, domain, rest, &same, &next));
+  check_ok(context, bw_dof_map_follow(context, model, first, 1, subdomain, rest, &same, &next));
   assert_false(same);
   bw_release(next);
   bw_release(first);
-  free(domain);
+  free(subdomain);
   bw_release(model);
   bw_release(mesh);
 }
@@ -317,7 +317,7 @@ static void no_memory(void **state) {
   check_ok(context, bw_model_fix(context, model, root));
   check_ok(context, bw_model_slide(context, model, side, NULL));
   check_ok(context, bw_model_torque(context, model, side, torque, NULL));
-  int32_t *domain = (int32_t *)calloc((size_t)mesh->node_count, sizeof *domain);
+  int32_t *subdomain = (int32_t *)calloc((size_t)mesh->node_count, sizeof *subdomain);
   const double rest[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   for (int64_t n = 1;; n++) {
     bw_model *moved = NULL;
@@ -326,7 +326,7 @@ static void no_memory(void **state) {
     bw_fail_allocation(n, true);
     bw_status status = bw_model_moved(context, model, mesh, &moved);
     if (status == BW_OK)
-      status = bw_dof_map_follow(context, moved, NULL, 1, domain, rest, &same, &dof_map);
+      status = bw_dof_map_follow(context, moved, NULL, 1, subdomain, rest, &same, &dof_map);
     bw_fail_allocation(0, false);
     bw_release(dof_map);
     bw_release(moved);
@@ -334,7 +334,7 @@ static void no_memory(void **state) {
       break;
     assert_int_equal(status, BW_MEMORY);
   }
-  free(domain);
+  free(subdomain);
   bw_release(side);
   bw_release(root);
   bw_release(model);

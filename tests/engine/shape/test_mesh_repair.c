@@ -382,8 +382,8 @@ static void test_bent_bar(void **state) {
   }
 }
 
-/* Several pieces: apart, touching in an edge only, and a shell around elements that stay. */
-static void test_pieces(void **state) {
+/* Several components: apart, touching in an edge only, and a shell around elements that stay. */
+static void test_components(void **state) {
   bw_context *context = check_context(state);
   for (int shape = 0; shape < 4; shape++) {
     bw_mesh *mesh = box(context, 2, 12, 6, 6, 2), *made = NULL;
@@ -411,8 +411,8 @@ static void test_pieces(void **state) {
     check_ok(context,
              bw_mesh_refill(context, mesh, mesh->node, replace, &made, &node_from, &element_from));
     check_contract(mesh, mesh->node, replace, made, node_from, element_from);
-    int32_t pieces = -element_from[made->element_count - 1];
-    assert_int_equal(pieces, shape < 2 ? 2 : 1);
+    int32_t components = -element_from[made->element_count - 1];
+    assert_int_equal(components, shape < 2 ? 2 : 1);
     double volume[2] = {0, 0}, whole = bw_mesh_volume(made);
     for (int32_t e = 0; e < made->element_count; e++)
       if (element_from[e] < 0)
@@ -532,7 +532,7 @@ int main(void) {
       cmocka_unit_test(test_quality), check_test(test_pushed_nodes),
       check_test(test_stays_local),   check_test(test_dent),
       check_test(test_refusals),      check_test(test_bent_bar),
-      check_test(test_pieces),        check_test(test_regions),
+      check_test(test_components),    check_test(test_regions),
       check_test(test_cancel),        check_test(test_allocation_failures),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -10,19 +10,19 @@ static void apply(const double *map, const double *x, double *y) {
     y[i] = bw_dot(map + 4 * i, x) + map[4 * i + 3];
 }
 
-static bw_domains *make(bw_context *context, const bw_mesh *mesh, const bw_skeleton *skeleton) {
-  bw_domains *domains;
+static bw_subdomains *make(bw_context *context, const bw_mesh *mesh, const bw_skeleton *skeleton) {
+  bw_subdomains *subdomains;
   double *weight = limbs_weights(mesh, skeleton, 20);
-  check_ok(context, bw_domains_create(context, mesh, skeleton, weight, NULL, &domains));
+  check_ok(context, bw_subdomains_create(context, mesh, skeleton, weight, NULL, &subdomains));
   free(weight);
-  return domains;
+  return subdomains;
 }
 
 static void test_rest(void **state) {
   bw_context *context = check_context(state);
   bw_skeleton *skeleton = limbs_cross_bones(context);
   bw_mesh *mesh = limbs_cross(context, 2);
-  bw_domains *d = make(context, mesh, skeleton);
+  bw_subdomains *d = make(context, mesh, skeleton);
   bw_bone_pose pose[4];
   for (int b = 0; b < 4; b++)
     bw_bone_pose_rest(pose + b);
@@ -35,11 +35,11 @@ static void test_rest(void **state) {
   bw_pose_joints(skeleton, map, joint);
   assert_memory_equal(joint, skeleton->joint, sizeof joint);
   /* a translated root takes everything along, as a whole */
-  bw_domain_motion *motion = malloc((size_t)d->count * sizeof *motion);
+  bw_subdomain_motion *motion = malloc((size_t)d->count * sizeof *motion);
   for (int b = 0; b < 4; b++)
     pose[b].translation[1] = 0.3;
   check_ok(context, bw_pose_maps(context, skeleton, pose, map, rotation));
-  check_ok(context, bw_pose_pieces(context, d, map, rotation, motion));
+  check_ok(context, bw_pose_motion(context, d, map, rotation, motion));
   for (int i = 0; i < d->count; i++) {
     assert_false(motion[i].reshaped);
     assert_memory_equal(motion[i].linear, unit, sizeof unit);
@@ -165,18 +165,18 @@ static void test_nodes(void **state) {
   for (int order = 1; order <= 2; order++) {
     bw_skeleton *skeleton = limbs_cross_bones(context);
     bw_mesh *mesh = limbs_cross(context, order);
-    bw_domains *d = make(context, mesh, skeleton);
+    bw_subdomains *d = make(context, mesh, skeleton);
     bw_bone_pose pose[4];
     double map[48], rotation[36], *node = malloc(3 * (size_t)mesh->node_count * sizeof *node);
-    bw_domain_motion motion[5];
+    bw_subdomain_motion motion[5];
     assert_int_equal(d->count, 5);
     limbs_random_pose(&random, 4, pose);
     check_ok(context, bw_pose_maps(context, skeleton, pose, map, rotation));
     check_ok(context, bw_pose_nodes(context, d, map, node));
-    check_ok(context, bw_pose_pieces(context, d, map, rotation, motion));
+    check_ok(context, bw_pose_motion(context, d, map, rotation, motion));
     for (int32_t e = 0; e < mesh->element_count; e++) {
       const int32_t *at = mesh->element + e * mesh->nodes_per_element;
-      int32_t domain = d->element_domain[e], b = d->bone_of[domain];
+      int32_t subdomain = d->element_subdomain[e], b = d->bone_of[subdomain];
       double edge[9], unused[9];
       for (int k = 0; k < mesh->nodes_per_element; k++) {
         double y[3];
@@ -220,15 +220,15 @@ static void test_turned_as_a_whole(void **state) {
   bw_context *context = check_context(state);
   bw_skeleton *skeleton = limbs_bar_bones(context);
   bw_mesh *mesh = limbs_bar(context, 1, 4);
-  bw_domains *d = make(context, mesh, skeleton);
+  bw_subdomains *d = make(context, mesh, skeleton);
   bw_bone_pose pose[3];
   double map[36], rotation[27];
-  bw_domain_motion motion[5];
+  bw_subdomain_motion motion[5];
   for (int b = 0; b < 3; b++)
     bw_bone_pose_rest(pose + b);
   limbs_turn(pose[1].rotation, (double[3]){1, 2, 3}, 0.7);
   check_ok(context, bw_pose_maps(context, skeleton, pose, map, rotation));
-  check_ok(context, bw_pose_pieces(context, d, map, rotation, motion));
+  check_ok(context, bw_pose_motion(context, d, map, rotation, motion));
   assert_false(motion[0].reshaped || motion[1].reshaped || motion[2].reshaped);
   assert_true(motion[3].reshaped);  /* between bones 0 and 1 */
   assert_false(motion[4].reshaped); /* between 1 and 2, which turned together */
@@ -237,7 +237,7 @@ static void test_turned_as_a_whole(void **state) {
   /* from the root, with a chain of turns: everything beyond the last of them goes as a whole */
   limbs_turn(pose[0].rotation, (double[3]){0, 2, -1}, 0.3);
   check_ok(context, bw_pose_maps(context, skeleton, pose, map, rotation));
-  check_ok(context, bw_pose_pieces(context, d, map, rotation, motion));
+  check_ok(context, bw_pose_motion(context, d, map, rotation, motion));
   assert_false(motion[4].reshaped);
   assert_memory_equal(map + 12, map + 24, 12 * sizeof(double));
   bw_release(d);
@@ -253,7 +253,7 @@ static void test_derivative(void **state) {
   bw_random_seed(&random, 9);
   bw_skeleton *skeleton = limbs_bar_bones(context);
   bw_mesh *mesh = limbs_bar(context, 2, 2);
-  bw_domains *d = make(context, mesh, skeleton);
+  bw_subdomains *d = make(context, mesh, skeleton);
   size_t size = 3 * (size_t)mesh->node_count;
   double *low = malloc(size * 8), *high = malloc(size * 8), *exact = malloc(size * 8);
   bw_bone_pose pose[3];
@@ -289,7 +289,7 @@ static void test_refusals_and_memory(void **state) {
   bw_context *context = check_context(state);
   bw_skeleton *skeleton = limbs_bar_bones(context);
   bw_mesh *mesh = limbs_bar(context, 1, 2);
-  bw_domains *d = make(context, mesh, skeleton);
+  bw_subdomains *d = make(context, mesh, skeleton);
   bw_bone_pose pose[3];
   double map[36], *derivative = malloc(3 * (size_t)mesh->node_count * 8);
   for (int b = 0; b < 3; b++)

@@ -1,21 +1,21 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* A bar of five domains along x, R F R F R, is bent at its two joints, stretched and turned: what
- * the tests of systems that follow edits share. */
+/* A bar of five subdomains along x, R F R F R, is bent at its two joints, stretched and turned:
+ * what the tests of systems that follow edits share. */
 #ifndef LOCAL_BAR_H
 #define LOCAL_BAR_H
 
 #include "bodies.h"
 #include "solve/local.h"
 
-enum { DOMAINS = 5, RIGID = 3 };
+enum { SUBDOMAINS = 5, RIGID = 3 };
 
-/* Where domains end along the bar of length 10; the R domains are 0, 2, 4. */
-static const double cut[DOMAINS + 1] = {0, 2, 4, 6, 8, 10};
+/* Where subdomains end along the bar of length 10; the R subdomains are 0, 2, 4. */
+static const double cut[SUBDOMAINS + 1] = {0, 2, 4, 6, 8, 10};
 
-/* What an edit changes: every R domain turns and translates against the one before, about the
- * middle of the F domain between, and is stretched about that point along its own axes. */
+/* What an edit changes: every R subdomain turns and translates against the one before, about the
+ * middle of the F subdomain between, and is stretched about that point along its own axes. */
 typedef struct pose {
-  double turn[RIGID][9]; /* against the R domain before; of the first: against rest */
+  double turn[RIGID][9]; /* against the R subdomain before; of the first: against rest */
   double scale[RIGID][3];
   double shift[RIGID][3];
 } pose;
@@ -24,11 +24,11 @@ typedef struct bar {
   bw_mesh *mesh; /* at rest */
   bw_material *material;
   bw_model *model; /* at rest */
-  int32_t *element_domain, *node_domain;
+  int32_t *element_subdomain, *node_subdomain;
   pose now;
   double map[RIGID][12], rotation[RIGID][9];
   double *node;
-  bw_domain_motion motion[DOMAINS];
+  bw_subdomain_motion motion[SUBDOMAINS];
 } bar;
 
 static inline void multiply(const double *a, const double *b, double *c) {
@@ -93,7 +93,7 @@ static inline void follow(bar *b) {
   for (int32_t i = 0; i < b->mesh->node_count; i++) {
     const double *x = b->mesh->node + 3 * i;
     int k = 0;
-    while (k < DOMAINS - 1 && x[0] > cut[k + 1])
+    while (k < SUBDOMAINS - 1 && x[0] > cut[k + 1])
       k++;
     double t = (x[0] - cut[k]) / (cut[k + 1] - cut[k]), from[3], to[3];
     apply(b->map[k / 2], x, from);
@@ -108,9 +108,9 @@ static inline void follow(bar *b) {
         b->node[3 * n[4 + m] + c] =
             0.5 * (b->node[3 * n[bw_tet_edge[m][0]] + c] + b->node[3 * n[bw_tet_edge[m][1]] + c]);
   }
-  for (int d = 0; d < DOMAINS; d++) {
+  for (int d = 0; d < SUBDOMAINS; d++) {
     int k = d / 2;
-    bw_domain_motion *m = &b->motion[d];
+    bw_subdomain_motion *m = &b->motion[d];
     for (int i = 0; i < 3; i++)
       memcpy(m->linear + 3 * i, b->map[k] + 4 * i, 3 * sizeof(double));
     for (int i = 0; i < 3; i++)
@@ -126,8 +126,8 @@ static inline void bar_clear(bar *b) {
   bw_release(b->model);
   bw_release(b->material);
   bw_release(b->mesh);
-  free(b->element_domain);
-  free(b->node_domain);
+  free(b->element_subdomain);
+  free(b->node_subdomain);
   free(b->node);
 }
 
@@ -136,20 +136,20 @@ static inline void bar_make(bw_context *context, int across, int order, bar *b) 
   b->mesh = body_box(context, 10, 1, 1, 10, across, across, order);
   b->material = body_material(context);
   int32_t nodes = b->mesh->node_count, width = b->mesh->nodes_per_element;
-  b->element_domain = malloc((size_t)b->mesh->element_count * sizeof(int32_t));
-  b->node_domain = malloc((size_t)nodes * sizeof(int32_t));
+  b->element_subdomain = malloc((size_t)b->mesh->element_count * sizeof(int32_t));
+  b->node_subdomain = malloc((size_t)nodes * sizeof(int32_t));
   b->node = numbers(3 * nodes);
   for (int32_t i = 0; i < nodes; i++)
-    b->node_domain[i] = -1;
+    b->node_subdomain[i] = -1;
   for (int kind = 1; kind >= 0; kind--) /* R last: it takes the interfaces */
     for (int32_t e = 0; e < b->mesh->element_count; e++) {
       double centre = 0;
       for (int a = 0; a < 4; a++)
         centre += 0.25 * b->mesh->node[3 * b->mesh->element[e * width + a]];
       int d = (int)(centre / 2);
-      b->element_domain[e] = d;
+      b->element_subdomain[e] = d;
       for (int a = 0; d % 2 == kind && a < width; a++)
-        b->node_domain[b->mesh->element[e * width + a]] = d;
+        b->node_subdomain[b->mesh->element[e * width + a]] = d;
     }
   rest_pose(&b->now);
   follow(b);
@@ -306,8 +306,8 @@ static inline void compare(bw_context *context, bw_local_system *local, const bw
 
 static inline bw_local_system *local_of(bw_context *context, const bar *b) {
   bw_local_system *local = NULL;
-  check_ok(context, bw_local_system_create(context, b->model, false, DOMAINS, b->element_domain,
-                                           b->node_domain, NULL, &local));
+  check_ok(context, bw_local_system_create(context, b->model, false, SUBDOMAINS,
+                                           b->element_subdomain, b->node_subdomain, NULL, &local));
   return local;
 }
 
@@ -323,7 +323,7 @@ static inline bw_reuse edit_and_compare(bw_context *context, bar *b, bw_local_sy
   return reuse;
 }
 
-static inline void turn_domain(bar *b, int k, double angle) {
+static inline void turn_subdomain(bar *b, int k, double angle) {
   const double axis[3] = {1, 2, -1};
   double turn[9];
   rotation_about(axis, angle, turn);

@@ -48,7 +48,7 @@ static void linear_fields_are_solved(void **state) {
     bar_make(context, 1, 2, &b);
     load_bar(context, &b, scene);
     bw_local_system *local = local_of(context, &b);
-    turn_domain(&b, 1, 0.2);
+    turn_subdomain(&b, 1, 0.2);
     b.now.scale[0][1] *= 1.2;
     edit_and_compare(context, &b, local, BW_LOCAL_REFACTOR);
     const bw_dof_map *dof_map = local->system->dof_map;

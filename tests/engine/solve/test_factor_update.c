@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Bringing a factor up to date in part: the same bits as from scratch, after random edits of random
- * domains, for any number of threads and either order; what is predicted is what is done; and what
- * happens when an update fails. */
+ * subdomains, for any number of threads and either order; what is predicted is what is done; and
+ * what happens when an update fails. */
 #include "bodies.h"
 
 #include "solve/internal.h"
@@ -13,9 +13,9 @@ typedef struct problem {
   double *stiffness;
   int32_t *unknown;
   uint8_t *take;
-  int32_t domain_count, *element_domain;
-  uint8_t *inner; /* node_count: all elements around it are of one domain */
-  int32_t *domain_of;
+  int32_t subdomain_count, *element_subdomain;
+  uint8_t *inner; /* node_count: all elements around it are of one subdomain */
+  int32_t *subdomain_of;
   double *node;
   bwi_order *order;
   bwi_symbolic *symbolic;
@@ -27,30 +27,30 @@ typedef bw_status order_function(bw_context *, const problem *, bwi_order **);
 static bw_status plain_order(bw_context *context, const problem *p, bwi_order **order) {
   return bwi_order_create(context, p->graph, p->take, order);
 }
-static bw_status domain_order(bw_context *context, const problem *p, bwi_order **order) {
-  return bwi_order_create_domains(context, p->graph, p->take, p->mesh, p->domain_count,
-                                  p->element_domain, NULL, order);
+static bw_status subdomain_order(bw_context *context, const problem *p, bwi_order **order) {
+  return bwi_order_create_subdomains(context, p->graph, p->take, p->mesh, p->subdomain_count,
+                                     p->element_subdomain, NULL, order);
 }
 
 static int below(bw_random *random, int count) {
   return (int)(bw_random_bits(random) % (uint64_t)count);
 }
 
-/* Domains that are boxes of cells, numbered at random, so that some of them may fall apart. */
+/* Subdomains that are boxes of cells, numbered at random, so that some of them may fall apart. */
 static void label(problem *p, const int cells[3], int size, bw_random *random) {
-  p->element_domain = malloc((size_t)p->mesh->element_count * sizeof(int32_t));
+  p->element_subdomain = malloc((size_t)p->mesh->element_count * sizeof(int32_t));
   int count[3], label_of[512];
   for (int i = 0; i < 3; i++)
     count[i] = (cells[i] + size - 1) / size;
   int boxes = count[0] * count[1] * count[2];
   assert_true(boxes <= 512);
-  p->domain_count = boxes > 2 ? boxes - 1 : boxes;
+  p->subdomain_count = boxes > 2 ? boxes - 1 : boxes;
   for (int b = 0; b < boxes; b++)
-    label_of[b] = b < p->domain_count ? b : below(random, p->domain_count);
+    label_of[b] = b < p->subdomain_count ? b : below(random, p->subdomain_count);
   for (int64_t e = 0; e < p->mesh->element_count; e++) {
     int64_t cell = e / 6,
             at[3] = {cell % cells[0], cell / cells[0] % cells[1], cell / cells[0] / cells[1]};
-    p->element_domain[e] =
+    p->element_subdomain[e] =
         label_of[at[0] / size + count[0] * (at[1] / size + count[1] * (at[2] / size))];
   }
 }
@@ -70,7 +70,7 @@ static void open_problem(bw_context *context, const int cells[3], int order, int
   p->unknown = calloc(3 * nodes, sizeof(int32_t));
   p->take = calloc(nodes, 1);
   p->inner = calloc(nodes, 1);
-  p->domain_of = calloc(nodes, sizeof(int32_t));
+  p->subdomain_of = calloc(nodes, sizeof(int32_t));
   p->node = malloc(3 * nodes * sizeof(double));
   memcpy(p->node, p->mesh->node, 3 * nodes * sizeof(double));
   int32_t unknowns = 0;
@@ -78,7 +78,7 @@ static void open_problem(bw_context *context, const int cells[3], int order, int
     bool held = p->mesh->node[3 * i] < 1e-9;
     p->take[i] = !held;
     p->inner[i] = 1;
-    p->domain_of[i] = -1;
+    p->subdomain_of[i] = -1;
     for (int c = 0; c < 3; c++)
       p->unknown[3 * i + (size_t)c] = held ? -1 : unknowns++;
     if (!held && below(&random, 20) == 0)
@@ -87,14 +87,14 @@ static void open_problem(bw_context *context, const int cells[3], int order, int
   for (int64_t e = 0; e < p->mesh->element_count; e++)
     for (int k = 0; k < p->mesh->nodes_per_element; k++) {
       int32_t i = p->mesh->element[e * p->mesh->nodes_per_element + k];
-      if (p->domain_of[i] >= 0 && p->domain_of[i] != p->element_domain[e])
+      if (p->subdomain_of[i] >= 0 && p->subdomain_of[i] != p->element_subdomain[e])
         p->inner[i] = 0;
-      p->domain_of[i] = p->element_domain[e];
+      p->subdomain_of[i] = p->element_subdomain[e];
     }
   check_ok(context, make_order(context, p, &p->order));
   check_ok(context, bwi_symbolic_create(context, p->order, 3, p->unknown, &p->symbolic));
-  check_ok(context, bwi_elimination_reach_create(context, p->symbolic, p->mesh, p->domain_count,
-                                                 p->element_domain, &p->reach));
+  check_ok(context, bwi_elimination_reach_create(context, p->symbolic, p->mesh, p->subdomain_count,
+                                                 p->element_subdomain, &p->reach));
   p->matrix = (bwi_matrix){.graph = p->graph, .stiffness = p->stiffness};
 }
 
@@ -109,16 +109,17 @@ static void close_problem(problem *p) {
   free(p->unknown);
   free(p->take);
   free(p->inner);
-  free(p->domain_of);
-  free(p->element_domain);
+  free(p->subdomain_of);
+  free(p->element_subdomain);
   free(p->node);
 }
 
-/* Move nodes that lie within touched domains: entries of those domains change, no other does. */
+/* Move nodes that lie within touched subdomains: entries of those subdomains change, no other does.
+ */
 static void edit(bw_context *context, problem *p, const uint8_t *touched, bw_random *random) {
   bw_mesh *moved = NULL;
   for (int64_t i = 0; i < p->mesh->node_count; i++)
-    if (p->inner[i] && touched[p->domain_of[i]])
+    if (p->inner[i] && touched[p->subdomain_of[i]])
       for (int c = 0; c < 3; c++)
         p->node[3 * i + c] = p->mesh->node[3 * i + c] + 0.004 * (bw_random_uniform(random) - 0.5);
   check_ok(context, bw_mesh_moved(context, p->mesh, p->node, &moved));
@@ -139,7 +140,7 @@ static void random_edits(void **state) {
   bw_context *context = check_context(state);
   const int shape[5][5] = {
       {12, 2, 2, 2, 2}, {7, 6, 5, 1, 2}, {1, 1, 1, 2, 1}, {24, 3, 3, 1, 6}, {14, 10, 10, 1, 5}};
-  order_function *orders[2] = {plain_order, domain_order};
+  order_function *orders[2] = {plain_order, subdomain_order};
   for (int s = 0; s < 5; s++)
     for (int o = 0; o < 4; o++) {
       const bwi_kernels *kernels = o < 2 ? &bwi_kernels_double : &bwi_kernels_single;
@@ -147,7 +148,7 @@ static void random_edits(void **state) {
       bw_random random;
       bw_random_seed(&random, (uint64_t)(10 * s + o));
       open_problem(context, shape[s], shape[s][3], shape[s][4], orders[o % 2], (uint64_t)s, &p);
-      uint8_t *touched = calloc((size_t)p.domain_count, 1);
+      uint8_t *touched = calloc((size_t)p.subdomain_count, 1);
       bwi_factor *factor = NULL;
       check_ok(context, bwi_factor_create_in(context, p.symbolic, &p.matrix, p.reach, kernels,
                                              &factor, NULL));
@@ -155,9 +156,9 @@ static void random_edits(void **state) {
       int rounds = s == 4 ? 4 : 12;
       for (int round = 0; round < rounds; round++) {
         check_ok(context, bw_set_threads(context, 1 + round % 3));
-        for (int d = 0; d < p.domain_count; d++)
+        for (int d = 0; d < p.subdomain_count; d++)
           touched[d] = round % 4 == 3 ? below(&random, 3) == 0 : 0;
-        touched[below(&random, p.domain_count)] = 1;
+        touched[below(&random, p.subdomain_count)] = 1;
         edit(context, &p, touched, &random);
         double flops = -1;
         check_ok(context, bwi_factor_update(context, factor, &p.matrix, touched, &flops, NULL));
@@ -165,7 +166,7 @@ static void random_edits(void **state) {
         same_as_from_scratch(context, &p, factor);
       }
       double flops = -1;
-      memset(touched, 0, (size_t)p.domain_count);
+      memset(touched, 0, (size_t)p.subdomain_count);
       check_ok(context, bwi_factor_update(context, factor, &p.matrix, touched, &flops, NULL));
       assert_true(flops == 0);
       bw_release(factor);
@@ -180,7 +181,7 @@ static void units(void **state) {
   bw_context *context = check_context(state);
   const int cells[3] = {9, 3, 3};
   problem p;
-  open_problem(context, cells, 2, 3, domain_order, 5, &p);
+  open_problem(context, cells, 2, 3, subdomain_order, 5, &p);
   enum { SIDES = 3 };
   int64_t size = 3 * (int64_t)p.mesh->node_count, entries = 9 * p.graph->pair_count;
   double *force = numbers(SIDES * size), *u = numbers(SIDES * size), *v = numbers(SIDES * size);
@@ -226,18 +227,18 @@ static void sets(void **state) {
   bw_context *context = check_context(state);
   const int cells[3] = {6, 5, 4};
   problem p;
-  open_problem(context, cells, 1, 1, domain_order, 3, &p); /* 119 domains: two words */
+  open_problem(context, cells, 1, 1, subdomain_order, 3, &p); /* 119 subdomains: two words */
   const bwi_order *order = p.order;
   assert_int_equal(p.reach->words, 2);
-  uint8_t *touched = calloc((size_t)p.domain_count, 1),
+  uint8_t *touched = calloc((size_t)p.subdomain_count, 1),
           *wanted = calloc((size_t)order->super_count, 1),
           *expected = calloc((size_t)order->super_count, 1);
-  for (int d = 0; d < p.domain_count; d += 7) {
-    memset(touched, 0, (size_t)p.domain_count);
+  for (int d = 0; d < p.subdomain_count; d += 7) {
+    memset(touched, 0, (size_t)p.subdomain_count);
     memset(expected, 0, (size_t)order->super_count);
     touched[d] = 1;
     for (int64_t e = 0; e < p.mesh->element_count; e++)
-      for (int k = 0; k < 4 && p.element_domain[e] == d; k++) {
+      for (int k = 0; k < 4 && p.element_subdomain[e] == d; k++) {
         int32_t place = order->place[p.mesh->element[4 * e + k]], s = 0;
         if (place < 0)
           continue;
@@ -261,8 +262,8 @@ static void broken(void **state) {
   bw_context *context = check_context(state);
   const int cells[3] = {8, 3, 3};
   problem p;
-  open_problem(context, cells, 1, 4, domain_order, 5, &p);
-  uint8_t *touched = calloc((size_t)p.domain_count, 1);
+  open_problem(context, cells, 1, 4, subdomain_order, 5, &p);
+  uint8_t *touched = calloc((size_t)p.subdomain_count, 1);
   double *x = numbers(p.symbolic->unknowns);
   bwi_factor *factor = NULL;
   check_ok(context, bwi_factor_create_kept(context, p.symbolic, &p.matrix, p.reach, &factor, NULL));
@@ -270,7 +271,7 @@ static void broken(void **state) {
   double *diagonal = p.stiffness + 9 * (p.graph->start[node + 1] - 1), kept = diagonal[0];
   assert_int_equal(p.graph->column[p.graph->start[node + 1] - 1], node);
   p.unknown[3 * node] >= 0 ? (diagonal[0] = -kept) : (diagonal[8] = -kept);
-  touched[p.domain_of[node]] = 1;
+  touched[p.subdomain_of[node]] = 1;
   check_fails(context, BW_SINGULAR, "not positive definite",
               bwi_factor_update(context, factor, &p.matrix, touched, NULL, &bad));
   assert_true(bad >= 0 && bad < p.mesh->node_count);
@@ -289,7 +290,7 @@ static void broken(void **state) {
   close_problem(&p);
 }
 
-/* An order of any domains is a permutation of the nodes that take part, with supernodes as
+/* An order of any subdomains is a permutation of the nodes that take part, with supernodes as
  * promised; it solves what CHOLMOD solves. */
 static void orders(void **state) {
   bw_context *context = check_context(state);
@@ -298,7 +299,7 @@ static void orders(void **state) {
     problem p;
     bwi_factor *factor = NULL;
     bwi_baseline_times times;
-    open_problem(context, shape[k], shape[k][3], shape[k][4], domain_order, 7, &p);
+    open_problem(context, shape[k], shape[k][3], shape[k][4], subdomain_order, 7, &p);
     const bwi_order *order = p.order;
     int32_t placed = 0;
     for (int32_t i = 0; i < order->node_count; i++) {
@@ -329,7 +330,7 @@ static void orders(void **state) {
   }
 }
 
-/* Two thick blocks joined by a thin neck, three domains: an edit of one block leaves the other
+/* Two thick blocks joined by a thin neck, three subdomains: an edit of one block leaves the other
  * alone, and the order for edits is no worse than plain dissection. */
 static void neck(void **state) {
   bw_context *context = check_context(state);
@@ -337,13 +338,13 @@ static void neck(void **state) {
   problem p;
   open_problem(context, cells, 1, 26, plain_order, 1, &p);
   uint8_t *keep = calloc((size_t)p.mesh->element_count, 1);
-  int32_t count = 0, *domain = malloc((size_t)p.mesh->element_count * sizeof(int32_t));
+  int32_t count = 0, *subdomain = malloc((size_t)p.mesh->element_count * sizeof(int32_t));
   for (int64_t e = 0; e < p.mesh->element_count; e++) {
     int64_t cell = e / 6, x = cell % 26, y = cell / 26 % 6, z = cell / 156;
     bool thick = x < 10 || x >= 16;
     keep[e] = thick || (y >= 2 && y < 4 && z >= 2 && z < 4);
     if (keep[e])
-      domain[count++] = x < 10 ? 0 : thick ? 2 : 1;
+      subdomain[count++] = x < 10 ? 0 : thick ? 2 : 1;
   }
   bw_mesh *mesh = NULL;
   bw_graph *graph = NULL;
@@ -357,10 +358,10 @@ static void neck(void **state) {
     bwi_symbolic *symbolic = NULL;
     bwi_elimination_reach *reach = NULL;
     check_ok(context,
-             k ? bwi_order_create_domains(context, graph, NULL, mesh, 3, domain, NULL, &order)
+             k ? bwi_order_create_subdomains(context, graph, NULL, mesh, 3, subdomain, NULL, &order)
                : bwi_order_create(context, graph, NULL, &order));
     check_ok(context, bwi_symbolic_create(context, order, 3, unknown, &symbolic));
-    check_ok(context, bwi_elimination_reach_create(context, symbolic, mesh, 3, domain, &reach));
+    check_ok(context, bwi_elimination_reach_create(context, symbolic, mesh, 3, subdomain, &reach));
     for (int d = 0; d < 3; d++) {
       const uint8_t touched[3] = {d == 0, d == 1, d == 2};
       flops[k][d] = bwi_elimination_reach_flops(reach, touched) / symbolic->flops;
@@ -373,7 +374,7 @@ static void neck(void **state) {
   assert_true(flops[1][0] < 0.6 && flops[1][2] < 0.6);
   assert_true(flops[1][1] <= 1.01 * flops[0][1]);
   free(keep);
-  free(domain);
+  free(subdomain);
   free(unknown);
   bw_release(graph);
   bw_release(mesh);
@@ -386,10 +387,10 @@ static bw_status whole(bw_context *context, const problem *p, const uint8_t *tou
   bwi_symbolic *symbolic = NULL;
   bwi_elimination_reach *reach = NULL;
   bwi_factor *factor = NULL;
-  BW_TRY(domain_order(context, p, &order));
+  BW_TRY(subdomain_order(context, p, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, p->unknown, &symbolic));
-  BW_TRY(bwi_elimination_reach_create(context, symbolic, p->mesh, p->domain_count,
-                                      p->element_domain, &reach));
+  BW_TRY(bwi_elimination_reach_create(context, symbolic, p->mesh, p->subdomain_count,
+                                      p->element_subdomain, &reach));
   BW_TRY(bwi_factor_create_in(context, symbolic, &p->matrix, reach, &bwi_kernels_single, &factor,
                               NULL));
   BW_TRY(bwi_factor_update(context, factor, &p->matrix, touched, NULL, NULL));
@@ -406,7 +407,7 @@ static void memory_failures(void **state) {
   const int cells[3] = {6, 2, 2};
   problem p;
   open_problem(context, cells, 1, 2, plain_order, 8, &p);
-  uint8_t *touched = calloc((size_t)p.domain_count, 1);
+  uint8_t *touched = calloc((size_t)p.subdomain_count, 1);
   touched[0] = 1;
   check_ok(context, bw_set_threads(context, 1));
   int64_t blocks = bw_live_blocks();

@@ -14,8 +14,8 @@ static void edit_sequences(bw_context *context, int scene, int order, bw_local_m
     bw_local_system *local = NULL;
     rest_pose(&b.now);
     follow(&b);
-    check_ok(context, bw_local_system_create(context, b.model, false, DOMAINS, b.element_domain,
-                                             b.node_domain, NULL, &local));
+    check_ok(context, bw_local_system_create(context, b.model, false, SUBDOMAINS,
+                                             b.element_subdomain, b.node_subdomain, NULL, &local));
     for (int edit = 0; edit < 4; edit++) {
       pose before = b.now;
       random_edit(&random, &b.now);
@@ -53,31 +53,31 @@ static void reuse_is_said(void **state) {
     bar_make(context, 2, 1, &b);
     load_bar(context, &b, scene);
     bw_local_system *local = local_of(context, &b);
-    turn_domain(&b, 0, 0.4); /* everything as one */
+    turn_subdomain(&b, 0, 0.4); /* everything as one */
     bw_reuse r = edit_and_compare(context, &b, local, BW_LOCAL_REFACTOR);
     assert_true(r.pattern && r.ordering);
-    assert_int_equal(r.domains, DOMAINS);
+    assert_int_equal(r.subdomains, SUBDOMAINS);
     assert_int_equal(r.method, BW_LOCAL_REFACTOR);
     assert_int_equal(r.iterations, 0);
     if (scene != 1) { /* there, a support that keeps its direction */
-      assert_int_equal(r.domains_turned, DOMAINS);
-      assert_int_equal(r.domains_touched, 0);
+      assert_int_equal(r.subdomains_rotated, SUBDOMAINS);
+      assert_int_equal(r.subdomains_changed, 0);
       check_near(r.factor_kept, 1, 0);
     } else {
-      assert_true(r.domains_touched > 0 && r.domains_touched < DOMAINS);
+      assert_true(r.subdomains_changed > 0 && r.subdomains_changed < SUBDOMAINS);
       assert_true(r.factor_kept < 1 && r.factor_kept > 0.1);
     }
-    turn_domain(&b, 2, 0.2); /* the tip: its joint is blended */
+    turn_subdomain(&b, 2, 0.2); /* the tip: its joint is blended */
     r = edit_and_compare(context, &b, local, BW_LOCAL_REFACTOR);
     if (scene == 0 || scene == 2 || scene == 3) { /* slides at the joint turn too */
-      assert_int_equal(r.domains_kept, 3);
-      assert_int_equal(r.domains_turned, 1);
-      assert_int_equal(r.domains_touched, 1);
+      assert_int_equal(r.subdomains_reused, 3);
+      assert_int_equal(r.subdomains_rotated, 1);
+      assert_int_equal(r.subdomains_changed, 1);
     }
     assert_true(r.factor_kept > 0 && r.factor_kept < 1);
     b.now.shift[0][0] += 0.3; /* a translation touches nothing */
     r = edit_and_compare(context, &b, local, BW_LOCAL_AUTO);
-    assert_int_equal(r.domains_kept, DOMAINS);
+    assert_int_equal(r.subdomains_reused, SUBDOMAINS);
     check_near(r.factor_kept, 1, 0);
     assert_int_equal(r.method, BW_LOCAL_REFACTOR);
     r = edit_and_compare(context, &b, local, BW_LOCAL_SCRATCH);
@@ -112,7 +112,7 @@ static void failures_and_recovery(void **state) {
   load_bar(context, &b, 0);
   load_bar(context, &other, 0);
   bw_local_system *local = local_of(context, &b);
-  turn_domain(&b, 1, 0.1);
+  turn_subdomain(&b, 1, 0.1);
   edit_and_compare(context, &b, local, BW_LOCAL_AUTO);
   uint64_t revision = local->object.revision;
   bw_model *good = posed(context, &b), *model = NULL;
@@ -120,7 +120,7 @@ static void failures_and_recovery(void **state) {
   /* what is refused leaves the system as it was */
   check_fails(context, BW_INVALID, "elements must be the same",
               bw_local_system_update(context, local, other.model, b.motion, NULL));
-  bw_domain_motion wrong[DOMAINS];
+  bw_subdomain_motion wrong[SUBDOMAINS];
   memcpy(wrong, b.motion, sizeof wrong);
   wrong[2].linear[0] = NAN;
   assert_int_equal(bw_local_system_update(context, local, good, wrong, NULL), BW_INVALID);
@@ -159,7 +159,7 @@ static void failures_and_recovery(void **state) {
   assert_int_equal(r.method, BW_LOCAL_SCRATCH);
 
   /* stopped by the user in the middle */
-  turn_domain(&b, 2, 0.1);
+  turn_subdomain(&b, 2, 0.1);
   model = posed(context, &b);
   check_ok(context, bw_local_system_update(context, local, model, b.motion, NULL));
   bw_cancel(context);
@@ -190,7 +190,7 @@ static void supports_become_others(void **state) {
   bar_make(context, 1, 1, &b);
   load_bar(context, &b, 0);
   bw_local_system *local = local_of(context, &b);
-  turn_domain(&b, 2, 0.1);
+  turn_subdomain(&b, 2, 0.1);
   bw_model *model = posed(context, &b);
   bw_selection *tip = NULL;
   const double point[3] = {10, 0.5, 0.5};
@@ -216,13 +216,13 @@ static void no_memory(void **state) {
   bw_model *rest = bw_retain(b.model);
   b.now.scale[1][1] = 1.02;
   bw_model *model = posed(context, &b);
-  bw_domain_motion motion[DOMAINS];
+  bw_subdomain_motion motion[SUBDOMAINS];
   memcpy(motion, b.motion, sizeof motion);
   for (int64_t n = 1;; n += n < 200 ? 1 : 7) {
     bw_local_system *local = NULL;
     bw_fail_allocation(n, true);
-    bw_status status = bw_local_system_create(context, rest, false, DOMAINS, b.element_domain,
-                                              b.node_domain, NULL, &local);
+    bw_status status = bw_local_system_create(context, rest, false, SUBDOMAINS, b.element_subdomain,
+                                              b.node_subdomain, NULL, &local);
     bw_fail_allocation(0, false);
     bw_release(local);
     if (status == BW_OK)
@@ -273,7 +273,7 @@ static void threads_agree(void **state) {
   bar_make(context, 2, 1, &b);
   load_bar(context, &b, 1);
   b.now.scale[1][1] = 1.02;
-  turn_domain(&b, 2, 0.1);
+  turn_subdomain(&b, 2, 0.1);
   bw_model *model = posed(context, &b);
   enum { RUNS = 8 };
   bw_static *result[RUNS] = {NULL};

@@ -27,7 +27,8 @@ static void choice_by_cost(void **state) {
 }
 
 /* The work that the order of elimination was chosen by is the work that a session then does, and no
- * domain is touched but those whose bones moved: here the one reshaped and those blended beside it.
+ * subdomain is touched but those whose bones moved: here the one reshaped and those blended beside
+ * it.
  */
 static void work_is_foreseen(void **state) {
   bw_context *context = check_context(state);
@@ -38,19 +39,19 @@ static void work_is_foreseen(void **state) {
   load_bar(context, &b, 0);
   bw_local_system *local = local_of(context, &b);
   const bwi_elimination_reach *reach = local->inner->reach;
-  int32_t domains = local->inner->domain_count;
-  uint8_t *predicted = calloc((size_t)domains, 1);
+  int32_t subdomains = local->inner->subdomain_count;
+  uint8_t *predicted = calloc((size_t)subdomains, 1);
   for (int edit = 0; edit < 20; edit++) {
     int k = (int)(bw_random_uniform(&random) * RIGID);
     for (int c = 0; c < 3; c++)
       b.now.scale[k][c] = 0.9 + 0.2 * bw_random_uniform(&random);
-    for (int32_t d = 0; d < domains; d++)
+    for (int32_t d = 0; d < subdomains; d++)
       predicted[d] = abs(d - 2 * k) <= 1;
     bw_model *model = posed(context, &b);
     assert_non_null(model);
     bw_reuse r = {0};
     check_ok(context, bw_local_system_update(context, local, model, b.motion, &r));
-    assert_memory_equal(local->inner->touched, predicted, (size_t)domains);
+    assert_memory_equal(local->inner->touched, predicted, (size_t)subdomains);
     check_ok(context, bw_local_system_refactor(context, local, &r));
     check_near(r.factor_kept,
                1 - bwi_elimination_reach_flops(reach, predicted) / reach->symbolic->flops, 1e-12);
@@ -70,7 +71,7 @@ static void given_up_early(void **state) {
   load_bar(context, &b, 0);
   bw_local_system *local = local_of(context, &b);
   b.now.scale[1][1] *= 1.3;
-  turn_domain(&b, 2, 0.2);
+  turn_subdomain(&b, 2, 0.2);
   bw_model *model = posed(context, &b);
   check_ok(context, bw_local_system_update(context, local, model, b.motion, NULL));
   int64_t size = 3 * (int64_t)b.mesh->node_count;
@@ -112,12 +113,12 @@ static void too_hopeful(void **state) {
   bar_make(context, 3, 2, &b);
   load_bar(context, &b, 0);
   bw_local_system *local = local_of(context, &b);
-  /* of these domains all good is believed, and of no others */
+  /* of these subdomains all good is believed, and of no others */
   b.now.scale[1][0] *= 1 + 1e-9;
-  turn_domain(&b, 2, 1e-9);
+  turn_subdomain(&b, 2, 1e-9);
   edit_and_compare(context, &b, local, BW_LOCAL_ITERATE);
   b.now.scale[1][0] *= 1.3;
-  turn_domain(&b, 2, 0.2);
+  turn_subdomain(&b, 2, 0.2);
   local->inner->iteration_ratio = 1e-3;
   bw_reuse r = edit_and_compare(context, &b, local, BW_LOCAL_AUTO);
   assert_int_equal(r.method, BW_LOCAL_REFACTOR);

@@ -1,9 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Orthotropic materials of bodies that are edited: axes that stay, axes that turn with the domains.
+/* Orthotropic materials of bodies that are edited: axes that stay, axes that turn with the
+ * subdomains.
  */
 #include "local_bar.h"
 
-/* Printed material: its axes stay those of the printer, or turn with the domains. */
+/* Printed material: its axes stay those of the printer, or turn with the subdomains. */
 static void print_bar(bw_context *context, bar *b) {
   const bw_orthotropic constants = {.name = "print",
                                     .young = {2e9, 1.8e9, 1.2e9},
@@ -19,12 +20,13 @@ static void print_bar(bw_context *context, bar *b) {
   load_bar(context, b, 0);
 }
 
-/* The material of every domain turned as the domain is. */
+/* The material of every subdomain turned as the subdomain is. */
 static void turn_material(bw_context *context, const bar *b, bw_model *model) {
-  double turn[DOMAINS][9];
-  for (int d = 0; d < DOMAINS; d++)
+  double turn[SUBDOMAINS][9];
+  for (int d = 0; d < SUBDOMAINS; d++)
     memcpy(turn[d], b->rotation[d / 2], sizeof turn[d]);
-  check_ok(context, bw_model_turn_material(context, model, DOMAINS, b->element_domain, turn[0]));
+  check_ok(context,
+           bw_model_turn_material(context, model, SUBDOMAINS, b->element_subdomain, turn[0]));
 }
 
 static void orthotropic(void **state) {
@@ -33,8 +35,8 @@ static void orthotropic(void **state) {
     bar b;
     print_bar(context, &b);
     bw_local_system *local = NULL;
-    check_ok(context, bw_local_system_create(context, b.model, turns, DOMAINS, b.element_domain,
-                                             b.node_domain, NULL, &local));
+    check_ok(context, bw_local_system_create(context, b.model, turns, SUBDOMAINS,
+                                             b.element_subdomain, b.node_subdomain, NULL, &local));
     bw_local_options options;
     bw_local_options_default(&options);
     options.check = true;
@@ -42,13 +44,13 @@ static void orthotropic(void **state) {
       bw_reuse reuse = {0};
       bw_static *result = NULL;
       if (step == 0)
-        turn_domain(&b, 0, 0.5); /* all as one */
+        turn_subdomain(&b, 0, 0.5); /* all as one */
       else
-        turn_domain(&b, step, 0.2);
+        turn_subdomain(&b, step, 0.2);
       bw_model *model = posed(context, &b);
-      if (turns) { /* the material must lie as the domains do */
+      if (turns) { /* the material must lie as the subdomains do */
         uint64_t revision = local->object.revision;
-        check_fails(context, BW_INVALID, "another material orientation than its domain",
+        check_fails(context, BW_INVALID, "another material orientation than its subdomain",
                     bw_local_system_update(context, local, model, b.motion, &reuse));
         assert_int_equal(local->object.revision, revision);
         turn_material(context, &b, model);
@@ -76,8 +78,8 @@ static void material_turns(void **state) {
   bar b;
   print_bar(context, &b);
   bw_local_system *local = NULL;
-  check_ok(context, bw_local_system_create(context, b.model, true, DOMAINS, b.element_domain,
-                                           b.node_domain, NULL, &local));
+  check_ok(context, bw_local_system_create(context, b.model, true, SUBDOMAINS, b.element_subdomain,
+                                           b.node_subdomain, NULL, &local));
   size_t count = 6 * (size_t)b.mesh->node_count;
   double *mine = numbers((int64_t)count), *fresh = numbers((int64_t)count);
   for (int step = 0; step < 3; step++) {
@@ -85,7 +87,7 @@ static void material_turns(void **state) {
     bw_static *followed = NULL, *anew = NULL;
     bw_material *rotated = NULL;
     bw_model *other = NULL;
-    turn_domain(&b, step == 0 ? 0 : step, 0.3);
+    turn_subdomain(&b, step == 0 ? 0 : step, 0.3);
     bw_model *model = posed(context, &b);
     turn_material(context, &b, model);
     check_ok(context, bw_local_system_update(context, local, model, b.motion, &reuse));
@@ -120,20 +122,21 @@ static void material_turns(void **state) {
     bw_release(other);
     if (step == 1) { /* from here on by a system made at this shape */
       bw_release(local);
-      check_ok(context, bw_local_system_create(context, model, true, DOMAINS, b.element_domain,
-                                               b.node_domain, NULL, &local));
+      check_ok(context,
+               bw_local_system_create(context, model, true, SUBDOMAINS, b.element_subdomain,
+                                      b.node_subdomain, NULL, &local));
       bw_release(b.model);
       b.model = bw_retain(model);
     }
     bw_release(model);
     if (step == 1) { /* motions count from here: turn all as one, material and frames with it */
-      bw_domain_motion motion[DOMAINS];
-      double turn[9], all[DOMAINS][9], *x = numbers(3 * b.mesh->node_count);
+      bw_subdomain_motion motion[SUBDOMAINS];
+      double turn[9], all[SUBDOMAINS][9], *x = numbers(3 * b.mesh->node_count);
       const double axis[3] = {1, -1, 2};
       bw_mesh *mesh = NULL;
       rotation_about(axis, 0.7, turn);
-      for (int d = 0; d < DOMAINS; d++) {
-        bw_domain_motion_rest(&motion[d]);
+      for (int d = 0; d < SUBDOMAINS; d++) {
+        bw_subdomain_motion_rest(&motion[d]);
         memcpy(motion[d].linear, turn, sizeof turn);
         for (int i = 0; i < 9; i++)
           motion[d].frame[i] = turn[3 * (i % 3) + i / 3];
@@ -148,7 +151,8 @@ static void material_turns(void **state) {
       check_ok(context, bw_model_create(context, b.mesh, b.material, &c.model));
       load_bar(context, &c, 0);
       check_ok(context, bw_model_moved(context, c.model, mesh, &plain));
-      check_ok(context, bw_model_turn_material(context, plain, DOMAINS, b.element_domain, all[0]));
+      check_ok(context,
+               bw_model_turn_material(context, plain, SUBDOMAINS, b.element_subdomain, all[0]));
       reuse = (bw_reuse){0};
       check_ok(context, bw_local_system_update(context, local, plain, motion, &reuse));
       bw_local_options options;
@@ -164,8 +168,9 @@ static void material_turns(void **state) {
       bw_release(b.model); /* and the last step from rest again */
       b.model = c.model;
       local = NULL;
-      check_ok(context, bw_local_system_create(context, b.model, true, DOMAINS, b.element_domain,
-                                               b.node_domain, NULL, &local));
+      check_ok(context,
+               bw_local_system_create(context, b.model, true, SUBDOMAINS, b.element_subdomain,
+                                      b.node_subdomain, NULL, &local));
     }
   }
   free(mine);

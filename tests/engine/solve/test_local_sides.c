@@ -16,7 +16,7 @@ static void many_sides(void **state) {
     random_field(7, SIDES * size, force);
     memset(force + 4 * size, 0, (size_t)size * sizeof *force);
     b.now.scale[2][2] = 1.03;
-    turn_domain(&b, 1, 0.05);
+    turn_subdomain(&b, 1, 0.05);
     bw_model *model = posed(context, &b);
     bw_system *fresh = NULL;
     bw_local_options options;
@@ -179,7 +179,7 @@ static void view_serves_modes(void **state) {
   load_bar(context, &b, 0);
   bw_local_system *local = local_of(context, &b);
   b.now.scale[1][1] = 1.2;
-  turn_domain(&b, 2, 0.3);
+  turn_subdomain(&b, 2, 0.3);
   bw_model *model = posed(context, &b);
   bw_modes *mine = NULL, *modes = NULL;
   bw_modes_options options;

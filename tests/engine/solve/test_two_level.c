@@ -20,8 +20,8 @@ static void as_a_factor(void **state) {
     } else {
       bw_reuse r = edit_and_compare(context, &b, local, BW_LOCAL_PCG);
       assert_int_equal(r.method, BW_LOCAL_PCG);
-      turn_domain(&b, 0, 0.5);
-      turn_domain(&b, 1, 0.3);
+      turn_subdomain(&b, 0, 0.5);
+      turn_subdomain(&b, 1, 0.3);
       b.now.scale[2][1] *= 1.3;
       r = edit_and_compare(context, &b, local, BW_LOCAL_PCG);
       assert_in_range(r.iterations, 5, 120);
@@ -47,22 +47,23 @@ static void linear_elements_are_refused(void **state) {
   bar_clear(&b);
 }
 
-/* A block of cubes, nx by n by n of them, in one domain, held at one end and bearing its weight. */
+/* A block of cubes, nx by n by n of them, in one subdomain, held at one end and bearing its weight.
+ */
 static bw_local_system *block_of(bw_context *context, int nx, int n, bar *b) {
   const double gravity[3] = {1, 2, -9.81};
   bw_local_system *local = NULL;
   memset(b, 0, sizeof *b);
   b->mesh = body_box(context, (double)nx / n, 1, 1, nx, n, n, 2);
   b->material = body_material(context);
-  b->element_domain = calloc((size_t)b->mesh->element_count, sizeof(int32_t));
-  b->node_domain = calloc((size_t)b->mesh->node_count, sizeof(int32_t));
+  b->element_subdomain = calloc((size_t)b->mesh->element_count, sizeof(int32_t));
+  b->node_subdomain = calloc((size_t)b->mesh->node_count, sizeof(int32_t));
   b->node = numbers(3 * (int64_t)b->mesh->node_count);
   check_ok(context, bw_model_create(context, b->mesh, b->material, &b->model));
   bw_selection *root = face(context, b->mesh, 0, 0);
   check_ok(context, bw_model_fix(context, b->model, root));
   check_ok(context, bw_model_gravity(context, b->model, gravity));
-  check_ok(context, bw_local_system_create(context, b->model, false, 1, b->element_domain,
-                                           b->node_domain, NULL, &local));
+  check_ok(context, bw_local_system_create(context, b->model, false, 1, b->element_subdomain,
+                                           b->node_subdomain, NULL, &local));
   bw_release(root);
   return local;
 }
@@ -208,8 +209,8 @@ static void chosen_for_a_thick_body(void **state) {
   bw_mesh *moved = NULL;
   bw_model *model = NULL;
   bw_static *result = NULL;
-  bw_domain_motion motion;
-  bw_domain_motion_rest(&motion);
+  bw_subdomain_motion motion;
+  bw_subdomain_motion_rest(&motion);
   motion.linear[4] = 1.25;
   for (int64_t i = 0; i < size; i++)
     b.node[i] = (i % 3 == 1 ? 1.25 : 1) * b.mesh->node[i];
@@ -248,7 +249,7 @@ static void followed_once(void **state) {
       if (edit == 1)
         b.now.scale[1][1] *= 1.1;
       if (edit == 3)
-        turn_domain(&b, 0, 0.3);
+        turn_subdomain(&b, 0, 0.3);
       bw_model *model = posed(context, &b);
       assert_non_null(model);
       check_ok(context, bw_local_system_update(context, local, model, b.motion, NULL));

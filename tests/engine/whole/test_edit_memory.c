@@ -29,20 +29,20 @@ done:
   return status;
 }
 
-/* Where the nodes are in a pose, and how each piece of the domains moved; inner nodes are relaxed
- * where elements are inverted. */
+/* Where the nodes are in a pose, and how each subdomain of the subdomains moved; inner nodes are
+ * relaxed where elements are inverted. */
 typedef struct shape {
   double *map, *rotation, *node;
-  bw_domain_motion *motion;
+  bw_subdomain_motion *motion;
   uint8_t *inner;
 } shape;
 
-static bw_status shape_create(bw_context *context, const bw_domains *domains, shape *s) {
-  size_t nodes = (size_t)domains->mesh->node_count;
+static bw_status shape_create(bw_context *context, const bw_subdomains *subdomains, shape *s) {
+  size_t nodes = (size_t)subdomains->mesh->node_count;
   s->map = BW_NEW(context, double, 12 * BONES);
   s->rotation = BW_NEW(context, double, 9 * BONES);
   s->node = BW_NEW(context, double, 3 * nodes);
-  s->motion = BW_NEW(context, bw_domain_motion, domains->piece_count);
+  s->motion = BW_NEW(context, bw_subdomain_motion, subdomains->stiffness.count);
   s->inner = BW_NEW(context, uint8_t, nodes);
   if (!s->map || !s->rotation || !s->node || !s->motion || !s->inner)
     return BW_MEMORY;
@@ -58,16 +58,16 @@ static void shape_clear(shape *s) {
   bw_free(s->inner);
 }
 
-static bw_status pose_shape(bw_context *context, const bw_domains *domains,
+static bw_status pose_shape(bw_context *context, const bw_subdomains *subdomains,
                             const bw_bone_pose *pose, shape *s, bw_mesh **mesh) {
   bw_status status;
   bw_mesh_repair_report report;
-  BW_TRY(bw_pose_maps(context, domains->skeleton, pose, s->map, s->rotation));
-  BW_TRY(bw_pose_nodes(context, domains, s->map, s->node));
-  bw_mesh_shape_check(domains->mesh, s->node, 0, &report);
-  BW_TRY(bw_mesh_relax(context, domains->mesh, s->inner, s->node, &report));
-  BW_TRY(bw_pose_pieces(context, domains, s->map, s->rotation, s->motion));
-  BW_TRY(bw_mesh_moved(context, domains->mesh, s->node, mesh));
+  BW_TRY(bw_pose_maps(context, subdomains->skeleton, pose, s->map, s->rotation));
+  BW_TRY(bw_pose_nodes(context, subdomains, s->map, s->node));
+  bw_mesh_shape_check(subdomains->mesh, s->node, 0, &report);
+  BW_TRY(bw_mesh_relax(context, subdomains->mesh, s->inner, s->node, &report));
+  BW_TRY(bw_pose_motion(context, subdomains, s->map, s->rotation, s->motion));
+  BW_TRY(bw_mesh_moved(context, subdomains->mesh, s->node, mesh));
 done:
   return status;
 }
@@ -80,8 +80,9 @@ static bw_status solve_local(void *data, bw_context *context, int64_t count, con
 
 /* One edit followed and solved, and the slopes of two stresses. */
 static bw_status follow_and_solve(bw_context *context, const bw_model *model,
-                                  const bw_domains *domains, const bw_bone_pose *pose, shape *s,
-                                  bw_local_method method, bw_local_system *local, double *max) {
+                                  const bw_subdomains *subdomains, const bw_bone_pose *pose,
+                                  shape *s, bw_local_method method, bw_local_system *local,
+                                  double *max) {
   bw_mesh *mesh = NULL;
   bw_model *moved = NULL;
   bw_static *result = NULL;
@@ -89,7 +90,7 @@ static bw_status follow_and_solve(bw_context *context, const bw_model *model,
   bw_local_options options;
   double *gradient = NULL, von_mises[SLOPES];
   bw_status status;
-  BW_TRY(pose_shape(context, domains, pose, s, &mesh));
+  BW_TRY(pose_shape(context, subdomains, pose, s, &mesh));
   BW_TRY(bw_model_moved(context, model, mesh, &moved));
   BW_TRY(bw_local_system_update(context, local, moved, s->motion, &reuse));
   bw_local_options_default(&options);
@@ -115,7 +116,7 @@ done:
 static bw_status whole_session(bw_context *context, double *max) {
   bw_mesh *mesh = NULL;
   bw_skeleton *skeleton = NULL;
-  bw_domains *domains = NULL;
+  bw_subdomains *subdomains = NULL;
   bw_model *model = NULL;
   bw_local_system *local = NULL;
   double *weight = NULL;
@@ -136,26 +137,27 @@ static bw_status whole_session(bw_context *context, double *max) {
     goto done;
   }
   BW_TRY(bw_skinning_weights(context, mesh, skeleton, NULL, weight));
-  BW_TRY(bw_domains_create(context, mesh, skeleton, weight, NULL, &domains));
-  BW_TRY(shape_create(context, domains, &s));
-  BW_TRY(bw_local_system_create(context, model, false, domains->piece_count, domains->element_piece,
-                                domains->node_piece, NULL, &local));
+  BW_TRY(bw_subdomains_create(context, mesh, skeleton, weight, NULL, &subdomains));
+  BW_TRY(shape_create(context, subdomains, &s));
+  BW_TRY(bw_local_system_create(context, model, false, subdomains->stiffness.count,
+                                subdomains->stiffness.of_element, subdomains->stiffness.of_node,
+                                NULL, &local));
   for (int b = 0; b < BONES; b++)
     bw_bone_pose_rest(&pose[b]);
   pose[1].scale[1] = 1.2;
-  BW_TRY(follow_and_solve(context, model, domains, pose, &s, BW_LOCAL_REFACTOR, local, max));
+  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, BW_LOCAL_REFACTOR, local, max));
   const bw_reach_target target = {
       .bone = 1, .along = 1, .at = {0.95, 0.15, 0.1}, .weight = 1, .chain_from = -1};
   BW_TRY(bw_pose_reach(context, skeleton, NULL, 1, &target, 0, pose, &reached));
-  BW_TRY(follow_and_solve(context, model, domains, pose, &s, BW_LOCAL_ITERATE, local, max));
+  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, BW_LOCAL_ITERATE, local, max));
   for (int b = 0; b < BONES; b++) /* undone */
     bw_bone_pose_rest(&pose[b]);
-  BW_TRY(follow_and_solve(context, model, domains, pose, &s, BW_LOCAL_AUTO, local, max));
+  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, BW_LOCAL_AUTO, local, max));
 done:
   shape_clear(&s);
   bw_free(weight);
   bw_release(local);
-  bw_release(domains);
+  bw_release(subdomains);
   bw_release(skeleton);
   bw_release(model);
   bw_release(mesh);

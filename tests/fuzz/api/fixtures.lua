@@ -142,8 +142,8 @@ makers.Skeleton = {
     bones = {{"a", "b", name = "upper"}, {"b", "c", name = "lower"}}, root = "a"} end,
   function() return bw.skeleton.create {joints = {{0, 0, 0}, {1, 0, 0}}, bones = {{1, 2}}} end,
 }
-makers.Domains = {function(p) return p.Session.domains end, function(p)
-  return assert(bw.domains(p.Mesh, p.Skeleton, assert(bw.skinning_weights(p.Mesh, p.Skeleton))))
+makers.Subdomains = {function(p) return p.Session.subdomains end, function(p)
+  return assert(bw.subdomains(p.Mesh, p.Skeleton, assert(bw.skinning_weights(p.Mesh, p.Skeleton))))
 end}
 makers.Session = {
   function(p) return assert(bw.edit(p.Model, {skeleton = p.Skeleton})) end,
@@ -302,7 +302,7 @@ end
 
 -- A list that this process alone has may be long; objects that were closed for good.
 local closable = {"Array", "Surface", "Mesh", "Selection", "Model", "Outline", "Skeleton", "PlaneMesh",
-  "Grid", "Hyperelastic", "Canvas", "Embedding", "MeshMotion", "Domains", "System", "Session", "MaterialTable",
+  "Grid", "Hyperelastic", "Canvas", "Embedding", "MeshMotion", "Subdomains", "System", "Session", "MaterialTable",
   "BodyState"}
 
 function Pool:closed(random)
@@ -317,8 +317,8 @@ function Pool:closed_one(name)
       self:forget()
       object = makers[name][1](self)
     end
-    if name == "MaterialTable" or name == "Domains" then -- the pool's own stay open
-      object = name == "MaterialTable" and solid(self.Grid).materials or makers.Domains[2](self)
+    if name == "MaterialTable" or name == "Subdomains" then -- the pool's own stay open
+      object = name == "MaterialTable" and solid(self.Grid).materials or makers.Subdomains[2](self)
     end
     object:close()
     self.dead[name] = hostile.named(name .. " (closed)", object)

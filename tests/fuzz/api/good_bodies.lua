@@ -206,8 +206,9 @@ local function maps(p) return (p.Skeleton:pose_maps(p.Skeleton:rest_pose())) end
 local function bone(_, r) return r:one_of {"upper", "lower", 1, 2} end
 alike("Skeleton:bone Skeleton:remove Session:bone", bone)
 alike("Skeleton:joint Skeleton:with_root", function(_, r) return r:one_of {"a", "b", "c", 1, 2} end)
-alike("Skeleton:posed_joints Domains:posed_nodes", function(p) return maps(p) end)
-alike("Domains:touched Domains:pieces_touched", function(p, r) return random_mask(p.Mesh.node_count, r) end)
+alike("Skeleton:posed_joints Subdomains:posed_nodes", function(p) return maps(p) end)
+alike("Subdomains:touched Subdomains:stiffness_subdomains_touched",
+  function(p, r) return random_mask(p.Mesh.node_count, r) end)
 add {
   ["bw.skeleton.create"] = function() return {joints = {a = {0, 0, 0}, b = {1, 0, 0}}, bones = {{"a", "b",
     name = "x"}}, root = "a"} end,
@@ -222,14 +223,14 @@ add {
     weight = 1}},
     r:chance(0.3) and {{1, -1, 1}, false} or nil, 1e-3 end,
   ["bw.skinning_weights"] = function(p) return p.Mesh, p.Skeleton, {heat = 20} end,
-  ["bw.domains"] = function(p) return p.Mesh, p.Skeleton, (bw.skinning_weights(p.Mesh, p.Skeleton)),
+  ["bw.subdomains"] = function(p) return p.Mesh, p.Skeleton, (bw.skinning_weights(p.Mesh, p.Skeleton)),
     {threshold = 0.9, share = 0.2} end,
-  ["Domains:assign"] = function(p, r) return {r:integer(p.Mesh.element_count)}, bone(p, r) end,
-  ["Domains:refilled"] = function(p, r) return maps(p), random_mask(p.Mesh.element_count, r), p.Mesh,
+  ["Subdomains:assign"] = function(p, r) return {r:integer(p.Mesh.element_count)}, bone(p, r) end,
+  ["Subdomains:refilled"] = function(p, r) return maps(p), random_mask(p.Mesh.element_count, r), p.Mesh,
     bw.array.range(1, p.Mesh.node_count), bw.array.range(1, p.Mesh.element_count) end,
-  ["Domains:pose_derivative"] = function(p, r) return p.Skeleton:rest_pose(), bone(p, r), r:one_of {1, 2,
+  ["Subdomains:pose_derivative"] = function(p, r) return p.Skeleton:rest_pose(), bone(p, r), r:one_of {1, 2,
     "z"} end,
-  ["Domains:motion"] = function(p) return p.Skeleton:pose_maps(p.Skeleton:rest_pose()) end,
+  ["Subdomains:motion"] = function(p) return p.Skeleton:pose_maps(p.Skeleton:rest_pose()) end,
   ["bw.edit()"] = function(p, r) return p.Model, {skeleton = p.Skeleton, threshold = 0.9,
     relax = r:chance(0.5)} end,
   ["bw.edit.load"] = function(p) return "good.lua", p.Session end,
@@ -258,7 +259,7 @@ add {
   ["Bone:translate"] = function(_, r) return {0.01 * r:uniform(), 0, 0} end,
   ["Bone:set"] = function() return {scale = {1, 1.2, 1}, rotation = {z = 5}, translation = {0, 0, 0.01}} end,
   ["LocalSystem:update"] = function(p) return p.Session.part,
-    (p.Domains:motion(p.Skeleton:pose_maps(p.Skeleton:rest_pose()))) end,
+    (p.Subdomains:motion(p.Skeleton:pose_maps(p.Skeleton:rest_pose()))) end,
   ["LocalSystem:solve"] = function(p) return bw.array.zeros(p.Mesh.node_count, 3), {method = "auto"} end,
   ["LocalSystem:statics"] = function(p) return p.Session.part, {method = "auto"} end,
   ["LocalSystem:refactor"] = function() return {} end,

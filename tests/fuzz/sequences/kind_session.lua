@@ -35,7 +35,7 @@ end
 
 local function seen(session)
   local parts = {session.position, text_of(session.mesh.nodes), text_of(session.mesh.elements),
-    text_of(session.current_pose), text_of(session.domains.element_domain), text_of(session.joints)}
+    text_of(session.current_pose), text_of(session.subdomains.element_subdomain), text_of(session.joints)}
   for i, state in ipairs(session.history) do
     parts[#parts + 1] = ("%d %s"):format(i, state.script)
     for b, limit in pairs(state.limits) do

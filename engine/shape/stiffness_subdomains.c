@@ -1,29 +1,29 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Domains of type F cut into pieces: elements joined through faces whose corners follow the same
- * set of bones.
+/* Subdomains of type F cut into stiffness subdomains, called parts here: elements joined through
+ * faces whose corners follow the same set of bones.
  *
- * Invariants: a piece lies in one domain and is connected through faces, but for what its domain
- * has that is joined by edges or corners only (then each part is a piece); its bones are those that
- * its corners follow; a domain of type R is the piece of the same number. Pieces too small to be
- * worth their own bookkeeping are joined to a neighbour, so that then a piece's bones are those of
- * any of its corners and not of all. */
-#include "shape/domains_internal.h"
+ * Invariants: a part lies in one subdomain and is connected through faces, but for what its
+ * subdomain has that is joined by edges or corners only (each is then a part of its own); its bones
+ * are those that its corners follow; a subdomain of type R is the part of the same number. Parts
+ * too small to be worth their own bookkeeping are joined to a neighbour, so that then a part's
+ * bones are those of any of its corners and not of all. */
+#include "shape/subdomains_internal.h"
 
 #include <string.h>
 
-/* Pieces of fewer elements are joined to a neighbour. */
+/* Parts of fewer elements are joined to a neighbour. */
 enum { fewest = 40 };
 
-/* Elements in the place of pieces while those grow: named by their first element. */
-typedef struct pieces {
-  bw_domains *domains;
+/* Elements in the place of parts while those grow: named by their first element. */
+typedef struct partition {
+  bw_subdomains *subdomains;
   size_t words;   /* of a set of bones */
-  uint64_t *set;  /* element_count x words: that of the piece, at its first element */
+  uint64_t *set;  /* element_count x words: that of the part, at its first element */
   int32_t *group; /* element_count */
-  int32_t *size;  /* element_count: elements of the piece, at its first */
-  int32_t *next;  /* element_count: the piece's elements in a chain, -1 at its end */
+  int32_t *size;  /* element_count: elements of the part, at its first */
+  int32_t *next;  /* element_count: the part's elements in a chain, -1 at its end */
   int32_t *last;  /* element_count: the end of the chain, at its first */
-} pieces;
+} partition;
 
 static const int32_t *nodes_of(const bw_mesh *mesh, int32_t e) {
   return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
@@ -31,7 +31,7 @@ static const int32_t *nodes_of(const bw_mesh *mesh, int32_t e) {
 
 /* ---- sets of bones --------------------------------------------------------------------------- */
 
-static size_t set_words(const bw_domains *d) {
+static size_t set_words(const bw_subdomains *d) {
   return ((size_t)d->skeleton->bone_count + 63) / 64;
 }
 
@@ -53,7 +53,7 @@ static int32_t count_beyond(const uint64_t *a, const uint64_t *b, size_t words) 
 }
 
 /* The bones that the corners of element e follow. */
-static void add_followed(const bw_domains *d, int32_t e, uint64_t *set) {
+static void add_followed(const bw_subdomains *d, int32_t e, uint64_t *set) {
   for (int k = 0; k < 4; k++) {
     int32_t i = nodes_of(d->mesh, e)[k];
     for (int64_t at = d->influence_start[i]; at < d->influence_start[i + 1]; at++)
@@ -63,15 +63,15 @@ static void add_followed(const bw_domains *d, int32_t e, uint64_t *set) {
 
 /* ---- growing --------------------------------------------------------------------------------- */
 
-static uint64_t *set_of(const pieces *p, int32_t first) {
+static uint64_t *set_of(const partition *p, int32_t first) {
   return p->set + (size_t)first * p->words;
 }
 
-static bool same_set(const pieces *p, int32_t a, int32_t b) {
+static bool same_set(const partition *p, int32_t a, int32_t b) {
   return memcmp(set_of(p, a), set_of(p, b), p->words * sizeof(uint64_t)) == 0;
 }
 
-static void join(pieces *p, int32_t a, int32_t b) {
+static void join(partition *p, int32_t a, int32_t b) {
   a = bwi_group_find(p->group, a);
   b = bwi_group_find(p->group, b);
   if (a == b)
@@ -85,32 +85,32 @@ static void join(pieces *p, int32_t a, int32_t b) {
   p->last[to] = p->last[from];
 }
 
-/* The face neighbour of e in the same domain, or -1. */
-static int32_t beside(const bw_domains *d, int32_t e, int k) {
+/* The face neighbour of e in the same subdomain, or -1. */
+static int32_t beside(const bw_subdomains *d, int32_t e, int k) {
   int32_t other = d->mesh->neighbour[4 * (size_t)e + (size_t)k];
-  return other >= 0 && d->element_domain[other] == d->element_domain[e] ? other : -1;
+  return other >= 0 && d->element_subdomain[other] == d->element_subdomain[e] ? other : -1;
 }
 
 /* Join what touches through faces and follows the same bones. */
-static void join_alike(pieces *p) {
-  const bw_domains *d = p->domains;
+static void join_alike(partition *p) {
+  const bw_subdomains *d = p->subdomains;
   for (int32_t e = 0; e < d->mesh->element_count; e++)
     for (int k = 0; k < 4; k++) {
       int32_t other = beside(d, e, k);
-      if (other > e && (d->bone_of[d->element_domain[e]] >= 0 ||
+      if (other > e && (d->bone_of[d->element_subdomain[e]] >= 0 ||
                         same_set(p, bwi_group_find(p->group, e), bwi_group_find(p->group, other))))
         join(p, e, other);
     }
 }
 
-/* The neighbour of a piece with which fewest elements come to follow bones that they did not: that
+/* The neighbour of a part with which fewest elements come to follow bones that they did not: that
  * of the smallest superset, if there is one and it is not too large. Or -1. */
-static int32_t best_neighbour(pieces *p, int32_t first) {
+static int32_t best_neighbour(partition *p, int32_t first) {
   int32_t best = -1;
   int64_t min = 0;
   for (int32_t e = first; e >= 0; e = p->next[e])
     for (int k = 0; k < 4; k++) {
-      int32_t other = beside(p->domains, e, k);
+      int32_t other = beside(p->subdomains, e, k);
       if (other < 0 || (other = bwi_group_find(p->group, other)) == first)
         continue;
       const uint64_t *own = set_of(p, first), *its = set_of(p, other);
@@ -124,13 +124,13 @@ static int32_t best_neighbour(pieces *p, int32_t first) {
   return best;
 }
 
-/* Smallest pieces first; what they become part of is larger, and comes later if it is still small.
+/* Smallest parts first; what they become part of is larger, and comes later if it is still small.
  */
-static void join_small(pieces *p) {
-  const bw_domains *d = p->domains;
+static void join_small(partition *p) {
+  const bw_subdomains *d = p->subdomains;
   for (int32_t size = 1; size < fewest; size++)
     for (int32_t e = 0; e < d->mesh->element_count; e++) {
-      if (p->group[e] != e || p->size[e] != size || d->bone_of[d->element_domain[e]] >= 0)
+      if (p->group[e] != e || p->size[e] != size || d->bone_of[d->element_subdomain[e]] >= 0)
         continue;
       int32_t to = best_neighbour(p, e);
       if (to >= 0)
@@ -140,74 +140,74 @@ static void join_small(pieces *p) {
 
 /* ---- numbers --------------------------------------------------------------------------------- */
 
-/* element_piece, piece_count, piece_domain: by domain, then by first element. */
-static bw_status number_pieces(bw_context *context, pieces *p) {
-  bw_domains *d = p->domains;
+/* count, of_element, parent: by subdomain, then by first element. */
+static bw_status number_parts(bw_context *context, partition *p) {
+  bw_subdomains *d = p->subdomains;
   int32_t elements = d->mesh->element_count, *next = BW_NEW0(context, int32_t, d->count + 1);
   if (!next)
     return BW_MEMORY;
   for (int32_t e = 0; e < elements; e++)
     if (p->group[e] == e)
-      next[d->element_domain[e] + 1]++;
+      next[d->element_subdomain[e] + 1]++;
   for (int32_t i = 0; i < d->count; i++)
     next[i + 1] += next[i];
-  d->piece_count = next[d->count];
-  d->element_piece = BW_NEW(context, int32_t, elements);
-  d->piece_domain = BW_NEW(context, int32_t, d->piece_count);
-  if (!d->element_piece || !d->piece_domain) {
+  d->stiffness.count = next[d->count];
+  d->stiffness.of_element = BW_NEW(context, int32_t, elements);
+  d->stiffness.parent = BW_NEW(context, int32_t, d->stiffness.count);
+  if (!d->stiffness.of_element || !d->stiffness.parent) {
     bw_free(next);
     return BW_MEMORY;
   }
   for (int32_t e = 0; e < elements; e++) {
     int32_t first = bwi_group_find(p->group, e);
     if (first == e) {
-      d->element_piece[e] = next[d->element_domain[e]]++;
-      d->piece_domain[d->element_piece[e]] = d->element_domain[e];
+      d->stiffness.of_element[e] = next[d->element_subdomain[e]]++;
+      d->stiffness.parent[d->stiffness.of_element[e]] = d->element_subdomain[e];
     } else {
-      d->element_piece[e] = d->element_piece[first];
+      d->stiffness.of_element[e] = d->stiffness.of_element[first];
     }
   }
   bw_free(next);
   return BW_OK;
 }
 
-static bw_status list_bones(bw_context *context, const pieces *p) {
-  bw_domains *d = p->domains;
-  int32_t *start = d->piece_bone_start = BW_NEW0(context, int32_t, d->piece_count + 1);
+static bw_status list_bones(bw_context *context, const partition *p) {
+  bw_subdomains *d = p->subdomains;
+  int32_t *start = d->stiffness.bone_start = BW_NEW0(context, int32_t, d->stiffness.count + 1);
   if (!start)
     return BW_MEMORY;
   for (int32_t e = 0; e < d->mesh->element_count; e++)
     if (p->group[e] == e)
-      start[d->element_piece[e] + 1] = count_beyond(set_of(p, e), NULL, p->words);
-  for (int32_t i = 0; i < d->piece_count; i++)
+      start[d->stiffness.of_element[e] + 1] = count_beyond(set_of(p, e), NULL, p->words);
+  for (int32_t i = 0; i < d->stiffness.count; i++)
     start[i + 1] += start[i];
-  d->piece_bone = BW_NEW(context, int32_t, start[d->piece_count]);
-  if (!d->piece_bone)
+  d->stiffness.bone = BW_NEW(context, int32_t, start[d->stiffness.count]);
+  if (!d->stiffness.bone)
     return BW_MEMORY;
   for (int32_t e = 0; e < d->mesh->element_count; e++) {
     if (p->group[e] != e)
       continue;
-    int32_t at = start[d->element_piece[e]];
+    int32_t at = start[d->stiffness.of_element[e]];
     for (int32_t b = 0; b < d->skeleton->bone_count; b++)
       if (has_bone(set_of(p, e), b))
-        d->piece_bone[at++] = b;
+        d->stiffness.bone[at++] = b;
   }
   return BW_OK;
 }
 
 /* ---- frames of nodes ------------------------------------------------------------------------- */
 
-/* node_piece. When a part of the body turns as a whole, pieces in it keep their entries where all
+/* of_node. When a part of the body turns as a whole, parts in it keep their entries where all
  * their nodes' frames turn along: those of bones that they follow. */
-static bw_status place_nodes(bw_context *context, const pieces *p) {
-  bw_domains *d = p->domains;
+static bw_status place_nodes(bw_context *context, const partition *p) {
+  bw_subdomains *d = p->subdomains;
   const bw_mesh *mesh = d->mesh;
   bw_status status = BW_MEMORY;
   int32_t bones = d->skeleton->bone_count;
   uint64_t *common = BW_NEW(context, uint64_t, (int64_t)p->words * mesh->node_count);
   int32_t *rank = BW_NEW(context, int32_t, mesh->node_count); /* of the choice: lower is better */
-  d->node_piece = BW_NEW(context, int32_t, mesh->node_count);
-  if (!common || !rank || !d->node_piece)
+  d->stiffness.of_node = BW_NEW(context, int32_t, mesh->node_count);
+  if (!common || !rank || !d->stiffness.of_node)
     goto done;
   memset(common, 0xff, p->words * (size_t)mesh->node_count * sizeof *common);
   for (int32_t e = 0; e < mesh->element_count; e++)
@@ -216,21 +216,21 @@ static bw_status place_nodes(bw_context *context, const pieces *p) {
         common[(size_t)nodes_of(mesh, e)[k] * p->words + w] &=
             set_of(p, bwi_group_find(p->group, e))[w];
   for (int32_t i = 0; i < mesh->node_count; i++) {
-    d->node_piece[i] = -1;
+    d->stiffness.of_node[i] = -1;
     rank[i] = INT32_MAX;
   }
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    int32_t piece = d->element_piece[e], first = d->piece_bone_start[piece];
-    int32_t count = d->piece_bone_start[piece + 1] - first;
+    int32_t part = d->stiffness.of_element[e], first = d->stiffness.bone_start[part];
+    int32_t count = d->stiffness.bone_start[part + 1] - first;
     for (int k = 0; k < mesh->nodes_per_element; k++) {
       int32_t i = nodes_of(mesh, e)[k], own = count;
-      if (piece < d->rigid_count)
+      if (part < d->rigid_count)
         own = 0;
-      else if (!has_bone(common + (size_t)i * p->words, d->piece_bone[first]))
+      else if (!has_bone(common + (size_t)i * p->words, d->stiffness.bone[first]))
         own += bones;
-      if (own < rank[i] || (own == rank[i] && piece < d->node_piece[i])) {
+      if (own < rank[i] || (own == rank[i] && part < d->stiffness.of_node[i])) {
         rank[i] = own;
-        d->node_piece[i] = piece;
+        d->stiffness.of_node[i] = part;
       }
     }
   }
@@ -243,21 +243,22 @@ done:
 
 /* ---- the whole ------------------------------------------------------------------------------- */
 
-void bwi_domains_clear_pieces(bw_domains *d) {
-  bw_free(d->element_piece);
-  bw_free(d->piece_domain);
-  bw_free(d->piece_bone_start);
-  bw_free(d->piece_bone);
-  bw_free(d->node_piece);
-  d->element_piece = d->piece_domain = d->piece_bone_start = d->piece_bone = d->node_piece = NULL;
-  d->piece_count = 0;
+void bwi_stiffness_subdomains_clear(bw_subdomains *d) {
+  bw_free(d->stiffness.of_element);
+  bw_free(d->stiffness.parent);
+  bw_free(d->stiffness.bone_start);
+  bw_free(d->stiffness.bone);
+  bw_free(d->stiffness.of_node);
+  d->stiffness.of_element = d->stiffness.parent = d->stiffness.bone_start = d->stiffness.bone =
+      d->stiffness.of_node = NULL;
+  d->stiffness.count = 0;
 }
 
-bw_status bwi_domains_cut(bw_context *context, bw_domains *domains) {
+bw_status bwi_stiffness_subdomains_create(bw_context *context, bw_subdomains *subdomains) {
   bw_status status = BW_MEMORY;
-  int32_t elements = domains->mesh->element_count;
-  pieces p = {.domains = domains, .words = set_words(domains)};
-  bwi_domains_clear_pieces(domains);
+  int32_t elements = subdomains->mesh->element_count;
+  partition p = {.subdomains = subdomains, .words = set_words(subdomains)};
+  bwi_stiffness_subdomains_clear(subdomains);
   p.set = BW_NEW0(context, uint64_t, (int64_t)p.words * elements);
   p.group = BW_NEW(context, int32_t, elements);
   p.size = BW_NEW(context, int32_t, elements);
@@ -269,13 +270,13 @@ bw_status bwi_domains_cut(bw_context *context, bw_domains *domains) {
     p.group[e] = p.last[e] = e;
     p.size[e] = 1;
     p.next[e] = -1;
-    add_followed(domains, e, set_of(&p, e));
+    add_followed(subdomains, e, set_of(&p, e));
   }
   join_alike(&p);
   join_small(&p);
   join_alike(&p); /* sets that grew may be alike now */
   BW_TRY(bw_check_cancel(context));
-  BW_TRY(number_pieces(context, &p));
+  BW_TRY(number_parts(context, &p));
   BW_TRY(list_bones(context, &p));
   BW_TRY(place_nodes(context, &p));
 done:
@@ -289,86 +290,89 @@ done:
 
 /* ---- the check ------------------------------------------------------------------------------- */
 
-static bw_status fail_piece(bw_context *context, int32_t element, int32_t piece, const char *what) {
-  bw_fail(context, BW_INTERNAL, "element %d is in piece %d, %s", element + 1, piece + 1, what);
+static bw_status fail_part(bw_context *context, int32_t element, int32_t part, const char *what) {
+  bw_fail(context, BW_INTERNAL, "element %d is in stiffness subdomain %d, %s", element + 1,
+          part + 1, what);
   bw_detail_number(context, "element", element + 1.0);
   return BW_INTERNAL;
 }
 
-static bool follows(const bw_domains *d, int32_t piece, int32_t bone) {
-  for (int32_t k = d->piece_bone_start[piece]; k < d->piece_bone_start[piece + 1]; k++)
-    if (d->piece_bone[k] == bone)
+static bool follows(const bw_subdomains *d, int32_t part, int32_t bone) {
+  for (int32_t k = d->stiffness.bone_start[part]; k < d->stiffness.bone_start[part + 1]; k++)
+    if (d->stiffness.bone[k] == bone)
       return true;
   return false;
 }
 
-/* Pieces cover the domains, and each is what its lowest element reaches through faces. */
-static bw_status check_parts(bw_context *context, const bw_domains *d, int32_t *group,
+/* Parts cover the subdomains, and each is what its lowest element reaches through faces. */
+static bw_status check_parts(bw_context *context, const bw_subdomains *d, int32_t *group,
                              int32_t *first) {
   const bw_mesh *mesh = d->mesh;
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    int32_t piece = d->element_piece[e];
-    if (piece < 0 || piece >= d->piece_count)
-      return fail_piece(context, e, piece, "which does not exist");
-    if (d->piece_domain[piece] != d->element_domain[e])
-      return fail_piece(context, e, piece, "which is of another domain");
-    if (d->element_domain[e] < d->rigid_count && piece != d->element_domain[e])
-      return fail_piece(context, e, piece, "which is not that of its domain");
+    int32_t part = d->stiffness.of_element[e];
+    if (part < 0 || part >= d->stiffness.count)
+      return fail_part(context, e, part, "which does not exist");
+    if (d->stiffness.parent[part] != d->element_subdomain[e])
+      return fail_part(context, e, part, "which is of another subdomain");
+    if (d->element_subdomain[e] < d->rigid_count && part != d->element_subdomain[e])
+      return fail_part(context, e, part, "which is not that of its subdomain");
     group[e] = e;
   }
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < 4; k++) {
       int32_t other = mesh->neighbour[4 * (size_t)e + (size_t)k];
-      if (other > e && d->element_piece[other] == d->element_piece[e])
+      if (other > e && d->stiffness.of_element[other] == d->stiffness.of_element[e])
         bwi_group_join(group, e, other);
     }
-  for (int32_t i = 0; i < d->piece_count; i++)
+  for (int32_t i = 0; i < d->stiffness.count; i++)
     first[i] = -1;
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    int32_t *named = first + d->element_piece[e], part = bwi_group_find(group, e);
+    int32_t *named = first + d->stiffness.of_element[e], part = bwi_group_find(group, e);
     if (*named < 0)
       *named = part;
     else if (*named != part)
-      return fail_piece(context, e, d->element_piece[e], "which falls apart");
+      return fail_part(context, e, d->stiffness.of_element[e], "which falls apart");
   }
   return BW_OK;
 }
 
-/* A piece follows what its corners follow, and nothing else. */
-static bw_status check_bones(bw_context *context, const bw_domains *d, uint8_t *met) {
+/* A part follows what its corners follow, and nothing else. */
+static bw_status check_bones(bw_context *context, const bw_subdomains *d, uint8_t *met) {
   const bw_mesh *mesh = d->mesh;
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    int32_t piece = d->element_piece[e];
+    int32_t part = d->stiffness.of_element[e];
     for (int k = 0; k < mesh->nodes_per_element; k++) {
-      int32_t i = nodes_of(mesh, e)[k], frame = d->node_piece[i];
+      int32_t i = nodes_of(mesh, e)[k], frame = d->stiffness.of_node[i];
       for (int64_t at = d->influence_start[i]; at < d->influence_start[i + 1]; at++) {
-        int32_t list = d->piece_bone_start[piece], bone = d->influence_bone[at];
-        if (!follows(d, piece, bone))
-          return fail_piece(context, e, piece, "whose bones are not all that its corners follow");
-        while (d->piece_bone[list] != bone)
+        int32_t list = d->stiffness.bone_start[part], bone = d->influence_bone[at];
+        if (!follows(d, part, bone))
+          return fail_part(context, e, part, "whose bones are not all that its corners follow");
+        while (d->stiffness.bone[list] != bone)
           list++;
         met[list] = 1;
       }
-      if (frame < 0 || frame >= d->piece_count || (piece < d->rigid_count && frame != piece))
-        return fail_piece(context, e, piece, "a node of which goes with another");
+      if (frame < 0 || frame >= d->stiffness.count || (part < d->rigid_count && frame != part))
+        return fail_part(context, e, part, "a node of which goes with another");
     }
   }
-  for (int32_t i = 0; i < d->piece_count; i++)
-    for (int32_t k = d->piece_bone_start[i]; k < d->piece_bone_start[i + 1]; k++) {
-      bool sorted = k == d->piece_bone_start[i] || d->piece_bone[k - 1] < d->piece_bone[k];
+  for (int32_t i = 0; i < d->stiffness.count; i++)
+    for (int32_t k = d->stiffness.bone_start[i]; k < d->stiffness.bone_start[i + 1]; k++) {
+      bool sorted =
+          k == d->stiffness.bone_start[i] || d->stiffness.bone[k - 1] < d->stiffness.bone[k];
       if (!met[k] || !sorted)
         return bw_fail(context, BW_INTERNAL,
-                       "piece %d lists bone %d, which none of its corners follows, or out of order",
-                       i + 1, d->piece_bone[k] + 1);
+                       "stiffness subdomain %d lists bone %d, which none of its corners follows, "
+                       "or out of order",
+                       i + 1, d->stiffness.bone[k] + 1);
     }
   return BW_OK;
 }
 
-bw_status bwi_domains_check_pieces(bw_context *context, const bw_domains *d) {
+bw_status bwi_stiffness_subdomains_check(bw_context *context, const bw_subdomains *d) {
   bw_status status = BW_MEMORY;
   int32_t *group = BW_NEW(context, int32_t, d->mesh->element_count);
-  int32_t *first = BW_NEW(context, int32_t, d->piece_count);
-  uint8_t *met = BW_NEW0(context, uint8_t, d->piece_bone_start[d->piece_count]);
+  int32_t *first = BW_NEW(context, int32_t, d->stiffness.count);
+  uint8_t *met = BW_NEW0(context, uint8_t, d->stiffness.bone_start[d->stiffness.count]);
   if (!group || !first || !met)
     goto done;
   BW_TRY(check_parts(context, d, group, first));

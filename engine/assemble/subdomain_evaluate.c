@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Entries from coefficients: nine numbers in, nine numbers out, by one map per domain that holds
+/* Entries from coefficients: nine numbers in, nine numbers out, by one map per subdomain that holds
  * its motion and its material together.
  *
  *   T' = det(A) A^-T T A^-1   and   K_ik = sum_jl C_ijkl T'_jl   give, with B = A^-1,
@@ -7,7 +7,7 @@
  *
  * As C_ijkl = C_klij, the transpose of T makes the transpose of K: the symmetric half of T makes
  * that of K and the skew half that of K. So 36 + 9 numbers of M serve, and not 81. */
-#include "assemble/domain.h"
+#include "assemble/subdomain.h"
 
 #ifdef __FMA__
 #include <immintrin.h>
@@ -17,15 +17,15 @@
 static const int upper[9][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2},
                                 {2, 2}, {0, 1}, {0, 2}, {1, 2}};
 
-void bwi_domain_halves(double t[3][4], int numbers, double *out) {
+void bwi_subdomain_halves(double t[3][4], int numbers, double *out) {
   for (int m = 0; m < numbers; m++) {
     int p = upper[m][0], q = upper[m][1];
     out[4 * m] = p == q ? t[p][p] : 0.5 * (m < 6 ? t[p][q] + t[q][p] : t[p][q] - t[q][p]);
   }
 }
 
-void bwi_domain_map(const double elasticity[81], const double linear[9],
-                    double map[BWI_DOMAIN_MAP]) {
+void bwi_subdomain_map(const double elasticity[81], const double linear[9],
+                       double map[BWI_SUBDOMAIN_MAP]) {
   double inverse[9];
   double determinant = bw_inverse3(linear, inverse);
   for (int r = 0; r < 9; r++) {
@@ -51,8 +51,8 @@ void bwi_domain_map(const double elasticity[81], const double linear[9],
 
 /* dT' = tr(G) T' - G^T T' - T' G with G = dA A^-1; so M is differentiated through C alone:
  * sum_jl C_ijkl dT'_jl = sum_jl D_ijkl T'_jl. */
-void bwi_domain_map_derivative(const double elasticity[81], const double linear[9],
-                               const double direction[9], double map[BWI_DOMAIN_MAP]) {
+void bwi_subdomain_map_derivative(const double elasticity[81], const double linear[9],
+                                  const double direction[9], double map[BWI_SUBDOMAIN_MAP]) {
   double inverse[9], g[9], changed[81];
   bw_inverse3(linear, inverse);
   for (int r = 0; r < 3; r++)
@@ -70,7 +70,7 @@ void bwi_domain_map_derivative(const double elasticity[81], const double linear[
         changed[9 * ik + 3 * j + l] = sum;
       }
   }
-  bwi_domain_map(changed, linear, map);
+  bwi_subdomain_map(changed, linear, map);
 }
 
 void bwi_turn_elasticity(const double elasticity[81], const double rotation[9], double turned[81]) {
@@ -89,10 +89,10 @@ void bwi_turn_elasticity(const double elasticity[81], const double rotation[9], 
   memcpy(turned, now, sizeof now);
 }
 
-void bwi_domain_elasticity(const bw_domain_stiffness *stiffness, int32_t domain,
-                           const double frame[9], double elasticity[81]) {
-  const bwi_domain_coefficients *c = stiffness->coefficients;
-  const double *rest = c->rest_turn ? c->rest_turn + 9 * (int64_t)domain : NULL;
+void bwi_subdomain_elasticity(const bw_subdomain_stiffness *stiffness, int32_t subdomain,
+                              const double frame[9], double elasticity[81]) {
+  const bwi_subdomain_coefficients *c = stiffness->coefficients;
+  const double *rest = c->rest_turn ? c->rest_turn + 9 * (int64_t)subdomain : NULL;
   bool turns = c->turning_matters && stiffness->material_turns;
   double rotation[9];
   if (!turns && !rest) {
@@ -112,7 +112,7 @@ void bwi_domain_elasticity(const bw_domain_stiffness *stiffness, int32_t domain,
   bwi_turn_elasticity(c->elasticity, rotation, elasticity);
 }
 
-void bwi_domain_entries(const double *map, const double *tensor, int numbers, double block[9]) {
+void bwi_subdomain_entries(const double *map, const double *tensor, int numbers, double block[9]) {
   double half[9] = {0};
   for (int m = 0; m < 6; m++)
     for (int r = 0; r < 6; r++)
@@ -187,17 +187,18 @@ INLINED void store(const bwi_vector half[9], int numbers, const uint32_t *place,
   }
 }
 
-/* The map of a piece's j-th domain, and T as it counts now. */
-static const double *map_of(const bwi_domain_coefficients *c, const bwi_domain_piece *piece,
-                            int64_t j, const double **tensor) {
-  int32_t domain = c->block_domain[c->block_start[piece->section] + j];
-  *tensor = c->written[domain].reshaped && piece->section >= c->inside_count
-                ? bwi_domain_present(c, piece, j)
-                : bwi_domain_rest(c, piece, j);
-  return c->map + BWI_DOMAIN_MAP * (int64_t)domain;
+/* The map of a segment's j-th subdomain, and T as it counts now. */
+static const double *map_of(const bwi_subdomain_coefficients *c,
+                            const bwi_subdomain_segment *segment, int64_t j,
+                            const double **tensor) {
+  int32_t subdomain = c->block_subdomain[c->block_start[segment->section] + j];
+  *tensor = c->written[subdomain].reshaped && segment->section >= c->inside_count
+                ? bwi_subdomain_present(c, segment, j)
+                : bwi_subdomain_rest(c, segment, j);
+  return c->map + BWI_SUBDOMAIN_MAP * (int64_t)subdomain;
 }
 
-/* Pieces of one domain. */
+/* Segments of one subdomain. */
 INLINED void evaluate_inside(const double *map, const double *tensor, int numbers,
                              const uint32_t *place, int64_t size, double *out) {
   int64_t k = 0;
@@ -213,22 +214,22 @@ INLINED void evaluate_inside(const double *map, const double *tensor, int number
   }
 }
 
-void bwi_domain_evaluate(const bwi_domain_coefficients *c, const bwi_domain_piece *piece,
-                         double *out) {
-  const uint32_t *place = c->place + piece->first;
-  int64_t domains = c->block_start[piece->section + 1] - c->block_start[piece->section];
-  const double *tensor, *map = map_of(c, piece, 0, &tensor);
-  if (domains > 1)
-    for (int64_t k = 0; k < piece->size; k += 4) {
+void bwi_subdomain_evaluate(const bwi_subdomain_coefficients *c,
+                            const bwi_subdomain_segment *segment, double *out) {
+  const uint32_t *place = c->place + segment->first;
+  int64_t subdomains = c->block_start[segment->section + 1] - c->block_start[segment->section];
+  const double *tensor, *map = map_of(c, segment, 0, &tensor);
+  if (subdomains > 1)
+    for (int64_t k = 0; k < segment->size; k += 4) {
       bwi_vector half[9] = {{0}};
-      for (int64_t j = 0; j < domains; j++) {
-        map = map_of(c, piece, j, &tensor);
+      for (int64_t j = 0; j < subdomains; j++) {
+        map = map_of(c, segment, j, &tensor);
         add_four(map, tensor + 9 * k, 9, half);
       }
-      store(half, 9, place + k, piece->size - k < 4 ? (int)(piece->size - k) : 4, out);
+      store(half, 9, place + k, segment->size - k < 4 ? (int)(segment->size - k) : 4, out);
     }
-  else if (piece->numbers == 6)
-    evaluate_inside(map, tensor, 6, place, piece->size, out);
+  else if (segment->numbers == 6)
+    evaluate_inside(map, tensor, 6, place, segment->size, out);
   else
-    evaluate_inside(map, tensor, 9, place, piece->size, out);
+    evaluate_inside(map, tensor, 9, place, segment->size, out);
 }

@@ -1,19 +1,19 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Elimination orders for edits domain by domain.
+/* Elimination orders for edits subdomain by subdomain.
  *
- * An edit does the path from its domain to the root again. Nested dissection that knows nothing of
- * domains puts the largest separators, those across the thick parts, at the top, where every edit
- * passes. Here the tree of domains is bisected along its interfaces, so that the thick parts become
- * subtrees like all others and the top holds interfaces only.
+ * An edit does the path from its subdomain to the root again. Nested dissection that knows nothing
+ * of subdomains puts the largest separators, those across the thick parts, at the top, where every
+ * edit passes. Here the tree of subdomains is bisected along its interfaces, so that the thick
+ * parts become subtrees like all others and the top holds interfaces only.
  *
- * Interfaces everywhere would make the whole factor several times dearer: a chunky domain between
- * large interfaces has fronts as long as those. So domains are first put together into groups
- * across their largest interfaces; inside a group METIS rules. How far to go is decided by trying:
- * candidates with fewer and fewer groups are analysed, and so is METIS alone, several times over:
- * in thick bodies, where separators across the trunk are large wherever they lie, those that happen
- * to be small and out of the way of most edits are worth more than interfaces at the top. The order
- * with the lowest predicted cost is taken. The prediction is what sessions then measure: which
- * supernodes an edit touches is known exactly. */
+ * Interfaces everywhere would make the whole factor several times dearer: a chunky subdomain
+ * between large interfaces has fronts as long as those. So subdomains are first put together into
+ * groups across their largest interfaces; inside a group METIS rules. How far to go is decided by
+ * trying: candidates with fewer and fewer groups are analysed, and so is METIS alone, several times
+ * over: in thick bodies, where separators across the trunk are large wherever they lie, those that
+ * happen to be small and out of the way of most edits are worth more than interfaces at the top.
+ * The order with the lowest predicted cost is taken. The prediction is what sessions then measure:
+ * which supernodes an edit touches is known exactly. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -21,18 +21,19 @@
 
 #include "solve/order.h"
 
-/* More domains than this are ordered as if there were none: what is counted here grows with their
- * square. */
-enum { MAX_DOMAINS = 512 };
+/* More subdomains than this are ordered as if there were none: what is counted here grows with
+ * their square. */
+enum { MAX_SUBDOMAINS = 512 };
 
-/* Of more domains than this nearly every second one is joined to another at least: interfaces of
+/* Of more subdomains than this nearly every second one is joined to another at least: interfaces of
  * all make the factor several times dearer. */
-enum { FEW_DOMAINS = 16 };
+enum { FEW_SUBDOMAINS = 16 };
 
 /* How often METIS is tried for the body as a whole. */
 enum { TRIALS = 3 };
 
-/* ---- what domains share -------------------------------------------------------------------- */
+/* ---- what subdomains share --------------------------------------------------------------------
+ */
 
 static void membership_clear(bwi_membership *of) {
   bw_free(of->start);
@@ -40,10 +41,10 @@ static void membership_clear(bwi_membership *of) {
   *of = (bwi_membership){0};
 }
 
-/* `element`: elements sorted by domain. */
-static bw_status membership_of_domains(bw_context *context, const bwi_adjacency *near,
-                                       const bw_mesh *mesh, const int32_t *element,
-                                       const int32_t *element_domain, bwi_membership *of) {
+/* `element`: elements sorted by subdomain. */
+static bw_status membership_of_subdomains(bw_context *context, const bwi_adjacency *near,
+                                          const bw_mesh *mesh, const int32_t *element,
+                                          const int32_t *element_subdomain, bwi_membership *of) {
   int npe = mesh->nodes_per_element;
   size_t size = (size_t)near->size;
   int32_t *seen = BW_NEW(context, int32_t, size);
@@ -56,7 +57,7 @@ static bw_status membership_of_domains(bw_context *context, const bwi_adjacency 
     memset(seen, 0xff, size * sizeof(int32_t));
     for (int64_t k = 0; k < mesh->element_count; k++)
       for (int a = 0; a < npe; a++) {
-        int32_t d = element_domain[element[k]];
+        int32_t d = element_subdomain[element[k]];
         int32_t i = near->compact[mesh->element[(int64_t)element[k] * npe + a]];
         if (i < 0 || seen[i] == d)
           continue;
@@ -80,17 +81,17 @@ static bw_status membership_of_domains(bw_context *context, const bwi_adjacency 
   return BW_OK;
 }
 
-static bw_status sort_elements(bw_context *context, const bw_mesh *mesh, int32_t domain_count,
-                               const int32_t *element_domain, int32_t *element) {
-  int32_t *first = BW_NEW0(context, int32_t, domain_count + 1);
+static bw_status sort_elements(bw_context *context, const bw_mesh *mesh, int32_t subdomain_count,
+                               const int32_t *element_subdomain, int32_t *element) {
+  int32_t *first = BW_NEW0(context, int32_t, subdomain_count + 1);
   if (!first)
     return BW_MEMORY;
   for (int64_t e = 0; e < mesh->element_count; e++)
-    first[element_domain[e] + 1]++;
-  for (int32_t d = 0; d < domain_count; d++)
+    first[element_subdomain[e] + 1]++;
+  for (int32_t d = 0; d < subdomain_count; d++)
     first[d + 1] += first[d];
   for (int32_t e = 0; e < mesh->element_count; e++)
-    element[first[element_domain[e]]++] = e;
+    element[first[element_subdomain[e]]++] = e;
   bw_free(first);
   return BW_OK;
 }
@@ -98,14 +99,14 @@ static bw_status sort_elements(bw_context *context, const bw_mesh *mesh, int32_t
 /* ---- groups -------------------------------------------------------------------------------- */
 
 typedef struct grouping {
-  int32_t domains, groups;
-  int32_t *group_of; /* domains: named by its lowest domain */
-  int32_t *shared;   /* domains x domains, between groups by their names */
+  int32_t subdomains, groups;
+  int32_t *group_of; /* subdomains: named by its lowest subdomain */
+  int32_t *shared;   /* subdomains x subdomains, between groups by their names */
 } grouping;
 
 /* Join groups across their largest interfaces until `wanted` are left, or no two share a node. */
 static void join(grouping *g, int32_t wanted) {
-  size_t n = (size_t)g->domains;
+  size_t n = (size_t)g->subdomains;
   while (g->groups > wanted) {
     int32_t max = 0;
     size_t low = 0, high = 0;
@@ -130,21 +131,21 @@ static void join(grouping *g, int32_t wanted) {
   }
 }
 
-/* The same membership with groups in the place of domains, numbered 0 to groups - 1. */
-static bw_status membership_of_groups(bw_context *context, const bwi_membership *domains,
+/* The same membership with groups in the place of subdomains, numbered 0 to groups - 1. */
+static bw_status membership_of_groups(bw_context *context, const bwi_membership *subdomains,
                                       int32_t size, const grouping *g, bwi_membership *of) {
-  int32_t *number = BW_NEW(context, int32_t, g->domains), next = 0, fill = 0;
+  int32_t *number = BW_NEW(context, int32_t, g->subdomains), next = 0, fill = 0;
   of->start = BW_NEW0(context, int32_t, size + 1);
-  of->group = BW_NEW(context, int32_t, domains->start[size]);
+  of->group = BW_NEW(context, int32_t, subdomains->start[size]);
   if (!number || !of->start || !of->group) {
     bw_free(number);
     return BW_MEMORY;
   }
-  for (int32_t d = 0; d < g->domains; d++)
+  for (int32_t d = 0; d < g->subdomains; d++)
     number[d] = g->group_of[d] == d ? next++ : -1;
   for (int32_t i = 0; i < size; i++) {
-    for (int32_t k = domains->start[i]; k < domains->start[i + 1]; k++) {
-      int32_t group = number[g->group_of[domains->group[k]]];
+    for (int32_t k = subdomains->start[i]; k < subdomains->start[i + 1]; k++) {
+      int32_t group = number[g->group_of[subdomains->group[k]]];
       bool there = false;
       for (int32_t l = of->start[i]; l < fill; l++)
         there |= of->group[l] == group;
@@ -164,13 +165,13 @@ static int ascending(const void *a, const void *b) {
   return x < y ? -1 : x > y;
 }
 
-/* The work of each edit: of the domains that it touches. Returns how many touch any. */
+/* The work of each edit: of the subdomains that it touches. Returns how many touch any. */
 static int32_t work_of_edits(const bwi_elimination_reach *reach, const bw_edits *edits,
                              uint8_t *touched, double *flops) {
-  int32_t domains = reach->domain_count, count = 0;
-  for (int32_t e = 0; e < (edits ? edits->count : domains); e++) {
+  int32_t subdomains = reach->subdomain_count, count = 0;
+  for (int32_t e = 0; e < (edits ? edits->count : subdomains); e++) {
     bool any = false;
-    for (int32_t d = 0; d < domains; d++) {
+    for (int32_t d = 0; d < subdomains; d++) {
       touched[d] = !edits && d == e;
       for (int32_t k = edits ? edits->start[d] : 0; k < (edits ? edits->start[d + 1] : 0); k++)
         touched[d] |= edits->edit[k] == e;
@@ -183,18 +184,18 @@ static int32_t work_of_edits(const bwi_elimination_reach *reach, const bw_edits 
 }
 
 /* Predicted seconds of an edit and a solve: the work of the median edit, a quarter of the mean
- * (large domains are edited too), a fiftieth of the whole factor (made once per session), and L
+ * (large subdomains are edited too), a fiftieth of the whole factor (made once per session), and L
  * read twice. Rates are those of a machine with two cores; only their ratio matters. */
 static bw_status predict(bw_context *context, bwi_order *order, const bw_mesh *mesh,
-                         int32_t domain_count, const int32_t *element_domain, const bw_edits *edits,
-                         double *cost) {
+                         int32_t subdomain_count, const int32_t *element_subdomain,
+                         const bw_edits *edits, double *cost) {
   const double operations = 40e9, bytes = 15e9;
   bw_status status = BW_OK;
   bwi_symbolic *symbolic = NULL;
   bwi_elimination_reach *reach = NULL;
   int32_t *unknown = BW_NEW(context, int32_t, 3 * (size_t)order->node_count);
-  uint8_t *touched = BW_NEW(context, uint8_t, domain_count);
-  double *flops = BW_NEW(context, double, edits ? edits->count : domain_count), mean = 0;
+  uint8_t *touched = BW_NEW(context, uint8_t, subdomain_count);
+  double *flops = BW_NEW(context, double, edits ? edits->count : subdomain_count), mean = 0;
   if (!unknown || !touched || !flops) {
     status = BW_MEMORY;
     goto done;
@@ -203,8 +204,8 @@ static bw_status predict(bw_context *context, bwi_order *order, const bw_mesh *m
     for (int c = 0; c < 3; c++)
       unknown[3 * i + c] = order->place[i] >= 0 ? 0 : -1;
   BW_TRY(bwi_symbolic_create(context, order, 3, unknown, &symbolic));
-  BW_TRY(
-      bwi_elimination_reach_create(context, symbolic, mesh, domain_count, element_domain, &reach));
+  BW_TRY(bwi_elimination_reach_create(context, symbolic, mesh, subdomain_count, element_subdomain,
+                                      &reach));
   int32_t count = work_of_edits(reach, edits, touched, flops);
   for (int32_t e = 0; e < count; e++)
     mean += flops[e] / count;
@@ -224,8 +225,8 @@ typedef struct search {
   bw_context *context;
   const bwi_adjacency *near;
   const bw_mesh *mesh;
-  int32_t domain_count;
-  const int32_t *element_domain;
+  int32_t subdomain_count;
+  const int32_t *element_subdomain;
   const bw_edits *edits;
   idx_t *permutation;
   bwi_order *best;
@@ -239,7 +240,8 @@ static bw_status consider(search *s, double *cost) {
   bwi_order *order = NULL;
   BW_TRY(bw_check_cancel(context));
   BW_TRY(bwi_order_analyse(context, s->near, s->permutation, &order));
-  BW_TRY(predict(context, order, s->mesh, s->domain_count, s->element_domain, s->edits, cost));
+  BW_TRY(
+      predict(context, order, s->mesh, s->subdomain_count, s->element_subdomain, s->edits, cost));
   if (!s->best || *cost < s->lowest) {
     bw_release(s->best);
     s->best = order;
@@ -251,25 +253,25 @@ done:
   return status;
 }
 
-/* Join domains into `wanted` groups and consider the order along their interfaces. */
-static bw_status consider_groups(search *s, const bwi_membership *of_domains, int32_t wanted,
+/* Join subdomains into `wanted` groups and consider the order along their interfaces. */
+static bw_status consider_groups(search *s, const bwi_membership *of_subdomains, int32_t wanted,
                                  double *cost) {
   bw_status status = BW_OK;
   bw_context *context = s->context;
-  int32_t domains = s->domain_count;
+  int32_t subdomains = s->subdomain_count;
   bwi_membership of = {0};
-  grouping g = {.domains = domains, .groups = domains};
-  g.group_of = BW_NEW(context, int32_t, domains);
-  g.shared = BW_NEW(context, int32_t, (size_t)domains * (size_t)domains);
+  grouping g = {.subdomains = subdomains, .groups = subdomains};
+  g.group_of = BW_NEW(context, int32_t, subdomains);
+  g.shared = BW_NEW(context, int32_t, (size_t)subdomains * (size_t)subdomains);
   if (!g.group_of || !g.shared) {
     status = BW_MEMORY;
     goto done;
   }
-  bwi_count_shared(of_domains, s->near->size, domains, g.shared);
-  for (int32_t d = 0; d < domains; d++)
+  bwi_count_shared(of_subdomains, s->near->size, subdomains, g.shared);
+  for (int32_t d = 0; d < subdomains; d++)
     g.group_of[d] = d;
   join(&g, wanted);
-  BW_TRY(membership_of_groups(context, of_domains, s->near->size, &g, &of));
+  BW_TRY(membership_of_groups(context, of_subdomains, s->near->size, &g, &of));
   BW_TRY(bwi_order_along_interfaces(context, s->near, &of, g.groups, s->permutation));
   BW_TRY(consider(s, cost));
 done:
@@ -304,53 +306,55 @@ static bw_status search_groups(search *s) {
   bw_context *context = s->context;
   int32_t wanted[SHARES], count = 0, best = 0;
   double cost[SHARES], ignored;
-  bwi_membership of_domains = {0};
+  bwi_membership of_subdomains = {0};
   int32_t *element = BW_NEW(context, int32_t, s->mesh->element_count);
   if (!element) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(sort_elements(context, s->mesh, s->domain_count, s->element_domain, element));
-  BW_TRY(membership_of_domains(context, s->near, s->mesh, element, s->element_domain, &of_domains));
+  BW_TRY(sort_elements(context, s->mesh, s->subdomain_count, s->element_subdomain, element));
+  BW_TRY(membership_of_subdomains(context, s->near, s->mesh, element, s->element_subdomain,
+                                  &of_subdomains));
   for (int k = 0; k < SHARES; k++) {
-    int32_t groups = (int32_t)ceil(share[k] * s->domain_count);
+    int32_t groups = (int32_t)ceil(share[k] * s->subdomain_count);
     groups = groups < 2 ? 2 : groups;
-    if ((k == 0 && s->domain_count > FEW_DOMAINS) || (count > 0 && groups == wanted[count - 1]))
+    if ((k == 0 && s->subdomain_count > FEW_SUBDOMAINS) ||
+        (count > 0 && groups == wanted[count - 1]))
       continue;
     wanted[count] = groups;
     bw_progress(context, "order", 0.5 + 0.5 * k / (SHARES + 2));
-    BW_TRY(consider_groups(s, &of_domains, groups, &cost[count]));
+    BW_TRY(consider_groups(s, &of_subdomains, groups, &cost[count]));
     if (cost[count] < cost[best])
       best = count;
     count++;
   }
   if (best > 0 && wanted[best - 1] - wanted[best] > 1)
-    BW_TRY(consider_groups(s, &of_domains, (wanted[best - 1] + wanted[best]) / 2, &ignored));
+    BW_TRY(consider_groups(s, &of_subdomains, (wanted[best - 1] + wanted[best]) / 2, &ignored));
   if (best + 1 < count && wanted[best] - wanted[best + 1] > 1)
-    BW_TRY(consider_groups(s, &of_domains, (wanted[best] + wanted[best + 1]) / 2, &ignored));
+    BW_TRY(consider_groups(s, &of_subdomains, (wanted[best] + wanted[best + 1]) / 2, &ignored));
 done:
   bw_free(element);
-  membership_clear(&of_domains);
+  membership_clear(&of_subdomains);
   return status;
 }
 
-bw_status bwi_order_create_domains(bw_context *context, const bw_graph *graph, const uint8_t *take,
-                                   const bw_mesh *mesh, int32_t domain_count,
-                                   const int32_t *element_domain, const bw_edits *edits,
-                                   bwi_order **order) {
+bw_status bwi_order_create_subdomains(bw_context *context, const bw_graph *graph,
+                                      const uint8_t *take, const bw_mesh *mesh,
+                                      int32_t subdomain_count, const int32_t *element_subdomain,
+                                      const bw_edits *edits, bwi_order **order) {
   bw_status status = BW_OK;
   bwi_adjacency near = {0};
   search s = {.context = context,
               .near = &near,
               .mesh = mesh,
-              .domain_count = domain_count,
-              .element_domain = element_domain,
+              .subdomain_count = subdomain_count,
+              .element_subdomain = element_subdomain,
               .edits = edits};
   for (int64_t e = 0; e < mesh->element_count; e++)
-    if (element_domain[e] < 0 || element_domain[e] >= domain_count)
-      return bw_fail(context, BW_INVALID, "element %lld is of domain %d, there are %d",
-                     (long long)(e + 1), element_domain[e] + 1, domain_count);
-  if (domain_count < 2 || domain_count > MAX_DOMAINS)
+    if (element_subdomain[e] < 0 || element_subdomain[e] >= subdomain_count)
+      return bw_fail(context, BW_INVALID, "element %lld is of subdomain %d, there are %d",
+                     (long long)(e + 1), element_subdomain[e] + 1, subdomain_count);
+  if (subdomain_count < 2 || subdomain_count > MAX_SUBDOMAINS)
     return bwi_order_create(context, graph, take, order);
   BW_TRY(bwi_adjacency_create(context, graph, take, &near));
   s.permutation = BW_NEW(context, idx_t, near.size);

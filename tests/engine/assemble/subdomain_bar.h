@@ -1,24 +1,24 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* A bar of five domains, its poses and edits, and a stiffness that follows them: what the tests of
- * stiffness kept domain by domain share. */
-#ifndef DOMAIN_BAR_H
-#define DOMAIN_BAR_H
+/* A bar of five subdomains, its poses and edits, and a stiffness that follows them: what the tests
+ * of stiffness kept subdomain by subdomain share. */
+#ifndef SUBDOMAIN_BAR_H
+#define SUBDOMAIN_BAR_H
 
 #include "assemble/dense.h"
 
-/* ---- a bar of five domains: R F R F R, the blended ones two cells long ---- */
+/* ---- a bar of five subdomains: R F R F R, the blended ones two cells long ---- */
 
-enum { DOMAINS = 5, RIGID = 3 };
+enum { SUBDOMAINS = 5, RIGID = 3 };
 
 typedef struct bar {
   bw_mesh *rest;
   bw_graph *graph;
-  int32_t *element_domain, *node_domain;
-  int32_t *left, *right; /* per node: which domains of type R it follows (0, 1, 2) */
+  int32_t *element_subdomain, *node_subdomain;
+  int32_t *left, *right; /* per node: which subdomains of type R it follows (0, 1, 2) */
   double *weight;        /* of the right one */
 } bar;
 
-/* Domains by the place along x of an element's middle; 0 2 4 are of type R. */
+/* Subdomains by the place along x of an element's middle; 0 2 4 are of type R. */
 static inline int32_t strip(double x, double length) {
   double at = 8 * x / length;
   return at < 2 ? 0 : at < 3 ? 1 : at < 5 ? 2 : at < 6 ? 3 : 4;
@@ -29,8 +29,8 @@ static inline void bar_create(bw_context *context, int order, bar *b) {
   check_ok(context, bw_graph_create(context, b->rest, &b->graph));
   int n = b->rest->node_count, per = b->rest->nodes_per_element;
   double length = 0.3 * 8;
-  b->element_domain = (int32_t *)malloc(sizeof(int32_t) * (size_t)b->rest->element_count);
-  b->node_domain = (int32_t *)malloc(sizeof(int32_t) * (size_t)n);
+  b->element_subdomain = (int32_t *)malloc(sizeof(int32_t) * (size_t)b->rest->element_count);
+  b->node_subdomain = (int32_t *)malloc(sizeof(int32_t) * (size_t)n);
   b->left = (int32_t *)malloc(sizeof(int32_t) * (size_t)n);
   b->right = (int32_t *)malloc(sizeof(int32_t) * (size_t)n);
   b->weight = (double *)malloc(sizeof(double) * (size_t)n);
@@ -38,17 +38,17 @@ static inline void bar_create(bw_context *context, int order, bar *b) {
     double x = 0;
     for (int a = 0; a < 4; a++)
       x += 0.25 * b->rest->node[3 * b->rest->element[per * e + a]];
-    b->element_domain[e] = strip(x, length);
+    b->element_subdomain[e] = strip(x, length);
   }
   for (int i = 0; i < n; i++) {
     double at = 8 * b->rest->node[3 * i] / length;
     b->left[i] = b->right[i] = at < 2.5 ? 0 : at < 5.5 ? 1 : 2;
     b->weight[i] = 0;
-    b->node_domain[i] = at < 2 + 1e-9   ? 0
-                        : at < 3 - 1e-9 ? 1
-                        : at < 5 + 1e-9 ? 2
-                        : at < 6 - 1e-9 ? 3
-                                        : 4;
+    b->node_subdomain[i] = at < 2 + 1e-9   ? 0
+                           : at < 3 - 1e-9 ? 1
+                           : at < 5 + 1e-9 ? 2
+                           : at < 6 - 1e-9 ? 3
+                                           : 4;
     for (int f = 0; f < 2; f++)
       if (at > 2 + 3 * f - 1e-9 && at < 3 + 3 * f + 1e-9) {
         b->left[i] = f;
@@ -59,16 +59,18 @@ static inline void bar_create(bw_context *context, int order, bar *b) {
 }
 
 static inline void bar_clear(bar *b) {
-  free(b->element_domain), free(b->node_domain), free(b->left), free(b->right), free(b->weight);
+  free(b->element_subdomain), free(b->node_subdomain), free(b->left), free(b->right),
+      free(b->weight);
   bw_release(b->graph);
   bw_release(b->rest);
 }
 
-/* What the three domains of type R do: x -> linear x + shift with linear = rotation * stretch. */
+/* What the three subdomains of type R do: x -> linear x + shift with linear = rotation * stretch.
+ */
 typedef struct pose {
   double rotation[RIGID][9], stretch[RIGID][9], shift[RIGID][3];
-  bool bulged[DOMAINS]; /* inner corner nodes of the domain moved on their own */
-  uint64_t seed[DOMAINS];
+  bool bulged[SUBDOMAINS]; /* inner corner nodes of the subdomain moved on their own */
+  uint64_t seed[SUBDOMAINS];
 } pose;
 
 static const double one[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -107,7 +109,7 @@ static inline void transposed(const double *a, double *out) {
 
 /* Nodes and motions of a pose; NULL when an element is inverted. */
 static inline bw_mesh *posed(bw_context *context, const bar *b, const pose *p,
-                             bw_domain_motion *motion) {
+                             bw_subdomain_motion *motion) {
   const bw_mesh *rest = b->rest;
   int n = rest->node_count;
   double linear[RIGID][9], *node = (double *)malloc(sizeof *node * 3 * (size_t)n);
@@ -122,7 +124,7 @@ static inline bw_mesh *posed(bw_context *context, const bar *b, const pose *p,
       double to = bw_dot(linear[r] + 3 * k, x) + p->shift[r][k];
       node[3 * i + k] = l == r ? from : (1 - b->weight[i]) * from + b->weight[i] * to;
     }
-  /* nodes of one domain's elements only may move on their own */
+  /* nodes of one subdomain's elements only may move on their own */
   int per = rest->nodes_per_element;
   int32_t *only = (int32_t *)malloc(sizeof *only * (size_t)n);
   for (int i = 0; i < n; i++)
@@ -130,9 +132,9 @@ static inline bw_mesh *posed(bw_context *context, const bar *b, const pose *p,
   for (int e = 0; e < rest->element_count; e++)
     for (int a = 0; a < 4; a++) {
       int32_t *o = &only[rest->element[per * e + a]];
-      *o = *o == -1 || *o == b->element_domain[e] ? b->element_domain[e] : -2;
+      *o = *o == -1 || *o == b->element_subdomain[e] ? b->element_subdomain[e] : -2;
     }
-  for (int d = 0; d < DOMAINS; d++) {
+  for (int d = 0; d < SUBDOMAINS; d++) {
     if (!p->bulged[d])
       continue;
     bw_random_seed(&random, p->seed[d]);
@@ -150,8 +152,8 @@ static inline bw_mesh *posed(bw_context *context, const bar *b, const pose *p,
           node[3 * of[4 + m] + k] =
               0.5 * (node[3 * of[bw_tet_edge[m][0]] + k] + node[3 * of[bw_tet_edge[m][1]] + k]);
     }
-  for (int d = 0; d < DOMAINS; d++) {
-    bw_domain_motion_rest(&motion[d]);
+  for (int d = 0; d < SUBDOMAINS; d++) {
+    bw_subdomain_motion_rest(&motion[d]);
     if (d % 2 == 0) {
       memcpy(motion[d].linear, linear[d / 2], sizeof one);
       transposed(p->rotation[d / 2], motion[d].frame);
@@ -188,7 +190,7 @@ static inline double uniform(bw_random *random, double low, double high) {
 
 /* One random edit of a pose. */
 static inline void edit(bw_random *random, pose *p) {
-  int r = (int)(bw_random_bits(random) % RIGID), d = (int)(bw_random_bits(random) % DOMAINS);
+  int r = (int)(bw_random_bits(random) % RIGID), d = (int)(bw_random_bits(random) % SUBDOMAINS);
   double axis[3] = {uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, 0.1, 1)}, q[9];
   switch (bw_random_bits(random) % 7) {
   case 0: /* stretch along the axes of rest */
@@ -207,7 +209,7 @@ static inline void edit(bw_random *random, pose *p) {
   case 3: /* shear */
     p->stretch[r][1] = uniform(random, -0.2, 0.2);
     break;
-  case 4: /* move nodes of one domain, or put them back */
+  case 4: /* move nodes of one subdomain, or put them back */
     p->bulged[d] = bw_random_bits(random) % 3 != 0;
     p->seed[d] = bw_random_bits(random);
     break;
@@ -236,19 +238,19 @@ static inline void edit(bw_random *random, pose *p) {
 typedef struct session {
   bar b;
   bw_material *material;
-  bw_domain_stiffness *s;
+  bw_subdomain_stiffness *s;
   pose p;
-  bw_domain_motion motion[DOMAINS];
-  bw_domain_change change;
+  bw_subdomain_motion motion[SUBDOMAINS];
+  bw_subdomain_change change;
 } session;
 
 static inline void session_create(bw_context *context, int order, bool plain, bool turns,
                                   session *now) {
   bar_create(context, order, &now->b);
   now->material = plain ? plain_material(context, 2e9, 0.3) : odd_material(context);
-  check_ok(context,
-           bw_domain_stiffness_create(context, now->b.graph, now->b.rest, now->material, turns,
-                                      DOMAINS, now->b.element_domain, now->b.node_domain, &now->s));
+  check_ok(context, bw_subdomain_stiffness_create(context, now->b.graph, now->b.rest, now->material,
+                                                  turns, SUBDOMAINS, now->b.element_subdomain,
+                                                  now->b.node_subdomain, &now->s));
   pose_rest(&now->p);
 }
 
@@ -261,7 +263,8 @@ static inline void session_clear(session *now) {
 static inline void session_update(bw_context *context, session *now) {
   bw_mesh *moved = posed(context, &now->b, &now->p, now->motion);
   assert_non_null(moved);
-  check_ok(context, bw_domain_stiffness_update(context, now->s, moved, now->motion, &now->change));
+  check_ok(context,
+           bw_subdomain_stiffness_update(context, now->s, moved, now->motion, &now->change));
   bw_release(moved);
 }
 
@@ -270,7 +273,7 @@ static inline void check_state_is(const session *now, const char *expected) {
   char text[64];
   int n = snprintf(text, sizeof text, "%dK %dE %dG ", now->change.kept, now->change.evaluated,
                    now->change.gathered);
-  for (int d = 0; d < DOMAINS; d++)
+  for (int d = 0; d < SUBDOMAINS; d++)
     text[n++] = now->s->changed[d] ? '1' : '0';
   text[n] = 0;
   assert_string_equal(text, expected);

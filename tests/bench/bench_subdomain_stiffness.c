@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Ratios of the stiffness kept domain by domain to direct assembly; built with the tests, run by
- * hand: build/tests/bench_domain_stiffness [tetrahedra] [order] [domains] */
+/* Ratios of the stiffness kept subdomain by subdomain to direct assembly; built with the tests, run
+ * by hand: build/tests/bench_subdomain_stiffness [tetrahedra] [order] [subdomains] */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,7 +43,7 @@ static void end(lap *l) {
 int main(int count, char **argument) {
   int64_t wanted = count > 1 ? atoll(argument[1]) : 40000;
   int order = count > 2 ? atoi(argument[2]) : 2;
-  int domains = count > 3 ? atoi(argument[3]) : 20;
+  int subdomains = count > 3 ? atoi(argument[3]) : 20;
   bw_context *context = bw_context_create();
   /* a bar twenty times as long as wide, cut into slabs */
   int across = (int)lround(cbrt((double)wanted / 6 / 20));
@@ -62,22 +62,22 @@ int main(int count, char **argument) {
     double x = 0;
     for (int a = 0; a < 4; a++)
       x += 0.25 * mesh->node[3 * mesh->element[(int64_t)e * mesh->nodes_per_element + a]];
-    of_element[e] = (int32_t)(x / high[0] * domains);
+    of_element[e] = (int32_t)(x / high[0] * subdomains);
     for (int a = 0; a < mesh->nodes_per_element; a++)
       of_node[mesh->element[(int64_t)e * mesh->nodes_per_element + a]] = of_element[e];
   }
-  bw_domain_motion *motion = (bw_domain_motion *)malloc(sizeof *motion * (size_t)domains);
+  bw_subdomain_motion *motion = (bw_subdomain_motion *)malloc(sizeof *motion * (size_t)subdomains);
   double *values = (double *)malloc(sizeof *values * 9 * (size_t)graph->pair_count);
   double *node = (double *)malloc(sizeof *node * 3 * (size_t)mesh->node_count);
-  printf("{\"tetrahedra\": %d, \"nodes\": %d, \"pairs\": %lld, \"domains\": %d, \"cases\": [\n",
-         mesh->element_count, mesh->node_count, (long long)graph->pair_count, domains);
+  printf("{\"tetrahedra\": %d, \"nodes\": %d, \"pairs\": %lld, \"subdomains\": %d, \"cases\": [\n",
+         mesh->element_count, mesh->node_count, (long long)graph->pair_count, subdomains);
   for (int threads = 1; threads <= 2; threads++)
     for (int m = 0; m < 2; m++) {
-      bw_domain_stiffness *s = NULL;
+      bw_subdomain_stiffness *s = NULL;
       OK(bw_set_threads(context, threads));
       double start = bw_seconds();
-      OK(bw_domain_stiffness_create(context, graph, mesh, material[m], false, domains, of_element,
-                                    of_node, &s));
+      OK(bw_subdomain_stiffness_create(context, graph, mesh, material[m], false, subdomains,
+                                       of_element, of_node, &s));
       double create = bw_seconds() - start;
       lap direct = {0}, all = {0}, one = {0}, gathered = {0};
       for (int r = 0; r < REPEATS; r++) {
@@ -85,38 +85,38 @@ int main(int count, char **argument) {
         OK(bw_stiffness(context, graph, mesh, material[m], values));
         end(&direct);
 
-        for (int d = 0; d < domains; d++) {
-          bw_domain_motion_rest(&motion[d]);
+        for (int d = 0; d < subdomains; d++) {
+          bw_subdomain_motion_rest(&motion[d]);
           motion[d].linear[0] = 1 + 0.01 * (r + 1);
         }
         begin(&all);
-        OK(bw_domain_stiffness_update(context, s, mesh, motion, NULL));
+        OK(bw_subdomain_stiffness_update(context, s, mesh, motion, NULL));
         end(&all);
 
-        motion[domains / 2].linear[0] = 2 + 0.01 * r;
+        motion[subdomains / 2].linear[0] = 2 + 0.01 * r;
         begin(&one);
-        OK(bw_domain_stiffness_update(context, s, mesh, motion, NULL));
+        OK(bw_subdomain_stiffness_update(context, s, mesh, motion, NULL));
         end(&one);
 
-        motion[domains / 2].reshaped = true;
+        motion[subdomains / 2].reshaped = true;
         for (int64_t i = 0; i < mesh->node_count; i++)
           for (int k = 0; k < 3; k++)
             node[3 * i + k] = (k ? 1 : 1 + 0.01 * r) * mesh->node[3 * i + k];
         OK(bw_mesh_moved(context, mesh, node, &moved));
         begin(&gathered);
-        OK(bw_domain_stiffness_update(context, s, moved, motion, NULL));
+        OK(bw_subdomain_stiffness_update(context, s, moved, motion, NULL));
         end(&gathered);
         bw_release(moved);
       }
       printf("  {\"material\": \"%s\", \"threads\": %d, \"milliseconds_create\": %.1f, "
              "\"milliseconds_direct\": %.2f, \"milliseconds_polynomials_all\": %.2f, "
-             "\"milliseconds_one_domain\": %.3f, \"milliseconds_one_gathered\": %.3f, "
+             "\"milliseconds_one_subdomain\": %.3f, \"milliseconds_one_gathered\": %.3f, "
              "\"ratio_all\": %.2f, \"ratio_one\": %.1f, \"ratio_gathered\": %.1f, "
              "\"ratio_all_processor\": %.2f, \"bytes\": %zu, \"bytes_entries\": %lld}%s\n",
              m ? "orthotropic" : "isotropic", threads, 1e3 * create, 1e3 * direct.clock,
              1e3 * all.clock, 1e3 * one.clock, 1e3 * gathered.clock, direct.clock / all.clock,
              direct.clock / one.clock, direct.clock / gathered.clock,
-             direct.processor / all.processor, bw_domain_stiffness_bytes(s),
+             direct.processor / all.processor, bw_subdomain_stiffness_bytes(s),
              (long long)graph->pair_count * 72, threads == 2 && m ? "" : ",");
       bw_release(s);
     }

@@ -1,10 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Which elements follow one bone (agile, section 4): region growing from the skinning weights, and
- * what it takes for the invariants of bw_domains to hold.
+ * what it takes for the invariants of bw_subdomains to hold.
  *
- * Through all steps bone[e] is the bone whose domain of type R holds element e, or -1 for type F.
+ * Through all steps bone[e] is the bone whose subdomain of type R holds element e, or -1 for type
+ * F.
  */
-#include "shape/domains_internal.h"
+#include "shape/subdomains_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -21,7 +22,7 @@ typedef struct growth {
   double *highest;   /* per bone: the highest mean of any element, for the warnings */
   int32_t lowered;   /* how many thresholds, and the lowest of them */
   double lowest;
-  int32_t *stack, *piece; /* scratch: per element */
+  int32_t *stack, *component; /* scratch: per element */
 } growth;
 
 static const int32_t *corners(const bw_mesh *mesh, int32_t e) {
@@ -110,19 +111,19 @@ static void candidates(growth *g) {
   }
 }
 
-/* Mark with `mark` in piece[] what is connected to `seed` through faces of elements of the same
+/* Mark with `mark` in component[] what is connected to `seed` through faces of elements of the same
  * bone, and return how many there are. */
 static int32_t flood(growth *g, int32_t seed, int32_t mark) {
   int32_t depth = 0, count = 0;
   g->stack[depth++] = seed;
-  g->piece[seed] = mark;
+  g->component[seed] = mark;
   while (depth > 0) {
     int32_t e = g->stack[--depth];
     count++;
     for (int k = 0; k < 4; k++) {
       int32_t other = g->mesh->neighbour[4 * (size_t)e + (size_t)k];
-      if (other >= 0 && g->piece[other] < 0 && g->bone[other] == g->bone[seed]) {
-        g->piece[other] = mark;
+      if (other >= 0 && g->component[other] < 0 && g->bone[other] == g->bone[seed]) {
+        g->component[other] = mark;
         g->stack[depth++] = other;
       }
     }
@@ -130,9 +131,9 @@ static int32_t flood(growth *g, int32_t seed, int32_t mark) {
   return count;
 }
 
-static void clear_pieces(growth *g) {
+static void clear_components(growth *g) {
   for (int32_t e = 0; e < g->mesh->element_count; e++)
-    g->piece[e] = -1;
+    g->component[e] = -1;
 }
 
 /* Region growing: of a bone's candidates only those stay that can be reached through faces from the
@@ -145,19 +146,19 @@ static void grow_from_seeds(growth *g, int32_t *seed) {
     if (b >= 0 && (seed[b] < 0 || g->mean[e] > g->mean[seed[b]]))
       seed[b] = e;
   }
-  clear_pieces(g);
+  clear_components(g);
   for (int32_t b = 0; b < g->skeleton->bone_count; b++)
     if (seed[b] >= 0)
       flood(g, seed[b], b);
   for (int32_t e = 0; e < g->mesh->element_count; e++)
-    if (g->piece[e] < 0)
+    if (g->component[e] < 0)
       g->bone[e] = -1;
 }
 
-/* Where domains of two bones meet at a node, the one with the element of the highest mean there
+/* Where subdomains of two bones meet at a node, the one with the element of the highest mean there
  * keeps it; the others' elements at that node become type F. Releasing elements makes no new
  * meeting, so that once is enough. */
-static bw_status part_domains(growth *g) {
+static bw_status part_subdomains(growth *g) {
   const bw_mesh *mesh = g->mesh;
   double *best = BW_NEW0(g->context, double, mesh->node_count);
   int32_t *owner = BW_NEW(g->context, int32_t, mesh->node_count);
@@ -189,14 +190,14 @@ static bw_status part_domains(growth *g) {
   return BW_OK;
 }
 
-/* Of each bone's pieces (connected through faces) only the largest stays. */
+/* Of each bone's components (connected through faces) only the largest stays. */
 static void keep_largest(growth *g, int32_t *first, int32_t *size) {
   for (int32_t b = 0; b < g->skeleton->bone_count; b++)
     first[b] = -1, size[b] = 0;
-  clear_pieces(g);
+  clear_components(g);
   for (int32_t e = 0; e < g->mesh->element_count; e++) {
     int32_t b = g->bone[e];
-    if (b < 0 || g->piece[e] >= 0)
+    if (b < 0 || g->component[e] >= 0)
       continue;
     int32_t count = flood(g, e, e);
     if (count > size[b]) {
@@ -205,7 +206,7 @@ static void keep_largest(growth *g, int32_t *first, int32_t *size) {
     }
   }
   for (int32_t e = 0; e < g->mesh->element_count; e++)
-    if (g->bone[e] >= 0 && g->piece[e] != first[g->bone[e]])
+    if (g->bone[e] >= 0 && g->component[e] != first[g->bone[e]])
       g->bone[e] = -1;
 }
 
@@ -217,11 +218,10 @@ static int32_t liked_bone(const growth *g, int32_t first, const int32_t *next, d
   return bwi_highest(score, g->skeleton->bone_count);
 }
 
-/* Groups of type F that touch at most one domain of type R. One that touches none becomes the
- * domain of its bone of highest weight, if that bone has none. One that touches a single domain,
- * and is mostly that bone's own, would follow it as a whole anyway: what hangs on it through faces
- * joins it.
- * touches[first element of a group]: -1 none, -2 several, else the bone. */
+/* Groups of type F that touch at most one subdomain of type R. One that touches none becomes the
+ * subdomain of its bone of highest weight, if that bone has none. One that touches a single
+ * subdomain, and is mostly that bone's own, would follow it as a whole anyway: what hangs on it
+ * through faces joins it. touches[first element of a group]: -1 none, -2 several, else the bone. */
 static bw_status settle_groups(growth *g, int32_t *first, int32_t *size) {
   const bw_mesh *mesh = g->mesh;
   bw_status status = BW_MEMORY;
@@ -289,7 +289,7 @@ static void warning(growth *g, double share) {
   if (g->lowered > 0)
     bw_warn(g->context,
             "the thresholds of %d of %d bones were lowered, to %.3g at least, so that each has a "
-            "domain of %g %% of what it moves most",
+            "subdomain of %g %% of what it moves most",
             g->lowered, g->skeleton->bone_count, g->lowest, 100 * share);
   int32_t without = 0;
   for (int32_t b = 0; b < g->skeleton->bone_count; b++) {
@@ -299,13 +299,13 @@ static void warning(growth *g, double share) {
     if (found || without++ >= WARNINGS)
       continue;
     bw_warn(g->context,
-            "bone \"%s\" has no domain of its own: the highest mean weight of an element is "
+            "bone \"%s\" has no subdomain of its own: the highest mean weight of an element is "
             "%.3g, its threshold %.3g; lower that threshold, or assign elements to the bone",
             g->skeleton->bone_name[b].text, g->highest[b], g->threshold[b]);
   }
   if (without > WARNINGS)
-    bw_warn(g->context, "%d of %d bones have no domain of their own: fewer bones would do", without,
-            g->skeleton->bone_count);
+    bw_warn(g->context, "%d of %d bones have no subdomain of their own: fewer bones would do",
+            without, g->skeleton->bone_count);
 }
 
 static bw_status check_threshold(bw_context *context, double threshold, const char *of) {
@@ -340,9 +340,9 @@ static bw_status check_weights(bw_context *context, const bw_mesh *mesh,
   return BW_OK;
 }
 
-bw_status bw_domains_create(bw_context *context, const bw_mesh *mesh, const bw_skeleton *skeleton,
-                            const double *weight, const bw_domains_options *options,
-                            bw_domains **domains) {
+bw_status bw_subdomains_create(bw_context *context, const bw_mesh *mesh,
+                               const bw_skeleton *skeleton, const double *weight,
+                               const bw_subdomains_options *options, bw_subdomains **subdomains) {
   int32_t bones = skeleton->bone_count;
   double usual = options && options->threshold != 0 ? options->threshold : 0.95;
   double share = options && options->share != 0 ? options->share : 0.35;
@@ -365,8 +365,9 @@ bw_status bw_domains_create(bw_context *context, const bw_mesh *mesh, const bw_s
   g.mean = BW_NEW(context, double, mesh->element_count);
   g.highest = BW_NEW0(context, double, bones);
   g.stack = BW_NEW(context, int32_t, mesh->element_count);
-  g.piece = BW_NEW(context, int32_t, mesh->element_count);
-  if (!threshold || !first || !size || !g.bone || !g.mean || !g.highest || !g.stack || !g.piece) {
+  g.component = BW_NEW(context, int32_t, mesh->element_count);
+  if (!threshold || !first || !size || !g.bone || !g.mean || !g.highest || !g.stack ||
+      !g.component) {
     status = BW_MEMORY;
     goto done;
   }
@@ -381,12 +382,12 @@ bw_status bw_domains_create(bw_context *context, const bw_mesh *mesh, const bw_s
   candidates(&g);
   BW_TRY(bw_check_cancel(context));
   grow_from_seeds(&g, first);
-  BW_TRY(part_domains(&g));
+  BW_TRY(part_subdomains(&g));
   keep_largest(&g, first, size);
   BW_TRY(settle_groups(&g, first, size));
   BW_TRY(bw_check_cancel(context));
   bwi_guide guide = {weight, NULL};
-  BW_TRY(bwi_domains_from_bones(context, mesh, skeleton, g.bone, &guide, domains));
+  BW_TRY(bwi_subdomains_from_bones(context, mesh, skeleton, g.bone, &guide, subdomains));
   warning(&g, share);
 done:
   bw_free(threshold);
@@ -396,6 +397,6 @@ done:
   bw_free(g.mean);
   bw_free(g.highest);
   bw_free(g.stack);
-  bw_free(g.piece);
+  bw_free(g.component);
   return status;
 }

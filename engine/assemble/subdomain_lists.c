@@ -1,55 +1,56 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Which pairs each domain contributes to (domain.h), from topology alone. */
-#include "assemble/domain.h"
+/* Which pairs each subdomain contributes to (subdomain.h), from topology alone. */
+#include "assemble/subdomain.h"
 
 #include <stdlib.h>
 
 /* A tile is small enough for its entries to stay in the nearest cache while they are written, and
- * large enough for pieces of many pairs. */
+ * large enough for segments of many pairs. */
 enum { PAIRS_PER_TILE = 4096, PAIRS_PER_CHECK = 1 << 16 };
 
-/* Elements listed by domain, ascending. */
-static bw_status list_elements(bw_context *context, const bw_mesh *mesh, int32_t domain_count,
-                               const int32_t *element_domain, bwi_domain_coefficients *c) {
-  int32_t *start = c->element_start = BW_NEW0(context, int32_t, (int64_t)domain_count + 1);
+/* Elements listed by subdomain, ascending. */
+static bw_status list_elements(bw_context *context, const bw_mesh *mesh, int32_t subdomain_count,
+                               const int32_t *element_subdomain, bwi_subdomain_coefficients *c) {
+  int32_t *start = c->element_start = BW_NEW0(context, int32_t, (int64_t)subdomain_count + 1);
   c->element = BW_NEW(context, int32_t, mesh->element_count);
   c->number = BW_NEW(context, int32_t, mesh->element_count);
   if (!c->element_start || !c->element || !c->number)
     return BW_MEMORY;
   for (int32_t e = 0; e < mesh->element_count; e++)
-    start[element_domain[e] + 1]++;
-  for (int32_t d = 0; d < domain_count; d++)
+    start[element_subdomain[e] + 1]++;
+  for (int32_t d = 0; d < subdomain_count; d++)
     start[d + 1] += start[d];
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    c->number[e] = start[element_domain[e]]++;
+    c->number[e] = start[element_subdomain[e]]++;
     c->element[c->number[e]] = e;
   }
-  memmove(start + 1, start, (size_t)domain_count * sizeof *start);
+  memmove(start + 1, start, (size_t)subdomain_count * sizeof *start);
   start[0] = 0;
   return BW_OK;
 }
 
-/* Nodes of each domain, and the frames met there. */
-static bw_status list_nodes(bw_context *context, const bw_mesh *mesh, int32_t domain_count,
-                            const int32_t *element_domain, const int32_t *node_domain,
-                            bool material_frame, bool material_turns, bwi_domain_coefficients *c) {
+/* Nodes of each subdomain, and the frames met there. */
+static bw_status list_nodes(bw_context *context, const bw_mesh *mesh, int32_t subdomain_count,
+                            const int32_t *element_subdomain, const int32_t *node_subdomain,
+                            bool material_frame, bool material_turns,
+                            bwi_subdomain_coefficients *c) {
   bw_status status = BW_OK;
   bwi_incidence around = {0};
-  int32_t *mark = BW_NEW(context, int32_t, (int64_t)domain_count + 1);
+  int32_t *mark = BW_NEW(context, int32_t, (int64_t)subdomain_count + 1);
   size_t frame_capacity = 0;
-  c->node_start = BW_NEW0(context, int64_t, (int64_t)domain_count + 1);
-  c->frame_start = BW_NEW0(context, int32_t, (int64_t)domain_count + 1);
+  c->node_start = BW_NEW0(context, int64_t, (int64_t)subdomain_count + 1);
+  c->frame_start = BW_NEW0(context, int32_t, (int64_t)subdomain_count + 1);
   if (!mark || !c->node_start || !c->frame_start) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(bwi_incidence_create(context, mesh, &around));
   for (int pass = 0; pass < 2; pass++) {
-    for (int32_t d = 0; d <= domain_count; d++)
+    for (int32_t d = 0; d <= subdomain_count; d++)
       mark[d] = -1;
     for (int32_t i = 0; i < mesh->node_count; i++)
       for (int64_t k = around.start[i]; k < around.start[i + 1]; k++) {
-        int32_t d = element_domain[around.element[k]];
+        int32_t d = element_subdomain[around.element[k]];
         if (mark[d] == i)
           continue;
         mark[d] = i;
@@ -59,22 +60,22 @@ static bw_status list_nodes(bw_context *context, const bw_mesh *mesh, int32_t do
           c->node[c->node_start[d]++] = i;
       }
     if (pass == 0) {
-      for (int32_t d = 0; d < domain_count; d++)
+      for (int32_t d = 0; d < subdomain_count; d++)
         c->node_start[d + 1] += c->node_start[d];
-      c->node = BW_NEW(context, int32_t, c->node_start[domain_count]);
+      c->node = BW_NEW(context, int32_t, c->node_start[subdomain_count]);
       if (!c->node) {
         status = BW_MEMORY;
         goto done;
       }
     } else {
-      memmove(c->node_start + 1, c->node_start, (size_t)domain_count * sizeof *c->node_start);
+      memmove(c->node_start + 1, c->node_start, (size_t)subdomain_count * sizeof *c->node_start);
       c->node_start[0] = 0;
     }
   }
-  /* mark[f + 1]: the last domain that listed frame f */
-  for (int32_t d = 0; d <= domain_count; d++)
+  /* mark[f + 1]: the last subdomain that listed frame f */
+  for (int32_t d = 0; d <= subdomain_count; d++)
     mark[d] = -1;
-  for (int32_t d = 0; d < domain_count; d++) {
+  for (int32_t d = 0; d < subdomain_count; d++) {
     int32_t count = c->frame_start[d];
     for (int64_t k = c->node_start[d] - 1; k < c->node_start[d + 1]; k++) {
       int32_t f;
@@ -83,16 +84,16 @@ static bw_status list_nodes(bw_context *context, const bw_mesh *mesh, int32_t do
           continue;
         f = material_turns ? d : -1;
       } else
-        f = node_domain[c->node[k]];
+        f = node_subdomain[c->node[k]];
       if (mark[f + 1] == d)
         continue;
       mark[f + 1] = d;
-      if (!bw_grow(context, (void **)&c->frame_domain, &frame_capacity, (size_t)count, 1,
-                   sizeof *c->frame_domain)) {
+      if (!bw_grow(context, (void **)&c->frame_subdomain, &frame_capacity, (size_t)count, 1,
+                   sizeof *c->frame_subdomain)) {
         status = BW_MEMORY;
         goto done;
       }
-      c->frame_domain[count++] = f;
+      c->frame_subdomain[count++] = f;
     }
     c->frame_start[d + 1] = count;
   }
@@ -104,7 +105,7 @@ done:
 
 /* ---- sections -------------------------------------------------------------------------------- */
 
-/* Sets of domains met at shared pairs, found again through a table of hashes. */
+/* Sets of subdomains met at shared pairs, found again through a table of hashes. */
 typedef struct set_table {
   int32_t *member; /* all sets, one after the other, each ascending */
   int64_t *start;  /* count + 1 */
@@ -179,13 +180,13 @@ done:
   return status;
 }
 
-/* The domains of a pair's elements, ascending, into list (with room for domain_count); mark[d] is
- * the last pair that listed d. */
-static int32_t domains_of(const bw_graph *graph, const int32_t *element_domain, int64_t pair,
-                          int64_t *mark, int32_t *list) {
+/* The subdomains of a pair's elements, ascending, into list (with room for subdomain_count);
+ * mark[d] is the last pair that listed d. */
+static int32_t subdomains_of(const bw_graph *graph, const int32_t *element_subdomain, int64_t pair,
+                             int64_t *mark, int32_t *list) {
   int32_t count = 0;
   for (int64_t k = graph->gather_start[pair]; k < graph->gather_start[pair + 1]; k++) {
-    int32_t d = element_domain[graph->gather_element[k]];
+    int32_t d = element_subdomain[graph->gather_element[k]];
     if (mark[d] == pair)
       continue;
     mark[d] = pair;
@@ -197,34 +198,35 @@ static int32_t domains_of(const bw_graph *graph, const int32_t *element_domain, 
   return count;
 }
 
-/* The domains of each section. */
-static bw_status list_blocks(bw_context *context, int32_t domain_count, const set_table *sets,
-                             bwi_domain_coefficients *c) {
+/* The subdomains of each section. */
+static bw_status list_blocks(bw_context *context, int32_t subdomain_count, const set_table *sets,
+                             bwi_subdomain_coefficients *c) {
   int64_t members = sets->count ? sets->start[sets->count] : 0, inside = c->inside_count;
   c->block_start = BW_NEW(context, int64_t, c->section_count + 1);
-  c->block_domain = BW_NEW(context, int32_t, inside + members);
-  if (!c->block_start || !c->block_domain)
+  c->block_subdomain = BW_NEW(context, int32_t, inside + members);
+  if (!c->block_start || !c->block_subdomain)
     return BW_MEMORY;
   for (int64_t s = 0; s < inside; s++) {
     c->block_start[s] = s;
-    c->block_domain[s] = (int32_t)(s % domain_count);
+    c->block_subdomain[s] = (int32_t)(s % subdomain_count);
   }
   for (int64_t set = 0; set < sets->count; set++)
     c->block_start[inside + set] = inside + sets->start[set];
   c->block_start[c->section_count] = inside + members;
   if (members)
-    memcpy(c->block_domain + inside, sets->member, (size_t)members * sizeof *sets->member);
+    memcpy(c->block_subdomain + inside, sets->member, (size_t)members * sizeof *sets->member);
   return BW_OK;
 }
 
 static int ascending(const void *a, const void *b) {
-  const bwi_domain_piece *p = (const bwi_domain_piece *)a, *q = (const bwi_domain_piece *)b;
+  const bwi_subdomain_segment *p = (const bwi_subdomain_segment *)a,
+                              *q = (const bwi_subdomain_segment *)b;
   return (p->section > q->section) - (p->section < q->section);
 }
 
-/* Pieces and what they hold, from the section of every pair. */
-static bw_status list_pieces(bw_context *context, const bw_graph *graph, int32_t domain_count,
-                             const int32_t *section, bwi_domain_coefficients *c) {
+/* Segments and what they hold, from the section of every pair. */
+static bw_status list_segments(bw_context *context, const bw_graph *graph, int32_t subdomain_count,
+                               const int32_t *section, bwi_subdomain_coefficients *c) {
   bw_status status = BW_OK;
   size_t capacity = 0;
   int64_t pairs = graph->pair_count, *found = BW_NEW(context, int64_t, c->section_count);
@@ -233,36 +235,37 @@ static bw_status list_pieces(bw_context *context, const bw_graph *graph, int32_t
     goto done;
   }
   for (int64_t s = 0; s < c->section_count; s++)
-    found[s] = -1; /* its last piece */
+    found[s] = -1; /* its last segment */
   for (int64_t first = 0; first < pairs; first += PAIRS_PER_TILE) {
-    int64_t before = c->piece_count, end = first + PAIRS_PER_TILE;
+    int64_t before = c->segment_count, end = first + PAIRS_PER_TILE;
     end = end < pairs ? end : pairs;
-    if (!bw_grow(context, (void **)&c->piece, &capacity, (size_t)before, PAIRS_PER_TILE,
-                 sizeof *c->piece)) {
+    if (!bw_grow(context, (void **)&c->segment, &capacity, (size_t)before, PAIRS_PER_TILE,
+                 sizeof *c->segment)) {
       status = BW_MEMORY;
       goto done;
     }
     for (int64_t pair = first; pair < end; pair++) {
       int64_t s = section[pair];
       if (found[s] < before) {
-        found[s] = c->piece_count++;
-        c->piece[found[s]] = (bwi_domain_piece){.section = s, .numbers = s < domain_count ? 6 : 9};
+        found[s] = c->segment_count++;
+        c->segment[found[s]] =
+            (bwi_subdomain_segment){.section = s, .numbers = s < subdomain_count ? 6 : 9};
       }
-      c->piece[found[s]].size++;
+      c->segment[found[s]].size++;
     }
-    qsort(c->piece + before, (size_t)(c->piece_count - before), sizeof *c->piece, ascending);
-    for (int64_t p = before; p < c->piece_count; p++) {
-      bwi_domain_piece *piece = &c->piece[p];
-      int64_t size = bwi_next_four(piece->size);
-      int64_t all = piece->numbers * size *
-                    (c->block_start[piece->section + 1] - c->block_start[piece->section]);
-      piece->first = c->place_count;
-      piece->item = c->item_count;
-      piece->present = c->present_count;
+    qsort(c->segment + before, (size_t)(c->segment_count - before), sizeof *c->segment, ascending);
+    for (int64_t p = before; p < c->segment_count; p++) {
+      bwi_subdomain_segment *segment = &c->segment[p];
+      int64_t size = bwi_next_four(segment->size);
+      int64_t all = segment->numbers * size *
+                    (c->block_start[segment->section + 1] - c->block_start[segment->section]);
+      segment->first = c->place_count;
+      segment->item = c->item_count;
+      segment->present = c->present_count;
       c->place_count += size;
       c->item_count += all;
-      c->present_count += piece->section < c->inside_count ? 0 : all;
-      found[piece->section] = p;
+      c->present_count += segment->section < c->inside_count ? 0 : all;
+      found[segment->section] = p;
     }
   }
   c->place = BW_NEW0(context, uint32_t, c->place_count);
@@ -272,13 +275,13 @@ static bw_status list_pieces(bw_context *context, const bw_graph *graph, int32_t
     status = BW_MEMORY;
     goto done;
   }
-  bwi_domain_piece *piece = c->piece;
+  bwi_subdomain_segment *segment = c->segment;
   int64_t *next = found; /* where the next pair of a section is put */
   for (int32_t i = 0; i < graph->node_count; i++)
     for (int64_t pair = graph->start[i]; pair < graph->start[i + 1]; pair++) {
       if (pair % PAIRS_PER_TILE == 0)
-        for (int64_t in = 0; in < PAIRS_PER_TILE && in < pairs - pair; in += (piece++)->size)
-          next[piece->section] = piece->first;
+        for (int64_t in = 0; in < PAIRS_PER_TILE && in < pairs - pair; in += (segment++)->size)
+          next[segment->section] = segment->first;
       c->place[next[section[pair]]++] = (uint32_t)pair << 1 | (pair == graph->start[i + 1] - 1);
     }
 done:
@@ -286,31 +289,31 @@ done:
   return status;
 }
 
-static bw_status list_sections(bw_context *context, const bw_graph *graph, int32_t domain_count,
-                               const int32_t *element_domain, bwi_domain_coefficients *c) {
+static bw_status list_sections(bw_context *context, const bw_graph *graph, int32_t subdomain_count,
+                               const int32_t *element_subdomain, bwi_subdomain_coefficients *c) {
   bw_status status = BW_OK;
   set_table sets = {0};
   size_t capacity = 0;
-  int64_t *mark = BW_NEW(context, int64_t, domain_count);
-  int32_t *list = BW_NEW(context, int32_t, domain_count);
+  int64_t *mark = BW_NEW(context, int64_t, subdomain_count);
+  int32_t *list = BW_NEW(context, int32_t, subdomain_count);
   int32_t *section = BW_NEW(context, int32_t, graph->pair_count);
   uint8_t *surface = BW_NEW0(context, uint8_t, graph->pair_count);
-  c->section_count = c->inside_count = 2 * (int64_t)domain_count;
+  c->section_count = c->inside_count = 2 * (int64_t)subdomain_count;
   if (!mark || !list || !section || !surface ||
       !bw_grow(context, (void **)&c->section_size, &capacity, 0, (size_t)c->inside_count,
                sizeof *c->section_size)) {
     status = BW_MEMORY;
     goto done;
   }
-  for (int32_t d = 0; d < domain_count; d++)
+  for (int32_t d = 0; d < subdomain_count; d++)
     mark[d] = -1;
   memset(c->section_size, 0, (size_t)c->inside_count * sizeof *c->section_size);
   bwi_graph_mark_surface(graph, graph->mesh, surface);
   for (int64_t pair = 0; pair < graph->pair_count; pair++) {
     if (pair % PAIRS_PER_CHECK == 0)
       BW_TRY(bw_check_cancel(context));
-    int32_t count = domains_of(graph, element_domain, pair, mark, list);
-    int64_t number = surface[pair] ? domain_count + list[0] : list[0];
+    int32_t count = subdomains_of(graph, element_subdomain, pair, mark, list);
+    int64_t number = surface[pair] ? subdomain_count + list[0] : list[0];
     if (count > 1) {
       BW_TRY(set_number(context, &sets, list, count, &number));
       number += c->inside_count;
@@ -326,8 +329,8 @@ static bw_status list_sections(bw_context *context, const bw_graph *graph, int32
     section[pair] = (int32_t)number;
     c->section_size[number]++;
   }
-  BW_TRY(list_blocks(context, domain_count, &sets, c));
-  BW_TRY(list_pieces(context, graph, domain_count, section, c));
+  BW_TRY(list_blocks(context, subdomain_count, &sets, c));
+  BW_TRY(list_segments(context, graph, subdomain_count, section, c));
 done:
   set_table_clear(&sets);
   bw_free(mark);
@@ -337,14 +340,15 @@ done:
   return status;
 }
 
-bw_status bwi_domain_lists(bw_context *context, const bw_graph *graph, int32_t domain_count,
-                           const int32_t *element_domain, const int32_t *node_domain,
-                           bool material_frame, bool material_turns, bwi_domain_coefficients *c) {
+bw_status bwi_subdomain_lists(bw_context *context, const bw_graph *graph, int32_t subdomain_count,
+                              const int32_t *element_subdomain, const int32_t *node_subdomain,
+                              bool material_frame, bool material_turns,
+                              bwi_subdomain_coefficients *c) {
   bw_status status = BW_OK;
-  BW_TRY(list_elements(context, graph->mesh, domain_count, element_domain, c));
-  BW_TRY(list_nodes(context, graph->mesh, domain_count, element_domain, node_domain, material_frame,
-                    material_turns, c));
-  BW_TRY(list_sections(context, graph, domain_count, element_domain, c));
+  BW_TRY(list_elements(context, graph->mesh, subdomain_count, element_subdomain, c));
+  BW_TRY(list_nodes(context, graph->mesh, subdomain_count, element_subdomain, node_subdomain,
+                    material_frame, material_turns, c));
+  BW_TRY(list_sections(context, graph, subdomain_count, element_subdomain, c));
 done:
   return status;
 }

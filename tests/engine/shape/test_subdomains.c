@@ -1,15 +1,15 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Domains: the invariants hold whatever the weights; blending is harmonic and sums to one; changes
- * by hand keep the rules or are refused. */
+/* Subdomains: the invariants hold whatever the weights; blending is harmonic and sums to one;
+ * changes by hand keep the rules or are refused. */
 #include "limbs.h"
 
-static bw_domains *make(bw_context *context, const bw_mesh *mesh, const bw_skeleton *skeleton,
-                        const double *weight, double threshold) {
-  bw_domains *domains;
-  bw_domains_options options = {threshold, NULL, -1};
-  check_ok(context, bw_domains_create(context, mesh, skeleton, weight, &options, &domains));
-  check_ok(context, bw_domains_check(context, domains));
-  return domains;
+static bw_subdomains *make(bw_context *context, const bw_mesh *mesh, const bw_skeleton *skeleton,
+                           const double *weight, double threshold) {
+  bw_subdomains *subdomains;
+  bw_subdomains_options options = {threshold, NULL, -1};
+  check_ok(context, bw_subdomains_create(context, mesh, skeleton, weight, &options, &subdomains));
+  check_ok(context, bw_subdomains_check(context, subdomains));
+  return subdomains;
 }
 
 static double middle(const bw_mesh *mesh, int32_t e, int axis) {
@@ -24,7 +24,7 @@ static void test_bar(void **state) {
   bw_context *context = check_context(state);
   for (int order = 1; order <= 2; order++) {
     limbs l = limbs_of_bar(context, order, 4, 20);
-    bw_domains *d = make(context, l.mesh, l.skeleton, l.weight, 0.95);
+    bw_subdomains *d = make(context, l.mesh, l.skeleton, l.weight, 0.95);
     assert_int_equal(d->count, 5);
     assert_int_equal(d->rigid_count, 3);
     for (int b = 0; b < 3; b++)
@@ -32,11 +32,11 @@ static void test_bar(void **state) {
     for (int32_t e = 0; e < l.mesh->element_count; e++) {
       double x = middle(l.mesh, e, 0);
       if (fabs(x - 1) < 0.05)
-        assert_int_equal(d->element_domain[e], 3);
+        assert_int_equal(d->element_subdomain[e], 3);
       if (fabs(x - 1.5) < 0.2)
-        assert_int_equal(d->element_domain[e], 1);
+        assert_int_equal(d->element_subdomain[e], 1);
       if (x > 2.5)
-        assert_int_equal(d->element_domain[e], 2);
+        assert_int_equal(d->element_subdomain[e], 2);
     }
     /* neighbours along the chain, bones of the blended ones */
     const int32_t neighbours[5] = {1, 2, 1, 2, 2};
@@ -88,9 +88,9 @@ static void test_blend_is_linear(void **state) {
     double x = middle(mesh, e, 0);
     label[e] = x < plane[0] ? 0 : x < plane[1] ? 3 : x < plane[2] ? 1 : x < plane[3] ? 3 : 2;
   }
-  bw_domains *d;
-  check_ok(context, bw_domains_from_labels(context, mesh, skeleton, 4, bone_of, label, &d));
-  check_ok(context, bw_domains_check(context, d));
+  bw_subdomains *d;
+  check_ok(context, bw_subdomains_from_labels(context, mesh, skeleton, 4, bone_of, label, &d));
+  check_ok(context, bw_subdomains_check(context, d));
   int32_t found = 0;
   for (int32_t i = 0; i < mesh->node_count; i++) {
     double x = mesh->node[3 * i], sum = 0;
@@ -110,13 +110,13 @@ static void test_blend_is_linear(void **state) {
   }
   assert_true(found > 100);
   bw_release(d);
-  /* the same elements in another domain would share nodes of no type R domain with them */
+  /* the same elements in another subdomain would share nodes of no type R subdomain with them */
   const int32_t split[5] = {0, 1, 2, -1, -1};
   for (int32_t e = 0; e < mesh->element_count; e++)
     if (label[e] == 3 && middle(mesh, e, 0) < along(0.4))
       label[e] = 4;
-  check_fails(context, BW_INVALID, "must be one domain",
-              bw_domains_from_labels(context, mesh, skeleton, 5, split, label, &d));
+  check_fails(context, BW_INVALID, "must be one subdomain",
+              bw_subdomains_from_labels(context, mesh, skeleton, 5, split, label, &d));
   free(label);
   bw_release(mesh);
   bw_release(skeleton);
@@ -142,16 +142,16 @@ static void test_random_weights(void **state) {
       for (int b = 0; b < 4; b++)
         w[b] /= sum;
     }
-    bw_domains_options options = {threshold, NULL, round % 4 == 0 ? -1 : 0.25 * (round % 4)};
-    bw_domains *d;
-    check_ok(context, bw_domains_create(context, mesh, skeleton, weight, &options, &d));
-    check_ok(context, bw_domains_check(context, d));
+    bw_subdomains_options options = {threshold, NULL, round % 4 == 0 ? -1 : 0.25 * (round % 4)};
+    bw_subdomains *d;
+    check_ok(context, bw_subdomains_create(context, mesh, skeleton, weight, &options, &d));
+    check_ok(context, bw_subdomains_check(context, d));
     for (int32_t i = 0; i < mesh->node_count; i++)
       meetings += d->interface[i];
     /* every bone below the threshold everywhere is told of */
     int warnings = 0;
     for (int i = 0; bw_warning_at(context, i); i++)
-      warnings += strstr(bw_warning_at(context, i), "has no domain") != NULL;
+      warnings += strstr(bw_warning_at(context, i), "has no subdomain") != NULL;
     assert_int_equal(warnings, 4 - d->rigid_count);
     bw_clear_warnings(context);
     bw_release(d);
@@ -182,8 +182,8 @@ static void test_what_no_bone_claims(void **state) {
     weight[3 * i + 1] = left ? 0 : 0.4;
     weight[3 * i + 2] = left ? 0 : 0.6;
   }
-  /* the right body becomes the domain of its best bone */
-  bw_domains *d = make(context, mesh, skeleton, weight, 0.95), *changed;
+  /* the right body becomes the subdomain of its best bone */
+  bw_subdomains *d = make(context, mesh, skeleton, weight, 0.95), *changed;
   assert_int_equal(d->count, 2);
   assert_int_equal(d->bone_of[1], 2);
   assert_non_null(strstr(bw_warning_at(context, 0), "bone 2"));
@@ -191,16 +191,16 @@ static void test_what_no_bone_claims(void **state) {
   /* taken out by hand, it still follows that bone as a whole */
   int32_t count = 0, *element = malloc((size_t)mesh->element_count * sizeof *element);
   for (int32_t e = 0; e < mesh->element_count; e++)
-    if (d->element_domain[e] == 1)
+    if (d->element_subdomain[e] == 1)
       element[count++] = e;
-  check_ok(context, bw_domains_assign(context, d, count, element, -1, &changed));
-  check_ok(context, bw_domains_check(context, changed));
+  check_ok(context, bw_subdomains_assign(context, d, count, element, -1, &changed));
+  check_ok(context, bw_subdomains_check(context, changed));
   assert_int_equal(changed->count, 2);
   assert_int_equal(changed->bone_of[1], -1);
   assert_int_equal(changed->bone[changed->bone_start[1]], 2);
   bw_release(d);
   bw_release(changed);
-  /* and when that bone has a domain already, it follows it with weight one */
+  /* and when that bone has a subdomain already, it follows it with weight one */
   for (int32_t i = 0; i < mesh->node_count; i++) {
     bool left = mesh->node[3 * i] < 1.5;
     weight[3 * i] = left ? 1 : 0.7;
@@ -230,7 +230,7 @@ static void test_island(void **state) {
       l.weight[3 * i + 2] = 0.7;
       l.weight[3 * i] = 0;
     }
-  bw_domains *d = make(context, l.mesh, l.skeleton, l.weight, 0.95);
+  bw_subdomains *d = make(context, l.mesh, l.skeleton, l.weight, 0.95);
   assert_int_equal(d->count, 5);
   bw_release(d);
   limbs_drop(&l);
@@ -240,21 +240,21 @@ static void test_thresholds(void **state) {
   bw_context *context = check_context(state);
   limbs l = limbs_of_bar(context, 1, 4, 20);
   const double own[3] = {0, 0.999, 0};
-  bw_domains_options options = {0.95, own, 0};
-  bw_domains *usual = make(context, l.mesh, l.skeleton, l.weight, 0.95), *strict, *none;
-  check_ok(context, bw_domains_create(context, l.mesh, l.skeleton, l.weight, &options, &strict));
-  check_ok(context, bw_domains_check(context, strict));
+  bw_subdomains_options options = {0.95, own, 0};
+  bw_subdomains *usual = make(context, l.mesh, l.skeleton, l.weight, 0.95), *strict, *none;
+  check_ok(context, bw_subdomains_create(context, l.mesh, l.skeleton, l.weight, &options, &strict));
+  check_ok(context, bw_subdomains_check(context, strict));
   assert_true(strict->elements[1] < usual->elements[1]);
   assert_int_equal(strict->elements[0], usual->elements[0]);
   options.threshold = 1.5;
   check_fails(context, BW_INVALID, "1.5",
-              bw_domains_create(context, l.mesh, l.skeleton, l.weight, &options, &none));
+              bw_subdomains_create(context, l.mesh, l.skeleton, l.weight, &options, &none));
   l.weight[3 * 17] += 0.5;
   check_fails(context, BW_INVALID, "node 18",
-              bw_domains_create(context, l.mesh, l.skeleton, l.weight, NULL, &none));
+              bw_subdomains_create(context, l.mesh, l.skeleton, l.weight, NULL, &none));
   l.weight[3 * 17] = NAN;
   check_fails(context, BW_INVALID, "node 18",
-              bw_domains_create(context, l.mesh, l.skeleton, l.weight, NULL, &none));
+              bw_subdomains_create(context, l.mesh, l.skeleton, l.weight, NULL, &none));
   bw_release(usual);
   bw_release(strict);
   limbs_drop(&l);
@@ -265,13 +265,13 @@ static void test_thresholds(void **state) {
 static void test_share(void **state) {
   bw_context *context = check_context(state);
   limbs l = limbs_of_bar(context, 1, 4, 3);
-  bw_domains *none = make(context, l.mesh, l.skeleton, l.weight, 0.95), *d;
+  bw_subdomains *none = make(context, l.mesh, l.skeleton, l.weight, 0.95), *d;
   assert_true(none->rigid_count < 3);
   bw_clear_warnings(context);
   for (int i = 1; i <= 2; i++) {
-    bw_domains_options options = {0.95, NULL, i == 1 ? 0 : 0.6};
-    check_ok(context, bw_domains_create(context, l.mesh, l.skeleton, l.weight, &options, &d));
-    check_ok(context, bw_domains_check(context, d));
+    bw_subdomains_options options = {0.95, NULL, i == 1 ? 0 : 0.6};
+    check_ok(context, bw_subdomains_create(context, l.mesh, l.skeleton, l.weight, &options, &d));
+    check_ok(context, bw_subdomains_check(context, d));
     assert_int_equal(d->rigid_count, 3);
     for (int b = 0; b < 3; b++) { /* each bone moves a third most; cells are alike */
       double part = 3.0 * d->elements[b] / l.mesh->element_count;
@@ -282,12 +282,12 @@ static void test_share(void **state) {
     bw_release(d);
   }
   const double own[3] = {0, 0.99, 0};
-  bw_domains_options options = {0.95, own, 0.5};
-  check_ok(context, bw_domains_create(context, l.mesh, l.skeleton, l.weight, &options, &d));
+  bw_subdomains_options options = {0.95, own, 0.5};
+  check_ok(context, bw_subdomains_create(context, l.mesh, l.skeleton, l.weight, &options, &d));
   assert_int_equal(d->rigid_count, 2);
   options.share = 1.5;
   check_fails(context, BW_INVALID, "a fraction of 1.5",
-              bw_domains_create(context, l.mesh, l.skeleton, l.weight, &options, &none));
+              bw_subdomains_create(context, l.mesh, l.skeleton, l.weight, &options, &none));
   bw_release(d);
   bw_release(none);
   limbs_drop(&l);
@@ -296,24 +296,24 @@ static void test_share(void **state) {
 static void test_assign(void **state) {
   bw_context *context = check_context(state);
   limbs l = limbs_of_bar(context, 1, 4, 20);
-  bw_domains *d = make(context, l.mesh, l.skeleton, l.weight, 0.95), *changed = NULL, *back;
+  bw_subdomains *d = make(context, l.mesh, l.skeleton, l.weight, 0.95), *changed = NULL, *back;
   int32_t *element = malloc((size_t)l.mesh->element_count * sizeof *element), count = 0;
-  /* elements next to bone 1's domain join it and leave it again */
+  /* elements next to bone 1's subdomain join it and leave it again */
   for (int32_t e = 0; e < l.mesh->element_count; e++) {
     bool near = false;
     for (int k = 0; k < 4; k++) {
       int32_t other = l.mesh->neighbour[4 * e + k];
-      near |= other >= 0 && d->element_domain[other] == 0;
+      near |= other >= 0 && d->element_subdomain[other] == 0;
     }
-    if (d->element_domain[e] == 3 && near && count < 5)
+    if (d->element_subdomain[e] == 3 && near && count < 5)
       element[count++] = e;
   }
   assert_int_equal(count, 5);
-  check_ok(context, bw_domains_assign(context, d, count, element, 0, &changed));
-  check_ok(context, bw_domains_check(context, changed));
+  check_ok(context, bw_subdomains_assign(context, d, count, element, 0, &changed));
+  check_ok(context, bw_subdomains_check(context, changed));
   assert_int_equal(changed->elements[0], d->elements[0] + 5);
-  check_ok(context, bw_domains_assign(context, changed, count, element, -1, &back));
-  assert_memory_equal(back->element_domain, d->element_domain,
+  check_ok(context, bw_subdomains_assign(context, changed, count, element, -1, &back));
+  assert_memory_equal(back->element_subdomain, d->element_subdomain,
                       (size_t)l.mesh->element_count * sizeof(int32_t));
   assert_memory_equal(back->influence_weight, d->influence_weight,
                       (size_t)d->influence_start[l.mesh->node_count] * sizeof(double));
@@ -325,7 +325,7 @@ static void test_assign(void **state) {
     if (fabs(middle(l.mesh, e, 0) - 2) < 0.06)
       element[count++] = e;
   check_fails(context, BW_INVALID, "is not connected",
-              bw_domains_assign(context, d, count, element, 0, &changed));
+              bw_subdomains_assign(context, d, count, element, 0, &changed));
   const char *key, *text;
   double number;
   assert_true(bw_detail(context, 0, &key, &number, &text));
@@ -336,18 +336,18 @@ static void test_assign(void **state) {
     if (fabs(middle(l.mesh, e, 0) - 1.5) < 0.06)
       element[count++] = e;
   check_fails(context, BW_INVALID, "is not connected",
-              bw_domains_assign(context, d, count, element, -1, &changed));
+              bw_subdomains_assign(context, d, count, element, -1, &changed));
   count = 0;
   for (int32_t e = 0; e < l.mesh->element_count; e++)
-    if (d->element_domain[e] == 3)
+    if (d->element_subdomain[e] == 3)
       element[count++] = e;
   check_fails(context, BW_INVALID, "share node",
-              bw_domains_assign(context, d, count, element, 0, &changed));
+              bw_subdomains_assign(context, d, count, element, 0, &changed));
   element[0] = l.mesh->element_count;
   check_fails(context, BW_INVALID, "does not exist",
-              bw_domains_assign(context, d, 1, element, 0, &changed));
+              bw_subdomains_assign(context, d, 1, element, 0, &changed));
   check_fails(context, BW_INVALID, "bone 4 of 3",
-              bw_domains_assign(context, d, 0, element, 3, &changed));
+              bw_subdomains_assign(context, d, 0, element, 3, &changed));
   bw_release(d);
   free(element);
   limbs_drop(&l);
@@ -356,31 +356,31 @@ static void test_assign(void **state) {
 static void test_labels(void **state) {
   bw_context *context = check_context(state);
   limbs l = limbs_of_cross(context, 2, 20);
-  bw_domains *d = make(context, l.mesh, l.skeleton, l.weight, 0.9), *again;
+  bw_subdomains *d = make(context, l.mesh, l.skeleton, l.weight, 0.9), *again;
   assert_int_equal(d->rigid_count, 4);
   assert_int_equal(d->count, 5);
   assert_int_equal(d->bone_start[5] - d->bone_start[4], 4);
-  check_ok(context, bw_domains_from_labels(context, l.mesh, l.skeleton, d->count, d->bone_of,
-                                           d->element_domain, &again));
-  assert_memory_equal(again->node_domain, d->node_domain, (size_t)l.mesh->node_count * 4);
+  check_ok(context, bw_subdomains_from_labels(context, l.mesh, l.skeleton, d->count, d->bone_of,
+                                              d->element_subdomain, &again));
+  assert_memory_equal(again->node_subdomain, d->node_subdomain, (size_t)l.mesh->node_count * 4);
   assert_memory_equal(again->influence_weight, d->influence_weight,
                       (size_t)d->influence_start[l.mesh->node_count] * sizeof(double));
   bw_release(again);
   int32_t wrong[5] = {0, 1, 2, 9, -1};
-  check_fails(
-      context, BW_INVALID, "bone 10 of 4",
-      bw_domains_from_labels(context, l.mesh, l.skeleton, 5, wrong, d->element_domain, &again));
+  check_fails(context, BW_INVALID, "bone 10 of 4",
+              bw_subdomains_from_labels(context, l.mesh, l.skeleton, 5, wrong, d->element_subdomain,
+                                        &again));
   wrong[3] = 2;
-  check_fails(
-      context, BW_INVALID, "out of order",
-      bw_domains_from_labels(context, l.mesh, l.skeleton, 5, wrong, d->element_domain, &again));
+  check_fails(context, BW_INVALID, "out of order",
+              bw_subdomains_from_labels(context, l.mesh, l.skeleton, 5, wrong, d->element_subdomain,
+                                        &again));
   check_fails(context, BW_INVALID, "there are 4",
-              bw_domains_from_labels(context, l.mesh, l.skeleton, 4, d->bone_of, d->element_domain,
-                                     &again));
+              bw_subdomains_from_labels(context, l.mesh, l.skeleton, 4, d->bone_of,
+                                        d->element_subdomain, &again));
   const int32_t more[6] = {0, 1, 2, 3, -1, -1};
-  check_fails(
-      context, BW_INVALID, "no element",
-      bw_domains_from_labels(context, l.mesh, l.skeleton, 6, more, d->element_domain, &again));
+  check_fails(context, BW_INVALID, "no element",
+              bw_subdomains_from_labels(context, l.mesh, l.skeleton, 6, more, d->element_subdomain,
+                                        &again));
   bw_release(d);
   limbs_drop(&l);
 }
@@ -388,13 +388,13 @@ static void test_labels(void **state) {
 static void test_memory(void **state) {
   bw_context *context = check_context(state);
   limbs l = limbs_of_bar(context, 2, 2, 20);
-  bw_domains *d = NULL, *changed = NULL;
+  bw_subdomains *d = NULL, *changed = NULL;
   bw_status status = BW_MEMORY;
   int64_t blocks = bw_live_blocks();
   int n;
   for (n = 1; status == BW_MEMORY && n < 500; n++) {
     bw_fail_allocation(n, true);
-    status = bw_domains_create(context, l.mesh, l.skeleton, l.weight, NULL, &d);
+    status = bw_subdomains_create(context, l.mesh, l.skeleton, l.weight, NULL, &d);
     bw_fail_allocation(0, false);
     if (status != BW_OK)
       assert_int_equal(bw_live_blocks(), blocks);
@@ -404,18 +404,18 @@ static void test_memory(void **state) {
   blocks = bw_live_blocks();
   int32_t element = 0;
   for (int32_t e = 0; e < l.mesh->element_count; e++)
-    if (d->element_domain[e] == 2 && middle(l.mesh, e, 0) > middle(l.mesh, element, 0))
+    if (d->element_subdomain[e] == 2 && middle(l.mesh, e, 0) > middle(l.mesh, element, 0))
       element = e;
   status = BW_MEMORY;
   for (n = 1; status == BW_MEMORY && n < 500; n++) {
     bw_fail_allocation(n, true);
-    status = bw_domains_assign(context, d, 1, &element, -1, &changed);
+    status = bw_subdomains_assign(context, d, 1, &element, -1, &changed);
     bw_fail_allocation(0, false);
     if (status != BW_OK)
       assert_int_equal(bw_live_blocks(), blocks);
   }
   check_ok(context, status);
-  check_ok(context, bw_domains_check(context, changed));
+  check_ok(context, bw_subdomains_check(context, changed));
   bw_release(d);
   bw_release(changed);
   limbs_drop(&l);
@@ -440,14 +440,14 @@ static void test_needless_bones(void **state) {
   check_ok(context,
            bw_skeleton_create(context, MANY + 1, joint, NULL, MANY, bone, NULL, 0, &skeleton));
   double *weight = limbs_weights(mesh, skeleton, 5);
-  bw_domains *d;
-  check_ok(context, bw_domains_create(context, mesh, skeleton, weight, NULL, &d));
+  bw_subdomains *d;
+  check_ok(context, bw_subdomains_create(context, mesh, skeleton, weight, NULL, &d));
   assert_true(d->rigid_count < MANY - 10);
   int one = 0, all = 0;
   char text[64];
-  snprintf(text, sizeof text, "%d of %d bones have no domain", MANY - d->rigid_count, MANY);
+  snprintf(text, sizeof text, "%d of %d bones have no subdomain", MANY - d->rigid_count, MANY);
   for (int i = 0; bw_warning_at(context, i); i++) {
-    one += strstr(bw_warning_at(context, i), "has no domain") != NULL;
+    one += strstr(bw_warning_at(context, i), "has no subdomain") != NULL;
     all += strstr(bw_warning_at(context, i), text) != NULL;
   }
   assert_int_equal(one, 4);
@@ -472,5 +472,5 @@ int main(void) {
       check_test(test_memory),
       check_test(test_needless_bones),
   };
-  return cmocka_run_group_tests_name("domains", tests, NULL, NULL);
+  return cmocka_run_group_tests_name("subdomains", tests, NULL, NULL);
 }

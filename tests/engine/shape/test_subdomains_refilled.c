@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Domains on refilled meshes: the pose they were filled in gives the filled nodes back, and in
+/* Subdomains on refilled meshes: the pose they were filled in gives the filled nodes back, and in
  * every pose the surface is what it was before. */
 #include "limbs.h"
 
@@ -8,15 +8,15 @@
 typedef struct scene {
   bw_mesh *mesh, *posed, *refilled;
   bw_skeleton *skeleton;
-  bw_domains *domains;
+  bw_subdomains *subdomains;
   double *weight, *node;
   double map[36];
   uint8_t *replace;
   int32_t *node_from, *element_from;
 } scene;
 
-static bool is_blended(const bw_domains *d, int32_t e) {
-  return d->bone_of[d->element_domain[e]] < 0;
+static bool is_blended(const bw_subdomains *d, int32_t e) {
+  return d->bone_of[d->element_subdomain[e]] < 0;
 }
 
 static void pose_maps(bw_context *context, const bw_skeleton *skeleton, double degrees,
@@ -36,14 +36,15 @@ static scene make(bw_context *context, int order) {
   s.mesh = limbs_bar(context, order, 2);
   s.skeleton = limbs_bar_bones(context);
   s.weight = limbs_weights(s.mesh, s.skeleton, 12);
-  bw_domains_options options = {.threshold = 0.95};
-  check_ok(context, bw_domains_create(context, s.mesh, s.skeleton, s.weight, &options, &s.domains));
+  bw_subdomains_options options = {.threshold = 0.95};
+  check_ok(context,
+           bw_subdomains_create(context, s.mesh, s.skeleton, s.weight, &options, &s.subdomains));
   pose_maps(context, s.skeleton, 50, 1.3, s.map);
   s.node = malloc(3 * (size_t)s.mesh->node_count * sizeof *s.node);
-  check_ok(context, bw_pose_nodes(context, s.domains, s.map, s.node));
+  check_ok(context, bw_pose_nodes(context, s.subdomains, s.map, s.node));
   s.replace = calloc((size_t)s.mesh->element_count, 1);
   for (int32_t e = 0; e < s.mesh->element_count; e++)
-    s.replace[e] = is_blended(s.domains, e);
+    s.replace[e] = is_blended(s.subdomains, e);
   check_ok(context, bw_mesh_refill(context, s.mesh, s.node, s.replace, &s.refilled, &s.node_from,
                                    &s.element_from));
   return s;
@@ -55,7 +56,7 @@ static void clear(scene *s) {
   free(s->replace);
   free(s->node);
   free(s->weight);
-  bw_release(s->domains);
+  bw_release(s->subdomains);
   bw_release(s->skeleton);
   bw_release(s->refilled);
   bw_release(s->mesh);
@@ -70,11 +71,11 @@ static void test_refilled(void **state) {
   bw_context *context = check_context(state);
   for (int order = 1; order <= 2; order++) {
     scene s = make(context, order);
-    bw_domains *d;
-    check_ok(context, bw_domains_refilled(context, s.domains, s.map, s.replace, s.refilled,
-                                          s.node_from, s.element_from, &d));
-    check_ok(context, bw_domains_check(context, d));
-    assert_int_equal(d->count, s.domains->count);
+    bw_subdomains *d;
+    check_ok(context, bw_subdomains_refilled(context, s.subdomains, s.map, s.replace, s.refilled,
+                                             s.node_from, s.element_from, &d));
+    check_ok(context, bw_subdomains_check(context, d));
+    assert_int_equal(d->count, s.subdomains->count);
     assert_true(d->mesh->element_count != s.mesh->element_count);
     /* the pose it was filled in */
     int32_t nodes = d->mesh->node_count;
@@ -84,7 +85,7 @@ static void test_refilled(void **state) {
     /* other poses: kept nodes, and with them the surface, as before */
     for (int k = 0; k < 3; k++) {
       pose_maps(context, s.skeleton, 20.0 * k, 1 + 0.2 * k, map);
-      check_ok(context, bw_pose_nodes(context, s.domains, map, s.node));
+      check_ok(context, bw_pose_nodes(context, s.subdomains, map, s.node));
       check_ok(context, bw_pose_nodes(context, d, map, got));
       int32_t inner = 0;
       for (int32_t i = 0; i < nodes; i++) {
@@ -94,10 +95,11 @@ static void test_refilled(void **state) {
       }
       assert_true(inner > 0);
     }
-    /* elements kept and new are in the domain they were in */
+    /* elements kept and new are in the subdomain they were in */
     for (int32_t e = 0; e < d->mesh->element_count; e++) {
       if (s.element_from[e] >= 0)
-        assert_int_equal(d->element_domain[e], s.domains->element_domain[s.element_from[e]]);
+        assert_int_equal(d->element_subdomain[e],
+                         s.subdomains->element_subdomain[s.element_from[e]]);
       else
         assert_true(is_blended(d, e));
     }
@@ -110,28 +112,28 @@ static void test_refilled(void **state) {
 static void test_refusals(void **state) {
   bw_context *context = check_context(state);
   scene s = make(context, 1);
-  bw_domains *d = NULL;
-  /* an element of a bone's domain among those replaced */
+  bw_subdomains *d = NULL;
+  /* an element of a bone's subdomain among those replaced */
   int32_t rigid = 0;
-  while (is_blended(s.domains, rigid))
+  while (is_blended(s.subdomains, rigid))
     rigid++;
   s.replace[rigid] = 1;
-  check_fails(context, BW_INVALID, "only blended domains",
-              bw_domains_refilled(context, s.domains, s.map, s.replace, s.refilled, s.node_from,
-                                  s.element_from, &d));
+  check_fails(context, BW_INVALID, "only blended subdomains",
+              bw_subdomains_refilled(context, s.subdomains, s.map, s.replace, s.refilled,
+                                     s.node_from, s.element_from, &d));
   s.replace[rigid] = 0;
   /* numbers that do not exist */
   int32_t kept = s.node_from[0];
   s.node_from[0] = s.mesh->node_count;
   check_fails(context, BW_INVALID, "does not exist",
-              bw_domains_refilled(context, s.domains, s.map, s.replace, s.refilled, s.node_from,
-                                  s.element_from, &d));
+              bw_subdomains_refilled(context, s.subdomains, s.map, s.replace, s.refilled,
+                                     s.node_from, s.element_from, &d));
   s.node_from[0] = kept;
   kept = s.element_from[0];
   s.element_from[0] = -1000;
   check_fails(context, BW_INVALID, "does not exist",
-              bw_domains_refilled(context, s.domains, s.map, s.replace, s.refilled, s.node_from,
-                                  s.element_from, &d));
+              bw_subdomains_refilled(context, s.subdomains, s.map, s.replace, s.refilled,
+                                     s.node_from, s.element_from, &d));
   s.element_from[0] = kept;
   /* bones that are opposite mirror images blend to a plane */
   double map[36];
@@ -140,22 +142,22 @@ static void test_refusals(void **state) {
     for (int k = 0; k < 2; k++)
       map[12 * b + 5 * k] = 1;
   check_fails(context, BW_GEOMETRY, "blend is singular",
-              bw_domains_refilled(context, s.domains, map, s.replace, s.refilled, s.node_from,
-                                  s.element_from, &d));
+              bw_subdomains_refilled(context, s.subdomains, map, s.replace, s.refilled, s.node_from,
+                                     s.element_from, &d));
   clear(&s);
 }
 
 static void test_memory(void **state) {
   bw_context *context = check_context(state);
   scene s = make(context, 2);
-  bw_domains *d = NULL;
+  bw_subdomains *d = NULL;
   bw_status status = BW_MEMORY;
   int64_t blocks = bw_live_blocks();
   int n;
   for (n = 1; status == BW_MEMORY && n < 500; n++) {
     bw_fail_allocation(n, true);
-    status = bw_domains_refilled(context, s.domains, s.map, s.replace, s.refilled, s.node_from,
-                                 s.element_from, &d);
+    status = bw_subdomains_refilled(context, s.subdomains, s.map, s.replace, s.refilled,
+                                    s.node_from, s.element_from, &d);
     bw_fail_allocation(0, false);
     if (status != BW_OK)
       assert_int_equal(bw_live_blocks(), blocks);
@@ -172,5 +174,5 @@ int main(void) {
       check_test(test_refusals),
       check_test(test_memory),
   };
-  return cmocka_run_group_tests_name("domains refilled", tests, NULL, NULL);
+  return cmocka_run_group_tests_name("subdomains refilled", tests, NULL, NULL);
 }

@@ -1,11 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Domains on a mesh that was refilled in a posed shape (bw_mesh_refill).
+/* Subdomains on a mesh that was refilled in a posed shape (bw_mesh_refill).
  *
  * Kept nodes keep where they are at rest and what moves them, so that the surface goes on being the
- * function of the pose that it was. New nodes lie inside blended domains. Their weights solve
+ * function of the pose that it was. New nodes lie inside blended subdomains. Their weights solve
  * Laplace's equation on the refilled shape, and their place at rest is what their own blended map
  * takes to where the filling put them. */
-#include "shape/domains_internal.h"
+#include "shape/subdomains_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -16,31 +16,33 @@ static const int32_t *corners(const bw_mesh *mesh, int32_t e) {
 
 /* ---- labels ---------------------------------------------------------------------------------- */
 
-/* The domain of every piece, which is a face-connected part of `replace`; pieces are numbered by
- * their lowest element. */
-static bw_status find_pieces(bw_context *context, const bw_domains *old, const uint8_t *replace,
-                             int32_t *piece_domain, int32_t *pieces) {
+/* The subdomain of every component, which is a face-connected part of `replace`; components are
+ * numbered by their lowest element. */
+static bw_status find_components(bw_context *context, const bw_subdomains *old,
+                                 const uint8_t *replace, int32_t *component_subdomain,
+                                 int32_t *components) {
   const bw_mesh *mesh = old->mesh;
   bw_status status = BW_MEMORY;
   int32_t depth = 0;
   uint8_t *seen = BW_NEW0(context, uint8_t, mesh->element_count);
   int32_t *stack = BW_NEW(context, int32_t, mesh->element_count);
-  *pieces = 0;
+  *components = 0;
   if (!seen || !stack)
     goto done;
   status = BW_OK;
   for (int32_t first = 0; first < mesh->element_count; first++) {
     if (!replace[first] || seen[first])
       continue;
-    int32_t domain = old->element_domain[first];
-    piece_domain[(*pieces)++] = domain;
+    int32_t subdomain = old->element_subdomain[first];
+    component_subdomain[(*components)++] = subdomain;
     seen[first] = 1;
     stack[depth++] = first;
     while (depth > 0) {
       int32_t e = stack[--depth];
-      if (old->element_domain[e] != domain || old->bone_of[domain] >= 0) {
-        status = bw_fail(context, BW_INVALID,
-                         "element %d: only blended domains can be refilled, each by itself", e + 1);
+      if (old->element_subdomain[e] != subdomain || old->bone_of[subdomain] >= 0) {
+        status =
+            bw_fail(context, BW_INVALID,
+                    "element %d: only blended subdomains can be refilled, each by itself", e + 1);
         goto done;
       }
       for (int k = 0; k < 4; k++) {
@@ -58,26 +60,26 @@ done:
   return status;
 }
 
-static bw_status make_labels(bw_context *context, const bw_domains *old, const bw_mesh *mesh,
+static bw_status make_labels(bw_context *context, const bw_subdomains *old, const bw_mesh *mesh,
                              const uint8_t *replace, const int32_t *element_from, int32_t *label) {
   bw_status status = BW_OK;
-  int32_t pieces = 0;
-  int32_t *piece_domain = BW_NEW(context, int32_t, old->mesh->element_count);
-  if (!piece_domain)
+  int32_t components = 0;
+  int32_t *component_subdomain = BW_NEW(context, int32_t, old->mesh->element_count);
+  if (!component_subdomain)
     return BW_MEMORY;
-  BW_TRY(find_pieces(context, old, replace, piece_domain, &pieces));
+  BW_TRY(find_components(context, old, replace, component_subdomain, &components));
   for (int32_t e = 0; e < mesh->element_count; e++) {
     int32_t from = element_from[e];
-    bool fits = from < 0 ? -1 - from < pieces : from < old->mesh->element_count;
+    bool fits = from < 0 ? -1 - from < components : from < old->mesh->element_count;
     if (!fits) {
       status = bw_fail(context, BW_INVALID, "element %d comes from %d, which does not exist", e + 1,
                        from + 1);
       goto done;
     }
-    label[e] = from < 0 ? piece_domain[-1 - from] : old->element_domain[from];
+    label[e] = from < 0 ? component_subdomain[-1 - from] : old->element_subdomain[from];
   }
 done:
-  bw_free(piece_domain);
+  bw_free(component_subdomain);
   return status;
 }
 
@@ -92,26 +94,27 @@ typedef struct influences {
 
 static const double whole = 1;
 
-static influences of_node(const bw_domains *d, int32_t i) {
+static influences of_node(const bw_subdomains *d, int32_t i) {
   int64_t first = d->influence_start[i];
   return (influences){d->influence_start[i + 1] - first, d->influence_bone + first,
                       d->influence_weight + first};
 }
 
-/* Kept nodes as before; new ones as their Laplace solve says, or, in a domain of one bone, by it.
+/* Kept nodes as before; new ones as their Laplace solve says, or, in a subdomain of one bone, by
+ * it.
  */
-static influences of_refilled(const bw_domains *old, const bw_domains *d, const int32_t *node_from,
-                              int32_t i) {
+static influences of_refilled(const bw_subdomains *old, const bw_subdomains *d,
+                              const int32_t *node_from, int32_t i) {
   if (node_from[i] >= 0)
     return of_node(old, node_from[i]);
   influences found = of_node(d, i);
-  int32_t domain = d->node_domain[i], first = old->bone_start[domain];
-  if (found.count > 0 && old->bone_start[domain + 1] - first == 1)
+  int32_t subdomain = d->node_subdomain[i], first = old->bone_start[subdomain];
+  if (found.count > 0 && old->bone_start[subdomain + 1] - first == 1)
     found = (influences){1, old->bone + first, &whole};
   return found;
 }
 
-static bw_status merge_influences(bw_context *context, const bw_domains *old, bw_domains *d,
+static bw_status merge_influences(bw_context *context, const bw_subdomains *old, bw_subdomains *d,
                                   const int32_t *node_from) {
   int32_t nodes = d->mesh->node_count;
   int64_t *start = BW_NEW(context, int64_t, (int64_t)nodes + 1);
@@ -146,8 +149,8 @@ static bw_status merge_influences(bw_context *context, const bw_domains *old, bw
   return BW_OK;
 }
 
-/* The bones that the domains follow are those from before. */
-static bw_status copy_bones(bw_context *context, const bw_domains *old, bw_domains *d) {
+/* The bones that the subdomains follow are those from before. */
+static bw_status copy_bones(bw_context *context, const bw_subdomains *old, bw_subdomains *d) {
   int32_t total = old->bone_start[old->count];
   int32_t *bone = BW_NEW(context, int32_t, total);
   if (!bone)
@@ -162,7 +165,7 @@ static bw_status copy_bones(bw_context *context, const bw_domains *old, bw_domai
 /* ---- where the nodes are at rest ------------------------------------------------------------- */
 
 /* x = the place that the blended map takes to `posed`. */
-static bw_status pull_back(bw_context *context, bw_domains *d, const double *map, int32_t i,
+static bw_status pull_back(bw_context *context, bw_subdomains *d, const double *map, int32_t i,
                            const double posed[3], double x[3]) {
   double blended[12] = {0}, linear[9], inverse[9], shifted[3];
   influences of = of_node(d, i);
@@ -178,10 +181,10 @@ static bw_status pull_back(bw_context *context, bw_domains *d, const double *map
     size = fmax(size, fabs(linear[j]));
   if (!(fabs(determinant) > 1e-9 * size * size * size)) {
     bw_fail(context, BW_GEOMETRY,
-            "the relative rotation of the bones of domain %d is so large that their blend is "
+            "the relative rotation of the bones of subdomain %d is so large that their blend is "
             "singular at (%g, %g, %g): undo the edit or make it smaller",
-            d->node_domain[i] + 1, posed[0], posed[1], posed[2]);
-    bw_detail_number(context, "domain", d->node_domain[i] + 1);
+            d->node_subdomain[i] + 1, posed[0], posed[1], posed[2]);
+    bw_detail_number(context, "subdomain", d->node_subdomain[i] + 1);
     return BW_GEOMETRY;
   }
   for (int r = 0; r < 3; r++)
@@ -189,7 +192,7 @@ static bw_status pull_back(bw_context *context, bw_domains *d, const double *map
   return BW_OK;
 }
 
-static bw_status rest_places(bw_context *context, const bw_domains *old, bw_domains *d,
+static bw_status rest_places(bw_context *context, const bw_subdomains *old, bw_subdomains *d,
                              const double *map, const int32_t *node_from, double *rest) {
   const bw_mesh *mesh = d->mesh;
   for (int32_t i = 0; i < mesh->node_count; i++) {
@@ -220,7 +223,7 @@ static bw_status rest_places(bw_context *context, const bw_domains *old, bw_doma
 /* A shape whose blended map folds over is what refilling is for; elements between the places that
  * the map's inverse gives may then be inverted. So this mesh is made from the posed one, whose
  * elements are sound, and carries positions; only meshes posed from it are judged. */
-static bw_status carry(bw_context *context, bw_domains *d, const double *rest) {
+static bw_status carry(bw_context *context, bw_subdomains *d, const double *rest) {
   bw_mesh *carrier = NULL;
   bw_status status = bw_mesh_moved(context, d->mesh, d->mesh->node, &carrier);
   if (status != BW_OK)
@@ -233,7 +236,7 @@ static bw_status carry(bw_context *context, bw_domains *d, const double *rest) {
 
 /* ---- the whole ------------------------------------------------------------------------------- */
 
-static bw_status check_numbers(bw_context *context, const bw_domains *old, const bw_mesh *mesh,
+static bw_status check_numbers(bw_context *context, const bw_subdomains *old, const bw_mesh *mesh,
                                const int32_t *node_from) {
   if (mesh->order != old->mesh->order)
     return bw_fail(context, BW_INVALID, "the refilled mesh is of order %d, not %d", mesh->order,
@@ -245,23 +248,25 @@ static bw_status check_numbers(bw_context *context, const bw_domains *old, const
   return BW_OK;
 }
 
-bw_status bw_domains_refilled(bw_context *context, const bw_domains *domains, const double *map,
-                              const uint8_t *replace, const bw_mesh *mesh, const int32_t *node_from,
-                              const int32_t *element_from, bw_domains **refilled) {
-  bw_domains *d = NULL;
+bw_status bw_subdomains_refilled(bw_context *context, const bw_subdomains *subdomains,
+                                 const double *map, const uint8_t *replace, const bw_mesh *mesh,
+                                 const int32_t *node_from, const int32_t *element_from,
+                                 bw_subdomains **refilled) {
+  bw_subdomains *d = NULL;
   bw_status status = BW_MEMORY;
   int32_t *label = BW_NEW(context, int32_t, mesh->element_count);
   double *rest = BW_NEW(context, double, 3 * (int64_t)mesh->node_count);
   if (!label || !rest)
     goto done;
-  BW_TRY(check_numbers(context, domains, mesh, node_from));
-  BW_TRY(make_labels(context, domains, mesh, replace, element_from, label));
-  BW_TRY(bw_domains_from_labels(context, mesh, domains->skeleton, domains->count, domains->bone_of,
-                                label, &d));
-  BW_TRY(merge_influences(context, domains, d, node_from));
-  BW_TRY(copy_bones(context, domains, d));
-  BW_TRY(bwi_domains_cut(context, d)); /* what moves the nodes is not what it was made with */
-  BW_TRY(rest_places(context, domains, d, map, node_from, rest));
+  BW_TRY(check_numbers(context, subdomains, mesh, node_from));
+  BW_TRY(make_labels(context, subdomains, mesh, replace, element_from, label));
+  BW_TRY(bw_subdomains_from_labels(context, mesh, subdomains->skeleton, subdomains->count,
+                                   subdomains->bone_of, label, &d));
+  BW_TRY(merge_influences(context, subdomains, d, node_from));
+  BW_TRY(copy_bones(context, subdomains, d));
+  BW_TRY(bwi_stiffness_subdomains_create(
+      context, d)); /* what moves the nodes is not what it was made with */
+  BW_TRY(rest_places(context, subdomains, d, map, node_from, rest));
   BW_TRY(carry(context, d, rest));
   *refilled = d;
   d = NULL;

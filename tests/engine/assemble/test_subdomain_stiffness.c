@@ -1,14 +1,14 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Stiffness kept domain by domain: against that from scratch after any edits, bit for bit by any
- * way, and what it refuses. */
-#include "assemble/domain_bar.h"
+/* Stiffness kept subdomain by subdomain: against that from scratch after any edits, bit for bit by
+ * any way, and what it refuses. */
+#include "assemble/subdomain_bar.h"
 
-/* Element matrices by quadrature, each with its domain's turned material. */
+/* Element matrices by quadrature, each with its subdomain's turned material. */
 static void scratch_turned(bw_context *context, const bar *b, const bw_mesh *mesh,
-                           const bw_material *material, const bw_domain_motion *motion,
+                           const bw_material *material, const bw_subdomain_motion *motion,
                            double *values) {
-  bw_material *turned[DOMAINS];
-  for (int d = 0; d < DOMAINS; d++) {
+  bw_material *turned[SUBDOMAINS];
+  for (int d = 0; d < SUBDOMAINS; d++) {
     double rotation[9];
     transposed(motion[d].frame, rotation);
     check_ok(context, bw_material_rotated(context, material, rotation, &turned[d]));
@@ -21,7 +21,7 @@ static void scratch_turned(bw_context *context, const bar *b, const bw_mesh *mes
     for (int a = 0; a < per; a++)
       memcpy(x[a], mesh->node + 3 * mesh->element[per * e + a], sizeof x[a]);
     check_ok(context, bw_element_stiffness(context, mesh->order, (const double(*)[3])x,
-                                           turned[b->element_domain[e]], k + 900 * e));
+                                           turned[b->element_subdomain[e]], k + 900 * e));
   }
   memset(values, 0, sizeof *values * 9 * (size_t)g->pair_count);
   for (int64_t p = 0; p < g->pair_count; p++)
@@ -33,7 +33,7 @@ static void scratch_turned(bw_context *context, const bar *b, const bw_mesh *mes
           values[9 * p + 3 * i + j] += full[(3 * row + i) * 3 * per + 3 * column + j];
     }
   free(k);
-  for (int d = 0; d < DOMAINS; d++)
+  for (int d = 0; d < SUBDOMAINS; d++)
     bw_release(turned[d]);
 }
 
@@ -53,16 +53,17 @@ static void any_edits_equal_scratch(void **state) {
     size_t entries = 9 * (size_t)b.graph->pair_count;
     double *scratch = (double *)malloc(sizeof *scratch * entries);
     for (int kind = 0; kind < 3; kind++) {
-      bw_domain_stiffness *s = NULL;
+      bw_subdomain_stiffness *s = NULL;
       const bw_material *material = kind ? odd : plain;
-      check_ok(context, bw_domain_stiffness_create(context, b.graph, b.rest, material, kind == 2,
-                                                   DOMAINS, b.element_domain, b.node_domain, &s));
+      check_ok(context, bw_subdomain_stiffness_create(context, b.graph, b.rest, material, kind == 2,
+                                                      SUBDOMAINS, b.element_subdomain,
+                                                      b.node_subdomain, &s));
       check_ok(context, bw_stiffness(context, b.graph, b.rest, material, scratch));
       assert_true(difference(s->values, scratch, (int64_t)entries) < 1e-13);
       for (int sequence = 0; sequence < sequences / 6 + 1; sequence++, done++) {
         pose p;
         pose_rest(&p);
-        bw_domain_motion motion[DOMAINS];
+        bw_subdomain_motion motion[SUBDOMAINS];
         int steps = 1 + (int)(bw_random_bits(&random) % 8);
         for (int step = 0; step < steps; step++) {
           pose next = p;
@@ -71,11 +72,11 @@ static void any_edits_equal_scratch(void **state) {
           if (!moved)
             continue; /* inverted: such an edit is refused */
           p = next;
-          bw_domain_change change;
+          bw_subdomain_change change;
           uint64_t revision = s->revision;
-          check_ok(context, bw_domain_stiffness_update(context, s, moved, motion, &change));
-          assert_int_equal(change.kept + change.evaluated + change.gathered, DOMAINS);
-          assert_int_equal(s->revision - revision, change.kept < DOMAINS);
+          check_ok(context, bw_subdomain_stiffness_update(context, s, moved, motion, &change));
+          assert_int_equal(change.kept + change.evaluated + change.gathered, SUBDOMAINS);
+          assert_int_equal(s->revision - revision, change.kept < SUBDOMAINS);
           kept += change.kept, evaluated += change.evaluated, gathered += change.gathered;
           if (step % 3 == 0 || step == steps - 1) {
             if (kind == 2)
@@ -100,8 +101,8 @@ static void any_edits_equal_scratch(void **state) {
   bw_release(odd);
 }
 
-/* Entries depend on where the domains are and not on how they came there: bit for bit, and for any
- * number of threads. */
+/* Entries depend on where the subdomains are and not on how they came there: bit for bit, and for
+ * any number of threads. */
 static void same_bits_by_any_way(void **state) {
   bw_context *context = check_context(state);
   const int threads[] = {1, 2, 3, 7};
@@ -118,7 +119,7 @@ static void same_bits_by_any_way(void **state) {
       edit(&random, &now.p);
       bw_mesh *moved = posed(context, &now.b, &now.p, now.motion);
       if (moved)
-        check_ok(context, bw_domain_stiffness_update(context, now.s, moved, now.motion, NULL));
+        check_ok(context, bw_subdomain_stiffness_update(context, now.s, moved, now.motion, NULL));
       else
         now.p = before;
       bw_release(moved);
@@ -139,9 +140,9 @@ static void same_bits_by_any_way(void **state) {
   free(first);
 }
 
-/* One element per domain: every pair of nodes is shared but for the insides; one domain: none;
- * seven scattered ones: all kinds of sets. The pairs of order 2 fill several tiles. */
-static void many_domains_and_one(void **state) {
+/* One element per subdomain: every pair of nodes is shared but for the insides; one subdomain:
+ * none; seven scattered ones: all kinds of sets. The pairs of order 2 fill several tiles. */
+static void many_subdomains_and_one(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = odd_material(context);
   for (int order = 1; order <= 2; order++) {
@@ -152,7 +153,7 @@ static void many_domains_and_one(void **state) {
     int32_t n = mesh->element_count;
     int32_t *own = (int32_t *)malloc(sizeof(int32_t) * (size_t)n);
     int32_t *node = (int32_t *)malloc(sizeof(int32_t) * (size_t)mesh->node_count);
-    bw_domain_motion *motion = (bw_domain_motion *)malloc(sizeof *motion * (size_t)(n + 1));
+    bw_subdomain_motion *motion = (bw_subdomain_motion *)malloc(sizeof *motion * (size_t)(n + 1));
     double *values = (double *)malloc(sizeof(double) * 9 * (size_t)g->pair_count);
     double *moved_node = (double *)malloc(sizeof(double) * 3 * (size_t)mesh->node_count);
     const double axis[3] = {0, 1, 1};
@@ -167,23 +168,23 @@ static void many_domains_and_one(void **state) {
     check_ok(context, bw_stiffness(context, g, moved, material, values));
     assert_true(order == 1 || g->pair_count > 2 * 4096);
     for (int cut = 0; cut < 3; cut++) {
-      /* a domain more than there are: one without elements does no harm */
+      /* a subdomain more than there are: one without elements does no harm */
       for (int e = 0; e < n; e++)
         own[e] = cut == 0 ? n - 1 - e : cut == 1 ? 0 : e % 7;
       for (int i = 0; i < mesh->node_count; i++)
         node[i] = -1;
-      bw_domain_stiffness *s = NULL;
-      check_ok(context,
-               bw_domain_stiffness_create(context, g, mesh, material, false, n + 1, own, node, &s));
+      bw_subdomain_stiffness *s = NULL;
+      check_ok(context, bw_subdomain_stiffness_create(context, g, mesh, material, false, n + 1, own,
+                                                      node, &s));
       for (int32_t d = 0; d <= n; d++) {
-        bw_domain_motion_rest(&motion[d]);
+        bw_subdomain_motion_rest(&motion[d]);
         memcpy(motion[d].linear, q, sizeof q);
         motion[d].reshaped = d % 3 == 1;
       }
-      check_ok(context, bw_domain_stiffness_update(context, s, moved, motion, NULL));
+      check_ok(context, bw_subdomain_stiffness_update(context, s, moved, motion, NULL));
       assert_true(difference(s->values, values, 9 * g->pair_count) < 1e-13);
       assert_true(s->changed[0] && !s->changed[n] == !motion[n].reshaped);
-      assert_true(bw_domain_stiffness_bytes(s) > 144 * (size_t)g->pair_count);
+      assert_true(bw_subdomain_stiffness_bytes(s) > 144 * (size_t)g->pair_count);
       bw_release(s);
     }
     free(own), free(node), free(motion), free(values), free(moved_node);
@@ -203,31 +204,31 @@ static void refusals(void **state) {
   size_t size = sizeof(double) * 9 * (size_t)now.b.graph->pair_count;
   double *before = (double *)malloc(size);
   memcpy(before, now.s->values, size);
-  bw_domain_motion motion[DOMAINS];
-  for (int d = 0; d < DOMAINS; d++)
-    bw_domain_motion_rest(&motion[d]);
+  bw_subdomain_motion motion[SUBDOMAINS];
+  for (int d = 0; d < SUBDOMAINS; d++)
+    bw_subdomain_motion_rest(&motion[d]);
   motion[0].linear[0] = 2; /* good, and must not be taken over when another is refused */
   const bw_mesh *rest = now.b.rest;
 
 #define REFUSED(what, status, text, mesh)                                                          \
   do {                                                                                             \
-    bw_domain_motion good = motion[3];                                                             \
+    bw_subdomain_motion good = motion[3];                                                          \
     what;                                                                                          \
     check_fails(context, status, text,                                                             \
-                bw_domain_stiffness_update(context, now.s, mesh, motion, NULL));                   \
+                bw_subdomain_stiffness_update(context, now.s, mesh, motion, NULL));                \
     assert_memory_equal(now.s->values, before, size);                                              \
     motion[3] = good;                                                                              \
   } while (0)
-  REFUSED(motion[3].linear[4] = 0, BW_INVALID, "map of domain 4 has determinant 0", rest);
+  REFUSED(motion[3].linear[4] = 0, BW_INVALID, "map of subdomain 4 has determinant 0", rest);
   REFUSED(motion[3].linear[4] = -1, BW_INVALID, "determinant -1", rest);
   REFUSED(motion[3].linear[4] = NAN, BW_INVALID, "not finite", rest);
-  REFUSED(motion[3].frame[4] = 1.1, BW_INVALID, "frame of domain 4 is no rotation", rest);
+  REFUSED(motion[3].frame[4] = 1.1, BW_INVALID, "frame of subdomain 4 is no rotation", rest);
   REFUSED(motion[3].frame[4] = -1, BW_INVALID, "right-handed", rest);
   bw_mesh *curved = NULL, *linear = NULL;
   double *node = (double *)malloc(sizeof(double) * 3 * (size_t)rest->node_count);
   memcpy(node, rest->node, sizeof(double) * 3 * (size_t)rest->node_count);
   for (int e = 0; e < rest->element_count; e++)
-    if (now.b.element_domain[e] == 3)
+    if (now.b.element_subdomain[e] == 3)
       node[3 * rest->element[10 * e + 4]] += 1e-3;
   check_ok(context, bw_mesh_moved(context, rest, node, &curved));
   REFUSED(motion[3].reshaped = true, BW_INVALID, "half-way", curved);
@@ -236,22 +237,25 @@ static void refusals(void **state) {
   bw_cancel(context);
   REFUSED(, BW_CANCELLED, "", rest);
   bw_clear_cancel(context);
-  bw_domain_stiffness *none = NULL;
+  bw_subdomain_stiffness *none = NULL;
   check_fails(context, BW_INVALID, "half-way",
-              bw_domain_stiffness_create(context, now.b.graph, curved, now.material, false, DOMAINS,
-                                         now.b.element_domain, now.b.node_domain, &none));
-  now.b.element_domain[7] = DOMAINS;
-  check_fails(context, BW_INVALID, "element 8 is in domain 6",
-              bw_domain_stiffness_create(context, now.b.graph, rest, now.material, false, DOMAINS,
-                                         now.b.element_domain, now.b.node_domain, &none));
-  now.b.element_domain[7] = 0;
-  now.b.node_domain[5] = -2;
+              bw_subdomain_stiffness_create(context, now.b.graph, curved, now.material, false,
+                                            SUBDOMAINS, now.b.element_subdomain,
+                                            now.b.node_subdomain, &none));
+  now.b.element_subdomain[7] = SUBDOMAINS;
+  check_fails(context, BW_INVALID, "element 8 is in subdomain 6",
+              bw_subdomain_stiffness_create(context, now.b.graph, rest, now.material, false,
+                                            SUBDOMAINS, now.b.element_subdomain,
+                                            now.b.node_subdomain, &none));
+  now.b.element_subdomain[7] = 0;
+  now.b.node_subdomain[5] = -2;
   check_fails(context, BW_INVALID, "node 6",
-              bw_domain_stiffness_create(context, now.b.graph, rest, now.material, false, DOMAINS,
-                                         now.b.element_domain, now.b.node_domain, &none));
+              bw_subdomain_stiffness_create(context, now.b.graph, rest, now.material, false,
+                                            SUBDOMAINS, now.b.element_subdomain,
+                                            now.b.node_subdomain, &none));
   check_fails(context, BW_INVALID, "at least one",
-              bw_domain_stiffness_create(context, now.b.graph, rest, now.material, false, 0,
-                                         now.b.element_domain, now.b.node_domain, &none));
+              bw_subdomain_stiffness_create(context, now.b.graph, rest, now.material, false, 0,
+                                            now.b.element_subdomain, now.b.node_subdomain, &none));
   assert_null(none);
   free(before), free(node);
   bw_release(curved);
@@ -264,11 +268,12 @@ static void out_of_memory(void **state) {
   session now;
   session_create(context, 2, true, false, &now);
   bw_status status = BW_MEMORY;
-  bw_domain_stiffness *other = NULL;
+  bw_subdomain_stiffness *other = NULL;
   for (int n = 1; status != BW_OK; n++) {
     bw_fail_allocation(n, true);
-    status = bw_domain_stiffness_create(context, now.b.graph, now.b.rest, now.material, false,
-                                        DOMAINS, now.b.element_domain, now.b.node_domain, &other);
+    status = bw_subdomain_stiffness_create(context, now.b.graph, now.b.rest, now.material, false,
+                                           SUBDOMAINS, now.b.element_subdomain,
+                                           now.b.node_subdomain, &other);
     bw_fail_allocation(0, false);
     assert_true(status == BW_OK ? other != NULL : status == BW_MEMORY && !other);
   }
@@ -282,7 +287,7 @@ static void out_of_memory(void **state) {
   status = BW_MEMORY;
   for (int n = 1; status != BW_OK; n++) {
     bw_fail_allocation(n, true);
-    status = bw_domain_stiffness_update(context, now.s, moved, now.motion, NULL);
+    status = bw_subdomain_stiffness_update(context, now.s, moved, now.motion, NULL);
     bw_fail_allocation(0, false);
     if (status != BW_OK) {
       assert_int_equal(status, BW_MEMORY);
@@ -299,7 +304,7 @@ static void out_of_memory(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(any_edits_equal_scratch), check_test(same_bits_by_any_way),
-      check_test(many_domains_and_one),    check_test(refusals),
+      check_test(many_subdomains_and_one), check_test(refusals),
       check_test(out_of_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

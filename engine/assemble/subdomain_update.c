@@ -1,14 +1,14 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Following an edit: which domains have to be written, and which changed in the frames of their
+/* Following an edit: which subdomains have to be written, and which changed in the frames of their
  * nodes (docs/theory/edit.md).
  *
- * In frame F, where a domain lies by x -> A x, the entries are a function of F A alone when the
+ * In frame F, where a subdomain lies by x -> A x, the entries are a function of F A alone when the
  * material is isotropic: K turns with the body. A node's entries with another are so for both their
- * frames; hence entries are unchanged when F A is, for every frame F that occurs on the domain's
+ * frames; hence entries are unchanged when F A is, for every frame F that occurs on the subdomain's
  * nodes. A material that is not isotropic is one more frame: its own where it turns with the
- * domain, the global one where it stays. For a reshaped domain F (x - x_0) of its nodes takes the
- * place of F A. */
-#include "assemble/domain.h"
+ * subdomain, the global one where it stays. For a reshaped subdomain F (x - x_0) of its nodes takes
+ * the place of F A. */
+#include "assemble/subdomain.h"
 
 #include <math.h>
 
@@ -39,16 +39,16 @@ static bool same_map(const double now[9], const double before[9]) {
   return true;
 }
 
-static const double *frame_of(const bw_domain_motion *motion, int32_t domain) {
-  return domain < 0 ? identity : motion[domain].frame;
+static const double *frame_of(const bw_subdomain_motion *motion, int32_t subdomain) {
+  return subdomain < 0 ? identity : motion[subdomain].frame;
 }
 
-/* Whether a reshaped domain's nodes lie, seen in a frame, as they lay in another. Frames NULL: seen
- * in global directions. */
-static bool same_positions(const bw_mesh *mesh, const bwi_domain_coefficients *c, int32_t domain,
-                           const double *now_frame, const double *before,
+/* Whether a reshaped subdomain's nodes lie, seen in a frame, as they lay in another. Frames NULL:
+ * seen in global directions. */
+static bool same_positions(const bw_mesh *mesh, const bwi_subdomain_coefficients *c,
+                           int32_t subdomain, const double *now_frame, const double *before,
                            const double *before_frame) {
-  int64_t first = c->node_start[domain], count = c->node_start[domain + 1] - first;
+  int64_t first = c->node_start[subdomain], count = c->node_start[subdomain + 1] - first;
   const int32_t *node = c->node + first;
   if (count == 0)
     return true;
@@ -76,7 +76,8 @@ static bool same_positions(const bw_mesh *mesh, const bwi_domain_coefficients *c
 
 /* ---- what is to be done ---- */
 
-static bw_status check_motion(bw_context *context, int32_t domain, const bw_domain_motion *motion) {
+static bw_status check_motion(bw_context *context, int32_t subdomain,
+                              const bw_subdomain_motion *motion) {
   double inverse[9], error = 0;
   for (int r = 0; r < 3; r++)
     for (int s = 0; s < 3; s++)
@@ -87,29 +88,29 @@ static bw_status check_motion(bw_context *context, int32_t domain, const bw_doma
         finite && isfinite(motion->frame[k]) && (motion->reshaped || isfinite(motion->linear[k]));
   bw_status status = BW_OK;
   if (!finite)
-    status = bw_fail(context, BW_INVALID, "the motion of domain %d has numbers that are not finite",
-                     domain + 1);
+    status = bw_fail(context, BW_INVALID,
+                     "the motion of subdomain %d has numbers that are not finite", subdomain + 1);
   else if (error > 1e-6 || bw_inverse3(motion->frame, inverse) < 0)
     status = bw_fail(context, BW_INVALID,
-                     "the frame of domain %d is no rotation (off by %g); its rows must be "
+                     "the frame of subdomain %d is no rotation (off by %g); its rows must be "
                      "orthonormal and right-handed",
-                     domain + 1, error);
+                     subdomain + 1, error);
   else if (!motion->reshaped && !(bw_inverse3(motion->linear, inverse) > 0))
     status =
         bw_fail(context, BW_INVALID,
-                "the map of domain %d has determinant %g; it must be positive: no factor may be "
+                "the map of subdomain %d has determinant %g; it must be positive: no factor may be "
                 "zero and nothing mirrored",
-                domain + 1, bw_inverse3(motion->linear, inverse));
+                subdomain + 1, bw_inverse3(motion->linear, inverse));
   if (status != BW_OK)
-    bw_detail_number(context, "domain", domain);
+    bw_detail_number(context, "subdomain", subdomain);
   return status;
 }
 
-/* Whether the global entries of a domain are no longer those written. */
-static bool must_write(const bw_domain_stiffness *stiffness, const bw_mesh *mesh, int32_t d,
-                       const bw_domain_motion *motion) {
-  const bwi_domain_coefficients *c = stiffness->coefficients;
-  const bwi_domain_shape *was = &c->written[d];
+/* Whether the global entries of a subdomain are no longer those written. */
+static bool must_write(const bw_subdomain_stiffness *stiffness, const bw_mesh *mesh, int32_t d,
+                       const bw_subdomain_motion *motion) {
+  const bwi_subdomain_coefficients *c = stiffness->coefficients;
+  const bwi_subdomain_shape *was = &c->written[d];
   if (motion->reshaped != was->reshaped)
     return true;
   if (c->turning_matters && stiffness->material_turns && !same_map(motion->frame, was->frame))
@@ -118,12 +119,13 @@ static bool must_write(const bw_domain_stiffness *stiffness, const bw_mesh *mesh
                           : !same_map(motion->linear, was->linear);
 }
 
-/* Whether any entry of a domain changed in the frames of its nodes since that was last reported. */
-static bool has_changed(const bw_domain_stiffness *stiffness, const bw_mesh *mesh, int32_t d,
-                        const bw_domain_motion *motion) {
-  const bwi_domain_coefficients *c = stiffness->coefficients;
-  const bwi_domain_shape *was = &c->reported[d];
-  const bw_domain_motion *own = &motion[d];
+/* Whether any entry of a subdomain changed in the frames of its nodes since that was last reported.
+ */
+static bool has_changed(const bw_subdomain_stiffness *stiffness, const bw_mesh *mesh, int32_t d,
+                        const bw_subdomain_motion *motion) {
+  const bwi_subdomain_coefficients *c = stiffness->coefficients;
+  const bwi_subdomain_shape *was = &c->reported[d];
+  const bw_subdomain_motion *own = &motion[d];
   if (own->reshaped != was->reshaped)
     return true;
   double turned[9], now[9], before[9];
@@ -138,7 +140,7 @@ static bool has_changed(const bw_domain_stiffness *stiffness, const bw_mesh *mes
     product(back, was->frame, turned);
   }
   for (int32_t k = c->frame_start[d]; k < c->frame_start[d + 1]; k++) {
-    const double *f_now = frame_of(motion, c->frame_domain[k]);
+    const double *f_now = frame_of(motion, c->frame_subdomain[k]);
     const double *f_before = c->reported_frame + 9 * (int64_t)k;
     product(f_now, own->reshaped ? turned : own->linear, now);
     if (own->reshaped)
@@ -151,8 +153,9 @@ static bool has_changed(const bw_domain_stiffness *stiffness, const bw_mesh *mes
   return false;
 }
 
-static void remember(const bw_mesh *mesh, const bwi_domain_coefficients *c, int32_t d,
-                     const bw_domain_motion *motion, bwi_domain_shape *shape, double *position) {
+static void remember(const bw_mesh *mesh, const bwi_subdomain_coefficients *c, int32_t d,
+                     const bw_subdomain_motion *motion, bwi_subdomain_shape *shape,
+                     double *position) {
   shape->reshaped = motion->reshaped;
   memcpy(shape->linear, motion->linear, sizeof shape->linear);
   memcpy(shape->frame, motion->frame, sizeof shape->frame);
@@ -161,57 +164,57 @@ static void remember(const bw_mesh *mesh, const bwi_domain_coefficients *c, int3
       memcpy(position + 3 * k, mesh->node + 3 * (int64_t)c->node[k], 3 * sizeof *position);
 }
 
-bw_status bw_domain_stiffness_update(bw_context *context, bw_domain_stiffness *stiffness,
-                                     const bw_mesh *mesh, const bw_domain_motion *motion,
-                                     bw_domain_change *change) {
+bw_status bw_subdomain_stiffness_update(bw_context *context, bw_subdomain_stiffness *stiffness,
+                                        const bw_mesh *mesh, const bw_subdomain_motion *motion,
+                                        bw_subdomain_change *change) {
   bw_status status = BW_OK;
-  bwi_domain_coefficients *c = stiffness->coefficients;
-  int32_t domains = stiffness->domain_count;
-  bwi_domain_work work = {0};
-  bw_domain_change count = {0};
+  bwi_subdomain_coefficients *c = stiffness->coefficients;
+  int32_t subdomains = stiffness->subdomain_count;
+  bwi_subdomain_work work = {0};
+  bw_subdomain_change count = {0};
   BW_TRY(bw_check_cancel(context));
   BW_TRY(bwi_graph_fits(context, stiffness->graph, mesh));
-  for (int32_t d = 0; d < domains; d++)
+  for (int32_t d = 0; d < subdomains; d++)
     BW_TRY(check_motion(context, d, &motion[d]));
-  BW_TRY(bwi_domain_work_create(context, stiffness, &work));
-  for (int32_t d = 0; d < domains; d++) {
+  BW_TRY(bwi_subdomain_work_create(context, stiffness, &work));
+  for (int32_t d = 0; d < subdomains; d++) {
     bool write = must_write(stiffness, mesh, d, &motion[d]);
-    work.action[d] = !write               ? BWI_DOMAIN_KEEP
-                     : motion[d].reshaped ? BWI_DOMAIN_GATHER
-                                          : BWI_DOMAIN_EVALUATE;
-    count.kept += work.action[d] == BWI_DOMAIN_KEEP;
-    count.gathered += work.action[d] == BWI_DOMAIN_GATHER;
-    count.evaluated += work.action[d] == BWI_DOMAIN_EVALUATE;
+    work.action[d] = !write               ? BWI_SUBDOMAIN_KEEP
+                     : motion[d].reshaped ? BWI_SUBDOMAIN_GATHER
+                                          : BWI_SUBDOMAIN_EVALUATE;
+    count.kept += work.action[d] == BWI_SUBDOMAIN_KEEP;
+    count.gathered += work.action[d] == BWI_SUBDOMAIN_GATHER;
+    count.evaluated += work.action[d] == BWI_SUBDOMAIN_EVALUATE;
   }
-  BW_TRY(bwi_domain_work_prepare(context, mesh, &work));
+  BW_TRY(bwi_subdomain_work_prepare(context, mesh, &work));
 
   /* from here on nothing fails */
-  for (int32_t d = 0; d < domains; d++) {
+  for (int32_t d = 0; d < subdomains; d++) {
     double elasticity[81];
-    if (work.action[d] == BWI_DOMAIN_KEEP)
+    if (work.action[d] == BWI_SUBDOMAIN_KEEP)
       continue;
     remember(mesh, c, d, &motion[d], &c->written[d], c->written_position);
-    bwi_domain_elasticity(stiffness, d, motion[d].frame, elasticity);
-    bwi_domain_map(elasticity, motion[d].reshaped ? identity : motion[d].linear,
-                   c->map + BWI_DOMAIN_MAP * (int64_t)d);
+    bwi_subdomain_elasticity(stiffness, d, motion[d].frame, elasticity);
+    bwi_subdomain_map(elasticity, motion[d].reshaped ? identity : motion[d].linear,
+                      c->map + BWI_SUBDOMAIN_MAP * (int64_t)d);
   }
-  if (count.kept < domains) {
-    BW_TRY(bwi_domain_write(context, &work));
+  if (count.kept < subdomains) {
+    BW_TRY(bwi_subdomain_write(context, &work));
     count.pairs = work.pairs;
     stiffness->revision = ++stiffness->object.revision;
   }
-  for (int32_t d = 0; d < domains; d++) {
+  for (int32_t d = 0; d < subdomains; d++) {
     stiffness->changed[d] = has_changed(stiffness, mesh, d, motion);
     if (!stiffness->changed[d])
       continue;
     remember(mesh, c, d, &motion[d], &c->reported[d], c->reported_position);
     for (int32_t k = c->frame_start[d]; k < c->frame_start[d + 1]; k++)
-      memcpy(c->reported_frame + 9 * (int64_t)k, frame_of(motion, c->frame_domain[k]),
+      memcpy(c->reported_frame + 9 * (int64_t)k, frame_of(motion, c->frame_subdomain[k]),
              9 * sizeof(double));
   }
   if (change)
     *change = count;
 done:
-  bwi_domain_work_clear(&work);
+  bwi_subdomain_work_clear(&work);
   return status;
 }

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Domains changed by hand or made from labels, and the check of their invariants. */
-#include "shape/domains_internal.h"
+/* Subdomains changed by hand or made from labels, and the check of their invariants. */
+#include "shape/subdomains_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -10,15 +10,15 @@ typedef struct labels {
   const bw_mesh *mesh;
   const bw_skeleton *skeleton;
   int32_t count;
-  const int32_t *bone_of, *element_domain;
+  const int32_t *bone_of, *element_subdomain;
 } labels;
 
 static const int32_t *nodes_of(const bw_mesh *mesh, int32_t e) {
   return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
 }
 
-static const char *bone_name(const labels *l, int32_t domain) {
-  return l->skeleton->bone_name[l->bone_of[domain]].text;
+static const char *bone_name(const labels *l, int32_t subdomain) {
+  return l->skeleton->bone_name[l->bone_of[subdomain]].text;
 }
 
 static bw_status fail_at(bw_context *context, int32_t element, int32_t other) {
@@ -37,24 +37,25 @@ static bw_status check_numbers(const labels *l, bool may_be_empty) {
     int32_t b = l->bone_of[i];
     if (b < -1 || b >= l->skeleton->bone_count) {
       status = bw_fail(l->context, BW_INVALID,
-                       "domain %d names bone %d of %d: 1 to %d expected, or none for type F", i + 1,
-                       b + 1, l->skeleton->bone_count, l->skeleton->bone_count);
+                       "subdomain %d names bone %d of %d: 1 to %d expected, or none for type F",
+                       i + 1, b + 1, l->skeleton->bone_count, l->skeleton->bone_count);
       goto done;
     }
     if (b >= 0 && b <= before) {
-      status = bw_fail(l->context, BW_INVALID,
-                       "domain %d (bone \"%s\") is out of order: domains of type R come first, by "
-                       "bone, one for each",
-                       i + 1, bone_name(l, i));
+      status =
+          bw_fail(l->context, BW_INVALID,
+                  "subdomain %d (bone \"%s\") is out of order: subdomains of type R come first, by "
+                  "bone, one for each",
+                  i + 1, bone_name(l, i));
       goto done;
     }
     before = b < 0 ? INT32_MAX : b;
   }
   for (int32_t e = 0; e < l->mesh->element_count; e++) {
-    int32_t i = l->element_domain[e];
+    int32_t i = l->element_subdomain[e];
     if (i < 0 || i >= l->count) {
-      bw_fail(l->context, BW_INVALID, "element %d is in domain %d: there are %d domains", e + 1,
-              i + 1, l->count);
+      bw_fail(l->context, BW_INVALID, "element %d is in subdomain %d: there are %d subdomains",
+              e + 1, i + 1, l->count);
       status = fail_at(l->context, e, -1);
       goto done;
     }
@@ -62,7 +63,8 @@ static bw_status check_numbers(const labels *l, bool may_be_empty) {
   }
   for (int32_t i = 0; i < l->count && !may_be_empty; i++)
     if (elements[i] == 0) {
-      status = bw_fail(l->context, BW_INVALID, "domain %d of %d has no element", i + 1, l->count);
+      status =
+          bw_fail(l->context, BW_INVALID, "subdomain %d of %d has no element", i + 1, l->count);
       goto done;
     }
   status = BW_OK;
@@ -71,7 +73,7 @@ done:
   return status;
 }
 
-/* Where elements of two domains meet, at least one must be of type R and the other of type F. */
+/* Where elements of two subdomains meet, at least one must be of type R and the other of type F. */
 static bw_status check_meetings(const labels *l) {
   const bw_mesh *mesh = l->mesh;
   bw_status status = BW_OK;
@@ -86,12 +88,12 @@ static bw_status check_meetings(const labels *l) {
     rigid[i] = flexible[i] = -1;
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < mesh->nodes_per_element; k++) {
-      int32_t i = nodes_of(mesh, e)[k], here = l->element_domain[e];
+      int32_t i = nodes_of(mesh, e)[k], here = l->element_subdomain[e];
       if (l->bone_of[here] < 0)
         continue;
       if (rigid[i] < 0)
         rigid[i] = e;
-      int32_t there = l->element_domain[rigid[i]];
+      int32_t there = l->element_subdomain[rigid[i]];
       if (here == there)
         continue;
       bw_fail(
@@ -104,17 +106,17 @@ static bw_status check_meetings(const labels *l) {
     }
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < mesh->nodes_per_element; k++) {
-      int32_t i = nodes_of(mesh, e)[k], here = l->element_domain[e];
+      int32_t i = nodes_of(mesh, e)[k], here = l->element_subdomain[e];
       if (l->bone_of[here] >= 0 || rigid[i] >= 0)
         continue;
       if (flexible[i] < 0)
         flexible[i] = e;
-      if (here == l->element_domain[flexible[i]])
+      if (here == l->element_subdomain[flexible[i]])
         continue;
       bw_fail(l->context, BW_INVALID,
-              "elements %d and %d, of the domains %d and %d of type F, share node %d, which no "
-              "domain of type R has: they must be one domain",
-              flexible[i] + 1, e + 1, l->element_domain[flexible[i]] + 1, here + 1, i + 1);
+              "elements %d and %d, of the subdomains %d and %d of type F, share node %d, which no "
+              "subdomain of type R has: they must be one subdomain",
+              flexible[i] + 1, e + 1, l->element_subdomain[flexible[i]] + 1, here + 1, i + 1);
       status = fail_at(l->context, flexible[i], e);
       goto done;
     }
@@ -124,7 +126,7 @@ done:
   return status;
 }
 
-/* Every type R domain is connected through faces. The element named is in its smaller part. */
+/* Every type R subdomain is connected through faces. The element named is in its smaller part. */
 static bw_status check_connected(const labels *l) {
   const bw_mesh *mesh = l->mesh;
   bw_status status = BW_OK;
@@ -140,7 +142,7 @@ static bw_status check_connected(const labels *l) {
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < 4; k++) {
       int32_t other = mesh->neighbour[4 * (size_t)e + (size_t)k];
-      if (other > e && l->element_domain[other] == l->element_domain[e])
+      if (other > e && l->element_subdomain[other] == l->element_subdomain[e])
         bwi_group_join(group, e, other);
     }
   for (int32_t i = 0; i < l->count; i++)
@@ -148,18 +150,19 @@ static bw_status check_connected(const labels *l) {
   for (int32_t e = 0; e < mesh->element_count; e++)
     size[bwi_group_find(group, e)]++;
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    int32_t *first = largest + l->element_domain[e];
+    int32_t *first = largest + l->element_subdomain[e];
     if (size[e] > 0 && (*first < 0 || size[e] > size[*first]))
       *first = e;
   }
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    int32_t i = l->element_domain[e], part = bwi_group_find(group, e);
+    int32_t i = l->element_subdomain[e], part = bwi_group_find(group, e);
     if (l->bone_of[i] < 0 || part == largest[i])
       continue;
-    bw_fail(l->context, BW_INVALID,
-            "the domain of bone \"%s\" is not connected: no path through faces leads from element "
-            "%d, in a part of %d elements, to the part of %d",
-            bone_name(l, i), e + 1, size[part], size[largest[i]]);
+    bw_fail(
+        l->context, BW_INVALID,
+        "the subdomain of bone \"%s\" is not connected: no path through faces leads from element "
+        "%d, in a part of %d elements, to the part of %d",
+        bone_name(l, i), e + 1, size[part], size[largest[i]]);
     status = fail_at(l->context, e, largest[i]);
     goto done;
   }
@@ -181,10 +184,10 @@ static bw_status check_labels(const labels *l, bool may_be_empty) {
 
 /* ---- changes --------------------------------------------------------------------------------- */
 
-bw_status bw_domains_assign(bw_context *context, const bw_domains *domains, int64_t count,
-                            const int32_t *element, int32_t bone, bw_domains **changed) {
-  const bw_mesh *mesh = domains->mesh;
-  const bw_skeleton *skeleton = domains->skeleton;
+bw_status bw_subdomains_assign(bw_context *context, const bw_subdomains *subdomains, int64_t count,
+                               const int32_t *element, int32_t bone, bw_subdomains **changed) {
+  const bw_mesh *mesh = subdomains->mesh;
+  const bw_skeleton *skeleton = subdomains->skeleton;
   int32_t bones = skeleton->bone_count;
   if (bone < -1 || bone >= bones)
     return bw_fail(context, BW_INVALID,
@@ -203,7 +206,7 @@ bw_status bw_domains_assign(bw_context *context, const bw_domains *domains, int6
   if (!follows || !label || !bone_of)
     goto done;
   for (int32_t e = 0; e < mesh->element_count; e++)
-    follows[e] = domains->bone_of[domains->element_domain[e]];
+    follows[e] = subdomains->bone_of[subdomains->element_subdomain[e]];
   for (int64_t i = 0; i < count; i++)
     follows[element[i]] = bone;
   /* for the check each bone is a label, and all of type F one more */
@@ -213,8 +216,8 @@ bw_status bw_domains_assign(bw_context *context, const bw_domains *domains, int6
     bone_of[b] = b < bones ? b : -1;
   labels l = {context, mesh, skeleton, bones + 1, bone_of, label};
   BW_TRY(check_labels(&l, true));
-  bwi_guide guide = {NULL, domains};
-  BW_TRY(bwi_domains_from_bones(context, mesh, skeleton, follows, &guide, changed));
+  bwi_guide guide = {NULL, subdomains};
+  BW_TRY(bwi_subdomains_from_bones(context, mesh, skeleton, follows, &guide, changed));
 done:
   bw_free(follows);
   bw_free(label);
@@ -222,26 +225,28 @@ done:
   return status;
 }
 
-bw_status bw_domains_from_labels(bw_context *context, const bw_mesh *mesh,
-                                 const bw_skeleton *skeleton, int32_t count, const int32_t *bone_of,
-                                 const int32_t *element_domain, bw_domains **domains) {
+bw_status bw_subdomains_from_labels(bw_context *context, const bw_mesh *mesh,
+                                    const bw_skeleton *skeleton, int32_t count,
+                                    const int32_t *bone_of, const int32_t *element_subdomain,
+                                    bw_subdomains **subdomains) {
   if (count < 1)
-    return bw_fail(context, BW_INVALID, "%d domains: at least one expected", count);
-  labels l = {context, mesh, skeleton, count, bone_of, element_domain};
+    return bw_fail(context, BW_INVALID, "%d subdomains: at least one expected", count);
+  labels l = {context, mesh, skeleton, count, bone_of, element_subdomain};
   bw_status status = check_labels(&l, false);
   if (status != BW_OK)
     return status;
   bwi_guide guide = {NULL, NULL};
-  return bwi_domains_make(context, mesh, skeleton, count, bone_of, element_domain, &guide, domains);
+  return bwi_subdomains_make(context, mesh, skeleton, count, bone_of, element_subdomain, &guide,
+                             subdomains);
 }
 
 /* ---- the check ------------------------------------------------------------------------------- */
 
-static bw_status check_influences(bw_context *context, const bw_domains *d) {
+static bw_status check_influences(bw_context *context, const bw_subdomains *d) {
   const bw_mesh *mesh = d->mesh;
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < mesh->nodes_per_element; k++) {
-      int32_t i = nodes_of(mesh, e)[k], domain = d->element_domain[e];
+      int32_t i = nodes_of(mesh, e)[k], subdomain = d->element_subdomain[e];
       int64_t first = d->influence_start[i], end = d->influence_start[i + 1];
       if (k >= 4) {
         if (first != end)
@@ -252,39 +257,41 @@ static bw_status check_influences(bw_context *context, const bw_domains *d) {
       bool sound = true;
       for (int64_t j = first; j < end; j++) {
         bool known = false;
-        for (int32_t b = d->bone_start[domain]; b < d->bone_start[domain + 1]; b++)
+        for (int32_t b = d->bone_start[subdomain]; b < d->bone_start[subdomain + 1]; b++)
           known |= d->bone[b] == d->influence_bone[j];
         sound &= known && d->influence_weight[j] > 0;
         sound &= j == first || d->influence_bone[j] > d->influence_bone[j - 1];
         sum += d->influence_weight[j];
       }
       sound &= fabs(sum - 1) <= 1e-14;
-      if (d->bone_of[domain] >= 0)
-        sound &= end - first == 1 && d->influence_bone[first] == d->bone_of[domain];
+      if (d->bone_of[subdomain] >= 0)
+        sound &= end - first == 1 && d->influence_bone[first] == d->bone_of[subdomain];
       if (!sound)
-        return bw_fail(context, BW_INTERNAL,
-                       "the bones of node %d in domain %d are not those of the domain, or its %d "
-                       "weights (sum %.17g) are not positive and one together",
-                       i + 1, domain + 1, (int)(end - first), sum);
+        return bw_fail(
+            context, BW_INTERNAL,
+            "the bones of node %d in subdomain %d are not those of the subdomain, or its %d "
+            "weights (sum %.17g) are not positive and one together",
+            i + 1, subdomain + 1, (int)(end - first), sum);
     }
   return BW_OK;
 }
 
-bw_status bw_domains_check(bw_context *context, const bw_domains *domains) {
-  const bw_domains *d = domains;
-  labels l = {context, d->mesh, d->skeleton, d->count, d->bone_of, d->element_domain};
+bw_status bw_subdomains_check(bw_context *context, const bw_subdomains *subdomains) {
+  const bw_subdomains *d = subdomains;
+  labels l = {context, d->mesh, d->skeleton, d->count, d->bone_of, d->element_subdomain};
   bw_status status = check_labels(&l, false);
   if (status != BW_OK)
     return status;
   for (int32_t e = 0; e < d->mesh->element_count; e++)
     for (int k = 0; k < d->mesh->nodes_per_element; k++) {
-      int32_t i = nodes_of(d->mesh, e)[k], here = d->element_domain[e], there = d->node_domain[i];
+      int32_t i = nodes_of(d->mesh, e)[k], here = d->element_subdomain[e],
+              there = d->node_subdomain[i];
       bool rigid = d->bone_of[here] >= 0;
       if ((rigid && there != here) || (!rigid && d->bone_of[there] < 0 && there != here) ||
           (there != here && !d->interface[i]))
-        return bw_fail(context, BW_INTERNAL, "node %d of domain %d goes with domain %d", i + 1,
-                       here + 1, there + 1);
+        return bw_fail(context, BW_INTERNAL, "node %d of subdomain %d goes with subdomain %d",
+                       i + 1, here + 1, there + 1);
     }
   status = check_influences(context, d);
-  return status == BW_OK ? bwi_domains_check_pieces(context, d) : status;
+  return status == BW_OK ? bwi_stiffness_subdomains_check(context, d) : status;
 }

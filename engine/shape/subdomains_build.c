@@ -1,43 +1,43 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* bw_domains as an object: numbering, neighbours, interfaces, from labels that fulfil the
+/* bw_subdomains as an object: numbering, neighbours, interfaces, from labels that fulfil the
  * invariants. */
-#include "shape/domains_internal.h"
+#include "shape/subdomains_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static void domains_destroy(void *object) {
-  bw_domains *d = object;
+static void subdomains_destroy(void *object) {
+  bw_subdomains *d = object;
   bw_release(d->mesh);
   bw_release(d->skeleton);
-  bw_free(d->element_domain);
+  bw_free(d->element_subdomain);
   bw_free(d->elements);
   bw_free(d->bone_of);
   bw_free(d->bone_start);
   bw_free(d->bone);
   bw_free(d->adjacent_start);
   bw_free(d->adjacent);
-  bw_free(d->node_domain);
+  bw_free(d->node_subdomain);
   bw_free(d->interface);
   bw_free(d->influence_start);
   bw_free(d->influence_bone);
   bw_free(d->influence_weight);
-  bwi_domains_clear_pieces(d);
+  bwi_stiffness_subdomains_clear(d);
   bw_free(d);
 }
 
-static size_t domains_bytes(const void *object) {
-  const bw_domains *d = object;
+static size_t subdomains_bytes(const void *object) {
+  const bw_subdomains *d = object;
   size_t n = (size_t)d->mesh->node_count, count = (size_t)d->count;
-  size_t influences = (size_t)d->influence_start[n], pieces = (size_t)d->piece_count;
+  size_t influences = (size_t)d->influence_start[n], parts = (size_t)d->stiffness.count;
   return sizeof *d + (size_t)d->mesh->element_count * 8 + count * 8 + (count + 1) * 8 +
          (size_t)d->bone_start[count] * 4 + (size_t)d->adjacent_start[count] * 4 + n * 9 +
-         (n + 1) * 8 + influences * 12 + (2 * pieces + 1) * 4 +
-         (size_t)d->piece_bone_start[pieces] * 4;
+         (n + 1) * 8 + influences * 12 + (2 * parts + 1) * 4 +
+         (size_t)d->stiffness.bone_start[parts] * 4;
 }
 
-static const bw_kind domains_kind = {"domains", domains_destroy, domains_bytes};
+static const bw_kind subdomains_kind = {"subdomains", subdomains_destroy, subdomains_bytes};
 
 static const int32_t *nodes_of(const bw_mesh *mesh, int32_t e) {
   return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
@@ -121,7 +121,7 @@ void bwi_guide_score(const bwi_guide *guide, const bw_mesh *mesh, const bw_skele
       for (size_t b = 0; b < bones; b++)
         score[b] += guide->weight[(size_t)node[k] * bones + b];
   } else if (guide->before) {
-    const bw_domains *d = guide->before;
+    const bw_subdomains *d = guide->before;
     for (int k = 0; k < 4; k++)
       for (int64_t i = d->influence_start[node[k]]; i < d->influence_start[node[k] + 1]; i++)
         score[d->influence_bone[i]] += d->influence_weight[i];
@@ -153,23 +153,23 @@ int32_t bwi_highest(const double *score, int32_t count) {
 
 /* ---- nodes and neighbours -------------------------------------------------------------------- */
 
-static bool is_rigid(const bw_domains *d, int32_t domain) {
-  return d->bone_of[domain] >= 0;
+static bool is_rigid(const bw_subdomains *d, int32_t subdomain) {
+  return d->bone_of[subdomain] >= 0;
 }
 
-/* node_domain and interface. */
-static void place_nodes(bw_domains *d) {
+/* node_subdomain and interface. */
+static void place_nodes(bw_subdomains *d) {
   const bw_mesh *mesh = d->mesh;
   for (int32_t i = 0; i < mesh->node_count; i++)
-    d->node_domain[i] = -1;
+    d->node_subdomain[i] = -1;
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    int32_t here = d->element_domain[e];
+    int32_t here = d->element_subdomain[e];
     for (int k = 0; k < mesh->nodes_per_element; k++) {
-      int32_t i = nodes_of(mesh, e)[k], there = d->node_domain[i];
+      int32_t i = nodes_of(mesh, e)[k], there = d->node_subdomain[i];
       if (there >= 0 && there != here)
         d->interface[i] = 1;
       if (there < 0 || (is_rigid(d, here) && !is_rigid(d, there)))
-        d->node_domain[i] = here;
+        d->node_subdomain[i] = here;
     }
   }
 }
@@ -190,11 +190,11 @@ static size_t sort_unique(int64_t *key, size_t count) {
   return kept;
 }
 
-/* Pairs of domains that share a node, from the domains at every interface node. */
-static bw_status find_neighbours(bw_context *context, bw_domains *d) {
+/* Pairs of subdomains that share a node, from the subdomains at every interface node. */
+static bw_status find_neighbours(bw_context *context, bw_subdomains *d) {
   const bw_mesh *mesh = d->mesh;
   bw_status status = BW_MEMORY;
-  int64_t *at = NULL, *pair = NULL; /* node * count + domain; domain * count + domain */
+  int64_t *at = NULL, *pair = NULL; /* node * count + subdomain; subdomain * count + subdomain */
   size_t at_count = 0, at_capacity = 0, pair_count = 0, pair_capacity = 0;
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < mesh->nodes_per_element; k++) {
@@ -203,7 +203,7 @@ static bw_status find_neighbours(bw_context *context, bw_domains *d) {
         continue;
       if (!bw_grow(context, (void **)&at, &at_capacity, at_count, 1, sizeof *at))
         goto done;
-      at[at_count++] = (int64_t)i * d->count + d->element_domain[e];
+      at[at_count++] = (int64_t)i * d->count + d->element_subdomain[e];
     }
   at_count = sort_unique(at, at_count);
   for (size_t first = 0, end; first < at_count; first = end) {
@@ -238,46 +238,47 @@ done:
 
 /* ---- making ---------------------------------------------------------------------------------- */
 
-bw_status bwi_domains_make(bw_context *context, const bw_mesh *mesh, const bw_skeleton *skeleton,
-                           int32_t count, const int32_t *bone_of, const int32_t *element_domain,
-                           const bwi_guide *guide, bw_domains **domains) {
+bw_status bwi_subdomains_make(bw_context *context, const bw_mesh *mesh, const bw_skeleton *skeleton,
+                              int32_t count, const int32_t *bone_of,
+                              const int32_t *element_subdomain, const bwi_guide *guide,
+                              bw_subdomains **subdomains) {
   bw_status status = BW_MEMORY;
-  bw_domains *d = BW_NEW0(context, bw_domains, 1);
+  bw_subdomains *d = BW_NEW0(context, bw_subdomains, 1);
   if (!d)
     return BW_MEMORY;
-  bw_object_init(d, &domains_kind);
+  bw_object_init(d, &subdomains_kind);
   d->mesh = bw_retain(mesh);
   d->skeleton = bw_retain(skeleton);
   d->count = count;
-  d->element_domain = BW_NEW(context, int32_t, mesh->element_count);
+  d->element_subdomain = BW_NEW(context, int32_t, mesh->element_count);
   d->elements = BW_NEW0(context, int32_t, count);
   d->bone_of = BW_NEW(context, int32_t, count);
   d->adjacent_start = BW_NEW0(context, int32_t, count + 1);
-  d->node_domain = BW_NEW(context, int32_t, mesh->node_count);
+  d->node_subdomain = BW_NEW(context, int32_t, mesh->node_count);
   d->interface = BW_NEW0(context, uint8_t, mesh->node_count);
-  if (!d->element_domain || !d->elements || !d->bone_of || !d->adjacent_start || !d->node_domain ||
-      !d->interface)
+  if (!d->element_subdomain || !d->elements || !d->bone_of || !d->adjacent_start ||
+      !d->node_subdomain || !d->interface)
     goto done;
-  memcpy(d->element_domain, element_domain, (size_t)mesh->element_count * sizeof(int32_t));
+  memcpy(d->element_subdomain, element_subdomain, (size_t)mesh->element_count * sizeof(int32_t));
   memcpy(d->bone_of, bone_of, (size_t)count * sizeof(int32_t));
   for (int32_t i = 0; i < count; i++)
     d->rigid_count += is_rigid(d, i);
   for (int32_t e = 0; e < mesh->element_count; e++)
-    d->elements[element_domain[e]]++;
+    d->elements[element_subdomain[e]]++;
   place_nodes(d);
   BW_TRY(find_neighbours(context, d));
-  BW_TRY(bwi_domains_blend(context, d, guide));
-  BW_TRY(bwi_domains_cut(context, d));
-  *domains = d;
+  BW_TRY(bwi_subdomains_blend(context, d, guide));
+  BW_TRY(bwi_stiffness_subdomains_create(context, d));
+  *subdomains = d;
   d = NULL;
 done:
   bw_release(d);
   return status;
 }
 
-bw_status bwi_domains_from_bones(bw_context *context, const bw_mesh *mesh,
-                                 const bw_skeleton *skeleton, const int32_t *bone,
-                                 const bwi_guide *guide, bw_domains **domains) {
+bw_status bwi_subdomains_from_bones(bw_context *context, const bw_mesh *mesh,
+                                    const bw_skeleton *skeleton, const int32_t *bone,
+                                    const bwi_guide *guide, bw_subdomains **subdomains) {
   bw_status status = BW_MEMORY;
   int32_t *label = BW_NEW(context, int32_t, mesh->element_count);
   int32_t *number = BW_NEW(context, int32_t, skeleton->bone_count);
@@ -307,7 +308,7 @@ bw_status bwi_domains_from_bones(bw_context *context, const bw_mesh *mesh,
       label[e] = label[label[e]];
     }
   }
-  BW_TRY(bwi_domains_make(context, mesh, skeleton, count, bone_of, label, guide, domains));
+  BW_TRY(bwi_subdomains_make(context, mesh, skeleton, count, bone_of, label, guide, subdomains));
 done:
   bw_free(label);
   bw_free(number);

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Pieces of domains: what moves as a whole does so exactly, an edit leaves alone what it does not
- * move, and the stiffness kept piece by piece is that from scratch. */
+/* Parts of subdomains: what moves as a whole does so exactly, an edit leaves alone what it does not
+ * move, and the stiffness kept part by part is that from scratch. */
 #include "limbs.h"
 
 #include "barwright/assemble.h"
@@ -9,12 +9,12 @@
 enum { TEETH = 8, BONES = 2 * TEETH - 1 };
 
 /* A comb: a back of 8 x 0.5 x 0.5 along x and eight teeth of length 1.5 down from it. Its bones run
- * along the back from tooth to tooth, and down the teeth; only the teeth's are domains, so that the
- * back is one blended domain between eight. */
+ * along the back from tooth to tooth, and down the teeth; only the teeth's are subdomains, so that
+ * the back is one blended subdomain between eight. */
 typedef struct comb {
   bw_mesh *mesh;
   bw_skeleton *skeleton;
-  bw_domains *domains;
+  bw_subdomains *subdomains;
 } comb;
 
 static comb make_comb(bw_context *context, int order) {
@@ -54,7 +54,7 @@ static comb make_comb(bw_context *context, int order) {
       }
       check_ok(context, bw_skeleton_create(context, 2 * TEETH, joint, NULL, BONES, bone, NULL, 0,
                                            &c.skeleton));
-      /* bones are numbered anew, parents first: domains go by the tooth's tail joint */
+      /* bones are numbered anew, parents first: subdomains go by the tooth's tail joint */
       int32_t order_of[TEETH], count = 0;
       for (int32_t b = 0; b < BONES; b++)
         if (c.skeleton->joint[3 * c.skeleton->bone[2 * b + 1] + 1] < 0) {
@@ -66,8 +66,8 @@ static comb make_comb(bw_context *context, int order) {
       for (int32_t e = 0; e < mesh->element_count; e++)
         if (label[e] < TEETH)
           label[e] = order_of[label[e]];
-      check_ok(context, bw_domains_from_labels(context, c.mesh, c.skeleton, TEETH + 1, bone_of,
-                                               label, &c.domains));
+      check_ok(context, bw_subdomains_from_labels(context, c.mesh, c.skeleton, TEETH + 1, bone_of,
+                                                  label, &c.subdomains));
     }
     free(label);
   }
@@ -77,59 +77,59 @@ static comb make_comb(bw_context *context, int order) {
 }
 
 static void release_comb(comb *c) {
-  bw_release(c->domains);
+  bw_release(c->subdomains);
   bw_release(c->skeleton);
   bw_release(c->mesh);
 }
 
-static bool follows(const bw_domains *d, int32_t piece, int32_t bone) {
-  for (int32_t k = d->piece_bone_start[piece]; k < d->piece_bone_start[piece + 1]; k++)
-    if (d->piece_bone[k] == bone)
+static bool follows(const bw_subdomains *d, int32_t part, int32_t bone) {
+  for (int32_t k = d->stiffness.bone_start[part]; k < d->stiffness.bone_start[part + 1]; k++)
+    if (d->stiffness.bone[k] == bone)
       return true;
   return false;
 }
 
-/* The back is cut; its pieces follow the teeth near them, and cover it. */
+/* The back is cut; its parts follow the teeth near them, and cover it. */
 static void test_cut(void **state) {
   bw_context *context = check_context(state);
   for (int order = 1; order <= 2; order++) {
     comb c = make_comb(context, order);
-    const bw_domains *d = c.domains;
-    check_ok(context, bw_domains_check(context, d));
+    const bw_subdomains *d = c.subdomains;
+    check_ok(context, bw_subdomains_check(context, d));
     assert_int_equal(d->count, TEETH + 1);
-    assert_true(d->piece_count >= TEETH + 3);
-    int32_t *size = calloc((size_t)d->piece_count, sizeof *size);
+    assert_true(d->stiffness.count >= TEETH + 3);
+    int32_t *size = calloc((size_t)d->stiffness.count, sizeof *size);
     for (int32_t e = 0; e < c.mesh->element_count; e++)
-      size[d->element_piece[e]]++;
-    for (int32_t p = 0; p < d->piece_count; p++) {
-      int32_t bones = d->piece_bone_start[p + 1] - d->piece_bone_start[p];
+      size[d->stiffness.of_element[e]]++;
+    for (int32_t p = 0; p < d->stiffness.count; p++) {
+      int32_t bones = d->stiffness.bone_start[p + 1] - d->stiffness.bone_start[p];
       assert_true(size[p] >= 40);
       assert_true(p < TEETH ? bones == 1 : bones < TEETH);
-      assert_int_equal(d->piece_domain[p], p < TEETH ? p : TEETH);
+      assert_int_equal(d->stiffness.parent[p], p < TEETH ? p : TEETH);
     }
     free(size);
     /* what is wrong is found */
-    int32_t *broken = c.domains->element_piece;
-    broken[0] = (broken[0] + 1) % d->piece_count;
-    check_fails(context, BW_INTERNAL, "element", bw_domains_check(context, d));
-    broken[0] = d->piece_count;
-    check_fails(context, BW_INTERNAL, "does not exist", bw_domains_check(context, d));
+    int32_t *broken = c.subdomains->stiffness.of_element;
+    broken[0] = (broken[0] + 1) % d->stiffness.count;
+    check_fails(context, BW_INTERNAL, "element", bw_subdomains_check(context, d));
+    broken[0] = d->stiffness.count;
+    check_fails(context, BW_INTERNAL, "does not exist", bw_subdomains_check(context, d));
     release_comb(&c);
   }
 }
 
-/* Scaling the bone of one tooth leaves the nodes of all pieces that do not list it where they are,
+/* Scaling the bone of one tooth leaves the nodes of all parts that do not list it where they are,
  * to the last bit, and says so. */
 static void test_local(void **state) {
   bw_context *context = check_context(state);
   comb c = make_comb(context, 2);
-  const bw_domains *d = c.domains;
+  const bw_subdomains *d = c.subdomains;
   bw_bone_pose pose[BONES];
   double map[12 * BONES], rotation[9 * BONES];
   double *rest = malloc(3 * (size_t)c.mesh->node_count * sizeof *rest);
   double *node = malloc(3 * (size_t)c.mesh->node_count * sizeof *node);
-  bw_domain_motion *motion = malloc((size_t)d->piece_count * sizeof *motion), unmoved;
-  bw_domain_motion_rest(&unmoved);
+  bw_subdomain_motion *motion = malloc((size_t)d->stiffness.count * sizeof *motion), unmoved;
+  bw_subdomain_motion_rest(&unmoved);
   for (int b = 0; b < BONES; b++)
     bw_bone_pose_rest(pose + b);
   check_ok(context, bw_pose_maps(context, c.skeleton, pose, map, rotation));
@@ -140,8 +140,8 @@ static void test_local(void **state) {
     pose[bone].scale[1] = 0.8;
     check_ok(context, bw_pose_maps(context, c.skeleton, pose, map, rotation));
     check_ok(context, bw_pose_nodes(context, d, map, node));
-    check_ok(context, bw_pose_pieces(context, d, map, rotation, motion));
-    for (int32_t p = 0; p < d->piece_count; p++) {
+    check_ok(context, bw_pose_motion(context, d, map, rotation, motion));
+    for (int32_t p = 0; p < d->stiffness.count; p++) {
       if (p >= TEETH)
         assert_int_equal(motion[p].reshaped, follows(d, p, bone));
       if (follows(d, p, bone))
@@ -152,7 +152,7 @@ static void test_local(void **state) {
     }
     assert_true(kept >= 1);
     for (int32_t e = 0; e < c.mesh->element_count; e++)
-      for (int k = 0; k < 10 && !follows(d, d->element_piece[e], bone); k++) {
+      for (int k = 0; k < 10 && !follows(d, d->stiffness.of_element[e], bone); k++) {
         int32_t i = c.mesh->element[10 * e + k];
         assert_memory_equal(node + 3 * i, rest + 3 * i, 3 * sizeof *node);
       }
@@ -164,27 +164,27 @@ static void test_local(void **state) {
   release_comb(&c);
 }
 
-/* Random poses of some bones, the others following their parents: pieces that are said to move as a
- * whole do, to rounding, and the stiffness kept piece by piece is that from scratch. */
+/* Random poses of some bones, the others following their parents: parts that are said to move as a
+ * whole do, to rounding, and the stiffness kept part by part is that from scratch. */
 static void test_random_edits(void **state) {
   bw_context *context = check_context(state);
   bw_random random;
   bw_random_seed(&random, 21);
   comb c = make_comb(context, 1);
-  const bw_domains *d = c.domains;
+  const bw_subdomains *d = c.subdomains;
   bw_material *material;
   bw_graph *graph;
-  bw_domain_stiffness *stiffness;
+  bw_subdomain_stiffness *stiffness;
   const bw_isotropic plain = {.name = "plain", .young = 2e9, .poisson = 0.3, .density = 1000};
   check_ok(context, bw_material_isotropic(context, &plain, &material));
   check_ok(context, bw_graph_create(context, c.mesh, &graph));
-  check_ok(context,
-           bw_domain_stiffness_create(context, graph, c.mesh, material, false, d->piece_count,
-                                      d->element_piece, d->node_piece, &stiffness));
+  check_ok(context, bw_subdomain_stiffness_create(context, graph, c.mesh, material, false,
+                                                  d->stiffness.count, d->stiffness.of_element,
+                                                  d->stiffness.of_node, &stiffness));
   size_t entries = 9 * (size_t)graph->pair_count;
   double *scratch = malloc(entries * sizeof *scratch);
   double *node = malloc(3 * (size_t)c.mesh->node_count * sizeof *node);
-  bw_domain_motion *motion = malloc((size_t)d->piece_count * sizeof *motion);
+  bw_subdomain_motion *motion = malloc((size_t)d->stiffness.count * sizeof *motion);
   bw_bone_pose pose[BONES];
   double map[12 * BONES], rotation[9 * BONES];
   int32_t whole = 0, left = 0;
@@ -202,10 +202,10 @@ static void test_random_edits(void **state) {
     }
     check_ok(context, bw_pose_maps(context, c.skeleton, pose, map, rotation));
     check_ok(context, bw_pose_nodes(context, d, map, node));
-    check_ok(context, bw_pose_pieces(context, d, map, rotation, motion));
+    check_ok(context, bw_pose_motion(context, d, map, rotation, motion));
     for (int32_t e = 0; e < c.mesh->element_count; e++) {
-      int32_t p = d->element_piece[e];
-      const double *own = map + 12 * d->piece_bone[d->piece_bone_start[p]];
+      int32_t p = d->stiffness.of_element[e];
+      const double *own = map + 12 * d->stiffness.bone[d->stiffness.bone_start[p]];
       for (int k = 0; k < 4 && !motion[p].reshaped; k++)
         for (int r = 0; r < 3; r++) {
           int32_t i = c.mesh->element[4 * e + k];
@@ -215,9 +215,9 @@ static void test_random_edits(void **state) {
       whole += p >= TEETH && !motion[p].reshaped;
     }
     bw_mesh *moved;
-    bw_domain_change change;
+    bw_subdomain_change change;
     check_ok(context, bw_mesh_moved(context, c.mesh, node, &moved));
-    check_ok(context, bw_domain_stiffness_update(context, stiffness, moved, motion, &change));
+    check_ok(context, bw_subdomain_stiffness_update(context, stiffness, moved, motion, &change));
     check_ok(context, bw_stiffness(context, graph, moved, material, scratch));
     double largest = 0, off = 0;
     for (size_t k = 0; k < entries; k++) {
@@ -225,12 +225,12 @@ static void test_random_edits(void **state) {
       off = fmax(off, fabs(scratch[k] - stiffness->values[k]));
     }
     assert_true(off <= 1e-12 * largest);
-    for (int32_t p = 0; p < d->piece_count; p++)
+    for (int32_t p = 0; p < d->stiffness.count; p++)
       left += !stiffness->changed[p];
     bw_release(moved);
   }
   assert_true(whole > 100);
-  assert_true(left > 12 * d->piece_count / 2);
+  assert_true(left > 12 * d->stiffness.count / 2);
   free(motion);
   free(node);
   free(scratch);

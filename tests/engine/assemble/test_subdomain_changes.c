@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* What counts as changed: domains kept, evaluated, gathered, and changed in the frames of their
+/* What counts as changed: subdomains kept, evaluated, gathered, and changed in the frames of their
  * nodes. */
-#include "assemble/domain_bar.h"
+#include "assemble/subdomain_bar.h"
 
 static void what_counts_as_changed(void **state) {
   bw_context *context = check_context(state);
@@ -22,11 +22,12 @@ static void what_counts_as_changed(void **state) {
   session_update(context, &now);
   check_state_is(&now, "0K 5E 0G 00000");
   assert_int_equal(now.change.pairs, now.b.graph->pair_count);
-  /* a bend at the first joint: all that hangs on it is written, the blended domain changed */
+  /* a bend at the first joint: all that hangs on it is written, the blended subdomain changed */
   turn_from(&now.p, 1, small, joint);
   session_update(context, &now);
   check_state_is(&now, "1K 3E 1G 01000");
-  /* turned as a whole with a bend in it: the bent domain is gathered again, and has not changed */
+  /* turned as a whole with a bend in it: the bent subdomain is gathered again, and has not changed
+   */
   turn_from(&now.p, 0, q, joint);
   session_update(context, &now);
   check_state_is(&now, "0K 4E 1G 00000");
@@ -41,7 +42,7 @@ static void what_counts_as_changed(void **state) {
   check_state_is(&now, "3K 1E 1G 00011");
   session_update(context, &now);
   check_state_is(&now, "5K 0E 0G 00000");
-  /* nodes of a domain of type R moved on their own, and back */
+  /* nodes of a subdomain of type R moved on their own, and back */
   now.p.bulged[2] = true;
   session_update(context, &now);
   check_state_is(&now, "4K 0E 1G 00100");
@@ -67,7 +68,7 @@ static void what_counts_as_changed(void **state) {
   session_clear(&now);
 }
 
-/* Nodes in the global frame, and nodes of a neighbour: a domain changes when it turns against
+/* Nodes in the global frame, and nodes of a neighbour: a subdomain changes when it turns against
  * either, though it may itself be left alone. */
 static void frames_of_nodes_count(void **state) {
   bw_context *context = check_context(state);
@@ -76,22 +77,22 @@ static void frames_of_nodes_count(void **state) {
   turn(0.3, axis, q);
   session now;
   session_create(context, 1, true, false, &now);
-  int first_node = -1; /* of domain 0 alone */
+  int first_node = -1; /* of subdomain 0 alone */
   for (int i = 0; i < now.b.rest->node_count && first_node < 0; i++)
     first_node = now.b.rest->node[3 * i] < 0.1 ? i : -1;
-  now.b.node_domain[first_node] = -1;
+  now.b.node_subdomain[first_node] = -1;
   bw_release(now.s);
-  check_ok(context,
-           bw_domain_stiffness_create(context, now.b.graph, now.b.rest, now.material, false,
-                                      DOMAINS, now.b.element_domain, now.b.node_domain, &now.s));
+  check_ok(context, bw_subdomain_stiffness_create(context, now.b.graph, now.b.rest, now.material,
+                                                  false, SUBDOMAINS, now.b.element_subdomain,
+                                                  now.b.node_subdomain, &now.s));
   turn_from(&now.p, 0, q, origin);
   session_update(context, &now);
   check_state_is(&now, "0K 5E 0G 10000");
-  /* the frame of domain 2 turned alone: entries of its neighbours at shared nodes change too */
-  bw_domain_motion other[DOMAINS];
+  /* the frame of subdomain 2 turned alone: entries of its neighbours at shared nodes change too */
+  bw_subdomain_motion other[SUBDOMAINS];
   memcpy(other, now.motion, sizeof other);
   times(q, other[2].frame, other[2].frame);
-  check_ok(context, bw_domain_stiffness_update(context, now.s, now.b.rest, other, &now.change));
+  check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, other, &now.change));
   check_state_is(&now, "5K 0E 0G 01110");
   session_clear(&now);
 }

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The paper's formulas against quadrature, and derivatives by a domain's map. */
-#include "assemble/domain_bar.h"
+/* The paper's formulas against quadrature, and derivatives by a subdomain's map. */
+#include "assemble/subdomain_bar.h"
 
 /* Elasticity tensor of a material. */
 static double tensor_of(const bw_material *material, int i, int j, int k, int l) {
@@ -78,14 +78,14 @@ static void paper_formulas_against_quadrature(void **state) {
     check_ok(context, bw_mesh_moved(context, mesh, &scaled[0][0], &moved));
     check_ok(context, bw_graph_create(context, mesh, &graph));
     for (int kind = 0; kind < 2; kind++) {
-      bw_domain_stiffness *kept = NULL;
-      bw_domain_motion motion;
-      check_ok(context, bw_domain_stiffness_create(context, graph, mesh, material[kind], false, 1,
-                                                   zero, zero, &kept));
-      bw_domain_motion_rest(&motion);
+      bw_subdomain_stiffness *kept = NULL;
+      bw_subdomain_motion motion;
+      check_ok(context, bw_subdomain_stiffness_create(context, graph, mesh, material[kind], false,
+                                                      1, zero, zero, &kept));
+      bw_subdomain_motion_rest(&motion);
       for (int c = 0; c < 3; c++)
         motion.linear[4 * c] = s[c];
-      check_ok(context, bw_domain_stiffness_update(context, kept, moved, &motion, NULL));
+      check_ok(context, bw_subdomain_stiffness_update(context, kept, moved, &motion, NULL));
       check_ok(context,
                bw_element_stiffness(context, 2, (const double(*)[3])scaled, material[kind], k));
       double size = 0;
@@ -116,7 +116,7 @@ static void paper_formulas_against_quadrature(void **state) {
   bw_release(material[1]);
 }
 
-/* dK x against central differences, for each material and domain; the sum over p of a uniform
+/* dK x against central differences, for each material and subdomain; the sum over p of a uniform
  * scaling is K itself (K grows with the length). */
 static void derivative(void **state) {
   bw_context *context = check_context(state);
@@ -132,30 +132,30 @@ static void derivative(void **state) {
     bw_random_seed(&random, 8);
     for (size_t i = 0; i < n; i++)
       x[i] = uniform(&random, -1, 1);
-    bw_domain_motion motion[DOMAINS];
+    bw_subdomain_motion motion[SUBDOMAINS];
     const double axis[3] = {1, 2, -1};
     double q[9];
     turn(0.5, axis, q);
-    for (int d = 0; d < DOMAINS; d++) {
-      bw_domain_motion_rest(&motion[d]);
+    for (int d = 0; d < SUBDOMAINS; d++) {
+      bw_subdomain_motion_rest(&motion[d]);
       for (int r = 0; r < 9; r++)
         motion[d].linear[r] += uniform(&random, -0.2, 0.2);
       times(q, motion[d].linear, motion[d].linear);
       transposed(q, motion[d].frame);
     }
-    for (int d = 0; d < DOMAINS; d += 2) {
+    for (int d = 0; d < SUBDOMAINS; d += 2) {
       double direction[9], h = 1e-4, size = 0;
       for (int r = 0; r < 9; r++)
         direction[r] = uniform(&random, -1, 1);
       memset(y, 0, sizeof(double) * n);
       for (int side = 1; side >= -1; side--) { /* the middle one last but one, then back */
-        bw_domain_motion at[DOMAINS];
+        bw_subdomain_motion at[SUBDOMAINS];
         memcpy(at, motion, sizeof at);
         for (int r = 0; r < 9; r++)
           at[d].linear[r] += side * h * direction[r];
-        check_ok(context, bw_domain_stiffness_update(context, now.s, now.b.rest, at, NULL));
+        check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, at, NULL));
         if (side == 0)
-          check_ok(context, bw_domain_stiffness_derivative(context, now.s, d, direction, x, y));
+          check_ok(context, bw_subdomain_stiffness_derivative(context, now.s, d, direction, x, y));
         else if (side == 1)
           memcpy(k, now.s->values, sizeof(double) * entries);
         else
@@ -168,10 +168,11 @@ static void derivative(void **state) {
       for (size_t i = 0; i < n; i++)
         check_near(y[i], z[i], 1e-6 * size);
     }
-    check_ok(context, bw_domain_stiffness_update(context, now.s, now.b.rest, motion, NULL));
+    check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, motion, NULL));
     memset(y, 0, sizeof(double) * n);
-    for (int d = 0; d < DOMAINS; d++)
-      check_ok(context, bw_domain_stiffness_derivative(context, now.s, d, motion[d].linear, x, y));
+    for (int d = 0; d < SUBDOMAINS; d++)
+      check_ok(context,
+               bw_subdomain_stiffness_derivative(context, now.s, d, motion[d].linear, x, y));
     check_ok(context, bw_graph_multiply(context, g, now.s->values, 9, 3, 1, x, z));
     double size = 0;
     for (size_t i = 0; i < n; i++)
@@ -179,11 +180,11 @@ static void derivative(void **state) {
     for (size_t i = 0; i < n; i++)
       check_near(y[i], z[i], 1e-13 * size);
     motion[1].reshaped = true;
-    check_ok(context, bw_domain_stiffness_update(context, now.s, now.b.rest, motion, NULL));
-    check_fails(context, BW_INVALID, "domain 2 is reshaped",
-                bw_domain_stiffness_derivative(context, now.s, 1, q, x, y));
-    check_fails(context, BW_INVALID, "domain 10",
-                bw_domain_stiffness_derivative(context, now.s, 9, q, x, y));
+    check_ok(context, bw_subdomain_stiffness_update(context, now.s, now.b.rest, motion, NULL));
+    check_fails(context, BW_INVALID, "subdomain 2 is reshaped",
+                bw_subdomain_stiffness_derivative(context, now.s, 1, q, x, y));
+    check_fails(context, BW_INVALID, "subdomain 10",
+                bw_subdomain_stiffness_derivative(context, now.s, 9, q, x, y));
     free(x), free(y), free(z), free(k);
     session_clear(&now);
   }

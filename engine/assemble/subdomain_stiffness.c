@@ -1,0 +1,279 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The stiffness of subdomains: made at rest, released, measured, differentiated (subdomain.h).
+ * Updates are in subdomain_update.c. */
+#include "assemble/subdomain.h"
+
+#include <math.h>
+
+void bw_subdomain_motion_rest(bw_subdomain_motion *motion) {
+  *motion = (bw_subdomain_motion){.linear = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                  .frame = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+}
+
+static void destroy(void *object) {
+  bw_subdomain_stiffness *stiffness = (bw_subdomain_stiffness *)object;
+  bwi_subdomain_coefficients *c = stiffness->coefficients;
+  if (c) {
+    bw_free(c->element_start);
+    bw_free(c->element);
+    bw_free(c->number);
+    bw_free(c->node_start);
+    bw_free(c->node);
+    bw_free(c->section_size);
+    bw_free(c->block_start);
+    bw_free(c->block_subdomain);
+    bw_free(c->segment);
+    bw_free(c->place);
+    bw_free(c->tensor);
+    bw_free(c->present);
+    bw_free(c->map);
+    bw_free(c->rest_turn);
+    bw_free(c->frame_start);
+    bw_free(c->frame_subdomain);
+    bw_free(c->written);
+    bw_free(c->reported);
+    bw_free(c->written_position);
+    bw_free(c->reported_position);
+    bw_free(c->reported_frame);
+    bw_free(c);
+  }
+  bw_release(stiffness->graph);
+  bw_release(stiffness->material);
+  bw_free(stiffness->values);
+  bw_free(stiffness->changed);
+  bw_free(stiffness);
+}
+
+static size_t bytes(const void *object) {
+  const bw_subdomain_stiffness *stiffness = (const bw_subdomain_stiffness *)object;
+  const bwi_subdomain_coefficients *c = stiffness->coefficients;
+  size_t subdomains = (size_t)stiffness->subdomain_count, sections = (size_t)c->section_count,
+         elements = (size_t)stiffness->graph->mesh->element_count,
+         numbers = (size_t)(9 * stiffness->graph->pair_count + c->item_count + c->present_count),
+         nodes = (size_t)c->node_start[subdomains], frames = (size_t)c->frame_start[subdomains];
+  return sizeof *stiffness + sizeof *c + numbers * sizeof *c->tensor +
+         (size_t)c->place_count * sizeof *c->place + (size_t)c->segment_count * sizeof *c->segment +
+         sections * 2 * sizeof(int64_t) +
+         (size_t)c->block_start[sections] * sizeof *c->block_subdomain +
+         elements * 2 * sizeof(int32_t) +
+         nodes * (sizeof *c->node + 6 * sizeof *c->written_position) +
+         frames * (sizeof *c->frame_subdomain + 9 * sizeof *c->reported_frame) +
+         subdomains * (2 * sizeof *c->written + 2 * sizeof(int32_t) + sizeof(int64_t) +
+                       (BWI_SUBDOMAIN_MAP + (c->rest_turn ? 9 : 0)) * sizeof *c->map + 1);
+}
+
+static const bw_kind stiffness_kind = {"subdomain stiffness", destroy, bytes};
+
+size_t bw_subdomain_stiffness_bytes(const bw_subdomain_stiffness *stiffness) {
+  return bytes(stiffness);
+}
+
+static bw_status check_arguments(bw_context *context, const bw_mesh *mesh, int32_t subdomain_count,
+                                 const int32_t *element_subdomain, const int32_t *node_subdomain) {
+  if (subdomain_count < 1)
+    return bw_fail(context, BW_INVALID, "%d subdomains: at least one expected", subdomain_count);
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    if (element_subdomain[e] < 0 || element_subdomain[e] >= subdomain_count) {
+      bw_status status =
+          bw_fail(context, BW_INVALID, "element %d is in subdomain %d: the subdomains are 1 to %d",
+                  e + 1, element_subdomain[e] + 1, subdomain_count);
+      bw_detail_number(context, "element", e);
+      return status;
+    }
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    if (node_subdomain[i] < -1 || node_subdomain[i] >= subdomain_count) {
+      bw_status status =
+          bw_fail(context, BW_INVALID,
+                  "node %d has the frame of subdomain %d: the subdomains are 1 to %d, and 0 is the "
+                  "global frame",
+                  i + 1, node_subdomain[i] + 1, subdomain_count);
+      bw_detail_number(context, "node", i);
+      return status;
+    }
+  return BW_OK;
+}
+
+/* How each subdomain's material lies at rest where it is turned by element: alike in all of a
+ * subdomain.
+ */
+static bw_status take_turns(bw_context *context, const bw_material *material,
+                            int32_t subdomain_count, const int32_t *element_subdomain,
+                            bwi_subdomain_coefficients *c) {
+  const bw_material_turns *t = material->turns;
+  if (!t)
+    return BW_OK;
+  c->rest_turn = BW_NEW0(context, double, 9 * (int64_t)subdomain_count); /* zero: not met yet */
+  if (!c->rest_turn)
+    return BW_MEMORY;
+  for (int32_t e = 0; e < t->element_count; e++) {
+    double *rest = c->rest_turn + 9 * (int64_t)element_subdomain[e];
+    const double *own = t->rotation + 9 * (int64_t)t->of_element[e];
+    if (bw_norm(rest) == 0)
+      memcpy(rest, own, 9 * sizeof *rest);
+    else if (memcmp(rest, own, 9 * sizeof *rest) != 0) {
+      bw_fail(
+          context, BW_INVALID,
+          "element %d of subdomain %d has another material orientation than the elements before "
+          "it: each subdomain needs one orientation",
+          e + 1, element_subdomain[e] + 1);
+      bw_detail_number(context, "element", e + 1);
+      return BW_INVALID;
+    }
+  }
+  return BW_OK;
+}
+
+bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_graph *graph,
+                                        const bw_mesh *mesh, const bw_material *material,
+                                        bool material_turns, int32_t subdomain_count,
+                                        const int32_t *element_subdomain,
+                                        const int32_t *node_subdomain,
+                                        bw_subdomain_stiffness **stiffness) {
+  static const int voigt[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+  static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  bw_status status = BW_OK;
+  bwi_subdomain_work work = {0};
+  bw_subdomain_stiffness *s = NULL;
+  BW_TRY(bwi_graph_fits(context, graph, mesh));
+  BW_TRY(check_arguments(context, mesh, subdomain_count, element_subdomain, node_subdomain));
+  BW_TRY(bw_material_fits(context, material, mesh->element_count));
+  if (material->formulation == BW_B_BAR)
+    return bw_fail(
+        context, BW_UNSUPPORTED,
+        "the stiffness by subdomains is implemented for the standard formulation, not for B-bar");
+  if (graph->gather_start[graph->pair_count] > INT32_MAX)
+    return bw_fail(context, BW_LIMIT,
+                   "the mesh has %lld contributions of elements to pairs of nodes; at most %d fit",
+                   (long long)graph->gather_start[graph->pair_count], INT32_MAX);
+  s = BW_NEW0(context, bw_subdomain_stiffness, 1);
+  if (!s)
+    return BW_MEMORY;
+  bw_object_init(s, &stiffness_kind);
+  s->graph = (const bw_graph *)bw_retain(graph);
+  s->material = (const bw_material *)bw_retain(material);
+  s->material_turns = material_turns;
+  s->subdomain_count = subdomain_count;
+  s->revision = s->object.revision;
+  bwi_subdomain_coefficients *c = s->coefficients = BW_NEW0(context, bwi_subdomain_coefficients, 1);
+  if (!c) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++)
+      for (int j = 0; j < 3; j++)
+        for (int l = 0; l < 3; l++)
+          c->elasticity[9 * (3 * i + k) + 3 * j + l] =
+              material->elasticity[6 * voigt[i][j] + voigt[k][l]];
+  c->turning_matters = !material->isotropic;
+  BW_TRY(take_turns(context, material, subdomain_count, element_subdomain, c));
+  BW_TRY(bwi_subdomain_lists(context, graph, subdomain_count, element_subdomain, node_subdomain,
+                             c->turning_matters, material_turns, c));
+  int64_t nodes = c->node_start[subdomain_count];
+  int32_t frames = c->frame_start[subdomain_count];
+  s->values = BW_NEW(context, double, 9 * graph->pair_count);
+  s->changed = BW_NEW0(context, uint8_t, subdomain_count);
+  c->map = BW_NEW(context, double, BWI_SUBDOMAIN_MAP *(int64_t)subdomain_count);
+  c->written = BW_NEW(context, bwi_subdomain_shape, subdomain_count);
+  c->reported = BW_NEW(context, bwi_subdomain_shape, subdomain_count);
+  c->written_position = BW_NEW(context, double, 3 * nodes);
+  c->reported_position = BW_NEW(context, double, 3 * nodes);
+  c->reported_frame = BW_NEW(context, double, 9 * (int64_t)frames);
+  if (!s->values || !s->changed || !c->map || !c->written || !c->reported || !c->written_position ||
+      !c->reported_position || !c->reported_frame) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t d = 0; d < subdomain_count; d++) {
+    c->written[d].reshaped = false;
+    memcpy(c->written[d].linear, identity, sizeof identity);
+    memcpy(c->written[d].frame, identity, sizeof identity);
+    c->reported[d] = c->written[d];
+  }
+  for (int32_t f = 0; f < frames; f++)
+    memcpy(c->reported_frame + 9 * (int64_t)f, identity, sizeof identity);
+
+  BW_TRY(bwi_subdomain_work_create(context, s, &work));
+  memset(work.action, BWI_SUBDOMAIN_GATHER, (size_t)subdomain_count);
+  BW_TRY(bwi_subdomain_work_prepare(context, mesh, &work));
+  BW_TRY(bwi_subdomain_gather_rest(context, &work));
+  for (int32_t d = 0; d < subdomain_count; d++) {
+    double elasticity[81];
+    bwi_subdomain_elasticity(s, d, identity, elasticity);
+    bwi_subdomain_map(elasticity, identity, c->map + BWI_SUBDOMAIN_MAP * (int64_t)d);
+  }
+  BW_TRY(bwi_subdomain_write(context, &work));
+  *stiffness = s;
+  s = NULL;
+done:
+  bwi_subdomain_work_clear(&work);
+  bw_release(s);
+  return status;
+}
+
+/* The row of a pair, sought from row `from` on. */
+static int32_t row_of(const bw_graph *graph, int32_t from, int64_t pair) {
+  int32_t step = 1, high = graph->node_count; /* start[from] <= pair < start[high] */
+  for (; high - from > step && graph->start[from + step] <= pair; step *= 2)
+    from += step;
+  if (high - from > step)
+    high = from + step;
+  while (high - from > 1) {
+    int32_t middle = from + (high - from) / 2;
+    if (graph->start[middle] <= pair)
+      from = middle;
+    else
+      high = middle;
+  }
+  return from;
+}
+
+/* y += A x with A the map of a block's coefficients. */
+static void add_product(const bw_graph *graph, const double *map, const double *tensor,
+                        const uint32_t *place, const bwi_subdomain_segment *segment,
+                        const double *x, double *y) {
+  int32_t row = 0;
+  for (int64_t k = 0; k < segment->size; k++) {
+    int64_t pair = place[k] >> 1;
+    const double *t = tensor + segment->numbers * (k & ~(int64_t)3) + (k & 3);
+    row = row_of(graph, row, pair);
+    int32_t column = graph->column[pair];
+    const double *xi = x + 3 * (int64_t)row, *xj = x + 3 * (int64_t)column;
+    double *yi = y + 3 * (int64_t)row, *yj = y + 3 * (int64_t)column, block[9];
+    bwi_subdomain_entries(map, t, segment->numbers, block);
+    for (int r = 0; r < 3; r++)
+      yi[r] += block[3 * r] * xj[0] + block[3 * r + 1] * xj[1] + block[3 * r + 2] * xj[2];
+    if (row != column)
+      for (int r = 0; r < 3; r++)
+        yj[r] += block[r] * xi[0] + block[3 + r] * xi[1] + block[6 + r] * xi[2];
+  }
+}
+
+bw_status bw_subdomain_stiffness_derivative(bw_context *context,
+                                            const bw_subdomain_stiffness *stiffness,
+                                            int32_t subdomain, const double direction[9],
+                                            const double *x, double *y) {
+  const bwi_subdomain_coefficients *c = stiffness->coefficients;
+  const bw_graph *graph = stiffness->graph;
+  if (subdomain < 0 || subdomain >= stiffness->subdomain_count)
+    return bw_fail(context, BW_INVALID, "subdomain %d: the subdomains are 1 to %d", subdomain + 1,
+                   stiffness->subdomain_count);
+  if (c->written[subdomain].reshaped)
+    return bw_fail(
+        context, BW_INVALID,
+        "subdomain %d is reshaped and has no map to differentiate by; differentiate by its "
+        "node positions",
+        subdomain + 1);
+  double elasticity[81], map[BWI_SUBDOMAIN_MAP];
+  bwi_subdomain_elasticity(stiffness, subdomain, c->written[subdomain].frame, elasticity);
+  bwi_subdomain_map_derivative(elasticity, c->written[subdomain].linear, direction, map);
+  for (int64_t p = 0; p < c->segment_count; p++) {
+    const bwi_subdomain_segment *segment = &c->segment[p];
+    int64_t first = c->block_start[segment->section];
+    for (int64_t b = first; b < c->block_start[segment->section + 1]; b++)
+      if (c->block_subdomain[b] == subdomain)
+        add_product(graph, map, bwi_subdomain_rest(c, segment, b - first),
+                    c->place + segment->first, segment, x, y);
+  }
+  return BW_OK;
+}
