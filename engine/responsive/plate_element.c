@@ -8,7 +8,7 @@
  *
  * from their tangential values at two Gauss points of each edge and their two means. Gradients of
  * quadratic deflections are in that space, so a thin plate can bend without shear. In reference
- * coordinates, so that sides may be curved. docs/theory/responsive.md, "Plates that ring". */
+ * coordinates, so that sides may be curved. docs/theory/responsive.md, "Plate modes". */
 #include "responsive/plate.h"
 
 #include <math.h>

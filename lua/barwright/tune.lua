@@ -11,7 +11,7 @@
 -- The second is taken as far as it lowers p . W p / 2 + m sum |c_k|. The cheapest change of all would be to
 -- pinch the narrowest place; a point that has moved by a fifth of the width there stays where it is.
 --
--- docs/theory/responsive.md, "Plates that ring".
+-- docs/theory/responsive.md, "Plate modes".
 local tune = {}
 
 -- ---- the measure of change -----------------------------------------------------------------------
