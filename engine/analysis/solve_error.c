@@ -50,11 +50,11 @@ static bw_status share_of_diagonal(bw_context *context, const bw_mesh *mesh, dou
 
 bw_status bwi_solve_error_open(bw_context *context, bw_system *system, bwi_solve_error *error) {
   bw_status status = BW_OK;
-  const bw_graph *graph = system->graph;
+  const bw_block_pattern *pattern = system->pattern;
   bw_modes *modes = NULL;
   bw_modes_options options;
   *error = (bwi_solve_error){.system = system};
-  error->compliance = BW_NEW0(context, double, graph->node_count);
+  error->compliance = BW_NEW0(context, double, pattern->node_count);
   if (!error->compliance)
     return BW_MEMORY;
   if (system->dof_map->unknown_count == 0)
@@ -74,8 +74,8 @@ bw_status bwi_solve_error_open(bw_context *context, bw_system *system, bwi_solve
   double theta;
   BW_TRY(share_of_diagonal(context, system->mesh, &theta));
   double scale = LOWEST_SHARE * modes->eigenvalue[0] * theta;
-  for (int32_t i = 0; i < graph->node_count; i++)
-    error->compliance[i] = 1 / (scale * system->mass[graph->start[i + 1] - 1]);
+  for (int32_t i = 0; i < pattern->node_count; i++)
+    error->compliance[i] = 1 / (scale * system->mass[pattern->start[i + 1] - 1]);
 done:
   bw_release(modes);
   return status;
@@ -87,10 +87,10 @@ void bwi_solve_error_close(bwi_solve_error *error) {
 
 /* rest -= K u and size += |K| |u|. */
 static void multiply(const bw_system *system, const double *u, double *rest, double *size) {
-  const bw_graph *graph = system->graph;
-  for (int64_t i = 0; i < graph->node_count; i++)
-    for (int64_t k = graph->start[i]; k < graph->start[i + 1]; k++) {
-      int64_t j = graph->column[k];
+  const bw_block_pattern *pattern = system->pattern;
+  for (int64_t i = 0; i < pattern->node_count; i++)
+    for (int64_t k = pattern->start[i]; k < pattern->start[i + 1]; k++) {
+      int64_t j = pattern->column[k];
       for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++) {
           double value = system->stiffness[9 * k + 3 * a + b];
@@ -106,8 +106,8 @@ static void multiply(const bw_system *system, const double *u, double *rest, dou
 
 double bwi_solve_error_energy(const bwi_solve_error *error, const double *force,
                               const double *displacement, double *work) {
-  const bw_graph *graph = error->system->graph;
-  size_t nodes = (size_t)graph->node_count;
+  const bw_block_pattern *pattern = error->system->pattern;
+  size_t nodes = (size_t)pattern->node_count;
   double load = 0, energy = 0, *size = work + 3 * nodes;
   for (size_t i = 0; i < 3 * nodes; i++) {
     load = fmax(load, fabs(force[i]));
@@ -118,8 +118,8 @@ double bwi_solve_error_energy(const bwi_solve_error *error, const double *force,
   bw_rigid_modes_balance(error->system->dof_map, work);
   bwi_keep_states(error->system->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, work);
   for (size_t i = 0; i < nodes; i++) {
-    int64_t neighbours =
-        graph->start[i + 1] - graph->start[i] + graph->upper_start[i + 1] - graph->upper_start[i];
+    int64_t neighbours = pattern->start[i + 1] - pattern->start[i] + pattern->upper_start[i + 1] -
+                         pattern->upper_start[i];
     double rounding = (3.0 * (double)neighbours + 4) * DBL_EPSILON; /* twice that of the sum */
     for (size_t c = 0; c < 3; c++) {
       double max = fabs(work[3 * i + c]) + rounding * size[3 * i + c] + BALANCE_ROUNDING * load;

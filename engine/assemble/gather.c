@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Sums of gradient products, pair by pair (gather.h). */
-#include "assemble/pair.h"
+/* Sums of gradient products, block by block (gather.h). */
+#include "assemble/block.h"
 
 #include <string.h>
 
@@ -21,12 +21,12 @@ static int other(int middle, int corner) {
  *   T_im = 4/5 g_i g_b - 1/5 g_i s_m when i = a, else -1/5 g_i s_m
  *   T_mn = 4/5 (s_m s_n + g_b g_c) for m = ab, n = ac; 4/5 s_m s_n for opposite edges
  * The diagonal of a mid-edge node has three products and is summed on its own. */
-void bwi_product_table(int order, bwi_pair_product table[256]) {
+void bwi_product_table(int order, bwi_block_term table[256]) {
   memset(table, 0, 256 * sizeof *table);
   int n = order == 1 ? 4 : 10;
   for (int a = 0; a < n; a++)
     for (int b = 0; b < n; b++) {
-      bwi_pair_product *p = &table[a << 4 | b];
+      bwi_block_term *p = &table[a << 4 | b];
       p->u = p->w = (uint8_t)a;
       p->v = p->z = (uint8_t)b;
       if (order == 1)
@@ -56,7 +56,7 @@ void bwi_product_table(int order, bwi_pair_product table[256]) {
 }
 
 typedef struct gather_data {
-  bwi_pair_source source;
+  bwi_block_source source;
   bwi_gather_kind kind;
   double lambda, mu;
   /* by group: of the component T[m], what it adds to the block's rows; and of mean gradients, in
@@ -73,16 +73,16 @@ static void add_general(const bwi_vector (*map)[3], double t[3][4], double *out)
     out[i] += block[i];
 }
 
-/* The block of a pair by general maps: run by run of elements of one group of the material. */
-static void gather_general(const gather_data *g, int64_t pair, bool diagonal, double *out) {
-  const bw_graph *graph = g->source.graph;
-  int64_t k = graph->gather_start[pair], end = graph->gather_start[pair + 1];
+/* The values of a block by general maps: run by run of elements of one group of the material. */
+static void gather_general(const gather_data *g, int64_t index, bool diagonal, double *out) {
+  const bw_block_pattern *pattern = g->source.pattern;
+  int64_t k = pattern->gather_start[index], end = pattern->gather_start[index + 1];
   memset(out, 0, 9 * sizeof *out);
   while (k < end) {
     double t[3][4];
-    int32_t group = g->group ? g->group[graph->gather_element[k]] : 0;
+    int32_t group = g->group ? g->group[pattern->gather_element[k]] : 0;
     int64_t next = g->group ? k + 1 : end;
-    while (next < end && g->group[graph->gather_element[next]] == group)
+    while (next < end && g->group[pattern->gather_element[next]] == group)
       next++;
     bwi_sum_contributions(&g->source, NULL, k, next, diagonal, t);
     add_general(g->map[group], t, out);
@@ -96,21 +96,21 @@ static void gather_general(const gather_data *g, int64_t pair, bool diagonal, do
 
 static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker) {
   const gather_data *g = (const gather_data *)data;
-  const int64_t *start = g->source.graph->start;
+  const int64_t *start = g->source.pattern->start;
   (void)worker;
   for (int64_t i = begin; i < end; i++)
-    for (int64_t pair = start[i]; pair < start[i + 1]; pair++) {
-      double t[3][4], *out = g->values + 9 * pair;
-      bool diagonal = pair == start[i + 1] - 1;
+    for (int64_t index = start[i]; index < start[i + 1]; index++) {
+      double t[3][4], *out = g->values + 9 * index;
+      bool diagonal = index == start[i + 1] - 1;
       if (g->group || g->mean_map) {
-        gather_general(g, pair, diagonal, out);
+        gather_general(g, index, diagonal, out);
         if (diagonal)
           bwi_make_symmetric(out);
         continue;
       }
-      bwi_sum_pair(&g->source, NULL, pair, diagonal, t);
+      bwi_sum_block(&g->source, NULL, index, diagonal, t);
       if (g->kind == BWI_TRACE) {
-        g->values[pair] = t[0][0] + t[1][1] + t[2][2];
+        g->values[index] = t[0][0] + t[1][1] + t[2][2];
         continue;
       }
       if (g->kind == BWI_ISOTROPIC)
@@ -163,15 +163,16 @@ static bw_status general_maps(bw_context *context, const bw_material *material, 
   return BW_OK;
 }
 
-bw_status bwi_gather(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
+bw_status bwi_gather(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
                      bwi_gather_kind kind, const bw_material *material, double *values) {
   bw_status status = BW_OK;
   bwi_frames frames = {0};
-  gather_data g = {.source = {.graph = graph, .frames = &frames}, .kind = kind, .values = values};
-  BW_TRY(bwi_graph_fits(context, graph, mesh));
+  gather_data g = {
+      .source = {.pattern = pattern, .frames = &frames}, .kind = kind, .values = values};
+  BW_TRY(bwi_block_pattern_fits(context, pattern, mesh));
   BW_TRY(bwi_frames_create(context, mesh, &frames));
   bwi_product_table(mesh->order, g.source.table);
-  g.source.contributions = graph->gather_start[graph->pair_count];
+  g.source.contributions = pattern->gather_start[pattern->block_count];
   if (kind == BWI_ISOTROPIC) {
     g.lambda = material->lame_lambda;
     g.mu = material->lame_mu;
@@ -180,7 +181,7 @@ bw_status bwi_gather(bw_context *context, const bw_graph *graph, const bw_mesh *
     BW_TRY(bw_material_fits(context, material, mesh->element_count));
     BW_TRY(general_maps(context, material, bwi_projected_bulk(mesh, material), &g));
   }
-  BW_TRY(bw_parallel(context, graph->node_count, ROWS_PER_CHUNK, gather_rows, &g));
+  BW_TRY(bw_parallel(context, pattern->node_count, ROWS_PER_CHUNK, gather_rows, &g));
 done:
   bw_free(g.map);
   bw_free(g.mean_map);
@@ -188,14 +189,14 @@ done:
   return status;
 }
 
-bw_status bw_stiffness(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
+bw_status bw_stiffness(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
                        const bw_material *material, double *values) {
   bool isotropic = material->isotropic && bwi_projected_bulk(mesh, material) == 0;
-  return bwi_gather(context, graph, mesh, isotropic ? BWI_ISOTROPIC : BWI_GENERAL, material,
+  return bwi_gather(context, pattern, mesh, isotropic ? BWI_ISOTROPIC : BWI_GENERAL, material,
                     values);
 }
 
-bw_status bw_laplacian(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
+bw_status bw_laplacian(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
                        double *values) {
-  return bwi_gather(context, graph, mesh, BWI_TRACE, NULL, values);
+  return bwi_gather(context, pattern, mesh, BWI_TRACE, NULL, values);
 }

@@ -1,14 +1,14 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Gradient products of node pairs, summed from the elements around them.
+/* Gradient products of blocks, summed from the elements around them.
  *
- * Everything that assembly needs of a pair (i, j) is the 3x3 tensor
+ * Everything that assembly needs of a block (i, j) is the 3x3 tensor
  *     T_ij = integral of grad N_i (x) grad N_j:
  * stiffness is a fixed linear map of it, given by the material, and the Laplacian its trace. On a
  * straight element all gradients are combinations of the four barycentric ones g_0..g_3, and T_ij
  * of two nodes is a sum of at most two products of the vectors h_i = sqrt(V) g_i (corners)   and
  * h_a + h_b (middle of edge ab), with factors that depend on the local numbers alone
  * (docs/theory/elements.md). So an element is a frame of 4 or 10 vectors, small enough to stay in
- * cache while a row of pairs is summed, and no element matrix is ever stored. Curved elements have
+ * cache while a row of blocks is summed, and no element matrix is ever stored. Curved elements have
  * their products from quadrature instead. */
 #ifndef BARWRIGHT_GATHER_H
 #define BARWRIGHT_GATHER_H
@@ -32,9 +32,9 @@ double bwi_element_frame(const bw_mesh *mesh, int64_t element, bwi_vector *h);
 bw_status bwi_frames_create(bw_context *context, const bw_mesh *mesh, bwi_frames *frames);
 void bwi_frames_clear(bwi_frames *frames);
 
-/* What becomes of the tensors: 9 numbers per pair from a material, or the trace. */
+/* What becomes of the tensors: 9 numbers per block from a material, or the trace. */
 typedef enum bwi_gather_kind { BWI_ISOTROPIC, BWI_GENERAL, BWI_TRACE } bwi_gather_kind;
-bw_status bwi_gather(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
+bw_status bwi_gather(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
                      bwi_gather_kind kind, const bw_material *material, double *values);
 
 #endif

@@ -51,11 +51,13 @@ static inline void bwi_gradients_at_node(const bw_mesh *mesh, int64_t element, i
   bw_tet_gradient(mesh->order, (const double(*)[3])x, l, gradient);
 }
 
-/* BW_INVALID unless the mesh has the graph's topology (by its sizes). */
-bw_status bwi_graph_fits(bw_context *context, const bw_graph *graph, const bw_mesh *mesh);
-/* Mark the pairs of two nodes of one facet of the boundary, by pair: elsewhere the tensor of
+/* BW_INVALID unless the mesh has the pattern's topology (by its sizes). */
+bw_status bwi_block_pattern_fits(bw_context *context, const bw_block_pattern *pattern,
+                                 const bw_mesh *mesh);
+/* Mark the blocks of two nodes of one facet of the boundary, by block: elsewhere the tensor of
  * gradients is symmetric (docs/theory/edit.md). */
-void bwi_graph_mark_surface(const bw_graph *graph, const bw_mesh *mesh, uint8_t *surface);
+void bwi_block_pattern_mark_surface(const bw_block_pattern *pattern, const bw_mesh *mesh,
+                                    uint8_t *surface);
 /* BW_GEOMETRY: the element has no positive volume (or Jacobian) at a place. */
 bw_status bwi_fail_inverted(bw_context *context, const bw_mesh *mesh, int64_t element,
                             double determinant);

@@ -15,7 +15,7 @@
 enum { ROWS_PER_CHUNK = 512 };
 
 typedef struct mass_data {
-  const bw_graph *graph;
+  const bw_block_pattern *pattern;
   const bw_mesh *mesh;
   int32_t *curved;
   double *curved_mass; /* curved elements x 100 */
@@ -82,29 +82,30 @@ static void clear(mass_data *m) {
 
 static bw_status gather_rows(void *data, int64_t begin, int64_t end, int worker) {
   const mass_data *m = (const mass_data *)data;
-  const bw_graph *graph = m->graph;
+  const bw_block_pattern *pattern = m->pattern;
   (void)worker;
-  for (int64_t pair = graph->start[begin]; pair < graph->start[end]; pair++) {
+  for (int64_t block = pattern->start[begin]; block < pattern->start[end]; block++) {
     double sum = 0;
-    for (int64_t k = graph->gather_start[pair]; k < graph->gather_start[pair + 1]; k++) {
-      int32_t e = graph->gather_element[k];
-      int code = graph->gather_local[k];
+    for (int64_t k = pattern->gather_start[block]; k < pattern->gather_start[block + 1]; k++) {
+      int32_t e = pattern->gather_element[k];
+      int code = pattern->gather_local[k];
       if (m->curved && m->curved[e] >= 0)
         sum += m->curved_mass[100 * (int64_t)m->curved[e] + 10 * (code >> 4) + (code & 15)];
       else
         sum += m->factor[code] * m->mesh->volume[e];
     }
-    m->values[pair] = sum;
+    m->values[block] = sum;
   }
   return BW_OK;
 }
 
-bw_status bw_mass(bw_context *context, const bw_graph *graph, const bw_mesh *mesh, double *values) {
+bw_status bw_mass(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
+                  double *values) {
   bw_status status;
-  mass_data m = {.graph = graph, .values = values};
-  BW_TRY(bwi_graph_fits(context, graph, mesh));
+  mass_data m = {.pattern = pattern, .values = values};
+  BW_TRY(bwi_block_pattern_fits(context, pattern, mesh));
   BW_TRY(prepare(context, mesh, &m));
-  BW_TRY(bw_parallel(context, graph->node_count, ROWS_PER_CHUNK, gather_rows, &m));
+  BW_TRY(bw_parallel(context, pattern->node_count, ROWS_PER_CHUNK, gather_rows, &m));
 done:
   clear(&m);
   return status;
@@ -113,7 +114,7 @@ done:
 bw_status bw_lumped_mass(bw_context *context, const bw_mesh *mesh, double *values) {
   bw_status status;
   int n = mesh->nodes_per_element;
-  mass_data m = {.graph = NULL};
+  mass_data m = {.pattern = NULL};
   BW_TRY(prepare(context, mesh, &m));
   memset(values, 0, (size_t)mesh->node_count * sizeof *values);
   for (int64_t e = 0; e < mesh->element_count; e++) {

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* y = A x with A stored as the lower triangle of a graph. Each row is summed by one thread: its
- * stored pairs, then their mirror images above the diagonal, always in the same order. The time
+/* y = A x with A stored as the lower triangle of a pattern. Each row is summed by one thread: its
+ * stored blocks, then their mirror images above the diagonal, always in the same order. The time
  * goes into reading the values, so several vectors share one pass: they are interleaved by fours,
  * and a register holds the same component of four vectors. The sums are the same as one by one. */
 #include "assemble/internal.h"
@@ -12,7 +12,7 @@ enum { ROWS_PER_CHUNK = 512, VECTORS = 4 };
 typedef double vector __attribute__((vector_size(32), aligned(8), may_alias));
 
 typedef struct multiply_data {
-  const bw_graph *graph;
+  const bw_block_pattern *pattern;
   const double *values, *x;
   double *y;
   int components;
@@ -36,15 +36,15 @@ static bw_status pack(void *data, int64_t begin, int64_t end, int worker) {
  * text serves a number and four of them. */
 #define ROW_OF_BLOCKS(type, x, sum)                                                                \
   do {                                                                                             \
-    for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++) {                              \
+    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1]; p++) {                          \
       const double *a = m->values + 9 * p;                                                         \
-      const type *in = (x) + 3 * (int64_t)graph->column[p];                                        \
+      const type *in = (x) + 3 * (int64_t)pattern->column[p];                                      \
       for (int r = 0; r < 3; r++)                                                                  \
         sum[r] += a[3 * r] * in[0] + a[3 * r + 1] * in[1] + a[3 * r + 2] * in[2];                  \
     }                                                                                              \
-    for (int64_t k = graph->upper_start[i]; k < graph->upper_start[i + 1]; k++) {                  \
-      const double *a = m->values + 9 * graph->upper_pair[k];                                      \
-      const type *in = (x) + 3 * (int64_t)graph->upper_row[k];                                     \
+    for (int64_t k = pattern->upper_start[i]; k < pattern->upper_start[i + 1]; k++) {              \
+      const double *a = m->values + 9 * pattern->upper_block[k];                                   \
+      const type *in = (x) + 3 * (int64_t)pattern->upper_row[k];                                   \
       for (int r = 0; r < 3; r++)                                                                  \
         sum[r] += a[r] * in[0] + a[3 + r] * in[1] + a[6 + r] * in[2];                              \
     }                                                                                              \
@@ -52,14 +52,14 @@ static bw_status pack(void *data, int64_t begin, int64_t end, int worker) {
 
 #define ROW_OF_NUMBERS(type, x, sum)                                                               \
   do {                                                                                             \
-    for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++) {                              \
-      const type *in = (x) + m->components * (int64_t)graph->column[p];                            \
+    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1]; p++) {                          \
+      const type *in = (x) + m->components * (int64_t)pattern->column[p];                          \
       for (int r = 0; r < m->components; r++)                                                      \
         sum[r] += m->values[p] * in[r];                                                            \
     }                                                                                              \
-    for (int64_t k = graph->upper_start[i]; k < graph->upper_start[i + 1]; k++) {                  \
-      double a = m->values[graph->upper_pair[k]];                                                  \
-      const type *in = (x) + m->components * (int64_t)graph->upper_row[k];                         \
+    for (int64_t k = pattern->upper_start[i]; k < pattern->upper_start[i + 1]; k++) {              \
+      double a = m->values[pattern->upper_block[k]];                                               \
+      const type *in = (x) + m->components * (int64_t)pattern->upper_row[k];                       \
       for (int r = 0; r < m->components; r++)                                                      \
         sum[r] += a * in[r];                                                                       \
     }                                                                                              \
@@ -67,7 +67,7 @@ static bw_status pack(void *data, int64_t begin, int64_t end, int worker) {
 
 static bw_status blocks_one(void *data, int64_t begin, int64_t end, int worker) {
   const multiply_data *m = (const multiply_data *)data;
-  const bw_graph *graph = m->graph;
+  const bw_block_pattern *pattern = m->pattern;
   (void)worker;
   for (int64_t i = begin; i < end; i++) {
     double sum[3] = {0};
@@ -79,7 +79,7 @@ static bw_status blocks_one(void *data, int64_t begin, int64_t end, int worker) 
 
 static bw_status numbers_one(void *data, int64_t begin, int64_t end, int worker) {
   const multiply_data *m = (const multiply_data *)data;
-  const bw_graph *graph = m->graph;
+  const bw_block_pattern *pattern = m->pattern;
   (void)worker;
   for (int64_t i = begin; i < end; i++) {
     double sum[3] = {0};
@@ -99,7 +99,7 @@ static void unpack(const multiply_data *m, int64_t first, int64_t i, const vecto
 
 static bw_status blocks_many(void *data, int64_t begin, int64_t end, int worker) {
   const multiply_data *m = (const multiply_data *)data;
-  const bw_graph *graph = m->graph;
+  const bw_block_pattern *pattern = m->pattern;
   (void)worker;
   for (int64_t first = 0; first < m->count; first += VECTORS)
     for (int64_t i = begin; i < end; i++) {
@@ -113,7 +113,7 @@ static bw_status blocks_many(void *data, int64_t begin, int64_t end, int worker)
 
 static bw_status numbers_many(void *data, int64_t begin, int64_t end, int worker) {
   const multiply_data *m = (const multiply_data *)data;
-  const bw_graph *graph = m->graph;
+  const bw_block_pattern *pattern = m->pattern;
   (void)worker;
   for (int64_t first = 0; first < m->count; first += VECTORS)
     for (int64_t i = begin; i < end; i++) {
@@ -125,8 +125,9 @@ static bw_status numbers_many(void *data, int64_t begin, int64_t end, int worker
   return BW_OK;
 }
 
-bw_status bw_graph_multiply(bw_context *context, const bw_graph *graph, const double *values,
-                            int block, int components, int64_t count, const double *x, double *y) {
+bw_status bw_block_multiply(bw_context *context, const bw_block_pattern *pattern,
+                            const double *values, int block, int components, int64_t count,
+                            const double *x, double *y) {
   if ((block != 9 && block != 1) || (components != 1 && components != 3) ||
       (block == 9 && components != 3) || count < 0)
     return bw_fail(context, BW_INVALID,
@@ -134,8 +135,8 @@ bw_status bw_graph_multiply(bw_context *context, const bw_graph *graph, const do
                    "have 9 (then 3 components) or 1 (1 or 3 components)",
                    block, components, (long long)count);
   bw_status status = BW_OK;
-  multiply_data m = {graph, values, x, y, components, (int64_t)graph->node_count * components,
-                     count, NULL};
+  multiply_data m = {pattern, values, x, y, components, (int64_t)pattern->node_count * components,
+                     count,   NULL};
   if (count > 1) {
     m.packed = BW_NEW(context, vector, (count + VECTORS - 1) / VECTORS * m.stride);
     if (!m.packed)
@@ -143,7 +144,7 @@ bw_status bw_graph_multiply(bw_context *context, const bw_graph *graph, const do
     BW_TRY(bw_parallel(context, m.stride, 4096, pack, &m));
   }
   if (count > 0)
-    BW_TRY(bw_parallel(context, graph->node_count, ROWS_PER_CHUNK,
+    BW_TRY(bw_parallel(context, pattern->node_count, ROWS_PER_CHUNK,
                        block == 9 ? (count > 1 ? blocks_many : blocks_one)
                                   : (count > 1 ? numbers_many : numbers_one),
                        &m));

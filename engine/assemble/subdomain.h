@@ -2,27 +2,27 @@
 /* The stiffness kept subdomain by subdomain: lists, coefficients and shapes.
  *
  * Pairs are sorted into sections by the set of subdomains that their elements lie in: two sections
- * for the inside of each subdomain, then one for each set of several subdomains that share pairs.
- * For each of its subdomains a pair has coefficients, T of that subdomain's elements at rest;
+ * for the inside of each subdomain, then one for each set of several subdomains that share blocks.
+ * For each of its subdomains a block has coefficients, T of that subdomain's elements at rest;
  * entries are the sum over the subdomains, ascending, of the subdomains' maps of T. They depend on
  * where the subdomains lie now, and not in one bit on the edits that brought them there (but for
  * differences that count as rounding, which are left: subdomain_update.c).
  *
  * Inside a subdomain the skew half of T is an integral over the facets of the body's boundary that
- * hold both nodes (docs/theory/edit.md): it vanishes for most pairs, whose section keeps the six
+ * hold both nodes (docs/theory/edit.md): it vanishes for most blocks, whose section keeps the six
  * numbers of the symmetric half alone.
  *
  * What takes the time is reading coefficients and writing entries, so that they lie in one order:
- * pairs are cut into tiles of neighbours, and what a section has in a tile is a segment. Four pairs
- * of a segment have their coefficients interleaved, so that a vector register holds one component
- * of four pairs: of the j-th subdomain of its section, component m of pair k is at tensor[item +
- * numbers
+ * blocks are cut into tiles of neighbours, and what a section has in a tile is a segment. Four
+ * blocks of a segment have their coefficients interleaved, so that a vector register holds one
+ * component of four blocks: of the j-th subdomain of its section, component m of block k is at
+ * tensor[item + numbers
  * * (j * bwi_next_four(size) + (k & ~3)) + 4 * m + (k & 3)]. Segments are filled up to a multiple
  * of four by zeros. */
 #ifndef BARWRIGHT_SUBDOMAIN_H
 #define BARWRIGHT_SUBDOMAIN_H
 
-#include "assemble/pair.h"
+#include "assemble/block.h"
 
 /* How a subdomain lay at some time. */
 typedef struct bwi_subdomain_shape {
@@ -30,11 +30,11 @@ typedef struct bwi_subdomain_shape {
   double linear[9], frame[9];
 } bwi_subdomain_shape;
 
-/* The pairs of a section in one tile. */
+/* The blocks of a section in one tile. */
 typedef struct bwi_subdomain_segment {
   int64_t section, first; /* into `place` */
   int64_t item, present;  /* into `tensor` and `present` */
-  int32_t size, numbers;  /* pairs; of each and each subdomain: 6 or 9 */
+  int32_t size, numbers;  /* blocks; of each and each subdomain: 6 or 9 */
 } bwi_subdomain_segment;
 static inline int64_t bwi_next_four(int64_t n) {
   return (n + 3) & ~(int64_t)3;
@@ -49,13 +49,13 @@ typedef struct bwi_subdomain_coefficients {
 
   /* sections: subdomain_count insides without skew halves, as many with them, then sets */
   int64_t section_count, inside_count;
-  int64_t *section_size;    /* section_count: pairs */
+  int64_t *section_size;    /* section_count: blocks */
   int64_t *block_start;     /* section_count + 1, into block_subdomain */
   int32_t *block_subdomain; /* the subdomains of each section, ascending */
   /* segments: tile by tile, in each by ascending sections */
   int64_t segment_count, place_count, item_count, present_count;
   bwi_subdomain_segment *segment;
-  uint32_t *place; /* 2 * pair, + 1 on the diagonal; ascending in each segment */
+  uint32_t *place; /* 2 * block, + 1 on the diagonal; ascending in each segment */
   double *tensor;  /* T at rest, by halves: (T_pq + T_qp) / 2 for p <= q, (T_pq - T_qp) / 2 */
   double *present; /* T as it is now, of segments of sets, where a subdomain is reshaped */
   double *map;     /* BWI_SUBDOMAIN_MAP subdomain_count: what makes entries of T now */
@@ -78,10 +78,10 @@ typedef struct bwi_subdomain_coefficients {
 } bwi_subdomain_coefficients;
 
 /* subdomain_lists.c: everything that depends on topology alone. */
-bw_status bwi_subdomain_lists(bw_context *context, const bw_graph *graph, int32_t subdomain_count,
-                              const int32_t *element_subdomain, const int32_t *node_subdomain,
-                              bool material_frame, bool material_turns,
-                              bwi_subdomain_coefficients *c);
+bw_status bwi_subdomain_lists(bw_context *context, const bw_block_pattern *pattern,
+                              int32_t subdomain_count, const int32_t *element_subdomain,
+                              const int32_t *node_subdomain, bool material_frame,
+                              bool material_turns, bwi_subdomain_coefficients *c);
 
 /* subdomain_evaluate.c. A tensor's halves: xx xy xz yy yz zz of the symmetric one, xy xz yz of the
  * skew one. A map makes those of the entries: map[6 m + r] and map[36 + 3 m + r] is what number m
@@ -95,7 +95,7 @@ void bwi_subdomain_map(const double elasticity[81], const double linear[9],
 /* Its derivative where linear changes by `direction`. */
 void bwi_subdomain_map_derivative(const double elasticity[81], const double linear[9],
                                   const double direction[9], double map[BWI_SUBDOMAIN_MAP]);
-/* The entries of one pair, whose halves, 6 or 9 numbers, are at tensor[4 m]. */
+/* The entries of one block, whose halves, 6 or 9 numbers, are at tensor[4 m]. */
 void bwi_subdomain_entries(const double *map, const double *tensor, int numbers, double block[9]);
 /* C of a material turned by the rotation: C'_ijkl = R_ia R_jb R_kc R_ld C_abcd. */
 void bwi_turn_elasticity(const double elasticity[81], const double rotation[9], double turned[81]);
@@ -111,7 +111,7 @@ static inline double *bwi_subdomain_present(const bwi_subdomain_coefficients *c,
                                             const bwi_subdomain_segment *segment, int64_t j) {
   return c->present + segment->present + j * segment->numbers * bwi_next_four(segment->size);
 }
-/* Entries of a segment to out + 9 * pair. */
+/* Entries of a segment to out + 9 * block. */
 void bwi_subdomain_evaluate(const bwi_subdomain_coefficients *c,
                             const bwi_subdomain_segment *segment, double *out);
 
@@ -122,11 +122,11 @@ typedef struct bwi_subdomain_work {
   bw_subdomain_stiffness *stiffness;
   const bw_mesh *mesh;
   uint8_t *action; /* subdomain_count: BWI_SUBDOMAIN_... */
-  bwi_pair_source source;
+  bwi_block_source source;
   bwi_frames frames;    /* of elements of gathered subdomains, subdomain by subdomain */
   int64_t *first_frame; /* subdomain_count + 1 */
   bool *touched;        /* section_count: a subdomain of it has an action */
-  int64_t pairs;        /* of those sections */
+  int64_t blocks;       /* of those sections */
 } bwi_subdomain_work;
 bw_status bwi_subdomain_work_create(bw_context *context, bw_subdomain_stiffness *stiffness,
                                     bwi_subdomain_work *work);

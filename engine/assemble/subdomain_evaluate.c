@@ -153,7 +153,7 @@ static inline void transpose(const bwi_vector *in, bwi_vector out[4]) {
 /* The sums stay in registers only where everything is inlined. */
 #define INLINED __attribute__((always_inline)) static inline
 
-/* half += the halves of the entries of four pairs, from 6 or 9 numbers of each. */
+/* half += the halves of the entries of four blocks, from 6 or 9 numbers of each. */
 INLINED void add_four(const double *map, const double *tensor, int numbers, bwi_vector half[9]) {
   const bwi_vector *t = (const bwi_vector *)tensor;
   for (int m = 0; m < 6; m++)
@@ -164,7 +164,7 @@ INLINED void add_four(const double *map, const double *tensor, int numbers, bwi_
       add_product(map[36 + 3 * m + r], &t[6 + m], &half[6 + r]);
 }
 
-/* The entries of `count` of four pairs, to their places. */
+/* The entries of `count` of four blocks, to their places. */
 INLINED void store(const bwi_vector half[9], int numbers, const uint32_t *place, int count,
                    double *out) {
   bwi_vector k[8] = {half[0], half[1], half[2], half[1], half[3], half[4], half[2], half[4]};
@@ -179,11 +179,11 @@ INLINED void store(const bwi_vector half[9], int numbers, const uint32_t *place,
   bwi_vector low[4], high[4];
   transpose(k, low);
   transpose(k + 4, high);
-  for (int pair = 0; pair < count; pair++) {
-    double *block = out + 9 * (int64_t)(place[pair] >> 1);
-    *(bwi_vector *)block = low[pair];
-    *(bwi_vector *)(block + 4) = high[pair];
-    block[8] = half[5][pair];
+  for (int index = 0; index < count; index++) {
+    double *block = out + 9 * (int64_t)(place[index] >> 1);
+    *(bwi_vector *)block = low[index];
+    *(bwi_vector *)(block + 4) = high[index];
+    block[8] = half[5][index];
   }
 }
 

@@ -1,12 +1,12 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Which pairs each subdomain contributes to (subdomain.h), from topology alone. */
+/* Which blocks each subdomain contributes to (subdomain.h), from topology alone. */
 #include "assemble/subdomain.h"
 
 #include <stdlib.h>
 
 /* A tile is small enough for its entries to stay in the nearest cache while they are written, and
- * large enough for segments of many pairs. */
-enum { PAIRS_PER_TILE = 4096, PAIRS_PER_CHECK = 1 << 16 };
+ * large enough for segments of many blocks. */
+enum { BLOCKS_PER_TILE = 4096, BLOCKS_PER_CHECK = 1 << 16 };
 
 /* Elements listed by subdomain, ascending. */
 static bw_status list_elements(bw_context *context, const bw_mesh *mesh, int32_t subdomain_count,
@@ -105,7 +105,7 @@ done:
 
 /* ---- sections -------------------------------------------------------------------------------- */
 
-/* Sets of subdomains met at shared pairs, found again through a table of hashes. */
+/* Sets of subdomains met at shared blocks, found again through a table of hashes. */
 typedef struct set_table {
   int32_t *member; /* all sets, one after the other, each ascending */
   int64_t *start;  /* count + 1 */
@@ -180,16 +180,16 @@ done:
   return status;
 }
 
-/* The subdomains of a pair's elements, ascending, into list (with room for subdomain_count);
- * mark[d] is the last pair that listed d. */
-static int32_t subdomains_of(const bw_graph *graph, const int32_t *element_subdomain, int64_t pair,
-                             int64_t *mark, int32_t *list) {
+/* The subdomains of a block's elements, ascending, into list (with room for subdomain_count);
+ * mark[d] is the last block that listed d. */
+static int32_t subdomains_of(const bw_block_pattern *pattern, const int32_t *element_subdomain,
+                             int64_t block, int64_t *mark, int32_t *list) {
   int32_t count = 0;
-  for (int64_t k = graph->gather_start[pair]; k < graph->gather_start[pair + 1]; k++) {
-    int32_t d = element_subdomain[graph->gather_element[k]];
-    if (mark[d] == pair)
+  for (int64_t k = pattern->gather_start[block]; k < pattern->gather_start[block + 1]; k++) {
+    int32_t d = element_subdomain[pattern->gather_element[k]];
+    if (mark[d] == block)
       continue;
-    mark[d] = pair;
+    mark[d] = block;
     int32_t at = count++;
     for (; at > 0 && list[at - 1] > d; at--)
       list[at] = list[at - 1];
@@ -224,28 +224,29 @@ static int ascending(const void *a, const void *b) {
   return (p->section > q->section) - (p->section < q->section);
 }
 
-/* Segments and what they hold, from the section of every pair. */
-static bw_status list_segments(bw_context *context, const bw_graph *graph, int32_t subdomain_count,
-                               const int32_t *section, bwi_subdomain_coefficients *c) {
+/* Segments and what they hold, from the section of every block. */
+static bw_status list_segments(bw_context *context, const bw_block_pattern *pattern,
+                               int32_t subdomain_count, const int32_t *section,
+                               bwi_subdomain_coefficients *c) {
   bw_status status = BW_OK;
   size_t capacity = 0;
-  int64_t pairs = graph->pair_count, *found = BW_NEW(context, int64_t, c->section_count);
+  int64_t blocks = pattern->block_count, *found = BW_NEW(context, int64_t, c->section_count);
   if (!found) {
     status = BW_MEMORY;
     goto done;
   }
   for (int64_t s = 0; s < c->section_count; s++)
     found[s] = -1; /* its last segment */
-  for (int64_t first = 0; first < pairs; first += PAIRS_PER_TILE) {
-    int64_t before = c->segment_count, end = first + PAIRS_PER_TILE;
-    end = end < pairs ? end : pairs;
-    if (!bw_grow(context, (void **)&c->segment, &capacity, (size_t)before, PAIRS_PER_TILE,
+  for (int64_t first = 0; first < blocks; first += BLOCKS_PER_TILE) {
+    int64_t before = c->segment_count, end = first + BLOCKS_PER_TILE;
+    end = end < blocks ? end : blocks;
+    if (!bw_grow(context, (void **)&c->segment, &capacity, (size_t)before, BLOCKS_PER_TILE,
                  sizeof *c->segment)) {
       status = BW_MEMORY;
       goto done;
     }
-    for (int64_t pair = first; pair < end; pair++) {
-      int64_t s = section[pair];
+    for (int64_t block = first; block < end; block++) {
+      int64_t s = section[block];
       if (found[s] < before) {
         found[s] = c->segment_count++;
         c->segment[found[s]] =
@@ -276,28 +277,30 @@ static bw_status list_segments(bw_context *context, const bw_graph *graph, int32
     goto done;
   }
   bwi_subdomain_segment *segment = c->segment;
-  int64_t *next = found; /* where the next pair of a section is put */
-  for (int32_t i = 0; i < graph->node_count; i++)
-    for (int64_t pair = graph->start[i]; pair < graph->start[i + 1]; pair++) {
-      if (pair % PAIRS_PER_TILE == 0)
-        for (int64_t in = 0; in < PAIRS_PER_TILE && in < pairs - pair; in += (segment++)->size)
+  int64_t *next = found; /* where the next block of a section is put */
+  for (int32_t i = 0; i < pattern->node_count; i++)
+    for (int64_t block = pattern->start[i]; block < pattern->start[i + 1]; block++) {
+      if (block % BLOCKS_PER_TILE == 0)
+        for (int64_t in = 0; in < BLOCKS_PER_TILE && in < blocks - block; in += (segment++)->size)
           next[segment->section] = segment->first;
-      c->place[next[section[pair]]++] = (uint32_t)pair << 1 | (pair == graph->start[i + 1] - 1);
+      c->place[next[section[block]]++] =
+          (uint32_t)block << 1 | (block == pattern->start[i + 1] - 1);
     }
 done:
   bw_free(found);
   return status;
 }
 
-static bw_status list_sections(bw_context *context, const bw_graph *graph, int32_t subdomain_count,
-                               const int32_t *element_subdomain, bwi_subdomain_coefficients *c) {
+static bw_status list_sections(bw_context *context, const bw_block_pattern *pattern,
+                               int32_t subdomain_count, const int32_t *element_subdomain,
+                               bwi_subdomain_coefficients *c) {
   bw_status status = BW_OK;
   set_table sets = {0};
   size_t capacity = 0;
   int64_t *mark = BW_NEW(context, int64_t, subdomain_count);
   int32_t *list = BW_NEW(context, int32_t, subdomain_count);
-  int32_t *section = BW_NEW(context, int32_t, graph->pair_count);
-  uint8_t *surface = BW_NEW0(context, uint8_t, graph->pair_count);
+  int32_t *section = BW_NEW(context, int32_t, pattern->block_count);
+  uint8_t *surface = BW_NEW0(context, uint8_t, pattern->block_count);
   c->section_count = c->inside_count = 2 * (int64_t)subdomain_count;
   if (!mark || !list || !section || !surface ||
       !bw_grow(context, (void **)&c->section_size, &capacity, 0, (size_t)c->inside_count,
@@ -308,12 +311,12 @@ static bw_status list_sections(bw_context *context, const bw_graph *graph, int32
   for (int32_t d = 0; d < subdomain_count; d++)
     mark[d] = -1;
   memset(c->section_size, 0, (size_t)c->inside_count * sizeof *c->section_size);
-  bwi_graph_mark_surface(graph, graph->mesh, surface);
-  for (int64_t pair = 0; pair < graph->pair_count; pair++) {
-    if (pair % PAIRS_PER_CHECK == 0)
+  bwi_block_pattern_mark_surface(pattern, pattern->mesh, surface);
+  for (int64_t block = 0; block < pattern->block_count; block++) {
+    if (block % BLOCKS_PER_CHECK == 0)
       BW_TRY(bw_check_cancel(context));
-    int32_t count = subdomains_of(graph, element_subdomain, pair, mark, list);
-    int64_t number = surface[pair] ? subdomain_count + list[0] : list[0];
+    int32_t count = subdomains_of(pattern, element_subdomain, block, mark, list);
+    int64_t number = surface[block] ? subdomain_count + list[0] : list[0];
     if (count > 1) {
       BW_TRY(set_number(context, &sets, list, count, &number));
       number += c->inside_count;
@@ -326,11 +329,11 @@ static bw_status list_sections(bw_context *context, const bw_graph *graph, int32
         c->section_size[c->section_count++] = 0;
       }
     }
-    section[pair] = (int32_t)number;
+    section[block] = (int32_t)number;
     c->section_size[number]++;
   }
   BW_TRY(list_blocks(context, subdomain_count, &sets, c));
-  BW_TRY(list_segments(context, graph, subdomain_count, section, c));
+  BW_TRY(list_segments(context, pattern, subdomain_count, section, c));
 done:
   set_table_clear(&sets);
   bw_free(mark);
@@ -340,15 +343,15 @@ done:
   return status;
 }
 
-bw_status bwi_subdomain_lists(bw_context *context, const bw_graph *graph, int32_t subdomain_count,
-                              const int32_t *element_subdomain, const int32_t *node_subdomain,
-                              bool material_frame, bool material_turns,
-                              bwi_subdomain_coefficients *c) {
+bw_status bwi_subdomain_lists(bw_context *context, const bw_block_pattern *pattern,
+                              int32_t subdomain_count, const int32_t *element_subdomain,
+                              const int32_t *node_subdomain, bool material_frame,
+                              bool material_turns, bwi_subdomain_coefficients *c) {
   bw_status status = BW_OK;
-  BW_TRY(list_elements(context, graph->mesh, subdomain_count, element_subdomain, c));
-  BW_TRY(list_nodes(context, graph->mesh, subdomain_count, element_subdomain, node_subdomain,
+  BW_TRY(list_elements(context, pattern->mesh, subdomain_count, element_subdomain, c));
+  BW_TRY(list_nodes(context, pattern->mesh, subdomain_count, element_subdomain, node_subdomain,
                     material_frame, material_turns, c));
-  BW_TRY(list_sections(context, graph, subdomain_count, element_subdomain, c));
+  BW_TRY(list_sections(context, pattern, subdomain_count, element_subdomain, c));
 done:
   return status;
 }

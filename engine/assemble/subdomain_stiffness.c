@@ -37,7 +37,7 @@ static void destroy(void *object) {
     bw_free(c->reported_frame);
     bw_free(c);
   }
-  bw_release(stiffness->graph);
+  bw_release(stiffness->pattern);
   bw_release(stiffness->material);
   bw_free(stiffness->values);
   bw_free(stiffness->changed);
@@ -48,8 +48,8 @@ static size_t bytes(const void *object) {
   const bw_subdomain_stiffness *stiffness = (const bw_subdomain_stiffness *)object;
   const bwi_subdomain_coefficients *c = stiffness->coefficients;
   size_t subdomains = (size_t)stiffness->subdomain_count, sections = (size_t)c->section_count,
-         elements = (size_t)stiffness->graph->mesh->element_count,
-         numbers = (size_t)(9 * stiffness->graph->pair_count + c->item_count + c->present_count),
+         elements = (size_t)stiffness->pattern->mesh->element_count,
+         numbers = (size_t)(9 * stiffness->pattern->block_count + c->item_count + c->present_count),
          nodes = (size_t)c->node_start[subdomains], frames = (size_t)c->frame_start[subdomains];
   return sizeof *stiffness + sizeof *c + numbers * sizeof *c->tensor +
          (size_t)c->place_count * sizeof *c->place + (size_t)c->segment_count * sizeof *c->segment +
@@ -123,7 +123,7 @@ static bw_status take_turns(bw_context *context, const bw_material *material,
   return BW_OK;
 }
 
-bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_graph *graph,
+bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_pattern *pattern,
                                         const bw_mesh *mesh, const bw_material *material,
                                         bool material_turns, int32_t subdomain_count,
                                         const int32_t *element_subdomain,
@@ -134,22 +134,22 @@ bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_graph *gra
   bw_status status = BW_OK;
   bwi_subdomain_work work = {0};
   bw_subdomain_stiffness *s = NULL;
-  BW_TRY(bwi_graph_fits(context, graph, mesh));
+  BW_TRY(bwi_block_pattern_fits(context, pattern, mesh));
   BW_TRY(check_arguments(context, mesh, subdomain_count, element_subdomain, node_subdomain));
   BW_TRY(bw_material_fits(context, material, mesh->element_count));
   if (material->formulation == BW_B_BAR)
     return bw_fail(
         context, BW_UNSUPPORTED,
         "the stiffness by subdomains is implemented for the standard formulation, not for B-bar");
-  if (graph->gather_start[graph->pair_count] > INT32_MAX)
+  if (pattern->gather_start[pattern->block_count] > INT32_MAX)
     return bw_fail(context, BW_LIMIT,
                    "the mesh has %lld contributions of elements to pairs of nodes; at most %d fit",
-                   (long long)graph->gather_start[graph->pair_count], INT32_MAX);
+                   (long long)pattern->gather_start[pattern->block_count], INT32_MAX);
   s = BW_NEW0(context, bw_subdomain_stiffness, 1);
   if (!s)
     return BW_MEMORY;
   bw_object_init(s, &stiffness_kind);
-  s->graph = (const bw_graph *)bw_retain(graph);
+  s->pattern = (const bw_block_pattern *)bw_retain(pattern);
   s->material = (const bw_material *)bw_retain(material);
   s->material_turns = material_turns;
   s->subdomain_count = subdomain_count;
@@ -167,11 +167,11 @@ bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_graph *gra
               material->elasticity[6 * voigt[i][j] + voigt[k][l]];
   c->turning_matters = !material->isotropic;
   BW_TRY(take_turns(context, material, subdomain_count, element_subdomain, c));
-  BW_TRY(bwi_subdomain_lists(context, graph, subdomain_count, element_subdomain, node_subdomain,
+  BW_TRY(bwi_subdomain_lists(context, pattern, subdomain_count, element_subdomain, node_subdomain,
                              c->turning_matters, material_turns, c));
   int64_t nodes = c->node_start[subdomain_count];
   int32_t frames = c->frame_start[subdomain_count];
-  s->values = BW_NEW(context, double, 9 * graph->pair_count);
+  s->values = BW_NEW(context, double, 9 * pattern->block_count);
   s->changed = BW_NEW0(context, uint8_t, subdomain_count);
   c->map = BW_NEW(context, double, BWI_SUBDOMAIN_MAP *(int64_t)subdomain_count);
   c->written = BW_NEW(context, bwi_subdomain_shape, subdomain_count);
@@ -211,16 +211,16 @@ done:
   return status;
 }
 
-/* The row of a pair, sought from row `from` on. */
-static int32_t row_of(const bw_graph *graph, int32_t from, int64_t pair) {
-  int32_t step = 1, high = graph->node_count; /* start[from] <= pair < start[high] */
-  for (; high - from > step && graph->start[from + step] <= pair; step *= 2)
+/* The row of a block, sought from row `from` on. */
+static int32_t row_of(const bw_block_pattern *pattern, int32_t from, int64_t index) {
+  int32_t step = 1, high = pattern->node_count; /* start[from] <= block < start[high] */
+  for (; high - from > step && pattern->start[from + step] <= index; step *= 2)
     from += step;
   if (high - from > step)
     high = from + step;
   while (high - from > 1) {
     int32_t middle = from + (high - from) / 2;
-    if (graph->start[middle] <= pair)
+    if (pattern->start[middle] <= index)
       from = middle;
     else
       high = middle;
@@ -229,15 +229,15 @@ static int32_t row_of(const bw_graph *graph, int32_t from, int64_t pair) {
 }
 
 /* y += A x with A the map of a block's coefficients. */
-static void add_product(const bw_graph *graph, const double *map, const double *tensor,
+static void add_product(const bw_block_pattern *pattern, const double *map, const double *tensor,
                         const uint32_t *place, const bwi_subdomain_segment *segment,
                         const double *x, double *y) {
   int32_t row = 0;
   for (int64_t k = 0; k < segment->size; k++) {
-    int64_t pair = place[k] >> 1;
+    int64_t index = place[k] >> 1;
     const double *t = tensor + segment->numbers * (k & ~(int64_t)3) + (k & 3);
-    row = row_of(graph, row, pair);
-    int32_t column = graph->column[pair];
+    row = row_of(pattern, row, index);
+    int32_t column = pattern->column[index];
     const double *xi = x + 3 * (int64_t)row, *xj = x + 3 * (int64_t)column;
     double *yi = y + 3 * (int64_t)row, *yj = y + 3 * (int64_t)column, block[9];
     bwi_subdomain_entries(map, t, segment->numbers, block);
@@ -254,7 +254,7 @@ bw_status bw_subdomain_stiffness_derivative(bw_context *context,
                                             int32_t subdomain, const double direction[9],
                                             const double *x, double *y) {
   const bwi_subdomain_coefficients *c = stiffness->coefficients;
-  const bw_graph *graph = stiffness->graph;
+  const bw_block_pattern *pattern = stiffness->pattern;
   if (subdomain < 0 || subdomain >= stiffness->subdomain_count)
     return bw_fail(context, BW_INVALID, "subdomain %d: the subdomains are 1 to %d", subdomain + 1,
                    stiffness->subdomain_count);
@@ -272,7 +272,7 @@ bw_status bw_subdomain_stiffness_derivative(bw_context *context,
     int64_t first = c->block_start[segment->section];
     for (int64_t b = first; b < c->block_start[segment->section + 1]; b++)
       if (c->block_subdomain[b] == subdomain)
-        add_product(graph, map, bwi_subdomain_rest(c, segment, b - first),
+        add_product(pattern, map, bwi_subdomain_rest(c, segment, b - first),
                     c->place + segment->first, segment, x, y);
   }
   return BW_OK;

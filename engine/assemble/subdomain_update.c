@@ -173,7 +173,7 @@ bw_status bw_subdomain_stiffness_update(bw_context *context, bw_subdomain_stiffn
   bwi_subdomain_work work = {0};
   bw_subdomain_change count = {0};
   BW_TRY(bw_check_cancel(context));
-  BW_TRY(bwi_graph_fits(context, stiffness->graph, mesh));
+  BW_TRY(bwi_block_pattern_fits(context, stiffness->pattern, mesh));
   for (int32_t d = 0; d < subdomains; d++)
     BW_TRY(check_motion(context, d, &motion[d]));
   BW_TRY(bwi_subdomain_work_create(context, stiffness, &work));
@@ -200,7 +200,7 @@ bw_status bw_subdomain_stiffness_update(bw_context *context, bw_subdomain_stiffn
   }
   if (count.kept < subdomains) {
     BW_TRY(bwi_subdomain_write(context, &work));
-    count.pairs = work.pairs;
+    count.blocks = work.blocks;
     stiffness->revision = ++stiffness->object.revision;
   }
   for (int32_t d = 0; d < subdomains; d++) {

@@ -56,7 +56,7 @@ typedef struct bwd_system {
   bw_external_options options;
   bool direct; /* by a factor */
   int motions;
-  int mass_width; /* numbers of M sent per pair: 0, 3 (the block's diagonal), 9 */
+  int mass_width; /* numbers of M sent per block: 0, 3 (the block's diagonal), 9 */
   Mat K, M;
   Mat pinned; /* K with the pinned components decoupled too, or NULL: for a factor */
   Vec force, displacement;
@@ -76,8 +76,8 @@ typedef struct bwd_system {
 
 /* partition.c: nodes to ranks by METIS, few neighbours across; within a rank, neighbours near each
  * other. place (node_count) and start (ranks + 1) are filled. */
-bw_status bwd_partition(bw_context *context, const bw_graph *graph, int ranks, int32_t *place,
-                        int32_t *start);
+bw_status bwd_partition(bw_context *context, const bw_block_pattern *pattern, int ranks,
+                        int32_t *place, int32_t *start);
 
 /* share.c: sizes, K, M, mask, motions, to all ranks. Collective, as all below. */
 bw_status bwd_share(bw_context *context, bwd_system *system);

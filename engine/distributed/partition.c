@@ -12,9 +12,9 @@ typedef struct adjacency {
   idx_t *start, *neighbour;
 } adjacency;
 
-static bw_status neighbours(bw_context *context, const bw_graph *graph, adjacency *a) {
-  int32_t nodes = graph->node_count;
-  int64_t entries = 2 * (graph->pair_count - nodes);
+static bw_status neighbours(bw_context *context, const bw_block_pattern *pattern, adjacency *a) {
+  int32_t nodes = pattern->node_count;
+  int64_t entries = 2 * (pattern->block_count - nodes);
   a->start = BW_NEW(context, idx_t, (int64_t)nodes + 1);
   a->neighbour = BW_NEW(context, idx_t, entries);
   if (!a->start || !a->neighbour)
@@ -22,10 +22,10 @@ static bw_status neighbours(bw_context *context, const bw_graph *graph, adjacenc
   idx_t next = 0;
   for (int64_t i = 0; i < nodes; i++) {
     a->start[i] = next;
-    for (int64_t k = graph->start[i]; k < graph->start[i + 1] - 1; k++)
-      a->neighbour[next++] = graph->column[k];
-    for (int64_t k = graph->upper_start[i]; k < graph->upper_start[i + 1]; k++)
-      a->neighbour[next++] = graph->upper_row[k];
+    for (int64_t k = pattern->start[i]; k < pattern->start[i + 1] - 1; k++)
+      a->neighbour[next++] = pattern->column[k];
+    for (int64_t k = pattern->upper_start[i]; k < pattern->upper_start[i + 1]; k++)
+      a->neighbour[next++] = pattern->upper_row[k];
   }
   a->start[nodes] = next;
   return BW_OK;
@@ -68,18 +68,18 @@ static bw_status number(bw_context *context, const adjacency *a, int32_t nodes, 
   return BW_OK;
 }
 
-bw_status bwd_partition(bw_context *context, const bw_graph *graph, int ranks, int32_t *place,
-                        int32_t *start) {
+bw_status bwd_partition(bw_context *context, const bw_block_pattern *pattern, int ranks,
+                        int32_t *place, int32_t *start) {
   bw_status status = BW_OK;
   adjacency a = {0};
-  idx_t nodes = graph->node_count, one = 1, parts = ranks, cut = 0;
+  idx_t nodes = pattern->node_count, one = 1, parts = ranks, cut = 0;
   idx_t *rank_of = NULL;
-  if (2 * (graph->pair_count - nodes) > INT32_MAX)
+  if (2 * (pattern->block_count - nodes) > INT32_MAX)
     return bw_fail(
         context, BW_LIMIT,
         "the mesh has %lld pairs of neighbouring nodes; the partitioning into ranks takes "
         "at most %d",
-        (long long)(graph->pair_count - nodes), INT32_MAX / 2);
+        (long long)(pattern->block_count - nodes), INT32_MAX / 2);
   if (nodes < ranks)
     return bw_fail(context, BW_LIMIT, "the mesh has %d nodes, fewer than the %d ranks", (int)nodes,
                    ranks);
@@ -88,7 +88,7 @@ bw_status bwd_partition(bw_context *context, const bw_graph *graph, int ranks, i
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(neighbours(context, graph, &a));
+  BW_TRY(neighbours(context, pattern, &a));
   if (ranks > 1) {
     idx_t options[METIS_NOPTIONS];
     METIS_SetDefaultOptions(options);

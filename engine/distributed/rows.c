@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Rows of K and M from the pairs of rank 0 to the ranks, in pieces of a few megabytes: rank 0 never
+/* Rows of K and M from rank 0 to the ranks, in pieces of a few megabytes: rank 0 never
  * holds a second copy of K, and no message has more bytes than an int can count. */
 #include <string.h>
 
@@ -30,21 +30,21 @@ static void lay_out(const bwd_system *system, void *buffer, int64_t capacity, pi
   p->column = p->length + capacity;
 }
 
-/* A place and the pair it stands for, seen from the row: `turned` when it is stored as (k, i). */
+/* A place and the block it stands for, seen from the row: `turned` when it is stored as (k, i). */
 typedef struct neighbour {
   int32_t place, node;
-  int64_t pair;
+  int64_t index;
   bool turned;
 } neighbour;
 
 static int32_t row_neighbours(const bwd_system *system, int32_t node, neighbour *list) {
-  const bw_graph *graph = system->matrix->graph;
+  const bw_block_pattern *pattern = system->matrix->pattern;
   int32_t count = 0;
-  for (int64_t k = graph->start[node]; k < graph->start[node + 1]; k++)
-    list[count++] = (neighbour){system->place[graph->column[k]], graph->column[k], k, false};
-  for (int64_t k = graph->upper_start[node]; k < graph->upper_start[node + 1]; k++)
-    list[count++] = (neighbour){system->place[graph->upper_row[k]], graph->upper_row[k],
-                                graph->upper_pair[k], true};
+  for (int64_t k = pattern->start[node]; k < pattern->start[node + 1]; k++)
+    list[count++] = (neighbour){system->place[pattern->column[k]], pattern->column[k], k, false};
+  for (int64_t k = pattern->upper_start[node]; k < pattern->upper_start[node + 1]; k++)
+    list[count++] = (neighbour){system->place[pattern->upper_row[k]], pattern->upper_row[k],
+                                pattern->upper_block[k], true};
   for (int32_t a = 1; a < count; a++) { /* a few dozen */
     neighbour moving = list[a];
     int32_t b = a;
@@ -59,7 +59,7 @@ static int32_t row_neighbours(const bwd_system *system, int32_t node, neighbour 
 static void stiffness_block(const bwd_system *system, int32_t i, const neighbour *n,
                             double block[9]) {
   const bw_dof_map *dof_map = system->matrix->dof_map;
-  const double *value = system->matrix->stiffness + 9 * n->pair;
+  const double *value = system->matrix->stiffness + 9 * n->index;
   const double *left = bwd_frame_at(dof_map, i), *right = bwd_frame_at(dof_map, n->node);
   double k[9];
   for (int r = 0; r < 3; r++)
@@ -91,7 +91,7 @@ static void stiffness_block(const bwd_system *system, int32_t i, const neighbour
 
 static void mass_block(const bwd_system *system, int32_t i, const neighbour *n, double *block) {
   const bw_dof_map *dof_map = system->matrix->dof_map;
-  double m = system->matrix->mass[n->pair];
+  double m = system->matrix->mass[n->index];
   const uint8_t *row = dof_map->state + 3 * (int64_t)i;
   const uint8_t *column = dof_map->state + 3 * (int64_t)n->node;
   const double *left = bwd_frame_at(dof_map, i), *right = bwd_frame_at(dof_map, n->node);
@@ -115,9 +115,9 @@ static void pack(const bwd_system *system, const int32_t *node_at, int32_t *next
   p->rows = p->blocks = 0;
   for (; *next < end; (*next)++) {
     int32_t node = node_at[*next];
-    const bw_graph *graph = system->matrix->graph;
-    int64_t expected = graph->start[node + 1] - graph->start[node] + graph->upper_start[node + 1] -
-                       graph->upper_start[node];
+    const bw_block_pattern *pattern = system->matrix->pattern;
+    int64_t expected = pattern->start[node + 1] - pattern->start[node] +
+                       pattern->upper_start[node + 1] - pattern->upper_start[node];
     if (p->blocks + expected > capacity)
       return;
     int32_t count = row_neighbours(system, node, list);

@@ -7,7 +7,7 @@
 /* Blocks of each row whose columns are on its own rank, and on others. */
 static bw_status count_blocks(bw_context *context, bwd_system *system, int32_t **own,
                               int32_t **other, int32_t *max) {
-  const bw_graph *graph = system->matrix->graph;
+  const bw_block_pattern *pattern = system->matrix->pattern;
   int32_t *a = *own = BW_NEW0(context, int32_t, system->nodes);
   int32_t *b = *other = BW_NEW0(context, int32_t, system->nodes);
   int32_t *rank_of = BW_NEW(context, int32_t, system->nodes); /* by place */
@@ -20,8 +20,8 @@ static bw_status count_blocks(bw_context *context, bwd_system *system, int32_t *
       rank_of[i] = r;
   for (int32_t i = 0; i < system->nodes; i++) {
     int32_t row = system->place[i];
-    for (int64_t k = graph->start[i]; k < graph->start[i + 1]; k++) {
-      int32_t column = system->place[graph->column[k]];
+    for (int64_t k = pattern->start[i]; k < pattern->start[i + 1]; k++) {
+      int32_t column = system->place[pattern->column[k]];
       int32_t *count = rank_of[row] == rank_of[column] ? a : b;
       count[row]++;
       if (column != row)
@@ -76,7 +76,7 @@ static bw_status make_plan(bw_context *context, bwd_system *system, int32_t **ow
                            plan *p) {
   bw_status status = BW_OK;
   const bw_external_matrix *m = system->matrix;
-  system->nodes = m->graph->node_count;
+  system->nodes = m->pattern->node_count;
   if (system->nodes > INT32_MAX / 3 - 1)
     return bw_fail(context, BW_LIMIT, "%d nodes are more than PETSc's 32-bit numbers take",
                    (int)system->nodes);
@@ -86,7 +86,7 @@ static bw_status make_plan(bw_context *context, bwd_system *system, int32_t **ow
   system->where = BW_NEW(context, int, system->ranks);
   if (!system->place || !system->field || !system->counts || !system->where)
     return BW_MEMORY;
-  BW_TRY(bwd_partition(context, m->graph, system->ranks, system->place, system->start));
+  BW_TRY(bwd_partition(context, m->pattern, system->ranks, system->place, system->start));
   BW_TRY(count_blocks(context, system, own, other, &p->max));
   for (int r = 0; r < system->ranks; r++) {
     int64_t entries = 0;

@@ -45,8 +45,8 @@ static bw_status convect(bw_context *context, bw_flow *flow, const bw_condition 
         in->workspace.load[k * (int64_t)node[a] + HEAT] += test * p.value;
         for (int b = 0; b < WIDTH; b++)
           in->workspace
-              .values[k * (k * bwi_plane_pair(in->now->graph, node[a], node[b]) + HEAT) + HEAT] +=
-              test * p.shape[b];
+              .values[k * (k * bwi_plane_block_index(in->now->pattern, node[a], node[b]) + HEAT) +
+                      HEAT] += test * p.shape[b];
       }
     }
   }
@@ -58,7 +58,7 @@ bw_status bwi_flow_boundary(bw_context *context, bw_flow *flow, double time) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   const bw_flow_description *about = &in->about;
-  size_t unknowns = (size_t)in->now->graph->node_count * (size_t)flow->components;
+  size_t unknowns = (size_t)in->now->pattern->node_count * (size_t)flow->components;
   BW_TRY(bw_conditions_force(context, flow->mesh, flow->components, about->condition_count,
                              about->condition, time, 1, in->workspace.rhs));
   for (size_t i = 0; i < unknowns; i++)

@@ -23,14 +23,14 @@ void bwi_flow_workspace_clear(bwi_flow_workspace *workspace) {
   *workspace = (bwi_flow_workspace){0};
 }
 
-bw_status bwi_flow_workspace_make(bw_context *context, const bw_plane_graph *graph, int components,
-                                  bwi_flow_workspace *workspace) {
-  size_t entries = (size_t)graph->pair_count * (size_t)(components * components);
-  size_t unknowns = (size_t)graph->node_count * (size_t)components;
+bw_status bwi_flow_workspace_make(bw_context *context, const bw_plane_pattern *pattern,
+                                  int components, bwi_flow_workspace *workspace) {
+  size_t entries = (size_t)pattern->block_count * (size_t)(components * components);
+  size_t unknowns = (size_t)pattern->node_count * (size_t)components;
   *workspace = (bwi_flow_workspace){
-      .block = BW_NEW(context, double, bwi_plane_workspace_size(graph, components)),
-      .vector =
-          BW_NEW(context, double, 3 * (size_t)components * (size_t)graph->topology->element_count),
+      .block = BW_NEW(context, double, bwi_plane_workspace_size(pattern, components)),
+      .vector = BW_NEW(context, double,
+                       3 * (size_t)components * (size_t)pattern->topology->element_count),
       .values = BW_NEW(context, double, entries),
       .system = BW_NEW(context, double, entries),
       .load = BW_NEW(context, double, unknowns),
@@ -39,8 +39,8 @@ bw_status bwi_flow_workspace_make(bw_context *context, const bw_plane_graph *gra
       .solution = BW_NEW(context, double, unknowns),
       .history = BW_NEW(context, double, unknowns),
       .reaction = BW_NEW(context, double, unknowns),
-      .convect = BW_NEW(context, double, 2 * (size_t)graph->node_count),
-      .laplacian = BW_NEW(context, double, 3 * (size_t)graph->topology->element_count),
+      .convect = BW_NEW(context, double, 2 * (size_t)pattern->node_count),
+      .laplacian = BW_NEW(context, double, 3 * (size_t)pattern->topology->element_count),
       .held = BW_NEW(context, uint8_t, unknowns),
   };
   if (workspace->block && workspace->vector && workspace->values && workspace->system &&
@@ -72,9 +72,9 @@ static size_t flow_bytes(const void *object) {
   size_t nodes = (size_t)flow->mesh->topology->nodes->node_count;
   size_t elements = (size_t)flow->mesh->topology->element_count;
   return sizeof *flow +
-         (2 * square * (size_t)flow->inner->now->graph->pair_count +
+         (2 * square * (size_t)flow->inner->now->pattern->block_count +
           8 * nodes * (size_t)flow->components +
-          bwi_plane_workspace_size(flow->inner->now->graph, flow->components) + 12 * elements) *
+          bwi_plane_workspace_size(flow->inner->now->pattern, flow->components) + 12 * elements) *
              sizeof(double);
 }
 
@@ -123,7 +123,7 @@ bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
   bw_status status = BW_OK;
   bw_flow *flow = NULL;
   struct bwi_flow *in = NULL;
-  bw_plane_graph *graph = NULL;
+  bw_plane_pattern *pattern = NULL;
   bw_flow_state *first = NULL;
   BW_TRY(check_description(context, description));
   BW_TRY(check_mesh(context, mesh));
@@ -148,8 +148,8 @@ bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
            (size_t)description->condition_count * sizeof *in->condition);
   in->about.condition = in->condition;
   BW_TRY(bw_lagged_factor_create(context, false, flow->components, &in->lagged));
-  BW_TRY(bw_plane_graph_create(context, mesh->topology, &graph));
-  BW_TRY(bwi_flow_blank(context, flow, mesh, graph, &first));
+  BW_TRY(bw_plane_pattern_create(context, mesh->topology, &pattern));
+  BW_TRY(bwi_flow_blank(context, flow, mesh, pattern, &first));
   size_t unknowns = (size_t)mesh->topology->nodes->node_count * (size_t)flow->components;
   first->state = BW_NEW0(context, double, unknowns);
   first->before = BW_NEW0(context, double, unknowns);
@@ -163,7 +163,7 @@ bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
       first->state[i] = description->reference;
   bwi_flow_adopt(flow, first);
 done:
-  bw_release(graph);
+  bw_release(pattern);
   bw_release(first);
   if (status == BW_OK)
     *result = flow;
@@ -180,7 +180,7 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
   const bw_flow_state *now = in->now;
   const bw_plane_topology *before = flow->mesh->topology, *after = mesh->topology;
   bool same_topology = after == before, same_nodes = after->nodes == before->nodes;
-  const bw_plane_graph *graph = NULL;
+  const bw_plane_pattern *pattern = NULL;
   bw_flow_state *next = NULL;
   bw_condition *conditions = NULL;
   int c = flow->components;
@@ -188,13 +188,13 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
   double started = bw_seconds();
   BW_TRY(check_mesh(context, mesh));
   if (same_topology) {
-    graph = bw_retain(now->graph);
+    pattern = bw_retain(now->pattern);
   } else {
-    bw_plane_graph *made = NULL;
-    BW_TRY(bw_plane_graph_create(context, after, &made));
-    graph = made;
+    bw_plane_pattern *made = NULL;
+    BW_TRY(bw_plane_pattern_create(context, after, &made));
+    pattern = made;
   }
-  BW_TRY(bwi_flow_blank(context, flow, mesh, graph, &next));
+  BW_TRY(bwi_flow_blank(context, flow, mesh, pattern, &next));
   next->state = BW_NEW(context, double, nodes *(size_t)c);
   next->before = BW_NEW(context, double, nodes *(size_t)c);
   next->reaction = BW_NEW0(context, double, nodes *(size_t)c);
@@ -232,7 +232,7 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
     kept->seconds_assemble += bw_seconds() - started;
   }
 done:
-  bw_release(graph);
+  bw_release(pattern);
   bw_release(next);
   bw_free(conditions);
   return status;

@@ -41,10 +41,10 @@ void bwi_flow_element_vector(const bwi_linear *linear, int32_t element, const bw
 bw_status bwi_flow_recover(bw_context *context, const bw_plane_mesh *mesh, int components,
                            const double *state, double *laplacian);
 
-/* What the equations need as workspace, recomputed with the graph. */
+/* What the equations need as workspace, recomputed with the pattern. */
 typedef struct bwi_flow_workspace {
   double *block, *vector;  /* of all elements */
-  double *values, *system; /* components^2 per pair: the matrix, and with prescribed unknowns */
+  double *values, *system; /* components^2 per block: the matrix, and with prescribed unknowns */
   double *load, *rhs;      /* node_count x components: likewise */
   double *prescribed, *solution, *history;
   double
@@ -53,8 +53,8 @@ typedef struct bwi_flow_workspace {
   double *laplacian; /* element_count x 3 */
   uint8_t *held;
 } bwi_flow_workspace;
-bw_status bwi_flow_workspace_make(bw_context *context, const bw_plane_graph *graph, int components,
-                                  bwi_flow_workspace *workspace);
+bw_status bwi_flow_workspace_make(bw_context *context, const bw_plane_pattern *pattern,
+                                  int components, bwi_flow_workspace *workspace);
 void bwi_flow_workspace_clear(bwi_flow_workspace *workspace);
 
 /* All that an operation on a flow changes (kept.c). An operation makes the next state beside the
@@ -62,8 +62,8 @@ void bwi_flow_workspace_clear(bwi_flow_workspace *workspace);
  * at all, and keeping a state copies nothing. */
 struct bw_flow_state {
   bw_object object;
-  const bw_plane_mesh *mesh;   /* retained */
-  const bw_plane_graph *graph; /* retained: of the mesh */
+  const bw_plane_mesh *mesh;       /* retained */
+  const bw_plane_pattern *pattern; /* retained: of the mesh */
   int components, condition_count;
   bw_condition
       *condition; /* whose tags are those of the mesh's outline; its functions are not called */
@@ -84,7 +84,7 @@ struct bwi_flow {
   /* What follows from it, or makes it faster. */
   bw_plane_locator *locator; /* of the current mesh; NULL until it is asked for */
   bw_lagged_factor *lagged;
-  bwi_flow_workspace workspace; /* of the current graph; empty until it is needed */
+  bwi_flow_workspace workspace; /* of the current pattern; empty until it is needed */
   bool conflicts_reported;      /* of the conditions' prescribed values */
 };
 
@@ -92,7 +92,7 @@ struct bwi_flow {
 bw_status bwi_flow_next(bw_context *context, const bw_flow *flow, bw_flow_state **next);
 /* A state without any field. */
 bw_status bwi_flow_blank(bw_context *context, const bw_flow *flow, const bw_plane_mesh *mesh,
-                         const bw_plane_graph *graph, bw_flow_state **state);
+                         const bw_plane_pattern *pattern, bw_flow_state **state);
 /* Puts a state in the place of the one that stands. Cannot fail. */
 void bwi_flow_adopt(bw_flow *flow, const bw_flow_state *state);
 /* The end of an operation: the state takes its place unless somebody asked to stop meanwhile, whom

@@ -10,7 +10,7 @@
 static void destroy(void *object) {
   bw_flow_state *s = object;
   bw_release(s->mesh);
-  bw_release(s->graph);
+  bw_release(s->pattern);
   bw_free(s->condition);
   bw_free(s->state);
   bw_free(s->before);
@@ -41,14 +41,14 @@ static bw_status copy(bw_context *context, const double *from, size_t count, dou
 }
 
 bw_status bwi_flow_blank(bw_context *context, const bw_flow *flow, const bw_plane_mesh *mesh,
-                         const bw_plane_graph *graph, bw_flow_state **state) {
+                         const bw_plane_pattern *pattern, bw_flow_state **state) {
   const struct bwi_flow *in = flow->inner;
   bw_flow_state *s = BW_NEW0(context, bw_flow_state, 1);
   if (!s)
     return BW_MEMORY;
   bw_object_init(s, &kind);
   s->mesh = bw_retain(mesh);
-  s->graph = bw_retain(graph);
+  s->pattern = bw_retain(pattern);
   s->components = flow->components;
   s->time = flow->time;
   s->known = 1;
@@ -70,7 +70,7 @@ bw_status bwi_flow_next(bw_context *context, const bw_flow *flow, bw_flow_state 
   size_t nodes = (size_t)now->mesh->topology->nodes->node_count;
   size_t unknowns = nodes * (size_t)now->components;
   bw_flow_state *s = NULL;
-  BW_TRY(bwi_flow_blank(context, flow, now->mesh, now->graph, &s));
+  BW_TRY(bwi_flow_blank(context, flow, now->mesh, now->pattern, &s));
   s->known = now->known;
   s->reacted = now->reacted;
   s->last_step = now->last_step;
@@ -89,7 +89,7 @@ done:
 void bwi_flow_adopt(bw_flow *flow, const bw_flow_state *state) {
   struct bwi_flow *in = flow->inner;
   const bw_flow_state *former = in->now;
-  if (former && former->graph != state->graph)
+  if (former && former->pattern != state->pattern)
     bwi_flow_workspace_clear(&in->workspace);
   if (former && former->mesh != state->mesh) {
     bw_plane_locator_free(in->locator);
@@ -169,7 +169,7 @@ bw_status bw_flow_check(bw_context *context, const bw_flow *flow) {
   if (flow->mesh != now->mesh || flow->state != now->state || flow->before != now->before ||
       flow->time != now->time || flow->components != now->components || !isfinite(now->time))
     status = bw_fail(context, BW_INTERNAL, "a flow shows another state than it is at");
-  else if (now->graph->topology != topology || topology->nodes->order != 1 || !now->state ||
+  else if (now->pattern->topology != topology || topology->nodes->order != 1 || !now->state ||
            !now->before || !now->reaction || now->known < 1 || now->known > 2 ||
            (now->known == 2 && !(now->last_step > 0)))
     status = bw_fail(context, BW_INTERNAL, "a flow's fields do not go together");

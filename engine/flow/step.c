@@ -54,7 +54,7 @@ static bw_status assemble(bw_context *context, bw_flow *flow, const bwi_linear *
   const bw_plane_topology *topology = flow->mesh->topology;
   assembly data = {context, linear, workspace->vector};
   int c = flow->components;
-  bw_status status = bwi_plane_assemble(context, flow->inner->now->graph, c, matrix_of, &data,
+  bw_status status = bwi_plane_assemble(context, flow->inner->now->pattern, c, matrix_of, &data,
                                         workspace->block, workspace->values);
   memset(workspace->load, 0,
          (size_t)topology->nodes->node_count * (size_t)c * sizeof *workspace->load);
@@ -111,13 +111,13 @@ static void center_pressure(const bw_flow *flow, double *state) {
  * large as that of momentum, those of heat so that its right-hand side is. (What a row is
  * multiplied by does not change the solution.) */
 static void balance(const bw_flow *flow) {
-  const bw_plane_graph *graph = flow->inner->now->graph;
+  const bw_plane_pattern *pattern = flow->inner->now->pattern;
   const bwi_flow_workspace *workspace = &flow->inner->workspace;
   int c = flow->components;
   double diagonal[BWI_MAX] = {0}, right[BWI_MAX] = {0}, by[BWI_MAX] = {1, 1, 1, 1};
-  for (int64_t i = 0; i < graph->node_count; i++)
+  for (int64_t i = 0; i < pattern->node_count; i++)
     for (int d = 0; d < c; d++) {
-      diagonal[d] += fabs(workspace->system[c * (c * graph->diagonal[i] + d) + d]);
+      diagonal[d] += fabs(workspace->system[c * (c * pattern->diagonal[i] + d) + d]);
       right[d] += workspace->rhs[c * i + d] * workspace->rhs[c * i + d];
     }
   double momentum = diagonal[0] + diagonal[1], force = sqrt(right[0] + right[1]);
@@ -130,11 +130,11 @@ static void balance(const bw_flow *flow) {
   for (int d = 2; d < c; d++)
     if (!isfinite(by[d]) || !(by[d] > 0))
       by[d] = 1;
-  for (int64_t p = 0; p < graph->pair_count; p++)
+  for (int64_t p = 0; p < pattern->block_count; p++)
     for (int d = 2; d < c; d++)
       for (int e = 0; e < c; e++)
         workspace->system[c * (c * p + d) + e] *= by[d];
-  for (int64_t i = 0; i < graph->node_count; i++)
+  for (int64_t i = 0; i < pattern->node_count; i++)
     for (int d = 2; d < c; d++)
       workspace->rhs[c * i + d] *= by[d];
 }
@@ -147,7 +147,7 @@ static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *lin
   bwi_flow_workspace *workspace = &in->workspace;
   const bw_flow_description *about = &in->about;
   int c = flow->components;
-  size_t unknowns = (size_t)in->now->graph->node_count * (size_t)c;
+  size_t unknowns = (size_t)in->now->pattern->node_count * (size_t)c;
   double started = bw_seconds();
   BW_TRY(bwi_flow_recover(context, flow->mesh, c, workspace->solution, workspace->laplacian));
   BW_TRY(assemble(context, flow, linear));
@@ -161,19 +161,19 @@ static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *lin
     workspace->held[2] = 1;
     workspace->prescribed[2] = 0;
   }
-  size_t entries = (size_t)in->now->graph->pair_count * (size_t)(c * c);
+  size_t entries = (size_t)in->now->pattern->block_count * (size_t)(c * c);
   memcpy(workspace->system, workspace->values, entries * sizeof *workspace->system);
   memcpy(workspace->rhs, workspace->load, unknowns * sizeof *workspace->rhs);
-  BW_TRY(bw_plane_prescribe(context, in->now->graph, c, workspace->held, workspace->prescribed,
+  BW_TRY(bw_plane_prescribe(context, in->now->pattern, c, workspace->held, workspace->prescribed,
                             workspace->system, workspace->rhs));
   balance(flow);
   for (size_t i = 0; i < unknowns; i++)
     if (workspace->held[i])
       workspace->solution[i] = workspace->prescribed[i];
   kept->seconds_assemble += bw_seconds() - started;
-  BW_TRY(bw_lagged_factor_solve(context, in->lagged, in->now->graph, workspace->system,
+  BW_TRY(bw_lagged_factor_solve(context, in->lagged, in->now->pattern, workspace->system,
                                 workspace->rhs, workspace->solution, &options->linear, kept));
-  BW_TRY(bw_plane_multiply(context, in->now->graph, c, workspace->values, workspace->solution,
+  BW_TRY(bw_plane_multiply(context, in->now->pattern, c, workspace->values, workspace->solution,
                            workspace->reaction));
   for (size_t i = 0; i < unknowns; i++)
     workspace->reaction[i] -= workspace->load[i];
@@ -214,7 +214,7 @@ static void carried_by(const bw_flow *flow, const double *state, const scheme *m
   int c = flow->components;
   const double *now = flow->mesh->point, *old = in->now->old_point ? in->now->old_point : now,
                *older = in->now->older_point ? in->now->older_point : old;
-  for (int64_t i = 0; i < in->now->graph->node_count; i++)
+  for (int64_t i = 0; i < in->now->pattern->node_count; i++)
     for (int d = 0; d < 2; d++) {
       int64_t k = 2 * i + d;
       double mesh =
@@ -228,7 +228,7 @@ static bw_status march(bw_context *context, bw_flow *flow, const bw_flow_options
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   int c = flow->components;
-  size_t unknowns = (size_t)in->now->graph->node_count * (size_t)c;
+  size_t unknowns = (size_t)in->now->pattern->node_count * (size_t)c;
   double dt = options->step, ratio = in->now->known == 2 ? dt / in->now->last_step : 0;
   bool second = options->bdf == 2 && in->now->known == 2;
   double *x = in->workspace.solution, *last = NULL;
@@ -293,7 +293,7 @@ static bw_status search(bw_context *context, bw_flow *flow, const bw_flow_option
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   int c = flow->components;
-  size_t unknowns = (size_t)in->now->graph->node_count * (size_t)c;
+  size_t unknowns = (size_t)in->now->pattern->node_count * (size_t)c;
   double *x = in->workspace.solution, rate = pseudo;
   *reached = INFINITY;
   for (int k = 0; k < rounds; k++) {
@@ -355,7 +355,7 @@ static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_option
         context, BW_INVALID,
         "there is a heat flux, but neither a temperature nor convection: no steady state "
         "is determined. Prescribe a temperature somewhere, or give a time step");
-  size_t unknowns = (size_t)in->now->graph->node_count * (size_t)flow->components;
+  size_t unknowns = (size_t)in->now->pattern->node_count * (size_t)flow->components;
   double *x = in->workspace.solution, reached = INFINITY;
   double *last = BW_NEW(context, double, unknowns);
   int rounds = options->iterations > 0 ? options->iterations : 30;
@@ -413,14 +413,14 @@ bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options
   if (options.step == 0)
     options.linear.tolerance = fmin(options.linear.tolerance, 0.01 * options.tolerance);
   if (!in->workspace.block)
-    BW_TRY(bwi_flow_workspace_make(context, in->now->graph, flow->components, &in->workspace));
+    BW_TRY(bwi_flow_workspace_make(context, in->now->pattern, flow->components, &in->workspace));
   BW_TRY(bwi_flow_next(context, flow, &next));
   if (options.step > 0)
     BW_TRY(march(context, flow, &options, next, kept));
   else
     BW_TRY(settle(context, flow, &options, next, kept));
   memcpy(next->reaction, in->workspace.reaction,
-         (size_t)in->now->graph->node_count * (size_t)flow->components * sizeof(double));
+         (size_t)in->now->pattern->node_count * (size_t)flow->components * sizeof(double));
   next->reacted = true;
   BW_TRY(bwi_flow_commit(context, flow, next));
 done:

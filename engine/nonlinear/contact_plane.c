@@ -206,27 +206,28 @@ void bwi_contact_settle(bwi_contact *c) {
 }
 
 /* `part` of a point's derivatives. */
-static void add_stiffness(const bwi_contact *c, int64_t p, double part, const bw_graph *graph,
-                          double *pairs) {
+static void add_stiffness(const bwi_contact *c, int64_t p, double part,
+                          const bw_block_pattern *pattern, double *values) {
   const double *normal = c->load_case->floor[c->floor[p]].normal;
   for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
     for (int64_t l = c->start[p]; l < c->start[p + 1]; l++) {
       if (c->node[l] > c->node[k])
         continue;
-      double *block = pairs + 9 * bwi_graph_pair(graph, c->node[k], c->node[l]);
+      double *block = values + 9 * bwi_block_index(pattern, c->node[k], c->node[l]);
       double size = part * c->stiffness[p] * c->weight[k] * c->weight[l];
       for (int i = 0; i < 9; i++)
         block[i] += size * normal[i / 3] * normal[i % 3];
     }
 }
 
-void bwi_contact_stiffness(const bwi_contact *c, const bw_graph *graph, double *pairs) {
+void bwi_contact_stiffness(const bwi_contact *c, const bw_block_pattern *pattern, double *values) {
   for (int64_t p = 0; p < c->count; p++)
     if (c->pushes[p])
-      add_stiffness(c, p, 1, graph, pairs);
+      add_stiffness(c, p, 1, pattern, values);
 }
 
-int64_t bwi_contact_foresee(bwi_contact *c, const double *d, const bw_graph *graph, double *pairs) {
+int64_t bwi_contact_foresee(bwi_contact *c, const double *d, const bw_block_pattern *pattern,
+                            double *values) {
   int64_t changed = 0;
   for (int64_t p = 0; p < c->count; p++) {
     double gap = c->gap[p] + displacement(c, p, d);
@@ -235,8 +236,8 @@ int64_t bwi_contact_foresee(bwi_contact *c, const double *d, const bw_graph *gra
       continue;
     changed++;
     c->pushes[p] = pushes;
-    if (pairs)
-      add_stiffness(c, p, pushes ? 1 : -1, graph, pairs);
+    if (values)
+      add_stiffness(c, p, pushes ? 1 : -1, pattern, values);
   }
   return changed;
 }

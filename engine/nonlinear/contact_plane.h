@@ -46,15 +46,17 @@ double bwi_contact_error(const bwi_contact *contact);
 /* Multipliers become the forces of the last evaluation. */
 void bwi_contact_settle(bwi_contact *contact);
 /* Which points will push after a step d, their forces taken as linear, l - c g, in those that are
- * taken to push: `pushes` becomes that, and pairs of a graph (may be NULL) follow. Returns how many
- * are not as before. */
-int64_t bwi_contact_foresee(bwi_contact *contact, const double *d, const bw_graph *graph,
-                            double *pairs);
+ * taken to push: `pushes` becomes that, and blocks of a pattern (may be NULL) follow. Returns how
+ * many are not as before. */
+int64_t bwi_contact_foresee(bwi_contact *contact, const double *d, const bw_block_pattern *pattern,
+                            double *values);
 /* Those linear forces at the last evaluation, added. */
 void bwi_contact_linear(const bwi_contact *contact, double *force);
-/* Derivatives with the points that push: added to pairs of a graph, to node blocks, to y for x. */
-void bwi_contact_stiffness(const bwi_contact *contact, const bw_graph *graph, double *pairs);
-void bwi_contact_blocks(const bwi_contact *contact, double *blocks);
+/* Derivatives with the points that push: added to blocks of a pattern, to node blocks, to y for x.
+ */
+void bwi_contact_stiffness(const bwi_contact *contact, const bw_block_pattern *pattern,
+                           double *values);
+void bwi_contact_blocks(const bwi_contact *contact, double *values);
 void bwi_contact_multiply(const bwi_contact *contact, const double *x, double *y);
 /* The same points as parts of a coarse solid, for those derivatives alone: which of them push is
  * read from `contact`, which must outlive it. */

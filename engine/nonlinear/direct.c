@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Direct solutions: the engine's multifrontal factor on a solid's graph.
+/* Direct solutions: the engine's multifrontal factor on a solid's pattern.
  *
- * Invariants: `symbolic` is of `graph` and `held`, all NULL before the first analysis; `factor`,
+ * Invariants: `symbolic` is of `pattern` and `held`, all NULL before the first analysis; `factor`,
  * when there is one, is of `symbolic`, and its numbers are to be used while `usable`. */
 #include "nonlinear/direct.h"
 
@@ -12,8 +12,8 @@
 #include "solve/order.h"
 
 struct bwi_direct {
-  const bw_graph *graph; /* retained */
-  uint8_t *held;         /* 3 graph->node_count */
+  const bw_block_pattern *pattern; /* retained */
+  uint8_t *held;                   /* 3 pattern->node_count */
   bwi_symbolic *symbolic;
   bwi_factor *factor;
   bool usable;
@@ -30,7 +30,7 @@ bw_status bwi_direct_create(bw_context *context, bwi_direct **out) {
 static void forget(bwi_direct *direct) {
   bw_release(direct->factor);
   bw_release(direct->symbolic);
-  bw_release(direct->graph);
+  bw_release(direct->pattern);
   bw_free(direct->held);
   *direct = (bwi_direct){0};
 }
@@ -50,14 +50,14 @@ size_t bwi_direct_bytes(const bwi_direct *direct) {
  * time and the factor is made as fast. */
 enum { SMALL = 1000 };
 
-static bw_status order_nodes(bw_context *context, const bw_graph *graph, const uint8_t *take,
-                             bwi_order **order) {
+static bw_status order_nodes(bw_context *context, const bw_block_pattern *pattern,
+                             const uint8_t *take, bwi_order **order) {
   bw_status status = BW_OK;
   bwi_adjacency near = {0};
   idx_t *permutation = NULL;
-  if (graph->node_count > SMALL || sizeof(idx_t) != sizeof(int32_t))
-    return bwi_order_create(context, graph, take, order);
-  BW_TRY(bwi_adjacency_create(context, graph, take, &near));
+  if (pattern->node_count > SMALL || sizeof(idx_t) != sizeof(int32_t))
+    return bwi_order_create(context, pattern, take, order);
+  BW_TRY(bwi_adjacency_create(context, pattern, take, &near));
   permutation = BW_NEW(context, idx_t, near.size);
   if (!permutation) {
     status = BW_MEMORY;
@@ -79,26 +79,27 @@ done:
 }
 
 /* Graphs of the same elements are the same, whichever solid they were made for. */
-static bool same_graph(const bw_graph *a, const bw_graph *b) {
+static bool same_pattern(const bw_block_pattern *a, const bw_block_pattern *b) {
   return a == b ||
-         (a->node_count == b->node_count && a->pair_count == b->pair_count &&
+         (a->node_count == b->node_count && a->block_count == b->block_count &&
           memcmp(a->start, b->start, ((size_t)a->node_count + 1) * sizeof *a->start) == 0 &&
-          memcmp(a->column, b->column, (size_t)a->pair_count * sizeof *a->column) == 0);
+          memcmp(a->column, b->column, (size_t)a->block_count * sizeof *a->column) == 0);
 }
 
-bool bwi_direct_keeps(const bwi_direct *direct, const bw_graph *graph, const uint8_t *held) {
-  return direct->symbolic && same_graph(direct->graph, graph) &&
-         memcmp(direct->held, held, 3 * (size_t)graph->node_count) == 0;
+bool bwi_direct_keeps(const bwi_direct *direct, const bw_block_pattern *pattern,
+                      const uint8_t *held) {
+  return direct->symbolic && same_pattern(direct->pattern, pattern) &&
+         memcmp(direct->held, held, 3 * (size_t)pattern->node_count) == 0;
 }
 
-bw_status bwi_direct_analyse(bw_context *context, bwi_direct *direct, const bw_graph *graph,
-                             const uint8_t *held) {
+bw_status bwi_direct_analyse(bw_context *context, bwi_direct *direct,
+                             const bw_block_pattern *pattern, const uint8_t *held) {
   bw_status status = BW_OK;
-  size_t nodes = (size_t)graph->node_count, size = 3 * nodes;
+  size_t nodes = (size_t)pattern->node_count, size = 3 * nodes;
   uint8_t *take = NULL;
   int32_t *unknown = NULL, count = 0;
   bwi_order *order = NULL;
-  if (bwi_direct_keeps(direct, graph, held))
+  if (bwi_direct_keeps(direct, pattern, held))
     return BW_OK;
   forget(direct);
   take = BW_NEW0(context, uint8_t, nodes);
@@ -117,9 +118,9 @@ bw_status bwi_direct_analyse(bw_context *context, bwi_direct *direct, const bw_g
     status = bw_fail(context, BW_INTERNAL, "a matrix without unknowns cannot be factorised");
     goto done;
   }
-  BW_TRY(order_nodes(context, graph, take, &order));
+  BW_TRY(order_nodes(context, pattern, take, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, unknown, &direct->symbolic));
-  direct->graph = bw_retain(graph);
+  direct->pattern = bw_retain(pattern);
 done:
   if (status != BW_OK)
     forget(direct);
@@ -135,16 +136,16 @@ void bwi_direct_count(const bwi_direct *direct, double *flops, double *entries) 
   *entries = (double)symbolic->panel[symbolic->order->super_count];
 }
 
-bw_status bwi_direct_factor(bw_context *context, bwi_direct *direct, const bw_graph *graph,
-                            const uint8_t *held, const double *stiffness, bool *definite,
-                            int32_t *node) {
+bw_status bwi_direct_factor(bw_context *context, bwi_direct *direct,
+                            const bw_block_pattern *pattern, const uint8_t *held,
+                            const double *stiffness, bool *definite, int32_t *node) {
   bw_status status = BW_OK;
   bwi_elimination_reach *reach = NULL;
-  bwi_matrix matrix = {.graph = graph, .stiffness = stiffness};
+  bwi_matrix matrix = {.pattern = pattern, .stiffness = stiffness};
   int32_t bad_node = -1;
   direct->usable = false;
   *definite = false;
-  BW_TRY(bwi_direct_analyse(context, direct, graph, held));
+  BW_TRY(bwi_direct_analyse(context, direct, pattern, held));
   if (direct->factor)
     status = bwi_factor_update(context, direct->factor, &matrix, NULL, NULL, &bad_node);
   else {

@@ -20,7 +20,7 @@ typedef struct data {
   int64_t pivot;               /* the last multiple of ring among the elements so far */
   double *force, *matrix;      /* ring x 24, ring x 300, or NULL */
   double *gradient, *stiffness;
-  int64_t contributions; /* of the graph */
+  int64_t contributions; /* of the pattern */
   int64_t end;           /* of the elements so far */
   int64_t first;         /* element or node that item 0 of the loop is */
 } data;
@@ -42,21 +42,21 @@ static bw_status elements(void *of, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-/* Where the k-th contribution of the graph lies. */
+/* Where the k-th contribution of the pattern lies. */
 static inline const double *block_of(const data *d, int64_t k) {
-  const bw_graph *graph = d->solid->graph;
-  int code = graph->gather_local[k];
-  return d->matrix + BWI_ELEMENT_NUMBERS * slot_of(d, graph->gather_element[k]) +
+  const bw_block_pattern *pattern = d->solid->pattern;
+  int code = pattern->gather_local[k];
+  return d->matrix + BWI_ELEMENT_NUMBERS * slot_of(d, pattern->gather_element[k]) +
          bwi_element_block(code >> 4, code & 15);
 }
 
-static inline void gather_block(const data *d, int64_t pair, double *block) {
-  const bw_graph *graph = d->solid->graph;
+static inline void gather_block(const data *d, int64_t index, double *block) {
+  const bw_block_pattern *pattern = d->solid->pattern;
   bwi_lanes sum = {0}, part;
   double last = 0;
-  for (int64_t k = graph->gather_start[pair]; k < graph->gather_start[pair + 1]; k++) {
+  for (int64_t k = pattern->gather_start[index]; k < pattern->gather_start[index + 1]; k++) {
     const double *from = block_of(d, k);
-    if (k + AHEAD < d->contributions && graph->gather_element[k + AHEAD] < d->end) {
+    if (k + AHEAD < d->contributions && pattern->gather_element[k + AHEAD] < d->end) {
       const double *next = block_of(d, k + AHEAD);
       __builtin_prefetch(next);
       __builtin_prefetch(next + 8);
@@ -71,14 +71,15 @@ static inline void gather_block(const data *d, int64_t pair, double *block) {
 
 static bw_status rows(void *of, int64_t begin, int64_t end, int worker) {
   const data *d = (const data *)of;
-  const bw_graph *graph = d->solid->graph;
+  const bw_block_pattern *pattern = d->solid->pattern;
   (void)worker;
   for (int64_t i = d->first + begin; i < d->first + end; i++) {
-    int64_t diagonal = graph->start[i + 1] - 1;
+    int64_t diagonal = pattern->start[i + 1] - 1;
     double force[3] = {0}, six[6] = {0};
-    for (int64_t k = graph->gather_start[diagonal]; k < graph->gather_start[diagonal + 1]; k++) {
-      int64_t slot = slot_of(d, graph->gather_element[k]);
-      int a = graph->gather_local[k] >> 4;
+    for (int64_t k = pattern->gather_start[diagonal]; k < pattern->gather_start[diagonal + 1];
+         k++) {
+      int64_t slot = slot_of(d, pattern->gather_element[k]);
+      int a = pattern->gather_local[k] >> 4;
       for (int r = 0; r < 3 && d->force; r++)
         force[r] += d->force[BWI_ELEMENT_FORCES * slot + 3 * a + r];
       for (int r = 0; r < 6 && d->matrix; r++)
@@ -88,8 +89,8 @@ static bw_status rows(void *of, int64_t begin, int64_t end, int worker) {
       memcpy(d->gradient + 3 * i, force, sizeof force);
     if (!d->stiffness)
       continue;
-    for (int64_t pair = graph->start[i]; pair < diagonal; pair++)
-      gather_block(d, pair, d->stiffness + 9 * pair);
+    for (int64_t index = pattern->start[i]; index < diagonal; index++)
+      gather_block(d, index, d->stiffness + 9 * index);
     double full[9] = {six[0], six[1], six[2], six[1], six[3], six[4], six[2], six[4], six[5]};
     memcpy(d->stiffness + 9 * diagonal, full, sizeof full);
   }
@@ -97,11 +98,11 @@ static bw_status rows(void *of, int64_t begin, int64_t end, int worker) {
 }
 
 /* First and last element around a node. */
-static inline int32_t first_of(const bw_graph *graph, int64_t node) {
-  return graph->gather_element[graph->gather_start[graph->start[node + 1] - 1]];
+static inline int32_t first_of(const bw_block_pattern *pattern, int64_t node) {
+  return pattern->gather_element[pattern->gather_start[pattern->start[node + 1] - 1]];
 }
-static inline int32_t last_of(const bw_graph *graph, int64_t node) {
-  return graph->gather_element[graph->gather_start[graph->start[node + 1]] - 1];
+static inline int32_t last_of(const bw_block_pattern *pattern, int64_t node) {
+  return pattern->gather_element[pattern->gather_start[pattern->start[node + 1]] - 1];
 }
 
 /* When which nodes are gathered, and how many elements the ring must hold meanwhile. */
@@ -113,8 +114,8 @@ typedef struct schedule {
 /* The ring reaches from the first element that a node not yet gathered needs to the end of the
  * window that is being computed. */
 static bw_status plan(bw_context *context, const bw_solid *solid, schedule *it) {
-  const bw_graph *graph = solid->graph;
-  int64_t nodes = graph->node_count, elements_all = solid->grid->element_count;
+  const bw_block_pattern *pattern = solid->pattern;
+  int64_t nodes = pattern->node_count, elements_all = solid->grid->element_count;
   int32_t *oldest = BW_NEW(context, int32_t, nodes + 1); /* element needed by nodes from here on */
   it->windows = (elements_all + WINDOW - 1) / WINDOW;
   it->ready = BW_NEW(context, int64_t, it->windows);
@@ -125,13 +126,13 @@ static bw_status plan(bw_context *context, const bw_solid *solid, schedule *it) 
   }
   oldest[nodes] = (int32_t)elements_all;
   for (int64_t n = nodes - 1; n >= 0; n--)
-    oldest[n] = first_of(graph, n) < oldest[n + 1] ? first_of(graph, n) : oldest[n + 1];
+    oldest[n] = first_of(pattern, n) < oldest[n + 1] ? first_of(pattern, n) : oldest[n + 1];
   int64_t node = 0;
   for (int64_t w = 0; w < it->windows; w++) {
     int64_t end = w + 1 < it->windows ? (w + 1) * WINDOW : elements_all;
     if (end - oldest[node] > it->ring)
       it->ring = end - oldest[node];
-    while (node < nodes && last_of(graph, node) < end)
+    while (node < nodes && last_of(pattern, node) < end)
       node++;
     it->ready[w] = node;
   }
@@ -191,7 +192,7 @@ bw_status bw_solid_evaluate(bw_context *context, const bw_solid *solid, const do
                                : BWI_ENERGY,
             .gradient = gradient,
             .stiffness = stiffness,
-            .contributions = solid->graph->gather_start[solid->graph->pair_count],
+            .contributions = solid->pattern->gather_start[solid->pattern->block_count],
             .ring = 1};
   d.state = BW_NEW(context, bwi_hexahedron_state, solid->grid->element_count);
   if (!d.state) {

@@ -27,21 +27,21 @@ bw_status bwi_load_case_follow_along(bw_context *context, const bw_load_case *it
                                      const double *v, double factor, double *force);
 
 /* The symmetric part of what follower pressures, times `factor`, add to the second derivatives of
- * the potential, as far as it is between nodes that share an element (9 per pair, added). */
+ * the potential, as far as it is between nodes that share an element (9 per block, added). */
 bw_status bwi_load_case_follow_stiffness(bw_context *context, const bw_load_case *it,
-                                         const double *u, double factor, const bw_graph *graph,
-                                         double *pairs);
-/* The place of pair (a, b), b <= a, or -1. */
-static inline int64_t bwi_graph_pair(const bw_graph *graph, int32_t a, int32_t b) {
-  int64_t low = graph->start[a], high = graph->start[a + 1] - 1;
+                                         const double *u, double factor,
+                                         const bw_block_pattern *pattern, double *values);
+/* The place of block (a, b), b <= a, or -1. */
+static inline int64_t bwi_block_index(const bw_block_pattern *pattern, int32_t a, int32_t b) {
+  int64_t low = pattern->start[a], high = pattern->start[a + 1] - 1;
   while (low < high) {
     int64_t middle = low + (high - low) / 2;
-    if (graph->column[middle] < b)
+    if (pattern->column[middle] < b)
       low = middle + 1;
     else
       high = middle;
   }
-  return graph->column[low] == b ? low : -1;
+  return pattern->column[low] == b ? low : -1;
 }
 
 /* BW_UNCONSTRAINED where a group of elements connected by nodes can move as a rigid body: by what

@@ -128,8 +128,8 @@ done:
  * to it, from the next point to the one after, so every point's force by -p/6 s_k x v. The
  * potential's second derivative between points c and k then is p/6 [s_k x], its symmetric part p/12
  * [(s_k - s_c) x]. */
-static void add_pair(const bw_embedding *embedding, int32_t c, int32_t k, const double axis[3],
-                     const bw_graph *graph, double *pairs) {
+static void add_block(const bw_embedding *embedding, int32_t c, int32_t k, const double axis[3],
+                      const bw_block_pattern *pattern, double *values) {
   const bw_grid *grid = embedding->grid;
   const double cross[9] = {0, -axis[2], axis[1], axis[2], 0, -axis[0], -axis[1], axis[0], 0};
   for (int a = 0; a < 8; a++)
@@ -137,15 +137,15 @@ static void add_pair(const bw_embedding *embedding, int32_t c, int32_t k, const 
       int32_t row = grid->element[8 * (int64_t)embedding->element[c] + a],
               column = grid->element[8 * (int64_t)embedding->element[k] + b];
       double weight = embedding->weight[8 * (int64_t)c + a] * embedding->weight[8 * (int64_t)k + b];
-      int64_t pair = column <= row && weight != 0 ? bwi_graph_pair(graph, row, column) : -1;
-      for (int i = 0; pair >= 0 && i < 9; i++)
-        pairs[9 * pair + i] += weight * cross[i];
+      int64_t block = column <= row && weight != 0 ? bwi_block_index(pattern, row, column) : -1;
+      for (int i = 0; block >= 0 && i < 9; i++)
+        values[9 * block + i] += weight * cross[i];
     }
 }
 
 bw_status bwi_load_case_follow_stiffness(bw_context *context, const bw_load_case *it,
-                                         const double *u, double factor, const bw_graph *graph,
-                                         double *pairs) {
+                                         const double *u, double factor,
+                                         const bw_block_pattern *pattern, double *values) {
   bw_status status = BW_OK;
   for (int32_t p = 0; p < it->patch_count; p++) {
     const bw_pressure_patch *patch = &it->patch[p];
@@ -165,7 +165,7 @@ bw_status bwi_load_case_follow_stiffness(bw_context *context, const bw_load_case
           for (int d = 0; d < 3; d++)
             axis[d] = factor * patch->pressure[t] / 12 * (side[k][d] - side[c][d]);
           if (c != k)
-            add_pair(patch->embedding, point[c], point[k], axis, graph, pairs);
+            add_block(patch->embedding, point[c], point[k], axis, pattern, values);
         }
     }
     bw_free(x);

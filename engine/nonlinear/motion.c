@@ -38,7 +38,7 @@ static size_t bytes(const void *object) {
   size_t damping = motion->inner && motion->inner->damping ? 9 : 0;
   return sizeof *motion + (motion->inner ? bw_bytes(motion->inner->newton) : 0) +
          nodes * 9 * 3 * sizeof(double) +
-         damping * (size_t)motion->solid->graph->pair_count * sizeof(double);
+         damping * (size_t)motion->solid->pattern->block_count * sizeof(double);
 }
 
 static const bw_kind motion_kind = {"motion", destroy, bytes};
@@ -145,12 +145,12 @@ bw_status bwi_motion_tangent(bw_context *context, bw_solid_motion *motion, const
   bw_solid_shape shape;
   if (motion->options.linear == BW_NEWTON_DIRECT) {
     if (!inner->damping)
-      inner->damping = BW_NEW(context, double, 9 * solid->graph->pair_count);
+      inner->damping = BW_NEW(context, double, 9 * solid->pattern->block_count);
     if (!inner->damping)
       return BW_MEMORY;
     BW_TRY(bw_solid_evaluate(context, solid, motion->displacement, true, NULL, NULL, inner->damping,
                              &shape));
-    BW_TRY(bw_graph_multiply(context, solid->graph, inner->damping, 9, 3, 1, x, y));
+    BW_TRY(bw_block_multiply(context, solid->pattern, inner->damping, 9, 3, 1, x, y));
   } else {
     if (!inner->damping_linear)
       BW_TRY(bw_solid_linear_create(context, solid, &inner->damping_linear));

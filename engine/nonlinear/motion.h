@@ -17,7 +17,7 @@ typedef struct bwi_motion {
   double contact_for; /* the factor of the mass that `contact` was made for */
   /* workspace */
   double *multiplier; /* of contact, before the step */
-  double *damping;    /* the tangent at the step's start, where damping needs it: 9 per pair */
+  double *damping;    /* the tangent at the step's start, where damping needs it: 9 per block */
   bw_solid_linear *damping_linear;               /* or element by element */
   double *centre, *next_velocity, *workspace[3]; /* node_count x 3 each */
 } bwi_motion;

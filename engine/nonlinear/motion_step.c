@@ -18,7 +18,7 @@ static bw_status prepare_contact_planes(bw_context *context, bw_solid_motion *mo
   bw_status status = BW_OK;
   bwi_motion *inner = motion->inner;
   const bw_solid *solid = motion->solid;
-  const bw_graph *graph = solid->graph;
+  const bw_block_pattern *pattern = solid->pattern;
   int64_t nodes = solid->grid->node_count;
   double *blocks = NULL, *matrix = NULL;
   bwi_contact *contact = NULL;
@@ -27,7 +27,7 @@ static bw_status prepare_contact_planes(bw_context *context, bw_solid_motion *mo
       (inner->contact && inner->contact_for == of_mass))
     return BW_OK;
   blocks = BW_NEW(context, double, 9 * nodes);
-  matrix = BW_NEW(context, double, 9 * graph->pair_count);
+  matrix = BW_NEW(context, double, 9 * pattern->block_count);
   if (!blocks || !matrix) {
     status = BW_MEMORY;
     goto done;
@@ -35,7 +35,7 @@ static bw_status prepare_contact_planes(bw_context *context, bw_solid_motion *mo
   memset(inner->workspace[0], 0, 3 * (size_t)nodes * sizeof(double));
   BW_TRY(bw_solid_evaluate(context, solid, inner->workspace[0], true, NULL, NULL, matrix, &shape));
   for (int64_t i = 0; i < nodes; i++) {
-    memcpy(blocks + 9 * i, matrix + 9 * (graph->start[i + 1] - 1), 9 * sizeof *blocks);
+    memcpy(blocks + 9 * i, matrix + 9 * (pattern->start[i + 1] - 1), 9 * sizeof *blocks);
     for (int c = 0; c < 3; c++)
       blocks[9 * i + 4 * c] += of_mass * solid->mass[i];
   }

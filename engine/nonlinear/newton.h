@@ -27,8 +27,8 @@ typedef struct bwi_cg_statistics {
 struct bw_newton {
   bw_object object;
   bwi_direct *direct;
-  double *stiffness; /* 9 numbers for each of `pairs` */
-  int64_t pairs;
+  double *stiffness; /* 9 numbers for each of `block_count` */
+  int64_t block_count;
   bw_solid_linear *linear; /* of linear_of (retained), or NULL */
   const bw_solid *linear_of;
   bwi_cg_statistics cg_statistics;
@@ -41,7 +41,7 @@ typedef struct bwi_quadratic {
   const double *centre, *force; /* node_count x 3 */
   double of_mass;               /* 1/s2 */
   double of_stiffness;
-  const double *stiffness; /* K, 9 per pair of the graph, */
+  const double *stiffness; /* K, 9 per block of the pattern, */
   const bw_solid_linear
       *linear;          /* or element by element where the Newton state is iterative; or NULL */
   double *workspace[2]; /* node_count x 3 */
@@ -102,7 +102,7 @@ typedef struct bwi_newton_state {
   double *initial_residual; /* what is out of balance there under full loads, or NULL. Balanced at
                    load factor 0, it fades: at load factor s, 1 - s of it is left */
   bool follows;             /* the case has follower pressures */
-  double *follower;         /* 9 per pair: what follower pressures add to the tangent, or NULL */
+  double *follower;         /* 9 per block: what follower pressures add to the tangent, or NULL */
   bwi_contact *contact;     /* or NULL */
   const bwi_quadratic *quadratic; /* or NULL */
   double load;

@@ -91,8 +91,8 @@ static bw_status consider(bwi_newton_state *state) {
   if (!c->open || c->factor > 0 || spent(state) * ANALYSIS_SHARE < 1)
     return BW_OK;
   state->report->analyses +=
-      !bwi_direct_keeps(state->newton->direct, state->solid->graph, state->load_case->held);
-  BW_TRY(bwi_direct_analyse(state->context, state->newton->direct, state->solid->graph,
+      !bwi_direct_keeps(state->newton->direct, state->solid->pattern, state->load_case->held);
+  BW_TRY(bwi_direct_analyse(state->context, state->newton->direct, state->solid->pattern,
                             state->load_case->held));
   state->report->seconds_analysis += bw_seconds() - before;
   bwi_direct_count(state->newton->direct, &flops, &entries);

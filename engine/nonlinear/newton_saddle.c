@@ -87,7 +87,7 @@ static bw_status find_negative(bwi_newton_state *state, const double *plain, boo
     if (state->iterative) /* 0 where held: reactions are nothing that coarse solids should see */
       BW_TRY(bwi_precondition_multiply(context, state->precondition, p, q));
     else
-      BW_TRY(bw_graph_multiply(context, state->solid->graph, plain, 9, 3, 1, p, q));
+      BW_TRY(bw_block_multiply(context, state->solid->pattern, plain, 9, 3, 1, p, q));
     state->report->stability_iterations++;
     curvature = bwi_newton_state_dot(state, p, q);
     for (int64_t i = 0; i < n; i++)
@@ -178,7 +178,7 @@ bw_status bwi_newton_leave(bwi_newton_state *state, bool *lower, bool *decided) 
     return status;
   }
   newton->stiffness = NULL;
-  newton->pairs = 0;
+  newton->block_count = 0;
   BW_TRY(bwi_tangent_set(state, BWI_PROJECTED, &definite));
   if (definite)
     BW_TRY(find_negative(state, plain, &found, &none));

@@ -1,10 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The tangent of a solid under a case, and solving with it.
  *
- * Contact adds entries inside elements, so the solid's graph serves. Follower pressures add a part
- * K' that is not symmetric and goes beyond the graph; its symmetric part S within the graph goes
- * into the factor, of M = K + S. GMRES on M^-1 (K + K') = 1 - M^-1 (S - K') then solves with the
- * exact tangent: a few solutions with the factor instead of a larger and unsymmetric one. */
+ * Contact adds entries inside elements, so the solid's pattern serves. Follower pressures add a
+ * part K' that is not symmetric and goes beyond the pattern; its symmetric part S within the
+ * pattern goes into the factor, of M = K + S. GMRES on M^-1 (K + K') = 1 - M^-1 (S - K') then
+ * solves with the exact tangent: a few solutions with the factor instead of a larger and
+ * unsymmetric one. */
 #include "nonlinear/internal.h"
 #include "nonlinear/newton.h"
 
@@ -17,15 +18,15 @@ enum { BASIS = 40 };
 
 static bw_status reserve(bwi_newton_state *state) {
   bw_newton *newton = state->newton;
-  int64_t pairs = state->solid->graph->pair_count;
-  if (newton->pairs == pairs)
+  int64_t blocks = state->solid->pattern->block_count;
+  if (newton->block_count == blocks)
     return BW_OK;
   bw_free(newton->stiffness);
-  newton->pairs = 0;
-  newton->stiffness = BW_NEW(state->context, double, 9 * pairs);
+  newton->block_count = 0;
+  newton->stiffness = BW_NEW(state->context, double, 9 * blocks);
   if (!newton->stiffness)
     return BW_MEMORY;
-  newton->pairs = pairs;
+  newton->block_count = blocks;
   return BW_OK;
 }
 
@@ -96,7 +97,7 @@ static bw_status evaluate(bwi_newton_state *state, bool project) {
     state->fresh = !project;
     goto done;
   }
-  const bw_graph *graph = state->solid->graph;
+  const bw_block_pattern *pattern = state->solid->pattern;
   double before = bw_seconds();
   bw_solid_shape shape;
   BW_TRY(reserve(state));
@@ -107,8 +108,8 @@ static bw_status evaluate(bwi_newton_state *state, bool project) {
     state->report->seconds_quadrature += bw_seconds() - before;
   }
   state->fresh = !project;
-  for (int64_t n = 0; n < graph->node_count; n++)
-    memcpy(state->blocks + 9 * n, state->newton->stiffness + 9 * (graph->start[n + 1] - 1),
+  for (int64_t n = 0; n < pattern->node_count; n++)
+    memcpy(state->blocks + 9 * n, state->newton->stiffness + 9 * (pattern->start[n + 1] - 1),
            9 * sizeof(double));
 done:
   return status;
@@ -119,16 +120,16 @@ bw_status bwi_tangent_blocks(bwi_newton_state *state) {
 }
 
 static bw_status factor(bwi_newton_state *state, bool *definite) {
-  const bw_graph *graph = state->solid->graph;
+  const bw_block_pattern *pattern = state->solid->pattern;
   bw_newton *newton = state->newton;
   double before = bw_seconds();
-  state->report->analyses += !bwi_direct_keeps(newton->direct, graph, state->load_case->held);
+  state->report->analyses += !bwi_direct_keeps(newton->direct, pattern, state->load_case->held);
   bw_status status =
-      bwi_direct_analyse(state->context, newton->direct, graph, state->load_case->held);
+      bwi_direct_analyse(state->context, newton->direct, pattern, state->load_case->held);
   double between = bw_seconds();
   state->report->seconds_analysis += between - before;
   if (status == BW_OK)
-    status = bwi_direct_factor(state->context, newton->direct, graph, state->load_case->held,
+    status = bwi_direct_factor(state->context, newton->direct, pattern, state->load_case->held,
                                newton->stiffness, definite, NULL);
   state->report->seconds_factor += bw_seconds() - between;
   state->report->factorisations++;
@@ -140,14 +141,14 @@ static bw_status factor(bwi_newton_state *state, bool *definite) {
 static bw_status factor_shifted(bwi_newton_state *state, double part, double growth,
                                 bool *definite) {
   bw_status status = BW_OK;
-  const bw_graph *graph = state->solid->graph;
+  const bw_block_pattern *pattern = state->solid->pattern;
   double mean = mean_diagonal(state), shift = 0;
   state->fresh = false;
   state->shift = 0;
   for (; part <= 1 && !*definite && mean > 0; part *= growth) {
-    for (int64_t n = 0; n < graph->node_count; n++)
+    for (int64_t n = 0; n < pattern->node_count; n++)
       for (int c = 0; c < 3; c++)
-        state->newton->stiffness[9 * (graph->start[n + 1] - 1) + 4 * c] += part * mean - shift;
+        state->newton->stiffness[9 * (pattern->start[n + 1] - 1) + 4 * c] += part * mean - shift;
     shift = part * mean;
     state->shift = part;
     BW_TRY(factor(state, definite));
@@ -200,15 +201,15 @@ bw_status bwi_tangent_set(bwi_newton_state *state, bwi_tangent kind, bool *defin
     state->fresh = false;
   }
   if (state->contact) {
-    bwi_contact_stiffness(state->contact, state->solid->graph, state->newton->stiffness);
+    bwi_contact_stiffness(state->contact, state->solid->pattern, state->newton->stiffness);
     state->fresh = false;
   }
   if (state->follows) {
-    size_t size = 9 * (size_t)state->solid->graph->pair_count;
+    size_t size = 9 * (size_t)state->solid->pattern->block_count;
     memset(state->follower, 0, size * sizeof(double));
     BW_TRY(bwi_load_case_follow_stiffness(state->context, state->load_case, state->now.u,
                                           state->initial_residual ? 1 : state->load,
-                                          state->solid->graph, state->follower));
+                                          state->solid->pattern, state->follower));
     for (size_t i = 0; i < size; i++)
       state->newton->stiffness[i] += state->follower[i];
     state->fresh = false;
@@ -243,7 +244,7 @@ done:
 }
 
 bw_status bwi_tangent_predict_contact(bwi_newton_state *state, bool *changed, bool *definite) {
-  *changed = bwi_contact_foresee(state->contact, state->direction, state->solid->graph,
+  *changed = bwi_contact_foresee(state->contact, state->direction, state->solid->pattern,
                                  state->iterative ? NULL : state->newton->stiffness) > 0;
   *definite = true;
   if (state->iterative)
@@ -256,8 +257,8 @@ bw_status bwi_tangent_predict_contact(bwi_newton_state *state, bool *changed, bo
 
 bw_status bwi_tangent_multiply(bwi_newton_state *state, const double *x, double *y) {
   if (!state->iterative)
-    return bw_graph_multiply(state->context, state->solid->graph, state->newton->stiffness, 9, 3, 1,
-                             x, y);
+    return bw_block_multiply(state->context, state->solid->pattern, state->newton->stiffness, 9, 3,
+                             1, x, y);
   bw_status status = bw_solid_linear_multiply(state->context, state->newton->linear, x, y);
   if (state->contact)
     bwi_contact_multiply(state->contact, x, y);
@@ -297,8 +298,8 @@ static bw_status exact(bwi_newton_state *state, const double *v0, double toleran
   bw_status status = BW_OK;
   int32_t cg;
   if (state->follower)
-    BW_TRY(
-        bw_graph_multiply(state->context, state->solid->graph, state->follower, 9, 3, 1, v0, work));
+    BW_TRY(bw_block_multiply(state->context, state->solid->pattern, state->follower, 9, 3, 1, v0,
+                             work));
   else
     memset(work, 0, (size_t)state->size * sizeof *work);
   BW_TRY(bwi_load_case_follow_along(state->context, state->load_case, state->now.u, v0,

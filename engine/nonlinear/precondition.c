@@ -26,7 +26,7 @@ typedef struct level {
   const bwi_contact *contact; /* or NULL */
   bwi_contact *own_contact;
   bwi_direct *direct;
-  double *stiffness; /* for direct: 9 per pair */
+  double *stiffness; /* for direct: 9 per block */
   bool usable;       /* direct can solve */
   double *inverse;   /* 9 per node: of the blocks */
   double *u, *r, *z, *t, *d, *q;
@@ -146,7 +146,7 @@ bw_status bwi_precondition_create(bw_context *context, const bw_solid *solid, co
     }
     if (k > 0 && k + 1 == m->count) {
       BW_TRY(bwi_direct_create(context, &l->direct));
-      l->stiffness = BW_NEW(context, double, 9 * l->solid->graph->pair_count);
+      l->stiffness = BW_NEW(context, double, 9 * l->solid->pattern->block_count);
       if (!l->stiffness) {
         status = BW_MEMORY;
         goto done;
@@ -369,7 +369,7 @@ static bool is_defined(bw_context *context, const level *l, bw_status *status) {
 
 static bw_status factor_coarsest(bw_context *context, bwi_precondition *m, level *l) {
   bw_status status = BW_OK;
-  const bw_graph *graph = l->solid->graph;
+  const bw_block_pattern *pattern = l->solid->pattern;
   bw_solid_shape shape;
   double mean = 0, shift = 0;
   bool free = false;
@@ -380,15 +380,15 @@ static bw_status factor_coarsest(bw_context *context, bwi_precondition *m, level
     return BW_OK;
   BW_TRY(bw_solid_evaluate(context, l->solid, l->u, true, NULL, NULL, l->stiffness, &shape));
   for (int64_t i = 0; i < l->size; i++)
-    mean += l->stiffness[9 * (graph->start[i / 3 + 1] - 1) + 4 * (i % 3)] / (double)l->size;
+    mean += l->stiffness[9 * (pattern->start[i / 3 + 1] - 1) + 4 * (i % 3)] / (double)l->size;
   if (l->contact)
-    bwi_contact_stiffness(l->contact, graph, l->stiffness);
+    bwi_contact_stiffness(l->contact, pattern, l->stiffness);
   for (double part = 0; part <= 1 && !l->usable; part = part > 0 ? 30 * part : 1e-8) {
-    for (int64_t n = 0; n < graph->node_count; n++)
+    for (int64_t n = 0; n < pattern->node_count; n++)
       for (int c = 0; c < 3; c++)
-        l->stiffness[9 * (graph->start[n + 1] - 1) + 4 * c] += part * mean - shift;
+        l->stiffness[9 * (pattern->start[n + 1] - 1) + 4 * c] += part * mean - shift;
     shift = part * mean;
-    BW_TRY(bwi_direct_factor(context, l->direct, graph, l->held, l->stiffness, &l->usable, NULL));
+    BW_TRY(bwi_direct_factor(context, l->direct, pattern, l->held, l->stiffness, &l->usable, NULL));
     m->factorisations++;
   }
 done:

@@ -14,7 +14,7 @@ bw_status bwi_quadratic_evaluate(bwi_newton_state *state, bwi_energy_forces *at)
   if (q->linear)
     BW_TRY(bw_solid_linear_multiply(state->context, q->linear, moved, product));
   else if (stiff)
-    BW_TRY(bw_graph_multiply(state->context, state->solid->graph, q->stiffness, 9, 3, 1, moved,
+    BW_TRY(bw_block_multiply(state->context, state->solid->pattern, q->stiffness, 9, 3, 1, moved,
                              product));
   for (int64_t i = 0; i < state->size; i++) {
     double off = at->u[i] - q->centre[i];
@@ -35,12 +35,12 @@ done:
 
 void bwi_quadratic_stiffness(bwi_newton_state *state) {
   const bwi_quadratic *q = state->quadratic;
-  const bw_graph *graph = state->solid->graph;
+  const bw_block_pattern *pattern = state->solid->pattern;
   double *stiffness = state->newton->stiffness;
-  for (int64_t k = 0; q->stiffness && k < 9 * graph->pair_count; k++)
+  for (int64_t k = 0; q->stiffness && k < 9 * pattern->block_count; k++)
     stiffness[k] += q->of_stiffness * q->stiffness[k];
-  for (int64_t n = 0; n < graph->node_count; n++) {
-    double *block = stiffness + 9 * (graph->start[n + 1] - 1);
+  for (int64_t n = 0; n < pattern->node_count; n++) {
+    double *block = stiffness + 9 * (pattern->start[n + 1] - 1);
     for (int c = 0; c < 3; c++)
       block[4 * c] += q->of_mass * state->solid->mass[n];
     for (int k = 0; k < 9; k++)

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Solids: a grid, what its numbers of materials mean, and what follows from the two once and for
- * all: the graph of node pairs and the lumped mass. */
+ * all: the block sparsity pattern and the lumped mass. */
 #include "nonlinear/internal.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@ static void destroy(void *object) {
   bw_solid *solid = (bw_solid *)object;
   bw_release(solid->grid);
   bw_release(solid->material_table);
-  bw_release(solid->graph);
+  bw_release(solid->pattern);
   bw_free(solid->mass);
   bw_free(solid);
 }
@@ -52,10 +52,10 @@ bw_status bw_solid_create(bw_context *context, const bw_grid *grid,
   solid->grid = (const bw_grid *)bw_retain(grid);
   solid->material_table = (const bw_material_table *)bw_retain(material_table);
   if (previous && bw_grid_same_elements(previous->grid, grid))
-    solid->graph = (bw_graph *)bw_retain(previous->graph);
+    solid->pattern = (bw_block_pattern *)bw_retain(previous->pattern);
   else
-    BW_TRY(bw_graph_of_elements(context, grid->node_count, grid->element_count, 8, grid->element,
-                                &solid->graph));
+    BW_TRY(bw_block_pattern_of_elements(context, grid->node_count, grid->element_count, 8,
+                                        grid->element, &solid->pattern));
   solid->mass = BW_NEW0(context, double, grid->node_count);
   if (!solid->mass) {
     status = BW_MEMORY;

@@ -38,7 +38,7 @@ static void destroy_newton(void *object) {
 static size_t bytes_of_newton(const void *object) {
   const bw_newton *newton = (const bw_newton *)object;
   size_t elements = newton->linear ? (size_t)newton->linear_of->grid->element_count : 0;
-  return sizeof *newton + sizeof(double) * (9 * (size_t)newton->pairs + 324 * elements) +
+  return sizeof *newton + sizeof(double) * (9 * (size_t)newton->block_count + 324 * elements) +
          bwi_direct_bytes(newton->direct);
 }
 
@@ -179,7 +179,7 @@ bw_status bwi_newton_state_create(bwi_newton_state *state) {
                                   &state->trial));
   state->iterative = state->options->linear != BW_NEWTON_DIRECT;
   if (state->follows && (!state->iterative || state->options->by_cost)) {
-    state->follower = BW_NEW(context, double, 9 * state->solid->graph->pair_count);
+    state->follower = BW_NEW(context, double, 9 * state->solid->pattern->block_count);
     if (!state->follower)
       return BW_MEMORY;
   }

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Values of a matrix on a plane graph: gathered from element matrices, and changed where unknowns
+/* Values of a matrix on a plane pattern: gathered from element matrices, and changed where unknowns
  * are prescribed. Each value is summed by one thread, its contributions in ascending order of
  * elements. */
 #include <math.h>
@@ -17,7 +17,7 @@ static bw_status check_components(bw_context *context, int components) {
 /* ---- gathering ----------------------------------------------------------------------------- */
 
 typedef struct gathering {
-  const bw_plane_graph *graph;
+  const bw_plane_pattern *pattern;
   const double *block;
   double *values;
   bw_element_matrix *element_matrix;
@@ -28,14 +28,14 @@ typedef struct gathering {
 /* C and N are constants wherever this is expanded. */
 static inline __attribute__((always_inline)) void gather_rows(const gathering *g, int64_t begin,
                                                               int64_t end, int C, int N) {
-  const bw_plane_graph *graph = g->graph;
+  const bw_plane_pattern *pattern = g->pattern;
   const int rows = N * C;
-  for (int64_t p = graph->start[begin]; p < graph->start[end]; p++) {
+  for (int64_t p = pattern->start[begin]; p < pattern->start[end]; p++) {
     double sum[BWI_MAX_COMPONENTS * BWI_MAX_COMPONENTS] = {0};
-    for (int64_t k = graph->gather_start[p]; k < graph->gather_start[p + 1]; k++) {
-      int local = graph->gather_local[k], a = local / 6, b = local % 6;
+    for (int64_t k = pattern->gather_start[p]; k < pattern->gather_start[p + 1]; k++) {
+      int local = pattern->gather_local[k], a = local / 6, b = local % 6;
       const double *from =
-          g->block + (int64_t)graph->gather_element[k] * rows * rows + a * C * rows + b * C;
+          g->block + (int64_t)pattern->gather_element[k] * rows * rows + a * C * rows + b * C;
       for (int r = 0; r < C; r++)
         for (int c = 0; c < C; c++)
           sum[C * r + c] += from[r * rows + c];
@@ -66,14 +66,14 @@ static bw_status gather_body(void *data, int64_t begin, int64_t end, int worker)
   return BW_OK;
 }
 
-bw_status bwi_plane_gather(bw_context *context, const bw_plane_graph *graph, int components,
+bw_status bwi_plane_gather(bw_context *context, const bw_plane_pattern *pattern, int components,
                            const double *block, double *values) {
-  gathering g = {.graph = graph,
+  gathering g = {.pattern = pattern,
                  .block = block,
                  .values = values,
-                 .n = bwi_nodes_per_element(graph->topology),
+                 .n = bwi_nodes_per_element(pattern->topology),
                  .components = components};
-  return bw_parallel(context, graph->node_count, BWI_GRAIN_NODES, gather_body, &g);
+  return bw_parallel(context, pattern->node_count, BWI_GRAIN_NODES, gather_body, &g);
 }
 
 static bw_status element_body(void *data, int64_t begin, int64_t end, int worker) {
@@ -88,27 +88,28 @@ static bw_status element_body(void *data, int64_t begin, int64_t end, int worker
   return BW_OK;
 }
 
-bw_status bwi_plane_assemble(bw_context *context, const bw_plane_graph *graph, int components,
+bw_status bwi_plane_assemble(bw_context *context, const bw_plane_pattern *pattern, int components,
                              bw_element_matrix *element_matrix, void *data, double *workspace,
                              double *values) {
-  gathering g = {.graph = graph,
+  gathering g = {.pattern = pattern,
                  .block = workspace,
                  .element_matrix = element_matrix,
                  .data = data,
-                 .n = bwi_nodes_per_element(graph->topology),
+                 .n = bwi_nodes_per_element(pattern->topology),
                  .components = components};
   bw_status status =
-      bw_parallel(context, graph->topology->element_count, BWI_GRAIN_ELEMENTS, element_body, &g);
-  return status != BW_OK ? status : bwi_plane_gather(context, graph, components, workspace, values);
+      bw_parallel(context, pattern->topology->element_count, BWI_GRAIN_ELEMENTS, element_body, &g);
+  return status != BW_OK ? status
+                         : bwi_plane_gather(context, pattern, components, workspace, values);
 }
 
-bw_status bw_plane_assemble(bw_context *context, const bw_plane_graph *graph, int components,
+bw_status bw_plane_assemble(bw_context *context, const bw_plane_pattern *pattern, int components,
                             bw_element_matrix *element_matrix, void *data, double *values) {
   bw_status status = check_components(context, components);
   if (status != BW_OK)
     return status;
-  double *workspace = BW_NEW(context, double, bwi_plane_workspace_size(graph, components));
-  status = workspace ? bwi_plane_assemble(context, graph, components, element_matrix, data,
+  double *workspace = BW_NEW(context, double, bwi_plane_workspace_size(pattern, components));
+  status = workspace ? bwi_plane_assemble(context, pattern, components, element_matrix, data,
                                           workspace, values)
                      : BW_MEMORY;
   bw_free(workspace);
@@ -119,7 +120,7 @@ bw_status bw_plane_assemble(bw_context *context, const bw_plane_graph *graph, in
 
 /* Rows and columns of the held unknowns alone are walked, the columns through the mirrors of the
  * rows: few nodes are held. */
-bw_status bw_plane_prescribe(bw_context *context, const bw_plane_graph *graph, int components,
+bw_status bw_plane_prescribe(bw_context *context, const bw_plane_pattern *pattern, int components,
                              const uint8_t *held, const double *prescribed, double *values,
                              double *rhs) {
   const int C = components, square = C * C;
@@ -129,17 +130,17 @@ bw_status bw_plane_prescribe(bw_context *context, const bw_plane_graph *graph, i
     return status;
   for (int c = 0; c < C; c++) {
     double sum = 0;
-    for (int32_t i = 0; i < graph->node_count; i++)
-      sum += fabs(values[square * graph->diagonal[i] + (C + 1) * c]);
-    scale[c] = sum > 0 && isfinite(sum) ? sum / graph->node_count : 1;
+    for (int32_t i = 0; i < pattern->node_count; i++)
+      sum += fabs(values[square * pattern->diagonal[i] + (C + 1) * c]);
+    scale[c] = sum > 0 && isfinite(sum) ? sum / pattern->node_count : 1;
   }
-  for (int64_t i = 0; i < graph->node_count; i++)
+  for (int64_t i = 0; i < pattern->node_count; i++)
     for (int c = 0; c < C; c++) {
       if (!held[i * C + c])
         continue;
-      for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++) {
-        int64_t j = graph->column[p];
-        double *row = values + square * p, *column = values + square * graph->mirror[p];
+      for (int64_t p = pattern->start[i]; p < pattern->start[i + 1]; p++) {
+        int64_t j = pattern->column[p];
+        double *row = values + square * p, *column = values + square * pattern->mirror[p];
         for (int r = 0; r < C; r++) {
           if (rhs && !held[j * C + r])
             rhs[j * C + r] -= column[C * r + c] * prescribed[i * C + c];
@@ -147,7 +148,7 @@ bw_status bw_plane_prescribe(bw_context *context, const bw_plane_graph *graph, i
           column[C * r + c] = 0;
         }
       }
-      values[square * graph->diagonal[i] + (C + 1) * c] = scale[c];
+      values[square * pattern->diagonal[i] + (C + 1) * c] = scale[c];
       if (rhs)
         rhs[i * C + c] = scale[c] * prescribed[i * C + c];
     }

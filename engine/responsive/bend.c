@@ -172,12 +172,13 @@ static bw_status solve_tangent(newton *n, double load, double accuracy, bool kee
     if (attempt > 0) {
       linear.method = n->options->linear.method;
       n->bend.convex = attempt == 2;
-      BW_TRY(bwi_bend_tangent(n->context, &n->bend, inner->graph, inner->workspace, inner->matrix));
-      BW_TRY(bw_plane_prescribe(n->context, inner->graph, 2, inner->held, n->step, inner->matrix,
+      BW_TRY(
+          bwi_bend_tangent(n->context, &n->bend, inner->pattern, inner->workspace, inner->matrix));
+      BW_TRY(bw_plane_prescribe(n->context, inner->pattern, 2, inner->held, n->step, inner->matrix,
                                 inner->work));
     }
     n->kept->seconds_assemble += bw_seconds() - start;
-    status = bw_lagged_factor_solve(n->context, inner->lagged, inner->graph, inner->matrix,
+    status = bw_lagged_factor_solve(n->context, inner->lagged, inner->pattern, inner->matrix,
                                     inner->work, n->step, &linear, n->kept);
     if (status != BW_SINGULAR && status != BW_CONVERGENCE)
       break;
@@ -336,7 +337,7 @@ bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_opti
   BW_TRY(bwi_sheet_prepare(context, sheet, &made));
   n.kept->pattern = !made;
   n.kept->solution = n.next->solved;
-  n.size = 2 * (size_t)inner->graph->node_count;
+  n.size = 2 * (size_t)inner->pattern->node_count;
   workspace = BW_NEW(context, double, 6 * n.size);
   if (!workspace) {
     status = BW_MEMORY;

@@ -20,8 +20,8 @@ void bwi_bend_clear(bwi_bend *bend);
 /* Sum of the elements' energies at u, INFINITY where one is inverted, and its gradient (node_count
  * x 2); either may be NULL. */
 bw_status bwi_bend_evaluate(bw_context *context, bwi_bend *bend, double *energy, double *force);
-/* The second derivative (4 per pair; room for element matrices). */
-bw_status bwi_bend_tangent(bw_context *context, bwi_bend *bend, const bw_plane_graph *graph,
+/* The second derivative (4 per block; room for element matrices). */
+bw_status bwi_bend_tangent(bw_context *context, bwi_bend *bend, const bw_plane_pattern *pattern,
                            double *workspace, double *values);
 
 #endif

@@ -307,8 +307,8 @@ bw_status bwi_bend_evaluate(bw_context *context, bwi_bend *bend, double *energy,
   return BW_OK;
 }
 
-bw_status bwi_bend_tangent(bw_context *context, bwi_bend *bend, const bw_plane_graph *graph,
+bw_status bwi_bend_tangent(bw_context *context, bwi_bend *bend, const bw_plane_pattern *pattern,
                            double *workspace, double *values) {
-  return bwi_plane_assemble(context, graph, 2, bend->rule.n == 3 ? tangent3 : tangent6, bend,
+  return bwi_plane_assemble(context, pattern, 2, bend->rule.n == 3 ? tangent3 : tangent6, bend,
                             workspace, values);
 }

@@ -16,22 +16,22 @@ static inline int bwi_nodes_per_element(const bw_plane_topology *topology) {
   return topology->nodes->order == 1 ? 3 : 6;
 }
 
-/* The pair (row, column), which share an element. */
-int64_t bwi_plane_pair(const bw_plane_graph *graph, int32_t row, int32_t column);
+/* The block (row, column), which share an element. */
+int64_t bwi_plane_block_index(const bw_plane_pattern *pattern, int32_t row, int32_t column);
 
-/* values[pair] = sum of the contributions in `block`: element matrices one after the other, n x
+/* values[block] = sum of the contributions in `block`: element matrices one after the other, n x
  * components unknowns each, row by row. */
-bw_status bwi_plane_gather(bw_context *context, const bw_plane_graph *graph, int components,
+bw_status bwi_plane_gather(bw_context *context, const bw_plane_pattern *pattern, int components,
                            const double *block, double *values);
 
 /* bw_plane_assemble with a workspace for all element matrices, which the caller owns. */
-bw_status bwi_plane_assemble(bw_context *context, const bw_plane_graph *graph, int components,
+bw_status bwi_plane_assemble(bw_context *context, const bw_plane_pattern *pattern, int components,
                              bw_element_matrix *element_matrix, void *data, double *workspace,
                              double *values);
 /* Numbers in that workspace. */
-static inline size_t bwi_plane_workspace_size(const bw_plane_graph *graph, int components) {
-  size_t rows = (size_t)bwi_nodes_per_element(graph->topology) * (size_t)components;
-  return (size_t)graph->topology->element_count * rows * rows;
+static inline size_t bwi_plane_workspace_size(const bw_plane_pattern *pattern, int components) {
+  size_t rows = (size_t)bwi_nodes_per_element(pattern->topology) * (size_t)components;
+  return (size_t)pattern->topology->element_count * rows * rows;
 }
 
 /* ---- conditions (conditions.c) ------------------------------------------------------------- */

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* LU factors of unsymmetric matrices on plane graphs in blocks, one for each pair of nodes, in
+/* LU factors of unsymmetric matrices on plane patterns in blocks, one for each pair of nodes, in
  * single precision and without pivoting between nodes: for preconditioning. Where every node has
  * equations with a diagonal (stabilised flow has, also for the pressure) pivots are not needed, and
  * then small dense blocks in an order known beforehand are several times as fast as a general
@@ -85,13 +85,13 @@ void bwi_lagged_blocks_free(bwi_lagged_blocks *s) {
 
 /* ---- analysis ------------------------------------------------------------------------------ */
 
-/* Patterns of U row by row: what the graph has above the diagonal, and what the rows bring whose
+/* Patterns of U row by row: what the pattern has above the diagonal, and what the rows bring whose
  * first column this is. */
 static bw_status find_upper(bw_context *context, bwi_lagged_blocks *s,
-                            const bw_plane_graph *graph) {
+                            const bw_plane_pattern *pattern) {
   bw_status status = BW_OK;
   int32_t n = s->size;
-  int64_t capacity = 4 * graph->pair_count + n, used = 0;
+  int64_t capacity = 4 * pattern->block_count + n, used = 0;
   int32_t *child = BW_NEW(context, int32_t, n), *sibling = BW_NEW(context, int32_t, n);
   int32_t *mark = BW_NEW(context, int32_t, n);
   s->upper_start = BW_NEW0(context, int64_t, (size_t)n + 1);
@@ -103,7 +103,7 @@ static bw_status find_upper(bw_context *context, bwi_lagged_blocks *s,
   for (int32_t k = 0; k < n; k++)
     child[k] = mark[k] = -1;
   for (int32_t k = 0; k < n; k++) {
-    int64_t bound = graph->start[s->order[k] + 1] - graph->start[s->order[k]];
+    int64_t bound = pattern->start[s->order[k] + 1] - pattern->start[s->order[k]];
     for (int32_t c = child[k]; c >= 0; c = sibling[c])
       bound += s->upper_start[c + 1] - s->upper_start[c];
     if (used + bound > capacity) {
@@ -119,8 +119,8 @@ static bw_status find_upper(bw_context *context, bwi_lagged_blocks *s,
     }
     int64_t first = used;
     mark[k] = k;
-    for (int64_t p = graph->start[s->order[k]]; p < graph->start[s->order[k] + 1]; p++) {
-      int32_t j = s->position[graph->column[p]];
+    for (int64_t p = pattern->start[s->order[k]]; p < pattern->start[s->order[k] + 1]; p++) {
+      int32_t j = s->position[pattern->column[p]];
       if (j > k && mark[j] != k) {
         mark[j] = k;
         s->upper_column[used++] = j;
@@ -179,26 +179,26 @@ static void count_work(bwi_lagged_blocks *s) {
   s->flops = 2 * updates * s->components * s->components * s->components;
 }
 
-static bw_status find_order(bw_context *context, bwi_lagged_blocks *s, const bw_plane_graph *graph,
-                            bool quick) {
-  bw_status status = bwi_lagged_order(context, graph, quick, s->order);
+static bw_status find_order(bw_context *context, bwi_lagged_blocks *s,
+                            const bw_plane_pattern *pattern, bool quick) {
+  bw_status status = bwi_lagged_order(context, pattern, quick, s->order);
   for (int32_t k = 0; status == BW_OK && k < s->size; k++)
     s->position[s->order[k]] = k;
   return status;
 }
 
-static bw_status analyse(bw_context *context, bwi_lagged_blocks *s, const bw_plane_graph *graph,
+static bw_status analyse(bw_context *context, bwi_lagged_blocks *s, const bw_plane_pattern *pattern,
                          bwi_lagged_work *work) {
   bw_status status = BW_OK;
-  if (s->topology == graph->topology)
+  if (s->topology == pattern->topology)
     return BW_OK;
   work->analysed = true;
   forget_analysis(s);
-  if (s->nodes != graph->topology->nodes)
+  if (s->nodes != pattern->topology->nodes)
     bwi_lagged_blocks_reset(s);
   if (!s->nodes) {
-    size_t n = (size_t)graph->node_count, block = (size_t)s->components * LANES;
-    s->size = graph->node_count;
+    size_t n = (size_t)pattern->node_count, block = (size_t)s->components * LANES;
+    s->size = pattern->node_count;
     s->order = BW_NEW(context, int32_t, n);
     s->position = BW_NEW(context, int32_t, n);
     s->inverse = BW_NEW(context, float, n *block);
@@ -209,22 +209,22 @@ static bw_status analyse(bw_context *context, bwi_lagged_blocks *s, const bw_pla
       goto done;
     }
     work->reordered = true;
-    BW_TRY(find_order(context, s, graph, false));
-    s->nodes = bw_retain(graph->topology->nodes);
+    BW_TRY(find_order(context, s, pattern, false));
+    s->nodes = bw_retain(pattern->topology->nodes);
   }
-  BW_TRY(find_upper(context, s, graph));
+  BW_TRY(find_upper(context, s, pattern));
   count_work(s);
   if (!work->reordered && s->flops > WORN * s->ordered) {
     work->reordered = true;
     forget_analysis(s);
-    BW_TRY(find_order(context, s, graph, true));
-    BW_TRY(find_upper(context, s, graph));
+    BW_TRY(find_order(context, s, pattern, true));
+    BW_TRY(find_upper(context, s, pattern));
     count_work(s);
   }
   if (work->reordered)
     s->ordered = s->flops;
   BW_TRY(find_lower(context, s));
-  s->topology = bw_retain(graph->topology);
+  s->topology = bw_retain(pattern->topology);
 done:
   if (status != BW_OK)
     bwi_lagged_blocks_reset(s);
@@ -276,7 +276,7 @@ static inline __attribute__((always_inline)) bool invert(const lanes *block, lan
 /* Row by row: A(i) less L(i, k) U(k) for k from the lowest. C is a constant wherever this is
  * expanded. */
 static inline __attribute__((always_inline)) bool
-eliminate(bwi_lagged_blocks *s, const bw_plane_graph *graph, const double *values, int C) {
+eliminate(bwi_lagged_blocks *s, const bw_plane_pattern *pattern, const double *values, int C) {
   lanes *work = (lanes *)s->workspace;
   const lanes zero = {0};
   for (int32_t i = 0; i < s->size; i++) {
@@ -287,8 +287,8 @@ eliminate(bwi_lagged_blocks *s, const bw_plane_graph *graph, const double *value
     for (int64_t p = s->upper_start[i]; p < s->upper_start[i + 1]; p++)
       for (int r = 0; r < C; r++)
         work[(int64_t)C * s->upper_column[p] + r] = zero;
-    for (int64_t p = graph->start[node]; p < graph->start[node + 1]; p++) {
-      int64_t column = graph->column[p];
+    for (int64_t p = pattern->start[node]; p < pattern->start[node + 1]; p++) {
+      int64_t column = pattern->column[p];
       lanes *w = work + C * (int64_t)s->position[column];
       for (int r = 0; r < C; r++) {
         lanes row = zero;
@@ -380,33 +380,33 @@ static inline __attribute__((always_inline)) void substitute(const bwi_lagged_bl
 }
 
 bw_status bwi_lagged_blocks_factor(bw_context *context, bwi_lagged_blocks *s,
-                                   const bw_plane_graph *graph, const double *values, bool *done,
-                                   bwi_lagged_work *work) {
+                                   const bw_plane_pattern *pattern, const double *values,
+                                   bool *done, bwi_lagged_work *work) {
   bw_status status = BW_OK;
   const int C = s->components;
   *work = (bwi_lagged_work){0};
   *done = false;
-  BW_TRY(analyse(context, s, graph, work));
+  BW_TRY(analyse(context, s, pattern, work));
   BW_TRY(bw_check_cancel(context));
-  for (int64_t i = 0; i < graph->node_count; i++)
+  for (int64_t i = 0; i < pattern->node_count; i++)
     for (int c = 0; c < C; c++) {
-      double size = fabs(values[C * C * graph->diagonal[i] + C * c + c]);
+      double size = fabs(values[C * C * pattern->diagonal[i] + C * c + c]);
       if (!(size > 0) || !isfinite(size))
         return BW_OK;
       s->scale[C * i + c] = 1 / sqrt(size);
     }
   switch (C) {
   case 1:
-    *done = eliminate(s, graph, values, 1);
+    *done = eliminate(s, pattern, values, 1);
     break;
   case 2:
-    *done = eliminate(s, graph, values, 2);
+    *done = eliminate(s, pattern, values, 2);
     break;
   case 3:
-    *done = eliminate(s, graph, values, 3);
+    *done = eliminate(s, pattern, values, 3);
     break;
   default:
-    *done = eliminate(s, graph, values, 4);
+    *done = eliminate(s, pattern, values, 4);
   }
   work->flops = s->flops;
   work->bytes = 2.0 * (double)s->upper_start[s->size] * (C * LANES * sizeof(float) + 4);

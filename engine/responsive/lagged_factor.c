@@ -142,11 +142,11 @@ bw_status bw_lagged_factor_apply(bw_context *context, bw_lagged_factor *lagged, 
 
 /* An old Cholesky factor is read twice in single precision, a new one twice in double and in
  * another order than it lies in; UMFPACK's once for each of two solves. */
-static double iteration_seconds(const bw_lagged_factor *lagged, const bw_plane_graph *graph,
+static double iteration_seconds(const bw_lagged_factor *lagged, const bw_plane_pattern *pattern,
                                 bool old) {
   double square = lagged->components * lagged->components;
-  double matrix = (8 * square + 4) * (double)graph->pair_count;
-  double vectors = 12 * 8.0 * (double)graph->node_count * lagged->components;
+  double matrix = (8 * square + 4) * (double)pattern->block_count;
+  double vectors = 12 * 8.0 * (double)pattern->node_count * lagged->components;
   double factor = lagged->symmetric && !old ? 4 * lagged->work.bytes : lagged->work.bytes;
   return (lagged->symmetric ? 1 : 2) * (factor + matrix + vectors) / BYTES_PER_SECOND;
 }
@@ -159,20 +159,20 @@ static double copy_seconds(const bw_lagged_factor *lagged) {
 }
 
 /* With the analysis made anew where the topology is another than the factor's. */
-static double factor_seconds(const bw_lagged_factor *lagged, const bw_plane_graph *graph,
+static double factor_seconds(const bw_lagged_factor *lagged, const bw_plane_pattern *pattern,
                              bool analysis) {
   double seconds = lagged->symmetric ? lagged->work.flops / FLOPS_PER_SECOND +
                                            2 * lagged->work.bytes / FACTOR_BYTES_PER_SECOND
                    : !lagged->pivoting ? lagged->work.flops / BLOCKS_FLOPS_PER_SECOND
                                        : lagged->work.flops / UMFPACK_FLOPS_PER_SECOND +
                                              4 * lagged->work.bytes / FACTOR_BYTES_PER_SECOND;
-  return seconds + (analysis ? ANALYSIS_SECONDS * graph->node_count : 0);
+  return seconds + (analysis ? ANALYSIS_SECONDS * pattern->node_count : 0);
 }
 
 /* Iterations that the next solve with the factor as it is should take. Meshes move on, the error
  * of the factor grows about in proportion to the number of moves, and iterations with it. */
-static double expected_iterations(const bw_lagged_factor *lagged, const bw_plane_graph *graph) {
-  if (lagged->last_topology != graph->topology)
+static double expected_iterations(const bw_lagged_factor *lagged, const bw_plane_pattern *pattern) {
+  if (lagged->last_topology != pattern->topology)
     return lagged->first_flipped;
   if (lagged->solves > 0)
     return lagged->last * (1 + 1.0 / lagged->solves);
@@ -181,9 +181,9 @@ static double expected_iterations(const bw_lagged_factor *lagged, const bw_plane
 
 /* ---- factoring ----------------------------------------------------------------------------- */
 
-static bw_status factor(bw_context *context, bw_lagged_factor *lagged, const bw_plane_graph *graph,
-                        const double *values, bw_lagged_factor_method method,
-                        bw_plane_reuse *kept) {
+static bw_status factor(bw_context *context, bw_lagged_factor *lagged,
+                        const bw_plane_pattern *pattern, const double *values,
+                        bw_lagged_factor_method method, bw_plane_reuse *kept) {
   double start = bw_seconds();
   bwi_lagged_work work = {0};
   bw_status status = BW_OK;
@@ -191,15 +191,15 @@ static bw_status factor(bw_context *context, bw_lagged_factor *lagged, const bw_
     forget_kept(lagged);
   forget_factor(lagged);
   if (lagged->symmetric)
-    status = bwi_lagged_symmetric_factor(context, lagged->cholesky, graph, values, &work);
+    status = bwi_lagged_symmetric_factor(context, lagged->cholesky, pattern, values, &work);
   else {
     if (!lagged->pivoting) {
       bool done = false;
-      status = bwi_lagged_blocks_factor(context, lagged->blocks, graph, values, &done, &work);
+      status = bwi_lagged_blocks_factor(context, lagged->blocks, pattern, values, &done, &work);
       lagged->pivoting = status == BW_OK && !done;
     }
     if (lagged->pivoting)
-      status = bwi_lagged_unsymmetric_factor(context, lagged->lu, graph, values, &work);
+      status = bwi_lagged_unsymmetric_factor(context, lagged->lu, pattern, values, &work);
   }
   kept->analyses += work.analysed;
   kept->factorisations++;
@@ -207,10 +207,10 @@ static bw_status factor(bw_context *context, bw_lagged_factor *lagged, const bw_
   kept->seconds_factor += bw_seconds() - start;
   if (status != BW_OK)
     return status;
-  lagged->topology = bw_retain(graph->topology);
+  lagged->topology = bw_retain(pattern->topology);
   lagged->work = work;
-  lagged->spent = factor_seconds(lagged, graph, work.analysed) +
-                  (work.reordered ? ORDER_SECONDS * graph->node_count : 0);
+  lagged->spent = factor_seconds(lagged, pattern, work.analysed) +
+                  (work.reordered ? ORDER_SECONDS * pattern->node_count : 0);
   return BW_OK;
 }
 
@@ -219,7 +219,7 @@ static bw_status factor(bw_context *context, bw_lagged_factor *lagged, const bw_
 typedef struct iteration {
   bw_context *context;
   bw_lagged_factor *lagged;
-  const bw_plane_graph *graph;
+  const bw_plane_pattern *pattern;
   const double *values, *rhs;
   double *x;       /* best so far */
   double size;     /* |b| */
@@ -231,7 +231,7 @@ typedef struct iteration {
 } iteration;
 
 static bw_status multiply(const iteration *it, const double *x, double *y) {
-  return bw_plane_multiply(it->context, it->graph, it->lagged->components, it->values, x, y);
+  return bw_plane_multiply(it->context, it->pattern, it->lagged->components, it->values, x, y);
 }
 
 /* r = b - A x, and its relative size */
@@ -344,8 +344,8 @@ static bw_status iterate(iteration *it, int limit, bw_plane_reuse *kept) {
 /* ---- a solve ------------------------------------------------------------------------------- */
 
 static bw_status prepare(bw_context *context, bw_lagged_factor *lagged,
-                         const bw_plane_graph *graph) {
-  size_t n = (size_t)graph->node_count * (size_t)lagged->components;
+                         const bw_plane_pattern *pattern) {
+  size_t n = (size_t)pattern->node_count * (size_t)lagged->components;
   if (lagged->workspace && lagged->size == n)
     return BW_OK;
   double *workspace =
@@ -359,7 +359,7 @@ static bw_status prepare(bw_context *context, bw_lagged_factor *lagged,
 }
 
 bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
-                                 const bw_plane_graph *graph, const double *values,
+                                 const bw_plane_pattern *pattern, const double *values,
                                  const double *rhs, double *x,
                                  const bw_lagged_factor_options *options, bw_plane_reuse *kept) {
   bw_status status = BW_OK;
@@ -373,11 +373,11 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
     return bw_fail(context, BW_INVALID,
                    "a tolerance of %g and %d iterations; both have to be positive",
                    options->tolerance, options->iterations);
-  BW_TRY(prepare(context, lagged, graph));
+  BW_TRY(prepare(context, lagged, pattern));
   size_t n = lagged->size;
   iteration it = {.context = context,
                   .lagged = lagged,
-                  .graph = graph,
+                  .pattern = pattern,
                   .values = values,
                   .rhs = rhs,
                   .x = lagged->workspace,
@@ -399,16 +399,16 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
   if (it.zero)
     memset(it.x, 0, n * sizeof *x);
 
-  bool fits = lagged->topology && lagged->topology->nodes == graph->topology->nodes;
-  bool flipped = fits && lagged->topology != graph->topology;
+  bool fits = lagged->topology && lagged->topology->nodes == pattern->topology->nodes;
+  bool flipped = fits && lagged->topology != pattern->topology;
   bool fresh = !fits || options->method == BW_LAGGED_FACTOR_REFACTOR ||
                options->method == BW_LAGGED_FACTOR_FULL;
   int limit = options->iterations;
   double one = 0, old = 0, anew = 0;
   if (fits) {
-    one = iteration_seconds(lagged, graph, true);
-    anew = factor_seconds(lagged, graph, flipped) + iteration_seconds(lagged, graph, false);
-    old = copy_seconds(lagged) + expected_iterations(lagged, graph) * one;
+    one = iteration_seconds(lagged, pattern, true);
+    anew = factor_seconds(lagged, pattern, flipped) + iteration_seconds(lagged, pattern, false);
+    old = copy_seconds(lagged) + expected_iterations(lagged, pattern) * one;
     kept->predicted_iterate += old;
     kept->predicted_factor += anew;
   }
@@ -416,7 +416,7 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
     double average = lagged->spent / (lagged->solves + 1); /* the first was with the factor new */
     double worth = average < anew ? average : anew;
     fresh = old > worth;
-    if (fresh && lagged->last_topology != graph->topology)
+    if (fresh && lagged->last_topology != pattern->topology)
       lagged->first_flipped *= FORGETTING;
     else if (fresh && lagged->solves == 0)
       lagged->first *= FORGETTING;
@@ -431,7 +431,7 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
     lagged->spent += copy_seconds(lagged) + it.count * one;
     lagged->solves++;
     lagged->last = it.count;
-    if (lagged->last_topology != graph->topology)
+    if (lagged->last_topology != pattern->topology)
       lagged->first_flipped = it.count > 0 ? it.count : 1;
     else if (lagged->solves == 1)
       lagged->first = it.count > 0 ? it.count : 1;
@@ -442,7 +442,7 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
   if (fresh) {
     if (!fits)
       lagged->pivoting = false;
-    BW_TRY(factor(context, lagged, graph, values, options->method, kept));
+    BW_TRY(factor(context, lagged, pattern, values, options->method, kept));
     bool blocks = !lagged->symmetric && !lagged->pivoting;
     BW_TRY(
         iterate(&it, blocks && options->iterations > ENOUGH ? ENOUGH : options->iterations, kept));
@@ -450,10 +450,10 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
       lagged->pivoting = true;
       if (!isfinite(it.residual))
         memcpy(it.x, x, n * sizeof *x);
-      BW_TRY(factor(context, lagged, graph, values, options->method, kept));
+      BW_TRY(factor(context, lagged, pattern, values, options->method, kept));
       BW_TRY(iterate(&it, options->iterations, kept));
     }
-    lagged->spent += it.count * iteration_seconds(lagged, graph, false);
+    lagged->spent += it.count * iteration_seconds(lagged, pattern, false);
   }
   if (!(it.residual <= kept->residual))
     kept->residual = it.residual;
@@ -468,9 +468,9 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
     goto done;
   }
   memcpy(x, it.x, n * sizeof *x);
-  bw_retain(graph->topology);
+  bw_retain(pattern->topology);
   bw_release(lagged->last_topology);
-  lagged->last_topology = graph->topology;
+  lagged->last_topology = pattern->topology;
 done:
   return status;
 }

@@ -26,7 +26,7 @@ bw_status bwi_lagged_symmetric_create(bw_context *context, int components,
 void bwi_lagged_symmetric_free(bwi_lagged_symmetric *s);
 void bwi_lagged_symmetric_reset(bwi_lagged_symmetric *s);
 bw_status bwi_lagged_symmetric_factor(bw_context *context, bwi_lagged_symmetric *s,
-                                      const bw_plane_graph *graph, const double *values,
+                                      const bw_plane_pattern *pattern, const double *values,
                                       bwi_lagged_work *work);
 /* `old`: for preconditioning, in single precision; else to all digits that the factor has. */
 bw_status bwi_lagged_symmetric_apply(bw_context *context, bwi_lagged_symmetric *s, bool old,
@@ -38,7 +38,7 @@ bw_status bwi_lagged_unsymmetric_create(bw_context *context, int components,
 void bwi_lagged_unsymmetric_free(bwi_lagged_unsymmetric *s);
 void bwi_lagged_unsymmetric_reset(bwi_lagged_unsymmetric *s);
 bw_status bwi_lagged_unsymmetric_factor(bw_context *context, bwi_lagged_unsymmetric *s,
-                                        const bw_plane_graph *graph, const double *values,
+                                        const bw_plane_pattern *pattern, const double *values,
                                         bwi_lagged_work *work);
 bw_status bwi_lagged_unsymmetric_apply(bw_context *context, bwi_lagged_unsymmetric *s,
                                        const double *r, double *z);
@@ -50,13 +50,13 @@ bw_status bwi_lagged_blocks_create(bw_context *context, int components, bwi_lagg
 void bwi_lagged_blocks_free(bwi_lagged_blocks *s);
 void bwi_lagged_blocks_reset(bwi_lagged_blocks *s);
 bw_status bwi_lagged_blocks_factor(bw_context *context, bwi_lagged_blocks *s,
-                                   const bw_plane_graph *graph, const double *values, bool *done,
-                                   bwi_lagged_work *work);
+                                   const bw_plane_pattern *pattern, const double *values,
+                                   bool *done, bwi_lagged_work *work);
 void bwi_lagged_blocks_apply(const bwi_lagged_blocks *s, const double *r, double *z);
 
 /* An elimination order of the nodes, by METIS, or quickly (or where there are few) by AMD:
  * permutation[k] = the node eliminated k-th. */
-bw_status bwi_lagged_order(bw_context *context, const bw_plane_graph *graph, bool quick,
+bw_status bwi_lagged_order(bw_context *context, const bw_plane_pattern *pattern, bool quick,
                            int32_t *permutation);
 
 #endif

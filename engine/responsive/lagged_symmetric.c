@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Cholesky factors of symmetric positive definite matrices on plane graphs, by the engine's
+/* Cholesky factors of symmetric positive definite matrices on plane patterns, by the engine's
  * multifrontal factorisation (solve/).
  *
  * A reconnected mesh has the same nodes, and while flips are few the elimination order stays good:
@@ -63,13 +63,15 @@ void bwi_lagged_symmetric_free(bwi_lagged_symmetric *s) {
   bw_free(s);
 }
 
-static bw_status adjacency(bw_context *context, const bw_plane_graph *graph, bwi_adjacency *near) {
-  int32_t nodes = graph->node_count;
-  int64_t entries = graph->pair_count - nodes;
+static bw_status adjacency(bw_context *context, const bw_plane_pattern *pattern,
+                           bwi_adjacency *near) {
+  int32_t nodes = pattern->node_count;
+  int64_t entries = pattern->block_count - nodes;
   *near = (bwi_adjacency){.size = nodes, .node_count = nodes};
   if (entries > INT32_MAX)
     return bw_fail(context, BW_LIMIT,
-                   "the mesh has %lld node pairs: more than the integers of the ordering can count",
+                   "the mesh has %lld pairs of neighbouring nodes: more than the integers of the "
+                   "ordering can count",
                    (long long)entries);
   near->start = BW_NEW(context, idx_t, (size_t)nodes + 1);
   near->neighbour = BW_NEW(context, idx_t, entries);
@@ -81,9 +83,9 @@ static bw_status adjacency(bw_context *context, const bw_plane_graph *graph, bwi
   for (int32_t i = 0; i < nodes; i++) {
     near->start[i] = count;
     near->node_of[i] = near->compact[i] = i;
-    for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++)
-      if (graph->column[p] != i)
-        near->neighbour[count++] = graph->column[p];
+    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1]; p++)
+      if (pattern->column[p] != i)
+        near->neighbour[count++] = pattern->column[p];
   }
   near->start[nodes] = count;
   return BW_OK;
@@ -119,11 +121,11 @@ done:
   return status;
 }
 
-bw_status bwi_lagged_order(bw_context *context, const bw_plane_graph *graph, bool quick,
+bw_status bwi_lagged_order(bw_context *context, const bw_plane_pattern *pattern, bool quick,
                            int32_t *permutation) {
   bw_status status = BW_OK;
   bwi_adjacency near = {0};
-  BW_TRY(adjacency(context, graph, &near));
+  BW_TRY(adjacency(context, pattern, &near));
   BW_TRY(order_nodes(context, &near, quick, permutation));
 done:
   bwi_adjacency_clear(&near);
@@ -148,19 +150,19 @@ done:
   return status;
 }
 
-static bw_status analyse(bw_context *context, bwi_lagged_symmetric *s, const bw_plane_graph *graph,
-                         bwi_lagged_work *work) {
+static bw_status analyse(bw_context *context, bwi_lagged_symmetric *s,
+                         const bw_plane_pattern *pattern, bwi_lagged_work *work) {
   bw_status status = BW_OK;
   bwi_adjacency near = {0};
   int32_t *unknown = NULL;
-  if (s->topology == graph->topology)
+  if (s->topology == pattern->topology)
     return BW_OK;
   forget_analysis(s);
   work->analysed = true;
-  if (s->nodes != graph->topology->nodes)
+  if (s->nodes != pattern->topology->nodes)
     bwi_lagged_symmetric_reset(s);
-  BW_TRY(adjacency(context, graph, &near));
-  unknown = BW_NEW0(context, int32_t, (size_t)graph->node_count * (size_t)s->components);
+  BW_TRY(adjacency(context, pattern, &near));
+  unknown = BW_NEW0(context, int32_t, (size_t)pattern->node_count * (size_t)s->components);
   if (!unknown) {
     status = BW_MEMORY;
     goto done;
@@ -172,7 +174,7 @@ static bw_status analyse(bw_context *context, bwi_lagged_symmetric *s, const bw_
     bw_release(s->symbolic);
     s->symbolic = NULL;
     if (!s->permutation)
-      s->permutation = BW_NEW(context, int32_t, graph->node_count);
+      s->permutation = BW_NEW(context, int32_t, pattern->node_count);
     if (!s->permutation) {
       status = BW_MEMORY;
       goto done;
@@ -181,9 +183,9 @@ static bw_status analyse(bw_context *context, bwi_lagged_symmetric *s, const bw_
     BW_TRY(analyse_ordered(context, s, &near, unknown));
     s->ordered = s->symbolic->flops;
     if (!s->nodes)
-      s->nodes = bw_retain(graph->topology->nodes);
+      s->nodes = bw_retain(pattern->topology->nodes);
   }
-  s->topology = bw_retain(graph->topology);
+  s->topology = bw_retain(pattern->topology);
 done:
   bwi_adjacency_clear(&near);
   bw_free(unknown);
@@ -191,24 +193,24 @@ done:
 }
 
 bw_status bwi_lagged_symmetric_factor(bw_context *context, bwi_lagged_symmetric *s,
-                                      const bw_plane_graph *graph, const double *values,
+                                      const bw_plane_pattern *pattern, const double *values,
                                       bwi_lagged_work *work) {
   bw_status status = BW_OK;
   bwi_elimination_reach *reach = NULL;
   bwi_factor *factor = NULL;
   int32_t bad_node = -1;
   *work = (bwi_lagged_work){0};
-  /* The factorisation reads the pairs of a lower triangle and those above it; given whole rows as
+  /* The factorisation reads the blocks of a lower triangle and those above it; given whole rows as
      the one and nothing as the other it finds each entry where it looks for it. */
-  bw_graph rows = {.node_count = graph->node_count,
-                   .pair_count = graph->pair_count,
-                   .start = graph->start,
-                   .column = graph->column};
-  bwi_matrix matrix = {.graph = &rows, .stiffness = values};
-  rows.upper_start = BW_NEW0(context, int64_t, (size_t)graph->node_count + 1);
+  bw_block_pattern rows = {.node_count = pattern->node_count,
+                           .block_count = pattern->block_count,
+                           .start = pattern->start,
+                           .column = pattern->column};
+  bwi_matrix matrix = {.pattern = &rows, .stiffness = values};
+  rows.upper_start = BW_NEW0(context, int64_t, (size_t)pattern->node_count + 1);
   if (!rows.upper_start)
     return BW_MEMORY;
-  BW_TRY(analyse(context, s, graph, work));
+  BW_TRY(analyse(context, s, pattern, work));
   bwi_triangular_solve_free(s->sweep);
   s->sweep = NULL;
   if (s->factor && s->factor->symbolic == s->symbolic) {
@@ -223,7 +225,7 @@ bw_status bwi_lagged_symmetric_factor(bw_context *context, bwi_lagged_symmetric 
     bw_fail(context, BW_SINGULAR,
             "the matrix of %d nodes is not positive definite at node %d: something there can move "
             "freely, or an element is inverted",
-            graph->node_count, bad_node + 1);
+            pattern->node_count, bad_node + 1);
     bw_detail_number(context, "node", bad_node + 1);
   }
   if (status != BW_OK) {

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* LU factors of unsymmetric matrices on plane graphs, by UMFPACK.
+/* LU factors of unsymmetric matrices on plane patterns, by UMFPACK.
  *
- * UMFPACK takes compressed columns. Rows are what a graph has: the arrays hold the transposed
+ * UMFPACK takes compressed columns. Rows are what a pattern has: the arrays hold the transposed
  * matrix, and solves ask for the transposed system. Columns are ordered by nodes, with an order
  * that is kept as long as the nodes are (lagged_symmetric.c); UMFPACK may still choose pivots
  * elsewhere where numbers ask for it. */
@@ -98,9 +98,9 @@ static bw_status check(bw_context *context, const bwi_lagged_unsymmetric *s, int
 }
 
 static bw_status order_unknowns(bw_context *context, bwi_lagged_unsymmetric *s,
-                                const bw_plane_graph *graph) {
+                                const bw_plane_pattern *pattern) {
   bw_status status = BW_OK;
-  int32_t *nodes = BW_NEW(context, int32_t, graph->node_count);
+  int32_t *nodes = BW_NEW(context, int32_t, pattern->node_count);
   if (!s->order)
     s->order = BW_NEW(context, int32_t, s->size);
   if (!s->work_index)
@@ -111,36 +111,37 @@ static bw_status order_unknowns(bw_context *context, bwi_lagged_unsymmetric *s,
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_lagged_order(context, graph, s->nodes != NULL, nodes));
-  for (int32_t i = 0; i < graph->node_count; i++)
+  BW_TRY(bwi_lagged_order(context, pattern, s->nodes != NULL, nodes));
+  for (int32_t i = 0; i < pattern->node_count; i++)
     for (int c = 0; c < s->components; c++)
       s->order[i * s->components + c] = nodes[i] * s->components + c;
   if (!s->nodes)
-    s->nodes = bw_retain(graph->topology->nodes);
+    s->nodes = bw_retain(pattern->topology->nodes);
 done:
   bw_free(nodes);
   return status;
 }
 
-static void fill_values(bwi_lagged_unsymmetric *s, const bw_plane_graph *graph,
+static void fill_values(bwi_lagged_unsymmetric *s, const bw_plane_pattern *pattern,
                         const double *values) {
   const int C = s->components;
   int fill = 0;
-  for (int32_t i = 0; i < graph->node_count; i++)
+  for (int32_t i = 0; i < pattern->node_count; i++)
     for (int r = 0; r < C; r++)
-      for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++)
+      for (int64_t p = pattern->start[i]; p < pattern->start[i + 1]; p++)
         for (int c = 0; c < C; c++)
           s->value[fill++] = values[C * C * p + C * r + c];
 }
 
 static bw_status analyse(bw_context *context, bwi_lagged_unsymmetric *s,
-                         const bw_plane_graph *graph, const double *values, bwi_lagged_work *work) {
+                         const bw_plane_pattern *pattern, const double *values,
+                         bwi_lagged_work *work) {
   bw_status status = BW_OK;
   double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
   const int C = s->components;
-  int64_t entries = graph->pair_count * C * C;
-  if (s->topology == graph->topology) {
-    fill_values(s, graph, values);
+  int64_t entries = pattern->block_count * C * C;
+  if (s->topology == pattern->topology) {
+    fill_values(s, pattern, values);
     return BW_OK;
   }
   if (entries > INT_MAX)
@@ -149,13 +150,13 @@ static bw_status analyse(bw_context *context, bwi_lagged_unsymmetric *s,
                    (long long)entries);
   work->analysed = true;
   forget_analysis(s);
-  if (s->nodes != graph->topology->nodes) {
+  if (s->nodes != pattern->topology->nodes) {
     bwi_lagged_unsymmetric_reset(s);
     work->reordered = true;
   }
-  s->size = graph->node_count * C;
+  s->size = pattern->node_count * C;
   if (!s->nodes)
-    BW_TRY(order_unknowns(context, s, graph));
+    BW_TRY(order_unknowns(context, s, pattern));
   s->start = BW_NEW(context, int, (size_t)s->size + 1);
   s->row = BW_NEW(context, int, entries);
   s->value = BW_NEW(context, double, entries);
@@ -164,15 +165,15 @@ static bw_status analyse(bw_context *context, bwi_lagged_unsymmetric *s,
     goto done;
   }
   int fill = 0;
-  for (int32_t i = 0; i < graph->node_count; i++)
+  for (int32_t i = 0; i < pattern->node_count; i++)
     for (int r = 0; r < C; r++) {
       s->start[i * C + r] = fill;
-      for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++)
+      for (int64_t p = pattern->start[i]; p < pattern->start[i + 1]; p++)
         for (int c = 0; c < C; c++)
-          s->row[fill++] = graph->column[p] * C + c;
+          s->row[fill++] = pattern->column[p] * C + c;
     }
   s->start[s->size] = fill;
-  fill_values(s, graph, values);
+  fill_values(s, pattern, values);
   controls(control);
   BW_TRY(bw_check_cancel(context));
   for (;;) {
@@ -187,9 +188,9 @@ static bw_status analyse(bw_context *context, bwi_lagged_unsymmetric *s,
     umfpack_di_free_symbolic(&s->symbolic);
     s->symbolic = NULL;
     work->reordered = true;
-    BW_TRY(order_unknowns(context, s, graph));
+    BW_TRY(order_unknowns(context, s, pattern));
   }
-  s->topology = bw_retain(graph->topology);
+  s->topology = bw_retain(pattern->topology);
 done:
   if (status != BW_OK)
     forget_analysis(s);
@@ -197,13 +198,13 @@ done:
 }
 
 bw_status bwi_lagged_unsymmetric_factor(bw_context *context, bwi_lagged_unsymmetric *s,
-                                        const bw_plane_graph *graph, const double *values,
+                                        const bw_plane_pattern *pattern, const double *values,
                                         bwi_lagged_work *work) {
   bw_status status = BW_OK;
   double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
   void *numeric = NULL;
   *work = (bwi_lagged_work){0};
-  BW_TRY(analyse(context, s, graph, values, work));
+  BW_TRY(analyse(context, s, pattern, values, work));
   BW_TRY(bw_check_cancel(context));
   controls(control);
   bwi_blas_enter();

@@ -24,7 +24,7 @@ void bw_newmark_default(bw_newmark *newmark) {
 
 /* out = M mass_of + K stiffness_of, in one pass over both. */
 typedef struct products {
-  const bw_plane_graph *graph;
+  const bw_plane_pattern *pattern;
   const double *mass, *stiffness, *mass_of, *stiffness_of;
   double *out;
 } products;
@@ -34,8 +34,8 @@ static bw_status product_rows(void *data, int64_t begin, int64_t end, int worker
   (void)worker;
   for (int64_t i = begin; i < end; i++) {
     double x = 0, y = 0;
-    for (int64_t p = d->graph->start[i]; p < d->graph->start[i + 1]; p++) {
-      int64_t j = d->graph->column[p];
+    for (int64_t p = d->pattern->start[i]; p < d->pattern->start[i + 1]; p++) {
+      int64_t j = d->pattern->column[p];
       const double *k = d->stiffness + 4 * p, *w = d->stiffness_of + 2 * j;
       double m = d->mass[p];
       x += m * d->mass_of[2 * j] + k[0] * w[0] + k[1] * w[1];
@@ -49,13 +49,13 @@ static bw_status product_rows(void *data, int64_t begin, int64_t end, int worker
 
 static bw_status multiply(bw_context *context, const struct bwi_sheet *inner, const double *mass_of,
                           const double *stiffness_of, double *out) {
-  products d = {inner->graph, inner->mass, inner->stiffness, mass_of, stiffness_of, out};
-  return bw_parallel(context, inner->graph->node_count, BWI_GRAIN_NODES, product_rows, &d);
+  products d = {inner->pattern, inner->mass, inner->stiffness, mass_of, stiffness_of, out};
+  return bw_parallel(context, inner->pattern->node_count, BWI_GRAIN_NODES, product_rows, &d);
 }
 
 /* K (1 + k_of_k) + M m: the matrix of a step. */
 typedef struct blend {
-  const bw_plane_graph *graph;
+  const bw_plane_pattern *pattern;
   const double *mass, *stiffness;
   double of_mass, of_stiffness;
   double *out;
@@ -64,7 +64,7 @@ typedef struct blend {
 static bw_status blend_rows(void *data, int64_t begin, int64_t end, int worker) {
   const blend *d = data;
   (void)worker;
-  for (int64_t p = d->graph->start[begin]; p < d->graph->start[end]; p++) {
+  for (int64_t p = d->pattern->start[begin]; p < d->pattern->start[end]; p++) {
     const double *k = d->stiffness + 4 * p;
     double m = d->of_mass * d->mass[p];
     d->out[4 * p] = d->of_stiffness * k[0] + m;
@@ -83,7 +83,7 @@ static bw_status ground(bw_context *context, bw_sheet *sheet, double time, doubl
                         double *velocity, double *acceleration, double *workspace) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
-  size_t size = 2 * (size_t)inner->graph->node_count;
+  size_t size = 2 * (size_t)inner->pattern->node_count;
   bool moves = false;
   for (int32_t k = 0; k < inner->condition_count; k++)
     moves = moves || (inner->condition[k].kind == BW_PRESCRIBED && inner->condition[k].function);
@@ -117,8 +117,8 @@ static bw_status first_acceleration(bw_context *context, bw_sheet *sheet, const 
                                     double *acceleration) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
-  const bw_plane_graph *graph = inner->graph;
-  size_t n = 2 * (size_t)graph->node_count;
+  const bw_plane_pattern *pattern = inner->pattern;
+  size_t n = 2 * (size_t)pattern->node_count;
   double *workspace = BW_NEW(context, double, 5 * n);
   double *r = workspace, *z = workspace + n, *p = z + n, *q = p + n, *zero = q + n, size = 0;
   if (!workspace)
@@ -137,7 +137,7 @@ static bw_status first_acceleration(bw_context *context, bw_sheet *sheet, const 
   for (int i = 0; i < 500 && square > 1e-24 * size; i++) {
     double next, curvature;
     for (size_t k = 0; k < n; k++)
-      z[k] = r[k] / inner->mass[graph->diagonal[k / 2]];
+      z[k] = r[k] / inner->mass[pattern->diagonal[k / 2]];
     BW_TRY(bwi_dot(context, n, r, z, &next));
     BW_TRY(bwi_add_scaled(context, n, i ? next / rho : 0, z, p));
     rho = next;
@@ -177,7 +177,7 @@ static bw_status begin(bw_context *context, bw_sheet *sheet, const bw_newmark *n
                        double *workspace, bw_sheet_state *next) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
-  size_t size = 2 * (size_t)inner->graph->node_count;
+  size_t size = 2 * (size_t)inner->pattern->node_count;
   double *velocity = workspace, *acceleration = workspace + size,
          *displacement = workspace + 2 * size;
   BW_TRY(bwi_sheet_force(context, sheet, sheet->time));
@@ -222,7 +222,7 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
   kept->pattern = !made;
   BW_TRY(bwi_sheet_next(context, sheet, sheet->mesh, true, &next));
   kept->solution = next->solved;
-  size_t size = 2 * (size_t)inner->graph->node_count;
+  size_t size = 2 * (size_t)inner->pattern->node_count;
   BW_TRY(bwi_sheet_stiffness(context, sheet));
   BW_TRY(bwi_sheet_mass(context, sheet));
   workspace = BW_NEW(context, double, 4 * size);
@@ -259,23 +259,23 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
     inner->rhs[i] = inner->force[i] - inner->rhs[i];
   double step[4] = {h, beta, am * by_damping, ak * by_damping};
   if (memcmp(step, inner->matrix_step, sizeof step) != 0) {
-    blend d = {inner->graph,        inner->mass,  inner->stiffness, by_mass + am * by_damping,
+    blend d = {inner->pattern,      inner->mass,  inner->stiffness, by_mass + am * by_damping,
                1 + ak * by_damping, inner->matrix};
-    BW_TRY(bw_parallel(context, inner->graph->node_count, BWI_GRAIN_NODES, blend_rows, &d));
-    BW_TRY(bw_plane_prescribe(context, inner->graph, 2, inner->held, inner->prescribed,
+    BW_TRY(bw_parallel(context, inner->pattern->node_count, BWI_GRAIN_NODES, blend_rows, &d));
+    BW_TRY(bw_plane_prescribe(context, inner->pattern, 2, inner->held, inner->prescribed,
                               inner->matrix, NULL));
     memcpy(inner->matrix_step, step, sizeof step);
   }
   for (size_t i = 0; i < size; i++)
     if (inner->held[i]) {
-      int64_t p = inner->graph->diagonal[i / 2];
+      int64_t p = inner->pattern->diagonal[i / 2];
       inner->rhs[i] = inner->matrix[4 * p + (i % 2 ? 3 : 0)] * inner->prescribed[i];
       inner->work[i] = inner->prescribed[i];
     } else /* a first guess: the acceleration stays */
       inner->work[i] =
           next->displacement[i] + h * next->velocity[i] + 0.5 * h * h * next->acceleration[i];
   kept->seconds_assemble += bw_seconds() - start;
-  BW_TRY(bw_lagged_factor_solve(context, inner->lagged, inner->graph, inner->matrix, inner->rhs,
+  BW_TRY(bw_lagged_factor_solve(context, inner->lagged, inner->pattern, inner->matrix, inner->rhs,
                                 inner->work, options, kept));
   /* v and a hold what is known of the new ones */
   for (size_t i = 0; i < size; i++) {

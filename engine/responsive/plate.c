@@ -21,8 +21,8 @@ static void plate_destroy(void *object) {
 static size_t plate_bytes(const void *object) {
   const bw_plate *plate = object;
   const bw_plate_state *now = plate->inner->now;
-  size_t pairs = (size_t)now->matrices->graph->pair_count;
-  return sizeof *plate + pairs * 19 * sizeof(double) + bw_bytes(now);
+  size_t blocks = (size_t)now->matrices->pattern->block_count;
+  return sizeof *plate + blocks * 19 * sizeof(double) + bw_bytes(now);
 }
 
 static const bw_kind plate_kind = {"plate", plate_destroy, plate_bytes};
@@ -70,7 +70,7 @@ static double component_mass(const bwi_plate_law *law, int c) {
 bw_status bwi_plate_multiply_mass(bw_context *context, const bw_plate *plate, const double *x,
                                   double *y) {
   (void)context;
-  const bw_plane_graph *g = plate->inner->now->matrices->graph;
+  const bw_plane_pattern *g = plate->inner->now->matrices->pattern;
   const double *mass = plate->inner->now->matrices->mass;
   const bwi_plate_law *law = &plate->inner->law;
   for (int64_t i = 0; i < g->node_count; i++) {
@@ -100,7 +100,7 @@ static double shift_for(const bw_plane_mesh *mesh, const bwi_plate_law *law) {
 
 static void matrices_destroy(void *object) {
   bwi_plate_matrices *m = object;
-  bw_release(m->graph);
+  bw_release(m->pattern);
   bw_free(m->stiffness);
   bw_free(m->mass);
   bw_free(m->shifted);
@@ -109,21 +109,21 @@ static void matrices_destroy(void *object) {
 
 static const bw_kind matrices_kind = {"plate matrices", matrices_destroy, NULL};
 
-/* Of a mesh of the graph's topology. */
+/* Of a mesh of the pattern's topology. */
 static bw_status make_matrices(bw_context *context, const struct bwi_plate *in,
-                               bw_plane_graph *graph, const bw_plane_mesh *mesh,
+                               bw_plane_pattern *pattern, const bw_plane_mesh *mesh,
                                bwi_plate_matrices **out) {
   bw_status status = BW_OK;
-  int64_t pairs = graph->pair_count;
+  int64_t blocks = pattern->block_count;
   bwi_plate_matrices *m = BW_NEW0(context, bwi_plate_matrices, 1);
   if (!m)
     return BW_MEMORY;
   bw_object_init(m, &matrices_kind);
   m->law = in->law;
-  m->graph = bw_retain(graph);
-  m->stiffness = BW_NEW(context, double, 9 * pairs);
-  m->mass = BW_NEW(context, double, pairs);
-  m->shifted = BW_NEW(context, double, 9 * pairs);
+  m->pattern = bw_retain(pattern);
+  m->stiffness = BW_NEW(context, double, 9 * blocks);
+  m->mass = BW_NEW(context, double, blocks);
+  m->shifted = BW_NEW(context, double, 9 * blocks);
   if (!m->stiffness || !m->mass || !m->shifted) {
     status = BW_MEMORY;
     goto done;
@@ -131,9 +131,9 @@ static bw_status make_matrices(bw_context *context, const struct bwi_plate *in,
   /* of the shape as it is: a drag may scale it */
   double shift = shift_for(mesh, &in->law);
   assembly data = {context, mesh, in};
-  BW_TRY(bw_plane_assemble(context, graph, 3, stiffness_of, &data, m->stiffness));
-  BW_TRY(bw_plane_assemble(context, graph, 1, mass_of, &data, m->mass));
-  for (int64_t p = 0; p < pairs; p++)
+  BW_TRY(bw_plane_assemble(context, pattern, 3, stiffness_of, &data, m->stiffness));
+  BW_TRY(bw_plane_assemble(context, pattern, 1, mass_of, &data, m->mass));
+  for (int64_t p = 0; p < blocks; p++)
     for (int k = 0; k < 9; k++)
       m->shifted[9 * p + k] =
           m->stiffness[9 * p + k] +
@@ -159,7 +159,7 @@ bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
   bw_status status = BW_OK;
   bw_plate *plate = NULL;
   struct bwi_plate *in = NULL;
-  bw_plane_graph *graph = NULL;
+  bw_plane_pattern *pattern = NULL;
   bwi_plate_matrices *matrices = NULL;
   bw_plate_state *first = NULL;
   BW_TRY(check_mesh(context, mesh));
@@ -177,12 +177,12 @@ bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
   BW_TRY(bwi_plate_law_create(context, material, thickness, &in->law));
   bwi_plate_reference_fill(&in->reference);
   BW_TRY(bwi_lagged_symmetric_create(context, 3, &in->factor));
-  BW_TRY(bw_plane_graph_create(context, mesh->topology, &graph));
-  BW_TRY(make_matrices(context, in, graph, mesh, &matrices));
+  BW_TRY(bw_plane_pattern_create(context, mesh->topology, &pattern));
+  BW_TRY(make_matrices(context, in, pattern, mesh, &matrices));
   BW_TRY(bwi_plate_blank(context, mesh, matrices, &first));
   bwi_plate_adopt(plate, first);
 done:
-  bw_release(graph);
+  bw_release(pattern);
   bw_release(matrices);
   bw_release(first);
   if (status == BW_OK)
@@ -210,16 +210,16 @@ bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_m
   const bw_plane_topology *before = plate->mesh->topology, *now = mesh->topology;
   bool same_topology = now == before, same_nodes = now->nodes == before->nodes;
   double started = bw_seconds(), *turn = NULL;
-  bw_plane_graph *graph = NULL;
+  bw_plane_pattern *pattern = NULL;
   bwi_plate_matrices *matrices = NULL;
   bw_plate_state *next = NULL;
   BW_TRY(check_mesh(context, mesh));
   if (same_topology)
-    graph = bw_retain(was->matrices->graph);
+    pattern = bw_retain(was->matrices->pattern);
   else
-    BW_TRY(bw_plane_graph_create(context, now, &graph));
+    BW_TRY(bw_plane_pattern_create(context, now, &pattern));
   int64_t nodes = now->nodes->node_count;
-  BW_TRY(make_matrices(context, in, graph, mesh, &matrices));
+  BW_TRY(make_matrices(context, in, pattern, mesh, &matrices));
   BW_TRY(bwi_plate_blank(context, mesh, matrices, &next));
   next->mode_count = was->mode_count;
   next->known = was->known;
@@ -249,7 +249,7 @@ bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_m
     kept->seconds_assemble += bw_seconds() - started;
   }
 done:
-  bw_release(graph);
+  bw_release(pattern);
   bw_release(matrices);
   bw_release(next);
   bw_free(turn);

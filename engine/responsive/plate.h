@@ -60,11 +60,11 @@ void bwi_plate_turn(int64_t nodes, const double *turn, bool transposed, double *
 /* The matrices of a mesh: an immutable object. */
 typedef struct bwi_plate_matrices {
   bw_object object;
-  bwi_plate_law law;     /* that they are made with */
-  bw_plane_graph *graph; /* retained */
-  double *stiffness;     /* 9 per pair */
-  double *mass;          /* 1 per pair: integral of N_a N_b */
-  double *shifted;       /* 9 per pair: stiffness + shift mass, what the factor is of */
+  bwi_plate_law law;         /* that they are made with */
+  bw_plane_pattern *pattern; /* retained */
+  double *stiffness;         /* 9 per block */
+  double *mass;              /* 1 per block: integral of N_a N_b */
+  double *shifted;           /* 9 per block: stiffness + shift mass, what the factor is of */
 } bwi_plate_matrices;
 
 /* All that an operation on a plate changes (plate_state.c). An operation makes the next state

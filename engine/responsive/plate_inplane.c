@@ -17,12 +17,13 @@ typedef struct inplane {
 
 static bw_status times_stiffness(void *data, const double *x, double *y) {
   const inplane *p = data;
-  return bw_plane_multiply(p->context, p->sheet->inner->graph, 2, p->sheet->inner->stiffness, x, y);
+  return bw_plane_multiply(p->context, p->sheet->inner->pattern, 2, p->sheet->inner->stiffness, x,
+                           y);
 }
 
 static bw_status times_mass(void *data, const double *x, double *y) {
   const inplane *p = data;
-  const bw_plane_graph *g = p->sheet->inner->graph;
+  const bw_plane_pattern *g = p->sheet->inner->pattern;
   const double *mass = p->sheet->inner->mass;
   for (int64_t i = 0; i < g->node_count; i++) {
     double sum[2] = {0};
@@ -93,8 +94,8 @@ bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count
   BW_TRY(bwi_sheet_stiffness(context, sheet));
   BW_TRY(bwi_sheet_mass(context, sheet));
   BW_TRY(bwi_lagged_symmetric_create(context, 2, &factor));
-  const bw_plane_graph *graph = sheet->inner->graph;
-  shifted = BW_NEW(context, double, 4 * graph->pair_count);
+  const bw_plane_pattern *pattern = sheet->inner->pattern;
+  shifted = BW_NEW(context, double, 4 * pattern->block_count);
   vector = BW_NEW0(context, double, block *n);
   rigid = BW_NEW(context, double, 2 * RIGID * n);
   value = BW_NEW(context, double, 2 * block);
@@ -111,11 +112,11 @@ bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count
   }
   double size = hypot(high[0] - low[0], high[1] - low[1]);
   double shift = plate->material->young[0] / plate->material->density / (size * size);
-  for (int64_t k = 0; k < graph->pair_count; k++)
+  for (int64_t k = 0; k < pattern->block_count; k++)
     for (int c = 0; c < 4; c++)
       shifted[4 * k + c] =
           sheet->inner->stiffness[4 * k + c] + (c % 3 == 0 ? shift * sheet->inner->mass[k] : 0);
-  BW_TRY(bwi_lagged_symmetric_factor(context, factor, graph, shifted, &work));
+  BW_TRY(bwi_lagged_symmetric_factor(context, factor, pattern, shifted, &work));
   inplane data = {context, sheet, factor};
   BW_TRY(rigid_motions(&data, rigid, rigid + RIGID * n));
   bwi_ritz ritz = {.size = n,

@@ -22,7 +22,7 @@ typedef struct problem {
 static bw_status times_stiffness(void *data, const double *x, double *y) {
   const problem *p = data;
   const bwi_plate_matrices *m = p->plate->inner->now->matrices;
-  return bw_plane_multiply(p->context, m->graph, 3, m->stiffness, x, y);
+  return bw_plane_multiply(p->context, m->pattern, 3, m->stiffness, x, y);
 }
 
 static bw_status times_mass(void *data, const double *x, double *y) {
@@ -112,7 +112,8 @@ static bw_status refactor(bw_context *context, const bw_plate *plate, bool scrat
   if (scratch)
     bwi_lagged_symmetric_reset(in->factor);
   in->factored = false;
-  bw_status status = bwi_lagged_symmetric_factor(context, in->factor, m->graph, m->shifted, &work);
+  bw_status status =
+      bwi_lagged_symmetric_factor(context, in->factor, m->pattern, m->shifted, &work);
   in->factored = status == BW_OK;
   kept->analyses += work.analysed;
   kept->factorisations++;

@@ -78,7 +78,7 @@ bw_status bw_plate_check(bw_context *context, const bw_plate *plate) {
   BW_TRY(bw_plane_mesh_check(context, now->mesh));
   if (plate->mesh != now->mesh || plate->shape != now->shape ||
       plate->frequency != now->frequency || plate->residual != now->residual ||
-      plate->mode_count != now->mode_count || now->matrices->graph->topology != topology ||
+      plate->mode_count != now->mode_count || now->matrices->pattern->topology != topology ||
       topology->nodes->order != 2)
     status = bw_fail(context, BW_INTERNAL, "a plate shows another state than it is at");
   else if (now->past < 0 || now->known < now->past + now->mode_count || (now->known && !now->shape))

@@ -18,7 +18,7 @@ static void sheet_destroy(void *object) {
     bw_free(inner->thickness);
     bw_free(inner->condition);
     bw_lagged_factor_free(inner->lagged);
-    bw_release(inner->graph);
+    bw_release(inner->pattern);
     bw_free(inner->stiffness);
     bw_free(inner->matrix);
     bw_free(inner->mass);
@@ -40,9 +40,9 @@ static size_t sheet_bytes(const void *object) {
   size_t bytes = sizeof *sheet + sizeof *inner;
   size_t nodes = (size_t)sheet->mesh->topology->nodes->node_count;
   bytes += bw_bytes(inner->now) + nodes * 8 * (inner->prescribed ? 9 : 0);
-  if (inner->graph)
-    bytes += bw_bytes(inner->graph) +
-             8 * (9 * (size_t)inner->graph->pair_count + bwi_plane_workspace_size(inner->graph, 2));
+  if (inner->pattern)
+    bytes += bw_bytes(inner->pattern) + 8 * (9 * (size_t)inner->pattern->block_count +
+                                             bwi_plane_workspace_size(inner->pattern, 2));
   return bytes;
 }
 
@@ -125,10 +125,10 @@ static bw_status extrapolate(bw_context *context, const bw_sheet *sheet, size_t 
     return BW_MEMORY;
   for (size_t i = 0; i < size; i++)
     change[i] = inner->held[i] ? 0 : sheet->displacement[i] - inner->now->before[i];
-  BW_TRY(bw_plane_multiply(context, inner->graph, 2, inner->matrix, inner->work, product));
+  BW_TRY(bw_plane_multiply(context, inner->pattern, 2, inner->matrix, inner->work, product));
   BW_TRY(bwi_subtract_from(context, size, inner->rhs, product, NULL));
   BW_TRY(bwi_dot(context, size, change, product, &along));
-  BW_TRY(bw_plane_multiply(context, inner->graph, 2, inner->matrix, change, product));
+  BW_TRY(bw_plane_multiply(context, inner->pattern, 2, inner->matrix, change, product));
   BW_TRY(bwi_dot(context, size, change, product, &curvature));
   double length = along / curvature;
   if (curvature > 0 && isfinite(length))
@@ -150,10 +150,10 @@ bw_status bwi_sheet_statics(bw_context *context, bw_sheet *sheet, bool *made) {
   inner->held_checked = true;
   BW_TRY(bwi_sheet_force(context, sheet, sheet->time));
   BW_TRY(bwi_sheet_stiffness(context, sheet));
-  memcpy(inner->matrix, inner->stiffness, 4 * (size_t)inner->graph->pair_count * sizeof(double));
-  memcpy(inner->rhs, inner->force, 2 * (size_t)inner->graph->node_count * sizeof(double));
-  BW_TRY(bw_plane_prescribe(context, inner->graph, 2, inner->held, inner->prescribed, inner->matrix,
-                            inner->rhs));
+  memcpy(inner->matrix, inner->stiffness, 4 * (size_t)inner->pattern->block_count * sizeof(double));
+  memcpy(inner->rhs, inner->force, 2 * (size_t)inner->pattern->node_count * sizeof(double));
+  BW_TRY(bw_plane_prescribe(context, inner->pattern, 2, inner->held, inner->prescribed,
+                            inner->matrix, inner->rhs));
   inner->matrix_step[0] = -1;
 done:
   return status;
@@ -170,7 +170,7 @@ bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet,
   double start = bw_seconds();
   BW_TRY(bwi_sheet_next(context, sheet, sheet->mesh, true, &next));
   BW_TRY(bwi_sheet_statics(context, sheet, &made));
-  size_t size = 2 * (size_t)inner->graph->node_count;
+  size_t size = 2 * (size_t)inner->pattern->node_count;
   kept->pattern = !made;
   kept->solution = next->solved;
   for (size_t i = 0; i < size; i++)
@@ -184,7 +184,7 @@ bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet,
     goto done;
   }
   kept->seconds_assemble += bw_seconds() - start;
-  BW_TRY(bw_lagged_factor_solve(context, inner->lagged, inner->graph, inner->matrix, inner->rhs,
+  BW_TRY(bw_lagged_factor_solve(context, inner->lagged, inner->pattern, inner->matrix, inner->rhs,
                                 inner->work, options, kept));
   if (next->before)
     memcpy(next->before, sheet->displacement, size * sizeof(double));

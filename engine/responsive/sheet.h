@@ -104,10 +104,10 @@ struct bwi_sheet {
    * when it is not of the state's mesh any more. No result depends on what is there. */
   bw_lagged_factor *lagged;
   /* By topology; NULL until used. */
-  bw_plane_graph *graph;
-  double *stiffness; /* 4 per pair: as assembled */
-  double *matrix;    /* 4 per pair: what is solved with */
-  double *mass;      /* 1 per pair, density included */
+  bw_plane_pattern *pattern;
+  double *stiffness; /* 4 per block: as assembled */
+  double *matrix;    /* 4 per block: what is solved with */
+  double *mass;      /* 1 per block, density included */
   double *workspace; /* element matrices */
   /* By nodes. */
   uint8_t *held;                           /* node_count x 2 */

@@ -146,7 +146,7 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
   bw_lagged_factor_options options;
   bw_lagged_factor_options_default(&options);
   options.tolerance = 1e-10;
-  BW_TRY(bw_lagged_factor_solve(context, inner->lagged, inner->graph, inner->matrix, inner->rhs,
+  BW_TRY(bw_lagged_factor_solve(context, inner->lagged, inner->pattern, inner->matrix, inner->rhs,
                                 adjoint, &options, NULL));
   for (int32_t e = 0; e < topology->element_count; e++) {
     const int32_t *node = topology->element + (int64_t)e * rule.n;

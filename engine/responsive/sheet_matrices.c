@@ -81,15 +81,16 @@ static bw_status workspace(bw_context *context, double **block, size_t size) {
 bw_status bwi_sheet_prepare(bw_context *context, bw_sheet *sheet, bool *made) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
-  *made = !inner->graph;
-  if (!inner->graph) {
+  *made = !inner->pattern;
+  if (!inner->pattern) {
     inner->stiffness_current = false;
-    BW_TRY(bw_plane_graph_create(context, sheet->mesh->topology, &inner->graph));
+    BW_TRY(bw_plane_pattern_create(context, sheet->mesh->topology, &inner->pattern));
   }
-  size_t pairs = (size_t)inner->graph->pair_count, size = 2 * (size_t)inner->graph->node_count;
-  BW_TRY(workspace(context, &inner->stiffness, 4 * pairs));
-  BW_TRY(workspace(context, &inner->matrix, 4 * pairs));
-  BW_TRY(workspace(context, &inner->workspace, bwi_plane_workspace_size(inner->graph, 2)));
+  size_t blocks = (size_t)inner->pattern->block_count,
+         size = 2 * (size_t)inner->pattern->node_count;
+  BW_TRY(workspace(context, &inner->stiffness, 4 * blocks));
+  BW_TRY(workspace(context, &inner->matrix, 4 * blocks));
+  BW_TRY(workspace(context, &inner->workspace, bwi_plane_workspace_size(inner->pattern, 2)));
   BW_TRY(workspace(context, &inner->prescribed, size));
   BW_TRY(workspace(context, &inner->force, size));
   BW_TRY(workspace(context, &inner->rhs, size));
@@ -110,7 +111,7 @@ bw_status bwi_sheet_stiffness(bw_context *context, bw_sheet *sheet) {
     status = bwi_sheet_tri3_stiffness(context, sheet, inner->stiffness);
   } else {
     bwi_rules_create(2, &l.rules);
-    status = bwi_plane_assemble(context, inner->graph, 2, stiffness6, &l, inner->workspace,
+    status = bwi_plane_assemble(context, inner->pattern, 2, stiffness6, &l, inner->workspace,
                                 inner->stiffness);
   }
   if (status == BW_GEOMETRY)
@@ -133,7 +134,7 @@ bw_status bwi_sheet_mass(bw_context *context, bw_sheet *sheet) {
       return bw_fail(context, BW_INVALID,
                      "material '%s' has no density: transient dynamics needs one (kg/m3)",
                      inner->material[k]->name);
-  double *mass = BW_NEW(context, double, inner->graph->pair_count);
+  double *mass = BW_NEW(context, double, inner->pattern->block_count);
   if (!mass)
     return BW_MEMORY;
   loop l = {.sheet = sheet};
@@ -142,7 +143,8 @@ bw_status bwi_sheet_mass(bw_context *context, bw_sheet *sheet) {
     status = bwi_sheet_tri3_mass(context, sheet, mass);
   } else {
     bwi_rule_create(2, 4, &l.rule);
-    status = bwi_plane_assemble(context, inner->graph, 1, element_mass, &l, inner->workspace, mass);
+    status =
+        bwi_plane_assemble(context, inner->pattern, 1, element_mass, &l, inner->workspace, mass);
   }
   if (status == BW_OK)
     inner->mass = mass;

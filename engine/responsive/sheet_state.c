@@ -91,8 +91,8 @@ static void drop_what_is_of(struct bwi_sheet *inner, const bw_plane_mesh *was,
   inner->matrix_step[0] = 0;
   if (now->topology == was->topology)
     return;
-  bw_release(inner->graph);
-  inner->graph = NULL;
+  bw_release(inner->pattern);
+  inner->pattern = NULL;
   inner->held_checked = false;
   drop(&inner->stiffness);
   drop(&inner->matrix);
@@ -180,9 +180,9 @@ bw_status bw_sheet_check(bw_context *context, const bw_sheet *sheet) {
            (now->former && !now->before) || (now->moving && !now->velocity) ||
            (now->statics && (now->large || now->moving || !now->solved)))
     status = bw_fail(context, BW_INTERNAL, "a sheet's fields do not go together");
-  else if ((inner->graph && inner->graph->topology != topology) ||
+  else if ((inner->pattern && inner->pattern->topology != topology) ||
            (inner->matrix_step[0] < 0 && !inner->stiffness_current) ||
-           (inner->stiffness_current && !inner->graph))
+           (inner->stiffness_current && !inner->pattern))
     status = bw_fail(context, BW_INTERNAL, "a sheet's matrices are of another mesh");
 done:
   return status;

@@ -2,7 +2,7 @@
 /* Stiffness and mass of sheets of three-node triangles, in closed form.
  *
  * The gradients g_a are constant on an element. With T = sum over elements of (area thickness)
- * g_a g_b^T, a block of the stiffness is linear in T: T is summed for a pair and the material
+ * g_a g_b^T, a block of the stiffness is linear in T: T is summed for a block and the material
  * applied once. An element is one line of eight numbers, its gradients times the root of area and
  * thickness and its mass by 12, so that what the sums read stays in the cache. */
 #include <math.h>
@@ -13,7 +13,7 @@ enum { LINE = 8 };
 
 typedef struct lines {
   const bw_sheet *sheet;
-  const bw_plane_graph *graph;
+  const bw_plane_pattern *pattern;
   double *line;
   double *values;
 } lines;
@@ -55,16 +55,16 @@ static const uint8_t column_of[15] = {0, 2, 4, 0, 0, 0, 0, 2, 4, 0, 0, 0, 0, 2, 
 
 static bw_status stiffness_rows(void *data, int64_t begin, int64_t end, int worker) {
   const lines *l = data;
-  const bw_plane_graph *graph = l->graph;
+  const bw_plane_pattern *pattern = l->pattern;
   bool one = l->sheet->inner->section_count == 1;
   (void)worker;
-  for (int64_t p = graph->start[begin]; p < graph->start[end]; p++) {
+  for (int64_t p = pattern->start[begin]; p < pattern->start[end]; p++) {
     double k[4] = {0}, t[4] = {0};
-    for (int64_t c = graph->gather_start[p]; c < graph->gather_start[p + 1]; c++) {
-      int32_t e = graph->gather_element[c];
+    for (int64_t c = pattern->gather_start[p]; c < pattern->gather_start[p + 1]; c++) {
+      int32_t e = pattern->gather_element[c];
       const double *line = l->line + LINE * (int64_t)e;
-      const double *g = line + row_of[graph->gather_local[c]];
-      const double *h = line + column_of[graph->gather_local[c]];
+      const double *g = line + row_of[pattern->gather_local[c]];
+      const double *h = line + column_of[pattern->gather_local[c]];
       if (one) {
         t[0] += g[0] * h[0];
         t[1] += g[0] * h[1];
@@ -85,27 +85,27 @@ static bw_status stiffness_rows(void *data, int64_t begin, int64_t end, int work
 
 static bw_status mass_rows(void *data, int64_t begin, int64_t end, int worker) {
   const lines *l = data;
-  const bw_plane_graph *graph = l->graph;
+  const bw_plane_pattern *pattern = l->pattern;
   (void)worker;
   for (int64_t i = begin; i < end; i++)
-    for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++) {
+    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1]; p++) {
       double sum = 0;
-      for (int64_t c = graph->gather_start[p]; c < graph->gather_start[p + 1]; c++)
-        sum += l->line[LINE * (int64_t)graph->gather_element[c] + 6];
-      l->values[p] = p == graph->diagonal[i] ? 2 * sum : sum;
+      for (int64_t c = pattern->gather_start[p]; c < pattern->gather_start[p + 1]; c++)
+        sum += l->line[LINE * (int64_t)pattern->gather_element[c] + 6];
+      l->values[p] = p == pattern->diagonal[i] ? 2 * sum : sum;
     }
   return BW_OK;
 }
 
 static bw_status run(bw_context *context, const bw_sheet *sheet, bw_body *rows, double *values) {
   lines l = {.sheet = sheet,
-             .graph = sheet->inner->graph,
+             .pattern = sheet->inner->pattern,
              .line = sheet->inner->workspace,
              .values = values};
   bw_status status = bw_parallel(context, sheet->mesh->topology->element_count, BWI_GRAIN_ELEMENTS,
                                  make_lines, &l);
   if (status == BW_OK)
-    status = bw_parallel(context, l.graph->node_count, BWI_GRAIN_NODES, rows, &l);
+    status = bw_parallel(context, l.pattern->node_count, BWI_GRAIN_NODES, rows, &l);
   return status;
 }
 

@@ -18,7 +18,7 @@ static bw_status reduced_matrix(bw_context *context, const bwi_symbolic *symboli
                                 const bwi_matrix *matrix, cholmod_common *common,
                                 cholmod_sparse **out) {
   const bwi_order *order = symbolic->order;
-  const bw_graph *graph = matrix->graph;
+  const bw_block_pattern *pattern = matrix->pattern;
   const int32_t *at = symbolic->at;
   size_t size = (size_t)symbolic->unknowns, entries = 0;
   cholmod_sparse *a = NULL;
@@ -47,14 +47,14 @@ static bw_status reduced_matrix(bw_context *context, const bwi_symbolic *symboli
         if (start)
           start[column] = (int32_t)fill;
         for (int half = 0; half < 2; half++) {
-          const int64_t *from = half ? graph->upper_start : graph->start;
+          const int64_t *from = half ? pattern->upper_start : pattern->start;
           for (int64_t k = from[node]; k < from[node + 1]; k++) {
-            int32_t other = half ? graph->upper_row[k] : graph->column[k];
+            int32_t other = half ? pattern->upper_row[k] : pattern->column[k];
             double block[9];
             if (order->place[other] < p)
               continue;
             if (value)
-              bwi_matrix_block(matrix, 3, half ? graph->upper_pair[k] : k, !half, other, node,
+              bwi_matrix_block(matrix, 3, half ? pattern->upper_block[k] : k, !half, other, node,
                                block);
             for (int i = 0; i < 3; i++) {
               int32_t r = at[3 * (int64_t)other + i];

@@ -13,7 +13,7 @@ struct bwi_coarse {
   int32_t *corner;     /* count: of the fine mesh, ascending */
   int32_t *parent;     /* fine nodes x 2: the corners between which a node lies; twice itself */
   bw_mesh *mesh;       /* linear, on the corners, of the shape last followed */
-  bw_graph *graph;
+  bw_block_pattern *pattern;
   double *stiffness;
   bw_dof_map dof_map; /* of the corners: what the factor and its fields read of one */
   int32_t *unknown;   /* count x 3: 0 where there is one, else -1 */
@@ -26,7 +26,7 @@ static void coarse_destroy(void *object) {
   bwi_coarse *c = object;
   bw_release(c->fine);
   bw_release(c->mesh);
-  bw_release(c->graph);
+  bw_release(c->pattern);
   bw_release(c->factor);
   bw_release(c->reach);
   bw_release(c->symbolic);
@@ -42,10 +42,10 @@ static void coarse_destroy(void *object) {
 /* The fine mesh is its user's. */
 static size_t coarse_bytes(const void *object) {
   const bwi_coarse *c = object;
-  size_t pairs = c->graph ? (size_t)c->graph->pair_count : 0;
+  size_t blocks = c->pattern ? (size_t)c->pattern->block_count : 0;
   return sizeof *c + (size_t)c->count * (9 * sizeof(double) + 5 * sizeof(int32_t)) +
-         2 * (size_t)c->fine->node_count * sizeof(int32_t) + pairs * 9 * sizeof(double) +
-         bw_bytes(c->mesh) + bw_bytes(c->graph) + bw_bytes(c->symbolic) + bw_bytes(c->reach) +
+         2 * (size_t)c->fine->node_count * sizeof(int32_t) + blocks * 9 * sizeof(double) +
+         bw_bytes(c->mesh) + bw_bytes(c->pattern) + bw_bytes(c->symbolic) + bw_bytes(c->reach) +
          bw_bytes(c->factor);
 }
 
@@ -113,8 +113,8 @@ bw_status bwi_coarse_create(bw_context *context, const bw_mesh *mesh, bwi_coarse
   }
   find_parents(c);
   BW_TRY(make_mesh(context, c));
-  BW_TRY(bw_graph_create(context, c->mesh, &c->graph));
-  c->stiffness = BW_NEW(context, double, 9 * c->graph->pair_count);
+  BW_TRY(bw_block_pattern_create(context, c->mesh, &c->pattern));
+  c->stiffness = BW_NEW(context, double, 9 * c->pattern->block_count);
   c->dof_map.frame_of = BW_NEW(context, int32_t, c->count);
   c->dof_map.frame = BW_NEW(context, double, 9 * (size_t)c->count);
   c->unknown = BW_NEW(context, int32_t, 3 * (size_t)c->count);
@@ -190,7 +190,7 @@ static bw_status bring_symbolic(bw_context *context, bwi_coarse *c) {
     return BW_MEMORY;
   for (int64_t k = 0; k < c->count; k++)
     take[k] = c->unknown[3 * k] >= 0 || c->unknown[3 * k + 1] >= 0 || c->unknown[3 * k + 2] >= 0;
-  BW_TRY(bwi_order_create(context, c->graph, take, &order));
+  BW_TRY(bwi_order_create(context, c->pattern, take, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, c->unknown, &c->symbolic));
   BW_TRY(bwi_elimination_reach_create_whole(context, c->symbolic, &c->reach));
 done:
@@ -240,8 +240,8 @@ bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *c, const bw_model *
   bw_release(c->mesh);
   c->mesh = moved;
   BW_TRY(bwi_coarse_count(context, c, dof_map));
-  BW_TRY(bw_stiffness(context, c->graph, c->mesh, model->material, c->stiffness));
-  bwi_matrix matrix = {.graph = c->graph, .stiffness = c->stiffness, .dof_map = &c->dof_map};
+  BW_TRY(bw_stiffness(context, c->pattern, c->mesh, model->material, c->stiffness));
+  bwi_matrix matrix = {.pattern = c->pattern, .stiffness = c->stiffness, .dof_map = &c->dof_map};
   status = bring_factor(context, c, &matrix);
   *usable = status == BW_OK;
   if (status == BW_SINGULAR) {

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Matrix entries, from the pairs of a graph. */
+/* Matrix entries, from the blocks of a pattern. */
 #include <string.h>
 
 #include "solve/internal.h"
@@ -25,14 +25,14 @@ static void turn_block(const bw_dof_map *dof_map, int32_t row, int32_t column, d
   }
 }
 
-void bwi_matrix_block(const bwi_matrix *matrix, int components, int64_t pair, bool transpose,
+void bwi_matrix_block(const bwi_matrix *matrix, int components, int64_t index, bool transpose,
                       int32_t row, int32_t column, double *block) {
   int square = components * components;
-  const double *entry = matrix->stiffness + square * pair;
+  const double *entry = matrix->stiffness + square * index;
   for (int i = 0; i < components; i++)
     for (int j = 0; j < components; j++)
       block[components * i + j] = entry[transpose ? components * j + i : components * i + j];
-  double mass = matrix->mass ? matrix->shift * matrix->mass[pair] : 0;
+  double mass = matrix->mass ? matrix->shift * matrix->mass[index] : 0;
   for (int i = 0; i < components; i++)
     block[(components + 1) * i] += mass;
   if (matrix->dof_map && matrix->dof_map->frame_count > 0)

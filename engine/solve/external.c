@@ -42,7 +42,7 @@ static bw_status check_options(bw_context *context, const bw_external_options *g
 typedef struct equations {
   bw_external_matrix matrix;
   bw_dof_map *dof_map;
-  bw_graph *graph;
+  bw_block_pattern *pattern;
   double *stiffness, *mass;
   bool open;
 } equations;
@@ -50,23 +50,23 @@ typedef struct equations {
 static bw_status assemble(bw_context *context, const bw_model *model, bool mass, equations *e) {
   bw_status status = BW_OK;
   bw_progress(context, "assemble", 0);
-  BW_TRY(bw_graph_create(context, model->mesh, &e->graph));
-  int64_t pairs = e->graph->pair_count;
-  e->stiffness = BW_NEW(context, double, 9 * pairs);
+  BW_TRY(bw_block_pattern_create(context, model->mesh, &e->pattern));
+  int64_t blocks = e->pattern->block_count;
+  e->stiffness = BW_NEW(context, double, 9 * blocks);
   if (!e->stiffness)
     return BW_MEMORY;
-  BW_TRY(bw_stiffness(context, e->graph, model->mesh, model->material, e->stiffness));
+  BW_TRY(bw_stiffness(context, e->pattern, model->mesh, model->material, e->stiffness));
   if (mass) {
-    e->mass = BW_NEW(context, double, pairs);
+    e->mass = BW_NEW(context, double, blocks);
     if (!e->mass)
       return BW_MEMORY;
-    BW_TRY(bw_mass(context, e->graph, model->mesh, e->mass));
+    BW_TRY(bw_mass(context, e->pattern, model->mesh, e->mass));
     double density = model->material->density > 0 ? model->material->density : 1;
-    for (int64_t k = 0; k < pairs; k++)
+    for (int64_t k = 0; k < blocks; k++)
       e->mass[k] *= density;
   }
   e->matrix = (bw_external_matrix){
-      .dof_map = e->dof_map, .graph = e->graph, .stiffness = e->stiffness, .mass = e->mass};
+      .dof_map = e->dof_map, .pattern = e->pattern, .stiffness = e->stiffness, .mass = e->mass};
 done:
   return status;
 }
@@ -83,7 +83,7 @@ static void clear(bw_context *context, equations *e, bw_external_report *report)
     registered->close(context, report);
   e->open = false;
   bw_release(e->dof_map);
-  bw_release(e->graph);
+  bw_release(e->pattern);
   bw_free(e->stiffness);
   bw_free(e->mass);
 }
@@ -115,7 +115,7 @@ static double norm(const double *a, int64_t size) {
 static bw_status check(bw_context *context, const equations *e, double rtol,
                        const bw_static *result) {
   bw_status status = BW_OK;
-  int64_t size = 3 * (int64_t)e->graph->node_count;
+  int64_t size = 3 * (int64_t)e->pattern->node_count;
   double *rest = BW_NEW(context, double, size);
   double *product = BW_NEW(context, double, size);
   if (!rest || !product) {
@@ -126,14 +126,14 @@ static bw_status check(bw_context *context, const equations *e, double rtol,
   if (e->dof_map->motion_count > 0)
     bw_rigid_modes_balance(e->dof_map, rest);
   BW_TRY(
-      bw_graph_multiply(context, e->graph, e->stiffness, 9, 3, 1, result->displacement, product));
+      bw_block_multiply(context, e->pattern, e->stiffness, 9, 3, 1, result->displacement, product));
   for (int64_t i = 0; i < size; i++)
     rest[i] -= product[i];
   bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, rest);
   double left = norm(rest, size);
   bool product_rounding =
       result->residual < 1e-6 &&
-      left < 10 * bwi_residual_noise(e->graph, e->stiffness, result->displacement);
+      left < 10 * bwi_residual_noise(e->pattern, e->stiffness, result->displacement);
   bool nothing_to_solve = left < 1e-13 * norm(result->force, size);
   if (!product_rounding && !nothing_to_solve) {
     status = bw_fail(context, BW_CONVERGENCE,
@@ -167,7 +167,7 @@ bw_status bw_statics_external(bw_context *context, const bw_model *model,
   BW_TRY(open_system(context, &options, &e));
   outside_solve data = {.equations = &e};
   bwi_static_solver solver = {.solve = solve, .data = &data, .refine_to = options.rtol};
-  BW_TRY(bwi_static_solve(context, e.dof_map, e.graph, e.stiffness, &solver, result));
+  BW_TRY(bwi_static_solve(context, e.dof_map, e.pattern, e.stiffness, &solver, result));
   if (result->residual > options.rtol)
     BW_TRY(check(context, &e, options.rtol, result));
 done:
@@ -185,7 +185,7 @@ done:
 static bw_status residuals(bw_context *context, const equations *e, int count, const double *value,
                            const double *vector, double *residual) {
   bw_status status = BW_OK;
-  int64_t size = 3 * (int64_t)e->graph->node_count;
+  int64_t size = 3 * (int64_t)e->pattern->node_count;
   double *kx = BW_NEW(context, double, size);
   double *mx = BW_NEW(context, double, size);
   if (!kx || !mx) {
@@ -194,8 +194,8 @@ static bw_status residuals(bw_context *context, const equations *e, int count, c
   }
   for (int k = 0; k < count; k++) {
     const double *x = vector + k * size;
-    BW_TRY(bw_graph_multiply(context, e->graph, e->stiffness, 9, 3, 1, x, kx));
-    BW_TRY(bw_graph_multiply(context, e->graph, e->mass, 1, 3, 1, x, mx));
+    BW_TRY(bw_block_multiply(context, e->pattern, e->stiffness, 9, 3, 1, x, kx));
+    BW_TRY(bw_block_multiply(context, e->pattern, e->mass, 1, 3, 1, x, mx));
     bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, kx);
     bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, mx);
     double difference = 0, whole = 0;

@@ -400,17 +400,17 @@ static bw_status kept_create(bw_context *context, const bwi_symbolic *symbolic,
 /* What brings the largest diagonal entry near 1, to a factor of 2^16: a step so coarse that an
  * edit hardly ever makes it another. */
 static double unit_of(const bwi_kernels *kernels, const bwi_matrix *matrix, int components) {
-  const bw_graph *graph = matrix->graph;
+  const bw_block_pattern *pattern = matrix->pattern;
   double max = 0;
   int exponent = 0;
   if (kernels->bits == 64)
     return 1;
-  for (int64_t i = 0; i < graph->node_count; i++) {
-    int64_t pair = graph->start[i + 1] - 1; /* the last of a row is its diagonal */
+  for (int64_t i = 0; i < pattern->node_count; i++) {
+    int64_t index = pattern->start[i + 1] - 1; /* the last of a row is its diagonal */
     for (int c = 0; c < components; c++)
       max = fmax(
           max,
-          fabs(matrix->stiffness[pair * components * components + (int64_t)c * (components + 1)]));
+          fabs(matrix->stiffness[index * components * components + (int64_t)c * (components + 1)]));
   }
   if (max > 0 && isfinite(max))
     frexp(fmax(max, 1e-280), &exponent);

@@ -7,14 +7,14 @@
 
 /* ---- entries ------------------------------------------------------------------------------- */
 
-/* Add the entries of pair `pair` to the panel: rows of mesh node `row`, columns of `column`. */
-static void add_pair(const bwi_symbolic *symbolic, const bwi_matrix *matrix, int64_t pair,
-                     bool transpose, int32_t row, int32_t column, int32_t row_offset,
-                     int32_t column_offset, double unit, real *panel, int32_t ld, double *scale) {
+/* Add the entries of block `block` to the panel: rows of mesh node `row`, columns of `column`. */
+static void add_block(const bwi_symbolic *symbolic, const bwi_matrix *matrix, int64_t index,
+                      bool transpose, int32_t row, int32_t column, int32_t row_offset,
+                      int32_t column_offset, double unit, real *panel, int32_t ld, double *scale) {
   int components = symbolic->components;
   double block[9];
-  bwi_matrix_block(matrix, components, pair, transpose, row, column, block);
-  double mass = matrix->mass ? fabs(matrix->shift * matrix->mass[pair]) : 0;
+  bwi_matrix_block(matrix, components, index, transpose, row, column, block);
+  double mass = matrix->mass ? fabs(matrix->shift * matrix->mass[index]) : 0;
   const int32_t *at = symbolic->at;
   for (int j = 0, b = 0; j < components; j++) {
     if (at[(int64_t)column * components + j] < 0)
@@ -34,21 +34,21 @@ static void add_pair(const bwi_symbolic *symbolic, const bwi_matrix *matrix, int
 void bwi_matrix_to_panel(const bwi_symbolic *symbolic, const bwi_matrix *matrix, double unit,
                          int32_t s, const int32_t *local, void *panel, double *scale) {
   const bwi_order *order = symbolic->order;
-  const bw_graph *graph = matrix->graph;
+  const bw_block_pattern *pattern = matrix->pattern;
   int32_t ld = symbolic->rows[s];
   for (int32_t p = order->super[s]; p < order->super[s + 1]; p++) {
     int32_t node = order->node_at[p];
-    for (int64_t k = graph->start[node]; k < graph->start[node + 1]; k++) {
-      int32_t other = graph->column[k];
+    for (int64_t k = pattern->start[node]; k < pattern->start[node + 1]; k++) {
+      int32_t other = pattern->column[k];
       if (order->place[other] >= p)
-        add_pair(symbolic, matrix, k, true, other, node, local[order->place[other]], local[p], unit,
-                 panel, ld, scale);
+        add_block(symbolic, matrix, k, true, other, node, local[order->place[other]], local[p],
+                  unit, panel, ld, scale);
     }
-    for (int64_t k = graph->upper_start[node]; k < graph->upper_start[node + 1]; k++) {
-      int32_t other = graph->upper_row[k];
+    for (int64_t k = pattern->upper_start[node]; k < pattern->upper_start[node + 1]; k++) {
+      int32_t other = pattern->upper_row[k];
       if (order->place[other] >= p)
-        add_pair(symbolic, matrix, graph->upper_pair[k], false, other, node,
-                 local[order->place[other]], local[p], unit, panel, ld, scale);
+        add_block(symbolic, matrix, pattern->upper_block[k], false, other, node,
+                  local[order->place[other]], local[p], unit, panel, ld, scale);
     }
   }
 }

@@ -80,7 +80,7 @@ static bw_status combine(bw_context *context, const bw_system *system, int field
     if (!isfinite(sum))
       memset(v + k * length, 0, length * sizeof *v);
   }
-  BW_TRY(bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, fields, v, kv));
+  BW_TRY(bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, fields, v, kv));
   for (size_t k = 0; k < n; k++)
     bwi_keep_states(dof_map, free, kv + k * length);
   BW_TRY(bwi_multi_dot(context, size, fields, v, fields, kv, gram));

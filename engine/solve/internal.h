@@ -32,12 +32,12 @@ typedef struct bwi_order {
 
 /* METIS nested dissection of the nodes with take[node] != 0 (NULL: all), CHOLMOD's supernodal
  * analysis of that order. */
-bw_status bwi_order_create(bw_context *context, const bw_graph *graph, const uint8_t *take,
-                           bwi_order **order);
+bw_status bwi_order_create(bw_context *context, const bw_block_pattern *pattern,
+                           const uint8_t *take, bwi_order **order);
 
 /* An order for edits subdomain by subdomain: of several candidates the one in which an edit (NULL:
  * of one subdomain) touches the least work, without making the whole factor much dearer. */
-bw_status bwi_order_create_subdomains(bw_context *context, const bw_graph *graph,
+bw_status bwi_order_create_subdomains(bw_context *context, const bw_block_pattern *pattern,
                                       const uint8_t *take, const bw_mesh *mesh,
                                       int32_t subdomain_count, const int32_t *element_subdomain,
                                       const bw_edits *edits, bwi_order **order);
@@ -101,7 +101,7 @@ void bwi_plan_clear(bwi_plan *plan);
 /* ---- which subdomains reach which supernodes (elimination_reach.c)
  * ---------------------------------------- */
 
-/* A matrix entry is of the subdomains whose elements contribute to its pair of nodes; it sits in
+/* A matrix entry is of the subdomains whose elements contribute to its block of nodes; it sits in
  * the supernode of the node eliminated first. */
 typedef struct bwi_elimination_reach {
   bw_object object;
@@ -130,18 +130,18 @@ double bwi_elimination_reach_flops(const bwi_elimination_reach *reach,
 
 /* ---- factor -------------------------------------------------------------------------------- */
 
-/* The matrix stiffness + shift * mass on a graph's pairs, in frames where dof_map asks. */
+/* The matrix stiffness + shift * mass on a pattern's blocks, in frames where dof_map asks. */
 typedef struct bwi_matrix {
-  const bw_graph *graph;
-  const double *stiffness; /* components^2 per pair */
-  const double *mass;      /* 1 per pair, or NULL */
+  const bw_block_pattern *pattern;
+  const double *stiffness; /* components^2 per block */
+  const double *mass;      /* 1 per block, or NULL */
   double shift;
   const bw_dof_map *dof_map; /* for its frames; NULL: global */
 } bwi_matrix;
 
-/* The entries of a pair, row by row (entries.c): for `transpose`, the pair's column is the row
+/* The entries of a block, row by row (entries.c): for `transpose`, the block's column is the row
  * wanted. */
-void bwi_matrix_block(const bwi_matrix *matrix, int components, int64_t pair, bool transpose,
+void bwi_matrix_block(const bwi_matrix *matrix, int components, int64_t index, bool transpose,
                       int32_t row, int32_t column, double *block);
 
 /* The factor of a matrix in single precision is that of `unit` times the matrix, a power of two
@@ -331,9 +331,10 @@ bool bwi_same_topology(const bw_mesh *a, const bw_mesh *b);
 void bwi_nodes_taking_part(const bw_dof_map *dof_map, uint8_t *take);
 /* The expanded order for a DOF map's unknowns, with what of `old` (may be NULL) fits. With
  * element_subdomain (may be NULL) a new order is made for edits by subdomains. */
-bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph, const bw_dof_map *dof_map,
-                           int32_t subdomain_count, const int32_t *element_subdomain,
-                           const bw_edits *edits, bwi_symbolic *old, bwi_symbolic **symbolic);
+bw_status bwi_symbolic_for(bw_context *context, const bw_block_pattern *pattern,
+                           const bw_dof_map *dof_map, int32_t subdomain_count,
+                           const int32_t *element_subdomain, const bw_edits *edits,
+                           bwi_symbolic *old, bwi_symbolic **symbolic);
 /* Bytes that making a factor of doubles takes, at their peak. */
 double bwi_factor_peak_bytes(const bwi_symbolic *symbolic, int threads);
 /* f -= W R (R^T f), and u -= R (R^T W u), of several fields; nothing where no motion is free. */
@@ -349,7 +350,8 @@ bw_status bwi_say_singular(bw_context *context, const bw_mesh *mesh, int32_t nod
 /* The size to which rounding lets the residual f - K u fall: what doubles leave of the terms of
  * K u, taken from its diagonal blocks. */
 #define BWI_RESIDUAL_NOISE 3.0
-double bwi_residual_noise(const bw_graph *graph, const double *stiffness, const double *u);
+double bwi_residual_noise(const bw_block_pattern *pattern, const double *stiffness,
+                          const double *u);
 
 /* ---- statics (statics.c) ------------------------------------------------------------------- */
 
@@ -368,8 +370,8 @@ bw_status bwi_static_begin(bw_context *context, const bw_model *model,
                            const bw_statics_options *options, const bw_dof_map *dof_map,
                            bw_static **result);
 /* Displacements, residual, energy, reactions. */
-bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map, const bw_graph *graph,
-                           const double *stiffness, const bwi_static_solver *solver,
-                           bw_static *result);
+bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
+                           const bw_block_pattern *pattern, const double *stiffness,
+                           const bwi_static_solver *solver, bw_static *result);
 
 #endif

@@ -9,8 +9,8 @@
 
 typedef struct laplacian {
   const bw_mesh *mesh;
-  const bw_graph *graph;
-  double *stiffness, *mass; /* 1 per pair */
+  const bw_block_pattern *pattern;
+  double *stiffness, *mass; /* 1 per block */
   double *weight;           /* node_count: integral of each shape function over its body's volume */
   double *sum;              /* component_count */
   bwi_factor *factor;
@@ -20,13 +20,13 @@ typedef struct laplacian {
 static bw_status laplacian_mass(bw_context *context, void *data, int64_t count, const double *x,
                                 double *y) {
   laplacian *l = data;
-  return bw_graph_multiply(context, l->graph, l->mass, 1, 1, count, x, y);
+  return bw_block_multiply(context, l->pattern, l->mass, 1, 1, count, x, y);
 }
 
 static bw_status laplacian_stiffness(bw_context *context, void *data, int64_t count,
                                      const double *x, double *y) {
   laplacian *l = data;
-  return bw_graph_multiply(context, l->graph, l->stiffness, 1, 1, count, x, y);
+  return bw_block_multiply(context, l->pattern, l->stiffness, 1, 1, count, x, y);
 }
 
 /* u -= mean of u over each body (force false), f -= weight * sum of f (force true) */
@@ -63,7 +63,7 @@ static bw_status laplacian_below(bw_context *context, void *data, double sigma, 
                                  bool *trusted) {
   laplacian *l = data;
   bwi_matrix matrix = {
-      .graph = l->graph, .stiffness = l->stiffness, .mass = l->mass, .shift = -sigma};
+      .pattern = l->pattern, .stiffness = l->stiffness, .mass = l->mass, .shift = -sigma};
   int64_t negative = 0;
   bw_status status = bwi_count_negative(context, l->unpinned, &matrix, &negative, trusted);
   if (status == BW_OK)
@@ -71,25 +71,25 @@ static bw_status laplacian_below(bw_context *context, void *data, double sigma, 
   return status;
 }
 
-static bw_status open_laplacian(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
-                                laplacian *l) {
+static bw_status open_laplacian(bw_context *context, const bw_mesh *mesh,
+                                const bw_block_pattern *pattern, laplacian *l) {
   bw_status status = BW_OK;
   bwi_order *order = NULL;
   bwi_symbolic *pinned = NULL;
   int32_t nodes = mesh->node_count;
   int32_t *unknown = BW_NEW0(context, int32_t, nodes);
-  *l = (laplacian){.mesh = mesh, .graph = graph};
-  l->stiffness = BW_NEW(context, double, graph->pair_count);
-  l->mass = BW_NEW(context, double, graph->pair_count);
+  *l = (laplacian){.mesh = mesh, .pattern = pattern};
+  l->stiffness = BW_NEW(context, double, pattern->block_count);
+  l->mass = BW_NEW(context, double, pattern->block_count);
   l->weight = BW_NEW(context, double, nodes);
   l->sum = BW_NEW0(context, double, mesh->component_count);
   if (!unknown || !l->stiffness || !l->mass || !l->weight || !l->sum) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bw_laplacian(context, graph, mesh, l->stiffness));
-  BW_TRY(bw_mass(context, graph, mesh, l->mass));
-  BW_TRY(bwi_order_create(context, graph, NULL, &order));
+  BW_TRY(bw_laplacian(context, pattern, mesh, l->stiffness));
+  BW_TRY(bw_mass(context, pattern, mesh, l->mass));
+  BW_TRY(bwi_order_create(context, pattern, NULL, &order));
   BW_TRY(bwi_symbolic_create(context, order, 1, unknown, &l->unpinned));
   /* pin the node that comes last in the order of each body */
   for (int32_t p = order->size - 1, found = 0; p >= 0 && found < mesh->component_count; p--) {
@@ -101,7 +101,7 @@ static bw_status open_laplacian(bw_context *context, const bw_mesh *mesh, const 
     }
   }
   BW_TRY(bwi_symbolic_create(context, order, 1, unknown, &pinned));
-  bwi_matrix matrix = {.graph = graph, .stiffness = l->stiffness};
+  bwi_matrix matrix = {.pattern = pattern, .stiffness = l->stiffness};
   BW_TRY(bwi_factor_create(context, pinned, &matrix, &l->factor, NULL));
   /* weights: V 1 over the volume of the body */
   double *ones = BW_NEW(context, double, nodes);
@@ -127,14 +127,15 @@ done:
   return status;
 }
 
-bw_status bw_modes_laplacian(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
-                             const bw_modes_options *given, bw_modes **modes) {
+bw_status bw_modes_laplacian(bw_context *context, const bw_mesh *mesh,
+                             const bw_block_pattern *pattern, const bw_modes_options *given,
+                             bw_modes **modes) {
   bw_status status = BW_OK;
   bwi_eigen_result result = {0};
   bw_modes_options options;
   laplacian l = {0};
   BW_TRY(bwi_modes_options_check(context, given, &options));
-  BW_TRY(open_laplacian(context, mesh, graph, &l));
+  BW_TRY(open_laplacian(context, mesh, pattern, &l));
   bwi_eigen_problem eigen = {.size = mesh->node_count,
                              .data = &l,
                              .solve = laplacian_solve,

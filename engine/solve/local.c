@@ -17,7 +17,7 @@ static void view_destroy(void *object) {
   bw_release(v->system.mesh);
   bw_release(v->system.material);
   bw_release(v->system.dof_map);
-  bw_release(v->system.graph);
+  bw_release(v->system.pattern);
   bw_release(v->system.factor);
   bw_release(v->stiffness);
   bw_free(v->system.mass);
@@ -74,7 +74,7 @@ size_t bw_local_system_two_level_bytes(const bw_local_system *local) {
 
 static size_t local_bytes(const void *object) {
   const bw_local_system *local = object;
-  return sizeof *local + bw_bytes(local->stiffness) + bw_bytes(local->system->graph) +
+  return sizeof *local + bw_bytes(local->stiffness) + bw_bytes(local->system->pattern) +
          bw_bytes(local->inner->factor) + bw_bytes(local->inner->two_level);
 }
 
@@ -191,10 +191,10 @@ bw_status bw_local_system_create(bw_context *context, const bw_model *model, boo
   system->dof_map = dof_map;
   BW_TRY(bwi_local_supports(context, local, dof_map, inner->frame, &inner->supports));
   double start = bw_seconds();
-  BW_TRY(bw_graph_create(context, model->mesh, &system->graph));
-  system->times.graph = bw_seconds() - start;
+  BW_TRY(bw_block_pattern_create(context, model->mesh, &system->pattern));
+  system->times.pattern = bw_seconds() - start;
   start = bw_seconds();
-  BW_TRY(bw_subdomain_stiffness_create(context, system->graph, model->mesh, model->material,
+  BW_TRY(bw_subdomain_stiffness_create(context, system->pattern, model->mesh, model->material,
                                        material_turns, subdomain_count, element_subdomain,
                                        node_subdomain, &stiffness));
   local->stiffness = stiffness;

@@ -102,7 +102,7 @@ void bwi_local_predict(bw_local_system *local, const bw_local_options *options, 
 /* ---- pcg.c --------------------------------------------------------------------------- */
 
 typedef struct bwi_pcg {
-  const bw_graph *graph;
+  const bw_block_pattern *pattern;
   const double *stiffness;
   const bw_dof_map *dof_map;
   const bwi_factor *factor; /* the preconditioner: of a former shape, or in single precision */

@@ -29,7 +29,7 @@ static bw_status residual_share(bw_context *context, const bw_system *system, do
   double *f = field + size;
   memcpy(f, force, (size_t)size * sizeof *f);
   BW_TRY(bwi_balance_fields(context, system->dof_map, 1, f));
-  BW_TRY(bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, 1, u, field));
+  BW_TRY(bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, 1, u, field));
   for (int64_t i = 0; i < size; i++)
     field[i] = f[i] - field[i];
   bwi_keep_states(system->dof_map, 1u << BW_DOF_UNKNOWN, field);
@@ -39,7 +39,7 @@ static bw_status residual_share(bw_context *context, const bw_system *system, do
     load += f[i] * f[i];
   }
   *share = sqrt(left) /
-           fmax(tolerance * sqrt(load), bwi_residual_noise(system->graph, system->stiffness, u));
+           fmax(tolerance * sqrt(load), bwi_residual_noise(system->pattern, system->stiffness, u));
 done:
   bw_free(field);
   return status;
@@ -50,10 +50,10 @@ static bw_status fresh_stiffness(bw_context *context, const bw_local_system *loc
                                  double **values) {
   bw_status status = BW_OK;
   const bw_system *system = local->system;
-  double *made = BW_NEW(context, double, 9 * system->graph->pair_count);
+  double *made = BW_NEW(context, double, 9 * system->pattern->block_count);
   if (!made)
     return BW_MEMORY;
-  BW_TRY(bw_stiffness(context, system->graph, system->mesh, local->inner->model->material, made));
+  BW_TRY(bw_stiffness(context, system->pattern, system->mesh, local->inner->model->material, made));
   *values = made;
   made = NULL;
 done:
@@ -68,7 +68,7 @@ bw_status bwi_local_check(bw_context *context, const bw_local_system *local, dou
   const bw_system *system = local->system;
   const bw_dof_map *dof_map = system->dof_map;
   double allowed = same_solution * fmax(1, tolerance / BWI_LOCAL_TOLERANCE);
-  int64_t size = 3 * (int64_t)system->mesh->node_count, pairs = system->graph->pair_count;
+  int64_t size = 3 * (int64_t)system->mesh->node_count, blocks = system->pattern->block_count;
   bwi_symbolic *symbolic = NULL;
   bwi_factor *factor = NULL;
   double *values = NULL;
@@ -77,7 +77,7 @@ bw_status bwi_local_check(bw_context *context, const bw_local_system *local, dou
   if (!fresh)
     return BW_MEMORY;
   BW_TRY(fresh_stiffness(context, local, &values));
-  double off = difference(system->stiffness, values, 9 * pairs);
+  double off = difference(system->stiffness, values, 9 * blocks);
   if (reuse)
     reuse->difference_stiffness = fmax(reuse->difference_stiffness, off);
   if (!(off <= same_stiffness)) {
@@ -87,8 +87,8 @@ bw_status bwi_local_check(bw_context *context, const bw_local_system *local, dou
                      off, same_stiffness);
     goto done;
   }
-  bwi_matrix matrix = {.graph = system->graph, .stiffness = values, .dof_map = dof_map};
-  BW_TRY(bwi_symbolic_for(context, system->graph, dof_map, 0, NULL, NULL, NULL, &symbolic));
+  bwi_matrix matrix = {.pattern = system->pattern, .stiffness = values, .dof_map = dof_map};
+  BW_TRY(bwi_symbolic_for(context, system->pattern, dof_map, 0, NULL, NULL, NULL, &symbolic));
   status = bwi_factor_create(context, symbolic, &matrix, &factor, &bad);
   if (status == BW_SINGULAR)
     status = bwi_say_singular(context, system->mesh, bad);

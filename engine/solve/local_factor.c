@@ -32,7 +32,7 @@ static bw_status factor_anew(bw_context *context, bw_local_system *local, const 
   bw_release(inner->factor);
   inner->factor = NULL;
   bw_progress(context, "order", 0);
-  BW_TRY(bwi_symbolic_for(context, matrix->graph, matrix->dof_map, inner->subdomain_count,
+  BW_TRY(bwi_symbolic_for(context, matrix->pattern, matrix->dof_map, inner->subdomain_count,
                           inner->element_subdomain, inner->edits.count ? &inner->edits : NULL,
                           (bwi_symbolic *)old, &symbolic));
   BW_TRY(bwi_elimination_reach_create(context, symbolic, inner->model->mesh, inner->subdomain_count,
@@ -76,7 +76,7 @@ static bw_status update_or_make(bw_context *context, bw_local_system *local, boo
   bwi_local *inner = local->inner;
   const bw_system *view = local->system;
   bwi_matrix matrix = {
-      .graph = view->graph, .stiffness = view->stiffness, .dof_map = view->dof_map};
+      .pattern = view->pattern, .stiffness = view->stiffness, .dof_map = view->dof_map};
   int bits = inner->factor ? inner->factor->kernels->bits : 0, wanted = bits;
   int32_t bad = 0;
   double flops = 0;
@@ -171,7 +171,7 @@ bw_status bw_local_baseline(bw_context *context, const bw_local_system *local, b
     return bw_fail(context, BW_INVALID, "the system has no factor yet: solve it once first");
   const bwi_symbolic *symbolic = inner->factor->symbolic;
   bwi_symbolic *own = NULL;
-  size_t entries = 9 * (size_t)view->graph->pair_count;
+  size_t entries = 9 * (size_t)view->pattern->block_count;
   /* set beforehand: the first touch of new memory is not what is timed */
   double *values = BW_NEW0(context, double, entries);
   double *x = BW_NEW(context, double, symbolic->unknowns);
@@ -181,16 +181,16 @@ bw_status bw_local_baseline(bw_context *context, const bw_local_system *local, b
   }
   memset(values, 1, entries * sizeof *values);
   double start = bw_seconds();
-  BW_TRY(bw_stiffness(context, view->graph, view->mesh, inner->model->material, values));
+  BW_TRY(bw_stiffness(context, view->pattern, view->mesh, inner->model->material, values));
   times->stiffness = bw_seconds() - start;
   start = bw_seconds();
   if (own_order) {
-    BW_TRY(bwi_symbolic_for(context, view->graph, view->dof_map, 0, NULL, NULL, NULL, &own));
+    BW_TRY(bwi_symbolic_for(context, view->pattern, view->dof_map, 0, NULL, NULL, NULL, &own));
     symbolic = own;
   }
   double ordering = bw_seconds() - start;
   bwi_matrix matrix = {
-      .graph = view->graph, .stiffness = view->stiffness, .dof_map = view->dof_map};
+      .pattern = view->pattern, .stiffness = view->stiffness, .dof_map = view->dof_map};
   for (int32_t i = 0; i < symbolic->unknowns; i++)
     x[i] = i % 7 - 3;
   BW_TRY(bwi_baseline(context, symbolic, &matrix, x, &cholmod));

@@ -16,7 +16,7 @@ static bw_status bring_levels(bw_context *context, const bw_local_system *local)
   bwi_local *inner = local->inner;
   const bw_system *system = local->system;
   if (!inner->two_level)
-    BW_TRY(bwi_two_level_create(context, inner->rest->mesh, system->graph,
+    BW_TRY(bwi_two_level_create(context, inner->rest->mesh, system->pattern,
                                 !inner->rest->material->turns && !inner->material_turns,
                                 &inner->two_level));
   if (!inner->two_level_known)

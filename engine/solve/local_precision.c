@@ -34,7 +34,8 @@ double bwi_local_refinements(const bw_local_system *local, double tolerance) {
 static double cost_of(const bw_local_system *local, const bwi_symbolic *symbolic, int bits,
                       double flops, int32_t edits) {
   double entries = (double)symbolic->panel[symbolic->order->super_count];
-  double pass = 2 * entries * bits / 8, product = 72.0 * (double)local->system->graph->pair_count;
+  double pass = 2 * entries * bits / 8,
+         product = 72.0 * (double)local->system->pattern->block_count;
   double again = symbolic->flops > 0 ? flops / symbolic->flops : 0;
   double refinements = refinements_of(local);
   double bytes = again * pass + edits * pass;

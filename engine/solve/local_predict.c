@@ -83,19 +83,20 @@ static double bound(double spread, double digits) {
 static void predict_levels(const bw_local_system *local, double tolerance, double passes,
                            double later, bool many, bwi_local_cost *cost) {
   const bwi_local *inner = local->inner;
-  const bw_graph *graph = local->system->graph;
+  const bw_block_pattern *pattern = local->system->pattern;
   cost->pcg = INFINITY;
   cost->one_level_iteration = cost->level_iterations = 0;
   if (!bwi_local_has_two_level(local) || (inner->two_level_known && !inner->two_level_usable))
     return;
-  double bytes = inner->two_level ? bwi_two_level_bytes(inner->two_level)
-                                  : 1.5 * bwi_smoother_bytes(graph->pair_count - graph->node_count);
+  double bytes = inner->two_level
+                     ? bwi_two_level_bytes(inner->two_level)
+                     : 1.5 * bwi_smoother_bytes(pattern->block_count - pattern->node_count);
   double one = BWI_TWO_LEVEL_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND, follow = 0;
   if (!inner->two_level)
     follow = BWI_TWO_LEVEL_BEGIN * one;
   else if (!inner->two_level_known)
     follow = bwi_two_level_flops(inner->two_level) / bwi_local_flops_per_second(32) +
-             (216 + 6 * 72.0) * (double)graph->pair_count / BWI_LOCAL_BYTES_PER_SECOND;
+             (216 + 6 * 72.0) * (double)pattern->block_count / BWI_LOCAL_BYTES_PER_SECOND;
   double seen = inner->two_level_ratio[cost->near];
   double factor = seen > 0 ? seen : cost->near ? NEAR : 1;
   cost->level_iterations = 1 + factor * BWI_TWO_LEVEL_RATE * log(2 / tolerance);
@@ -116,7 +117,7 @@ void bwi_local_predict(bw_local_system *local, const bw_local_options *options, 
                        int64_t count, bwi_local_cost *cost) {
   bwi_local *inner = local->inner;
   double factor_bytes = (double)bwi_factor_bytes(inner->factor);
-  double stiffness_bytes = 72.0 * (double)local->system->graph->pair_count;
+  double stiffness_bytes = 72.0 * (double)local->system->pattern->block_count;
   double passes = (double)((count + SIDES - 1) / SIDES);
   double later = options->further > 0 ? (options->further + SIDES - 1) / SIDES : 0;
   double solve = 2 * factor_bytes / BWI_LOCAL_BYTES_PER_SECOND;

@@ -50,7 +50,7 @@ static bw_status conjugate(bw_context *context, const bw_local_system *local,
   const bw_system *system = local->system;
   size_t size = (size_t)count * 3 * (size_t)system->mesh->node_count;
   double *solution = NULL;
-  problem->graph = system->graph;
+  problem->pattern = system->pattern;
   problem->stiffness = system->stiffness;
   problem->dof_map = system->dof_map;
   problem->factor = local->inner->factor;
@@ -305,18 +305,18 @@ bw_status bw_local_system_refactor(bw_context *context, bw_local_system *local, 
   BW_TRY(bwi_local_factor(context, local, false, reuse));
   if (system->factor)
     return BW_OK;
-  int64_t pairs = system->graph->pair_count;
-  if (!system->mass && !(system->mass = BW_NEW(context, double, pairs)))
+  int64_t blocks = system->pattern->block_count;
+  if (!system->mass && !(system->mass = BW_NEW(context, double, blocks)))
     return BW_MEMORY;
-  BW_TRY(bw_mass(context, system->graph, system->mesh, system->mass));
-  for (int64_t k = 0; k < pairs; k++)
+  BW_TRY(bw_mass(context, system->pattern, system->mesh, system->mass));
+  for (int64_t k = 0; k < blocks; k++)
     system->mass[k] *= system->density;
   const bwi_factor *own = local->inner->factor;
   if (own->kernels->bits == 64)
     system->factor = bw_retain(own);
   else {
     bwi_matrix matrix = {
-        .graph = system->graph, .stiffness = system->stiffness, .dof_map = system->dof_map};
+        .pattern = system->pattern, .stiffness = system->stiffness, .dof_map = system->dof_map};
     int32_t bad = 0;
     status = bwi_factor_create(context, own->symbolic, &matrix, &system->factor, &bad);
     if (status == BW_SINGULAR)
@@ -361,7 +361,7 @@ bw_status bw_local_statics(bw_context *context, bw_local_system *local, const bw
                               .data = &data,
                               .refine_to = fmax(bwi_refine_to, options.tolerance),
                               .once = options.energy};
-  BW_TRY(bwi_static_solve(context, system->dof_map, system->graph, system->stiffness, &solver,
+  BW_TRY(bwi_static_solve(context, system->dof_map, system->pattern, system->stiffness, &solver,
                           result));
 done:
   if (status == BW_OK)

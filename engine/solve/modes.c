@@ -115,7 +115,7 @@ static bw_status multiply(bw_context *context, const elastic *problem, bool mass
   const bw_system *system = problem->system;
   const bw_dof_map *dof_map = system->dof_map;
   bw_status status =
-      bw_graph_multiply(context, system->graph, mass ? system->mass : system->stiffness,
+      bw_block_multiply(context, system->pattern, mass ? system->mass : system->stiffness,
                         mass ? 1 : 9, 3, count, x, y);
   if (problem->held)
     for (int64_t k = 0; status == BW_OK && k < count; k++)
@@ -153,7 +153,7 @@ static bw_status elastic_below(bw_context *context, void *data, double sigma, in
   const bw_system *system = problem->system;
   const bw_dof_map *dof_map = system->dof_map;
   bwi_symbolic *symbolic = system->factor->symbolic;
-  bwi_matrix matrix = {.graph = system->graph,
+  bwi_matrix matrix = {.pattern = system->pattern,
                        .stiffness = system->stiffness,
                        .mass = system->mass,
                        .shift = -sigma,

@@ -35,27 +35,27 @@ static const bw_kind order_kind = {"order", order_destroy, order_bytes};
 /* METIS draws from rand() and sets signal handlers while it runs: one call at a time. */
 static pthread_mutex_t metis_mutex = PTHREAD_MUTEX_INITIALIZER;
 
-bw_status bwi_adjacency_create(bw_context *context, const bw_graph *graph, const uint8_t *take,
-                               bwi_adjacency *out) {
+bw_status bwi_adjacency_create(bw_context *context, const bw_block_pattern *pattern,
+                               const uint8_t *take, bwi_adjacency *out) {
   int64_t entries = 0;
   int32_t size = 0;
-  *out = (bwi_adjacency){.node_count = graph->node_count};
-  for (int32_t i = 0; i < graph->node_count; i++)
+  *out = (bwi_adjacency){.node_count = pattern->node_count};
+  for (int32_t i = 0; i < pattern->node_count; i++)
     size += !take || take[i];
-  int32_t *compact = out->compact = BW_NEW(context, int32_t, graph->node_count);
+  int32_t *compact = out->compact = BW_NEW(context, int32_t, pattern->node_count);
   out->node_of = BW_NEW(context, int32_t, size);
   out->start = BW_NEW0(context, idx_t, size + 2);
   if (!compact || !out->node_of || !out->start)
     return BW_MEMORY;
-  for (int32_t i = 0; i < graph->node_count; i++) {
+  for (int32_t i = 0; i < pattern->node_count; i++) {
     compact[i] = !take || take[i] ? out->size : -1;
     if (!take || take[i])
       out->node_of[out->size++] = i;
   }
-  for (int32_t i = 0; i < graph->node_count; i++)
+  for (int32_t i = 0; i < pattern->node_count; i++)
     if (compact[i] >= 0)
-      for (int64_t k = graph->start[i]; k < graph->start[i + 1]; k++) {
-        int32_t j = graph->column[k];
+      for (int64_t k = pattern->start[i]; k < pattern->start[i + 1]; k++) {
+        int32_t j = pattern->column[k];
         if (j != i && compact[j] >= 0) {
           out->start[compact[i] + 2]++;
           out->start[compact[j] + 2]++;
@@ -64,17 +64,18 @@ bw_status bwi_adjacency_create(bw_context *context, const bw_graph *graph, const
       }
   if (entries > INT_MAX)
     return bw_fail(context, BW_LIMIT,
-                   "the mesh has %lld node pairs: more than the integers of the ordering can count",
+                   "the mesh has %lld pairs of neighbouring nodes: more than the integers of the "
+                   "ordering can count",
                    (long long)entries);
   out->neighbour = BW_NEW(context, idx_t, entries);
   if (!out->neighbour)
     return BW_MEMORY;
   for (int32_t i = 0; i < size; i++)
     out->start[i + 2] += out->start[i + 1];
-  for (int32_t i = 0; i < graph->node_count; i++)
+  for (int32_t i = 0; i < pattern->node_count; i++)
     if (compact[i] >= 0)
-      for (int64_t k = graph->start[i]; k < graph->start[i + 1]; k++) {
-        int32_t j = graph->column[k];
+      for (int64_t k = pattern->start[i]; k < pattern->start[i + 1]; k++) {
+        int32_t j = pattern->column[k];
         if (j != i && compact[j] >= 0) {
           out->neighbour[out->start[compact[i] + 1]++] = compact[j];
           out->neighbour[out->start[compact[j] + 1]++] = compact[i];
@@ -129,10 +130,10 @@ bw_status bwi_dissect_trial(bw_context *context, idx_t size, idx_t *start, idx_t
 }
 
 /* CHOLMOD's supernodal analysis under the given order, copied into `order`. */
-static bw_status analyse(bw_context *context, const bwi_adjacency *graph, const idx_t *permutation,
-                         bwi_order *order) {
+static bw_status analyse(bw_context *context, const bwi_adjacency *adjacency,
+                         const idx_t *permutation, bwi_order *order) {
   bw_status status = BW_OK;
-  int32_t size = graph->size;
+  int32_t size = adjacency->size;
   cholmod_common common;
   cholmod_sparse *pattern = NULL;
   cholmod_factor *factor = NULL;
@@ -143,17 +144,17 @@ static bw_status analyse(bw_context *context, const bwi_adjacency *graph, const 
   common.postorder = 1;
   common.supernodal = CHOLMOD_SUPERNODAL;
 
-  pattern =
-      cholmod_allocate_sparse((size_t)size, (size_t)size, (size_t)(graph->start[size] / 2 + size),
-                              0, 1, -1, CHOLMOD_PATTERN, &common);
+  pattern = cholmod_allocate_sparse((size_t)size, (size_t)size,
+                                    (size_t)(adjacency->start[size] / 2 + size), 0, 1, -1,
+                                    CHOLMOD_PATTERN, &common);
   if (pattern) {
     int32_t *start = pattern->p, *row = pattern->i, fill = 0;
     for (int32_t j = 0; j < size; j++) {
       start[j] = fill;
       row[fill++] = j;
-      for (idx_t k = graph->start[j]; k < graph->start[j + 1]; k++)
-        if (graph->neighbour[k] > j)
-          row[fill++] = graph->neighbour[k];
+      for (idx_t k = adjacency->start[j]; k < adjacency->start[j + 1]; k++)
+        if (adjacency->neighbour[k] > j)
+          row[fill++] = adjacency->neighbour[k];
     }
     start[size] = fill;
     factor = cholmod_analyze_p(pattern, (int *)permutation, NULL, 0, &common);
@@ -197,7 +198,7 @@ static bw_status analyse(bw_context *context, const bwi_adjacency *graph, const 
   }
   bw_free(super_of);
   for (int32_t p = 0; p < size; p++) {
-    order->node_at[p] = graph->node_of[perm[p]];
+    order->node_at[p] = adjacency->node_of[perm[p]];
     order->place[order->node_at[p]] = p;
   }
 done:
@@ -241,12 +242,12 @@ done:
   return status;
 }
 
-bw_status bwi_order_create(bw_context *context, const bw_graph *graph, const uint8_t *take,
-                           bwi_order **order) {
+bw_status bwi_order_create(bw_context *context, const bw_block_pattern *pattern,
+                           const uint8_t *take, bwi_order **order) {
   bw_status status = BW_OK;
   bwi_adjacency near = {0};
   idx_t *permutation = NULL;
-  BW_TRY(bwi_adjacency_create(context, graph, take, &near));
+  BW_TRY(bwi_adjacency_create(context, pattern, take, &near));
   permutation = BW_NEW(context, idx_t, near.size);
   if (!permutation) {
     status = BW_MEMORY;

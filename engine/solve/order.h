@@ -16,8 +16,8 @@ typedef struct bwi_adjacency {
   int32_t *node_of;   /* size: mesh node */
   int32_t *compact;   /* mesh node -> 0 to size - 1, or -1 */
 } bwi_adjacency;
-bw_status bwi_adjacency_create(bw_context *context, const bw_graph *graph, const uint8_t *take,
-                               bwi_adjacency *near);
+bw_status bwi_adjacency_create(bw_context *context, const bw_block_pattern *pattern,
+                               const uint8_t *take, bwi_adjacency *near);
 void bwi_adjacency_clear(bwi_adjacency *near);
 
 /* permutation[k] = the node eliminated k-th, by METIS. `weight` (may be NULL) of each node: METIS

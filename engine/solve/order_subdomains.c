@@ -338,7 +338,7 @@ done:
   return status;
 }
 
-bw_status bwi_order_create_subdomains(bw_context *context, const bw_graph *graph,
+bw_status bwi_order_create_subdomains(bw_context *context, const bw_block_pattern *pattern,
                                       const uint8_t *take, const bw_mesh *mesh,
                                       int32_t subdomain_count, const int32_t *element_subdomain,
                                       const bw_edits *edits, bwi_order **order) {
@@ -355,8 +355,8 @@ bw_status bwi_order_create_subdomains(bw_context *context, const bw_graph *graph
       return bw_fail(context, BW_INVALID, "element %lld is of subdomain %d, there are %d",
                      (long long)(e + 1), element_subdomain[e] + 1, subdomain_count);
   if (subdomain_count < 2 || subdomain_count > MAX_SUBDOMAINS)
-    return bwi_order_create(context, graph, take, order);
-  BW_TRY(bwi_adjacency_create(context, graph, take, &near));
+    return bwi_order_create(context, pattern, take, order);
+  BW_TRY(bwi_adjacency_create(context, pattern, take, &near));
   s.permutation = BW_NEW(context, idx_t, near.size);
   if (!s.permutation) {
     status = BW_MEMORY;

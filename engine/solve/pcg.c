@@ -60,8 +60,8 @@ static void keep_unknowns(const iteration *it, double *field) {
 }
 
 static bw_status multiply(iteration *it, int count, const double *x, double *y) {
-  bw_status status =
-      bw_graph_multiply(it->context, it->problem->graph, it->problem->stiffness, 9, 3, count, x, y);
+  bw_status status = bw_block_multiply(it->context, it->problem->pattern, it->problem->stiffness, 9,
+                                       3, count, x, y);
   for (int k = 0; status == BW_OK && k < count; k++)
     keep_unknowns(it, y + k * it->size);
   return status;
@@ -89,7 +89,7 @@ static double allowed(const iteration *it, const column *c) {
   if (it->problem->energy_alone)
     return INFINITY;
   return fmax(it->problem->tolerance * c->load,
-              bwi_residual_noise(it->problem->graph, it->problem->stiffness,
+              bwi_residual_noise(it->problem->pattern, it->problem->stiffness,
                                  it->solution + c->side * it->size));
 }
 

@@ -264,7 +264,7 @@ done:
   return status;
 }
 
-double bwi_smoother_bytes(int64_t pairs) {
-  return (double)pairs *
+double bwi_smoother_bytes(int64_t blocks) {
+  return (double)blocks *
          (2 * 32 + 60); /* two sweeps and a product: about seven numbers, a column */
 }

@@ -4,7 +4,7 @@
  *
  * Rows come in chunks whose nodes have no element in common with those of other chunks, so that
  * chunks are swept side by side, and then those of the nodes between the chunks. The order depends
- * on the graph alone: the same bits for any number of threads.
+ * on the pattern alone: the same bits for any number of threads.
  *
  * What takes the time is reading the matrix, so that only the lower triangle is kept, and read once
  * in each sweep: what a row does to those before it is added to them when it is its turn. Sweeps
@@ -30,17 +30,17 @@ enum { BWI_SMOOTHER_SPARE = 8 };
 typedef struct bwi_smoother_part {
   int64_t *start;  /* rows + 1: entries */
   int32_t *column; /* of an entry: a row, ascending in each row */
-  int64_t *pair;   /* 2 * pair of the graph, + 1 where transposed */
+  int64_t *block;  /* 2 * block of the pattern, + 1 where transposed */
   float *value;    /* unit * K */
   double *exact;
 } bwi_smoother_part;
 
 typedef struct bwi_smoother {
   bw_object object;
-  const bw_graph *graph; /* retained */
-  int32_t count;         /* nodes */
-  int32_t *node;         /* count: in the order of the rows */
-  int32_t *place;        /* count: and the row of each */
+  const bw_block_pattern *pattern; /* retained */
+  int32_t count;                   /* nodes */
+  int32_t *node;                   /* count: in the order of the rows */
+  int32_t *place;                  /* count: and the row of each */
   int32_t chunk_count;
   int32_t chunk_start[BWI_SMOOTHER_MAX_CHUNKS + 1]; /* rows after the last are between chunks */
   bwi_smoother_part even, odd;                      /* of 6 numbers, of 9 */
@@ -49,11 +49,11 @@ typedef struct bwi_smoother {
   double unit;
 } bwi_smoother;
 
-/* For matrices on the graph of a mesh. `even`: of straight elements and one material, so that most
- * blocks are symmetric. Release with bw_release. */
-bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
-                              bool even, bwi_smoother **out);
-/* Take over a stiffness (9 numbers per pair) at the unknowns of a DOF map. *usable is false where
+/* For matrices on the pattern of a mesh. `even`: of straight elements and one material, so that
+ * most blocks are symmetric. Release with bw_release. */
+bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
+                              const bw_block_pattern *pattern, bool even, bwi_smoother **out);
+/* Take over a stiffness (9 numbers per block) at the unknowns of a DOF map. *usable is false where
  * a node's own block is not positive definite. */
 bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *smoother, const double *stiffness,
                               const bw_dof_map *dof_map, bool *usable);
@@ -66,8 +66,8 @@ bw_status bwi_smoother_backward(bw_context *context, const bwi_smoother *smoothe
 /* y = K x */
 bw_status bwi_smoother_product(bw_context *context, const bwi_smoother *smoother, int width,
                                const double *x, double *y);
-/* What one product and a sweep forwards and backwards read, about, for `pairs` pairs off the
+/* What one product and a sweep forwards and backwards read, about, for `blocks` blocks off the
  * diagonal. */
-double bwi_smoother_bytes(int64_t pairs);
+double bwi_smoother_bytes(int64_t blocks);
 
 #endif

@@ -70,7 +70,7 @@ static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
   const bwi_smoother_part *even = &s->even, *odd = &s->odd;
   for (int64_t k = begin; k < end; k++) {
     int64_t i = s->node[k];
-    const double *own = t->stiffness + 9 * (s->graph->start[i + 1] - 1); /* the last of its row */
+    const double *own = t->stiffness + 9 * (s->pattern->start[i + 1] - 1); /* the last of its row */
     double inverse[9];
     bool sound = invert(t->dof_map, i, own, inverse);
     for (int c = 0; c < 9; c++) {
@@ -78,7 +78,7 @@ static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
       s->diagonal[9 * k + c] = s->unit * own[3 * (c % 3) + c / 3];
     }
     for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {
-      const double *block = t->stiffness + 9 * (even->pair[e] >> 1);
+      const double *block = t->stiffness + 9 * (even->block[e] >> 1);
       for (int c = 0; c < 6; c++) {
         int n = of_six[c];
         even->exact[6 * e + c] = 0.5 * s->unit * (block[n] + block[3 * (n % 3) + n / 3]);
@@ -86,8 +86,8 @@ static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
       }
     }
     for (int64_t e = odd->start[k]; e < odd->start[k + 1]; e++) {
-      const double *block = t->stiffness + 9 * (odd->pair[e] >> 1);
-      bool transposed = odd->pair[e] & 1;
+      const double *block = t->stiffness + 9 * (odd->block[e] >> 1);
+      bool transposed = odd->block[e] & 1;
       for (int c = 0; c < 9; c++) {
         odd->exact[9 * e + c] = s->unit * block[transposed ? c : 3 * (c % 3) + c / 3];
         odd->value[9 * e + c] = (float)odd->exact[9 * e + c];
@@ -105,7 +105,7 @@ bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *s, const double
   *usable = false;
   for (int64_t i = 0; i < s->count; i++)
     for (int d = 0; d < 9; d += 4)
-      max = fmax(max, stiffness[9 * (s->graph->start[i + 1] - 1) + d]);
+      max = fmax(max, stiffness[9 * (s->pattern->start[i + 1] - 1) + d]);
   if (!(max > 0) || !isfinite(max))
     return BW_OK;
   frexp(max, &exponent);
@@ -121,27 +121,28 @@ done:
 
 /* ---- the order ----------------------------------------------------------------------------- */
 
-/* Calls what follows for every neighbour j of node i, its pair and whether that is of row j. */
-#define FOR_NEIGHBOURS(graph, i, body)                                                             \
+/* Calls what follows for every neighbour j of node i, its block and whether that is of row j. */
+#define FOR_NEIGHBOURS(pattern, i, body)                                                           \
   do {                                                                                             \
-    for (int64_t p_ = (graph)->start[i]; p_ < (graph)->start[(i) + 1] - 1; p_++) {                 \
-      int32_t j = (graph)->column[p_];                                                             \
+    for (int64_t p_ = (pattern)->start[i]; p_ < (pattern)->start[(i) + 1] - 1; p_++) {             \
+      int32_t j = (pattern)->column[p_];                                                           \
       body                                                                                         \
     }                                                                                              \
-    for (int64_t u_ = (graph)->upper_start[i]; u_ < (graph)->upper_start[(i) + 1]; u_++) {         \
-      int32_t j = (graph)->upper_row[u_];                                                          \
+    for (int64_t u_ = (pattern)->upper_start[i]; u_ < (pattern)->upper_start[(i) + 1]; u_++) {     \
+      int32_t j = (pattern)->upper_row[u_];                                                        \
       body                                                                                         \
     }                                                                                              \
   } while (0)
 
-/* Nodes by their distance (in pairs) from one, into order[begin ...]: its body. Returns the end. */
-static int32_t spread_from(const bw_graph *graph, int32_t from, int32_t begin, int32_t mark,
-                           int32_t *seen, int32_t *order) {
+/* Nodes by their distance (in edges of the pattern) from one, into order[begin ...]: its body.
+ * Returns the end. */
+static int32_t spread_from(const bw_block_pattern *pattern, int32_t from, int32_t begin,
+                           int32_t mark, int32_t *seen, int32_t *order) {
   int32_t end = begin;
   order[end++] = from;
   seen[from] = mark;
   for (int32_t at = begin; at < end; at++)
-    FOR_NEIGHBOURS(graph, order[at], {
+    FOR_NEIGHBOURS(pattern, order[at], {
       if (seen[j] != mark) {
         seen[j] = mark;
         order[end++] = j;
@@ -155,9 +156,10 @@ static int32_t chunk_at(int64_t at, int32_t count, int32_t chunks) {
 }
 
 /* Whether node i has a neighbour in a later chunk. */
-static bool is_between(const bw_graph *graph, int32_t i, const int32_t *at, int32_t chunks) {
-  int32_t count = graph->node_count, own = chunk_at(at[i], count, chunks);
-  FOR_NEIGHBOURS(graph, i, {
+static bool is_between(const bw_block_pattern *pattern, int32_t i, const int32_t *at,
+                       int32_t chunks) {
+  int32_t count = pattern->node_count, own = chunk_at(at[i], count, chunks);
+  FOR_NEIGHBOURS(pattern, i, {
     if (chunk_at(at[j], count, chunks) > own)
       return true;
   });
@@ -171,7 +173,7 @@ static void cut(bwi_smoother *s, const int32_t *near, const int32_t *at) {
   for (; chunks > 1; chunks /= 2) {
     int32_t shared = 0;
     for (int32_t i = 0; i < s->count; i++)
-      shared += is_between(s->graph, i, at, chunks);
+      shared += is_between(s->pattern, i, at, chunks);
     if (shared < s->count / 8)
       break;
   }
@@ -180,7 +182,7 @@ static void cut(bwi_smoother *s, const int32_t *near, const int32_t *at) {
     for (int32_t k = 0; k < s->count; k++) {
       while (pass == 0 && chunk < chunk_at(k, s->count, chunks))
         s->chunk_start[++chunk] = row;
-      if (is_between(s->graph, near[k], at, chunks) == (pass == 1))
+      if (is_between(s->pattern, near[k], at, chunks) == (pass == 1))
         s->node[row++] = near[k];
       if (pass == 0 && k == s->count - 1)
         while (chunk < chunks)
@@ -199,8 +201,8 @@ static bw_status order_nodes(bw_context *context, bwi_smoother *s) {
   }
   for (int32_t i = 0, end = 0; i < s->count; i++)
     if (at[i] == 0) { /* a body, from one end of it: the node farthest from any */
-      int32_t last = spread_from(s->graph, i, end, 1, at, near);
-      end = spread_from(s->graph, near[last - 1], end, 2, at, near);
+      int32_t last = spread_from(s->pattern, i, end, 1, at, near);
+      end = spread_from(s->pattern, near[last - 1], end, 2, at, near);
     }
   for (int32_t k = 0; k < s->count; k++)
     at[near[k]] = k;
@@ -215,7 +217,7 @@ done:
 
 typedef struct entry {
   int32_t column;
-  int64_t pair;
+  int64_t block;
 } entry;
 
 static void sort_row(entry *row, int64_t count) {
@@ -232,62 +234,62 @@ static bw_status make_part(bw_context *context, bwi_smoother_part *part, int64_t
                            int64_t entries, int numbers) {
   part->start = BW_NEW0(context, int64_t, rows + 1);
   part->column = BW_NEW(context, int32_t, entries + 1);
-  part->pair = BW_NEW(context, int64_t, entries + 1);
+  part->block = BW_NEW(context, int64_t, entries + 1);
   part->value = BW_NEW0(context, float, numbers *entries + BWI_SMOOTHER_SPARE);
   part->exact = BW_NEW0(context, double, numbers *entries + BWI_SMOOTHER_SPARE);
-  return part->start && part->column && part->pair && part->value && part->exact ? BW_OK
-                                                                                 : BW_MEMORY;
+  return part->start && part->column && part->block && part->value && part->exact ? BW_OK
+                                                                                  : BW_MEMORY;
 }
 
 static void free_part(bwi_smoother_part *part) {
   bw_free(part->start);
   bw_free(part->column);
-  bw_free(part->pair);
+  bw_free(part->block);
   bw_free(part->value);
   bw_free(part->exact);
 }
 
-/* Entries of all rows; `odd`: by pair; row: room for one. */
+/* Entries of all rows; `odd`: by block; row: room for one. */
 static void list_rows(bwi_smoother *s, const uint8_t *odd, entry *row) {
-  const bw_graph *graph = s->graph;
+  const bw_block_pattern *pattern = s->pattern;
   bwi_smoother_part *parts[2] = {&s->even, &s->odd};
   for (int32_t k = 0; k < s->count; k++) {
     int32_t i = s->node[k];
     int64_t count = 0;
-    for (int64_t p = graph->start[i]; p < graph->start[i + 1] - 1; p++)
-      if (s->place[graph->column[p]] < k)
-        row[count++] = (entry){s->place[graph->column[p]], 2 * p};
-    for (int64_t u = graph->upper_start[i]; u < graph->upper_start[i + 1]; u++)
-      if (s->place[graph->upper_row[u]] < k)
-        row[count++] = (entry){s->place[graph->upper_row[u]], 2 * graph->upper_pair[u] + 1};
+    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++)
+      if (s->place[pattern->column[p]] < k)
+        row[count++] = (entry){s->place[pattern->column[p]], 2 * p};
+    for (int64_t u = pattern->upper_start[i]; u < pattern->upper_start[i + 1]; u++)
+      if (s->place[pattern->upper_row[u]] < k)
+        row[count++] = (entry){s->place[pattern->upper_row[u]], 2 * pattern->upper_block[u] + 1};
     sort_row(row, count);
     for (int n = 0; n < 2; n++)
       parts[n]->start[k + 1] = parts[n]->start[k];
     for (int64_t e = 0; e < count; e++) {
-      bwi_smoother_part *part = parts[odd[row[e].pair >> 1]];
+      bwi_smoother_part *part = parts[odd[row[e].block >> 1]];
       int64_t at = part->start[k + 1]++;
       part->column[at] = row[e].column;
-      part->pair[at] = row[e].pair;
+      part->block[at] = row[e].block;
     }
   }
 }
 
 static bw_status make_rows(bw_context *context, bwi_smoother *s, const bw_mesh *mesh, bool even) {
   bw_status status = BW_OK;
-  const bw_graph *graph = s->graph;
-  int64_t pairs = graph->pair_count, longest = 0, entries[2] = {0, 0};
-  uint8_t *odd = BW_NEW(context, uint8_t, pairs);
+  const bw_block_pattern *pattern = s->pattern;
+  int64_t blocks = pattern->block_count, longest = 0, entries[2] = {0, 0};
+  uint8_t *odd = BW_NEW(context, uint8_t, blocks);
   entry *row = NULL;
   if (!odd)
     return BW_MEMORY;
-  memset(odd, !even, (size_t)pairs);
+  memset(odd, !even, (size_t)blocks);
   if (even)
-    bwi_graph_mark_surface(graph, mesh, odd);
+    bwi_block_pattern_mark_surface(pattern, mesh, odd);
   for (int64_t i = 0; i < s->count; i++) {
-    int64_t length =
-        graph->start[i + 1] - graph->start[i] + graph->upper_start[i + 1] - graph->upper_start[i];
+    int64_t length = pattern->start[i + 1] - pattern->start[i] + pattern->upper_start[i + 1] -
+                     pattern->upper_start[i];
     longest = length > longest ? length : longest;
-    for (int64_t p = graph->start[i]; p < graph->start[i + 1] - 1; p++)
+    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++)
       entries[odd[p]]++;
   }
   row = BW_NEW(context, entry, longest + 1);
@@ -308,7 +310,7 @@ done:
 
 static void smoother_destroy(void *object) {
   bwi_smoother *s = object;
-  bw_release(s->graph);
+  bw_release(s->pattern);
   bw_free(s->node);
   bw_free(s->place);
   free_part(&s->even);
@@ -321,11 +323,11 @@ static void smoother_destroy(void *object) {
 static size_t part_bytes(const bwi_smoother_part *part, size_t rows, size_t numbers) {
   size_t entries = part->start ? (size_t)part->start[rows] : 0;
   return (rows + 1) * sizeof *part->start +
-         entries * (sizeof *part->column + sizeof *part->pair +
+         entries * (sizeof *part->column + sizeof *part->block +
                     numbers * (sizeof *part->value + sizeof *part->exact));
 }
 
-/* The graph is its user's. */
+/* The pattern is its user's. */
 static size_t sweeps_bytes(const void *object) {
   const bwi_smoother *s = object;
   size_t rows = (size_t)s->count;
@@ -335,15 +337,15 @@ static size_t sweeps_bytes(const void *object) {
 
 static const bw_kind smoother_kind = {"sweeps", smoother_destroy, sweeps_bytes};
 
-bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
-                              bool even, bwi_smoother **out) {
+bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
+                              const bw_block_pattern *pattern, bool even, bwi_smoother **out) {
   bw_status status = BW_OK;
   bwi_smoother *s = BW_NEW0(context, bwi_smoother, 1);
   if (!s)
     return BW_MEMORY;
   bw_object_init(s, &smoother_kind);
-  s->graph = bw_retain(graph);
-  s->count = graph->node_count;
+  s->pattern = bw_retain(pattern);
+  s->count = pattern->node_count;
   s->node = BW_NEW(context, int32_t, s->count);
   s->place = BW_NEW(context, int32_t, s->count);
   s->inverse = BW_NEW0(context, float, 9 * (int64_t)s->count + BWI_SMOOTHER_SPARE);

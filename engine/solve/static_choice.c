@@ -154,7 +154,7 @@ done:
 
 static bw_status run(statics *s, const bwi_static_solver *solver) {
   const bw_system *system = s->result->system;
-  return bwi_static_solve(s->context, system->dof_map, system->graph, system->stiffness, solver,
+  return bwi_static_solve(s->context, system->dof_map, system->pattern, system->stiffness, solver,
                           s->result);
 }
 

@@ -18,8 +18,8 @@
 /* Entries and operations over those powers. Measured: 1.26 to 1.52, 1.08 to 1.46. */
 #define MORE_ENTRIES 1.35
 #define MORE_FLOPS 1.25
-/* Seconds of the model's machine to order a pair of nodes. */
-#define ORDER_PAIR 5e-7
+/* Seconds of the model's machine to order a block of nodes. */
+#define ORDER_BLOCK 5e-7
 
 static void two_level_solver_destroy(void *object) {
   bwi_two_level_solver *l = object;
@@ -43,14 +43,14 @@ bool bwi_two_level_applies(const bw_system *system) {
 
 static bwi_cost_prediction predict(const bw_system *system, const bwi_coarse *coarse) {
   bwi_cost_prediction cost = {0};
-  double pairs = (double)(system->graph->pair_count - system->graph->node_count);
+  double blocks = (double)(system->pattern->block_count - system->pattern->node_count);
   double unknowns = bwi_coarse_unknowns(coarse);
   double wider = unknowns > 0 ? system->dof_map->unknown_count / (2 * unknowns) : 0;
   cost.factor_flops = MORE_FLOPS * wider * wider * wider * bwi_coarse_flops(coarse);
   cost.factor_bytes = MORE_ENTRIES * wider * wider * bwi_coarse_entries(coarse) * sizeof(double);
   cost.factor = cost.factor_flops / bwi_local_flops_per_second(64) +
-                4 * cost.factor_bytes / BWI_LOCAL_BYTES_PER_SECOND + ORDER_PAIR * pairs;
-  double bytes = bwi_smoother_bytes((int64_t)pairs) + 8 * bwi_coarse_entries(coarse);
+                4 * cost.factor_bytes / BWI_LOCAL_BYTES_PER_SECOND + ORDER_BLOCK * blocks;
+  double bytes = bwi_smoother_bytes((int64_t)blocks) + 8 * bwi_coarse_entries(coarse);
   cost.one_iteration = BWI_TWO_LEVEL_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND;
   cost.pcg =
       (BWI_TWO_LEVEL_BEGIN + 1 + BWI_TWO_LEVEL_RATE * log(2 / bwi_refine_to)) * cost.one_iteration +
@@ -98,7 +98,7 @@ bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_syst
     return BW_OK;
   bw_progress(context, "factor", 0);
   BW_TRY(find_even(context, system, &even));
-  BW_TRY(bwi_two_level_create_over(context, l->coarse, system->mesh, system->graph, even, &made));
+  BW_TRY(bwi_two_level_create_over(context, l->coarse, system->mesh, system->pattern, even, &made));
   BW_TRY(bwi_two_level_follow(context, made, model, system->dof_map, system->stiffness, usable));
   if (*usable) {
     l->preconditioner = made;

@@ -122,9 +122,9 @@ done:
   return status;
 }
 
-bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map, const bw_graph *graph,
-                           const double *stiffness, const bwi_static_solver *solver,
-                           bw_static *result) {
+bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
+                           const bw_block_pattern *pattern, const double *stiffness,
+                           const bwi_static_solver *solver, bw_static *result) {
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
   double *u = result->displacement;
@@ -144,7 +144,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map, const
   bwi_prescribed_field(dof_map, u);
   memcpy(work, load, (size_t)size * sizeof(double));
   if (dof_map->prescribed) {
-    BW_TRY(bw_graph_multiply(context, graph, stiffness, 9, 3, 1, u, step));
+    BW_TRY(bw_block_multiply(context, pattern, stiffness, 9, 3, 1, u, step));
     for (int64_t i = 0; i < size; i++)
       work[i] -= step[i];
   }
@@ -158,7 +158,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map, const
       step[i] += u[i];
     if (dof_map->motion_count > 0 && !dof_map->prescribed)
       bw_rigid_modes_remove(dof_map, step);
-    BW_TRY(bw_graph_multiply(context, graph, stiffness, 9, 3, 1, step, product));
+    BW_TRY(bw_block_multiply(context, pattern, stiffness, 9, 3, 1, step, product));
     for (int64_t i = 0; i < size; i++)
       work[i] = load[i] - product[i];
     bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, work);
@@ -170,7 +170,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map, const
     if (residual >= result->residual && pass > 0)
       break;
     bool enough = residual > 0.25 * result->residual ||
-                  residual * scale <= bwi_residual_noise(graph, stiffness, step);
+                  residual * scale <= bwi_residual_noise(pattern, stiffness, step);
     result->residual = residual;
     memcpy(u, step, (size_t)size * sizeof(double));
     memcpy(result->reaction, product, (size_t)size * sizeof(double));
@@ -179,7 +179,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map, const
       break;
   }
   if (!taken)
-    BW_TRY(bw_graph_multiply(context, graph, stiffness, 9, 3, 1, u, result->reaction));
+    BW_TRY(bw_block_multiply(context, pattern, stiffness, 9, 3, 1, u, result->reaction));
   for (int64_t i = 0; i < size; i++) {
     result->energy += 0.5 * u[i] * result->reaction[i];
     result->reaction[i] -= load[i];

@@ -16,7 +16,7 @@ static void system_destroy(void *object) {
   bw_release(system->mesh);
   bw_release(system->material);
   bw_release(system->dof_map);
-  bw_release(system->graph);
+  bw_release(system->pattern);
   bw_release(system->factor);
   bw_release(system->two_level);
   bw_free(system->stiffness);
@@ -26,9 +26,9 @@ static void system_destroy(void *object) {
 
 static size_t system_bytes(const void *object) {
   const bw_system *system = object;
-  size_t pairs = system->graph ? (size_t)system->graph->pair_count : 0;
-  return sizeof *system + pairs * (system->mass ? 10 : 9) * sizeof(double) +
-         bw_bytes(system->graph) + bw_bytes(system->factor) + bw_bytes(system->two_level);
+  size_t blocks = system->pattern ? (size_t)system->pattern->block_count : 0;
+  return sizeof *system + blocks * (system->mass ? 10 : 9) * sizeof(double) +
+         bw_bytes(system->pattern) + bw_bytes(system->factor) + bw_bytes(system->two_level);
 }
 
 static const bw_kind system_kind = {"system", system_destroy, system_bytes};
@@ -59,11 +59,12 @@ static bool order_fits(const bwi_order *order, const uint8_t *take, int32_t node
   return true;
 }
 
-bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph, const bw_dof_map *dof_map,
-                           int32_t subdomain_count, const int32_t *element_subdomain,
-                           const bw_edits *edits, bwi_symbolic *old, bwi_symbolic **symbolic) {
+bw_status bwi_symbolic_for(bw_context *context, const bw_block_pattern *pattern,
+                           const bw_dof_map *dof_map, int32_t subdomain_count,
+                           const int32_t *element_subdomain, const bw_edits *edits,
+                           bwi_symbolic *old, bwi_symbolic **symbolic) {
   bw_status status = BW_OK;
-  int32_t nodes = graph->node_count;
+  int32_t nodes = pattern->node_count;
   bwi_order *order = NULL;
   uint8_t *take = BW_NEW(context, uint8_t, nodes);
   if (!take)
@@ -76,10 +77,10 @@ bw_status bwi_symbolic_for(bw_context *context, const bw_graph *graph, const bw_
     }
     order = bw_retain(old->order);
   } else if (element_subdomain)
-    BW_TRY(bwi_order_create_subdomains(context, graph, take, dof_map->mesh, subdomain_count,
+    BW_TRY(bwi_order_create_subdomains(context, pattern, take, dof_map->mesh, subdomain_count,
                                        element_subdomain, edits, &order));
   else
-    BW_TRY(bwi_order_create(context, graph, take, &order));
+    BW_TRY(bwi_order_create(context, pattern, take, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, dof_map->unknown, symbolic));
 done:
   bw_free(take);
@@ -124,18 +125,18 @@ bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_ma
   if (locking && (!previous || previous->material != material)) /* once, not edit after edit */
     bw_warn(context, "%s", locking);
   if (previous)
-    system->graph = bw_retain(previous->graph);
+    system->pattern = bw_retain(previous->pattern);
   else
-    BW_TRY(bw_graph_create(context, mesh, &system->graph));
-  system->times.graph = bw_seconds() - start;
+    BW_TRY(bw_block_pattern_create(context, mesh, &system->pattern));
+  system->times.pattern = bw_seconds() - start;
 
   start = bw_seconds();
-  system->stiffness = BW_NEW(context, double, 9 * system->graph->pair_count);
+  system->stiffness = BW_NEW(context, double, 9 * system->pattern->block_count);
   if (!system->stiffness) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bw_stiffness(context, system->graph, mesh, material, system->stiffness));
+  BW_TRY(bw_stiffness(context, system->pattern, mesh, material, system->stiffness));
   system->times.stiffness = bw_seconds() - start;
 done:
   if (status == BW_OK)
@@ -146,18 +147,18 @@ done:
 }
 
 static bw_status bring_mass(bw_context *context, bw_system *system) {
-  int64_t pairs = system->graph->pair_count;
+  int64_t blocks = system->pattern->block_count;
   if (system->mass)
     return BW_OK;
-  double *mass = BW_NEW(context, double, pairs);
+  double *mass = BW_NEW(context, double, blocks);
   if (!mass)
     return BW_MEMORY;
-  bw_status status = bw_mass(context, system->graph, system->mesh, mass);
+  bw_status status = bw_mass(context, system->pattern, system->mesh, mass);
   if (status != BW_OK) {
     bw_free(mass);
     return status;
   }
-  for (int64_t k = 0; k < pairs; k++)
+  for (int64_t k = 0; k < blocks; k++)
     mass[k] *= system->density;
   system->mass = mass;
   return BW_OK;
@@ -197,7 +198,8 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic
   if (system->factor)
     return BW_OK;
   bw_progress(context, "order", 0);
-  BW_TRY(bwi_symbolic_for(context, system->graph, system->dof_map, 0, NULL, NULL, old, &symbolic));
+  BW_TRY(
+      bwi_symbolic_for(context, system->pattern, system->dof_map, 0, NULL, NULL, old, &symbolic));
   BW_TRY(check_memory(context, symbolic, available));
   BW_TRY(bring_mass(context, system));
   system->times.order += bw_seconds() - start;
@@ -205,7 +207,7 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic
   start = bw_seconds();
   bw_progress(context, "factor", 0);
   bwi_matrix matrix = {
-      .graph = system->graph, .stiffness = system->stiffness, .dof_map = system->dof_map};
+      .pattern = system->pattern, .stiffness = system->stiffness, .dof_map = system->dof_map};
   int32_t bad = 0;
   status = bwi_factor_create(context, symbolic, &matrix, &system->factor, &bad);
   if (status == BW_SINGULAR)
@@ -362,10 +364,11 @@ bool bwi_same_supports(const bw_dof_map *a, const bw_dof_map *b) {
 
 /* What is left of a residual after a direct solution is about as much as this says without its
  * factor (measured: 0.9 to 2). */
-double bwi_residual_noise(const bw_graph *graph, const double *stiffness, const double *u) {
+double bwi_residual_noise(const bw_block_pattern *pattern, const double *stiffness,
+                          const double *u) {
   double sum = 0;
-  for (int64_t i = 0; i < graph->node_count; i++) {
-    const double *k = stiffness + 9 * (graph->start[i + 1] - 1), *v = u + 3 * i;
+  for (int64_t i = 0; i < pattern->node_count; i++) {
+    const double *k = stiffness + 9 * (pattern->start[i + 1] - 1), *v = u + 3 * i;
     for (int c = 0; c < 3; c++) {
       double term = fabs(k[3 * c] * v[0]) + fabs(k[3 * c + 1] * v[1]) + fabs(k[3 * c + 2] * v[2]);
       sum += term * term;

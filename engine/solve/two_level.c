@@ -131,26 +131,27 @@ done:
 
 /* ---- life ---------------------------------------------------------------------------------- */
 
-bw_status bwi_two_level_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
-                               bool even, bwi_two_level **out) {
+bw_status bwi_two_level_create(bw_context *context, const bw_mesh *mesh,
+                               const bw_block_pattern *pattern, bool even, bwi_two_level **out) {
   bw_status status = BW_OK;
   bwi_coarse *coarse = NULL;
   BW_TRY(bwi_coarse_create(context, mesh, &coarse));
-  BW_TRY(bwi_two_level_create_over(context, coarse, mesh, graph, even, out));
+  BW_TRY(bwi_two_level_create_over(context, coarse, mesh, pattern, even, out));
 done:
   bw_release(coarse);
   return status;
 }
 
 bw_status bwi_two_level_create_over(bw_context *context, bwi_coarse *coarse, const bw_mesh *mesh,
-                                    const bw_graph *graph, bool even, bwi_two_level **out) {
+                                    const bw_block_pattern *pattern, bool even,
+                                    bwi_two_level **out) {
   bw_status status = BW_OK;
   bwi_two_level *l = BW_NEW0(context, bwi_two_level, 1);
   if (!l)
     return BW_MEMORY;
   bw_object_init(l, &two_level_kind);
   l->coarse = bw_retain(coarse);
-  BW_TRY(bwi_smoother_create(context, mesh, graph, even, &l->smoother));
+  BW_TRY(bwi_smoother_create(context, mesh, pattern, even, &l->smoother));
   BW_TRY(join_levels(context, l));
 done:
   if (status == BW_OK)
@@ -202,7 +203,7 @@ bw_status bwi_two_level_reserve(bw_context *context, bwi_two_level *l, int width
 }
 
 double bwi_two_level_bytes(const bwi_two_level *l) {
-  return bwi_smoother_bytes(l->smoother->graph->pair_count - l->smoother->count) +
+  return bwi_smoother_bytes(l->smoother->pattern->block_count - l->smoother->count) +
          bwi_coarse_bytes(l->coarse);
 }
 

@@ -37,13 +37,14 @@ typedef struct bwi_two_level {
 #define BWI_TWO_LEVEL_SIDES 2.5
 #define BWI_TWO_LEVEL_BEGIN 12.0
 
-/* Of a mesh for which bwi_coarse_fits, with its graph; even: as in bwi_smoother_create. Release
+/* Of a mesh for which bwi_coarse_fits, with its pattern; even: as in bwi_smoother_create. Release
  * with bw_release. */
-bw_status bwi_two_level_create(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
-                               bool even, bwi_two_level **out);
+bw_status bwi_two_level_create(bw_context *context, const bw_mesh *mesh,
+                               const bw_block_pattern *pattern, bool even, bwi_two_level **out);
 /* The same over a coarse space of that mesh that there is already, from now on its own. */
 bw_status bwi_two_level_create_over(bw_context *context, bwi_coarse *coarse, const bw_mesh *mesh,
-                                    const bw_graph *graph, bool even, bwi_two_level **two_level);
+                                    const bw_block_pattern *pattern, bool even,
+                                    bwi_two_level **two_level);
 /* The equations of a shape. *usable is false where they are not positive definite. */
 bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *two_level, const bw_model *model,
                                const bw_dof_map *dof_map, const double *stiffness, bool *usable);

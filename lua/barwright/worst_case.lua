@@ -206,7 +206,7 @@ function worst_case.analyse(part, given, view)
   end
   self.system = system
   local times = system.times
-  seconds.assemble = times.graph + times.stiffness
+  seconds.assemble = times.pattern + times.stiffness
   seconds.factor = times.order + times.factor
   seconds.system = clock() - start
 

@@ -457,11 +457,12 @@ static int model_modes(lua_State *L) {
   if (opts.laplacian) {
     const bw_mesh *mesh = ((const bw_model *)model->object)->mesh;
     const bw_system *old = (const bw_system *)model->extra;
-    bw_graph *graph = old && old->mesh == mesh ? (bw_graph *)bw_retain(old->graph) : NULL;
-    status = graph ? BW_OK : bw_graph_create(context, mesh, &graph);
+    bw_block_pattern *pattern =
+        old && old->mesh == mesh ? (bw_block_pattern *)bw_retain(old->pattern) : NULL;
+    status = pattern ? BW_OK : bw_block_pattern_create(context, mesh, &pattern);
     if (status == BW_OK)
-      status = bw_modes_laplacian(context, mesh, graph, &opts.options, &modes);
-    bw_release(graph);
+      status = bw_modes_laplacian(context, mesh, pattern, &opts.options, &modes);
+    bw_release(pattern);
   } else if (opts.with.external) {
     status = bw_modes_external(context, (const bw_model *)model->object, &opts.options,
                                &opts.with.options, &modes);

@@ -173,8 +173,8 @@ static int static_material(lua_State *L) {
 
 static void push_times(lua_State *L, const bw_solve_times *times) {
   lua_createtable(L, 0, 8);
-  lua_pushnumber(L, times->graph);
-  lua_setfield(L, -2, "graph");
+  lua_pushnumber(L, times->pattern);
+  lua_setfield(L, -2, "pattern");
   lua_pushnumber(L, times->stiffness);
   lua_setfield(L, -2, "stiffness");
   lua_pushnumber(L, times->order);

@@ -42,7 +42,7 @@ local Static = {}
 
 ---What the parts of a solution took.
 ---@class bw.SolveTimes
----@field graph number (s) the sparsity pattern
+---@field pattern number (s) the block sparsity pattern
 ---@field stiffness number (s) assembly
 ---@field order number (s) the ordering
 ---@field factor number (s) the factor

@@ -27,26 +27,26 @@ static double median(double *value, int count) {
   return count % 2 ? value[count / 2] : 0.5 * (value[count / 2 - 1] + value[count / 2]);
 }
 
-typedef bw_status order_function(bw_context *, const bw_graph *, const uint8_t *, const bw_mesh *,
-                                 int32_t, const int32_t *, bwi_order **);
-static bw_status plain(bw_context *context, const bw_graph *graph, const uint8_t *take,
+typedef bw_status order_function(bw_context *, const bw_block_pattern *, const uint8_t *,
+                                 const bw_mesh *, int32_t, const int32_t *, bwi_order **);
+static bw_status plain(bw_context *context, const bw_block_pattern *pattern, const uint8_t *take,
                        const bw_mesh *mesh, int32_t subdomains, const int32_t *subdomain,
                        bwi_order **order) {
   (void)mesh;
   (void)subdomains;
   (void)subdomain;
-  return bwi_order_create(context, graph, take, order);
+  return bwi_order_create(context, pattern, take, order);
 }
-static bw_status by_subdomains(bw_context *context, const bw_graph *graph, const uint8_t *take,
-                               const bw_mesh *mesh, int32_t subdomains, const int32_t *subdomain,
-                               bwi_order **order) {
-  return bwi_order_create_subdomains(context, graph, take, mesh, subdomains, subdomain, NULL,
+static bw_status by_subdomains(bw_context *context, const bw_block_pattern *pattern,
+                               const uint8_t *take, const bw_mesh *mesh, int32_t subdomains,
+                               const int32_t *subdomain, bwi_order **order) {
+  return bwi_order_create_subdomains(context, pattern, take, mesh, subdomains, subdomain, NULL,
                                      order);
 }
 
 typedef struct scene {
   bw_mesh *mesh;
-  bw_graph *graph;
+  bw_block_pattern *pattern;
   double *stiffness;
   uint8_t *take;
   int32_t *unknown, *subdomain, subdomains;
@@ -72,13 +72,13 @@ static bw_status open_scene(bw_context *context, const limbs *body, int64_t elem
   const bw_isotropic constants = {
       .name = "resin", .young = 1.8e9, .poisson = 0.38, .density = 1180, .strength = 55e6};
   BW_TRY(bw_material_isotropic(context, &constants, &material));
-  BW_TRY(bw_graph_create(context, s->mesh, &s->graph));
+  BW_TRY(bw_block_pattern_create(context, s->mesh, &s->pattern));
   size_t nodes = (size_t)s->mesh->node_count;
-  s->stiffness = malloc(9 * (size_t)s->graph->pair_count * sizeof(double));
+  s->stiffness = malloc(9 * (size_t)s->pattern->block_count * sizeof(double));
   s->take = malloc(nodes);
   s->unknown = malloc(3 * nodes * sizeof(int32_t));
   s->subdomain = malloc((size_t)s->mesh->element_count * sizeof(int32_t));
-  BW_TRY(bw_stiffness(context, s->graph, s->mesh, material, s->stiffness));
+  BW_TRY(bw_stiffness(context, s->pattern, s->mesh, material, s->stiffness));
   s->subdomains = limbs_subdomains(body, s->mesh, s->subdomain);
   double low = 1e30;
   for (size_t i = 0; i < nodes; i++)
@@ -96,7 +96,7 @@ done:
 
 static void close_scene(scene *s) {
   bw_release(s->mesh);
-  bw_release(s->graph);
+  bw_release(s->pattern);
   free(s->stiffness);
   free(s->take);
   free(s->unknown);
@@ -110,13 +110,13 @@ static bw_status run(bw_context *context, const limbs *body, const scene *s, con
   bwi_symbolic *symbolic = NULL;
   bwi_elimination_reach *reach = NULL;
   bwi_factor *factor = NULL;
-  bwi_matrix matrix = {.graph = s->graph, .stiffness = s->stiffness};
+  bwi_matrix matrix = {.pattern = s->pattern, .stiffness = s->stiffness};
   double *x = NULL, *fraction = malloc((size_t)s->subdomains * sizeof(double)),
          *seconds = malloc((size_t)s->subdomains * sizeof(double)),
          *total = malloc((size_t)s->subdomains * sizeof(double));
   uint8_t *touched = calloc((size_t)s->subdomains, 1);
   double start = bw_seconds();
-  BW_TRY(make(context, s->graph, s->take, s->mesh, s->subdomains, s->subdomain, &order));
+  BW_TRY(make(context, s->pattern, s->take, s->mesh, s->subdomains, s->subdomain, &order));
   double seconds_order = bw_seconds() - start;
   BW_TRY(bwi_symbolic_create(context, order, 3, s->unknown, &symbolic));
   BW_TRY(bwi_elimination_reach_create(context, symbolic, s->mesh, s->subdomains, s->subdomain,

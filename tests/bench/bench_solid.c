@@ -74,7 +74,7 @@ int main(int count, char **argument) {
           OK(bw_material_table_create(context, 2, (const bw_solid_material *const *)&material,
                                       &material_table));
           OK(bw_solid_create(context, grid, material_table, NULL, &solid));
-          double *values = (double *)malloc(sizeof *u * 9 * (size_t)solid->graph->pair_count);
+          double *values = (double *)malloc(sizeof *u * 9 * (size_t)solid->pattern->block_count);
           for (int want = 0; want < 3; want++) {
             whole[want] = kernel[want] = INFINITY;
             for (int r = 0; r < REPEATS; r++) {
@@ -99,7 +99,7 @@ int main(int count, char **argument) {
           double with_matrix = INFINITY;
           for (int r = 0; r < REPEATS; r++) {
             double start = processor_seconds();
-            OK(bw_graph_multiply(context, solid->graph, values, 9, 3, 1, u, force));
+            OK(bw_block_multiply(context, solid->pattern, values, 9, 3, 1, u, force));
             with_matrix = fmin(with_matrix, processor_seconds() - start);
           }
           double unit = 1e6 / grid->element_count;

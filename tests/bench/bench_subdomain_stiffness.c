@@ -50,10 +50,10 @@ int main(int count, char **argument) {
   int cells[3] = {(int)lround((double)wanted / 6 / across / across), across, across};
   double low[3] = {0, 0, 0}, high[3] = {0.01 * cells[0], 0.01 * cells[1], 0.01 * cells[2]};
   bw_mesh *mesh = NULL, *moved = NULL;
-  bw_graph *graph = NULL;
+  bw_block_pattern *pattern = NULL;
   bw_material *material[2] = {NULL, NULL};
   OK(bw_mesh_box_grid(context, low, high, cells, order, &mesh));
-  OK(bw_graph_create(context, mesh, &graph));
+  OK(bw_block_pattern_create(context, mesh, &pattern));
   OK(bw_material_named(context, "pla", &material[0]));
   OK(bw_material_named(context, "zp150", &material[1]));
   int32_t *of_element = (int32_t *)malloc(sizeof(int32_t) * (size_t)mesh->element_count);
@@ -67,22 +67,22 @@ int main(int count, char **argument) {
       of_node[mesh->element[(int64_t)e * mesh->nodes_per_element + a]] = of_element[e];
   }
   bw_subdomain_motion *motion = (bw_subdomain_motion *)malloc(sizeof *motion * (size_t)subdomains);
-  double *values = (double *)malloc(sizeof *values * 9 * (size_t)graph->pair_count);
+  double *values = (double *)malloc(sizeof *values * 9 * (size_t)pattern->block_count);
   double *node = (double *)malloc(sizeof *node * 3 * (size_t)mesh->node_count);
-  printf("{\"tetrahedra\": %d, \"nodes\": %d, \"pairs\": %lld, \"subdomains\": %d, \"cases\": [\n",
-         mesh->element_count, mesh->node_count, (long long)graph->pair_count, subdomains);
+  printf("{\"tetrahedra\": %d, \"nodes\": %d, \"blocks\": %lld, \"subdomains\": %d, \"cases\": [\n",
+         mesh->element_count, mesh->node_count, (long long)pattern->block_count, subdomains);
   for (int threads = 1; threads <= 2; threads++)
     for (int m = 0; m < 2; m++) {
       bw_subdomain_stiffness *s = NULL;
       OK(bw_set_threads(context, threads));
       double start = bw_seconds();
-      OK(bw_subdomain_stiffness_create(context, graph, mesh, material[m], false, subdomains,
+      OK(bw_subdomain_stiffness_create(context, pattern, mesh, material[m], false, subdomains,
                                        of_element, of_node, &s));
       double create = bw_seconds() - start;
       lap direct = {0}, all = {0}, one = {0}, gathered = {0};
       for (int r = 0; r < REPEATS; r++) {
         begin(&direct);
-        OK(bw_stiffness(context, graph, mesh, material[m], values));
+        OK(bw_stiffness(context, pattern, mesh, material[m], values));
         end(&direct);
 
         for (int d = 0; d < subdomains; d++) {
@@ -117,12 +117,12 @@ int main(int count, char **argument) {
              1e3 * all.clock, 1e3 * one.clock, 1e3 * gathered.clock, direct.clock / all.clock,
              direct.clock / one.clock, direct.clock / gathered.clock,
              direct.processor / all.processor, bw_subdomain_stiffness_bytes(s),
-             (long long)graph->pair_count * 72, threads == 2 && m ? "" : ",");
+             (long long)pattern->block_count * 72, threads == 2 && m ? "" : ",");
       bw_release(s);
     }
   printf("]}\n");
   free(of_element), free(of_node), free(motion), free(values), free(node);
-  bw_release(graph);
+  bw_release(pattern);
   bw_release(mesh);
   bw_release(material[0]);
   bw_release(material[1]);

@@ -1,4 +1,4 @@
-/* assemble: sparse patterns of node pairs, stiffness, mass, Laplacian. Patterns are built once per
+/* assemble: block sparsity patterns, stiffness, mass, Laplacian. Patterns are built once per
  * topology; values are gathered into known places, with the same bits for any thread count. */
 #ifndef BARWRIGHT_ASSEMBLE_H
 #define BARWRIGHT_ASSEMBLE_H
@@ -10,48 +10,51 @@
 extern "C" {
 #endif
 
-/* The graph of nodes that share an element, lower triangle by rows with the diagonal last, and for
- * every stored pair the list of contributions (element, local pair). Depends on topology only. */
-typedef struct bw_graph {
+/* The block sparsity pattern (nodes i and j share an element), lower triangle by rows with the
+ * diagonal last, and for every stored block the list of contributions (element, local pair).
+ * Depends on topology only.
+ */
+typedef struct bw_block_pattern {
   bw_object object;
   const bw_mesh *mesh; /* retained: any mesh of the same topology may be assembled; NULL where it
                           was made of element lists */
   int32_t node_count;
-  int64_t pair_count;
+  int64_t block_count;
   int64_t *start;        /* node_count + 1 */
-  int32_t *column;       /* pair_count: columns j <= i of row i, ascending */
-  int64_t *upper_start;  /* node_count + 1: pairs (k, i) with k > i seen from i */
-  int64_t *upper_pair;   /* their places in `column` order */
+  int32_t *column;       /* block_count: columns j <= i of row i, ascending */
+  int64_t *upper_start;  /* node_count + 1: blocks (k, i) with k > i seen from i */
+  int64_t *upper_block;  /* their places in `column` order */
   int32_t *upper_row;    /* their rows k */
-  int64_t *gather_start; /* pair_count + 1 */
+  int64_t *gather_start; /* block_count + 1 */
   int32_t *gather_element;
   uint8_t *gather_local; /* (a << 4) | b: local row and column nodes */
-} bw_graph;
-BW_API bw_status bw_graph_create(bw_context *context, const bw_mesh *mesh, bw_graph **graph);
+} bw_block_pattern;
+BW_API bw_status bw_block_pattern_create(bw_context *context, const bw_mesh *mesh,
+                                         bw_block_pattern **pattern);
 /* The same of any elements with up to 16 nodes: element (element_count x nodes_per_element). The
- * graph's mesh is NULL: it serves products and factors, not the functions that take a mesh. Every
+ * pattern's mesh is NULL: it serves products and factors, not the functions that take a mesh. Every
  * node must have an element. */
-BW_API bw_status bw_graph_of_elements(bw_context *context, int32_t node_count,
-                                      int32_t element_count, int nodes_per_element,
-                                      const int32_t *element, bw_graph **graph);
+BW_API bw_status bw_block_pattern_of_elements(bw_context *context, int32_t node_count,
+                                              int32_t element_count, int nodes_per_element,
+                                              const int32_t *element, bw_block_pattern **pattern);
 
-/* Stiffness: 9 numbers per pair, row by row (row = node i). Closed form for straight elements,
- * quadrature for curved tet10. `values` has room for 9 * pair_count. */
-BW_API bw_status bw_stiffness(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
-                              const bw_material *material, double *values);
+/* Stiffness: 9 numbers per block, row by row (row = node i). Closed form for straight elements,
+ * quadrature for curved tet10. `values` has room for 9 * block_count. */
+BW_API bw_status bw_stiffness(bw_context *context, const bw_block_pattern *pattern,
+                              const bw_mesh *mesh, const bw_material *material, double *values);
 /* A sentence that warns of volumetric locking and names the cure, or NULL where none is expected:
  * nearly incompressible materials (mean Poisson's ratio above 0.48) in elements of the standard
  * formulation. */
 BW_API const char *bw_locking(const bw_mesh *mesh, const bw_material *material);
-/* Consistent mass per unit density: one number per pair (times the 3x3 identity), m3. */
-BW_API bw_status bw_mass(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
+/* Consistent mass per unit density: one number per block (times the 3x3 identity), m3. */
+BW_API bw_status bw_mass(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
                          double *values);
 /* Lumped mass per unit density: one number per node, positive, summing to the volume (diagonal
  * scaling for tet10). */
 BW_API bw_status bw_lumped_mass(bw_context *context, const bw_mesh *mesh, double *values);
-/* Stiffness of the scalar Laplacian: one number per pair. */
-BW_API bw_status bw_laplacian(bw_context *context, const bw_graph *graph, const bw_mesh *mesh,
-                              double *values);
+/* Stiffness of the scalar Laplacian: one number per block. */
+BW_API bw_status bw_laplacian(bw_context *context, const bw_block_pattern *pattern,
+                              const bw_mesh *mesh, double *values);
 /* One element's stiffness (12x12 or 30x30, full) and mass (4x4 or 10x10): also the readable
  * reference in the tests. */
 BW_API bw_status bw_element_stiffness(bw_context *context, int order, const double (*x)[3],
@@ -60,9 +63,9 @@ BW_API void bw_element_mass(int order, const double (*x)[3], double *mass);
 
 /* y = A x for `count` vectors (node_count x 3 each, one after the other); `block` 9: a stiffness,
  * 1: a mass or Laplacian acting on each of the `components` (1 or 3) alike. */
-BW_API bw_status bw_graph_multiply(bw_context *context, const bw_graph *graph, const double *values,
-                                   int block, int components, int64_t count, const double *x,
-                                   double *y);
+BW_API bw_status bw_block_multiply(bw_context *context, const bw_block_pattern *pattern,
+                                   const double *values, int block, int components, int64_t count,
+                                   const double *x, double *y);
 
 /* ---- stiffness kept subdomain by subdomain (agile, sections 5 and 6)
  * ---------------------------------
@@ -89,23 +92,23 @@ BW_API void bw_subdomain_motion_rest(bw_subdomain_motion *motion);
 typedef struct bw_subdomain_change {
   /* how many subdomains: left alone; written by the polynomials; gathered from coordinates anew */
   int32_t kept, evaluated, gathered;
-  int64_t pairs; /* written */
+  int64_t blocks; /* written */
 } bw_subdomain_change;
 
-/* The stiffness of a mesh cut into subdomains, in global directions, 9 per pair of the graph. Per
- * pair and subdomain it keeps the coefficients T_ab = integral of grad N_a (x) grad N_b at rest; a
- * subdomain moved by x -> A x has det(A) A^-T T A^-1, of which eq. A.8 of agile is the case of a
- * diagonal A. Entries are products of these with the elasticity tensor, isotropic or not
+/* The stiffness of a mesh cut into subdomains, in global directions, 9 per block of the pattern.
+ * Per block and subdomain it keeps the coefficients T_ab = integral of grad N_a (x) grad N_b at
+ * rest; a subdomain moved by x -> A x has det(A) A^-T T A^-1, of which eq. A.8 of agile is the case
+ * of a diagonal A. Entries are products of these with the elasticity tensor, isotropic or not
  * (docs/theory/edit.md). Mutable; the object's revision moves when entries were written. */
 typedef struct bw_subdomain_stiffness {
   bw_object object;
-  const bw_graph *graph;       /* retained */
-  const bw_material *material; /* retained; its axes stay global, unless material_turns */
+  const bw_block_pattern *pattern; /* retained */
+  const bw_material *material;     /* retained; its axes stay global, unless material_turns */
   bool material_turns; /* an orthotropic material's axes turn with each subdomain's frame, from
                           what they are in `material` (turned by element: one way in each
                           subdomain) */
   int32_t subdomain_count;
-  double *values;    /* 9 per pair: what bw_stiffness would give for the mesh as it is now */
+  double *values;    /* 9 per block: what bw_stiffness would give for the mesh as it is now */
   uint8_t *changed;  /* subdomain_count: by the last update, in the unknowns' own frames */
   uint64_t revision; /* of the values: the same as the object's */
   struct bwi_subdomain_coefficients *coefficients;
@@ -113,7 +116,7 @@ typedef struct bw_subdomain_stiffness {
 /* All subdomains at rest in `mesh`. element_subdomain (element_count) and node_subdomain
  * (node_count; -1: the global frame, for nodes some but not all of whose components are held) are
  * copied. Curved elements are BW_INVALID, as they have no closed form. */
-BW_API bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_graph *graph,
+BW_API bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_pattern *pattern,
                                                const bw_mesh *mesh, const bw_material *material,
                                                bool material_turns, int32_t subdomain_count,
                                                const int32_t *element_subdomain,
@@ -121,7 +124,7 @@ BW_API bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_gra
                                                bw_subdomain_stiffness **stiffness);
 /* Bring it to another shape: motion[subdomain_count] says how every subdomain lies now; `mesh` has
  * the nodes as they are now, and is read for reshaped subdomains only. Only entries of subdomains
- * whose global entries changed are written (contributions of the others at shared pairs are kept).
+ * whose global entries changed are written (contributions of the others at shared blocks are kept).
  * What differs from the last writing by less than 2e-14 (of the map; for reshaped subdomains of the
  * largest coordinate) counts as rounding and is left, so that the values stay within 1e-12 of those
  * from scratch however many updates there were.

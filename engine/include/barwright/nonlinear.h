@@ -131,11 +131,11 @@ typedef struct bw_solid {
   bw_object object;
   const bw_grid *grid;                     /* retained */
   const bw_material_table *material_table; /* retained */
-  bw_graph *graph;                         /* retained; its mesh is NULL */
+  bw_block_pattern *pattern;               /* retained; its mesh is NULL */
   double *mass;                            /* node_count: lumped, kg; density 0 counts as 0 */
   bool weightless;                         /* some element's density is not known */
 } bw_solid;
-/* `previous` (may be NULL): a solid whose graph is reused where the elements are the same.
+/* `previous` (may be NULL): a solid whose pattern is reused where the elements are the same.
  * BW_INVALID names the first element whose material is not in the material table. */
 BW_API bw_status bw_solid_create(bw_context *context, const bw_grid *grid,
                                  const bw_material_table *material_table, const bw_solid *previous,
@@ -148,10 +148,11 @@ typedef struct bw_solid_shape {
   int64_t inverted; /* elements with a point where det F <= 0 */
   bool defined;     /* the energy exists: no neo-Hookean point has det F <= 0 */
 } bw_solid_shape;
-/* Energy (J), its gradient (node_count x 3, N), and its second derivatives (9 per pair of the
- * graph, N/m); each of the three may be NULL. With `project` each point's tangent is made positive
- * semidefinite, so that the matrix is. BW_OK with shape->defined false (and nothing else to be
- * used) where the energy does not exist: for line searches. Same bits for any number of threads. */
+/* Energy (J), its gradient (node_count x 3, N), and its second derivatives (9 per block of the
+ * pattern, N/m); each of the three may be NULL. With `project` each point's tangent is made
+ * positive semidefinite, so that the matrix is. BW_OK with shape->defined false (and nothing else
+ * to be used) where the energy does not exist: for line searches. Same bits for any number of
+ * threads. */
 BW_API bw_status bw_solid_evaluate(bw_context *context, const bw_solid *solid, const double *u,
                                    bool project, double *energy, double *gradient,
                                    double *stiffness, bw_solid_shape *shape);

@@ -13,38 +13,40 @@ extern "C" {
 
 /* ---- matrices on a plane mesh -------------------------------------------------------------- */
 
-/* Node pairs that share an element, full rows, ascending, and for every pair the contributions
- * (element, local pair) that are added into it: gathered, never scattered, so that the bits do not
- * depend on threads. Values belong to whoever assembles: `components`^2 numbers per pair, row by
- * row. Depends on topology only. */
-typedef struct bw_plane_graph {
+/* Block sparsity pattern of a plane mesh: full rows, ascending, and for every block the
+ * contributions (element, local pair) that are added into it: gathered, never scattered, so that
+ * the bits do not depend on threads. Values belong to whoever assembles: `components`^2 numbers per
+ * block, row by row. Depends on topology only. */
+typedef struct bw_plane_pattern {
   bw_object object;
   const bw_plane_topology *topology; /* retained */
   int32_t node_count;
-  int64_t pair_count;
+  int64_t block_count;
   int64_t *start;        /* node_count + 1 */
-  int32_t *column;       /* pair_count */
-  int64_t *diagonal;     /* node_count: where the pair (i, i) is */
-  int64_t *mirror;       /* pair_count: where the pair (j, i) of a pair (i, j) is */
-  int64_t *gather_start; /* pair_count + 1 */
+  int32_t *column;       /* block_count */
+  int64_t *diagonal;     /* node_count: where the block (i, i) is */
+  int64_t *mirror;       /* block_count: where the block (j, i) of a block (i, j) is */
+  int64_t *gather_start; /* block_count + 1 */
   int32_t *gather_element;
   uint8_t *gather_local; /* a * 6 + b */
-} bw_plane_graph;
-BW_API bw_status bw_plane_graph_create(bw_context *context, const bw_plane_topology *topology,
-                                       bw_plane_graph **graph);
+} bw_plane_pattern;
+BW_API bw_status bw_plane_pattern_create(bw_context *context, const bw_plane_topology *topology,
+                                         bw_plane_pattern **pattern);
 /* Add the elements' matrices (element_count x (n c) x (n c), row by row, unknown = node c +
  * component; only as many elements at a time as the caller likes: `element_matrix` fills one) into
  * values (zeroed first). */
 typedef bw_status bw_element_matrix(void *data, int32_t element, double *matrix);
-BW_API bw_status bw_plane_assemble(bw_context *context, const bw_plane_graph *graph, int components,
-                                   bw_element_matrix *element_matrix, void *data, double *values);
+BW_API bw_status bw_plane_assemble(bw_context *context, const bw_plane_pattern *pattern,
+                                   int components, bw_element_matrix *element_matrix, void *data,
+                                   double *values);
 /* y = A x */
-BW_API bw_status bw_plane_multiply(bw_context *context, const bw_plane_graph *graph, int components,
-                                   const double *values, const double *x, double *y);
+BW_API bw_status bw_plane_multiply(bw_context *context, const bw_plane_pattern *pattern,
+                                   int components, const double *values, const double *x,
+                                   double *y);
 /* Prescribed unknowns (held[i] != 0): their rows and columns become those of the identity times the
  * mean size of the component's diagonal entries, and `rhs` (may be NULL) follows, so that the
  * number of unknowns never changes. */
-BW_API bw_status bw_plane_prescribe(bw_context *context, const bw_plane_graph *graph,
+BW_API bw_status bw_plane_prescribe(bw_context *context, const bw_plane_pattern *pattern,
                                     int components, const uint8_t *held, const double *prescribed,
                                     double *values, double *rhs);
 
@@ -86,11 +88,11 @@ BW_API bw_status bw_lagged_factor_create(bw_context *context, bool symmetric, in
                                          bw_lagged_factor **lagged);
 BW_API void bw_lagged_factor_free(bw_lagged_factor *lagged);
 /* x: the first guess on entry, the solution on return. The factor and its elimination order are
- * kept as long as the graph's nodes are the same object, the analysis as long as its topology is.
+ * kept as long as the pattern's nodes are the same object, the analysis as long as its topology is.
  * BW_SINGULAR, or BW_CONVERGENCE with the residual reached; x is then as it was. `options` and
  * `kept` may be NULL; `kept` is added to. */
 BW_API bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
-                                        const bw_plane_graph *graph, const double *values,
+                                        const bw_plane_pattern *pattern, const double *values,
                                         const double *rhs, double *x,
                                         const bw_lagged_factor_options *options,
                                         bw_plane_reuse *kept);

@@ -9,8 +9,8 @@ extern "C" {
 #endif
 
 typedef struct bw_solve_times {
-  double graph, stiffness, order, factor, pcg, solve; /* seconds spent so far */
-  int64_t factor_entries;                             /* of L; 0 where there is no factor */
+  double pattern, stiffness, order, factor, pcg, solve; /* seconds spent so far */
+  int64_t factor_entries;                               /* of L; 0 where there is no factor */
   double factor_flops;
 } bw_solve_times;
 
@@ -28,15 +28,15 @@ struct bw_system {
   const bw_mesh *mesh;         /* retained */
   const bw_material *material; /* retained */
   const bw_dof_map *dof_map;   /* retained */
-  bw_graph *graph;             /* retained */
-  double *stiffness;           /* 9 per pair */
-  double *mass; /* 1 per pair, times density (density 1 when the material has none) */
+  bw_block_pattern *pattern;   /* retained */
+  double *stiffness;           /* 9 per block */
+  double *mass; /* 1 per block, times density (density 1 when the material has none) */
   double density;
   struct bwi_factor *factor;              /* or NULL */
   struct bwi_two_level_solver *two_level; /* or NULL */
   bw_solve_times times;
 };
-/* `previous` (may be NULL): a system of the same topology whose graph, ordering and analysis are
+/* `previous` (may be NULL): a system of the same topology whose pattern, ordering and analysis are
  * reused where they fit. BW_SINGULAR when a held body's matrix is not positive definite. */
 BW_API bw_status bw_system_create(bw_context *context, const bw_mesh *mesh,
                                   const bw_material *material, const bw_dof_map *dof_map,
@@ -221,7 +221,7 @@ BW_API bw_status bw_local_statics(bw_context *context, bw_local_system *local,
                                   const bw_model *model, const bw_statics_options *statics,
                                   const bw_local_options *options, bw_static **result,
                                   bw_reuse *reuse);
-/* What the same shape costs from scratch, with the same graph: its stiffness gathered from all
+/* What the same shape costs from scratch, with the same pattern: its stiffness gathered from all
  * elements, CHOLMOD's analysis, numeric factorisation and one solve, with the unknowns in the order
  * that was chosen for edits or (`own_order`) in the one it would be given for a single solution,
  * METIS's of the nodes, whose making counts as analysis. For benchmarks; needs a factor (BW_INVALID
@@ -272,7 +272,8 @@ BW_API bw_status bw_modes_elastic(bw_context *context, bw_system *system,
                                   const bw_modes_options *options, bw_modes **modes);
 /* The lowest nonconstant modes of the scalar Laplacian on the mesh (free boundary), section 4 of
  * worst-case. */
-BW_API bw_status bw_modes_laplacian(bw_context *context, const bw_mesh *mesh, const bw_graph *graph,
+BW_API bw_status bw_modes_laplacian(bw_context *context, const bw_mesh *mesh,
+                                    const bw_block_pattern *pattern,
                                     const bw_modes_options *options, bw_modes **modes);
 
 /* ---- external solvers --------------------------------------------------------- */
@@ -302,13 +303,13 @@ typedef struct bw_external_report {
   double bytes, largest; /* memory of all processes at their peaks, of the largest of them */
 } bw_external_report;
 
-/* The equations at hand. K and M have the pattern of the graph; which components are unknowns, held
- * or pinned, and in which frames, is the DOF map's. */
+/* The equations at hand. K and M have the block sparsity pattern; which components are unknowns,
+ * held or pinned, and in which frames, is the DOF map's. */
 typedef struct bw_external_matrix {
   const bw_dof_map *dof_map;
-  const bw_graph *graph;
-  const double *stiffness; /* 9 per pair */
-  const double *mass;      /* 1 per pair, or NULL: no modes wanted */
+  const bw_block_pattern *pattern;
+  const double *stiffness; /* 9 per block */
+  const double *mass;      /* 1 per block, or NULL: no modes wanted */
 } bw_external_matrix;
 
 /* What it finds; the lists are allocated with bw_alloc for the caller. */

@@ -145,16 +145,16 @@ static void energies_sum_to_that_of_the_stiffness(void **state) {
   for (int kind = 0; kind < 3; kind++)
     for (int m = 0; m < 2; m++) {
       bw_mesh *mesh = NULL;
-      bw_graph *g = NULL;
+      bw_block_pattern *g = NULL;
       perturbed_box(context, 3, 3, 2, kind ? 2 : 1, 0.3, kind == 2 ? 0.2 : 0, &mesh);
-      check_ok(context, bw_graph_create(context, mesh, &g));
+      check_ok(context, bw_block_pattern_create(context, mesh, &g));
       double *u = nodal_field(mesh, rough);
-      double *k = (double *)malloc(sizeof *k * 9 * (size_t)g->pair_count);
+      double *k = (double *)malloc(sizeof *k * 9 * (size_t)g->block_count);
       double *f = (double *)malloc(sizeof *f * 3 * (size_t)mesh->node_count);
       double *energy = (double *)malloc(sizeof *energy * (size_t)mesh->element_count);
       double whole = 0, sum = 0;
       check_ok(context, bw_stiffness(context, g, mesh, material[m], k));
-      check_ok(context, bw_graph_multiply(context, g, k, 9, 3, 1, u, f));
+      check_ok(context, bw_block_multiply(context, g, k, 9, 3, 1, u, f));
       check_ok(context, bw_element_energy(context, mesh, material[m], u, energy));
       for (int i = 0; i < 3 * mesh->node_count; i++)
         whole += 0.5 * u[i] * f[i];

@@ -116,7 +116,7 @@ static bw_weak_regions *modal_regions(bw_context *context, const part *p, int mo
   bw_modes_options_default(&wanted);
   wanted.count = modes;
   check_ok(context, laplacian
-                        ? bw_modes_laplacian(context, p->mesh, p->system->graph, &wanted, &shapes)
+                        ? bw_modes_laplacian(context, p->mesh, p->system->pattern, &wanted, &shapes)
                         : bw_modes_elastic(context, p->system, &wanted, &shapes));
   bw_weak_regions *regions = NULL;
   check_ok(context, bw_weak_regions_find(context, p->mesh, p->material, shapes, options, &regions));
@@ -138,7 +138,7 @@ static void pinned_equals_bordered(void **state) {
     part p;
     part_open(context, &p, make_bar(context, dumbbell_profile, 4 / order, 2 / order, order), 3e9);
     int32_t n = 3 * p.mesh->node_count, m = n + 6;
-    const bw_graph *graph = p.system->graph;
+    const bw_block_pattern *pattern = p.system->pattern;
     double *a = BW_NEW0(context, double, (size_t)m *(size_t)m), *x = BW_NEW0(context, double, m);
     double *r = BW_NEW0(context, double, (size_t)n), *mr = BW_NEW0(context, double, (size_t)n);
     double *f = BW_NEW(context, double, n), *u = BW_NEW(context, double, n);
@@ -146,9 +146,9 @@ static void pinned_equals_bordered(void **state) {
     bw_random random;
     bw_random_seed(&random, 2);
     for (int32_t i = 0; i < p.mesh->node_count; i++)
-      for (int64_t k = graph->start[i]; k < graph->start[i + 1]; k++)
+      for (int64_t k = pattern->start[i]; k < pattern->start[i + 1]; k++)
         for (int c = 0; c < 9; c++) {
-          int32_t row = 3 * i + c / 3, column = 3 * graph->column[k] + c % 3;
+          int32_t row = 3 * i + c / 3, column = 3 * pattern->column[k] + c % 3;
           a[(size_t)row * (size_t)m + (size_t)column] = p.system->stiffness[9 * k + c];
           a[(size_t)column * (size_t)m + (size_t)row] = p.system->stiffness[9 * k + c];
         }
@@ -160,7 +160,7 @@ static void pinned_equals_bordered(void **state) {
         for (int c = 0; c < 3; c++)
           r[3 * i + c] += k == c;
       }
-      check_ok(context, bw_graph_multiply(context, graph, p.system->mass, 1, 3, 1, r, mr));
+      check_ok(context, bw_block_multiply(context, pattern, p.system->mass, 1, 3, 1, r, mr));
       for (int32_t i = 0; i < n; i++) {
         /* scaled to the stiffness, for the elimination's sake */
         a[(size_t)i * (size_t)m + (size_t)(n + k)] = 1e9 * mr[i];

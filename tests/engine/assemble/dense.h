@@ -69,15 +69,15 @@ static inline void dense_eigenvalues(int n, double *a, double *value) {
     }
 }
 
-/* The full matrix of a stiffness on a graph: 3 node_count squared. To be freed. */
-static inline double *dense_stiffness(const bw_graph *graph, const double *values) {
-  int n = 3 * graph->node_count;
+/* The full matrix of a stiffness on a pattern: 3 node_count squared. To be freed. */
+static inline double *dense_stiffness(const bw_block_pattern *pattern, const double *values) {
+  int n = 3 * pattern->node_count;
   double *a = (double *)calloc((size_t)n * (size_t)n, sizeof *a);
-  for (int i = 0; i < graph->node_count; i++)
-    for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++)
+  for (int i = 0; i < pattern->node_count; i++)
+    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1]; p++)
       for (int r = 0; r < 3; r++)
         for (int c = 0; c < 3; c++) {
-          int row = 3 * i + r, column = 3 * graph->column[p] + c;
+          int row = 3 * i + r, column = 3 * pattern->column[p] + c;
           a[row * n + column] = a[column * n + row] = values[9 * p + 3 * r + c];
         }
   return a;
@@ -87,11 +87,11 @@ static inline double *dense_stiffness(const bw_graph *graph, const double *value
 static inline void dense_static(bw_context *context, const bw_mesh *mesh,
                                 const bw_material *material, const bool *is_free, const double *f,
                                 double *u) {
-  bw_graph *graph = NULL;
-  check_ok(context, bw_graph_create(context, mesh, &graph));
-  double *values = (double *)malloc(sizeof *values * 9 * (size_t)graph->pair_count);
-  check_ok(context, bw_stiffness(context, graph, mesh, material, values));
-  double *k = dense_stiffness(graph, values);
+  bw_block_pattern *pattern = NULL;
+  check_ok(context, bw_block_pattern_create(context, mesh, &pattern));
+  double *values = (double *)malloc(sizeof *values * 9 * (size_t)pattern->block_count);
+  check_ok(context, bw_stiffness(context, pattern, mesh, material, values));
+  double *k = dense_stiffness(pattern, values);
   int n = 3 * mesh->node_count, m = 0;
   int *number = (int *)malloc(sizeof *number * (size_t)n);
   for (int i = 0; i < n; i++)
@@ -111,7 +111,7 @@ static inline void dense_static(bw_context *context, const bw_mesh *mesh,
   for (int i = 0; i < m; i++)
     u[number[i]] = b[i];
   free(values), free(k), free(number), free(a), free(b);
-  bw_release(graph);
+  bw_release(pattern);
 }
 
 /* A box whose inner nodes are perturbed and, with `bulge`, whose mid-edge nodes leave their edges.

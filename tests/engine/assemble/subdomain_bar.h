@@ -12,7 +12,7 @@ enum { SUBDOMAINS = 5, RIGID = 3 };
 
 typedef struct bar {
   bw_mesh *rest;
-  bw_graph *graph;
+  bw_block_pattern *pattern;
   int32_t *element_subdomain, *node_subdomain;
   int32_t *left, *right; /* per node: which subdomains of type R it follows (0, 1, 2) */
   double *weight;        /* of the right one */
@@ -26,7 +26,7 @@ static inline int32_t strip(double x, double length) {
 
 static inline void bar_create(bw_context *context, int order, bar *b) {
   perturbed_box(context, 8, 2, 1, order, 0, 0, &b->rest);
-  check_ok(context, bw_graph_create(context, b->rest, &b->graph));
+  check_ok(context, bw_block_pattern_create(context, b->rest, &b->pattern));
   int n = b->rest->node_count, per = b->rest->nodes_per_element;
   double length = 0.3 * 8;
   b->element_subdomain = (int32_t *)malloc(sizeof(int32_t) * (size_t)b->rest->element_count);
@@ -61,7 +61,7 @@ static inline void bar_create(bw_context *context, int order, bar *b) {
 static inline void bar_clear(bar *b) {
   free(b->element_subdomain), free(b->node_subdomain), free(b->left), free(b->right),
       free(b->weight);
-  bw_release(b->graph);
+  bw_release(b->pattern);
   bw_release(b->rest);
 }
 
@@ -248,9 +248,9 @@ static inline void session_create(bw_context *context, int order, bool plain, bo
                                   session *now) {
   bar_create(context, order, &now->b);
   now->material = plain ? plain_material(context, 2e9, 0.3) : odd_material(context);
-  check_ok(context, bw_subdomain_stiffness_create(context, now->b.graph, now->b.rest, now->material,
-                                                  turns, SUBDOMAINS, now->b.element_subdomain,
-                                                  now->b.node_subdomain, &now->s));
+  check_ok(context, bw_subdomain_stiffness_create(
+                        context, now->b.pattern, now->b.rest, now->material, turns, SUBDOMAINS,
+                        now->b.element_subdomain, now->b.node_subdomain, &now->s));
   pose_rest(&now->p);
 }
 

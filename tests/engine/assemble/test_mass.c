@@ -4,20 +4,20 @@
 
 typedef struct fixture {
   bw_mesh *mesh;
-  bw_graph *graph;
+  bw_block_pattern *pattern;
   double *values;
 } fixture;
 
 static void open_fixture(bw_context *context, int kind, fixture *f) {
   memset(f, 0, sizeof *f);
   perturbed_box(context, 2, 3, 2, kind ? 2 : 1, 0.3, kind == 2 ? 0.2 : 0, &f->mesh);
-  check_ok(context, bw_graph_create(context, f->mesh, &f->graph));
-  f->values = (double *)malloc(sizeof *f->values * (size_t)f->graph->pair_count);
+  check_ok(context, bw_block_pattern_create(context, f->mesh, &f->pattern));
+  f->values = (double *)malloc(sizeof *f->values * (size_t)f->pattern->block_count);
 }
 
 static void close_fixture(fixture *f) {
   free(f->values);
-  bw_release(f->graph);
+  bw_release(f->pattern);
   bw_release(f->mesh);
 }
 
@@ -25,8 +25,8 @@ static void close_fixture(fixture *f) {
 static double form(const fixture *f, double (*x)(const double *), double (*y)(const double *)) {
   double sum = 0;
   for (int i = 0; i < f->mesh->node_count; i++)
-    for (int64_t p = f->graph->start[i]; p < f->graph->start[i + 1]; p++) {
-      int j = f->graph->column[p];
+    for (int64_t p = f->pattern->start[i]; p < f->pattern->start[i + 1]; p++) {
+      int j = f->pattern->column[p];
       const double *xi = f->mesh->node + 3 * i, *xj = f->mesh->node + 3 * j;
       sum += f->values[p] * (i == j ? x(xi) * y(xi) : x(xi) * y(xj) + x(xj) * y(xi));
     }
@@ -53,7 +53,7 @@ static void mass_integrates_products(void **state) {
   for (int kind = 0; kind < 3; kind++) {
     fixture f;
     open_fixture(context, kind, &f);
-    check_ok(context, bw_mass(context, f.graph, f.mesh, f.values));
+    check_ok(context, bw_mass(context, f.pattern, f.mesh, f.values));
     if (kind < 2) {
       check_near(form(&f, one, one), volume, 1e-15);
       check_near(form(&f, one, linear), volume * (2 * a - b + 0.5 * c) / 2, 1e-15);
@@ -73,11 +73,11 @@ static void mass_integrates_products(void **state) {
       bw_element_mass(f.mesh->order, (const double(*)[3])x, m);
       for (int i = 0; i < per; i++)
         for (int j = 0; j < per; j++)
-          for (int64_t p = f.graph->start[node[i]]; p < f.graph->start[node[i] + 1]; p++)
-            if (f.graph->column[p] == node[j])
+          for (int64_t p = f.pattern->start[node[i]]; p < f.pattern->start[node[i] + 1]; p++)
+            if (f.pattern->column[p] == node[j])
               f.values[p] -= m[per * i + j];
     }
-    for (int64_t p = 0; p < f.graph->pair_count; p++)
+    for (int64_t p = 0; p < f.pattern->block_count; p++)
       check_near(f.values[p], 0, 1e-17);
     close_fixture(&f);
   }
@@ -88,7 +88,7 @@ static void lumped_mass_is_positive_and_sums_to_the_volume(void **state) {
   for (int kind = 0; kind < 3; kind++) {
     fixture f;
     open_fixture(context, kind, &f);
-    check_ok(context, bw_mass(context, f.graph, f.mesh, f.values));
+    check_ok(context, bw_mass(context, f.pattern, f.mesh, f.values));
     double volume = form(&f, one, one), sum = 0;
     double *lumped = (double *)malloc(sizeof *lumped * (size_t)f.mesh->node_count);
     check_ok(context, bw_lumped_mass(context, f.mesh, lumped));
@@ -125,10 +125,10 @@ static void laplacian_integrates_gradients(void **state) {
     fixture f;
     open_fixture(context, kind, &f);
     if (kind == 2) { /* curved edges on the surface change the volume */
-      check_ok(context, bw_mass(context, f.graph, f.mesh, f.values));
+      check_ok(context, bw_mass(context, f.pattern, f.mesh, f.values));
       volume = form(&f, one, one);
     }
-    check_ok(context, bw_laplacian(context, f.graph, f.mesh, f.values));
+    check_ok(context, bw_laplacian(context, f.pattern, f.mesh, f.values));
     check_near(form(&f, one, linear), 0, 1e-13);
     check_near(form(&f, linear, linear), volume * (4 + 1 + 0.25), 1e-13);
     if (kind == 1)

@@ -10,11 +10,11 @@ static void linear_displacement_needs_no_inner_force(void **state) {
   for (int kind = 0; kind < 3; kind++)
     for (int m = 0; m < 4; m++) {
       bw_mesh *mesh = NULL;
-      bw_graph *g = NULL;
+      bw_block_pattern *g = NULL;
       perturbed_box(context, 4, 3, 3, kind ? 2 : 1, 0.4, kind == 2 ? 0.2 : 0, &mesh);
-      check_ok(context, bw_graph_create(context, mesh, &g));
+      check_ok(context, bw_block_pattern_create(context, mesh, &g));
       int n = mesh->node_count;
-      double *k = (double *)malloc(sizeof *k * 9 * (size_t)g->pair_count), scale = 0;
+      double *k = (double *)malloc(sizeof *k * 9 * (size_t)g->block_count), scale = 0;
       double *u = (double *)malloc(sizeof *u * 3 * (size_t)n);
       double *f = (double *)malloc(sizeof *f * 3 * (size_t)n);
       for (int i = 0; i < n; i++) {
@@ -24,8 +24,8 @@ static void linear_displacement_needs_no_inner_force(void **state) {
         u[3 * i + 2] = -0.2 - 0.4 * x[1] + 0.6 * x[2];
       }
       check_ok(context, bw_stiffness(context, g, mesh, material[m], k));
-      check_ok(context, bw_graph_multiply(context, g, k, 9, 3, 1, u, f));
-      for (int64_t p = 0; p < 9 * g->pair_count; p++)
+      check_ok(context, bw_block_multiply(context, g, k, 9, 3, 1, u, f));
+      for (int64_t p = 0; p < 9 * g->block_count; p++)
         scale = fmax(scale, fabs(k[p]));
       uint8_t *outside = (uint8_t *)calloc((size_t)n, 1);
       for (int b = 0; b < mesh->boundary_node_count; b++)

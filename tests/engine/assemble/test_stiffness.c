@@ -28,10 +28,10 @@ static void assembly_is_the_sum_of_elements(void **state) {
   for (int kind = 0; kind < 3; kind++) /* tet4, straight tet10, partly curved tet10 */
     for (int m = 0; m < 4; m++) {
       bw_mesh *mesh = NULL;
-      bw_graph *g = NULL;
+      bw_block_pattern *g = NULL;
       perturbed_box(context, 2, 2, 1, kind ? 2 : 1, 0.3, kind == 2 ? 0.2 : 0, &mesh);
-      check_ok(context, bw_graph_create(context, mesh, &g));
-      double *values = (double *)malloc(sizeof *values * 9 * (size_t)g->pair_count);
+      check_ok(context, bw_block_pattern_create(context, mesh, &g));
+      double *values = (double *)malloc(sizeof *values * 9 * (size_t)g->block_count);
       check_ok(context, bw_stiffness(context, g, mesh, material[m], values));
       double *full = dense_stiffness(g, values);
       int n = 3 * mesh->node_count, per = mesh->nodes_per_element;
@@ -108,7 +108,7 @@ static void orthotropic_rotation(void **state) {
   check_ok(context, bw_material_rotated(context, material, r, &turned));
   for (int order = 1; order <= 2; order++) {
     bw_mesh *mesh = NULL, *moved = NULL;
-    bw_graph *g = NULL;
+    bw_block_pattern *g = NULL;
     perturbed_box(context, 2, 1, 2, order, 0.3, 0.1, &mesh);
     int n = mesh->node_count;
     double *node = (double *)malloc(sizeof *node * 3 * (size_t)n);
@@ -116,13 +116,13 @@ static void orthotropic_rotation(void **state) {
       for (int k = 0; k < 3; k++)
         node[3 * i + k] = bw_dot(r + 3 * k, mesh->node + 3 * i);
     check_ok(context, bw_mesh_moved(context, mesh, node, &moved));
-    check_ok(context, bw_graph_create(context, mesh, &g));
-    double *k0 = (double *)malloc(sizeof *k0 * 9 * (size_t)g->pair_count);
-    double *k1 = (double *)malloc(sizeof *k1 * 9 * (size_t)g->pair_count);
+    check_ok(context, bw_block_pattern_create(context, mesh, &g));
+    double *k0 = (double *)malloc(sizeof *k0 * 9 * (size_t)g->block_count);
+    double *k1 = (double *)malloc(sizeof *k1 * 9 * (size_t)g->block_count);
     check_ok(context, bw_stiffness(context, g, mesh, material, k0));
     check_ok(context, bw_stiffness(context, g, moved, turned, k1));
-    double scale = largest(k0, 9 * g->pair_count);
-    for (int64_t p = 0; p < g->pair_count; p++)
+    double scale = largest(k0, 9 * g->block_count);
+    for (int64_t p = 0; p < g->block_count; p++)
       for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
           double sum = 0;
@@ -146,23 +146,23 @@ static void same_bits_for_any_thread_count(void **state) {
   const int threads[] = {1, 2, 3, 7};
   for (int kind = 0; kind < 3; kind++) {
     bw_mesh *mesh = NULL;
-    bw_graph *g = NULL;
+    bw_block_pattern *g = NULL;
     perturbed_box(context, 8, 6, 6, kind ? 2 : 1, 0.3, kind == 2 ? 0.1 : 0, &mesh);
-    check_ok(context, bw_graph_create(context, mesh, &g));
-    size_t pairs = (size_t)g->pair_count, n = 3 * (size_t)mesh->node_count;
-    double *first = (double *)malloc(sizeof *first * (20 * pairs + n));
-    double *now = (double *)malloc(sizeof *now * (20 * pairs + n));
+    check_ok(context, bw_block_pattern_create(context, mesh, &g));
+    size_t blocks = (size_t)g->block_count, n = 3 * (size_t)mesh->node_count;
+    double *first = (double *)malloc(sizeof *first * (20 * blocks + n));
+    double *now = (double *)malloc(sizeof *now * (20 * blocks + n));
     for (int t = 0; t < 4; t++) {
       double *out = t ? now : first;
       check_ok(context, bw_set_threads(context, threads[t]));
       check_ok(context, bw_stiffness(context, g, mesh, material[0], out));
-      check_ok(context, bw_stiffness(context, g, mesh, material[1], out + 9 * pairs));
-      check_ok(context, bw_mass(context, g, mesh, out + 18 * pairs));
-      check_ok(context, bw_laplacian(context, g, mesh, out + 19 * pairs));
+      check_ok(context, bw_stiffness(context, g, mesh, material[1], out + 9 * blocks));
+      check_ok(context, bw_mass(context, g, mesh, out + 18 * blocks));
+      check_ok(context, bw_laplacian(context, g, mesh, out + 19 * blocks));
       check_ok(context,
-               bw_graph_multiply(context, g, first, 9, 3, 1, mesh->node, out + 20 * pairs));
+               bw_block_multiply(context, g, first, 9, 3, 1, mesh->node, out + 20 * blocks));
       if (t)
-        assert_memory_equal(first, now, sizeof *first * (20 * pairs + n));
+        assert_memory_equal(first, now, sizeof *first * (20 * blocks + n));
     }
     free(first), free(now);
     bw_release(g);
@@ -176,7 +176,7 @@ static void inverted_elements_are_named(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = plain_material(context, 1, 0.3);
   bw_mesh *mesh = NULL;
-  bw_graph *g = NULL;
+  bw_block_pattern *g = NULL;
   double x[10][3], k[900];
   int32_t element[10] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
   tet10(0, x);
@@ -185,8 +185,8 @@ static void inverted_elements_are_named(void **state) {
   check_fails(context, BW_GEOMETRY, "Jacobian",
               bw_element_stiffness(context, 2, (const double(*)[3])x, material, k));
   if (bw_mesh_copy(context, 2, 10, x[0], 1, element, NULL, &mesh) == BW_OK) {
-    check_ok(context, bw_graph_create(context, mesh, &g));
-    double *values = (double *)malloc(sizeof *values * 9 * (size_t)g->pair_count);
+    check_ok(context, bw_block_pattern_create(context, mesh, &g));
+    double *values = (double *)malloc(sizeof *values * 9 * (size_t)g->block_count);
     check_fails(context, BW_GEOMETRY, "element 1",
                 bw_stiffness(context, g, mesh, material, values));
     free(values);
@@ -196,15 +196,15 @@ static void inverted_elements_are_named(void **state) {
   bw_release(material);
 }
 
-static void graphs_of_other_meshes_are_refused(void **state) {
+static void patterns_of_other_meshes_are_refused(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = plain_material(context, 1, 0.3);
   bw_mesh *small = NULL, *large = NULL;
-  bw_graph *g = NULL;
+  bw_block_pattern *g = NULL;
   perturbed_box(context, 1, 1, 1, 1, 0, 0, &small);
   perturbed_box(context, 2, 1, 1, 1, 0, 0, &large);
-  check_ok(context, bw_graph_create(context, large, &g));
-  double *values = (double *)malloc(sizeof *values * 9 * (size_t)g->pair_count);
+  check_ok(context, bw_block_pattern_create(context, large, &g));
+  double *values = (double *)malloc(sizeof *values * 9 * (size_t)g->block_count);
   check_fails(context, BW_INVALID, "12 elements",
               bw_stiffness(context, g, small, material, values));
   check_fails(context, BW_INVALID, "12 elements", bw_mass(context, g, small, values));
@@ -217,14 +217,14 @@ static void graphs_of_other_meshes_are_refused(void **state) {
 
 static bw_status assemble_all(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                               double *values) {
-  bw_graph *g = NULL;
+  bw_block_pattern *g = NULL;
   bw_status status;
-  BW_TRY(bw_graph_create(context, mesh, &g));
+  BW_TRY(bw_block_pattern_create(context, mesh, &g));
   BW_TRY(bw_stiffness(context, g, mesh, material, values));
   BW_TRY(bw_laplacian(context, g, mesh, values));
   BW_TRY(bw_mass(context, g, mesh, values));
   BW_TRY(bw_lumped_mass(context, mesh, values));
-  BW_TRY(bw_graph_multiply(context, g, values, 1, 1, 2, values, values + 4000));
+  BW_TRY(bw_block_multiply(context, g, values, 1, 1, 2, values, values + 4000));
 done:
   bw_release(g);
   return status;
@@ -261,7 +261,7 @@ int main(void) {
       check_test(orthotropic_rotation),
       check_test(same_bits_for_any_thread_count),
       check_test(inverted_elements_are_named),
-      check_test(graphs_of_other_meshes_are_refused),
+      check_test(patterns_of_other_meshes_are_refused),
       check_test(out_of_memory),
   };
   return cmocka_run_group_tests_name("assemble: stiffness", tests, NULL, NULL);

@@ -21,7 +21,7 @@ static void what_counts_as_changed(void **state) {
   turn_from(&now.p, 0, q, origin);
   session_update(context, &now);
   check_state_is(&now, "0K 5E 0G 00000");
-  assert_int_equal(now.change.pairs, now.b.graph->pair_count);
+  assert_int_equal(now.change.blocks, now.b.pattern->block_count);
   /* a bend at the first joint: all that hangs on it is written, the blended subdomain changed */
   turn_from(&now.p, 1, small, joint);
   session_update(context, &now);
@@ -82,7 +82,7 @@ static void frames_of_nodes_count(void **state) {
     first_node = now.b.rest->node[3 * i] < 0.1 ? i : -1;
   now.b.node_subdomain[first_node] = -1;
   bw_release(now.s);
-  check_ok(context, bw_subdomain_stiffness_create(context, now.b.graph, now.b.rest, now.material,
+  check_ok(context, bw_subdomain_stiffness_create(context, now.b.pattern, now.b.rest, now.material,
                                                   false, SUBDOMAINS, now.b.element_subdomain,
                                                   now.b.node_subdomain, &now.s));
   turn_from(&now.p, 0, q, origin);

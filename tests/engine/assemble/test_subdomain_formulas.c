@@ -73,14 +73,14 @@ static void paper_formulas_against_quadrature(void **state) {
     }
     int32_t element[10] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, zero[10] = {0};
     bw_mesh *mesh = NULL, *moved = NULL;
-    bw_graph *graph = NULL;
+    bw_block_pattern *pattern = NULL;
     check_ok(context, bw_mesh_copy(context, 2, 10, &x[0][0], 1, element, NULL, &mesh));
     check_ok(context, bw_mesh_moved(context, mesh, &scaled[0][0], &moved));
-    check_ok(context, bw_graph_create(context, mesh, &graph));
+    check_ok(context, bw_block_pattern_create(context, mesh, &pattern));
     for (int kind = 0; kind < 2; kind++) {
       bw_subdomain_stiffness *kept = NULL;
       bw_subdomain_motion motion;
-      check_ok(context, bw_subdomain_stiffness_create(context, graph, mesh, material[kind], false,
+      check_ok(context, bw_subdomain_stiffness_create(context, pattern, mesh, material[kind], false,
                                                       1, zero, zero, &kept));
       bw_subdomain_motion_rest(&motion);
       for (int c = 0; c < 3; c++)
@@ -108,7 +108,7 @@ static void paper_formulas_against_quadrature(void **state) {
             }
       bw_release(kept);
     }
-    bw_release(graph);
+    bw_release(pattern);
     bw_release(moved);
     bw_release(mesh);
   }
@@ -123,8 +123,8 @@ static void derivative(void **state) {
   for (int kind = 0; kind < 3; kind++) {
     session now;
     session_create(context, 2, kind == 0, kind == 2, &now);
-    const bw_graph *g = now.b.graph;
-    size_t n = 3 * (size_t)g->node_count, entries = 9 * (size_t)g->pair_count;
+    const bw_block_pattern *g = now.b.pattern;
+    size_t n = 3 * (size_t)g->node_count, entries = 9 * (size_t)g->block_count;
     double *x = (double *)malloc(sizeof(double) * n), *y = (double *)malloc(sizeof(double) * n);
     double *z = (double *)malloc(sizeof(double) * n),
            *k = (double *)malloc(sizeof(double) * entries);
@@ -162,7 +162,7 @@ static void derivative(void **state) {
           for (size_t i = 0; i < entries; i++)
             k[i] = (k[i] - now.s->values[i]) / (2 * h);
       }
-      check_ok(context, bw_graph_multiply(context, g, k, 9, 3, 1, x, z));
+      check_ok(context, bw_block_multiply(context, g, k, 9, 3, 1, x, z));
       for (size_t i = 0; i < n; i++)
         size = fmax(size, fabs(z[i]));
       for (size_t i = 0; i < n; i++)
@@ -173,7 +173,7 @@ static void derivative(void **state) {
     for (int d = 0; d < SUBDOMAINS; d++)
       check_ok(context,
                bw_subdomain_stiffness_derivative(context, now.s, d, motion[d].linear, x, y));
-    check_ok(context, bw_graph_multiply(context, g, now.s->values, 9, 3, 1, x, z));
+    check_ok(context, bw_block_multiply(context, g, now.s->values, 9, 3, 1, x, z));
     double size = 0;
     for (size_t i = 0; i < n; i++)
       size = fmax(size, fabs(z[i]));
@@ -204,27 +204,27 @@ static bool share_facet(const bw_mesh *mesh, int32_t i, int32_t j) {
   return false;
 }
 
-/* The skew half of T is an integral over the boundary: the blocks of pairs that share no facet of
+/* The skew half of T is an integral over the boundary: the blocks of nodes that share no facet of
  * it are symmetric to rounding, those of others are not. */
 static void skew_halves_are_of_the_boundary(void **state) {
   bw_context *context = check_context(state);
   bw_material *material[2] = {plain_material(context, 2e9, 0.3), odd_material(context)};
   for (int order = 1; order <= 2; order++) {
     bw_mesh *mesh = NULL;
-    bw_graph *graph = NULL;
+    bw_block_pattern *pattern = NULL;
     perturbed_box(context, 4, 3, 3, order, 0, 0, &mesh);
-    check_ok(context, bw_graph_create(context, mesh, &graph));
-    double *values = (double *)malloc(sizeof *values * 9 * (size_t)graph->pair_count);
+    check_ok(context, bw_block_pattern_create(context, mesh, &pattern));
+    double *values = (double *)malloc(sizeof *values * 9 * (size_t)pattern->block_count);
     for (int m = 0; m < 2; m++) {
-      check_ok(context, bw_stiffness(context, graph, mesh, material[m], values));
+      check_ok(context, bw_stiffness(context, pattern, mesh, material[m], values));
       double largest = 0, inside = 0, boundary = 0;
-      for (int64_t k = 0; k < 9 * graph->pair_count; k++)
+      for (int64_t k = 0; k < 9 * pattern->block_count; k++)
         largest = fmax(largest, fabs(values[k]));
       for (int32_t i = 0; i < mesh->node_count; i++)
-        for (int64_t pair = graph->start[i]; pair < graph->start[i + 1] - 1; pair++) {
-          const double *k = values + 9 * pair;
+        for (int64_t block = pattern->start[i]; block < pattern->start[i + 1] - 1; block++) {
+          const double *k = values + 9 * block;
           double skew = fmax(fabs(k[1] - k[3]), fmax(fabs(k[2] - k[6]), fabs(k[5] - k[7])));
-          if (share_facet(mesh, i, graph->column[pair]))
+          if (share_facet(mesh, i, pattern->column[block]))
             boundary = fmax(boundary, skew);
           else
             inside = fmax(inside, skew);
@@ -234,7 +234,7 @@ static void skew_halves_are_of_the_boundary(void **state) {
                  inside / largest, boundary / largest, largest);
     }
     free(values);
-    bw_release(graph);
+    bw_release(pattern);
     bw_release(mesh);
   }
   bw_release(material[0]);

@@ -13,7 +13,7 @@ static void scratch_turned(bw_context *context, const bar *b, const bw_mesh *mes
     transposed(motion[d].frame, rotation);
     check_ok(context, bw_material_rotated(context, material, rotation, &turned[d]));
   }
-  const bw_graph *g = b->graph;
+  const bw_block_pattern *g = b->pattern;
   int per = mesh->nodes_per_element;
   double *k = (double *)malloc(sizeof *k * 900 * (size_t)mesh->element_count);
   for (int e = 0; e < mesh->element_count; e++) {
@@ -23,8 +23,8 @@ static void scratch_turned(bw_context *context, const bar *b, const bw_mesh *mes
     check_ok(context, bw_element_stiffness(context, mesh->order, (const double(*)[3])x,
                                            turned[b->element_subdomain[e]], k + 900 * e));
   }
-  memset(values, 0, sizeof *values * 9 * (size_t)g->pair_count);
-  for (int64_t p = 0; p < g->pair_count; p++)
+  memset(values, 0, sizeof *values * 9 * (size_t)g->block_count);
+  for (int64_t p = 0; p < g->block_count; p++)
     for (int64_t q = g->gather_start[p]; q < g->gather_start[p + 1]; q++) {
       int row = g->gather_local[q] >> 4, column = g->gather_local[q] & 15;
       const double *full = k + 900 * g->gather_element[q];
@@ -50,15 +50,15 @@ static void any_edits_equal_scratch(void **state) {
   for (int order = 1; order <= 2; order++) {
     bar b;
     bar_create(context, order, &b);
-    size_t entries = 9 * (size_t)b.graph->pair_count;
+    size_t entries = 9 * (size_t)b.pattern->block_count;
     double *scratch = (double *)malloc(sizeof *scratch * entries);
     for (int kind = 0; kind < 3; kind++) {
       bw_subdomain_stiffness *s = NULL;
       const bw_material *material = kind ? odd : plain;
-      check_ok(context, bw_subdomain_stiffness_create(context, b.graph, b.rest, material, kind == 2,
-                                                      SUBDOMAINS, b.element_subdomain,
+      check_ok(context, bw_subdomain_stiffness_create(context, b.pattern, b.rest, material,
+                                                      kind == 2, SUBDOMAINS, b.element_subdomain,
                                                       b.node_subdomain, &s));
-      check_ok(context, bw_stiffness(context, b.graph, b.rest, material, scratch));
+      check_ok(context, bw_stiffness(context, b.pattern, b.rest, material, scratch));
       assert_true(difference(s->values, scratch, (int64_t)entries) < 1e-13);
       for (int sequence = 0; sequence < sequences / 6 + 1; sequence++, done++) {
         pose p;
@@ -82,7 +82,7 @@ static void any_edits_equal_scratch(void **state) {
             if (kind == 2)
               scratch_turned(context, &b, moved, material, motion, scratch);
             else
-              check_ok(context, bw_stiffness(context, b.graph, moved, material, scratch));
+              check_ok(context, bw_stiffness(context, b.pattern, moved, material, scratch));
             worst = fmax(worst, difference(s->values, scratch, (int64_t)entries));
           }
           bw_release(moved);
@@ -111,7 +111,7 @@ static void same_bits_by_any_way(void **state) {
     session now;
     check_ok(context, bw_set_threads(context, threads[t]));
     session_create(context, 2, t % 2, false, &now);
-    size_t size = sizeof(double) * 9 * (size_t)now.b.graph->pair_count;
+    size_t size = sizeof(double) * 9 * (size_t)now.b.pattern->block_count;
     bw_random random;
     bw_random_seed(&random, 5 + (uint64_t)t); /* other ways */
     for (int step = 0; step < 6; step++) {
@@ -140,21 +140,21 @@ static void same_bits_by_any_way(void **state) {
   free(first);
 }
 
-/* One element per subdomain: every pair of nodes is shared but for the insides; one subdomain:
- * none; seven scattered ones: all kinds of sets. The pairs of order 2 fill several tiles. */
+/* One element per subdomain: every block of nodes is shared but for the insides; one subdomain:
+ * none; seven scattered ones: all kinds of sets. The blocks of order 2 fill several tiles. */
 static void many_subdomains_and_one(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = odd_material(context);
   for (int order = 1; order <= 2; order++) {
     bw_mesh *mesh = NULL;
-    bw_graph *g = NULL;
+    bw_block_pattern *g = NULL;
     perturbed_box(context, 5 * order, 3, 3, order, 0.3, 0, &mesh);
-    check_ok(context, bw_graph_create(context, mesh, &g));
+    check_ok(context, bw_block_pattern_create(context, mesh, &g));
     int32_t n = mesh->element_count;
     int32_t *own = (int32_t *)malloc(sizeof(int32_t) * (size_t)n);
     int32_t *node = (int32_t *)malloc(sizeof(int32_t) * (size_t)mesh->node_count);
     bw_subdomain_motion *motion = (bw_subdomain_motion *)malloc(sizeof *motion * (size_t)(n + 1));
-    double *values = (double *)malloc(sizeof(double) * 9 * (size_t)g->pair_count);
+    double *values = (double *)malloc(sizeof(double) * 9 * (size_t)g->block_count);
     double *moved_node = (double *)malloc(sizeof(double) * 3 * (size_t)mesh->node_count);
     const double axis[3] = {0, 1, 1};
     double q[9];
@@ -166,7 +166,7 @@ static void many_subdomains_and_one(void **state) {
     bw_mesh *moved = NULL;
     check_ok(context, bw_mesh_moved(context, mesh, moved_node, &moved));
     check_ok(context, bw_stiffness(context, g, moved, material, values));
-    assert_true(order == 1 || g->pair_count > 2 * 4096);
+    assert_true(order == 1 || g->block_count > 2 * 4096);
     for (int cut = 0; cut < 3; cut++) {
       /* a subdomain more than there are: one without elements does no harm */
       for (int e = 0; e < n; e++)
@@ -182,9 +182,9 @@ static void many_subdomains_and_one(void **state) {
         motion[d].reshaped = d % 3 == 1;
       }
       check_ok(context, bw_subdomain_stiffness_update(context, s, moved, motion, NULL));
-      assert_true(difference(s->values, values, 9 * g->pair_count) < 1e-13);
+      assert_true(difference(s->values, values, 9 * g->block_count) < 1e-13);
       assert_true(s->changed[0] && !s->changed[n] == !motion[n].reshaped);
-      assert_true(bw_subdomain_stiffness_bytes(s) > 144 * (size_t)g->pair_count);
+      assert_true(bw_subdomain_stiffness_bytes(s) > 144 * (size_t)g->block_count);
       bw_release(s);
     }
     free(own), free(node), free(motion), free(values), free(moved_node);
@@ -201,7 +201,7 @@ static void refusals(void **state) {
   bw_context *context = check_context(state);
   session now;
   session_create(context, 2, true, false, &now);
-  size_t size = sizeof(double) * 9 * (size_t)now.b.graph->pair_count;
+  size_t size = sizeof(double) * 9 * (size_t)now.b.pattern->block_count;
   double *before = (double *)malloc(size);
   memcpy(before, now.s->values, size);
   bw_subdomain_motion motion[SUBDOMAINS];
@@ -233,28 +233,28 @@ static void refusals(void **state) {
   check_ok(context, bw_mesh_moved(context, rest, node, &curved));
   REFUSED(motion[3].reshaped = true, BW_INVALID, "half-way", curved);
   check_ok(context, bw_mesh_with_order(context, rest, 1, &linear));
-  REFUSED(, BW_INVALID, "the graph belongs to", linear);
+  REFUSED(, BW_INVALID, "the pattern belongs to", linear);
   bw_cancel(context);
   REFUSED(, BW_CANCELLED, "", rest);
   bw_clear_cancel(context);
   bw_subdomain_stiffness *none = NULL;
   check_fails(context, BW_INVALID, "half-way",
-              bw_subdomain_stiffness_create(context, now.b.graph, curved, now.material, false,
+              bw_subdomain_stiffness_create(context, now.b.pattern, curved, now.material, false,
                                             SUBDOMAINS, now.b.element_subdomain,
                                             now.b.node_subdomain, &none));
   now.b.element_subdomain[7] = SUBDOMAINS;
   check_fails(context, BW_INVALID, "element 8 is in subdomain 6",
-              bw_subdomain_stiffness_create(context, now.b.graph, rest, now.material, false,
+              bw_subdomain_stiffness_create(context, now.b.pattern, rest, now.material, false,
                                             SUBDOMAINS, now.b.element_subdomain,
                                             now.b.node_subdomain, &none));
   now.b.element_subdomain[7] = 0;
   now.b.node_subdomain[5] = -2;
   check_fails(context, BW_INVALID, "node 6",
-              bw_subdomain_stiffness_create(context, now.b.graph, rest, now.material, false,
+              bw_subdomain_stiffness_create(context, now.b.pattern, rest, now.material, false,
                                             SUBDOMAINS, now.b.element_subdomain,
                                             now.b.node_subdomain, &none));
   check_fails(context, BW_INVALID, "at least one",
-              bw_subdomain_stiffness_create(context, now.b.graph, rest, now.material, false, 0,
+              bw_subdomain_stiffness_create(context, now.b.pattern, rest, now.material, false, 0,
                                             now.b.element_subdomain, now.b.node_subdomain, &none));
   assert_null(none);
   free(before), free(node);
@@ -271,7 +271,7 @@ static void out_of_memory(void **state) {
   bw_subdomain_stiffness *other = NULL;
   for (int n = 1; status != BW_OK; n++) {
     bw_fail_allocation(n, true);
-    status = bw_subdomain_stiffness_create(context, now.b.graph, now.b.rest, now.material, false,
+    status = bw_subdomain_stiffness_create(context, now.b.pattern, now.b.rest, now.material, false,
                                            SUBDOMAINS, now.b.element_subdomain,
                                            now.b.node_subdomain, &other);
     bw_fail_allocation(0, false);
@@ -281,7 +281,7 @@ static void out_of_memory(void **state) {
   now.p.stretch[1][0] = 1.1;
   now.p.bulged[4] = true;
   bw_mesh *moved = posed(context, &now.b, &now.p, now.motion);
-  size_t size = sizeof(double) * 9 * (size_t)now.b.graph->pair_count;
+  size_t size = sizeof(double) * 9 * (size_t)now.b.pattern->block_count;
   double *before = (double *)malloc(size);
   memcpy(before, now.s->values, size);
   status = BW_MEMORY;

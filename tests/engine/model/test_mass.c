@@ -9,21 +9,21 @@ static void weighted_motions_are_mass_times_motions(void **state) {
                     : kind == 1 ? box_mesh(context, 3, 2, 1, 3, 2, 2, 2)
                                 : octant_mesh(context, 2, 2);
     bw_dof_map *dof_map = NULL;
-    bw_graph *graph = NULL;
+    bw_block_pattern *pattern = NULL;
     size_t size = 3 * (size_t)mesh->node_count;
     check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
-    check_ok(context, bw_graph_create(context, mesh, &graph));
-    double *mass = malloc(sizeof *mass * (size_t)graph->pair_count);
+    check_ok(context, bw_block_pattern_create(context, mesh, &pattern));
+    double *mass = malloc(sizeof *mass * (size_t)pattern->block_count);
     double *r = malloc(sizeof *r * size), *w = malloc(sizeof *w * size),
            *m = malloc(sizeof *m * size);
-    check_ok(context, bw_mass(context, graph, mesh, mass));
+    check_ok(context, bw_mass(context, pattern, mesh, mass));
     for (int i = 0; i < 6; i++) {
       double a[6] = {0}, largest = 0;
       a[i] = 1;
       memset(r, 0, sizeof *r * size);
       bw_rigid_modes_add(dof_map, a, r);
       bw_rigid_modes_weighted(dof_map, a, w);
-      check_ok(context, bw_graph_multiply(context, graph, mass, 1, 3, 1, r, m));
+      check_ok(context, bw_block_multiply(context, pattern, mass, 1, 3, 1, r, m));
       for (size_t k = 0; k < size; k++)
         largest = fmax(largest, fabs(w[k]));
       for (size_t k = 0; k < size; k++)
@@ -33,7 +33,7 @@ static void weighted_motions_are_mass_times_motions(void **state) {
     free(r);
     free(w);
     free(m);
-    bw_release(graph);
+    bw_release(pattern);
     bw_release(dof_map);
     bw_release(mesh);
   }

@@ -21,7 +21,7 @@ static double column_load(bw_context *context, int cells, double length) {
   bwi_direct *direct;
   check_ok(context, bwi_direct_create(context, &direct));
   double *u = BW_NEW0(context, double, 3 * b.nodes);
-  double *stiffness = BW_NEW(context, double, 9 * b.solid->graph->pair_count);
+  double *stiffness = BW_NEW(context, double, 9 * b.solid->pattern->block_count);
   uint8_t *held = BW_NEW0(context, uint8_t, 3 * b.nodes);
   double low = 0, high = 0.01; /* shortening */
   for (int32_t i = 0; i < b.nodes; i++) {
@@ -39,8 +39,8 @@ static double column_load(bw_context *context, int cells, double length) {
       u[3 * i] = -at * x[0];
     }
     check_ok(context, bw_solid_evaluate(context, b.solid, u, false, NULL, NULL, stiffness, &shape));
-    check_ok(context,
-             bwi_direct_factor(context, direct, b.solid->graph, held, stiffness, &definite, NULL));
+    check_ok(context, bwi_direct_factor(context, direct, b.solid->pattern, held, stiffness,
+                                        &definite, NULL));
     *(definite ? &low : &high) = at;
   }
   assert_true(low > 0 && high < 0.01);

@@ -115,10 +115,10 @@ static void test_plain_sums(void **state) {
   for (int level = 0; level < 3; level++)
     for (int project = 0; project < 2; project++) {
       bw_solid *solid = ell(context, level);
-      const bw_graph *graph = solid->graph;
+      const bw_block_pattern *pattern = solid->pattern;
       int64_t n = 3 * (int64_t)solid->grid->node_count;
       double *u = solids_displacement(solid, affine, 0.05), *g = solids_numbers(n);
-      double *values = solids_numbers(9 * graph->pair_count), *all = solids_numbers(n * n);
+      double *values = solids_numbers(9 * pattern->block_count), *all = solids_numbers(n * n);
       double *expected = solids_numbers(n), force[24], matrix[576], energy, sum = 0, size = 0;
       bw_solid_shape shape;
       check_ok(context, bw_solid_evaluate(context, solid, u, project, &energy, g, values, &shape));
@@ -136,11 +136,11 @@ static void test_plain_sums(void **state) {
         check_near(g[i], expected[i], 1e-15);
         size = fmax(size, all[(n + 1) * i]);
       }
-      for (int32_t i = 0; i < graph->node_count; i++)
-        for (int64_t pair = graph->start[i]; pair < graph->start[i + 1]; pair++)
+      for (int32_t i = 0; i < pattern->node_count; i++)
+        for (int64_t block = pattern->start[i]; block < pattern->start[i + 1]; block++)
           for (int k = 0; k < 9; k++)
-            check_near(values[9 * pair + k],
-                       all[n * (3 * i + k / 3) + 3 * graph->column[pair] + k % 3], 1e-13 * size);
+            check_near(values[9 * block + k],
+                       all[n * (3 * i + k / 3) + 3 * pattern->column[block] + k % 3], 1e-13 * size);
       free(u), free(g), free(values), free(all), free(expected);
       bw_release(solid);
     }
@@ -151,10 +151,10 @@ static void test_derivatives(void **state) {
   bw_context *context = check_context(state);
   for (int level = 0; level < 3; level++) {
     bw_solid *solid = ell(context, level);
-    const bw_graph *graph = solid->graph;
+    const bw_block_pattern *pattern = solid->pattern;
     int64_t n = 3 * (int64_t)solid->grid->node_count;
     double *u = solids_displacement(solid, affine, 0.03), *g = solids_numbers(n);
-    double *values = solids_numbers(9 * graph->pair_count), *x = solids_numbers(n);
+    double *values = solids_numbers(9 * pattern->block_count), *x = solids_numbers(n);
     double *product = solids_numbers(n), *more = solids_numbers(n), *less = solids_numbers(n);
     double energy, up, down, along = 0, size = 0, step = 1e-6;
     bw_solid_shape shape;
@@ -164,7 +164,7 @@ static void test_derivatives(void **state) {
     assert_true(shape.defined);
     for (int64_t i = 0; i < n; i++)
       x[i] = 0.1 * bw_random_normal(&random);
-    check_ok(context, bw_graph_multiply(context, graph, values, 9, 3, 1, x, product));
+    check_ok(context, bw_block_multiply(context, pattern, values, 9, 3, 1, x, product));
     for (int64_t i = 0; i < n; i++) {
       along += g[i] * x[i];
       size = fmax(size, fabs(product[i]));
@@ -221,7 +221,7 @@ static void test_threads(void **state) {
   bw_solid_material *both[2] = {solids_mixed(context, BW_COROTATED, 1, 1, 1),
                                 solids_simple(context, BW_NEO_HOOKEAN)};
   bw_solid *solid = solids_create(context, cells, 2, both, material, NULL);
-  int64_t n = 3 * (int64_t)solid->grid->node_count, m = 9 * solid->graph->pair_count;
+  int64_t n = 3 * (int64_t)solid->grid->node_count, m = 9 * solid->pattern->block_count;
   double *u = solids_displacement(solid, affine, 0.01), energy[2];
   double *g[2] = {solids_numbers(n), solids_numbers(n)};
   double *values[2] = {solids_numbers(m), solids_numbers(m)}, *x = solids_numbers(n);
@@ -246,15 +246,15 @@ static void test_threads(void **state) {
   for (int64_t i = 0; i < n; i++)
     x[i] = sin(1.0 + (double)i);
   check_ok(context, bw_solid_linear_multiply(context, linear, x, y));
-  check_ok(context, bw_graph_multiply(context, solid->graph, values[0], 9, 3, 1, x, z));
+  check_ok(context, bw_block_multiply(context, solid->pattern, values[0], 9, 3, 1, x, z));
   for (int64_t i = 0; i < n; i++)
     check_near(y[i], z[i], 1e-13);
   check_ok(context, bw_set_threads(context, 1));
   check_ok(context, bw_solid_linear_multiply(context, linear, x, z));
   assert_memory_equal(y, z, (size_t)n * sizeof(double));
   check_ok(context, bw_solid_linear_diagonal(context, linear, blocks));
-  for (int32_t i = 0; i < solid->graph->node_count; i++)
-    assert_memory_equal(blocks + 9 * i, values[0] + 9 * (solid->graph->start[i + 1] - 1),
+  for (int32_t i = 0; i < solid->pattern->node_count; i++)
+    assert_memory_equal(blocks + 9 * i, values[0] + 9 * (solid->pattern->start[i + 1] - 1),
                         9 * sizeof(double));
   bw_solid_linear_free(linear);
   free(u), free(g[0]), free(g[1]), free(values[0]), free(values[1]), free(x), free(y), free(z);
@@ -272,7 +272,7 @@ static void test_projected(void **state) {
     bw_solid *solid = solids_create(context, cells, 1, &one, NULL, NULL);
     int64_t n = 3 * (int64_t)solid->grid->node_count;
     double *u = solids_displacement(solid, squeezed, 0.02), *x = solids_numbers(n), energy;
-    double *y = solids_numbers(n), *values = solids_numbers(9 * solid->graph->pair_count);
+    double *y = solids_numbers(n), *values = solids_numbers(9 * solid->pattern->block_count);
     bw_random random;
     bw_solid_shape shape;
     bw_random_seed(&random, 1);
@@ -284,7 +284,7 @@ static void test_projected(void **state) {
         double xy = 0, xx = 0;
         for (int64_t i = 0; i < n && k == 0; i++)
           x[i] = bw_random_normal(&random);
-        check_ok(context, bw_graph_multiply(context, solid->graph, values, 9, 3, 1, x, y));
+        check_ok(context, bw_block_multiply(context, solid->pattern, values, 9, 3, 1, x, y));
         for (int64_t i = 0; i < n; i++) {
           xy += x[i] * y[i];
           xx += x[i] * x[i];
@@ -377,7 +377,7 @@ static void test_memory(void **state) {
   bw_solid *made = ell(context, 1), *solid = NULL;
   int64_t n = 3 * (int64_t)made->grid->node_count;
   double *u = solids_displacement(made, affine, 0), *g = solids_numbers(n), energy;
-  double *values = solids_numbers(9 * made->graph->pair_count);
+  double *values = solids_numbers(9 * made->pattern->block_count);
   double *stress = solids_numbers(2 * n), *blocks = solids_numbers(3 * n);
   bw_status status = BW_MEMORY;
   for (int count = 1; status != BW_OK; count++) {

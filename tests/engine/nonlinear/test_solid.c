@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Solids: their graph serves the engine's own factor; mass; what is refused. */
+/* Solids: their pattern serves the engine's own factor; mass; what is refused. */
 #include "nonlinear/solids.h"
 #include "solve/internal.h"
 
@@ -13,12 +13,12 @@ static void test_factor(void **state) {
   bw_context *context = check_context(state);
   bw_solid *solid = block(context, (const int32_t[3]){5, 3, 2}, BW_COROTATED);
   const bw_grid *grid = solid->grid;
-  bw_graph *graph = solid->graph;
+  bw_block_pattern *pattern = solid->pattern;
   int64_t n = grid->node_count, unknowns = 0;
   double *u = (double *)calloc((size_t)(3 * n), sizeof *u);
   double *x = (double *)calloc((size_t)(3 * n), sizeof *u);
   double *b = (double *)calloc((size_t)(3 * n), sizeof *u);
-  double *values = (double *)calloc((size_t)(9 * graph->pair_count), sizeof *u);
+  double *values = (double *)calloc((size_t)(9 * pattern->block_count), sizeof *u);
   int32_t *unknown = (int32_t *)calloc((size_t)(3 * n), sizeof *unknown);
   double energy;
   bw_solid_shape shape;
@@ -31,12 +31,12 @@ static void test_factor(void **state) {
       x[3 * i + k] = unknown[3 * i + k] >= 0 ? sin(1.0 + 7 * i + k) : 0;
     }
   }
-  check_ok(context, bw_graph_multiply(context, graph, values, 9, 3, 1, x, b));
+  check_ok(context, bw_block_multiply(context, pattern, values, 9, 3, 1, x, b));
   bwi_order *order = NULL;
   bwi_symbolic *symbolic = NULL;
   bwi_factor *factor = NULL;
-  bwi_matrix matrix = {.graph = graph, .stiffness = values};
-  check_ok(context, bwi_order_create(context, graph, NULL, &order));
+  bwi_matrix matrix = {.pattern = pattern, .stiffness = values};
+  check_ok(context, bwi_order_create(context, pattern, NULL, &order));
   check_ok(context, bwi_symbolic_create(context, order, 3, unknown, &symbolic));
   check_ok(context, bwi_factor_create(context, symbolic, &matrix, &factor, NULL));
   double *r = (double *)calloc((size_t)unknowns, sizeof *r);
@@ -74,24 +74,24 @@ static void test_mass(void **state) {
   check_near(solid->mass[2], 800 * 1e-3 * volume / 8, 1e-15); /* never below a thousandth */
   check_near(sum, (1000 * 0.5 + 800 * 1e-3) * volume, 1e-14);
   assert_false(solid->weightless);
-  assert_null(solid->graph->mesh);
+  assert_null(solid->pattern->mesh);
   assert_true(bw_bytes(solid) >= sizeof *solid + 12 * sizeof(double));
   bw_release(solid);
 }
 
-/* The graph of the same elements serves another solid; of other elements not. */
+/* The pattern of the same elements serves another solid; of other elements not. */
 static void test_previous(void **state) {
   bw_context *context = check_context(state);
   const int32_t cells[3] = {2, 2, 1}, other[4] = {1, 1, 1, 0};
   bw_solid *first = block(context, cells, BW_COROTATED), *second = NULL;
   bw_grid *grid = NULL;
   check_ok(context, bw_solid_create(context, first->grid, first->material_table, first, &second));
-  assert_true(second->graph == first->graph);
+  assert_true(second->pattern == first->pattern);
   bw_release(second);
   check_ok(context, bw_grid_create(context, first->grid->origin, first->grid->spacing, cells, other,
                                    NULL, &grid));
   check_ok(context, bw_solid_create(context, grid, first->material_table, first, &second));
-  assert_true(second->graph != first->graph);
+  assert_true(second->pattern != first->pattern);
   bw_release(second);
   bw_release(grid);
   bw_release(first);
@@ -107,13 +107,13 @@ static void test_refused(void **state) {
   check_fails(context, BW_INVALID, "element 2 (cell 2) is of material 3",
               bw_solid_create(context, grid, first->material_table, NULL, &second));
   assert_null(second);
-  /* a graph of element lists is no mesh's */
+  /* a pattern of element lists is no mesh's */
   bw_mesh *mesh = NULL;
   double low[3] = {0, 0, 0}, high[3] = {1, 1, 1}, values[1];
   const int three[3] = {1, 1, 1};
   check_ok(context, bw_mesh_box_grid(context, low, high, three, 1, &mesh));
   check_fails(context, BW_INVALID, "element lists",
-              bw_laplacian(context, first->graph, mesh, values));
+              bw_laplacian(context, first->pattern, mesh, values));
   bw_release(mesh);
   bw_release(grid);
   bw_release(first);

@@ -25,7 +25,7 @@ static void test_derivatives(void **state) {
         u[i] = 0.08 * bw_random_uniform(&random);
       bend.u = u;
       check_ok(context, bwi_bend_evaluate(context, &bend, NULL, force));
-      check_ok(context, bwi_bend_tangent(context, &bend, sheet->inner->graph,
+      check_ok(context, bwi_bend_tangent(context, &bend, sheet->inner->pattern,
                                          sheet->inner->workspace, sheet->inner->matrix));
       for (int i = 0; i < size; i++) {
         double h = 1e-5, was = u[i];
@@ -37,7 +37,7 @@ static void test_derivatives(void **state) {
         check_near(force[i], (up - down) / (2 * h), 1e-8);
         for (int k = 0; k < size; k++)
           column[k] = k == i;
-        check_ok(context, bw_plane_multiply(context, sheet->inner->graph, 2, sheet->inner->matrix,
+        check_ok(context, bw_plane_multiply(context, sheet->inner->pattern, 2, sheet->inner->matrix,
                                             column, out));
         for (int k = 0; k < size; k++)
           check_near(out[k], (plus[k] - minus[k]) / (2 * h), 1e-7);

@@ -31,7 +31,7 @@ static bw_status field_matrix(void *data, int32_t element, double *matrix) {
 typedef struct fixture {
   bw_context *context;
   bw_plane_topology *topology;
-  bw_plane_graph *graph;
+  bw_plane_pattern *pattern;
   field field;
   double *values, *rhs, *x, *y;
   size_t size;
@@ -41,9 +41,9 @@ static fixture set_up(bw_context *context, int n, int components, double wind, u
                       const bw_plane_topology *same) {
   fixture f = {.context = context};
   f.topology = grid_create(context, 1, n, flip, same);
-  check_ok(context, bw_plane_graph_create(context, f.topology, &f.graph));
-  f.size = (size_t)f.graph->node_count * (size_t)components;
-  f.values = BW_NEW(context, double, f.graph->pair_count *components *components);
+  check_ok(context, bw_plane_pattern_create(context, f.topology, &f.pattern));
+  f.size = (size_t)f.pattern->node_count * (size_t)components;
+  f.values = BW_NEW(context, double, f.pattern->block_count *components *components);
   f.rhs = BW_NEW(context, double, f.size);
   f.x = BW_NEW0(context, double, f.size);
   f.y = BW_NEW(context, double, f.size);
@@ -54,7 +54,7 @@ static fixture set_up(bw_context *context, int n, int components, double wind, u
 static void assemble(fixture *f, double roughness, double phase) {
   f->field.roughness = roughness;
   f->field.phase = phase;
-  check_ok(f->context, bw_plane_assemble(f->context, f->graph, f->field.components, field_matrix,
+  check_ok(f->context, bw_plane_assemble(f->context, f->pattern, f->field.components, field_matrix,
                                          &f->field, f->values));
   for (size_t i = 0; i < f->size; i++)
     f->rhs[i] = 1 + 0.1 * sin((double)i);
@@ -63,7 +63,7 @@ static void assemble(fixture *f, double roughness, double phase) {
 static double residual(fixture *f) {
   double sum = 0, size = 0;
   check_ok(f->context,
-           bw_plane_multiply(f->context, f->graph, f->field.components, f->values, f->x, f->y));
+           bw_plane_multiply(f->context, f->pattern, f->field.components, f->values, f->x, f->y));
   for (size_t i = 0; i < f->size; i++) {
     sum += (f->rhs[i] - f->y[i]) * (f->rhs[i] - f->y[i]);
     size += f->rhs[i] * f->rhs[i];
@@ -76,7 +76,7 @@ static void clear(fixture *f) {
   bw_free(f->rhs);
   bw_free(f->x);
   bw_free(f->y);
-  bw_release(f->graph);
+  bw_release(f->pattern);
   bw_release(f->topology);
 }
 
@@ -90,8 +90,8 @@ static void follow_changes(bw_context *context, bool symmetric, int components) 
 
   bw_plane_reuse kept = {0};
   assemble(&f, 0.1, 0);
-  check_ok(context,
-           bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, &options, &kept));
+  check_ok(context, bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x,
+                                           &options, &kept));
   assert_true(residual(&f) < 1.001e-8);
   assert_int_equal(kept.factorisations, 1);
   assert_int_equal(kept.analyses, 1);
@@ -102,8 +102,8 @@ static void follow_changes(bw_context *context, bool symmetric, int components) 
   options.method = BW_LAGGED_FACTOR_ITERATE;
   kept = (bw_plane_reuse){0};
   assemble(&f, 0.1, 0.3);
-  check_ok(context,
-           bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, &options, &kept));
+  check_ok(context, bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x,
+                                           &options, &kept));
   assert_true(residual(&f) < 1.001e-8);
   assert_true(kept.factor);
   assert_int_equal(kept.factorisations, 0);
@@ -114,8 +114,8 @@ static void follow_changes(bw_context *context, bool symmetric, int components) 
   kept = (bw_plane_reuse){0};
   assemble(&g, 0.1, 0.3);
   memcpy(g.x, f.x, f.size * sizeof *f.x);
-  check_ok(context,
-           bw_lagged_factor_solve(context, lagged, g.graph, g.values, g.rhs, g.x, &options, &kept));
+  check_ok(context, bw_lagged_factor_solve(context, lagged, g.pattern, g.values, g.rhs, g.x,
+                                           &options, &kept));
   assert_true(residual(&g) < 1.001e-8);
   assert_true(kept.factor);
   assert_int_equal(kept.factorisations, 0);
@@ -124,15 +124,15 @@ static void follow_changes(bw_context *context, bool symmetric, int components) 
   options.method = BW_LAGGED_FACTOR_REFACTOR;
   kept = (bw_plane_reuse){0};
   memset(g.x, 0, g.size * sizeof *g.x);
-  check_ok(context,
-           bw_lagged_factor_solve(context, lagged, g.graph, g.values, g.rhs, g.x, &options, &kept));
+  check_ok(context, bw_lagged_factor_solve(context, lagged, g.pattern, g.values, g.rhs, g.x,
+                                           &options, &kept));
   assert_true(residual(&g) < 1.001e-8);
   assert_int_equal(kept.analyses, 1);
   assert_int_equal(kept.factorisations, 1);
   kept = (bw_plane_reuse){0};
   assemble(&g, 0.4, 0.3);
-  check_ok(context,
-           bw_lagged_factor_solve(context, lagged, g.graph, g.values, g.rhs, g.x, &options, &kept));
+  check_ok(context, bw_lagged_factor_solve(context, lagged, g.pattern, g.values, g.rhs, g.x,
+                                           &options, &kept));
   assert_true(residual(&g) < 1.001e-8);
   assert_int_equal(kept.analyses, 0);
   assert_int_equal(kept.factorisations, 1);
@@ -142,8 +142,8 @@ static void follow_changes(bw_context *context, bool symmetric, int components) 
   options.iterations = 2;
   kept = (bw_plane_reuse){0};
   assemble(&g, 0.9, 2);
-  check_ok(context,
-           bw_lagged_factor_solve(context, lagged, g.graph, g.values, g.rhs, g.x, &options, &kept));
+  check_ok(context, bw_lagged_factor_solve(context, lagged, g.pattern, g.values, g.rhs, g.x,
+                                           &options, &kept));
   assert_true(residual(&g) < 1.001e-8);
   assert_int_equal(kept.factorisations, 1);
 
@@ -152,8 +152,8 @@ static void follow_changes(bw_context *context, bool symmetric, int components) 
   kept = (bw_plane_reuse){0};
   bw_lagged_factor_options_default(&options);
   assemble(&h, 0.4, 0.3);
-  check_ok(context,
-           bw_lagged_factor_solve(context, lagged, h.graph, h.values, h.rhs, h.x, &options, &kept));
+  check_ok(context, bw_lagged_factor_solve(context, lagged, h.pattern, h.values, h.rhs, h.x,
+                                           &options, &kept));
   assert_true(residual(&h) < 1.001e-8);
   assert_int_equal(kept.analyses, 1);
 
@@ -186,8 +186,8 @@ static void test_choice(void **state) {
     bw_plane_reuse kept = {0};
     for (int frame = 0; frame < 40; frame++) {
       assemble(&f, 0.5, frame * (fast ? 0.8 : 1e-4));
-      check_ok(context,
-               bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, NULL, &kept));
+      check_ok(context, bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x,
+                                               NULL, &kept));
       assert_true(residual(&f) < 1.001e-8);
     }
     factorisations[fast] = kept.factorisations;
@@ -208,26 +208,28 @@ static void test_refused(void **state) {
     f.field.mass = 0; /* the constant field is free */
     assemble(&f, 0.2, 0);
     memset(f.values, 0, sizeof(double)); /* and one entry is nothing */
-    for (int64_t p = f.graph->start[20]; p < f.graph->start[21]; p++)
-      f.values[p] = f.values[f.graph->mirror[p]] = 0;
+    for (int64_t p = f.pattern->start[20]; p < f.pattern->start[21]; p++)
+      f.values[p] = f.values[f.pattern->mirror[p]] = 0;
     for (size_t i = 0; i < f.size; i++)
       f.x[i] = 5;
-    check_fails(context, BW_SINGULAR, symmetric ? "not positive definite" : "singular",
-                bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, NULL, NULL));
+    check_fails(
+        context, BW_SINGULAR, symmetric ? "not positive definite" : "singular",
+        bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, NULL, NULL));
     for (size_t i = 0; i < f.size; i++)
       assert_true(f.x[i] == 5);
     /* it can go on after that */
     f.field.mass = 0.01;
     assemble(&f, 0.2, 0);
     check_ok(context,
-             bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, NULL, NULL));
+             bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, NULL, NULL));
     assert_true(residual(&f) < 1.001e-8);
     f.rhs[3] = NAN;
-    check_fails(context, BW_INVALID, "not finite",
-                bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, NULL, NULL));
+    check_fails(
+        context, BW_INVALID, "not finite",
+        bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, NULL, NULL));
     memset(f.rhs, 0, f.size * sizeof *f.rhs);
     check_ok(context,
-             bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, NULL, NULL));
+             bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, NULL, NULL));
     assert_true(f.x[0] == 0);
     bw_lagged_factor_free(lagged);
     clear(&f);
@@ -248,17 +250,17 @@ static void test_saddle(void **state) {
     double residual = 0;
     check_ok(context, bw_lagged_factor_create(context, false, 2, &lagged));
     assemble(&f, 0.3, 0);
-    for (int64_t i = 0; i < f.graph->node_count; i++)
-      for (int64_t p = f.graph->start[i]; p < f.graph->start[i + 1]; p++) {
+    for (int64_t i = 0; i < f.pattern->node_count; i++)
+      for (int64_t p = f.pattern->start[i]; p < f.pattern->start[i + 1]; p++) {
         double *block = f.values + 4 * p;
-        bool own = f.graph->column[p] == i;
+        bool own = f.pattern->column[p] == i;
         block[1] = own ? 1 : 0.1;
         block[2] = own ? -1 : 0.1;
         block[3] = own && k == 1 ? 1e-9 : 0;
       }
     check_ok(context,
-             bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, NULL, &kept));
-    check_ok(context, bw_plane_multiply(context, f.graph, 2, f.values, f.x, f.y));
+             bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, NULL, &kept));
+    check_ok(context, bw_plane_multiply(context, f.pattern, 2, f.values, f.x, f.y));
     for (size_t i = 0; i < f.size; i++)
       residual = fmax(residual, fabs(f.y[i] - f.rhs[i]));
     assert_true(residual < 1e-6);
@@ -280,7 +282,7 @@ static void test_threads(void **state) {
       check_ok(context, bw_lagged_factor_create(context, symmetric, 2, &lagged));
       for (int frame = 0; frame < 3; frame++) {
         assemble(&f, 0.3, frame);
-        check_ok(context, bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x,
+        check_ok(context, bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x,
                                                  &options, NULL));
         options.method = BW_LAGGED_FACTOR_ITERATE;
       }
@@ -309,7 +311,8 @@ static void test_memory(void **state) {
       bw_fail_allocation(n, true);
       status = bw_lagged_factor_create(context, symmetric, 2, &lagged);
       if (status == BW_OK)
-        status = bw_lagged_factor_solve(context, lagged, f.graph, f.values, f.rhs, f.x, NULL, NULL);
+        status =
+            bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, NULL, NULL);
       bw_fail_allocation(0, false);
       assert_true(status == BW_OK || status == BW_MEMORY);
       assert_true(n < 1000);

@@ -19,17 +19,17 @@ static double pulled(void *data, const double at[2], double time) {
 
 static double energy_of(bw_context *context, bw_sheet *sheet) {
   const struct bwi_sheet *inner = sheet->inner;
-  int32_t nodes = inner->graph->node_count;
+  int32_t nodes = inner->pattern->node_count;
   double *y = BW_NEW(context, double, 2 * nodes), sum = 0;
   check_ok(context,
-           bw_plane_multiply(context, inner->graph, 2, inner->stiffness, sheet->displacement, y));
+           bw_plane_multiply(context, inner->pattern, 2, inner->stiffness, sheet->displacement, y));
   for (int32_t i = 0; i < 2 * nodes; i++)
     sum += 0.5 * y[i] * sheet->displacement[i];
   for (int32_t i = 0; i < nodes; i++)
-    for (int64_t p = inner->graph->start[i]; p < inner->graph->start[i + 1]; p++)
+    for (int64_t p = inner->pattern->start[i]; p < inner->pattern->start[i + 1]; p++)
       for (int c = 0; c < 2; c++)
         sum += 0.5 * inner->mass[p] * sheet->velocity[2 * i + c] *
-               sheet->velocity[2 * inner->graph->column[p] + c];
+               sheet->velocity[2 * inner->pattern->column[p] + c];
   bw_free(y);
   return sum;
 }

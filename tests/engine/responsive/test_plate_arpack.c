@@ -63,11 +63,11 @@ static bw_outline *random_outline(bw_context *context, uint64_t seed) {
  * shift by `shift` takes away: x -> (K + shift M)^-1 M x. */
 static void by_arpack(bw_context *context, const bw_plate *plate, double *frequency) {
   const struct bwi_plate *in = plate->inner;
-  const bw_plane_graph *g = in->now->matrices->graph;
+  const bw_plane_pattern *g = in->now->matrices->pattern;
   int n = 3 * g->node_count;
   int *start = malloc(((size_t)n + 1) * sizeof *start);
-  int *row = malloc(9 * (size_t)g->pair_count * sizeof *row);
-  double *value = malloc(9 * (size_t)g->pair_count * sizeof *value);
+  int *row = malloc(9 * (size_t)g->block_count * sizeof *row);
+  double *value = malloc(9 * (size_t)g->block_count * sizeof *value);
   /* columns of a symmetric matrix: its rows */
   int at = 0;
   double shift = 0;

@@ -173,15 +173,15 @@ static void test_random_edits(void **state) {
   comb c = make_comb(context, 1);
   const bw_subdomains *d = c.subdomains;
   bw_material *material;
-  bw_graph *graph;
+  bw_block_pattern *pattern;
   bw_subdomain_stiffness *stiffness;
   const bw_isotropic plain = {.name = "plain", .young = 2e9, .poisson = 0.3, .density = 1000};
   check_ok(context, bw_material_isotropic(context, &plain, &material));
-  check_ok(context, bw_graph_create(context, c.mesh, &graph));
-  check_ok(context, bw_subdomain_stiffness_create(context, graph, c.mesh, material, false,
+  check_ok(context, bw_block_pattern_create(context, c.mesh, &pattern));
+  check_ok(context, bw_subdomain_stiffness_create(context, pattern, c.mesh, material, false,
                                                   d->stiffness.count, d->stiffness.of_element,
                                                   d->stiffness.of_node, &stiffness));
-  size_t entries = 9 * (size_t)graph->pair_count;
+  size_t entries = 9 * (size_t)pattern->block_count;
   double *scratch = malloc(entries * sizeof *scratch);
   double *node = malloc(3 * (size_t)c.mesh->node_count * sizeof *node);
   bw_subdomain_motion *motion = malloc((size_t)d->stiffness.count * sizeof *motion);
@@ -218,7 +218,7 @@ static void test_random_edits(void **state) {
     bw_subdomain_change change;
     check_ok(context, bw_mesh_moved(context, c.mesh, node, &moved));
     check_ok(context, bw_subdomain_stiffness_update(context, stiffness, moved, motion, &change));
-    check_ok(context, bw_stiffness(context, graph, moved, material, scratch));
+    check_ok(context, bw_stiffness(context, pattern, moved, material, scratch));
     double largest = 0, off = 0;
     for (size_t k = 0; k < entries; k++) {
       largest = fmax(largest, fabs(scratch[k]));
@@ -235,7 +235,7 @@ static void test_random_edits(void **state) {
   free(node);
   free(scratch);
   bw_release(stiffness);
-  bw_release(graph);
+  bw_release(pattern);
   bw_release(material);
   release_comb(&c);
 }

@@ -219,21 +219,21 @@ static void weights_inside_are_harmonic(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = NULL;
   bw_skeleton *s = NULL;
-  bw_graph *graph = NULL;
+  bw_block_pattern *pattern = NULL;
   limbed(context, 1, &mesh, &s);
   double *w = weights(context, mesh, s);
-  check_ok(context, bw_graph_create(context, mesh, &graph));
-  double *laplacian = malloc((size_t)graph->pair_count * sizeof *laplacian);
+  check_ok(context, bw_block_pattern_create(context, mesh, &pattern));
+  double *laplacian = malloc((size_t)pattern->block_count * sizeof *laplacian);
   double *x = malloc((size_t)mesh->node_count * sizeof *x);
   double *y = malloc((size_t)mesh->node_count * sizeof *y), max = 0;
   uint8_t *outer = calloc((size_t)mesh->node_count, 1);
-  check_ok(context, bw_laplacian(context, graph, mesh, laplacian));
+  check_ok(context, bw_laplacian(context, pattern, mesh, laplacian));
   for (int32_t k = 0; k < mesh->boundary_node_count; k++)
     outer[mesh->boundary_node[k]] = 1;
   for (int b = 0; b < 4; b++) {
     for (int32_t i = 0; i < mesh->node_count; i++)
       x[i] = w[4 * i + b];
-    check_ok(context, bw_graph_multiply(context, graph, laplacian, 1, 1, 1, x, y));
+    check_ok(context, bw_block_multiply(context, pattern, laplacian, 1, 1, 1, x, y));
     int inner = 0;
     for (int32_t i = 0; i < mesh->node_count; i++)
       max = fmax(max, fabs(y[i]));
@@ -249,7 +249,7 @@ static void weights_inside_are_harmonic(void **state) {
   free(y);
   free(laplacian);
   free(w);
-  bw_release(graph);
+  bw_release(pattern);
   bw_release(mesh);
   bw_release(s);
 }

@@ -64,7 +64,7 @@ static void linear_fields_are_solved(void **state) {
       check_ok(context, bwi_coarse_create(context, mesh, &coarse));
       check_ok(context, bwi_coarse_follow(context, coarse, local->inner->model, dof_map, &usable));
       assert_true(usable);
-      check_ok(context, bw_graph_multiply(context, local->system->graph, local->system->stiffness,
+      check_ok(context, bw_block_multiply(context, local->system->pattern, local->system->stiffness,
                                           9, 3, 1, u, f));
       bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN, f);
       const int32_t *parent = bwi_coarse_parents(coarse);

@@ -12,7 +12,7 @@ void dsyev_(const char *, const char *, const int *, double *, const int *, doub
 
 typedef struct problem {
   bw_mesh *mesh;
-  bw_graph *graph;
+  bw_block_pattern *pattern;
   double *stiffness, *mass;
   int32_t *unknown; /* node_count x 3 */
   int32_t count;    /* of unknowns */
@@ -27,11 +27,11 @@ static void open_problem(bw_context *context, int nx, int ny, int nz, int order,
   *p = (problem){.mesh = body_box(context, 0.1 * nx, 0.1 * ny, 0.1 * nz, nx, ny, nz, order)};
   bw_material *material = body_material(context);
   int64_t nodes = p->mesh->node_count;
-  check_ok(context, bw_graph_create(context, p->mesh, &p->graph));
-  p->stiffness = numbers(9 * p->graph->pair_count);
-  p->mass = numbers(p->graph->pair_count);
-  check_ok(context, bw_stiffness(context, p->graph, p->mesh, material, p->stiffness));
-  check_ok(context, bw_mass(context, p->graph, p->mesh, p->mass));
+  check_ok(context, bw_block_pattern_create(context, p->mesh, &p->pattern));
+  p->stiffness = numbers(9 * p->pattern->block_count);
+  p->mass = numbers(p->pattern->block_count);
+  check_ok(context, bw_stiffness(context, p->pattern, p->mesh, material, p->stiffness));
+  check_ok(context, bw_mass(context, p->pattern, p->mesh, p->mass));
   p->unknown = calloc((size_t)(3 * nodes), sizeof(int32_t));
   uint8_t *take = calloc((size_t)nodes, 1);
   for (int64_t i = 0; i < nodes; i++) {
@@ -40,10 +40,10 @@ static void open_problem(bw_context *context, int nx, int ny, int nz, int order,
     for (int c = 0; c < 3; c++)
       p->unknown[3 * i + c] = held ? -1 : p->count++;
   }
-  check_ok(context, bwi_order_create(context, p->graph, take, &p->order));
+  check_ok(context, bwi_order_create(context, p->pattern, take, &p->order));
   check_ok(context, bwi_symbolic_create(context, p->order, 3, p->unknown, &p->symbolic));
-  p->matrix =
-      (bwi_matrix){.graph = p->graph, .stiffness = p->stiffness, .mass = p->mass, .shift = shift};
+  p->matrix = (bwi_matrix){
+      .pattern = p->pattern, .stiffness = p->stiffness, .mass = p->mass, .shift = shift};
   free(take);
   bw_release(material);
 }
@@ -51,7 +51,7 @@ static void open_problem(bw_context *context, int nx, int ny, int nz, int order,
 static void close_problem(problem *p) {
   bw_release(p->order);
   bw_release(p->symbolic);
-  bw_release(p->graph);
+  bw_release(p->pattern);
   bw_release(p->mesh);
   free(p->stiffness);
   free(p->mass);
@@ -61,11 +61,11 @@ static void close_problem(problem *p) {
 /* The matrix by unknowns' numbers, entry by entry through `put`. */
 static void each_entry(const problem *p, void (*put)(void *, int32_t, int32_t, double),
                        void *data) {
-  for (int32_t i = 0; i < p->graph->node_count; i++)
-    for (int64_t k = p->graph->start[i]; k < p->graph->start[i + 1]; k++)
+  for (int32_t i = 0; i < p->pattern->node_count; i++)
+    for (int64_t k = p->pattern->start[i]; k < p->pattern->start[i + 1]; k++)
       for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++) {
-          int32_t j = p->graph->column[k], row = p->unknown[3 * i + a],
+          int32_t j = p->pattern->column[k], row = p->unknown[3 * i + a],
                   column = p->unknown[3 * j + b];
           if (row < 0 || column < 0 || (i == j && b > a))
             continue;
@@ -115,8 +115,8 @@ static void against_cholmod(void **state) {
     cholmod_common common;
     cholmod_start(&common);
     size_t n = (size_t)p.count;
-    cholmod_triplet *triplet =
-        cholmod_allocate_triplet(n, n, 9 * (size_t)p.graph->pair_count, -1, CHOLMOD_REAL, &common);
+    cholmod_triplet *triplet = cholmod_allocate_triplet(n, n, 9 * (size_t)p.pattern->block_count,
+                                                        -1, CHOLMOD_REAL, &common);
     each_entry(&p, put_triplet, triplet);
     cholmod_sparse *a = cholmod_triplet_to_sparse(triplet, 0, &common);
     cholmod_factor *l = cholmod_analyze(a, &common);
@@ -160,10 +160,10 @@ static void inertia(void **state) {
   int n = p.count, info, length = 20 * n;
   double *dense = numbers((int64_t)n * n), *value = numbers(n), *work = numbers(length), size = n;
   double *pack[2] = {dense, &size};
-  /* eigenvalues of K alone, mass = identity on pairs' diagonal */
-  memset(p.mass, 0, (size_t)p.graph->pair_count * sizeof(double));
-  for (int32_t i = 0; i < p.graph->node_count; i++)
-    p.mass[p.graph->start[i + 1] - 1] = 1;
+  /* eigenvalues of K alone, mass = identity on blocks' diagonal */
+  memset(p.mass, 0, (size_t)p.pattern->block_count * sizeof(double));
+  for (int32_t i = 0; i < p.pattern->node_count; i++)
+    p.mass[p.pattern->start[i + 1] - 1] = 1;
   each_entry(&p, put_dense, pack);
   dsyev_("N", "L", &n, dense, &n, value, work, &length, &info);
   assert_int_equal(info, 0);
@@ -213,7 +213,7 @@ static void same_bits(void **state) {
       from_order(&p, 8, 5, x, solution);
       for (int64_t i = 0; i < size; i++)
         u[i] = p.unknown[i] < 0 ? 0 : solution[p.unknown[i]];
-      check_ok(context, bw_graph_multiply(context, p.graph, p.stiffness, 9, 3, 1, u, ku));
+      check_ok(context, bw_block_multiply(context, p.pattern, p.stiffness, 9, 3, 1, u, ku));
       random_field(2, 8 * (int64_t)p.count, x);
       from_order(&p, 8, 5, x, solution);
       for (int64_t i = 0; i < size; i++)

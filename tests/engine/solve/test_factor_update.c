@@ -9,7 +9,7 @@
 typedef struct problem {
   bw_mesh *mesh;
   bw_material *material;
-  bw_graph *graph;
+  bw_block_pattern *pattern;
   double *stiffness;
   int32_t *unknown;
   uint8_t *take;
@@ -25,10 +25,10 @@ typedef struct problem {
 
 typedef bw_status order_function(bw_context *, const problem *, bwi_order **);
 static bw_status plain_order(bw_context *context, const problem *p, bwi_order **order) {
-  return bwi_order_create(context, p->graph, p->take, order);
+  return bwi_order_create(context, p->pattern, p->take, order);
 }
 static bw_status subdomain_order(bw_context *context, const problem *p, bwi_order **order) {
-  return bwi_order_create_subdomains(context, p->graph, p->take, p->mesh, p->subdomain_count,
+  return bwi_order_create_subdomains(context, p->pattern, p->take, p->mesh, p->subdomain_count,
                                      p->element_subdomain, NULL, order);
 }
 
@@ -64,9 +64,9 @@ static void open_problem(bw_context *context, const int cells[3], int order, int
                  .material = body_material(context)};
   size_t nodes = (size_t)p->mesh->node_count;
   label(p, cells, size, &random);
-  check_ok(context, bw_graph_create(context, p->mesh, &p->graph));
-  p->stiffness = numbers(9 * p->graph->pair_count);
-  check_ok(context, bw_stiffness(context, p->graph, p->mesh, p->material, p->stiffness));
+  check_ok(context, bw_block_pattern_create(context, p->mesh, &p->pattern));
+  p->stiffness = numbers(9 * p->pattern->block_count);
+  check_ok(context, bw_stiffness(context, p->pattern, p->mesh, p->material, p->stiffness));
   p->unknown = calloc(3 * nodes, sizeof(int32_t));
   p->take = calloc(nodes, 1);
   p->inner = calloc(nodes, 1);
@@ -95,14 +95,14 @@ static void open_problem(bw_context *context, const int cells[3], int order, int
   check_ok(context, bwi_symbolic_create(context, p->order, 3, p->unknown, &p->symbolic));
   check_ok(context, bwi_elimination_reach_create(context, p->symbolic, p->mesh, p->subdomain_count,
                                                  p->element_subdomain, &p->reach));
-  p->matrix = (bwi_matrix){.graph = p->graph, .stiffness = p->stiffness};
+  p->matrix = (bwi_matrix){.pattern = p->pattern, .stiffness = p->stiffness};
 }
 
 static void close_problem(problem *p) {
   bw_release(p->reach);
   bw_release(p->symbolic);
   bw_release(p->order);
-  bw_release(p->graph);
+  bw_release(p->pattern);
   bw_release(p->material);
   bw_release(p->mesh);
   free(p->stiffness);
@@ -123,7 +123,7 @@ static void edit(bw_context *context, problem *p, const uint8_t *touched, bw_ran
       for (int c = 0; c < 3; c++)
         p->node[3 * i + c] = p->mesh->node[3 * i + c] + 0.004 * (bw_random_uniform(random) - 0.5);
   check_ok(context, bw_mesh_moved(context, p->mesh, p->node, &moved));
-  check_ok(context, bw_stiffness(context, p->graph, moved, p->material, p->stiffness));
+  check_ok(context, bw_stiffness(context, p->pattern, moved, p->material, p->stiffness));
   bw_release(moved);
 }
 
@@ -183,7 +183,7 @@ static void units(void **state) {
   problem p;
   open_problem(context, cells, 2, 3, subdomain_order, 5, &p);
   enum { SIDES = 3 };
-  int64_t size = 3 * (int64_t)p.mesh->node_count, entries = 9 * p.graph->pair_count;
+  int64_t size = 3 * (int64_t)p.mesh->node_count, entries = 9 * p.pattern->block_count;
   double *force = numbers(SIDES * size), *u = numbers(SIDES * size), *v = numbers(SIDES * size);
   const int exponent[4] = {0, -640, 640, 96};
   random_field(2, SIDES * size, force);
@@ -268,8 +268,8 @@ static void broken(void **state) {
   bwi_factor *factor = NULL;
   check_ok(context, bwi_factor_create_kept(context, p.symbolic, &p.matrix, p.reach, &factor, NULL));
   int32_t node = p.mesh->node_count - 1, bad = -1;
-  double *diagonal = p.stiffness + 9 * (p.graph->start[node + 1] - 1), kept = diagonal[0];
-  assert_int_equal(p.graph->column[p.graph->start[node + 1] - 1], node);
+  double *diagonal = p.stiffness + 9 * (p.pattern->start[node + 1] - 1), kept = diagonal[0];
+  assert_int_equal(p.pattern->column[p.pattern->start[node + 1] - 1], node);
   p.unknown[3 * node] >= 0 ? (diagonal[0] = -kept) : (diagonal[8] = -kept);
   touched[p.subdomain_of[node]] = 1;
   check_fails(context, BW_SINGULAR, "not positive definite",
@@ -279,7 +279,7 @@ static void broken(void **state) {
   check_fails(context, BW_INTERNAL, "failed", bwi_factor_solve(context, factor, 1, x));
   check_fails(context, BW_INTERNAL, "last update",
               bwi_factor_update(context, factor, &p.matrix, touched, NULL, &bad));
-  check_ok(context, bw_stiffness(context, p.graph, p.mesh, p.material, p.stiffness));
+  check_ok(context, bw_stiffness(context, p.pattern, p.mesh, p.material, p.stiffness));
   check_ok(context, bwi_factor_update(context, factor, &p.matrix, NULL, NULL, &bad));
   assert_false(bwi_factor_broken(factor));
   same_as_from_scratch(context, &p, factor);
@@ -347,19 +347,19 @@ static void neck(void **state) {
       subdomain[count++] = x < 10 ? 0 : thick ? 2 : 1;
   }
   bw_mesh *mesh = NULL;
-  bw_graph *graph = NULL;
+  bw_block_pattern *pattern = NULL;
   check_ok(context, bw_mesh_subset(context, p.mesh, keep, &mesh));
   assert_int_equal(count, mesh->element_count);
-  check_ok(context, bw_graph_create(context, mesh, &graph));
+  check_ok(context, bw_block_pattern_create(context, mesh, &pattern));
   int32_t *unknown = calloc(3 * (size_t)mesh->node_count, sizeof(int32_t));
   double flops[2][3];
   for (int k = 0; k < 2; k++) {
     bwi_order *order = NULL;
     bwi_symbolic *symbolic = NULL;
     bwi_elimination_reach *reach = NULL;
-    check_ok(context,
-             k ? bwi_order_create_subdomains(context, graph, NULL, mesh, 3, subdomain, NULL, &order)
-               : bwi_order_create(context, graph, NULL, &order));
+    check_ok(context, k ? bwi_order_create_subdomains(context, pattern, NULL, mesh, 3, subdomain,
+                                                      NULL, &order)
+                        : bwi_order_create(context, pattern, NULL, &order));
     check_ok(context, bwi_symbolic_create(context, order, 3, unknown, &symbolic));
     check_ok(context, bwi_elimination_reach_create(context, symbolic, mesh, 3, subdomain, &reach));
     for (int d = 0; d < 3; d++) {
@@ -376,7 +376,7 @@ static void neck(void **state) {
   free(keep);
   free(subdomain);
   free(unknown);
-  bw_release(graph);
+  bw_release(pattern);
   bw_release(mesh);
   close_problem(&p);
 }

@@ -14,13 +14,13 @@ static void box_converges(void **state) {
     for (int fine = 0; fine < 2; fine++) {
       int n = (order == 1 ? 7 : 3) << fine;
       bw_mesh *mesh = body_box(context, a, b, c, n, n, n, order);
-      bw_graph *graph = NULL;
+      bw_block_pattern *pattern = NULL;
       bw_modes *modes = NULL;
       bw_modes_options options;
       bw_modes_options_default(&options);
       options.count = 4;
-      check_ok(context, bw_graph_create(context, mesh, &graph));
-      check_ok(context, bw_modes_laplacian(context, mesh, graph, &options, &modes));
+      check_ok(context, bw_block_pattern_create(context, mesh, &pattern));
+      check_ok(context, bw_modes_laplacian(context, mesh, pattern, &options, &modes));
       assert_int_equal(modes->components, 1);
       assert_int_equal(modes->rigid_count, 1);
       assert_null(modes->frequency);
@@ -31,7 +31,7 @@ static void box_converges(void **state) {
         assert_true(modes->residual[k] < 1e-8);
       }
       bw_release(modes);
-      bw_release(graph);
+      bw_release(pattern);
       bw_release(mesh);
     }
     for (int k = 0; k < 4; k++) {
@@ -53,18 +53,18 @@ static void threads_of_others(void **state) {
   int before = openblas_get_num_threads();
   bw_mesh *mesh = body_box(context, 1, 0.8, 0.55, 9, 8, 6, 1);
   for (int k = 0; k < 2; k++) {
-    bw_graph *graph = NULL;
+    bw_block_pattern *pattern = NULL;
     bw_modes *modes = NULL;
     bw_modes_options options;
     bw_modes_options_default(&options);
     options.count = 4;
     openblas_set_num_threads(1 + 2 * k);
-    check_ok(context, bw_graph_create(context, mesh, &graph));
-    check_ok(context, bw_modes_laplacian(context, mesh, graph, &options, &modes));
+    check_ok(context, bw_block_pattern_create(context, mesh, &pattern));
+    check_ok(context, bw_modes_laplacian(context, mesh, pattern, &options, &modes));
     assert_int_equal(openblas_get_num_threads(), 1 + 2 * k);
     memcpy(value[k], modes->eigenvalue, sizeof value[k]);
     bw_release(modes);
-    bw_release(graph);
+    bw_release(pattern);
   }
   assert_memory_equal(value[0], value[1], sizeof value[0]);
   bw_release(mesh);
@@ -87,15 +87,15 @@ static void two_bodies(void **state) {
   }
   check_ok(context,
            bw_mesh_copy(context, 1, 2 * n, x, 2 * one->element_count, element, NULL, &mesh));
-  bw_graph *graph[2] = {NULL};
+  bw_block_pattern *pattern[2] = {NULL};
   bw_modes *modes[2] = {NULL};
   bw_modes_options options;
   bw_modes_options_default(&options);
   const bw_mesh *meshes[2] = {one, mesh};
   for (int k = 0; k < 2; k++) {
     options.count = k ? 8 : 4;
-    check_ok(context, bw_graph_create(context, meshes[k], &graph[k]));
-    check_ok(context, bw_modes_laplacian(context, meshes[k], graph[k], &options, &modes[k]));
+    check_ok(context, bw_block_pattern_create(context, meshes[k], &pattern[k]));
+    check_ok(context, bw_modes_laplacian(context, meshes[k], pattern[k], &options, &modes[k]));
   }
   assert_int_equal(modes[1]->rigid_count, 2);
   for (int k = 0; k < 8; k++)
@@ -105,7 +105,7 @@ static void two_bodies(void **state) {
   free(element);
   for (int k = 0; k < 2; k++) {
     bw_release(modes[k]);
-    bw_release(graph[k]);
+    bw_release(pattern[k]);
   }
   bw_release(mesh);
   bw_release(one);

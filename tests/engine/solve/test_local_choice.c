@@ -78,7 +78,7 @@ static void given_up_early(void **state) {
   double *f = numbers(3 * size), *u = numbers(3 * size);
   random_field(1, 3 * size, f);
   const bw_system *system = local->system;
-  bwi_pcg problem = {.graph = system->graph,
+  bwi_pcg problem = {.pattern = system->pattern,
                      .stiffness = system->stiffness,
                      .dof_map = system->dof_map,
                      .factor = local->inner->factor,

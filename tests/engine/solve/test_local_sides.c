@@ -88,7 +88,7 @@ static void energy_alone(void **state) {
       double error = 0, energy = 0;
       for (int64_t i = 0; i < size; i++)
         u[k * size + i] -= v[k * size + i];
-      check_ok(context, bw_graph_multiply(context, local->system->graph, local->system->stiffness,
+      check_ok(context, bw_block_multiply(context, local->system->pattern, local->system->stiffness,
                                           9, 3, 1, u + k * size, product));
       for (int64_t i = 0; i < size; i++) {
         error += u[k * size + i] * product[i];

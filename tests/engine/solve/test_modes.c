@@ -31,9 +31,9 @@ static void free_box_against_dense(void **state) {
   for (int j = 0; j < size; j++) {
     memset(column, 0, (size_t)size * sizeof(double));
     column[j] = 1;
-    check_ok(context, bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, 1, column,
-                                        k + (size_t)j * (size_t)size));
-    check_ok(context, bw_graph_multiply(context, system->graph, system->mass, 1, 3, 1, column,
+    check_ok(context, bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, 1,
+                                        column, k + (size_t)j * (size_t)size));
+    check_ok(context, bw_block_multiply(context, system->pattern, system->mass, 1, 3, 1, column,
                                         m + (size_t)j * (size_t)size));
   }
   dsygv_(&kind, "N", "L", &size, k, &size, m, &size, value, work, &length, &info);
@@ -98,13 +98,14 @@ static void against_arpack(void **state) {
       const double *mx = work + pointer[2] - 1;
       if (ido == -1) {
         check_ok(context,
-                 bw_graph_multiply(context, s.system->graph, s.system->mass, 1, 3, 1, x, force));
+                 bw_block_multiply(context, s.system->pattern, s.system->mass, 1, 3, 1, x, force));
         mx = force;
       }
       check_ok(context, bw_system_solve(context, s.system, 1, mx, y));
       solves++;
     } else if (ido == 2)
-      check_ok(context, bw_graph_multiply(context, s.system->graph, s.system->mass, 1, 3, 1, x, y));
+      check_ok(context,
+               bw_block_multiply(context, s.system->pattern, s.system->mass, 1, 3, 1, x, y));
     else
       break;
   }
@@ -304,7 +305,7 @@ static void failing_allocations(void **state) {
     bw_fail_allocation(n, true);
     bw_status status = bw_modes_elastic(context, s.system, &options, &modes);
     if (status == BW_OK)
-      status = bw_modes_laplacian(context, mesh, s.system->graph, &options, &scalar);
+      status = bw_modes_laplacian(context, mesh, s.system->pattern, &options, &scalar);
     bw_fail_allocation(0, false);
     if (status != BW_OK)
       assert_int_equal(status, BW_MEMORY);

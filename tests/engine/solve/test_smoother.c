@@ -1,13 +1,13 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Sweeps over the rows of a stiffness beside Gauss and Seidel's iteration written down plainly, and
- * products beside those of the graph. */
+ * products beside those of the pattern. */
 #include "solve/smoother.h"
 
 #include "local_bar.h"
 
 typedef struct scene {
   bar b;
-  bw_graph *graph;
+  bw_block_pattern *pattern;
   bw_dof_map *dof_map;
   double *stiffness;
   int64_t size;
@@ -16,24 +16,24 @@ typedef struct scene {
 static void scene_make(bw_context *context, int across, int supports, scene *s) {
   bar_make(context, across, 2, &s->b);
   load_bar(context, &s->b, supports);
-  check_ok(context, bw_graph_create(context, s->b.mesh, &s->graph));
+  check_ok(context, bw_block_pattern_create(context, s->b.mesh, &s->pattern));
   check_ok(context, bw_dof_map_create(context, s->b.model, &s->dof_map));
-  s->stiffness = numbers(9 * s->graph->pair_count);
+  s->stiffness = numbers(9 * s->pattern->block_count);
   s->size = 3 * (int64_t)s->b.mesh->node_count;
-  check_ok(context, bw_stiffness(context, s->graph, s->b.mesh, s->b.material, s->stiffness));
+  check_ok(context, bw_stiffness(context, s->pattern, s->b.mesh, s->b.material, s->stiffness));
 }
 
 static void scene_clear(scene *s) {
   free(s->stiffness);
   bw_release(s->dof_map);
-  bw_release(s->graph);
+  bw_release(s->pattern);
   bar_clear(&s->b);
 }
 
 static bwi_smoother *smoother_of(bw_context *context, const scene *s, bool even) {
   bwi_smoother *smoother = NULL;
   bool usable = false;
-  check_ok(context, bwi_smoother_create(context, s->b.mesh, s->graph, even, &smoother));
+  check_ok(context, bwi_smoother_create(context, s->b.mesh, s->pattern, even, &smoother));
   check_ok(context, bwi_smoother_follow(context, smoother, s->stiffness, s->dof_map, &usable));
   assert_true(usable);
   return smoother;
@@ -47,7 +47,7 @@ static double *packed(const bwi_smoother *s, int width, int f, double *row, cons
   return row;
 }
 
-/* Nodes of different chunks have no pair. */
+/* Nodes of different chunks have no common block. */
 static void chunks_are_apart(void **state) {
   bw_context *context = check_context(state);
   scene s;
@@ -58,8 +58,8 @@ static void chunks_are_apart(void **state) {
   int32_t inside = smoother->chunk_start[smoother->chunk_count];
   assert_true(8 * (smoother->count - inside) < smoother->count);
   for (int64_t i = 0; i < smoother->count; i++)
-    for (int64_t p = s.graph->start[i]; p < s.graph->start[i + 1]; p++) {
-      int32_t a = smoother->place[i], b = smoother->place[s.graph->column[p]];
+    for (int64_t p = s.pattern->start[i]; p < s.pattern->start[i + 1]; p++) {
+      int32_t a = smoother->place[i], b = smoother->place[s.pattern->column[p]];
       for (int c = 0; c < smoother->chunk_count && a < inside && b < inside; c++)
         assert_int_equal(a >= smoother->chunk_start[c] && a < smoother->chunk_start[c + 1],
                          b >= smoother->chunk_start[c] && b < smoother->chunk_start[c + 1]);
@@ -68,7 +68,7 @@ static void chunks_are_apart(void **state) {
   scene_clear(&s);
 }
 
-/* Blocks of six numbers lose nothing but rounding: products are those of the graph. */
+/* Blocks of six numbers lose nothing but rounding: products are those of the pattern. */
 static void products(void **state) {
   bw_context *context = check_context(state);
   scene s;
@@ -89,7 +89,7 @@ static void products(void **state) {
       for (int f = 0; f < width; f++) {
         double largest = 0, off = 0;
         random_field(7 + (uint64_t)f, s.size, x);
-        check_ok(context, bw_graph_multiply(context, s.graph, s.stiffness, 9, 3, 1, x, y));
+        check_ok(context, bw_block_multiply(context, s.pattern, s.stiffness, 9, 3, 1, x, y));
         for (int64_t k = 0; k < smoother->count; k++)
           for (int d = 0; d < 3; d++) {
             double wanted = y[3 * (int64_t)smoother->node[k] + d] * smoother->unit;
@@ -112,8 +112,8 @@ static void products(void **state) {
 static void block_of(const scene *s, int32_t i, int32_t j, double block[9]) {
   int32_t high = i > j ? i : j, low = i > j ? j : i;
   memset(block, 0, 9 * sizeof *block);
-  for (int64_t p = s->graph->start[high]; p < s->graph->start[high + 1]; p++)
-    if (s->graph->column[p] == low)
+  for (int64_t p = s->pattern->start[high]; p < s->pattern->start[high + 1]; p++)
+    if (s->pattern->column[p] == low)
       for (int c = 0; c < 9; c++)
         block[c] = s->stiffness[9 * p + (i >= j ? c : 3 * (c % 3) + c / 3)];
 }
@@ -177,7 +177,7 @@ static void sweeps(void **state) {
       for (int32_t n = 0; n < w->count; n++)
         relax(&s, w->node[n], r, z);
       check_ok(context, bwi_smoother_forward(context, w, width, pr, pz, rest));
-      check_ok(context, bw_graph_multiply(context, s.graph, s.stiffness, 9, 3, 1, z, left));
+      check_ok(context, bw_block_multiply(context, s.pattern, s.stiffness, 9, 3, 1, z, left));
       for (int64_t i = 0; i < s.size; i++)
         left[i] = r[i] - left[i];
       bwi_keep_states(s.dof_map, 1u << BW_DOF_UNKNOWN, left);
@@ -221,7 +221,7 @@ static void singular_nodes_are_reported(void **state) {
   bool usable = true;
   scene_make(context, 1, 0, &s);
   bwi_smoother *w = smoother_of(context, &s, true);
-  int64_t own = s.graph->start[s.b.mesh->node_count] - 1; /* the last node, at the free end */
+  int64_t own = s.pattern->start[s.b.mesh->node_count] - 1; /* the last node, at the free end */
   for (int c = 0; c < 9; c++)
     s.stiffness[9 * own + c] = 0;
   check_ok(context, bwi_smoother_follow(context, w, s.stiffness, s.dof_map, &usable));
@@ -237,7 +237,7 @@ static void no_memory(void **state) {
   for (int64_t n = 1;; n++) {
     bwi_smoother *w = NULL;
     bw_fail_allocation(n, true);
-    bw_status status = bwi_smoother_create(context, s.b.mesh, s.graph, true, &w);
+    bw_status status = bwi_smoother_create(context, s.b.mesh, s.pattern, true, &w);
     bw_fail_allocation(0, false);
     bw_release(w);
     if (status == BW_OK)

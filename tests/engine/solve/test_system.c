@@ -24,7 +24,7 @@ static void free_body_against_bordered(void **state) {
     memset(column, 0, (size_t)size * sizeof(double));
     column[j] = 1;
     check_ok(context,
-             bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, 1, column, out));
+             bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, 1, column, out));
     memcpy(dense + (size_t)j * (size_t)whole, out, (size_t)size * sizeof(double));
   }
   for (int m = 0; m < 6; m++) {
@@ -79,8 +79,8 @@ static void residual_and_threads(void **state) {
     check_ok(context, bw_system_solve(context, system, COUNT, force, u[threads - 1]));
     assert_memory_equal(u[0], u[threads - 1], (size_t)(COUNT * size) * sizeof(double));
     if (threads == 1) {
-      check_ok(context,
-               bw_graph_multiply(context, system->graph, system->stiffness, 9, 3, COUNT, u[0], ku));
+      check_ok(context, bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, COUNT,
+                                          u[0], ku));
       for (int k = 0; k < COUNT; k++) {
         double *f = force + k * size, worst = 0;
         bw_rigid_modes_balance(dof_map, f);
@@ -117,7 +117,7 @@ static void reuse(void **state) {
   check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &first));
   check_ok(context, bw_system_create(context, moved, material, again, first, &second));
   check_ok(context, bw_system_create(context, moved, material, again, NULL, &fresh));
-  assert_ptr_equal(second->graph, first->graph);
+  assert_ptr_equal(second->pattern, first->pattern);
   random_field(9, size, x);
   check_ok(context, bw_system_solve(context, second, 1, x, u));
   check_ok(context, bw_system_solve(context, fresh, 1, x, v));

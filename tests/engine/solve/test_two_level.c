@@ -129,8 +129,8 @@ static void many_sides(void **state) {
     double error = 0, whole = 0;
     for (int64_t i = 0; i < size; i++)
       near[i] = u[k * size + i] - v[k * size + i];
-    check_ok(context, bw_graph_multiply(context, local->system->graph, local->system->stiffness, 9,
-                                        3, 1, near, product));
+    check_ok(context, bw_block_multiply(context, local->system->pattern, local->system->stiffness,
+                                        9, 3, 1, near, product));
     for (int64_t i = 0; i < size; i++) {
       error += near[i] * product[i];
       whole += force[k * size + i] * v[k * size + i];

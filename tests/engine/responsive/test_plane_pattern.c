@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Matrices on plane meshes: the graph against a dense sum of element matrices, the product, what
+/* Matrices on plane meshes: the pattern against a dense sum of element matrices, the product, what
  * prescribing unknowns does to the solution, and the same bits on any number of threads. */
 #include "grids.h"
 
@@ -19,14 +19,15 @@ static bw_status random_matrix(void *data, int32_t element, double *matrix) {
 
 static void compare_with_dense(bw_context *context, int order, int components) {
   bw_plane_topology *topology = grid_create(context, order, 4, 0x35, NULL);
-  bw_plane_graph *graph;
-  check_ok(context, bw_plane_graph_create(context, topology, &graph));
-  int n = order == 1 ? 3 : 6, rows = n * components, size = graph->node_count * components;
+  bw_plane_pattern *pattern;
+  check_ok(context, bw_plane_pattern_create(context, topology, &pattern));
+  int n = order == 1 ? 3 : 6, rows = n * components, size = pattern->node_count * components;
   random_elements random = {rows * rows, 7};
-  double *values = BW_NEW(context, double, graph->pair_count *components *components);
+  double *values = BW_NEW(context, double, pattern->block_count *components *components);
   double *dense = BW_NEW0(context, double, size *size);
   double *x = BW_NEW(context, double, size), *y = BW_NEW(context, double, size);
-  check_ok(context, bw_plane_assemble(context, graph, components, random_matrix, &random, values));
+  check_ok(context,
+           bw_plane_assemble(context, pattern, components, random_matrix, &random, values));
   for (int32_t e = 0; e < topology->element_count; e++) {
     double matrix[24 * 24];
     random_matrix(&random, e, matrix);
@@ -40,32 +41,34 @@ static void compare_with_dense(bw_context *context, int order, int components) {
   }
   for (int i = 0; i < size; i++)
     x[i] = sin(i + 1.0);
-  check_ok(context, bw_plane_multiply(context, graph, components, values, x, y));
+  check_ok(context, bw_plane_multiply(context, pattern, components, values, x, y));
   for (int i = 0; i < size; i++) {
     double sum = 0;
     for (int j = 0; j < size; j++)
       sum += dense[i * size + j] * x[j];
     check_near(y[i], sum, 1e-12);
   }
-  for (int32_t i = 0; i < graph->node_count; i++) {
-    assert_int_equal(graph->column[graph->diagonal[i]], i);
-    for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++) {
-      int64_t q = graph->mirror[p];
-      assert_true(p == graph->start[i] || graph->column[p] > graph->column[p - 1]);
-      assert_int_equal(graph->column[q], i);
-      assert_true(graph->start[graph->column[p]] <= q && q < graph->start[graph->column[p] + 1]);
-      assert_int_equal(graph->mirror[q], p);
+  for (int32_t i = 0; i < pattern->node_count; i++) {
+    assert_int_equal(pattern->column[pattern->diagonal[i]], i);
+    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1]; p++) {
+      int64_t q = pattern->mirror[p];
+      assert_true(p == pattern->start[i] || pattern->column[p] > pattern->column[p - 1]);
+      assert_int_equal(pattern->column[q], i);
+      assert_true(pattern->start[pattern->column[p]] <= q &&
+                  q < pattern->start[pattern->column[p] + 1]);
+      assert_int_equal(pattern->mirror[q], p);
       for (int r = 0; r < components; r++)
         for (int c = 0; c < components; c++)
           check_near(values[components * components * p + components * r + c],
-                     dense[(i * components + r) * size + graph->column[p] * components + c], 1e-13);
+                     dense[(i * components + r) * size + pattern->column[p] * components + c],
+                     1e-13);
     }
   }
   bw_free(values);
   bw_free(dense);
   bw_free(x);
   bw_free(y);
-  bw_release(graph);
+  bw_release(pattern);
   bw_release(topology);
 }
 
@@ -80,32 +83,32 @@ static void test_prescribe(void **state) {
   bw_context *context = check_context(state);
   enum { C = 2 };
   bw_plane_topology *topology = grid_create(context, 1, 5, 0, NULL);
-  bw_plane_graph *graph;
-  check_ok(context, bw_plane_graph_create(context, topology, &graph));
-  int size = graph->node_count * C;
+  bw_plane_pattern *pattern;
+  check_ok(context, bw_plane_pattern_create(context, topology, &pattern));
+  int size = pattern->node_count * C;
   random_elements random = {36, 11};
-  double *values = BW_NEW(context, double, graph->pair_count *C *C);
-  double *before = BW_NEW(context, double, graph->pair_count *C *C);
+  double *values = BW_NEW(context, double, pattern->block_count *C *C);
+  double *before = BW_NEW(context, double, pattern->block_count *C *C);
   uint8_t *held = BW_NEW0(context, uint8_t, size);
   double *x = BW_NEW(context, double, size), *y = BW_NEW(context, double, size),
          *rhs = BW_NEW(context, double, size), *full = BW_NEW(context, double, size);
-  check_ok(context, bw_plane_assemble(context, graph, C, random_matrix, &random, values));
-  memcpy(before, values, (size_t)graph->pair_count * C * C * sizeof(double));
+  check_ok(context, bw_plane_assemble(context, pattern, C, random_matrix, &random, values));
+  memcpy(before, values, (size_t)pattern->block_count * C * C * sizeof(double));
   for (int i = 0; i < size; i++) {
     held[i] = i % 5 == 0 || i % 7 == 3;
     x[i] = cos(3.0 * i);
   }
   /* with this x as the solution the right-hand side is A x at free unknowns */
-  check_ok(context, bw_plane_multiply(context, graph, C, values, x, full));
+  check_ok(context, bw_plane_multiply(context, pattern, C, values, x, full));
   memcpy(rhs, full, (size_t)size * sizeof(double));
-  check_ok(context, bw_plane_prescribe(context, graph, C, held, x, values, rhs));
-  check_ok(context, bw_plane_multiply(context, graph, C, values, x, y));
+  check_ok(context, bw_plane_prescribe(context, pattern, C, held, x, values, rhs));
+  check_ok(context, bw_plane_multiply(context, pattern, C, values, x, y));
   for (int i = 0; i < size; i++)
     check_near(y[i], rhs[i], 1e-13);
-  for (int32_t i = 0; i < graph->node_count; i++)
-    for (int64_t p = graph->start[i]; p < graph->start[i + 1]; p++)
+  for (int32_t i = 0; i < pattern->node_count; i++)
+    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1]; p++)
       for (int k = 0; k < C * C; k++) {
-        int row = i * C + k / C, column = graph->column[p] * C + k % C;
+        int row = i * C + k / C, column = pattern->column[p] * C + k % C;
         if (!held[row] && !held[column])
           assert_true(values[C * C * p + k] == before[C * C * p + k]);
         else if (row != column)
@@ -120,7 +123,7 @@ static void test_prescribe(void **state) {
   bw_free(y);
   bw_free(rhs);
   bw_free(full);
-  bw_release(graph);
+  bw_release(pattern);
   bw_release(topology);
 }
 
@@ -130,18 +133,18 @@ static void test_threads(void **state) {
   double *first = NULL, *product = NULL;
   for (int threads = 1; threads <= 3; threads++) {
     check_ok(context, bw_set_threads(context, threads));
-    bw_plane_graph *graph;
-    check_ok(context, bw_plane_graph_create(context, topology, &graph));
-    int64_t size = 2 * (int64_t)graph->node_count;
+    bw_plane_pattern *pattern;
+    check_ok(context, bw_plane_pattern_create(context, topology, &pattern));
+    int64_t size = 2 * (int64_t)pattern->node_count;
     random_elements random = {36, 5};
-    double *values = BW_NEW(context, double, 4 * graph->pair_count);
+    double *values = BW_NEW(context, double, 4 * pattern->block_count);
     double *x = BW_NEW(context, double, size), *y = BW_NEW(context, double, size);
-    check_ok(context, bw_plane_assemble(context, graph, 2, random_matrix, &random, values));
+    check_ok(context, bw_plane_assemble(context, pattern, 2, random_matrix, &random, values));
     for (int64_t i = 0; i < size; i++)
       x[i] = sin((double)i);
-    check_ok(context, bw_plane_multiply(context, graph, 2, values, x, y));
+    check_ok(context, bw_plane_multiply(context, pattern, 2, values, x, y));
     if (first) {
-      assert_memory_equal(first, values, 4 * (size_t)graph->pair_count * sizeof(double));
+      assert_memory_equal(first, values, 4 * (size_t)pattern->block_count * sizeof(double));
       assert_memory_equal(product, y, (size_t)size * sizeof(double));
       bw_free(values);
       bw_free(y);
@@ -150,7 +153,7 @@ static void test_threads(void **state) {
       product = y;
     }
     bw_free(x);
-    bw_release(graph);
+    bw_release(pattern);
   }
   bw_free(first);
   bw_free(product);
@@ -163,13 +166,13 @@ static void test_memory(void **state) {
   check_ok(context, bw_set_threads(context, 1));
   bw_status status = BW_MEMORY;
   for (int n = 1; status != BW_OK; n++) {
-    bw_plane_graph *graph = NULL;
+    bw_plane_pattern *pattern = NULL;
     bw_fail_allocation(n, true);
-    status = bw_plane_graph_create(context, topology, &graph);
+    status = bw_plane_pattern_create(context, topology, &pattern);
     bw_fail_allocation(0, false);
     assert_true(status == BW_OK || status == BW_MEMORY);
     assert_true(n < 100);
-    bw_release(graph);
+    bw_release(pattern);
   }
   bw_release(topology);
 }
@@ -177,13 +180,13 @@ static void test_memory(void **state) {
 static void test_refused(void **state) {
   bw_context *context = check_context(state);
   bw_plane_topology *topology = grid_create(context, 1, 2, 0, NULL);
-  bw_plane_graph *graph;
+  bw_plane_pattern *pattern;
   double x[9] = {0};
-  check_ok(context, bw_plane_graph_create(context, topology, &graph));
-  check_fails(context, BW_INVALID, "5 components", bw_plane_multiply(context, graph, 5, x, x, x));
+  check_ok(context, bw_plane_pattern_create(context, topology, &pattern));
+  check_fails(context, BW_INVALID, "5 components", bw_plane_multiply(context, pattern, 5, x, x, x));
   check_fails(context, BW_INVALID, "0 components",
-              bw_plane_assemble(context, graph, 0, random_matrix, NULL, x));
-  bw_release(graph);
+              bw_plane_assemble(context, pattern, 0, random_matrix, NULL, x));
+  bw_release(pattern);
   bw_release(topology);
 }
 

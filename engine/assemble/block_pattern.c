@@ -1,9 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The graph of nodes that share an element.
+/* The block sparsity pattern: nodes i and j share an element.
  *
  * Invariants: row i holds its columns j <= i in ascending order, the diagonal last. The places
- * upper_pair[upper_start[i]..] are those of the pairs (k, i) with k > i, k ascending. The
- * contributions gather_start[p].. of pair p are in ascending order of elements: summed in this
+ * upper_block[upper_start[i]..] are those of the blocks (k, i) with k > i, k ascending. The
+ * contributions gather_start[p].. of block p are in ascending order of elements: summed in this
  * order, a value has the same bits whichever thread sums it. */
 #include "assemble/internal.h"
 #include "base/sort.h"
@@ -13,28 +13,28 @@
 enum { ROWS_PER_CHUNK = 512 };
 
 static void destroy(void *object) {
-  bw_graph *graph = (bw_graph *)object;
-  bw_release(graph->mesh);
-  bw_free(graph->start);
-  bw_free(graph->column);
-  bw_free(graph->upper_start);
-  bw_free(graph->upper_pair);
-  bw_free(graph->upper_row);
-  bw_free(graph->gather_start);
-  bw_free(graph->gather_element);
-  bw_free(graph->gather_local);
-  bw_free(graph);
+  bw_block_pattern *pattern = (bw_block_pattern *)object;
+  bw_release(pattern->mesh);
+  bw_free(pattern->start);
+  bw_free(pattern->column);
+  bw_free(pattern->upper_start);
+  bw_free(pattern->upper_block);
+  bw_free(pattern->upper_row);
+  bw_free(pattern->gather_start);
+  bw_free(pattern->gather_element);
+  bw_free(pattern->gather_local);
+  bw_free(pattern);
 }
 
 static size_t bytes(const void *object) {
-  const bw_graph *graph = (const bw_graph *)object;
-  size_t nodes = (size_t)graph->node_count + 1, pairs = (size_t)graph->pair_count;
-  return sizeof *graph + 2 * nodes * sizeof(int64_t) + pairs * sizeof(int32_t) +
-         (pairs + 1 - nodes) * (sizeof(int64_t) + sizeof(int32_t)) + (pairs + 1) * sizeof(int64_t) +
-         (size_t)graph->gather_start[pairs] * 5;
+  const bw_block_pattern *pattern = (const bw_block_pattern *)object;
+  size_t nodes = (size_t)pattern->node_count + 1, blocks = (size_t)pattern->block_count;
+  return sizeof *pattern + 2 * nodes * sizeof(int64_t) + blocks * sizeof(int32_t) +
+         (blocks + 1 - nodes) * (sizeof(int64_t) + sizeof(int32_t)) +
+         (blocks + 1) * sizeof(int64_t) + (size_t)pattern->gather_start[blocks] * 5;
 }
 
-static const bw_kind graph_kind = {"graph", destroy, bytes};
+static const bw_kind pattern_kind = {"pattern", destroy, bytes};
 
 bw_status bwi_incidence_of_elements(bw_context *context, int32_t node_count, int32_t element_count,
                                     int nodes_per_element, const int32_t *element,
@@ -81,7 +81,7 @@ typedef struct builder {
   int nodes_per_element;
   const int32_t *element; /* elements x nodes_per_element */
   bwi_incidence incidence;
-  bw_graph *graph;
+  bw_block_pattern *pattern;
   int32_t *mark;       /* threads x node_count, see find_or_add */
   int64_t *row_gather; /* node_count + 1: contributions of the rows before */
 } builder;
@@ -91,7 +91,7 @@ typedef struct builder {
 static bw_status count_rows(void *data, int64_t begin, int64_t end, int worker) {
   builder *b = (builder *)data;
   int n = b->nodes_per_element;
-  int32_t *mark = b->mark + (int64_t)worker * b->graph->node_count;
+  int32_t *mark = b->mark + (int64_t)worker * b->pattern->node_count;
   for (int64_t i = begin; i < end; i++) {
     int64_t columns = 0, contributions = 0;
     for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
@@ -103,7 +103,7 @@ static bw_status count_rows(void *data, int64_t begin, int64_t end, int worker) 
           mark[node[a]] = (int32_t)(i + 1);
         }
     }
-    b->graph->start[i + 1] = columns;
+    b->pattern->start[i + 1] = columns;
     b->row_gather[i + 1] = contributions;
   }
   return BW_OK;
@@ -113,12 +113,12 @@ static bw_status count_rows(void *data, int64_t begin, int64_t end, int worker) 
  * place is filled and holds j; anything may stand in mark before. */
 static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
   builder *b = (builder *)data;
-  bw_graph *graph = b->graph;
+  bw_block_pattern *pattern = b->pattern;
   int n = b->nodes_per_element;
-  int32_t *mark = b->mark + (int64_t)worker * b->graph->node_count;
+  int32_t *mark = b->mark + (int64_t)worker * b->pattern->node_count;
   for (int64_t i = begin; i < end; i++) {
-    int32_t *column = graph->column + graph->start[i];
-    int64_t *gather = graph->gather_start + graph->start[i];
+    int32_t *column = pattern->column + pattern->start[i];
+    int64_t *gather = pattern->gather_start + pattern->start[i];
     int32_t count = 0;
     for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
       const int32_t *node = b->element + (int64_t)b->incidence.element[k] * n;
@@ -135,7 +135,7 @@ static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
       mark[column[p]] = p;
       gather[p] = 0;
     }
-    /* counts, then starts, then, moved along by filling, the starts of the next pairs */
+    /* counts, then starts, then, moved along by filling, the starts of the next blocks */
     for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
       const int32_t *node = b->element + (int64_t)b->incidence.element[k] * n;
       for (int a = 0; a < n; a++)
@@ -154,8 +154,8 @@ static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
       for (int a = 0; a < n; a++)
         if (node[a] <= i) {
           int64_t place = gather[mark[node[a]]]++;
-          graph->gather_element[place] = e;
-          graph->gather_local[place] = (uint8_t)(b->incidence.local[k] << 4 | a);
+          pattern->gather_element[place] = e;
+          pattern->gather_local[place] = (uint8_t)(b->incidence.local[k] << 4 | a);
         }
     }
     for (int32_t p = count - 1; p > 0; p--)
@@ -165,40 +165,42 @@ static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-static bw_status fill_upper(bw_context *context, bw_graph *graph) {
-  int64_t count = graph->pair_count - graph->node_count;
-  int64_t *start = graph->upper_start = BW_NEW0(context, int64_t, (int64_t)graph->node_count + 1);
-  graph->upper_pair = BW_NEW(context, int64_t, count);
-  graph->upper_row = BW_NEW(context, int32_t, count);
-  if (!graph->upper_start || !graph->upper_pair || !graph->upper_row)
+static bw_status fill_upper(bw_context *context, bw_block_pattern *pattern) {
+  int64_t count = pattern->block_count - pattern->node_count;
+  int64_t *start = pattern->upper_start =
+      BW_NEW0(context, int64_t, (int64_t)pattern->node_count + 1);
+  pattern->upper_block = BW_NEW(context, int64_t, count);
+  pattern->upper_row = BW_NEW(context, int32_t, count);
+  if (!pattern->upper_start || !pattern->upper_block || !pattern->upper_row)
     return BW_MEMORY;
-  for (int32_t i = 0; i < graph->node_count; i++)
-    for (int64_t p = graph->start[i]; p < graph->start[i + 1] - 1; p++)
-      start[graph->column[p] + 1]++;
-  for (int32_t i = 0; i < graph->node_count; i++)
+  for (int32_t i = 0; i < pattern->node_count; i++)
+    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++)
+      start[pattern->column[p] + 1]++;
+  for (int32_t i = 0; i < pattern->node_count; i++)
     start[i + 1] += start[i];
-  for (int32_t i = 0; i < graph->node_count; i++)
-    for (int64_t p = graph->start[i]; p < graph->start[i + 1] - 1; p++) {
-      int64_t place = start[graph->column[p]]++;
-      graph->upper_pair[place] = p;
-      graph->upper_row[place] = i;
+  for (int32_t i = 0; i < pattern->node_count; i++)
+    for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++) {
+      int64_t place = start[pattern->column[p]]++;
+      pattern->upper_block[place] = p;
+      pattern->upper_row[place] = i;
     }
-  memmove(start + 1, start, (size_t)graph->node_count * sizeof *start);
+  memmove(start + 1, start, (size_t)pattern->node_count * sizeof *start);
   start[0] = 0;
   return BW_OK;
 }
 
-bw_status bw_graph_of_elements(bw_context *context, int32_t node_count, int32_t element_count,
-                               int nodes_per_element, const int32_t *element, bw_graph **graph) {
+bw_status bw_block_pattern_of_elements(bw_context *context, int32_t node_count,
+                                       int32_t element_count, int nodes_per_element,
+                                       const int32_t *element, bw_block_pattern **pattern) {
   bw_status status = BW_OK;
   builder b = {.nodes_per_element = nodes_per_element, .element = element};
   int64_t nodes = node_count;
-  bw_graph *g = BW_NEW0(context, bw_graph, 1);
+  bw_block_pattern *g = BW_NEW0(context, bw_block_pattern, 1);
   if (!g)
     return BW_MEMORY;
-  bw_object_init(g, &graph_kind);
+  bw_object_init(g, &pattern_kind);
   g->node_count = node_count;
-  b.graph = g;
+  b.pattern = g;
 
   BW_TRY(bwi_incidence_of_elements(context, node_count, element_count, nodes_per_element, element,
                                    &b.incidence));
@@ -214,20 +216,20 @@ bw_status bw_graph_of_elements(bw_context *context, int32_t node_count, int32_t 
     g->start[i + 1] += g->start[i];
     b.row_gather[i + 1] += b.row_gather[i];
   }
-  g->pair_count = g->start[nodes];
-  g->column = BW_NEW(context, int32_t, g->pair_count);
-  g->gather_start = BW_NEW(context, int64_t, g->pair_count + 1);
+  g->block_count = g->start[nodes];
+  g->column = BW_NEW(context, int32_t, g->block_count);
+  g->gather_start = BW_NEW(context, int64_t, g->block_count + 1);
   g->gather_element = BW_NEW(context, int32_t, b.row_gather[nodes]);
   g->gather_local = BW_NEW(context, uint8_t, b.row_gather[nodes]);
   if (!g->column || !g->gather_start || !g->gather_element || !g->gather_local) {
     status = BW_MEMORY;
     goto done;
   }
-  g->gather_start[g->pair_count] = b.row_gather[nodes];
+  g->gather_start[g->block_count] = b.row_gather[nodes];
   BW_TRY(bw_check_cancel(context));
   BW_TRY(bw_parallel(context, nodes, ROWS_PER_CHUNK, fill_rows, &b));
   BW_TRY(fill_upper(context, g));
-  *graph = g;
+  *pattern = g;
   g = NULL;
 done:
   bwi_incidence_clear(&b.incidence);
@@ -237,33 +239,37 @@ done:
   return status;
 }
 
-bw_status bw_graph_create(bw_context *context, const bw_mesh *mesh, bw_graph **graph) {
-  bw_status status = bw_graph_of_elements(context, mesh->node_count, mesh->element_count,
-                                          mesh->nodes_per_element, mesh->element, graph);
+bw_status bw_block_pattern_create(bw_context *context, const bw_mesh *mesh,
+                                  bw_block_pattern **pattern) {
+  bw_status status = bw_block_pattern_of_elements(context, mesh->node_count, mesh->element_count,
+                                                  mesh->nodes_per_element, mesh->element, pattern);
   if (status == BW_OK)
-    (*graph)->mesh = (const bw_mesh *)bw_retain(mesh);
+    (*pattern)->mesh = (const bw_mesh *)bw_retain(mesh);
   return status;
 }
 
-bw_status bwi_graph_fits(bw_context *context, const bw_graph *graph, const bw_mesh *mesh) {
-  const bw_mesh *own = graph->mesh;
+bw_status bwi_block_pattern_fits(bw_context *context, const bw_block_pattern *pattern,
+                                 const bw_mesh *mesh) {
+  const bw_mesh *own = pattern->mesh;
   if (!own)
     return bw_fail(context, BW_INVALID,
-                   "the graph was made of element lists, not of a mesh; create a graph of this "
+                   "the pattern was made of element lists, not of a mesh; create a pattern of this "
                    "mesh");
   if (mesh == own || mesh->element == own->element)
     return BW_OK;
   if (mesh->node_count == own->node_count && mesh->element_count == own->element_count &&
       mesh->nodes_per_element == own->nodes_per_element)
     return BW_OK;
-  return bw_fail(context, BW_INVALID,
-                 "the graph belongs to a mesh of %d nodes and %d elements of %d nodes, not to this "
-                 "one of %d nodes and %d elements of %d nodes; create a graph of this mesh",
-                 own->node_count, own->element_count, own->nodes_per_element, mesh->node_count,
-                 mesh->element_count, mesh->nodes_per_element);
+  return bw_fail(
+      context, BW_INVALID,
+      "the pattern belongs to a mesh of %d nodes and %d elements of %d nodes, not to this "
+      "one of %d nodes and %d elements of %d nodes; create a pattern of this mesh",
+      own->node_count, own->element_count, own->nodes_per_element, mesh->node_count,
+      mesh->element_count, mesh->nodes_per_element);
 }
 
-void bwi_graph_mark_surface(const bw_graph *graph, const bw_mesh *mesh, uint8_t *surface) {
+void bwi_block_pattern_mark_surface(const bw_block_pattern *pattern, const bw_mesh *mesh,
+                                    uint8_t *surface) {
   int n = mesh->nodes_per_facet;
   for (int64_t f = 0; f < mesh->facet_count; f++)
     for (int a = 0; a < n; a++)
@@ -271,7 +277,7 @@ void bwi_graph_mark_surface(const bw_graph *graph, const bw_mesh *mesh, uint8_t 
         int32_t row = mesh->facet[f * n + a], column = mesh->facet[f * n + b];
         if (column >= row)
           continue;
-        surface[bwi_sorted_place(graph->column, graph->start[row], graph->start[row + 1], column)] =
-            1;
+        surface[bwi_sorted_place(pattern->column, pattern->start[row], pattern->start[row + 1],
+                                 column)] = 1;
       }
 }

@@ -1,9 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The closed forms of one pair (gather.h), in the one place where they are written: for all pairs
+/* The closed forms of one block (gather.h), in the one place where they are written: for all blocks
  * of a mesh (gather.c) and for those of a subdomain (subdomain_write.c). Inlined into their loops.
  */
-#ifndef BARWRIGHT_PAIR_H
-#define BARWRIGHT_PAIR_H
+#ifndef BARWRIGHT_BLOCK_H
+#define BARWRIGHT_BLOCK_H
 
 #include "assemble/gather.h"
 
@@ -11,19 +11,19 @@
 
 /* One contribution: first * u (x) v + second * w (x) z, the letters being numbers of frame vectors.
  * Indexed by the local pair (a << 4 | b). */
-typedef struct bwi_pair_product {
+typedef struct bwi_block_term {
   uint8_t u, v, w, z;
   double first, second;
-} bwi_pair_product;
-void bwi_product_table(int order, bwi_pair_product table[256]);
+} bwi_block_term;
+void bwi_product_table(int order, bwi_block_term table[256]);
 
 /* Where tensors are summed from: frames of all elements, or of those of one subdomain only. */
-typedef struct bwi_pair_source {
-  const bw_graph *graph;
+typedef struct bwi_block_source {
+  const bw_block_pattern *pattern;
   const bwi_frames *frames;
-  bwi_pair_product table[256];
-  int64_t contributions; /* of the whole graph */
-} bwi_pair_source;
+  bwi_block_term table[256];
+  int64_t contributions; /* of the whole pattern */
+} bwi_block_source;
 
 /* The elements that count, when not all do: frame number[e] - first if that is in [0, count). */
 typedef struct bwi_element_range {
@@ -44,14 +44,14 @@ static inline void bwi_add_curved(const bwi_frames *frames, int32_t number, int 
       t[r][c] += a >= b ? tensor[3 * r + c] : tensor[3 * c + r];
 }
 
-/* What the contributions from `begin` to `end` - 1 of one pair make of T, into t (rows of four, the
- * last unused). `range` NULL: all elements; else those are straight. */
-static inline void bwi_sum_contributions(const bwi_pair_source *source,
+/* What the contributions from `begin` to `end` - 1 of one block make of T, into t (rows of four,
+ * the last unused). `range` NULL: all elements; else those are straight. */
+static inline void bwi_sum_contributions(const bwi_block_source *source,
                                          const bwi_element_range *range, int64_t begin, int64_t end,
                                          bool diagonal, double t[3][4]) {
   /* Frames are asked for this many contributions ahead: numbers of neighbours may lie far apart. */
   enum { AHEAD = 32 };
-  const bw_graph *graph = source->graph;
+  const bw_block_pattern *pattern = source->pattern;
   const int32_t *curved = range ? NULL : source->frames->curved;
   const int vectors = source->frames->vectors;
   const bwi_vector *vector = range ? range->vector : source->frames->vector;
@@ -60,14 +60,14 @@ static inline void bwi_sum_contributions(const bwi_pair_source *source,
   if (curved)
     memset(extra, 0, sizeof extra);
   for (int64_t k = begin; k < end; k++) {
-    int32_t e = graph->gather_element[k];
-    int code = graph->gather_local[k];
+    int32_t e = pattern->gather_element[k];
+    int code = pattern->gather_local[k];
     if (range) {
       e = range->number[e] - range->first;
       if ((uint32_t)e >= (uint32_t)range->count)
         continue;
     } else if (k + AHEAD < source->contributions)
-      __builtin_prefetch(vector + (int64_t)graph->gather_element[k + AHEAD] * vectors);
+      __builtin_prefetch(vector + (int64_t)pattern->gather_element[k + AHEAD] * vectors);
     if (curved && curved[e] >= 0) {
       bwi_add_curved(source->frames, curved[e], code, extra);
       continue;
@@ -81,7 +81,7 @@ static inline void bwi_sum_contributions(const bwi_pair_source *source,
       t2 += 0.8 * (s[2] * s + (a[2] * a + b[2] * b));
       continue;
     }
-    const bwi_pair_product *p = &source->table[code];
+    const bwi_block_term *p = &source->table[code];
     const double *u = (const double *)(h + p->u), *w = (const double *)(h + p->w);
     bwi_vector v = p->first * h[p->v], z = p->second * h[p->z];
     t0 += u[0] * v + w[0] * z;
@@ -99,13 +99,13 @@ static inline void bwi_sum_contributions(const bwi_pair_source *source,
 
 /* What the same contributions make of the tensor of mean gradients, V mean(grad N_i) (x)
  * mean(grad N_j): on a straight tet10 those of corners vanish, and those of middles are s_m. */
-static inline void bwi_sum_means(const bwi_pair_source *source, int64_t begin, int64_t end,
+static inline void bwi_sum_means(const bwi_block_source *source, int64_t begin, int64_t end,
                                  double t[3][4]) {
   const bwi_frames *frames = source->frames;
   bwi_vector row[3] = {{0}, {0}, {0}};
   for (int64_t k = begin; k < end; k++) {
-    int64_t e = source->graph->gather_element[k];
-    int a = source->graph->gather_local[k] >> 4, b = source->graph->gather_local[k] & 15;
+    int64_t e = source->pattern->gather_element[k];
+    int a = source->pattern->gather_local[k] >> 4, b = source->pattern->gather_local[k] & 15;
     const bwi_vector *mean = frames->vector + e * frames->vectors;
     if (frames->curved && frames->curved[e] >= 0)
       mean = frames->curved_mean + (int64_t)frames->curved[e] * 10;
@@ -117,11 +117,11 @@ static inline void bwi_sum_means(const bwi_pair_source *source, int64_t begin, i
   memcpy(t, row, sizeof row);
 }
 
-/* T of one pair. */
-static inline void bwi_sum_pair(const bwi_pair_source *source, const bwi_element_range *range,
-                                int64_t pair, bool diagonal, double t[3][4]) {
-  const int64_t *start = source->graph->gather_start;
-  bwi_sum_contributions(source, range, start[pair], start[pair + 1], diagonal, t);
+/* T of one block. */
+static inline void bwi_sum_block(const bwi_block_source *source, const bwi_element_range *range,
+                                 int64_t index, bool diagonal, double t[3][4]) {
+  const int64_t *start = source->pattern->gather_start;
+  bwi_sum_contributions(source, range, start[index], start[index + 1], diagonal, t);
 }
 
 /* K = lambda T + mu T^T + mu tr(T) I */

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The graph's invariants against a naive construction, and products against the full matrix. */
+/* The pattern's invariants against a naive construction, and products against the full matrix. */
 #include "assemble/dense.h"
 
 /* A fan of elements around one edge: rows as long as the mesh. */
@@ -22,19 +22,19 @@ static void fan(bw_context *context, int blades, bw_mesh **mesh) {
   free(node), free(element);
 }
 
-static void check_graph(bw_context *context, const bw_mesh *mesh) {
-  bw_graph *g = NULL;
-  check_ok(context, bw_graph_create(context, mesh, &g));
+static void check_pattern(bw_context *context, const bw_mesh *mesh) {
+  bw_block_pattern *g = NULL;
+  check_ok(context, bw_block_pattern_create(context, mesh, &g));
   int n = mesh->node_count, per = mesh->nodes_per_element;
   int *together = (int *)calloc((size_t)n * (size_t)n, sizeof *together);
   for (int e = 0; e < mesh->element_count; e++)
     for (int a = 0; a < per; a++)
       for (int b = 0; b < per; b++)
         together[mesh->element[e * per + a] * n + mesh->element[e * per + b]]++;
-  int64_t pairs = 0, uppers = 0;
+  int64_t blocks = 0, uppers = 0;
   for (int i = 0; i < n; i++) {
     assert_int_equal(g->column[g->start[i + 1] - 1], i);
-    for (int64_t p = g->start[i]; p < g->start[i + 1]; p++, pairs++) {
+    for (int64_t p = g->start[i]; p < g->start[i + 1]; p++, blocks++) {
       int j = g->column[p];
       assert_true(p == g->start[i] || j > g->column[p - 1]);
       assert_int_equal(g->gather_start[p + 1] - g->gather_start[p], together[i * n + j]);
@@ -47,16 +47,16 @@ static void check_graph(bw_context *context, const bw_mesh *mesh) {
     }
     for (int64_t k = g->upper_start[i]; k < g->upper_start[i + 1]; k++, uppers++) {
       int row = g->upper_row[k];
-      int64_t p = g->upper_pair[k];
+      int64_t p = g->upper_block[k];
       assert_true(row > i && g->column[p] == i && p >= g->start[row] && p < g->start[row + 1]);
       assert_true(k == g->upper_start[i] || row > g->upper_row[k - 1]);
     }
     for (int j = 0; j <= i; j++)
-      pairs -= together[i * n + j] > 0;
+      blocks -= together[i * n + j] > 0;
   }
-  assert_int_equal(pairs, 0);
-  assert_int_equal(uppers, g->pair_count - n);
-  assert_int_equal(g->gather_start[g->pair_count], mesh->element_count * (per * (per + 1) / 2));
+  assert_int_equal(blocks, 0);
+  assert_int_equal(uppers, g->block_count - n);
+  assert_int_equal(g->gather_start[g->block_count], mesh->element_count * (per * (per + 1) / 2));
   assert_true(bw_bytes(g) > 0);
   free(together);
   bw_release(g);
@@ -67,32 +67,32 @@ static void invariants(void **state) {
   bw_mesh *mesh = NULL;
   for (int order = 1; order <= 2; order++) {
     perturbed_box(context, 3, 2, 2, order, 0.2, 0, &mesh);
-    check_graph(context, mesh);
+    check_pattern(context, mesh);
     bw_release(mesh);
   }
   fan(context, 500, &mesh);
-  check_graph(context, mesh);
+  check_pattern(context, mesh);
   bw_release(mesh);
 }
 
-static void same_graph_for_any_thread_count(void **state) {
+static void same_pattern_for_any_thread_count(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = NULL;
-  bw_graph *first = NULL;
+  bw_block_pattern *first = NULL;
   perturbed_box(context, 12, 10, 8, 2, 0.2, 0, &mesh);
   const int threads[] = {1, 2, 3, 7};
   for (int t = 0; t < 4; t++) {
-    bw_graph *g = NULL;
+    bw_block_pattern *g = NULL;
     check_ok(context, bw_set_threads(context, threads[t]));
-    check_ok(context, bw_graph_create(context, mesh, &g));
+    check_ok(context, bw_block_pattern_create(context, mesh, &g));
     if (!first) {
       first = g;
       continue;
     }
-    size_t pairs = (size_t)g->pair_count, all = (size_t)g->gather_start[pairs];
-    assert_int_equal(g->pair_count, first->pair_count);
-    assert_memory_equal(g->column, first->column, pairs * sizeof *g->column);
-    assert_memory_equal(g->gather_start, first->gather_start, pairs * sizeof *g->gather_start);
+    size_t blocks = (size_t)g->block_count, all = (size_t)g->gather_start[blocks];
+    assert_int_equal(g->block_count, first->block_count);
+    assert_memory_equal(g->column, first->column, blocks * sizeof *g->column);
+    assert_memory_equal(g->gather_start, first->gather_start, blocks * sizeof *g->gather_start);
     assert_memory_equal(g->gather_element, first->gather_element, all * sizeof(int32_t));
     assert_memory_equal(g->gather_local, first->gather_local, all);
     bw_release(g);
@@ -104,17 +104,17 @@ static void same_graph_for_any_thread_count(void **state) {
 static void product_is_that_of_the_full_matrix(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = NULL;
-  bw_graph *g = NULL;
+  bw_block_pattern *g = NULL;
   perturbed_box(context, 2, 2, 2, 2, 0.2, 0, &mesh);
-  check_ok(context, bw_graph_create(context, mesh, &g));
+  check_ok(context, bw_block_pattern_create(context, mesh, &g));
   int n = 3 * mesh->node_count, vectors = 6;
-  double *a = (double *)malloc(sizeof *a * 9 * (size_t)g->pair_count);
+  double *a = (double *)malloc(sizeof *a * 9 * (size_t)g->block_count);
   double *x = (double *)malloc(sizeof *x * (size_t)(n * vectors));
   double *y = (double *)malloc(sizeof *y * (size_t)(n * vectors));
   double *z = (double *)malloc(sizeof *z * (size_t)(n * vectors));
   bw_random random;
   bw_random_seed(&random, 3);
-  for (int64_t p = 0; p < 9 * g->pair_count; p++)
+  for (int64_t p = 0; p < 9 * g->block_count; p++)
     a[p] = bw_random_uniform(&random);
   for (int i = 0; i < mesh->node_count; i++) { /* symmetric on the diagonal, as stiffness is */
     double *d = a + 9 * (g->start[i + 1] - 1);
@@ -124,7 +124,7 @@ static void product_is_that_of_the_full_matrix(void **state) {
     x[i] = bw_random_uniform(&random) - 0.5;
   double *full = dense_stiffness(g, a);
 
-  check_ok(context, bw_graph_multiply(context, g, a, 9, 3, vectors, x, y));
+  check_ok(context, bw_block_multiply(context, g, a, 9, 3, vectors, x, y));
   for (int v = 0; v < vectors; v++) {
     for (int i = 0; i < n; i++) {
       double sum = 0;
@@ -133,25 +133,25 @@ static void product_is_that_of_the_full_matrix(void **state) {
       check_near(y[v * n + i], sum, 1e-12);
     }
     /* one by one: the same bits */
-    check_ok(context, bw_graph_multiply(context, g, a, 9, 3, 1, x + v * n, z));
+    check_ok(context, bw_block_multiply(context, g, a, 9, 3, 1, x + v * n, z));
     assert_memory_equal(z, y + v * n, sizeof *z * (size_t)n);
   }
-  /* one number per pair, on three components and on one */
-  check_ok(context, bw_graph_multiply(context, g, a, 1, 3, vectors, x, y));
-  check_ok(context, bw_graph_multiply(context, g, a, 1, 3, 1, x + n, z));
+  /* one number per block, on three components and on one */
+  check_ok(context, bw_block_multiply(context, g, a, 1, 3, vectors, x, y));
+  check_ok(context, bw_block_multiply(context, g, a, 1, 3, 1, x + n, z));
   assert_memory_equal(z, y + n, sizeof *z * (size_t)n);
   for (int k = 0; k < 3; k++) {
     double *one = (double *)malloc(sizeof *one * (size_t)n), *out = one + mesh->node_count;
     for (int i = 0; i < mesh->node_count; i++)
       one[i] = x[3 * i + k];
-    check_ok(context, bw_graph_multiply(context, g, a, 1, 1, 1, one, out));
+    check_ok(context, bw_block_multiply(context, g, a, 1, 1, 1, one, out));
     for (int i = 0; i < mesh->node_count; i++)
       assert_true(out[i] == y[3 * i + k]);
     free(one);
   }
-  check_ok(context, bw_graph_multiply(context, g, a, 9, 3, 0, x, y));
-  check_fails(context, BW_INVALID, "blocks", bw_graph_multiply(context, g, a, 9, 1, 1, x, y));
-  check_fails(context, BW_INVALID, "blocks", bw_graph_multiply(context, g, a, 4, 3, 1, x, y));
+  check_ok(context, bw_block_multiply(context, g, a, 9, 3, 0, x, y));
+  check_fails(context, BW_INVALID, "blocks", bw_block_multiply(context, g, a, 9, 1, 1, x, y));
+  check_fails(context, BW_INVALID, "blocks", bw_block_multiply(context, g, a, 4, 3, 1, x, y));
   free(a), free(x), free(y), free(z), free(full);
   bw_release(g);
   bw_release(mesh);
@@ -160,8 +160,8 @@ static void product_is_that_of_the_full_matrix(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(invariants),
-      check_test(same_graph_for_any_thread_count),
+      check_test(same_pattern_for_any_thread_count),
       check_test(product_is_that_of_the_full_matrix),
   };
-  return cmocka_run_group_tests_name("assemble: graph", tests, NULL, NULL);
+  return cmocka_run_group_tests_name("assemble: pattern", tests, NULL, NULL);
 }
