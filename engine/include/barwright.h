@@ -51,7 +51,7 @@
  * Functions    bw_X_default writes the defaults that the comments of the fields of bw_X name.
  *              bw_X_free and bw_X_destroy release a bw_X and all that it holds; NULL is fine.
  *              bw_X_clear releases what a struct holds, which may be all zeros, and leaves it
- *              all zeros. bw_X_word gives a static text. bw_X_check returns BW_GEOMETRY or
+ *              without anything to release. bw_X_word gives a static text. bw_X_check returns BW_GEOMETRY or
  *              BW_INVALID where the parts of an object contradict each other; for tests and
  *              debuggers.
  * Constness    Surfaces, meshes and materials do not change once made. Their fields may be

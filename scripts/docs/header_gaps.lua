@@ -8,7 +8,7 @@ local header_gaps = {}
 
 header_gaps.kinds = {"comment", "parameter", "unit", "shape", "default", "ownership", "status"}
 
--- Statuses that the contract names for every function.
+-- Statuses that the contract names for every function; and BW_IO for those that have a path.
 local CONTRACT = {BW_OK = true, BW_INVALID = true, BW_MEMORY = true, BW_CANCELLED = true, BW_INTERNAL = true}
 local OWNERS = {"free", "release", "retain", "owned", "owns", "borrow", "copied", "copy", "static", "valid until",
   "lives?%f[^%a]", "clear", "caller's"}
@@ -101,7 +101,7 @@ end
 
 local function owned(text)
   for _, word in ipairs(OWNERS) do
-    if text:find(word) then return true end
+    if text:lower():find(word) then return true end
   end
 end
 
@@ -160,6 +160,9 @@ local function status_gap(list, context, f)
   local near = statuses.of(context.sources, f.name, true)
   if not near then return add(list, "status", f.line, f.name .. ": no definition found") end
   local said = f.comment
+  for _, one in ipairs(f.parameters) do
+    if one.name == "path" then said = said .. " BW_IO" end
+  end
   for other in f.comment:gmatch "[Tt]hose of (bw_[%w_]+)" do
     if context.functions[other] then said = said .. context.functions[other].comment end
   end
@@ -181,8 +184,9 @@ end
 
 -- What the contract says of all functions of a kind.
 local function covered(name)
-  return name:find "_default$" or name:find "_free$" or name:find "_clear$" or name:find "_word$"
-    or name:find "_check$"
+  for _, ending in ipairs {"_default", "_free", "_clear", "_destroy", "_word", "_check"} do
+    if name:find(ending .. "$") then return true end
+  end
 end
 
 local function add_function(list, context, f, callback)
@@ -228,16 +232,23 @@ end
 function header_gaps.of(context, header)
   local list = {}
   if header.head == "" then add(list, "comment", 1, "no comment at the top") end
+  local typedefs, completed = {}, {} -- "typedef struct a a;" and "struct a {...};" share a comment
+  for _, one in ipairs(header.opaque) do typedefs[one.name] = one end
+  for _, one in ipairs(header.structs) do
+    local typedef = typedefs[one.name]
+    if typedef then completed[typedef] = true end
+    if typedef and one.comment == "" then one.comment = typedef.comment end
+  end
   for _, group in ipairs {header.macros, header.structs, header.enums, header.callbacks, header.opaque,
     header.constants} do
     for _, one in ipairs(group) do
-      if one.comment == "" and one.name ~= "" then add(list, "comment", one.line, one.name .. ": no comment") end
+      if one.comment == "" and one.name ~= "" and not completed[one] then
+        add(list, "comment", one.line, one.name .. ": no comment")
+      end
     end
   end
   for _, one in ipairs(header.opaque) do
-    local has_struct = false
-    for _, struct in ipairs(header.structs) do has_struct = has_struct or struct.name == one.name end
-    if not has_struct and not one.comment:find "[Oo]bject" and not owned(one.comment) then
+    if not completed[one] and not one.comment:find "[Oo]bject" and not owned(one.comment) then
       add(list, "ownership", one.line, one.name .. ": an object, or what releases it?")
     end
   end

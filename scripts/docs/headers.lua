@@ -50,6 +50,7 @@ end
 
 -- A declarator behind its type: name, stars, dimensions ("[3]"), whether it is a pointer to a function.
 local function declarator(text)
+  text = text:gsub("%*%s*const%f[^%w_]", "*")
   local name, arguments = text:match "^%s*%**%s*%(%*([%w_]+)%)%s*(%b())"
   if name then return {name = name, stars = 0, dimensions = "", calls = arguments} end
   name = text:match "^%s*%(%*([%w_]+)%)%s*%["
@@ -154,9 +155,10 @@ local function declaration(header, code, position, whole, comment)
   local line = line_at(whole, position)
   local stripped = code:gsub("/%*.-%*/", " "):gsub("%s+", " ")
   local open = code:find("{", 1, true)
+  if stripped:find "^static inline" then stripped = "BW_API" .. stripped:match "^static inline(.-)%s*{" end
   local entry = {comment = comment, line = line}
   local kind = stripped:match "^typedef (%a+)" or stripped:match "^(%a+) [%w_]*%s*{"
-  if open and (kind == "struct" or kind == "enum" or kind == "union") then
+  if open and not code:find "^static" and (kind == "struct" or kind == "enum" or kind == "union") then
     local body = code:match("%b{}"):sub(2, -2)
     entry.name = stripped:match "}%s*([%w_]+)" or stripped:match "^%a+ ([%w_]+) {" or ""
     if kind == "enum" then
@@ -213,22 +215,27 @@ function headers.parse(text)
       local name = row:match "^#define ([%w_]+)"
       local behind = row:match "/%*.-%*/"
       if name and not name:find "_H$" then
-        last = {name = name, comment = joined(comment, behind and plain(behind) or ""),
-          line = line_at(text, position)}
+        local line = line_at(text, position)
+        -- macros on successive lines share a comment, across #if
+        if last and last.stop + 1 == line and comment == "" and not behind then comment = last.comment end
+        last = {name = name, comment = joined(comment, behind and plain(behind) or ""), line = line,
+          stop = line_at(text, stop)}
         header.macros[#header.macros + 1] = last
       end
-      comment, position = "", stop + 1
+      if name then comment = "" elseif last then last.stop = line_at(text, stop) end
+      position = stop + 1
     elseif text:find('^extern "C" {', position) then
       position = position + #'extern "C" {'
     elseif text:find("^}", position) then
       position = position + 1
     else
       local depth, stop, i = 0, nil, position
+      local inline = text:find("^static inline", position) ~= nil
       while i <= #text and not stop do
         if text:find("^/%*", i) then i = select(2, text:find("%*/", i)) end
         local c = text:sub(i, i)
         if c == "{" then depth = depth + 1 elseif c == "}" then depth = depth - 1 end
-        if c == ";" and depth == 0 then stop = i end
+        if (c == ";" or inline and c == "}") and depth == 0 then stop = i end
         i = i + 1
       end
       stop = stop or #text

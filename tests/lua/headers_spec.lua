@@ -12,57 +12,25 @@ local allowed = {
 
   assemble = 38,
 
-  base = 103,
-
   certificate = 11,
-
-  confine = 14,
 
   distributed = 10,
 
-  element = 23,
-
-  faces = 16,
-
   flow = 28,
-
-  grid = 62,
-
-  io = 52,
-
-  job = 20,
-
-  material = 44,
-
-  mesh = 154,
 
   metamaterial = 27,
 
   model = 96,
 
-  nonlinear = 174,
-
-  outline = 42,
-
-  picture = 89,
+  nonlinear = 175,
 
   plane = 73,
 
   responsive = 111,
 
-  sample = 4,
+  shape = 105,
 
-  shape = 104,
-
-  singular = 19,
-
-  singular_places = 1,
-
-  solve = 106,
-
-  study = 80,
-
-  temporary = 3,
+  solve = 105,
 }
 
 local context = header_gaps.context(check.root .. "/engine/include", check.root .. "/engine")

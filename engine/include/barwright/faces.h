@@ -9,33 +9,37 @@
 extern "C" {
 #endif
 
+/* The primitive that a face lies on. */
 typedef enum bw_face_kind {
-  BW_FACE_PLANE,
-  BW_FACE_CYLINDER,
-  BW_FACE_CONE,
-  BW_FACE_SPHERE,
-  BW_FACE_FREE /* none of these */
+  BW_FACE_PLANE,    /* a plane */
+  BW_FACE_CYLINDER, /* a circular cylinder */
+  BW_FACE_CONE,     /* a circular cone */
+  BW_FACE_SPHERE,   /* a sphere */
+  BW_FACE_FREE      /* none of these */
 } bw_face_kind;
 BW_API const char *bw_face_word(bw_face_kind kind); /* "plane", ... */
 
+/* A face and its primitive. */
 typedef struct bw_face {
-  bw_face_kind kind;
+  bw_face_kind kind; /* of the primitive */
   int32_t triangle_count;
-  double area, centre[3]; /* of area */
-  double normal[3];       /* mean outward, unit; 0 where it closes on itself */
-  double point[3];        /* of the plane, of the axis, the centre of the sphere */
-  double axis[3];         /* unit: the plane's outward normal; of cylinder and cone */
-  double radius;          /* of cylinder and sphere; of the cone at `point`; else 0 */
-  double slope;           /* of the cone: growth of the radius per length along the axis; else 0 */
-  double residual;        /* largest distance of a corner from the primitive; 0 for free ones */
+  double area;      /* (m2) */
+  double centre[3]; /* (m) centroid of the area */
+  double normal[3]; /* (-) mean outward, unit; 0 where it closes on itself */
+  double point[3];  /* (m) of the plane, of the axis, the centre of the sphere */
+  double axis[3];   /* (-) unit: the plane's outward normal; of cylinder and cone */
+  double radius;    /* (m) of cylinder and sphere; of the cone at `point`; else 0 */
+  double slope;     /* (-) of the cone: growth of the radius per length along the axis; else 0 */
+  double residual;  /* (m) largest distance of a corner from the primitive; 0 for free ones */
 } bw_face;
 
+/* The faces of a surface. */
 typedef struct bw_faces {
   bw_object object;
   int32_t count;
   bw_face *face; /* by descending area */
   int32_t triangle_count;
-  int32_t *of_triangle; /* triangle_count: the number of its face */
+  int32_t *of_triangle; /* (index, triangle_count) its face */
 } bw_faces;
 
 /* Facets whose normals differ by at most `angle` (radians; 0: 30 degrees) are of one face, unless
@@ -46,18 +50,18 @@ BW_API bw_status bw_faces_find(bw_context *context, const bw_surface *surface, d
  * the surface has no facets. */
 BW_API int32_t bw_faces_near(const bw_faces *faces, const bw_surface *surface,
                              const double point[3]);
-/* The signed distance of a point from a face's primitive and its gradient (unit, may be NULL); 0
- * for a free one. Inside a cylinder, cone or sphere it is negative. */
+/* The signed distance (m) of a point x (m) from a face's primitive and its gradient (-), which may
+ * be NULL; 0 for a free one. Inside a cylinder, cone or sphere it is negative. */
 BW_API double bw_face_distance(const bw_face *face, const double x[3], double gradient[3]);
 
-/* The number of the face of the surface that each facet of a mesh's boundary lies on (label:
- * facet_count), -1 where it is not clear. */
+/* The face of the surface that each facet of a mesh's boundary lies on: label (index, facet_count),
+ * -1 where it is not clear. */
 BW_API bw_status bw_faces_on_mesh(bw_context *context, const bw_surface *surface,
                                   const bw_faces *faces, const bw_mesh *mesh, int32_t *label);
 
 /* A mesh of order 2 with the nodes of its boundary's edges on the primitives of the surface that it
- * was filled from. Nodes stay where an element would become too distorted. `count`, when asked
- * for: how many moved. BW_INVALID for a mesh of order 1. */
+ * was filled from. Nodes stay where an element would become too distorted. `count` (may be NULL):
+ * how many moved. BW_INVALID for a mesh of order 1. */
 BW_API bw_status bw_mesh_curved(bw_context *context, const bw_mesh *mesh, const bw_surface *surface,
                                 bw_mesh **curved, int64_t *count);
 

@@ -16,87 +16,112 @@ extern "C" {
 
 /* A file being written: bytes go to a temporary file beside it (temporary.h); commit renames,
  * discard removes. The first error sticks: it is enough to look at what commit returns. Printing is
- * independent of the locale. A failed write, a full disk say, leaves the old file. */
+ * independent of the locale. A failed write, a full disk say, leaves the old file. Released by
+ * bw_writer_commit or bw_writer_discard. */
 typedef struct bw_writer bw_writer;
+/* Begins a file. A target that is no regular file (a pipe, a terminal) is written directly. The
+ * writer borrows the context until it is released. */
 BW_API bw_status bw_writer_open(bw_context *context, const char *path, bw_writer **writer);
+/* Appends `count` bytes, through a buffer. BW_IO when the system refuses to write; then, as for all
+ * functions of writers, every later call returns the same. */
 BW_API bw_status bw_writer_bytes(bw_writer *writer, const void *bytes, size_t count);
+/* Appends a text by the printf `format`. BW_IO as bw_writer_bytes. */
 BW_API bw_status bw_writer_print(bw_writer *writer, const char *format, ...) BW_PRINTF(2, 3);
-/* Flushes, syncs, renames, closes; the writer is gone whatever comes back. */
+/* Flushes, syncs, renames, and releases the writer whatever comes back. BW_IO when the system
+ * refuses one of these, or refused one before. */
 BW_API bw_status bw_writer_commit(bw_writer *writer);
-BW_API void bw_writer_discard(bw_writer *writer);                   /* NULL is fine */
-BW_API bw_status bw_writer_number(bw_writer *writer, double value); /* as bw_format_number */
+/* Removes what was written and releases the writer. NULL is fine. */
+BW_API void bw_writer_discard(bw_writer *writer);
+/* Appends a value (any) as bw_format_number writes it. BW_IO as bw_writer_bytes. */
+BW_API bw_status bw_writer_number(bw_writer *writer, double value);
+/* Appends a decimal value. BW_IO as bw_writer_bytes. */
 BW_API bw_status bw_writer_integer(bw_writer *writer, int64_t value);
-/* The shortest of 15, 16 or 17 digits that reads back as the same number; a point whatever the
- * locale. Returns the length. */
-enum { BW_NUMBER_BYTES = 32 };
+enum { BW_NUMBER_BYTES = 32 /* of any number that bw_format_number writes, with the final 0 */ };
+/* Writes a value (any) to `text` in the shortest of 15, 16 or 17 digits that reads back as the same
+ * number; with a point whatever the locale. Returns the length. */
 BW_API int bw_format_number(double value, char text[BW_NUMBER_BYTES]);
-/* A whole text as a finite decimal number, correctly rounded, whatever the locale. */
+/* Reads a whole text as a finite decimal number *value (any), correctly rounded, whatever the
+ * locale. False for anything else; *value is then not defined. */
 BW_API bool bw_parse_number(const char *text, double *value);
 
-/* The whole file in memory, followed by a 0 byte that is not counted. Release with bw_free. */
+/* The whole file in memory, followed by a 0 byte that is not counted. Release with bw_free.
+ * BW_LIMIT beyond 4 GiB. */
 BW_API bw_status bw_read_file(bw_context *context, const char *path, unsigned char **bytes,
                               size_t *count);
 
 /* ---- surfaces: STL OBJ OFF PLY MSH VTU ---------------------------------------------------- */
 
+/* What a reader found. */
 typedef struct bw_read_info {
   char format[40];  /* "STL binary", "OBJ", "PLY binary little endian", "MSH 4.1", ... */
   int64_t polygons; /* facets with more than three corners that were cut into triangles */
   int64_t skipped;  /* records that were passed over (lines, points, unknown elements) */
-  int group_count;
 } bw_read_info;
 
 /* Points as in the file (no unit conversion); exactly equal points of STL facets are welded.
- * `info` may be NULL. A volume mesh (MSH, VTU) gives its boundary. */
+ * `info` may be NULL. A volume mesh (MSH, VTU) gives its boundary. BW_FORMAT where the content is
+ * not what its format says, BW_GEOMETRY for indices or coordinates that make no surface, BW_LIMIT
+ * beyond 2^31 - 1 points or facets and for files beyond 4 GiB, BW_UNSUPPORTED for a variant of a
+ * format that is not read. Details: "file", and "line" or "byte". */
 BW_API bw_status bw_surface_read(bw_context *context, const char *path, bw_surface **surface,
                                  bw_read_info *info);
-/* From memory, for fuzzing and tests; `name` stands for the file in messages and its ending
- * decides where the content does not. */
+/* The same from `count` bytes in memory, for fuzzing and tests; `name` stands for the file in
+ * messages and its ending decides where the content does not. */
 BW_API bw_status bw_surface_parse(bw_context *context, const char *name, const unsigned char *bytes,
                                   size_t count, bw_surface **surface, bw_read_info *info);
-/* By the ending of the path: .stl (binary; `ascii` for text), .obj .ply .off .vtu .msh */
+/* By the ending of the path: .stl (binary; `ascii` for text), .obj .ply .off .vtu .msh; BW_INVALID
+ * for another. */
 BW_API bw_status bw_surface_write(bw_context *context, const bw_surface *surface, const char *path,
                                   bool ascii);
 
 /* ---- tetrahedral meshes: VTU MSH MEDIT TetGen INP ------------------------------------------ */
 
-/* A named array over nodes, elements or boundary facets; rows in mesh order. */
-typedef enum bw_field_place { BW_ON_NODES, BW_ON_ELEMENTS } bw_field_place;
+/* What the rows of a field belong to. */
+typedef enum bw_field_place {
+  BW_ON_NODES,   /* nodes of a mesh, points of a surface */
+  BW_ON_ELEMENTS /* elements of a mesh, facets of a surface */
+} bw_field_place;
+/* A named array over nodes or elements; rows in mesh order. Name and array are borrowed. */
 typedef struct bw_field {
-  const char *name;
-  bw_field_place place;
+  const char *name;      /* as the file shall have it */
+  bw_field_place place;  /* what its rows belong to */
   const bw_array *array; /* rows x components; 6 components are xx yy zz yz zx xy */
 } bw_field;
 
-/* What a mesh file holds beyond the mesh. Cleared by bw_mesh_file_clear. */
+/* A named set of nodes or elements. */
 typedef struct bw_named_set {
-  char *name;
+  char *name;       /* as in the file */
   bool of_elements; /* else of nodes */
   int64_t count;
-  int32_t *member;
+  int32_t *member; /* (index, count) of the mesh */
 } bw_named_set;
+/* What a mesh file holds; bw_mesh_file_clear releases all. */
 typedef struct bw_mesh_file {
-  bw_mesh *mesh;
+  bw_mesh *mesh; /* one reference */
   int field_count;
-  char **field_name;
-  bw_field_place *field_place;
-  bw_array **field_array;
+  char **field_name;           /* field_count names */
+  bw_field_place *field_place; /* field_count places */
+  bw_array **field_array;      /* field_count arrays, one reference each */
   int set_count;
-  bw_named_set *set;
-  bw_read_info info;
+  bw_named_set *set; /* set_count sets */
+  bw_read_info info; /* what the reader found */
 } bw_mesh_file;
 BW_API void bw_mesh_file_clear(bw_mesh_file *file);
 /* .vtu (ascii, base64 and appended raw, zlib or not), .msh 2.2 and 4.1 (ascii, binary), .mesh
  * (MEDIT), .node/.ele (either name finds both), .inp (nodes, C3D4, C3D10, NSET, ELSET).
  * Nodes are kept in file order except unused ones. Elements that are not tetrahedra are counted in
- * info.skipped; none at all is BW_FORMAT. */
+ * info.skipped; none at all is BW_FORMAT. Statuses as those of bw_surface_read. `file` is written
+ * on success only; release what it holds with bw_mesh_file_clear. */
 BW_API bw_status bw_mesh_read(bw_context *context, const char *path, bw_mesh_file *file);
+/* The same from `count` bytes in memory, under a name as bw_surface_parse. */
 BW_API bw_status bw_mesh_parse(bw_context *context, const char *name, const unsigned char *bytes,
                                size_t count, bw_mesh_file *file);
 /* By the ending: .vtu (appended raw, zlib), .msh (4.1 binary), .mesh, .node or .ele (writes both),
- * .inp (nodes and elements only). Fields go where the format has a place (.vtu, .msh). */
+ * .inp (nodes and elements only). Fields go where the format has a place (.vtu, .msh); a field
+ * whose rows do not fit the mesh is BW_INVALID, as is another ending. */
 BW_API bw_status bw_mesh_write(bw_context *context, const bw_mesh *mesh, const char *path,
                                int field_count, const bw_field *fields);
+/* The same as .msh 2.2 (ascii), for programs that read no other. */
 BW_API bw_status bw_msh22_write(bw_context *context, const bw_mesh *mesh, const char *path,
                                 int field_count, const bw_field *fields);
 /* A surface with fields on its points or facets, as .vtu (BW_ON_ELEMENTS = facets). */
@@ -106,54 +131,60 @@ BW_API bw_status bw_surface_write_vtu(bw_context *context, const bw_surface *sur
 BW_API bw_status bw_plane_write_vtu(bw_context *context, const bw_plane_mesh *mesh,
                                     const char *path, int field_count, const bw_field *fields);
 
-/* Sound, -1 to 1 (clipped), one channel of 16-bit samples. */
+/* Sound: sample (-, count), clipped to -1 to 1, one channel of 16-bit samples, as .wav with `rate`
+ * samples per second (1000 to 768000). BW_LIMIT beyond 2 GB. */
 BW_API bw_status bw_wav_write(bw_context *context, const char *path, int32_t rate, int64_t count,
                               const double *sample);
 
 /* ---- outlines: SVG DXF ---------------------------------------------------------------------- */
 
+/* How drawings are read; all zeros are the defaults. */
 typedef struct bw_outline_read_options {
-  double unit;      /* metres per unit of the file; 0: what the file says, else a pixel of 1/96 inch
-                       (SVG), a millimetre (DXF) */
-  double tolerance; /* ends of open curves this near are put together, m; 0: 1e-5 of the size */
+  double unit;      /* (m) of one unit of the file; default 0: what the file says, else a pixel of
+                       1/96 inch (SVG), a millimetre (DXF) */
+  double tolerance; /* (m) ends of open curves this near are joined; default 0: 1e-5 of the size */
 } bw_outline_read_options;
 /* Lines, curves and arcs (as cubics, off by 4e-6 of the radius) of a drawing. Closed curves, and
  * open ones that close when put together, are loops; those inside an even number of others are
  * material (region 0), the rest holes. y goes up: SVG's is mirrored about the middle of the page.
  * Names are the id (SVG), tags the class (SVG) or layer (DXF). `options` and `info` may be NULL.
- * What the writers below wrote comes back with its regions, names and tags (SVG) or its layers as
- * tags (DXF). */
+ * What bw_outline_write wrote comes back with its regions, names and tags (SVG) or its layers as
+ * tags (DXF). BW_FORMAT where the content is not what its format says, BW_GEOMETRY for curves that
+ * make no outline, BW_LIMIT for files beyond 4 GiB. */
 BW_API bw_status bw_outline_read(bw_context *context, const char *path,
                                  const bw_outline_read_options *options, bw_outline **outline,
                                  bw_read_info *info);
+/* The same from `count` bytes in memory, under a name as bw_surface_parse. */
 BW_API bw_status bw_outline_parse(bw_context *context, const char *name, const unsigned char *bytes,
                                   size_t count, const bw_outline_read_options *options,
                                   bw_outline **outline, bw_read_info *info);
-/* By the ending: .svg, .dxf; in millimetres. */
+/* By the ending: .svg, .dxf; in millimetres. BW_INVALID for another. */
 BW_API bw_status bw_outline_write(bw_context *context, const bw_outline *outline, const char *path);
 
-/* A CalculiX/Abaqus static step, ready for ccx. Written by bw_model_write_inp (model.h). */
+/* A CalculiX/Abaqus static step, ready for ccx. Written by bw_model_write_inp (model.h). All
+ * pointers are borrowed. */
 typedef struct bw_inp_deck {
   const bw_mesh *mesh;
-  const char *title;
-  bool isotropic;
-  double young, poisson; /* when isotropic */
-  double stiffness[21];  /* else the upper triangle of the 6x6 matrix in CalculiX's order
-                            D1111 D1122 D2222 D1133 D2233 D3333 D1112 ... D2323 (ANISO) */
-  double density;        /* 0: none written */
-  double gravity[3];     /* m/s2 */
-  int64_t fixed_count;   /* single displacements: node, direction 0..2, value */
-  const int32_t *fixed_node;
-  const int *fixed_direction;
-  const double *fixed_value;
-  int64_t equation_count; /* a0 u0 + a1 u1 + a2 u2 = 0 at one node (oblique slides) */
-  const int32_t *equation_node;
-  const double *equation_normal; /* equation_count x 3 */
-  const double *force;           /* node_count x 3, or NULL */
-  double expansion;              /* 1/K, alike in all directions; with `temperature` */
-  const double *temperature;     /* node_count: changes of temperature (K), or NULL */
+  const char *title;          /* one line */
+  bool isotropic;             /* whether young and poisson describe the material, or `stiffness` */
+  double young, poisson;      /* (any) modulus (Pa) and ratio (-), when isotropic */
+  double stiffness[21];       /* (Pa) else the upper triangle of the 6x6 matrix in CalculiX's order
+                                 D1111 D1122 D2222 D1133 D2233 D3333 D1112 ... D2323 (ANISO) */
+  double density;             /* (kg/m3) 0: none written */
+  double gravity[3];          /* (m/s2) */
+  int64_t fixed_count;        /* single displacements: node, direction 0..2, value */
+  const int32_t *fixed_node;  /* (index, fixed_count) */
+  const int *fixed_direction; /* (fixed_count) 0, 1 or 2 */
+  const double *fixed_value;  /* (m, fixed_count) */
+  int64_t equation_count;     /* a0 u0 + a1 u1 + a2 u2 = 0 at one node (oblique slides) */
+  const int32_t *equation_node;  /* (index, equation_count) */
+  const double *equation_normal; /* (-, equation_count x 3) the a */
+  const double *force;           /* (N, node_count x 3) or NULL */
+  double expansion;              /* (1/K) alike in all directions; with `temperature` */
+  const double *temperature;     /* (K, node_count) changes of temperature, or NULL */
   int modes;                     /* > 0: a *FREQUENCY step for so many modes instead */
 } bw_inp_deck;
+/* Writes a deck as .inp. */
 BW_API bw_status bw_inp_write(bw_context *context, const bw_inp_deck *deck, const char *path);
 
 #ifdef __cplusplus

@@ -8,8 +8,9 @@
 extern "C" {
 #endif
 
+/* A measured constant in the unit of what it belongs to. */
 typedef struct bw_value {
-  double mean, scatter; /* scatter: one standard deviation; 0 when not known */
+  double mean, scatter; /* (any) scatter: one standard deviation; 0 when not known */
   const char *source;   /* a static string: where the value comes from; NULL: given by the user */
 } bw_value;
 
@@ -17,82 +18,96 @@ typedef struct bw_value {
  * rotation of its own. */
 typedef struct bw_material_turns {
   int32_t element_count, count;
-  int32_t *of_element; /* element_count: its group, from 0 to count - 1 */
-  double *rotation;    /* count x 9: material axis e_i of the unturned material goes to R e_i */
-  double *axes;        /* count x 9, and the matrices that belong to them, count x 36 each */
-  double *elasticity, *compliance;
+  int32_t *of_element; /* (index, element_count) its group, from 0 to count - 1 */
+  double *rotation;    /* (-, count x 9) material axis e_i of the unturned material goes to R e_i */
+  double *axes;        /* (-, count x 9) as bw_material.axes, of each group */
+  double *elasticity;  /* (Pa, count x 36) in these axes */
+  double *compliance;  /* (1/Pa, count x 36) its inverse */
 } bw_material_turns;
 
 /* How displacements enter the strain energy of an element. B-bar: the part of the bulk modulus that
  * locks acts on the mean of the volumetric strain over the element (docs/theory/elements.md). */
-typedef enum bw_formulation { BW_STANDARD, BW_B_BAR } bw_formulation;
+typedef enum bw_formulation {
+  BW_STANDARD, /* displacements alone */
+  BW_B_BAR     /* with the mean of the volumetric strain */
+} bw_formulation;
 
+/* A linear elastic law with strength, density and toughness. */
 typedef struct bw_material bw_material;
 struct bw_material {
   bw_object object;
-  char name[48];
-  bool isotropic;
-  double density;        /* kg/m3; 0 when not given */
-  double elasticity[36]; /* 6x6, global axes, order xx yy zz yz zx xy, engineering shears: Pa */
-  double compliance[36]; /* its inverse, 1/Pa */
-  double axes[9];        /* rows: material axes 1 2 3 in global coordinates */
-  double young[3];       /* Y1 Y2 Y3, Pa */
-  double poisson[3];     /* nu23 nu31 nu12: nu_ij is the contraction along j under load along i */
-  double shear[3];       /* G23 G31 G12, Pa */
-  double strength[3];    /* tensile strength along axes 1 2 3, Pa; 0 when not known */
-  double toughness;      /* fracture toughness K_Ic, Pa m^1/2; 0 when not known */
-  double lame_lambda, lame_mu; /* when isotropic */
+  char name[48];         /* for messages and results */
+  bool isotropic;        /* else orthotropic */
+  double density;        /* (kg/m3) 0 when not given */
+  double elasticity[36]; /* (Pa) 6x6, global axes, order xx yy zz yz zx xy, engineering shears */
+  double compliance[36]; /* (1/Pa) its inverse */
+  double axes[9];        /* (-) rows: material axes 1 2 3 in global coordinates */
+  double young[3];       /* (Pa) Y1 Y2 Y3 */
+  double poisson[3];  /* (-) nu23 nu31 nu12: nu_ij is the contraction along j under load along i */
+  double shear[3];    /* (Pa) G23 G31 G12 */
+  double strength[3]; /* (Pa) tensile strength along axes 1 2 3; 0 when not known */
+  double toughness;   /* (Pa m^0.5) fracture toughness K_Ic; 0 when not known */
+  double lame_lambda, lame_mu; /* (Pa) when isotropic */
   bw_formulation formulation;  /* of the elements that have this material */
   /* with scatter and source, where they are known (the library's materials) */
   bw_value young_value[3], poisson_value[3], strength_value[3], density_value, toughness_value;
   /* Of a material turned by element (bw_material_turned), else NULL. Axes and matrices above are
    * then those before any turn; what knows the element takes them from the functions below. */
   const bw_material *unturned; /* retained */
-  bw_material_turns *turns;
+  bw_material_turns *turns;    /* owned */
 };
-/* 6x6, as `elasticity` and `compliance`, in a given element of the mesh. */
+/* The elasticity matrix, 36 numbers (Pa), in an element of the mesh; lives as long as the material.
+ */
 static inline const double *bw_material_elasticity(const bw_material *material, int64_t element) {
   const bw_material_turns *t = material->turns;
   return t ? t->elasticity + 36 * (int64_t)t->of_element[element] : material->elasticity;
 }
+/* The compliance matrix, 36 numbers (1/Pa), in an element; lives as long as the material. */
 static inline const double *bw_material_compliance(const bw_material *material, int64_t element) {
   const bw_material_turns *t = material->turns;
   return t ? t->compliance + 36 * (int64_t)t->of_element[element] : material->compliance;
 }
 
+/* The constants of an isotropic material. */
 typedef struct bw_isotropic {
-  const char *name;
-  double young, poisson, density, strength, toughness; /* the last three may be 0 */
+  const char *name; /* copied, up to 47 bytes */
+  double young;     /* (Pa) > 0 */
+  double poisson;   /* (-) > -1 and < 1/2 */
+  double density;   /* (kg/m3) 0: not given */
+  double strength;  /* (Pa) in tension; 0: not known */
+  double toughness; /* (Pa m^0.5) 0: not known */
 } bw_isotropic;
-/* young > 0 and -1 < poisson < 1/2, or BW_INVALID. */
+/* A material of these constants. BW_INVALID names one that is out of range. */
 BW_API bw_status bw_material_isotropic(bw_context *context, const bw_isotropic *constants,
                                        bw_material **material);
 
+/* The constants of an orthotropic material, along its axes 1 2 3. */
 typedef struct bw_orthotropic {
-  const char *name;
-  double young[3];     /* Y1 Y2 Y3 */
-  double poisson[3];   /* nu23 nu31 nu12; 0: derived from poisson_t */
-  double poisson_t[3]; /* nu32 nu13 nu21; 0: derived from poisson by nu_ij/Y_i = nu_ji/Y_j. Where
-                          both are given they are checked against each other */
-  double shear[3];     /* G23 G31 G12; 0: the worst-case paper's formula (section 6), that is
+  const char *name;    /* copied, up to 47 bytes */
+  double young[3];     /* (Pa) Y1 Y2 Y3 */
+  double poisson[3];   /* (-) nu23 nu31 nu12; 0: derived from poisson_t */
+  double poisson_t[3]; /* (-) nu32 nu13 nu21; 0: derived from poisson by nu_ij/Y_i = nu_ji/Y_j.
+                          Where both are given they are checked against each other */
+  double shear[3];     /* (Pa) G23 G31 G12; 0: the worst-case paper's formula (section 6), that is
                           1/G_ij = 1/Y_i + 1/Y_j + 2 nu_ij/Y_i, the same for ij and ji */
-  double axes[9];      /* rotation, rows are the material axes; all zero: identity */
-  double density;
-  double strength[3];
-  double toughness;
+  double axes[9];      /* (-) rotation, rows are the material axes; all zero: identity */
+  double density;      /* (kg/m3) 0: not given */
+  double strength[3];  /* (Pa) in tension along the axes; 0: not known */
+  double toughness;    /* (Pa m^0.5) 0: not known */
 } bw_orthotropic;
 /* Checked for positive definiteness, for the reciprocal relation (relative 1e-6) and for axes being
  * a rotation: BW_INVALID names the constants. */
 BW_API bw_status bw_material_orthotropic(bw_context *context, const bw_orthotropic *constants,
                                          bw_material **material);
-/* The same material turned by a rotation (3x3, row by row): axes' = axes * rotation^T, so that each
+/* The same material turned by a 3x3 rotation (-): axes' = axes * rotation^T, so that each
  * material axis e_i goes to rotation * e_i. BW_INVALID when the matrix is not a rotation. */
 BW_API bw_status bw_material_rotated(bw_context *context, const bw_material *material,
                                      const double rotation[9], bw_material **rotated);
-/* The same material with axes by element: those of group of_element[e] (element_count numbers)
- * turned by rotation[9 * group] as by bw_material_rotated. It fits meshes of element_count elements
- * only. An isotropic material is itself, retained. BW_INVALID for a group that is not there, a
- * rotation that is none, and a material that is turned by element already. */
+/* The same material with axes by element: those of group of_element[e] are turned by the rotation
+ * of that group as by bw_material_rotated: of_element (index, element_count), rotation (-,
+ * group_count x 9). It fits meshes of element_count elements only. An isotropic material is itself,
+ * retained. BW_INVALID for a group that is not there, a rotation that is none, and a material that
+ * is turned by element already. */
 BW_API bw_status bw_material_turned(bw_context *context, const bw_material *material,
                                     int32_t element_count, int32_t group_count,
                                     const int32_t *of_element, const double *rotation,
@@ -105,31 +120,33 @@ BW_API bw_status bw_material_fits(bw_context *context, const bw_material *materi
  * turn the formulated one. */
 BW_API bw_status bw_material_formulated(bw_context *context, const bw_material *material,
                                         bw_formulation formulation, bw_material **formulated);
-/* The bulk modulus under uniform pressure, 1 / (1 : S : 1) (Reuss); a part of C not above it leaves
- * the rest of C positive. The shear modulus is Voigt's mean over all directions. */
+/* The bulk modulus (Pa) under uniform pressure, 1 / (1 : S : 1) (Reuss); a part of C not above it
+ * leaves the rest of C positive. */
 BW_API double bw_material_bulk(const bw_material *material);
+/* The shear modulus (Pa) as Voigt's mean over all directions. */
 BW_API double bw_material_mean_shear(const bw_material *material);
-/* The part of the bulk modulus that acts on the mean of the volumetric strain of an element, in the
- * B-bar formulation; 0 in the standard one, and for materials that do not lock. */
+/* The part of the bulk modulus (Pa) that acts on the mean of the volumetric strain of an element,
+ * in the B-bar formulation; 0 in the standard one, and for materials that do not lock. */
 BW_API double bw_material_projected_bulk(const bw_material *material);
 
-/* The library: steel, aluminium, pla, abs, resin, green_state_stainless_steel, nylon_pa2200, zp150
- * (engine/material/library.c). NULL past the end. */
+/* How many materials the library has: steel, aluminium, pla, abs, resin,
+ * green_state_stainless_steel, nylon_pa2200, zp150 (engine/material/library.c). */
 BW_API int bw_material_library_count(void);
+/* The name of the i-th one, static; NULL past the end. */
 BW_API const char *bw_material_library_name(int i);
-/* BW_INVALID lists the names there are. */
+/* A material of the library. For an unknown name the message of BW_INVALID lists the names. */
 BW_API bw_status bw_material_named(bw_context *context, const char *name, bw_material **material);
 
-/* Strength in direction n (any length), interpolated over the material axes e_i by
+/* Strength (Pa) in direction n, interpolated over the material axes e_i by
  * 1/s(n)^2 = sum_i (n . e_i)^2 / s_i^2; 0 when not known along all three. */
 BW_API double bw_material_strength(const bw_material *material, const double direction[3]);
-/* The critical distance (K_Ic / strength)^2 / pi of the theory of critical distances, by the
+/* The critical distance (m), (K_Ic / strength)^2 / pi, of the theory of critical distances, by the
  * largest of the strengths; 0 when one of both is not known (docs/theory/singular.md). */
 BW_API double bw_material_critical_distance(const bw_material *material);
 /* The same with its standard deviation, 2 L ((s_K / K)^2 + (s_s / s)^2)^1/2 by those of toughness
  * and strength, where one of them is known. `source` where that of the toughness is known. */
 BW_API bw_value bw_material_critical_distance_value(const bw_material *material);
-/* Utilisation of a stress tensor: the largest over the principal stresses of
+/* Utilisation (-) of a stress tensor: the largest over the principal stresses of
  * |sigma_i| / strength(direction i); 0 when the strength is not known. Where principal stresses
  * coincide every direction between theirs is principal, and the weakest of them counts. */
 BW_API double bw_material_utilisation(const bw_material *material, const double stress[6]);

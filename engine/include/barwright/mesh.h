@@ -15,39 +15,48 @@ extern "C" {
 typedef struct bw_surface {
   bw_object object;
   int32_t point_count, triangle_count;
-  double *point;     /* point_count x 3 */
-  int32_t *triangle; /* triangle_count x 3, counter-clockwise seen from outside */
-  int32_t *group;    /* triangle_count, or NULL: the group, solid or region a facet came from */
+  double *point;     /* (m, point_count x 3) */
+  int32_t *triangle; /* (index, triangle_count x 3) counter-clockwise seen from outside */
+  int32_t *group;    /* (triangle_count) or NULL: the group, solid or region a facet came from */
 } bw_surface;
 
-/* Indices are checked to lie in range and coordinates to be finite (BW_GEOMETRY otherwise). */
+/* A surface of `points` points, point (m, points x 3), and `triangles` facets, triangle (index,
+ * triangles x 3), with their group (triangles), which may be NULL. BW_GEOMETRY for an index out of
+ * range or a coordinate that is not finite, BW_LIMIT beyond 2^31 - 1 of either. */
 BW_API bw_status bw_surface_copy(bw_context *context, int64_t points, const double *point,
                                  int64_t triangles, const int32_t *triangle, const int32_t *group,
                                  bw_surface **surface);
-/* Takes the blocks over on success only. */
+/* The same of blocks of `points` points, point (m, points x 3), and `triangles` facets, triangle
+ * (index, triangles x 3), with group (triangles) or NULL; it takes them over on success only. Those
+ * of bw_surface_copy. */
 BW_API bw_status bw_surface_own(bw_context *context, int64_t points, double *point,
                                 int64_t triangles, int32_t *triangle, int32_t *group,
                                 bw_surface **surface);
 
 /* Low and high corner; all zero for an empty surface. */
 BW_API void bw_surface_box(const bw_surface *surface, double low[3], double high[3]);
+/* The area (m2) of its facets. */
 BW_API double bw_surface_area(const bw_surface *surface);
-BW_API double
-bw_surface_volume(const bw_surface *surface); /* signed: negative when it faces inwards */
-/* Points moved by x -> factor * x (unit conversion), or by a 3x4 matrix, rows of [A | b]. */
+/* The volume (m3), signed: negative when it faces inwards. */
+BW_API double bw_surface_volume(const bw_surface *surface);
+/* Points displaced by x -> factor (-) * x, for unit conversion; factor > 0. BW_GEOMETRY where a
+ * coordinate overflows, BW_LIMIT as bw_surface_copy. */
 BW_API bw_status bw_surface_scale(bw_context *context, const bw_surface *surface, double factor,
                                   bw_surface **scaled);
+/* Points displaced by a 3x4 matrix (any), rows of [A | b]. Those of bw_surface_scale. */
 BW_API bw_status bw_surface_transform(bw_context *context, const bw_surface *surface,
                                       const double matrix[12], bw_surface **moved);
-/* Merge points closer than tolerance (0: exactly equal ones) and drop unused ones. Facets are kept
- * even when they collapse. */
+/* Merge points closer than tolerance (m), 0 for exactly equal ones, and drop unused ones. Facets
+ * are kept even when they collapse. */
 BW_API bw_status bw_surface_weld(bw_context *context, const bw_surface *surface, double tolerance,
                                  bw_surface **welded);
 /* Make neighbouring facets agree and every outermost shell face outwards, inner shells (cavities)
- * inwards. *flipped counts the facets that were turned. */
+ * inwards. *flipped counts the facets that were turned. BW_GEOMETRY for a surface with one side
+ * only. */
 BW_API bw_status bw_surface_orient(bw_context *context, const bw_surface *surface,
                                    bw_surface **oriented, int64_t *flipped);
 
+/* What can be wrong with a surface. */
 typedef enum bw_defect_kind {
   BW_DEFECT_OPEN_EDGE,         /* an edge with one facet; other = -1 */
   BW_DEFECT_NONMANIFOLD_EDGE,  /* an edge with three or more facets, two of them named */
@@ -57,17 +66,19 @@ typedef enum bw_defect_kind {
   BW_DEFECT_DUPLICATE_FACET,   /* facet has the same points as other */
   BW_DEFECT_ZERO_AREA,         /* repeated points or collinear ones */
   BW_DEFECT_FLIPPED_SHELL,     /* a closed shell whose volume has the wrong sign */
-  BW_DEFECT_KINDS
+  BW_DEFECT_KINDS              /* how many there are */
 } bw_defect_kind;
 BW_API const char *bw_defect_word(bw_defect_kind kind); /* "open edge", ... */
 
+/* A defect and its place. */
 typedef struct bw_defect {
-  bw_defect_kind kind;
-  int32_t facet; /* the offending facet */
-  int32_t other; /* the second one of a pair, or -1 */
-  double at[3];  /* where: the middle of the edge, facet or intersection */
+  bw_defect_kind kind; /* what is wrong */
+  int32_t facet;       /* the offending facet */
+  int32_t other;       /* the second one of a pair, or -1 */
+  double at[3];        /* where: the middle of the edge, facet or intersection */
 } bw_defect;
 
+/* What bw_surface_check found; bw_surface_report_clear releases the list. */
 typedef struct bw_surface_report {
   int64_t count[BW_DEFECT_KINDS]; /* how many of each kind */
   int64_t holes;                  /* closed loops of open edges */
@@ -75,106 +86,123 @@ typedef struct bw_surface_report {
   bool closed;                    /* every edge has exactly two facets */
   bool oriented;                  /* neighbours agree and no shell is flipped */
   bool sound;                     /* closed, oriented, manifold, no intersection, no degenerate */
-  double volume, area;
+  double volume;                  /* (m3) signed */
+  double area;                    /* (m2) */
   double low[3], high[3];
   int64_t defect_count; /* listed below; at most `limit` of each kind */
-  bw_defect *defect;
+  bw_defect *defect;    /* defect_count defects */
 } bw_surface_report;
 
-/* The surface is welded exactly for the check; facet numbers are those of the surface given.
- * `limit`: how many defects of each kind are listed (counts are always complete). */
+/* Checks a surface. It is welded exactly for the check; facet numbers are those of the surface
+ * given. `limit`: how many defects of each kind are listed (counts are always complete). BW_LIMIT
+ * for a surface with too many facets to number their sides. */
 BW_API bw_status bw_surface_check(bw_context *context, const bw_surface *surface, int64_t limit,
                                   bw_surface_report *report);
 BW_API void bw_surface_report_clear(bw_surface_report *report);
 
 /* What was done to a surface, step by step. */
 typedef struct bw_shape_step {
-  char name[24];  /* "weld", "fill holes", "orient", "wrap", "remesh", ... */
-  int64_t count;  /* how many things it changed */
-  double moved;   /* largest distance of the surface before to the surface after, or the reverse */
+  char name[24]; /* "weld", "fill holes", "orient", "wrap", "remesh", ... */
+  int64_t count; /* how many things it changed */
+  double
+      moved; /* (m) largest distance of the surface before to the surface after, or the reverse */
   char text[200]; /* a sentence */
 } bw_shape_step;
-enum { BW_SHAPE_STEPS = 24 };
+enum { BW_SHAPE_STEPS = 24 /* the most that a log holds */ };
+/* The steps of a change of shape; start from all zeros. */
 typedef struct bw_shape_log {
   int count;
-  bw_shape_step step[BW_SHAPE_STEPS];
-  double moved; /* the sum of the steps' distances: a bound on the total */
+  bw_shape_step step[BW_SHAPE_STEPS]; /* the first `count` are in use */
+  double moved; /* (m) the sum of the steps' distances: a bound on the total */
 } bw_shape_log;
+/* Appends a step, with its text by the printf `format`, that displaced the surface by moved (m). */
 BW_API void bw_shape_log_add(bw_shape_log *log, const char *name, int64_t count, double moved,
                              const char *format, ...) BW_PRINTF(5, 6);
 
+/* What a repair may do. */
 typedef struct bw_repair_options {
-  double weld;         /* tolerance in m; negative: 1e-6 of the box diagonal */
+  double weld;         /* (m) tolerance; default negative: 1e-6 of the box diagonal */
   bool fill_holes;     /* default true */
   bool intersections;  /* resolve self-intersections; default true */
   bool wrap;           /* alpha wrap as the last resort; default true */
-  double wrap_alpha;   /* of the box diagonal; default 1/100 */
-  double wrap_offset;  /* of the box diagonal; default 1/1000 */
-  double time_limit;   /* seconds for the whole repair; default 120 */
-  double memory_limit; /* bytes of one step; default 6e9 */
+  double wrap_alpha;   /* (-) of the box diagonal; default 1/100, > 0 */
+  double wrap_offset;  /* (-) of the box diagonal; default 1/1000, > 0 */
+  double time_limit;   /* (s) for the whole repair; default 120 */
+  double memory_limit; /* (bytes) of one step; default 6e9 */
 } bw_repair_options;
 BW_API void bw_repair_options_default(bw_repair_options *options);
 /* Weld, drop duplicates and degenerates, orient, fill holes, resolve intersections, wrap: each only
  * where the check calls for it; a sound surface comes back as it is with an empty log. The result
- * is sound, or BW_GEOMETRY says what could not be repaired. */
+ * is sound, or BW_GEOMETRY says what could not be repaired. BW_LIMIT where time or memory run out.
+ * `options` and `log` may be NULL. Starts processes. */
 BW_API bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
                                    const bw_repair_options *options, bw_surface **repaired,
                                    bw_shape_log *log);
 
+/* A wanted edge length around a place. */
 typedef struct bw_size_point {
   double at[3];
   double radius; /* within it the edge length is `length`, outside it grows by 0.3 per distance */
-  double length;
+  double length; /* (m) > 0 */
 } bw_size_point;
 
-/* The wanted edge length at a place: the smallest of those that speak about it; 0: none does. */
+/* The wanted edge length at a place: the smallest of those that points and function give; 0: none
+ * does. All is borrowed. */
 typedef struct bw_size_field {
   int64_t point_count;
-  const bw_size_point *point;
-  double (*size)(void *data, const double at[3]); /* NULL: none; m, or 0 for no bound */
-  void *data;
+  const bw_size_point *point;                     /* point_count of them */
+  double (*size)(void *data, const double at[3]); /* (m) or 0 for no bound; NULL: none */
+  void *data;                                     /* the first argument of `size` */
 } bw_size_field;
 
+/* How a surface is remeshed. */
 typedef struct bw_remesh_options {
-  double edge_length; /* wanted, m; 0: chosen from the box and the triangle budget */
-  int64_t triangles;  /* wanted number, when edge_length is 0; 0: keep about as many as there are */
-  double sharp_angle; /* radians between normals from which an edge is kept; default 40 degrees */
-  int iterations;     /* default 5 */
-  double tolerance;   /* largest distance allowed, m; 0: a quarter of edge_length */
+  double edge_length; /* (m) wanted; default 0: from the number of triangles */
+  int64_t
+      triangles; /* wanted number, when edge_length is 0; default 0: about as many as there are */
+  double sharp_angle; /* (rad) between normals from which an edge is kept; default 40 degrees */
+  int iterations;     /* rounds of splits, collapses and flips; default 5 */
+  double tolerance;   /* (m) largest distance allowed; default 0: a quarter of edge_length */
   const bw_size_field *sizes; /* where edges are shorter; NULL: nowhere */
-  double time_limit;          /* seconds of computing, BW_LIMIT beyond; default 300 */
-  double memory_limit;        /* bytes, BW_LIMIT beyond; default 6e9 */
+  double time_limit;          /* (s) of computing, BW_LIMIT beyond; default 300 */
+  double memory_limit;        /* (bytes) BW_LIMIT beyond; default 6e9 */
 } bw_remesh_options;
 BW_API void bw_remesh_options_default(bw_remesh_options *options);
 /* Isotropic remeshing of a closed manifold surface. Sharp edges stay; where a feature is smaller
  * than the edge length, edges there are shorter (down to a twelfth of it), so that there may be
- * more facets than asked for. A sound surface gives a sound one. */
+ * more facets than asked for. A sound surface gives a sound one. BW_GEOMETRY for a
+ * surface that is not closed and manifold, or where edges are too long for its shape; BW_LIMIT
+ * where time, memory or steps run out. `options` and `log` may be NULL. */
 BW_API bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
                                    const bw_remesh_options *options, bw_surface **remeshed,
                                    bw_shape_log *log);
 
+/* How a surface is wrapped. */
 typedef struct bw_wrap_options {
-  double alpha;        /* m; 0: 1/50 of the box's diagonal */
-  double offset;       /* m; 0: alpha / 12 */
-  double time_limit;   /* seconds of computing, BW_LIMIT beyond; default 300 */
-  double memory_limit; /* bytes, BW_LIMIT beyond; default 6e9 */
+  double alpha;        /* (m) largest hole that is bridged; default 0: 1/50 of the box's diagonal */
+  double offset;       /* (m) of the wrap from the surface; default 0: alpha / 12 */
+  double time_limit;   /* (s) of computing, BW_LIMIT beyond; default 300 */
+  double memory_limit; /* (bytes) BW_LIMIT beyond; default 6e9 */
 } bw_wrap_options;
 BW_API void bw_wrap_options_default(bw_wrap_options *options);
 /* Alpha wrap (CGAL, in a child process): a closed manifold around anything, holes up to alpha
- * bridged. */
+ * bridged. BW_EMPTY without facets, BW_GEOMETRY for a surface without size or a wrap that fails,
+ * BW_LIMIT where time or memory run out or alpha is too small. `options` and `log` may be NULL. */
 BW_API bw_status bw_surface_wrap(bw_context *context, const bw_surface *surface,
                                  const bw_wrap_options *options, bw_surface **wrapped,
                                  bw_shape_log *log);
-/* The larger of the two one-sided distances between surfaces, by sampling points, edge and facet
- * middles of both; 0 where it is rounding. */
+/* The larger *distance (m) of the two one-sided ones between surfaces, by sampling points, edge and
+ * facet middles of both; 0 where it is rounding. BW_EMPTY where one has no facets. */
 BW_API bw_status bw_surface_distance(bw_context *context, const bw_surface *a, const bw_surface *b,
                                      double *distance);
-/* How far points are from a surface: distance[count]. */
+/* How far points, point (m, count x 3), are from a surface: distance (m, count). BW_GEOMETRY where
+ * it has no facets. */
 BW_API bw_status bw_surface_offsets(bw_context *context, const bw_surface *surface, int64_t count,
                                     const double *point, double *distance);
-/* How thick the body is under `samples` places that have equal shares of the area: the way straight
- * in until the wall on the other side, INFINITY where there is none (an open surface, or one that
- * faces inwards). thickness[samples]; place[3 * samples] may be NULL. */
+/* How thick the body is under `samples` places that have equal shares of the area: thickness (m,
+ * samples), the distance along the inward normal to the wall on the other side, INFINITY where
+ * there is none (an open surface, or one that faces inwards); place (m, samples x 3), which may be
+ * NULL. BW_GEOMETRY for a surface without area. */
 BW_API bw_status bw_surface_thickness(bw_context *context, const bw_surface *surface,
                                       int32_t samples, double *thickness, double *place);
 
@@ -189,76 +217,91 @@ BW_API extern const int bw_tet_face[4][3];
 /* The mid-edge nodes (4..9) of a face's edges, in the order ab, bc, ca of bw_tet_face. */
 BW_API extern const int bw_tet_face_mid_edge[4][3];
 
+/* A tetrahedral mesh with its boundary. */
 typedef struct bw_mesh {
   bw_object object;
   int order;             /* 1 or 2 */
   int nodes_per_element; /* 4 or 10 */
   int nodes_per_facet;   /* 3 or 6 */
   int32_t node_count, element_count;
-  double *node;     /* node_count x 3 */
-  int32_t *element; /* element_count x nodes_per_element */
-  int32_t *region;  /* element_count: a tag from the file, or NULL */
-  double *volume;   /* element_count: of the straight-edged element, all positive */
+  double *node;     /* (m, node_count x 3) */
+  int32_t *element; /* (index, element_count x nodes_per_element) */
+  int32_t *region;  /* (element_count) a tag from the file, or NULL */
+  double *volume;   /* (m3, element_count) of the straight-edged element, all positive */
 
   /* the boundary: facets with one element, outwards; corners abc, then middles ab bc ca */
   int32_t facet_count;
-  int32_t *facet;         /* facet_count x nodes_per_facet */
-  int32_t *facet_element; /* facet_count: the element it bounds */
+  int32_t *facet;         /* (index, facet_count x nodes_per_facet) */
+  int32_t *facet_element; /* (index, facet_count) the element it bounds */
   int32_t boundary_node_count;
-  int32_t *boundary_node; /* ascending; corners and middles */
+  int32_t *boundary_node; /* (index, boundary_node_count) ascending; corners and middles */
 
-  int32_t *neighbour; /* element_count x 4: the element across face k of bw_tet_face, or -1 */
+  int32_t *neighbour; /* (index, element_count x 4) across face k of bw_tet_face, or -1 */
 
   int32_t component_count; /* bodies: parts connected through shared nodes */
-  int32_t *component;      /* node_count */
+  int32_t *component;      /* (index, node_count) the body of each node */
 
-  double surface_moved; /* m, by filling; 0 of meshes that do not come from a surface */
+  double surface_moved; /* (m) by filling; 0 of meshes that do not come from a surface */
 } bw_mesh;
 
-/* Checks indices, finiteness, and volume: an element of negative volume is renumbered to a positive
- * one, one of no volume is BW_GEOMETRY with its number. Nodes that no element uses are dropped. A
- * face shared by three elements is BW_GEOMETRY. `region` may be NULL. */
+/* A mesh of `nodes` nodes, node (m, nodes x 3), and `elements` elements, element (index, elements x
+ * 4 or 10). Checks indices, finiteness, and volume: an element of negative volume is renumbered to
+ * a positive one, one of no volume is BW_GEOMETRY with its number. Nodes that no element uses are
+ * dropped. A face shared by three elements is BW_GEOMETRY, and so is a mesh without elements; more
+ * than 2^31 - 1 nodes or elements are BW_LIMIT. region (elements) may be NULL. */
 BW_API bw_status bw_mesh_copy(bw_context *context, int order, int64_t nodes, const double *node,
                               int64_t elements, const int32_t *element, const int32_t *region,
                               bw_mesh **mesh);
+/* The same of blocks node (m, nodes x 3), element (index, elements x 4 or 10) and region (elements)
+ * or NULL for `nodes` nodes and `elements` elements, which it takes over on success only. Those of
+ * bw_mesh_copy. */
 BW_API bw_status bw_mesh_own(bw_context *context, int order, int64_t nodes, double *node,
                              int64_t elements, int32_t *element, int32_t *region, bw_mesh **mesh);
-/* Same topology, other node positions (node_count x 3): topology arrays are shared with `mesh`.
- * An inverted element is BW_GEOMETRY, the worst one named. */
+/* Same topology, other node positions, node (m, node_count x 3): topology arrays are shared with
+ * `mesh`. An inverted element is BW_GEOMETRY, the worst one named, and so is a place that is not
+ * finite. */
 BW_API bw_status bw_mesh_moved(bw_context *context, const bw_mesh *mesh, const double *node,
                                bw_mesh **moved);
-/* tet4 -> tet10 with straight edges; tet10 -> tet4. The same order returns a new reference. */
+/* tet4 -> tet10 with straight edges; tet10 -> tet4. The same order returns a new reference.
+ * BW_LIMIT beyond 2^31 - 1 nodes. */
 BW_API bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order,
                                     bw_mesh **out);
 /* Nodes and elements along a curve that fills space, so that what is near in space is near in
  * memory: edits and their equations take less time than with a mesh generator's numbers
- * (docs/benchmarks.md). The old numbers, when asked for, are blocks of node_count and element_count
- * for the caller to bw_free. */
+ * (docs/benchmarks.md). The old numbers, node_from (index, node_count) and element_from (index,
+ * element_count), either of which may be NULL, are blocks for the caller to bw_free. */
 BW_API bw_status bw_mesh_renumbered(bw_context *context, const bw_mesh *mesh, int32_t **node_from,
                                     int32_t **element_from, bw_mesh **out);
-/* The elements with keep[e] != 0 only, unused nodes dropped. */
+/* The elements with keep (element_count) not 0 only, unused nodes dropped. BW_EMPTY without any. */
 BW_API bw_status bw_mesh_subset(bw_context *context, const bw_mesh *mesh, const uint8_t *keep,
                                 bw_mesh **subset);
-/* The boundary as a surface (corners only). *node_of_point, when asked for, is a block of
- * point_count mesh nodes for the caller to bw_free. */
+/* The boundary as a surface (corners only). node_of_point (index, point_count), which may be NULL,
+ * is a block of mesh nodes for the caller to bw_free. */
 BW_API bw_status bw_mesh_boundary(bw_context *context, const bw_mesh *mesh, bw_surface **surface,
                                   int32_t **node_of_point);
+/* Low and high corner of the nodes. */
 BW_API void bw_mesh_box(const bw_mesh *mesh, double low[3], double high[3]);
+/* The volume (m3) of the straight-edged elements. */
 BW_API double bw_mesh_volume(const bw_mesh *mesh);
 
+/* Measures over all elements, taken as straight-edged. */
 typedef struct bw_mesh_quality {
-  double dihedral_low, dihedral_high; /* radians, over all elements */
-  double radius_edge_high;            /* circumradius over shortest edge */
-  double aspect_high;                 /* longest edge over smallest height */
-  double volume_low, volume_high;
-  int32_t worst; /* the element with the smallest dihedral angle */
+  double dihedral_low, dihedral_high; /* (rad) smallest and largest dihedral angle */
+  double radius_edge_high;            /* (-) largest circumradius over shortest edge */
+  double aspect_high;                 /* (-) largest longest edge over smallest height */
+  double volume_low, volume_high;     /* (m3) smallest and largest */
+  int32_t worst;                      /* (index) the element with the smallest dihedral angle */
 } bw_mesh_quality;
+/* The quality of a mesh. */
 BW_API void bw_mesh_quality_of(const bw_mesh *mesh, bw_mesh_quality *quality);
 
-/* Which element holds a point (barycentric coordinates in weight), or the nearest one with clamped
- * weights (*inside false). Built once, used from any thread. */
-typedef struct bw_locator bw_locator; /* reference-counted */
+/* A search tree over the elements of a mesh, which it retains: an object, used from any thread. */
+typedef struct bw_locator bw_locator;
+/* Builds the tree. */
 BW_API bw_status bw_locator_create(bw_context *context, const bw_mesh *mesh, bw_locator **locator);
+/* The element that holds a point, with its barycentric coordinates as weight (-), or the nearest
+ * one with those of its nearest place (*inside false). Elements count as straight-edged. `inside`
+ * may be NULL. */
 BW_API int32_t bw_locator_find(const bw_locator *locator, const double point[3], double weight[4],
                                bool *inside);
 
@@ -267,76 +310,90 @@ BW_API int32_t bw_locator_find(const bw_locator *locator, const double point[3],
 /* A mesh refined by bisection, and where in the mesh before everything lies. */
 typedef struct bw_refinement {
   const bw_mesh *mesh;
-  int32_t *element_parent; /* element_count: the element before that holds the element */
-  int32_t *facet_parent;   /* facet_count: the boundary facet before that holds the facet */
-  int32_t *node_parent;    /* node_count: an element before that holds the node */
-  double *node_weight;     /* node_count x 4: its barycentric coordinates there, exact */
+  int32_t *element_parent; /* (index, element_count) the element before that holds the element */
+  int32_t *facet_parent;   /* (index, facet_count) the boundary facet before that holds the facet */
+  int32_t *node_parent;    /* (index, node_count) an element before that holds the node */
+  double *node_weight;     /* (-, node_count x 4) its barycentric coordinates there, exact */
 } bw_refinement;
-/* Bisect element e levels[e] times (three halve its edges), and neighbours so that the mesh
- * conforms: longest-edge bisection, so angles stay bounded however often it is done. Curved edges
- * stay the curves that they are. order: of the result, that of the mesh or 2. BW_LIMIT beyond
- * max_elements. */
+/* Bisect elements levels (element_count) times (three halve their edges), and neighbours so that
+ * the mesh conforms: longest-edge bisection, so angles stay bounded however often it is done.
+ * Curved edges stay the curves that they are. order: of the result, that of the mesh or 2. BW_LIMIT
+ * beyond max_elements, BW_GEOMETRY where a part of a curved element has no volume. Release the
+ * result with bw_refinement_clear. */
 BW_API bw_status bw_mesh_refine(bw_context *context, const bw_mesh *mesh, const uint8_t *levels,
                                 int order, int64_t max_elements, bw_refinement *refinement);
 BW_API void bw_refinement_clear(bw_refinement *refinement);
 
 /* ---- filling ----------------------------------------------------------------------------- */
 
+/* How a surface is filled; all pointers are borrowed. */
 typedef struct bw_fill_options {
-  int order;          /* 1 (default) or 2 */
-  int64_t elements;   /* wanted number of elements; 0: what quality and volume ask for */
-  double edge_length; /* m, of the surface, without a wanted number; 0: by quality and volume */
-  double surface_tolerance; /* m that remeshing may leave the surface by; 0: by the edge length */
-  double max_volume;        /* m3; 0: none */
-  double radius_edge;       /* quality bound, circumradius over shortest edge; default 1.4 */
-  double dihedral;          /* smallest dihedral angle asked for, radians; default 0 (none) */
-  bool keep_surface;        /* no points added on the surface; default false */
-  bool remesh;              /* remesh the surface to a fitting size first; default true */
-  bool repair;              /* repair when the surface is not sound; default true */
-  double sharp_angle;       /* for remeshing; default 40 degrees */
-  /* sizes by distance to features, and a field */
+  int order;        /* 1 (default) or 2 */
+  int64_t elements; /* wanted number; default 0: what quality and volume ask for; to 2^29 - 1 */
+  double
+      edge_length; /* (m) of the surface, without a wanted number; default 0: by quality, volume */
+  double surface_tolerance; /* (m) that remeshing may leave the surface by; default 0: by edge
+                               length */
+  double max_volume;        /* (m3) of an element; default 0: none */
+  double radius_edge; /* (-) largest circumradius over shortest edge; default 1.4, 1 or more; 0:
+                         none */
+  double dihedral;    /* (rad) smallest dihedral angle asked for; default 0 (none), to 0.35 */
+  bool keep_surface;  /* no points added on the surface; default false */
+  bool remesh;        /* remesh the surface to a fitting size first; default true */
+  bool repair;        /* repair when the surface is not sound; default true */
+  double sharp_angle; /* (rad) for remeshing; default 40 degrees */
   int64_t size_point_count;
-  const bw_size_point *size_point;
-  double (*size)(void *data, const double at[3]); /* edge length in m, or 0 for no bound */
-  void *size_data;
-  double time_limit;   /* seconds of one attempt; default 300 */
-  double memory_limit; /* bytes of one attempt; default 6e9 */
-  double tolerance;    /* on the wanted number of elements; default 0.15 */
+  const bw_size_point *size_point; /* size_point_count of them: sizes by distance to features */
+  double (*size)(void *data, const double at[3]); /* (m) edge length, or 0 for no bound; NULL: none.
+                                                     Also called in child processes */
+  void *size_data;                                /* the first argument of `size` */
+  double time_limit;                              /* (s) of one attempt; default 300 */
+  double memory_limit;                            /* (bytes) of one attempt; default 6e9 */
+  double tolerance; /* (-) on the wanted number of elements, relative; default 0.15, 0 to 1 */
 } bw_fill_options;
 BW_API void bw_fill_options_default(bw_fill_options *options);
 
+/* How a mesh came about. */
 typedef struct bw_fill_log {
   bw_shape_log shape;   /* repair, remesh, wrap */
   bool repaired;        /* the surface was not sound; `shape` says what was done */
-  double surface_moved; /* m */
-  double edge_length;   /* m: that the surface was remeshed to */
+  double surface_moved; /* (m) largest distance of the mesh's boundary from the surface given */
+  double edge_length;   /* (m) that the surface was remeshed to */
   int attempts;         /* runs of TetGen */
-  double seconds_repair, seconds_remesh, seconds_fill;
+  double seconds_repair, seconds_remesh, seconds_fill; /* (s) of the parts */
 } bw_fill_log;
 /* Fill a surface with tetrahedra by TetGen, in a child process with limits on time and memory.
  * Where TetGen refuses, repair, remesh or wrap and try again; warnings and log say so. `log` may be
- * NULL. BW_GEOMETRY, BW_LIMIT or BW_CANCELLED otherwise. */
+ * NULL. BW_GEOMETRY where none of this helps, BW_LIMIT where time or memory run out. */
 BW_API bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
                               const bw_fill_options *options, bw_mesh **mesh, bw_fill_log *log);
 
 /* ---- shapes by formula --------------------------------------------------------------------- */
 
-/* A box of nx x ny x nz cells, each cut into six tetrahedra alike (Kuhn), between two corners. */
+/* A box of cells[0] x cells[1] x cells[2] cells, each cut into six tetrahedra alike (Kuhn), between
+ * two corners. BW_LIMIT beyond 2^31 - 1 elements. */
 BW_API bw_status bw_mesh_box_grid(bw_context *context, const double low[3], const double high[3],
                                   const int cells[3], int order, bw_mesh **mesh);
-/* The same topology with nodes sent through `map` (corners and middles alike: curved edges). */
+/* The same `cells` in the unit cube with nodes sent through `map` (corners and middles alike:
+ * curved edges). BW_GEOMETRY where an element is flat, BW_LIMIT as bw_mesh_box_grid. */
 BW_API bw_status bw_mesh_mapped_box(bw_context *context, const int cells[3], int order,
                                     void (*map)(void *data, const double unit[3], double out[3]),
                                     void *data, bw_mesh **mesh);
+/* A box of twelve facets between two corners. */
 BW_API bw_status bw_surface_box_shape(bw_context *context, const double low[3],
                                       const double high[3], bw_surface **surface);
+/* An icosahedron with edges halved 0 to 9 times (`subdivisions`), points on the sphere. */
 BW_API bw_status bw_surface_sphere_shape(bw_context *context, const double centre[3], double radius,
                                          int subdivisions, bw_surface **surface);
+/* A closed cylinder from the middle of its base (m) along axis (m), which has the length of its
+ * height, of 3 to 1000000 `segments` around. */
 BW_API bw_status bw_surface_cylinder_shape(bw_context *context, const double base[3],
                                            const double axis[3], double radius, int segments,
                                            bw_surface **surface);
-/* The zero set of f (negative inside) in a box, by marching tetrahedra on `cells` along the longest
- * side: closed and manifold as long as f is positive on the box's surface. */
+/* The zero set of f (negative inside) in a box, by marching tetrahedra on `cells` (1 to 4000) along
+ * the longest side: closed and manifold as long as f is positive on the box's surface; else, or
+ * where f is not a number, BW_GEOMETRY. BW_EMPTY where f is nowhere negative, BW_LIMIT beyond 2^31
+ * - 1 points or facets. */
 BW_API bw_status bw_surface_implicit(bw_context *context, const double low[3], const double high[3],
                                      int cells, double (*f)(void *data, const double at[3]),
                                      void *data, bw_surface **surface);

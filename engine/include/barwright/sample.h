@@ -8,9 +8,10 @@
 extern "C" {
 #endif
 
-/* A nodal field (node_count x columns) at `count` points: out count x columns, by the shape
- * functions of the element that holds the point, or at the nearest place of the mesh. `locator`: of
- * the mesh. `outside` (count, may be NULL): the distance of that place from the point, 0 inside. */
+/* A nodal field, value (any, node_count x columns), at points, point (m, count x 3): out (any,
+ * count x columns) by the shape functions of the element that holds the point, or at the nearest
+ * place of the mesh. `locator`: of the mesh. outside (m, count), which may be NULL: the distance of
+ * that place from the point, 0 inside. */
 BW_API bw_status bw_mesh_sample(bw_context *context, const bw_mesh *mesh, const bw_locator *locator,
                                 int columns, const double *value, int64_t count,
                                 const double *point, double *out, double *outside);

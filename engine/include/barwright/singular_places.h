@@ -9,10 +9,11 @@
 extern "C" {
 #endif
 
-/* Re-entrant edges of `surface` (what the mesh was filled from; NULL: the mesh's own boundary, with
- * `margin` as bw_singular_edges); borders of supports whose exponent is below one; loads and
- * supports at single nodes, and along lines of them. An angle beside a support is that of the
- * mesh's boundary. Facets held otherwise than along their normal count as fixed. */
+/* Re-entrant edges of `surface` (what the mesh was filled from; NULL: the mesh's own boundary),
+ * with margin (rad) as bw_singular_edges; borders of supports whose exponent is below one; loads
+ * and supports at single nodes, and along lines of them. An angle beside a support is that of the
+ * mesh's boundary. Facets constrained otherwise than along their normal count as fixed. BW_GEOMETRY
+ * for a surface that is open or faces inwards. */
 BW_API bw_status bw_singular_places_find(bw_context *context, const bw_model *model,
                                          const bw_surface *surface, double margin,
                                          bw_singular_places **places);

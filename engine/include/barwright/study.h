@@ -28,95 +28,122 @@ extern "C" {
  * A database belongs to the process that opened it: in a forked child it can only be released,
  * which there does nothing to the file. */
 typedef struct bw_database bw_database; /* an object */
+/* A prepared statement. Its database owns it; it lives as long as that. */
 typedef struct bw_statement bw_statement;
 
-enum { BW_DATABASE_FORMAT = 1 };
+enum { BW_DATABASE_FORMAT = 1 /* of files: one of a higher number is refused as "newer" */ };
 
+/* How a database is opened. */
 typedef struct bw_database_options {
-  bool read_only;      /* the file must exist */
-  double busy_seconds; /* to wait for another process */
+  bool read_only;      /* the file must exist; default false */
+  double busy_seconds; /* (s) to wait for another process; default 20 */
 } bw_database_options;
 BW_API void bw_database_options_default(bw_database_options *options);
 
-/* A file that does not exist, or is empty, becomes a database. */
+/* Opens a file; one that does not exist, or is empty, becomes a database. `options` may be NULL.
+ * BW_IO, BW_FORMAT and BW_LIMIT as listed above. */
 BW_API bw_status bw_database_open(bw_context *context, const char *path,
                                   const bw_database_options *options, bw_database **database);
+/* The path that it was opened by; lives as long as the database. */
 BW_API const char *bw_database_path(const bw_database *database);
+/* Whether a transaction has begun and not ended. */
 BW_API bool bw_database_inside_transaction(const bw_database *database);
-/* Statements one after the other; rows that they give are dropped. */
+/* Executes the statements of `sql` one after the other; rows that they give are dropped. Statuses
+ * as listed above. */
 BW_API bw_status bw_database_execute(bw_context *context, bw_database *database, const char *sql);
 /* Rows that the last statement changed. */
 BW_API int64_t bw_database_changed(const bw_database *database);
-/* What SQLite's own check finds, one line each, at most `most`, to be released with bw_free; NULL
- * when the file is sound. */
+/* The *problems that SQLite's own check finds, one line each, at most `max`, to be released with
+ * bw_free; NULL when the file is sound. BW_LIMIT as bw_database_prepare, BW_IO as listed above. */
 BW_API bw_status bw_database_check(bw_context *context, bw_database *database, int max,
                                    char **problems);
 
-/* The statement for one SQL text, kept by it with the database; its parameters are NULL again. It
- * is in use until it has been stepped to the end or put back. */
+/* The statement for one text of `sql`, owned and kept by the database; its parameters are NULL
+ * again. It is in use until it has been stepped to the end or put back. BW_LIMIT where too many are
+ * in use at once; BW_FORMAT and BW_IO as listed above. */
 BW_API bw_status bw_database_prepare(bw_context *context, bw_database *database, const char *sql,
                                      bw_statement **statement);
+/* How many parameters it has. */
 BW_API int bw_statement_parameters(const bw_statement *statement);
-/* Parameters are counted from 0. NaN, which SQL does not know, becomes NULL. Text with zero bytes
- * is kept as a blob. */
+/* Gives the i-th parameter, counted from 0, a value; BW_INVALID where there is none of this number.
+ */
 BW_API bw_status bw_statement_bind_integer(bw_context *context, bw_statement *s, int i,
                                            int64_t value);
+/* Gives the i-th parameter a value (any). NaN, which SQL does not know, becomes NULL. */
 BW_API bw_status bw_statement_bind_real(bw_context *context, bw_statement *s, int i, double value);
+/* Gives the i-th parameter a text of `length` bytes, which is copied. Text with zero bytes is
+ * stored as a blob. */
 BW_API bw_status bw_statement_bind_text(bw_context *context, bw_statement *s, int i,
                                         const char *text, size_t length);
-/* *row is false at the end, and then the statement is put back. */
+/* Goes to the next row. *row is false at the end, and then the statement is put back. Statuses as
+ * listed above; *row is always written. */
 BW_API bw_status bw_statement_step(bw_context *context, bw_statement *statement, bool *row);
+/* Ends its use: it is reset, and its parameters are NULL. NULL is fine. */
 BW_API void bw_statement_put_back(bw_statement *statement);
 
-typedef enum bw_sql_type { BW_SQL_NONE, BW_SQL_INTEGER, BW_SQL_REAL, BW_SQL_TEXT } bw_sql_type;
+/* The type of a value. */
+typedef enum bw_sql_type {
+  BW_SQL_NONE,    /* NULL */
+  BW_SQL_INTEGER, /* in `integer` */
+  BW_SQL_REAL,    /* in `real` */
+  BW_SQL_TEXT     /* in `text`; a blob too */
+} bw_sql_type;
+/* A value of a row. */
 typedef struct bw_sql_value {
-  bw_sql_type type;
-  int64_t integer;
-  double real;
-  const char *text; /* until the next step */
-  size_t length;
+  bw_sql_type type; /* which of the others holds it */
+  int64_t integer;  /* of BW_SQL_INTEGER */
+  double real;      /* (any) of BW_SQL_REAL */
+  const char *text; /* of BW_SQL_TEXT; valid until the next step */
+  size_t length;    /* of the text, in bytes */
 } bw_sql_value;
+/* How many columns its rows have. */
 BW_API int bw_statement_columns(const bw_statement *statement);
+/* The name of a `column`, counted from 0; valid until the statement is prepared again. */
 BW_API const char *bw_statement_column_name(const bw_statement *statement, int column);
+/* The value in a `column` of the row that bw_statement_step went to. */
 BW_API bw_status bw_statement_value(bw_context *context, bw_statement *statement, int column,
                                     bw_sql_value *value);
 
-/* Copy what can be read of a damaged file into a new one: tables row by row, past what is
+/* What bw_database_salvage saved. */
+typedef struct bw_salvage_report {
+  int64_t tables, rows; /* that are in the new file */
+  int64_t lost;  /* rows that there were, at most: places in the tables that could not be read */
+  bool whole;    /* all was readable */
+  bool relisted; /* the list of tables is the schema's */
+} bw_salvage_report;
+/* Copies what can be read of a `damaged` file into a new one, `to`: tables row by row, past what is
  * unreadable, then indices and views. The damaged file is not touched. What was saved and what was
  * lost, table by table, are warnings of the context.
  *
  * `schema`: the statements that make the tables of such a file, in their order; where the list of
  * tables is gone, or `relist` is set, it is taken from a file made by them (`relisted`). NULL: it
- * is not known, and without a list nothing can be saved. */
-typedef struct bw_salvage_report {
-  int64_t tables, rows;
-  int64_t lost;  /* rows that there were, at most: places in the tables that could not be read */
-  bool whole;    /* nothing was in the way */
-  bool relisted; /* the list of tables is the schema's */
-} bw_salvage_report;
+ * is not known, and without a list nothing can be saved: BW_FORMAT. BW_IO where a file cannot be
+ * read or written, BW_LIMIT where the disk is full. */
 BW_API bw_status bw_database_salvage(bw_context *context, const char *damaged, const char *to,
                                      const char *schema, bool relist, bw_salvage_report *report);
 
 /* ---- points that fill a cube evenly ---------------------------------------------------------- */
 
-enum { BW_SOBOL_DIMENSIONS = 1111 };
+enum { BW_SOBOL_DIMENSIONS = 1111 /* the most that a point may have */ };
 
+/* Which points of which sequence. */
 typedef struct bw_sobol_options {
-  int64_t skip;   /* the number of the first point */
+  int64_t skip;   /* the number of the first point, from 0 */
   bool scrambled; /* digits mixed and shifted at random by the seed */
-  uint64_t seed;
+  uint64_t seed;  /* of scrambled sequences */
 } bw_sobol_options;
 
-/* Points skip, ..., skip + count - 1 of Sobol's sequence, row by row, in [0, 1). Of any 2^k points
+/* Points skip, ..., skip + count - 1 of Sobol's sequence in 1 to BW_SOBOL_DIMENSIONS `dimensions`:
+ * point (-, count x dimensions) in [0, 1). Of any 2^k points
  * that begin at a multiple of 2^k, each dyadic interval of length 2^-k holds one in every
  * dimension. Point 0 is the origin, unless scrambled. A dimension's numbers do not depend on how
- * many there are. */
+ * many there are. BW_INVALID for points beyond the sequence's end. */
 BW_API bw_status bw_sobol(bw_context *context, int64_t count, int dimensions,
                           const bw_sobol_options *options, double *point);
 
 /* ---- minimisers ------------------------------------------------------------------------------ */
 
-/* NLopt's, one face for all. Constraints are inequalities: value <= 0. */
+/* NLopt's methods under one interface. Constraints are inequalities: value <= 0. */
 typedef enum bw_minimiser {
   BW_COBYLA,     /* linear models; constraints */
   BW_BOBYQA,     /* quadratic models */
@@ -131,46 +158,53 @@ typedef enum bw_minimiser {
 } bw_minimiser;
 
 BW_API const char *bw_minimiser_word(bw_minimiser minimiser); /* "cobyla"; NULL past the last */
+/* Whether it asks the function for gradients. */
 BW_API bool bw_minimiser_takes_gradients(bw_minimiser minimiser);
+/* Whether it takes constraints. */
 BW_API bool bw_minimiser_takes_constraints(bw_minimiser minimiser);
 BW_API bool bw_minimiser_is_global(bw_minimiser minimiser); /* needs finite bounds */
 
-/* The value, and where `gradient` is not NULL its derivatives, at x: of the objective (which 0) or
- * a constraint (from 1). A failure ends the run and is what bw_minimise returns. */
+/* The *value (any), and where it is not NULL the derivatives, gradient (any, n), at x (any, n): of
+ * the objective (`which` 0) or a constraint (from 1). A failure ends the run and is what
+ * bw_minimise returns. */
 typedef bw_status bw_minimised(bw_context *context, void *data, int which, const double *x,
                                double *value, double *gradient);
 
+/* By which method, and when to stop. */
 typedef struct bw_minimise_options {
-  bw_minimiser method;
-  double tolerance;            /* steps of x, relative; 0: not asked */
-  double value_tolerance;      /* changes of the objective, relative; 0: not asked */
-  double constraint_tolerance; /* a constraint's value that passes */
-  double good_enough;          /* objective at which to stop; -INFINITY: none */
-  int64_t evaluations;         /* of the objective, at most */
-  int population;              /* of crs2 and isres; 0: NLopt's */
-  const double *step;          /* first steps without gradients; NULL: NLopt's */
-  uint64_t seed;               /* of crs2 and isres */
+  bw_minimiser method;         /* default BW_COBYLA */
+  double tolerance;            /* (-) steps of x, relative; default 1e-6; 0: not asked */
+  double value_tolerance;      /* (-) changes of the objective, relative; default 0: not asked */
+  double constraint_tolerance; /* (any) a constraint's value that passes; default 1e-6, 0 or more */
+  double good_enough;          /* (any) objective at which to stop; default -INFINITY: none */
+  int64_t evaluations;         /* of the objective, at most; default 10000, 1 to 2^31 - 1 */
+  int population;              /* of crs2 and isres; default 0: NLopt's */
+  const double *step;          /* (any, n) first steps without gradients, > 0; NULL: NLopt's */
+  uint64_t seed;               /* of crs2 and isres; default 1 */
 } bw_minimise_options;
 BW_API void bw_minimise_options_default(bw_minimise_options *options);
 
+/* Why a run ended. */
 typedef enum bw_minimise_end {
-  BW_END_TOLERANCE,
-  BW_END_GOOD_ENOUGH,
-  BW_END_EVALUATIONS,
-  BW_END_ROUNDOFF, /* no better in these digits: most often a minimum */
-  BW_END_STUCK     /* the method found no way on */
+  BW_END_TOLERANCE,   /* steps or changes below their tolerance */
+  BW_END_GOOD_ENOUGH, /* the objective reached good_enough */
+  BW_END_EVALUATIONS, /* so many as the options allow */
+  BW_END_ROUNDOFF,    /* no better in these digits: most often a minimum */
+  BW_END_STUCK        /* the method found no way on */
 } bw_minimise_end;
 BW_API const char *bw_minimise_end_word(bw_minimise_end end);
 
+/* The best point's values. */
 typedef struct bw_minimise_result {
-  double value;
-  double violation;    /* the largest constraint at x, or 0 */
+  double value;        /* (any) of the objective */
+  double violation;    /* (any) the largest constraint at x, or 0 */
   int64_t evaluations; /* of the objective */
-  bw_minimise_end end;
+  bw_minimise_end end; /* why the run ended */
 } bw_minimise_result;
 
-/* Minimise over n variables from x, which becomes the best point. Bounds may be infinite, or NULL.
- *   BW_INVALID      what the method does not take, with the methods that do
+/* Minimise over n variables under so many `constraints` from x (any, n), which becomes
+ * the best point, between bounds min and max (any, n), which may be infinite, or NULL. `options`
+ * may be NULL. BW_INVALID      what the method does not take, with the methods that do
  *   BW_INFEASIBLE   a constraint is violated at the end (detail "violation"); x and result are set
  *   BW_CONVERGENCE  a value that is not a number
  *   the function's own status */

@@ -19,21 +19,21 @@ extern "C" {
  * that is forked leaves them alone. */
 typedef struct bw_temporary bw_temporary;
 
-/* An empty file beside the target. `with_others`: files whose names begin with its name are to be
- * removed with it. */
+/* An empty file beside the `target`. `with_others`: files whose names begin with its name are to be
+ * removed with it. BW_IO where it cannot be made. */
 BW_API bw_status bw_temporary_create(bw_context *context, const char *target, bool with_others,
                                      bw_temporary **temporary);
 /* An empty folder under a name that nobody can foresee, which only this user can enter: in $TMPDIR,
- * else in /tmp; in a confined process in its own. */
+ * else in /tmp; in a confined process in its own. BW_IO where it cannot be made. */
 BW_API bw_status bw_temporary_folder_create(bw_context *context, bw_temporary **temporary);
-BW_API const char *
-bw_temporary_path(const bw_temporary *temporary); /* of the file, or of the folder */
-BW_API int
-bw_temporary_file(const bw_temporary *temporary); /* its descriptor, for reading and writing */
-/* Renames it over the target; nothing of it is left to be removed. Returns 0, or -1 and errno. */
+/* The path of the file or folder; lives as long as the object. */
+BW_API const char *bw_temporary_path(const bw_temporary *temporary);
+/* The descriptor of the file, for reading and writing; it is closed with the object. */
+BW_API int bw_temporary_file(const bw_temporary *temporary);
+/* Renames it over the `target`; nothing of it is left to be removed. Returns 0, or -1 and errno. */
 BW_API int bw_temporary_put_in_place(bw_temporary *temporary, const char *target);
 
-/* Removes what killed processes left behind in a folder. Making a temporary file does so once for
+/* Removes what killed processes left behind in a `folder`. Making a temporary file does so once for
  * each folder and process. */
 BW_API void bw_temporaries_sweep(const char *folder);
 /* Removes those of this process, for a handler of a signal that ends it: async-signal-safe. */
