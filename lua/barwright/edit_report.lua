@@ -2,6 +2,7 @@
 -- The report of an edit session: the shape as it is, with the stress under its loads, beside the shape
 -- as it was drawn; what the bones were changed by; the edits.
 local core = require "barwright.core"
+local html = require "barwright.html"
 local json = require "barwright.json"
 local options = require "barwright.options"
 local report = require "barwright.report"
@@ -33,16 +34,6 @@ local function data_of(session, state, result)
   return data
 end
 
-local function row(cells)
-  for i, cell in ipairs(cells) do cells[i] = "<td>" .. report.escape(cell) .. "</td>" end
-  return "<tr>" .. table.concat(cells) .. "</tr>"
-end
-
-local function section(title, heads, rows)
-  return ("<h2>%s</h2>\n<div class=\"scroll\"><table><thead><tr><th>%s</th></tr></thead><tbody>\n%s\n"
-    .. "</tbody></table></div>"):format(title, table.concat(heads, "</th><th>"), table.concat(rows, "\n"))
-end
-
 -- Bones that are not at rest.
 local function table_of_bones(session)
   local rows = {}
@@ -50,16 +41,16 @@ local function table_of_bones(session)
     local bone = session:bone(name)
     local text = tostring(bone)
     if not text:find("at rest", 1, true) then
-      rows[#rows + 1] = row {name, (text:gsub("^.- mm, ", ""))}
+      rows[#rows + 1] = {name, (text:gsub("^.- mm, ", ""))}
     end
   end
-  return section("Bones", {"bone", "change since it was drawn"}, rows)
+  return "<h2>Bones</h2>\n" .. html.table({"bone", "change since it was drawn"}, rows)
 end
 
 local function table_of_edits(session)
   local rows = {}
-  for i, edit in ipairs(session.edits) do rows[i] = row {tostring(i), edit.script, edit.mesh} end
-  return section("Edits", {"", "edit", "mesh"}, rows)
+  for i, edit in ipairs(session.edits) do rows[i] = {i, edit.script, edit.mesh} end
+  return "<h2>Edits</h2>\n" .. html.table({"", "edit", "mesh"}, rows)
 end
 
 local function answer(session, result)
@@ -79,7 +70,7 @@ function edit_report.write(session, state, result, path, given)
     title = opts.title or "Edit session",
     answer = answer(session, result),
     manifest = opts.manifest or {version = core.version},
-    body = table_of_bones(session) .. "\n" .. table_of_edits(session),
+    body = table_of_bones(session) .. table_of_edits(session),
     data = data,
     picture = function(name) return result:picture(name) end,
   })

@@ -5,6 +5,7 @@
 local beside = require "barwright.beside"
 local core = require "barwright.core"
 local edit = require "barwright.edit"
+local html = require "barwright.html"
 local kinds = require "barwright.live_plane_kinds"
 local live_controller = require "barwright.live_controller"
 local live_plane_controller = require "barwright.live_plane_controller"
@@ -40,31 +41,27 @@ local outline_rules = with {
 }
 
 -- In place of the page where it was not bundled. Everything else of the session goes on.
-local missing = [[
-<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>barwright</title><link rel="icon" href="data:,">
-<style>body { font: 16px/1.5 system-ui, sans-serif; max-width: 34em; margin: 4em auto; }</style></head>
-<body><h1>The page is not there</h1>
+local missing = html.document {title = "The page is not there", width = 36, body = [[
 <p>The live view's page is bundled by <code>scripts/setup</code> where Node (the packages nodejs and npm)
 is installed. It was not when barwright was built, which has everything else.</p>
 <p>Install them, run <code>scripts/setup</code> again, and start <code>barwright live</code> again: the
 session goes on with the edits that it has. Until then it can be edited by Lua scripts
-(<code>bw.edit</code>).</p></body></html>
-]]
+(<code>bw.edit</code>).</p>
+]]}
 
 --- The page `name` ("live", "plane"), or what is said in its place. As for the report: beside this file
 --- when installed, else in the tree that was built.
 function live.serve_page(server, name)
   name = name or "live"
-  local html, script = beside.find(name .. ".html"), beside.find(name .. ".js")
+  local page, script = beside.find(name .. ".html"), beside.find(name .. ".js")
   local style = beside.find "live.css"
-  if not (html and script and style) then
+  if not (page and script and style) then
     server:serve("", "text/html; charset=utf-8", missing)
     return
   end
   -- the page's policy allows styles in the page only
-  html = html:gsub("/%* live%.css %*/", function() return style end)
-  server:serve("", "text/html; charset=utf-8", html)
+  page = page:gsub("/%* live%.css %*/", function() return style end)
+  server:serve("", "text/html; charset=utf-8", page)
   server:serve(name .. ".js", "text/javascript; charset=utf-8", script)
 end
 

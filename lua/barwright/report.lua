@@ -3,6 +3,7 @@
 -- page is web/report.html, its view web/viewer.mjs; web/README.md names the placeholders and the data.
 local beside = require "barwright.beside"
 local core = require "barwright.core"
+local html = require "barwright.html"
 local json = require "barwright.json"
 local judged_stress = require "barwright.judged_stress"
 local options = require "barwright.options"
@@ -20,22 +21,6 @@ local rules = {
   answer = {type = "string"}, -- sentences in place of that of the largest stress
   region = {type = "integer", min = 1}, -- the one whose load is shown first; the worst one if left out
 }
-
--- The bundle lies beside this file when installed, and in build/web in a build tree, where this file
--- is seen through the link build/lua/barwright/report.lua.
-local function viewer()
-  return beside.find "viewer.js"
-end
-
-local function template()
-  return beside.find "report.html"
-end
-
---- Text for a page.
-function report.escape(text)
-  return (text:gsub("[&<>\"']", {["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;", ['"'] = "&quot;",
-    ["'"] = "&#39;"}))
-end
 
 --- An array as the page takes it.
 function report.floats(array)
@@ -113,24 +98,20 @@ local function table_of_regions(worst, shown)
   for k, region in ipairs(shown) do motion[region] = k - 1 end
   local rows = {}
   for i, region in ipairs(worst.regions) do
-    rows[#rows + 1] = ("<tr%s><td>%s</td><td>%.3g</td><td>%.4g</td><td>%s</td><td>%s</td>"
-      .. "<td>%.4g</td></tr>"):format(
-      motion[i] and (' data-motion="%d"'):format(motion[i]) or "", region.label,
-      100 * region.volume_fraction, region.max_principal / 1e6,
+    rows[i] = {["data-motion"] = motion[i], region.label, ("%.3g"):format(100 * region.volume_fraction),
+      ("%.4g"):format(region.max_principal / 1e6),
       region.utilisation and ("%.3g"):format(100 * region.utilisation) or "",
       ("%.4g, %.4g, %.4g"):format(region.at[1] * 1e3, region.at[2] * 1e3, region.at[3] * 1e3),
-      region.displacement * 1e3)
+      ("%.4g"):format(region.displacement * 1e3)}
   end
-  return "<h2>Weak regions</h2>\n<div class=\"scroll\"><table><thead><tr><th>found from</th>"
-    .. "<th>volume, %</th><th>stress, MPa</th><th>of strength, %</th><th>at, mm</th>"
-    .. "<th>largest motion, mm</th></tr></thead><tbody>\n" .. table.concat(rows, "\n")
-    .. "\n</tbody></table></div>"
+  return "<h2>Weak regions</h2>\n" .. html.table({"found from", "volume, %", "stress, MPa", "of strength, %",
+    "at, mm", "largest motion, mm"}, rows)
 end
 
 --- What the lines in the view stand for, as HTML.
 function report.legend(opts)
   if not opts.lines or #opts.lines == 0 or not opts.line_name then return "" end
-  return ('<p><span style="color:#6014d6">&#9473;&#9473;</span> %s</p>\n'):format(report.escape(opts.line_name))
+  return ('<p><span style="color:#6014d6">&#9473;&#9473;</span> %s</p>\n'):format(html.escape(opts.line_name))
 end
 
 local function data_of(worst, opts, shown)
@@ -176,32 +157,27 @@ function report.lines(lines)
   return list
 end
 
--- The picture that `draw(path)` makes, as a data URI, for a page whose bundle was not built.
+-- The picture that `draw(path)` makes, for a page whose bundle was not built.
 local function picture(draw, path)
   local temporary <close> = core.temporary(path)
   local name = temporary and temporary.path .. ".png"
-  if not name or not draw(name) then return "" end
-  local bytes = beside.read(name)
-  return bytes and ('<img alt="picture" src="data:image/png;base64,%s">'):format(core.base64(bytes))
-    or ""
+  return name and draw(name) and html.image(name, "picture") or ""
 end
 
 --- Writes a page: {title, answer, manifest, body (HTML), data, picture = function(path)}.
 function report.page(path, page)
-  local text = template()
-  if not text then return nil, "the report's template was not found", {status = "io"} end
-  local view = viewer()
-  local parts = {
-    title = report.escape(page.title),
-    answer = report.escape(page.answer),
-    manifest = report.escape(json.encode(page.manifest, "  ")),
+  local template = beside.find "report.html"
+  if not template then return nil, "the report's template was not found", {status = "io"} end
+  local viewer = beside.find "viewer.js"
+  return core.write_file(path, html.fill(template, {
+    title = html.escape(page.title),
+    answer = html.escape(page.answer),
+    manifest = html.escape(json.encode(page.manifest, "  ")),
     body = page.body,
-    data = (json.encode(page.data):gsub("</", "<\\/")),
-    viewer = view and (view:gsub("</", "<\\/")) or "",
-    picture = view and "" or picture(page.picture, path),
-  }
-  text = text:gsub("{{(%l+)}}", function(key) return parts[key] end)
-  return core.write_file(path, text)
+    data = html.in_script(json.encode(page.data)),
+    viewer = viewer and html.in_script(viewer) or "",
+    picture = viewer and "" or picture(page.picture, path),
+  }))
 end
 
 -- Options that JSON can hold: selections and places of other meshes are left out.

@@ -1,18 +1,28 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Convergence with error control: benchmarks solved to 1 % by adaptive refinement, beside uniform refinement of
 -- the same first mesh.
---
---   build/barwright scripts/bench/adaptive.lua [--case NAME] [--error 0.01] [--most 300000] [--out DIR]
---
--- The reference is the exact value where there is one, else the value of an adaptive run to a tenth of the error.
--- Uniform refinement bisects every element once, so that the number doubles, until the error of the value is
--- within the one asked for on that mesh and all later ones, or `most` unknowns are reached ("> N" then). Prints a
--- Markdown table.
 local folder = arg[0]:match "^(.*)/scripts/bench/" or "."
 package.path = folder .. "/scenarios/verification/lib/?.lua;" .. folder .. "/scripts/bench/?.lua;" .. package.path
 local bw = require "barwright"
 local grids = require "grids"
-local opts = require "arguments" {case = "value", error = "value", max = "value", out = "value"}
+local options = require "options"
+local script = require "barwright.command.script"
+
+local opts = script.read {
+  summary = "adaptive refinement to an error beside uniform refinement of the same first mesh",
+  about = "Prints a Markdown table. The reference is the exact value where there is one, else the value of an "
+    .. "adaptive run to a tenth of the error. Uniform refinement bisects every element once, so that the number "
+    .. "doubles, until the error of the value is within the one asked for on that mesh and all later ones, or "
+    .. "--max unknowns are reached (\"> N\" then).",
+  options = {
+    {name = "case", value = "TEXT", what = "only cases whose name contains this text"},
+    {name = "error", value = "RATIO", type = "number", default = 0.01, above = 0, below = 1,
+      what = "relative error of the value that is asked for"},
+    {name = "max", value = "N", type = "integer", default = 300000, min = 1,
+      what = "largest number of unknowns of uniform refinement"},
+    options.out,
+  },
+}
 
 local pi, cos, sin, tan, sqrt = math.pi, math.cos, math.sin, math.tan, math.sqrt
 
@@ -222,7 +232,7 @@ end)
 
 -- ---- measuring -------------------------------------------------------------------------------------
 
-local tolerance, max = tonumber(opts.error or 0.01), tonumber(opts.max or 300000)
+local tolerance, max = opts.error, opts.max
 
 local components = {xx = 1, yy = 2, zz = 3}
 

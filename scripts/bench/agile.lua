@@ -4,12 +4,12 @@
 -- scratch: the stiffness from all elements, CHOLMOD's numeric factorisation and one solve, in the same
 -- order and in the one that METIS gives for a single solution. The paper's seconds are those of its own
 -- machine (4 cores, MKL).
---   build/barwright scripts/bench/agile.lua [--out DIR] [--scenes opener,horse] [--bones N]
---       [--elements N] [--no-optimise]
 local root = arg[0]:match "^(.*)/bench/[^/]*$" or "scripts"
-package.path = root .. "/agile/?.lua;" .. package.path
+package.path = root .. "/bench/?.lua;" .. root .. "/agile/?.lua;" .. package.path
 local bw = require "barwright"
+local options = require "options"
 local scenes = require "scenes"
+local script = require "barwright.command.script"
 
 -- Table 2: all entries directly, by subdomains all, by subdomains local (ms), solve (s). Table 3: s.
 local paper = {
@@ -20,22 +20,20 @@ local paper = {
   earphone = {direct = 458, all = 119, update = 20.9, solve = 1.38, optimise = 52.90},
 }
 
-local opts, i = {scenes = table.concat(scenes.names, ","), bones = math.huge, optimise = true}, 1
-while arg[i] do
-  if arg[i] == "--no-optimise" then
-    opts.optimise = false
-  else
-    local name = assert(arg[i]:match "^%-%-(%w+)$", "usage: see the head of the script")
-    local counted = name == "bones" or name == "elements"
-    opts[name] = counted and assert(math.tointeger(tonumber(arg[i + 1]))) or arg[i + 1]
-    i = i + 1
-  end
-  i = i + 1
-end
+local opts = script.read {
+  summary = "edits of one bone beside the same shape from scratch, on scenes of the sizes of the paper agile",
+  options = {
+    options.out,
+    {name = "scenes", value = "NAME,...", list = true, one_of = scenes.names, default = scenes.names,
+      what = "which scenes"},
+    {name = "bones", value = "N", type = "integer", min = 1, what = "edits of so many bones alone (default: all)"},
+    {name = "elements", value = "N", type = "integer", min = 1, what = "elements (default: the paper's)"},
+    {name = "no-optimise", type = "flag", what = "leave out the scaling optimisation of table 3"},
+  },
+}
 
 local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/agile.lua",
-  options = {scenes = opts.scenes, bones = opts.bones < math.huge and opts.bones or nil,
-    optimise = opts.optimise}}))
+  options = {scenes = opts.scenes, bones = opts.bones, optimise = not opts.no_optimise}}))
 
 local function median(list)
   table.sort(list)
@@ -69,7 +67,7 @@ print [[
             tets   nodes | stiffness, ms             | CHOLMOD, s: in order |  an edit, s: ratio | memory, MB
                          | direct  all  local (paper) | ours  METIS  (paper) | median ours METIS | factor updates]]
 local ratios, own_ratios = {}, {}
-for name in opts.scenes:gmatch "[^,]+" do
+for _, name in ipairs(opts.scenes) do
   local scene = scenes.make(name, {elements = opts.elements})
   local session = assert(bw.edit(scene.part, scene.session))
   local row = {scene = name, elements = scene.mesh.element_count, nodes = scene.mesh.node_count,
@@ -84,7 +82,7 @@ for name in opts.scenes:gmatch "[^,]+" do
   end
   local bones = {}
   for _, bone in ipairs(scene.skeleton.bone_names) do
-    if #bones < opts.bones and session:bone(bone).subdomain then bones[#bones + 1] = bone end
+    if #bones < (opts.bones or math.huge) and session:bone(bone).subdomain then bones[#bones + 1] = bone end
   end
 
   -- All subdomains by their polynomials, what the paper calls DD assemble, first number: the body turned
@@ -159,7 +157,7 @@ for name in opts.scenes:gmatch "[^,]+" do
     factor / 1e6, updates / 1e6))
   print(("          %.0f %% of the elements blended (paper %.0f %%)"):format(
     100 * row.elements_blended / row.elements, 100 * scene.paper.blended / scene.paper.elements))
-  if opts.optimise then
+  if not opts.no_optimise then
     start = bw.seconds()
     local processor = os.clock()
     local report, message, details = session:optimise {von_mises = scenes.threshold, move_supports = true,

@@ -1,24 +1,25 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Breaking forces from coarse, middle and fine starts: largest over smallest force, whether each interval contains
 -- the force of the finest start, how far the places lie apart in radii of the patch, and processor seconds.
---   build/barwright scripts/bench/breaking_force.lua [--models DIR] [--elements 2500,5000,10000] [--only NAME]
---     [--overkill 1000000] [--unseen]
--- With --overkill the answers are compared with the force on one mesh of about so many unknowns, finer around all
--- places that were found: whether each interval contains it, and the estimated error over the real one (the
--- effectivity).
--- bodies.lua lists the bodies.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
 local bodies = require "bodies"
 local distance = require "barwright.points".distance
+local options = require "options"
+local script = require "barwright.command.script"
 
-local opts = require "arguments" {models = "value", only = "value", elements = "value", overkill = 0,
-  unseen = true}
-local starts = {}
-for number in (opts.elements or "2500,5000,10000"):gmatch "%d+" do
-  starts[#starts + 1] = math.tointeger(tonumber(number))
-end
+local opts = script.read {
+  summary = "breaking forces from coarse, middle and fine first meshes",
+  about = "Prints a line for each start and body. scripts/bench/bodies.lua lists the bodies.",
+  options = {options.models, options.unseen, options.containing, options.each_of_elements {2500, 5000, 10000},
+    {name = "overkill", value = "N", type = "integer", default = 0, min = 0,
+      what = "compare the answers with the force on one mesh of about so many unknowns, finer around all places "
+        .. "that were found: whether each interval contains it, and the estimated error over the real one; "
+        .. "0: without"},
+  },
+}
+local starts = opts.elements
 
 -- Whether a place, or one of its ties, lies within a patch of another.
 local function same_place(found, other)

@@ -1,18 +1,26 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Weak regions against brute force, as the paper's figure 7 and table 1: 99.75th percentiles side by
 -- side, and seconds beside the paper's.
---   build/barwright scripts/bench/brute_force.lua [--out DIR] [--bodies N] [--elements SHARE]
--- --bodies: the N smallest alone; --elements: this share of the paper's numbers of elements.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
 local bodies = require "bodies_by_formula"
+local options = require "options"
+local script = require "barwright.command.script"
 
 -- worst-case, table 1 (elements, brute force, seconds)
 local paper = {[2723] = 681.367, [2869] = 793.362, [2904] = 894.610, [5332] = 2120.361,
   [11020] = 11029.721, [12853] = 11334.362, [14163] = 27775.900, [16008] = 19917.838}
 
-local opts = require "arguments" {out = "value", bodies = #bodies.list, elements = 1.0}
+local opts = script.read {
+  summary = "weak regions against brute force, beside figure 7 and table 1 of the paper worst-case",
+  options = {options.out,
+    {name = "bodies", value = "N", type = "integer", default = #bodies.list, min = 1,
+      what = "the N smallest bodies alone"},
+    {name = "elements", value = "FRACTION", type = "number", default = 1, above = 0,
+      what = "this fraction of the paper's numbers of elements"},
+  },
+}
 
 local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/brute_force.lua",
   options = {bodies = opts.bodies, elements = opts.elements}}))

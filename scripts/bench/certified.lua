@@ -1,21 +1,26 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Upper bounds of the worst case on machine parts (scripts/worst_case/machine_parts.lua): the gap, how much of
 -- the bound the search alone reaches, processor seconds, and the size of the certificate.
---   nice build/barwright scripts/bench/certified.lua [--out DIR] [--elements 40000] [--share 0.05] [--only NAME]
---       [--unseen] [--check] [--brute]
--- --unseen: on parts of scripts/worst_case/unseen_parts.lua. --check: the certificate is checked as well.
--- --brute: the processor seconds of brute force on the same mesh, too.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
+local options = require "options"
+local script = require "barwright.command.script"
 
 -- Chosen before the bound was computed on any of them.
 local developed = {"gear", "housing", "clip", "angle bracket", "flange"}
 local unseen = {"pillow block", "motor bracket", "bell crank"}
 local FORCE, PRESSURE = 20, 2e5
 
-local opts = require "arguments" {out = "value", only = "value", elements = 40000, share = 0.05, unseen = true,
-  check = true, brute = true}
+local opts = script.read {
+  summary = "certified upper bounds of the worst case on machine parts",
+  options = {options.out, options.unseen, options.only, options.elements(40000),
+    {name = "share", value = "FRACTION", type = "number", default = 0.05, min = 0.001, max = 0.5,
+      what = "the largest gap between bound and load that is asked for"},
+    {name = "check", type = "flag", what = "check the certificate as well"},
+    {name = "brute", type = "flag", what = "the processor seconds of brute force on the same mesh, too"},
+  },
+}
 
 local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/certified.lua",
   options = opts}))

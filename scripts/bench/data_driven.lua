@@ -5,27 +5,29 @@
 -- follow an edit, conjugate gradients against factors on the figure with bones, and the coarse solid as a
 -- preconditioner. All in one run, seconds of the processor (all threads together), which is what to trust
 -- on a busy machine.
---   build/barwright scripts/bench/data_driven.lua --library FILE.bwm [--scene NAME[,NAME...]|all]
---       [--out DIR]
---       [--only scenes|coarsening|gradients|library]
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../data_driven/?.lua;" .. package.path
 local bw = require "barwright"
 local compare = require "compare"
 local library_of = require "library"
 local scenes = require "scenes"
-local opts = require "arguments" {library = "value", scene = "value", out = "value", only = "value"}
+local script = require "barwright.command.script"
 
-local REFUSED = 2
+local opts = script.read {
+  summary = "coarsening by lookup beside tables 1 and 2 and section 6.2 of the paper data-driven",
+  options = {
+    {name = "library", value = "FILE.bwm", type = "file", needed = true,
+      what = "the library of materials, which scripts/data_driven/build.lua makes"},
+    {name = "scene", value = "NAME,...", list = true, one_of = scenes.order, default = scenes.order,
+      what = "which scenes"},
+    script.option.out,
+    {name = "only", value = "PART", one_of = {"scenes", "coarsening", "gradients", "library"},
+      what = "only this part"},
+  },
+}
 
-local function stop(message)
-  io.stderr:write("data_driven: ", (message:gsub("%s*\n%s*", " ")), "\n")
-  os.exit(REFUSED, true)
-end
-
-if not opts.library then stop "--library FILE.bwm expected: scripts/data_driven/run.lua builds one" end
 local library, why = bw.metamaterial.read(opts.library)
-if not library then stop(why) end
+if not library then script.refuse(why) end
 local out = {threads = bw.threads(), levels = library.levels}
 local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/data_driven.lua",
   inputs = {opts.library}, options = {scene = opts.scene, only = opts.only}}))
@@ -56,15 +58,7 @@ if wanted "scenes" then
   print("  example  level elements | s / iteration (paper)   less | faster  (paper) | quadrature | "
     .. "iterations | error")
   out.scenes = {}
-  local names = scenes.order
-  if opts.scene and opts.scene ~= "all" then
-    names = {}
-    for name in opts.scene:gmatch "[^,]+" do
-      if type(scenes[name]) ~= "table" or name == "order" then stop(("there is no scene '%s'"):format(name)) end
-      names[#names + 1] = name
-    end
-  end
-  for _, name in ipairs(names) do out.scenes[name] = one_scene(name) end
+  for _, name in ipairs(opts.scene) do out.scenes[name] = one_scene(name) end
 end
 
 -- ---- coarsening ----------------------------------------------------------------------------------

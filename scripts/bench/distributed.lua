@@ -1,10 +1,22 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- PETSc and SLEPc beside the engine's own factor: time, memory, iterations.
---
---   build/barwright scripts/bench/distributed.lua [cells of the cube's edge ...]     (default 16 28)
---
--- Starts `mpirun` with 1 and 2 ranks; each row is a process of its own that solves once. Prints a Markdown table.
+-- PETSc and SLEPc beside the engine's own factor: time, memory, iterations. Each row is a process of its own.
 local bw = require "barwright"
+local script = require "barwright.command.script"
+
+local opts = script.read {
+  summary = "PETSc and SLEPc under 1 and 2 ranks beside the engine's own factor",
+  about = "Starts `mpirun` with 1 and 2 ranks; each row is a process of its own that solves once. Prints a "
+    .. "Markdown table.",
+  arguments = {{name = "cells", type = "integer", min = 2, many = true, optional = true,
+    what = "cells along an edge of the cube (default 16 28)"}},
+  options = {
+    {name = "here", value = "SOLVER", one_of = {"own", "own modes", "cholesky", "cg", "SLEPc modes"},
+      what = "solve the first cube with this solver in this process, and print its row alone"},
+    {name = "order", value = "N", type = "integer", default = 1, min = 1, max = 2,
+      what = "order of elements, of --here"},
+    {name = "ranks", value = "TEXT", default = "1", what = "what stands in the column of ranks, of --here"},
+  },
+}
 
 local function measure(kind, cells, order, ranks)
   local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {cells, cells, cells},
@@ -27,16 +39,16 @@ local function measure(kind, cells, order, ranks)
     (solver and solver.largest_rank_bytes or peak) / 2 ^ 30))
 end
 
-if arg[1] == "one" then
-  measure(arg[2], tonumber(arg[3]), tonumber(arg[4]), arg[5])
+if opts.here then
+  measure(opts.here, opts.cells[1], opts.order, opts.ranks)
   return
 end
 
 local program = io.popen "readlink /proc/$PPID/exe":read "l"
 local function start(kind, cells, order, ranks)
   local own = kind:find "own"
-  local command = ("%s %s one '%s' %d %d %s"):format(own and program or program .. " --mpi", arg[0], kind, cells,
-    order, own and "'2 threads'" or ranks)
+  local command = ("%s %s --here '%s' --order %d --ranks %s %d"):format(own and program or program .. " --mpi",
+    arg[0], kind, order, own and "'2 threads'" or ranks, cells)
   if not own then
     command = ("OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 BARWRIGHT_THREADS=1 mpirun "
       .. "--oversubscribe --bind-to none -n %d %s"):format(ranks, command)
@@ -44,11 +56,10 @@ local function start(kind, cells, order, ranks)
   os.execute("BARWRIGHT_QUIET=1 " .. command)
 end
 
-local sizes = #arg > 0 and arg or {16, 28}
+local sizes = #opts.cells > 0 and opts.cells or {16, 28}
 print "| unknowns | solver | ranks | seconds | processor seconds | iterations | GiB | largest rank |"
 print "|---|---|---|---|---|---|---|---|"
 for _, cells in ipairs(sizes) do
-  cells = tonumber(cells)
   for order = 1, 2 do
     local n = order == 1 and cells or cells // 2
     start("own", n, order)

@@ -1,15 +1,19 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Breaking forces beside those of random drops (impacts.lua). Prints a Markdown table; docs/benchmarks.md has the
--- meaning of its columns.
---   build/barwright scripts/bench/drop_forces.lua [--models DIR] [--elements 5000] [--drops 200] [--only NAME]
--- The bodies are those of bodies.lua.
+-- Breaking forces beside those of random drops (impacts.lua). docs/benchmarks.md has the meaning of the columns.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
 local bodies = require "bodies"
 local impacts_of = require "impacts"
+local options = require "options"
+local script = require "barwright.command.script"
 
-local opts = require "arguments" {models = "value", only = "value", elements = 5000, drops = 200}
+local opts = script.read {
+  summary = "breaking forces beside the contact forces of random drops",
+  about = "Prints a Markdown table. scripts/bench/bodies.lua lists the bodies.",
+  options = {options.models, options.unseen, options.containing, options.elements(5000),
+    {name = "drops", value = "N", type = "integer", default = 200, min = 1, what = "number of random drops"}},
+}
 
 print("| body | breaking force, N (interval) | contact, cm2 | peg's contact over it | impacts "
   .. "| least contact force, N | median | below the interval, % | least with inertia, N | below the interval, % "

@@ -2,13 +2,18 @@
 -- Contacts of the drop test on coarse meshes of parts (scripts/worst_case/machine_parts.lua): how many
 -- nodes carry an impact, the share of impacts on two nodes or fewer, the part of the resultant of the nodal forces
 -- across the peg's normal, and the contact's area on this mesh over that on one of four times the elements.
---   nice build/barwright scripts/bench/drops.lua [--out DIR] [--elements 5000] [--drops 500] [--only NAME]
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
+local options = require "options"
 local parts = require "machine_parts"
+local script = require "barwright.command.script"
 
-local opts = require "arguments" {out = "value", only = "value", elements = 5000, drops = 500}
+local opts = script.read {
+  summary = "contacts of the drop test on coarse meshes of machine parts",
+  options = {options.out, options.only, options.elements(5000),
+    {name = "drops", value = "N", type = "integer", default = 500, min = 1, what = "number of random drops"}},
+}
 
 local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/drops.lua",
   options = opts}))

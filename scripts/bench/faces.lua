@@ -1,9 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Areas of faces on the boundary of filled meshes against those of the surface.
---   build/barwright scripts/bench/faces.lua [--models DIR] [--only NAME] [--elements N,N,N] [--order 2]
--- The bodies are solids by formula and, with --models, the surfaces of a folder named below. Prints a Markdown
--- table: the largest and the mean relative difference over the planes and over the round faces (cylinders,
--- cones, spheres) that hold at least 0.1 % of the area; seconds are processor seconds.
+-- Areas of faces on the boundary of filled meshes against those of the surface: the largest and the mean relative
+-- difference over the planes and over the round faces (cylinders, cones, spheres) that hold at least 0.1 % of the
+-- area.
 local bw = require "barwright"
 
 -- Chosen before any was measured.
@@ -11,7 +9,16 @@ local surfaces = {"gear_spur.stl", "tray_bottom.stl", "bottle_opener_round.stl",
   "engine_bracket.obj", "fan_blade.stl", "rocker_arm.obj", "screwdriver.ply", "triceratops.off"}
 
 package.path = (arg[0]:match "^(.*)/" or ".") .. "/?.lua;" .. package.path
-local opts = require "arguments" {models = "value", only = "value", elements = "value", order = 1}
+local options = require "options"
+local script = require "barwright.command.script"
+
+local opts = script.read {
+  summary = "areas of faces on the boundary of filled meshes against those of the surface",
+  about = "Prints a Markdown table; seconds are processor seconds. The bodies are solids by formula and, with "
+    .. "--models, surfaces of a folder.",
+  options = {options.models, options.containing, options.each_of_elements {5000, 20000, 80000},
+    {name = "order", value = "N", type = "integer", default = 1, min = 1, max = 2, what = "order of elements"}},
+}
 
 local pi, cos, sin = math.pi, math.cos, math.sin
 
@@ -111,9 +118,7 @@ print("| body | asked | elements | planes | largest | mean | round | largest | m
   .. "| s |")
 print "|---|---|---|---|---|---|---|---|---|---|---|---|"
 local function all(name, surface)
-  for elements in (opts.elements or "5000,20000,80000"):gmatch "%d+" do
-    measure(name, surface, math.tointeger(tonumber(elements)))
-  end
+  for _, elements in ipairs(opts.elements) do measure(name, surface, elements) end
 end
 for _, solid in ipairs(solids) do
   if not opts.only or solid[1]:find(opts.only, 1, true) then all(solid[1], solid[2]()) end

@@ -1,17 +1,22 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The search of the breaking force against brute force on the last mesh: a linear program for every corner on the
 -- boundary in three directions along the surface, then ascents from the largest means. Both judge all places under
--- each load. With --one a single uniform mesh is searched, where most elements are larger than the patches.
---   build/barwright scripts/bench/patch_search.lua [--models DIR] [--elements 1000] [--one] [--unseen]
---     [--only NAME]
--- bodies.lua lists the bodies.
+-- each load.
 local bw = require "barwright"
 local core = require "barwright.core"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
 local bodies = require "bodies"
+local options = require "options"
+local script = require "barwright.command.script"
 
-local opts = require "arguments" {models = "value", only = "value", elements = 1000, one = true, unseen = true}
+local opts = script.read {
+  summary = "the search of the breaking force against brute force on the same mesh",
+  about = "scripts/bench/bodies.lua lists the bodies.",
+  options = {options.models, options.unseen, options.containing, options.elements(1000),
+    {name = "one", type = "flag",
+      what = "search a single uniform mesh, where most elements are larger than the patches"}},
+}
 
 local DIRECTIONS, PER_BLOCK, ASCENTS, STEPS = 3, 60, 60, 4
 

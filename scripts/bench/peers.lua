@@ -3,20 +3,19 @@
 -- barwright writes, and by barwright itself, in one run on one machine: wall seconds of CalculiX's whole job
 -- (its reading of the deck and printing of displacements included) and of barwright's from the model to von Mises
 -- stress at every node, and how far the displacements differ.
---   build/barwright scripts/bench/peers.lua [--elements 20000]
+package.path = (arg[0]:match "^(.*)/" or ".") .. "/?.lua;" .. package.path
 local bw = require "barwright"
 local core = require "barwright.core"
+local options = require "options"
+local script = require "barwright.command.script"
 
-local elements = 20000
-if arg[1] == "--elements" and math.tointeger(tonumber(arg[2])) then
-  elements = math.tointeger(tonumber(arg[2]))
-elseif arg[1] then
-  io.stderr:write "peers: usage: peers.lua [--elements N]\n"
-  os.exit(2)
-end
+local opts = script.read {
+  summary = "one bracket of quadratic tetrahedra, solved by CalculiX and by barwright",
+  about = "Prints one JSON object. The program ccx (Debian package calculix-ccx) must be installed.",
+  options = {options.elements(20000)},
+}
 if not os.execute "command -v ccx >/dev/null 2>&1" then
-  io.stderr:write "peers: ccx is not installed (Debian package calculix-ccx)\n"
-  os.exit(1)
+  script.stop(1, "ccx is not installed (Debian package calculix-ccx)")
 end
 
 -- A bracket: a plate to be screwed on, an arm, a rib.
@@ -28,7 +27,7 @@ local body = shapes.join({
 }, 2 * mm)
 local surface = assert(bw.surface.implicit(body,
   {low = {-2 * mm, -22 * mm, -4 * mm}, high = {74 * mm, 22 * mm, 54 * mm}, cells = 70}))
-local mesh = assert(bw.mesh.fill(surface, {elements = elements, order = 2}))
+local mesh = assert(bw.mesh.fill(surface, {elements = opts.elements, order = 2}))
 local part = bw.model {mesh = mesh, material = bw.material.pla}
 part:fix(mesh.boundary:below(1, 1 * mm))
 part:load {on = mesh.boundary:above(1, 68 * mm), force = {0, 0, -20}}

@@ -2,10 +2,8 @@
 -- The drag of the paper responsive (figure 2: a hole taken from left to right, 159 frames) replayed
 -- with elastic sheets, a plate that rings, and flow and heat around the hole, beside its tables 2 and 3:
 -- how often each level of reuse ran, what a frame of each costs and in which part, frames per second with
--- reuse and without (everything made anew in every frame), median and slowest hundredth. Seconds of the
+-- reuse and without (everything computed again in every frame), median and slowest hundredth. Seconds of the
 -- clock, and of the processor (all threads), which is what to trust on a busy machine.
---   build/barwright scripts/bench/responsive.lua [--out DIR] [--frames N] [--only NAME] [--paper]
--- --paper: with the paper's numbers of elements alone.
 local bw = require "barwright"
 
 local paper = {
@@ -17,12 +15,18 @@ local paper = {
 }
 
 package.path = (arg[0]:match "^(.*)/" or ".") .. "/?.lua;" .. package.path
-local opts = require "arguments" {out = "value", frames = "value", only = "value", paper = true}
-local frames = math.tointeger(tonumber(opts.frames or 159))
-if not frames or frames < 1 then
-  io.stderr:write("responsive: option --frames: a whole number above 0 expected, got '", opts.frames, "'\n")
-  os.exit(2, true)
-end
+local script = require "barwright.command.script"
+
+local opts = script.read {
+  summary = "a hole dragged through sheets, plates and flows, beside tables 2 and 3 of the paper responsive",
+  options = {script.option.out,
+    {name = "frames", value = "N", type = "integer", default = 159, min = 1, what = "frames of the drag"},
+    {name = "only", value = "NAME", one_of = {"vibration", "cantilever", "flow", "thermal", "metallophone",
+      "steady"}, what = "only this application"},
+    {name = "paper", type = "flag", what = "the paper's numbers of elements alone"},
+  },
+}
+local frames = opts.frames
 
 local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/responsive.lua",
   options = {frames = frames, only = opts.only, paper = opts.paper}}))

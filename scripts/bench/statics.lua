@@ -1,13 +1,20 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Static solutions of one load case, over levels of elements beside the factor: seconds, processor
--- seconds, memory, iterations, and how far the two are apart.
---
---   build/barwright scripts/bench/statics.lua [BODY:CELLS[:levels] ...]
---
--- Bodies, of cubes of six tet10 each: `block` N x N x N, `bar` 8N x N x N, `plate` 16N x 16N x N; ":levels" leaves
--- the factor out. Each solution is a process of its own, from the mesh to the displacements; the ratio is that of
--- processor seconds. Prints a Markdown table.
+-- Static solutions of one load case by two-level conjugate gradients and by the factor: seconds, processor
+-- seconds, memory, iterations, and how far the two are apart. Each solution is a process of its own, from the mesh
+-- to the displacements.
 local bw = require "barwright"
+local script = require "barwright.command.script"
+
+local opts = script.read {
+  summary = "static solutions by two-level conjugate gradients beside the factor",
+  about = "Prints a Markdown table; each row is a process of its own that solves once.\n\n"
+    .. "A BODY is SHAPE:CELLS or SHAPE:CELLS:SOLVER, of cubes of six tet10 each: block (N x N x N cells), bar "
+    .. "(8N x N x N) or plate (16N x 16N x N). SOLVER is pcg or factor; without it, both.",
+  arguments = {{name = "body", many = true, optional = true,
+    what = "what to solve (default block:12 block:19 block:26 block:37:pcg)"}},
+  options = {{name = "here", type = "flag",
+    what = "solve the first BODY, which names its solver, in this process, and print its row alone"}},
+}
 
 local shapes = {block = {1, 1, 1}, bar = {8, 1, 1}, plate = {16, 16, 1}}
 
@@ -38,8 +45,17 @@ local function measure(body, cells, with)
     tip))
 end
 
-if arg[1] == "one" then
-  measure(arg[2], tonumber(arg[3]), arg[4])
+local function parts_of(text)
+  local body, cells, solver = text:match "^(%a+):(%d+):?(%a*)$"
+  if not shapes[body] or (solver ~= "" and solver ~= "pcg" and solver ~= "factor") then
+    script.refuse(("BODY: block:N, bar:N or plate:N, with :pcg or :factor behind it or not, expected, got '%s'")
+      :format(text))
+  end
+  return body, tonumber(cells), solver
+end
+
+if opts.here then
+  measure(parts_of(opts.body[1]))
   return
 end
 
@@ -47,12 +63,11 @@ local program = io.popen "readlink /proc/$PPID/exe":read "l"
 print("| body | unknowns | solved | seconds | processor seconds | iterations | peak GB | factor, GB | residual "
   .. "| largest fall, m |")
 print "|---|---|---|---|---|---|---|---|---|---|"
-for _, opts in ipairs(#arg > 0 and arg or {"block:12", "block:19", "block:26", "block:37:levels"}) do
-  local body, cells, only = opts:match "^(%a+):(%d+):?(%a*)$"
-  assert(shapes[body] and (only == "" or only == "pcg"), "usage: see the head of the script")
+for _, text in ipairs(#opts.body > 0 and opts.body or {"block:12", "block:19", "block:26", "block:37:pcg"}) do
+  local body, cells, only = parts_of(text)
   for _, with in ipairs {"pcg", "factor"} do
     if only == "" or with == only then
-      os.execute(("BARWRIGHT_QUIET=1 %s %s one %s %s %s"):format(program, arg[0], body, cells, with))
+      os.execute(("BARWRIGHT_QUIET=1 %s %s --here %s:%d:%s"):format(program, arg[0], body, cells, with))
     end
   end
 end

@@ -2,16 +2,21 @@
 -- What a study costs beside its trials: seconds for each of many trials that do nothing, what of them is
 -- the fork, the file, the key; two workers beside one on trials that compute for some 20 ms; memory of the
 -- process that runs it; keys, seeds and the file alone, without forks; going on with a file that has everything.
---   build/barwright scripts/bench/study.lua [--out FILE.json] [--trials N] [--ms 20] [--work N]
 local bw = require "barwright"
 local core = require "barwright.core"
+local script = require "barwright.command.script"
 
-local opts, i = {trials = 2000, ms = 20, work = 200}, 1
-while arg[i] do
-  local name = assert(arg[i]:match "^%-%-(%w+)$", "usage: see the head of the script")
-  opts[name] = name == "out" and arg[i + 1] or assert(tonumber(arg[i + 1]), "a number expected")
-  i = i + 2
-end
+local opts = script.read {
+  summary = "what a study costs beside its trials",
+  about = "Prints one JSON object.",
+  options = {
+    {name = "out", value = "FILE.json", type = "file", what = "where the object goes, too"},
+    {name = "trials", value = "N", type = "integer", default = 2000, min = 1, what = "trials that do nothing"},
+    {name = "seconds", value = "TIME", type = "number", unit = "s", default = 0.02, above = 0,
+      what = "how long each trial that computes takes"},
+    {name = "work", value = "N", type = "integer", default = 200, min = 1, what = "trials that compute"},
+  },
+}
 
 local temporary = assert(core.temporary_folder())
 local folder = temporary.path
@@ -83,7 +88,7 @@ local function turns(count)
   return x
 end
 local rate = 2000000 / select(2, timed(function() turns(2000000) end))
-local count = math.floor(rate * opts.ms / 1000)
+local count = math.floor(rate * opts.seconds)
 local function work() return {y = turns(count)} end
 
 local seconds = {}
@@ -94,7 +99,7 @@ for round = 1, 3 do -- the best of three: the machine has other things to do
     seconds[workers] = math.min(seconds[workers] or took, took)
   end
 end
-result.throughput = {trial_seconds = opts.ms / 1000, trials = opts.work, seconds_one_worker = seconds[1],
+result.throughput = {trial_seconds = opts.seconds, trials = opts.work, seconds_one_worker = seconds[1],
   seconds_two_workers = seconds[2], gain = seconds[1] / seconds[2]}
 
 temporary:close()

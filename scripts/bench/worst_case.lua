@@ -1,32 +1,30 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The paper's worst-case analysis (method "paper") by stage, at the sizes of the paper's table of timings, beside
 -- the paper's minutes. Filling is shown on its own.
---   build/barwright scripts/bench/worst_case.lua [MODEL] [--out DIR] [--sizes 2723,42900,...]
--- Without a MODEL the toy foal of the demonstration is used.
 local bw = require "barwright"
+local script = require "barwright.command.script"
 
 -- worst-case, section 5 (full pipeline, minutes)
 local paper = {{2723, 0.028}, {42900, 0.308}, {70356, 0.382}, {155383, 2.566}, {322398, 9.601},
   {414894, 4.490}}
 
-local model, out, sizes
-local i = 1
-while arg[i] do
-  if arg[i] == "--out" then
-    out, i = arg[i + 1], i + 2
-  elseif arg[i] == "--sizes" then
-    sizes, i = {list = {}}, i + 2
-    for n in arg[i - 1]:gmatch "%d+" do
-      sizes[tonumber(n)] = true
-      table.insert(sizes.list, tonumber(n))
-    end
-  else
-    model, i = arg[i], i + 1
-  end
-end
+local all = {}
+for i, line in ipairs(paper) do all[i] = line[1] end
 
-local results = out and assert(bw.results.open(out, {script = "scripts/bench/worst_case.lua",
-  inputs = {model}, options = {sizes = sizes and bw.json.list(sizes.list)}}))
+local opts = script.read {
+  summary = "the paper's worst-case analysis by stage, beside the paper's minutes",
+  arguments = {{name = "model", type = "file", optional = true,
+    what = "a surface (default: the toy foal of the demonstration)"}},
+  options = {script.option.out,
+    {name = "sizes", value = "N,N,...", type = "integer", list = true, one_of = all, default = all,
+      what = "the paper's numbers of elements"}},
+}
+local model = opts.model
+local sizes = {}
+for _, size in ipairs(opts.sizes) do sizes[size] = true end
+
+local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/worst_case.lua",
+  inputs = {model}, options = {sizes = opts.sizes}}))
 
 local surface
 if model then
@@ -48,7 +46,7 @@ print("  elements | filling |  system   modes regions   loads |   total |   pape
 local rows = {}
 for _, line in ipairs(paper) do
   local wanted, minutes = line[1], line[2]
-  if not sizes or sizes[wanted] then
+  if sizes[wanted] then
     local start = bw.seconds()
     local mesh = assert(bw.mesh.fill(surface, {elements = wanted}))
     local filling = bw.seconds() - start

@@ -1,16 +1,11 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The worst-case search against brute force on the same mesh: 99.75th percentile by volume and peak of
 -- the weakness map, of the paper's weak regions and of the search, and seconds of both.
---   build/barwright scripts/bench/worst_search.lua [--out DIR] [--models DIR] [--elements 3000]
---       [--unseen] [--only NAME] [--principal] [--certify 0.01]
--- The bodies are the machine parts of scripts/worst_case/machine_parts.lua and, with --models, the
--- surfaces of a folder named below, scaled to a box diagonal of 100 mm. --unseen: those of
--- scripts/worst_case/unseen_parts.lua, which the search was not developed on. --principal: beside it brute
--- force that maximises the principal stress of every element (three times as long). --certify: an upper
--- bound within that share, how much of it the search reaches, and its seconds.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
+local options = require "options"
+local script = require "barwright.command.script"
 
 -- Chosen before any was measured.
 local surfaces = {"engine_bracket.obj", "gear_spur.stl", "tray_bottom.stl", "rocker_arm.obj", "fandisk.obj",
@@ -18,8 +13,17 @@ local surfaces = {"engine_bracket.obj", "gear_spur.stl", "tray_bottom.stl", "roc
   "triceratops.off", "cat.obj"}
 local DIAGONAL, PRESSURE, MAX_PRESSURE_FRACTION = 0.1, 2e5, 0.05
 
-local opts = require "arguments" {out = "value", models = "value", only = "value", elements = 3000,
-  certify = 0.0, principal = true, unseen = true}
+local opts = script.read {
+  summary = "the worst-case search against brute force on the same mesh",
+  about = "The bodies are the machine parts of scripts/worst_case/machine_parts.lua and, with --models, surfaces "
+    .. "of a folder, scaled to a box diagonal of 100 mm.",
+  options = {options.out, options.models, options.unseen, options.only, options.elements(3000),
+    {name = "principal", type = "flag",
+      what = "beside it brute force that maximises the principal stress of every element (three times as long)"},
+    {name = "certify", value = "FRACTION", type = "number", default = 0, min = 0, max = 0.5, what = "an upper "
+      .. "bound within that fraction, how much of it the search reaches, and its seconds; 0: without"},
+  },
+}
 
 local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/worst_search.lua",
   options = opts}))

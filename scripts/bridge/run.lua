@@ -8,6 +8,8 @@
 -- mm), bridge.stl and report.html. Ctrl-C ends the search; what is best so far is written.
 -- Exit status 0: a bridge that passes. 2: the input was refused. 3: none that passes was found.
 local bw = require "barwright"
+local core = require "barwright.core"
+local html = require "barwright.html"
 
 local PASSES, REFUSED, FAILS = 0, 2, 3
 
@@ -72,24 +74,19 @@ local function checked(f, ...)
   return table.unpack(values, 2, values.n)
 end
 
-local function page(result, opts)
+local function page(result, opts, picture)
   local rows = {}
-  for _, one in ipairs(result.starts) do
-    rows[#rows + 1] = ("<tr><td>%s</td><td>%s</td><td>%s</td><td>%s</td></tr>"):format(one.start,
-      one.area_m2 and ("%.1f"):format(one.area_m2 * 1e6) or one.message,
-      one.utilisation and ("%.1f"):format(100 * one.utilisation) or "", one.rounds or "")
+  for i, one in ipairs(result.starts) do
+    rows[i] = {one.start, one.area_m2 and ("%.1f"):format(one.area_m2 * 1e6) or one.message,
+      one.utilisation and ("%.1f"):format(100 * one.utilisation) or "", one.rounds or ""}
   end
-  return table.concat({"<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Bridge</title>",
-    "<style>body{font:16px sans-serif;max-width:1020px;margin:2em auto}td,th{padding:.2em 1em;",
-    "text-align:right}img{max-width:100%}</style>",
-    ("<h1>A bridge over %.4g mm for %.4g N</h1>"):format(opts.span * 1e3, opts.load),
-    ("<p>Area %.5g mm&sup2;; the best beam of one height needs %.5g mm&sup2;. Largest von Mises stress"
-      .. " %.1f %% of %.4g MPa, on a mesh of %d six-node triangles %.1f %%.</p>"):format(
-      result.area_m2 * 1e6, result.beam_area_m2 * 1e6, 100 * result.utilisation, opts.limit / 1e6,
-      result.checked_elements or 0, 100 * (result.checked_utilisation or 0)),
-    "<p><img src=\"bridge.svg\" alt=\"the bridge, coloured by stress\"></p>",
-    "<table><tr><th>start</th><th>area, mm&sup2;</th><th>stress, %</th><th>rounds</th></tr>",
-    table.concat(rows, "\n"), "</table></html>\n"}, "\n")
+  local about = ("Area %.5g mm²; the best beam of one height needs %.5g mm². Largest von Mises stress %.1f %% of "
+    .. "%.4g MPa, on a mesh of %d six-node triangles %.1f %%."):format(result.area_m2 * 1e6,
+    result.beam_area_m2 * 1e6, 100 * result.utilisation, opts.limit / 1e6, result.checked_elements or 0,
+    100 * (result.checked_utilisation or 0))
+  return html.document {title = ("A bridge over %.4g mm for %.4g N"):format(opts.span * 1e3, opts.load),
+    body = "<p>" .. html.escape(about) .. "</p>\n" .. html.figure(picture, "the bridge, coloured by stress")
+      .. html.table({"start", "area, mm²", "stress, %", "rounds"}, rows, "numbers")}
 end
 
 local function main()
@@ -130,9 +127,7 @@ local function main()
   checked(whole.write, whole, results:path "bridge_cut.dxf")
   local body = checked(bridge.body, bridge)
   checked(body.write, body, results:path "bridge.stl")
-  local file = checked(io.open, results:path "report.html", "w")
-  file:write(page(result, opts))
-  file:close()
+  checked(core.write_file, results:path "report.html", page(result, opts, results:path "bridge.svg"))
   result.seconds_total = bw.seconds() - begin
   result.peak_memory_bytes = bw.results.peak_memory()
   checked(results.write, results, result)

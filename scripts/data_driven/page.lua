@@ -2,60 +2,23 @@
 -- Pictures and HTML reports of the experiments: one for each scene, and one over all that were run into
 -- the same folder.
 local bw = require "barwright"
+local beside = require "barwright.beside"
 local core = require "barwright.core"
+local html = require "barwright.html"
 
 local page = {}
 
-local escape = require "barwright.report".escape
+local escape = html.escape
 
-local STYLE = [[
-body { font: 16px/1.5 system-ui, sans-serif; color: #1c2430; max-width: 84rem; margin: 2rem auto; padding: 0 1rem }
-h1 { margin-bottom: 0 } h2 { margin-top: 2.2rem } figure { margin: 1rem 0 }
-img { max-width: 100%; border: 1px solid #d8dee8; border-radius: 6px } figcaption, small { color: #556 }
-.scroll { overflow-x: auto } table { border-collapse: collapse; width: 100% }
-th, td { text-align: right; padding: .2rem .6rem; border-bottom: 1px solid #e4e8ef;
-  font-variant-numeric: tabular-nums; white-space: nowrap } th:first-child, td:first-child { text-align: left }
-th { vertical-align: bottom } .met { color: #176b3a } .missed { color: #a3341c }
-tr.first td { border-top: 2px solid #c3cbd8 }
-]]
-
-local function read(path)
-  local file = io.open(path, "rb")
-  if not file then return nil end
-  local bytes = file:read "a"
-  file:close()
-  return bytes
-end
-
-local function image(path, words)
-  local bytes = read(path)
-  if not bytes then return "" end
-  return ('<figure><img alt="%s" src="data:image/png;base64,%s"><figcaption>%s</figcaption></figure>')
-    :format(escape(words), core.base64(bytes), escape(words))
-end
-
--- Cells are text, or {text, class}.
-local function table_of(head, rows)
-  local out = {'<div class="scroll"><table><thead><tr>'}
-  for _, cell in ipairs(head) do out[#out + 1] = ("<th>%s</th>"):format(escape(cell)) end
-  out[#out + 1] = "</tr></thead><tbody>"
-  for _, row in ipairs(rows) do
-    out[#out + 1] = row.first and '<tr class="first">' or "<tr>"
-    for _, cell in ipairs(row) do
-      local text, class = cell, nil
-      if type(cell) == "table" then text, class = cell[1], cell[2] end
-      out[#out + 1] = ("<td%s>%s</td>"):format(class and (' class="' .. class .. '"') or "", escape(text))
-    end
-    out[#out + 1] = "</tr>"
-  end
-  out[#out + 1] = "</tbody></table></div>"
-  return table.concat(out)
-end
+local STYLE <const> = ".numbers th, .numbers td { white-space: nowrap }\n"
 
 local function document(title, body)
-  return table.concat {'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>', escape(title),
-    "</title><style>", STYLE, "</style></head><body><h1>", escape(title), "</h1>", body,
-    ("<p><small>barwright %s</small></p></body></html>\n"):format(escape(core.version))}
+  return html.document {title = title, width = 84, style = STYLE,
+    body = ("%s<p><small>barwright %s</small></p>\n"):format(body, escape(core.version))}
+end
+
+local function table_of(head, rows)
+  return html.table(head, rows, "numbers")
 end
 
 -- ---- tables --------------------------------------------------------------------------------------
@@ -71,7 +34,7 @@ local function seconds(s)
 end
 
 local function judged(text, met)
-  return {text, met and "met" or "missed"}
+  return {text, class = met and "good" or "bad"}
 end
 
 --- Table 1 of the paper beside ours, one scene or many.
@@ -84,10 +47,10 @@ local function table_1(results)
       local published = (row.method == "fine" or fitted)
         and paper["level_" .. row.level] or nil
       local naive = fitted and find(result.rows, "naive", row.level)
-      local cells = {first = i == 1, ("%s, %s%s"):format(result.scene, row.method,
+      local cells = {class = i == 1 and "first" or nil, ("%s, %s%s"):format(result.scene, row.method,
         row.level > 0 and (" %d"):format(row.level) or ""), tostring(row.elements)}
       if row.failed then
-        cells[#cells + 1] = {"no equilibrium", "missed"}
+        cells[#cells + 1] = {"no equilibrium", class = "bad"}
       else
         cells[#cells + 1] = ("%.1f"):format(row.speed_up or 1)
         cells[#cells + 1] = published and ("%.1f"):format(published.speed_up) or ""
@@ -129,7 +92,8 @@ local function table_2(results)
     for _, row in ipairs(published and result.rows or {}) do
       if not row.failed and (row.method == "fine" or row.method == "lookup") then
         local p = published[row.level]
-        rows[#rows + 1] = {first = row.level == 0, ("%s, level %d"):format(result.scene, row.level),
+        rows[#rows + 1] = {class = row.level == 0 and "first" or nil,
+          ("%s, level %d"):format(result.scene, row.level),
           seconds(row.quadrature_share * row.seconds_per_iteration), seconds(p[1]),
           seconds(row.seconds_per_iteration), seconds(p[2]),
           ("%.0f %%"):format(100 * row.quadrature_share), ("%.0f %%"):format(100 * p[1] / p[2])}
@@ -198,14 +162,14 @@ local function scene_part(folder, result)
     parts[#parts + 1] = ("<p>The library was grown for this grid: %d blocks, %.1f s of the processor.</p>")
       :format(result.growing.blocks, result.growing.seconds)
   end
-  parts[#parts + 1] = image(folder .. "/rest.png", "at rest, by material")
-  parts[#parts + 1] = image(folder .. "/shapes.png",
+  parts[#parts + 1] = html.figure(folder .. "/rest.png", "at rest, by material")
+  parts[#parts + 1] = html.figure(folder .. "/shapes.png",
     "deformed, by how far each place went; outline: at rest")
   for i = 1, #(result.edits or {}) do
-    parts[#parts + 1] = image(("%s/edit_%d.png"):format(folder, i), result.edits[i].words)
+    parts[#parts + 1] = html.figure(("%s/edit_%d.png"):format(folder, i), result.edits[i].words)
   end
   if result.motion then
-    parts[#parts + 1] = image(folder .. "/motion.png", result.motion.words)
+    parts[#parts + 1] = html.figure(folder .. "/motion.png", result.motion.words)
   end
   return table.concat(parts)
 end
@@ -225,7 +189,7 @@ end
 function page.overall(out, order)
   local results = {}
   for _, name in ipairs(order) do
-    local text = read(("%s/%s/result.json"):format(out, name))
+    local text = beside.read(("%s/%s/result.json"):format(out, name))
     local result = text and bw.json.decode(text)
     if type(result) == "table" and result.rows and #result.rows > 0 then results[#results + 1] = result end
   end

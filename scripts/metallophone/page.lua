@@ -1,17 +1,15 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The scale as one page: outlines with their modes, nodal lines and screws, the table, the sounds.
 local core = require "barwright.core"
-local report = require "barwright.report"
+local html = require "barwright.html"
 
 local page = {}
 
 local WIDTH = 460 -- of a picture, in pixels
 
-local style = [[
-body{font:15px/1.5 system-ui,sans-serif;max-width:1000px;margin:2em auto;padding:0 1em;color:#222}
-table{border-collapse:collapse}td,th{padding:.25em .8em;text-align:right;border-bottom:1px solid #ddd}
-figure{display:inline-block;margin:.5em;vertical-align:top}svg{background:#fafafa}
-figcaption{font-size:13px;color:#555}]]
+local STYLE <const> = [[
+figure { display: inline-block; margin: .5em; vertical-align: top } svg { background: #fafafa }
+]]
 
 -- Blue below, white at rest, red above.
 local function colour(value)
@@ -31,7 +29,7 @@ function page.picture(bar, name)
   local function y(value) return (box.high[2] - value) * scale + margin end
   local head = '<svg xmlns="http://www.w3.org/2000/svg" width="%.0f" height="%.0f" role="img" aria-label="%s">'
   local out = {head:format(
-    WIDTH + 2 * margin, height + 2 * margin, report.escape(name))}
+    WIDTH + 2 * margin, height + 2 * margin, html.escape(name))}
   local points, mode = bar.points:totable(), bar:mode(1):totable()
   local largest = 0
   for _, row in ipairs(mode) do largest = math.max(largest, math.abs(row[1])) end
@@ -63,33 +61,26 @@ end
 
 --- Writes the page of a result, with the bars that were made.
 function page.write(path, result, bars)
-  local body = {"<!doctype html><meta charset=utf-8><title>Metallophone</title><style>", style,
-    "</style><h1>Metallophone</h1><p>Outline: ", report.escape(result.shape), ", ",
-    report.escape(result.material), (", %.1f mm thick. "):format(1e3 * result.thickness_m),
-    "Tuned with the holes for the screws in place. Colour: deflection of the lowest mode; lines: where it "
-    .. "is at rest; circles: screws.</p>"}
-  local done = {}
+  local rows, figures = {}, {}
   for _, made in ipairs(result.bars) do
-    if made.cents then done[#done + 1] = made end
+    if made.cents then
+      local p, bar = made.paper or {}, bars[#rows + 1]
+      rows[#rows + 1] = {made.note, ("%.2f"):format(made.target_hz), ("%.2f"):format(made.before_hz),
+        ("%.2f"):format(made.simulated_hz), ("%+.2f"):format(made.cents), ("%.2f"):format(1e3 * made.moved_m),
+        p.target or "", p.simulated or "", p.measured or "", p.adjusted or ""}
+      local name, box = html.escape(made.note), bar.outline.box
+      figures[#figures + 1] = ("<figure>%s<figcaption>%s, %.2f Hz, %.0f mm long<br>"
+        .. '<audio controls src="%s.wav"></audio></figcaption></figure>'):format(page.picture(bar, made.note),
+        name, made.simulated_hz, 1e3 * (box.high[1] - box.low[1]), name)
+    end
   end
-  body[#body + 1] = "<table><tr><th>note<th>target Hz<th>before<th>tuned<th>cents<th>outline moved mm"
-    .. "<th>paper: target<th>simulated<th>measured<th>adjusted</tr>"
-  for _, made in ipairs(done) do
-    local p = made.paper or {}
-    body[#body + 1] = ("<tr><td>%s<td>%.2f<td>%.2f<td>%.2f<td>%+.2f<td>%.2f<td>%s<td>%s<td>%s<td>%s</tr>")
-      :format(report.escape(made.note), made.target_hz, made.before_hz, made.simulated_hz,
-        made.cents, 1e3 * made.moved_m,
-        p.target or "",
-        p.simulated or "", p.measured or "", p.adjusted or "")
-  end
-  body[#body + 1] = "</table>"
-  for k, made in ipairs(done) do
-    body[#body + 1] = ("<figure>%s<figcaption>%s, %.2f Hz, %.0f mm long<br>"
-      .. "<audio controls src=\"%s.wav\"></audio></figcaption></figure>")
-      :format(page.picture(bars[k], made.note), report.escape(made.note), made.simulated_hz,
-        1e3 * (bars[k].outline.box.high[1] - bars[k].outline.box.low[1]), report.escape(made.note))
-  end
-  return core.write_file(path, table.concat(body))
+  local about = ("Outline: %s, %s, %.1f mm thick. Tuned with the holes for the screws in place. Colour: "
+    .. "deflection of the lowest mode; lines: where it is at rest; circles: screws."):format(result.shape,
+    result.material, 1e3 * result.thickness_m)
+  return core.write_file(path, html.document {title = "Metallophone", style = STYLE,
+    body = "<p>" .. html.escape(about) .. "</p>\n" .. html.table({"note", "target, Hz", "before", "tuned",
+      "cents", "outline moved, mm", "paper: target", "simulated", "measured", "adjusted"}, rows, "numbers")
+      .. table.concat(figures, "\n")})
 end
 
 return page

@@ -4,7 +4,7 @@
 local check = require "check"
 local core = require "barwright.core"
 local json = require "barwright.json"
-local text = require "barwright.scenario.text"
+local text = require "barwright.text"
 
 local HEAD = [[local bw = require "barwright"
 local scenario, expect = bw.scenario, bw.scenario.expect

@@ -11,8 +11,9 @@
 --
 -- Types: "string" (the default), "number" (with a unit where `unit` names one), "integer", "flag", "file",
 -- "folder". Rules of numbers: min, max, above, below. Rules of all: one_of, needed, many (a list; options
--- may then be repeated). The options have a field for each name ("-" becomes "_"); flags are true or false.
--- --help, --json and --quiet are every command's.
+-- may then be repeated), list (values with commas between, each by the rule), word (a word instead of a value).
+-- The options have a field for each name ("-" becomes "_"); flags are true or false. `common` replaces --help,
+-- --json and --quiet, which are every command's (script.lua).
 local core = require "barwright.core"
 local quantity = require "barwright.command.quantity"
 
@@ -34,7 +35,7 @@ end
 function arguments.options(command)
   local list = {}
   for _, option in ipairs(command.options or {}) do list[#list + 1] = option end
-  for _, option in ipairs(arguments.common) do list[#list + 1] = option end
+  for _, option in ipairs(command.common or arguments.common) do list[#list + 1] = option end
   return list
 end
 
@@ -80,10 +81,8 @@ local function number_of(rule, text)
     quoted(text))
 end
 
---- The value of one word by a rule, or nil and a sentence without a subject.
-function arguments.value(rule, text)
+local function value_of(rule, text)
   local value = text
-  if rule.word and text == rule.word then return text end
   if rule.type == "number" or rule.type == "integer" then
     local message
     value, message = number_of(rule, text)
@@ -113,6 +112,19 @@ function arguments.value(rule, text)
     return nil, ("%s is not known: %s"):format(quoted(text), core.suggestion(text, words))
   end
   return value
+end
+
+--- The value of one word by a rule, or nil and a sentence without a subject.
+function arguments.value(rule, text)
+  if rule.word and text == rule.word then return text end
+  if not rule.list then return value_of(rule, text) end
+  local list = {}
+  for word in (text .. ","):gmatch "([^,]*)," do
+    local value, message = value_of(rule, word)
+    if value == nil then return nil, message end
+    list[#list + 1] = value
+  end
+  return list
 end
 
 -- ---- words -----------------------------------------------------------------------------------------
@@ -242,9 +254,9 @@ end
 local types = {string = true, number = true, integer = true, flag = true, file = true, folder = true}
 local rule_keys = {name = true, value = true, type = true, default = true, one_of = true, what = true,
   optional = true, many = true, needed = true, unit = true, min = true, max = true, above = true,
-  below = true, endings = true, word = true}
+  below = true, endings = true, word = true, list = true}
 local command_keys = {summary = "string", about = "string", arguments = "table", options = "table",
-  examples = "table", run = "function", server = "boolean"}
+  examples = "table", run = "function", server = "boolean", common = "table"}
 
 local function check_rule(rule, is_option, seen)
   local name = tostring(rule.name)
@@ -265,7 +277,7 @@ function arguments.fault(command)
   for field, value in pairs(command) do
     if type(value) ~= command_keys[field] then return "field " .. tostring(field) end
   end
-  if not command.summary or not command.run then return "summary or run is missing" end
+  if not command.summary or not (command.run or command.common) then return "summary or run is missing" end
   local seen = {}
   for i, rule in ipairs(command.arguments or {}) do
     local fault = check_rule(rule, false, seen)

@@ -56,13 +56,16 @@ function help_text.notes(rule, is_argument)
     notes[#notes + 1] = table.concat(words, ", ")
   end
   if rule.default ~= nil and rule.type ~= "flag" and not rule.many then
-    local value = rule.default
-    notes[#notes + 1] = "default " .. (type(value) == "number" and quantity.text(value, rule.unit)
-      or tostring(value))
+    local words = {}
+    for i, value in ipairs(type(rule.default) == "table" and rule.default or {rule.default}) do
+      words[i] = type(value) == "number" and quantity.text(value, rule.unit) or tostring(value)
+    end
+    notes[#notes + 1] = "default " .. table.concat(words, ",")
   elseif rule.unit then
     notes[#notes + 1] = quantity.needed(rule.unit) and "with its unit" or "in " .. rule.unit
   end
   if rule.many and not is_argument then notes[#notes + 1] = "may be repeated" end
+  if rule.list then notes[#notes + 1] = "commas between" end
   return #notes > 0 and " (" .. table.concat(notes, "; ") .. ")" or ""
 end
 

@@ -2,7 +2,7 @@
 -- Results as JUnit XML, as continuous integration reads it: a suite for each file, a case for each
 -- scenario; expectations that were not met are failures, all else that went wrong is an error.
 local tap = require "barwright.scenario.tap"
-local text = require "barwright.scenario.text"
+local text = require "barwright.text"
 
 local junit = {}
 

@@ -6,7 +6,7 @@ local core = require "barwright.core"
 local files = require "barwright.scenario.files"
 local json = require "barwright.json"
 local record = require "barwright.scenario.record"
-local text = require "barwright.scenario.text"
+local text = require "barwright.text"
 
 local run = {}
 

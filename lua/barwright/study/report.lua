@@ -3,15 +3,15 @@
 -- found, what failed, all plots that fit, pictures, all trials. The page is web/study.html.
 local beside = require "barwright.beside"
 local core = require "barwright.core"
+local html = require "barwright.html"
 local json = require "barwright.json"
 local numbers = require "barwright.plot.numbers"
 local options = require "barwright.options"
-local page = require "barwright.report"
 local pictures = require "barwright.study.pictures"
 local plots = require "barwright.study.plots"
 local says = require "barwright.study.plot_data"
 
-local escape = page.escape
+local escape = html.escape
 local report = {}
 
 local rules = {
@@ -25,30 +25,11 @@ local rules = {
 
 -- ---- tables ------------------------------------------------------------------------------------
 
-local function html_table(head, rows, class)
-  local out = {('<div class="scroll" tabindex="0"><table%s><thead><tr>'):format(class and
-    (' class="%s"'):format(class) or "")}
-  for _, text in ipairs(head) do out[#out + 1] = ('<th scope="col">%s</th>'):format(escape(text)) end
-  out[#out + 1] = "</tr></thead><tbody>\n"
-  for _, row in ipairs(rows) do
-    out[#out + 1] = row.attributes and ("<tr %s>"):format(row.attributes) or "<tr>"
-    for _, cell in ipairs(row) do
-      local text, sort = cell, nil
-      if type(cell) == "table" then text, sort = cell[1], cell[2] end
-      out[#out + 1] = ("<td%s>%s</td>"):format(sort and
-        (' data-sort="%s"'):format(escape(tostring(sort))) or "", escape(tostring(text)))
-    end
-    out[#out + 1] = "</tr>\n"
-  end
-  out[#out + 1] = "</tbody></table></div>\n"
-  return table.concat(out)
-end
-
 -- One line of a value with its unit as a cell that sorts by number.
 local function cell(value, unit)
-  if value == nil then return {"", ""} end
-  if math.type(value) == nil then return {tostring(value), tostring(value)} end
-  return {numbers.quantity(value, unit), ("%.17g"):format(value):gsub(",", ".")}
+  if value == nil then return {"", ["data-sort"] = ""} end
+  if math.type(value) == nil then return {value, ["data-sort"] = value} end
+  return {numbers.quantity(value, unit), ["data-sort"] = (("%.17g"):format(value):gsub(",", "."))}
 end
 
 local function range_of(v)
@@ -73,7 +54,7 @@ local function asked(problem)
   for i, v in ipairs(problem.variables) do
     rows[i] = {v.name, v.kind or "real", range_of(v), v.unit or "", v.what or ""}
   end
-  local out = {"<h3>Variables</h3>\n", html_table({"name", "kind", "range", "unit", "about"}, rows)}
+  local out = {"<h3>Variables</h3>\n", html.table({"name", "kind", "range", "unit", "about"}, rows)}
   rows = {}
   for i, m in ipairs(problem.measures) do
     local wanted = {}
@@ -86,7 +67,7 @@ local function asked(problem)
     rows[i] = {m.name, m.unit or "", table.concat(wanted, "; "), m.what or ""}
   end
   out[#out + 1] = "<h3>Measures</h3>\n"
-  out[#out + 1] = html_table({"name", "unit", "wanted", "about"}, rows)
+  out[#out + 1] = html.table({"name", "unit", "wanted", "about"}, rows)
   return table.concat(out)
 end
 
@@ -179,13 +160,12 @@ local function all_trials(trials, max)
     local keeps = says.keeps(problem, trial)
     local status = words[trial.status] or tostring(trial.status)
     if trial.status == "done" and not keeps then status = "misses a constraint" end
-    row[#row + 1] = {status .. (trial.message and ": " .. trial.message or ""), status}
+    row[#row + 1] = {status .. (trial.message and ": " .. trial.message or ""), ["data-sort"] = status}
     row[#row + 1] = cell(trial.seconds)
-    row.attributes = ('class="%s"'):format(chosen[i] and "chosen" or trial.status ~= "done" and "bad"
-      or not keeps and "faint" or "")
+    row.class = chosen[i] and "chosen" or trial.status ~= "done" and "bad" or not keeps and "faint" or ""
     rows[i] = row
   end
-  local out = {html_table(head, rows, "sortable")}
+  local out = {html.table(head, rows, "sortable")}
   if #trials > max then
     out[2] = ('<p class="hint">The first %d of %d trials.</p>\n'):format(max, #trials)
   end
@@ -208,7 +188,7 @@ local function found(trials)
       table.sort(list)
       rows[i] = {m.name, cell(list[1], m.unit), cell(list[(#list + 1) // 2], m.unit), cell(list[#list], m.unit)}
     end
-    return "<h3>Measures</h3>\n" .. html_table({"measure", "min", "median", "max"}, rows)
+    return "<h3>Measures</h3>\n" .. html.table({"measure", "min", "median", "max"}, rows)
   end
   if #chosen == 0 then return "<p>No trial keeps the constraints.</p>\n" end
   local rows, columns = {}, columns_of(trials)
@@ -224,7 +204,7 @@ local function found(trials)
   local text = #objectives == 1 and "<h3>Best</h3>\n"
     or ("<h3>Front</h3>\n<p>%d trial%s that no other beats:</p>\n"):format(#chosen,
       #chosen == 1 and "" or "s")
-  return text .. html_table(head_of(columns), rows, #chosen > 1 and "sortable" or nil)
+  return text .. html.table(head_of(columns), rows, #chosen > 1 and "sortable" or nil)
 end
 
 local function join_numbers(list)
@@ -278,7 +258,7 @@ local function failures(trials)
     rows[i] = {cell(#by_text[order[i]]), order[i], join_numbers(by_text[order[i]])}
   end
   if #rows == 0 then return "" end
-  return "<h3>What went wrong</h3>\n" .. html_table({"trials", "message", "numbers"}, rows, "wide")
+  return "<h3>What went wrong</h3>\n" .. html.table({"trials", "message", "numbers"}, rows, "wide")
 end
 
 -- ---- plots -------------------------------------------------------------------------------------
@@ -367,11 +347,11 @@ end
 --- many, 0: none), rows (of the table), manifest.
 function report.write(trials, path, given)
   local opts = options.read("report", given, rules)
-  local text = beside.find "study.html"
-  if not text then return nil, "the report's template was not found", {status = "io"} end
+  local template = beside.find "study.html"
+  if not template then return nil, "the report's template was not found", {status = "io"} end
   local study = type(trials.study) == "table" and trials.study or {}
   local about = opts.text or study.what
-  local parts = {
+  return core.write_file(path, html.fill(template, {
     title = escape(opts.title or study.name and "Study " .. study.name or "Study"),
     answer = escape(answer(trials)),
     about = about and ("<p>%s</p>\n"):format(escape(about)) or "",
@@ -384,9 +364,7 @@ function report.write(trials, path, given)
     pictures = all_pictures(trials, opts),
     trials = all_trials(trials, opts.rows),
     manifest = escape(json.encode(manifest_of(trials, opts), "  ")),
-  }
-  text = text:gsub("{{(%l+)}}", function(key) return parts[key] end)
-  return core.write_file(path, text)
+  }))
 end
 
 return report

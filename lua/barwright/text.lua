@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Text for files that others read: only whole characters, escaped as XML and HTML want it.
+-- Text for files that others read: only whole characters, escaped for XML (for HTML: html.lua).
 local text = {}
 
 -- Whether XML 1.0 may hold the character.
@@ -40,13 +40,6 @@ local xml = {["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;", ['"'] = "&quot;", 
 --- For attributes and text of XML.
 function text.xml(bytes)
   return (text.clean(bytes):gsub("[&<>\"'\n\r\t]", xml))
-end
-
-local html = {["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;", ['"'] = "&quot;", ["'"] = "&#39;"}
-
---- For attributes and text of HTML.
-function text.html(bytes)
-  return (text.clean(bytes):gsub("[&<>\"']", html))
 end
 
 return text
