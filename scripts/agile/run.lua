@@ -2,75 +2,50 @@
 -- Edit sessions of the paper agile from one command: a scene, or a model of one's own with a skeleton
 -- that is extracted; its edits are replayed one by one, each solved, and then the limbs are scaled
 -- until the part is strong enough.
---   build/barwright scripts/agile/run.lua --scene NAME|all --out DIR [--elements N] [--order 1|2]
---       [--limit PA] [--no-optimise] [--threads N]
---   build/barwright scripts/agile/run.lua MODEL --out DIR [--bones N] [--force N] [--unit mm]
---       [--material NAME] [--elements N] ...
--- Scenes: opener bird horse dinosaur earphone. A MODEL stands on its lowest part and is pushed
--- sideways at the end of a limb. DIR gets result.json, manifest.json, report.html, pictures, the edits as a
--- script, and the shape as STL; with `all`, a folder for each scene. Exit status 0: the part ends
--- below the limit (or --no-optimise). 2: refused, one sentence on standard error. 3: it does not.
--- 130: interrupted. What ends early keeps what is done: result.json says "finished": false and why.
 local folder = arg[0]:match "^(.*)/[^/]*$" or "."
 package.path = folder .. "/?.lua;" .. package.path
 local bw = require "barwright"
 local models = require "models"
 local page = require "page"
 local scenes = require "scenes"
+local script = require "barwright.command.script"
 
-local MET, REFUSED, NOT_MET, INTERRUPTED = 0, 2, 3, 130
-
-local known = {scene = "string", out = "string", elements = "integer", order = "integer",
-  limit = "number", ["no-optimise"] = "flag", threads = "integer", bones = "integer", force = "number",
-  unit = "string", material = "string"}
-
-local function stop(status, message)
-  io.stdout:flush()
-  io.stderr:write("agile: ", (message:gsub("%s*\n%s*", " ")), "\n")
-  os.exit(status, true)
-end
-
-local function usage(message)
-  stop(REFUSED, message .. " (usage: run.lua --scene NAME|all --out DIR, or run.lua MODEL --out DIR)")
-end
+local MET, REFUSED, NOT_MET, INTERRUPTED = 0, script.REFUSED, 3, 130
+local stop = script.stop
 
 local function read_arguments()
-  local opts, model, i = {}, nil, 1
-  while i <= #arg do
-    local name, joined = arg[i]:match "^%-%-([^=]+)=?(.*)$"
-    local kind = name and known[name]
-    if not name then
-      if model then usage(("one MODEL expected, got %s and %s"):format(model, arg[i])) end
-      model = arg[i]
-    elseif not kind then
-      local names = {}
-      for key in pairs(known) do names[#names + 1] = "--" .. key end
-      usage(("unknown option %s: %s"):format(arg[i],
-        require "barwright.core".suggestion("--" .. name, names)))
-    elseif kind == "flag" then
-      opts[name] = true
-    else
-      local text = joined
-      if not arg[i]:find("=", 1, true) then
-        i = i + 1
-        text = arg[i]
-      end
-      local value = text
-      if kind ~= "string" then
-        value = tonumber(text)
-        if kind == "integer" then value = math.tointeger(value) end
-        if not value or value <= 0 then
-          usage(("option --%s: a positive %s expected, got '%s'"):format(name, kind, text or "nothing"))
-        end
-      end
-      opts[name] = value or usage(("option --%s: a value expected"):format(name))
-    end
-    i = i + 1
-  end
-  if not opts.out then usage "--out DIR is missing" end
-  if (model ~= nil) == (opts.scene ~= nil) then usage "either --scene NAME or a MODEL expected" end
-  if opts.order and opts.order > 2 then usage "option --order: 1 or 2 expected" end
-  return opts, model
+  local names = table.move(scenes.names, 1, #scenes.names, 2, {"all"})
+  local opts = script.read {
+    summary = "edit sessions of the paper agile",
+    about = "Replays the edits of a scene, or of a MODEL with an extracted skeleton, solves after each, and then "
+      .. "scales "
+      .. "the limbs until the part is strong enough. A MODEL stands on its lowest part and is pushed sideways at "
+      .. "the "
+      .. "end of a limb.\n\n"
+      .. "DIR gets result.json, manifest.json, report.html, pictures, the edits as a script, and the shape as "
+      .. "STL; "
+      .. "with `--scene all`, a folder for each scene.\n\n"
+      .. "Exit status: 0 the part ends below the limit (or --no-optimise); 2 the input was refused; 3 it does "
+      .. "not; 130 "
+      .. "interrupted. What ends early keeps what is done: result.json says \"finished\": false and why.",
+    arguments = {{name = "model", type = "file", optional = true, what = "a surface: STL, OBJ, OFF or PLY"}},
+    options = {script.option.needed_out,
+      {name = "scene", value = "NAME", one_of = names, what = "instead of a MODEL"},
+      {name = "elements", value = "N", type = "integer", min = 1, what = "number of elements (default: the "
+        .. "scene's)"},
+      {name = "order", value = "N", type = "integer", min = 1, max = 2, default = 2, what = "order of elements"},
+      {name = "limit", value = "STRESS", type = "number", unit = "Pa", default = scenes.threshold, above = 0,
+        what = "von Mises stress that the part must stay below"},
+      {name = "no-optimise", type = "flag", what = "replay the edits alone"},
+      script.option.threads,
+      {name = "bones", value = "N", type = "integer", min = 1, what = "bones of the skeleton, of a MODEL"},
+      {name = "force", value = "FORCE", type = "number", unit = "N", above = 0, what = "force, of a MODEL"},
+      {name = "unit", value = "UNIT", what = "unit of the MODEL's file: m, cm, mm, um, in, ft"},
+      {name = "material", value = "NAME", what = "of `barwright materials`, of a MODEL"},
+    },
+  }
+  if (opts.model ~= nil) == (opts.scene ~= nil) then script.refuse "either --scene NAME or a MODEL expected" end
+  return opts, opts.model
 end
 
 -- The shape as it is, not as it bends, coloured by stress; with `high` the colours end there.
@@ -193,7 +168,7 @@ local function run(scene, opts, out)
   if not results then return nil, message, details end
   local mesh = scene.mesh
   local result = {scene = scene.name, finished = false, elements = mesh.element_count,
-    nodes = mesh.node_count, limit_pa = opts.limit or scenes.threshold,
+    nodes = mesh.node_count, limit_pa = opts.limit,
     seconds_mesh = scene.seconds_mesh, bones = scene.skeleton.bone_count, edits = bw.json.list {},
     remarks = bw.json.list {}, paper = scene.paper and {elements = scene.paper.elements,
       bones = scene.paper.bones, max_von_mises_pa = scene.paper.von_mises}}
@@ -207,7 +182,7 @@ local function run(scene, opts, out)
     if not session then return nil, why, how end
     result.seconds_session = bw.seconds() - clock
     done, why, how = replay(session, scene, result, results)
-    if done and not opts["no-optimise"] then done, why, how = strengthen(session, scene, result, results) end
+    if done and not opts.no_optimise then done, why, how = strengthen(session, scene, result, results) end
     return done, why, how
   end
   local fine, done
@@ -230,7 +205,6 @@ end
 local function main()
   io.stdout:setvbuf "line"
   local opts, model = read_arguments()
-  if opts.threads then bw.threads(opts.threads) end
   local names = model and {model} or opts.scene == "all" and scenes.names or {opts.scene}
   local status = MET
   for _, name in ipairs(names) do
@@ -238,10 +212,8 @@ local function main()
     local start = bw.seconds()
     if model then
       scene, message = models.make(model, opts)
-    elseif scenes.paper[name] then
-      scene = scenes.make(name, {elements = opts.elements, order = opts.order})
     else
-      usage(("there is no scene '%s'; scenes are %s"):format(name, table.concat(scenes.names, " ")))
+      scene = scenes.make(name, {elements = opts.elements, order = opts.order})
     end
     if not scene then stop(REFUSED, message) end
     scene.seconds_mesh = bw.seconds() - start

@@ -18,8 +18,8 @@ local opts = script.read {
   options = {
     {name = "library", value = "FILE.bwm", type = "file", needed = true,
       what = "the library of materials, which scripts/data_driven/build.lua makes"},
-    {name = "scene", value = "NAME,...", list = true, one_of = scenes.order, default = scenes.order,
-      what = "which scenes"},
+    {name = "scene", value = "NAME,...", list = true, one_of = scenes.order, word = "all",
+      default = "all", what = "which scenes, or all"},
     script.option.out,
     {name = "only", value = "PART", one_of = {"scenes", "coarsening", "gradients", "library"},
       what = "only this part"},
@@ -58,7 +58,8 @@ if wanted "scenes" then
   print("  example  level elements | s / iteration (paper)   less | faster  (paper) | quadrature | "
     .. "iterations | error")
   out.scenes = {}
-  for _, name in ipairs(opts.scene) do out.scenes[name] = one_scene(name) end
+  local names = opts.scene == "all" and scenes.order or opts.scene
+  for _, name in ipairs(names) do out.scenes[name] = one_scene(name) end
 end
 
 -- ---- coarsening ----------------------------------------------------------------------------------

@@ -1,70 +1,52 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Designs a bridge: the smallest area that carries a load on the middle of a span below a stress limit.
---   build/barwright scripts/bridge/run.lua --out DIR [--span 0.2] [--load 1500] [--limit 30e6]
---       [--thickness 0.004] [--depth 0.1] [--wall 0.004] [--material NAME | --young 3e9 --poisson 0.35]
---       [--starts truss,gable,beam,arch] [--rounds 120] [--holes 6] [--polish 40] [--threads N]
--- Lengths in m, load in N, limit (von Mises) and Young's modulus in Pa. DIR gets result.json,
--- manifest.json, bridge.svg (coloured by stress), bridge_cut.svg and bridge_cut.dxf (outlines to cut,
--- mm), bridge.stl and report.html. Ctrl-C ends the search; what is best so far is written.
--- Exit status 0: a bridge that passes. 2: the input was refused. 3: none that passes was found.
 local bw = require "barwright"
 local core = require "barwright.core"
 local html = require "barwright.html"
+local script = require "barwright.command.script"
 
-local PASSES, REFUSED, FAILS = 0, 2, 3
-
-local known = {
-  span = {"number", 0.2}, load = {"number", 1500}, limit = {"number", 30e6},
-  thickness = {"number", 0.004}, depth = {"number"}, wall = {"number"}, young = {"number", 3e9},
-  poisson = {"number", 0.35}, material = {"string"}, starts = {"string", "truss,gable,beam,arch"},
-  rounds = {"whole number", 120}, holes = {"whole number", 6}, polish = {"whole number", 40},
-  threads = {"whole number"}, size = {"number"}, out = {"string"},
-}
-
-local function stop(status, message)
-  io.stdout:flush()
-  io.stderr:write("bridge: ", (tostring(message):gsub("%s*\n%s*", " ")), "\n")
-  os.exit(status, true)
-end
-
-local function help()
-  for line in io.lines(arg[0]) do
-    local text = line:match "^%-%- ?(.*)"
-    if not text then break end
-    if not text:match "^Copyright" then print(text) end
-  end
-  os.exit(PASSES, true)
-end
+local PASSES, REFUSED, FAILS = 0, script.REFUSED, 3
+local stop = script.stop
 
 local function read_arguments()
-  local opts = {}
-  for name, about in pairs(known) do opts[name] = about[2] end
-  local i = 1
-  while i <= #arg do
-    local name, value = arg[i]:match "^%-%-([^=]+)=?(.*)$"
-    if arg[i] == "-h" or arg[i] == "--help" then help() end
-    if not name or not known[name] then
-      local names = {}
-      for key in pairs(known) do names[#names + 1] = "--" .. key end
-      stop(REFUSED, ("unknown option %s: %s"):format(arg[i],
-        require "barwright.core".suggestion("--" .. (name or arg[i]), names)))
-    end
-    if not arg[i]:find("=", 1, true) then
-      i = i + 1
-      value = arg[i]
-    end
-    local kind = known[name][1]
-    local read = value
-    if kind ~= "string" then read = tonumber(value or "") end
-    if kind == "whole number" and read then read = math.tointeger(read) end
-    if not read or kind ~= "string" and (read ~= read or read < 0 or read == math.huge) then
-      stop(REFUSED, ("option --%s: a %s expected, got %s"):format(name, kind, tostring(value)))
-    end
-    opts[name] = read
-    i = i + 1
-  end
-  if not opts.out or opts.out == "" then stop(REFUSED, "--out DIR is missing (--help tells the options)") end
-  return opts
+  return script.read {
+    summary = "a bridge of the smallest area that carries a load",
+    about = "Designs a bridge: the smallest area that carries a load on the middle of a span below a stress "
+      .. "limit. "
+      .. "Ctrl-C ends the search; what is best so far is written.\n\n"
+      .. "DIR gets result.json, manifest.json, bridge.svg (coloured by stress), bridge_cut.svg and bridge_cut.dxf "
+      .. "(outlines to cut, mm), bridge.stl and report.html.\n\n"
+      .. "Exit status: 0 a bridge that passes; 2 the input was refused; 3 none that passes was found.",
+    options = {script.option.needed_out,
+      {name = "span", value = "LENGTH", type = "number", unit = "m", default = 0.2, above = 0,
+        what = "distance of the supports"},
+      {name = "load", value = "FORCE", type = "number", unit = "N", default = 1500, above = 0,
+        what = "on the middle"},
+      {name = "limit", value = "STRESS", type = "number", unit = "Pa", default = 30e6, above = 0,
+        what = "von Mises stress that the bridge must stay below"},
+      {name = "thickness", value = "LENGTH", type = "number", unit = "m", default = 0.004, above = 0,
+        what = "thickness of the plate"},
+      {name = "depth", value = "LENGTH", type = "number", unit = "m", above = 0,
+        what = "largest height of the bridge; without it, half the span"},
+      {name = "wall", value = "LENGTH", type = "number", unit = "m", above = 0,
+        what = "smallest thickness of walls; without it, a fiftieth of the span"},
+      {name = "size", value = "LENGTH", type = "number", unit = "m", above = 0,
+        what = "edge of triangles; without it, a hundredth of the span"},
+      {name = "material", value = "NAME", what = "of `barwright materials`, instead of --young and --poisson"},
+      {name = "young", value = "STRESS", type = "number", unit = "Pa", default = 3e9, above = 0,
+        what = "Young's modulus"},
+      {name = "poisson", value = "NUMBER", type = "number", default = 0.35, above = -1, below = 0.5,
+        what = "Poisson's ratio"},
+      {name = "starts", value = "NAME,...", list = true, one_of = {"truss", "gable", "beam", "arch"},
+        default = {"truss", "gable", "beam", "arch"}, what = "designs that the search starts from"},
+      {name = "rounds", value = "N", type = "integer", default = 120, min = 0, what = "largest number of rounds"},
+      {name = "holes", value = "N", type = "integer", default = 6, min = 0,
+        what = "holes in a half, at most, that are opened"},
+      {name = "polish", value = "N", type = "integer", default = 40, min = 0,
+        what = "rounds on the finer mesh, at most"},
+      script.option.threads,
+    },
+  }
 end
 
 local function checked(f, ...)
@@ -92,18 +74,15 @@ end
 local function main()
   local opts = read_arguments()
   local begin = bw.seconds()
-  if opts.threads then checked(bw.threads, opts.threads) end
   local material = opts.material and checked(bw.material.named, opts.material) or checked(
     bw.material.isotropic, {name = "given", young = opts.young, poisson = opts.poisson, density = 1000})
-  local names = {}
-  for name in opts.starts:gmatch "[^,]+" do names[#names + 1] = name end
   local results = checked(bw.results.open, opts.out, {script = "scripts/bridge/run.lua", options = opts})
   local bridge = checked(bw.responsive.bridge, {span = opts.span, load = opts.load,
     stress_limit = opts.limit, material = material, thickness = opts.thickness, depth = opts.depth,
     wall = opts.wall, size = opts.size})
   local height, beam = checked(bridge.uniform_beam, bridge)
   print(("beam of one height: %.4g mm high, %.5g mm2"):format(height * 1e3, beam * 1e6))
-  local found = checked(bridge.design, bridge, {starts = names, rounds = opts.rounds, holes = opts.holes,
+  local found = checked(bridge.design, bridge, {starts = opts.starts, rounds = opts.rounds, holes = opts.holes,
     polish = opts.polish, report = function(now)
       if now.round % 20 == 0 then
         print(("%-6s round %3d: %.5g mm2, stress %.1f %%; best %.5g mm2"):format(now.start, now.round,

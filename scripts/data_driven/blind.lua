@@ -1,34 +1,31 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Coarse solids of bodies that nobody chose: bars whose materials, holes and loads come from numbers drawn
+-- Coarse solids of random test geometries: bars whose materials, holes and loads come from numbers drawn
 -- by a seed, fine, naive, by a library, and by that library grown for the bar.
---   build/barwright scripts/data_driven/blind.lua [--bodies 12] [--first SEED] [--library FILE.bwm]
---       [--directions 40] [--json FILE] [--threads N]
--- Without a library the grown one begins from nothing, with so many directions. A line for each body and
--- level; then the median and the worst of naive errors over those of lookup. Exit status 0: done. 1: a body
--- has no fine solution. 2: refused.
 local folder = arg[0]:match "^(.*)/[^/]*$" or "."
 package.path = folder .. "/?.lua;" .. package.path
 local bw = require "barwright"
 local compare = require "compare"
 local scenes = require "scenes"
+local script = require "barwright.command.script"
 
 local H, CELLS = 0.01, {8, 24, 8} -- m, a cell
 local MOVEMENT = 0.03             -- mean, over the length
 
-local opts = {bodies = 12, first = 1, directions = 40}
-local i = 1
-while arg[i] do
-  local name, value = arg[i]:match "^%-%-(.+)$", arg[i + 1]
-  local whole = ({bodies = true, first = true, directions = true, threads = true})[name]
-  if not (whole or name == "library" or name == "json") or not value or (whole and not
-      (math.tointeger(tonumber(value)) and tonumber(value) > 0)) then
-    io.stderr:write(("blind: '%s %s' is not understood\n"):format(arg[i], value or ""))
-    os.exit(2)
-  end
-  opts[name] = whole and math.tointeger(tonumber(value)) or value
-  i = i + 2
-end
-if opts.threads then bw.threads(opts.threads) end
+local opts = script.read {
+  summary = "coarse solids of bars of random materials, holes and loads",
+  about = "Prints a line for each body and level; then the median and the worst of naive errors over those of "
+    .. "lookup.\n\nExit status: 0 done; 1 a body has no fine solution; 2 the input was refused.",
+  options = {
+    {name = "bodies", value = "N", type = "integer", default = 12, min = 1, what = "number of bodies"},
+    {name = "first", value = "SEED", type = "integer", default = 1, min = 1, what = "seed of the first one"},
+    {name = "library", value = "FILE.bwm", type = "file",
+      what = "the library of materials (default: the grown one begins from nothing)"},
+    {name = "directions", value = "N", type = "integer", default = 40, min = 1,
+      what = "directions of deformation that are sampled, without a library"},
+    {name = "json", value = "FILE", type = "file", what = "where the figures go, too"},
+    script.option.threads,
+  },
+}
 
 -- Numbers from 0 to 1 (splitmix64).
 local function generator(seed)

@@ -1,61 +1,39 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- What coarse grids can do, whatever their materials: the fine solution's best approximation by trilinear
--- displacements of the coarse grid, supports held, beside the errors of coarse solids; and how much of these
+-- displacements of the coarse grid, under the supports, beside the errors of coarse solids; and how much of these
 -- is left when the coarse displacement is multiplied by one factor (the whole too stiff or too soft), or by
 -- one for each axis.
---   build/barwright scripts/data_driven/bound.lua --scene NAME[,NAME...]|all [--library FILE.bwm]
---       [--methods naive,lookup,grown] [--levels N] [--json FILE] [--threads N]
--- Scenes as of run.lua. Without a library only naive and grown (from nothing). Exit status 0: done. 1: a
--- scene has no fine solution. 2: refused.
 local folder = arg[0]:match "^(.*)/[^/]*$" or "."
 package.path = folder .. "/?.lua;" .. package.path
 local bw = require "barwright"
 local best = require "best"
 local compare = require "compare"
-local scenes = require "scenes"
 local core = require "barwright.core"
+local scenes = require "scenes"
+local script = require "barwright.command.script"
 
-local function refuse(message)
-  io.stderr:write("bound: ", message, "\n")
-  os.exit(2)
-end
+local opts = script.read {
+  summary = "the best approximation of fine solutions on coarse grids, beside the errors of coarse solids",
+  about = "Without a library only naive and grown (from nothing).\n\n"
+    .. "Exit status: 0 done; 1 a scene has no fine solution; 2 the input was refused.",
+  options = {
+    {name = "scene", value = "NAME,...", list = true, one_of = scenes.order, word = "all", needed = true,
+      what = "which scenes, or all"},
+    {name = "library", value = "FILE.bwm", type = "file", what = "the library of materials to look up in"},
+    {name = "methods", value = "NAME,...", list = true, one_of = {"naive", "lookup", "grown"},
+      default = {"naive", "lookup", "grown"}, what = "how coarse materials are found"},
+    {name = "levels", value = "N", type = "integer", default = 2, min = 1, max = 2, what = "levels of coarsening"},
+    {name = "json", value = "FILE", type = "file", what = "where the figures go, too"},
+    script.option.threads,
+  },
+}
 
-local opts, i = {methods = "naive,lookup,grown", levels = 2}, 1
-while arg[i] do
-  local name, value = arg[i]:match "^%-%-(.+)$", arg[i + 1]
-  local max = ({levels = 2, threads = 1024})[name]
-  local number = math.tointeger(tonumber(value))
-  if not value or not (max or ({scene = true, library = true, methods = true, json = true})[name]) then
-    refuse(("'%s %s' is not understood"):format(arg[i], value or ""))
-  elseif max and not (number and number >= 1 and number <= max) then
-    refuse(("--%s %s: a whole number from 1 to %d expected"):format(name, value, max))
-  end
-  opts[name] = max and number or value
-  i = i + 2
-end
-if not opts.scene then refuse "--scene NAME|all expected" end
-if opts.threads then bw.threads(opts.threads) end
-
--- Names of a list with commas, each one of those known.
-local function names_of(list, what, known)
-  local names, is_known = {}, {}
-  for _, name in ipairs(known) do is_known[name] = true end
-  for name in list:gmatch "[^,]+" do
-    if not is_known[name] then
-      refuse(("there is no %s '%s': %s"):format(what, name, core.suggestion(name, known)))
-    end
-    names[#names + 1] = name
-  end
-  return names
-end
-
-local names = opts.scene == "all" and scenes.order or names_of(opts.scene, "scene", scenes.order)
-local methods = names_of(opts.methods, "method", {"naive", "lookup", "grown"})
+local names, methods = opts.scene == "all" and scenes.order or opts.scene, opts.methods
 
 local library, message
 if opts.library then
   library, message = bw.metamaterial.read(opts.library)
-  if not library then refuse(message) end
+  if not library then script.refuse(message) end
 end
 
 local rows, status = bw.json.list {}, 0
@@ -70,7 +48,7 @@ for _, name in ipairs(names) do
   else
     local u = reference.displacement
     local by = {naive = "naive", lookup = library}
-    if opts.methods:find "grown" then
+    if table.concat(methods, ","):find "grown" then
       by.grown = assert(bw.metamaterial.grow(library or scenes.materials(), fine.grid, {levels = scene.levels}))
     end
     for level = 1, math.min(scene.levels, opts.levels) do

@@ -1,36 +1,26 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Builds the library of three rubbers that the experiments look materials up in, and nothing else.
---   build/barwright scripts/data_driven/build.lua --out DIR [--levels 1|2] [--directions 500]
---       [--magnitudes 5]
--- DIR gets three.bwm, result.json and manifest.json; a build that was interrupted carries on.
--- Exit status 0: built. 2: refused. 130: interrupted; what is done is kept.
 local folder = arg[0]:match "^(.*)/[^/]*$" or "."
 package.path = folder .. "/?.lua;" .. package.path
 local bw = require "barwright"
 local scenes = require "scenes"
+local script = require "barwright.command.script"
 
-local BUILT, REFUSED, INTERRUPTED = 0, 2, 130
+local BUILT, REFUSED, INTERRUPTED = 0, script.REFUSED, 130
+local stop = script.stop
 
-local function stop(status, message)
-  io.stdout:flush()
-  io.stderr:write("build: ", (message:gsub("%s*\n%s*", " ")), "\n")
-  os.exit(status, true)
-end
-
-local opts, i = {levels = 1, directions = 500, magnitudes = 5}, 1
-while arg[i] do
-  local name, value = arg[i]:match "^%-%-(%l+)$", arg[i + 1]
-  if name == "out" and value then
-    opts.out = value
-  elseif name and opts[name] and math.tointeger(tonumber(value)) then
-    opts[name] = math.tointeger(tonumber(value))
-  else
-    stop(REFUSED, ("'%s %s' is not known (--out DIR --levels N --directions N --magnitudes N)"):format(arg[i],
-      tostring(value)))
-  end
-  i = i + 2
-end
-if not opts.out then stop(REFUSED, "--out DIR expected") end
+local opts = script.read {
+  summary = "the library of three rubbers for the experiments of the paper data-driven",
+  about = "DIR gets three.bwm, result.json and manifest.json; a build that was interrupted carries on.\n\n"
+    .. "Exit status: 0 built; 2 the input was refused; 130 interrupted, what is done is kept.",
+  options = {script.option.needed_out,
+    {name = "levels", value = "N", type = "integer", default = 1, min = 1, max = 2, what = "levels of coarsening"},
+    {name = "directions", value = "N", type = "integer", default = 500, min = 1,
+      what = "directions of deformation that are sampled"},
+    {name = "magnitudes", value = "N", type = "integer", default = 5, min = 1,
+      what = "magnitudes of deformation in each direction"},
+  },
+}
 
 local results, message = bw.results.open(opts.out, {script = "scripts/data_driven/build.lua", options = opts})
 if not results then stop(REFUSED, message) end

@@ -1,12 +1,11 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- How the scene fibers depends on its fibres: number, radius, turns. For each set the fine bar's stretch and
 -- twist, and at each level the naive error, and that of a library grown for the bar from nothing.
---   build/barwright scripts/data_driven/fibre_sets.lua [--only NUMBER] [--directions 20] [--threads N]
--- About a minute of the processor for each set.
 local folder = arg[0]:match "^(.*)/[^/]*$" or "."
 package.path = folder .. "/?.lua;" .. package.path
 local bw = require "barwright"
 local scenes = require "scenes"
+local script = require "barwright.command.script"
 local winding = require "winding"
 
 local sets = {
@@ -19,19 +18,16 @@ local sets = {
   {rings = {{8, 11}}, radius = 3.2, turns = 0.25},
 }
 
-local opts, i = {directions = 20}, 1
-while arg[i] do
-  local name, value = arg[i]:match "^%-%-(.+)$", math.tointeger(tonumber(arg[i + 1]))
-  local max = ({only = #sets, directions = 5000, threads = 1024})[name]
-  if not max or not value or value < 1 or value > max then
-    io.stderr:write(("fibre_sets: '%s %s': expected --only 1 to %d, --directions or --threads with a "
-      .. "number\n"):format(arg[i], arg[i + 1] or "", #sets))
-    os.exit(2)
-  end
-  opts[name] = value
-  i = i + 2
-end
-if opts.threads then bw.threads(opts.threads) end
+local opts = script.read {
+  summary = "how the scene fibers depends on its fibres",
+  about = "About a minute of the processor for each set.",
+  options = {
+    {name = "only", value = "NUMBER", type = "integer", min = 1, max = #sets, what = "this set alone, from 1"},
+    {name = "directions", value = "N", type = "integer", default = 20, min = 1, max = 5000,
+      what = "directions of deformation that are sampled"},
+    script.option.threads,
+  },
+}
 
 -- Stretch of the bar, and how far its end has turned, in degrees.
 local function pulled(grid, u)

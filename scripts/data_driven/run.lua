@@ -1,14 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The experiments of the paper data-driven: each solved on its fine grid, and coarse by lookup, by lookup
 -- in the library grown for the grid, naively and by averages, beside the numbers of its table 1.
---   build/barwright scripts/data_driven/run.lua --scene NAME[,NAME...]|all --out DIR
---       [--library FILE.bwm] [--methods lookup,grown,naive,average] [--levels N] [--threads N] [--no-motion]
--- Scenes: pushing bending twisting buckling wrinkling fibers bridge bridge_arch george george_bone sole. The
--- library is built into DIR/three.bwm when none is given; a build that was interrupted carries on.
--- Without lookup among the methods none is built: grown then begins from nothing. DIR gets a folder for
--- each scene with result.json, manifest.json, report.html and pictures, and a report over all scenes that
--- were run into it. Exit status 0: all solved. 1: something did not solve. 2: refused. 130: interrupted;
--- what is done is kept.
 local folder = arg[0]:match "^(.*)/[^/]*$" or "."
 package.path = folder .. "/?.lua;" .. package.path
 local bw = require "barwright"
@@ -17,72 +9,39 @@ local library_of = require "library"
 local motion = require "motion"
 local page = require "page"
 local scenes = require "scenes"
-local suggestion = require "barwright.core".suggestion
+local script = require "barwright.command.script"
 
-local SOLVED, NOT_SOLVED, REFUSED, INTERRUPTED = 0, 1, 2, 130
-
-local known = {scene = true, out = true, library = true, methods = true, levels = true, threads = true,
-  ["no-motion"] = "flag"}
-
-local function stop(status, message)
-  io.stdout:flush()
-  io.stderr:write("data_driven: ", (message:gsub("%s*\n%s*", " ")), "\n")
-  os.exit(status, true)
-end
-
-local function split(text)
-  local list = {}
-  for word in text:gmatch "[^,]+" do list[#list + 1] = word end
-  return list
-end
-
-local function options_of(rules)
-  local list = {}
-  for key in pairs(rules) do list[#list + 1] = "--" .. key end
-  return list
-end
+local SOLVED, NOT_SOLVED, REFUSED, INTERRUPTED = 0, 1, script.REFUSED, 130
+local stop = script.stop
 
 local function read_arguments()
-  local opts, i = {methods = "lookup,grown,naive,average"}, 1
-  while arg[i] do
-    local name = arg[i]:match "^%-%-(.+)$"
-    if not name or known[name] == nil then
-      stop(REFUSED, ("'%s' is not known: %s"):format(arg[i],
-        suggestion(arg[i], options_of(known))))
-    end
-    if known[name] == "flag" then
-      opts[name] = true
-      i = i + 1
-    else
-      opts[name] = arg[i + 1] or stop(REFUSED, ("option --%s: a value expected"):format(name))
-      i = i + 2
-    end
-  end
-  if not opts.out or not opts.scene then stop(REFUSED, "--scene NAME|all and --out DIR expected") end
-  opts.scene = opts.scene == "all" and scenes.order or split(opts.scene)
-  local function each_of(list, names, what)
-    if #list == 0 then stop(REFUSED, ("there is no %s: %s"):format(what, table.concat(names, ", "))) end
-    for _, name in ipairs(list) do
-      local known_name = false
-      for _, one in ipairs(names) do known_name = known_name or one == name end
-      if not known_name then
-        stop(REFUSED, ("there is no %s '%s': %s"):format(what, name, suggestion(name, names)))
-      end
-    end
-  end
-  each_of(opts.scene, scenes.order, "scene")
-  opts.methods = split(opts.methods)
-  each_of(opts.methods, {"lookup", "grown", "naive", "average"}, "method")
-  for name, max in pairs {levels = 2, threads = 1024} do
-    if opts[name] then
-      local number = math.tointeger(tonumber(opts[name]))
-      if not number or number < 1 or number > max then
-        stop(REFUSED, ("option --%s: a whole number from 1 to %d expected, got '%s'"):format(name, max,
-          opts[name]))
-      end
-      opts[name] = number
-    end
-  end
+  local opts = script.read {
+    summary = "the experiments of the paper data-driven",
+    about = "Solves each scene on its fine grid and coarse: by lookup, by lookup in the library grown for the "
+      .. "grid, "
+      .. "naively and by averages. The errors stand beside the numbers of table 1 of the paper.\n\n"
+      .. "The library is built into DIR/three.bwm when none is given; a build that was interrupted carries on. "
+      .. "Without lookup among the methods none is built: grown then begins from nothing. DIR gets a folder for "
+      .. "each "
+      .. "scene with result.json, manifest.json, report.html and pictures, and a report over all scenes that "
+      .. "were run "
+      .. "into it.\n\n"
+      .. "Exit status: 0 all solved; 1 something did not solve; 2 the input was refused; 130 interrupted, what "
+      .. "is done "
+      .. "is kept.",
+    options = {script.option.needed_out,
+      {name = "scene", value = "NAME,...", list = true, one_of = scenes.order, word = "all", needed = true,
+        what = "which scenes, or all"},
+      {name = "library", value = "FILE.bwm", type = "file", what = "the library of materials to look up in"},
+      {name = "methods", value = "NAME,...", list = true, one_of = {"lookup", "grown", "naive", "average"},
+        default = {"lookup", "grown", "naive", "average"}, what = "how coarse materials are found"},
+      {name = "levels", value = "N", type = "integer", min = 1, max = 2, what = "levels of coarsening (default: "
+        .. "all)"},
+      script.option.threads,
+      {name = "no-motion", type = "flag", what = "leave out the scene that is let go"},
+    },
+  }
+  if opts.scene == "all" then opts.scene = scenes.order end
   return opts
 end
 
@@ -212,7 +171,7 @@ local function run(name, opts, library)
   if rows then
     drawn, message = page.pictures(out, scene, fine, solutions)
     if drawn and scene.edits then drawn, message = edit(scene, fine, library, result, out) end
-    if drawn and scene.motion and not opts["no-motion"] then
+    if drawn and scene.motion and not opts.no_motion then
       drawn, message = move(scene, fine, by, solutions, result, out)
     end
   end
@@ -228,7 +187,6 @@ local function run(name, opts, library)
 end
 
 local opts = read_arguments()
-if opts.threads then bw.threads(opts.threads) end
 local library
 for _, method in ipairs(opts.methods) do
   if not library and (method == "lookup" or (method == "grown" and opts.library)) then

@@ -1,14 +1,19 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Makes docs/images/coarse.png: a bar of layers bent, on its fine grid, coarse by lookup, coarse naively.
---   build/barwright scripts/docs/coarse_picture.lua [LIBRARY.bwm]
--- Without a library one is built for it (a minute or two).
 local root = arg[0]:match "^(.*)/scripts/" or "."
 package.path = root .. "/scripts/data_driven/?.lua;" .. package.path
 local bw = require "barwright"
 local scenes = require "scenes"
+local script = require "barwright.command.script"
+
+local opts = script.read {
+  summary = "docs/images/coarse.png: a bar of layers bent, fine, coarse by lookup, and coarse naively",
+  arguments = {{name = "library", type = "file", optional = true,
+    what = "a library of materials, FILE.bwm; without it one is built (a minute or two)"}},
+}
 
 local materials = scenes.materials()
-local library = arg[1] and assert(bw.metamaterial.read(arg[1]))
+local library = opts.library and assert(bw.metamaterial.read(opts.library))
   or assert(bw.metamaterial.build(materials, {voids = false, directions = 100}))
 local fine = assert(scenes.solid(scenes.bending, materials))
 local reference = assert(fine:solve())

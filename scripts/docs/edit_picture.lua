@@ -1,10 +1,15 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Makes docs/images/edit.png: the horse of scripts/agile as drawn, and posed and strengthened.
---   build/barwright scripts/docs/edit_picture.lua [OUT.png]
 local root = arg[0]:match "^(.*)/scripts/docs/[^/]*$" or "."
 package.path = root .. "/scripts/agile/?.lua;" .. package.path
 local bw = require "barwright"
 local scenes = require "scenes"
+local script = require "barwright.command.script"
+
+local opts = script.read {
+  summary = "docs/images/edit.png: the horse of scripts/agile as drawn, and posed and strengthened",
+  arguments = {{name = "out", type = "file", endings = {"png"}, optional = true, what = "another file"}},
+}
 
 local points, triangles, values = {}, {}, {}
 
@@ -45,6 +50,6 @@ print(found)
 add(session.mesh, after, {94e-3, 0, 0})
 
 local surface = assert(bw.surface.new {points = points, triangles = triangles})
-assert(bw.picture(surface, arg[1] or root .. "/docs/images/edit.png", {values = bw.array.new(values),
+assert(bw.picture(surface, opts.out or root .. "/docs/images/edit.png", {values = bw.array.new(values),
   unit = "von Mises stress, MPa", scale = 1e-6, low = 0, high = before:max(), width = 1200, height = 590,
   direction = {0.35, -1, 0.22}, up = {0, 0, 1}}))

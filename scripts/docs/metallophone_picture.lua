@@ -1,11 +1,13 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Makes docs/images/metallophone.svg: a fish, a leaf and a bone tuned to C, E and G, with their modes.
---   build/barwright scripts/docs/metallophone_picture.lua
 local root = arg[0]:match "^(.*)/scripts/" or "."
 package.path = root .. "/scripts/metallophone/?.lua;" .. package.path
 local bw = require "barwright"
 local page = require "page"
+local script = require "barwright.command.script"
 local shapes = require "shapes"
+
+script.read {summary = "docs/images/metallophone.svg: a fish, a leaf and a bone tuned to C, E and G"}
 
 local images, x = {}, 0
 for _, one in ipairs {{"fish", "C5"}, {"leaf", "E5"}, {"bone", "G5"}} do

@@ -1,9 +1,14 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Makes docs/images/plots.png: what a study of cantilevers looks like. The deflection and the stress are
 -- those of a slender beam under an end load, so that the picture takes no time.
---   build/barwright scripts/docs/plots_picture.lua [OUT.png]
 local bw = require "barwright"
+local script = require "barwright.command.script"
 local root = arg[0]:match "^(.*)/scripts/" or "."
+
+local opts = script.read {
+  summary = "docs/images/plots.png: what a study of cantilevers looks like",
+  arguments = {{name = "out", type = "file", endings = {"png"}, optional = true, what = "another file"}},
+}
 
 local length, load, allowed = 0.1, 20, 60e6
 local materials = {{"pla", bw.material.pla}, {"resin", bw.material.resin}}
@@ -55,4 +60,4 @@ local figures = {
 local pictures = {}
 for i, figure in ipairs(figures) do pictures[i] = {figure = figure} end
 local sheet = bw.plot.contact_sheet {pictures = pictures, columns = 2, cell = 540, lines = 0}
-assert(sheet:write(arg[1] or root .. "/docs/images/plots.png", {scale = 1.1}))
+assert(sheet:write(opts.out or root .. "/docs/images/plots.png", {scale = 1.1}))

@@ -1,10 +1,16 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Makes docs/reference from the annotation stubs: a page for each file of lua/stubs, and index.md.
---   build/barwright scripts/docs/reference.lua [OUT_FOLDER]
 local root = (arg and arg[0] or ""):match "^(.*)/scripts/docs/[^/]*$" or "."
 package.path = root .. "/scripts/docs/?.lua;" .. package.path
 local gaps = require "gaps"
+local script = require "barwright.command.script"
 local stubs = require "stubs"
+
+local opts = script.read {
+  summary = "docs/reference from the annotation stubs: a page for each file of lua/stubs, and index.md",
+  arguments = {{name = "out", type = "folder", optional = true, default = root .. "/docs/reference",
+    what = "the folder of the pages"}},
+}
 
 -- Every file of lua/stubs has its place in the index.
 local groups = {
@@ -136,7 +142,7 @@ local function index()
   return (table.concat(out, "\n"):gsub("\n*$", "\n"))
 end
 
-local folder = arg[1] or root .. "/docs/reference"
+local folder = opts.out
 local quoted = "'" .. folder:gsub("'", "'\\''") .. "'"
 assert(os.execute(("mkdir -p %s && rm -f %s/*.md"):format(quoted, quoted)))
 local function write(name, text)

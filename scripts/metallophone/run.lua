@@ -1,20 +1,17 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- A metallophone: bars of an artistic outline tuned to a scale, with cutting files, sounds, places for
 -- the screws, and a table beside the one of the paper (responsive, table 4).
---   build/barwright scripts/metallophone/run.lua --out DIR [--shape fish|leaf|bone|FILE.svg|FILE.dxf]
---       [--notes C5,D5,E5,F5,G5,A5,B5] [--thickness 0.004] [--material aluminium] [--elements 300]
---       [--screw 0.003]
--- Exit status 0: every bar within 1 cent. 1: one is not. 2: the input was refused. 130: interrupted;
--- what is done is kept.
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. package.path
 local bw = require "barwright"
 local page = require "page"
 local pitch = require "barwright.pitch"
+local script = require "barwright.command.script"
 local shapes = require "shapes"
 local tune = require "barwright.tune"
 
-local MET, NOT_MET, REFUSED, INTERRUPTED = 0, 1, 2, 130
+local MET, NOT_MET, REFUSED, INTERRUPTED = 0, 1, script.REFUSED, 130
+local stop = script.stop
 
 -- Table 4 of the paper, Hz.
 local paper = {
@@ -27,48 +24,28 @@ local paper = {
   B = {target = 987, simulated = 989, measured = 993, adjusted = 987},
 }
 
-local opts = {shape = "fish", notes = "C5,D5,E5,F5,G5,A5,B5", thickness = 0.004,
-  material = "aluminium", elements = 300, screw = 0.003}
-
-local function stop(status, message)
-  io.stdout:flush()
-  io.stderr:write("metallophone: ", (message:gsub("%s*\n%s*", " ")), "\n")
-  os.exit(status, true)
-end
-
-local function read_arguments()
-  local i = 1
-  while i <= #arg do
-    local name = arg[i]:match "^%-%-(.+)$"
-    if name == "help" then
-      for line in io.lines(arg[0]) do
-        local text = line:match "^%-%- ?(.*)"
-        if not text then break end
-        if not text:match "^Copyright" then print(text) end
-      end
-      os.exit(MET, true)
-    end
-    if not name or (opts[name] == nil and name ~= "out") then
-      local names = {"--out"}
-      for key in pairs(opts) do names[#names + 1] = "--" .. key end
-      stop(REFUSED, ("'%s' is not known: %s"):format(arg[i],
-        require "barwright.core".suggestion(arg[i], names)))
-    end
-    local value = arg[i + 1]
-    if type(opts[name]) == "number" then
-      value = tonumber(value)
-      if not value or value <= 0 or value == math.huge then
-        stop(REFUSED, ("option --%s: a number above 0 expected, got '%s'"):format(name,
-          tostring(arg[i + 1])))
-      end
-    elseif not value then
-      stop(REFUSED, ("option --%s: a value expected"):format(name))
-    end
-    opts[name] = value
-    i = i + 2
-  end
-  if not opts.out then stop(REFUSED, "where to? --out DIR is missing (--help tells the options)") end
-end
+local opts = script.read {
+  summary = "a metallophone: bars of one outline tuned to a scale",
+  about = "Makes bars of one outline tuned to a scale: cutting files, sounds, places for the screws, and a page "
+    .. "with "
+    .. "a table beside that of the paper responsive.\n\n"
+    .. "Exit status: 0 every bar within 1 cent; 1 one is not; 2 the input was refused; 130 interrupted, what is "
+    .. "done "
+    .. "is kept.",
+  options = {script.option.needed_out,
+    {name = "shape", value = "SHAPE", default = "fish",
+      what = "fish, leaf, bone, or a drawing: FILE.svg, FILE.dxf"},
+    {name = "notes", value = "NOTE,...", list = true, default = {"C5", "D5", "E5", "F5", "G5", "A5", "B5"},
+      what = "the notes of the bars"},
+    {name = "thickness", value = "LENGTH", type = "number", unit = "m", default = 0.004, above = 0,
+      what = "thickness of the plate"},
+    {name = "material", value = "NAME", default = "aluminium", what = "of `barwright materials`"},
+    {name = "elements", value = "N", type = "integer", default = 300, min = 20, what = "number of triangles of a "
+      .. "bar"},
+    {name = "screw", value = "LENGTH", type = "number", unit = "m", default = 0.003, above = 0,
+      what = "diameter of the holes for screws"},
+  },
+}
 
 local function read_outline()
   if shapes[opts.shape] then return assert(shapes[opts.shape]()), 0.2 end
@@ -148,10 +125,9 @@ end
 
 local function main()
   io.stdout:setvbuf "line"
-  read_arguments()
   local material, message = bw.material.named(opts.material)
   if not material then stop(REFUSED, message) end
-  for note in opts.notes:gmatch "[^,%s]+" do
+  for _, note in ipairs(opts.notes) do
     if not pitch.frequency(note) then stop(REFUSED, ("'%s' is no note: C5, F#4, Bb3"):format(note)) end
   end
   local base, length = read_outline()
@@ -164,7 +140,7 @@ local function main()
     bars = bw.json.list {}, finished = false}
   local pictures, status = {}, MET
   print "note   target   before    tuned   cents   moved mm   rounds   paper's simulation"
-  for note in opts.notes:gmatch "[^,%s]+" do
+  for _, note in ipairs(opts.notes) do
     local made, bar = make(note, base, material, results)
     if bw.interrupted() then
       status = INTERRUPTED

@@ -1,11 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The tables of the four papers, ours beside each printed number: every part is a run of a script in a job
 -- of its own; a part that is done with the same program and the same words is not run again.
---   scripts/reproduce [--quick | --full] [--out DIR] [--only TEXT] [--again] [--list]
--- --quick (the default): in minutes; smaller, and the page says what. --full: overnight. --only: parts whose
--- name holds the text; what others gave before stays in the page. --again: run what is done, too. --list:
--- the parts. DIR (default: reproduced) gets SCALE/index.html, result.json, manifest.json, and a folder of
--- results for each part. Exit status 0: every part is done. 1: one is not. 2: refused. 130: interrupted.
 local folder = arg[0]:match "^(.*)/[^/]*$" or "."
 package.path = folder .. "/?.lua;" .. package.path
 local bw = require "barwright"
@@ -14,43 +9,33 @@ local files = require "barwright.scenario.files"
 local page = require "page"
 local parts = require "parts"
 local printed = require "printed"
+local script = require "barwright.command.script"
 
-local DONE, NOT_DONE, REFUSED, INTERRUPTED = 0, 1, 2, 130
-
-local function stop(status, message)
-  io.stdout:flush()
-  io.stderr:write("reproduce: ", (message:gsub("%s*\n%s*", " ")), "\n")
-  os.exit(status, true)
-end
-
-local function help()
-  for line in io.lines(arg[0]) do
-    local text = line:match "^%-%- ?(.*)"
-    if not text then break end
-    if not text:match "^Copyright" then print(text) end
-  end
-  os.exit(DONE, true)
-end
+local DONE, NOT_DONE, REFUSED, INTERRUPTED = 0, 1, script.REFUSED, 130
+local stop = script.stop
 
 local function read_arguments()
-  local opts, i = {scale = "quick", out = "reproduced"}, 1
-  local flags = {quick = "scale", full = "scale", tiny = "scale", again = true, list = true}
-  while arg[i] do
-    local name = arg[i]:match "^%-%-(%l+)$"
-    if name == "help" or arg[i] == "-h" then help() end
-    if flags[name] == "scale" then
-      opts.scale = name
-    elseif flags[name] then
-      opts[name] = true
-    elseif (name == "out" or name == "only") and arg[i + 1] then
-      opts[name] = arg[i + 1]
-      i = i + 1
-    else
-      stop(REFUSED, ("'%s' is not known, or lacks its value: %s"):format(arg[i],
-        core.suggestion(arg[i], {"--quick", "--full", "--out", "--only", "--again", "--list", "--help"})))
-    end
-    i = i + 1
-  end
+  local opts = script.read {
+    summary = "the tables of the four papers, ours beside each printed number",
+    about = "Runs every part in a job of its own. A part that is done with the same program and the same options "
+      .. "is "
+      .. "not run again. DIR gets SCALE/index.html, result.json, manifest.json, and a folder of results for each "
+      .. "part.\n\n"
+      .. "Exit status: 0 every part is done; 1 one is not; 2 the input was refused; 130 interrupted.",
+    options = {
+      {name = "quick", type = "flag", what = "in minutes: smaller, and the page says what is (this is the "
+        .. "default)"},
+      {name = "full", type = "flag", what = "overnight: the papers' sizes"},
+      {name = "tiny", type = "flag", what = "in seconds: for the tests"},
+      {name = "out", value = "DIR", type = "folder", default = "reproduced", what = "where the results go"},
+      {name = "only", value = "TEXT", what = "parts whose name contains this text; what others gave before stays "
+        .. "in "
+        .. "the page"},
+      {name = "again", type = "flag", what = "run what is done, too"},
+      {name = "list", type = "flag", what = "print the parts, run none"},
+    },
+  }
+  opts.scale = opts.full and "full" or opts.tiny and "tiny" or "quick"
   return opts
 end
 

@@ -1,8 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Makes the documentation's site from README, docs/ and examples/: one folder that opens from disk or from any
--- web server. With --gallery the lessons are run first, and what they draw is shown. Exits with 1 when a page is
--- left out, a link leads nowhere or a formula cannot be set.
---   build/barwright scripts/site/run.lua [--out out/site] [--gallery]
+-- web server.
 local root = arg[0]:match "^(.*)/scripts/site/[^/]*$" or "."
 package.path = root .. "/scripts/site/?.lua;" .. package.path
 local bw = require "barwright"
@@ -12,19 +10,17 @@ local gallery = require "gallery"
 local lessons = require "lessons"
 local links = require "links"
 local markdown = require "markdown"
+local script = require "barwright.command.script"
 
-local opts, i = {out = "out/site"}, 1
-while arg[i] do
-  if arg[i] == "--gallery" then
-    opts.gallery = true
-  elseif arg[i] == "--out" and arg[i + 1] then
-    opts.out, i = arg[i + 1], i + 1
-  else
-    io.stderr:write(("site: '%s' is not known (known: --out FOLDER, --gallery)\n"):format(arg[i]))
-    os.exit(2)
-  end
-  i = i + 1
-end
+local opts = script.read {
+  summary = "the documentation as a site",
+  about = "Makes one folder, which opens from disk or from any web server, from README, docs/ and examples/.\n\n"
+    .. "Exit status: 0 made; 1 a page is left out, a link leads nowhere or a formula cannot be set; 2 misuse.",
+  options = {
+    {name = "out", value = "FOLDER", type = "folder", default = "out/site", what = "where the site goes"},
+    {name = "gallery", type = "flag", what = "run the lessons first, and show what they draw"},
+  },
+}
 
 local function read(path)
   local file = assert(io.open(path, "rb"))

@@ -1,37 +1,12 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The worst-case analysis of a model from one command.
---   build/barwright scripts/worst_case/run.lua MODEL --out DIR [--elements N] [--modes 15]
---       [--regions 5] [--material NAME] [--unit mm] [--force N] [--pressure PA] [--fraction 0.025]
---       [--measure stress|energy] [--target stress|displacement] [--laplacian] [--order 1|2]
---       [--method search|paper] [--certify SHARE [--certificate FILE]]
---       [--contact M2] [--fix PLACE]... [--forbid PLACE]... [--friction MU] [--friction-facets 8]
---       [--hands K] [--hand M2]
--- The last two lines say which loads are admissible (docs/theory/worst_case.md, section 15): --contact
--- instead of --pressure; held and forbidden places such as low:z or near:0,0,30mm:5mm.
--- MODEL: a surface (STL OBJ OFF PLY), which is repaired where it must be and filled, or a mesh of
--- tetrahedra (.msh .vtu .mesh .inp .node), which is taken as it is. The stress is that of one
--- mesh, without a verdict. Exit status 0: answered. 2: the
--- input was refused, one sentence on standard error. 3: the computation could not finish.
+-- The worst-case analysis of a model on one mesh from one command.
 local bw = require "barwright"
 local core = require "barwright.core"
 local places = require "barwright.command.places"
+local script = require "barwright.command.script"
 
-local ANSWERED, REFUSED, UNFINISHED, INTERRUPTED = 0, 2, 3, 130
-
--- Without loads in mind: 20 N and 0.2 MPa, a hand's (the worst-case paper, section 6).
--- kind, default, least and most ("above": more than the least).
-local known = {
-  elements = {"whole number", 40000, 1, 1e8}, modes = {"whole number", 15, 1, 500},
-  regions = {"whole number", 5, 1, 1000}, material = {"string", "pla"}, unit = {"string"},
-  force = {"number", 20, above = 0}, pressure = {"number", nil, above = 0},
-  fraction = {"number", 0.025, nil, 1, above = 0}, measure = {"string", "stress"},
-  target = {"string", "stress"}, laplacian = {"flag", false}, order = {"whole number", 1, 1, 2},
-  contact = {"number", nil, above = 0}, fix = {"places"}, forbid = {"places"},
-  friction = {"number", 0, 0, 100}, ["friction-facets"] = {"whole number", 8, 3, 64},
-  hands = {"whole number", nil, 1, 16}, hand = {"number", nil, above = 0},
-  certify = {"number", nil, 0.001, 0.5}, certificate = {"string"},
-  method = {"string"}, out = {"string"}, threads = {"whole number", nil, 1, 64},
-}
+local ANSWERED, REFUSED, UNFINISHED, INTERRUPTED = 0, script.REFUSED, 3, 130
+local stop = script.stop
 
 local PRESSURE = 2e5
 
@@ -39,95 +14,74 @@ local PRESSURE = 2e5
 -- linear program has few loads to choose from, or none.
 local MAX_PRESSURE_FRACTION = 0.05
 
-local function stop(status, message)
-  io.stdout:flush()
-  io.stderr:write("worst_case: ", (message:gsub("%s*\n%s*", " ")), "\n")
-  os.exit(status, true)
+local function count(name, default, min, max, what)
+  return {name = name, value = "N", type = "integer", default = default, min = min, max = max, what = what}
 end
 
-local function usage(message)
-  stop(REFUSED, message .. " (usage: run.lua MODEL --out DIR; --help tells the options)")
-end
-
-local function help()
-  for line in io.lines(arg[0]) do
-    local text = line:match "^%-%- ?(.*)"
-    if not text then break end
-    if not text:match "^Copyright" then print(text) end
-  end
-  os.exit(ANSWERED, true)
-end
-
--- Before anything is read or computed: the value of an option, or a refusal.
-local function value_of(name, text)
-  local kind, _, min, max = table.unpack(known[name], 1, 4)
-  local above = known[name].above
-  if text == nil then usage(("option --%s: a value expected, got nothing"):format(name)) end
-  if kind == "string" then return text end
-  if kind == "places" then
-    local fine, message = places.check(text)
-    if not fine then usage(("option --%s: %s"):format(name, message)) end
-    return text
-  end
-  local value = tonumber(text)
-  local fits = value and value - value == 0
-  if fits and kind == "whole number" then
-    value = math.tointeger(value)
-    fits = value ~= nil
-  end
-  fits = fits and not (min and value < min or max and value > max or above and value <= above)
-  if fits then return value end
-  local range = min and (" from %g to %.10g"):format(min, max)
-    or (max and " above %g and up to %g" or " above %g"):format(above, max)
-  usage(("option --%s: a %s%s expected, got '%s'"):format(name, kind, range, text))
-end
-
-local function suggestion(name)
-  local names = {}
-  for key in pairs(known) do names[#names + 1] = "--" .. key end
-  return core.suggestion("--" .. name, names)
-end
-
--- Sets an option; places add up.
-local function set(opts, name, text)
-  local value = value_of(name, text)
-  if known[name][1] == "places" then
-    opts[name] = opts[name] or {}
-    value = table.move({value}, 1, 1, #opts[name] + 1, opts[name])
-  end
-  opts[name] = value
-end
-
+-- Without loads in mind: 20 N and 0.2 MPa, a hand's (the worst-case paper, section 6).
 local function read_arguments()
-  local opts, model = {}, nil
-  for key, about in pairs(known) do opts[key] = about[2] end
-  local i = 1
-  while i <= #arg do
-    local name, joined = arg[i]:match "^%-%-([^=]+)=?(.*)$"
-    if arg[i] == "-h" or arg[i] == "--help" then
-      help()
-    elseif not name then
-      if model then usage(("one MODEL expected, got %s and %s"):format(model, arg[i])) end
-      model = arg[i]
-    elseif not known[name] then
-      usage(("unknown option --%s: %s"):format(name, suggestion(name)))
-    elseif known[name][1] == "flag" then
-      opts[name] = true
-    elseif arg[i]:find("=", 1, true) then
-      set(opts, name, joined)
-    else
-      i = i + 1
-      set(opts, name, arg[i])
+  local opts = script.read {
+    summary = "the worst-case analysis of a model on one mesh",
+    about = "The largest stress that loads within limits cause on one mesh, without a verdict: `barwright worst` "
+      .. "gives an "
+      .. "interval and a verdict. MODEL is a surface (STL, OBJ, OFF, PLY), which is repaired where it must be and "
+      .. "filled, or a mesh of tetrahedra (.msh, .vtu, .mesh, .inp, .node), which is taken as it is. Section 15 "
+      .. "of "
+      .. "docs/theory/worst_case.md says which loads are admissible.\n\n" .. places.help .. "\n\n"
+      .. "Exit status: 0 answered; 2 the input was refused; 3 the computation could not finish.",
+    arguments = {{name = "model", type = "file", what = "a surface or a mesh"}},
+    options = {script.option.needed_out,
+      count("elements", 40000, 1, 100000000, "number of elements that a surface is filled with"),
+      count("order", 1, 1, 2, "order of elements"),
+      {name = "unit", value = "UNIT", what = "unit of the file: m, cm, mm, um, in, ft"},
+      {name = "material", value = "NAME", default = "pla", what = "of `barwright materials`"},
+      {name = "force", value = "FORCE", type = "number", unit = "N", default = 20, above = 0,
+        what = "the total force of the loads"},
+      {name = "pressure", value = "STRESS", type = "number", unit = "Pa", above = 0,
+        what = ("largest pressure of the loads; without it and --contact %g MPa"):format(PRESSURE / 1e6)},
+      {name = "contact", value = "AREA", type = "number", unit = "m2", above = 0,
+        what = "smallest area that carries the force, instead of --pressure"},
+      {name = "fix", value = "PLACE", many = true, what = "fixed places; without any, inertia balances the loads"},
+      {name = "forbid", value = "PLACE", many = true, what = "places where nothing presses"},
+      {name = "friction", value = "MU", type = "number", default = 0, min = 0, max = 100,
+        what = "coefficient of friction of the loads"},
+      count("friction-facets", 8, 3, 64, "facets that stand for the cone of friction"),
+      {name = "hands", value = "K", type = "integer", min = 1, max = 16,
+        what = "loads act within so many places at once; without it, anywhere"},
+      {name = "hand", value = "AREA", type = "number", unit = "m2", above = 0, what = "area of each of the "
+        .. "--hands"},
+      count("modes", 15, 1, 500, "modes that weak regions are found from"),
+      count("regions", 5, 1, 1000, "weak regions of a mode"),
+      {name = "fraction", value = "FRACTION", type = "number", default = 0.025, above = 0, max = 1,
+        what = "fraction of the volume that a weak region may take"},
+      {name = "measure", value = "NAME", one_of = {"stress", "energy"}, default = "stress",
+        what = "what a mode measures"},
+      {name = "target", value = "NAME", one_of = {"stress", "displacement"}, default = "stress",
+        what = "what the loads maximise"},
+      {name = "laplacian", type = "flag", what = "modes of the Laplacian instead of elastic ones"},
+      {name = "method", value = "NAME", one_of = {"search", "paper"}, what = "how loads are searched (default: "
+        .. "search; paper with --target displacement)"},
+      {name = "certify", value = "FRACTION", type = "number", min = 0.001, max = 0.5,
+        what = "an upper bound that is proved, at most so much above the load that is found"},
+      {name = "certificate", value = "FILE", type = "file", what = "the file that proves the bound of --certify"},
+      script.option.threads,
+    },
+  }
+  for _, name in ipairs {"fix", "forbid"} do
+    for _, place in ipairs(opts[name]) do
+      local fine, message = places.check(place)
+      if not fine then script.refuse(("option --%s: %s"):format(name, message)) end
     end
-    i = i + 1
   end
-  if not model or model == "" then usage "a MODEL is missing" end
-  if not opts.out or opts.out == "" then usage "--out DIR is missing" end
-  if opts.pressure and opts.contact then usage "--pressure and --contact say the same: give one of them" end
-  if opts.certificate and not opts.certify then usage "--certificate is the file that proves --certify's bound" end
-  if opts.hand and not opts.hands then usage "--hand is the area of each of --hands" end
+  if opts.pressure and opts.contact then
+    script.refuse "--pressure and --contact say the same: give one of them"
+  end
+  if opts.certificate and not opts.certify then
+    script.refuse "--certificate is the file that proves --certify's bound"
+  end
+  if opts.hand and not opts.hands then script.refuse "--hand is the area of each of --hands" end
   opts.pressure = opts.pressure or opts.contact and opts.force / opts.contact or PRESSURE
-  return model, opts
+  return opts.model, opts
 end
 
 -- Everything that can raise is misuse: of the options given on the command line, in this script.
@@ -165,7 +119,6 @@ local function main()
   local model_path, opts = read_arguments()
   local start = bw.seconds()
 
-  if opts.threads then checked(REFUSED, bw.threads, opts.threads) end
   local material = checked(REFUSED, bw.material.named, opts.material)
 
   -- ---- the model: a mesh, or a surface that is filled ----
@@ -277,7 +230,7 @@ local function main()
 
   local worst, message, details = checked(REFUSED, bw.worst_case, part, {force = force,
     pressure = opts.pressure, forbidden = forbidden, friction = opts.friction,
-    friction_facets = opts["friction-facets"], hands = opts.hands, hand = opts.hand, certify = opts.certify,
+    friction_facets = opts.friction_facets, hands = opts.hands, hand = opts.hand, certify = opts.certify,
     certificate = opts.certificate,
     modes = opts.modes, regions = opts.regions, fraction = opts.fraction,
     measure = opts.measure, target = opts.target, laplacian = opts.laplacian, method = opts.method})

@@ -73,7 +73,7 @@ describe("the experiments of data-driven", function()
     code, said, complaint = check.run "scripts/data_driven/blind.lua --bodies many"
     assert.equal(2, code)
     assert.equal("", said)
-    assert.is_truthy(complaint:find("--bodies many", 1, true))
+    assert.is_truthy(complaint:find("option --bodies: a whole number from 1 expected, got 'many'", 1, true))
   end)
 
   it("tell what a coarse grid can do at best", function()
@@ -87,7 +87,7 @@ describe("the experiments of data-driven", function()
     assert.is_true(naive.factor > 2 and math.abs(lookup.factor - 1) < 0.1)
     assert.is_true(naive.after_factor < naive.error)
     for words, reported in pairs {["--scene twistin"] = "did you mean 'twisting'?",
-      ["--scene twisting --methods naive,lokup"] = "there is no method 'lokup': did you mean 'lookup'?"} do
+      ["--scene twisting --methods naive,lokup"] = "one of naive, lookup, grown expected, got 'lokup'"} do
       code, said, complaint = check.run("scripts/data_driven/bound.lua " .. words)
       assert.equal(2, code)
       assert.equal("", said)
@@ -99,10 +99,11 @@ describe("the experiments of data-driven", function()
     for _, each in ipairs {
       {"--scene bendin --out x", "did you mean 'bending'"},
       {"--scene bending --out x --method naive", "did you mean --methods?"},
-      {"--scene bending --out x --methods lookup,guess", "there is no method 'guess'"},
-      {"--scene bending --out x --levels 3", "whole number from 1 to 2"},
-      {"--scene bending", "--out DIR expected"},
-      {"--scene bending --out", "a value expected"},
+      {"--scene bending --out x --methods lookup,guess",
+        "one of lookup, grown, naive, average expected, got 'guess'"},
+      {"--scene bending --out x --levels 3", "a whole number from 1 up to 2 expected, got '3'"},
+      {"--scene bending", "option --out DIR is missing"},
+      {"--scene bending --out", "a value is missing (DIR)"},
       {"--scene bending --out " .. folder .. "/x --library " .. script, "run.lua"},
     } do
       local code, _, complaint = check.run(script .. " " .. each[1])

@@ -248,8 +248,9 @@ describe("scripts/worst_case/run.lua", function()
   it("takes supports, forbidden places, a contact, friction and hands", function()
     local folder = check.folder()
     assert(check.beam({8, 2, 2}):scale(0.02):write(folder .. "/beam.vtu"))
-    local status, out, err = check.run(run .. folder .. "/beam.vtu --modes 3 --regions 1 --force 2 --contact 2e-5"
-      .. " --fix low:x --forbid high:z --forbid=high:y --friction 0.3 --friction-facets 4 --hands 1 --hand 1e-4"
+    local status, out, err = check.run(run .. folder .. "/beam.vtu --modes 3 --regions 1 --force 2"
+      .. " --contact 2e-5m2"
+      .. " --fix low:x --forbid high:z --forbid=high:y --friction 0.3 --friction-facets 4 --hands 1 --hand 1cm2"
       .. " --certify 0.05 --out " .. folder .. "/out")
     assert.equal("", err)
     assert.equal(0, status)
@@ -263,7 +264,7 @@ describe("scripts/worst_case/run.lua", function()
     local code, _, said = check.run(run .. folder .. "/beam.vtu --fix lwo:z --out " .. folder .. "/out")
     assert.equal(2, code)
     assert.truthy(said:find("is no place", 1, true))
-    code, _, said = check.run(run .. folder .. "/beam.vtu --pressure 1 --contact 1 --out " .. folder .. "/out")
+    code, _, said = check.run(run .. folder .. "/beam.vtu --pressure 1 --contact 1m2 --out x")
     assert.equal(2, code)
     assert.truthy(said:find("say the same", 1, true))
   end)
@@ -277,7 +278,7 @@ describe("scripts/worst_case/run.lua", function()
       [folder .. "/bad.stl"] = "--out DIR is missing",
       ["--out " .. folder .. "/o"] = "MODEL is missing",
       ["x.stl --elemnts 5 --out " .. folder .. "/o"] = "did you mean --elements",
-      ["x.stl --elements many --out " .. folder .. "/o"] = "a whole number from 1 to 100000000 expected",
+      ["x.stl --elements many --out " .. folder .. "/o"] = "a whole number from 1 up to 100000000 expected",
       [folder .. "/bad.stl --material stel --out " .. folder .. "/o"] = "did you mean 'steel'",
     } do
       local status, _, err = check.run(run .. arguments)

@@ -55,10 +55,13 @@ function quantity.needed(unit)
   return proposed[unit] ~= nil
 end
 
---- A number in the unit: "20 N", "1 cm2"; lengths and areas in the largest proposed unit that they reach.
+-- The units that a value is written in, smallest first.
+local written = {m = proposed.m, m2 = proposed.m2, Pa = {"Pa", "kPa", "MPa", "GPa"}}
+
+--- A number in the unit: "20 N", "1 cm2", "30 MPa": in the largest of the written units that it reaches.
 function quantity.text(value, unit)
   local name, scale = unit, 1
-  for _, one in ipairs(proposed[unit] or {}) do
+  for _, one in ipairs(written[unit] or {}) do
     if value >= units[unit][one] then name, scale = one, units[unit][one] end
   end
   local text = math.type(value) == "integer" and tostring(value) or ("%.14g"):format(value / scale)

@@ -9,7 +9,6 @@
 local arguments = require "barwright.command.arguments"
 local core = require "barwright.core"
 local help_text = require "barwright.command.help_text"
-local quantity = require "barwright.command.quantity"
 
 local script = {}
 
@@ -21,7 +20,7 @@ script.option = {
   out = {name = "out", value = "DIR", type = "folder",
     what = "where result.json and manifest.json go (default: printed only)"},
   needed_out = {name = "out", value = "DIR", type = "folder", needed = true, what = "where the results go"},
-  threads = {name = "threads", value = "N", type = "integer", min = 1, max = 1024,
+  threads = {name = "threads", value = "N", type = "integer", min = 1, max = 64,
     what = "number of threads (default: BARWRIGHT_THREADS, or one for each processor)"},
 }
 
@@ -57,11 +56,6 @@ function script.read(about)
   opts.help, opts.given = nil, nil
   if opts.threads then core.threads(opts.threads) end
   return opts
-end
-
---- "30mm" for 0.03 and "m": how a value is written for another script.
-function script.text(value, unit)
-  return (quantity.text(value, unit):gsub(" ", ""))
 end
 
 return script
