@@ -51,9 +51,11 @@
  * Functions    bw_X_default writes the defaults that the comments of the fields of bw_X name.
  *              bw_X_free and bw_X_destroy release a bw_X and all that it holds; NULL is fine.
  *              bw_X_clear releases what a struct holds, which may be all zeros, and leaves it
- *              without anything to release. bw_X_word gives a static text. bw_X_check returns BW_GEOMETRY or
- *              BW_INVALID where the parts of an object contradict each other; for tests and
- *              debuggers.
+ *              without anything to release. bw_X_word gives a static text. bw_X_check returns
+ *              BW_GEOMETRY, BW_INVALID or BW_INTERNAL where the parts of an object contradict
+ *              each other; for tests and debuggers. bw_X_keep gives the present state of a
+ *              mutable object, itself an immutable object, without copying it; bw_X_return goes
+ *              back to it.
  * Constness    Surfaces, meshes and materials do not change once made. Their fields may be
  *              read freely, from any thread, and must not be written.
  * Threads      A context serves one thread at a time. Objects may be shared between threads

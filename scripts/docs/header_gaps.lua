@@ -111,7 +111,8 @@ local function parameter_gap(list, context, f, one)
   local word = context.words[one.name]
   local given, mentioned, single = described(text, one.name)
   local pointer = one.stars > 0
-  if one.stars > 1 and not context.objects[one.type] and one.type ~= "void" and not one.constant
+  local freed = context.objects[one.type] or context.functions[one.type .. "_free"]
+  if one.stars > 1 and not freed and one.type ~= "void" and not one.constant
     and not owned(text) then
     add(list, "ownership", f.line, where .. ": who releases it?")
   end
@@ -156,7 +157,7 @@ local function names(set)
 end
 
 local function status_gap(list, context, f)
-  if f.result ~= "bw_status" then return end
+  if f.result ~= "bw_status" or f.name:find "_check$" then return end
   local near = statuses.of(context.sources, f.name, true)
   if not near then return add(list, "status", f.line, f.name .. ": no definition found") end
   local said = f.comment

@@ -12,9 +12,9 @@ end
 -- The definitions of a file: a name with brackets at the left margin's declaration, and a body that ends at "\n}".
 local function definitions(text, path, all)
   for head, body in ("\n" .. text):gmatch "\n([%a_][^\n;{}#][^;{}#]-%))%s*(%b{})" do
-    local name = head:match "^[^%(]-([%w_]+)%s*%("
+    local name = head:match "([%w_]+)%s*%b()$" -- macros may stand before it
     if name then
-      local one = {path = path, own = head:match "^static" ~= nil, raises = {}, calls = {}}
+      local one = {path = path, own = head:find "%f[%w_]static%f[^%w_]" ~= nil, raises = {}, calls = {}}
       for statement in body:gmatch "[^;{}]+" do
         local fails = statement:find "bwi?_fail" or statement:find "%f[%w_]return%f[^%w_]"
           or statement:find "status%s*=[^=]"

@@ -16,17 +16,11 @@ local allowed = {
 
   distributed = 10,
 
-  flow = 28,
-
   metamaterial = 27,
 
   model = 96,
 
   nonlinear = 175,
-
-  plane = 73,
-
-  responsive = 111,
 
   shape = 105,
 

@@ -56,7 +56,7 @@ typedef struct bw_read_info {
   char format[40];  /* "STL binary", "OBJ", "PLY binary little endian", "MSH 4.1", ... */
   int64_t polygons; /* facets with more than three corners that were cut into triangles */
   int64_t skipped;  /* records that were passed over (lines, points, unknown elements) */
-  int group_count;  /* different values of `group` of the surface */
+  int group_count;  /* of groups, solids or objects in the file; 1 for a volume mesh */
 } bw_read_info;
 
 /* Points as in the file (no unit conversion); exactly equal points of STL facets are welded.

@@ -22,30 +22,35 @@ typedef struct bw_plane_pattern {
   const bw_plane_topology *topology; /* retained */
   int32_t node_count;
   int64_t block_count;
-  int64_t *start;        /* node_count + 1 */
-  int32_t *column;       /* block_count */
-  int64_t *diagonal;     /* node_count: where the block (i, i) is */
-  int64_t *mirror;       /* block_count: where the block (j, i) of a block (i, j) is */
-  int64_t *gather_start; /* block_count + 1 */
-  int32_t *gather_element;
-  uint8_t *gather_local; /* a * 6 + b */
+  int64_t *start;          /* (index, node_count + 1) first block of each row */
+  int32_t *column;         /* (index, block_count) */
+  int64_t *diagonal;       /* (index, node_count) where the block (i, i) is */
+  int64_t *mirror;         /* (index, block_count) where the block (j, i) of a block (i, j) is */
+  int64_t *gather_start;   /* (index, block_count + 1) first contribution to each block */
+  int32_t *gather_element; /* (index, gather_start[block_count]) of each contribution */
+  uint8_t *gather_local; /* (gather_start[block_count]) a * 6 + b: local nodes of row and column */
 } bw_plane_pattern;
+/* The pattern of a topology. BW_LIMIT where it has too many blocks. */
 BW_API bw_status bw_plane_pattern_create(bw_context *context, const bw_plane_topology *topology,
                                          bw_plane_pattern **pattern);
-/* Add the elements' matrices (element_count x (n c) x (n c), row by row, unknown = node c +
- * component; only as many elements at a time as the caller likes: `element_matrix` fills one) into
- * values (zeroed first). */
+/* Writes the matrix (any, n c x n c) of an element with n nodes and c components: unknown node c +
+ * component. Called from several threads at once. */
 typedef bw_status bw_element_matrix(void *data, int32_t element, double *matrix);
+/* Adds the matrices of all elements, which element_matrix gives, into values (any, block_count x
+ * components x components), zeroed first; 1 to 4 components. */
 BW_API bw_status bw_plane_assemble(bw_context *context, const bw_plane_pattern *pattern,
                                    int components, bw_element_matrix *element_matrix, void *data,
                                    double *values);
-/* y = A x */
+/* y = A x for values (any, block_count x components x components), with x and y (any, node_count x
+ * components). */
 BW_API bw_status bw_plane_multiply(bw_context *context, const bw_plane_pattern *pattern,
                                    int components, const double *values, const double *x,
                                    double *y);
-/* Prescribed unknowns (held[i] != 0): their rows and columns become those of the identity times the
- * mean size of the component's diagonal entries, and `rhs` (may be NULL) follows, so that the
- * number of unknowns never changes. */
+/* Prescribes unknowns, those with held (node_count x components) not 0, to prescribed (any,
+ * node_count x components): their rows and columns in values (any, block_count x components x
+ * components) become those of the identity times the mean size of the component's diagonal entries,
+ * and rhs (any, node_count x components), which may be NULL, follows, so that the number of
+ * unknowns never changes. */
 BW_API bw_status bw_plane_prescribe(bw_context *context, const bw_plane_pattern *pattern,
                                     int components, const uint8_t *held, const double *prescribed,
                                     double *values, double *rhs);
@@ -55,58 +60,65 @@ BW_API bw_status bw_plane_prescribe(bw_context *context, const bw_plane_pattern 
  *
  * Solves A x = b with what is left of an earlier factorisation: conjugate gradients on a Cholesky
  * factor for symmetric positive definite matrices, BiCGSTAB on an LU factor for others. The
- * paper uses ILU(k); a complete factor costs little in the plane and keeps its worth for longer. */
+ * paper uses ILU(k); a complete factor costs little in the plane and remains useful for longer. */
+
+/* How the factor is used. */
 typedef enum bw_lagged_factor_method {
   BW_LAGGED_FACTOR_AUTO, /* by predicted cost: operations and bytes counted, and the iterations that
                     recent solves took; never time measured */
   BW_LAGGED_FACTOR_ITERATE,  /* on the factor as it is, as long as it converges */
-  BW_LAGGED_FACTOR_REFACTOR, /* numbers anew, analysis kept */
-  BW_LAGGED_FACTOR_FULL      /* analysis too: for baselines */
+  BW_LAGGED_FACTOR_REFACTOR, /* refactored each time, analysis reused */
+  BW_LAGGED_FACTOR_FULL      /* analysed and factored each time: for baselines */
 } bw_lagged_factor_method;
+/* How equations are solved. */
 typedef struct bw_lagged_factor_options {
-  bw_lagged_factor_method method;
-  double tolerance; /* relative residual |b - A x| / |b|; default 1e-8 */
-  int iterations;   /* before refactoring; default 60 */
+  bw_lagged_factor_method method; /* default BW_LAGGED_FACTOR_AUTO */
+  double tolerance;               /* (-) relative residual |b - A x| / |b|; default 1e-8, > 0 */
+  int iterations;                 /* before refactoring; default 60, 1 or more */
 } bw_lagged_factor_options;
 BW_API void bw_lagged_factor_options_default(bw_lagged_factor_options *options);
 /* What one solve, or one frame of an application, reused and what it cost. Sums over the solves of
  * a frame; clear with memset before. */
 typedef struct bw_plane_reuse {
-  bw_level level; /* of the mesh in this frame */
-  bool pattern;   /* of A: kept */
-  bool factor;    /* B: kept (lagged) */
-  bool solution;  /* x: used as the first guess */
-  int analyses, factorisations, solves, iterations;
-  double residual;                            /* the largest, relative, as reached */
-  double predicted_iterate, predicted_factor; /* s, of the model's machine */
-  double seconds_mesh, seconds_assemble, seconds_factor, seconds_solve;
+  bw_level level;                                   /* of the mesh in this frame */
+  bool pattern;                                     /* of A: kept */
+  bool factor;                                      /* B: kept (lagged) */
+  bool solution;                                    /* x: used as the first guess */
+  int analyses, factorisations, solves, iterations; /* how many */
+  double residual;                                  /* (-) the largest, relative, as reached */
+  double predicted_iterate, predicted_factor;       /* (s) of the model's machine */
+  double seconds_mesh, seconds_assemble, seconds_factor, seconds_solve; /* (s) of the parts */
 } bw_plane_reuse;
 
-typedef struct bw_lagged_factor bw_lagged_factor; /* mutable; one thread at a time */
-/* 1 to 4 components at a node, 1 to 3 where symmetric. */
+/* A factor of a former matrix. Mutable; one thread at a time. bw_lagged_factor_free releases it. */
+typedef struct bw_lagged_factor bw_lagged_factor;
+/* For 1 to 4 components at a node, 1 to 3 where `symmetric`. */
 BW_API bw_status bw_lagged_factor_create(bw_context *context, bool symmetric, int components,
                                          bw_lagged_factor **lagged);
 BW_API void bw_lagged_factor_free(bw_lagged_factor *lagged);
-/* x: the first guess on entry, the solution on return. The factor and its elimination order are
- * kept as long as the pattern's nodes are the same object, the analysis as long as its topology is.
- * BW_SINGULAR, or BW_CONVERGENCE with the residual reached; x is then as it was. `options` and
- * `kept` may be NULL; `kept` is added to. */
+/* Solves A x = b for values (any, block_count x components x components) and rhs (any, node_count x
+ * components). x (any, node_count x components) is the initial guess on entry, the solution on
+ * return. The factor and its elimination order are kept as long as the pattern's nodes are the same
+ * object, the analysis as long as its topology is. BW_SINGULAR, or BW_CONVERGENCE with the residual
+ * reached; x is then as it was. `options` and `kept` may be NULL; `kept` is added to. */
 BW_API bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
                                         const bw_plane_pattern *pattern, const double *values,
                                         const double *rhs, double *x,
                                         const bw_lagged_factor_options *options,
                                         bw_plane_reuse *kept);
-/* Apply the factor alone (z = B r, current or lagged): for eigenvalue iterations. */
+/* Applies the factor alone, current or lagged: z (any, node_count x components) = B r (any,
+ * node_count x components), for eigenvalue iterations. Only after a solution. */
 BW_API bw_status bw_lagged_factor_apply(bw_context *context, bw_lagged_factor *lagged,
                                         const double *r, double *z);
-/* Drop everything kept. */
+/* Releases factor, analysis and pattern: the next solve begins from scratch. */
 BW_API void bw_lagged_factor_reset(bw_lagged_factor *lagged);
 
 /* ---- conditions by tag -------------------------------------------------------------------------
  */
 
-/* A value over place and time. */
+/* A value (any) over place and time, in the unit of the condition. */
 typedef double bw_plane_function(void *data, const double at[2], double time);
+/* What a condition prescribes. */
 typedef enum bw_condition_kind {
   BW_PRESCRIBED, /* component = value on the nodes of the segments */
   BW_TRACTION,   /* component = value per length and thickness (Pa) on the segments; component 3:
@@ -116,24 +128,27 @@ typedef enum bw_condition_kind {
 } bw_condition_kind;
 /* Conditions sit on tags, so that they follow the outline through every level. */
 typedef struct bw_condition {
-  int32_t tag; /* of the outline; -1: every segment */
-  bw_condition_kind kind;
-  int component; /* 0 x, 1 y; flow: 2 pressure, 3 temperature */
-  double value;
-  bw_plane_function *function; /* in place of value; may be NULL */
-  void *data;
-  double coefficient; /* of convection, over density times heat capacity (m/s) */
-  int32_t order;      /* of prescribed values that conflict at a node, the highest order decides */
+  int32_t tag;                 /* of the outline; -1: every segment */
+  bw_condition_kind kind;      /* what it prescribes */
+  int component;               /* 0 x, 1 y; flow: 2 pressure, 3 temperature */
+  double value;                /* (any) by the kind: m, m/s, Pa, K, K m/s */
+  bw_plane_function *function; /* in place of value; may be NULL. Called as long as what has the
+                                  condition lives, on the thread of the caller */
+  void *data;                  /* borrowed as long */
+  double coefficient;          /* (m/s) of convection, over density times heat capacity */
+  int32_t order; /* of prescribed values that conflict at a node, the highest order decides */
 } bw_condition;
-/* held and prescribed (node_count x components) at a time. A component that any tag of a node
- * prescribes is prescribed. Where tags of one order prescribe different values, the displacement or
- * velocity nearest to 0 holds (0 between values of both signs), and the middle of temperatures.
- * Conflicts are reported unless *reported, which is then set; `reported` may be NULL. */
+/* held (node_count x components) and prescribed (any, node_count x components) at a time. A
+ * component that any tag of a node prescribes is prescribed. Where tags of one order prescribe
+ * different values, the displacement or velocity nearest to 0 holds (0 between values of both
+ * signs), and the middle of temperatures. Conflicts give a warning unless *reported, which is then
+ * set; `reported` may be NULL. */
 BW_API bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh,
                                          int components, int32_t count,
                                          const bw_condition *condition, double time, uint8_t *held,
                                          double *prescribed, bool *reported);
-/* Consistent nodal forces of tractions and pressures, times thickness. */
+/* Consistent nodal forces of tractions and pressures, times thickness: force (N, node_count x
+ * components), overwritten. */
 BW_API bw_status bw_conditions_force(bw_context *context, const bw_plane_mesh *mesh, int components,
                                      int32_t count, const bw_condition *condition, double time,
                                      double thickness, double *force);
@@ -141,17 +156,19 @@ BW_API bw_status bw_conditions_force(bw_context *context, const bw_plane_mesh *m
 /* ---- elastic sheets
  * -------------------------------------------------------------------------------- */
 
+/* What a region of a sheet is made of. */
 typedef struct bw_sheet_section {
   const bw_material *material; /* isotropic or orthotropic with an axis along z; retained */
-  double thickness;            /* m; plane strain: per this depth */
-  bool plane_strain;
+  double thickness;            /* (m) plane strain: per this depth */
+  bool plane_strain;           /* else plane stress */
 } bw_sheet_section;
+/* A sheet; bw_sheet_create copies the lists. */
 typedef struct bw_sheet_description {
-  int32_t section_count; /* 1, or one per region */
-  const bw_sheet_section *section;
+  int32_t section_count;           /* 1, or one per region */
+  const bw_sheet_section *section; /* section_count of them */
   int32_t condition_count;
-  const bw_condition *condition;
-  double gravity[2]; /* m/s2 */
+  const bw_condition *condition; /* condition_count of them */
+  double gravity[2];             /* (m/s2) */
 } bw_sheet_description;
 
 /* A sheet on a mesh that follows an outline: holds matrices, factor and solution from frame to
@@ -160,16 +177,19 @@ typedef struct bw_sheet {
   bw_object object;
   /* Of the state that stands; they live until the next operation that succeeds. */
   const bw_plane_mesh *mesh;
-  const double *displacement;            /* node_count x 2: of the last solution; zero at first */
-  const double *velocity, *acceleration; /* of transient sheets; NULL otherwise */
-  double time;
+  const double *displacement; /* (m, node_count x 2) of the last solution; zero at first */
+  const double *velocity;     /* (m/s, node_count x 2) of transient sheets; NULL otherwise */
+  const double *acceleration; /* (m/s2, node_count x 2) of transient sheets; NULL otherwise */
+  double time;                /* (s) of transient sheets */
   struct bwi_sheet *inner;
 } bw_sheet;
+/* A sheet at rest. BW_INVALID names a section or condition that does not fit, BW_EMPTY a tag that
+ * no segment has, BW_UNSUPPORTED a material without an axis along z. */
 BW_API bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
                                  const bw_sheet_description *description, bw_sheet **sheet);
 /* Go over to another mesh of the same problem; the solution is carried over (bw_plane_transfer).
  * Conditions go by the names of their tags: the outline may be another one. On failure all is as it
- * was. */
+ * was; BW_EMPTY where no segment has the tag of a condition. */
 BW_API bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_mesh *mesh,
                                  bw_plane_reuse *kept);
 /* What a sheet is at, an immutable object: bw_release gives it up. Keeping it copies nothing;
@@ -177,50 +197,64 @@ BW_API bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_
  * sheet with other conditions. A sheet's operations put a new state in the place of the one that
  * stands when all is done: those that fail change nothing. */
 typedef struct bw_sheet_state bw_sheet_state;
+/* The state of a sheet, one reference to be released. */
 BW_API const bw_sheet_state *bw_sheet_keep(const bw_sheet *sheet);
+/* Returns a sheet to a state. */
 BW_API bw_status bw_sheet_return(bw_context *context, bw_sheet *sheet, const bw_sheet_state *state);
 /* Whether its parts belong together: see bw_plane_mesh_check. */
 BW_API bw_status bw_sheet_check(bw_context *context, const bw_sheet *sheet);
-/* (e) Linear statics. BW_UNCONSTRAINED when rigid-body modes are unconstrained. */
+/* (e) Linear statics. BW_UNCONSTRAINED when rigid-body modes are unconstrained; and those of
+ * bw_lagged_factor_solve. `options` and `kept` may be NULL. */
 BW_API bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet,
                                  const bw_lagged_factor_options *options, bw_plane_reuse *kept);
-/* (a) One Newmark step of rho u'' + c = div sigma (eqs. 1, 2): beta, gamma (defaults 1/4, 1/2),
- * Rayleigh damping. Prescribed displacements are of the ground, as functions of time (read at the
- * new time and a step before and after it, at 0 and after; never below 0); the other conditions'
- * functions are read at the new time. */
+/* Newmark's method with Rayleigh damping. */
 typedef struct bw_newmark {
-  double step, beta, gamma;
-  double damping_mass, damping_stiffness;
+  double step;              /* (s) default 1e-3, > 0 */
+  double beta;              /* (-) default 1/4, gamma / 2 or more */
+  double gamma;             /* (-) default 1/2 or more */
+  double damping_mass;      /* (1/s) of the mass; default 0 */
+  double damping_stiffness; /* (s) of the stiffness; default 0 */
 } bw_newmark;
 BW_API void bw_newmark_default(bw_newmark *newmark);
+/* (a) One Newmark step of rho u'' + c = div sigma (eqs. 1, 2). Prescribed displacements are of the
+ * ground, as functions of time (read at the new time and a step before and after it, at 0 and
+ * after; never below 0); the other conditions' functions are read at the new time. Those of
+ * bw_lagged_factor_solve. `newmark`, `options` and `kept` may be NULL. */
 BW_API bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
                                 const bw_lagged_factor_options *options, bw_plane_reuse *kept);
-/* (b) St. Venant-Kirchhoff statics (eq. 3) by Newton's method with a line search on the energy,
- * from the last solution; load steps where Newton fails from there. BW_CONVERGENCE says how far the
- * load went. */
+/* How Newton's method proceeds. */
 typedef struct bw_bend_options {
-  double tolerance; /* |residual| / |load|; default 1e-8 */
-  int iterations;   /* of one load step; default 30 */
-  int load_steps;   /* at most; default 64 */
-  bw_lagged_factor_options linear;
+  double tolerance;                /* (-) |residual| / |load|; default 1e-8, > 0 */
+  int iterations;                  /* of one load step; default 30, 1 or more */
+  int load_steps;                  /* at most; default 64, 1 or more */
+  bw_lagged_factor_options linear; /* of each iteration */
 } bw_bend_options;
 BW_API void bw_bend_options_default(bw_bend_options *options);
+/* What Newton's method did. */
 typedef struct bw_bend_report {
-  int iterations, load_steps;
-  double residual, energy;
+  int iterations, load_steps; /* how many */
+  double residual;            /* (-) |residual| / |load| reached */
+  double energy;              /* (J) strain energy */
 } bw_bend_report;
+/* (b) St. Venant-Kirchhoff statics (eq. 3) by Newton's method with a line search on the energy,
+ * from the last solution; load steps where Newton fails from there. BW_CONVERGENCE says how far the
+ * load went, BW_UNCONSTRAINED that rigid-body modes are unconstrained. `options`, `report` and
+ * `kept` may be NULL. */
 BW_API bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_options *options,
                                bw_bend_report *report, bw_plane_reuse *kept);
-/* Stress xx yy xy zz at element points averaged to nodes (node_count x 4; Cauchy stress after
- * bw_sheet_bend) and von Mises (node_count); either may be NULL. */
+/* Stress xx yy xy zz at element points averaged to nodes, stress (Pa, node_count x 4), Cauchy
+ * stress after bw_sheet_bend, and von_mises (Pa, node_count); either may be NULL. */
 BW_API bw_status bw_sheet_stress(bw_context *context, const bw_sheet *sheet, double *stress,
                                  double *von_mises);
-/* Zienkiewicz-Zhu estimate of the relative error in energy. */
+/* Zienkiewicz and Zhu's estimate of the error in the energy norm, *relative (-) to that of solution
+ * and error. */
 BW_API bw_status bw_sheet_error(bw_context *context, const bw_sheet *sheet, double *relative);
-/* J = (integral of von Mises^p / area)^(1/p), which tends to the largest stress from below as p
- * grows (1 to 1000), and dJ / d node positions (node_count x 2; NULL: J alone), exact, by one
+/* The p-norm of stress, *norm (Pa), J = (integral of von Mises^p / area)^(1/p), which tends to the
+ * largest stress from below as p (-) grows (1 to 1000), and dJ / d node positions, gradient (Pa/m,
+ * node_count x 2), NULL: J alone, exact, by one
  * adjoint solve on the current factor: for shape optimisation. After bw_sheet_static on the same
- * mesh. Values of conditions that are functions of place are taken to go with their nodes. */
+ * mesh (BW_INVALID else). Those of bw_lagged_factor_solve. Values of conditions that are functions
+ * of place are taken to go with their nodes. */
 BW_API bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double p,
                                           double *norm, double *gradient);
 
@@ -233,64 +267,74 @@ BW_API bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, 
  */
 typedef struct bw_plate {
   bw_object object;
-  const bw_material *material;
-  double thickness;
+  const bw_material *material; /* retained */
+  double thickness;            /* (m) */
   /* Of the state that stands; they live until the next operation that succeeds. */
   const bw_plane_mesh *mesh; /* order 2 */
   int mode_count;
-  const double *frequency; /* Hz, ascending, elastic modes only */
-  const double *shape;     /* mode_count x node_count x 3: deflection, rotations; mass norm 1, the
-                              largest deflection positive */
-  const double *residual;  /* sqrt(r . B r / lambda): error in the energy norm, B the factor used */
+  const double *frequency; /* (Hz, mode_count) ascending, elastic modes only */
+  const double *shape; /* (any, mode_count x node_count x 3) deflection, rotations; mass norm 1, the
+                          largest deflection positive */
+  const double *residual; /* (-, mode_count) sqrt(r . B r / lambda): error in the energy norm, B the
+                             factor used */
   struct bwi_plate *inner;
 } bw_plate;
+/* A plate without modes yet, on a mesh of order 2. BW_GEOMETRY for an inverted element, BW_LIMIT
+ * for a mesh too large. */
 BW_API bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
                                  const bw_material *material, double thickness, bw_plate **plate);
+/* Goes over to another mesh; the modes are carried over (bw_plane_transfer) as the start of the
+ * next solution. Those of bw_plate_create. `kept` may be NULL. */
 BW_API bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_mesh *mesh,
                                  bw_plane_reuse *kept);
 /* What a plate is at, an immutable object: bw_release gives it up. Keeping it copies nothing;
  * returning to it brings back mesh and modes bit for bit. A plate's operations put a new state in
  * the place of the one that stands when all is done: those that fail change nothing. */
 typedef struct bw_plate_state bw_plate_state;
+/* The state of a plate, one reference to be released. */
 BW_API const bw_plate_state *bw_plate_keep(const bw_plate *plate);
+/* Returns a plate to a state. */
 BW_API bw_status bw_plate_return(bw_context *context, bw_plate *plate, const bw_plate_state *state);
 BW_API bw_status bw_plate_check(bw_context *context, const bw_plate *plate);
+/* How modes are found. */
 typedef struct bw_plate_options {
   int modes;        /* default 1 */
-  double tolerance; /* of `residual`; the frequency's error is its square; default 1e-6 */
-  bool scratch;     /* random start, fresh factor: for checks and baselines */
+  double tolerance; /* (-) of `residual`; the frequency's error is its square; default 1e-6, > 0 */
+  bool scratch;     /* random start, new factor: for checks and baselines; default false */
 } bw_plate_options;
 BW_API void bw_plate_options_default(bw_plate_options *options);
 /* Rayleigh-Ritz iteration with the rigid-body motions projected out, from the last frame's modes on
  * the last frame's factor; with a fresh factor at least as fast as inverse iteration.
- * BW_CONVERGENCE leaves the plate as it was. */
+ * BW_CONVERGENCE where it does not reach the tolerance and BW_SINGULAR where the factor fails leave
+ * the plate as it was. `options` and `kept` may be NULL. */
 BW_API bw_status bw_plate_solve(bw_context *context, bw_plate *plate,
                                 const bw_plate_options *options, bw_plane_reuse *kept);
-/* d frequency[mode] / d node positions (node_count x 2), Hz/m. */
+/* d frequency[mode] / d node positions: gradient (Hz/m, node_count x 2). */
 BW_API bw_status bw_plate_gradient(bw_context *context, const bw_plate *plate, int mode,
                                    double *gradient);
-/* What a stroke at a place sounds like: modes k in proportion to their deflection there, each dying
- * away as exp(-pi loss f t), softened by the mallet's time of contact. Scaled so that the loudest
- * sample is 0.9; `sample` has room for seconds * rate (rounded down) numbers. */
+/* A stroke and its recording. */
 typedef struct bw_tone {
-  double at[2];   /* of the stroke; nan: where the lowest mode deflects most */
-  double loss;    /* loss factor of material and mounting; default 0.002 */
-  double contact; /* s; default 0.3e-3 */
+  double at[2];   /* of the stroke; default nan: where the lowest mode deflects most */
+  double loss;    /* (-) loss factor of material and mounting; default 0.002, > 0 */
+  double contact; /* (s) of the mallet; default 0.3e-3, 0 or more */
   double seconds; /* default 2 */
-  int32_t rate;   /* samples per second; default 44100 */
+  int32_t rate;   /* samples per second; default 44100, 1000 or more */
 } bw_tone;
 BW_API void bw_tone_default(bw_tone *tone);
+/* The sound of a stroke at a place: modes k in proportion to their deflection there, each with the
+ * decay exp(-pi loss f t), softened by the mallet's time of contact. Scaled so that the loudest
+ * sample is 0.9: sample (-, seconds * rate rounded down). `tone` may be NULL. */
 BW_API bw_status bw_plate_tone(bw_context *context, const bw_plate *plate, const bw_tone *tone,
                                double *sample);
-/* How loudly each mode sounds in it (mode_count numbers): with its sign, the loudest 1 in size. */
+/* The amplitude of each mode in it: gain (-, mode_count), signed, the largest 1 in size. */
 BW_API bw_status bw_plate_gains(bw_context *context, const bw_plate *plate, const bw_tone *tone,
                                 double *gain);
-/* Where the mode's deflection vanishes: pieces of line, 4 numbers each (x0 y0 x1 y1); free with
- * bw_free. For the mounting holes. */
+/* Where the deflection of a `mode` vanishes: lines (m, count x 4), pieces x0 y0 x1 y1, to be
+ * released with bw_free. For the mounting holes. */
 BW_API bw_status bw_plate_nodal_lines(bw_context *context, const bw_plate *plate, int mode,
                                       int32_t *count, double **lines);
 /* The lowest frequencies of motion in the plane of the plate (plane stress, free), to see whether
- * one lies below: `count` of them. */
+ * one lies below: frequency (Hz, count). BW_CONVERGENCE and BW_SINGULAR as bw_plate_solve. */
 BW_API bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count,
                                   double *frequency);
 #ifdef __cplusplus
