@@ -36,7 +36,7 @@ return {
     {"docs/units.md", "Units"}, {"docs/bibliography.md", "Bibliography"},
     {"docs/stability.md", "Versions and stability"}, {"docs/third_party.md", "Third-party licences"},
     {"docs/verification.md", "Verification"},
-    {"docs/benchmarks.md", "Benchmarks"}, {"docs/comparison.md", "Beside other tools"},
+    {"docs/benchmarks.md", "Benchmarks"}, {"docs/comparison.md", "Comparison with other tools"},
   }},
   {title = "Inside", pages = {
     {"docs/map.md", "Map of the source"}, {"CONTRIBUTING.md", "How to contribute"},

@@ -44,8 +44,8 @@ local function list(pattern)
 end
 
 assert(os.execute("mkdir -p " .. quoted(opts.out)))
-assert(os.execute(("cd %s && mkdir -p docs/theory docs/notes docs/reference docs/images examples/studies source"):format(
-  quoted(opts.out))))
+assert(os.execute(("cd %s && mkdir -p docs/theory docs/notes docs/reference docs/images examples/studies source")
+  :format(quoted(opts.out))))
 local problems = {}
 
 -- ---- which pages there are ---------------------------------------------------------------------

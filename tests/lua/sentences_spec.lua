@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- scripts/check_sentences counts prose only, and names long sentences by file and line.
+-- scripts/check_sentences counts prose only, and names long sentences by file and line. Every page keeps to its aim.
 local check = require "check"
 
 local page = [[
@@ -26,5 +26,22 @@ describe("sentences", function()
     local count, mean, largest, aim, over = out:match "page%.md +(%d+) +([%d.]+) +(%d+) +(%d+) +(%d+)"
     assert.same({"4", "13.5", "42", "20", "1"}, {count, mean, largest, aim, over}, out)
     assert.truthy(out:find("page.md:12: 42 words: word", 1, true), out)
+  end)
+
+  it("have at most 40 words on every page, and a mean within the aim of the page", function()
+    local status, out, complaint = check.run "scripts/check_sentences --long"
+    assert.message(complaint).equal(0, status)
+    local pages, failed = 0, {}
+    for line in out:gmatch "[^\n]+" do
+      local page, mean, aim, over = line:match "^(%S+%.md) +%d+ +([%d.]+) +%d+ +(%d+) +(%d+)$"
+      if page then
+        pages = pages + 1
+        if tonumber(mean) > tonumber(aim) or over ~= "0" then failed[#failed + 1] = line end
+      elseif line:find "^%S+%.md:%d+: " then
+        failed[#failed + 1] = line
+      end
+    end
+    assert.is_true(pages > 40, out)
+    assert.equal("", table.concat(failed, "\n"))
   end)
 end)
