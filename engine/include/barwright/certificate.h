@@ -14,24 +14,24 @@ extern "C" {
  * (n = 0) that no principal stress exceeds it. Admissible: 0 <= p <= pressure, `force` in all,
  * no work on the motions. */
 typedef struct bw_dual_claims {
-  double force, pressure; /* N, Pa */
+  double force, pressure; /* F_tot (N), p_max (Pa) */
   bool force_is_max;      /* the force may also be smaller */
-  int32_t motions;
-  const double
-      *work; /* motions x basis->count: of a unit of each pressure on each rigid-body mode */
+  int32_t motions;        /* how many rigid-body modes */
+  const double *work; /* (any, motions x basis->count) of a unit of each pressure on each mode */
   int64_t count;
-  const int32_t *element;
-  const double *direction; /* count x 3: unit vectors, or 0 */
-  /* count x (6 motions + 2). With a direction: motions and x for the positive, then for the
+  const int32_t *element;  /* (index, count) */
+  const double *direction; /* (-, count x 3) unit vectors, or 0 */
+  /* (any, count x (6 motions + 2)) With a direction: motions and x for the positive, then for the
    * negative sign. Without: motions for each of the six components of stress, and x. The rest of a
    * row does not count. */
   const double *multiplier;
 } bw_dual_claims;
 
-/* The bounds that follow (docs/theory/worst_case.md, "The certificate"), count numbers each, Pa:
- * `bound` for the stresses under the computed displacements, rounding of the sums included, and
- * `solve_error`, what the residuals of the linear solves may add to it. Nothing of the branch and
- * bound is used. One solve for each pressure; progress "certificate". */
+/* The bounds that follow (docs/theory/worst_case.md, "The certificate"): bound (Pa, count) for the
+ * stresses under the computed displacements, rounding of the sums included, and solve_error (Pa,
+ * count), what the residuals of the linear solves may add to it. BW_CONVERGENCE and BW_LIMIT where
+ * the least eigenvalue that it needs is not found. Nothing of the branch and bound is used. One
+ * solve for each pressure; progress "certificate". */
 BW_API bw_status bw_dual_bounds(bw_context *context, bw_system *system,
                                 const bw_pressure_basis *basis, const bw_dual_claims *claims,
                                 double *bound, double *solve_error);

@@ -19,27 +19,32 @@ extern "C" {
  * every process has called or will call this at once; without it, a world of more than one rank is
  * refused (BW_UNSUPPORTED), since each rank would go its own way. */
 BW_API bw_status bw_world_start(bw_context *context, bool together);
-/* 0 .. size - 1; before the start 0 of 1. A forked child of a rank belongs to no world: there, all
- * that follows is BW_UNSUPPORTED. */
+/* This process's rank, 0 to size - 1; before the start 0 of 1. A forked child of a rank belongs to
+ * no world: there, all that follows is BW_UNSUPPORTED; before the start, BW_INVALID. */
 BW_API int bw_world_rank(void);
+/* How many ranks there are. */
 BW_API int bw_world_size(void);
 
-/* On ranks other than 0: work for the solver of rank 0 until that one leaves. */
+/* On ranks other than 0: work for the solver of rank 0 until that one leaves. BW_UNSUPPORTED in a
+ * forked child. */
 BW_API bw_status bw_world_serve(bw_context *context);
 
-/* Byte strings between ranks, tags from 0 to 1000; a string comes whole, and those from one rank in
- * the order sent. Sending may wait until the other rank receives. */
+/* Sends `count` bytes to a `rank` under a `tag` from 0 to 1000; a string comes whole, and those
+ * from one rank in the order sent. Sending may wait until the other rank receives. BW_LIMIT beyond
+ * what one message can hold, BW_UNSUPPORTED in a forked child. */
 BW_API bw_status bw_world_send(bw_context *context, int rank, int tag, const void *bytes,
                                size_t count);
-/* The next string from any rank. *bytes is NULL when none came within `seconds` (0: look once;
- * negative: wait as long as it takes); release with bw_free. BW_IO when rank 0 has left. */
+/* The next string from any rank, with its *rank and *tag. *bytes is NULL when none came within
+ * `seconds` (0: look once; negative: wait as long as it takes); release with bw_free. BW_IO when
+ * rank 0 has left, BW_UNSUPPORTED in a forked child. */
 BW_API bw_status bw_world_receive(bw_context *context, double seconds, int *rank, int *tag,
                                   unsigned char **bytes, size_t *count);
 
-/* End all ranks now, with a sentence on standard error: for what one rank cannot go on from. */
+/* End all ranks now, with a `message` on standard error: for failures of one rank alone. */
 BW_API void bw_world_abort(const char *message);
 
-/* "Open MPI 4.1.4", PETSc and SLEPc with versions, one line each. Release with bw_free. */
+/* A *text of "Open MPI 4.1.4", PETSc and SLEPc with versions, one line each. Release it with
+ * bw_free. */
 BW_API bw_status bw_world_versions(bw_context *context, char **text);
 
 #ifdef __cplusplus

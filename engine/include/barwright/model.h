@@ -19,26 +19,30 @@ typedef struct bw_selection {
   bw_object object;
   const bw_mesh *mesh; /* retained */
   int32_t facet_count, node_count;
-  int32_t *facet; /* numbers of boundary facets */
-  int32_t *node;  /* numbers of mesh nodes */
+  int32_t *facet; /* (index, facet_count) boundary facets */
+  int32_t *node;  /* (index, node_count) mesh nodes */
   bool node_set;  /* chosen as single nodes: supports may hold points and edges */
-  /* Of a geometric selection: the area of the facets outside of it that lie along the border of the
-   * shape asked for, nearer to it than a twentieth of their size. A face that is not quite flat
-   * loses such facets: a support or load warns where they are more than a tenth of the whole. */
+  /* (m2) Of a geometric selection: the area of the facets outside of it that lie along the border
+   * of the shape asked for, nearer to it than a twentieth of their size. A face that is not quite
+   * flat loses such facets: a support or load warns where they are more than a tenth of the whole.
+   */
   double missed_area;
 } bw_selection;
 
+/* The whole boundary. BW_EMPTY where there is none. */
 BW_API bw_status bw_select_all(bw_context *context, const bw_mesh *mesh, bw_selection **selection);
+/* What lies in a box, its surface included. BW_EMPTY without a node, as all selections. */
 BW_API bw_status bw_select_box(bw_context *context, const bw_mesh *mesh, const double low[3],
                                const double high[3], bw_selection **selection);
-/* (x - point) . normal <= tolerance */
+/* Nodes with (x - point) . normal <= tolerance (m), 0 or more, for the normal at unit length. */
 BW_API bw_status bw_select_half_space(bw_context *context, const bw_mesh *mesh,
                                       const double point[3], const double normal[3],
                                       double tolerance, bw_selection **selection);
-/* |(x - point) . normal| <= tolerance */
+/* Nodes with |(x - point) . normal| <= tolerance (m), 0 or more, for the normal at unit length. */
 BW_API bw_status bw_select_plane(bw_context *context, const bw_mesh *mesh, const double point[3],
                                  const double normal[3], double tolerance,
                                  bw_selection **selection);
+/* What lies in a ball. */
 BW_API bw_status bw_select_sphere(bw_context *context, const bw_mesh *mesh, const double centre[3],
                                   double radius, bw_selection **selection);
 /* Facets whose outward normal is within `angle` of `direction`. */
@@ -52,27 +56,35 @@ BW_API bw_status bw_select_patch(bw_context *context, const bw_mesh *mesh, const
 /* The `count` boundary nodes nearest to a point (and the facets they span): a node set. */
 BW_API bw_status bw_select_nearest(bw_context *context, const bw_mesh *mesh, const double point[3],
                                    int32_t count, bw_selection **selection);
-/* By masks: facet_mask (facet_count) or node_mask (node_count); either may be NULL. A mask of nodes
- * alone makes a node set. */
+/* By masks, not 0 where chosen: facet_mask (facet_count) or node_mask (node_count); either may be
+ * NULL. A mask of nodes alone makes a node set. BW_EMPTY where nothing is chosen. */
 BW_API bw_status bw_select_mask(bw_context *context, const bw_mesh *mesh, const uint8_t *facet_mask,
                                 const uint8_t *node_mask, bw_selection **selection);
-typedef enum bw_set_operation { BW_UNION, BW_INTERSECTION, BW_DIFFERENCE } bw_set_operation;
+/* How two selections are combined. */
+typedef enum bw_set_operation {
+  BW_UNION,        /* what is in a or b */
+  BW_INTERSECTION, /* what is in both */
+  BW_DIFFERENCE    /* what is in a and not in b */
+} bw_set_operation;
 /* Facets and nodes are combined each by themselves, and the nodes of the facets that stay are kept:
- * the difference of the boundary and a foot still holds the foot's rim. */
+ * the difference of the boundary and a foot still has the nodes on the foot's rim. BW_EMPTY where
+ * nothing is left. */
 BW_API bw_status bw_select_combine(bw_context *context, const bw_selection *a,
                                    const bw_selection *b, bw_set_operation operation,
                                    bw_selection **selection);
 /* The same facets and nodes as a node set, for supports on points and edges. */
 BW_API bw_status bw_select_node_set(bw_context *context, const bw_selection *from,
                                     bw_selection **selection);
+/* The area (m2) of its facets. */
 BW_API double bw_selection_area(const bw_selection *selection);
-BW_API void bw_selection_centre(const bw_selection *selection,
-                                double centre[3]); /* of area, or of nodes */
-BW_API void bw_selection_normal(const bw_selection *selection,
-                                double normal[3]); /* mean outward, unit */
+/* The centroid of its area; without facets the mean of its nodes. */
+BW_API void bw_selection_centre(const bw_selection *selection, double centre[3]);
+/* The mean outward normal of its facets. */
+BW_API void bw_selection_normal(const bw_selection *selection, double normal[3]);
 
 /* ---- models -------------------------------------------------------------------------------- */
 
+/* What a load is. */
 typedef enum bw_load_kind {
   BW_LOAD_PRESSURE,   /* Pa, positive pushes inwards */
   BW_LOAD_TRACTION,   /* Pa, a vector per area */
@@ -83,87 +95,111 @@ typedef enum bw_load_kind {
   BW_LOAD_TEMPERATURE /* K at nodes: thermal expansion of the whole body */
 } bw_load_kind;
 
+/* A load of a model. */
 typedef struct bw_load {
-  bw_load_kind kind;
-  const bw_selection *on;         /* retained; NULL for gravity and nodal */
-  double vector[3];               /* pressure in vector[0] */
-  double about[3];                /* torque */
-  const bw_array *nodal;          /* node_count x 3 (forces) or x 1 (temperatures), retained */
-  double expansion;               /* temperature: the coefficient of linear expansion, 1/K */
-  double area;                    /* of the selection */
-  double resultant[3], moment[3]; /* force, and moment about the origin */
+  bw_load_kind kind;      /* by which the others are read */
+  const bw_selection *on; /* retained; NULL for gravity, nodal forces and temperatures */
+  double vector[3];       /* (any) in the unit of the kind; a pressure is in vector[0] */
+  double about[3];        /* (m) of a torque; of a couple the centre of the area */
+  const bw_array *nodal;  /* node_count x 3 (N) or x 1 (K), a copy of the model's own */
+  double expansion;       /* (1/K) of temperatures: coefficient of linear expansion */
+  double area;            /* (m2) of the selection */
+  double resultant[3];    /* (N) */
+  double moment[3];       /* (N m) about the origin */
 } bw_load;
 
+/* A support of a model. */
 typedef struct bw_support {
   const bw_selection *on; /* retained */
-  bool slide;             /* held along `normal` only (zero normal: the facets' own normals) */
-  bool held[3];           /* else: which directions */
-  double normal[3];
-  double value[3];       /* prescribed displacement, m */
-  const bw_array *field; /* instead: node_count x 3, retained; or NULL */
+  bool slide;       /* constrained along `normal` only (zero normal: the facets' own normals) */
+  bool held[3];     /* else: which directions are constrained */
+  double normal[3]; /* (-) of a slide */
+  double value[3];  /* (m) prescribed displacement */
+  const bw_array *field; /* instead: node_count x 3 (m), a copy of the model's own; or NULL */
 } bw_support;
 
-/* The revision of a model's object moves with every support and load added, and when its material
- * is turned. */
+/* A mesh with material, supports and loads. Mutable: its object's revision grows with every support
+ * and load added, and when its material is turned. */
 typedef struct bw_model {
   bw_object object;
   const bw_mesh *mesh;         /* retained */
   const bw_material *material; /* retained */
   int load_count, support_count;
-  bw_load *load;
-  bw_support *support;
+  bw_load *load;       /* load_count loads */
+  bw_support *support; /* support_count supports */
 } bw_model;
 
+/* A model without supports and loads. BW_INVALID for a material turned by element for another mesh.
+ */
 BW_API bw_status bw_model_create(bw_context *context, const bw_mesh *mesh,
                                  const bw_material *material, bw_model **model);
-/* A support or load on a selection without a facet is BW_EMPTY, but for a support on a node set:
- * the nodes that a geometric selection finds on a face that is not quite flat hold points, and the
- * stress at points has no limit. */
-/* Give the model its material turned by element (bw_material_turned): element e by rotation 9 *
- * of_element[e]. */
+/* Turns the model's material by element (bw_material_turned): those of group of_element (index,
+ * element_count) by the rotation (-, group_count x 9) of their group. */
 BW_API bw_status bw_model_turn_material(bw_context *context, bw_model *model, int32_t group_count,
                                         const int32_t *of_element, const double *rotation);
 /* The formulation of the model's elements; BW_INVALID for B-bar on linear elements. */
 BW_API bw_status bw_model_formulate(bw_context *context, bw_model *model,
                                     bw_formulation formulation);
+
+/* A support or load on a selection without a facet is BW_EMPTY, but for a support on a node set:
+ * the nodes that a geometric selection finds on a face that is not quite flat are points, and the
+ * stress at points has no limit. */
+
+/* Constrains all displacements of a selection. BW_EMPTY as above. */
 BW_API bw_status bw_model_fix(bw_context *context, bw_model *model, const bw_selection *on);
+/* Constrains the displacements of a selection along a normal; NULL: along that of each node's
+ * facets. BW_EMPTY as above. */
 BW_API bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selection *on,
-                                const double normal[3]); /* NULL: along each node's surface */
+                                const double normal[3]);
+/* Prescribes displacements of value (m), NULL for 0, in the global directions that are `held`.
+ * BW_INVALID without one, BW_EMPTY as above. */
 BW_API bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_selection *on,
                                     const bool held[3], const double value[3]);
+/* Adds an acceleration (m/s2) of the whole body. BW_INVALID for a material without density. */
 BW_API bw_status bw_model_gravity(bw_context *context, bw_model *model,
                                   const double acceleration[3]);
+/* Adds a pressure, positive inwards. BW_EMPTY as above. */
 BW_API bw_status bw_model_pressure(bw_context *context, bw_model *model, const bw_selection *on,
                                    double pressure);
+/* Adds a traction (Pa), a force for each area in a global direction. BW_EMPTY as above. */
 BW_API bw_status bw_model_traction(bw_context *context, bw_model *model, const bw_selection *on,
                                    const double traction[3]);
+/* Adds a total force, spread evenly over the area. BW_EMPTY as above, BW_GEOMETRY for facets
+ * without area. */
 BW_API bw_status bw_model_force(bw_context *context, bw_model *model, const bw_selection *on,
                                 const double force[3]);
-/* About NULL: a couple, which has the moment `torque` about every point and no net force. About a
- * point: the traction turns about it, and has a net force where the area's centre is elsewhere. */
+/* Adds a torque (N m). With `about` (m) NULL: a couple, which has this moment about every point and
+ * no net force. About a point: the traction turns about it, and has a net force where the area's
+ * centre is elsewhere. BW_EMPTY as above, BW_GEOMETRY for facets without a lever about it. */
 BW_API bw_status bw_model_torque(bw_context *context, bw_model *model, const bw_selection *on,
                                  const double torque[3], const double about[3]);
+/* Adds forces at nodes, rows of an array of node_count x 3 (N), which is copied. */
 BW_API bw_status bw_model_nodal_forces(bw_context *context, bw_model *model, const bw_array *force);
-/* As bw_model_prescribe, each node with its own value: rows of `field` (node_count x 3). */
+/* As bw_model_prescribe in the directions that are `held`, each node with its own value: rows of
+ * `field`, node_count x 3 (m), which is copied. BW_EMPTY as above. */
 BW_API bw_status bw_model_prescribe_field(bw_context *context, bw_model *model,
                                           const bw_selection *on, const bool held[3],
                                           const bw_array *field);
-/* Change of temperature at the nodes (node_count x 1, K) of a body that expands alike in all
- * directions, 1/K. Stresses of such a model: bw_static_stress (analysis.h). */
+/* Adds a change of temperature at the nodes, an array of node_count x 1 (K), which is copied, of a
+ * body with a coefficient of expansion (1/K) alike in all directions. Stresses of such a model:
+ * bw_static_stress (analysis.h). */
 BW_API bw_status bw_model_temperature(bw_context *context, bw_model *model, const bw_array *change,
                                       double expansion);
 /* Stress that free expansion would not have, C : (alpha dT 1), summed over the temperature loads:
- * node_count x 6, or element means, element_count x 6 (overwritten). */
+ * stress (Pa, node_count x 6), or without `on_nodes` means of elements (element_count x 6). */
 BW_API bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bool on_nodes,
                                          double *stress);
 /* The same material, supports and loads on a mesh of the same topology (an edited shape):
  * selections keep their facets and nodes, so that supports and loads go with the surface; areas,
- * resultants and normals are those of the new shape, forces and gravity keep their directions. */
+ * resultants and normals are those of the new shape, forces and gravity keep their directions.
+ * BW_INVALID for another topology. BW_GEOMETRY for a force on facets that have lost their area,
+ * BW_UNSUPPORTED as bw_model_transferred. */
 BW_API bw_status bw_model_moved(bw_context *context, const bw_model *model, const bw_mesh *mesh,
                                 bw_model **moved);
 /* The same on a mesh whose boundary facets are those of the model's mesh in the same order (a
- * refilled one); node_from[i] is the old node of node i, or -1. Loads on single inner nodes and a
- * material turned by element are BW_UNSUPPORTED. */
+ * refilled one), with the old node of each one in node_from (index, node_count), or -1. Loads on
+ * inner nodes that are gone, temperatures that vary and a material turned by element are
+ * BW_UNSUPPORTED. */
 BW_API bw_status bw_model_transferred(bw_context *context, const bw_model *model,
                                       const bw_mesh *mesh, const int32_t *node_from,
                                       bw_model **transferred);
@@ -175,15 +211,19 @@ BW_API bw_status bw_model_refined(bw_context *context, const bw_model *model,
                                   const bw_refinement *refinement, const bw_mesh *mesh,
                                   int also_count, const bw_selection *const *also,
                                   bw_selection **also_refined, bw_model **refined);
-/* Drop all supports or all loads. */
+/* Removes all supports. */
 BW_API void bw_model_clear_supports(bw_model *model);
+/* Removes all loads. */
 BW_API void bw_model_clear_loads(bw_model *model);
-/* Consistent nodal forces of all loads, node_count x 3 (overwritten). */
+/* Consistent nodal forces of all loads, force (N, node_count x 3). BW_GEOMETRY for a load on facets
+ * without area or lever. */
 BW_API bw_status bw_model_force_vector(bw_context *context, const bw_model *model, double *force);
-/* Several lines that say mesh, material, each support and each load with area and resultant.
- * Release with bw_free. */
+/* Several lines of *text on mesh, material, each support and each load with area and resultant.
+ * Release it with bw_free. */
 BW_API bw_status bw_model_describe(bw_context *context, const bw_model *model, char **text);
-/* As an .inp for CalculiX; modes > 0 writes a frequency step instead of a static one. */
+/* As an .inp for CalculiX; `modes` > 0 writes a frequency step instead of a static one.
+ * BW_UNSUPPORTED for an oblique slide at a node with a prescribed displacement, and for a material
+ * turned by element. */
 BW_API bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
                                     int modes);
 
@@ -194,18 +234,19 @@ BW_API bw_status bw_model_write_inp(bw_context *context, const bw_model *model, 
  * rotation the centre is the point of its axis nearest to the body's centre of volume, and the
  * translation is the part along the axis (zero, unless the supports leave a screw motion). */
 typedef struct bw_rigid_mode {
-  int32_t component;
+  int32_t component; /* (index) the body */
   double centre[3];
-  double translation[3], rotation[3];
+  double translation[3]; /* (m) per unit of the mode */
+  double rotation[3];    /* (rad) per unit of the mode */
   char text[256]; /* "translation along (0, 0, 1)", "rotation about the axis through (...) along
                      (...)" */
 } bw_rigid_mode;
 
 /* Which unknowns there are. At every node the three displacement components are taken in a frame
- * (the global one, unless an oblique slide needs another); each is an unknown, held (prescribed,
- * often to zero), or pinned. A body whose supports leave rigid-body motions free is pinned at as
- * many well-chosen components as there are rigid-body modes, which adds no stress when the load is
- * balanced.
+ * (the global one, unless an oblique slide needs another); each is an unknown, prescribed (often to
+ * zero), or an isostatic constraint. A body whose supports leave rigid-body motions free has as
+ * many isostatic constraints as there are rigid-body modes, at well-chosen components, which adds
+ * no stress when the load is balanced.
  *
  * The rigid-body modes are orthonormal in the inner product of their body
  *     <r, s> = 1/V integral of r . s over the body = r^T W s,
@@ -213,41 +254,47 @@ typedef struct bw_rigid_mode {
  * translation moves by 1 m, and a rotation turns by 1/radius of gyration. With R the motions as
  * columns, R^T W R = 1: f - W R (R^T f) is f balanced by inertia, u - R (R^T W u) is u free of
  * rigid-body motion. */
-typedef enum bw_dof_state { BW_DOF_UNKNOWN, BW_DOF_PRESCRIBED, BW_DOF_ISOSTATIC } bw_dof_state;
 typedef struct bw_dof_map {
   bw_object object;
   const bw_mesh *mesh; /* retained */
   int32_t unknown_count;
-  int32_t *unknown;  /* node_count x 3: the unknown's number, or -1 */
-  uint8_t *state;    /* node_count x 3: bw_dof_state */
-  int32_t *frame_of; /* node_count: row of `frame`, or -1 for the global frame */
+  int32_t *unknown;  /* (index, node_count x 3) the unknown, or -1 */
+  uint8_t *state;    /* (node_count x 3) bw_dof_state */
+  int32_t *frame_of; /* (index, node_count) row of `frame`, or -1 for the global frame */
   int32_t frame_count;
-  double *frame;        /* frame_count x 9: rows are the frame's directions */
-  double *value;        /* node_count x 3: prescribed value in the frame; 0 elsewhere */
-  bool prescribed;      /* some value is not zero */
-  int32_t motion_count; /* unconstrained rigid-body modes of all bodies, body by body */
-  bw_rigid_mode *motion;
-  int32_t *motion_start; /* component_count + 1: the motions of each body */
-  int32_t *body_start;   /* component_count + 1: the nodes of each body in body_node, ascending */
-  int32_t *body_node;    /* node_count */
-  double *body_volume;   /* component_count, m3 */
-  double *body_centre;   /* component_count x 3: centres of volume */
-  double *weight;        /* node_count x 4: integral of the shape function over V, and of the shape
-                            function times (x - body centre) over V: all that W R needs */
+  double *frame;         /* (-, frame_count x 9) rows are the frame's directions */
+  double *value;         /* (m, node_count x 3) prescribed value in the frame; 0 elsewhere */
+  bool prescribed;       /* some value is not zero */
+  int32_t motion_count;  /* unconstrained rigid-body modes of all bodies, body by body */
+  bw_rigid_mode *motion; /* motion_count modes */
+  int32_t *motion_start; /* (index, component_count + 1) the modes of each body */
+  int32_t *body_start;   /* (index, component_count + 1) the nodes of each body in body_node */
+  int32_t *body_node;    /* (index, node_count) ascending for each body */
+  double *body_volume;   /* (m3, component_count) */
+  double *body_centre;   /* (m, component_count x 3) centres of volume */
+  double *weight; /* (any, node_count x 4) integral of the shape function over V (-), and of the
+                     shape function times (x - body centre) over V (m): all that W R needs */
 } bw_dof_map;
-/* From a model's supports. Contradicting prescriptions are BW_INVALID. */
+/* What a displacement component of a node is. */
+typedef enum bw_dof_state {
+  BW_DOF_UNKNOWN,    /* an unknown of the equations */
+  BW_DOF_PRESCRIBED, /* given by a support */
+  BW_DOF_ISOSTATIC   /* zero, in place of a rigid-body mode */
+} bw_dof_state;
+/* From a model's supports. Contradicting prescriptions are BW_INVALID, more than 2^31 - 1
+ * components BW_LIMIT. */
 BW_API bw_status bw_dof_map_create(bw_context *context, const bw_model *model,
                                    bw_dof_map **dof_map);
-/* Without any support: every body free. */
+/* Without any support: every body unconstrained. BW_LIMIT as bw_dof_map_create. */
 BW_API bw_status bw_dof_map_unconstrained(bw_context *context, const bw_mesh *mesh,
                                           bw_dof_map **dof_map);
-/* The DOF map of an edited model, with the unknowns of `previous` (its pins too, unless they have
- * become poor on the new shape), and the unknowns of nodes that no support holds, or that are held
- * wholly, taken in the frame of their subdomain: node_subdomain (node_count; -1: none), frame
- * (subdomain_count x 9, rows are directions). Pins turn with these. Nodes held in some directions
- * keep the frame of their support. The frames of the subdomains are the last subdomain_count rows
- * of the DOF map's. previous may be NULL. *same says whether state and unknown are those of
- * `previous`.
+/* The DOF map of an edited model, with the unknowns of `previous` (its isostatic constraints too,
+ * unless they have become poor on the new shape). The unknowns of nodes that no support constrains,
+ * or that are constrained in all directions, are taken in the frame of their subdomain:
+ * node_subdomain (index, node_count), -1: none, frame (-, subdomain_count x 9), rows are
+ * directions. Isostatic constraints turn with these. Nodes constrained in some directions keep the
+ * frame of their support. The frames of the subdomains are the last subdomain_count rows of the DOF
+ * map's. previous may be NULL. *same says whether state and unknown are those of `previous`.
  */
 BW_API bw_status bw_dof_map_follow(bw_context *context, const bw_model *model,
                                    const bw_dof_map *previous, int32_t subdomain_count,
@@ -259,25 +306,25 @@ BW_API bw_status bw_dof_map_follow(bw_context *context, const bw_model *model,
  * so is any where some prescribed displacement is not zero. */
 BW_API bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
                                          const bw_dof_map *dof_map);
-/* The rigid-body modes as text, for messages: "3 rigid-body modes are unconstrained: ...". Release
- * with bw_free. */
+/* The rigid-body modes as *text, for messages: "3 rigid-body modes are unconstrained: ...". Release
+ * it with bw_free. */
 BW_API bw_status bw_dof_map_describe_rigid_modes(bw_context *context, const bw_dof_map *dof_map,
                                                  char **text);
 
 /* Force and displacement are node_count x 3 in global directions; a has motion_count numbers. These
  * allocate nothing and may run from any thread. */
-/* a = R^T f (plain sum over the nodes) */
+/* a (any, motion_count) = R^T f for force (any, node_count x 3), a plain sum over the nodes. */
 BW_API void bw_rigid_modes_dot(const bw_dof_map *dof_map, const double *force, double *a);
-/* a = R^T W u */
+/* a (any, motion_count) = R^T W u for displacement (m, node_count x 3). */
 BW_API void bw_rigid_modes_measure(const bw_dof_map *dof_map, const double *displacement,
                                    double *a);
-/* u += R a */
+/* u += R a for displacement (m, node_count x 3) and a (any, motion_count). */
 BW_API void bw_rigid_modes_add(const bw_dof_map *dof_map, const double *a, double *displacement);
-/* f = W R a (overwritten) */
+/* f = W R a for a (any, motion_count): force (any, node_count x 3), overwritten. */
 BW_API void bw_rigid_modes_weighted(const bw_dof_map *dof_map, const double *a, double *force);
-/* f -= W R (R^T f): balanced by inertia */
+/* f -= W R (R^T f): force (N, node_count x 3) balanced by inertia. */
 BW_API void bw_rigid_modes_balance(const bw_dof_map *dof_map, double *force);
-/* u -= R (R^T W u): no rigid-body motion left */
+/* u -= R (R^T W u): displacement (m, node_count x 3) without rigid-body motion. */
 BW_API void bw_rigid_modes_remove(const bw_dof_map *dof_map, double *displacement);
 
 #ifdef __cplusplus
