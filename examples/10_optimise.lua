@@ -34,7 +34,7 @@ print(found)
 print(("corners moved %.2g mm on average (root mean square), %d shapes tried, %.1f factorisations")
   :format(found.mean_move / mm, found.shapes, found.factorisations))
 
--- 3. The answer is one edit. Its stresses are those of a part made anew on that shape.
+-- 3. The answer is one edit. Its stresses are those of a part rebuilt on that shape.
 local now = assert(session:solve()).von_mises:max()
 assert(now <= limit and #session.edits == 1)
 assert(math.abs(assert(session.part:solve()).von_mises:max() / now - 1) < 1e-6)

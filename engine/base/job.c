@@ -121,7 +121,7 @@ static const bw_kind job_kind = {"job", job_destroy, job_bytes};
 
 /* What other libraries keep of threads must not be in the child, where the threads are not. */
 static void settle_libraries(void) {
-  bwi_blas_enter(); /* in the child OpenBLAS would start its threads anew */
+  bwi_blas_enter(); /* in the child OpenBLAS would start its threads again */
   /* CHOLMOD comes with OpenMP, whose sleeping threads a child would wait for. */
   static int (*pause_threads)(int);
   static bool looked;

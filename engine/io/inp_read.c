@@ -147,7 +147,7 @@ static bw_status read_nodes(inp *deck, const keyword *key) {
     if (deck->raw->point_count % 65536 == 0)
       BW_TRY(bw_check_cancel(deck->raw->context));
   }
-  bwi_ids_clear(&deck->nodes); /* made anew when next asked for */
+  bwi_ids_clear(&deck->nodes); /* rebuilt when next asked for */
 done:
   return status;
 }

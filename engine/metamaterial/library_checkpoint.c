@@ -104,7 +104,7 @@ static bw_status check_head(bw_context *context, const char *path, const unsigne
   const unsigned char *its = bwi_unpack_bytes(&from, length);
   uint32_t sum = bwi_unpack_u32(&from);
   if (from.short_of)
-    return BW_OK; /* killed before the head was written: begin anew */
+    return BW_OK; /* killed before the head was written: begin again */
   *used = (size_t)(from.at - bytes);
   if (length == head->count && memcmp(its, head->bytes, length) == 0 && sum == sum_of(its, length))
     return BW_OK;

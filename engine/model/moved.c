@@ -3,7 +3,7 @@
  * given on.
  *
  * Invariants: a selection keeps its facets by number and its nodes (by number, or through the map
- * of a refilled mesh), or takes those that lie in them (refined.c), so nothing is selected anew by
+ * of a refilled mesh), or takes those that lie in them (refined.c), so nothing is selected again by
  * geometry. What is given in space keeps its
  * direction: forces, tractions, gravity, normals of slides that were given one. What follows from
  * the surface is that of the new shape: areas, resultants, the normals of pressure and of slides

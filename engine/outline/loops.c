@@ -33,7 +33,7 @@ bw_status bw_outline_with_loop(bw_context *context, const bw_outline *outline, i
   return status;
 }
 
-/* Regions numbered anew, without those that no loop has any more. */
+/* Regions renumbered, without those that no loop has any more. */
 static void close_regions(bwi_draft *draft) {
   int32_t next = 0, max = -1;
   for (size_t l = 0; l < draft->loops; l++)

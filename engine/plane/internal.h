@@ -48,7 +48,7 @@ double bwi_plane_worst(const bw_plane_topology *topology, const double *point, i
 void bwi_tri6(double r, double s, double f[6], double fr[6], double fs[6]);
 
 /* Whether points can move from one to the other: the same segments and loops, also when both were
- * made anew (a script may write its outline down for each frame). */
+ * rebuilt (a script may write its outline down for each frame). */
 bool bwi_plane_same_shape(const bw_outline *a, const bw_outline *b);
 
 /* The numbers of places (x 2) along a Morton curve (morton.c). */

@@ -19,7 +19,7 @@
 #include "base/sort.h"
 #include "responsive/lagged_factor.h"
 
-/* An order under which the work has grown by more than this is found anew. */
+/* An order under which the work has grown by more than this is recomputed. */
 #define WORN 1.25
 /* Smallest pivot inside a node's block, of a scaled matrix. */
 #define SMALLEST_PIVOT 1e-5

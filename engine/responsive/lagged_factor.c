@@ -1,15 +1,15 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Systems of equations solved with what is left of an earlier factorisation (responsive, 3.2).
  *
- * When to factor anew is the question of when to replace a machine that wears out: an old factor
- * costs more iterations the farther the mesh has moved from it, a new one costs its making. The
- * average cost of a solve since (and with) the last factorisation falls as long as a solve costs
- * less than that average; so a new factor is made when the next solve with the old one is expected
- * to cost more. Costs are operations and bytes counted over the rates of one fixed machine, and
- * iterations as they were needed, so that the same drag takes the same way everywhere.
+ * When to refactorise: a lagged factor costs more iterations the farther the mesh has moved from
+ * its shape; a new factor has a fixed cost. The average cost of a solve since the last
+ * factorisation, with its cost included, decreases as long as a solve costs less than that average.
+ * So the matrix is refactorised when the next solve with the lagged factor is predicted to cost
+ * more. Costs are operations and bytes counted over the rates of one fixed machine, and iterations
+ * as they were needed, so that the same drag takes the same decisions everywhere.
  *
- * Nothing is lost by a wrong guess: a solve that needs much more than expected stops, factors and
- * goes on from where it came to. */
+ * A solve that needs much more than predicted stops, refactorises and continues from its present
+ * iterate. */
 #include <math.h>
 #include <string.h>
 
@@ -158,7 +158,7 @@ static double copy_seconds(const bw_lagged_factor *lagged) {
              : 0;
 }
 
-/* With the analysis made anew where the topology is another than the factor's. */
+/* With the analysis rebuilt where the topology is another than the factor's. */
 static double factor_seconds(const bw_lagged_factor *lagged, const bw_plane_pattern *pattern,
                              bool analysis) {
   double seconds = lagged->symmetric ? lagged->work.flops / FLOPS_PER_SECOND +
@@ -404,24 +404,24 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
   bool fresh = !fits || options->method == BW_LAGGED_FACTOR_REFACTOR ||
                options->method == BW_LAGGED_FACTOR_FULL;
   int limit = options->iterations;
-  double one = 0, old = 0, anew = 0;
+  double one = 0, old = 0, rebuilt = 0;
   if (fits) {
     one = iteration_seconds(lagged, pattern, true);
-    anew = factor_seconds(lagged, pattern, flipped) + iteration_seconds(lagged, pattern, false);
+    rebuilt = factor_seconds(lagged, pattern, flipped) + iteration_seconds(lagged, pattern, false);
     old = copy_seconds(lagged) + expected_iterations(lagged, pattern) * one;
     kept->predicted_iterate += old;
-    kept->predicted_factor += anew;
+    kept->predicted_factor += rebuilt;
   }
   if (!fresh && options->method == BW_LAGGED_FACTOR_AUTO) {
     double average = lagged->spent / (lagged->solves + 1); /* the first was with the factor new */
-    double worth = average < anew ? average : anew;
+    double worth = average < rebuilt ? average : rebuilt;
     fresh = old > worth;
     if (fresh && lagged->last_topology != pattern->topology)
       lagged->first_flipped *= FORGETTING;
     else if (fresh && lagged->solves == 0)
       lagged->first *= FORGETTING;
     /* No more than a new factor would have cost. */
-    limit = (int)fmin(limit, 2 + anew / one);
+    limit = (int)fmin(limit, 2 + rebuilt / one);
   }
   if (!fresh) {
     kept->factor = true;

@@ -16,7 +16,7 @@
 typedef struct bwi_lagged_work {
   double flops;
   double bytes;   /* of the factor */
-  bool analysed;  /* the analysis was made anew, */
+  bool analysed;  /* the analysis was rebuilt, */
   bool reordered; /* and the order too */
 } bwi_lagged_work;
 

@@ -3,8 +3,8 @@
  * multifrontal factorisation (solve/).
  *
  * A reconnected mesh has the same nodes, and while flips are few the elimination order stays good:
- * only the analysis under it is made anew. Flips across separators add fill; an order under which
- * the work has grown by more than WORN is found anew too. Numbers are factored in place where the
+ * only the analysis under it is rebuilt. Flips across separators add fill; an order under which
+ * the work has grown by more than WORN is recomputed too. Numbers are factored in place where the
  * analysis is kept, since the first touch of new memory costs as much as the arithmetic. */
 #include <string.h>
 

@@ -13,7 +13,7 @@
 #include "responsive/lagged_factor.h"
 #include "solve/blas.h"
 
-/* An order under which the work has grown by more than this is found anew. */
+/* An order under which the work has grown by more than this is recomputed. */
 #define WORN 1.25
 
 struct bwi_lagged_unsymmetric {

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Pruning a curve: the least of its branches goes first, and everything is judged anew after each,
+/* Pruning a curve: the least of its branches goes first, and everything is judged again after each,
  * since a junction that loses a branch may become part of one.
  *
  * Contraction leaves spurs that point at corners and bumps of the surface, and splits a junction of

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Refilling parts of an edited mesh: what is to be replaced falls into components connected through
- * faces; the boundary of each is checked and filled anew (refill_component.c), and the parts are
+ * faces; the boundary of each is checked and refilled (refill_component.c), and the parts are
  * joined again (refill_join.c). */
 #include "shape/mesh_repair_internal.h"
 
@@ -283,7 +283,7 @@ bw_status bw_mesh_refill(bw_context *context, const bw_mesh *mesh, const double 
   BW_TRY(find_components(&r, replace));
   BW_TRY(check_kept(&r));
   for (int32_t p = 0; p < r.components; p++) {
-    bw_progress(context, "filling anew", (double)p / r.components);
+    bw_progress(context, "refilling", (double)p / r.components);
     BW_TRY(fill_component(&r, p));
   }
   BW_TRY(bwi_refill_join(&r));

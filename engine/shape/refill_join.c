@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Joining what was kept of a mesh and what was filled anew.
+/* Joining what was kept of a mesh and its refilled parts.
  *
  * Nodes of the new mesh are the old ones that a kept element or a facet of a component has, in
  * their order, then new ones by component: corners, and at order 2 the middles of all new edges. An

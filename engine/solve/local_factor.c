@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The factor of a system that follows edits: kept, brought up to date in part, made anew where the
+/* The factor of a system that follows edits: kept, brought up to date in part, rebuilt where the
  * unknowns are others or an update failed. */
 #include <string.h>
 

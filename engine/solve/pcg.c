@@ -12,7 +12,7 @@
  * the energy of the error) has fallen below the tolerance, and so has the residual itself, each
  * relative to the load's; the residual need not fall below what rounding leaves of it. Where the
  * residual has fallen so far that r . z surely has too, it is done without that application of the
- * preconditioner. The residual is then computed anew from the solution; where rounding has parted
+ * preconditioner. The residual is then recomputed from the solution; where rounding has parted
  * the two, the iteration starts again from there until that no longer helps. Where the error in
  * energy is all that is asked for, that is left out, and so is the wait for the residual. */
 #include <math.h>

@@ -21,7 +21,7 @@ typedef struct bwi_two_level {
   int32_t *held;
   /* room for `width` fields */
   int width;
-  double *u, *r, *p, *q, *ku; /* ku: K u, where residuals are computed anew */
+  double *u, *r, *p, *q, *ku; /* ku: K u, where residuals are recomputed */
   float *z, *rest, *floats;
   double *corner; /* SIDES x 3 corners */
 } bwi_two_level;

@@ -8,7 +8,7 @@
  * symmetric.
  *
  * A right-hand side is done as in pcg.c: when its error in energy is below the tolerance, and
- * so is its residual, computed anew; or the first alone. The error in energy is r . K^-1 r, between
+ * so is its residual, recomputed; or the first alone. The error in energy is r . K^-1 r, between
  * r . z and that over the smallest eigenvalue of the preconditioned matrix; the largest is 1. */
 #include "solve/two_level.h"
 
@@ -317,7 +317,7 @@ static double aim(const bwi_two_level_problem *problem) {
   return sqrt(SMALLEST) * problem->tolerance * (problem->energy_alone ? 1 : 0.1);
 }
 
-/* Fields whose iteration ended: is the residual, computed anew, small enough too? Those for which
+/* Fields whose iteration ended: is the residual, recomputed, small enough too? Those for which
  * it is not, and still falls, start again from it: they are restarted. */
 static bw_status check(iteration *it, const bool *ended) {
   bw_status status = BW_OK;
@@ -427,7 +427,7 @@ static bw_status step_on(iteration *it, double *before, bool *sound) {
   for (int f = 0; f < it->used; f++) {
     column *c = &it->column[f];
     before[f] = c->size;
-    /* p . r in place of r . z: where r was computed anew the two are not the same, and only the
+    /* p . r in place of r . z: where r was recomputed the two are not the same, and only the
        first lets no step make the error in energy larger */
     c->alpha = c->done ? 0 : it->sum[SIDES + f] / it->sum[f];
     *sound &= c->done || (it->sum[f] > 0 && isfinite(c->alpha));

@@ -4,7 +4,7 @@
  *
  * A copy of the file is read, never the file itself: SQLite writes into what it opens. Copy and new
  * file lie beside each other as temporary files, and the new one is renamed when it is whole. A
- * head that is damaged is written anew in the copy. Each table is read in the order of its row
+ * head that is damaged is rewritten in the copy. Each table is read in the order of its row
  * numbers; where a page cannot be read, the reading begins again at the next number, and the next,
  * until it goes on: what lies behind the page is then found through others. */
 #include <errno.h>
@@ -386,7 +386,7 @@ done:
 
 typedef enum part { TABLES, ROWS, THE_REST } part;
 
-/* Makes anew what the schema lists. All tables come first, so that they begin where those of a new
+/* Rebuilds what the schema lists. All tables come first, so that they begin where those of a new
  * file do (salvage_tables.c); then their rows; then indices and views. */
 static bw_status copy_schema(salvage *s, part what) {
   bool tables = what != THE_REST;

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The list of tables of a damaged file, taken from a file made anew.
+/* The list of tables of a damaged file, taken from a rebuilt file.
  *
  * SQLite keeps the list of tables, and the page at which each begins, from the first page on. Where
  * that is gone the tables are there all the same: files whose tables are made by the same
@@ -113,13 +113,13 @@ static bw_status take_first_page(bw_context *context, const char *from, const ch
 }
 
 bw_status bwi_salvage_tables(bw_context *context, sqlite3 *from, const char *schema,
-                             const char *copy, const char *scratch, bool always, bool *anew) {
+                             const char *copy, const char *scratch, bool always, bool *rebuilt) {
   sqlite3 *empty = NULL;
   bw_status status = BW_OK;
   int code = connect_to_empty(scratch, schema, &empty);
   if (code == SQLITE_OK) {
-    code = check(from, empty, anew);
-    *anew = *anew || always;
+    code = check(from, empty, rebuilt);
+    *rebuilt = *rebuilt || always;
   }
   if (code != SQLITE_OK)
     status = (code & 0xff) == SQLITE_NOMEM
@@ -127,7 +127,7 @@ bw_status bwi_salvage_tables(bw_context *context, sqlite3 *from, const char *sch
                  : bwi_database_say(context, BW_IO, (code & 0xff) == SQLITE_FULL ? "full" : NULL,
                                     scratch, "%s", sqlite3_errmsg(empty));
   sqlite3_close_v2(empty);
-  if (status == BW_OK && *anew)
+  if (status == BW_OK && *rebuilt)
     status = take_first_page(context, scratch, copy);
   return status;
 }

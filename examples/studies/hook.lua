@@ -49,7 +49,7 @@ local study = bw.study {
     if not found then return nil, message end
     assert(session:picture(trial.folder .. "/hook.png"))
     assert(assert(session:surface()):write(trial.folder .. "/hook.stl"))
-    -- The check is a worst case made anew on the shape that was found.
+    -- The check is a new worst case on the shape that was found.
     local after = assert(worst_of(session.part, point.force))
     return {before = before.max_principal, after = after.max_principal,
       mass = session.part.mesh.volume * pla.density, moved = found.mean_move,

@@ -269,7 +269,7 @@ function class:limit(name, limit)
 end
 
 --- Gives elements to a bone's subdomain, or (without a bone) takes them out of those that follow one. On
---- a refilled mesh the subdomains change as they were before it, and the pose is repaired anew.
+--- a refilled mesh the subdomains change as they were before it, and the pose is repaired again.
 function class:assign(elements, bone)
   local state = current(self)
   if type(elements) == "userdata" then elements = elements:totable() end

@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Elements given to a bone by hand. Subdomains are made at rest, and the mesh at rest of a refilled
 -- topology only carries positions (edit_shape); so a choice made on a refilled mesh is taken back to
--- the mesh that was filled again, and from there the pose is repaired anew. Elements that were kept
+-- the mesh that was filled again, and from there the pose is repaired again. Elements that were kept
 -- are the same there; one that was replaced goes with the new one that lies nearest at rest, of
 -- those of its subdomain.
 local core = require "barwright.core"

@@ -30,7 +30,7 @@ local function record(self)
   end
 end
 
--- A drag in a steady flow finds the steady state anew, others only carry the flow to the new shape.
+-- A drag in a steady flow computes the steady state again, others only carry the flow to the new shape.
 local function finish(self, report)
   if not self.opts.steady then return true end
   return advance(self, report, 0)
@@ -74,7 +74,7 @@ function methods:step(count)
   return followed.step(self, walk)
 end
 
---- From now on steps of so many seconds. What is recorded begins anew: signals have equal steps.
+--- From now on steps of so many seconds. What is recorded begins again: signals have equal steps.
 function methods:pace(seconds)
   if type(seconds) ~= "number" or not (seconds > 0 and seconds < math.huge) then
     raise(("pace: seconds above 0 expected, got %s"):format(core.got(seconds)))
@@ -201,7 +201,7 @@ local flow = class("flow", fields)
 local thermal = class("thermal flow", {"temperature", table.unpack(fields)})
 
 --- Incompressible flow. drag moves the outline, step the time; with `steady` every drag finds the
---- steady state anew.
+--- steady state again.
 function flows.flow(given)
   return create("flow", flow, given, with {}, {"x", "y"})
 end

@@ -33,7 +33,7 @@ function live_loads.find(controller)
   local session = controller.session
   local state, source = state_of(session), session.source
   if state.topology.node_from then
-    return nil, "elements were filled in anew: worst loads are found on the mesh as it was given only; "
+    return nil, "elements were refilled: worst loads are found on the mesh as it was given only; "
       .. "undo the edit that needed new elements", {status = "unsupported"}
   end
   local free = core.model {mesh = state.shape.mesh, material = source.material}

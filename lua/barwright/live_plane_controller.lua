@@ -71,7 +71,7 @@ local function publish(self)
   local triangles = live_plane_frame.triangles(object)
   if not (self.mesh and self.mesh.triangles == triangles) then
     local id = self.mesh and self.mesh.id + 1 or 1
-    -- an analysis that began anew calls its mesh its first
+    -- an analysis that began again calls its mesh its first
     if self.mesh and object.reused.level == "none" then
       level = "reconstruction"
       self.levels.none = math.max(0, (self.levels.none or 0) - 1)

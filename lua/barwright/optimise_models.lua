@@ -116,7 +116,7 @@ local function exponents_hold(constraint, to)
   return true
 end
 
---- How many exponents will be computed anew at other factors.
+--- How many exponents will be recomputed at other factors.
 function models.stale(list, to)
   local count = 0
   for _, model in ipairs(list) do
@@ -125,7 +125,7 @@ function models.stale(list, to)
   return count
 end
 
--- Whether a model matters too little for its exponents to be computed anew.
+-- Whether a model matters too little for its exponents to be recomputed.
 local function slack(self, constraint, stress)
   return constraint.at and #constraint.at == #self.t and not constraint.active
     and stress < nearly * self.limit
@@ -185,7 +185,7 @@ function models.remember(self, list, multipliers)
   end
 end
 
--- E, the curvature of the Lagrangian that the models do not have, from exponents computed anew at the
+-- E, the curvature of the Lagrangian that the models do not have, from exponents recomputed at the
 -- end of a step (symmetric rank one).
 local function learn(self)
   local memory, n = self.memory, #self.t

@@ -88,7 +88,7 @@ local function add_group(self, bones, axis)
   return true
 end
 
---- All of them anew, on another mesh.
+--- All of them again, on another mesh.
 function unknowns.measure(self)
   for n = 1, #self.groups do
     local fine, message, details = measure(self, n)

@@ -337,7 +337,7 @@ local function keep(self)
   self.best = {form = self.form:copy(), area = here.area, max = here.max, passes = passes}
 end
 
--- Knots spaced anew, holes that closed taken out, two made one, one put in where little is stressed.
+-- Knots respaced, holes that closed taken out, two made one, one put in where little is stressed.
 local function renew(self, may_hole)
   local problem, here = self.problem, self.here
   local fewer, gone = design.without_small_holes(self.form, problem.wall ^ 2)

@@ -89,7 +89,7 @@ function steady:stress_norm(p)
   return self.body:stress_norm(p)
 end
 
---- Linear statics of a sheet, solved anew in every drag.
+--- Linear statics of a sheet, solved again in every drag.
 function sheets.steady(given)
   return create("steady", steady, given, with {})
 end
@@ -105,7 +105,7 @@ end
 
 cantilever.solve, cantilever.start = followed.solve, followed.solve
 
---- Equilibrium of a sheet that bends largely (St. Venant-Kirchhoff), found anew in every drag.
+--- Equilibrium of a sheet that bends largely (St. Venant-Kirchhoff), recomputed in every drag.
 function sheets.cantilever(given)
   return create("cantilever", cantilever, given, with {newton = {type = "table", default = {}}})
 end

@@ -190,7 +190,7 @@ end
 -- Largest part of ln f to be gone in one step and largest move in parts of `smooth`; how exactly the
 -- pitch has to be met; how little the way along may still be worth; rounds; smallest part of it tried.
 local STRIDE, REACH, EXACT, STILL, ROUNDS, MIN = 0.08, 0.5, 1e-6, 1e-2, 80, 1 / 32
--- Several pitches count as met this near (0.2 cents) where no step leads nearer: meshes that are made anew on
+-- Several pitches count as met this near (0.2 cents) where no step leads nearer: meshes that are rebuilt on
 -- the way move each by about that.
 local NEARLY = 1.2e-4
 -- Sets points of a try that went beyond their room back to it; returns a list of them.

@@ -205,7 +205,7 @@ static int code_of(int how, bool overdue, const program_limits *limits) {
   return EXIT_FAILURE;
 }
 
-/* OpenBLAS ends its threads before a fork and would start them anew in the child; where memory is
+/* OpenBLAS ends its threads before a fork and would start them again in the child; where memory is
  * too short for their stacks, it goes on without noticing and waits for them for ever at the next
  * fork. With one thread there is nothing to start; the engine has threads of its own. */
 static void settle_blas(void) {

@@ -22,7 +22,7 @@
 local Flow = {}
 
 ---Moves a handle of the outline ({vertex = n}, {edge = n}, {loop = name}) by {dx, dy}; the flow goes on
----from where it was (steady: is found anew).
+---from where it was (steady: is recomputed).
 ---@param handle bw.OutlineHandle
 ---@param by number[]
 ---@return bw.Flow?
@@ -44,7 +44,7 @@ function Flow:become(outline) end
 ---@return bw.Details? details
 function Flow:step(count) end
 
----From now on steps of so many seconds; what is recorded begins anew.
+---From now on steps of so many seconds; what is recorded begins again.
 ---@param seconds number
 ---@return bw.Flow
 function Flow:pace(seconds) end
@@ -129,7 +129,7 @@ function Flow:pressure_drop(from, to) end
 local ThermalFlow = {}
 
 ---Moves a handle of the outline ({vertex = n}, {edge = n}, {loop = name}) by {dx, dy}; the flow goes on
----from where it was (steady: is found anew).
+---from where it was (steady: is recomputed).
 ---@param handle bw.OutlineHandle
 ---@param by number[]
 ---@return bw.ThermalFlow?
@@ -151,7 +151,7 @@ function ThermalFlow:become(outline) end
 ---@return bw.Details? details
 function ThermalFlow:step(count) end
 
----From now on steps of so many seconds; what is recorded begins anew.
+---From now on steps of so many seconds; what is recorded begins again.
 ---@param seconds number
 ---@return bw.ThermalFlow
 function ThermalFlow:pace(seconds) end

@@ -163,7 +163,7 @@ function PlotModule.contact_sheet(options) end
 ---@field ratio? number
 ---@field lines? integer
 
----What a plot gives: drawn anew for each file.
+---What a plot gives: redrawn for each file.
 ---@class bw.Figure
 ---@field kind string
 ---@field name string

@@ -9,7 +9,7 @@ local bodies = require "bodies"
 local scenario, expect = bw.scenario, bw.scenario.expect
 
 scenario.about {title = "Edit sessions: stress beside CalculiX",
-  text = [[Each body after ten random edits (drawn anew where one is refused). CalculiX prints seven digits of
+  text = [[Each body after ten random edits (redrawn where one is refused). CalculiX prints seven digits of
 displacements at nodes and of stresses at the integration points of elements; stresses at nodes are made of
 these as barwright makes its own, extrapolated to corners and averaged by volume. Differences are the largest,
 relative to the largest displacement and von Mises stress.]]}

@@ -8,7 +8,7 @@ local scenario, expect = bw.scenario, bw.scenario.expect
 scenario.about {title = "Sheets: statics",
   text = [[Elastic sheets whose outline can be dragged, of triangles with six nodes, beside published and closed-
 form answers. Theory: [responsive.md](theory/responsive.md). After any drag the answer with everything reused is
-that of a body made anew on the same mesh, within 1e-6, for each of the elastic applications:
+that of a body rebuilt on the same mesh, within 1e-6, for each of the elastic applications:
 `tests/engine/responsive/test_drags.c`.]]}
 
 local XX, YY = 1, 2 -- columns of a stress: xx yy xy zz

@@ -7,7 +7,7 @@ local scenario, expect = bw.scenario, bw.scenario.expect
 scenario.about {title = "Flow and heat: drags",
   text = [[A body is dragged at random in a tunnel and in a heated box, with a time step after each drag. Two
 flows go the same way, one as it is by default (stale factors, relocation, reconnecting), with its linear
-tolerance at 1e-10, one with everything factored anew for the same meshes: the figure is the largest difference
+tolerance at 1e-10, one with everything refactorised for the same meshes: the figure is the largest difference
 of their velocities, of the largest velocity. Uniform flow on a mesh whose nodes move within it, reported to the
 equations as the velocity of the mesh (ale) and not: it stays uniform. In the long form 10,000 drags of any
 handle, also far too large: refused ones leave all as it was, nothing inverts.]]}
@@ -42,17 +42,17 @@ end
 
 local function same_answers(name, make, drags)
   local kept = make {solver = {tolerance = 1e-10}}
-  local anew = make {solver = {tolerance = 1e-10, method = "scratch"}}
+  local rebuilt = make {solver = {tolerance = 1e-10, method = "scratch"}}
   local random, worst, levels = random_of(5), 0, {}
   for _ = 1, drags do
     local by = {0.15 * (random() - 0.5), 0.15 * (random() - 0.5)}
     local fine = kept:drag({loop = "body"}, by)
-    assert((anew:drag({loop = "body"}, by) ~= nil) == (fine ~= nil))
+    assert((rebuilt:drag({loop = "body"}, by) ~= nil) == (fine ~= nil))
     assert(kept:step())
-    assert(anew:step())
+    assert(rebuilt:step())
     levels[kept.reused.level] = (levels[kept.reused.level] or 0) + 1
-    local difference = (kept.velocity - anew.velocity):map "abs(a)"
-    worst = math.max(worst, difference:max() / anew.velocity:map("abs(a)"):max())
+    local difference = (kept.velocity - rebuilt.velocity):map "abs(a)"
+    worst = math.max(worst, difference:max() / rebuilt.velocity:map("abs(a)"):max())
   end
   expect(worst, name .. ": reused beside from scratch")
     :below(1e-6, {how = ("%d drags: %d relocations, %d reconnections"):format(drags,

@@ -105,9 +105,9 @@ end
 
 -- ---- responsive ------------------------------------------------------------------------------------------
 
-local function run_of(result, anew)
+local function run_of(result, rebuilt)
   for _, run in ipairs(result.runs) do
-    if run.anew == anew then return run end
+    if run.rebuilt == rebuilt then return run end
   end
 end
 

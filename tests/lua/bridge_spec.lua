@@ -65,7 +65,7 @@ describe("a free form", function()
     check.near((more - less) / (2 * h), growth, 1e-7)
   end)
 
-  it("keeps its shape when its knots are spaced anew, and its mirrored ends smooth", function()
+  it("keeps its shape when its knots are respaced, and its mirrored ends smooth", function()
     local circle = shape_design.circle("disc", 0.3, 0.1, 0.05, 16)
     circle.hole = nil
     -- the other way round: material inside

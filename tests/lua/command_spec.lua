@@ -526,7 +526,7 @@ describe("commands that compute", function()
     assert.equal("reached", object.verdict)
     assert.is_true(object.after.breaking_force_low_n >= 0.999 * force)
     assert.is_true(object.added_share < 0.2, object.added_share)
-    -- The file itself, analysed anew and finer.
+    -- The file itself, analysed again and finer.
     local strong = assert(bw.surface.read(folder .. "blade.stl"))
     local report, first = strong:check(), assert(bw.surface.read(given))
     assert.is_true(report.sound)

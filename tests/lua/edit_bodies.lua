@@ -75,7 +75,7 @@ local function same(what, a, b)
   end
 end
 
---- The session's result is that of its part solved anew.
+--- The session's result is that of its part solved again.
 function edit_bodies.compare(session, result)
   local fresh = assert(session.part:solve())
   same("displacement", fresh.displacement, result.displacement)

@@ -112,12 +112,12 @@ describe("a steady flow", function()
     end
   end)
 
-  it("is found anew in every drag, as from scratch", function()
+  it("is recomputed in every drag, as from scratch", function()
     local s = assert(wind {steady = true, elements = 1500})
     for _ = 1, 6 do assert(s:drag({loop = "body"}, {0.05, 0})) end
-    local anew = assert(wind {steady = true, elements = 1500, outline = tunnel(0.8)})
+    local rebuilt = assert(wind {steady = true, elements = 1500, outline = tunnel(0.8)})
     local about = {velocity = 1, length = 0.2}
-    check.near((anew:coefficients("body", about)), (s:coefficients("body", about)), 0.03)
+    check.near((rebuilt:coefficients("body", about)), (s:coefficients("body", about)), 0.03)
     assert.is_true(s.reused.solution)
   end)
 

@@ -197,7 +197,7 @@ end)
 describe("a mesh", function()
   local beam = check.beam()
 
-  it("is numbered anew along a curve, with the old numbers", function()
+  it("is renumbered along a curve, with the old numbers", function()
     local mesh, nodes, elements = assert(beam:renumbered())
     assert.equal(beam.node_count, #nodes)
     assert.truthy((mesh.nodes - beam.nodes:gather(nodes)):norm() == 0)

@@ -37,8 +37,8 @@ describe("a steady sheet", function()
       seen[s.reused.level] = true
     end
     assert.is_true(seen.relocation)
-    local anew = assert(steady {outline = plate(1.2), elements = 1500, order = 2})
-    check.near(anew.displacement:max(), s.displacement:max(), 1e-3)
+    local rebuilt = assert(steady {outline = plate(1.2), elements = 1500, order = 2})
+    check.near(rebuilt.displacement:max(), s.displacement:max(), 1e-3)
   end)
 
   it("keeps a corner at rest where two tags ask for different displacements, unless they are ordered", function()

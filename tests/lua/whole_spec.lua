@@ -241,7 +241,7 @@ describe("a progress function", function()
     assert(bw.plane.fill(outline(), {elements = 20}))
   end)
 
-  it("that raises where a mesh is made anew leaves the mover where it was", function()
+  it("that raises where a mesh is rebuilt leaves the mover where it was", function()
     local mover = assert(bw.plane.mesh_motion(assert(bw.plane.fill(outline(), {elements = 20}))))
     local mesh = mover.mesh
     for last = 0, 1 do

@@ -90,7 +90,7 @@ typedef struct bw_subdomain_motion {
 BW_API void bw_subdomain_motion_rest(bw_subdomain_motion *motion);
 
 typedef struct bw_subdomain_change {
-  /* how many subdomains: left alone; written by the polynomials; gathered from coordinates anew */
+  /* how many subdomains: left alone; written by the polynomials; gathered from coordinates again */
   int32_t kept, evaluated, gathered;
   int64_t blocks; /* written */
 } bw_subdomain_change;

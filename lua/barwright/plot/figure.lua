@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- A figure: a size, a name, and a function that draws it. It is drawn anew for each file.
+-- A figure: a size, a name, and a function that draws it. It is redrawn for each file.
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local options = require "barwright.options"

@@ -5,7 +5,7 @@
 -- NLopt asks for one value after the other from within; several starts are to be one batch of trials. Both
 -- fit by replay: a minimiser runs on what is known until it asks for a point that is not, and is given up
 -- there; the points of all starts (and the neighbours that differences need) are one batch; then all begin
--- anew. A minimiser is deterministic, so it comes by where it was, in microseconds a point. A single start
+-- again. A minimiser is deterministic, so it comes by where it was, in microseconds a point. A single start
 -- is not given up: its trials are run from within.
 local core = require "barwright.core"
 local numbers = require "barwright.plot.numbers"

@@ -306,7 +306,8 @@ static void test_order_in_time(void **state) {
   bw_release(mesh);
 }
 
-/* Moved nodes: a steady flow found from a former state on a stale factor is that found anew. */
+/* Moved nodes: a steady flow found from a former state on a lagged factor is that of a new
+ * computation. */
 static void test_following(void **state) {
   bw_context *context = check_context(state);
   bw_plane_mesh *mesh = rectangle(context, 2, 1, 16, 8, 0), *moved;
@@ -319,7 +320,7 @@ static void test_following(void **state) {
                (nodes->segment[i / 2] < 0 ? 0.04 * (bw_random_uniform(&random) - 0.5) : 0);
   check_ok(context, bw_plane_mesh_moved(context, mesh, mesh->outline, point, &moved));
   bw_flow *flow = make_flow(context, mesh, 0.02, 6, channel);
-  bw_flow *anew = make_flow(context, moved, 0.02, 6, channel);
+  bw_flow *rebuilt = make_flow(context, moved, 0.02, 6, channel);
   bw_plane_reuse kept = {0};
   double force[2], other[2];
   check_ok(context, bw_flow_step(context, flow, NULL, NULL));
@@ -327,14 +328,14 @@ static void test_following(void **state) {
   assert_true(kept.pattern && kept.solution);
   check_fails(context, BW_INVALID, "no step", bw_flow_force(context, flow, BOTTOM, force));
   check_ok(context, bw_flow_step(context, flow, NULL, &kept));
-  check_ok(context, bw_flow_step(context, anew, NULL, NULL));
+  check_ok(context, bw_flow_step(context, rebuilt, NULL, NULL));
   for (int64_t i = 0; i < 3 * (int64_t)nodes->node_count; i++)
-    check_near(flow->state[i], anew->state[i], 1e-6);
+    check_near(flow->state[i], rebuilt->state[i], 1e-6);
   check_ok(context, bw_flow_force(context, flow, BOTTOM, force));
-  check_ok(context, bw_flow_force(context, anew, BOTTOM, other));
+  check_ok(context, bw_flow_force(context, rebuilt, BOTTOM, other));
   check_near(force[0], other[0], 1e-6);
   bw_release(flow);
-  bw_release(anew);
+  bw_release(rebuilt);
   bw_release(moved);
   bw_release(mesh);
   free(point);

@@ -118,7 +118,7 @@ static void supports_go_with_the_surface(void **state) {
   bw_release(mesh);
 }
 
-/* Inner elements filled anew: the boundary stays, inner nodes are others. */
+/* Inner elements refilled: the boundary stays, inner nodes are others. */
 static void transferred_to_a_refilled_mesh(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = box_mesh(context, 4, 2, 2, 8, 4, 4, 1), *refilled = NULL;

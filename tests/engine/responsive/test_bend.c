@@ -288,15 +288,15 @@ static void test_frames(void **state) {
       if (k > 0 && at[k] == at[k - 1]) /* nothing to do */
         assert_int_equal(kept.solves, 0);
       assert_true(kept.solves <= 6 || k == 0);
-      bw_sheet *anew = sheet_on(context, moved, material, 1, false, 3, conditions);
-      check_ok(context, bw_sheet_bend(context, anew, NULL, NULL, NULL));
+      bw_sheet *rebuilt = sheet_on(context, moved, material, 1, false, 3, conditions);
+      check_ok(context, bw_sheet_bend(context, rebuilt, NULL, NULL, NULL));
       double max = 0, off = 0;
       for (size_t i = 0; i < size; i++) {
-        max = fmax(max, fabs(anew->displacement[i]));
-        off = fmax(off, fabs(anew->displacement[i] - sheet->displacement[i]));
+        max = fmax(max, fabs(rebuilt->displacement[i]));
+        off = fmax(off, fabs(rebuilt->displacement[i] - sheet->displacement[i]));
       }
       assert_true(max > 0.1 && off <= 1e-7 * max);
-      bw_release(anew);
+      bw_release(rebuilt);
       bw_release(moved);
     }
     bw_release(sheet);

@@ -120,7 +120,7 @@ static void follow_changes(bw_context *context, bool symmetric, int components) 
   assert_true(kept.factor);
   assert_int_equal(kept.factorisations, 0);
 
-  /* factored anew: the analysis is made for the new topology */
+  /* refactorised: the analysis is made for the new topology */
   options.method = BW_LAGGED_FACTOR_REFACTOR;
   kept = (bw_plane_reuse){0};
   memset(g.x, 0, g.size * sizeof *g.x);

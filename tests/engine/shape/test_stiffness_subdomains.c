@@ -54,7 +54,7 @@ static comb make_comb(bw_context *context, int order) {
       }
       check_ok(context, bw_skeleton_create(context, 2 * TEETH, joint, NULL, BONES, bone, NULL, 0,
                                            &c.skeleton));
-      /* bones are numbered anew, parents first: subdomains go by the tooth's tail joint */
+      /* bones are renumbered, parents first: subdomains go by the tooth's tail joint */
       int32_t order_of[TEETH], count = 0;
       for (int32_t b = 0; b < BONES; b++)
         if (c.skeleton->joint[3 * c.skeleton->bone[2 * b + 1] + 1] < 0) {

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* After every edit the system that followed it has the stiffness and the solution of one made anew,
+/* After every edit the system that followed it has the stiffness and the solution of one rebuilt,
  * and says what it reused; what fails leaves it as it was. */
 #include "local_bar.h"
 

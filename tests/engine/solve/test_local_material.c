@@ -84,7 +84,7 @@ static void material_turns(void **state) {
   double *mine = numbers((int64_t)count), *fresh = numbers((int64_t)count);
   for (int step = 0; step < 3; step++) {
     bw_reuse reuse = {0};
-    bw_static *followed = NULL, *anew = NULL;
+    bw_static *followed = NULL, *rebuilt = NULL;
     bw_material *rotated = NULL;
     bw_model *other = NULL;
     turn_subdomain(&b, step == 0 ? 0 : step, 0.3);
@@ -102,14 +102,14 @@ static void material_turns(void **state) {
       bw_release(c.model);
     } else
       other = bw_retain(model);
-    check_ok(context, bw_statics(context, other, NULL, NULL, &anew));
-    check_ok(context, bw_static_stress(context, anew, true, fresh));
+    check_ok(context, bw_statics(context, other, NULL, NULL, &rebuilt));
+    check_ok(context, bw_static_stress(context, rebuilt, true, fresh));
     check_near(difference(mine, fresh, (int64_t)count), 0, 1e-8);
     double error_mine = 0, error_fresh = 0;
     check_ok(context, bw_error_estimate(context, model->mesh, model->material,
                                         followed->displacement, NULL, &error_mine));
-    check_ok(context, bw_error_estimate(context, other->mesh, other->material, anew->displacement,
-                                        NULL, &error_fresh));
+    check_ok(context, bw_error_estimate(context, other->mesh, other->material,
+                                        rebuilt->displacement, NULL, &error_fresh));
     check_near(error_mine / error_fresh, 1, 1e-8);
     if (step == 2) { /* with the material as it lay at rest the stress is another */
       check_ok(context,
@@ -117,7 +117,7 @@ static void material_turns(void **state) {
       assert_true(difference(mine, fresh, (int64_t)count) > 0.01);
     }
     bw_release(followed);
-    bw_release(anew);
+    bw_release(rebuilt);
     bw_release(rotated);
     bw_release(other);
     if (step == 1) { /* from here on by a system made at this shape */

@@ -56,7 +56,7 @@ local function raising(name)
   return with("<" .. name .. " raises>", {[name] = function() error("fuzz: " .. name, 0) end}, {1, 2, 3})
 end
 
--- Made anew for each use: what is called may keep or change them.
+-- Made for each use: what is called may keep or change them.
 hostile.tables = {
   function() return {} end,
   function() return {{}} end,
