@@ -13,6 +13,15 @@ local kept = {
   ["metallophone.svg"] = {"scripts/docs/metallophone_picture.lua", "Bars tuned to C, E and G, with their modes"},
   ["coarse.png"] = {"scripts/docs/coarse_picture.lua", "A layered bar, bent: fine, looked up, and without"},
   ["plots.png"] = {"scripts/docs/plots_picture.lua", "Plots of a study"},
+  ["selections.png"] = {"scripts/docs/loads_picture.lua", "Six selections on the boundary of a bracket"},
+  ["supports.png"] = {"scripts/docs/loads_picture.lua", "A bracket under three kinds of supports"},
+  ["loads.png"] = {"scripts/docs/loads_picture.lua", "A bracket under six kinds of loads"},
+  ["validity_deformation.svg"] = {"scripts/docs/validity_picture.lua", "Where linear theory ends"},
+  ["validity_failure.svg"] = {"scripts/docs/validity_picture.lua", "Two failure criteria in plane stress"},
+  ["validity_intervals.svg"] = {"scripts/docs/validity_picture.lua", "Intervals of breaking forces"},
+  ["validity_loads.svg"] = {"scripts/docs/validity_picture.lua", "Which loads are searched"},
+  ["validity_material.svg"] = {"scripts/docs/validity_picture.lua", "Young's modulus by direction, with its scatter"},
+  ["validity_mean.svg"] = {"scripts/docs/validity_picture.lua", "Stress near a re-entrant edge, and its mean"},
 }
 
 local function quoted(path) return "'" .. path:gsub("'", "'\\''") .. "'" end
