@@ -117,7 +117,7 @@ local function exponents_hold(constraint, to)
 end
 
 --- How many exponents will be recomputed at other factors.
-function models.stale(list, to)
+function models.outdated(list, to)
   local count = 0
   for _, model in ipairs(list) do
     if model.active and not exponents_hold(model, to) then count = count + 1 end

@@ -156,7 +156,7 @@ function steps.take(self, point, t, list, met)
     end
     local trial
     trial, message, details = self.stage:at(unknowns.scales(self, step.t),
-      models.stale(list, step.t))
+      models.outdated(list, step.t))
     if trial then
       if step.violation == 0 then self.price = math.max(self.price, 1.5 * step.price) end
       local price, shape = self.price, now - objective(self, step.t)

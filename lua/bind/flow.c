@@ -88,7 +88,7 @@ static int flow_check(lua_State *L) {
   return lbw_followed_check(L, &followed);
 }
 
-/* flow:step(frame, stale options, options, steps): option "step" 0: to the steady state */
+/* flow:step(frame, solver options, options, steps): option "step" 0: to the steady state */
 static int flow_step(lua_State *L) {
   static const lbw_option list[] = {{"step", LBW_REAL, offsetof(bw_flow_options, step)},
                                     {"bdf", LBW_INT, offsetof(bw_flow_options, bdf)},

@@ -107,7 +107,7 @@ void lbw_read_follow(lua_State *L, int index, const char *function, bw_follow_op
   follow->force = (bw_level)lbw_word_option(L, index, function, "level", level_words, 0);
 }
 
-static const lbw_option stale_list[] = {
+static const lbw_option solve_list[] = {
     {"method", LBW_OTHER, 0},
     {"tolerance", LBW_REAL, offsetof(bw_lagged_factor_options, tolerance)},
     {"iterations", LBW_INT, offsetof(bw_lagged_factor_options, iterations)},
@@ -115,7 +115,7 @@ static const lbw_option stale_list[] = {
 
 void lbw_read_lagged_factor(lua_State *L, int index, bw_lagged_factor_options *options) {
   bw_lagged_factor_options_default(options);
-  lbw_options(L, index, "solve", stale_list, options);
+  lbw_options(L, index, "solve", solve_list, options);
   options->method =
       (bw_lagged_factor_method)lbw_word_option(L, index, "solve", "method", method_words, 0);
 }

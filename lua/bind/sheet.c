@@ -109,7 +109,7 @@ static int sheet_check(lua_State *L) {
   return lbw_followed_check(L, &followed);
 }
 
-/* sheet:static(frame, stale options) */
+/* sheet:static(frame, solver options) */
 static int sheet_static(lua_State *L) {
   bw_sheet *sheet = self(L);
   lua_settop(L, 3);
@@ -123,7 +123,7 @@ static int sheet_static(lua_State *L) {
   return lbw_leave_frame(L, &lbw_sheet_class, status, &kept);
 }
 
-/* sheet:shake(frame, stale options, newmark, steps) */
+/* sheet:shake(frame, solver options, newmark, steps) */
 static int sheet_shake(lua_State *L) {
   static const lbw_option list[] = {
       {"step", LBW_REAL, offsetof(bw_newmark, step)},
@@ -160,7 +160,7 @@ done:
   return lbw_leave_frame(L, &lbw_sheet_class, status, &kept);
 }
 
-/* sheet:bend(frame, stale options, newton) */
+/* sheet:bend(frame, solver options, newton) */
 static int sheet_bend(lua_State *L) {
   static const lbw_option list[] = {{"tolerance", LBW_REAL, offsetof(bw_bend_options, tolerance)},
                                     {"iterations", LBW_INT, offsetof(bw_bend_options, iterations)},

@@ -8,7 +8,7 @@ local scenario, expect = bw.scenario, bw.scenario.expect
 scenario.about {title = "Edit sessions: equations kept",
   text = [[Random sequences of six edits (scaling, turning, moving, reaching, undo, redo) through sessions with
 gravity, pressure, a total force, a torque, fixed and sliding supports. What updates, partial refactoring and
-stale-factor iterations leave is compared with everything rebuilt. Theory: [edit.md](theory/edit.md).]]}
+lagged-factor iterations leave is compared with everything rebuilt. Theory: [edit.md](theory/edit.md).]]}
 
 local edits_each = 6
 

@@ -16,7 +16,7 @@ local cache = {}
 
 local MARK = "barwright cache 1\n"
 local WAIT = 7 * 86400 -- for whoever makes the same entry; it ends with that process
-local STALE = 86400 -- seconds after which what older versions left is removed
+local ABANDONED = 86400 -- seconds after which what older versions left is removed
 
 local rules = {
   folder = {type = "string"},
@@ -64,7 +64,7 @@ local function list_entries(folder)
         elseif entry.name:find "%.lock$" then
           local lock = core.lock(path, 0) -- who gets it removes it
           if lock then lock:close() end
-        elseif now - entry.changed > STALE then
+        elseif now - entry.changed > ABANDONED then
           os.remove(path)
         end
       end
