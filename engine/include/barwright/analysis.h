@@ -226,8 +226,8 @@ BW_API bw_status bw_weak_regions_find(bw_context *context, const bw_mesh *mesh,
                                       const bw_material *material, const bw_modes *modes,
                                       const bw_weak_options *options, bw_weak_regions **regions);
 /* `count` elements, element (index, count), or NULL for all, as regions of their own with the
- * weight sign
- * (-), 1 or -1: brute force. */
+ * weight sign (-),
+ * not 0: brute force. */
 BW_API bw_status bw_weak_regions_single(bw_context *context, const bw_mesh *mesh, int64_t count,
                                         const int32_t *element, double sign,
                                         bw_weak_regions **regions);

@@ -20,49 +20,53 @@ typedef struct bw_block_pattern {
                           was made of element lists */
   int32_t node_count;
   int64_t block_count;
-  int64_t *start;        /* node_count + 1 */
-  int32_t *column;       /* block_count: columns j <= i of row i, ascending */
-  int64_t *upper_start;  /* node_count + 1: blocks (k, i) with k > i seen from i */
-  int64_t *upper_block;  /* their places in `column` order */
-  int32_t *upper_row;    /* their rows k */
-  int64_t *gather_start; /* block_count + 1 */
-  int32_t *gather_element;
-  uint8_t *gather_local; /* (a << 4) | b: local row and column nodes */
+  int64_t *start;          /* (index, node_count + 1) first block of each row */
+  int32_t *column;         /* (index, block_count) columns j <= i of row i, ascending */
+  int64_t *upper_start;    /* (index, node_count + 1) of the blocks (k, i) with k > i seen from i */
+  int64_t *upper_block;    /* (index, upper_start[node_count]) their places in `column` order */
+  int32_t *upper_row;      /* (index, upper_start[node_count]) their rows k */
+  int64_t *gather_start;   /* (index, block_count + 1) first contribution to each block */
+  int32_t *gather_element; /* (index, gather_start[block_count]) of each contribution */
+  uint8_t *gather_local; /* (gather_start[block_count]) (a << 4) | b: local row and column nodes */
 } bw_block_pattern;
+/* The pattern of a mesh. */
 BW_API bw_status bw_block_pattern_create(bw_context *context, const bw_mesh *mesh,
                                          bw_block_pattern **pattern);
-/* The same of any elements with up to 16 nodes: element (element_count x nodes_per_element). The
- * pattern's mesh is NULL: it serves products and factors, not the functions that take a mesh. Every
- * node must have an element. */
+/* The same of any elements with up to 16 nodes: element (index, element_count x nodes_per_element).
+ * The pattern's mesh is NULL: it serves products and factors, not the functions that take a mesh.
+ * Every node must have an element. */
 BW_API bw_status bw_block_pattern_of_elements(bw_context *context, int32_t node_count,
                                               int32_t element_count, int nodes_per_element,
                                               const int32_t *element, bw_block_pattern **pattern);
 
-/* Stiffness: 9 numbers per block, row by row (row = node i). Closed form for straight elements,
- * quadrature for curved tet10. `values` has room for 9 * block_count. */
+/* Stiffness: values (N/m, block_count x 3 x 3), row = node i. Closed form for straight elements,
+ * quadrature for curved tet10. BW_GEOMETRY for an inverted element. */
 BW_API bw_status bw_stiffness(bw_context *context, const bw_block_pattern *pattern,
                               const bw_mesh *mesh, const bw_material *material, double *values);
-/* A sentence that warns of volumetric locking and names the cure, or NULL where none is expected:
- * nearly incompressible materials (mean Poisson's ratio above 0.48) in elements of the standard
- * formulation. */
+/* A static sentence that warns of volumetric locking and names the cure, or NULL where none is
+ * expected: nearly incompressible materials (mean Poisson's ratio above 0.48) in elements of the
+ * standard formulation. */
 BW_API const char *bw_locking(const bw_mesh *mesh, const bw_material *material);
-/* Consistent mass per unit density: one number per block (times the 3x3 identity), m3. */
+/* Consistent mass per unit density: values (m3, block_count), each times the 3x3 identity. */
 BW_API bw_status bw_mass(bw_context *context, const bw_block_pattern *pattern, const bw_mesh *mesh,
                          double *values);
-/* Lumped mass per unit density: one number per node, positive, summing to the volume (diagonal
+/* Lumped mass per unit density: values (m3, node_count), positive, summing to the volume (diagonal
  * scaling for tet10). */
 BW_API bw_status bw_lumped_mass(bw_context *context, const bw_mesh *mesh, double *values);
-/* Stiffness of the scalar Laplacian: one number per block. */
+/* Stiffness of the scalar Laplacian: values (m, block_count). BW_GEOMETRY as bw_stiffness. */
 BW_API bw_status bw_laplacian(bw_context *context, const bw_block_pattern *pattern,
                               const bw_mesh *mesh, double *values);
-/* One element's stiffness (12x12 or 30x30, full) and mass (4x4 or 10x10): also the readable
- * reference in the tests. */
+/* The full stiffness (N/m, 12 x 12 or 30 x 30) of an element with nodes x (m, 4 or 10 x 3): also
+ * the readable reference in the tests. BW_GEOMETRY for an inverted element. */
 BW_API bw_status bw_element_stiffness(bw_context *context, int order, const double (*x)[3],
                                       const bw_material *material, double *stiffness);
+/* The consistent mass (m3, 4 x 4 or 10 x 10) per unit density of an element with nodes x (m, 4 or
+ * 10 x 3). */
 BW_API void bw_element_mass(int order, const double (*x)[3], double *mass);
 
-/* y = A x for `count` vectors (node_count x 3 each, one after the other); `block` 9: a stiffness,
- * 1: a mass or Laplacian acting on each of the `components` (1 or 3) alike. */
+/* y = A x for `count` vectors x and y (any, count x node_count x components) and values (any,
+ * block_count x block); `block` 9: a stiffness, 1: a mass or Laplacian acting on each of the
+ * `components` (1 or 3) alike. */
 BW_API bw_status bw_block_multiply(bw_context *context, const bw_block_pattern *pattern,
                                    const double *values, int block, int components, int64_t count,
                                    const double *x, double *y);
@@ -71,28 +75,31 @@ BW_API bw_status bw_block_multiply(bw_context *context, const bw_block_pattern *
  * ---------------------------------
  */
 
-/* How a subdomain lies now, against rest: the mesh that the stiffness was created with. Never
- * against an earlier edit, so that nothing piles up over a session and undoing is giving an old
- * motion. */
+/* How a subdomain lies now, relative to rest: the mesh that the stiffness was created with. Never
+ * relative to an earlier edit, so that rounding does not accumulate over a session and an old
+ * motion undoes an edit. */
 typedef struct bw_subdomain_motion {
-  /* Where !reshaped: x -> linear x + translation took it from rest to now. Positive determinant; a
-     rotation times a scaling for a subdomain of type R. The translation changes no stiffness. */
+  /* (-) Where !reshaped: x -> linear x + translation took it from rest to now. Positive
+   determinant; a rotation times a scaling for a subdomain of type R. The translation changes no
+   stiffness. */
   double linear[9];
-  /* With R the subdomain's rotation since rest: frame = R^T. Row i is R e_i, where the i-th
-     direction of rest has gone to: the unknowns of nodes that go with the subdomain are taken along
-     these rows (own = frame * global). A rotation also where reshaped. Turning a subdomain as a
-     whole, so that R and the shape turn together, changes none of its entries in these directions.
-   */
+  /* (-) With R the subdomain's rotation since rest: frame = R^T. Row i is R e_i, where the i-th
+   direction of rest has gone to: the unknowns of nodes that go with the subdomain are taken along
+   these rows (own = frame * global). A rotation also where reshaped. Turning a subdomain as a
+   whole, so that R and the shape turn together, changes none of its entries in these directions.
+ */
   double frame[9];
   bool reshaped; /* its nodes moved otherwise: they are read from the mesh, and linear is not used.
                     Any subdomain may become so and stop being so again */
 } bw_subdomain_motion;
+/* Writes the motion of a subdomain at rest: identities. */
 BW_API void bw_subdomain_motion_rest(bw_subdomain_motion *motion);
 
+/* What an update wrote. */
 typedef struct bw_subdomain_change {
-  /* how many subdomains: left alone; written by the polynomials; gathered from coordinates again */
+  /* how many subdomains: unchanged; evaluated by the polynomials; recomputed from coordinates */
   int32_t kept, evaluated, gathered;
-  int64_t blocks; /* written */
+  int64_t blocks; /* how many blocks were written */
 } bw_subdomain_change;
 
 /* The stiffness of a mesh cut into subdomains, in global directions, 9 per block of the pattern.
@@ -108,21 +115,23 @@ typedef struct bw_subdomain_stiffness {
                           what they are in `material` (turned by element: one way in each
                           subdomain) */
   int32_t subdomain_count;
-  double *values;    /* 9 per block: what bw_stiffness would give for the mesh as it is now */
-  uint8_t *changed;  /* subdomain_count: by the last update, in the unknowns' own frames */
+  double *values;    /* (N/m, block_count x 9) those of bw_stiffness for the mesh as it is now */
+  uint8_t *changed;  /* (subdomain_count) by the last update, in the unknowns' own frames */
   uint64_t revision; /* of the values: the same as the object's */
-  struct bwi_subdomain_coefficients *coefficients;
+  struct bwi_subdomain_coefficients *coefficients; /* the engine's own */
 } bw_subdomain_stiffness;
-/* All subdomains at rest in `mesh`. element_subdomain (element_count) and node_subdomain
- * (node_count; -1: the global frame, for nodes some but not all of whose components are held) are
- * copied. Curved elements are BW_INVALID, as they have no closed form. */
+/* All subdomains at rest in `mesh`, with material_turns as above. element_subdomain (index,
+ * element_count) and node_subdomain (index, node_count), -1: the global frame, for nodes some but
+ * not all of whose components are prescribed, are copied. Curved elements are BW_INVALID, as they
+ * have no closed form; BW_UNSUPPORTED for the B-bar formulation, BW_LIMIT for too many
+ * contributions, BW_GEOMETRY for an inverted element. */
 BW_API bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_pattern *pattern,
                                                const bw_mesh *mesh, const bw_material *material,
                                                bool material_turns, int32_t subdomain_count,
                                                const int32_t *element_subdomain,
                                                const int32_t *node_subdomain,
                                                bw_subdomain_stiffness **stiffness);
-/* Bring it to another shape: motion[subdomain_count] says how every subdomain lies now; `mesh` has
+/* Brings it to another shape: motion[subdomain_count] says how every subdomain lies now; `mesh` has
  * the nodes as they are now, and is read for reshaped subdomains only. Only entries of subdomains
  * whose global entries changed are written (contributions of the others at shared blocks are kept).
  * What differs from the last writing by less than 2e-14 (of the map; for reshaped subdomains of the
@@ -141,9 +150,9 @@ BW_API bw_status bw_subdomain_stiffness_update(bw_context *context,
                                                const bw_mesh *mesh,
                                                const bw_subdomain_motion *motion,
                                                bw_subdomain_change *change);
-/* y += (d K / d p) x where a subdomain's map changes by d linear / d p = direction (9 numbers), the
- * material's directions staying: the polynomials' derivative. x, y node_count x 3 in global
- * directions. BW_INVALID for a subdomain that is reshaped now: it has no map. */
+/* y += (d K / d p) x where a `subdomain`'s map changes by d linear / d p = direction, the
+ * material's directions staying: the polynomials' derivative. x and y (any, node_count x 3) in
+ * global directions. BW_INVALID for a subdomain that is reshaped now: it has no map. */
 BW_API bw_status bw_subdomain_stiffness_derivative(bw_context *context,
                                                    const bw_subdomain_stiffness *stiffness,
                                                    int32_t subdomain, const double direction[9],
