@@ -33,7 +33,7 @@ local spent = os.clock() - clock
 print(("fine: %d elements, %.2f s"):format(fine.element_count, spent))
 
 -- 3. The same bar with an eighth of the elements: by the library, and naively, where each point of an
--- element has the material that was there. That is far too stiff: it cannot give way where it is soft.
+-- element has the material that was there. That is far too stiff: it cannot deform where it is soft.
 -- choose = false: the library answers for itself. Without it the naive solid is solved as well, and
 -- answers where it is estimated to be nearer to the fine one.
 local panels = {reference:panel("fine", "movement")}

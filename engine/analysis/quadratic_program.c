@@ -200,7 +200,7 @@ done:
   return status;
 }
 
-/* Elastic mode: every row gives way by the least that allows a solution. */
+/* Elastic mode: every row is relaxed by the minimum that allows a solution. */
 static bw_status elastic(program *q, double *z, double *mu, bool *found, const char **word) {
   bw_status status;
   double unit = 0, way = 0;

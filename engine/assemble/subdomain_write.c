@@ -75,8 +75,8 @@ static bw_status name_refused(bw_context *context, const bw_mesh *mesh,
     if (mesh->order == 2 && !bw_tet_is_straight((const double(*)[3])x)) {
       bw_status status = bw_fail(
           context, BW_INVALID,
-          "element %d near (%g, %g, %g) m has a mid-edge node that is not half-way along its "
-          "edge: only straight edges have a closed form; put mid-edge nodes half-way",
+          "element %d near (%g, %g, %g) m has a mid-edge node that is not at the midpoint of its "
+          "edge: only straight edges have a closed form; move mid-edge nodes to the midpoints",
           e + 1, x[4][0], x[4][1], x[4][2]);
       bw_detail_number(context, "element", e);
       return status;

@@ -225,7 +225,7 @@ static void destroy(void *object) {
 
 static const bw_kind kind = {"temporary file", destroy, NULL};
 
-/* That nobody can foresee, where the system gives such numbers. */
+/* That nobody can predict, where the system gives such numbers. */
 static uint32_t tag(void) {
   static uint32_t calls;
   uint32_t number;

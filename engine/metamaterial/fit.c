@@ -11,7 +11,7 @@
 
 /* What a point has at least, of the constants of the children in series (Reuss's bound, below which
  * no composite lies); with voids, which have no such bound, of the others in series. Without it
- * cells that live by fibres alone would give way sideways when pressed. */
+ * cells that live by fibres alone would collapse sideways under pressure. */
 #define MIN_MU 0.5
 #define MIN_LAMBDA 0.25
 #define MIN_BESIDE_VOID 0.1

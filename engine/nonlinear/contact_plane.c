@@ -226,7 +226,7 @@ void bwi_contact_stiffness(const bwi_contact *c, const bw_block_pattern *pattern
       add_stiffness(c, p, 1, pattern, values);
 }
 
-int64_t bwi_contact_foresee(bwi_contact *c, const double *d, const bw_block_pattern *pattern,
+int64_t bwi_contact_predict(bwi_contact *c, const double *d, const bw_block_pattern *pattern,
                             double *values) {
   int64_t changed = 0;
   for (int64_t p = 0; p < c->count; p++) {

@@ -25,7 +25,7 @@ typedef struct bwi_contact {
   double *gap;       /* count: likewise */
   double *multiplier;
   bool borrows;    /* contact plane, stiffness and pushes are those of another */
-  uint8_t *pushes; /* count: f > 0 at the last evaluation, or as was foreseen since */
+  uint8_t *pushes; /* count: f > 0 at the last evaluation, or as was predicted since */
   double *offset;  /* floor_count: how far each plane has moved along its normal */
   double *shift;   /* floor_count: how much further back it is at load factor 0 */
 } bwi_contact;
@@ -48,7 +48,7 @@ void bwi_contact_settle(bwi_contact *contact);
 /* Which points will push after a step d, their forces taken as linear, l - c g, in those that are
  * taken to push: `pushes` becomes that, and blocks of a pattern (may be NULL) follow. Returns how
  * many are not as before. */
-int64_t bwi_contact_foresee(bwi_contact *contact, const double *d, const bw_block_pattern *pattern,
+int64_t bwi_contact_predict(bwi_contact *contact, const double *d, const bw_block_pattern *pattern,
                             double *values);
 /* Those linear forces at the last evaluation, added. */
 void bwi_contact_linear(const bwi_contact *contact, double *force);

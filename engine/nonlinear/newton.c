@@ -37,7 +37,7 @@
 enum {
   ESCAPES = 6,
   PATIENCE = 12,
-  FORESEEN = 8,
+  PREDICTED = 8,
   CREEPING = 8,
   MAX_ITERATIONS = 500,
   MAX_ITERATIONS_PER_STEP = 20
@@ -198,13 +198,13 @@ done:
  * these are those that it was found for: the minimum of the potential's parabola with contact
  * planes. It goes down, since what is added to a parabola where a point is about to push, or taken
  * away where it is about to leave, only makes a step towards its minimum lower. */
-static bw_status foresee_contacts(bwi_newton_state *state, double tolerance, double *slope,
+static bw_status predict_contacts(bwi_newton_state *state, double tolerance, double *slope,
                                   int32_t *cg) {
   bw_status status = BW_OK;
   size_t size = (size_t)state->size * sizeof(double);
   double *first = state->trial.internal, *linear = state->trial.load; /* not in use here */
   memcpy(first, state->direction, size);
-  for (int k = 0; k < FORESEEN; k++) {
+  for (int k = 0; k < PREDICTED; k++) {
     bool changed, definite;
     int32_t more = 0;
     BW_TRY(bwi_tangent_predict_contact(state, &changed, &definite));
@@ -246,7 +246,7 @@ static bw_status find_direction(bwi_newton_state *state, double *slope, int32_t 
   BW_TRY(bwi_tangent_solve(state, state->work, tolerance, state->direction, cg));
   *slope = bwi_newton_state_dot(state, state->residual, state->direction);
   if (state->contact && *slope < 0)
-    BW_TRY(foresee_contacts(state, tolerance, slope, cg));
+    BW_TRY(predict_contacts(state, tolerance, slope, cg));
 done:
   return status;
 }

@@ -244,7 +244,7 @@ done:
 }
 
 bw_status bwi_tangent_predict_contact(bwi_newton_state *state, bool *changed, bool *definite) {
-  *changed = bwi_contact_foresee(state->contact, state->direction, state->solid->pattern,
+  *changed = bwi_contact_predict(state->contact, state->direction, state->solid->pattern,
                                  state->iterative ? NULL : state->newton->stiffness) > 0;
   *definite = true;
   if (state->iterative)

@@ -86,7 +86,7 @@ static void check(const samples *along, piece *p) {
   }
 }
 
-/* The sample half-way along a piece. */
+/* The sample in the middle of a piece. */
 static int32_t half_way(const samples *along, const piece *p) {
   return p->last - p->first < 2 || !along[p->branch].at ? -1 : (p->first + p->last) / 2;
 }

@@ -298,7 +298,7 @@ done:
   return status;
 }
 
-/* A few numbers of groups, then those half-way between the best of them and its neighbours. */
+/* A few numbers of groups, then those midway between the best of them and its neighbours. */
 static bw_status search_groups(search *s) {
   static const double share[] = {0.8, 0.4, 0.25, 0.12};
   enum { SHARES = sizeof share / sizeof *share };

@@ -6,7 +6,7 @@ local core = require "barwright.core"
 local mesh_progress = {}
 mesh_progress.__index = mesh_progress
 
--- Of the time foreseen, a mesh that is not done has taken at most this share; likewise the whole.
+-- Of the time predicted, a mesh that is not done has taken at most this share; likewise the whole.
 local MAX = 0.95
 
 -- Seconds that so many elements will take; nil before a mesh is done.

@@ -133,40 +133,40 @@ end
 
 -- Those that are kept are turned so that they explain the last change of h (Broyden).
 local function correct(self, constraint, h)
-  local step, size, foretold = {}, 0, math.log(constraint.h)
+  local step, size, predicted = {}, 0, math.log(constraint.h)
   for i, t in ipairs(self.t) do
     step[i] = math.log(t / (constraint.t[i] or 1))
-    size, foretold = size + step[i] ^ 2, foretold + constraint[i] * step[i]
+    size, predicted = size + step[i] ^ 2, predicted + constraint[i] * step[i]
   end
   if size < 1e-12 then return end
-  local off = (math.log(h) - foretold) / size
+  local off = (math.log(h) - predicted) / size
   for i = 1, #step do constraint[i] = constraint[i] + off * step[i] end
 end
 
 --- h of a model at other factors.
-function models.foretell(model, to)
+function models.predict(model, to)
   local h = model.h
   for i = 1, #to do h = h * (to[i] / model.t[i]) ^ model[i] end
   return h
 end
 
---- Which models were at their limit in a step. Where the curvature E foretold that they would do worse
+--- Which models were at their limit in a step. Where the curvature E predicted that they would do worse
 --- at its end than they do, less of it is kept.
 function models.judge(self, list, multipliers, to, point)
-  local foretold, seen = 0, 0
+  local predicted, seen = 0, 0
   for i, row in ipairs(self.E) do
     for j = 1, #row do
-      foretold = foretold + (to[i] - self.t[i]) * row[j] * (to[j] - self.t[j]) / 2
+      predicted = predicted + (to[i] - self.t[i]) * row[j] * (to[j] - self.t[j]) / 2
     end
   end
   for k, model in ipairs(list) do
     model.active = multipliers[k] > 0
     if model.active then
-      seen = seen + multipliers[k] * (models.foretell(model, to) - height(self, point, model))
+      seen = seen + multipliers[k] * (models.predict(model, to) - height(self, point, model))
     end
   end
-  if foretold > 0 and seen < foretold then
-    local part = math.max(0, seen / foretold)
+  if predicted > 0 and seen < predicted then
+    local part = math.max(0, seen / predicted)
     for _, row in ipairs(self.E) do
       for j = 1, #row do row[j] = part * row[j] end
     end
@@ -199,7 +199,7 @@ local function learn(self)
   for i = 1, n do s[i], r[i] = self.t[i] - memory.t[i], 0 end
   for _, old in ipairs(memory) do
     if not old.of.fresh then return end
-    local h = models.foretell(old, self.t)
+    local h = models.predict(old, self.t)
     for i = 1, n do
       r[i] = r[i] - old.multiplier * (old.of.h * old.of[i] - h * old[i]) / self.t[i]
     end

@@ -7,7 +7,7 @@ local unknowns = require "barwright.optimise_unknowns"
 
 local steps = {}
 
-local foretell, objective = models.foretell, unknowns.objective
+local predict, objective = models.predict, unknowns.objective
 local programs = 50 -- of one step, at most
 local min_radius = 0.005 -- of the trust region, where the mesh stops steps
 local spared = 0.2 -- of what the objective may be off by at the end, that a margin in h may cost
@@ -60,7 +60,7 @@ local function hessian(self, at, list, multipliers, convex, plain)
   end
   for k, model in ipairs(list) do
     if multipliers[k] and multipliers[k] > 0 then
-      add_curvature(B, model, at, foretell(model, at), multipliers[k], convex)
+      add_curvature(B, model, at, predict(model, at), multipliers[k], convex)
     end
   end
   if plain or positive(B) then return B end
@@ -73,7 +73,7 @@ local function program(self, at, list, multipliers, low, high)
   local n, scale = #at, 0
   local B, g, A, b = hessian(self, at, list, multipliers), {}, {}, {}
   for k, model in ipairs(list) do
-    local h = foretell(model, at)
+    local h = predict(model, at)
     local right = h - 1 - self.spare
     A[k] = {}
     for i = 1, n do
@@ -104,7 +104,7 @@ end
 -- How far the models are beyond the limit.
 local function predicted(list, to)
   local worst = 0
-  for _, model in ipairs(list) do worst = math.max(worst, 1 - foretell(model, to)) end
+  for _, model in ipairs(list) do worst = math.max(worst, 1 - predict(model, to)) end
   return worst
 end
 

@@ -462,7 +462,7 @@ end
 --- load steps to begin with, min_step = where to give up, path = parts of the path
 --- (each solved, from the last), linear = "direct" | "jacobi" | "coarse" (the first or the
 --- last, whichever costs less by count), coarse = a coarse solid, start = displacements,
---- allow_inverted =, choose = whether a solid made coarse by a library gives way to the naive one where that is
+--- allow_inverted =, choose = whether the naive coarse solid replaces one of a library where that is
 --- estimated to be nearer to the fine one (true)}. Returns the result; or nil, message, details, where
 --- details.reached is the last equilibrium on the way.
 function solid:solve(given)

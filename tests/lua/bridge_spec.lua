@@ -194,7 +194,7 @@ describe("a beam of uniform strength", function()
 end)
 
 describe("a bridge", function()
-  it("stands, is measured, and needs the beam that the theory of beams foresees", function()
+  it("stands, is measured, and needs the beam that the theory of beams predicts", function()
     local b = assert(small_bridge())
     check.near(b.whole.area, b.area, 1e-9)
     assert.is_true(b.utilisation > 0.5 and b.utilisation < 1.5)

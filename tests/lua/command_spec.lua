@@ -265,7 +265,7 @@ describe("every command", function()
     end
   end)
 
-  it("gives way to a file that is named with its folder", function()
+  it("is preceded by a file that is named with its folder", function()
     local folder = check.folder()
     check.write(folder .. "/help", "print 'a script'")
     local status, out = check.run(folder .. "/help")

@@ -285,7 +285,7 @@ typedef struct bw_newton_report {
   int iterations, load_steps, failed_steps, factorisations, evaluations;
   int analyses; /* orders and analyses for a factor; 0 where those of an earlier solve were kept */
   int64_t cg_iterations;
-  int64_t stability_iterations; /* of conjugate gradients that look for ways to give way */
+  int64_t stability_iterations; /* of conjugate gradients that test stability */
   int undecided;   /* load steps after which these ended without an answer: the equilibrium may be
                       one that is not stable; a warning says so too */
   double load;     /* load factor reached: 1, or less where it failed */

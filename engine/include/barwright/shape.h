@@ -205,7 +205,7 @@ BW_API bw_status bw_pose_maps(bw_context *context, const bw_skeleton *skeleton,
                               const bw_bone_pose *pose, double *map, double *rotation);
 /* Posed joints, joint_count x 3 (the root's bones' heads, else tails). */
 BW_API void bw_pose_joints(const bw_skeleton *skeleton, const double *map, double *joint);
-/* Posed nodes, node_count x 3: corners blended, mid-edge nodes half-way. */
+/* Posed nodes, node_count x 3: corners blended, mid-edge nodes at midpoints. */
 BW_API bw_status bw_pose_nodes(bw_context *context, const bw_subdomains *subdomains,
                                const double *map, double *node);
 /* d node / d scale[axis] of one bone (agile, eq. 20: node positions are linear in the scales):
@@ -271,7 +271,7 @@ BW_API void bw_mesh_shape_check(const bw_mesh *mesh, const double *node, double 
                                 bw_mesh_repair_report *report);
 /* Move nodes with may_move (corners off the boundary; others are left) until no element is inverted
  * and the worst quality stops growing: local untangling of the worst elements' neighbourhoods.
- * Mid-edge nodes stay half-way. BW_GEOMETRY, the worst element named, when it cannot; `node` is
+ * Mid-edge nodes stay at midpoints. BW_GEOMETRY, the worst element named, when it cannot; `node` is
  * then as it was. */
 BW_API bw_status bw_mesh_relax(bw_context *context, const bw_mesh *mesh, const uint8_t *may_move,
                                double *node, bw_mesh_repair_report *report);

@@ -23,7 +23,7 @@ typedef struct bw_temporary bw_temporary;
  * removed with it. BW_IO where it cannot be made. */
 BW_API bw_status bw_temporary_create(bw_context *context, const char *target, bool with_others,
                                      bw_temporary **temporary);
-/* An empty folder under a name that nobody can foresee, which only this user can enter: in $TMPDIR,
+/* An empty folder under a name that nobody can predict, which only this user can enter: in $TMPDIR,
  * else in /tmp; in a confined process in its own. BW_IO where it cannot be made. */
 BW_API bw_status bw_temporary_folder_create(bw_context *context, bw_temporary **temporary);
 /* The path of the file or folder; lives as long as the object. */

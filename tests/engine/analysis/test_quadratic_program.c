@@ -186,7 +186,7 @@ static void against_trying_all(void **state) {
     } else {
       infeasible++;
       assert_true(violation > 0);
-      /* with rows that give way by so much there is a solution, by a little less there is none */
+      /* with rows relaxed by so much there is a solution, by a little less there is none */
       program relaxed = q;
       for (int i = 0; i < m; i++)
         relaxed.b[i] = q.b[i] + violation + 1e-7;
@@ -235,14 +235,14 @@ static void closed_forms(void **state) {
   check_ok(context, run(context, &s, x, &violation, NULL));
   check_near(x[0], 1e-6, 1e-17);
   check_near(x[1], 0, 1e-6);
-  /* x <= -1 and -x <= -2 (x >= 2): half-way, 1.5 off each */
+  /* x <= -1 and -x <= -2 (x >= 2): the midpoint, 1.5 off each */
   program e = {.n = 1, .m = 2, .H = {1}, .g = {0}, .A = {1, -1}, .b = {-1, -2}};
   e.low[0] = -10;
   e.high[0] = 10;
   check_ok(context, run(context, &e, x, &violation, mu));
   check_near(x[0], 0.5, 1e-6);
   check_near(violation, 1.5, 1e-6);
-  /* held by its bound: x <= -1 with x >= 3 gives way by 4 */
+  /* held by its bound: x <= -1 with x >= 3 is relaxed by 4 */
   program h = {.n = 1, .m = 1, .H = {2}, .g = {0}, .A = {1}, .b = {-1}, .low = {3}, .high = {5}};
   check_ok(context, run(context, &h, x, &violation, mu));
   check_near(x[0], 3, 1e-7);

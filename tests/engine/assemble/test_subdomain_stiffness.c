@@ -231,14 +231,14 @@ static void refusals(void **state) {
     if (now.b.element_subdomain[e] == 3)
       node[3 * rest->element[10 * e + 4]] += 1e-3;
   check_ok(context, bw_mesh_moved(context, rest, node, &curved));
-  REFUSED(motion[3].reshaped = true, BW_INVALID, "half-way", curved);
+  REFUSED(motion[3].reshaped = true, BW_INVALID, "midpoint", curved);
   check_ok(context, bw_mesh_with_order(context, rest, 1, &linear));
   REFUSED(, BW_INVALID, "the pattern belongs to", linear);
   bw_cancel(context);
   REFUSED(, BW_CANCELLED, "", rest);
   bw_clear_cancel(context);
   bw_subdomain_stiffness *none = NULL;
-  check_fails(context, BW_INVALID, "half-way",
+  check_fails(context, BW_INVALID, "midpoint",
               bw_subdomain_stiffness_create(context, now.b.pattern, curved, now.material, false,
                                             SUBDOMAINS, now.b.element_subdomain,
                                             now.b.node_subdomain, &none));

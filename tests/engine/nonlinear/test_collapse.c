@@ -252,7 +252,7 @@ static void test_column(void **state) {
   }
 }
 
-/* A search for a way to give way that is not allowed to come to its end says so. */
+/* A stability test that is not allowed to converge reports so. */
 static void test_undecided(void **state) {
   bw_context *context = check_context(state);
   const int32_t cells[3] = {2, 2, 16};

@@ -226,7 +226,7 @@ static void test_small_load(void **state) {
   bw_release(material);
 }
 
-/* St. Venant-Kirchhoff's material gives way under compression: beyond sqrt(1/3) of its height no
+/* St. Venant-Kirchhoff's material softens under compression: beyond sqrt(1/3) of its height no
  * equilibrium is left, which is said and not shown as one. */
 static void test_crushed(void **state) {
   bw_context *context = check_context(state);

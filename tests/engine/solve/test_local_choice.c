@@ -30,7 +30,7 @@ static void choice_by_cost(void **state) {
  * subdomain is touched but those whose bones moved: here the one reshaped and those blended beside
  * it.
  */
-static void work_is_foreseen(void **state) {
+static void work_is_predicted(void **state) {
   bw_context *context = check_context(state);
   bar b;
   bw_random random;
@@ -176,7 +176,7 @@ static void no_convergence(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(choice_by_cost), check_test(work_is_foreseen), check_test(given_up_early),
+      check_test(choice_by_cost), check_test(work_is_predicted), check_test(given_up_early),
       check_test(too_hopeful),    check_test(no_convergence),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

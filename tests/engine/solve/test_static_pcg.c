@@ -121,7 +121,7 @@ static void clear_block(block *b) {
 }
 
 /* What is predicted of a factor is near what it is, for thick, long and flat bodies. */
-static void factor_is_foreseen(void **state) {
+static void factor_is_predicted(void **state) {
   bw_context *context = check_context(state);
   const int cells[4][3] = {{8, 8, 7}, {3, 3, 40}, {20, 20, 1}, {12, 12, 3}};
   for (int k = 0; k < 4; k++) {
@@ -363,7 +363,7 @@ static void free_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(as_a_factor),  check_test(curved_elements),  check_test(factor_is_foreseen),
+      check_test(as_a_factor),  check_test(curved_elements),  check_test(factor_is_predicted),
       check_test(small_bodies), check_test(large_bodies),     check_test(not_converged),
       check_test(mechanism),    check_test(same_bits),        check_test(no_memory),
       check_test(free_memory),  check_test(block_in_tension),
