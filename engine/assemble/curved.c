@@ -56,7 +56,7 @@ bw_status bwi_fail_inverted(bw_context *context, const bw_mesh *mesh, int64_t el
       "be positive; move its %s or mesh again",
       (long long)element + 1, at[0], at[1], at[2], determinant < 0 ? "inverted" : "flat",
       determinant, mesh->order == 2 ? "mid-edge nodes" : "nodes");
-  bw_detail_number(context, "element", (double)element);
+  bw_detail_number(context, "element", (double)(element + 1));
   bw_detail_number(context, "determinant", determinant);
   return status;
 }

@@ -77,7 +77,7 @@ static bw_status check_arguments(bw_context *context, const bw_mesh *mesh, int32
       bw_status status =
           bw_fail(context, BW_INVALID, "element %d is in subdomain %d: the subdomains are 1 to %d",
                   e + 1, element_subdomain[e] + 1, subdomain_count);
-      bw_detail_number(context, "element", e);
+      bw_detail_number(context, "element", e + 1.0);
       return status;
     }
   for (int32_t i = 0; i < mesh->node_count; i++)
@@ -87,7 +87,7 @@ static bw_status check_arguments(bw_context *context, const bw_mesh *mesh, int32
                   "node %d has the frame of subdomain %d: the subdomains are 1 to %d, and 0 is the "
                   "global frame",
                   i + 1, node_subdomain[i] + 1, subdomain_count);
-      bw_detail_number(context, "node", i);
+      bw_detail_number(context, "node", i + 1.0);
       return status;
     }
   return BW_OK;

@@ -78,7 +78,7 @@ static bw_status name_refused(bw_context *context, const bw_mesh *mesh,
           "element %d near (%g, %g, %g) m has a mid-edge node that is not at the midpoint of its "
           "edge: only straight edges have a closed form; move mid-edge nodes to the midpoints",
           e + 1, x[4][0], x[4][1], x[4][2]);
-      bw_detail_number(context, "element", e);
+      bw_detail_number(context, "element", e + 1.0);
       return status;
     }
     double determinant = bwi_element_frame(mesh, e, h);

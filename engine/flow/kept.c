@@ -136,7 +136,7 @@ static bool fits(const bw_flow *flow, const bw_flow_state *s) {
 
 bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state *state) {
   if (!fits(flow, state))
-    return bw_fail(context, BW_INVALID, "the state that was kept is of another flow");
+    return bw_fail(context, BW_INVALID, "the state is that of another flow");
   if (state != flow->inner->now)
     bwi_flow_adopt(flow, state);
   return BW_OK;
@@ -168,7 +168,7 @@ bw_status bw_flow_check(bw_context *context, const bw_flow *flow) {
   BW_TRY(check_field(context, "places before that", now->older_point, 2 * nodes));
   if (flow->mesh != now->mesh || flow->state != now->state || flow->before != now->before ||
       flow->time != now->time || flow->components != now->components || !isfinite(now->time))
-    status = bw_fail(context, BW_INTERNAL, "a flow shows another state than it is at");
+    status = bw_fail(context, BW_INTERNAL, "a flow has other fields than its state");
   else if (now->pattern->topology != topology || topology->nodes->order != 1 || !now->state ||
            !now->before || !now->reaction || now->known < 1 || now->known > 2 ||
            (now->known == 2 && !(now->last_step > 0)))

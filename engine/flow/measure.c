@@ -14,8 +14,10 @@ static bw_status sum_reactions(bw_context *context, const bw_flow *flow, int32_t
   const bw_outline *outline = flow->mesh->outline;
   int64_t nodes = topology->nodes->node_count;
   if (!flow->inner->now->reacted)
-    return bw_fail(context, BW_INVALID,
-                   "no step has been done on this mesh yet: forces are the reactions of one");
+    return bw_fail(
+        context, BW_INVALID,
+        "no solution on the present mesh: forces and heat are reactions of a time step or "
+        "of a steady state, so do one first");
   if (tag < -1 || tag >= outline->tag_count)
     return bw_fail(context, BW_INVALID, "tag %d: the outline has tags 1 to %d", tag + 1,
                    outline->tag_count);
@@ -51,7 +53,7 @@ done:
 bw_status bw_flow_heat(bw_context *context, const bw_flow *flow, int32_t tag, double *heat) {
   bw_status status = BW_OK;
   if (flow->components < 4)
-    return bw_fail(context, BW_INVALID, "this fluid has no temperature");
+    return bw_fail(context, BW_INVALID, "the flow carries no heat: its diffusivity is 0");
   /* A corner's reaction belongs to the side whose temperature is prescribed. */
   bool held = false;
   for (int32_t i = 0; i < flow->inner->about.condition_count && !held; i++) {

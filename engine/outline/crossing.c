@@ -275,8 +275,8 @@ static bw_status fail_contact(bw_context *context, const contact *c, const bw_lo
             first, name, second, x, y);
   else if (c->kind == TOUCHES)
     bw_fail(context, BW_GEOMETRY,
-            "segment %d of loop '%s' touches segment %d of loop '%s' at (%g, %g): they must stay "
-            "more than %.3g apart",
+            "segment %d of loop '%s' touches segment %d of loop '%s' at (%g, %g): at least %.3g m "
+            "apart expected",
             first, name, second, other, x, y, c->gap);
   else
     bw_fail(context, BW_GEOMETRY,

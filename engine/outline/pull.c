@@ -256,12 +256,13 @@ bw_status bw_outline_pulled(bw_context *context, const bw_outline *outline, int3
   for (int32_t i = 0; i < pins; i++)
     BW_TRY(bwi_check_vertex(context, outline, pin[i], &other));
   if (is_pin(pins, pin, vertex))
-    BW_TRY(bw_fail(context, BW_INVALID, "point %d is to be pulled and is pinned too", vertex + 1));
+    BW_TRY(bw_fail(context, BW_INVALID, "point %d is pulled and pinned too: leave one of them out",
+                   vertex + 1));
   if (!isfinite(to[0]) || !isfinite(to[1]) || !(reach >= 0) || !isfinite(reach))
-    BW_TRY(
-        bw_fail(context, BW_INVALID,
-                "pulling to (%g, %g) with reach %g: finite numbers expected, the reach at least 0",
-                to[0], to[1], reach));
+    BW_TRY(bw_fail(
+        context, BW_INVALID,
+        "pulling to (%g, %g) m with reach %g m: finite numbers expected, the reach at least 0",
+        to[0], to[1], reach));
   point = BW_NEW(context, double, 2 * (size_t)outline->point_count);
   if (!point) {
     status = BW_MEMORY;

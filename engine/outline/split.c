@@ -96,8 +96,9 @@ bw_status bw_outline_joined(bw_context *context, const bw_outline *outline, int3
     return status;
   const bw_loop *around = &outline->loop[bw_segment_loop(outline, after)];
   if (around->count == 1)
-    return bw_fail(context, BW_INVALID, "point %d is the only vertex of loop '%s'", vertex + 1,
-                   around->name.text);
+    return bw_fail(context, BW_INVALID,
+                   "point %d is the only vertex of loop '%s': a loop keeps at least one",
+                   vertex + 1, around->name.text);
   int32_t before = bwi_previous_segment(around, after);
   const bw_segment *a = &outline->segment[before], *b = &outline->segment[after];
   bool both_lines = bwi_is_line(a) && bwi_is_line(b);

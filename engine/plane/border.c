@@ -48,7 +48,7 @@ static bw_status find_border(bw_context *context, int order, int32_t nodes, int3
               "%d elements lie on the same side of the edge from node %d to node %d: elements may "
               "not overlap",
               same, a + 1, b + 1);
-      bw_detail_number(context, "element", (double)(h / 3));
+      bw_detail_number(context, "element", (double)(h / 3 + 1));
       status = BW_GEOMETRY;
       goto done;
     }
@@ -61,7 +61,7 @@ static bw_status find_border(bw_context *context, int order, int32_t nodes, int3
               "the boundary passes through node %d more than once: loops of an outline may not "
               "touch",
               a + 1);
-      bw_detail_number(context, "node", a);
+      bw_detail_number(context, "node", a + 1.0);
       status = BW_GEOMETRY;
       goto done;
     }
@@ -128,7 +128,7 @@ static bw_status border_outline(bw_context *context, int32_t nodes, const double
         bw_fail(context, BW_GEOMETRY,
                 "the boundary of the mesh is not closed at node %d: elements overlap there",
                 at + 1);
-        bw_detail_number(context, "node", at);
+        bw_detail_number(context, "node", at + 1.0);
         status = BW_GEOMETRY;
         goto done;
       }
@@ -178,7 +178,7 @@ bw_status bw_plane_mesh_copy(bw_context *context, int order, int32_t nodes, cons
             "element %d (corners %d %d %d) near (%g, %g) is flat or inverted: its corners must run "
             "counter-clockwise",
             e + 1, n[0] + 1, n[1] + 1, n[2] + 1, a[0], a[1]);
-    bw_detail_number(context, "element", e);
+    bw_detail_number(context, "element", e + 1.0);
     status = BW_GEOMETRY;
     goto done;
   }

@@ -93,15 +93,15 @@ bw_status bwi_plane_check_arrays(bw_context *context, int order, int32_t nodes, 
       bw_fail(context, BW_GEOMETRY,
               "node %lld has the coordinates %g %g: every one must be a finite number",
               (long long)(i / 2) + 1, point[i / 2 * 2], point[i / 2 * 2 + 1]);
-      bw_detail_number(context, "node", (double)(i / 2));
+      bw_detail_number(context, "node", (double)(i / 2 + 1));
       return BW_GEOMETRY;
     }
   for (int64_t i = 0; i < (int64_t)width * elements; i++)
     if (element[i] < 0 || element[i] >= nodes) {
       bw_fail(context, BW_GEOMETRY, "element %lld names node %d, but the nodes are 1 to %d",
               (long long)(i / width) + 1, element[i] + 1, nodes);
-      bw_detail_number(context, "element", (double)(i / width));
-      bw_detail_number(context, "node", element[i]);
+      bw_detail_number(context, "element", (double)(i / width + 1));
+      bw_detail_number(context, "node", element[i] + 1.0);
       return BW_GEOMETRY;
     }
   return BW_OK;
@@ -129,7 +129,7 @@ static bw_status count_corners(bw_context *context, int order, int32_t nodes, in
                        role[i] == 3 ? "a corner node of one element and a mid-edge node of another"
                                     : "a corner node behind a mid-edge node");
     if (status != BW_OK)
-      bw_detail_number(context, "node", i);
+      bw_detail_number(context, "node", i + 1.0);
   }
   *corners = count;
   bw_free(role);
@@ -153,7 +153,7 @@ static bw_status check_elements(bw_context *context, const bw_plane_topology *to
                    : "element %d (corners %d %d %d) near (%g, %g) is flat or inverted: its corners "
                      "must run counter-clockwise",
             e + 1, n[0] + 1, n[1] + 1, n[2] + 1, a[0], a[1]);
-    bw_detail_number(context, "element", e);
+    bw_detail_number(context, "element", e + 1.0);
     bw_detail_number(context, "x", a[0]);
     bw_detail_number(context, "y", a[1]);
     return BW_GEOMETRY;
@@ -186,7 +186,7 @@ static bw_status check_places(bw_context *context, const bw_plane_nodes *nodes,
             "parameter %g, which is (%g, %g)",
             i + 1, point[2 * (size_t)i], point[2 * (size_t)i + 1], off, nodes->segment[i] + 1,
             nodes->parameter[i], at[0], at[1]);
-    bw_detail_number(context, "node", i);
+    bw_detail_number(context, "node", i + 1.0);
     return BW_GEOMETRY;
   }
   return BW_OK;
@@ -314,7 +314,7 @@ bw_status bw_plane_mesh_moved(bw_context *context, const bw_plane_mesh *mesh,
     if (!isfinite(point[i])) {
       bw_fail(context, BW_GEOMETRY, "node %zu moves to (%g, %g): both must be finite numbers",
               i / 2 + 1, point[i / 2 * 2], point[i / 2 * 2 + 1]);
-      bw_detail_number(context, "node", (double)(i / 2));
+      bw_detail_number(context, "node", (double)(i / 2 + 1));
       return BW_GEOMETRY;
     }
   BW_TRY(check_places(context, mesh->topology->nodes, outline, point));

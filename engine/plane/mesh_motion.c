@@ -79,11 +79,12 @@ bw_status bw_mesh_motion_create(bw_context *context, const bw_plane_mesh *mesh,
   }
   if (!(options->distorted >= 0 && options->distorted < 1) ||
       !(options->rebuild >= 0 && options->rebuild <= options->distorted))
-    return bw_fail(context, BW_INVALID,
-                   "distorted %g, rebuild %g: qualities with 0 <= rebuild <= distorted < 1",
-                   options->distorted, options->rebuild);
+    return bw_fail(
+        context, BW_INVALID,
+        "distorted %g, rebuild %g: qualities with 0 <= rebuild <= distorted < 1 expected",
+        options->distorted, options->rebuild);
   if (options->sweeps < 0 || options->sweeps > 10000)
-    return bw_fail(context, BW_INVALID, "sweeps %d: from 0 to 10000", options->sweeps);
+    return bw_fail(context, BW_INVALID, "sweeps %d: from 0 to 10000 expected", options->sweeps);
   made = BW_NEW0(context, bw_mesh_motion, 1);
   if (!made)
     return BW_MEMORY;

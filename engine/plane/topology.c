@@ -101,7 +101,7 @@ static bw_status find_neighbours(bw_context *context, bw_plane_topology *t, half
               "elements %d and %d lie on the same side of the edge from node %d to node %d: "
               "elements may not overlap",
               twin / 3 + 1, h / 3 + 1, a + 1, b + 1);
-    bw_detail_number(context, "element", (double)(h / 3));
+    bw_detail_number(context, "element", (double)(h / 3 + 1));
     return BW_GEOMETRY;
   }
   return BW_OK;
@@ -172,7 +172,7 @@ static bw_status find_sides(bw_context *context, bw_plane_topology *t, const bw_
                      "no node lies at the beginning of segment %d of the outline: every vertex of "
                      "the outline is a node",
                      i + 1);
-    bw_detail_number(context, "segment", i);
+    bw_detail_number(context, "segment", i + 1.0);
     goto done;
   }
   for (int32_t i = 0; i < count; i++) {
@@ -184,7 +184,7 @@ static bw_status find_sides(bw_context *context, bw_plane_topology *t, const bw_
               "nodes %d and %d follow each other on segment %d of the outline, but no element has "
               "an edge between them",
               a + 1, b + 1, segment + 1);
-      bw_detail_number(context, "segment", segment);
+      bw_detail_number(context, "segment", segment + 1.0);
       status = BW_GEOMETRY;
       goto done;
     }
@@ -203,7 +203,7 @@ static bw_status find_sides(bw_context *context, bw_plane_topology *t, const bw_
               "node %d is the mid-edge node of an edge on segment %d of the outline, but is given "
               "on segment %d",
               side[2] + 1, segment + 1, nodes->segment[side[2]] + 1);
-      bw_detail_number(context, "node", side[2]);
+      bw_detail_number(context, "node", side[2] + 1.0);
       status = BW_GEOMETRY;
       goto done;
     }
@@ -215,7 +215,7 @@ static bw_status find_sides(bw_context *context, bw_plane_topology *t, const bw_
               "the edge from node %d to node %d of element %d has no neighbour and lies on no "
               "segment of the outline",
               n[h % 3] + 1, n[(h % 3 + 1) % 3] + 1, (int)(h / 3) + 1);
-      bw_detail_number(context, "element", (double)(h / 3));
+      bw_detail_number(context, "element", (double)(h / 3 + 1));
       status = BW_GEOMETRY;
       goto done;
     }

@@ -330,8 +330,8 @@ bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_opti
   *n.report = (bw_bend_report){0};
   if (!(n.options->tolerance > 0) || n.options->iterations < 1 || n.options->load_steps < 1)
     return bw_fail(context, BW_INVALID,
-                   "Newton's method with tolerance %g, %d iterations, %d load steps: all have to "
-                   "be positive",
+                   "Newton's method with tolerance %g, %d iterations, %d load steps: all above 0 "
+                   "expected",
                    n.options->tolerance, n.options->iterations, n.options->load_steps);
   BW_TRY(bwi_sheet_next(context, sheet, sheet->mesh, true, &n.next));
   BW_TRY(bwi_sheet_prepare(context, sheet, &made));

@@ -33,7 +33,8 @@ bw_status bwi_conditions_check(bw_context *context, const bw_plane_mesh *mesh, i
     for (int32_t s = 0; s < mesh->topology->side_count && !found; s++)
       found = bwi_condition_applies(mesh, c, s);
     if (!found)
-      return bw_fail(context, BW_EMPTY, "condition %d is on tag '%s', which no segment has", k + 1,
+      return bw_fail(context, BW_EMPTY,
+                     "condition %d is on tag '%s', which no edge of the outline has", k + 1,
                      c->tag < 0 ? "" : mesh->outline->tag[c->tag].text);
   }
   return BW_OK;
@@ -67,9 +68,8 @@ bw_status bwi_condition_value(bw_context *context, const bw_condition *condition
   *value = condition->function ? condition->function(condition->data, at, time) : condition->value;
   if (!isfinite(*value))
     return bw_fail(context, BW_INVALID,
-                   "a condition's function gives %g at (%g, %g) at time %g; a finite number is "
-                   "needed",
-                   *value, at[0], at[1], time);
+                   "a condition is %g at (%g, %g) m and %g s: a finite number expected", *value,
+                   at[0], at[1], time);
   return BW_OK;
 }
 

@@ -371,8 +371,8 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
   kept = kept ? kept : &ignored;
   if (!(options->tolerance > 0) || options->iterations < 1)
     return bw_fail(context, BW_INVALID,
-                   "a tolerance of %g and %d iterations; both have to be positive",
-                   options->tolerance, options->iterations);
+                   "a tolerance of %g and %d iterations: both above 0 expected", options->tolerance,
+                   options->iterations);
   BW_TRY(prepare(context, lagged, pattern));
   size_t n = lagged->size;
   iteration it = {.context = context,

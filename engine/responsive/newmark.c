@@ -157,16 +157,16 @@ done:
 
 static bw_status check(bw_context *context, const bw_newmark *newmark) {
   if (!(newmark->step > 0) || !isfinite(newmark->step))
-    return bw_fail(context, BW_INVALID, "a time step of %g s; it has to be positive",
-                   newmark->step);
+    return bw_fail(context, BW_INVALID, "a time step of %g s: above 0 expected", newmark->step);
   if (!(newmark->gamma >= 0.5) || !(newmark->beta >= 0.5 * newmark->gamma))
     return bw_fail(
         context, BW_INVALID,
-        "beta %g and gamma %g; 2 beta >= gamma >= 1/2 is what stays stable with any step",
+        "beta %g and gamma %g: 2 beta >= gamma >= 1/2 expected, which is stable for any time step",
         newmark->beta, newmark->gamma);
   if (!(newmark->damping_mass >= 0) || !(newmark->damping_stiffness >= 0) ||
       !isfinite(newmark->damping_mass + newmark->damping_stiffness))
-    return bw_fail(context, BW_INVALID, "damping of %g and %g; both have to be 0 or more",
+    return bw_fail(context, BW_INVALID,
+                   "damping coefficients %g 1/s and %g s: both 0 or more expected",
                    newmark->damping_mass, newmark->damping_stiffness);
   return BW_OK;
 }

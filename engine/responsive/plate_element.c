@@ -29,8 +29,7 @@ bw_status bwi_plate_law_create(bw_context *context, const bw_material *material,
   if (!(thickness > 0) || !isfinite(thickness))
     return bw_fail(context, BW_INVALID, "a plate needs a thickness above 0, not %g m", thickness);
   if (!(material->density > 0))
-    return bw_fail(context, BW_INVALID,
-                   "material '%s' has no density: a plate that rings needs one, in kg/m3",
+    return bw_fail(context, BW_INVALID, "material '%s' has no density: modes need one, in kg/m3",
                    material->name);
   if (material->turns)
     return bw_fail(context, BW_INVALID,

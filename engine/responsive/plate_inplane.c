@@ -87,8 +87,11 @@ bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count
   int64_t nodes = plate->mesh->topology->nodes->node_count, n = 2 * nodes;
   int block = count + GUARDS, iterations;
   if (count < 1 || block + RIGID >= n)
-    return bw_fail(context, BW_INVALID, "%d modes of a plate with %lld unknowns in its plane",
-                   count, (long long)n);
+    return bw_fail(
+        context, BW_INVALID,
+        "%d modes requested of a plate with %lld unknowns in its plane: fewer than these and at "
+        "least 1 expected",
+        count, (long long)n);
   BW_TRY(bw_sheet_create(context, plate->mesh, &description, &sheet));
   BW_TRY(bwi_sheet_prepare(context, sheet, &made));
   BW_TRY(bwi_sheet_stiffness(context, sheet));

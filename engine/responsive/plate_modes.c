@@ -137,8 +137,10 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   bw_plane_reuse none = {0};
   kept = kept ? kept : &none;
   if (options.modes < 1 || options.modes >= n - GUARDS - RIGID)
-    return bw_fail(context, BW_INVALID, "%d modes of a plate with %lld unknowns", options.modes,
-                   (long long)n);
+    return bw_fail(context, BW_INVALID,
+                   "%d modes requested of a plate with %lld unknowns: fewer than these and at "
+                   "least 1 expected",
+                   options.modes, (long long)n);
   if (!(options.tolerance > 0))
     return bw_fail(context, BW_INVALID, "the tolerance is %g: it must be above 0",
                    options.tolerance);

@@ -64,7 +64,7 @@ const bw_plate_state *bw_plate_keep(const bw_plate *plate) {
 
 bw_status bw_plate_return(bw_context *context, bw_plate *plate, const bw_plate_state *state) {
   if (memcmp(&state->matrices->law, &plate->inner->law, sizeof plate->inner->law) != 0)
-    return bw_fail(context, BW_INVALID, "the state that was kept is of another plate");
+    return bw_fail(context, BW_INVALID, "the state is that of another plate");
   if (state != plate->inner->now)
     bwi_plate_adopt(plate, state);
   return BW_OK;
@@ -80,7 +80,7 @@ bw_status bw_plate_check(bw_context *context, const bw_plate *plate) {
       plate->frequency != now->frequency || plate->residual != now->residual ||
       plate->mode_count != now->mode_count || now->matrices->pattern->topology != topology ||
       topology->nodes->order != 2)
-    status = bw_fail(context, BW_INTERNAL, "a plate shows another state than it is at");
+    status = bw_fail(context, BW_INTERNAL, "a plate has other fields than its state");
   else if (now->past < 0 || now->known < now->past + now->mode_count || (now->known && !now->shape))
     status =
         bw_fail(context, BW_INTERNAL, "a plate of %d modes keeps %d vectors, %d of them former",

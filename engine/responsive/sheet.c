@@ -81,7 +81,8 @@ bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
     if (topology->region[e] + 1 > regions)
       regions = topology->region[e] + 1;
   if (description->section_count != 1 && description->section_count < regions)
-    return bw_fail(context, BW_INVALID, "%d sections for %d regions; one, or one per region",
+    return bw_fail(context, BW_INVALID,
+                   "%d sections for %d regions: one, or one for each region, expected",
                    description->section_count, regions);
   if (!isfinite(description->gravity[0]) || !isfinite(description->gravity[1]))
     return bw_fail(context, BW_INVALID, "gravity is not finite");

@@ -96,10 +96,11 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
   bwi_triangle_rule rule;
   point at;
   if (!(p >= 1) || !(p <= 1000))
-    return bw_fail(context, BW_INVALID, "an exponent of %g; 1 to 1000 are possible", p);
+    return bw_fail(context, BW_INVALID, "an exponent of %g: from 1 to 1000 expected", p);
   if (!inner->now->statics)
-    return bw_fail(context, BW_INVALID,
-                   "stresses by node positions need the linear statics of the mesh as it is");
+    return bw_fail(
+        context, BW_INVALID,
+        "the gradient of stresses needs linear statics on the present mesh: solve first");
   bwi_rules_create(order, &rules);
   rule = rules.straight;
   sums(sheet, &rule, p, &max, &sum, &area);

@@ -278,13 +278,13 @@ bw_status bwi_sheet_check_free(bw_context *context, const bw_sheet *sheet) {
     const double *free = vector + 6;
     int max = fabs(free[0]) > fabs(free[1]) ? 0 : 1;
     max = fabs(free[2]) > fabs(free[max]) ? 2 : max;
-    status = bw_fail(
-        context, BW_UNCONSTRAINED,
-        "the piece of the sheet around (%.6g, %.6g) is free to %s: constrain it by more conditions",
-        s[6] / s[8], s[7] / s[8],
-        max == 0   ? "move along x"
-        : max == 1 ? "move along y"
-                   : "turn");
+    status = bw_fail(context, BW_UNCONSTRAINED,
+                     "the part of the sheet around (%.6g, %.6g) m is free to %s: constrain it by "
+                     "more conditions",
+                     s[6] / s[8], s[7] / s[8],
+                     max == 0   ? "move along x"
+                     : max == 1 ? "move along y"
+                                : "rotate");
     bw_detail_number(context, "x", s[6] / s[8]);
     bw_detail_number(context, "y", s[7] / s[8]);
     goto done;

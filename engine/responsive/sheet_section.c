@@ -29,8 +29,7 @@ bw_status bwi_section_create(bw_context *context, const bw_sheet_section *given,
   if (!material)
     return bw_fail(context, BW_INVALID, "a section of a sheet has no material");
   if (!(given->thickness > 0) || !isfinite(given->thickness))
-    return bw_fail(context, BW_INVALID, "a thickness of %g m; it has to be positive",
-                   given->thickness);
+    return bw_fail(context, BW_INVALID, "a thickness of %g m: above 0 expected", given->thickness);
   if (material->turns)
     return bw_fail(context, BW_INVALID,
                    "material '%s' has axes by element of a solid mesh: the triangles of a sheet "
@@ -42,8 +41,8 @@ bw_status bwi_section_create(bw_context *context, const bw_sheet_section *given,
     for (int j = 0; j < 6; j++)
       if (j != 3 && j != 4 && fabs(c[6 * out[i] + j]) > 1e-9 * size)
         return bw_fail(context, BW_UNSUPPORTED,
-                       "material '%s' has no axis along z: in a sheet it would shear across the "
-                       "plane when pulled in it",
+                       "material '%s' has no axis along z: stresses in the plane of a sheet "
+                       "would shear it across the plane",
                        material->name);
   *section = (bwi_section){.thickness = given->thickness, .density = material->density};
   double *plane = given->plane_strain ? section->elasticity : section->compliance;

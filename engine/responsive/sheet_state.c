@@ -145,7 +145,7 @@ bw_status bw_sheet_return(bw_context *context, bw_sheet *sheet, const bw_sheet_s
     fits = state->condition[i].kind == inner->condition[i].kind &&
            state->condition[i].component == inner->condition[i].component;
   if (!fits)
-    return bw_fail(context, BW_INVALID, "the state that was kept is of another sheet");
+    return bw_fail(context, BW_INVALID, "the state is that of another sheet");
   if (state != inner->now)
     bwi_sheet_adopt(sheet, state);
   return BW_OK;
@@ -175,7 +175,7 @@ bw_status bw_sheet_check(bw_context *context, const bw_sheet *sheet) {
   if (sheet->mesh != now->mesh || sheet->displacement != now->displacement ||
       sheet->velocity != now->velocity || sheet->acceleration != now->acceleration ||
       sheet->time != now->time || !isfinite(now->time))
-    status = bw_fail(context, BW_INTERNAL, "a sheet shows another state than it is at");
+    status = bw_fail(context, BW_INTERNAL, "a sheet has other fields than its state");
   else if (!now->displacement || !now->velocity != !now->acceleration ||
            (now->former && !now->before) || (now->moving && !now->velocity) ||
            (now->statics && (now->large || now->moving || !now->solved)))

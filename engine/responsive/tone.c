@@ -32,12 +32,13 @@ static double deflection(const bw_plate *plate, int mode, int32_t element,
 
 static bw_status check_tone(bw_context *context, const bw_plate *plate, const bw_tone *tone) {
   if (plate->mode_count < 1)
-    return bw_fail(context, BW_INVALID, "the plate has no modes yet: solve first");
+    return bw_fail(context, BW_INVALID, "the plate has no modes: solve first");
   if (!(tone->loss > 0) || !(tone->contact >= 0) || !(tone->seconds > 0) || tone->rate < 1000)
-    return bw_fail(context, BW_INVALID,
-                   "a tone needs a loss factor and seconds above 0, a contact of at least 0 and a "
-                   "rate of at least 1000, not %g, %g, %g, %d",
-                   tone->loss, tone->seconds, tone->contact, tone->rate);
+    return bw_fail(
+        context, BW_INVALID,
+        "a tone has a loss factor above 0, more than 0 seconds, a contact of at least 0 s "
+        "and a rate of at least 1000 samples per second, not %g, %g, %g, %d",
+        tone->loss, tone->seconds, tone->contact, tone->rate);
   return BW_OK;
 }
 

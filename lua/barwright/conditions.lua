@@ -37,7 +37,7 @@ local function add_heat(list, tag, one, component, where)
       :format(where, tag))
   end
   if one.temperature ~= nil then
-    raise(("%s: condition of '%s': the temperature is prescribed, so that convection says nothing: "
+    raise(("%s: condition of '%s': a prescribed temperature excludes convection: "
       .. "give one of them"):format(where, tag))
   end
   list[#list + 1] = {tag = tag, kind = "convection", component = component, value = c.temperature,

@@ -30,10 +30,10 @@ function followed.with(more)
   return all
 end
 
---- How fine a mesh is, is said by a number of elements or by their size.
+--- A mesh has a wanted number of elements or a wanted size of them.
 function followed.one_size(where, opts)
   if opts.size ~= nil and opts.elements ~= nil then
-    raise(("%s: options 'elements' and 'size' both say how fine the mesh is: give one of them"):format(where))
+    raise(("%s: options 'elements' and 'size' both set the size of the elements: give one of them"):format(where))
   end
 end
 
@@ -46,8 +46,8 @@ function followed.mesh(where, opts, list)
     list[#list + 1] = {kind = "size", value = size}
     size = nil
   elseif size ~= nil and not (kind == "number" and size > 0 and size < math.huge) then
-    raise(("%s: option 'size': a number above 0, a formula in x and y, or a function of them expected")
-      :format(where))
+    raise(("%s: option 'size': a number above 0, a formula in x and y, or a function of them expected, got %s")
+      :format(where, core.got(size)))
   end
   return {order = opts.order, size = size, elements = opts.elements}
 end
@@ -87,8 +87,8 @@ function followed.class(what, names, more)
   end
   class.__index = members(what, class, own)
   function class.__newindex(_, name)
-    raise(("%s: '%s' cannot be set: what an analysis is made of is given when it is made"):format(what,
-      tostring(name)))
+    raise(("%s: '%s' cannot be set: fields are read only, options are given when the analysis is made")
+      :format(what, tostring(name)))
   end
   class.__name = "barwright." .. what
   function class:__tostring()

@@ -41,21 +41,22 @@ local function read_sections(where, opts)
     local thickness = is_list(opts.thickness) and opts.thickness[i] or opts.thickness
     options.object(where, "material", material, "material")
     if type(thickness) ~= "number" then
-      raise(("%s: option 'thickness': a number, or one for each region, expected"):format(where))
+      raise(("%s: option 'thickness': a number above 0 (m), or a list of one for each region, expected, got %s")
+        :format(where, core.got(thickness)))
     end
     sections[i] = {material = material, thickness = thickness, strain = opts.plane == "strain"}
   end
   return sections
 end
 
--- Two finite numbers, `least` or more.
+-- Two finite numbers, `min` or more.
 local function check_pair(where, key, pair, min)
   for i = 1, 2 do
     local value = pair[i]
     if #pair ~= 2 or type(value) ~= "number" or value ~= value or math.abs(value) == math.huge
       or value < min then
-      raise(("%s: option '%s': two numbers%s expected"):format(where, key,
-        min == 0 and " of 0 or more" or " {x, y}"))
+      raise(("%s: option '%s': two numbers%s expected, entry %d is %s"):format(where, key,
+        min == 0 and " of 0 or more" or " {x, y}", i, core.got(value)))
     end
   end
 end
@@ -120,10 +121,12 @@ function vibration.marches() return true end
 -- {x = , y = } of the tags that stand on the ground
 local function stand_on_ground(where, opts, list)
   local ground = type(opts.ground) == "string" and {opts.ground} or opts.ground or {}
-  if type(ground) ~= "table" then raise(("%s: option 'ground': a tag expected"):format(where)) end
+  if type(ground) ~= "table" then
+    raise(("%s: option 'ground': a tag or a list of tags expected, got %s"):format(where, core.got(ground)))
+  end
   for key in pairs(opts.shake) do
     if key ~= "x" and key ~= "y" then
-      raise(("%s: option 'shake': {x = , y = } expected"):format(where))
+      raise(("%s: option 'shake': {x = , y = } expected, got the key '%s'"):format(where, tostring(key)))
     end
   end
   for _, tag in ipairs(ground) do

@@ -317,7 +317,8 @@ function tune.search(bar, wanted, outline, opts)
   for round = 1, ROUNDS do
     local modes = opts.choose(bar)
     if not modes then
-      return nil, "the modes to be tuned are no longer among those that are computed", {status = "convergence"}
+      return nil, "the modes to be tuned are no longer among those computed: give the bar more modes",
+        {status = "convergence"}
     end
     local c, max, sum = distances(bar, wanted, modes)
     if opts.enough and max < opts.enough then return bar.outline, round - 1 end
@@ -335,9 +336,9 @@ function tune.search(bar, wanted, outline, opts)
       take(bar, outline, origin, best)
       return bar.outline, round
     elseif not back then
-      return nil, ("%s: this is as near to %s as the points that may move get (by %.3g of the width where they "
-        .. "are)"):format(hertz(frequencies), hertz(wanted), opts.move_limit), {status = "infeasible",
-        frequency = frequencies[1], frequencies = frequencies}
+      return nil, ("the outline reaches %s, not %s, with points that move by at most %.3g of the local width: "
+        .. "give a larger move_limit or more stages"):format(hertz(frequencies), hertz(wanted), opts.move_limit),
+        {status = "infeasible", frequency = frequencies[1], frequencies = frequencies}
     end
     local size, rest, across = measured(list, p), sum_of(z, shares, count), sum_of(z, back, count)
     for i = 1, count do rest[i] = {rest[i][1] - p[i][1], rest[i][2] - p[i][2]} end
@@ -387,14 +388,16 @@ function tune.search(bar, wanted, outline, opts)
       confined = true
     end
     if confined then list = measures(outline, opts.smooth, kept, width) end
-    if opts.watch and opts.watch(bar) == false then return nil, "stopped", {status = "cancelled"} end
+    if opts.watch and opts.watch(bar) == false then
+      return nil, "tuning was stopped by 'watch'", {status = "cancelled"}
+    end
     -- nothing along is worth it any more: the last of it, and the pitch is met
     if not confined and part == 0 and max < EXACT then return bar.outline, round end
   end
   if best and take(bar, outline, origin, best) then return bar.outline, ROUNDS end
   local frequencies = frequencies_of(bar, opts.choose(bar) or {})
-  return nil, ("%d rounds led to %s instead of %s"):format(ROUNDS, hertz(frequencies), hertz(wanted)),
-    {status = "convergence", frequency = frequencies[1], frequencies = frequencies}
+  return nil, ("the search reached %s instead of %s in %d rounds"):format(hertz(frequencies), hertz(wanted),
+    ROUNDS), {status = "convergence", frequency = frequencies[1], frequencies = frequencies}
 end
 
 return tune

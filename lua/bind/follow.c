@@ -76,7 +76,8 @@ void lbw_check_one_size(lua_State *L, int index, const char *function, const cha
   int number = lbw_option_get(L, index, "elements"), length = lbw_option_get(L, index, size);
   lua_pop(L, 2);
   if (number != LUA_TNIL && length != LUA_TNIL)
-    lbw_error(L, "%s: options 'elements' and '%s' both say how fine the mesh is: give one of them",
+    lbw_error(L,
+              "%s: options 'elements' and '%s' both set the size of the elements: give one of them",
               function, size);
 }
 
@@ -205,7 +206,8 @@ int lbw_followed_return(lua_State *L, const lbw_followed *followed) {
   lua_settop(L, 2);
   lua_getiuservalue(L, 2, 1);
   if (lua_touserdata(L, -1) != (void *)followed->class)
-    lbw_error(L, "the state that was kept is not of a %s", followed->class->name);
+    lbw_error(L, "return_to: the state of a %s expected, got that of another analysis",
+              followed->class->name);
   lua_settop(L, 1);
   bw_context *context = lbw_enter(L);
   const bw_mesh_motion_state *before = bw_mesh_motion_keep(motion);
@@ -225,7 +227,7 @@ int lbw_followed_check(lua_State *L, const lbw_followed *followed) {
   BW_TRY(bw_mesh_motion_check(context, motion));
   BW_TRY(followed->check(context, box->object));
   if (followed->mesh(box->object) != motion->mesh)
-    status = bw_fail(context, BW_INTERNAL, "a body is on another mesh than its mover");
+    status = bw_fail(context, BW_INTERNAL, "an analysis is on another mesh than its mesh motion");
 done:
   lbw_leave_or_raise(L, status);
   lua_settop(L, 1);
