@@ -10,9 +10,9 @@ local raise = core.raise
 
 local flows = {}
 
--- ---- methods that both have ----------------------------------------------------------------------
+-- ---- methods ---------------------------------------------------------------------------------------
 
-local methods = {drag = followed.drag, become = followed.become}
+local methods, heat_methods = {drag = followed.drag, become = followed.become}, {}
 
 local function advance(self, report, step, count)
   local opts = self.opts
@@ -24,13 +24,14 @@ local function record(self)
   for name, signal in pairs(self.signals) do
     local value = self.watched[name](self)
     if type(value) ~= "number" then
-      raise(("the signal '%s' must be a number, got %s"):format(name, core.got(value)))
+      raise(("step: the function of the signal '%s' must return a number, it returned %s"):format(name,
+        core.got(value)))
     end
     signal[#signal + 1] = value
   end
 end
 
--- A drag in a steady flow computes the steady state again, others only carry the flow to the new shape.
+-- A drag of a steady flow finds the steady state again, others only transfer the fields to the new mesh.
 local function finish(self, report)
   if not self.opts.steady then return true end
   return advance(self, report, 0)
@@ -38,7 +39,7 @@ end
 
 local function marches(self) return not self.opts.steady end
 
--- The signals as they are now: a step that fails takes back what it recorded.
+-- The signals as they are now: a step that fails removes what it recorded.
 local function keep(self)
   local signals, watched, lengths = {}, {}, {}
   for name, signal in pairs(self.signals) do
@@ -61,47 +62,52 @@ function methods:step(count)
   if math.type(count) ~= "integer" or count < 1 then
     raise(("step: a whole number of steps above 0 expected, got %s"):format(core.got(count)))
   end
-  local function walk(report)
+  local function steps(report)
     if not next(self.signals) then return advance(self, report, step, count) end
     for i = 1, count do
       if count > 1 then core.report_progress("time steps", (i - 1) / count) end
-      local fine, message, details = advance(self, report, step)
-      if not fine then return nil, message, details end
+      local ok, message, details = advance(self, report, step)
+      if not ok then return nil, message, details end
       record(self)
     end
     return true
   end
-  return followed.step(self, walk)
+  return followed.step(self, steps)
 end
 
---- From now on steps of so many seconds. What is recorded begins again: signals have equal steps.
+--- Sets the time step. Recorded signals become empty: their values are a time step apart.
 function methods:pace(seconds)
   if type(seconds) ~= "number" or not (seconds > 0 and seconds < math.huge) then
-    raise(("pace: seconds above 0 expected, got %s"):format(core.got(seconds)))
+    raise(("pace: a time step in seconds above 0 expected, got %s"):format(core.got(seconds)))
   end
   self.opts.step = seconds
   for name in pairs(self.signals) do self.signals[name] = {} end
   return self
 end
 
---- Finds the steady state. What fails leaves the flow as it was.
+--- Finds the steady state. After a failure the flow is as it was.
 function methods:settle()
   return followed.step(self, function(report) return advance(self, report, 0) end)
 end
 
---- From now on `value(flow)`, a number, is recorded after every step; none: recording ends.
+--- Records `value(flow)`, a number, after every step; without `value` the recording ends.
 function methods:record(name, value)
   if value ~= nil and type(value) ~= "function" then
-    raise(("record: a function of the flow expected, got %s"):format(core.got(value)))
+    raise(("record: a function of the flow that returns a number expected, got %s"):format(core.got(value)))
   end
   self.watched[name], self.signals[name] = value, value and {}
   return self
 end
 
---- Frequency (1/s) of a recorded signal, by its last whole periods; 0 where it does not swing.
+--- Frequency (1/s) of a recorded signal, from its last whole periods; 0 where it does not oscillate.
 function methods:frequency(name, periods)
   local signal = self.signals[name]
-  if not signal then raise(("frequency: no signal '%s' is recorded"):format(tostring(name))) end
+  if not signal then
+    raise(("frequency: no signal '%s' is recorded: call record before the steps"):format(tostring(name)))
+  end
+  if periods and periods < 1 then
+    raise(("frequency: 1 period or more expected, got %s"):format(core.got(periods)))
+  end
   return core.flow.frequency(signal, self.opts.step, periods or 5)
 end
 
@@ -109,7 +115,7 @@ end
 function methods:force(tag) return self.body:force(tag) end
 
 --- Heat flow into the fluid through the edges with a tag, over density times heat capacity, K m2/s.
-function methods:heat(tag) return self.body:heat(tag) end
+function heat_methods:heat(tag) return self.body:heat(tag) end
 
 --- Velocity x, y, pressure, and temperature if there is one.
 function methods:at(x, y) return self.body:at(x, y) end
@@ -123,8 +129,8 @@ end
 
 --- Drag and lift coefficients of a tag: forces along and across the stream over density / 2 times
 --- velocity squared times length. `stream`: its direction, default {1, 0}.
-function methods:coefficients(tag, given)
-  local opts = options.read("coefficients", given, {
+function methods:coefficients(tag, reference)
+  local opts = options.read("coefficients", reference, {
     velocity = {type = "number", needed = true, above = 0},
     length = {type = "number", needed = true, above = 0},
     stream = {type = "table", default = {1, 0}},
@@ -132,6 +138,7 @@ function methods:coefficients(tag, given)
   arguments.pair("coefficients: option 'stream'", opts.stream)
   local x, y = self:force(tag)
   local along, across = opts.stream[1], opts.stream[2]
+  if along == 0 and across == 0 then raise "coefficients: option 'stream': a direction expected, got {0, 0}" end
   local unit = 0.5 * self.opts.density * opts.velocity ^ 2 * opts.length
     * math.sqrt(along * along + across * across)
   return (x * along + y * across) / unit, (y * along - x * across) / unit
@@ -139,19 +146,20 @@ end
 
 --- Heat through the edges with a tag, over what conduction carries at a difference of temperatures
 --- through a body as wide as it is thick. For a square heated at one side: the Nusselt number.
-function methods:nusselt(tag, difference)
+function heat_methods:nusselt(tag, difference)
   return self:heat(tag) / (self.opts.diffusivity * difference)
 end
 
-local function class(what, names)
+local function class(what, names, with_heat)
   local made = followed.class(what, names, {signals = function(self) return rawget(self, "recorded") end})
   for name, method in pairs(methods) do made[name] = method end
+  for name, method in pairs(with_heat and heat_methods or {}) do made[name] = method end
   made.finish, made.keep, made.marches = finish, keep, marches
   arguments.methods(what, made, made, {drag = "handle: any, by: any", become = "outline: any",
     step = "count?: any", pace = "seconds: any", settle = "", record = "name: string, value?: function",
-    frequency = "name: string, periods?: integer", force = "tag: string", heat = "tag: string",
-    at = "x: number, y: number", pressure_drop = "from: pair, to: pair",
-    coefficients = "tag: string, given: options", nusselt = "tag: string, difference: number"})
+    frequency = "name: string, periods?: integer", force = "tag: string", at = "x: number, y: number",
+    pressure_drop = "from: pair, to: pair", coefficients = "tag: string, reference: options",
+    heat = with_heat and "tag: string" or nil, nusselt = with_heat and "tag: string, difference: number" or nil})
   function made.start(self)
     rawset(self, "recorded", {})
     rawset(self, "watched", {})
@@ -198,15 +206,15 @@ end
 
 local fields = {"time", "velocity", "pressure", "vorticity"}
 local flow = class("flow", fields)
-local thermal = class("thermal flow", {"temperature", table.unpack(fields)})
+local thermal = class("thermal flow", {"temperature", table.unpack(fields)}, true)
 
---- Incompressible flow. drag moves the outline, step the time; with `steady` every drag finds the
+--- Incompressible flow. drag moves the outline, step advances the time; with `steady` every drag finds the
 --- steady state again.
 function flows.flow(given)
   return create("flow", flow, given, with {}, {"x", "y"})
 end
 
---- The same with heat that is carried along and lifts.
+--- The same with heat, which the flow carries along and which lifts the fluid.
 function flows.thermal(given)
   return create("thermal", thermal, given, with {
     diffusivity = {type = "number", needed = true, above = 0},

@@ -11,9 +11,8 @@ local units = {}
 for _, unit in ipairs {
   "-", "any", "count", "index", "index from 1", "index from 0", "seed", "m", "m2", "m3", "m4", "1/m", "1/m2",
   "mm", "N", "1/N", "N m", "N/m", "N/m2", "Pa", "1/Pa", "Pa s", "Pa/m", "Pa m^0.5", "Pa m^(1 - exponent)", "J",
-  "J/m3", "kg", "kg/m3", "s", "1/s", "minutes", "Hz", "Hz/m", "rad", "rad/s", "(rad/s)^2", "degrees", "cents", "K",
-  "1/K",
-  "K m/s", "K m2/s", "m/s", "m/s2", "m2/s", "pixels", "bytes", "bits"} do
+  "J/m3", "kg", "kg/m3", "s", "1/s", "minutes", "Hz", "Hz/m", "rad", "rad/s", "(rad/s)^2", "degrees", "cents",
+  "cents/mm", "K", "1/K", "K m/s", "K m2/s", "m/s", "m/s2", "m2/s", "pixels", "bytes", "bits"} do
   units[unit] = true
 end
 gaps.units = units
@@ -56,6 +55,19 @@ local function untyped(kind)
     or plain:find "%f[%w_]function%f[^%w_]" ~= nil
 end
 
+local basic = {}
+for _, word in ipairs {"any", "boolean", "false", "fun", "integer", "nil", "number", "string", "table", "true"} do
+  basic[word] = true
+end
+
+-- The first word of a type that names no class, alias or basic type; nil: there is none.
+local function unknown_word(known, kind)
+  local plain = kind:gsub('"[^"]*"', ""):gsub("[%w_]+%??:", "") -- parameters of functions have names
+  for word in plain:gmatch "[%a_][%w_%.]*" do
+    if not known[word] and not basic[word] then return word end
+  end
+end
+
 -- A unit in parentheses at the start of the text, for arrays with their shape behind a comma.
 local function unit_gap(one)
   local number, array = numeric(one.type)
@@ -69,11 +81,18 @@ end
 
 local function add(list, kind, line, text) list[#list + 1] = {kind = kind, line = line, text = text} end
 
-local function add_value(list, kind, where, one)
+local function add_value(list, kind, where, one, known)
   if one.text:gsub("^%b()%s*", "") == "" then add(list, kind, one.line, where .. ": no text") end
   local unit = unit_gap(one)
   if unit then add(list, "unit", one.line, where .. ": " .. unit) end
-  if untyped(one.type) then add(list, "type", one.line, ("%s: %s"):format(where, one.type)) end
+  local unknown = unknown_word(known, one.type)
+  if one.type == "" then
+    add(list, "type", one.line, where .. ": no type")
+  elseif unknown then
+    add(list, "type", one.line, ("%s: no class '%s'"):format(where, unknown))
+  elseif untyped(one.type) then
+    add(list, "type", one.line, ("%s: %s"):format(where, one.type))
+  end
 end
 
 local function add_examples(list, where, line, examples)
@@ -85,12 +104,12 @@ local function add_examples(list, where, line, examples)
   end
 end
 
-local function add_function(list, where, f, in_module)
+local function add_function(list, where, f, in_module, known)
   if f.text:gsub("```.-```", "") == "" then add(list, "description", f.line, where .. ": no text") end
   local names = {}
   for i, param in ipairs(f.params) do
     names[i] = param.name
-    add_value(list, "parameter", where .. ": " .. param.name, param)
+    add_value(list, "parameter", where .. ": " .. param.name, param, known)
   end
   local declared = f.arguments:gsub("%s", "")
   if table.concat(names, ",") ~= declared then
@@ -102,7 +121,7 @@ local function add_function(list, where, f, in_module)
     if result.type:find "bw%.Details" then
       fails = true
     elseif result.name ~= "self" and not (result.name == "message" and result.type == "string?") then
-      add_value(list, "return", ("%s: result %d"):format(where, i), result)
+      add_value(list, "return", ("%s: result %d"):format(where, i), result, known)
     end
   end
   local nothing = f.returns[1] and f.returns[1].type:match "%?$"
@@ -118,7 +137,11 @@ end
 
 --- The gaps of one file, {kind, line, text}, in the order of their lines.
 function gaps.of(all, file)
-  local list = {}
+  local list, known = {}, {}
+  for name in pairs(all.by_name) do known[name] = true end
+  for _, one in ipairs(all.files) do
+    for _, alias in ipairs(one.aliases) do known[alias.name] = true end
+  end
   if file.title == "" then add(list, "description", 1, "no title") end
   if file.head == "" then add(list, "description", 1, "no text below the title") end
   for _, class in ipairs(file.classes) do
@@ -133,12 +156,12 @@ function gaps.of(all, file)
     end
     for _, field in ipairs(class.fields) do
       if not (is_module and field.type:match "Module$") then
-        add_value(list, objects and "field" or "option", class.name .. ": " .. field.name, field)
+        add_value(list, objects and "field" or "option", class.name .. ": " .. field.name, field, known)
       end
     end
     for _, f in ipairs(class.functions) do
       local member = f.name == "__call" and "()" or (f.colon and ":" or ".") .. f.name
-      add_function(list, spoken .. member, f, is_module)
+      add_function(list, spoken .. member, f, is_module, known)
     end
   end
   table.sort(list, function(a, b) return a.line < b.line end)

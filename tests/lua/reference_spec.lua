@@ -50,6 +50,61 @@ describe("the reference", function()
     end)
   end
 
+  -- A module of one function, with `change` made to its complete stub: what the check finds.
+  local function found(from, to)
+    local stub = [[
+-- Things
+--
+-- What things are for.
+
+---Things.
+---@class bw.ThingModule
+local ThingModule = {}
+
+---A thing.
+---```lua
+---print(bw.thing.new(1))
+---print(bw.thing.new(2))
+---```
+---@class bw.Thing
+
+---Makes a thing.
+---```lua
+---local width = 0.1
+---print(bw.thing.new(width))
+---```
+---@param width number (m) the width
+---@return bw.Thing thing the thing
+function ThingModule.new(width) end
+]]
+    local changed, count = stub:gsub(from, to)
+    assert.equal(1, count)
+    local folder = check.folder()
+    check.write(folder .. "/barwright.lua",
+      "-- bw\n--\n-- All.\n\n---All.\n---@class bw\n---@field thing bw.ThingModule\nlocal bw = {}\n")
+    check.write(folder .. "/thing.lua", changed)
+    local read, texts = stubs.read(folder), {}
+    for _, file in ipairs(read.files) do
+      for i, gap in ipairs(gaps.of(read, file)) do texts[i] = gap.kind .. ": " .. gap.text end
+    end
+    return table.concat(texts, "; ")
+  end
+
+  it("is found incomplete where a text, a type, a unit or an example is missing", function()
+    assert.equal("", found("Makes", "Creates"))
+    assert.equal("parameter: bw.thing.new: width: no text", found(" the width", ""))
+    assert.equal("unit: bw.thing.new: width: no unit", found("%(m%) ", ""))
+    assert.equal("return: bw.thing.new: result 1: no text", found("Thing thing the thing", "Thing"))
+    assert.equal("type: bw.thing.new: result 1: table", found("bw.Thing thing", "table thing"))
+    assert.equal("type: bw.thing.new: result 1: no class 'bw.Think'", found("bw.Thing thing", "bw.Think thing"))
+    assert.equal("return: bw.thing.new: result 1: no text; type: bw.thing.new: result 1: no type",
+      found("bw.Thing thing the thing", ""))
+    assert.equal("description: bw.thing.new: no text", found("%-%-%-Makes a thing.\n", ""))
+    assert.equal("example: bw.thing.new: no example", found("%-%-%-```lua\n%-%-%-local.-```\n", ""))
+    assert.equal("parameter: bw.thing.new: ---@param of (), the function has (width)",
+      found("%-%-%-@param[^\n]*\n", ""))
+  end)
+
   it("has examples that run", function()
     local pipe = assert(io.popen(("realpath '%s'"):format(check.program)))
     local program, problems = pipe:read "l", {}
