@@ -15,7 +15,7 @@ local dumbbell = shapes.join({
   shapes.limb({-0.04, 0, 0}, {0.04, 0, 0}, 0.005),
 }, 0.004)
 local surface = assert(bw.surface.implicit(dumbbell,
-  {low = {-0.06, -0.02, -0.02}, high = {0.06, 0.02, 0.02}, cells = 60}))
+  {min = {-0.06, -0.02, -0.02}, max = {0.06, 0.02, 0.02}, cells = 60}))
 print(surface)
 
 -- 2. Fill it with about 8,000 tetrahedra. The count is met by remeshing the surface to fit.

@@ -9,7 +9,7 @@ local out = arg[1] or "."
 
 -- 1. Quadratic tetrahedra: linear ones are far too stiff in bending.
 local L, b, h = 0.120, 0.010, 0.006
-local mesh = bw.mesh.box {low = {0, 0, 0}, high = {L, b, h}, cells = {30, 3, 2}, order = 2}
+local mesh = bw.mesh.box {min = {0, 0, 0}, max = {L, b, h}, cells = {30, 3, 2}, order = 2}
 
 -- 2. Selections are geometric; one that holds nothing is an error. Axes count from 1.
 local steel = bw.material.steel

@@ -8,7 +8,7 @@
 local bw = require "barwright"
 
 local L, b, h = 0.300, 0.030, 0.006
-local mesh = bw.mesh.box {low = {0, 0, 0}, high = {L, b, h}, cells = {40, 4, 1}, order = 2}
+local mesh = bw.mesh.box {min = {0, 0, 0}, max = {L, b, h}, cells = {40, 4, 1}, order = 2}
 local part = bw.model {mesh = mesh, material = bw.material.aluminium}
 
 local modes = assert(part:modes {count = 6})

@@ -10,10 +10,10 @@ local gypsum = bw.material.zp150
 print(gypsum)
 
 local function stretch(axis)
-  local high = {0.01, 0.01, 0.01}
+  local max = {0.01, 0.01, 0.01}
   local cells = {2, 2, 2}
-  high[axis], cells[axis] = 0.1, 10
-  local mesh = bw.mesh.box {low = {0, 0, 0}, high = high, cells = cells}
+  max[axis], cells[axis] = 0.1, 10
+  local mesh = bw.mesh.box {min = {0, 0, 0}, max = max, cells = cells}
   local part = bw.model {mesh = mesh, material = gypsum}
   local pull = {0, 0, 0}
   pull[axis] = 10

@@ -14,7 +14,7 @@ local function dumbbell(radius)
     shapes.limb({-0.03, 0, 0}, {0.03, 0, 0}, radius),
   }, 0.003)
   return bw.surface.implicit(body,
-    {low = {-0.05, -0.02, -0.02}, high = {0.05, 0.02, 0.02}, cells = 50})
+    {min = {-0.05, -0.02, -0.02}, max = {0.05, 0.02, 0.02}, cells = 50})
 end
 
 local rows = {}

@@ -14,7 +14,7 @@ local body = shapes.join({
   shapes.limb({-0.01, 0, 0}, {0.01, 0, 0}, 0.004),
 }, 0.002)
 local surface = assert(bw.surface.implicit(body,
-  {low = {-0.04, -0.02, -0.02}, high = {0.04, 0.02, 0.02}, cells = 48}))
+  {min = {-0.04, -0.02, -0.02}, max = {0.04, 0.02, 0.02}, cells = 48}))
 local mesh = assert(bw.mesh.fill(surface, {elements = 5000}))
 local part = bw.model {mesh = mesh, material = bw.material.green_state_stainless_steel}
 

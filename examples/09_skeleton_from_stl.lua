@@ -16,7 +16,7 @@ for _, l in ipairs {{0, 22, 0, 46, 8, 8}, {-4, 22, -12, 0, 6, 4}, {4, 22, 12, 0,
     l[5] * mm, l[6] * mm)
 end
 local shape = assert(bw.surface.implicit(bw.shapes.join(limbs, 3 * mm),
-  {low = {-32 * mm, -10 * mm, -6 * mm}, high = {32 * mm, 10 * mm, 70 * mm}, cells = 60}))
+  {min = {-32 * mm, -10 * mm, -6 * mm}, max = {32 * mm, 10 * mm, 70 * mm}, cells = 60}))
 assert(shape:write(out .. "/figure.stl"))
 
 -- 2. Read, extract the skeleton, see its tree.

@@ -15,7 +15,7 @@ local shapes = bw.shapes
 local body = shapes.cut(shapes.join({shapes.limb(wall, bend, 5 * mm),
   shapes.limb(bend, tip, 5 * mm, 4 * mm)}, 2 * mm), shapes.box({-0.02, -0.02, -0.02}, {0, 0.02, 0.02}))
 local surface = assert(bw.surface.implicit(body,
-  {low = {-2 * mm, -10 * mm, -10 * mm}, high = {70 * mm, 10 * mm, 32 * mm}, cells = 60}))
+  {min = {-2 * mm, -10 * mm, -10 * mm}, max = {70 * mm, 10 * mm, 32 * mm}, cells = 60}))
 local mesh = assert(bw.mesh.fill(surface, {elements = 3000, order = 2}))
 local part = bw.model {mesh = mesh, material = bw.material.pla}
 part:fix(mesh.boundary:below(1, 0.5 * mm))
@@ -29,7 +29,7 @@ local limit = 0.6 * before
 
 -- 2. The factors of each bone: along it (always 1), and across it in its two directions. The axes
 --    are those of skeleton.frames; what resists bending most is found without being told.
-local found = assert(session:optimise {von_mises = limit, move_supports = true, high = 2})
+local found = assert(session:optimise {von_mises = limit, move_supports = true, max_factor = 2})
 print(found)
 print(("corners moved %.2g mm on average (root mean square), %d shapes tried, %.1f factorisations")
   :format(found.mean_move / mm, found.shapes, found.factorisations))
@@ -41,7 +41,7 @@ assert(math.abs(assert(session.part:solve()).von_mises:max() / now - 1) < 1e-6)
 
 -- 4. Bounds may forbid what would be needed. Then you get the best that was found, and no edit.
 assert(session:undo())
-local none, message, details = session:optimise {von_mises = limit, move_supports = true, high = 1.05}
+local none, message, details = session:optimise {von_mises = limit, move_supports = true, max_factor = 1.05}
 assert(not none and details.status == "infeasible")
 print(message)
 print(("the best has %.1f MPa"):format(details.best.von_mises / MPa))

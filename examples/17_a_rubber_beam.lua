@@ -16,12 +16,12 @@ print(grid)
 -- 2. Supports and loads are said by place. Newton's method finds where everything is in balance.
 local function loaded(force)
   local beam = assert(bw.solid {grid = grid, materials = {rubber}})
-  beam:fix {side = "low x"}
-  beam:force({side = "high x"}, {0, 0, -force})
+  beam:fix {side = "min x"}
+  beam:force({side = "max x"}, {0, 0, -force})
   return assert(beam:solve())
 end
 
-local tip = {side = "high x"}
+local tip = {side = "max x"}
 local function sag(result)
   return -result.displacement:gather(grid:nodes(tip)):column(3):mean() / mm
 end
@@ -39,7 +39,7 @@ assert(sag(last) < 0.2 / mm) -- a beam cannot sag more than it is long
 
 -- 3. What holds it pushes back with as much as hangs there.
 print(("held up by %.3f N; least volume ratio %.3f"):format(
-  last:total_reaction({side = "low x"})[3], last.report.shape.min_ratio))
+  last:total_reaction({side = "min x"})[3], last.report.shape.min_ratio))
 
 -- 4. Side by side, with the stress that the materials carry.
 assert(bw.grid.picture(results:path "beam.png", panels, {direction = {0.3, -1, 0.2}, up = {0, 0, 1},

@@ -13,8 +13,8 @@ local results = assert(bw.results.open(folder, {script = "examples/18_a_gripper.
 local outer = shapes.limb({0, 0, 0}, {80 * mm, 0, 0}, 10 * mm)
 local cavity = shapes.limb({4 * mm, 0, 2 * mm}, {76 * mm, 0, 2 * mm}, 5 * mm)
 local function closed(shape)
-  return assert(bw.surface.implicit(shape, {low = {-12 * mm, -12 * mm, -12 * mm},
-    high = {92 * mm, 12 * mm, 12 * mm}, cells = 52}))
+  return assert(bw.surface.implicit(shape, {min = {-12 * mm, -12 * mm, -12 * mm},
+    max = {92 * mm, 12 * mm, 12 * mm}, cells = 52}))
 end
 assert(closed(shapes.cut(outer, cavity)):write(results:path "finger.stl", {unit = "mm"}))
 local surface = assert(bw.surface.read(results:path "finger.stl", {unit = "mm"}))
@@ -22,7 +22,7 @@ local surface = assert(bw.surface.read(results:path "finger.stl", {unit = "mm"})
 -- 2. Cubes that it cuts or holds; those that it cuts count by the part inside.
 local grid = assert(bw.grid.voxels(surface, {spacing = 2.5 * mm}))
 print(grid)
-grid = assert(grid:set({high = {1, 1, -6 * mm}}, 2)) -- the strip
+grid = assert(grid:set({max = {1, 1, -6 * mm}}, 2)) -- the strip
 local materials = {
   bw.hyperelastic {name = "soft", young = 2e5, poisson = 0.45, density = 1050},
   bw.hyperelastic {name = "strip", young = 5e6, poisson = 0.45, density = 1100},
@@ -31,11 +31,11 @@ local materials = {
 -- 3. Held at its root; air presses on the cavity's own surface, which goes with the cubes around it.
 -- The cavity's triangles look outwards from the cavity, so the air pushes against them.
 local finger = assert(bw.solid {grid = grid, materials = materials})
-finger:fix {high = {-2 * mm, 1, 1}}
+finger:fix {max = {-2 * mm, 1, 1}}
 finger:pressure(closed(cavity), {pressure = -25e3, follower = true})
 local bent = assert(finger:solve())
 print(bent)
-local u = bent.displacement:gather(grid:nodes {side = "high x"})
+local u = bent.displacement:gather(grid:nodes {side = "max x"})
 print(("the tip goes %.1f mm down and %.1f mm ahead"):format(-u:column(3):mean() / mm,
   u:column(1):mean() / mm))
 

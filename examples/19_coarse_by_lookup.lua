@@ -25,8 +25,8 @@ local H = 0.01
 local grid = assert(bw.grid.box {cells = {8, 24, 8}, spacing = H,
   material = function(_, y) return math.floor(y / H) % 2 + 1 end})
 local fine = assert(bw.solid {grid = grid, materials = materials})
-fine:fix {side = "low y"}
-fine:force({side = "high y"}, {0, 0, -20})
+fine:fix {side = "min y"}
+fine:force({side = "max y"}, {0, 0, -20})
 local clock = os.clock()
 local reference = assert(fine:solve())
 local spent = os.clock() - clock
@@ -49,9 +49,9 @@ end
 
 -- 4. An edit of the materials looks up only what it touches.
 local coarse = assert(fine:coarsen(library))
-local edited = assert(coarse:with(assert(grid:set({high = {1, 0.06, 1}}, 1))))
+local edited = assert(coarse:with(assert(grid:set({max = {1, 0.06, 1}}, 1))))
 print(("edited: %d of %d blocks looked up"):format(edited.coarse.looked_up, edited.element_count))
 
 assert(bw.grid.picture(results:path "bars.png", panels, {up = {0, 0, 1}, unit = "movement, mm",
-  scale = 1e3, low = 0, ghost = true, columns = 3, width = 420, height = 360}))
+  scale = 1e3, min = 0, ghost = true, columns = 3, width = 420, height = 360}))
 print("wrote " .. folder)

@@ -238,7 +238,7 @@ function enable() {
   const idle = connected && !busy && !!state && !state.drag;
   byId("undo").disabled = !(idle && state.can_undo);
   byId("redo").disabled = !(idle && state.can_redo);
-  for (const id of ["reset", "optimise", "stl", "lua", "loads", "again", "swing", "twist_low", "twist_high"])
+  for (const id of ["reset", "optimise", "stl", "lua", "loads", "again", "swing", "twist_min", "twist_max"])
     byId(id).disabled = !idle;
 }
 
@@ -281,7 +281,7 @@ function showBend() {
   byId("bent").textContent = scene.bones[bone].name;
   const bend = state?.bends[bone];
   const text = (x) => (x === undefined || x === null ? "" : Number(x.toPrecision(6)));
-  for (const [id, value] of [["swing", bend?.swing], ["twist_low", bend?.twist?.[0]], ["twist_high", bend?.twist?.[1]]])
+  for (const [id, value] of [["swing", bend?.swing], ["twist_min", bend?.twist?.[0]], ["twist_max", bend?.twist?.[1]]])
     if (document.activeElement !== byId(id) || document.activeElement.dataset.of !== scene.bones[bone].name) {
       byId(id).value = text(value);
       byId(id).dataset.of = scene.bones[bone].name;
@@ -411,9 +411,9 @@ byId("tie").addEventListener("change", () => {
   const together = new Set([name, other, ...state.ties.filter(joined).flat()]);
   send({ type: "ties", ties: [...state.ties.filter((tie) => !joined(tie)), [...together]] });
 });
-for (const id of ["swing", "twist_low", "twist_high"])
+for (const id of ["swing", "twist_min", "twist_max"])
   byId(id).addEventListener("change", () => {
-    const [swing, low, high] = ["swing", "twist_low", "twist_high"].map((field) => byId(field).value)
+    const [swing, low, high] = ["swing", "twist_min", "twist_max"].map((field) => byId(field).value)
       .map((text) => (text === "" ? null : Number(text)));
     if ((low === null) !== (high === null)) return; // the other one is still to come
     send({ type: "bend", bone: scene.bones[bone].name, swing, twist: low === null ? null : [low, high] });

@@ -16,12 +16,12 @@ enum { PROXIMAL_STEPS = 60 };
 typedef struct program {
   bw_context *context;
   int n, m;
-  const double *a, *b, *low, *high; /* as given */
-  double *l;                        /* Cholesky factor of H */
-  double *centre;                   /* x at c */
-  double size;                      /* of z */
-  bwi_polyhedron p;                 /* rows, then bounds; what is always fulfilled left out */
-  int *of;      /* p.rows: row 0..m-1 it stands for, m + j: x_j <= high, m + n + j: x_j >= low */
+  const double *a, *b, *min, *max; /* as given */
+  double *l;                       /* Cholesky factor of H */
+  double *centre;                  /* x at c */
+  double size;                     /* of z */
+  bwi_polyhedron p;                /* rows, then bounds; what is always fulfilled left out */
+  int *of;      /* p.rows: row 0..m-1 it stands for, m + j: x_j <= max, m + n + j: x_j >= min */
   double *norm; /* p.rows: of its a before scaling */
 } program;
 
@@ -35,15 +35,15 @@ static void linear_program_clear(program *q) {
 }
 
 static bw_status check_input(bw_context *context, int n, const double *H, const double *g, int m,
-                             const double *A, const double *b, const double *low,
-                             const double *high) {
+                             const double *A, const double *b, const double *min,
+                             const double *max) {
   const char *bad = NULL;
   if (n < 1 || m < 0)
     return bw_fail(context, BW_INVALID, "a quadratic program of %d unknowns and %d rows", n, m);
   for (int i = 0; i < n * n && !bad; i++)
     bad = isfinite(H[i]) ? NULL : "matrix";
   for (int i = 0; i < n && !bad; i++)
-    bad = !isfinite(g[i]) ? "gradient" : isnan(low[i]) || isnan(high[i]) ? "bounds" : NULL;
+    bad = !isfinite(g[i]) ? "gradient" : isnan(min[i]) || isnan(max[i]) ? "bounds" : NULL;
   for (int i = 0; i < n * m && !bad; i++)
     bad = isfinite(A[i]) ? NULL : "rows";
   for (int i = 0; i < m && !bad; i++)
@@ -52,10 +52,10 @@ static bw_status check_input(bw_context *context, int n, const double *H, const 
     return bw_fail(context, BW_INVALID,
                    "the %s of a quadratic program has an entry that is not finite", bad);
   for (int i = 0; i < n; i++)
-    if (!(low[i] <= high[i]) || low[i] == INFINITY || high[i] == -INFINITY)
+    if (!(min[i] <= max[i]) || min[i] == INFINITY || max[i] == -INFINITY)
       return bw_fail(context, BW_INVALID,
-                     "the bounds of unknown %d of a quadratic program are %g and %g", i + 1, low[i],
-                     high[i]);
+                     "the bounds of unknown %d of a quadratic program are %g and %g", i + 1, min[i],
+                     max[i]);
   return BW_OK;
 }
 
@@ -107,12 +107,12 @@ static bw_status transform(program *q, const double *H, const double *g) {
     row[j] = 1;
     bwi_lower_solve(n, q->l, row);
     double norm = sqrt(bwi_dot(n, row, row));
-    if (q->high[j] < INFINITY)
-      add_row(q, q->m + j, norm, row, q->high[j] - q->centre[j]);
+    if (q->max[j] < INFINITY)
+      add_row(q, q->m + j, norm, row, q->max[j] - q->centre[j]);
     for (int k = 0; k < n; k++)
       row[k] = -row[k];
-    if (q->low[j] > -INFINITY)
-      add_row(q, q->m + n + j, norm, row, q->centre[j] - q->low[j]);
+    if (q->min[j] > -INFINITY)
+      add_row(q, q->m + n + j, norm, row, q->centre[j] - q->min[j]);
   }
 done:
   bw_free(row);
@@ -125,7 +125,7 @@ static void to_unknowns(const program *q, const double *z, double *x) {
     x[j] = q->size * z[j];
   bwi_upper_solve(q->n, q->l, x);
   for (int j = 0; j < q->n; j++)
-    x[j] = fmin(fmax(q->centre[j] + x[j], q->low[j]), q->high[j]);
+    x[j] = fmin(fmax(q->centre[j] + x[j], q->min[j]), q->max[j]);
 }
 
 /* The least t so that all rows of A hold with b + t, within the bounds: proximal steps on the
@@ -226,18 +226,18 @@ done:
 }
 
 bw_status bw_quadratic_program(bw_context *context, int n, const double *H, const double *g, int m,
-                               const double *A, const double *b, const double *low,
-                               const double *high, double *x, double *violation,
+                               const double *A, const double *b, const double *min,
+                               const double *max, double *x, double *violation,
                                double *multiplier) {
-  program q = {.context = context, .n = n, .m = m, .a = A, .b = b, .low = low, .high = high};
+  program q = {.context = context, .n = n, .m = m, .a = A, .b = b, .min = min, .max = max};
   bw_status status;
   const char *word = "";
   bool found = true, empty_row = false;
-  double *z = NULL, *mu = NULL, max = 0;
+  double *z = NULL, *mu = NULL, largest = 0;
   q.p.context = context;
   q.p.n = n;
   q.size = 1;
-  BW_TRY(check_input(context, n, H, g, m, A, b, low, high));
+  BW_TRY(check_input(context, n, H, g, m, A, b, min, max));
   BW_TRY(transform(&q, H, g));
   z = BW_NEW0(context, double, n);
   mu = BW_NEW0(context, double, q.p.rows);
@@ -250,15 +250,15 @@ bw_status bw_quadratic_program(bw_context *context, int n, const double *H, cons
     reach += q.centre[i] * (bwi_dot(n, H + i * n, q.centre));
   reach = sqrt(fmax(reach, 0));
   for (int i = 0; i < q.p.rows; i++)
-    max = fmax(max, -q.p.beta[i]);
+    largest = fmax(largest, -q.p.beta[i]);
   for (int i = 0; i < m; i++) {
     bool zero = true;
     for (int j = 0; j < n; j++)
       zero = zero && A[i * n + j] == 0;
     empty_row = empty_row || (zero && b[i] < 0);
   }
-  if (max > 1e-14 * reach || empty_row) {
-    q.size = max > 0 ? max : fmax(reach, 1);
+  if (largest > 1e-14 * reach || empty_row) {
+    q.size = largest > 0 ? largest : fmax(reach, 1);
     for (int i = 0; i < q.p.rows; i++)
       q.p.beta[i] /= q.size;
     if (!empty_row)

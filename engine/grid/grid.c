@@ -229,7 +229,7 @@ double bw_grid_volume(const bw_grid *grid) {
   return cell * sum;
 }
 
-void bw_grid_box(const bw_grid *grid, double low[3], double high[3]) {
+void bw_grid_box(const bw_grid *grid, double min[3], double max[3]) {
   int32_t first[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, last[3] = {-1, -1, -1};
   for (int32_t e = 0; e < grid->element_count; e++) {
     int32_t place[3];
@@ -240,18 +240,18 @@ void bw_grid_box(const bw_grid *grid, double low[3], double high[3]) {
     }
   }
   for (int d = 0; d < 3; d++) {
-    low[d] = grid->origin[d] + grid->spacing[d] * first[d];
-    high[d] = grid->origin[d] + grid->spacing[d] * ((double)last[d] + 1);
+    min[d] = grid->origin[d] + grid->spacing[d] * first[d];
+    max[d] = grid->origin[d] + grid->spacing[d] * ((double)last[d] + 1);
   }
 }
 
 double bw_grid_difference(const bw_grid *grid, const double *u, const double *v) {
-  double low[3], high[3], sum = 0;
+  double min[3], max[3], sum = 0;
   for (int64_t n = 0; n < grid->node_count; n++) {
     double d[3] = {u[3 * n] - v[3 * n], u[3 * n + 1] - v[3 * n + 1], u[3 * n + 2] - v[3 * n + 2]};
     sum += bw_norm(d);
   }
-  bw_grid_box(grid, low, high);
-  double longest = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
+  bw_grid_box(grid, min, max);
+  double longest = fmax(max[0] - min[0], fmax(max[1] - min[1], max[2] - min[2]));
   return sum / grid->node_count / longest;
 }

@@ -45,11 +45,10 @@ static bw_status check_region(bw_context *context, places *p) {
   bw_status status = BW_OK;
   const bw_region *r = p->region;
   for (int d = 0; d < 3 && in(r, BW_IN_BOX); d++)
-    if (!(r->low[d] <= r->high[d]))
+    if (!(r->min[d] <= r->max[d]))
       return bw_fail(context, BW_INVALID,
-                     "the box of the region runs from %g to %g m along %c: the low corner must lie "
-                     "below the high one",
-                     r->low[d], r->high[d], "xyz"[d]);
+                     "the box of the region runs from %g to %g m along %c: min must lie below max",
+                     r->min[d], r->max[d], "xyz"[d]);
   if (in(r, BW_IN_BALL) && !(r->radius >= 0))
     return bw_fail(context, BW_INVALID, "a sphere of radius %g m: a positive radius expected",
                    r->radius);
@@ -141,7 +140,7 @@ static double distance(const places *p, const double at[3]) {
   if (in(r, BW_IN_BOX)) {
     double out[3];
     for (int d = 0; d < 3; d++)
-      out[d] = fmax(fmax(r->low[d] - at[d], at[d] - r->high[d]), 0);
+      out[d] = fmax(fmax(r->min[d] - at[d], at[d] - r->max[d]), 0);
     max = bw_norm(out);
   }
   if (in(r, BW_IN_BALL)) {

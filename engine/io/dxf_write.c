@@ -288,10 +288,10 @@ bw_status bwi_dxf_write(bw_writer *w, const bw_outline *o) {
   text(w, 9, "$MEASUREMENT");
   integer(w, 70, 1);
   text(w, 9, "$EXTMIN");
-  point(w, 10, 1000 * m.low[0], 1000 * m.low[1]);
+  point(w, 10, 1000 * m.min[0], 1000 * m.min[1]);
   real(w, 30, 0);
   text(w, 9, "$EXTMAX");
-  point(w, 10, 1000 * m.high[0], 1000 * m.high[1]);
+  point(w, 10, 1000 * m.max[0], 1000 * m.max[1]);
   real(w, 30, 0);
   text(w, 0, "ENDSEC");
   write_tables(w, o, &next);

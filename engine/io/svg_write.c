@@ -92,15 +92,15 @@ bw_status bwi_svg_write(bw_writer *writer, const bw_outline *o) {
   bw_status status = bw_outline_measure(bwi_writer_context(writer), o, -1, &m);
   if (status != BW_OK)
     return status;
-  double width = 1000 * (m.high[0] - m.low[0]), height = 1000 * (m.high[1] - m.low[1]);
-  double mirror = m.low[1] + m.high[1], stroke = (width + height) / 1000;
+  double width = 1000 * (m.max[0] - m.min[0]), height = 1000 * (m.max[1] - m.min[1]);
+  double mirror = m.min[1] + m.max[1], stroke = (width + height) / 1000;
   bw_writer_print(writer, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg "
                           "xmlns=\"http://www.w3.org/2000/svg\" width=\"");
   bw_writer_number(writer, width);
   bw_writer_print(writer, "mm\" height=\"");
   bw_writer_number(writer, height);
   bw_writer_print(writer, "mm\" viewBox=\"");
-  const double view[4] = {1000 * m.low[0], 1000 * m.low[1], width, height};
+  const double view[4] = {1000 * m.min[0], 1000 * m.min[1], width, height};
   for (int i = 0; i < 4; i++) {
     bw_writer_bytes(writer, " ", i > 0);
     bw_writer_number(writer, view[i]);

@@ -108,23 +108,23 @@ done:
 }
 
 typedef struct box {
-  const double *low, *high;
+  const double *min, *max;
 } box;
 
 static void map_to_box(void *data, const double unit[3], double out[3]) {
   const box *to = data;
   for (int k = 0; k < 3; k++)
-    out[k] = (1 - unit[k]) * to->low[k] + unit[k] * to->high[k];
+    out[k] = (1 - unit[k]) * to->min[k] + unit[k] * to->max[k];
 }
 
-bw_status bw_mesh_box_grid(bw_context *context, const double low[3], const double high[3],
+bw_status bw_mesh_box_grid(bw_context *context, const double min[3], const double max[3],
                            const int cells[3], int order, bw_mesh **mesh) {
   for (int k = 0; k < 3; k++)
-    if (!(high[k] > low[k]) || !isfinite(high[k] - low[k]))
+    if (!(max[k] > min[k]) || !isfinite(max[k] - min[k]))
       return bw_fail(context, BW_INVALID,
-                     "a box from (%g, %g, %g) to (%g, %g, %g): every high coordinate must be above "
-                     "the low one",
-                     low[0], low[1], low[2], high[0], high[1], high[2]);
-  box to = {low, high};
+                     "a box from (%g, %g, %g) to (%g, %g, %g): every max coordinate must be above "
+                     "the min one",
+                     min[0], min[1], min[2], max[0], max[1], max[2]);
+  box to = {min, max};
   return bw_mesh_mapped_box(context, cells, order, map_to_box, &to, mesh);
 }

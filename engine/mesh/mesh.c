@@ -464,16 +464,16 @@ done:
   return status;
 }
 
-void bw_mesh_box(const bw_mesh *mesh, double low[3], double high[3]) {
+void bw_mesh_box(const bw_mesh *mesh, double min[3], double max[3]) {
   for (int k = 0; k < 3; k++)
-    low[k] = high[k] = mesh->node_count ? mesh->node[k] : 0;
+    min[k] = max[k] = mesh->node_count ? mesh->node[k] : 0;
   for (int32_t i = 1; i < mesh->node_count; i++)
     for (int k = 0; k < 3; k++) {
       double x = mesh->node[3 * (size_t)i + (size_t)k];
-      if (x < low[k])
-        low[k] = x;
-      if (x > high[k])
-        high[k] = x;
+      if (x < min[k])
+        min[k] = x;
+      if (x > max[k])
+        max[k] = x;
     }
 }
 

@@ -8,7 +8,7 @@
  * volume: |N_i x N_j| = 6 V l for the two faces that meet in the edge, so the dihedral angle there
  * is atan2(6 V l, -N_i . N_j), accurate also near 0 and 180 degrees; the height on face k is
  * 6 V / |N_k|. */
-static void measure(const double *x[4], double volume, double *dihedral_low, double *dihedral_high,
+static void measure(const double *x[4], double volume, double *dihedral_min, double *dihedral_max,
                     double *radius_edge, double *aspect) {
   double normal[4][3], area = 0, side[3][3], square[3], shortest = INFINITY, longest = 0;
   for (int k = 0; k < 4; k++) {
@@ -24,8 +24,8 @@ static void measure(const double *x[4], double volume, double *dihedral_low, dou
    * opposite the other two. */
   static const int faces[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 3}, {1, 2}, {2, 3}};
   static const int edge[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-  *dihedral_low = INFINITY;
-  *dihedral_high = 0;
+  *dihedral_min = INFINITY;
+  *dihedral_max = 0;
   for (int k = 0; k < 6; k++) {
     double d[3];
     for (int i = 0; i < 3; i++)
@@ -34,8 +34,8 @@ static void measure(const double *x[4], double volume, double *dihedral_low, dou
     shortest = fmin(shortest, length);
     longest = fmax(longest, length);
     double angle = atan2(6 * volume * length, -bw_dot(normal[faces[k][0]], normal[faces[k][1]]));
-    *dihedral_low = fmin(*dihedral_low, angle);
-    *dihedral_high = fmax(*dihedral_high, angle);
+    *dihedral_min = fmin(*dihedral_min, angle);
+    *dihedral_max = fmax(*dihedral_max, angle);
   }
   *aspect = longest * area / (6 * volume);
 
@@ -55,7 +55,7 @@ static void measure(const double *x[4], double volume, double *dihedral_low, dou
 }
 
 void bw_mesh_quality_of(const bw_mesh *mesh, bw_mesh_quality *quality) {
-  bw_mesh_quality q = {.dihedral_low = INFINITY, .volume_low = INFINITY, .worst = -1};
+  bw_mesh_quality q = {.dihedral_min = INFINITY, .volume_min = INFINITY, .worst = -1};
   for (int32_t i = 0; i < mesh->element_count; i++) {
     const int32_t *e = mesh->element + (size_t)i * (size_t)mesh->nodes_per_element;
     const double *x[4];
@@ -63,15 +63,15 @@ void bw_mesh_quality_of(const bw_mesh *mesh, bw_mesh_quality *quality) {
       x[k] = mesh->node + 3 * (size_t)e[k];
     double low, high, radius_edge, aspect;
     measure(x, mesh->volume[i], &low, &high, &radius_edge, &aspect);
-    if (low < q.dihedral_low) {
-      q.dihedral_low = low;
+    if (low < q.dihedral_min) {
+      q.dihedral_min = low;
       q.worst = i;
     }
-    q.dihedral_high = fmax(q.dihedral_high, high);
-    q.radius_edge_high = fmax(q.radius_edge_high, radius_edge);
-    q.aspect_high = fmax(q.aspect_high, aspect);
-    q.volume_low = fmin(q.volume_low, mesh->volume[i]);
-    q.volume_high = fmax(q.volume_high, mesh->volume[i]);
+    q.dihedral_max = fmax(q.dihedral_max, high);
+    q.radius_edge_max = fmax(q.radius_edge_max, radius_edge);
+    q.aspect_max = fmax(q.aspect_max, aspect);
+    q.volume_min = fmin(q.volume_min, mesh->volume[i]);
+    q.volume_max = fmax(q.volume_max, mesh->volume[i]);
   }
   *quality = q;
 }

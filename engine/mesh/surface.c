@@ -112,21 +112,21 @@ done:
   return status;
 }
 
-void bw_surface_box(const bw_surface *surface, double low[3], double high[3]) {
+void bw_surface_box(const bw_surface *surface, double min[3], double max[3]) {
   for (int k = 0; k < 3; k++)
-    low[k] = high[k] = surface->point_count ? surface->point[k] : 0;
+    min[k] = max[k] = surface->point_count ? surface->point[k] : 0;
   for (int64_t i = 1; i < surface->point_count; i++)
     for (int k = 0; k < 3; k++) {
       double x = surface->point[3 * i + k];
-      low[k] = x < low[k] ? x : low[k];
-      high[k] = x > high[k] ? x : high[k];
+      min[k] = x < min[k] ? x : min[k];
+      max[k] = x > max[k] ? x : max[k];
     }
 }
 
 double bwi_surface_diagonal(const bw_surface *surface) {
-  double low[3], high[3];
-  bw_surface_box(surface, low, high);
-  double size[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+  double min[3], max[3];
+  bw_surface_box(surface, min, max);
+  double size[3] = {max[0] - min[0], max[1] - min[1], max[2] - min[2]};
   return bw_norm(size);
 }
 
@@ -150,9 +150,9 @@ double bw_surface_area(const bw_surface *surface) {
 
 double bw_surface_volume(const bw_surface *surface) {
   /* Measured from the middle of the box: a far-away origin would cancel away digits. */
-  double low[3], high[3], volume = 0;
-  bw_surface_box(surface, low, high);
-  double middle[3] = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])};
+  double min[3], max[3], volume = 0;
+  bw_surface_box(surface, min, max);
+  double middle[3] = {0.5 * (min[0] + max[0]), 0.5 * (min[1] + max[1]), 0.5 * (min[2] + max[2])};
   for (int64_t t = 0; t < surface->triangle_count; t++)
     volume += bwi_facet_volume(surface->point, surface->triangle + 3 * t, middle);
   return volume;

@@ -286,7 +286,7 @@ bw_status bw_surface_check(bw_context *context, const bw_surface *surface, int64
                  count[BW_DEFECT_ZERO_AREA] == 0;
   report.volume = bw_surface_volume(surface);
   report.area = bw_surface_area(surface);
-  bw_surface_box(surface, report.low, report.high);
+  bw_surface_box(surface, report.min, report.max);
   *out = report;
   report.defect = NULL;
 done:

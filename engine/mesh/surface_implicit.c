@@ -17,7 +17,7 @@ typedef struct march {
   bw_context *context;
   double (*f)(void *data, const double at[3]);
   void *data;
-  double low[3], step;
+  double min[3], step;
   int nodes[3]; /* along x, y, z */
   size_t layer; /* nodes in one */
   double *value[2];
@@ -30,7 +30,7 @@ typedef struct march {
 
 static void node_at(const march *m, const int node[3], double at[3]) {
   for (int k = 0; k < 3; k++)
-    at[k] = m->low[k] + m->step * node[k];
+    at[k] = m->min[k] + m->step * node[k];
 }
 
 static size_t slot(const march *m, const int node[3]) {
@@ -65,10 +65,10 @@ static bw_status evaluate_layer(march *m, int z) {
 /* The zero between two nodes: the secant, made better by a few steps of false position. */
 static double find_zero(const march *m, const double a[3], const double b[3], double fa,
                         double fb) {
-  double low = 0, high = 1, flow = fa, fhigh = fb, t = 0.5;
+  double min = 0, max = 1, flow = fa, fhigh = fb, t = 0.5;
   for (int i = 0; i < 6; i++) {
     double weight = flow / (flow - fhigh);
-    t = isfinite(weight) ? low + weight * (high - low) : 0.5 * (low + high);
+    t = isfinite(weight) ? min + weight * (max - min) : 0.5 * (min + max);
     double at[3];
     for (int k = 0; k < 3; k++)
       at[k] = a[k] + t * (b[k] - a[k]);
@@ -77,11 +77,11 @@ static double find_zero(const march *m, const double a[3], const double b[3], do
       break;
     /* Illinois: halve the value at the end that stays, or it would hardly move */
     if ((v < 0) == (flow < 0)) {
-      low = t;
+      min = t;
       flow = v;
       fhigh *= 0.5;
     } else {
-      high = t;
+      max = t;
       fhigh = v;
       flow *= 0.5;
     }
@@ -182,27 +182,26 @@ done:
   return status;
 }
 
-bw_status bw_surface_implicit(bw_context *context, const double low[3], const double high[3],
+bw_status bw_surface_implicit(bw_context *context, const double min[3], const double max[3],
                               int cells, double (*f)(void *data, const double at[3]), void *data,
                               bw_surface **surface) {
   bw_status status = BW_OK;
   march m = {.context = context, .f = f, .data = data};
   double longest = 0;
   for (int k = 0; k < 3; k++) {
-    if (!(low[k] < high[k]) || !isfinite(high[k] - low[k]))
-      return bw_fail(context, BW_INVALID,
-                     "a box from %g to %g m along %c: the low corner must lie below the high one",
-                     low[k], high[k], "xyz"[k]);
-    longest = fmax(longest, high[k] - low[k]);
+    if (!(min[k] < max[k]) || !isfinite(max[k] - min[k]))
+      return bw_fail(context, BW_INVALID, "a box from %g to %g m along %c: min must lie below max",
+                     min[k], max[k], "xyz"[k]);
+    longest = fmax(longest, max[k] - min[k]);
   }
   if (cells < 1 || cells > 4000)
     return bw_fail(context, BW_INVALID, "%d cells along the longest side: 1 to 4000 are needed",
                    cells);
   m.step = longest / cells;
   for (int k = 0; k < 3; k++) { /* the grid may reach beyond the box, evenly at both ends */
-    int count = (int)ceil((high[k] - low[k]) / m.step - 1e-9);
+    int count = (int)ceil((max[k] - min[k]) / m.step - 1e-9);
     m.nodes[k] = (count < 1 ? 1 : count) + 1;
-    m.low[k] = 0.5 * (low[k] + high[k] - m.step * (m.nodes[k] - 1));
+    m.min[k] = 0.5 * (min[k] + max[k] - m.step * (m.nodes[k] - 1));
   }
   m.layer = (size_t)m.nodes[0] * (size_t)m.nodes[1];
   for (int i = 0; i < 2; i++) {

@@ -6,20 +6,19 @@
 
 #include "barwright/mesh.h"
 
-bw_status bw_surface_box_shape(bw_context *context, const double low[3], const double high[3],
+bw_status bw_surface_box_shape(bw_context *context, const double min[3], const double max[3],
                                bw_surface **surface) {
-  /* Corner i has bit k of i set where it is high along axis k. */
+  /* Corner i has bit k of i set where it is max along axis k. */
   static const int32_t triangle[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                        2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
   double point[24];
   for (int k = 0; k < 3; k++)
-    if (!(low[k] < high[k]))
-      return bw_fail(context, BW_INVALID,
-                     "a box from %g to %g m along %c: the low corner must lie below the high one",
-                     low[k], high[k], "xyz"[k]);
+    if (!(min[k] < max[k]))
+      return bw_fail(context, BW_INVALID, "a box from %g to %g m along %c: min must lie below max",
+                     min[k], max[k], "xyz"[k]);
   for (int i = 0; i < 8; i++)
     for (int k = 0; k < 3; k++)
-      point[3 * i + k] = i >> k & 1 ? high[k] : low[k];
+      point[3 * i + k] = i >> k & 1 ? max[k] : min[k];
   return bw_surface_copy(context, 8, point, 12, triangle, NULL, surface);
 }
 
@@ -110,7 +109,7 @@ bw_status bw_surface_cylinder_shape(bw_context *context, const double base[3], c
   for (int k = 0; k < 3; k++)
     along[k] = axis[k] / height;
   bw_across(along, u, v);
-  int32_t low = 2 * segments, high = low + 1; /* the middles of the caps */
+  int32_t min = 2 * segments, max = min + 1; /* the middles of the caps */
   for (int i = 0; i < segments; i++) {
     double turn = 2 * 3.14159265358979323846 * i / segments;
     for (int k = 0; k < 3; k++) {
@@ -119,12 +118,12 @@ bw_status bw_surface_cylinder_shape(bw_context *context, const double base[3], c
       point[3 * ((int64_t)segments + i) + k] = x + axis[k];
     }
     int32_t a = i, b = (i + 1) % segments, c = a + segments, d = b + segments;
-    const int32_t facet[12] = {a, b, d, a, d, c, b, a, low, c, d, high};
+    const int32_t facet[12] = {a, b, d, a, d, c, b, a, min, c, d, max};
     memcpy(triangle + 12 * (int64_t)i, facet, sizeof facet);
   }
   for (int k = 0; k < 3; k++) {
-    point[3 * (int64_t)low + k] = base[k];
-    point[3 * (int64_t)high + k] = base[k] + axis[k];
+    point[3 * (int64_t)min + k] = base[k];
+    point[3 * (int64_t)max + k] = base[k] + axis[k];
   }
   BW_TRY(bw_surface_copy(context, 2 * (int64_t)segments + 2, point, 4 * (int64_t)segments, triangle,
                          NULL, surface));

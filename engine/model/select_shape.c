@@ -71,38 +71,37 @@ static bw_status check_numbers(bw_context *context, const char *what, int count,
 /* ---- box ------------------------------------------------------------------------------------- */
 
 typedef struct box {
-  double low[3], high[3];
+  double min[3], max[3];
 } box;
 
 static double box_distance(const void *shape, const double x[3]) {
   const box *b = (const box *)shape;
   double square = 0, inside = -HUGE_VAL;
   for (int k = 0; k < 3; k++) {
-    double d = fmax(b->low[k] - x[k], x[k] - b->high[k]);
+    double d = fmax(b->min[k] - x[k], x[k] - b->max[k]);
     square += d > 0 ? d * d : 0;
     inside = fmax(inside, d);
   }
   return square > 0 ? sqrt(square) : inside;
 }
 
-bw_status bw_select_box(bw_context *context, const bw_mesh *mesh, const double low[3],
-                        const double high[3], bw_selection **selection) {
+bw_status bw_select_box(bw_context *context, const bw_mesh *mesh, const double min[3],
+                        const double max[3], bw_selection **selection) {
   box b;
   for (int k = 0; k < 3; k++) { /* infinite sides are welcome, nan is not */
-    b.low[k] = low[k];
-    b.high[k] = high[k];
-    if (!(low[k] <= high[k])) {
+    b.min[k] = min[k];
+    b.max[k] = max[k];
+    if (!(min[k] <= max[k])) {
       char from[96], to[96];
-      bwi_vector_string(from, sizeof from, low, 6, 0);
-      bwi_vector_string(to, sizeof to, high, 6, 0);
-      return bw_fail(context, BW_INVALID,
-                     "box selection from %s to %s: the low corner is above the high one along %c",
+      bwi_vector_string(from, sizeof from, min, 6, 0);
+      bwi_vector_string(to, sizeof to, max, 6, 0);
+      return bw_fail(context, BW_INVALID, "box selection from %s to %s: min is above max along %c",
                      from, to, "xyz"[k]);
     }
   }
   char from[96], to[96], what[240];
-  bwi_vector_string(from, sizeof from, low, 6, 0);
-  bwi_vector_string(to, sizeof to, high, 6, 0);
+  bwi_vector_string(from, sizeof from, min, 6, 0);
+  bwi_vector_string(to, sizeof to, max, 6, 0);
   snprintf(what, sizeof what, "the box from %s to %s m", from, to);
   return select_by(context, mesh, box_distance, &b, what, selection);
 }

@@ -146,9 +146,9 @@ void bw_outline_basis(const bw_outline *outline, int32_t segment, double t, doub
   }
 }
 
-void bw_segment_box(const bw_outline *outline, int32_t segment, double low[2], double high[2]) {
+void bw_segment_box(const bw_outline *outline, int32_t segment, double min[2], double max[2]) {
   bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);
-  bwi_curve_box(&curve, low, high);
+  bwi_curve_box(&curve, min, max);
 }
 
 double bw_segment_length(const bw_outline *outline, int32_t segment) {

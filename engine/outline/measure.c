@@ -127,7 +127,7 @@ bw_status bw_outline_measure(bw_context *context, const bw_outline *outline, int
   bw_status status = check_region(context, outline, region);
   if (status != BW_OK)
     return status;
-  bw_outline_measures m = {.low = {DBL_MAX, DBL_MAX}, .high = {-DBL_MAX, -DBL_MAX}};
+  bw_outline_measures m = {.min = {DBL_MAX, DBL_MAX}, .max = {-DBL_MAX, -DBL_MAX}};
   double origin[2], sum[6] = {0};
   for (int32_t l = 0; l < outline->loop_count; l++) {
     const bw_loop *loop = &outline->loop[l];
@@ -138,14 +138,14 @@ bw_status bw_outline_measure(bw_context *context, const bw_outline *outline, int
       double low[2], high[2];
       bwi_curve_box(&curve, low, high);
       for (int k = 0; k < 2; k++) {
-        m.low[k] = fmin(m.low[k], low[k]);
-        m.high[k] = fmax(m.high[k], high[k]);
+        m.min[k] = fmin(m.min[k], low[k]);
+        m.max[k] = fmax(m.max[k], high[k]);
       }
       m.perimeter += bwi_curve_length(&curve);
     }
   }
   for (int k = 0; k < 2; k++)
-    origin[k] = m.low[k] + (m.high[k] - m.low[k]) / 2;
+    origin[k] = m.min[k] + (m.max[k] - m.min[k]) / 2;
   for (int32_t l = 0; l < outline->loop_count; l++) {
     int weight = bwi_loop_weight(outline, l, region);
     double moment[6];

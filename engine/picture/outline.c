@@ -143,10 +143,9 @@ bw_status bw_picture_outline(bw_context *context, const bw_outline *outline, int
   double size = fmax(10, fmin(width, height) / 45.0), margin = 2.5 * size;
   double legend = legend_count(outline) ? fmin(14 * size, 0.3 * width) : 0;
   double drawing[2] = {fmax(1, width - 2 * margin - legend), fmax(1, height - 2 * margin)};
-  frame f = {.scale =
-                 fmin(drawing[0] / (m.high[0] - m.low[0]), drawing[1] / (m.high[1] - m.low[1]))};
+  frame f = {.scale = fmin(drawing[0] / (m.max[0] - m.min[0]), drawing[1] / (m.max[1] - m.min[1]))};
   for (int k = 0; k < 2; k++) {
-    f.middle[k] = (m.low[k] + m.high[k]) / 2;
+    f.middle[k] = (m.min[k] + m.max[k]) / 2;
     f.centre[k] = margin + drawing[k] / 2;
   }
   cairo_surface_t *canvas = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);

@@ -41,9 +41,9 @@ static bw_status check(bwi_panel_sheet *s) {
   if (!isfinite(o->scale) || o->scale == 0)
     return bw_fail(s->context, BW_INVALID, "the scale %g of the values must be finite and not 0",
                    o->scale);
-  if (!isfinite(o->min) || !isfinite(o->largest) || o->min > o->largest)
+  if (!isfinite(o->min) || !isfinite(o->max) || o->min > o->max)
     return bw_fail(s->context, BW_INVALID, "the colour range %g to %g is not ascending", o->min,
-                   o->largest);
+                   o->max);
   if (!isfinite(o->deformation))
     return bw_fail(s->context, BW_INVALID, "the deformation factor is not finite");
   return BW_OK;
@@ -69,9 +69,9 @@ static void find_range(bwi_panel_sheet *s) {
     }
   }
   s->valued = s->min <= s->largest;
-  bool given = o->min != 0 || o->largest != 0;
+  bool given = o->min != 0 || o->max != 0;
   s->low = given ? o->min : s->valued ? s->min : 0;
-  s->high = given ? o->largest : s->valued ? s->largest : 1;
+  s->high = given ? o->max : s->valued ? s->largest : 1;
   for (int i = 0; i < s->count; i++) {
     bwi_solid *body = &s->solid[i][0];
     bool wide = s->high > s->low; /* one value only: the middle of the colours */
@@ -100,11 +100,11 @@ static bw_status place_camera(bwi_panel_sheet *s) {
   if (status != BW_OK)
     return status;
   for (int d = 0; d < 3; d++)
-    box |= o->low[d] != 0 || o->high[d] != 0;
+    box |= o->view_min[d] != 0 || o->view_max[d] != 0;
   for (int c = 0; c < 8 && box; c++) {
     double corner[3];
     for (int d = 0; d < 3; d++)
-      corner[d] = c >> d & 1 ? o->high[d] : o->low[d];
+      corner[d] = c >> d & 1 ? o->view_max[d] : o->view_min[d];
     bwi_view_bound(&s->view, 1, corner, bounds);
   }
   for (int i = 0; i < s->count && !box; i++)

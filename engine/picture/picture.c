@@ -43,9 +43,9 @@ static bw_status check_options(bw_context *context, const bw_picture_options *op
   if (!isfinite(options->scale) || options->scale == 0)
     return bw_fail(context, BW_INVALID, "the scale %g of the values must be finite and not 0",
                    options->scale);
-  if (!isfinite(options->low) || !isfinite(options->high) || options->low > options->high)
-    return bw_fail(context, BW_INVALID, "the colour range %g to %g is not ascending", options->low,
-                   options->high);
+  if (!isfinite(options->min) || !isfinite(options->max) || options->min > options->max)
+    return bw_fail(context, BW_INVALID, "the colour range %g to %g is not ascending", options->min,
+                   options->max);
   if (!isfinite(options->deformation))
     return bw_fail(context, BW_INVALID, "the deformation factor is not finite");
   if (options->arrow_count < 0 || options->arrow_count > MAX_ARROWS ||
@@ -251,7 +251,7 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
   body->edges = options->edges;
   if (value) {
     int64_t count = on_facets ? surface->triangle_count : surface->point_count;
-    s->range = range_of(value, count, options->low, options->high);
+    s->range = range_of(value, count, options->min, options->max);
     body->value = value;
     body->on_facets = on_facets;
     body->low = s->range.low;

@@ -79,7 +79,7 @@ bw_status bw_plane_transfer(bw_context *context, const bw_plane_mesh *from, cons
   const bw_plane_nodes *nodes = to->topology->nodes;
   bw_plane_locator *locator = NULL;
   if (components < 1)
-    return bw_fail(context, BW_INVALID, "%d components: a field has at least 1", components);
+    return bw_fail(context, BW_INVALID, "%d components: at least 1 expected", components);
   if (nodes == from->topology->nodes) {
     memcpy(carried, value, (size_t)nodes->node_count * (size_t)components * sizeof *value);
     if (nodes->order == 2 && from->topology != to->topology)

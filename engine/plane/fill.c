@@ -36,16 +36,19 @@ static bw_status check_options(bw_context *context, const bw_plane_options *o) {
   if (o->order != 1 && o->order != 2)
     return bw_fail(context, BW_INVALID, "order %d: a plane mesh has order 1 or 2", o->order);
   if (!(o->size >= 0) || isinf(o->size))
-    return bw_fail(context, BW_INVALID, "size %g: an edge length above 0, or 0 for none", o->size);
+    return bw_fail(context, BW_INVALID, "size %g m: an edge length above 0 expected, or 0 for none",
+                   o->size);
   if (o->size == 0 && !o->field && o->elements < 1)
-    return bw_fail(context, BW_INVALID, "elements %d: at least 1, or give a size", o->elements);
+    return bw_fail(context, BW_INVALID, "elements %d: at least 1 expected, or give a size",
+                   o->elements);
   if (!(o->minimum_angle >= 0 && o->minimum_angle <= 30))
-    return bw_fail(context, BW_INVALID, "minimum angle %g: from 0 to 30 degrees", o->minimum_angle);
+    return bw_fail(context, BW_INVALID, "minimum angle %g degrees: from 0 to 30 expected",
+                   o->minimum_angle);
   if (!(o->curvature > 0 && o->curvature <= 90))
-    return bw_fail(context, BW_INVALID, "curvature %g: above 0, at most 90 degrees per edge",
-                   o->curvature);
+    return bw_fail(context, BW_INVALID,
+                   "curvature %g degrees per edge: above 0 and at most 90 expected", o->curvature);
   if (o->limit < 1)
-    return bw_fail(context, BW_INVALID, "limit %d: at least 1 element", o->limit);
+    return bw_fail(context, BW_INVALID, "limit %d elements: at least 1 expected", o->limit);
   if (!(o->time_limit > 0) || !(o->memory_limit > 0))
     return bw_fail(context, BW_INVALID,
                    "time_limit %g s and memory_limit %g bytes must be positive", o->time_limit,
@@ -107,7 +110,7 @@ static bw_status endless(bw_context *context, const bw_outline *outline, double 
  */
 
 static double across_of(const bw_outline_measures *measures) {
-  return hypot(measures->high[0] - measures->low[0], measures->high[1] - measures->low[1]);
+  return hypot(measures->max[0] - measures->min[0], measures->max[1] - measures->min[1]);
 }
 
 /* One filling with a size; `turn` is halved while boundary edges cross. Where refinement towards
@@ -216,7 +219,7 @@ bw_status bwi_plane_fill(bw_context *context, const bw_outline *outline,
   for (int denser = 0;; denser++) {
     bool fits;
     if (filling.element_count < 1) {
-      status = bw_fail(context, BW_GEOMETRY, "the outline has no inside that elements fit into");
+      status = bw_fail(context, BW_GEOMETRY, "the outline encloses no area that elements fit into");
       goto done;
     }
     bw_release(made);

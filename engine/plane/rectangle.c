@@ -35,10 +35,10 @@ static void add_triangle(const grid *g, const int32_t at[3][2], int32_t *element
   }
 }
 
-static bw_status rectangle_outline(bw_context *context, const double low[2], const double high[2],
+static bw_status rectangle_outline(bw_context *context, const double min[2], const double max[2],
                                    bw_outline **outline) {
   static const bw_name tag[4] = {{"bottom"}, {"right"}, {"top"}, {"left"}};
-  double point[8] = {low[0], low[1], high[0], low[1], high[0], high[1], low[0], high[1]};
+  double point[8] = {min[0], min[1], max[0], min[1], max[0], max[1], min[0], max[1]};
   bw_segment segment[4];
   for (int i = 0; i < 4; i++)
     segment[i] = (bw_segment){{i, -1, -1, (i + 1) % 4}, i};
@@ -46,8 +46,8 @@ static bw_status rectangle_outline(bw_context *context, const double low[2], con
   return bw_outline_create(context, 4, point, 4, segment, 1, &loop, 4, tag, outline);
 }
 
-bw_status bw_plane_rectangle(bw_context *context, int order, const double low[2],
-                             const double high[2], int32_t nx, int32_t ny, bw_diagonal diagonal,
+bw_status bw_plane_rectangle(bw_context *context, int order, const double min[2],
+                             const double max[2], int32_t nx, int32_t ny, bw_diagonal diagonal,
                              bw_plane_mesh **mesh) {
   bw_status status = BW_OK;
   bw_outline *outline = NULL;
@@ -57,14 +57,15 @@ bw_status bw_plane_rectangle(bw_context *context, int order, const double low[2]
   if (order != 1 && order != 2)
     return bw_fail(context, BW_INVALID, "order %d: a plane mesh has order 1 or 2", order);
   if (nx < 1 || ny < 1 || (double)nx * ny > 5e7)
-    return bw_fail(context, BW_INVALID, "%d x %d squares: from 1 x 1 up to 50 million", nx, ny);
-  if (!(high[0] > low[0]) || !(high[1] > low[1]) || !isfinite(high[0] - low[0]) ||
-      !isfinite(high[1] - low[1]))
+    return bw_fail(context, BW_INVALID, "%d x %d cells: from 1 x 1 to 50 million in all expected",
+                   nx, ny);
+  if (!(max[0] > min[0]) || !(max[1] > min[1]) || !isfinite(max[0] - min[0]) ||
+      !isfinite(max[1] - min[1]))
     return bw_fail(context, BW_INVALID,
                    "a rectangle from (%g, %g) to (%g, %g): the second must lie above and to the "
                    "right of the first",
-                   low[0], low[1], high[0], high[1]);
-  BW_TRY(rectangle_outline(context, low, high, &outline));
+                   min[0], min[1], max[0], max[1]);
+  BW_TRY(rectangle_outline(context, min, max, &outline));
   int32_t step = order == 2 ? 1 : 2, width = order == 2 ? 6 : 3;
   int32_t nodes = order == 2 ? (2 * nx + 1) * (2 * ny + 1) : (nx + 1) * (ny + 1);
   point = BW_NEW(context, double, 2 * (size_t)nodes);
@@ -96,8 +97,8 @@ bw_status bw_plane_rectangle(bw_context *context, int order, const double low[2]
       if (segment[n] >= 0) { /* the same bits as the outline gives */
         bw_outline_evaluate(outline, segment[n], parameter[n], point + 2 * (size_t)n, NULL, NULL);
       } else {
-        point[2 * (size_t)n] = (1 - r) * low[0] + r * high[0];
-        point[2 * (size_t)n + 1] = (1 - s) * low[1] + s * high[1];
+        point[2 * (size_t)n] = (1 - r) * min[0] + r * max[0];
+        point[2 * (size_t)n + 1] = (1 - s) * min[1] + s * max[1];
       }
     }
   int32_t *e = element;

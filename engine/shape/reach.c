@@ -39,13 +39,13 @@ static bw_status check_target(bw_context *context, const bw_skeleton *skeleton, 
 static bw_status check_limit(bw_context *context, const bw_skeleton *skeleton, int32_t b,
                              const bw_joint_limit *limit) {
   if (limit->swing >= 0 && limit->swing <= pi_and_rounding &&
-      limit->twist_low <= limit->twist_high && limit->twist_low >= -pi_and_rounding &&
-      limit->twist_high <= pi_and_rounding)
+      limit->twist_min <= limit->twist_max && limit->twist_min >= -pi_and_rounding &&
+      limit->twist_max <= pi_and_rounding)
     return BW_OK;
   return bw_fail(context, BW_INVALID,
                  "the limits of bone \"%s\" are swing %g and twist %g to %g: swing from 0 to pi "
                  "and twists from -pi to pi, the lower first, expected",
-                 skeleton->bone_name[b].text, limit->swing, limit->twist_low, limit->twist_high);
+                 skeleton->bone_name[b].text, limit->swing, limit->twist_min, limit->twist_max);
 }
 
 /* Which bones turn, and for which targets. */

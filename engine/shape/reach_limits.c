@@ -11,8 +11,8 @@ static const double min_range = 1e-6;
 
 void bw_joint_limit_none(bw_joint_limit *limit) {
   limit->swing = pi;
-  limit->twist_low = -pi;
-  limit->twist_high = pi;
+  limit->twist_min = -pi;
+  limit->twist_max = pi;
 }
 
 /* ---- quaternions ----------------------------------------------------------------------------- */
@@ -86,7 +86,7 @@ void bwi_swing_twist(const double q[4], const double direction[3], double *swing
 bool bwi_limit_rotation(const bw_joint_limit *limit, const double direction[3], double q[4]) {
   double swing_angle, twist_angle, twist[4], back[4], swing[4];
   bwi_swing_twist(q, direction, &swing_angle, &twist_angle);
-  double twist_to = fmin(fmax(twist_angle, limit->twist_low), limit->twist_high);
+  double twist_to = fmin(fmax(twist_angle, limit->twist_min), limit->twist_max);
   bool swings = swing_angle > limit->swing;
   if (!swings && twist_to == twist_angle)
     return false;
@@ -143,9 +143,9 @@ void bwi_limit_bars(const bw_joint_limit *limit, const double direction[3], cons
   double rate = bw_norm(middle) / 2;
   if (rate < 1e-9)
     return;
-  if (limit->twist_high - limit->twist_low < min_range)
+  if (limit->twist_max - limit->twist_min < min_range)
     bar(bars, middle, 0, 0);
-  else if (limit->twist_high < pi || limit->twist_low > -pi)
-    bar(bars, middle, limit->twist_low > -pi ? rate * (limit->twist_low - twist) : -INFINITY,
-        limit->twist_high < pi ? rate * (limit->twist_high - twist) : INFINITY);
+  else if (limit->twist_max < pi || limit->twist_min > -pi)
+    bar(bars, middle, limit->twist_min > -pi ? rate * (limit->twist_min - twist) : -INFINITY,
+        limit->twist_max < pi ? rate * (limit->twist_max - twist) : INFINITY);
 }

@@ -15,7 +15,7 @@ local outer = shapes.limb({0, 0, 0}, {80 * mm, 0, 0}, 10 * mm)
 local hollow = shapes.limb({4 * mm, 0, 2 * mm}, {76 * mm, 0, 2 * mm}, 5 * mm)
 local function closed(shape)
   return assert(bw.surface.implicit(shape,
-    {low = {-12 * mm, -12 * mm, -12 * mm}, high = {92 * mm, 12 * mm, 12 * mm}, cells = 52}))
+    {min = {-12 * mm, -12 * mm, -12 * mm}, max = {92 * mm, 12 * mm, 12 * mm}, cells = 52}))
 end
 local spacing = (quick and 4 or 2.5) * mm
 local finger_grid = assert(bw.grid.voxels(closed(shapes.cut(outer, hollow)), {spacing = spacing}))
@@ -34,16 +34,16 @@ local study = bw.study {
   constraints = {{name = "min_ratio", min = 0.7}}, -- of volumes: no cell is crushed
   design = {"sobol_indices", base = quick and 2 or 32},
   run = function(point, trial)
-    local grid = assert(finger_grid:set({high = {1, 1, -10 * mm + point.layers * spacing}}, 2))
+    local grid = assert(finger_grid:set({max = {1, 1, -10 * mm + point.layers * spacing}}, 2))
     local finger = assert(bw.solid {grid = grid, materials = {
       bw.hyperelastic {name = "soft", young = 2e5, poisson = 0.45, density = 1050},
       bw.hyperelastic {name = "strip", young = point.young, poisson = 0.45, density = 1100},
     }})
-    finger:fix {high = {-2 * mm, 1, 1}}
+    finger:fix {max = {-2 * mm, 1, 1}}
     finger:pressure(cavity, {pressure = -point.air, follower = true})
     local bent, message = finger:solve()
     if not bent then return nil, message end
-    local tip = bent.displacement:gather(grid:nodes {side = "high x"})
+    local tip = bent.displacement:gather(grid:nodes {side = "max x"})
     assert(grid:picture(trial.folder .. "/finger.png", {displacement = bent.displacement,
       direction = {0.4, -1, 0.3}, up = {0, 0, 1}, width = 360, height = 260}))
     return {down = -tip:column(3):mean(), min_ratio = bent.report.shape.min_ratio}

@@ -15,7 +15,7 @@ local top, eye, bend, tip = {0, 0, 60 * mm}, {0, 0, 25 * mm}, {18 * mm, 0, 0}, {
 local shapes = bw.shapes
 local surface = assert(bw.surface.implicit(shapes.join({shapes.limb(top, eye, 7 * mm),
   shapes.limb(eye, bend, 6 * mm), shapes.limb(bend, tip, 5 * mm)}, 3 * mm),
-  {low = {-12 * mm, -12 * mm, -10 * mm}, high = {50 * mm, 12 * mm, 72 * mm}, cells = 60}))
+  {min = {-12 * mm, -12 * mm, -10 * mm}, max = {50 * mm, 12 * mm, 72 * mm}, cells = 60}))
 local mesh = assert(bw.mesh.fill(surface, {elements = quick and 2500 or 6000, order = 2}))
 local pla = bw.material.pla
 local skeleton = bw.skeleton.create {joints = {top = top, eye = eye, bend = bend, tip = tip}, root = "top",
@@ -45,7 +45,7 @@ local study = bw.study {
     local options = {force = point.force}
     for key, value in pairs(opts) do options[key] = value end
     local found
-    found, message = session:optimise {von_mises = limit, high = 2.5, loads = "worst", worst = options}
+    found, message = session:optimise {von_mises = limit, max_factor = 2.5, loads = "worst", worst = options}
     if not found then return nil, message end
     assert(session:picture(trial.folder .. "/hook.png"))
     assert(assert(session:surface()):write(trial.folder .. "/hook.stl"))

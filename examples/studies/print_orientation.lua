@@ -19,7 +19,7 @@ local body = shapes.join({
   shapes.limb({30 * mm, 0, -8 * mm}, {38 * mm, 0, 12 * mm}, 4 * mm),
 }, 3 * mm)
 local surface = assert(bw.surface.implicit(body,
-  {low = {-10 * mm, -10 * mm, -18 * mm}, high = {46 * mm, 10 * mm, 60 * mm}, cells = 50}))
+  {min = {-10 * mm, -10 * mm, -18 * mm}, max = {46 * mm, 10 * mm, 60 * mm}, cells = 50}))
 local mesh = assert(bw.mesh.fill(surface, {elements = quick and 2000 or 8000}))
 
 -- 2. The material's axes: tilted about X, then turned about Z.

@@ -16,7 +16,7 @@ local function source_of(name)
 end
 
 -- 1. A cantilever of 80 mm, made once.
-local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {80 * mm, 12 * mm, 6 * mm},
+local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {80 * mm, 12 * mm, 6 * mm},
   cells = {16, 3, 2}, order = 2})
 local load = 2 -- N
 

@@ -28,8 +28,8 @@ local study = bw.study {
     local tube = shapes.cut(shapes.limb({-r, 0, 0}, far, r), shapes.join {
       shapes.limb({-2 * r, 0, 0}, {length - wall, 0, 0}, r - wall),
       shapes.box({-1, -1, -1}, {0, 1, 1})})
-    local surface, message = bw.surface.implicit(tube, {low = {-2 * mm, -r - 2 * mm, -r - 2 * mm},
-      high = {length + r + 2 * mm, r + 2 * mm, r + 2 * mm},
+    local surface, message = bw.surface.implicit(tube, {min = {-2 * mm, -r - 2 * mm, -r - 2 * mm},
+      max = {length + r + 2 * mm, r + 2 * mm, r + 2 * mm},
       cells = math.ceil((quick and 1.6 or 2) * length / wall)})
     if not surface then return nil, message end
     local mesh

@@ -41,7 +41,7 @@ local MARGIN = 1.02
 local WIDEST = 2
 
 local function diagonal(box)
-  return distance(box.low, box.high)
+  return distance(box.min, box.max)
 end
 
 -- The derivative of the utilisation by the six components of a stress, from central differences.
@@ -229,7 +229,7 @@ local function offsets(places, moved, matrix, limit, max)
     for j, other in ipairs(moved) do A[i][j] = matrix[i][j] * other.radius end
   end
   local x, violation, details = core.quadratic_program {H = core.array.new(H), g = core.array.new(g),
-    A = core.array.new(A), b = core.array.new(b), low = core.array.new(low), high = core.array.new(high)}
+    A = core.array.new(A), b = core.array.new(b), min = core.array.new(low), max = core.array.new(high)}
   if not x then return nil, violation, details end
   for j, place in ipairs(moved) do place.offset = math.max(0, x[j]) * place.radius end
   return true

@@ -11,7 +11,7 @@ local CRITICAL = 0.5
 
 local function thinnest(box)
   local min = math.huge
-  for k = 1, 3 do min = math.min(min, box.high[k] - box.low[k]) end
+  for k = 1, 3 do min = math.min(min, box.max[k] - box.min[k]) end
   return min
 end
 
@@ -31,7 +31,7 @@ end
 
 --- The radius in m that an option `length` of `where` asks for; nil, message, details where the material has none.
 return function(where, length, material, box)
-  if length == nil then return SHARE * distance(box.low, box.high) end
+  if length == nil then return SHARE * distance(box.min, box.max) end
   if length == "critical" then return of_material(material, box) end
   if type(length) ~= "number" or not (length > 0 and length < math.huge) then
     core.raise(("%s: option 'length': a length in m above 0 or 'critical' expected, got %s"):format(where,

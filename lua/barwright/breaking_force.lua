@@ -143,7 +143,7 @@ end
 -- surface and FOR_VOLUME for each cube of the length.
 local function background_length(surface, count)
   local low, high = 1e-6, 1
-  local scale = distance(surface.box.low, surface.box.high)
+  local scale = distance(surface.box.min, surface.box.max)
   for _ = 1, 60 do
     local share = math.sqrt(low * high)
     local length = share * scale

@@ -146,7 +146,7 @@ local function check_supports(opts, outline)
   local a, H = opts.span / 2, opts.deck
   local wanted = {foot = {{a, 0}, {a + opts.bearing, 0}}, pad = {{opts.pad / 2, H}, {opts.hold, H}},
     hold = {{opts.hold, H}, {0, H}}}
-  local left = outline:measure().box.low[1]
+  local left = outline:measure().box.min[1]
   if left < -1e-9 * opts.span then
     return nil, ("the outline reaches x = %.4g m, across the axis at x = 0 into its own image"):format(left),
       {status = "geometry", x = left}
@@ -163,8 +163,8 @@ local function check_supports(opts, outline)
   end
   for _, tag in ipairs {"foot", "pad", "hold", "axis"} do
     if not found[tag] then
-      return nil, ("the bridge's %s is not where it has to stay"):format(tag), {status = "geometry",
-        tag = tag}
+      return nil, ("the edge '%s' of the bridge was moved: it stays where the bridge was made"):format(tag),
+        {status = "geometry", tag = tag}
     end
   end
   return true
@@ -367,8 +367,8 @@ local function form_of_start(self, name, kept)
     table.move(form.loops, 1, #form.loops, 1, {})))
   local fine, message = form:outline()
   if fine then return form end
-  return nil, ("the holes that were put in by hand do not fit the start '%s': %s. Take them away with "
-    .. "bridge:without, or begin with 'current'"):format(name, message)
+  return nil, ("the holes that were put in by hand do not fit the start '%s': %s. Remove them with "
+    .. "bridge:without, or start from 'current'"):format(name, message)
 end
 
 -- The names of the holes that a design made, which the next one may move.
@@ -395,8 +395,9 @@ function class.design(self, given)
   local opts = options.read("design", given, design_rules)
   local share = self:moment_share()
   if share > 2 / math.sqrt(3) then
-    return nil, ("no bridge of this depth can pass: the bending moment in the middle is %.2f of what %.4g m can "
-      .. "bear with every point at the limit. A depth of %.4g m, a thickness of %.4g m or less load is the least")
+    return nil, ("no bridge of this depth can pass: the bending moment in the middle is %.2f times the one of a "
+      .. "section %.4g m deep with the stress limit everywhere. At least %.4g m of depth, or %.4g m of "
+      .. "thickness, or less load is needed")
       :format(share, self.opts.deck, self.opts.deck * math.sqrt(share * math.sqrt(3) / 2),
         self.opts.thickness * share * math.sqrt(3) / 2), {status = "infeasible", moment_share = share}
   end

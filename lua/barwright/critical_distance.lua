@@ -248,7 +248,7 @@ local function intensities(where, self, given, rules)
   local opts = options.read(where, given or {}, rules)
   local places, message, details = read_places(where, self, opts.places)
   if not places then return nil, message, details end
-  local low, high = self.mesh.box.low, self.mesh.box.high
+  local low, high = self.mesh.box.min, self.mesh.box.max
   local list, why = over_places(places, distance(low, high) / MAX_STATIONS, function(place, station)
     if place.exponent <= 0 then return nil end
     return intensity_at(self, place, station)

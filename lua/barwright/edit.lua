@@ -63,7 +63,7 @@ local function misplaced(skeleton, mesh)
   for k = 1, 3 do size = math.max(size, box.size[k]) end
   for _, at in ipairs(joints) do
     local out = 0
-    for k = 1, 3 do out = math.max(out, box.low[k] - at[k], at[k] - box.high[k]) end
+    for k = 1, 3 do out = math.max(out, box.min[k] - at[k], at[k] - box.max[k]) end
     if out <= size then inside = inside + 1 end
   end
   if 2 * inside >= #joints then return nil end

@@ -320,8 +320,8 @@ local function read_limit(given)
     end
   end
   return {swing = opts.swing and math.rad(opts.swing),
-    twist_low = opts.twist and math.rad(opts.twist[1]),
-    twist_high = opts.twist and math.rad(opts.twist[2])}
+    twist_min = opts.twist and math.rad(opts.twist[1]),
+    twist_max = opts.twist and math.rad(opts.twist[2])}
 end
 
 function edit_bone.limit(session, name, given)

@@ -43,7 +43,7 @@ end
 
 local function largest_coordinate(mesh)
   local box, size = mesh.box, 0
-  for i = 1, 3 do size = math.max(size, math.abs(box.low[i]), math.abs(box.high[i])) end
+  for i = 1, 3 do size = math.max(size, math.abs(box.min[i]), math.abs(box.max[i])) end
   return size
 end
 

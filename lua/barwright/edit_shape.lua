@@ -80,7 +80,7 @@ local farthest = 1e6 -- sizes of the part at rest: beyond it, coordinates have n
 
 -- Whether nodes left the part's surroundings, or the numbers.
 local function is_far(topology, nodes)
-  local low, high, size = topology.box.low, topology.box.high, 0
+  local low, high, size = topology.box.min, topology.box.max, 0
   for k = 1, 3 do size = math.max(size, high[k] - low[k]) end
   for k = 1, 3 do
     local column, reach = nodes:column(k), farthest * size

@@ -228,7 +228,8 @@ function handlers.optimise(self, client, message)
   if not no_drag(self, client, message) then return end
   self.limit = message.von_mises
   local report, why, details = shared.reported_of(self, "optimising", self.session.optimise, self.session,
-    {von_mises = message.von_mises, low = message.low, high = message.high, bones = message.bones,
+    {von_mises = message.von_mises, min_factor = message.min_factor, max_factor = message.max_factor,
+      bones = message.bones,
       ties = self.ties, loads = self.loads.kind, worst = self.about.worst,
       move_supports = message.move_supports})
   if not report and shared.stopped(details) then why = "stopped: the shape is as it was" end

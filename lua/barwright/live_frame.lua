@@ -62,7 +62,7 @@ local function bends(state)
   for b = 1, #state.pose do
     local limit = state.limits[b]
     out[b] = limit and {swing = limit.swing and math.deg(limit.swing),
-      twist = limit.twist_low and json.list {math.deg(limit.twist_low), math.deg(limit.twist_high)}}
+      twist = limit.twist_min and json.list {math.deg(limit.twist_min), math.deg(limit.twist_max)}}
       or json.null
   end
   return out

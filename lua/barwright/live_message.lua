@@ -131,7 +131,8 @@ local types = {
   reset = nothing,
   stop = nothing,
   limit = {von_mises = {or_null(stress), true}},
-  optimise = {von_mises = {stress, true}, low = {number_between(0.05, 1)}, high = {number_between(1, 20)},
+  optimise = {von_mises = {stress, true}, min_factor = {number_between(0.05, 1)},
+    max_factor = {number_between(1, 20)},
     bones = {bones}, move_supports = {flag}},
   export = {format = {one_of("stl", "lua"), true}},
 }

@@ -31,7 +31,7 @@ local states_kept = 50
 
 local function size_of(outline)
   local box = outline.box
-  return math.sqrt((box.high[1] - box.low[1]) ^ 2 + (box.high[2] - box.low[2]) ^ 2)
+  return math.sqrt((box.max[1] - box.min[1]) ^ 2 + (box.max[2] - box.min[2]) ^ 2)
 end
 
 local function drag_reported(drag)

@@ -95,8 +95,8 @@ function bar:holes()
     end
   end
   if not (best[1] and best[2]) then
-    return nil, "the lowest mode is not at rest on both sides of the centroid: it is no bending of "
-      .. "the bar", {status = "geometry"}
+    return nil, "the nodal lines of the lowest mode do not lie on both sides of the centroid: it is no bending "
+      .. "mode", {status = "geometry"}
   end
   return {{best[1][1], best[1][2]}, {best[2][1], best[2][2]}}
 end
@@ -138,7 +138,8 @@ local tune_rules = {
 local function wanted_frequency(where, target)
   local wanted = type(target) == "string" and pitch.frequency(target) or target
   if type(wanted) ~= "number" or not (wanted > 0 and wanted < math.huge) then
-    raise(("%s: a frequency in Hz or a note like \"C5\" expected"):format(where))
+    raise(("%s: a frequency above 0 Hz or a note such as \"C5\" expected, got %s"):format(where,
+      core.got(target)))
   end
   return wanted
 end
@@ -163,7 +164,8 @@ local function wanted_of(first, ratios)
   local wanted = {}
   for k, ratio in ipairs(ratios) do
     if type(ratio) ~= "number" or not (ratio > (ratios[k - 1] or 0) and ratio < math.huge) then
-      raise "tune: option 'ratios': numbers above 0, each above the one before, expected: {1, 4, 10}"
+      raise(("tune: option 'ratios': numbers above 0, each above the one before, expected, such as {1, 4, 10}; "
+        .. "entry %d is %s"):format(k, core.got(ratio)))
     end
     wanted[k] = first * ratio / ratios[1]
   end
@@ -184,8 +186,8 @@ local function enough_modes(self, choose)
   while not modes or modes[#modes] + 2 > self.opts.modes do
     if modes and #modes == 1 and modes[1] == 1 then return true end
     if self.opts.modes >= MAX_MODES then
-      return nil, ("the modes to be tuned are not among the lowest %d"):format(self.opts.modes),
-        {status = "infeasible"}
+      return nil, ("the modes to be tuned are not among the lowest %d: ask for fewer ratios"):format(
+        self.opts.modes), {status = "infeasible"}
     end
     self.opts.modes = math.min(MAX_MODES, self.opts.modes + 3)
     local fine, message, details = self:solve()
@@ -202,7 +204,8 @@ local function approach(self, wanted, opts, search)
   if opts.stages == 1 then return 0 end
   local modes = search.choose(self)
   if not modes then
-    return nil, "the modes to be tuned are no longer among those that are computed", {status = "convergence"}
+    return nil, "the modes to be tuned are no longer among those computed: give the bar more modes",
+      {status = "convergence"}
   end
   for k, mode in ipairs(modes) do
     now[k] = self.frequencies[mode]
@@ -232,7 +235,7 @@ local function tuned(self, wanted, opts, keep)
     if not scaled then return nil, message, details end
   end
   local box = self.outline.box
-  local size = math.sqrt((box.high[1] - box.low[1]) ^ 2 + (box.high[2] - box.low[2]) ^ 2)
+  local size = math.sqrt((box.max[1] - box.min[1]) ^ 2 + (box.max[2] - box.min[2]) ^ 2)
   local search = {keep = keep, smooth = opts.smooth or 0.1 * size, watch = opts.watch, choose = choose,
     move_limit = opts.move_limit}
   local rounds, message, details = approach(self, wanted, opts, search)
@@ -249,7 +252,10 @@ local function tuned(self, wanted, opts, keep)
       if not fine then return nil, message, details end
     end
     local here, there = choose(self), choose(fine)
-    if not there then return nil, "a finer mesh has other modes", {status = "convergence"} end
+    if not there then
+      return nil, "the modes to be tuned are not among those computed on the finer mesh: try another 'finer' or "
+        .. "more elements", {status = "convergence"}
+    end
     local worst = 0
     modes = {}
     for k, target in ipairs(wanted) do
@@ -291,7 +297,8 @@ function bar:tune(target, given)
   local segments = #opts.pins > 0 and self.outline.segments:totable()
   for _, vertex in ipairs(opts.pins) do
     if not segments[vertex] then
-      raise(("tune: option 'pins': numbers of vertices from 1 to %d expected"):format(#segments))
+      raise(("tune: option 'pins': numbers of vertices from 1 to %d expected, got %s"):format(#segments,
+        core.got(vertex)))
     end
     keep[segments[vertex][1]] = true
   end
@@ -344,7 +351,7 @@ end
 --- half as deep as the bar is wide there: where more is needed, the place is left out.
 function bar:trim(measured, target, given)
   if type(measured) ~= "number" or measured <= 0 then
-    raise "trim: the measured frequency in Hz expected"
+    raise(("trim: a measured frequency above 0 Hz expected, got %s"):format(core.got(measured)))
   end
   local wanted = wanted_frequency("trim", target)
   local opts = options.read("trim", given, trim_rules)
@@ -359,7 +366,7 @@ function bar:trim(measured, target, given)
   if not fine then return nil, message, details end
   local gradient = fine:gradient():totable()
   local box = drawn.box
-  local size = math.max(box.high[1] - box.low[1], box.high[2] - box.low[2])
+  local size = math.max(box.max[1] - box.min[1], box.max[2] - box.min[2])
   local across
   across, message, details = tune.widths(drawn, 1e-6 * size, 2 * size)
   if not across then return nil, message, details end
@@ -423,10 +430,10 @@ function metallophone.new(given)
   local opts = options.read("metallophone", given, rules)
   followed.one_size("metallophone", opts)
   local box = opts.outline.box
-  local size = math.max(box.high[1] - box.low[1], box.high[2] - box.low[2])
+  local size = math.max(box.max[1] - box.min[1], box.max[2] - box.min[2])
   if opts.thickness > size or opts.thickness < 1e-6 * size then
-    return nil, ("a thickness of %g m for an outline %g m long: a bar is thinner than long, and no thinner than "
-      .. "a millionth of that"):format(opts.thickness, size), {status = "geometry"}
+    return nil, ("a thickness of %g m for an outline %g m long: a bar is thinner than long, and at least a "
+      .. "millionth of its length thick"):format(opts.thickness, size), {status = "geometry"}
   end
   return followed.object(bar, opts, core.plate.create(opts.outline,
     {size = opts.size, elements = opts.elements or (not opts.size and 400 or nil)}, opts.follow,

@@ -24,8 +24,8 @@ local rules = {
   keep = {type = "table", default = {}}, -- names of bones that stay as they are, selections that do not move
   move_supports = {type = "boolean", default = false},
   ties = {type = "table", default = {}}, -- lists of names of bones that change alike
-  low = {type = "number", default = 0.5, above = 0},
-  high = {type = "number", default = 3, above = 0},
+  min_factor = {type = "number", default = 0.5, above = 0},
+  max_factor = {type = "number", default = 3, above = 0},
   cases = {type = "table", default = {}}, -- further parts
   loads = {type = "string", default = "own", one_of = {"own", "worst"}},
   worst = {type = "table", default = {}}, -- options of bw.worst_case
@@ -225,7 +225,7 @@ local function refuse(self, word)
   local active = {}
   for i, group in ipairs(self.groups) do
     local t = best.t[i] or 1
-    if t <= group.low * (1 + 1e-6) or t >= group.high * (1 - 1e-6) then
+    if t <= group.min * (1 + 1e-6) or t >= group.max * (1 - 1e-6) then
       for _, bone in ipairs(group.bones) do
         active[#active + 1] = ("%s across %s"):format(self.stage.topology.skeleton.bone_names[bone],
           ("xyz"):sub(group.axis, group.axis))
@@ -303,8 +303,9 @@ function optimise.run(session, given)
   if not opts.move_supports then held.add_supports(self.held, parts) end
   self.keep = unknowns.set(unknowns.bones(skeleton, kept_bones, "keep"))
   self.tied = unknowns.ties(skeleton, opts.ties)
-  if opts.low > opts.high then
-    raise(("optimise: option 'low' (%g) is above 'high' (%g)"):format(opts.low, opts.high))
+  if opts.min_factor > opts.max_factor then
+    raise(("optimise: option 'min_factor' (%g) is above 'max_factor' (%g)"):format(opts.min_factor,
+      opts.max_factor))
   end
   local relief = opts.inertia_relief
   if opts.loads == "worst" then

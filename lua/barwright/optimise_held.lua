@@ -64,7 +64,7 @@ end
 
 --- The first of a list that a motion of all nodes moves; nil: none.
 function held.moved(list, topology, motion)
-  local low, high, size = topology.box.low, topology.box.high, 0
+  local low, high, size = topology.box.min, topology.box.max, 0
   for k = 1, 3 do size = math.max(size, high[k] - low[k]) end
   for _, one in ipairs(list) do
     local nodes = nodes_on(topology, one)

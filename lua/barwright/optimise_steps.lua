@@ -69,7 +69,7 @@ end
 
 -- One quadratic program: the models linearised `at` some factors, with the curvature that they have
 -- by the multipliers of the last one.
-local function program(self, at, list, multipliers, low, high)
+local function program(self, at, list, multipliers, min, max)
   local n, scale = #at, 0
   local B, g, A, b = hessian(self, at, list, multipliers), {}, {}, {}
   for k, model in ipairs(list) do
@@ -94,7 +94,7 @@ local function program(self, at, list, multipliers, low, high)
     for j = 1, n do B[i][j] = B[i][j] / scale end
   end
   local x, violation, prices = core.quadratic_program {H = B, g = g, A = #list > 0 and A or nil,
-    b = #list > 0 and b or nil, low = low, high = high}
+    b = #list > 0 and b or nil, min = min, max = max}
   if not x then return nil, violation, prices end
   prices = prices:totable()
   for k = 1, #prices do prices[k] = prices[k] * scale end
@@ -117,15 +117,15 @@ end
 -- The least change of shape from the start by which the models meet the limit, or nearly do so where
 -- none does, within the bounds and the trust region around t: quadratic programs in turn.
 local function solve_models(self, t, list, radius)
-  local low, high = {}, {}
+  local min, max = {}, {}
   for i = 1, #t do
-    low[i] = math.max(self.groups[i].low, t[i] * (1 - radius))
-    high[i] = math.min(self.groups[i].high, t[i] * (1 + radius))
+    min[i] = math.max(self.groups[i].min, t[i] * (1 - radius))
+    max[i] = math.min(self.groups[i].max, t[i] * (1 + radius))
   end
   local at, multipliers, step = t, {}, nil
   for _ = 1, programs do
     local message, details
-    step, message, details = program(self, at, list, multipliers, low, high)
+    step, message, details = program(self, at, list, multipliers, min, max)
     if not step then return nil, message, details end
     local moved = largest_step(at, step.t)
     at, multipliers = step.t, step.violation == 0 and step.multipliers or {}

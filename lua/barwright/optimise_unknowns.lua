@@ -65,11 +65,11 @@ local function measure(self, n)
 end
 
 local function add_group(self, bones, axis)
-  local group = {bones = bones, axis = axis, low = 0, high = math.huge}
+  local group = {bones = bones, axis = axis, min = 0, max = math.huge}
   for _, bone in ipairs(bones) do
     local start = self.stage:factors(bone)[axis]
-    group.low = math.max(group.low, math.min(self.opts.low / start, 1))
-    group.high = math.min(group.high, math.max(self.opts.high / start, 1))
+    group.min = math.max(group.min, math.min(self.opts.min_factor / start, 1))
+    group.max = math.min(group.max, math.max(self.opts.max_factor / start, 1))
   end
   local n = #self.groups + 1
   self.groups[n], self.t[n] = group, 1

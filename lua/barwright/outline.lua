@@ -41,11 +41,13 @@ end
 local function read_tags(where, given, count)
   local tags = {}
   if given == nil then return tags end
-  if type(given) ~= "table" then raise(("%s: tags: {name = {edges}} expected"):format(where)) end
+  if type(given) ~= "table" then
+    raise(("%s: tags: edges by tag, {name = {1, 2}}, expected, got %s"):format(where, core.got(given)))
+  end
   local names = {}
   for name in pairs(given) do
     if type(name) ~= "string" then
-      raise(("%s: tags: {name = {edges}} expected"):format(where))
+      raise(("%s: tags: edges by tag, {name = {1, 2}}, expected, got the key %s"):format(where, core.got(name)))
     end
     names[#names + 1] = name
   end
@@ -99,7 +101,7 @@ local function add_loop(draft, where, given, region, default_name)
   local name = check_name(where .. ": name", given.name)
   local tag = check_name(where .. ": tag", given.tag) or name or "boundary"
   local count = #list
-  if count == 0 then raise(("%s: no points"):format(where)) end
+  if count == 0 then raise(("%s: one point or more expected, got none"):format(where)) end
   local tags = read_tags(where, given.tags, count)
   local start, control = {}, {}
   for i, entry in ipairs(list) do
@@ -195,7 +197,7 @@ local function create(given)
   add_all(draft, names, "regions", opts.regions, function(loop, where)
     local region = type(loop) == "table" and loop.region
     if region and (math.type(region) ~= "integer" or region < 1 or region > regions + 1) then
-      raise(("%s: region: a number from 1 to %d expected"):format(where, regions + 1))
+      raise(("%s: region: a number from 1 to %d expected, got %s"):format(where, regions + 1, core.got(region)))
     end
     region = region or regions + 1
     regions = math.max(regions, region)
@@ -280,7 +282,7 @@ local selections = {
 
 local function within(box, low, high)
   for k = 1, 2 do
-    if box.low[k] < low[k] or box.high[k] > high[k] then return false end
+    if box.min[k] < low[k] or box.max[k] > high[k] then return false end
   end
   return true
 end
@@ -296,9 +298,9 @@ local function one_selection(self, opts, edges)
       if self:edge_distance(edge, opts.near) <= opts.radius then edges[#edges + 1] = edge end
     end
   elseif opts.box then
-    local low, high = opts.box[1] or opts.box.low, opts.box[2] or opts.box.high
+    local low, high = opts.box[1] or opts.box.min, opts.box[2] or opts.box.max
     if not (is_pair(low) and is_pair(high)) then
-      raise "tag: box: {{x, y}, {x, y}}, its low and its high corner, expected"
+      raise "tag: box: {{x, y}, {x, y}}, its corners with the smallest and the largest coordinates, expected"
     end
     for edge = 1, self.edge_count do
       if within(self:edge(edge).box, low, high) then edges[#edges + 1] = edge end
@@ -325,7 +327,7 @@ function methods:edges(which)
   if type(which) == "table" and rawlen(which) > 0 then which = {edges = which} end
   local opts = options.read("edges", which, selections)
   local edges = one_selection(self, opts, {})
-  if #edges == 0 then raise "edges: no edge is there" end
+  if #edges == 0 then raise "edges: the selection has no edge: no edge is there" end
   for _, edge in ipairs(edges) do
     if math.type(edge) ~= "integer" or edge < 1 or edge > self.edge_count then
       raise(("edges: numbers from 1 to %d expected, got %s"):format(self.edge_count, core.got(edge)))
@@ -336,7 +338,9 @@ end
 
 --- The outline with a tag on the edges that self:edges(which) finds.
 function methods:tag(name, which)
-  if type(name) ~= "string" or name == "" then raise "tag: a name expected" end
+  if type(name) ~= "string" or name == "" then
+    raise(("tag: a name expected, got %s"):format(core.got(name)))
+  end
   return self:with_tag(name, self:edges(which))
 end
 
@@ -364,7 +368,9 @@ end
 
 --- Turned by degrees, counter-clockwise, about a point (default: the centroid).
 function methods:turned(degrees, about)
-  if type(degrees) ~= "number" then raise "turned: degrees expected" end
+  if type(degrees) ~= "number" then
+    raise(("turned: an angle in degrees expected, got %s"):format(core.got(degrees)))
+  end
   local c, s = math.cos(math.rad(degrees)), math.sin(math.rad(degrees))
   return mapped(self, c, -s, s, c, check_pair("turned: about", about, self.centroid), {0, 0})
 end
@@ -373,7 +379,7 @@ end
 function methods:scaled(factor, about)
   local f = type(factor) == "number" and {factor, factor} or factor
   if not is_pair(f) or not (f[1] > 0 and f[2] > 0) then
-    raise "scaled: a factor above 0, or two, expected"
+    raise(("scaled: a factor above 0, or two {fx, fy}, expected, got %s"):format(core.got(factor)))
   end
   return mapped(self, f[1], 0, 0, f[2], check_pair("scaled: about", about, self.centroid), {0, 0})
 end
@@ -387,7 +393,7 @@ arguments.methods("outline", methods, nil, {loop = "loop: string|integer", hole 
 --- Size, area and the loops, a line each.
 function core.classes.outline.tostring(self)
   local about, mm = self:measure(), 1e3
-  local size = {about.box.high[1] - about.box.low[1], about.box.high[2] - about.box.low[2]}
+  local size = {about.box.max[1] - about.box.min[1], about.box.max[2] - about.box.min[2]}
   local lines = {("outline, %.4g x %.4g mm: area %.4g mm2, perimeter %.4g mm, %d edges"):format(
     size[1] * mm, size[2] * mm, about.area * mm * mm, about.perimeter * mm, self.edge_count)}
   for i, loop in ipairs(self.loops) do

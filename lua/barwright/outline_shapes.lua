@@ -59,7 +59,9 @@ function shapes.ellipse(given)
   })
   local c = pair("outline.ellipse: centre", opts.centre, {0, 0})
   local r = pair("outline.ellipse: radii", opts.radii)
-  if not (r[1] > 0 and r[2] > 0) then raise "outline.ellipse: radii: above 0 expected" end
+  if not (r[1] > 0 and r[2] > 0) then
+    raise(("outline.ellipse: radii above 0 expected, got %g and %g"):format(r[1], r[2]))
+  end
   local cos, sin = math.cos(math.rad(opts.angle)), math.sin(math.rad(opts.angle))
   local function turned(x, y)
     return {cos * x - sin * y, sin * x + cos * y}
@@ -115,8 +117,8 @@ local function round_corner(list, a, b, c, radius, number)
   end
   local max = math.min(before, after) * (1 + 1e-12)
   if cut > max then
-    raise(("outline.rounded: corner %d: an arc of radius %g takes %g of edges of %g and %g"):format(
-      number, radius, cut, before, after))
+    raise(("outline.rounded: corner %d: an arc of radius %g m takes %g m of its edges, which are %g m and %g m "
+      .. "long: a smaller radius expected"):format(number, radius, cut, before, after))
   end
   local side = turn > 0 and 1 or -1
   local start = {b[1] - cut * u[1], b[2] - cut * u[2]}
@@ -161,7 +163,7 @@ function shapes.rounded(given)
     local length = math.sqrt((q[1] - p[1]) ^ 2 + (q[2] - p[2]) ^ 2)
     local taken = cut[i] + cut[i % count + 1]
     if taken > length * (1 + 1e-12) then
-      raise(("outline.rounded: edge %d of %g is too short for the arcs at its ends, which take %g")
+      raise(("outline.rounded: edge %d is %g m long, and the arcs at its ends take %g m: smaller radii expected")
         :format(i, length, taken))
     end
   end
@@ -178,36 +180,37 @@ function shapes.polygon(given)
   return make(opts.points, opts)
 end
 
---- A rectangle from {low, high}, or {width, height, centre}; `radius` rounds its corners. Edges:
+--- A rectangle from {min, max}, or {width, height, centre}; `radius` rounds its corners. Edges:
 --- 1 below, 2 right, 3 above, 4 left.
 function shapes.rectangle(given)
   local opts = read("outline.rectangle", given, {
-    low = {type = "table"},
-    high = {type = "table"},
+    min = {type = "table"},
+    max = {type = "table"},
     width = {type = "number", above = 0},
     height = {type = "number", above = 0},
     centre = {type = "table"},
     radius = {type = "number", min = 0, default = 0},
   })
-  local low, high
-  if opts.low or opts.high then
-    low = pair("outline.rectangle: low", opts.low)
-    high = pair("outline.rectangle: high", opts.high)
+  local min, max
+  if opts.min or opts.max then
+    min = pair("outline.rectangle: min", opts.min)
+    max = pair("outline.rectangle: max", opts.max)
     if opts.width or opts.height or opts.centre then
-      raise "outline.rectangle: either low and high, or width, height and centre, expected"
+      raise "outline.rectangle: either min and max, or width, height and centre, expected"
     end
   else
     if not (opts.width and opts.height) then
-      raise "outline.rectangle: low and high, or width and height, expected"
+      raise "outline.rectangle: min and max, or width and height, expected"
     end
     local c = pair("outline.rectangle: centre", opts.centre, {opts.width / 2, opts.height / 2})
-    low = {c[1] - opts.width / 2, c[2] - opts.height / 2}
-    high = {c[1] + opts.width / 2, c[2] + opts.height / 2}
+    min = {c[1] - opts.width / 2, c[2] - opts.height / 2}
+    max = {c[1] + opts.width / 2, c[2] + opts.height / 2}
   end
-  if not (high[1] > low[1] and high[2] > low[2]) then
-    raise "outline.rectangle: high above low expected"
+  if not (max[1] > min[1] and max[2] > min[2]) then
+    raise(("outline.rectangle: max above min expected, got {%g, %g} and {%g, %g}"):format(max[1], max[2], min[1],
+      min[2]))
   end
-  local points = {{low[1], low[2]}, {high[1], low[2]}, {high[1], high[2]}, {low[1], high[2]}}
+  local points = {{min[1], min[2]}, {max[1], min[2]}, {max[1], max[2]}, {min[1], max[2]}}
   if opts.radius == 0 then return make(points, opts) end
   local passed = {points = points, radius = opts.radius}
   for _, key in ipairs(common) do passed[key] = opts[key] end

@@ -147,8 +147,8 @@ local function program(problem, state, form, here, radius)
     for i = 1, n do rows[k][i] = rows[k][i] / problem.wall end
     right[k] = right[k] / problem.wall
   end
-  local x, _, prices = core.quadratic_program {H = H, g = a, A = rows, b = right, low = low,
-    high = high}
+  local x, _, prices = core.quadratic_program {H = H, g = a, A = rows, b = right, min = low,
+    max = high}
   if not x then return nil, _, prices end
   local s = x:totable()
   for c = 1, n do s[c] = s[c] * radius end
@@ -410,7 +410,7 @@ end
 
 --- Moves a form to least area under the problem's limit.
 --- problem: material, thickness, conditions, limit (Pa), wall, gap, size (of elements), spacing (of controls),
---- box = {low, high}, axis (x = 0 mirrors), holes (most), idle (part of the limit), rounds, smooth, margin,
+--- box = {min, max}, axis (x = 0 mirrors), holes (most), idle (part of the limit), rounds, smooth, margin,
 --- polish (the form is nearly there). report(round, here, best) may return false to stop.
 --- Returns {form, area, most, passes, rounds, history, converged, falling}: the smallest that passes, or that
 --- of the least excess; `falling`: the part by which its area fell in the last rounds.

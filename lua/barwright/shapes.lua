@@ -107,7 +107,7 @@ function shapes.opener()
 end
 
 arguments.functions("shapes.", shapes, {sphere = "centre: triple, radius: number",
-  limb = "a: triple, b: triple, ra: number, rb?: number", box = "low: triple, high: triple",
+  limb = "a: triple, b: triple, ra: number, rb?: number", box = "min: triple, max: triple",
   join = "bodies: table, rounding?: number", cut = "body: function, tool: function"})
 
 return shapes

@@ -70,7 +70,7 @@ local function nodes_of(grid, act)
   local where = act.where
   if is_array(where) or type(where) == "table" and #where > 0 then
     if grid ~= act.grid then
-      raise("nodes given by their numbers belong to one grid: give them by place, {side = \"low z\"} "
+      raise("nodes given by their numbers belong to one grid: give them by place, {side = \"min z\"} "
         .. "or a function of x, y, z, where the solid is coarsened or its grid edited")
     end
     return where
@@ -87,7 +87,7 @@ local function add(self, act, where)
     if numbers then
       check_numbers(name, where, self.node_count)
     elseif type(where) == "table" and next(where) == nil then
-      raise(("%s: {} chooses nothing: give a place, {side = \"low z\"}, or numbers of nodes"):format(name))
+      raise(("%s: {} chooses nothing: give a place, {side = \"min z\"}, or numbers of nodes"):format(name))
     end
     local nodes, message, details = nodes_of(self.grid, act)
     if not nodes then return nil, message, details end
@@ -119,7 +119,7 @@ local function check_where(function_name, where)
     raise(("%s: a place expected first, got a table without a length"):format(function_name))
   end
   if where == nil then
-    raise(("%s: a place expected first: {side = \"low z\"}, a function of x, y, z, numbers of nodes"):format(
+    raise(("%s: a place expected first: {side = \"min z\"}, a function of x, y, z, numbers of nodes"):format(
       function_name))
   end
 end

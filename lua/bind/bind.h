@@ -205,10 +205,10 @@ double lbw_unit_of_path(const char *path);
 
 /* The table {moved = , steps = {...}} */
 void lbw_push_shape_log(lua_State *L, const bw_shape_log *log);
-/* {low = , high = , size = } */
-void lbw_push_box(lua_State *L, const double low[3], const double high[3]);
+/* {min = , max = , size = } */
+void lbw_push_box(lua_State *L, const double min[3], const double max[3]);
 /* "0.123 x 0.1 x 0.04 m from (0, 0, 0)" in a unit that reads well, onto the stack. */
-void lbw_push_box_text(lua_State *L, const double low[3], const double high[3]);
+void lbw_push_box_text(lua_State *L, const double min[3], const double max[3]);
 
 /* Reads the table of named arrays at `index` (nil: none) into a list of fields in a userdata that
  * is pushed; places by numbers of rows. Arrays are packed doubles or int32 as they are. */

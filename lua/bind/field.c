@@ -129,25 +129,25 @@ double lbw_unit_of_path(const char *path) {
 
 /* ---- tables ---------------------------------------------------------------------------------- */
 
-void lbw_push_box(lua_State *L, const double low[3], const double high[3]) {
+void lbw_push_box(lua_State *L, const double min[3], const double max[3]) {
   lua_createtable(L, 0, 3);
-  lbw_push_vector(L, low);
-  lua_setfield(L, -2, "low");
-  lbw_push_vector(L, high);
-  lua_setfield(L, -2, "high");
-  const double size[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+  lbw_push_vector(L, min);
+  lua_setfield(L, -2, "min");
+  lbw_push_vector(L, max);
+  lua_setfield(L, -2, "max");
+  const double size[3] = {max[0] - min[0], max[1] - min[1], max[2] - min[2]};
   lbw_push_vector(L, size);
   lua_setfield(L, -2, "size");
 }
 
-void lbw_push_box_text(lua_State *L, const double low[3], const double high[3]) {
-  double longest = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
+void lbw_push_box_text(lua_State *L, const double min[3], const double max[3]) {
+  double longest = fmax(max[0] - min[0], fmax(max[1] - min[1], max[2] - min[2]));
   double factor = longest >= 1 ? 1 : longest >= 1e-3 ? 1e3 : 1e6;
   const char *unit = longest >= 1 ? "m" : longest >= 1e-3 ? "mm" : "um";
   char text[200];
   snprintf(text, sizeof text, "%.4g x %.4g x %.4g %s from (%.4g, %.4g, %.4g)",
-           (high[0] - low[0]) * factor, (high[1] - low[1]) * factor, (high[2] - low[2]) * factor,
-           unit, low[0] * factor, low[1] * factor, low[2] * factor);
+           (max[0] - min[0]) * factor, (max[1] - min[1]) * factor, (max[2] - min[2]) * factor, unit,
+           min[0] * factor, min[1] * factor, min[2] * factor);
   lua_pushstring(L, text);
 }
 

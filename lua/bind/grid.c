@@ -85,30 +85,30 @@ static bool triple_option(lua_State *L, const char *function, const char *key, d
   return given;
 }
 
-/* grid.box{size or high, low, cells, spacing, material} */
+/* grid.box{size or max, min, cells, spacing, material} */
 static int grid_box(lua_State *L) {
-  static const lbw_option list[] = {{"low", LBW_OTHER, 0},     {"high", LBW_OTHER, 0},
+  static const lbw_option list[] = {{"min", LBW_OTHER, 0},     {"max", LBW_OTHER, 0},
                                     {"size", LBW_OTHER, 0},    {"cells", LBW_OTHER, 0},
                                     {"spacing", LBW_OTHER, 0}, {"material", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
-  double low[3] = {0, 0, 0}, high[3], size[3], counts[3], spacing[3];
+  double min[3] = {0, 0, 0}, max[3], size[3], counts[3], spacing[3];
   int32_t cells[3];
   lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
   lbw_options(L, 1, "grid.box", list, NULL);
-  triple_option(L, "grid.box", "low", low);
+  triple_option(L, "grid.box", "min", min);
   bool sized = triple_option(L, "grid.box", "size", size);
-  if (triple_option(L, "grid.box", "high", high)) {
+  if (triple_option(L, "grid.box", "max", max)) {
     if (sized)
-      return lbw_error(L, "grid.box: size or high, not both");
+      return lbw_error(L, "grid.box: size or max, not both");
     for (int d = 0; d < 3; d++)
-      size[d] = high[d] - low[d];
+      size[d] = max[d] - min[d];
     sized = true;
   }
   bool counted = triple_option(L, "grid.box", "cells", counts);
   bool spaced = triple_option(L, "grid.box", "spacing", spacing);
   if (sized + counted + spaced != 2)
-    return lbw_error(L, "grid.box: two of size (or high), cells and spacing are needed, got %d",
+    return lbw_error(L, "grid.box: two of size (or max), cells and spacing are needed, got %d",
                      sized + counted + spaced);
   double all = 1;
   for (int d = 0; d < 3; d++) {
@@ -150,8 +150,8 @@ static int grid_box(lua_State *L) {
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(materials_of(context, &s, low, spacing, cells, count, NULL, material));
-  BW_TRY(bw_grid_create(context, low, spacing, cells, material, NULL, &out));
+  BW_TRY(materials_of(context, &s, min, spacing, cells, count, NULL, material));
+  BW_TRY(bw_grid_create(context, min, spacing, cells, material, NULL, &out));
 done:
   bw_free(material);
   return leave(L, box, out, status);
@@ -417,9 +417,9 @@ static int grid_origin(lua_State *L) {
 }
 
 static int grid_bounds(lua_State *L) {
-  double low[3], high[3];
-  bw_grid_box(self(L), low, high);
-  lbw_push_box(L, low, high);
+  double min[3], max[3];
+  bw_grid_box(self(L), min, max);
+  lbw_push_box(L, min, max);
   return 1;
 }
 
@@ -447,11 +447,11 @@ static int grid_material_counts(lua_State *L) {
 
 static int grid_tostring(lua_State *L) {
   const bw_grid *grid = self(L);
-  double low[3], high[3];
+  double min[3], max[3];
   char text[200];
-  int32_t max = 0, cut = 0;
+  int32_t largest = 0, cut = 0;
   for (int32_t e = 0; e < grid->element_count; e++) {
-    max = grid->material[e] > max ? grid->material[e] : max;
+    largest = grid->material[e] > largest ? grid->material[e] : largest;
     cut += grid->fraction && grid->fraction[e] < 1;
   }
   snprintf(text, sizeof text, "grid: %d x %d x %d cells, %d elements", (int)grid->cells[0],
@@ -464,10 +464,10 @@ static int grid_tostring(lua_State *L) {
     lua_pushliteral(L, "");
   }
   snprintf(text, sizeof text, ", %d nodes, %s %d, ", (int)grid->node_count,
-           max > 1 ? "materials up to" : "material", (int)max);
+           largest > 1 ? "materials up to" : "material", (int)largest);
   lua_pushstring(L, text);
-  bw_grid_box(grid, low, high);
-  lbw_push_box_text(L, low, high);
+  bw_grid_box(grid, min, max);
+  lbw_push_box_text(L, min, max);
   lua_concat(L, 4);
   return 1;
 }

@@ -65,8 +65,8 @@ static void read_names(lua_State *L, int index, const char *function,
       {"direction", LBW_VECTOR, offsetof(bw_grid_picture_options, direction)},                     \
       {"up", LBW_VECTOR, offsetof(bw_grid_picture_options, up)},                                   \
       {"zoom", LBW_REAL, offsetof(bw_grid_picture_options, zoom)},                                 \
-      {"low", LBW_REAL, offsetof(bw_grid_picture_options, min)},                                   \
-      {"high", LBW_REAL, offsetof(bw_grid_picture_options, largest)},                              \
+      {"min", LBW_REAL, offsetof(bw_grid_picture_options, min)},                                   \
+      {"max", LBW_REAL, offsetof(bw_grid_picture_options, max)},                                   \
       {"scale", LBW_REAL, offsetof(bw_grid_picture_options, scale)},                               \
       {"deformation", LBW_REAL, offsetof(bw_grid_picture_options, deformation)},                   \
       {"edges", LBW_BOOLEAN, offsetof(bw_grid_picture_options, edges)},                            \
@@ -75,7 +75,7 @@ static void read_names(lua_State *L, int index, const char *function,
     "view", LBW_OTHER, 0                                                                           \
   }
 
-/* view = {low, high}: the box to be seen */
+/* view = {min, max}: the box to be seen */
 static void read_others(lua_State *L, int index, const char *function,
                         bw_grid_picture_options *options) {
   options->title = text_option(L, index, function, "title");
@@ -86,7 +86,7 @@ static void read_others(lua_State *L, int index, const char *function,
     int view = lua_gettop(L);
     for (int i = 0; i < 2 && fine; i++) {
       lua_rawgeti(L, view, i + 1);
-      fine = lbw_to_vector(L, -1, i ? options->high : options->low);
+      fine = lbw_to_vector(L, -1, i ? options->view_max : options->view_min);
       lua_pop(L, 1);
     }
     if (!fine)

@@ -240,14 +240,14 @@ static int mesh_new(lua_State *L) {
   return leave(L, box, out, status);
 }
 
-/* mesh.box{low, high, cells = {nx, ny, nz}, order} */
+/* mesh.box{min, max, cells = {nx, ny, nz}, order} */
 static int mesh_box_grid(lua_State *L) {
   struct grid {
-    double low[3], high[3], cells[3];
+    double min[3], max[3], cells[3];
     int order;
   } grid = {{0, 0, 0}, {1, 1, 1}, {1, 1, 1}, 1};
-  static const lbw_option list[] = {{"low", LBW_VECTOR, offsetof(struct grid, low)},
-                                    {"high", LBW_VECTOR, offsetof(struct grid, high)},
+  static const lbw_option list[] = {{"min", LBW_VECTOR, offsetof(struct grid, min)},
+                                    {"max", LBW_VECTOR, offsetof(struct grid, max)},
                                     {"cells", LBW_VECTOR, offsetof(struct grid, cells)},
                                     {"order", LBW_INT, offsetof(struct grid, order)},
                                     {NULL, LBW_OTHER, 0}};
@@ -261,7 +261,7 @@ static int mesh_box_grid(lua_State *L) {
   }
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
   bw_mesh *out = NULL;
-  bw_status status = bw_mesh_box_grid(lbw_enter(L), grid.low, grid.high, cells, grid.order, &out);
+  bw_status status = bw_mesh_box_grid(lbw_enter(L), grid.min, grid.max, cells, grid.order, &out);
   return leave(L, box, out, status);
 }
 
@@ -385,18 +385,18 @@ static int mesh_quality(lua_State *L) {
   bw_mesh_quality quality;
   bw_mesh_quality_of(self(L), &quality);
   lua_createtable(L, 0, 7);
-  lua_pushnumber(L, quality.dihedral_low);
-  lua_setfield(L, -2, "dihedral_low");
-  lua_pushnumber(L, quality.dihedral_high);
-  lua_setfield(L, -2, "dihedral_high");
-  lua_pushnumber(L, quality.radius_edge_high);
-  lua_setfield(L, -2, "radius_edge_high");
-  lua_pushnumber(L, quality.aspect_high);
-  lua_setfield(L, -2, "aspect_high");
-  lua_pushnumber(L, quality.volume_low);
-  lua_setfield(L, -2, "volume_low");
-  lua_pushnumber(L, quality.volume_high);
-  lua_setfield(L, -2, "volume_high");
+  lua_pushnumber(L, quality.dihedral_min);
+  lua_setfield(L, -2, "dihedral_min");
+  lua_pushnumber(L, quality.dihedral_max);
+  lua_setfield(L, -2, "dihedral_max");
+  lua_pushnumber(L, quality.radius_edge_max);
+  lua_setfield(L, -2, "radius_edge_max");
+  lua_pushnumber(L, quality.aspect_max);
+  lua_setfield(L, -2, "aspect_max");
+  lua_pushnumber(L, quality.volume_min);
+  lua_setfield(L, -2, "volume_min");
+  lua_pushnumber(L, quality.volume_max);
+  lua_setfield(L, -2, "volume_max");
   lua_pushinteger(L, (lua_Integer)quality.worst + 1);
   lua_setfield(L, -2, "worst");
   return 1;
@@ -511,9 +511,9 @@ static int mesh_surface_moved(lua_State *L) {
 }
 
 static int mesh_box(lua_State *L) {
-  double low[3], high[3];
-  bw_mesh_box(self(L), low, high);
-  lbw_push_box(L, low, high);
+  double min[3], max[3];
+  bw_mesh_box(self(L), min, max);
+  lbw_push_box(L, min, max);
   return 1;
 }
 
@@ -529,9 +529,9 @@ static int mesh_boundary(lua_State *L) {
 
 static int mesh_tostring(lua_State *L) {
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
-  double low[3], high[3];
-  bw_mesh_box(mesh, low, high);
-  lbw_push_box_text(L, low, high);
+  double min[3], max[3];
+  bw_mesh_box(mesh, min, max);
+  lbw_push_box_text(L, min, max);
   const char *box = lua_tostring(L, -1);
   const char *bodies = mesh->component_count > 1
                            ? lua_pushfstring(L, ", %d bodies", (int)mesh->component_count)

@@ -183,11 +183,11 @@ static int64_t length_of(lua_State *L, const char *key) {
   return count;
 }
 
-/* quadratic_program{H =, g =, A =, b =, low =, high =}: x, violation, multipliers */
+/* quadratic_program{H =, g =, A =, b =, min =, max =}: x, violation, multipliers */
 static int core_program(lua_State *L) {
   static const lbw_option list[] = {
-      {"H", LBW_OTHER, 0},   {"g", LBW_OTHER, 0},    {"A", LBW_OTHER, 0}, {"b", LBW_OTHER, 0},
-      {"low", LBW_OTHER, 0}, {"high", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+      {"H", LBW_OTHER, 0},   {"g", LBW_OTHER, 0},   {"A", LBW_OTHER, 0}, {"b", LBW_OTHER, 0},
+      {"min", LBW_OTHER, 0}, {"max", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
   lbw_check_type(L, 1, LUA_TTABLE);
   lua_settop(L, 1);
   luaL_checkstack(L, 20, "too many values");
@@ -197,11 +197,11 @@ static int core_program(lua_State *L) {
                      "1 to 1000 unknowns (g) and at most 10000 rows (b) expected");
   double *H = numbers(L, "H", n, n, NAN), *g = numbers(L, "g", n, 1, NAN);
   double *A = numbers(L, "A", m, n, NAN), *b = numbers(L, "b", m, 1, NAN);
-  double *low = numbers(L, "low", n, 1, -INFINITY), *high = numbers(L, "high", n, 1, INFINITY);
+  double *min = numbers(L, "min", n, 1, -INFINITY), *max = numbers(L, "max", n, 1, INFINITY);
   double *x = (double *)lbw_push_array(L, BW_F64, n, 1)->data;
   int at = lua_gettop(L);
   double *multiplier = (double *)lbw_push_array(L, BW_F64, m, 1)->data, violation = 0;
-  bw_status status = bw_quadratic_program(lbw_enter(L), (int)n, H, g, (int)m, A, b, low, high, x,
+  bw_status status = bw_quadratic_program(lbw_enter(L), (int)n, H, g, (int)m, A, b, min, max, x,
                                           &violation, multiplier);
   lua_pushvalue(L, at);
   lua_pushnumber(L, violation);

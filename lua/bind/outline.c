@@ -411,12 +411,12 @@ static void measure(lua_State *L, int32_t region, bw_outline_measures *measures)
   lbw_leave_or_raise(L, bw_outline_measure(lbw_enter(L), outline, region, measures));
 }
 
-static void push_low_high(lua_State *L, const double low[2], const double high[2]) {
+static void push_min_max(lua_State *L, const double min[2], const double max[2]) {
   lua_createtable(L, 0, 2);
-  push_pair(L, low);
-  lua_setfield(L, -2, "low");
-  push_pair(L, high);
-  lua_setfield(L, -2, "high");
+  push_pair(L, min);
+  lua_setfield(L, -2, "min");
+  push_pair(L, max);
+  lua_setfield(L, -2, "max");
 }
 
 static void push_second_moment(lua_State *L, const double moment[3]) {
@@ -443,7 +443,7 @@ static int outline_measure(lua_State *L) {
   lua_setfield(L, -2, "centroid");
   push_second_moment(L, m.second_moment);
   lua_setfield(L, -2, "second_moment");
-  push_low_high(L, m.low, m.high);
+  push_min_max(L, m.min, m.max);
   lua_setfield(L, -2, "box");
   return 1;
 }
@@ -479,7 +479,7 @@ static int outline_second_moment(lua_State *L) {
 static int outline_box(lua_State *L) {
   bw_outline_measures m;
   measure(L, -1, &m);
-  push_low_high(L, m.low, m.high);
+  push_min_max(L, m.min, m.max);
   return 1;
 }
 
@@ -545,7 +545,7 @@ static int outline_polygons(lua_State *L) {
   if (lua_isnoneornil(L, 2)) {
     bw_outline_measures m;
     measure(L, -1, &m);
-    tolerance = 1e-4 * hypot(m.high[0] - m.low[0], m.high[1] - m.low[1]);
+    tolerance = 1e-4 * hypot(m.max[0] - m.min[0], m.max[1] - m.min[1]);
   }
   size_t loops = (size_t)outline->loop_count;
   lua_createtable(L, outline->loop_count, 0);
@@ -641,7 +641,7 @@ static int outline_edge(lua_State *L) {
   const bw_outline *outline = self(L);
   int32_t edge = check_edge(L, 2, outline);
   const bw_segment *segment = &outline->segment[edge];
-  double low[2], high[2];
+  double min[2], max[2];
   lua_createtable(L, 0, 7);
   lua_pushstring(L, outline->tag[segment->tag].text);
   lua_setfield(L, -2, "tag");
@@ -661,8 +661,8 @@ static int outline_edge(lua_State *L) {
   }
   lua_pushnumber(L, bw_segment_length(outline, edge));
   lua_setfield(L, -2, "length");
-  bw_segment_box(outline, edge, low, high);
-  push_low_high(L, low, high);
+  bw_segment_box(outline, edge, min, max);
+  push_min_max(L, min, max);
   lua_setfield(L, -2, "box");
   return 1;
 }

@@ -139,14 +139,14 @@ static int plane_new(lua_State *L) {
   return leave(L, box, out, status);
 }
 
-/* plane.rectangle{low, high, cells = {nx, ny}, order, diagonal} */
+/* plane.rectangle{min, max, cells = {nx, ny}, order, diagonal} */
 static int plane_rectangle(lua_State *L) {
-  static const lbw_option list[] = {{"low", LBW_OTHER, 0},   {"high", LBW_OTHER, 0},
+  static const lbw_option list[] = {{"min", LBW_OTHER, 0},   {"max", LBW_OTHER, 0},
                                     {"cells", LBW_OTHER, 0}, {"diagonal", LBW_OTHER, 0},
                                     {"order", LBW_INT, 0},   {NULL, LBW_OTHER, 0}};
   static const char *const diagonals[] = {"right", "left", "union jack", NULL};
-  double low[2] = {0, 0}, high[2] = {1, 1}, cells[2] = {1, 1};
-  double *const pair[3] = {low, high, cells};
+  double min[2] = {0, 0}, max[2] = {1, 1}, cells[2] = {1, 1};
+  double *const pair[3] = {min, max, cells};
   int order = 1;
   lbw_check_type(L, 1, LUA_TTABLE);
   lbw_options(L, 1, "plane.rectangle", list, &order);
@@ -159,7 +159,7 @@ static int plane_rectangle(lua_State *L) {
   int diagonal = lbw_word_option(L, 1, "plane.rectangle", "diagonal", diagonals, 0);
   lbw_box *box = lbw_box_new(L, &lbw_plane_mesh_class);
   bw_plane_mesh *out = NULL;
-  bw_status status = bw_plane_rectangle(lbw_enter(L), order, low, high, (int32_t)cells[0],
+  bw_status status = bw_plane_rectangle(lbw_enter(L), order, min, max, (int32_t)cells[0],
                                         (int32_t)cells[1], (bw_diagonal)diagonal, &out);
   return leave(L, box, out, status);
 }

@@ -167,12 +167,12 @@ static bw_reach_target *read_targets(lua_State *L, int index, const bw_skeleton 
   return target;
 }
 
-/* A list of {swing, twist_low, twist_high} in radians, or false, for every bone, in a userdata that
+/* A list of {swing, twist_min, twist_max} in radians, or false, for every bone, in a userdata that
  * is pushed. */
 static bw_joint_limit *read_limits(lua_State *L, int index, const bw_skeleton *skeleton) {
   static const lbw_option list[] = {{"swing", LBW_REAL, offsetof(bw_joint_limit, swing)},
-                                    {"twist_low", LBW_REAL, offsetof(bw_joint_limit, twist_low)},
-                                    {"twist_high", LBW_REAL, offsetof(bw_joint_limit, twist_high)},
+                                    {"twist_min", LBW_REAL, offsetof(bw_joint_limit, twist_min)},
+                                    {"twist_max", LBW_REAL, offsetof(bw_joint_limit, twist_max)},
                                     {NULL, LBW_OTHER, 0}};
   lbw_check_type(L, index, LUA_TTABLE);
   lbw_argument_check(L, lua_rawlen(L, index) == (size_t)skeleton->bone_count, index,

@@ -32,8 +32,8 @@ static void read_inside(lua_State *L, int index, const char *function, lbw_regio
 }
 
 static void read_table(lua_State *L, int index, const char *function, lbw_region *out) {
-  static const lbw_option list[] = {{"low", LBW_VECTOR, offsetof(bw_region, low)},
-                                    {"high", LBW_VECTOR, offsetof(bw_region, high)},
+  static const lbw_option list[] = {{"min", LBW_VECTOR, offsetof(bw_region, min)},
+                                    {"max", LBW_VECTOR, offsetof(bw_region, max)},
                                     {"centre", LBW_VECTOR, offsetof(bw_region, centre)},
                                     {"radius", LBW_REAL, offsetof(bw_region, radius)},
                                     {"within", LBW_REAL, offsetof(bw_region, within)},
@@ -45,19 +45,18 @@ static void read_table(lua_State *L, int index, const char *function, lbw_region
                                     {"inside", LBW_OTHER, 0},
                                     {"where", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
-  static const char *const sides[] = {"low x", "high x", "low y", "high y",
-                                      "low z", "high z", NULL};
+  static const char *const sides[] = {"min x", "max x", "min y", "max y", "min z", "max z", NULL};
   bw_region *r = &out->region;
   bool given = false;
   for (int d = 0; d < 3; d++) {
-    r->low[d] = -INFINITY;
-    r->high[d] = INFINITY;
+    r->min[d] = -INFINITY;
+    r->max[d] = INFINITY;
   }
   lbw_options(L, index, function, list, r);
   for (int d = 0; d < 3; d++)
-    given |= r->low[d] != -INFINITY || r->high[d] != INFINITY;
+    given |= r->min[d] != -INFINITY || r->max[d] != INFINITY;
   if (lbw_option_get(L, index, "box") != LUA_TNIL) {
-    pair_option(L, lua_gettop(L), function, "box", r->low, r->high);
+    pair_option(L, lua_gettop(L), function, "box", r->min, r->max);
     given = true;
   }
   r->parts |= given ? BW_IN_BOX : 0;
@@ -98,7 +97,7 @@ void lbw_read_region(lua_State *L, int index, const char *function, lbw_region *
     read_where(L, index, function, out);
   else
     lbw_error(L,
-              "%s: a region expected: {low =, high =}, {centre =, radius =}, {side = \"low x\"}, a "
+              "%s: a region expected: {min =, max =}, {centre =, radius =}, {side = \"min x\"}, a "
               "function of x, y, z, a formula, or a surface, got %s",
               function, lbw_got(L, index));
 }

@@ -56,24 +56,24 @@ static int select_above(lua_State *L) {
   return half_space(L, -1);
 }
 
-/* selection:box(low, high) */
+/* selection:box(min, max) */
 static int select_box(lua_State *L) {
   const bw_mesh *mesh = self(L)->mesh;
-  double low[3], high[3];
-  lbw_check_vector(L, 2, "low", low);
-  lbw_check_vector(L, 3, "high", high);
+  double min[3], max[3];
+  lbw_check_vector(L, 2, "min", min);
+  lbw_check_vector(L, 3, "max", max);
   lbw_box *box = lbw_box_new(L, &lbw_selection_class);
   bw_selection *chosen = NULL;
   bw_context *context = lbw_enter(L);
-  bw_status status = bw_select_box(context, mesh, low, high, &chosen);
+  bw_status status = bw_select_box(context, mesh, min, max, &chosen);
   return leave_within(L, box, context, chosen, status);
 }
 
 /* The tolerance of a plane that a user means exactly: rounding of coordinates read from a file. */
 static double default_tolerance(const bw_mesh *mesh) {
-  double low[3], high[3];
-  bw_mesh_box(mesh, low, high);
-  double size[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+  double min[3], max[3];
+  bw_mesh_box(mesh, min, max);
+  double size[3] = {max[0] - min[0], max[1] - min[1], max[2] - min[2]};
   return 1e-6 * bw_norm(size);
 }
 

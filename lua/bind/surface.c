@@ -115,7 +115,7 @@ static int surface_new(lua_State *L) {
 }
 
 typedef struct shape {
-  double low[3], high[3], centre[3], base[3], axis[3];
+  double min[3], max[3], centre[3], base[3], axis[3];
   double radius;
   int subdivisions, segments, cells;
 } shape;
@@ -126,17 +126,17 @@ static void need(lua_State *L, int index, const char *function, const char *key)
   lua_pop(L, 1);
 }
 
-/* surface.box{low, high} */
+/* surface.box{min, max} */
 static int surface_box_shape(lua_State *L) {
-  static const lbw_option options[] = {{"low", LBW_VECTOR, offsetof(shape, low)},
-                                       {"high", LBW_VECTOR, offsetof(shape, high)},
+  static const lbw_option options[] = {{"min", LBW_VECTOR, offsetof(shape, min)},
+                                       {"max", LBW_VECTOR, offsetof(shape, max)},
                                        {NULL, LBW_OTHER, 0}};
   shape s = {0};
   lbw_options(L, 1, "surface.box", options, &s);
-  need(L, 1, "surface.box", "high");
+  need(L, 1, "surface.box", "max");
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *out = NULL;
-  bw_status status = bw_surface_box_shape(lbw_enter(L), s.low, s.high, &out);
+  bw_status status = bw_surface_box_shape(lbw_enter(L), s.min, s.max, &out);
   return leave(L, box, out, status);
 }
 
@@ -174,25 +174,25 @@ static int surface_cylinder(lua_State *L) {
   return leave(L, box, out, status);
 }
 
-/* surface.implicit(value, {low, high, cells}): the zero set of a function of x, y, z or a formula
+/* surface.implicit(value, {min, max, cells}): the zero set of a function of x, y, z or a formula
  * in them that is negative inside */
 static int surface_implicit(lua_State *L) {
-  static const lbw_option options[] = {{"low", LBW_VECTOR, offsetof(shape, low)},
-                                       {"high", LBW_VECTOR, offsetof(shape, high)},
+  static const lbw_option options[] = {{"min", LBW_VECTOR, offsetof(shape, min)},
+                                       {"max", LBW_VECTOR, offsetof(shape, max)},
                                        {"cells", LBW_INT, offsetof(shape, cells)},
                                        {NULL, LBW_OTHER, 0}};
   shape s = {.cells = 32};
   lua_settop(L, 2);
   lbw_options(L, 2, "surface.implicit", options, &s);
-  need(L, 2, "surface.implicit", "low");
-  need(L, 2, "surface.implicit", "high");
+  need(L, 2, "surface.implicit", "min");
+  need(L, 2, "surface.implicit", "max");
   lbw_field *field = lbw_field_read(L, 1, "surface.implicit");
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *out = NULL;
   bw_context *context = lbw_enter(L);
   lbw_field_begin(field, context);
   bw_status status =
-      bw_surface_implicit(context, s.low, s.high, s.cells, lbw_field_value, field, &out);
+      bw_surface_implicit(context, s.min, s.max, s.cells, lbw_field_value, field, &out);
   lbw_field_end(field, context);
   return leave(L, box, out, status);
 }
@@ -385,7 +385,7 @@ static void push_report(lua_State *L, const bw_surface_report *report) {
   lua_setfield(L, -2, "volume");
   lua_pushnumber(L, report->area);
   lua_setfield(L, -2, "area");
-  lbw_push_box(L, report->low, report->high);
+  lbw_push_box(L, report->min, report->max);
   lua_setfield(L, -2, "box");
   lua_createtable(L, (int)report->defect_count, 0);
   for (int64_t i = 0; i < report->defect_count; i++) {
@@ -472,17 +472,17 @@ static int surface_volume(lua_State *L) {
 }
 
 static int surface_box(lua_State *L) {
-  double low[3], high[3];
-  bw_surface_box(self(L), low, high);
-  lbw_push_box(L, low, high);
+  double min[3], max[3];
+  bw_surface_box(self(L), min, max);
+  lbw_push_box(L, min, max);
   return 1;
 }
 
 static int surface_tostring(lua_State *L) {
   const bw_surface *surface = (const bw_surface *)lbw_check(L, 1, &lbw_surface_class);
-  double low[3], high[3];
-  bw_surface_box(surface, low, high);
-  lbw_push_box_text(L, low, high);
+  double min[3], max[3];
+  bw_surface_box(surface, min, max);
+  lbw_push_box_text(L, min, max);
   lua_pushfstring(L, "surface of %d triangles and %d points, %s", (int)surface->triangle_count,
                   (int)surface->point_count, lua_tostring(L, -1));
   lbw_add_faces(L, surface);

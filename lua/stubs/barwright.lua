@@ -48,9 +48,9 @@
 
 ---A box along the axes.
 ---@class bw.Box
----@field low bw.Vector (m) the smallest coordinates
----@field high bw.Vector (m) the largest coordinates
----@field size bw.Vector (m) `high` less `low`
+---@field min bw.Vector (m) the smallest coordinates
+---@field max bw.Vector (m) the largest coordinates
+---@field size bw.Vector (m) `max` less `min`
 
 ---What went wrong, beside the message. Functions that add fields name them.
 ---@class bw.Details
@@ -78,7 +78,7 @@
 ---@field plot bw.PlotModule
 local bw = {}
 
----Minimises 1/2 xᵀ H x + gᵀ x subject to A x ≤ b and low ≤ x ≤ high. Where no x satisfies the rows within the
+---Minimises 1/2 xᵀ H x + gᵀ x subject to A x ≤ b and min ≤ x ≤ max. Where no x satisfies the rows within the
 ---bounds, `violation` is the smallest v for which A x ≤ b + v has a solution, and x is the minimiser with that v.
 ---
 ---Errors: convergence (the solver did not reach the minimum). A matrix `H` that is not positive definite raises.
@@ -98,8 +98,8 @@ function bw.quadratic_program(program) end
 ---@field g number[]|bw.Array (any, n × 1) the linear term. Range: n from 1 to 1000
 ---@field A? number[][]|bw.Array (any, m × n) the rows. Default: none. Give the rows a common scale
 ---@field b? number[]|bw.Array (any, m × 1) right-hand sides of the rows. Range: m up to 10000
----@field low? number[]|bw.Array (any, n × 1) lower bounds. Default: none
----@field high? number[]|bw.Array (any, n × 1) upper bounds. Default: none
+---@field min? number[]|bw.Array (any, n × 1) lower bounds. Default: none
+---@field max? number[]|bw.Array (any, n × 1) upper bounds. Default: none
 
 ---Spearman's rank correlation of two columns. Equal values get the mean of their ranks. With weights, a sample of
 ---twice the weight counts as two. A column of equal values raises.
@@ -160,7 +160,7 @@ function bw.interrupted() end
 ---A monotonic clock, for measuring durations.
 ---```lua
 ---local begin = bw.seconds()
----assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {10, 10, 10}})
+---assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {10, 10, 10}})
 ---print(bw.seconds() - begin, "s")
 ---```
 ---@return number now (s) since an arbitrary moment

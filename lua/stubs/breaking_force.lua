@@ -21,7 +21,7 @@ local bw = {}
 ---
 ---Source: docs/theory/breaking_force.md.
 ---```lua
----local rod = bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.01, 0.01}}
+---local rod = bw.surface.box {min = {0, 0, 0}, max = {0.06, 0.01, 0.01}}
 ---local breaking = assert(bw.breaking_force(rod, {material = bw.material.pla, elements = 300, length = 4e-3}))
 ---print(breaking, breaking:verdict(50))
 ---```
@@ -52,7 +52,7 @@ function bw.breaking_force(body, options) end
 
 ---The breaking force of a body. `print` gives the answer in one line.
 ---```lua
----local rod = bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.01, 0.01}}
+---local rod = bw.surface.box {min = {0, 0, 0}, max = {0.06, 0.01, 0.01}}
 ---local breaking = assert(bw.breaking_force(rod, {material = bw.material.pla, elements = 300, length = 4e-3}))
 ---print(breaking.low, breaking.force, breaking.high)
 ---for _, mesh in ipairs(breaking.history) do print(mesh.elements, mesh.force) end
@@ -130,7 +130,7 @@ function BreakingForce:verdict(force) end
 ---
 ---Source: docs/theory/strengthen.md.
 ---```lua
----local rod = bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.01, 0.01}}
+---local rod = bw.surface.box {min = {0, 0, 0}, max = {0.06, 0.01, 0.01}}
 ---local breaking = assert(bw.breaking_force(rod, {material = bw.material.pla, elements = 300, length = 4e-3}))
 ---print(assert(breaking:advice {force = 1.2 * breaking.low}))
 ---```

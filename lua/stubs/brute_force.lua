@@ -17,7 +17,7 @@ local bw = {}
 ---
 ---Source: Zhou, Panetta and Zorin 2013, section 5; docs/theory/worst_case.md.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
 ---local part = bw.model {mesh = mesh, material = bw.material.pla}
 ---local brute = assert(bw.brute_force(part, {force = 50, elements = 20}))
 ---print(brute, brute:percentile())
@@ -48,7 +48,7 @@ function bw.brute_force(part, options) end
 
 ---What brute force found. `print` gives it in one line.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
 ---local part = bw.model {mesh = mesh, material = bw.material.pla}
 ---local brute = assert(bw.brute_force(part, {force = 50, elements = 20}))
 ---print(brute:compare(assert(bw.worst_case(part, {force = 50}))).ratio)

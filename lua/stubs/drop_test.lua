@@ -16,7 +16,7 @@ local bw = {}
 ---
 ---Source: Zhou, Panetta and Zorin 2013, section 5; docs/theory/worst_case.md.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
 ---local drops = assert(bw.drop_test(bw.model {mesh = mesh, material = bw.material.pla}, {drops = 100}))
 ---print(drops, drops:failures())
 ---```
@@ -37,7 +37,7 @@ function bw.drop_test(part, options) end
 
 ---What happened in the drops. `print` gives it in one line.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
 ---local part = bw.model {mesh = mesh, material = bw.material.pla}
 ---local drops = assert(bw.drop_test(part, {drops = 100}))
 ---print(drops.peaks:max(), drops:correlation(assert(bw.worst_case(part, {force = 50}))))

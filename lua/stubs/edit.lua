@@ -21,7 +21,7 @@ local edit_module = {}
 ---
 ---Source: Y. Xie and others, Agile structural analysis for fabrication-aware shape editing (2015); docs/theory/edit.md.
 ---```lua
----local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}, order = 2}
+---local mesh = bw.mesh.box {min = {0, -0.01, -0.01}, max = {0.1, 0.01, 0.01}, cells = {20, 4, 4}, order = 2}
 ---local skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}
 ---local part = bw.model({mesh = mesh, material = bw.material.pla}):fix(mesh.boundary:below("x", 0))
 ---local session = assert(bw.edit(part, {skeleton = skeleton}))
@@ -39,7 +39,7 @@ function edit_module:__call(part, options) end
 ---
 ---Errors: io (the file cannot be read), format (it is no such script, or an edit fails; the message names the line), cancelled.
 ---```lua
----local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
+---local mesh = bw.mesh.box {min = {0, -0.01, -0.01}, max = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
 ---local how = {skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}}
 ---local function begin() return assert(bw.edit(bw.model {mesh = mesh, material = bw.material.pla}, how)) end
 ---local session = assert(begin():bone("bone 2"):scale(1.2)).session
@@ -61,7 +61,7 @@ function edit_module.load(path, session, options) end
 ---What a saved script begins with: the session that it is replayed into, or a new one on the part (and the options) that the file
 ---`script` returns.
 ---```lua
----local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
+---local mesh = bw.mesh.box {min = {0, -0.01, -0.01}, max = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
 ---local skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}
 ---local session = assert(bw.edit(bw.model {mesh = mesh, material = bw.material.pla}, {skeleton = skeleton}))
 ---print(bw.edit.begin(nil, session) == session) -- true
@@ -90,7 +90,7 @@ function edit_module.begin(script, session) end
 ---A part that is posed and thickened by its skeleton. Edits return something true; where one fails the session is as it was. Supports
 ---and loads go with the surface; those that are added to the part later count from the next solution. `print` lists the last edits.
 ---```lua
----local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}, order = 2}
+---local mesh = bw.mesh.box {min = {0, -0.01, -0.01}, max = {0.1, 0.01, 0.01}, cells = {20, 4, 4}, order = 2}
 ---local skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}
 ---local part = bw.model({mesh = mesh, material = bw.material.pla}):fix(mesh.boundary:below("x", 0))
 ---local session = assert(bw.edit(part:load {on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}, {skeleton = skeleton}))
@@ -341,7 +341,7 @@ function Session:close() end
 
 ---A bone of a session. Edits return the bone, so that they can be chained.
 ---```lua
----local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
+---local mesh = bw.mesh.box {min = {0, -0.01, -0.01}, max = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
 ---local skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}
 ---local session = assert(bw.edit(bw.model {mesh = mesh, material = bw.material.pla}, {skeleton = skeleton}))
 ---local bone = session:bone "bone 2"

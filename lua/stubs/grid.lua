@@ -20,31 +20,31 @@ local grid_module = {}
 ---the table a function of x, y, z or a formula (`where`), or a surface (`inside`), may stand.
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {20, 4, 4}})
----local left, right = grid:nodes {side = "low x"}, grid:nodes {low = {0.08, -1, -1}, side = "high z"}
+---local left, right = grid:nodes {side = "min x"}, grid:nodes {min = {0.08, -1, -1}, side = "max z"}
 ---print(#left, #right, #grid:nodes "hypot(x, y) < 0.01")
 ---```
 ---@class bw.Region
----@field low? bw.Vector (m) low corner of a box along the axes. Default: open below
----@field high? bw.Vector (m) its high corner. Default: open above
----@field box? bw.Vector[] (m, 2: low, high) both at once
+---@field min? bw.Vector (m) the corner with the smallest coordinates of a box along the axes. Default: open below
+---@field max? bw.Vector (m) the corner with the largest coordinates. Default: open above
+---@field box? bw.Vector[] (m, 2: min, max) both at once
 ---@field centre? bw.Vector (m) of a ball; with `radius`
 ---@field radius? number (m) of the ball; with `centre`. Range: at least 0
 ---@field plane? bw.Vector[] (m, 2: point, normal) on this plane
 ---@field beyond? bw.Vector[] (m, 2: point, normal) on the side of the plane that the normal points to
----@field side? "low x"|"high x"|"low y"|"high y"|"low z"|"high z" the outermost nodes or cells there
+---@field side? "min x"|"max x"|"min y"|"max y"|"min z"|"max z" the outermost nodes or cells there
 ---@field boundary? boolean nodes or cells with a face that has no neighbour
 ---@field inside? bw.Surface in a closed surface, up to half a cell
 ---@field where? string|fun(x: number, y: number, z: number): (boolean|number) of coordinates in m: true, or a number but 0; a formula as in `bw.array.map`
 ---@field within? number (m) what lies outside of box, ball, planes or side by less counts too. Default: a millionth of a cell
 
----A box of elements. Two of `size` (or `high`), `cells` and `spacing` are needed. A box all of whose cells are void is
+---A box of elements. Two of `size` (or `max`), `cells` and `spacing` are needed. A box all of whose cells are void is
 ---refused, as are more than 2^26 cells.
 ---
 ---Errors: memory.
 ---```lua
 ---local even = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, spacing = 0.005})
 ---local layers = assert(bw.grid.box {size = 0.04, cells = 8, material = "1 + (z > 0.02)"})
----local pipe = assert(bw.grid.box {low = -0.02, high = 0.02, cells = 16,
+---local pipe = assert(bw.grid.box {min = -0.02, max = 0.02, cells = 16,
 ---  material = function(x, y) return x ^ 2 + y ^ 2 > 0.01 ^ 2 end})
 ---print(even.element_count, layers.material_counts[2], pipe.volume)
 ---```
@@ -57,8 +57,8 @@ function grid_module.box(options) end
 ---Place, cells and materials of a box.
 ---@class bw.GridBoxOptions
 ---@field size? bw.Vector|number (m) sides of the box; one number stands for three alike
----@field low? bw.Vector|number (m) low corner. Default: 0
----@field high? bw.Vector|number (m) high corner, in place of `size`
+---@field min? bw.Vector|number (m) the corner with the smallest coordinates. Default: 0
+---@field max? bw.Vector|number (m) the corner with the largest coordinates, in place of `size`
 ---@field cells? integer[]|integer (count, 3: along x, y, z) of cells; one number stands for three alike
 ---@field spacing? bw.Vector|number (m) sides of a cell, of which `size` must be a whole number
 ---@field material? integer|string|fun(x: number, y: number, z: number): (number|boolean)|integer[]|bw.Array (index from 1, n × 1, per cell, x fastest; 0: void) number of the material: one for all; a formula as in `bw.array.map` or a function (true is 1), taken at the middle of each cell, coordinates in m; or a list. Default: 1
@@ -125,15 +125,15 @@ function grid_module.picture(path, panels, options) end
 ---@field title? string a line at the top; of `grid:picture` that of the panel
 ---@field unit? string name and unit of the colour bar: "deflection, mm"
 ---@field scale? number (-) values are multiplied by it for the colour bar. Default: 1
----@field low? number (any) lower end of the colours, before `scale`. Default: the smallest value of all panels
----@field high? number (any) upper end of the colours, before `scale`. Default: the largest value of all panels
+---@field min? number (any) lower end of the colours, before `scale`. Default: the smallest value of all panels
+---@field max? number (any) upper end of the colours, before `scale`. Default: the largest value of all panels
 ---@field deformation? number (-) factor on displacements. Default: 1
 ---@field edges? boolean draw the edges of elements. Default: true
 ---@field ghost? boolean draw the undeformed outline behind. Default: false
 ---@field direction? bw.Vector (-) from the object to the viewer. Default: from the front right and above
 ---@field up? bw.Vector (-) the direction that is up in the picture. Default: {0, 0, 1}
 ---@field zoom? number (-) 1: the largest panel fills its frame. Range: above 0 to 10000. Default: 1
----@field view? bw.Vector[] (m, 2: low, high) the box to be seen, so that pictures of a sequence fit each other. Default: what the panels fill
+---@field view? bw.Vector[] (m, 2: min, max) the box to be seen, so that pictures of a sequence fit each other. Default: what the panels fill
 ---@field names? string[] of materials by number, for the legend. Default: their numbers
 
 ---How one grid is drawn.
@@ -155,7 +155,7 @@ function grid_module.picture(path, panels, options) end
 ---@class bw.Grid
 ---@field cells integer[] (count, 3: along x, y, z) of the lattice
 ---@field spacing bw.Vector (m) sides of a cell
----@field origin bw.Vector (m) low corner of the lattice
+---@field origin bw.Vector (m) the corner with the smallest coordinates of the lattice
 ---@field box bw.Box of the elements
 ---@field element_count integer (count) of elements
 ---@field node_count integer (count) of nodes
@@ -175,7 +175,7 @@ local Grid = {}
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {20, 4, 4}})
 ---local two = assert(grid:set("x > 0.05", 2))
----local filled = assert(assert(grid:set({1, 2, 3}, 0)):set({side = "low x"}, 1, {void = true}))
+---local filled = assert(assert(grid:set({1, 2, 3}, 0)):set({side = "min x"}, 1, {void = true}))
 ---print(two.material_counts[2], filled.element_count)
 ---```
 ---@param cells integer|integer[]|bw.Array|bw.Region|bw.Surface|string|fun(x: number, y: number, z: number): (boolean|number) (index from 1, n × 1) cells by number, void ones too; or a region, of which elements count
@@ -195,7 +195,7 @@ function Grid:set(cells, material, options) end
 ---Errors: geometry (the surface of a region is not closed), memory, cancelled.
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {20, 4, 4}})
----local tip = assert(grid:nodes {side = "high x"})
+---local tip = assert(grid:nodes {side = "max x"})
 ---print(#tip, grid.points(tip(1), 1))
 ---```
 ---@param region bw.Region|bw.Surface|string|fun(x: number, y: number, z: number): (boolean|number) which
@@ -209,7 +209,7 @@ function Grid:nodes(region) end
 ---Errors: geometry (the surface of a region is not closed), memory, cancelled.
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {20, 4, 4}})
----local middle = assert(grid:cells_in {low = {0.04, 0, 0}, high = {0.06, 0.02, 0.02}})
+---local middle = assert(grid:cells_in {min = {0.04, 0, 0}, max = {0.06, 0.02, 0.02}})
 ---print(#middle, assert(grid:set(middle, 2)).material_counts[2])
 ---```
 ---@param region bw.Region|bw.Surface|string|fun(x: number, y: number, z: number): (boolean|number) which
@@ -386,7 +386,7 @@ function Embedding:forces(forces) end
 ---local ball = bw.surface.sphere {radius = 0.01}
 ---local grid = assert(bw.grid.voxels(ball, {cells = 8}))
 ---local lifted = assert(assert(grid:embed(ball)):moved(grid.points:map "0 * a + 0.001"))
----print(lifted.box.low[3]) -- 1 mm above
+---print(lifted.box.min[3]) -- 1 mm above
 ---```
 ---@param displacements bw.Array|number[][] (m, n × 3, per node) of the nodes
 ---@return bw.Surface? surface a moved copy

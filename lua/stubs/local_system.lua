@@ -8,7 +8,7 @@
 
 ---The equations of a part cut into subdomains, updated through edits; `update` changes them. `session:synchronise()` gives them.
 ---```lua
----local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}, order = 2}
+---local mesh = bw.mesh.box {min = {0, -0.01, -0.01}, max = {0.1, 0.01, 0.01}, cells = {20, 4, 4}, order = 2}
 ---local skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}
 ---local part = bw.model({mesh = mesh, material = bw.material.pla}):fix(mesh.boundary:below("x", 0))
 ---local session = assert(bw.edit(part:load {on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}, {skeleton = skeleton}))

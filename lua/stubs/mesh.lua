@@ -73,7 +73,7 @@ function mesh_module.fill(surface, options) end
 ---geometry (an element without volume, a node that is not there, a face of three elements), limit (more than 2147483647
 ---nodes or elements).
 ---```lua
----local box = assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {2, 2, 2}})
+---local box = assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {2, 2, 2}})
 ---assert(box:write("box.vtu", {fields = {height = box.nodes:column(3):copy()}}))
 ---local mesh, file = assert(bw.mesh.read "box.vtu")
 ---print(mesh, file.fields.height:max())
@@ -124,7 +124,7 @@ function mesh_module.new(options) end
 ---
 ---Errors: limit (more than 2147483647 elements).
 ---```lua
----local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2})
+---local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2})
 ---print(mesh.element_count, mesh.node_count) -- 480 1025
 ---```
 ---@param options bw.MeshBoxOptions corners and cells
@@ -135,14 +135,14 @@ function mesh_module.box(options) end
 
 ---A box of cells.
 ---@class bw.MeshBoxOptions
----@field low? bw.Vector (m) the smallest coordinates. Default: {0, 0, 0}
----@field high? bw.Vector (m) the largest coordinates. Default: {1, 1, 1}
+---@field min? bw.Vector (m) the smallest coordinates. Default: {0, 0, 0}
+---@field max? bw.Vector (m) the largest coordinates. Default: {1, 1, 1}
 ---@field cells? bw.Vector (count) cells along x, y and z. Range: 1 to 1000000 each. Default: {1, 1, 1}
 ---@field order? 1|2 of the elements. Default: 1
 
 ---A mesh of tetrahedra. Meshes do not change: methods give new ones. Facets are the triangles of its boundary.
 ---```lua
----local mesh = assert(bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 1, 1}})
+---local mesh = assert(bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 1, 1}})
 ---print(mesh.volume, mesh.boundary:face({near = {0, 0.005, 0.005}}).area) -- 1e-05 0.0001
 ---```
 ---@class bw.Mesh
@@ -283,12 +283,12 @@ function Mesh:quality() end
 
 ---Extremes of the quality of elements, with straight edges.
 ---@class bw.MeshQuality
----@field dihedral_low number (rad) the smallest dihedral angle
----@field dihedral_high number (rad) the largest dihedral angle
----@field radius_edge_high number (-) the largest circumradius over shortest edge
----@field aspect_high number (-) the largest of longest edge over smallest height
----@field volume_low number (m3) of the smallest element
----@field volume_high number (m3) of the largest element
+---@field dihedral_min number (rad) the smallest dihedral angle
+---@field dihedral_max number (rad) the largest dihedral angle
+---@field radius_edge_max number (-) the largest circumradius over shortest edge
+---@field aspect_max number (-) the largest of longest edge over smallest height
+---@field volume_min number (m3) of the smallest element
+---@field volume_max number (m3) of the largest element
 ---@field worst integer (index from 1) the element with the smallest dihedral angle
 
 ---Values of elements brought to nodes: the mean by volume, or the largest of the elements at the node.

@@ -14,7 +14,7 @@ local bw = {}
 ---
 ---Source: T. J. R. Hughes, Int. J. Numer. Meth. Eng. 15 (1980); docs/theory/elements.md.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}
 ---part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}
 ---print(part)
@@ -32,7 +32,7 @@ function bw.model(options) end
 ---A mesh of a material with supports and loads. Methods that change it return it, so that calls can be chained. `print` shows
 ---every support and load with its area and resultant.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}
 ---part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}
 ---local static = assert(part:solve())

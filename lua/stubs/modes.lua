@@ -8,7 +8,7 @@
 
 ---Modes by ascending frequency, or those of the Laplacian. `#modes` is their number.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.002}, cells = {20, 2, 1}, order = 2}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.002}, cells = {20, 2, 1}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.aluminium}
 ---local modes = assert(part:modes {count = 3})
 ---print(modes, modes.frequencies[1], modes:shape(1):column(3):max())

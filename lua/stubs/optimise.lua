@@ -16,8 +16,8 @@ local bw = {}
 ---@field keep? (string|bw.Selection)[] bones that stay as they are, by name; and selections on the mesh as it was given that do not move. Default: none
 ---@field move_supports? boolean scaled bones may move the supports. Default: false, not in the directions that a support holds
 ---@field ties? string[][] lists of bones that change by the same factors. Default: none
----@field low? number (-) smallest factor since rest, above 0. Default: 0.5
----@field high? number (-) largest factor since rest, above 0. Default: 3
+---@field min_factor? number (-) smallest factor since rest, above 0. Default: 0.5
+---@field max_factor? number (-) largest factor since rest, above 0. Default: 3
 ---@field cases? bw.Model[] further load cases: parts on the mesh as it was given, with the same supports. Default: none
 ---@field loads? "own"|"worst" "worst": the worst load of a part without supports, found again after each round. Default: "own"
 ---@field worst? bw.WorstCaseOptions how the worst load is searched for
@@ -83,7 +83,7 @@ local bw = {}
 ---
 ---Source: docs/theory/edit.md.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
 ---local part = bw.model({mesh = mesh, material = bw.material.pla}):fix(mesh.boundary:below("x", 0))
 ---local static = assert(part:load({on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}):solve())
 ---local node = static.von_mises:argmax()
@@ -113,7 +113,7 @@ function bw.von_mises_gradient(part, system, displacement, nodes, options) end
 ---
 ---Errors: unsupported, convergence (as of `bw.von_mises_gradient`).
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
 ---local part = bw.model({mesh = mesh, material = bw.material.pla}):fix(mesh.boundary:below("x", 0))
 ---local static = assert(part:load({on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}):solve())
 ---local system, motions = assert(part:system()), {mesh.nodes} -- all lengths times 1 + t

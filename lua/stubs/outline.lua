@@ -64,10 +64,10 @@ function outline_module:__call(options) end
 ---@return bw.Details? details
 function outline_module.rectangle(options) end
 
----A rectangle: `low` and `high`, or `width` and `height`.
+---A rectangle: `min` and `max`, or `width` and `height`.
 ---@class bw.OutlineRectangleOptions
----@field low? number[] (m, {x, y}) the lower left corner
----@field high? number[] (m, {x, y}) the upper right corner
+---@field min? number[] (m, {x, y}) the lower left corner
+---@field max? number[] (m, {x, y}) the upper right corner
 ---@field width? number (m) the width, above 0
 ---@field height? number (m) the height, above 0
 ---@field centre? number[] (m, {x, y}) the centre, beside width and height. Default: half the size, so that the lower left corner is {0, 0}
@@ -232,8 +232,8 @@ local Outline = {}
 
 ---A box in the plane.
 ---@class bw.OutlineBox
----@field low number[] (m, {x, y}) the smallest coordinates
----@field high number[] (m, {x, y}) the largest coordinates
+---@field min number[] (m, {x, y}) the smallest coordinates
+---@field max number[] (m, {x, y}) the largest coordinates
 
 ---What a loop is.
 ---@class bw.OutlineLoopInfo
@@ -417,7 +417,7 @@ function Outline:edges(which) end
 ---@field edges? integer|integer[] (index from 1, n) a number, or a list of numbers
 ---@field near? number[] (m, {x, y}) a point: edges within `radius` of it, or without a radius the nearest
 ---@field radius? number (m) beside `near`: the distance. Range: 0 and more
----@field box? number[][] (m, 2 × 2, {low, high}) the corners of a box: edges that lie wholly inside it
+---@field box? number[][] (m, 2 × 2, {min, max}) the corners of a box: edges that lie wholly inside it
 ---@field loop? string|integer (index from 1) a loop by name or number: all its edges
 
 ---Gives the selected edges a tag.

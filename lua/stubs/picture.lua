@@ -40,8 +40,8 @@ function bw.picture(surface, path, options) end
 ---@field title? string a line of text at the top
 ---@field unit? string name and unit for the colour bar, such as "von Mises stress, MPa"
 ---@field scale? number (-) values are multiplied by it for the colour bar. Default: 1
----@field low? number (any) lower end of the colours, before `scale`. Default: the smallest value
----@field high? number (any) upper end of the colours, before `scale`. Default: the largest value
+---@field min? number (any) lower end of the colours, before `scale`. Default: the smallest value
+---@field max? number (any) upper end of the colours, before `scale`. Default: the largest value
 ---@field width? integer (pixels) of the picture. Range: 64 to 16384. Default: 1200
 ---@field height? integer (pixels) of the picture. Range: 64 to 16384. Default: 900
 ---@field direction? bw.Vector (-) from the object to the viewer. Default: from the front right and above, turned such that the largest value and the arrows show

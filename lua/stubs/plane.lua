@@ -67,7 +67,7 @@ function plane_module.new(options) end
 ---
 ---Errors: only those that every function may give.
 ---```lua
----local mesh = assert(bw.plane.rectangle {high = {0.2, 0.1}, cells = {20, 10}})
+---local mesh = assert(bw.plane.rectangle {max = {0.2, 0.1}, cells = {20, 10}})
 ---print(mesh.element_count) -- 400
 ---```
 ---@param options bw.PlaneRectangleOptions size and cells
@@ -78,8 +78,8 @@ function plane_module.rectangle(options) end
 
 ---A rectangle of cells.
 ---@class bw.PlaneRectangleOptions
----@field low? number[] (m, {x, y}) the lower left corner. Default: {0, 0}
----@field high? number[] (m, {x, y}) the upper right corner. Default: {1, 1}
+---@field min? number[] (m, {x, y}) the lower left corner. Default: {0, 0}
+---@field max? number[] (m, {x, y}) the upper right corner. Default: {1, 1}
 ---@field cells? integer[] (count, {nx, ny}) cells along x and y. Range: 1 to 1000000. Default: {1, 1}
 ---@field order? integer (-) order of the elements: 1 or 2. Default: 1
 ---@field diagonal? "right"|"left"|"union jack" how cells are cut: "right" from the lower left to the upper right, "left" the other way, "union jack" alternating. Default: "right"

@@ -57,7 +57,7 @@ function responsive_module.bridge(options) end
 ---Errors: unconstrained (the conditions leave the sheet free to move; the message says where), convergence (the linear
 ---solution stopped early), empty (a condition is on a tag that no edge has), and those of `bw.plane.fill`.
 ---```lua
----local outline = assert(bw.plane.rectangle {high = {0.1, 0.02}}).outline
+---local outline = assert(bw.plane.rectangle {max = {0.1, 0.02}}).outline
 ---local ends = {left = "fixed", right = {traction = {0, -1e5}}}
 ---local sheet = assert(bw.responsive.steady {outline = outline, material = bw.material.pla, conditions = ends})
 ---assert(sheet:drag({vertex = 3}, {0, 0.005}))
@@ -118,7 +118,7 @@ function responsive_module.steady(options) end
 ---
 ---Source: Umetani et al., equation 3.
 ---```lua
----local outline = assert(bw.plane.rectangle {high = {0.1, 0.01}}).outline
+---local outline = assert(bw.plane.rectangle {max = {0.1, 0.01}}).outline
 ---local options = {outline = outline, material = bw.material.pla, elements = 200}
 ---options.conditions = {left = "fixed", right = {traction = {0, -1e5}}}
 ---local sheet = assert(bw.responsive.cantilever(options))
@@ -141,7 +141,7 @@ function responsive_module.cantilever(options) end
 ---
 ---Source: Umetani et al., equations 1 and 2.
 ---```lua
----local outline = assert(bw.plane.rectangle {high = {0.1, 0.02}}).outline
+---local outline = assert(bw.plane.rectangle {max = {0.1, 0.02}}).outline
 ---local options = {outline = outline, material = bw.material.pla, elements = 200}
 ---options.ground, options.shake = "left", {y = "0.001 * sin(100 * t)"}
 ---local sheet = assert(bw.responsive.vibration(options))
@@ -177,7 +177,7 @@ function responsive_module.vibration(options) end
 ---
 ---Source: Umetani et al., section 4; Tezduyar, Mittal, Ray and Shih, Comput. Methods Appl. Mech. Eng. 95 (1992).
 ---```lua
----local outline = assert(bw.plane.rectangle {high = {0.1, 0.02}}).outline
+---local outline = assert(bw.plane.rectangle {max = {0.1, 0.02}}).outline
 ---local walls = {left = {x = 0.1, y = 0}, top = "wall", bottom = "wall"}
 ---local flow = assert(bw.responsive.flow {outline = outline, viscosity = 1e-3, step = 0.01, conditions = walls, elements = 400})
 ---assert(flow:step(2))

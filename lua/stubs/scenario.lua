@@ -37,7 +37,7 @@ function scenario_module:__call(title, options, work) end
 ---```lua
 ---bw.scenario.about {title = "Surfaces by formula", text = "Volumes and areas against closed forms."}
 ---bw.scenario("a box has its area", function()
----  bw.scenario.expect(bw.surface.box({high = {1, 1, 1}}).area, "area", "m2"):near(6, {relative = 1e-12})
+---  bw.scenario.expect(bw.surface.box({max = {1, 1, 1}}).area, "area", "m2"):near(6, {relative = 1e-12})
 ---end)
 ---```
 ---@param about bw.ScenarioAbout title and text
@@ -64,7 +64,7 @@ function scenario_module.expect(figure, what, unit) end
 ---What must hold of a figure. A failed expectation is recorded, and the scenario goes on; `t:require` of what it returns ends it.
 ---```lua
 ---bw.scenario("a cantilever bends", function(t)
----  local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
+---  local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
 ---  local part = bw.model({mesh = mesh, material = bw.material.steel}):fix(mesh.boundary:below("x", 0))
 ---  local static = t:require(part:load({on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}):solve())
 ---  bw.scenario.expect(-1e6 * static.displacement:column(3):min(), "deflection", "um"):between(18, 20)
@@ -93,12 +93,12 @@ function Expectation:below(bound, options) end
 function Expectation:above(bound, options) end
 
 ---The figure is between two bounds, or one of them.
----@param low number (any) the lower bound
----@param high number (any) the upper bound
+---@param min number (any) the lower bound
+---@param max number (any) the upper bound
 ---@param options? bw.ExpectationOptions source
 ---@return boolean good whether it holds
 ---@return string? message
-function Expectation:between(low, high, options) end
+function Expectation:between(min, max, options) end
 
 ---The figure differs from a reference by at most `absolute`, or `relative` times the size of the reference, whichever is more. Of
 ---arrays and lists every value, relative to the largest one of the reference. Without a tolerance it raises.
@@ -173,7 +173,7 @@ function Expectation:matches_baseline(name, options) end
 ---```lua
 ---bw.scenario("a surface comes back from its file", function(t)
 ---  local path = t.folder .. "/box.stl"
----  t:require(bw.surface.box({high = {1, 1, 1}}):write(path))
+---  t:require(bw.surface.box({max = {1, 1, 1}}):write(path))
 ---  local surface = t:require(bw.surface.read(path))
 ---  bw.scenario.expect(surface.volume, "volume", "m3"):near(1, {relative = 1e-6})
 ---end)

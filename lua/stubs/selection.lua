@@ -11,7 +11,7 @@
 ---holds the nodes that satisfy the condition and the facets all of whose corners do. An empty choice raises an error that
 ---names the nearest node. `a | b`, `a & b` and `a - b` are union, intersection and difference.
 ---```lua
----local mesh = assert(bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}})
+---local mesh = assert(bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}})
 ---local left, top = mesh.boundary:below("x", 0), mesh.boundary:facing {0, 0, 1}
 ---print(left.area, (left | top).area) -- 0.0001 0.0011
 ---```
@@ -42,10 +42,10 @@ function Selection:below(axis, coordinate) end
 function Selection:above(axis, coordinate) end
 
 ---Inside of a box along the axes.
----@param low bw.Vector (m) the smallest coordinates
----@param high bw.Vector (m) the largest coordinates
+---@param min bw.Vector (m) the smallest coordinates
+---@param max bw.Vector (m) the largest coordinates
 ---@return bw.Selection selection the part
-function Selection:box(low, high) end
+function Selection:box(min, max) end
 
 ---Near a plane, on both sides.
 ---@param point bw.Vector (m) a point of the plane

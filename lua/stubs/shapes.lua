@@ -24,7 +24,7 @@ function shapes.sphere(centre, radius) end
 ---A rod with round ends, whose radius changes linearly from one end to the other.
 ---```lua
 ---local rod = bw.shapes.limb({0, 0, 0}, {0.1, 0, 0}, 0.01, 0.005)
----local surface = assert(bw.surface.implicit(rod, {low = {-0.02, -0.02, -0.02}, high = {0.12, 0.02, 0.02}}))
+---local surface = assert(bw.surface.implicit(rod, {min = {-0.02, -0.02, -0.02}, max = {0.12, 0.02, 0.02}}))
 ---print(surface.volume)
 ---```
 ---@param a bw.Vector (m) the centre of the first end
@@ -39,10 +39,10 @@ function shapes.limb(a, b, ra, rb) end
 ---local box = bw.shapes.box({0, 0, 0}, {0.1, 0.02, 0.02})
 ---print(box(0.05, 0.01, 0.01)) -- -0.01
 ---```
----@param low bw.Vector (m) the corner with the smallest coordinates
----@param high bw.Vector (m) the corner with the largest coordinates
+---@param min bw.Vector (m) the corner with the smallest coordinates
+---@param max bw.Vector (m) the corner with the largest coordinates
 ---@return fun(x: number, y: number, z: number): number body the signed distance (m) at a point
-function shapes.box(low, high) end
+function shapes.box(min, max) end
 
 ---The union of bodies. Fillets of about the size `rounding` smooth the edges where they meet.
 ---```lua
@@ -70,22 +70,22 @@ function shapes.cut(body, tool) end
 
 ---A toy foal that stands on the plane z = 0: a thick body, thin legs, a thin tail. It is about 80 mm long.
 ---```lua
----local body, low, high = bw.shapes.foal()
----local foal = assert(bw.surface.implicit(body, {low = low, high = high, cells = 40}))
+---local body, min, max = bw.shapes.foal()
+---local foal = assert(bw.surface.implicit(body, {min = min, max = max, cells = 40}))
 ---print(foal)
 ---```
 ---@return fun(x: number, y: number, z: number): number body the signed distance (m) at a point
----@return bw.Vector low (m) a corner of a box that holds it
----@return bw.Vector high (m) the opposite corner
+---@return bw.Vector min (m) a corner of a box that holds it
+---@return bw.Vector max (m) the opposite corner
 function shapes.foal() end
 
 ---A bottle opener, about 85 mm long and 34 mm wide, flat in z.
 ---```lua
----local body, low, high = bw.shapes.opener()
----local opener = assert(bw.surface.implicit(body, {low = low, high = high, cells = 40}))
+---local body, min, max = bw.shapes.opener()
+---local opener = assert(bw.surface.implicit(body, {min = min, max = max, cells = 40}))
 ---print(opener)
 ---```
 ---@return fun(x: number, y: number, z: number): number body the signed distance (m) at a point
----@return bw.Vector low (m) a corner of a box that holds it
----@return bw.Vector high (m) the opposite corner
+---@return bw.Vector min (m) a corner of a box that holds it
+---@return bw.Vector max (m) the opposite corner
 function shapes.opener() end

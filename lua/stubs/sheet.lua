@@ -8,7 +8,7 @@
 
 ---A sheet in linear statics, made by `bw.responsive.steady`.
 ---```lua
----local outline = assert(bw.plane.rectangle {high = {0.1, 0.02}}).outline
+---local outline = assert(bw.plane.rectangle {max = {0.1, 0.02}}).outline
 ---local options = {outline = outline, material = bw.material.pla, elements = 200}
 ---options.conditions = {left = "fixed", right = {traction = {0, -1e5}}}
 ---local sheet = assert(bw.responsive.steady(options))
@@ -72,7 +72,7 @@ function SteadySheet:stress_norm(p) end
 
 ---A sheet in large deflection, made by `bw.responsive.cantilever`.
 ---```lua
----local outline = assert(bw.plane.rectangle {high = {0.1, 0.02}}).outline
+---local outline = assert(bw.plane.rectangle {max = {0.1, 0.02}}).outline
 ---local options = {outline = outline, material = bw.material.pla, elements = 200}
 ---options.conditions = {left = "fixed", right = {traction = {0, -1e5}}}
 ---local sheet = assert(bw.responsive.cantilever(options))
@@ -126,7 +126,7 @@ function BentSheet:solve() end
 
 ---A sheet on ground that shakes, made by `bw.responsive.vibration`.
 ---```lua
----local outline = assert(bw.plane.rectangle {high = {0.1, 0.02}}).outline
+---local outline = assert(bw.plane.rectangle {max = {0.1, 0.02}}).outline
 ---local options = {outline = outline, material = bw.material.pla, elements = 200}
 ---options.ground, options.shake = "left", {y = "0.001 * sin(100 * t)"}
 ---local sheet = assert(bw.responsive.vibration(options))
@@ -182,7 +182,7 @@ function ShakenSheet:step(count) end
 ---The engine's sheet and its mesh motion, `body` of the sheets above. Scripts take these. `frame` is a table that receives
 ---what the call reused.
 ---```lua
----local outline = assert(bw.plane.rectangle {high = {0.1, 0.02}}).outline
+---local outline = assert(bw.plane.rectangle {max = {0.1, 0.02}}).outline
 ---local options = {outline = outline, material = bw.material.pla, elements = 200}
 ---options.conditions = {left = "fixed", right = {traction = {0, -1e5}}}
 ---local sheet = assert(bw.responsive.steady(options))
@@ -298,7 +298,7 @@ function Sheet:close() end
 
 ---The state of a body that follows an outline, and of its mesh, made by `keep`.
 ---```lua
----local outline = assert(bw.plane.rectangle {high = {0.1, 0.02}}).outline
+---local outline = assert(bw.plane.rectangle {max = {0.1, 0.02}}).outline
 ---local options = {outline = outline, material = bw.material.pla, elements = 200}
 ---options.conditions = {left = "fixed", right = {traction = {0, -1e5}}}
 ---local sheet = assert(bw.responsive.steady(options))

@@ -17,7 +17,7 @@ local bw = {}
 ---Source: I. Baran and J. Popović, Automatic Rigging and Animation of 3D Characters, ACM Trans. Graph. 26 (2007);
 ---docs/theory/edit.md.
 ---```lua
----local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
+---local mesh = bw.mesh.box {min = {0, -0.01, -0.01}, max = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
 ---local joints = {a = {0.005, 0, 0}, b = {0.05, 0, 0}, c = {0.095, 0, 0}}
 ---local skeleton = bw.skeleton.create {joints = joints, bones = {{"a", "b"}, {"b", "c"}}}
 ---print(assert(bw.skinning_weights(mesh, skeleton)):column_sums()[1] / mesh.node_count) -- about a half
@@ -68,8 +68,8 @@ function skeleton_module.create(options) end
 ---
 ---Errors: geometry (the surface has several shells, no size, or cannot be repaired), limit (it took longer than `minutes`).
 ---```lua
----local body, low, high = bw.shapes.foal()
----local foal = assert(bw.surface.implicit(body, {low = low, high = high, cells = 48}))
+---local body, min, max = bw.shapes.foal()
+---local foal = assert(bw.surface.implicit(body, {min = min, max = max, cells = 48}))
 ---print(assert(bw.skeleton.extract(foal, {bones = 12})))
 ---```
 ---@param surface bw.Surface closed
@@ -231,8 +231,8 @@ function Skeleton:reach(pose, targets, limits, tolerance) end
 ---How far a bone may turn against its parent.
 ---@class bw.ReachLimit
 ---@field swing? number (rad) largest angle between the bone and where its parent would carry it. Default: none
----@field twist_low? number (rad) smallest angle about the bone's own axis. Default: none
----@field twist_high? number (rad) largest angle about the bone's own axis. Default: none
+---@field twist_min? number (rad) smallest angle about the bone's own axis. Default: none
+---@field twist_max? number (rad) largest angle about the bone's own axis. Default: none
 
 ---How inverse kinematics went.
 ---@class bw.ReachReport

@@ -89,7 +89,7 @@ function MaterialTable:close() end
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
 ---local bar = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.45}}})
----bar:fix({side = "low x"}):force({side = "high x"}, {0, 0, -0.5})
+---bar:fix({side = "min x"}):force({side = "max x"}, {0, 0, -0.5})
 ---print(assert(bar:solve()).movement:max())
 ---```
 ---@param options bw.SolidOptions the grid and what it is made of
@@ -109,7 +109,7 @@ function bw.solid(options) end
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
 ---local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.45}}})
----solid:fix({side = "low x"}):turn({side = "high x"}, {axis = {1, 0, 0}, point = {0, 0.01, 0.01}, angle = 60})
+---solid:fix({side = "min x"}):turn({side = "max x"}, {axis = {1, 0, 0}, point = {0, 0.01, 0.01}, angle = 60})
 ---local twisted = assert(solid:solve())
 ---print(twisted, twisted.von_mises:max())
 ---```
@@ -193,7 +193,7 @@ function Solid:contact_plane(options) end
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
 ---local bar = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.45}}})
----bar:fix({side = "low x"}):force({side = "high x"}, {0, 0, -2})
+---bar:fix({side = "min x"}):force({side = "max x"}, {0, 0, -2})
 ---local result = assert(bar:solve {steps = 2, linear = "direct"})
 ---print(result.report.iterations, result.report.shape.min_ratio)
 ---```
@@ -227,7 +227,7 @@ function Solid:solve(options) end
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
 ---local rubber = bw.hyperelastic {young = 1e6, poisson = 0.45, density = 1100}
----local bar = assert(bw.solid {grid = grid, materials = {rubber}}):fix({side = "low x"}):gravity {0, 0, -9.81}
+---local bar = assert(bw.solid {grid = grid, materials = {rubber}}):fix({side = "min x"}):gravity {0, 0, -9.81}
 ---local motion = assert(bar:motion {scheme = "newmark", step = 2e-3, mass_damping = 1})
 ---print(assert(motion:step(10)).displacement:column(3):min())
 ---```
@@ -259,7 +259,7 @@ function Solid:motion(options) end
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {20, 4, 4}})
 ---local bar = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.45}}})
----bar:fix({side = "low x"}):force({side = "high x"}, {0, 0, -0.5})
+---bar:fix({side = "min x"}):force({side = "max x"}, {0, 0, -0.5})
 ---local hole = assert(grid:set({centre = {0.05, 0.01, 0.01}, radius = 0.006}, 0))
 ---print(assert(assert(bar:with(hole)):solve()).movement:max())
 ---```
@@ -283,8 +283,8 @@ function Solid:with(grid) end
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {20, 4, 4}, material = "1 + (z > 0.01)"})
 ---local soft, stiff = bw.hyperelastic {young = 1e5, poisson = 0.4}, bw.hyperelastic {young = 1e6, poisson = 0.4}
----local fine = assert(bw.solid {grid = grid, materials = {soft, stiff}}):fix {side = "low x"}
----local coarse = assert(fine:force({side = "high x"}, {0, 0, -0.02}):coarsen "naive")
+---local fine = assert(bw.solid {grid = grid, materials = {soft, stiff}}):fix {side = "min x"}
+---local coarse = assert(fine:force({side = "max x"}, {0, 0, -0.02}):coarsen "naive")
 ---print(coarse, assert(coarse:solve()):error(assert(fine:solve())))
 ---```
 ---@param by bw.Library|"naive"|"average" what the materials come from
@@ -300,8 +300,8 @@ function Solid:coarsen(by, levels) end
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {20, 4, 4}, material = "1 + (z > 0.01)"})
 ---local soft, stiff = bw.hyperelastic {young = 1e5, poisson = 0.4}, bw.hyperelastic {young = 1e6, poisson = 0.4}
----local fine = assert(bw.solid {grid = grid, materials = {soft, stiff}}):fix {side = "low x"}
----fine:force({side = "high x"}, {0, 0, -0.02})
+---local fine = assert(bw.solid {grid = grid, materials = {soft, stiff}}):fix {side = "min x"}
+---fine:force({side = "max x"}, {0, 0, -0.02})
 ---local result, choice = fine:solve_coarse {by = assert(bw.metamaterial.grow({soft, stiff}, grid))}
 ---print(choice.chosen, result.estimated_error)
 ---```
@@ -328,8 +328,8 @@ function Solid:solve_coarse(options) end
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
 ---local bar = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.45}}})
----local result = assert(bar:fix({side = "low x"}):force({side = "high x"}, {0, 0, -0.5}):solve())
----print(result.energy, result:total_reaction({side = "low x"})[3])
+---local result = assert(bar:fix({side = "min x"}):force({side = "max x"}, {0, 0, -0.5}):solve())
+---print(result.energy, result:total_reaction({side = "min x"})[3])
 ---assert(result:picture("bent.png", {values = "von_mises", width = 400, height = 300}))
 ---```
 ---@class bw.SolidResult
@@ -407,8 +407,8 @@ function SolidResult:error(reference) end
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {20, 4, 4}, material = "1 + (z > 0.01)"})
 ---local soft, stiff = bw.hyperelastic {young = 1e5, poisson = 0.4}, bw.hyperelastic {young = 1e6, poisson = 0.4}
----local fine = assert(bw.solid {grid = grid, materials = {soft, stiff}}):fix {side = "low x"}
----local coarse = assert(fine:force({side = "high x"}, {0, 0, -0.02}):coarsen "naive")
+---local fine = assert(bw.solid {grid = grid, materials = {soft, stiff}}):fix {side = "min x"}
+---local coarse = assert(fine:force({side = "max x"}, {0, 0, -0.02}):coarsen "naive")
 ---print(assert(coarse:solve()):estimate_error())
 ---```
 ---@return number? relative (-) to the mean displacement
@@ -455,7 +455,7 @@ function SolidResult:panel(title, values) end
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
 ---local rubber = bw.hyperelastic {young = 1e6, poisson = 0.45, density = 1100}
----local bar = assert(bw.solid {grid = grid, materials = {rubber}}):fix({side = "low x"}):gravity {0, 0, -9.81}
+---local bar = assert(bw.solid {grid = grid, materials = {rubber}}):fix({side = "min x"}):gravity {0, 0, -9.81}
 ---local motion = assert(bar:motion {step = 2e-3})
 ---for _ = 1, 3 do assert(motion:step(5)) end
 ---print(motion, motion.kinetic + motion.strain + motion.potential + motion.dissipated)

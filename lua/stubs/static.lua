@@ -9,7 +9,7 @@
 ---A static solution. Fields are computed when they are first asked for, and kept. Names without `element_` belong to nodes, but
 ---for `utilisation`. Stresses at nodes are means over the elements around by volume.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
 ---local part = bw.model {mesh = mesh, material = bw.material.steel}
 ---part:fix(mesh.boundary:below("x", 0)):load {on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}
 ---local static = assert(part:solve())

@@ -20,7 +20,7 @@ local bw = {}
 ---
 ---Source: docs/theory/strengthen.md.
 ---```lua
----local rod = bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.01, 0.01}}
+---local rod = bw.surface.box {min = {0, 0, 0}, max = {0.06, 0.01, 0.01}}
 ---local result = assert(bw.strengthen(rod, {material = bw.material.pla, force = 20, elements = 300, length = 4e-3}))
 ---print(result)
 ---assert(result.surface:write "stronger.stl")

@@ -11,7 +11,7 @@ local bw = {}
 
 ---The mean stress of every element under a displacement.
 ---```lua
----local mesh = bw.mesh.box {high = {1, 1, 1}, cells = {2, 2, 2}}
+---local mesh = bw.mesh.box {max = {1, 1, 1}, cells = {2, 2, 2}}
 ---local stress = bw.element_stress(mesh, bw.material.steel, 1e-3 * mesh.nodes)
 ---print(stress(1, 1)) -- Pa
 ---```
@@ -23,7 +23,7 @@ function bw.element_stress(mesh, material, displacement) end
 
 ---The stress at every node under a displacement: the mean over the elements around it by volume.
 ---```lua
----local mesh = bw.mesh.box {high = {1, 1, 1}, cells = {2, 2, 2}, order = 2}
+---local mesh = bw.mesh.box {max = {1, 1, 1}, cells = {2, 2, 2}, order = 2}
 ---local stress = bw.nodal_stress(mesh, bw.material.steel, 1e-3 * mesh.nodes)
 ---print(stress.row_count == mesh.node_count) -- true
 ---```
@@ -40,7 +40,7 @@ function bw.nodal_stress(mesh, material, displacement) end
 ---
 ---Source: docs/theory/breaking_force.md.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
 ---local part = bw.model({mesh = mesh, material = bw.material.steel}):fix(mesh.boundary:below("x", 0))
 ---local static = assert(part:load({on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}):solve())
 ---local stress = assert(bw.surface_stress(mesh, part.material, static.displacement, static.force))
@@ -64,7 +64,7 @@ function bw.surface_stress(mesh, material, displacement, force) end
 ---
 ---Source: docs/theory/breaking_force.md.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
 ---local stress = assert(bw.surface_stress(mesh, bw.material.steel, 1e-3 * mesh.nodes))
 ---local mean = assert(bw.surface_mean(mesh, stress, 2e-3))
 ---print(bw.max_principal(mean):max())

@@ -16,7 +16,7 @@ local bw = {}
 ---
 ---Source: Y. Xie and others, Agile structural analysis for fabrication-aware shape editing (2015), section 4; docs/theory/edit.md.
 ---```lua
----local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
+---local mesh = bw.mesh.box {min = {0, -0.01, -0.01}, max = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
 ---local joints = {a = {0.005, 0, 0}, b = {0.05, 0, 0}, c = {0.095, 0, 0}}
 ---local skeleton = bw.skeleton.create {joints = joints, bones = {{"a", "b"}, {"b", "c"}}}
 ---local weights = assert(bw.skinning_weights(mesh, skeleton))
@@ -39,7 +39,7 @@ function bw.subdomains(mesh, skeleton, weights, options) end
 
 ---The subdomains of a mesh. They do not change: methods give new ones. `#subdomains` is their number, `subdomains[i]` is a `bw.Subdomain`.
 ---```lua
----local mesh = bw.mesh.box {low = {0, -0.01, -0.01}, high = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
+---local mesh = bw.mesh.box {min = {0, -0.01, -0.01}, max = {0.1, 0.01, 0.01}, cells = {20, 4, 4}}
 ---local skeleton = bw.skeleton.create {joints = {{0.005, 0, 0}, {0.05, 0, 0}, {0.095, 0, 0}}, bones = {{1, 2}, {2, 3}}}
 ---local subdomains = assert(bw.subdomains(mesh, skeleton, assert(bw.skinning_weights(mesh, skeleton))))
 ---for _, subdomain in ipairs(subdomains) do print(subdomain.type, subdomain.elements) end

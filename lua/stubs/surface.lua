@@ -16,7 +16,7 @@ local surface_module = {}
 ---Errors: io (the file cannot be read), format (it is none of these, or damaged), geometry (a coordinate is not finite),
 ---limit (more than 2147483647 points or triangles).
 ---```lua
----assert(bw.surface.box({low = {0, 0, 0}, high = {0.02, 0.02, 0.05}}):write "post.stl")
+---assert(bw.surface.box({min = {0, 0, 0}, max = {0.02, 0.02, 0.05}}):write "post.stl")
 ---local surface, info = assert(bw.surface.read("post.stl", {unit = "mm"}))
 ---print(surface, info.format)
 ---```
@@ -61,7 +61,7 @@ function surface_module.new(options) end
 
 ---A box along the axes, of 12 triangles.
 ---```lua
----local box = bw.surface.box {low = {0, 0, 0}, high = {0.1, 0.02, 0.01}}
+---local box = bw.surface.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}}
 ---print(box.volume) -- 2e-05
 ---```
 ---@param options bw.SurfaceBoxOptions its corners
@@ -70,8 +70,8 @@ function surface_module.box(options) end
 
 ---The corners of a box.
 ---@class bw.SurfaceBoxOptions
----@field low? bw.Vector (m) the smallest coordinates. Default: {0, 0, 0}
----@field high bw.Vector (m) the largest coordinates
+---@field min? bw.Vector (m) the smallest coordinates. Default: {0, 0, 0}
+---@field max bw.Vector (m) the largest coordinates
 
 ---A sphere of triangles: an icosahedron whose triangles are cut into four `subdivisions` times.
 ---```lua
@@ -109,7 +109,7 @@ function surface_module.cylinder(options) end
 ---
 ---Errors: geometry (the function is negative on the box's surface, or not a number), limit (more than 2147483647 points).
 ---```lua
----local box = {low = {-2, -2, -1}, high = {2, 2, 1}, cells = 60}
+---local box = {min = {-2, -2, -1}, max = {2, 2, 1}, cells = 60}
 ---local torus = assert(bw.surface.implicit("(sqrt(x^2 + y^2) - 1.2)^2 + z^2 - 0.25", box))
 ---print(torus.volume) -- near 2 pi^2 1.2 0.25
 ---```
@@ -122,15 +122,15 @@ function surface_module.implicit(value, options) end
 
 ---The grid on which a function is evaluated.
 ---@class bw.SurfaceImplicitOptions
----@field low bw.Vector (m) the smallest coordinates
----@field high bw.Vector (m) the largest coordinates
+---@field min bw.Vector (m) the smallest coordinates
+---@field max bw.Vector (m) the largest coordinates
 ---@field cells? integer (count) cells along the longest side. Range: 1 to 4000. Default: 32
 
 ---A triangle surface. Surfaces do not change: methods give new ones. It may be open or wrong otherwise, as it was read;
 ---`check` tells. `print(surface)` lists its largest faces.
 ---```lua
 ---local ball = bw.surface.sphere {centre = {0, 0, 0.01}, radius = 0.01}
----print(ball.volume, ball.area, ball.box.high[3])
+---print(ball.volume, ball.area, ball.box.max[3])
 ---```
 ---@class bw.Surface
 ---@field points bw.Array (m, point_count × 3, per point) coordinates

@@ -8,7 +8,7 @@
 
 ---The equations of a part, K u = f, and a factor of K. `part:system()` gives it.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
 ---local part = bw.model({mesh = mesh, material = bw.material.steel}):fix(mesh.boundary:below("x", 0))
 ---part:load {on = mesh.boundary:above("x", 0.1), force = {0, 0, -10}}
 ---local system = assert(part:system())

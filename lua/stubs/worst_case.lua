@@ -22,7 +22,7 @@ local bw = {}
 ---Source: Q. Zhou, J. Panetta and D. Zorin, Worst-Case Structural Analysis, ACM Trans. Graph. 32 (2013), and a search beside its
 ---modes; docs/theory/worst_case.md.
 ---```lua
----local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
+---local mesh = bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
 ---local part = bw.model {mesh = mesh, material = bw.material.pla}
 ---local worst = assert(bw.worst_case(part, {force = 50, contact = 1e-4, forbidden = mesh.boundary:below("x", 0)}))
 ---print(worst)
@@ -68,7 +68,7 @@ function bw.worst_case(part, options) end
 
 ---The worst load that was found, and all others. `print` gives the answer in one line.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
 ---local worst = assert(bw.worst_case(bw.model {mesh = mesh, material = bw.material.pla}, {force = 50}))
 ---print(worst.max_principal, worst.utilisation, #worst.regions)
 ---print(worst:pressure():max(), worst:stress().row_count)
@@ -254,7 +254,7 @@ function WorstCase:close() end
 ---
 ---Source: docs/theory/worst_case.md, section 14.
 ---```lua
----local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.01, 0.01}, cells = {6, 1, 1}}
+---local mesh = bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.01, 0.01}, cells = {6, 1, 1}}
 ---local part = bw.model {mesh = mesh, material = bw.material.pla}
 ---assert(bw.worst_case(part, {certify = 0.1, certificate = "bound.txt"}))
 ---print(assert(bw.check_certificate "bound.txt").upper_bound)

@@ -14,7 +14,7 @@ local bw = {}
 ---
 ---Errors: unsupported (modes of the Laplacian with the target displacement).
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
 ---local modes = assert(bw.model({mesh = mesh, material = bw.material.pla}):modes {count = 3})
 ---local regions = assert(bw.weak_regions(mesh, bw.material.pla, modes))
 ---print(regions, regions[1].volume)
@@ -37,7 +37,7 @@ function bw.weak_regions(mesh, material, modes, options) end
 
 ---Elements as regions of their own.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
 ---print(bw.single_regions(mesh, {1, 5, 9}).count) -- 3
 ---```
 ---@param mesh bw.Mesh the mesh
@@ -52,7 +52,7 @@ function bw.single_regions(mesh, elements, sign) end
 ---
 ---Errors: unsupported (the spacing makes too many cells).
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
 ---local basis = assert(bw.pressure_basis(mesh, {forbidden = mesh.boundary:below("x", 0)}))
 ---print(basis.count, basis.areas:sum())
 ---```
@@ -75,7 +75,7 @@ function bw.pressure_basis(mesh, options) end
 ---Errors: infeasible (no load within the limits is in balance; `details.largest_force`, in N), unsupported (a support prescribes a
 ---displacement that is not zero), convergence (a linear program found no optimum).
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
 ---local part = bw.model {mesh = mesh, material = bw.material.pla}
 ---local basis, regions = assert(bw.pressure_basis(mesh)), bw.single_regions(mesh, {100, 120})
 ---local loads = assert(bw.worst_loads(assert(part:system()), basis, regions, {pressure = 2e5, force = 20}))
@@ -121,7 +121,7 @@ function bw.worst_loads(system, basis, regions, options) end
 
 ---Weak regions. `#regions` is their number, `regions[i]` is a `bw.WeakRegion`.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
 ---local regions = bw.single_regions(mesh, {100})
 ---print(regions:elements(1)[1], regions:objective(1, bw.material.pla):norm())
 ---```
@@ -162,7 +162,7 @@ function WeakRegions:close() end
 
 ---Pressures on the boundary of a mesh; each column is one unknown of the linear programs.
 ---```lua
----local mesh = bw.mesh.box {high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
 ---local basis = assert(bw.pressure_basis(mesh))
 ---local pressure = bw.array.zeros(basis.count) + 1e5
 ---print(basis:force(pressure):column_sums()[1]) -- uniform pressure is in balance

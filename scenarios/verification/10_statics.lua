@@ -18,7 +18,7 @@ local XX, YY, ZZ, ZX = 1, 2, 3, 5 -- columns of a stress: xx yy zz yz zx xy
 
 scenario("MacNeal-Harder straight cantilever, tet10", function(t)
   local function solve(load)
-    local mesh = bw.mesh.box {low = {0, -0.1, -0.05}, high = {6, 0.1, 0.05}, cells = {48, 5, 3}, order = 2}
+    local mesh = bw.mesh.box {min = {0, -0.1, -0.05}, max = {6, 0.1, 0.05}, cells = {48, 5, 3}, order = 2}
     local part = bw.model {mesh = mesh, material = elastic(1e7, 0.3)}
     part:fix(mesh.boundary:below(1, 1e-9))
     load.on = mesh.boundary:above(1, 6 - 1e-9)
@@ -225,7 +225,7 @@ scenario("Kirsch, hole in a wide plate, tet10", function(t)
 end)
 
 scenario("St Venant torsion of a square bar, tet10", function(t)
-  local mesh = bw.mesh.box {low = {0, -0.5, -0.5}, high = {6, 0.5, 0.5}, cells = {30, 8, 8}, order = 2}
+  local mesh = bw.mesh.box {min = {0, -0.5, -0.5}, max = {6, 0.5, 0.5}, cells = {30, 8, 8}, order = 2}
   local part = bw.model {mesh = mesh, material = elastic(2.6, 0.3)} -- G = 1
   part:load {on = mesh.boundary:below(1, 1e-9), torque = {-1, 0, 0}, about = {0, 0, 0}}
   part:load {on = mesh.boundary:above(1, 6 - 1e-9), torque = {1, 0, 0}, about = {6, 0, 0}}
@@ -245,7 +245,7 @@ scenario("square Kirchhoff plates under uniform load, tet10", function(t)
   local thickness = 0.01
   local D = 1 * thickness ^ 3 / (12 * (1 - 0.3 ^ 2))
   for _, line in ipairs {{"simply supported", 0.00406235}, {"clamped", 0.00126532}} do
-    local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.5, 0.5, thickness}, cells = {32, 32, 1}, order = 2}
+    local mesh = bw.mesh.box {min = {0, 0, 0}, max = {0.5, 0.5, thickness}, cells = {32, 32, 1}, order = 2}
     local part = bw.model {mesh = mesh, material = elastic(1, 0.3)}
     part:slide(mesh.boundary:above(1, 0.5 - 1e-9), {1, 0, 0})
     part:slide(mesh.boundary:above(2, 0.5 - 1e-9), {0, 1, 0})
@@ -264,7 +264,7 @@ scenario("square Kirchhoff plates under uniform load, tet10", function(t)
 end)
 
 scenario("bar under its own weight", function(t)
-  local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.1, 2}, cells = {2, 2, 20}, order = 2}
+  local mesh = bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.1, 2}, cells = {2, 2, 20}, order = 2}
   local part = bw.model {mesh = mesh, material = elastic(1e9, 0, 1000)}
   part:slide(mesh.boundary:above(3, 2 - 1e-9), {0, 0, 1})
   part:fix(mesh.boundary:nearest({0, 0, 2}, 1))

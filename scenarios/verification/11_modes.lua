@@ -21,7 +21,7 @@ end
 
 scenario("free-free slender bar", function(t)
   local L, h = 1, 0.01
-  local mesh = bw.mesh.box {low = {0, 0, 0}, high = {L, 1.5 * h, h}, cells = {60, 1, 1}, order = 2}
+  local mesh = bw.mesh.box {min = {0, 0, 0}, max = {L, 1.5 * h, h}, cells = {60, 1, 1}, order = 2}
   local part = bw.model {mesh = mesh, material = nafems()}
   local modes = t:require(part:modes {count = 4})
   -- Bending about the two axes alternates: sides h and 1.5 h.
@@ -34,7 +34,7 @@ end)
 
 scenario("cantilever bar", function(t)
   local L, h = 1, 0.01
-  local mesh = bw.mesh.box {low = {0, 0, 0}, high = {L, 1.5 * h, h}, cells = {60, 1, 1}, order = 2}
+  local mesh = bw.mesh.box {min = {0, 0, 0}, max = {L, 1.5 * h, h}, cells = {60, 1, 1}, order = 2}
   local part = bw.model {mesh = mesh, material = nafems()}
   part:fix(mesh.boundary:below(1, 1e-9))
   local modes = t:require(part:modes {count = 4})
@@ -47,7 +47,7 @@ end)
 
 -- The plates of NAFEMS and Leissa: h/a = 1/200 is thin enough for Kirchhoff's theory.
 local function plate(cells, clamped, count)
-  local mesh = bw.mesh.box {low = {0, 0, 0}, high = {10, 10, 0.05}, cells = {cells, cells, 1}, order = 2}
+  local mesh = bw.mesh.box {min = {0, 0, 0}, max = {10, 10, 0.05}, cells = {cells, cells, 1}, order = 2}
   local part = bw.model {mesh = mesh, material = nafems()}
   if clamped then part:fix(mesh.boundary:below(1, 1e-9)) end
   return assert(part:modes {count = count})
@@ -113,7 +113,7 @@ scenario("NAFEMS FV42, thick hollow sphere, radial modes", function(t)
 end)
 
 scenario("NAFEMS FV52, simply supported thick plate, the mode in the plane", function(t)
-  local mesh = bw.mesh.box {low = {0, 0, -0.5}, high = {10, 10, 0.5}, cells = {12, 12, 2}, order = 2}
+  local mesh = bw.mesh.box {min = {0, 0, -0.5}, max = {10, 10, 0.5}, cells = {12, 12, 2}, order = 2}
   local part = bw.model {mesh = mesh, material = nafems()}
   part:prescribe(mesh.boundary:where(function(x, y, z)
     return z < -0.5 + 1e-9 and (x < 1e-9 or y < 1e-9 or x > 10 - 1e-9 or y > 10 - 1e-9)

@@ -36,7 +36,7 @@ end
 local function errors(plane, order, size)
   local at = exact(plane)
   local function part(i) return function(x, y) return (select(i, at(x, y))) end end
-  local outline = assert(bw.outline.rectangle {low = {0, 0}, high = {1, 1}, tags = {right = 2},
+  local outline = assert(bw.outline.rectangle {min = {0, 0}, max = {1, 1}, tags = {right = 2},
     holes = {bw.outline.circle {centre = {0.45, 0.5}, radius = 0.2, name = "hole"}}})
   local held = {x = part(1), y = part(2)}
   local s = assert(bw.responsive.steady {outline = outline, order = order, size = size, plane = plane,

@@ -40,7 +40,7 @@ local function elastica(force, weight)
 end
 
 local function beam(order, more)
-  local options = {outline = assert(bw.outline.rectangle {low = {0, -HEIGHT / 2}, high = {LENGTH, HEIGHT / 2},
+  local options = {outline = assert(bw.outline.rectangle {min = {0, -HEIGHT / 2}, max = {LENGTH, HEIGHT / 2},
     tags = {left = 4, right = 2}}), order = order, size = HEIGHT, material = tools.elastic(YOUNG, 0, 1000),
     conditions = {left = "fixed"}}
   for key, value in pairs(more) do options[key] = value end

@@ -16,7 +16,7 @@ local OMEGA = 1.875104068711961 ^ 2 * math.sqrt(YOUNG * HEIGHT ^ 2 / 12 / DENSIT
 local PERIOD = 2 * math.pi / OMEGA
 
 local function beam(more)
-  local options = {outline = assert(bw.outline.rectangle {low = {0, 0}, high = {LENGTH, HEIGHT},
+  local options = {outline = assert(bw.outline.rectangle {min = {0, 0}, max = {LENGTH, HEIGHT},
     tags = {left = 4}}), order = 2, size = HEIGHT, ground = "left",
     material = tools.elastic(YOUNG, 0, DENSITY)}
   for key, value in pairs(more) do options[key] = value end

@@ -22,10 +22,10 @@ end
 
 local function twisted(cells)
   local solid, angle = bar(cells), 0.01
-  solid:fix {side = "low z"}
-  solid:turn({side = "high z"}, {axis = {0, 0, 1}, angle = math.deg(angle)})
+  solid:fix {side = "min z"}
+  solid:turn({side = "max z"}, {axis = {0, 0, 1}, angle = math.deg(angle)})
   local result = assert(solid:solve {tolerance = 1e-8})
-  local nodes = solid.grid:nodes {side = "high z"}
+  local nodes = solid.grid:nodes {side = "max z"}
   local at, by = solid.grid.points:gather(nodes):totable(), result.reaction:gather(nodes):totable()
   local torque = 0
   for i, x in ipairs(at) do torque = torque + x[1] * by[i][2] - x[2] * by[i][1] end
@@ -36,10 +36,10 @@ end
 
 local function bent(cells)
   local solid, force = bar(cells), 1e-3
-  solid:fix {side = "low z"}
-  solid:force({side = "high z"}, {force, 0, 0})
+  solid:fix {side = "min z"}
+  solid:force({side = "max z"}, {force, 0, 0})
   local result = assert(solid:solve {tolerance = 1e-8})
-  local nodes = solid.grid:nodes {side = "high z"}
+  local nodes = solid.grid:nodes {side = "max z"}
   local tip = result.displacement:gather(nodes):column(1):mean()
   local z = solid.grid.points:column(3)
   local height = z:max() - z:min()

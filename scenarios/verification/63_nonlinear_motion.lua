@@ -70,11 +70,11 @@ local function cantilever(cells, parts)
   local grid = assert(bw.grid.box {size = {length, side, side}, cells = {cells, 1, 1}})
   local solid = assert(bw.solid {grid = grid,
     materials = {bw.hyperelastic {law = "corotated", young = young, poisson = 0, density = density}}})
-  solid:fix {side = "low x"}
-  solid:force({side = "high x"}, {0, 0, 1e-4})
+  solid:fix {side = "min x"}
+  solid:force({side = "max x"}, {0, 0, 1e-4})
   local bent = assert(solid:solve {tolerance = 1e-10})
   local free = assert(bw.solid {grid = grid, materials = solid.materials})
-  free:fix {side = "low x"}
+  free:fix {side = "min x"}
   -- Euler's frequency with what the elements add to the stiffness, and Timoshenko's correction by
   -- shear alone: the lumped masses at corners turn with the section as if it were twice as deep
   local cell = length / cells / side
@@ -83,7 +83,7 @@ local function cantilever(cells, parts)
   local step = period / parts
   local motion = assert(free:motion {scheme = "newmark", step = step, displacement = bent.displacement,
     tolerance = 1e-9})
-  local tip = grid:nodes {side = "high x"}
+  local tip = grid:nodes {side = "max x"}
   local times = crossings(motion, step, 5, function()
     return motion.displacement:gather(tip):column(3):mean()
   end)

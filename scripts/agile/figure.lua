@@ -3,7 +3,7 @@
 --   {from = {x, y, z}, to = {x, y, z}, r = 3, r_to = 2}   a limb, its radius going from r to r_to
 --   {from = {x, y, z}, r = 3}                             a ball
 --   {chain = {{x, y, z, r}, {x, y, z, r}, ...}}           a limb along a curve through these points
---   {low = {x, y, z}, high = {x, y, z}, r = 1}            a block with edges rounded by r
+--   {min = {x, y, z}, max = {x, y, z}, r = 1}            a block with edges rounded by r
 --   {disc = {x, y, z}, radius = 10, height = 4, r = 1}    a disc about z, edges rounded by r
 -- and may have `squash = {x, y, z}`: measured in lengths divided by these, about its middle; and
 -- `round`: its own distance of rounding where it joins. Parts are joined in their order.
@@ -53,17 +53,17 @@ end
 local function part_of(p)
   local sx, sy, sz = table.unpack(p.squash or {1, 1, 1})
   local thinnest, widest = min(sx, sy, sz), max(sx, sy, sz)
-  if p.low then
+  if p.min then
     local r = p.r or 0
-    local cx, cy, cz = (p.low[1] + p.high[1]) / 2, (p.low[2] + p.high[2]) / 2, (p.low[3] + p.high[3]) / 2
-    local hx, hy, hz = (p.high[1] - p.low[1]) / 2 - r, (p.high[2] - p.low[2]) / 2 - r,
-      (p.high[3] - p.low[3]) / 2 - r
+    local cx, cy, cz = (p.min[1] + p.max[1]) / 2, (p.min[2] + p.max[2]) / 2, (p.min[3] + p.max[3]) / 2
+    local hx, hy, hz = (p.max[1] - p.min[1]) / 2 - r, (p.max[2] - p.min[2]) / 2 - r,
+      (p.max[3] - p.min[3]) / 2 - r
     local function f(x, y, z)
       local dx, dy, dz = abs(x - cx) - hx, abs(y - cy) - hy, abs(z - cz) - hz
       local ox, oy, oz = max(dx, 0), max(dy, 0), max(dz, 0)
       return sqrt(ox * ox + oy * oy + oz * oz) + min(max(dx, dy, dz), 0) - r
     end
-    return {pieces = {f}, low = p.low, high = p.high, reach = 0}
+    return {pieces = {f}, min = p.min, max = p.max, reach = 0}
   end
   if p.disc then
     local r = p.r or 0
@@ -75,7 +75,7 @@ local function part_of(p)
       local os, ou = max(side, 0), max(up, 0)
       return sqrt(os * os + ou * ou) + min(max(side, up), 0) - r
     end
-    return {pieces = {f}, low = p.disc, high = p.disc, reach = max(p.radius * widest, p.height)}
+    return {pieces = {f}, min = p.disc, max = p.disc, reach = max(p.radius * widest, p.height)}
   end
   local knots = p.chain
     or {{p.from[1], p.from[2], p.from[3], p.r}, {(p.to or p.from)[1], (p.to or p.from)[2],
@@ -92,7 +92,7 @@ local function part_of(p)
   local pieces = {}
   for i = 1, #knots - 1 do pieces[i] = limb_of(knots[i], knots[i + 1], mx, my, mz, sx, sy, sz) end
   return {pieces = pieces, x = mx, y = my, z = mz, sx = sx, sy = sy, sz = sz, scale = thinnest,
-    low = low, high = high, reach = thick * widest}
+    min = low, max = high, reach = thick * widest}
 end
 
 local BLOCK = 6 -- mm
@@ -165,8 +165,8 @@ function figure.surface(about)
   local f, bodies = joined(about.parts, about.rounding or 0)
   for _, body in ipairs(bodies) do
     for k = 1, 3 do
-      low[k] = min(low[k], body.low[k] - body.reach)
-      high[k] = max(high[k], body.high[k] + body.reach)
+      low[k] = min(low[k], body.min[k] - body.reach)
+      high[k] = max(high[k], body.max[k] + body.reach)
     end
   end
   local longest = 0
@@ -186,7 +186,7 @@ function figure.surface(about)
   if about.more then f = joined(about.more, about.rounding or 0, f) end
   for k = 1, 3 do low[k], high[k] = low[k] * 1e-3, high[k] * 1e-3 end
   return bw.surface.implicit(function(x, y, z) return 1e-3 * f(1e3 * x, 1e3 * y, 1e3 * z) end,
-    {low = low, high = high, cells = math.ceil(longest / about.cell)})
+    {min = low, max = high, cells = math.ceil(longest / about.cell)})
 end
 
 --- The parts with those that are named a pair twice: as they are and mirrored in y.
@@ -201,8 +201,8 @@ function figure.pairs(parts, twice)
       other.chain = {}
       for i, knot in ipairs(p.chain) do other.chain[i] = {knot[1], -knot[2], knot[3], knot[4]} end
     end
-    if p.low then
-      other.low, other.high = {p.low[1], -p.high[2], p.low[3]}, {p.high[1], -p.low[2], p.high[3]}
+    if p.min then
+      other.min, other.max = {p.min[1], -p.max[2], p.min[3]}, {p.max[1], -p.min[2], p.max[3]}
     end
     parts[#parts + 1] = other
   end

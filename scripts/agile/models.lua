@@ -36,7 +36,7 @@ function models.make(path, opts)
   skeleton, message, details = bw.skeleton.extract(boundary, {bones = opts.bones or 0})
   if not skeleton then return nil, message, details end
 
-  local low, high = mesh.box.low, mesh.box.high
+  local low, high = mesh.box.min, mesh.box.max
   local size = distance(low, high)
   local material = opts.material and bw.material.named(opts.material) or scenes.material()
   local part = bw.model {mesh = mesh, material = material}

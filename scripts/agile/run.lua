@@ -48,10 +48,10 @@ local function read_arguments()
   return opts, opts.model
 end
 
--- The shape as it is, not as it bends, coloured by stress; with `high` the colours end there.
-local function picture(session, static, path, high)
+-- The shape as it is, not as it bends, coloured by stress; with `max` the colours end there.
+local function picture(session, static, path, max)
   assert(session.mesh:picture(path, {values = static.von_mises, unit = "von Mises stress, MPa",
-    scale = 1e-6, low = 0, high = high, direction = {1, -1.3, 0.7}, up = {0, 0, 1}, width = 900,
+    scale = 1e-6, min = 0, max = max, direction = {1, -1.3, 0.7}, up = {0, 0, 1}, width = 900,
     height = 700, edges = false}))
 end
 

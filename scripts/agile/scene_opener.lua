@@ -4,8 +4,8 @@
 return {
   title = "opener", rounding = 7, cell = 0.9,
   parts = {
-    {low = {-62, -8, -3.5}, high = {-4, 8, 3.5}, r = 3}, -- handle
-    {low = {-8, -5.4, -2.1}, high = {20, 5.4, 2.1}, r = 1.8}, -- neck
+    {min = {-62, -8, -3.5}, max = {-4, 8, 3.5}, r = 3}, -- handle
+    {min = {-8, -5.4, -2.1}, max = {20, 5.4, 2.1}, r = 1.8}, -- neck
     {disc = {31, 0, 0}, radius = 17, height = 7.5, r = 2.5}, -- ring
   },
   cuts = {
@@ -13,7 +13,7 @@ return {
     {disc = {-54, 0, 0}, radius = 3, height = 20}, -- for a string
   },
   more = { -- after the cuts
-    {low = {16, -5.5, -3.2}, high = {26.5, 5.5, 2.4}, r = 1.2, round = 2}, -- tongue
+    {min = {16, -5.5, -3.2}, max = {26.5, 5.5, 2.4}, r = 1.2, round = 2}, -- tongue
   },
   joints = {{"end", {-62, 0, 0}}, {"grip", {-5, 0, 0}}, {"throat", {17, 0, 0}}, {"rim", {47, 0, 0}}},
   bones = {{"handle", "grip", "end"}, {"neck", "grip", "throat"}, {"ring", "throat", "rim"}},

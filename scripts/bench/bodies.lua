@@ -14,7 +14,7 @@ local DIAGONAL = 0.1
 
 local function scaled(path)
   local surface = assert(bw.surface.read(path))
-  return surface:scale(DIAGONAL / distance(surface.box.low, surface.box.high))
+  return surface:scale(DIAGONAL / distance(surface.box.min, surface.box.max))
 end
 
 return function(opts)

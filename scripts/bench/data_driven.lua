@@ -91,7 +91,7 @@ if wanted "coarsening" then
       .. "with the "
       .. "coarse solid %.1f ms"):format(grid.element_count, level, level > 1 and "s" or "", inside[4], all))
   end
-  local edited = assert(grid:set({low = {0.1, 0.1, 0.1}, high = {0.2, 0.2, 0.2}}, 1))
+  local edited = assert(grid:set({min = {0.1, 0.1, 0.1}, max = {0.2, 0.2, 0.2}}, 1))
   local coarse, looked_up = assert(fine:coarsen(library, 1)), 0
   out.coarsening.edit_ms = middle(7, function() looked_up = assert(coarse:with(edited)).coarse.looked_up end)
   out.coarsening.edit_looked_up = looked_up

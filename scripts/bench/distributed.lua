@@ -19,7 +19,7 @@ local opts = script.read {
 }
 
 local function measure(kind, cells, order, ranks)
-  local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {cells, cells, cells},
+  local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {cells, cells, cells},
     order = order})
   local part = bw.model {mesh = mesh, material = bw.material.steel}
   part:fix(mesh.boundary:below(3, 0)):load {on = mesh.boundary:above(3, 1), force = {1e3, 0, -1e3}}

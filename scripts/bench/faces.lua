@@ -111,7 +111,7 @@ local function measure(name, surface, elements)
   local p, r, q = groups.plane, groups.round, mesh:quality()
   print(("| %s | %d | %d | %d | %s | %s | %d | %s | %s | %d | %.1f | %.1f |"):format(name, elements,
     mesh.element_count, p.n, share(p.max), share(p.max and p.sum / p.n), r.n, share(r.max),
-    share(r.max and r.sum / r.n), lost, math.deg(q.dihedral_low), seconds))
+    share(r.max and r.sum / r.n), lost, math.deg(q.dihedral_min), seconds))
 end
 
 print("| body | asked | elements | planes | largest | mean | round | largest | mean | smaller faces | least angle "

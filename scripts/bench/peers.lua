@@ -26,7 +26,7 @@ local body = shapes.join({
   shapes.limb({2 * mm, 0, 40 * mm}, {60 * mm, 0, 3 * mm}, 3 * mm),
 }, 2 * mm)
 local surface = assert(bw.surface.implicit(body,
-  {low = {-2 * mm, -22 * mm, -4 * mm}, high = {74 * mm, 22 * mm, 54 * mm}, cells = 70}))
+  {min = {-2 * mm, -22 * mm, -4 * mm}, max = {74 * mm, 22 * mm, 54 * mm}, cells = 70}))
 local mesh = assert(bw.mesh.fill(surface, {elements = opts.elements, order = 2}))
 local part = bw.model {mesh = mesh, material = bw.material.pla}
 part:fix(mesh.boundary:below(1, 1 * mm))

@@ -28,7 +28,7 @@ end
 local function measure(body, cells, with)
   local n, size = {}, {}
   for i, k in ipairs(shapes[body]) do n[i], size[i] = k * cells, k end
-  local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = size, cells = n, order = 2})
+  local mesh = assert(bw.mesh.box {min = {0, 0, 0}, high = size, cells = n, order = 2})
   local part = bw.model {mesh = mesh, material = bw.material.steel}
   part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, size[1]), force = {1e3, 0, -1e3}}
   local function peak()

@@ -31,7 +31,7 @@ if model then
   surface = assert(bw.surface.read(model))
 else
   local f, low, high = bw.shapes.foal()
-  surface = assert(bw.surface.implicit(f, {low = low, high = high, cells = 110}))
+  surface = assert(bw.surface.implicit(f, {min = low, max = high, cells = 110}))
 end
 
 local function peak_gb()

@@ -29,7 +29,7 @@ local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts
   options = opts}))
 
 local function scaled(surface)
-  local low, high = surface.box.low, surface.box.high
+  local low, high = surface.box.min, surface.box.max
   local diagonal = math.sqrt((high[1] - low[1]) ^ 2 + (high[2] - low[2]) ^ 2 + (high[3] - low[3]) ^ 2)
   return surface:scale(DIAGONAL / diagonal)
 end

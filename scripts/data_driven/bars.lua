@@ -25,8 +25,8 @@ bars.pushing = {
   levels = 2,
   grid = box({16, 16, 16}, layers(3)),
   act = function(solid)
-    solid:fix {side = "low z"}
-    solid:force({side = "high z"}, {0, 0, -400})
+    solid:fix {side = "min z"}
+    solid:force({side = "max z"}, {0, 0, -400})
   end,
 }
 
@@ -35,8 +35,8 @@ bars.bending = {
   levels = 2,
   grid = box({8, 32, 8}, layers(2)),
   act = function(solid)
-    solid:fix {side = "low y"}
-    solid:force({side = "high y"}, {0, 0, -25})
+    solid:fix {side = "min y"}
+    solid:force({side = "max y"}, {0, 0, -25})
   end,
 }
 
@@ -47,11 +47,11 @@ bars.twisting = {
   grid = box({8, 32, 8}, layers(2)),
   act = function(solid)
     local middle, force = 4 * H, 60
-    solid:fix {side = "low y"}
-    solid:force({side = "high y", high = {middle, 1, 1}}, {0, 0, force})
-    solid:force({side = "high y", low = {middle, 0, 0}}, {0, 0, -force})
-    solid:force({side = "high y", high = {1, 1, middle}}, {-force, 0, 0})
-    solid:force({side = "high y", low = {0, 0, middle}}, {force, 0, 0})
+    solid:fix {side = "min y"}
+    solid:force({side = "max y", max = {middle, 1, 1}}, {0, 0, force})
+    solid:force({side = "max y", min = {middle, 0, 0}}, {0, 0, -force})
+    solid:force({side = "max y", max = {1, 1, middle}}, {-force, 0, 0})
+    solid:force({side = "max y", min = {0, 0, middle}}, {force, 0, 0})
   end,
 }
 

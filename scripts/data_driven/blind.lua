@@ -114,9 +114,9 @@ end
 local function solid_of(it)
   local function loaded(force)
     local solid = assert(bw.solid {grid = it.grid, materials = scenes.materials()})
-    solid:fix {side = "low y"}
+    solid:fix {side = "min y"}
     local p = it.pull
-    return solid:force({side = "high y"}, {force * p[1], force * p[2], force * p[3]})
+    return solid:force({side = "max y"}, {force * p[1], force * p[2], force * p[3]})
   end
   local small = assert(loaded(1e-6):solve {linear = "direct"})
   return loaded(1e-6 * MOVEMENT / compare.movement(small))

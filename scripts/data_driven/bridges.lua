@@ -7,7 +7,7 @@ local LENGTH, WIDTH, HEIGHT = 192, 24, 44 -- cells
 local DECK = 9                            -- cells
 local PIER = 9                            -- cells
 
--- In cells, from the low corner. Firm sheets with soft ones between them, each a cell thick.
+-- In cells, from the min corner. Firm sheets with soft ones between them, each a cell thick.
 local function deck(_, _, k)
   local above = k - (HEIGHT - 6 - DECK)
   if above < 0 or above >= DECK then return 0 end
@@ -48,9 +48,9 @@ local function grid_of(with_arch)
 end
 
 local function act(solid)
-  solid:fix {side = "low z"}
-  solid:fix {side = "low x"}
-  solid:fix {side = "high x"}
+  solid:fix {side = "min z"}
+  solid:fix {side = "min x"}
+  solid:fix {side = "max x"}
   solid:gravity {0, 0, -9.81}
 end
 

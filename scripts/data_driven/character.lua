@@ -49,7 +49,7 @@ local function grid_of(with_bones)
 end
 
 local function act(solid)
-  solid:fix {high = {1, 1, 4.01 * H}}
+  solid:fix {max = {1, 1, 4.01 * H}}
   solid:gravity {0, -1.5, -9.81}
 end
 

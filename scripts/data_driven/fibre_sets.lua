@@ -31,9 +31,9 @@ local opts = script.read {
 
 -- Stretch of the bar, and how far its end has turned, in degrees.
 local function pulled(grid, u)
-  local box, nodes = grid.box, assert(grid:nodes {side = "high y"})
+  local box, nodes = grid.box, assert(grid:nodes {side = "max y"})
   local at, moved = grid.points:gather(nodes):totable(), u:gather(nodes):totable()
-  local x0, z0 = (box.low[1] + box.high[1]) / 2, (box.low[3] + box.high[3]) / 2
+  local x0, z0 = (box.min[1] + box.max[1]) / 2, (box.min[3] + box.max[3]) / 2
   local along, across, stretch = 0, 0, 0
   for k, p in ipairs(at) do
     local x, z, v = p[1] - x0, p[3] - z0, moved[k]
@@ -41,7 +41,7 @@ local function pulled(grid, u)
     across = across + z * (x + v[1]) - x * (z + v[3])
     stretch = stretch + v[2] / #at
   end
-  return stretch / (box.high[2] - box.low[2]), math.deg(math.atan(across, along))
+  return stretch / (box.max[2] - box.min[2]), math.deg(math.atan(across, along))
 end
 
 for number = opts.only or 1, opts.only or #sets do

@@ -38,8 +38,8 @@ function motion.run(out, opts, fine, solutions)
   local box = fine.grid.box
   local low, high = {}, {}
   for k = 1, 3 do
-    local margin = 0.12 * (box.high[2] - box.low[2])
-    low[k], high[k] = box.low[k] - margin, box.high[k] + margin
+    local margin = 0.12 * (box.max[2] - box.min[2])
+    low[k], high[k] = box.min[k] - margin, box.max[k] + margin
   end
   local names, rows, max = {}, bw.json.list {}, 0
   for _, each in ipairs(solutions) do max = math.max(max, each.solution.movement:max()) end
@@ -52,7 +52,7 @@ function motion.run(out, opts, fine, solutions)
     end
     names[#names + 1] = ("%s/frame_%03d.png"):format(out, frame)
     return bw.grid.picture(names[#names], panels, {direction = opts.direction, up = {0, 0, 1}, width = 380,
-      height = 380, columns = #panels, unit = "movement, mm", scale = 1e3, low = 0, high = max,
+      height = 380, columns = #panels, unit = "movement, mm", scale = 1e3, min = 0, max = max,
       view = {low, high}})
   end
   local function remove()

@@ -150,7 +150,7 @@ function page.pictures(out, scene, fine, solutions)
   end
   return bw.grid.picture(out .. "/shapes.png", panels, {direction = scene.direction, up = up,
     width = 440, height = 360, columns = math.min(4, math.ceil(#panels / 2)), unit = "movement, mm",
-    scale = 1e3, low = 0, ghost = true})
+    scale = 1e3, min = 0, ghost = true})
 end
 
 -- ---- pages ---------------------------------------------------------------------------------------

@@ -95,7 +95,7 @@ local function edit(scene, fine, library, result, out)
     local drawn
     drawn, message, details = bw.grid.picture(("%s/edit_%d.png"):format(out, i), panels,
       {direction = scene.direction, up = {0, 0, 1}, width = 440, height = 360, columns = #panels,
-        unit = "movement, mm", scale = 1e3, low = 0})
+        unit = "movement, mm", scale = 1e3, min = 0})
     if not drawn then return nil, message, details end
   end
   return true

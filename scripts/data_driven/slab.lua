@@ -17,8 +17,8 @@ local function grid(skin, material)
 end
 
 local function hold(solid)
-  solid:fix({side = "low y"}, {false, 0, 0})
-  solid:fix {side = "low x"}
+  solid:fix({side = "min y"}, {false, 0, 0})
+  solid:fix {side = "min x"}
 end
 
 return {
@@ -29,7 +29,7 @@ return {
     grid = grid(2, function(piece, skin) return skin and 3 - piece or piece + 1 end),
     act = function(solid)
       hold(solid)
-      solid:force({side = "high x"}, {-1400, 0, 0})
+      solid:force({side = "max x"}, {-1400, 0, 0})
     end,
   },
   wrinkling = {
@@ -38,7 +38,7 @@ return {
     grid = grid(4, function(_, skin) return skin and 3 or 1 end),
     act = function(solid)
       hold(solid)
-      solid:fix({side = "high x"}, {-0.1, false, false})
+      solid:fix({side = "max x"}, {-0.1, false, false})
     end,
   },
 }

@@ -94,7 +94,7 @@ return {sole = {
   grid = grid,
   edits = edits,
   act = function(solid)
-    solid:fix {side = "low z"}
+    solid:fix {side = "min z"}
     solid:pressure(assert(top(top_cells())), {pressure = pressure})
   end,
 }}

@@ -18,11 +18,11 @@ return function(set)
     end
     return 1
   end
-  local function held(solid) solid:fix {side = "low y"} end
+  local function held(solid) solid:fix {side = "min y"} end
   return {levels = 2, held = held,
     grid = function() return bw.grid.box {cells = CELLS, spacing = H, material = material} end,
     act = function(solid)
       held(solid)
-      solid:force({side = "high y"}, {0, 3500, 0})
+      solid:force({side = "max y"}, {0, 3500, 0})
     end}
 end

@@ -9,7 +9,7 @@ local opts = script.read {
   arguments = {{name = "out", type = "file", endings = {"stl"}, what = "the file"}},
 }
 local f, low, high = shapes.foal()
-local surface = assert(bw.surface.implicit(f, {low = low, high = high, cells = 110}))
+local surface = assert(bw.surface.implicit(f, {min = low, max = high, cells = 110}))
 surface = assert(surface:remesh {edge_length = 1.2e-3})
 assert(surface:write(opts.out, {unit = "mm"}))
 print((tostring(surface):match "^[^\n]*"))

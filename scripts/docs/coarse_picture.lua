@@ -26,4 +26,4 @@ for _, by in ipairs {{library, "looked up"}, {"naive", "without"}} do
     100 * select(2, result:error(reference))), "movement")
 end
 assert(bw.grid.picture(root .. "/docs/images/coarse.png", panels, {width = 330, height = 300, columns = 4,
-  unit = "movement, mm", scale = 1e3, low = 0, up = {0, 0, 1}}))
+  unit = "movement, mm", scale = 1e3, min = 0, up = {0, 0, 1}}))

@@ -51,5 +51,5 @@ add(session.mesh, after, {94e-3, 0, 0})
 
 local surface = assert(bw.surface.new {points = points, triangles = triangles})
 assert(bw.picture(surface, opts.out or root .. "/docs/images/edit.png", {values = bw.array.new(values),
-  unit = "von Mises stress, MPa", scale = 1e-6, low = 0, high = before:max(), width = 1200, height = 590,
+  unit = "von Mises stress, MPa", scale = 1e-6, min = 0, max = before:max(), width = 1200, height = 590,
   direction = {0.35, -1, 0.22}, up = {0, 0, 1}}))

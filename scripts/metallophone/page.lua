@@ -22,11 +22,11 @@ end
 --- An <svg> of a bar: deflection of its lowest mode, outline, nodal lines.
 function page.picture(bar, name)
   local box = bar.outline.box
-  local scale = WIDTH / (box.high[1] - box.low[1])
+  local scale = WIDTH / (box.max[1] - box.min[1])
   local margin = 8
-  local height = (box.high[2] - box.low[2]) * scale
-  local function x(value) return (value - box.low[1]) * scale + margin end
-  local function y(value) return (box.high[2] - value) * scale + margin end
+  local height = (box.max[2] - box.min[2]) * scale
+  local function x(value) return (value - box.min[1]) * scale + margin end
+  local function y(value) return (box.max[2] - value) * scale + margin end
   local head = '<svg xmlns="http://www.w3.org/2000/svg" width="%.0f" height="%.0f" role="img" aria-label="%s">'
   local out = {head:format(
     WIDTH + 2 * margin, height + 2 * margin, html.escape(name))}
@@ -71,7 +71,7 @@ function page.write(path, result, bars)
       local name, box = html.escape(made.note), bar.outline.box
       figures[#figures + 1] = ("<figure>%s<figcaption>%s, %.2f Hz, %.0f mm long<br>"
         .. '<audio controls src="%s.wav"></audio></figcaption></figure>'):format(page.picture(bar, made.note),
-        name, made.simulated_hz, 1e3 * (box.high[1] - box.low[1]), name)
+        name, made.simulated_hz, 1e3 * (box.max[1] - box.min[1]), name)
     end
   end
   local about = ("Outline: %s, %s, %.1f mm thick. Tuned with the holes for the screws in place. Colour: "

@@ -47,7 +47,7 @@ bodies.list = {
 --- brute, both, elements}.
 function bodies.compare(body, elements)
   local f, low, high = body.make()
-  local surface = assert(bw.surface.implicit(f, {low = low, high = high, cells = body.cells}))
+  local surface = assert(bw.surface.implicit(f, {min = low, max = high, cells = body.cells}))
   local mesh = assert(bw.mesh.fill(surface, {elements = elements or body.elements, tolerance = 0.05}))
   local part = bw.model {mesh = mesh, material = bw.material.green_state_stainless_steel}
   local load = {force = math.min(20, 0.05 * 2e5 * mesh.boundary.area), pressure = 2e5}

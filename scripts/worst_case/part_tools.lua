@@ -45,7 +45,7 @@ end
 --- The surface of a part {name, make} by formula, in metres. `make` gives a body and its box.
 function tools.surface(part)
   local f, low, high = part.make()
-  return assert(bw.surface.implicit(f, {low = low, high = high, cells = 64})):scale(1e-3)
+  return assert(bw.surface.implicit(f, {min = low, max = high, cells = 64})):scale(1e-3)
 end
 
 return tools

@@ -179,7 +179,7 @@ local function main()
   print(mesh)
   result.elements, result.nodes = mesh.element_count, mesh.node_count
   result.bodies = mesh.component_count
-  result.box_low_m, result.box_high_m = mesh.box.low, mesh.box.high
+  result.box_low_m, result.box_high_m = mesh.box.min, mesh.box.max
   result.volume_m3 = mesh.volume
   result.area_m2 = mesh.boundary.area
   if material.density then result.mass_kg = material.density * mesh.volume end

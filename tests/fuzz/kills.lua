@@ -49,7 +49,7 @@ local study = bw.study {name = "killed", seed = 3, cache = {folder = "cache"},
   variables = {{name = "x", min = -1, max = 1}}, measures = {"y", "r"}, design = {"random", count = 150},
   run = function(point, trial)
     local box = trial:cached({"box", trial.number % 7}, function()
-      return bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1 + trial.number % 7}, cells = {6, 6, 6}}
+      return bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1 + trial.number % 7}, cells = {6, 6, 6}}
     end)
     assert(core.write_file(trial.folder .. "/text", ("x"):rep(100000) .. trial.key))
     return {y = point.x * box.volume, r = trial:random()}
@@ -99,7 +99,7 @@ local works = {
   end, result = function(folder) return read(folder .. "/two.bwm") end},
   {name = "worst", script = [[
     local bw = require "barwright"
-    assert(assert(bw.surface.box {low = {0, 0, 0}, high = {0.08, 0.01, 0.01}}):write "part.stl")]],
+    assert(assert(bw.surface.box {min = {0, 0, 0}, max = {0.08, 0.01, 0.01}}):write "part.stl")]],
     command = "%s worst part.stl --unit m --elements 1500 --modes 3 --regions 1 --quiet --out out",
     result = function(folder) return read(folder .. "/out/worst.vtu") end},
   {name = "reproduce", at_root = true,

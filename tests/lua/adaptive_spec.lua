@@ -7,7 +7,7 @@ local pi, cos, sin = math.pi, math.cos, math.sin
 local elastic = bw.material.isotropic {young = 1, poisson = 0.3, density = 1}
 
 local function box(size, cells)
-  return assert(bw.mesh.box {low = {0, 0, 0}, high = size, cells = cells, order = 2})
+  return assert(bw.mesh.box {min = {0, 0, 0}, max = size, cells = cells, order = 2})
 end
 
 local function cantilever()
@@ -103,12 +103,12 @@ describe("a refined model", function()
 
   it("bounds angles however often it is done", function()
     local part = cantilever()
-    local before = part.mesh:quality().dihedral_low
+    local before = part.mesh:quality().dihedral_min
     for _ = 1, 4 do
       local near = part.mesh:locate {0, 0, 0}
       part = assert(part:refined(levels(part.mesh, function(e) return e == near and 3 or 0 end)))
     end
-    assert.is_true(part.mesh:quality().dihedral_low > before / 3)
+    assert.is_true(part.mesh:quality().dihedral_min > before / 3)
   end)
 
   it("comes to the round faces of a surface", function()

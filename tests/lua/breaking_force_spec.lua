@@ -16,7 +16,7 @@ local function breaking(body, given)
   return bw.breaking_force(body, options)
 end
 
-local bar = assert(bw.surface.box {low = {0, 0, 0}, high = {0.1, 0.01, 0.01}})
+local bar = assert(bw.surface.box {min = {0, 0, 0}, max = {0.1, 0.01, 0.01}})
 
 describe("the breaking force", function()
   it("of a bar is that of three-point bending, and its interval contains it", function()
@@ -53,7 +53,7 @@ describe("the breaking force", function()
     local stub = assert(bw.surface.implicit(function(x, y, z)
       local plate = math.max(math.abs(x) - 0.02, math.abs(y) - 0.02, math.abs(z) - 0.003)
       return math.min(plate, math.max(math.abs(x) - 0.004, math.abs(y) - 0.004, math.abs(z - 0.01) - 0.01))
-    end, {low = {-0.03, -0.03, -0.01}, high = {0.03, 0.03, 0.03}, cells = 48}))
+    end, {min = {-0.03, -0.03, -0.01}, max = {0.03, 0.03, 0.03}, cells = 48}))
     local coarse, fine = assert(breaking(stub, {elements = 500, max_elements = 2000})),
       assert(breaking(stub, {elements = 2500}))
     for _, found in ipairs {coarse, fine} do
@@ -68,7 +68,7 @@ describe("the breaking force", function()
     local body = assert(bw.surface.implicit(function(x, y, z)
       local plate = math.max(math.abs(x) - 0.03, math.abs(y) - 0.008, math.abs(z) - 0.004)
       return math.max(plate, 0.0055 - math.sqrt((math.abs(x) - 0.012) ^ 2 + (math.abs(y) - 0.008) ^ 2))
-    end, {low = {-0.032, -0.01, -0.006}, high = {0.032, 0.01, 0.006}, cells = 24}))
+    end, {min = {-0.032, -0.01, -0.006}, max = {0.032, 0.01, 0.006}, cells = 24}))
     local found = assert(breaking(body, {elements = 300, modes = 4, regions = 1}))
     -- The weakest place at each neck, as a share of the weakest one of all.
     local function shares(places)
@@ -92,10 +92,10 @@ describe("the breaking force", function()
   end)
 
   it("is uncertain where the mesh is not of the part", function()
-    local thick = assert(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.01, 0.012}})
+    local thick = assert(bw.surface.box {min = {0, 0, 0}, max = {0.04, 0.01, 0.012}})
     local fill = core.mesh.fill
     core.mesh.fill = function(_, ask) return fill(thick, ask) end -- luacheck: ignore
-    local fine, found = pcall(breaking, assert(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.01, 0.01}}),
+    local fine, found = pcall(breaking, assert(bw.surface.box {min = {0, 0, 0}, max = {0.04, 0.01, 0.01}}),
       {elements = 300})
     core.mesh.fill = fill -- luacheck: ignore
     assert.is_true(fine, found)
@@ -233,7 +233,7 @@ describe("the breaking force", function()
 
   it("leaves room for what a coarse background hides in a thin wall", function()
     local thickness = 0.8e-3
-    local plate = assert(bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.06, thickness}})
+    local plate = assert(bw.surface.box {min = {0, 0, 0}, max = {0.06, 0.06, thickness}})
     local found = assert(breaking(plate, {elements = 400, max_elements = 400}))
     local longer = found.background / thickness - 1
     assert.is_true(longer > 4, longer)
@@ -256,7 +256,7 @@ end)
 describe("a search that is extended", function()
   -- A comb with a long tooth: the loads of the search bend this one.
   local radius = 2e-3
-  local block = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.066, 0.006, 0.03}, cells = {22, 2, 10}})
+  local block = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.066, 0.006, 0.03}, cells = {22, 2, 10}})
   local middle = block.nodes:gather(block.elements:column(1))
   for corner = 2, 4 do middle = middle + block.nodes:gather(block.elements:column(corner)) end
   local comb = assert(block:subset((middle / 4):map(

@@ -4,7 +4,7 @@
 local bw = require "barwright"
 local check = require "check"
 
-local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.01, 0.01}, cells = {10, 2, 1}, order = 2})
+local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.01, 0.01}, cells = {10, 2, 1}, order = 2})
 local file = check.folder() .. "/bar.vtu"
 assert(mesh:write(file))
 
@@ -48,7 +48,7 @@ describe("the breaking force of a held bar", function()
   end)
 
   it("grows where few hands press", function()
-    local fine = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2})
+    local fine = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2})
     local alone <close> = breaking(nil, fine)
     local two <close> = breaking({hands = 2}, fine)
     assert.is_true(two.force > 2 * alone.force) -- they can only squeeze
@@ -82,13 +82,13 @@ describe("barwright worst", function()
   end
 
   it("takes supports, forbidden places, friction and hands", function()
-    local status, out = worst "--fix low:x --forbid above:x:50mm --friction 0.3 --hands 1 --force 1"
+    local status, out = worst "--fix min:x --forbid above:x:50mm --friction 0.3 --hands 1 --force 1"
     assert.is_true(status <= 1, out) -- one mesh alone leaves much open
-    assert.truthy(out:find("Constrained at low:x (1 cm2)", 1, true))
+    assert.truthy(out:find("Constrained at min:x (1 cm2)", 1, true))
     assert.truthy(out:find("No load on above:x:50mm", 1, true))
     assert.truthy(out:find("Coefficient of friction 0.3", 1, true))
     assert.truthy(out:find("within 1 place at once", 1, true))
-    status, out = worst "--fix low:x --force 5kN --json"
+    status, out = worst "--fix min:x --force 5kN --json"
     assert.equal(1, status)
     assert.truthy(out:find '"held_area_m2": [%d.e-]+')
     assert.truthy(out:find '"friction": 0')

@@ -4,7 +4,7 @@
 local bw = require "barwright"
 local check = require "check"
 
-local box = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.02, 0.01}, cells = {5, 2, 1}})
+local box = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {5, 2, 1}})
 
 local function part_on(mesh, held, material)
   local part = bw.model {mesh = mesh, material = material or bw.material.pla}
@@ -47,7 +47,7 @@ describe("a certificate", function()
     slid:slide(box.boundary:below(3, 0), {0, 0, 1})
     local wood = bw.material.orthotropic {young = {12e9, 0.9e9, 0.5e9}, poisson = {0.3, 0.02, 0.35},
       shear = {0.1e9, 0.7e9, 0.8e9}, axes = {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}}
-    local quadratic = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.02, 0.01}, cells = {3, 1, 1}, order = 2})
+    local quadratic = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {3, 1, 1}, order = 2})
     local top = box.boundary:facing {0, 0, 1}
     local cases = {
       free = {part_on(box)}, held = {part_on(box, true)}, slid = {slid}, wood = {part_on(box, true, wood)},

@@ -14,7 +14,7 @@ check.first_wall = check.root .. "/build/tests/first_wall" -- the program, its s
 
 --- A beam along x of steel: 1 m x 0.1 m x 0.1 m.
 function check.beam(cells, order)
-  return assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 0.1, 0.1}, cells = cells or {10, 2, 2},
+  return assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 0.1, 0.1}, cells = cells or {10, 2, 2},
     order = order})
 end
 

@@ -99,7 +99,7 @@ describe("numbers and words in sentences", function()
 end)
 
 describe("a place on the command line", function()
-  local box = {low = {0, 0, 0}, high = {0.1, 0.1, 0.1}}
+  local box = {min = {0, 0, 0}, max = {0.1, 0.1, 0.1}}
 
   it("has one unit for the point before it, and means what it says", function()
     for text, points in pairs {
@@ -109,7 +109,7 @@ describe("a place on the command line", function()
       ["below:z:1mm"] = {{0.5, 0.5, 0.001}},
       ["below:x:0"] = {{0, 1, 1}},
       ["above:y:0.05m"] = {{0, 0.05, 0}},
-      ["low:z"] = {{9, 9, 0.0019}},
+      ["min:z"] = {{9, 9, 0.0019}},
     } do
       local inside = assert(places.test({text}, box))
       for _, p in ipairs(points) do assert.is_true(inside(table.unpack(p)), text) end
@@ -279,13 +279,13 @@ end)
 -- A folder with small models, good and bad.
 local function models()
   local folder = check.folder() .. "/"
-  local box = assert(bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.01}})
+  local box = assert(bw.surface.box {min = {0, 0, 0}, max = {0.06, 0.02, 0.01}})
   assert(box:write(folder .. "sound.stl"))
   assert(box:write(folder .. "metres.stl", {unit = "m"}))
   local triangles = box.triangles:totable()
   table.remove(triangles)
   assert(bw.surface.new({points = box.points, triangles = triangles}):write(folder .. "open.stl"))
-  local thin = assert(bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.0005}})
+  local thin = assert(bw.surface.box {min = {0, 0, 0}, max = {0.06, 0.02, 0.0005}})
   assert(thin:write(folder .. "thin.stl"))
   check.write(folder .. "cut.stl", check.read(folder .. "sound.stl"):sub(1, 300))
   check.write(folder .. "empty.obj", "")
@@ -428,7 +428,7 @@ describe("commands that compute", function()
 
   it("worst judges a small part for the force asked, on the contact that it has", function()
     local small = check.folder() .. "/small.vtu"
-    assert(assert(bw.mesh.box {low = {0, 0, 0}, high = {6e-3, 1e-3, 0.5e-3}, cells = {18, 3, 2}}):write(small))
+    assert(assert(bw.mesh.box {min = {0, 0, 0}, max = {6e-3, 1e-3, 0.5e-3}, cells = {18, 3, 2}}):write(small))
     local words = "worst --modes 2 --regions 1 " .. small
     local status, object = answer(words)
     assert.equal(1, status)
@@ -444,7 +444,7 @@ describe("commands that compute", function()
 
   it("worst says where a soft thin ring is beyond linear theory", function()
     local ring = check.folder() .. "/ring.vtu"
-    local grid, moved = assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {24, 1, 1}, order = 2}), {}
+    local grid, moved = assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {24, 1, 1}, order = 2}), {}
     for i, p in ipairs(grid.nodes:totable()) do -- open by a twentieth, of 140 mm, 2 mm thick
       local angle, r = 1.9 * math.pi * p[1], 0.068 + 0.002 * p[2]
       moved[i] = {r * math.sin(angle), r * math.cos(angle), 0.01 * p[3]}
@@ -482,7 +482,7 @@ describe("commands that compute", function()
   end)
 
   it("statics takes a density in place of the material's", function()
-    local words = "statics --material steel --fix low:x --gravity 0,0,-1g " .. beam
+    local words = "statics --material steel --fix min:x --gravity 0,0,-1g " .. beam
     local _, steel = answer(words)
     local _, heavy = answer(words .. " --density 31400")
     check.near(4 * steel.mass_kg, heavy.mass_kg, 1e-9)
@@ -497,9 +497,9 @@ describe("commands that compute", function()
     assert.equal("reached", object.verdict)
     assert.equal(0, object.added_mass_kg)
     local box = assert(bw.surface.read(folder .. "strong.stl")).box
-    check.near(assert(bw.surface.read(folder .. "sound.stl")).box.high[1], box.high[1], 1e-6)
+    check.near(assert(bw.surface.read(folder .. "sound.stl")).box.max[1], box.max[1], 1e-6)
     if os.getenv "BARWRIGHT_FULL" ~= "1" then return end
-    status, object = answer(words:format(folder, folder, "1MN --keep low:z"))
+    status, object = answer(words:format(folder, folder, "1MN --keep min:z"))
     assert.equal(1, status)
     assert.equal("not reached", object.verdict)
     assert.equal("mm", object.unit)
@@ -508,7 +508,7 @@ describe("commands that compute", function()
     local strong, given = bw.surface.read(folder .. "strong.stl"), bw.surface.read(folder .. "sound.stl")
     assert.is_true(strong:check().sound)
     assert.is_true(strong.volume > given.volume)
-    check.near(given.box.low[3] + 1, strong.box.low[3] + 1, 1e-9) -- kept
+    check.near(given.box.min[3] + 1, strong.box.min[3] + 1, 1e-9) -- kept
   end)
 
   it("strengthen makes a real part bear 1.5 times the force", function()
@@ -537,7 +537,7 @@ describe("commands that compute", function()
 
   it("worst, statics and modes refuse a size that is implausible until the unit is given", function()
     for words, unit in pairs {["worst --elements 300 --modes 2 --regions 1 %s"] = "um",
-      ["statics --elements 300 --fix low:z --gravity 0,0,-1 %s"] = "um", ["modes --elements 300 %s"] = "um"} do
+      ["statics --elements 300 --fix min:z --gravity 0,0,-1 %s"] = "um", ["modes --elements 300 %s"] = "um"} do
       local status, object, err = answer(words:format(("--unit %s %ssound.stl"):format(unit, folder)))
       assert.truthy(status ~= 2 and status ~= 3, err)
       assert.is_nil(object.error)
@@ -545,25 +545,25 @@ describe("commands that compute", function()
     local surface = assert(bw.surface.read(folder .. "sound.stl", {unit = "um"}))
     assert(surface:write(folder .. "tiny.off"))
     -- A mesh of tetrahedra whose numbers are millimetres: they are taken as metres.
-    local millimetres = assert(bw.mesh.box {low = {0, 0, 0}, high = {60, 20, 10}, cells = {6, 2, 1}})
+    local millimetres = assert(bw.mesh.box {min = {0, 0, 0}, max = {60, 20, 10}, cells = {6, 2, 1}})
     assert(millimetres:write(folder .. "millimetres.msh"))
     for name, question in pairs {["tiny.off"] = "--unit m makes it 60 x 20 x 10 mm",
       ["millimetres.msh"] = "taken as metres, which makes it 60000 x 20000 x 10000 mm: large for a part. "
         .. "--unit mm makes it 60 x 20 x 10 mm"} do
-      for _, words in ipairs {"worst ", "statics --fix low:z --gravity 0,0,-1 ", "modes "} do
+      for _, words in ipairs {"worst ", "statics --fix min:z --gravity 0,0,-1 ", "modes "} do
         local status, _, err = answer(words .. folder .. name)
         assert.truthy(err:find(question, 1, true), err)
         assert.equal(2, status, words)
       end
     end
-    local status, object, err = answer("statics --fix low:z --gravity 0,0,-1 --unit mm " .. folder
+    local status, object, err = answer("statics --fix min:z --gravity 0,0,-1 --unit mm " .. folder
       .. "millimetres.msh")
     assert.equal(0, status, err)
     assert.equal("mm", object.unit)
   end)
 
   it("statics warns of volumetric locking, and takes the formulation that cures it", function()
-    local words = "statics " .. beam .. " --material steel --poisson 0.499 --fix low:x --force high:x=0,0,-100N "
+    local words = "statics " .. beam .. " --material steel --poisson 0.499 --fix min:x --force max:x=0,0,-100N "
     local function locking(object)
       return table.concat(object.remarks or {}, " "):find("volumetric locking", 1, true) ~= nil
     end
@@ -659,7 +659,7 @@ describe("commands that compute", function()
     assert.is_nil(critical.fillet_stress_pa)
     _, out = check.run(finer .. "--fillet 1mm " .. path)
     assert.truthy(out:find("With a fillet of 1 mm the re-entrant edge at (10, 10, ", 1, true), out)
-    _, out = check.run("statics --fix low:x --gravity 0,0,-1 --fillet 1mm " .. beam)
+    _, out = check.run("statics --fix min:x --gravity 0,0,-1 --fillet 1mm " .. beam)
     assert.truthy(out:find("The stress of a fillet is not known: there is no re-entrant edge.", 1, true), out)
     _, object = answer("worst --elements 1200 --modes 4 --regions 1 " .. path)
     assert.is_true(object.singular)
@@ -753,7 +753,7 @@ describe("commands that compute", function()
 
   it("worst names and draws the stress that is judged", function()
     local path = check.folder() .. "/plate.vtu"
-    local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.008}, cells = {6, 2, 1}, order = 2})
+    local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.06, 0.02, 0.008}, cells = {6, 2, 1}, order = 2})
     assert(mesh:write(path))
     local pictures = {}
     for material, name in pairs {steel = "von Mises stress", abs = "largest principal stress"} do
@@ -786,7 +786,7 @@ describe("commands that compute", function()
 
   it("worst averages over half the critical distance where that is asked for", function()
     local path = check.folder() .. "/plate.vtu"
-    assert(assert(bw.mesh.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.008}, cells = {6, 2, 1}}):write(path))
+    assert(assert(bw.mesh.box {min = {0, 0, 0}, max = {0.06, 0.02, 0.008}, cells = {6, 2, 1}}):write(path))
     local words = "worst --modes 2 --regions 1 " .. path .. " --length "
     local _, object = answer(words .. "critical --material abs")
     assert.near(0.5 * bw.material.abs.critical_distance, object.averaging_radius_m, 1e-12)
@@ -824,7 +824,7 @@ describe("commands that compute", function()
       length = length + math.abs(line[1][2] - line[2][2]) + math.abs(line[1][3] - line[2][3])
     end
     check.near(0.4, length, 1e-9)
-    local arrows = static_picture.arrows(mesh, {{place = "high:x", force = {0, 0, -3}}, {place = "low:z",
+    local arrows = static_picture.arrows(mesh, {{place = "max:x", force = {0, 0, -3}}, {place = "min:z",
       pressure = 200}, gravity = {0, 0, -10}}, 2)
     assert.same({at = {1, 0.05, 0.05}, force = {0, 0, -3}}, arrows[1])
     local up = 0
@@ -840,7 +840,7 @@ describe("commands that compute", function()
     part:load {on = mesh.boundary:above("x", 1), force = {0, 0, -100}}
     local static, before, given, drawn = assert(part:solve()), core.picture, nil, nil
     core.picture = function(surface, _, opts) drawn, given = surface, opts return true end -- luacheck: ignore
-    assert(static:picture("x.png", static_picture.options(static, "title", {{place = "high:x",
+    assert(static:picture("x.png", static_picture.options(static, "title", {{place = "max:x",
       force = {0, 0, -100}}}, {"below:x:0"})))
     core.picture = before -- luacheck: ignore
     assert.equal(static.von_mises:max(), given.values:max())
@@ -850,7 +850,7 @@ describe("commands that compute", function()
     assert.same({#border, 1}, {#given.lines, #given.arrows})
     local path = folder .. "statics.png"
     local page = folder .. "statics.html"
-    local _, out = check.run(("statics %s --material steel --fix low:x --gravity 0,0,-1g --picture %s "
+    local _, out = check.run(("statics %s --material steel --fix min:x --gravity 0,0,-1g --picture %s "
       .. "--report %s"):format(beam, path, page))
     local html = check.read(page)
     for _, sentence in ipairs {out:match "The largest displacement[^\n]*", out:match "The judged stress[^\n]*",
@@ -874,7 +874,7 @@ describe("commands that compute", function()
     assert.is_true(#data.lines > 0)
     assert.truthy(out:find("%% of the strength of steel %(estimated error %d+ %%%): it holds%."), out)
     assert.is_nil(out:find("beyond the range", 1, true))
-    _, out = check.run(("statics %s --material abs --fix low:x --force high:x=0,0,-100kN"):format(beam))
+    _, out = check.run(("statics %s --material abs --fix min:x --force max:x=0,0,-100kN"):format(beam))
     assert.truthy(out:find("Displacements are beyond the range of linear theory: more than a tenth", 1, true), out)
     assert.truthy(#check.read(path) > 1000)
   end)
@@ -882,7 +882,7 @@ describe("commands that compute", function()
   it("modes refines until the frequencies are within an error", function()
     local path = folder .. "bar.stl"
     assert(prism({{0, 0}, {0.1, 0}, {0.1, 0.01}, {0, 0.01}}, {0.05, 0.005}, 0.01):write(path))
-    local words = "modes --count 2 --elements 800 --fix low:x %s" .. path
+    local words = "modes --count 2 --elements 800 --fix min:x %s" .. path
     local _, plain = answer(words:format "--order 2 ")
     local _, fine = answer(words:format "--error 0.01 ")
     assert.is_true(fine.converged)
@@ -901,7 +901,7 @@ describe("commands that compute", function()
 
   it("statics refuses a part that is held everywhere", function()
     -- All coordinates lie below 2 m.
-    local status, out, fault = check.run("statics " .. beam .. " --fix below:z:2m --force high:x=0,0,-100N")
+    local status, out, fault = check.run("statics " .. beam .. " --fix below:z:2m --force max:x=0,0,-100N")
     assert.equal(2, status)
     assert.is_nil(out:find("it holds", 1, true))
     assert.truthy(fault:find("the supports fix all 290 boundary nodes: no load reaches the body", 1, true), fault)
@@ -918,20 +918,20 @@ describe("commands that compute", function()
     check.near(0.01, object.supported_area_m2, 1e-9)
     assert.is_true(object.estimated_error >= 0.5) -- one mesh only
     assert.equal(3, #object.at_m)
-    status, object = answer("statics " .. beam .. " --material steel --fix low:x --force high:x=0,0,-10MN")
+    status, object = answer("statics " .. beam .. " --material steel --fix min:x --force max:x=0,0,-10MN")
     assert.equal(1, status)
     assert.equal("breaks", object.verdict)
-    status, object = answer("statics " .. beam .. " --material steel --fix low:x --gravity 0,0,-1g")
+    status, object = answer("statics " .. beam .. " --material steel --fix min:x --gravity 0,0,-1g")
     assert.equal(0, status)
     check.near(7850 * 0.1 ^ 2 * 9.80665 * 1 / (8 * 210e9 * moment), object.max_displacement_m, 0.05)
     assert.equal("factor", object.solver.with)
     local before = object.max_displacement_m
-    status, object = answer("statics " .. beam .. " --material steel --fix low:x --gravity 0,0,-1g --with pcg")
+    status, object = answer("statics " .. beam .. " --material steel --fix min:x --gravity 0,0,-1g --with pcg")
     assert.equal(0, status)
     check.near(before, object.max_displacement_m, 1e-8)
     assert.equal("pcg", object.solver.with)
     assert.is_true(object.solver.iterations > 5 and object.solver.residual < 1e-9)
-    status, object = answer("statics " .. beam .. " --material steel --fix low:x --gravity 0,0,-1g --error 0.1")
+    status, object = answer("statics " .. beam .. " --material steel --fix min:x --gravity 0,0,-1g --error 0.1")
     assert.equal(0, status)
     assert.is_true(#object.steps >= 2)
     assert.equal(object.steps[#object.steps].value, object.value)
@@ -959,16 +959,16 @@ describe("commands that compute", function()
   it("refuse what makes no sense, with a sentence", function()
     for words, text in pairs {
       ["statics " .. beam] = "--fix PLACE is missing",
-      ["statics --fix low:x " .. beam] = "no load is given",
-      ["statics --fix low:x --gravity 0,0,1 --length 2 " .. beam] = "'2' has no unit",
-      ["statics --fix low:x --gravity 0,0,1 --fillet 0mm " .. beam] = "option --fillet",
-      ["statics --fix low:x --gravity 0,0,1 --length critical " .. beam] = "the fracture toughness of pla",
+      ["statics --fix min:x " .. beam] = "no load is given",
+      ["statics --fix min:x --gravity 0,0,1 --length 2 " .. beam] = "'2' has no unit",
+      ["statics --fix min:x --gravity 0,0,1 --fillet 0mm " .. beam] = "option --fillet",
+      ["statics --fix min:x --gravity 0,0,1 --length critical " .. beam] = "the fracture toughness of pla",
       ["modes --error 2 " .. beam] = "option --error",
       ["statics --fix lwo:x --gravity 0,0,1 " .. beam] = "'lwo:x' is no place",
-      ["statics --fix low:w --gravity 0,0,1 " .. beam] = "an axis x, y or z expected",
-      ["statics --fix low:x --force low:y=3 " .. beam] = "three numbers such as",
-      ["statics --fix low:x --force low:y " .. beam] = "PLACE=VALUE expected",
-      ["statics --fix low:x --pressure low:y=3N " .. beam] = "a number with one of the units",
+      ["statics --fix min:w --gravity 0,0,1 " .. beam] = "an axis x, y or z expected",
+      ["statics --fix min:x --force min:y=3 " .. beam] = "three numbers such as",
+      ["statics --fix min:x --force min:y " .. beam] = "PLACE=VALUE expected",
+      ["statics --fix min:x --pressure min:y=3N " .. beam] = "a number with one of the units",
       ["modes --fix near:0,0:1mm " .. beam] = "three numbers such as",
       ["modes --fix below:x:1kg " .. beam] = "a number with one of the units",
       ["worst --material plaa " .. beam] = "did you mean 'pla'",
@@ -1136,7 +1136,7 @@ describe("every model of the collection", function()
     for _, name in ipairs(names) do
       for command, options in pairs {check = "", worst = "--elements 3000 --modes 6 --regions 2",
         modes = "--elements 3000 --order 1", convert = folder .. "/out.ply --repair",
-        statics = "--elements 3000 --order 1 --fix low:z --gravity 0,0,-9.81"} do
+        statics = "--elements 3000 --order 1 --fix min:z --gravity 0,0,-9.81"} do
         local status, object, err = answer(("%s '%s/models/%s' %s"):format(command, shared, name, options))
         assert.truthy(status >= 0 and status <= 3, command .. " " .. name .. err)
         assert.is_true(status == 0 or object.error ~= nil or object.sound == false or object.verdict ~= nil,

@@ -67,7 +67,7 @@ end
 describe("a nodal field at points", function()
   it("is exact where the elements hold it, and clamped outside", function()
     for order = 1, 2 do
-      local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {2, 1, 1}, cells = {3, 2, 2}, order = order})
+      local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {2, 1, 1}, cells = {3, 2, 2}, order = order})
       local rows = {}
       for i, p in ipairs(mesh.nodes:totable()) do
         rows[i] = {1 + p[1] - 2 * p[2] + 3 * p[3], order == 2 and p[1] * p[2] or 0}
@@ -143,7 +143,7 @@ describe("the theory of critical distances", function()
   end)
 
   it("means the surface stress, of the displacement and of the traction that acts", function()
-    local part = bw.model {mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.4, 0.1, 0.1}, cells = {8, 2, 2},
+    local part = bw.model {mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.4, 0.1, 0.1}, cells = {8, 2, 2},
       order = 2}), material = elastic}
     local u, mesh = {}, part.mesh
     for i, p in ipairs(mesh.nodes:totable()) do u[i] = {p[1], -nu * p[2], -nu * p[3]} end
@@ -175,7 +175,7 @@ describe("the theory of critical distances", function()
   it("reproduces linear elastic fracture mechanics at a crack in a wide plate", function()
     -- a quarter of the plate; the crack of half length 1 ends where the plane of symmetry is held
     local n, wide, height = 16, 12, 0.1
-    local grid = assert(bw.mesh.box {low = {-n, 0, 0}, high = {n, n, 1}, cells = {2 * n, n, 1}, order = 1})
+    local grid = assert(bw.mesh.box {min = {-n, 0, 0}, max = {n, n, 1}, cells = {2 * n, n, 1}, order = 1})
     local left, right, up, moved = graded(1, n), graded(wide - 1, n), graded(wide, n), {}
     for i, p in ipairs(grid.nodes:totable()) do
       moved[i] = {1 + (p[1] < 0 and -left(-p[1]) or right(p[1])), up(p[2]), height * p[3]}

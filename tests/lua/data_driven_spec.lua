@@ -118,7 +118,7 @@ describe("an equilibrium", function()
   it("tells how far nodes went, and draws it", function()
     local grid = assert(bw.grid.box {size = 0.1, cells = 2})
     local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.3}}})
-    solid:fix({side = "low z"}):fix({side = "high z"}, {0.003, 0, 0.004})
+    solid:fix({side = "min z"}):fix({side = "max z"}, {0.003, 0, 0.004})
     local result = assert(solid:solve())
     check.near(0.005, result.movement:max(), 1e-12)
     local panel = result:panel("moved", "movement")
@@ -135,7 +135,7 @@ describe("the best field of a coarse grid", function()
   local grid = assert(bw.grid.box {size = 0.4, cells = 4})
   local function coarse_of(by)
     local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.3}}})
-    return assert(solid:fix({side = "low z"}, by):coarsen("naive", 1))
+    return assert(solid:fix({side = "min z"}, by):coarsen("naive", 1))
   end
   local points = grid.points
   local u = bw.array.map("b*p.x*p.z", {b = bw.array.new {{0.1, 0.2, -0.3}}:gather(
@@ -147,7 +147,7 @@ describe("the best field of a coarse grid", function()
 
   it("keeps what is held, and has the least mean distance", function()
     local field = best.of(grid, coarse_of {0, 0, 0.01}, u)
-    local low = grid:nodes {side = "low z"}
+    local low = grid:nodes {side = "min z"}
     check.near(0.01, field:gather(low):column(3):min(), 1e-15)
     check.near(0.01, field:gather(low):column(3):max(), 1e-15)
     assert.is_true(grid:difference(field, u) < grid:difference(best.of(grid, coarse_of {0, 0, 0.02}, u), u))

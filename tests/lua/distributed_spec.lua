@@ -65,7 +65,7 @@ describe("ranks", function()
   it("are refused without --mpi", function()
     local _, text = run(2, 600, check.program .. " " .. script [[
       local bw = require "barwright"
-      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {1, 1, 1}}
+      local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {1, 1, 1}}
       local part = bw.model {mesh = mesh, material = bw.material.steel}
       print(select(2, part:fix(mesh.boundary:below(1, 0)):solve {with = "petsc"}))]])
     local count = select(2, text:gsub("mpirun started 2 processes, and each runs this script by itself", ""))
@@ -108,7 +108,7 @@ describe("ranks", function()
       .. "LUA_CPATH='%s/build/lua/?.so;;' lua5.4 "):format(check.root, check.root, check.root) .. script [[
       print(require("barwright.distributed").start())
       local bw = require "barwright"
-      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {2, 2, 2}}
+      local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {2, 2, 2}}
       local part = bw.model {mesh = mesh, material = bw.material.steel}
       part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {1, 0, 0}}
       print(assert(part:solve {with = "petsc"}).solver.ranks)]])
@@ -120,7 +120,7 @@ describe("MPI", function()
   it("is loaded only when asked for", function()
     local _, out = check.run(script [[
       local bw = require "barwright"
-      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {1, 1, 1}}
+      local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {1, 1, 1}}
       local part = bw.model {mesh = mesh, material = bw.material.steel}
       assert(part:fix(mesh.boundary:below(1, 0)):solve())
       for line in io.lines "/proc/self/maps" do

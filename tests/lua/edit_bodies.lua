@@ -48,7 +48,7 @@ function edit_bodies.body_mesh()
       edit_bodies.body_joints[bone[2]], 6 * mm, 5 * mm)
   end
   local surface = assert(bw.surface.implicit(bw.shapes.join(limbs, 3 * mm),
-    {low = {-0.025, -0.01, -0.055}, high = {0.025, 0.01, 0.072}, cells = 40}))
+    {min = {-0.025, -0.01, -0.055}, max = {0.025, 0.01, 0.072}, cells = 40}))
   made = assert(bw.mesh.fill(surface, {elements = 1500, order = 2}))
   return made
 end

@@ -53,7 +53,7 @@ describe("a script of edits", function()
     local folder = check.folder()
     check.write(folder .. "/part.lua", [[
 local bw = require "barwright"
-local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 0.1, 0.1}, cells = {12, 2, 2}, order = 2}
+local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 0.1, 0.1}, cells = {12, 2, 2}, order = 2}
 local part = bw.model {mesh = mesh, material = bw.material.steel}
 return part, {skeleton = bw.skeleton.create {joints = {{0, 0.05, 0.05}, {0.5, 0.05, 0.05}, {1, 0.05, 0.05}},
   bones = {{1, 2, name = "upper"}, {2, 3, name = "lower"}}, root = 1}}
@@ -86,7 +86,7 @@ end
     local folder = check.folder()
     check.write(folder .. "/part.lua", [[
 local bw = require "barwright"
-local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 0.1, 0.1}, cells = {8, 1, 1}, order = 2}
+local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 0.1, 0.1}, cells = {8, 1, 1}, order = 2}
 local part = bw.model {mesh = mesh, material = bw.material.steel}
 part:fix(mesh.boundary:below(1, 0)):gravity {0, 0, -9.81}
 return part, {skeleton = bw.skeleton.create {joints = {{0, 0.05, 0.05}, {0.5, 0.05, 0.05}, {1, 0.05, 0.05}},
@@ -108,7 +108,7 @@ return part, {skeleton = bw.skeleton.create {joints = {{0, 0.05, 0.05}, {0.5, 0.
     local folder = check.folder()
     check.write(folder .. "/part.lua", [[
 local bw = require "barwright"
-local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 0.1, 0.1}, cells = {8, 1, 1}}
+local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 0.1, 0.1}, cells = {8, 1, 1}}
 return bw.model {mesh = mesh, material = bw.material.steel}, {skeleton = bw.skeleton.create {
   joints = {{0, 0.05, 0.05}, {1, 0.05, 0.05}}, bones = {{1, 2}}, root = 1}}
 ]])

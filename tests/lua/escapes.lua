@@ -497,7 +497,7 @@ local chunks_start = [[
 
 local engine_start = [[
   local box = assert(bw.surface.read(IN .. "/box.stl"))
-  local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.02, 0.02}, cells = {4, 1, 1}}
+  local mesh = bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.02}, cells = {4, 1, 1}}
   local worst = assert(bw.worst_case(bw.model {mesh = mesh, material = bw.material.pla},
     {force = 1, modes = 1, regions = 1}))
   local function keep(name, text)

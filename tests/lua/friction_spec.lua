@@ -3,7 +3,7 @@
 local bw = require "barwright"
 local check = require "check"
 
-local box = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.02, 0.01}, cells = {8, 4, 2}})
+local box = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {8, 4, 2}})
 local free = bw.model {mesh = box, material = bw.material.pla}
 local held = bw.model {mesh = box, material = bw.material.pla}
 held:fix(box.boundary:below(1, 0))

@@ -37,7 +37,7 @@ describe("an object", function()
     for _, mode in ipairs {"generational", "incremental"} do
       collectgarbage(mode)
       for _ = 1, 300 do
-        local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {2, 2, 2}}
+        local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {2, 2, 2}}
         local some = mesh.boundary:below(1, 0) | mesh.boundary:above(2, 1)
         local column = mesh.nodes:column(1)
         mesh = nil
@@ -109,7 +109,7 @@ describe("memory", function()
     local max = 0
     for _ = 1, 60 do
       -- about 15 MB each, 900 MB in all
-      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {24, 24, 24}}
+      local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {24, 24, 24}}
       assert(mesh.element_count > 0)
       max = math.max(max, (core.external()))
     end

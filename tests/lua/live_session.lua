@@ -7,7 +7,7 @@ local shapes = bw.shapes
 local body = shapes.cut(shapes.join({shapes.limb(wall, bend, 5 * mm),
   shapes.limb(bend, tip, 5 * mm, 4 * mm)}, 2 * mm), shapes.box({-0.02, -0.02, -0.02}, {0, 0.02, 0.02}))
 local surface = assert(bw.surface.implicit(body,
-  {low = {-2 * mm, -8 * mm, -8 * mm}, high = {70 * mm, 8 * mm, 32 * mm}, cells = 40}))
+  {min = {-2 * mm, -8 * mm, -8 * mm}, max = {70 * mm, 8 * mm, 32 * mm}, cells = 40}))
 local mesh = assert(bw.mesh.fill(surface, {elements = 1500, order = 2}))
 local part = bw.model {mesh = mesh, material = bw.material.pla}
 part:fix(mesh.boundary:below(1, 0.5 * mm))

@@ -349,7 +349,7 @@ describe("a message that is none", function()
       '{"type":"edit","bone":"arm","change":{"scale":[1,1.1,1.1]}}',
       '{"type":"begin","bone":"nose","seq":1}',
       '{"type":"move","seq":2,"change":{"rotate":{"axis":[0,1,0],"degrees":12.5}}}',
-      '{"type":"optimise","von_mises":30000000,"low":0.5,"bones":["arm"]}',
+      '{"type":"optimise","von_mises":30000000,"min_factor":0.5,"bones":["arm"]}',
       '{"type":"limit","von_mises":null}',
     }
     local pieces = {"{", "}", "[", "]", ":", ",", '"', "null", "true", "1e308", "-", '"type"', '"edit"',
@@ -529,7 +529,7 @@ end)
 describe("what barwright live is given", function()
   local part_file = [[
     local bw = require "barwright"
-    local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
+    local mesh = bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}, order = 2}
     local part = bw.model {mesh = mesh, material = bw.material.pla}
     part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 0.1), force = {0, 0, -1}}
     return part, {skeleton = bw.skeleton.create {joints = {a = {0, 0.005, 0.005}, b = {0.05, 0.005, 0.005},

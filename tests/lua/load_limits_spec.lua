@@ -4,7 +4,7 @@ local bw = require "barwright"
 local core = require "barwright.core"
 local check = require "check"
 
-local box = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.02, 0.01}, cells = {8, 4, 2}})
+local box = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {8, 4, 2}})
 local boundary = box.boundary
 
 -- A free bar, or one held at x = 0.
@@ -101,7 +101,7 @@ describe("a forbidden surface", function()
     check.raises("option 'forbidden': a selection or a list", bw.brute_force, bar(), {forbidden = {}})
     check.raises("covers no facet", bw.worst_case, bar(), {forbidden = boundary:nearest({0, 0, 0}, 1)})
     check.raises("no admissible surface is left", bw.worst_case, bar(), {forbidden = boundary})
-    local other = assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {1, 1, 1}})
+    local other = assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {1, 1, 1}})
     check.raises("on the mesh of the part", bw.worst_case, bar(), {forbidden = other.boundary})
     check.raises("forbidden: a selection on the same mesh", bw.pressure_basis, box, {forbidden = other.boundary})
   end)
@@ -156,7 +156,7 @@ describe("the worst load of a held body", function()
   end)
 
   it("bends a cantilever at its tip", function()
-    local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.02, 0.01}, cells = {10, 2, 1}, order = 2})
+    local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {10, 2, 1}, order = 2})
     local part = bar(true, mesh)
     local worst = assert(bw.worst_case(part, {force = 1, contact = 2e-5, modes = 4, regions = 2}))
     local stress = bw.max_principal(assert(bw.nodal_stress(mesh, part.material, assert(worst:displacement()))))

@@ -3,7 +3,7 @@ local bw = require "barwright"
 local check = require "check"
 
 describe("a surface", function()
-  local box = bw.surface.box {low = {0, 0, 0}, high = {1, 2, 3}}
+  local box = bw.surface.box {min = {0, 0, 0}, max = {1, 2, 3}}
 
   it("is made by formula", function()
     check.near(6, box.volume, 1e-14)
@@ -64,7 +64,7 @@ describe("a surface", function()
     end
     local flat = assert(bw.mesh.fill(ball, {elements = 150}))
     check.raises("this mesh has order 1", flat.curved, flat, ball)
-    local cube = bw.surface.box {high = {1, 1, 1}}
+    local cube = bw.surface.box {max = {1, 1, 1}}
     local _, none = assert(bw.mesh.fill(cube, {elements = 150, order = 2})):curved(cube)
     assert.equal(0, none)
   end)
@@ -90,7 +90,7 @@ describe("a surface", function()
   end)
 
   it("is made by a function or a formula that is negative inside", function()
-    local opts = {low = {-1, -1, -1}, high = {1, 1, 1}, cells = 12}
+    local opts = {min = {-1, -1, -1}, max = {1, 1, 1}, cells = 12}
     local one = assert(bw.surface.implicit("x^2 + y^2 + z^2 - 0.5", opts))
     local two = assert(bw.surface.implicit(function(x, y, z)
       return x * x + y * y + z * z - 0.5
@@ -101,7 +101,7 @@ describe("a surface", function()
   end)
 
   it("raises what a function raises, and keeps working", function()
-    local opts = {low = {-1, -1, -1}, high = {1, 1, 1}, cells = 8}
+    local opts = {min = {-1, -1, -1}, max = {1, 1, 1}, cells = 8}
     check.raises("my own error", bw.surface.implicit, function() error "my own error" end, opts)
     check.raises("must return a number, not nil", bw.surface.implicit, function() end, opts)
     check.raises("the engine is busy", bw.surface.implicit, function()
@@ -109,15 +109,15 @@ describe("a surface", function()
     end, opts)
     check.raises("nothing may be closed", bw.surface.implicit, function() box:close() end, opts)
     local threads = bw.threads()
-    assert(bw.surface.implicit(function(x) return x * x - 0.3 + 10 * 0 end, {low = {-1, -1, -1},
-      high = {1, 1, 1}, cells = 4}) ~= false)
+    assert(bw.surface.implicit(function(x) return x * x - 0.3 + 10 * 0 end, {min = {-1, -1, -1},
+      max = {1, 1, 1}, cells = 4}) ~= false)
     assert.equal(threads, bw.threads())
   end)
 
   it("tells how far points are", function()
-    local cube = bw.surface.box {low = {0, 0, 0}, high = {1, 1, 1}}
+    local cube = bw.surface.box {min = {0, 0, 0}, max = {1, 1, 1}}
     assert.same({0.25, 0.0, 5.0}, cube:distance {{0.5, 0.5, 0.25}, {1, 0.5, 0.5}, {4, 0.5, 5}}:totable())
-    assert.equal(1, cube:distance(bw.surface.box {low = {0, 0, 0}, high = {2, 1, 1}}))
+    assert.equal(1, cube:distance(bw.surface.box {min = {0, 0, 0}, max = {2, 1, 1}}))
     check.raises("point 2 is not finite", cube.distance, cube, {{0, 0, 0}, {0 / 0, 0, 0}})
   end)
 
@@ -132,10 +132,10 @@ describe("a surface", function()
 
   it("moves", function()
     check.near(48, box:scale(2).volume, 1e-14)
-    assert.same({1, 2, 3}, box:translate({1, 2, 3}).box.low)
+    assert.same({1, 2, 3}, box:translate({1, 2, 3}).box.min)
     local turned = box:rotate({0, 0, 1}, math.pi / 2)
-    check.near(-2, turned.box.low[1], 1e-12)
-    check.near(1, turned.box.high[2], 1e-12)
+    check.near(-2, turned.box.min[1], 1e-12)
+    check.near(1, turned.box.max[2], 1e-12)
     check.near(6, turned.volume, 1e-12)
     local again = box:rotate({1, 2, 3}, 0.7, {4, 5, 6}):rotate({1, 2, 3}, -0.7, {4, 5, 6})
     assert.truthy((again.points - box.points):norm() < 1e-14)
@@ -218,7 +218,7 @@ describe("a mesh", function()
     assert.equal(99, beam.elements:max())
     assert.equal(1, beam.component_count)
     local quality = beam:quality()
-    assert.truthy(quality.dihedral_low > 0.3 and quality.dihedral_high < 3)
+    assert.truthy(quality.dihedral_min > 0.3 and quality.dihedral_max < 3)
   end)
 
   it("changes order, size and extent", function()
@@ -309,7 +309,7 @@ end)
 describe("a filled ball", function()
   local radius = 0.02
   local ball = assert(bw.surface.implicit("(x * x + y * y + z * z) / 4e-4 - 1 + 0.02 * sin(300 * x)", {
-    low = {-0.03, -0.03, -0.03}, high = {0.03, 0.03, 0.03}, cells = 60}))
+    min = {-0.03, -0.03, -0.03}, max = {0.03, 0.03, 0.03}, cells = 60}))
   local top = {0, 0, radius}
 
   local function distance(node, at)
@@ -324,7 +324,7 @@ describe("a filled ball", function()
     assert.truthy(tostring(mesh):find(("surface moved by up to %.3g mm"):format(1e3 * log.surface_moved), 1, true))
     local part = bw.model {mesh = mesh, material = bw.material.pla}
     assert.equal(log.surface_moved, part.mesh.surface_moved)
-    local box = assert(bw.surface.box {low = {0, 0, 0}, high = {1, 1, 1}})
+    local box = assert(bw.surface.box {min = {0, 0, 0}, max = {1, 1, 1}})
     for _, exact in ipairs {assert(bw.mesh.fill(box, {elements = 300})), check.beam()} do
       assert.equal(0, exact.surface_moved)
       assert.is_nil(tostring(exact):find("moved", 1, true))
@@ -369,7 +369,7 @@ describe("a filled ball", function()
       calls = calls + 1
       return calls < 3
     end)
-    local made, message = bw.surface.box {low = {0, 0, 0}, high = {1, 1, 1}}:remesh {triangles = 200000,
+    local made, message = bw.surface.box {min = {0, 0, 0}, max = {1, 1, 1}}:remesh {triangles = 200000,
       iterations = 1}
     bw.progress(nil)
     assert.is_nil(made)
@@ -378,7 +378,7 @@ describe("a filled ball", function()
   end)
 
   it("stops filling with very many elements while TetGen works", function()
-    local box, reports = assert(bw.surface.box {low = {0, 0, 0}, high = {0.1, 0.05, 0.05}}), 0
+    local box, reports = assert(bw.surface.box {min = {0, 0, 0}, max = {0.1, 0.05, 0.05}}), 0
     bw.progress(function(stage)
       if stage == "fill" then reports = reports + 1 end
       return reports < 4 -- the fourth comes while TetGen works

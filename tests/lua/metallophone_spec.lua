@@ -5,7 +5,7 @@ local check = require "check"
 local pitch = require "barwright.pitch"
 
 local function bar_of(length, width, given)
-  local outline = assert(bw.outline.rectangle {low = {0, 0}, high = {length, width}})
+  local outline = assert(bw.outline.rectangle {min = {0, 0}, max = {length, width}})
   for _ = 1, 3 do outline = assert(outline:split(1, 0.5)) end
   return assert(bw.responsive.metallophone {outline = outline, thickness = 0.004,
     material = bw.material.aluminium, elements = given or 60})
@@ -90,7 +90,7 @@ describe("a metallophone bar", function()
   -- width in the place of the thickness.
   it("names its modes", function()
     local length, width, thick, nu = 0.3, 0.03, 0.004, 0.33
-    local turned = assert(bw.outline.rectangle {low = {0, 0}, high = {length, width}}):turned(30)
+    local turned = assert(bw.outline.rectangle {min = {0, 0}, max = {length, width}}):turned(30)
     local bar = assert(bw.responsive.metallophone {outline = turned, thickness = thick, elements = 200, modes = 7,
       material = bw.material.isotropic {name = "alloy", young = 70e9, poisson = nu, density = 2700}})
     local first = {}
@@ -116,7 +116,7 @@ describe("a metallophone bar", function()
     local places = {}
     for i, width in ipairs {0.028, 0.036} do
       local bar = assert(bw.responsive.metallophone {thickness = 0.006, elements = 200, modes = 5,
-        outline = assert(bw.outline.rectangle {low = {0, 0}, high = {0.3, width}}),
+        outline = assert(bw.outline.rectangle {min = {0, 0}, max = {0.3, width}}),
         material = bw.material.isotropic {name = "alloy", young = 70e9, poisson = 0.33, density = 2700}})
       for _, mode in ipairs(assert(bar:spectrum())) do
         if mode.kind == "bending" and mode.number == 3 then
@@ -129,7 +129,7 @@ describe("a metallophone bar", function()
   end)
 
   it("is tuned in several modes at once", function()
-    local outline = assert(bw.outline.rectangle {low = {0, 0}, high = {0.3, 0.04}})
+    local outline = assert(bw.outline.rectangle {min = {0, 0}, max = {0.3, 0.04}})
     for edge = 7, 1, -2 do outline = assert(outline:split(math.min(edge, outline.edge_count), 0.5)) end
     for edge = outline.edge_count, 1, -1 do outline = assert(outline:split(edge, 0.5)) end
     local function bar_of_modes(thickness)
@@ -159,7 +159,7 @@ describe("a metallophone bar", function()
   end)
 
   it("reaches 1 : 4 : 10 in stages, past a mode of another kind", function()
-    local outline = assert(bw.outline.rectangle {low = {0, 0}, high = {0.3, 0.06}})
+    local outline = assert(bw.outline.rectangle {min = {0, 0}, max = {0.3, 0.06}})
     for edge = 7, 1, -2 do outline = assert(outline:split(math.min(edge, outline.edge_count), 0.5)) end
     for edge = outline.edge_count, 1, -1 do outline = assert(outline:split(edge, 0.5)) end
     local bar = assert(bw.responsive.metallophone {outline = outline, thickness = 0.004, elements = 150, modes = 5,
@@ -183,7 +183,7 @@ describe("a metallophone bar", function()
   end)
 
   it("moves the outline less than other changes that hit the pitch", function()
-    local outline = assert(bw.outline.rectangle {low = {0, 0}, high = {0.2, 0.03}})
+    local outline = assert(bw.outline.rectangle {min = {0, 0}, max = {0.2, 0.03}})
     for edge = 7, 1, -2 do outline = assert(outline:split(math.min(edge, outline.edge_count), 0.5)) end
     local bar = assert(bw.responsive.metallophone {outline = outline, thickness = 0.004,
       material = bw.material.aluminium, elements = 100})

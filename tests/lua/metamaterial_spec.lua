@@ -21,8 +21,8 @@ local function layered()
   local grid = assert(bw.grid.box {size = {0.08, 0.16, 0.08}, cells = {4, 8, 4},
     material = function(_, y) return y // 0.02 % 2 + 1 end})
   local solid = assert(bw.solid {grid = grid, materials = materials()})
-  solid:fix {side = "low y"}
-  return solid:force({side = "high y"}, {0, 120, 0})
+  solid:fix {side = "min y"}
+  return solid:force({side = "max y"}, {0, 120, 0})
 end
 
 describe("a library", function()
@@ -58,7 +58,7 @@ describe("a library", function()
   it("follows an edit by looking up what differs", function()
     local fine = layered()
     local coarse = assert(fine:coarsen(small()))
-    local grid = assert(fine.grid:set({high = {0.08, 0.04, 0.08}}, 2))
+    local grid = assert(fine.grid:set({max = {0.08, 0.04, 0.08}}, 2))
     local followed = assert(coarse:with(grid))
     assert.equal(4, followed.coarse.looked_up)
     local scratch = assert(assert(fine:with(grid)):coarsen(small()))
@@ -92,7 +92,7 @@ describe("a library", function()
     assert.same({1, 1}, assert(bw.metamaterial.read(path)).grown)
     assert.is_truthy(tostring(grown):find("1 fits of blocks of grids it was grown for", 1, true))
     -- an edit brings blocks that are naive until they are grown
-    local grid = assert(fine.grid:set({high = {0.08, 0.02, 0.08}}, 2))
+    local grid = assert(fine.grid:set({max = {0.08, 0.02, 0.08}}, 2))
     local key = {2, 2, 2, 2, 2, 2, 2, 2}
     assert.equal(0, select(2, grown:material(key)))
     local further = assert(bw.metamaterial.grow(grown, grid))
@@ -114,8 +114,8 @@ describe("a library", function()
     end
     local grid = assert(bw.grid.box {cells = {6, 12, 6}, spacing = 0.01,
       material = function(x, _, z) return column[6 * math.floor(x / 0.01) + math.floor(z / 0.01)] end})
-    local solid = assert(bw.solid {grid = grid, materials = materials()}):fix {side = "low y"}
-    return solid:fix({side = "high y"}, {0, -0.006, 0}),
+    local solid = assert(bw.solid {grid = grid, materials = materials()}):fix {side = "min y"}
+    return solid:fix({side = "max y"}, {0, -0.006, 0}),
       assert(bw.metamaterial.grow(materials(), grid, {directions = 10}))
   end
 
@@ -152,9 +152,9 @@ describe("a library", function()
   -- A bar of soft cells with hard ones, held below, under a force or a displacement of its upper end.
   local function bar(material, load)
     local grid = assert(bw.grid.box {cells = {4, 10, 4}, spacing = 0.01, material = material})
-    local solid = assert(bw.solid {grid = grid, materials = materials()}):fix {side = "low y"}
+    local solid = assert(bw.solid {grid = grid, materials = materials()}):fix {side = "min y"}
     local across, value = load[2], load[3]
-    return solid[load[1]](solid, {side = "high y"}, across and {value, 0, 0} or {0, value, 0})
+    return solid[load[1]](solid, {side = "max y"}, across and {value, 0, 0} or {0, value, 0})
   end
 
   it("never answers worse than the naive solid where the estimate tells the two apart", function()
@@ -194,7 +194,7 @@ describe("a library", function()
     local fine, made = pressed_rods()
     local coarse = assert(fine:coarsen(made))
     assert.equal("naive", assert(coarse:solve()).choice.chosen)
-    local edited = assert(coarse:with(assert(fine.grid:set({high = {0.02, 0.02, 0.02}}, 2))))
+    local edited = assert(coarse:with(assert(fine.grid:set({max = {0.02, 0.02, 0.02}}, 2))))
     assert.equal("naive", assert(edited:solve()).choice.chosen)
     local itself = assert(coarse:solve {choose = false})
     assert.equal(coarse, itself.solid)

@@ -51,7 +51,7 @@ describe("a newcomer is told", function()
     assert.is_true(seen[1][2] == 0 and seen[2][2] > 0)
     -- The breaking force is such work.
     seen = {}
-    local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.008}, cells = {6, 2, 1}})
+    local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.06, 0.02, 0.008}, cells = {6, 2, 1}})
     assert(bw.breaking_force(mesh, {material = bw.material.pla, modes = 2, regions = 1}))
     bw.progress(before)
     assert.is_true(#seen > 3)
@@ -60,7 +60,7 @@ describe("a newcomer is told", function()
 
   it("what a file is that is no model, no script and no folder", function()
     for _, command in ipairs {"check @", "worst @", "modes @", "convert @ x.obj",
-      "strengthen @ --force 5 --out x.stl", "statics @ --fix low:z --gravity 0,0,-1"} do
+      "strengthen @ --force 5 --out x.stl", "statics @ --fix min:z --gravity 0,0,-1"} do
       says(3, "the file is empty (0 bytes)", (command:gsub("@", "empty.stl")))
       says(3, "it is a directory", (command:gsub("@", "adir")))
       says(3, "No such file or directory", (command:gsub("@", "nothing.stl")))

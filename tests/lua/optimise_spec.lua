@@ -16,7 +16,7 @@ end
 local function bar(bones, given)
   given = given or {}
   local cells = given.cells or {24, 2, 2}
-  local mesh = assert(bw.mesh.box {low = {0, -12 * mm, -8 * mm}, high = {300 * mm, 12 * mm, 8 * mm},
+  local mesh = assert(bw.mesh.box {min = {0, -12 * mm, -8 * mm}, max = {300 * mm, 12 * mm, 8 * mm},
     cells = cells, order = 2})
   local part = bw.model {mesh = mesh, material = material(given.poisson)}
   if not given.free then part:fix(mesh.boundary:below(1, 0)) end
@@ -204,7 +204,8 @@ describe("the scaling optimisation", function()
   it("says what cannot be met and leaves the session alone", function()
     local session = bar(3, {load = tip {0, 0, -100}})
     local before = max_of(session)
-    local none, message, details = session:optimise {von_mises = 0.5 * before, move_supports = true, high = 1.1}
+    local none, message, details = session:optimise {von_mises = 0.5 * before, move_supports = true,
+      max_factor = 1.1}
     check.fails("infeasible", "no factors within the bounds", none, message, details)
     assert.truthy(message:find("bone 1 across z", 1, true))
     assert.equal(0, #session.edits)
@@ -348,7 +349,7 @@ describe("the scaling optimisation", function()
     check.raises("greater than 0", session.optimise, session, {von_mises = 0})
     check.raises("bone 1", session.optimise, session, {von_mises = 1, bones = {"bone one"}})
     check.raises("tied twice", session.optimise, session, {von_mises = 1, ties = {{"bone 1"}, {"bone 1"}}})
-    check.raises("above 'high'", session.optimise, session, {von_mises = 1, low = 4})
+    check.raises("above 'max_factor'", session.optimise, session, {von_mises = 1, min_factor = 4})
     check.raises("cases[1]", session.optimise, session, {von_mises = 1, cases = {1}})
     check.raises("without supports", session.optimise, session, {von_mises = 1, loads = "worst"})
     session:close()

@@ -4,7 +4,7 @@ local bw = require "barwright"
 local check = require "check"
 
 local function block()
-  return assert(bw.outline.rectangle {low = {0, 0}, high = {3, 1},
+  return assert(bw.outline.rectangle {min = {0, 0}, max = {3, 1},
     holes = {bw.outline.circle {centre = {1, 0.5}, radius = 0.2, name = "hole"}}})
 end
 
@@ -50,7 +50,7 @@ describe("a plane mesh", function()
   end)
 
   it("has regions", function()
-    local outline = assert(bw.outline.rectangle {low = {0, 0}, high = {2, 1},
+    local outline = assert(bw.outline.rectangle {min = {0, 0}, max = {2, 1},
       regions = {bw.outline.circle {centre = {1, 0.5}, radius = 0.3, name = "inlay"}}})
     local mesh = assert(bw.plane.fill(outline, {elements = 400}))
     assert.equal(2, mesh.regions:max())
@@ -66,7 +66,7 @@ describe("a plane mesh", function()
   end)
 
   it("comes from arrays and from formulas", function()
-    local mesh = assert(bw.plane.rectangle {low = {0, 0}, high = {2, 1}, cells = {4, 2}, order = 2,
+    local mesh = assert(bw.plane.rectangle {min = {0, 0}, max = {2, 1}, cells = {4, 2}, order = 2,
       diagonal = "union jack"})
     assert.equal(16, mesh.element_count)
     assert.same({"bottom", "right", "top", "left"}, mesh.outline.tags)

@@ -74,7 +74,7 @@ describe("the program", function()
   it("works under a collector that runs at every allocation", function()
     local status, out, err = check.run("--gc-stress " .. script [[
       local bw = require "barwright"
-      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 0.1, 0.1}, cells = {6, 1, 1}}
+      local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 0.1, 0.1}, cells = {6, 1, 1}}
       local part = bw.model {mesh = mesh, material = bw.material.steel}
       local tip = mesh.boundary:above(1, 1) | mesh.boundary:near({1, 0, 0}, 0.01)
       part:fix(mesh.boundary:below(1, 0)):load {on = tip, force = {0, 0, -1}}
@@ -86,7 +86,7 @@ describe("the program", function()
       assert(worst:displacement())
       assert(#worst:arrows() > 0 and tostring(worst) and tostring(part) and tostring(modes))
       local surface = bw.surface.implicit(function(x, y, z) return x * x + y * y + z * z - 0.5 end,
-        {low = {-1, -1, -1}, high = {1, 1, 1}, cells = 4})
+        {min = {-1, -1, -1}, max = {1, 1, 1}, cells = 4})
       assert(surface:check().sound and surface:check() and #bw.json.encode(worst.regions) > 10)
       local solid, log = assert(bw.mesh.fill(bw.surface.sphere {radius = 0.1, subdivisions = 1}))
       assert(tostring(log) and solid:locate {0, 0, 0} and #solid:quality() == 0)
@@ -116,7 +116,7 @@ describe("an interrupt", function()
   it("stops the engine, and the script keeps what is done", function()
     local status, out, _, folder = interrupted [[
       local bw = require "barwright"
-      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {26, 26, 26}}
+      local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {26, 26, 26}}
       local part = bw.model {mesh = mesh, material = bw.material.steel}
       local message, details = true
       bw.progress(function() if message == true then message = nil io.open('ready', 'w'):close() end end)
@@ -157,7 +157,7 @@ describe("a signal to end", function()
     local folder = check.folder()
     check.write(folder .. "/script.lua", [[
       local bw = require "barwright"
-      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {30, 30, 30}}
+      local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {30, 30, 30}}
       io.open('ready', 'w'):close()
       while true do mesh:write "big.vtu" end
     ]])
@@ -250,7 +250,7 @@ describe("scripts/worst_case/run.lua", function()
     assert(check.beam({8, 2, 2}):scale(0.02):write(folder .. "/beam.vtu"))
     local status, out, err = check.run(run .. folder .. "/beam.vtu --modes 3 --regions 1 --force 2"
       .. " --contact 2e-5m2"
-      .. " --fix low:x --forbid high:z --forbid=high:y --friction 0.3 --friction-facets 4 --hands 1 --hand 1cm2"
+      .. " --fix min:x --forbid max:z --forbid=max:y --friction 0.3 --friction-facets 4 --hands 1 --hand 1cm2"
       .. " --certify 0.05 --out " .. folder .. "/out")
     assert.equal("", err)
     assert.equal(0, status)

@@ -8,7 +8,7 @@ local check = require "check"
 local function place()
   local folder = check.folder()
   os.execute(("mkdir '%s/in' '%s/in/modules'"):format(folder, folder))
-  assert(bw.surface.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.01}}:write(folder .. "/in/box.stl"))
+  assert(bw.surface.box {min = {0, 0, 0}, max = {0.06, 0.02, 0.01}}:write(folder .. "/in/box.stl"))
   os.execute(("cp '%s/in/box.stl' '%s/secret.stl'"):format(folder, folder))
   os.execute(("ln -s '%s/secret.stl' '%s/in/link.stl'"):format(folder, folder))
   os.execute(("ln -s /nowhere/at/all '%s/in/dangling'"):format(folder))
@@ -25,7 +25,7 @@ end
 local preamble = [[
   local bw, core = require "barwright", require "barwright.core"
   local box = assert(bw.surface.read(IN .. "/box.stl"))
-  local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.02, 0.02}, cells = {4, 1, 1}}
+  local mesh = bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.02}, cells = {4, 1, 1}}
   local worst = assert(bw.worst_case(bw.model {mesh = mesh, material = bw.material.pla},
     {force = 1, modes = 1, regions = 1}))
   local database = assert(core.database(IN .. "/own.db"))
@@ -182,7 +182,7 @@ describe("a limit on time", function()
     ["a pattern"] = 'string.find(("a"):rep(40), (".-"):rep(20) .. "b")',
     ["an endless sort"] = "table.sort({3, 2, 1, 5, 4}, function() while true do end end)",
     ["a finaliser"] = "setmetatable({}, {__gc = function() while true do end end}) collectgarbage()",
-    ["the engine"] = "local m = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {40, 40, 40}} "
+    ["the engine"] = "local m = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {40, 40, 40}} "
       .. "bw.model {mesh = m, material = bw.material.pla}:modes {count = 200}",
   } do
     it("ends " .. what .. " (L3)", function()
@@ -254,7 +254,7 @@ describe("a limit on time", function()
     local folder = check.folder()
     check.write(folder .. "/script.lua", [[
       local bw = require "barwright"
-      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {30, 30, 30}}
+      local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {30, 30, 30}}
       while true do mesh:write(arg[1] .. "/big.vtu") end
     ]])
     assert.equal(124, (check.run(("--seconds 2 '%s/script.lua' '%s'"):format(folder, folder))))
@@ -282,7 +282,7 @@ describe("a limit on memory", function()
     local status, out = check.run "--memory 200M -e 'print(pcall(bw.array.zeros, 1e8))'"
     assert.equal(0, status)
     assert.truthy(out:find "^false\t.*out of memory", out)
-    status, out = check.run [[--memory 200M -e 'print(bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1},
+    status, out = check.run [[--memory 200M -e 'print(bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1},
       cells = {100, 100, 100}})']]
     assert.equal(0, status)
     assert.truthy(out:find "^nil\tout of memory", out)
@@ -293,7 +293,7 @@ describe("a limit on memory", function()
     assert.truthy(err:find("the script may use 1000 MiB", 1, true), err)
     -- A child of the engine's that may use 6 GB elsewhere.
     local status, out
-    status, out, err = check.run [[--memory 300M -e 'local s = bw.surface.box {low = {0, 0, 0}, high = {1, 1, 1}}
+    status, out, err = check.run [[--memory 300M -e 'local s = bw.surface.box {min = {0, 0, 0}, max = {1, 1, 1}}
       local _, message, details = bw.mesh.fill(s, {elements = 2000000})
       print(details.status, details.bytes, message)']]
     assert.equal(0, status, err)
@@ -327,7 +327,7 @@ describe("a limit on the size of files", function()
     local folder = check.folder()
     check.write(folder .. "/script.lua", [[
       local bw, core = require "barwright", require "barwright.core"
-      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {20, 20, 20}}
+      local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {20, 20, 20}}
       local function write(name)
         local _, message = mesh:write(arg[1] .. name)
         return message

@@ -159,13 +159,13 @@ scenario("a", {about = "about it"}, function(t)
   local file = assert(io.open(t.folder .. "/scratch", "w"))
   file:close()
   io.stdout:write(t.folder)
-  local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {2, 2, 2}}
+  local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {2, 2, 2}}
   t:picture_of(mesh:surface(), {caption = "the <box>"})
   t:picture_of(function(path) return nil, "no paint" end)
   expect(2):below(1)
 end)
 scenario("b", function(t)
-  t:picture_of(bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {2, 2, 2}})
+  t:picture_of(bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {2, 2, 2}})
   expect(2):above(1)
 end)]]}
     assert.equal("failed passed", statuses(run))
@@ -205,7 +205,7 @@ describe("modes", function()
   -- A square bar: bending modes come in pairs, mixed as the rounding will have it.
   local source = HEAD .. [[
 local function bar(turned)
-  local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 0.1, 0.1}, cells = {8, 2, 2}, order = 2}
+  local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 0.1, 0.1}, cells = {8, 2, 2}, order = 2}
   return assert(bw.model {mesh = mesh, material = bw.material.isotropic {young = 1e9, poisson = 0.3,
     density = turned and 1000 * (1 + 1e-9) or 1000}}:modes {count = turned == 3 and 3 or 7})
 end
@@ -454,7 +454,7 @@ end)]]}, "--parallel 2")
 
   it("compare modes of the Laplacian, and refuse lists that contain themselves", function()
     local run = judge({["a.lua"] = HEAD .. [[scenario("s", function(t)
-      local mesh = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {3, 1, 1}}
+      local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {3, 1, 1}}
       local part = bw.model {mesh = mesh, material = bw.material.pla}
       local modes = t:require(part:modes {count = 1, laplacian = true})
       expect(modes):same_modes(modes)

@@ -41,7 +41,7 @@ describe("the singular edges of a surface", function()
   end)
 
   it("are none on convex bodies, on facets of a cylinder, and by a wide margin", function()
-    assert.equal(0, #assert(bw.surface.box {low = {0, 0, 0}, high = {3, 2, 1}}:singular_edges()))
+    assert.equal(0, #assert(bw.surface.box {min = {0, 0, 0}, max = {3, 2, 1}}:singular_edges()))
     local cylinder = bw.surface.cylinder {axis = {0, 0, 1}, radius = 0.3, segments = 20}
     local none = assert(cylinder:singular_edges())
     assert.equal(0, #none)
@@ -53,7 +53,7 @@ describe("the singular edges of a surface", function()
   end)
 
   it("need a surface with an inside", function()
-    local box = bw.surface.box {low = {0, 0, 0}, high = {1, 1, 1}}
+    local box = bw.surface.box {min = {0, 0, 0}, max = {1, 1, 1}}
     local triangles = box.triangles:totable()
     triangles[#triangles] = nil
     local open = assert(bw.surface.new {points = box.points:totable(), triangles = triangles})
@@ -70,7 +70,7 @@ describe("the singular places of a model", function()
   local elastic = bw.material.isotropic {young = 1, poisson = 0.3}
 
   local function bar(order)
-    return assert(bw.mesh.box {low = {0, 0, 0}, high = {2, 1, 1}, cells = {4, 2, 2}, order = order})
+    return assert(bw.mesh.box {min = {0, 0, 0}, max = {2, 1, 1}, cells = {4, 2, 2}, order = order})
   end
 
   it("are the border of a fixed face", function()

@@ -16,9 +16,9 @@ local function column(materials)
   return assert(bw.solid {grid = grid, materials = materials or {rubber()}})
 end
 
-local function standing(materials) return column(materials):fix {side = "low z"} end
+local function standing(materials) return column(materials):fix {side = "min z"} end
 
-local top = {side = "high z"}
+local top = {side = "max z"}
 
 -- A small library, fast to build.
 local function small(more)
@@ -47,7 +47,7 @@ describe("a grid", function()
       assert.is_false(pcall(bw.grid.box, {size = 1, spacing = bad}))
       assert.is_false(pcall(bw.grid.box, {cells = 2, spacing = bad}))
     end
-    check.raises("lost in rounding", bw.grid.box, {size = 1, cells = 2, low = {1e300, 0, 0}})
+    check.raises("lost in rounding", bw.grid.box, {size = 1, cells = 2, min = {1e300, 0, 0}})
     check.raises("no number holds", bw.grid.box, {size = 1e-150, cells = 2})
     check.raises("too many", bw.grid.box, {size = 1, cells = 1000})
   end)
@@ -59,7 +59,7 @@ describe("a grid", function()
       ["oops"] = function() error "oops" end,
       ["engine is busy"] = function() return grid:set(1, 2).volume end} do
       check.raises(text, bw.grid.box, {size = 1, cells = 2, material = f})
-      check.raises(text, grid.set, grid, {low = {0, 0, 0}}, f)
+      check.raises(text, grid.set, grid, {min = {0, 0, 0}}, f)
       check.raises(text == "whole numbers" and "no node" or text, grid.nodes, grid, text == "whole numbers"
         and function() return 0 end or f)
     end
@@ -88,7 +88,7 @@ describe("what acts on a solid", function()
     local endless = setmetatable({}, {__len = function() return "3" end})
     check.raises("a table without a length", solid.fix, solid, endless)
     check.raises("a place expected", solid.force, solid, nil, {1, 0, 0})
-    check.raises("no node lies", solid.force, solid, {low = {9, 9, 9}}, {1, 0, 0})
+    check.raises("no node lies", solid.force, solid, {min = {9, 9, 9}}, {1, 0, 0})
     check.raises("holds nothing", solid.fix, solid, top, {false, false, false})
     for _, bad in ipairs {nan, inf, "1"} do
       check.raises("expected", solid.fix, solid, top, {bad, 0, 0})
@@ -121,12 +121,12 @@ describe("what acts on a solid", function()
 
   it("presses on faces by place as evenly as on their surface in total", function()
     local by_place = assert(standing():pressure(top, {pressure = 3000}):solve())
-    check.near(30, by_place:total_reaction({side = "low z"})[3], 1e-6)
+    check.near(30, by_place:total_reaction({side = "min z"})[3], 1e-6)
     local corner = by_place.displacement:gather(by_place.grid:nodes(top)):column(3)
     assert.is_true(corner:max() < 0)
     local grown = assert(standing():pressure(top, {pressure = function(x) return 6e4 * x end,
       follower = true}):solve())
-    check.near(30, grown:total_reaction({side = "low z"})[3], 1e-2)
+    check.near(30, grown:total_reaction({side = "min z"})[3], 1e-2)
   end)
 end)
 
@@ -179,7 +179,7 @@ describe("a solid", function()
       for _, law in ipairs {"neo_hookean", "corotated"} do
         local result = assert(standing({bw.hyperelastic {law = law, young = 1e6, poisson = poisson}}):force(
           top, {0, 0, 100}):solve())
-        check.near(-100, result:total_reaction({side = "low z"})[3], 1e-5)
+        check.near(-100, result:total_reaction({side = "min z"})[3], 1e-5)
       end
     end
   end)
@@ -211,7 +211,7 @@ describe("a solid", function()
     end)
     assert(run())
     local large = assert(bw.solid {grid = assert(bw.grid.box {size = 0.1, cells = 12}), materials = {rubber()}})
-    large:fix({side = "low z"}):turn(top, {axis = {0, 0, 1}, angle = 170})
+    large:fix({side = "min z"}):turn(top, {axis = {0, 0, 1}, angle = 170})
     showing(function() return false end, function()
       check.fails("cancelled", "", large:solve())
     end)
@@ -327,7 +327,7 @@ describe("memory", function()
   it("holds nothing afterwards, and a lack of it is told", function()
     local function work()
       local solid = standing()
-      solid:force(top, {0, 0, 10}):pressure({side = "high x"}, {pressure = 10, follower = true})
+      solid:force(top, {0, 0, 10}):pressure({side = "max x"}, {pressure = 10, follower = true})
       local made, message, details = solid:coarsen("naive", 1)
       if not made then return nil, message, details end
       return solid:solve()

@@ -14,9 +14,9 @@ end
 
 -- Free to become thinner: held along z below, and just enough in the plane.
 local function stand(solid)
-  solid:fix({side = "low z"}, {false, false, 0})
-  solid:fix({side = "low x"}, {0, false, false})
-  return solid:fix({side = "low y"}, {false, 0, false})
+  solid:fix({side = "min z"}, {false, false, 0})
+  solid:fix({side = "min x"}, {0, false, false})
+  return solid:fix({side = "min y"}, {false, 0, false})
 end
 
 describe("a hyperelastic material", function()
@@ -27,8 +27,8 @@ describe("a hyperelastic material", function()
       check.near(1e6, soft.young, 1e-12)
       local grid = assert(bw.grid.box {cells = {2, 2, 4}, spacing = 0.1})
       local solid = assert(bw.solid {grid = grid, materials = {soft}})
-      solid:fix {side = "low z"}
-      solid:force({side = "high z"}, {1, 0, 0})
+      solid:fix {side = "min z"}
+      solid:force({side = "max z"}, {1, 0, 0})
       return solid, assert(solid:solve()), soft
     end
     bw.warnings()
@@ -81,11 +81,11 @@ describe("a solid", function()
   it("stretched with free sides pulls as the closed form says", function()
     -- compressible neo-Hookean, E = 1, nu = 0.3, stretch 1.5: P/E and lateral stretch
     local solid = stand(column())
-    solid:fix({side = "high z"}, {false, false, 0.05})
+    solid:fix({side = "max z"}, {false, false, 0.05})
     local result = assert(solid:solve())
-    local reaction = result:total_reaction {side = "high z"}
+    local reaction = result:total_reaction {side = "max z"}
     check.near(0.3782801763943185, reaction[3] / (0.01 * 1e6), 1e-6)
-    local corner = result.displacement:gather(solid.grid:nodes {side = "high x"})
+    local corner = result.displacement:gather(solid.grid:nodes {side = "max x"})
     check.near(0.8801745918 - 1, corner:column(1):max() / 0.1, 1e-6)
     assert.is_true(result.complete)
     assert.is_truthy(tostring(result):find("equilibrium: energy", 1, true))
@@ -98,30 +98,30 @@ describe("a solid", function()
 
   it("finds forces, gravity, pressure and floors by place", function()
     local solid = stand(column(2))
-    solid:force({side = "high z"}, {0, 0, -30}):gravity {0, 0, -9.81}
+    solid:force({side = "max z"}, {0, 0, -30}):gravity {0, 0, -9.81}
     local result = assert(solid:solve())
     local weight = 0.002 * 1000 * 9.81
-    check.near(30 + weight, result:total_reaction({side = "low z"})[3], 1e-6)
+    check.near(30 + weight, result:total_reaction({side = "min z"})[3], 1e-6)
     local pressed = stand(column(2))
     pressed:pressure(assert(pressed.grid:surface()), {pressure = function(_, _, z)
       return z > 0.1999 and 3000 or 0
     end})
-    check.near(30, assert(pressed:solve()):total_reaction({side = "low z"})[3], 1e-6)
+    check.near(30, assert(pressed:solve()):total_reaction({side = "min z"})[3], 1e-6)
     local floored = column(2)
-    floored:fix {side = "low z"}
+    floored:fix {side = "min z"}
     floored:contact_plane {point = {0, 0, 0.2}, normal = {0, 0, -1}, move = {0, 0, -0.02}}
     local down = assert(floored:solve())
-    local top = down.displacement:gather(floored.grid:nodes {side = "high z"})
+    local top = down.displacement:gather(floored.grid:nodes {side = "max z"})
     check.near(-0.02, top:column(3):max(), 1e-8)
     assert.is_true(down.report.contacts > 0)
   end)
 
   it("goes along the arc of a turn", function()
     local solid = column(3)
-    solid:fix {side = "low z"}
-    solid:turn({side = "high z"}, {axis = {0, 0, 2}, point = {0.05, 0.05, 0}, angle = 90})
+    solid:fix {side = "min z"}
+    solid:turn({side = "max z"}, {axis = {0, 0, 2}, point = {0.05, 0.05, 0}, angle = 90})
     local result = assert(solid:solve())
-    local nodes = solid.grid:nodes {side = "high z"}
+    local nodes = solid.grid:nodes {side = "max z"}
     local at, by = solid.grid.points:gather(nodes):totable(), result.displacement:gather(nodes):totable()
     for i = 1, #at do
       local x, y = at[i][1] - 0.05, at[i][2] - 0.05
@@ -134,8 +134,8 @@ describe("a solid", function()
   it("has an error relative to the reference's displacement, however little that is", function()
     local function pulled(force)
       local solid = column(2)
-      solid:fix {side = "low z"}
-      solid:force({side = "high z"}, {0, 0, force})
+      solid:fix {side = "min z"}
+      solid:force({side = "max z"}, {0, 0, force})
       return assert(solid:solve())
     end
     local reference, size = pulled(-1e-3), 0.2
@@ -155,8 +155,8 @@ describe("a solid", function()
     local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.3}, cells = {4, 4, 12},
       material = function(x) return x // 0.025 % 2 + 1 end})
     local fine = assert(bw.solid {grid = grid, materials = materials})
-    fine:fix {side = "low z"}
-    fine:force({side = "high z"}, {0, 0, 100})
+    fine:fix {side = "min z"}
+    fine:force({side = "max z"}, {0, 0, 100})
     local reference = assert(fine:solve())
     assert.equal(0, reference:error(reference))
     for _, method in ipairs {"naive", "average"} do
@@ -166,10 +166,10 @@ describe("a solid", function()
       local result = assert(coarse:solve())
       local error, of_size = result:error(reference)
       assert.is_true(of_size > 0 and of_size < 0.05 and error > of_size, error)
-      check.near(-100, result:total_reaction({side = "low z"})[3], 1e-6)
+      check.near(-100, result:total_reaction({side = "min z"})[3], 1e-6)
       assert.equal(#reference.displacement, #result.fine_displacement)
     end
-    local softer = assert(grid:set({high = {0.1, 0.1, 0.1}}, 1))
+    local softer = assert(grid:set({max = {0.1, 0.1, 0.1}}, 1))
     local edited = assert(assert(fine:coarsen("naive", 1)):with(softer))
     local from_scratch = assert(assert(fine:with(softer)):coarsen("naive", 1))
     assert.equal(0, assert(edited:solve()):error(assert(from_scratch:solve())))
@@ -181,7 +181,7 @@ describe("a solid", function()
   it("is let go where its tangent is not definite: by conjugate gradients as with a factor", function()
     local grid = assert(bw.grid.box {cells = {2, 2, 16}, spacing = 0.01})
     local solid = assert(bw.solid {grid = grid, materials = {rubber()}})
-    solid:fix {side = "low z"}
+    solid:fix {side = "min z"}
     local pressed, done = {}, {}
     for i, p in ipairs(grid.points:totable()) do pressed[i] = {1e-4 * math.sin(20 * p[3]), 0, -0.3 * p[3]} end
     for i, linear in ipairs {"direct", "jacobi"} do
@@ -194,8 +194,8 @@ describe("a solid", function()
 
   it("solves over a coarse solid as it does with a factor", function()
     local solid = column(3)
-    solid:fix {side = "low z"}
-    solid:force({side = "high z"}, {2, 0, 20})
+    solid:fix {side = "min z"}
+    solid:force({side = "max z"}, {2, 0, 20})
     local direct = assert(solid:solve {tolerance = 1e-9})
     for _, linear in ipairs {"coarse", "jacobi"} do
       local other = assert(solid:solve {linear = linear, tolerance = 1e-9})
@@ -206,7 +206,7 @@ describe("a solid", function()
     check.raises("coarse itself", function() solid:coarsen("naive", 2):solve {linear = "coarse"} end)
     -- a coarse solid too, over one that is coarser still; also after an edit
     local coarse = assert(solid:coarsen "naive")
-    coarse = assert(coarse:with(assert(solid.grid:set({high = {0.05, 1, 1}}, 0))))
+    coarse = assert(coarse:with(assert(solid.grid:set({max = {0.05, 1, 1}}, 0))))
     local by_factor = assert(coarse:solve {tolerance = 1e-9})
     local by_gradients = assert(coarse:solve {linear = "coarse", tolerance = 1e-9})
     assert.equal(0, by_factor.report.cg_iterations)
@@ -215,8 +215,8 @@ describe("a solid", function()
     -- cells need not be cubes
     local flat = assert(bw.solid {grid = assert(bw.grid.box {size = {0.1, 0.1, 0.1}, cells = {4, 4, 8}}),
       materials = {rubber()}})
-    flat:fix {side = "low z"}
-    flat:force({side = "high z"}, {2, 0, 20})
+    flat:fix {side = "min z"}
+    flat:force({side = "max z"}, {2, 0, 20})
     assert.is_true(assert(flat:solve {linear = "coarse", tolerance = 1e-9}):error(
       assert(flat:solve {tolerance = 1e-9})) < 1e-8)
   end)
@@ -226,8 +226,8 @@ describe("a solid", function()
     local height = 0.4
     local function sideways(shortening, linear)
       local solid = assert(bw.solid {grid = grid, materials = {rubber()}})
-      solid:fix {side = "low z"}
-      solid:fix({side = "high z"}, {0, 0, -shortening * height})
+      solid:fix {side = "min z"}
+      solid:fix({side = "max z"}, {0, 0, -shortening * height})
       local result = assert(solid:solve {linear = linear})
       assert.equal(0, result.report.undecided)
       assert.equal(linear == "coarse", result.report.stability_iterations > 10)
@@ -245,13 +245,13 @@ describe("a solid", function()
 
   it("says why it does not solve, and how far it came", function()
     local free = column()
-    free:force({side = "high z"}, {0, 0, 1})
+    free:force({side = "max z"}, {0, 0, 1})
     local result, message, details = free:solve()
     assert.is_nil(result)
     assert.equal("unconstrained", details.status)
     assert.is_truthy(message)
     local crushed = stand(column())
-    crushed:force({side = "high z"}, {0, 0, -1e9})
+    crushed:force({side = "max z"}, {0, 0, -1e9})
     result, message, details = crushed:solve {iterations = 20}
     assert.is_nil(result)
     assert.is_truthy(message:find("load", 1, true))
@@ -268,7 +268,7 @@ describe("a solid", function()
     check.near(-0.05, motion.displacement:column(3):mean(), 1e-6)
     check.near(-1, motion.velocity:column(3):mean(), 1e-6)
     local swung = {}
-    solid:fix {side = "low z"}
+    solid:fix {side = "min z"}
     solid:gravity {3, 0, 0}
     for i, linear in ipairs {"direct", "jacobi"} do
       local swing = assert(solid:motion {step = 0.01, iterations = 1, linear = linear, stiffness_damping = 1e-3})

@@ -78,15 +78,15 @@ end)
 
 describe("bumps", function()
   it("move both sides of a wall outwards, and not the other side of a gap", function()
-    local wall = assert(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.04, 0.002}})
+    local wall = assert(bw.surface.box {min = {0, 0, 0}, max = {0.04, 0.04, 0.002}})
     local place = {at = {0.02, 0.02, 0.002}, radius = 0.008, offset = 0.001}
     local shape = assert(bumps.subdivide(bumps.of_surface(wall), {place}))
     local moved = assert(bumps.to_surface(bumps.displaced(shape, {place}, bumps.units(shape, {place}))))
     assert.is_true(moved:check().sound)
-    check.near(0.003, moved.box.high[3], 1e-3)
-    check.near(-0.001, moved.box.low[3], 3e-3)
+    check.near(0.003, moved.box.max[3], 1e-3)
+    check.near(-0.001, moved.box.min[3], 3e-3)
     -- Two walls with a gap of 1 mm: the far one stays.
-    local far = assert(bw.surface.box {low = {0, 0, 0.003}, high = {0.04, 0.04, 0.005}})
+    local far = assert(bw.surface.box {min = {0, 0, 0.003}, max = {0.04, 0.04, 0.005}})
     local points, triangles = wall.points:totable(), wall.triangles:totable()
     local before = #points
     for _, p in ipairs(far.points:totable()) do points[#points + 1] = p end
@@ -132,7 +132,7 @@ end)
 
 describe("overlapping bumps", function()
   -- Three places on the top of a block, each within the others' bumps.
-  local block = assert(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.04, 0.02}})
+  local block = assert(bw.surface.box {min = {0, 0, 0}, max = {0.04, 0.04, 0.02}})
   local places = {}
   for j, x in ipairs {0.016, 0.02, 0.023} do
     places[j] = {at = {x, 0.02, 0.02}, radius = 0.008, offset = j * 0.5e-3}
@@ -257,7 +257,7 @@ end)
 
 describe("advice on a thin part", function()
   it("moves nothing by more than half of the thickness, however much is asked for", function()
-    local plate = assert(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.02, 0.002}})
+    local plate = assert(bw.surface.box {min = {0, 0, 0}, max = {0.04, 0.02, 0.002}})
     local breaking <close> = assert(bw.breaking_force(assert(bw.mesh.fill(plate, {elements = 300, order = 2})),
       with {length = 0.004}))
     local checked = 0

@@ -111,7 +111,7 @@ describe("the stubs", function()
     local sometimes = {mode = true, rank = true, upper_bound = true, gap = true, bounded = true, places = true}
     same(inner(worst), "bw.WorstCase", sometimes)
     same(inner(brute), "bw.BruteForce")
-    local breaking = assert(bw.breaking_force(bw.surface.box {low = {0, 0, 0}, high = {0.04, 0.01, 0.01}},
+    local breaking = assert(bw.breaking_force(bw.surface.box {min = {0, 0, 0}, max = {0.04, 0.01, 0.01}},
       {material = bw.material.pla, elements = 300, modes = 2, regions = 1}))
     same(inner(breaking), "bw.BreakingForce", {given_mesh = true, held_area = true, forbidden_area = true,
       singular = true})

@@ -36,7 +36,7 @@ describe("A name that is not known", function()
   end)
 
   it("is answered alike wherever names are read", function()
-    local body = bw.mesh.box {high = {1, 1, 1}, cells = {2, 2, 2}}
+    local body = bw.mesh.box {max = {1, 1, 1}, cells = {2, 2, 2}}
     local part = bw.model {mesh = body, material = bw.material.pla}
     local skeleton = assert(bw.skeleton.create {joints = {{0, 0, 0}, {1, 0, 0}},
       bones = {{1, 2, name = "shank"}}})

@@ -33,7 +33,7 @@ static void *allocate(void *data, void *block, size_t old_size, size_t size) {
 
 static const char script[] =
     "local bw = ...\n"
-    "local mesh = assert(bw.mesh.box{low = {0, 0, 0}, high = {1, 1, 1}, cells = {2, 2, 2}})\n"
+    "local mesh = assert(bw.mesh.box{min = {0, 0, 0}, max = {1, 1, 1}, cells = {2, 2, 2}})\n"
     "local all = mesh.boundary\n"
     "local part = assert(bw.model{mesh = mesh, material = bw.material.named 'steel'})\n"
     "part:fix(all:below(1, 0) | all:where 'x < 0.1')\n"
@@ -52,11 +52,11 @@ static const char script[] =
     "assert(#basis:arrows(loads.pressures[1]) > 0)\n"
     "assert(bw.drops(part:system(), {drops = 2}))\n"
     "local ball = bw.surface.implicit(function(x, y, z) return x*x + y*y + z*z - 0.5 end,\n"
-    "  {low = {-1, -1, -1}, high = {1, 1, 1}, cells = 3})\n"
+    "  {min = {-1, -1, -1}, max = {1, 1, 1}, cells = 3})\n"
     "bw.surface.read 'no such file'\n"
     "local grid = assert(bw.grid.voxels(ball, {cells = 4, material = '1 + (x > 0)'}))\n"
-    "grid = assert(grid:set({side = 'low x'}, 0)):set(function(x) return x > 0.2 end, 3)\n"
-    "assert(grid:coarse():nodes{side = 'high x', where = 'y > 0'})\n"
+    "grid = assert(grid:set({side = 'min x'}, 0)):set(function(x) return x > 0.2 end, 3)\n"
+    "assert(grid:coarse():nodes{side = 'max x', where = 'y > 0'})\n"
     "assert(grid:embed(ball, {reach = 9}):moved(grid.points))\n"
     "local canvas = assert(bw.canvas(60, 40, {name = 'x'}))\n"
     "canvas:markers('disc', 5, {{1, 2}, {3, 4}}, {fill = '#ff0000'}, {'a', false}):text('b', 5, "

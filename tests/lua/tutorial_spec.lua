@@ -76,7 +76,7 @@ describe("docs/tutorial.md", function()
   it("shows what the command and the demonstration print", function()
     local text, folder = check.read(check.root .. "/docs/tutorial.md"), check.folder()
     local part = folder .. "/part.vtu"
-    assert(assert(bw.mesh.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.008}, cells = {6, 2, 1}}):write(part))
+    assert(assert(bw.mesh.box {min = {0, 0, 0}, max = {0.06, 0.02, 0.008}, cells = {6, 2, 1}}):write(part))
     local status, out = check.run(("worst %s %s --material zp150"):format(part, small_options.worst))
     assert.is_true(status <= 1, out)
     -- Sentences without their numbers, names and what only some answers have.
@@ -113,8 +113,8 @@ end)
 
 describe_page("tutorial.md", 3, function(folder)
   local low, high = {-0.01, -0.01, 0}, {0.052, 0.01, 0.022}
-  assert(assert(bw.mesh.box {low = low, high = high, cells = {12, 4, 4}}):write(folder .. "/part.vtu"))
-  local part = assert(bw.mesh.box {low = low, high = high, cells = {31, 10, 11}})
+  assert(assert(bw.mesh.box {min = low, max = high, cells = {12, 4, 4}}):write(folder .. "/part.vtu"))
+  local part = assert(bw.mesh.box {min = low, max = high, cells = {31, 10, 11}})
   assert(part:surface():write(folder .. "/part.stl", {unit = "mm"}))
 end)
 
@@ -133,7 +133,7 @@ describe("README.md", function()
   local full = os.getenv "BARWRIGHT_FULL" == "1"
 
   setup(function()
-    assert(assert(bw.mesh.box {low = {0, 0, 0}, high = {0.06, 0.02, 0.008}, cells = {30, 10, 4}}):surface()
+    assert(assert(bw.mesh.box {min = {0, 0, 0}, max = {0.06, 0.02, 0.008}, cells = {30, 10, 4}}):surface()
       :write(folder .. "/part.stl", {unit = "mm"}))
     assert.equal(0, (check.run(check.root .. "/examples/09_skeleton_from_stl.lua " .. folder)))
   end)

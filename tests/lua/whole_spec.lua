@@ -208,7 +208,7 @@ describe("a motion", function()
     local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.2}, cells = {1, 1, 2}})
     local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e5, poisson = 0.3,
       density = 1000}}})
-    assert(solid:fix {side = "low z"}):force({side = "high z"}, {5, 0, 0})
+    assert(solid:fix {side = "min z"}):force({side = "max z"}, {5, 0, 0})
     local motion = assert(solid:motion {step = 1e-3})
     assert(motion:step(2))
     local function said()

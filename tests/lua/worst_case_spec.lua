@@ -4,7 +4,7 @@ local check = require "check"
 
 -- A dumb-bell: a thin neck between two blocks, so that there is no doubt where it breaks.
 local function dumb_bell()
-  local grid = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.09, 0.03, 0.03}, cells = {18, 6, 6}})
+  local grid = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.09, 0.03, 0.03}, cells = {18, 6, 6}})
   local centres = grid.nodes:gather(grid.elements:column(1)) -- one corner of each is enough
   for corner = 2, 4 do centres = centres + grid.nodes:gather(grid.elements:column(corner)) end
   local keep = (centres / 4):map [[a.x < 0.03 or a.x > 0.06 or

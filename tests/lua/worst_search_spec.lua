@@ -6,7 +6,7 @@ package.path = check.root .. "/scripts/worst_case/?.lua;" .. package.path
 
 -- A plate with two holes and a rib: compact, with small features, as machine parts are.
 local function plate()
-  local grid = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.06, 0.04, 0.012}, cells = {15, 10, 3}})
+  local grid = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.06, 0.04, 0.012}, cells = {15, 10, 3}})
   local centres = grid.nodes:gather(grid.elements:column(1))
   for corner = 2, 4 do centres = centres + grid.nodes:gather(grid.elements:column(corner)) end
   return assert(grid:subset((centres / 4):map [[(a.z < 0.004 or (a.y > 0.016 and a.y < 0.024 and a.x < 0.044)) and
@@ -111,7 +111,7 @@ describe("the search of the worst case", function()
   end)
 
   it("bounds the largest stress from above", function()
-    local box = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.02, 0.01}, cells = {8, 2, 2}})
+    local box = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {8, 2, 2}})
     local body = bw.model {mesh = box, material = bw.material.pla}
     local limits = {force = 5, pressure = 2e5, modes = 4, regions = 2, targets = 8, certify = 0.01}
     local certified = assert(bw.worst_case(body, limits))
@@ -153,10 +153,10 @@ describe("the search of the worst case", function()
     local worst = assert(bw.worst_case(held, {force = 2, pressure = 2e5, modes = 4, targets = 8}))
     assert.truthy(worst.max_principal > 0)
     assert.truthy(analyse({force_is_max = true}).max_principal >= 0.999 * search.max_principal)
-    local box = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.05, 0.01, 0.005}, cells = {3, 1, 1}})
+    local box = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.05, 0.01, 0.005}, cells = {3, 1, 1}})
     assert.truthy(assert(bw.worst_case(bw.model {mesh = box, material = bw.material.zp150},
       {force = 2, pressure = 2e5, modes = 3})).utilisation > 0)
-    local grid = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.09, 0.01, 0.01}, cells = {18, 2, 2}})
+    local grid = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.09, 0.01, 0.01}, cells = {18, 2, 2}})
     local corner = grid.nodes:gather(grid.elements:column(1))
     for k = 2, 4 do corner = corner + grid.nodes:gather(grid.elements:column(k)) end
     local two = assert(grid:subset((corner / 4):map [[a.x < 0.04 or a.x > 0.05]]))

@@ -141,7 +141,7 @@ export async function live({ browser, root, folder, test, assert, pictures }) {
     const stl = path.join(folder, "out.stl");
     await file.saveAs(stl);
     const text = execFileSync(path.join(root, "build/barwright"), ["-e",
-      `local s = assert(bw.surface.read("${stl}")) print(s:check().sound, s.box.low[1], s.box.high[3])`], { cwd: root });
+      `local s = assert(bw.surface.read("${stl}")) print(s:check().sound, s.box.min[1], s.box.max[3])`], { cwd: root });
     const [sound, low, high] = text.toString().trim().split(/\s+/);
     const { box } = await state(page);
     assert(sound === "true", `not sound: ${text}`);

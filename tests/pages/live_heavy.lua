@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- A session whose solves take longer than a hand's moves.
 local bw = require "barwright"
-local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.12, 0.03, 0.03}, cells = {20, 6, 6}, order = 2})
+local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.12, 0.03, 0.03}, cells = {20, 6, 6}, order = 2})
 local part = bw.model {mesh = mesh, material = bw.material.pla}
 part:fix(mesh.boundary:below(1, 1e-6))
 part:load {on = mesh.boundary:above(1, 0.12 - 1e-6), force = {0, 0, -60}}

@@ -57,8 +57,8 @@ export async function liveMore({ browser, root, folder, test, assert, pictures }
     await page.fill("#swing", "2");
     await page.keyboard.press("Tab");
     await until(page, () => window.barwright.state().bends[1]?.swing === 2);
-    await page.fill("#twist_low", "-5");
-    await page.fill("#twist_high", "10");
+    await page.fill("#twist_min", "-5");
+    await page.fill("#twist_max", "10");
     await page.keyboard.press("Tab");
     await until(page, () => window.barwright.state().bends[1]?.twist?.join() === "-5,10");
     await picture(page, "live_bend");
@@ -68,8 +68,8 @@ export async function liveMore({ browser, root, folder, test, assert, pictures }
     assert(angle < 2.001, `the nose turned by ${angle} degrees`);
     assert(difference(before.joints.tip, after.joints.tip) > 1e-3, "the joint stayed");
     await page.fill("#swing", "");
-    await page.fill("#twist_low", "");
-    await page.fill("#twist_high", "");
+    await page.fill("#twist_min", "");
+    await page.fill("#twist_max", "");
     await page.keyboard.press("Tab");
     await until(page, () => window.barwright.state().bends[1] === null);
     await page.click("#reset");

@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Makes the reports that tests/pages/run.mjs opens: FOLDER/report.html, FOLDER/session.html, FOLDER/pulled.html.
 local bw = require "barwright"
-local mesh = bw.mesh.box {low = {0, 0, 0}, high = {0.1, 0.02, 0.01}, cells = {20, 4, 2}}
+local mesh = bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {20, 4, 2}}
 local part = bw.model {mesh = mesh, material = bw.material.pla}
 local worst = assert(bw.worst_case(part, {force = 5, modes = 4, regions = 2}))
 assert(worst:report(arg[1] .. "/report.html"))
@@ -15,7 +15,7 @@ assert(session:bone("beam"):scale(1.5))
 assert(session:report(arg[1] .. "/session.html"))
 
 -- A bar pulled at its end, constrained at the other.
-local loads = {{place = "high:x", force = {100, 0, 0}}, {place = "high:z", pressure = 1e4}}
+local loads = {{place = "max:x", force = {100, 0, 0}}, {place = "max:z", pressure = 1e4}}
 local pulled = bw.model {mesh = mesh, material = bw.material.pla}
 pulled:fix(mesh.boundary:below(1, 0))
 pulled:load {on = mesh.boundary:above(1, 0.1), force = loads[1].force}
@@ -23,4 +23,4 @@ pulled:load {on = mesh.boundary:above(3, 0.01), pressure = loads[2].pressure}
 local static = assert(pulled:solve())
 local static_picture = require "barwright.command.static_picture"
 assert(static_picture.report(static, arg[1] .. "/pulled.html",
-  static_picture.options(static, "A bar", loads, {"low:x"}), "It is pulled."))
+  static_picture.options(static, "A bar", loads, {"min:x"}), "It is pulled."))

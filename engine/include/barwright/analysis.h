@@ -164,15 +164,15 @@ BW_API bw_status bw_boundary_extend(bw_context *context, const bw_mesh *mesh, do
 BW_API bw_status bw_boundary_gather(bw_context *context, const bw_mesh *mesh, double *covector);
 
 /* A convex quadratic program in n unknowns x (any, n) with m rows: the least 1/2 x H x + g x with
- * A x <= b and low <= x <= high, by NLopt's SLSQP. H (any, n x n) is positive definite, g (any, n),
- * A (any, m x n), b (any, m); bounds low (any, n) and high (any, n) may be infinite. Where no x
+ * A x <= b and min <= x <= max, by NLopt's SLSQP. H (any, n x n) is positive definite, g (any, n),
+ * A (any, m x n), b (any, m); bounds min (any, n) and max (any, n) may be infinite. Where no x
  * fulfils A x <= b within the bounds, *violation (any) > 0 is the least v for which A x <= b + v
  * has a solution (so give the rows a common scale), and x the point of least objective with it;
  * else it is 0. multiplier (any, m), which may be NULL, of the rows, so that H x + g + A^T
  * multiplier is 0 but for the bounds. BW_CONVERGENCE where NLopt fails. */
 BW_API bw_status bw_quadratic_program(bw_context *context, int n, const double *H, const double *g,
-                                      int m, const double *A, const double *b, const double *low,
-                                      const double *high, double *x, double *violation,
+                                      int m, const double *A, const double *b, const double *min,
+                                      const double *max, double *x, double *violation,
                                       double *multiplier);
 
 /* ---- weak regions (worst-case, section 4) -------------------------------------------------- */

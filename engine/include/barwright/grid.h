@@ -51,7 +51,7 @@ typedef struct bw_voxel_options {
 BW_API void bw_voxel_options_default(bw_voxel_options *options);
 /* The cells that a closed surface cuts or holds, with the fraction of each inside it. BW_GEOMETRY
  * for a surface that is not closed or encloses nothing, BW_EMPTY where no cell has min_fraction
- * inside, BW_LIMIT beyond 2^31 lattice points. `options` may be NULL. The lattice begins at the low
+ * inside, BW_LIMIT beyond 2^31 lattice points. `options` may be NULL. The lattice begins at the min
  * corner of the surface's box (or half the slack before it, where cells do not fit the box). A
  * warning says when the grid falls into parts. */
 BW_API bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
@@ -77,8 +77,8 @@ BW_API bw_status bw_grid_with_materials(bw_context *context, const bw_grid *grid
 BW_API bool bw_grid_same_elements(const bw_grid *a, const bw_grid *b);
 /* Where a node is at rest. */
 BW_API void bw_grid_position(const bw_grid *grid, int32_t node, double at[3]);
-/* Low and high corner of the elements. */
-BW_API void bw_grid_box(const bw_grid *grid, double low[3], double high[3]);
+/* The smallest and the largest coordinates of the elements. */
+BW_API void bw_grid_box(const bw_grid *grid, double min[3], double max[3]);
 /* The volume (m3) of the elements, cut cells by their fraction. */
 BW_API double bw_grid_volume(const bw_grid *grid);
 /* Groups of elements connected by nodes: their count, and group (index, element_count), which may
@@ -89,7 +89,7 @@ BW_API bw_status bw_grid_components(bw_context *context, const bw_grid *grid, in
 /* A face of an element without a neighbour. */
 typedef struct bw_grid_face {
   int32_t element;
-  int32_t side;    /* 0 to 5: low x, high x, low y, ... */
+  int32_t side;    /* 0 to 5: min x, max x, min y, ... */
   int32_t node[4]; /* counter-clockwise seen from outside */
 } bw_grid_face;
 /* All such faces, in the order of elements; release the block with bw_free. */
@@ -106,7 +106,7 @@ BW_API bw_status bw_grid_surface(bw_context *context, const bw_grid *grid, bw_su
  * one. */
 /* The conditions of a region, to be combined by |. */
 enum bw_region_part {
-  BW_IN_BOX = 1,       /* between low and high */
+  BW_IN_BOX = 1,       /* between min and max */
   BW_IN_BALL = 2,      /* within radius of centre */
   BW_ON_PLANE = 4,     /* on the plane through plane_point */
   BW_BEYOND = 8,       /* on the side of beyond_point that beyond_normal points to */
@@ -118,13 +118,13 @@ enum bw_region_part {
 /* A region of space; only fields of its parts are read. Borrows surface and where_data. */
 typedef struct bw_region {
   unsigned parts;           /* bw_region_part: all of these must hold; 0: everywhere */
-  double low[3], high[3];   /* (m) */
+  double min[3], max[3];    /* (m) */
   double centre[3], radius; /* (m) */
   double plane_point[3];    /* (m) */
   double plane_normal[3];   /* (-) */
   double beyond_point[3];   /* (m) */
   double beyond_normal[3];  /* (-) */
-  int side;                 /* 0 to 5: low x, high x, low y, ... */
+  int side;                 /* 0 to 5: min x, max x, min y, ... */
   const bw_surface *surface;
   double (*where)(void *data, const double at[3]); /* (-) not 0 inside */
   void *where_data;                                /* its first argument */
@@ -176,7 +176,7 @@ BW_API void bw_embedding_add(const bw_embedding *embedding, int components, cons
 
 /* ---- two, four, ... cells become one --------------------------------------------------------- */
 
-/* 2 x 2 x 2 cells become one, which is an element where one of them is. Cells beyond the high ends
+/* 2 x 2 x 2 cells become one, which is an element where one of them is. Cells beyond the max ends
  * of the lattice are void. The coarse grid has no fractions: what is void in a block, or cut, is a
  * matter of its material. */
 typedef struct bw_coarsening {

@@ -33,8 +33,8 @@ BW_API bw_status bw_surface_own(bw_context *context, int64_t points, double *poi
                                 int64_t triangles, int32_t *triangle, int32_t *group,
                                 bw_surface **surface);
 
-/* Low and high corner; all zero for an empty surface. */
-BW_API void bw_surface_box(const bw_surface *surface, double low[3], double high[3]);
+/* The smallest and the largest coordinates; all zero for an empty surface. */
+BW_API void bw_surface_box(const bw_surface *surface, double min[3], double max[3]);
 /* The area (m2) of its facets. */
 BW_API double bw_surface_area(const bw_surface *surface);
 /* The volume (m3), signed: negative when it faces inwards. */
@@ -88,7 +88,7 @@ typedef struct bw_surface_report {
   bool sound;                     /* closed, oriented, manifold, no intersection, no degenerate */
   double volume;                  /* (m3) signed */
   double area;                    /* (m2) */
-  double low[3], high[3];
+  double min[3], max[3];
   int64_t defect_count; /* listed below; at most `limit` of each kind */
   bw_defect *defect;    /* defect_count defects */
 } bw_surface_report;
@@ -279,18 +279,18 @@ BW_API bw_status bw_mesh_subset(bw_context *context, const bw_mesh *mesh, const 
  * is a block of mesh nodes for the caller to bw_free. */
 BW_API bw_status bw_mesh_boundary(bw_context *context, const bw_mesh *mesh, bw_surface **surface,
                                   int32_t **node_of_point);
-/* Low and high corner of the nodes. */
-BW_API void bw_mesh_box(const bw_mesh *mesh, double low[3], double high[3]);
+/* The smallest and the largest coordinates of the nodes. */
+BW_API void bw_mesh_box(const bw_mesh *mesh, double min[3], double max[3]);
 /* The volume (m3) of the straight-edged elements. */
 BW_API double bw_mesh_volume(const bw_mesh *mesh);
 
 /* Measures over all elements, taken as straight-edged. */
 typedef struct bw_mesh_quality {
-  double dihedral_low, dihedral_high; /* (rad) smallest and largest dihedral angle */
-  double radius_edge_high;            /* (-) largest circumradius over shortest edge */
-  double aspect_high;                 /* (-) largest longest edge over smallest height */
-  double volume_low, volume_high;     /* (m3) smallest and largest */
-  int32_t worst;                      /* (index) the element with the smallest dihedral angle */
+  double dihedral_min, dihedral_max; /* (rad) smallest and largest dihedral angle */
+  double radius_edge_max;            /* (-) largest circumradius over shortest edge */
+  double aspect_max;                 /* (-) largest longest edge over smallest height */
+  double volume_min, volume_max;     /* (m3) smallest and largest */
+  int32_t worst;                     /* (index) the element with the smallest dihedral angle */
 } bw_mesh_quality;
 /* The quality of a mesh. */
 BW_API void bw_mesh_quality_of(const bw_mesh *mesh, bw_mesh_quality *quality);
@@ -372,7 +372,7 @@ BW_API bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
 
 /* A box of cells[0] x cells[1] x cells[2] cells, each cut into six tetrahedra alike (Kuhn), between
  * two corners. BW_LIMIT beyond 2^31 - 1 elements. */
-BW_API bw_status bw_mesh_box_grid(bw_context *context, const double low[3], const double high[3],
+BW_API bw_status bw_mesh_box_grid(bw_context *context, const double min[3], const double max[3],
                                   const int cells[3], int order, bw_mesh **mesh);
 /* The same `cells` in the unit cube with nodes sent through `map` (corners and middles alike:
  * curved edges). BW_GEOMETRY where an element is flat, BW_LIMIT as bw_mesh_box_grid. */
@@ -380,8 +380,8 @@ BW_API bw_status bw_mesh_mapped_box(bw_context *context, const int cells[3], int
                                     void (*map)(void *data, const double unit[3], double out[3]),
                                     void *data, bw_mesh **mesh);
 /* A box of twelve facets between two corners. */
-BW_API bw_status bw_surface_box_shape(bw_context *context, const double low[3],
-                                      const double high[3], bw_surface **surface);
+BW_API bw_status bw_surface_box_shape(bw_context *context, const double min[3], const double max[3],
+                                      bw_surface **surface);
 /* An icosahedron with edges halved 0 to 9 times (`subdivisions`), points on the sphere. */
 BW_API bw_status bw_surface_sphere_shape(bw_context *context, const double centre[3], double radius,
                                          int subdivisions, bw_surface **surface);
@@ -394,7 +394,7 @@ BW_API bw_status bw_surface_cylinder_shape(bw_context *context, const double bas
  * the longest side: closed and manifold as long as f is positive on the box's surface; else, or
  * where f is not a number, BW_GEOMETRY. BW_EMPTY where f is nowhere negative, BW_LIMIT beyond 2^31
  * - 1 points or facets. */
-BW_API bw_status bw_surface_implicit(bw_context *context, const double low[3], const double high[3],
+BW_API bw_status bw_surface_implicit(bw_context *context, const double min[3], const double max[3],
                                      int cells, double (*f)(void *data, const double at[3]),
                                      void *data, bw_surface **surface);
 

@@ -32,8 +32,8 @@ typedef struct bw_selection {
 /* The whole boundary. BW_EMPTY where there is none. */
 BW_API bw_status bw_select_all(bw_context *context, const bw_mesh *mesh, bw_selection **selection);
 /* What lies in a box, its surface included. BW_EMPTY without a node, as all selections. */
-BW_API bw_status bw_select_box(bw_context *context, const bw_mesh *mesh, const double low[3],
-                               const double high[3], bw_selection **selection);
+BW_API bw_status bw_select_box(bw_context *context, const bw_mesh *mesh, const double min[3],
+                               const double max[3], bw_selection **selection);
 /* Nodes with (x - point) . normal <= tolerance (m), 0 or more, for the normal at unit length. */
 BW_API bw_status bw_select_half_space(bw_context *context, const bw_mesh *mesh,
                                       const double point[3], const double normal[3],

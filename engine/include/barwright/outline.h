@@ -94,7 +94,7 @@ typedef struct bw_outline_measures {
   double perimeter;        /* (m) inner boundaries not counted */
   double centroid[2];      /* (m) */
   double second_moment[3]; /* (m4) about the centroid: xx (integral of y^2), yy (of x^2), xy */
-  double low[2], high[2];  /* (m) box of the curves */
+  double min[2], max[2];   /* (m) box of the curves */
 } bw_outline_measures;
 /* The measures of one region. Exact for lines and cubics (Green's theorem on polynomials); `region`
  * -1: all of them. */
@@ -158,8 +158,8 @@ BW_API bw_outline_place bw_segment_nearest(const bw_outline *outline, int32_t se
 /* The length (m) of a segment. */
 BW_API double bw_segment_length(const bw_outline *outline, int32_t segment);
 /* The box of a segment, that of its curve, not of its control points. */
-BW_API void bw_segment_box(const bw_outline *outline, int32_t segment, double low[2],
-                           double high[2]);
+BW_API void bw_segment_box(const bw_outline *outline, int32_t segment, double min[2],
+                           double max[2]);
 /* The loop that a segment belongs to. */
 BW_API int32_t bw_segment_loop(const bw_outline *outline, int32_t segment);
 

@@ -31,9 +31,9 @@ typedef struct bw_picture_options {
   double zoom;         /* (-) default 1: the box fills the picture; above 0, to 10000 */
   const char *title;   /* may be NULL */
   const char *unit;    /* of the colour bar, with a name: "max principal stress, MPa" */
-  double scale;     /* (-) values are multiplied by this for the bar's labels; default 1, not 0 */
-  double low, high; /* (any) colour range; default both 0: from the values */
-  bool edges;       /* draw facet edges; default false */
+  double scale;    /* (-) values are multiplied by this for the bar's labels; default 1, not 0 */
+  double min, max; /* (any) colour range; default both 0: from the values */
+  bool edges;      /* draw facet edges; default false */
   int arrow_count;
   const bw_arrow
       *arrow; /* the longest is drawn a fifth of the box's diagonal; its force is written.
@@ -87,12 +87,12 @@ typedef struct bw_grid_picture_options {
   int columns;                /* panels in a row; 0 (default): all, four at most */
   double direction[3], up[3]; /* (-) and their defaults as in bw_picture_options */
   double zoom;                /* (-) default 1: the largest panel fills its frame; to 10000 */
-  double low[3],
-      high[3]; /* (m) the box that is to be seen, so that the pictures of a sequence fit
+  double view_min[3],
+      view_max[3]; /* (m) the box that is to be seen, so that the pictures of a sequence fit
                   each other; default both zero: that of all panels' displaced elements */
   const char *title, *unit; /* may be NULL */
   double scale;             /* (-) values are multiplied by this for the bar's labels; default 1 */
-  double min, largest;      /* (any) colour range; default both 0: from all panels' values */
+  double min, max;          /* (any) colour range; default both 0: from all panels' values */
   double deformation;       /* (-) factor on displacements; default 1 */
   bool edges;               /* of elements; default true */
   bool ghost;               /* the undeformed outline behind; default false */

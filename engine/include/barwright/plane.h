@@ -105,8 +105,8 @@ typedef enum bw_diagonal {
 } bw_diagonal;
 /* A rectangle of nx x ny squares (to 50 million) cut in two. Corners are numbered row by row from
  * below; the outline has four segments with the tags bottom, right, top, left. */
-BW_API bw_status bw_plane_rectangle(bw_context *context, int order, const double low[2],
-                                    const double high[2], int32_t nx, int32_t ny,
+BW_API bw_status bw_plane_rectangle(bw_context *context, int order, const double min[2],
+                                    const double max[2], int32_t nx, int32_t ny,
                                     bw_diagonal diagonal, bw_plane_mesh **mesh);
 /* Other positions for the same topology, point (m, node_count x 2): those of boundary nodes must be
  * those of the outline. BW_GEOMETRY names an inverted element. */

@@ -226,8 +226,8 @@ BW_API bw_status bw_pose_motion(bw_context *context, const bw_subdomains *subdom
 /* How far a bone may turn against its parent (of a root bone: against rest), radians. */
 typedef struct bw_joint_limit {
   double swing;     /* largest angle between the bone and where its parent would carry it */
-  double twist_low; /* about the bone's own axis */
-  double twist_high;
+  double twist_min; /* about the bone's own axis */
+  double twist_max;
 } bw_joint_limit;
 BW_API void bw_joint_limit_none(bw_joint_limit *limit);
 typedef struct bw_reach_target {

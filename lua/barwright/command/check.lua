@@ -28,7 +28,7 @@ local order = {"open edge", "non-manifold edge", "non-manifold point", "misorien
 
 local function size_of(box)
   local size = {}
-  for i = 1, #box.low do size[i] = box.high[i] - box.low[i] end
+  for i = 1, #box.min do size[i] = box.max[i] - box.min[i] end
   return size
 end
 
@@ -42,7 +42,7 @@ end
 local function report_unit(read, out)
   local size = size_of(read.box)
   local sentence, names = model.guess_unit(size, read.metres_per_unit or 1, read.unit)
-  out:json {size_m = size, box_low_m = read.box.low, box_high_m = read.box.high,
+  out:json {size_m = size, box_low_m = read.box.min, box_high_m = read.box.max,
     metres_per_unit = read.metres_per_unit, unit_doubtful = sentence ~= nil,
     unit_suggestions = names and bw.json.list(names)}
   if sentence then out:say(sentence) end
@@ -257,12 +257,12 @@ local function check_mesh(read, opts, out)
   report_unit(read, out)
   local quality = mesh:quality()
   local degrees = 180 / math.pi
-  local low, high = quality.dihedral_low, quality.dihedral_high
+  local low, high = quality.dihedral_min, quality.dihedral_max
   if high <= math.pi + 1e-9 then low, high = low * degrees, high * degrees end
   out:say("Angles between faces from %.3g to %.3g degrees; volumes from %.3g to %.3g mm3; %s.", low, high,
-    quality.volume_low * 1e9, quality.volume_high * 1e9, model.count(mesh.component_count, "body", "bodies"))
+    quality.volume_min * 1e9, quality.volume_max * 1e9, model.count(mesh.component_count, "body", "bodies"))
   out:json {order = mesh.order, dihedral_low_degrees = low, dihedral_high_degrees = high,
-    volume_low_m3 = quality.volume_low, volume_high_m3 = quality.volume_high, sound = true}
+    volume_low_m3 = quality.volume_min, volume_high_m3 = quality.volume_max, sound = true}
   local fine, message, details = report_marked(mesh:surface(), opts, out)
   if not fine then return nil, message, details end
   if mesh.component_count > 1 then

@@ -151,7 +151,7 @@ end
 
 --- The length of a box's diagonal.
 function model.diagonal(box)
-  local low, high = box.low, box.high
+  local low, high = box.min, box.max
   return math.sqrt((high[1] - low[1]) ^ 2 + (high[2] - low[2]) ^ 2 + (high[3] - low[3]) ^ 2)
 end
 
@@ -162,7 +162,7 @@ model.large_deflection = "more than a tenth of the part's length"
 --- Whether linear theory does not hold for a displacement (m).
 function model.beyond_linear(displacement, box)
   local longest = 0
-  for k = 1, 3 do longest = math.max(longest, box.high[k] - box.low[k]) end
+  for k = 1, 3 do longest = math.max(longest, box.max[k] - box.min[k]) end
   return displacement > LARGE * longest
 end
 
@@ -330,12 +330,12 @@ end
 --- Says and keeps what a mesh is.
 function model.report_mesh(mesh, material, out)
   local size = {}
-  for i = 1, 3 do size[i] = mesh.box.high[i] - mesh.box.low[i] end
+  for i = 1, 3 do size[i] = mesh.box.max[i] - mesh.box.min[i] end
   out:say("%s, %s, %s mm, %.4g cm3%s.", model.count(mesh.element_count, "element"),
     model.count(mesh.node_count, "node"), model.size_text(size), mesh.volume * 1e6,
     material and material.density and ", " .. model.mass_text(material.density * mesh.volume) or "")
   out:json {elements = mesh.element_count, nodes = mesh.node_count, bodies = mesh.component_count,
-    box_low_m = mesh.box.low, box_high_m = mesh.box.high, volume_m3 = mesh.volume,
+    box_low_m = mesh.box.min, box_high_m = mesh.box.max, volume_m3 = mesh.volume,
     area_m2 = mesh.boundary.area,
     mass_kg = material and material.density and material.density * mesh.volume or nil}
 end
@@ -409,7 +409,7 @@ function model.start(opts, out)
   out:say("%s: %s.", model.name(opts.model), read.format)
   if read.kind ~= "outline" then
     local size = {}
-    for i = 1, 3 do size[i] = read.box.high[i] - read.box.low[i] end
+    for i = 1, 3 do size[i] = read.box.max[i] - read.box.min[i] end
     local doubt, likely = model.guess_unit(size, read.metres_per_unit or 1, opts.unit)
     if doubt then
       return nil, ("%s: %s Nothing was computed; --unit confirms a unit."):format(opts.model, doubt),

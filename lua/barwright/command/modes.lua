@@ -90,7 +90,7 @@ return {
     model.threads_option,
   },
   examples = {"barwright modes bar.stl --material aluminium",
-    {"barwright modes fork.stl --fix low:z --fix near:0,0,30mm:5mm --count 10",
+    {"barwright modes fork.stl --fix min:z --fix near:0,0,30mm:5mm --count 10",
       "constrained at its foot and at a point"}},
   run = function(opts, out)
     for _, place in ipairs(opts.fix) do

@@ -8,7 +8,7 @@ local quantity = require "barwright.command.quantity"
 local places = {}
 
 --- For the help of commands that take places.
-places.help = "A PLACE on the surface is low:AXIS or high:AXIS (the lowest or highest fiftieth of the part "
+places.help = "A PLACE on the surface is min:AXIS or max:AXIS (the lowest or highest fiftieth of the part "
   .. "along x, y or z), below:AXIS:COORDINATE, above:AXIS:COORDINATE, near:X,Y,Z:RADIUS, or all. Coordinates and "
   .. "radii have a unit; behind a point, one stands for all three: near:0,0,30mm:5mm."
 
@@ -69,14 +69,14 @@ end
 
 -- ---- kinds -----------------------------------------------------------------------------------------
 
-local SHARE = 0.02 -- of the part, that "low" and "high" take
+local SHARE = 0.02 -- of the part, that "min" and "max" take
 
-local function low_end(box, axis)
-  return box.low[axis] + SHARE * (box.high[axis] - box.low[axis])
+local function min_end(box, axis)
+  return box.min[axis] + SHARE * (box.max[axis] - box.min[axis])
 end
 
-local function high_end(box, axis)
-  return box.high[axis] - SHARE * (box.high[axis] - box.low[axis])
+local function max_end(box, axis)
+  return box.max[axis] - SHARE * (box.max[axis] - box.min[axis])
 end
 
 -- Of each kind: how its parts are read, what it selects of a boundary, and whether a point lies in it.
@@ -84,12 +84,12 @@ local kinds = {
   all = {parts = {},
     select = function(boundary) return boundary end,
     test = function() return true end},
-  low = {parts = {axis_of},
-    select = function(boundary, box, axis) return boundary:below(axis, low_end(box, axis)) end,
-    test = function(p, box, axis) return p[axis] <= low_end(box, axis) end},
-  high = {parts = {axis_of},
-    select = function(boundary, box, axis) return boundary:above(axis, high_end(box, axis)) end,
-    test = function(p, box, axis) return p[axis] >= high_end(box, axis) end},
+  min = {parts = {axis_of},
+    select = function(boundary, box, axis) return boundary:below(axis, min_end(box, axis)) end,
+    test = function(p, box, axis) return p[axis] <= min_end(box, axis) end},
+  max = {parts = {axis_of},
+    select = function(boundary, box, axis) return boundary:above(axis, max_end(box, axis)) end,
+    test = function(p, box, axis) return p[axis] >= max_end(box, axis) end},
   below = {parts = {axis_of, length_of},
     select = function(boundary, _, axis, at) return boundary:below(axis, at) end,
     test = function(p, _, axis, at) return p[axis] <= at end},
@@ -108,7 +108,7 @@ local function read(text)
   local name, rest = text:match "^(%l+):?(.*)$"
   local kind = kinds[name]
   if not kind then
-    return nil, ("'%s' is no place: all, low:z, high:z, below:z:1mm, above:z:20mm or near:0,0,30mm:5mm "
+    return nil, ("'%s' is no place: all, min:z, max:z, below:z:1mm, above:z:20mm or near:0,0,30mm:5mm "
       .. "expected"):format(text)
   end
   local words, values = {}, {}

@@ -335,8 +335,8 @@ return {
     .. "\n\n" .. output.codes("it holds", "it breaks, or the estimated error leaves it open"),
   arguments = {model.body_argument},
   options = options,
-  examples = {"barwright statics hook.stl --fix low:z --force high:z=0,0,-50",
-    {"barwright statics shelf.stl --fix low:x --pressure high:z=2kPa --gravity 0,0,-9.81", "books on a shelf"}},
+  examples = {"barwright statics hook.stl --fix min:z --force max:z=0,0,-50",
+    {"barwright statics shelf.stl --fix min:x --pressure max:z=2kPa --gravity 0,0,-9.81", "books on a shelf"}},
   run = function(opts, out)
     local loads, message = read_loads(opts)
     if not loads then return out:misuse(message) end

@@ -147,7 +147,7 @@ return {
   arguments = {{name = "model", type = "file", what = "surface (STL OBJ OFF PLY)"}},
   options = options,
   examples = {"barwright strengthen hook.stl --force 50N --out stronger.stl",
-    {"barwright strengthen hook.stl --force 50N --out stronger.stl --keep low:z --picture where.png",
+    {"barwright strengthen hook.stl --force 50N --out stronger.stl --keep min:z --picture where.png",
       "the face that it stands on stays"}},
   run = function(opts, out)
     local result, message, details = strengthen(opts, out)

@@ -323,7 +323,7 @@ return {
   options = options,
   examples = {{"barwright worst hook.stl --material pla --report hook.html",
       "opens in a browser, without network"},
-    {"barwright worst hook.stl --fix low:z --forbid near:0,0,30mm:5mm", "screwed down, its hole out of reach"},
+    {"barwright worst hook.stl --fix min:z --forbid near:0,0,30mm:5mm", "screwed down, its hole out of reach"},
     {"barwright worst hook.stl --force 50N --json | jq .breaking_force_n", "as one number"}},
   run = function(opts, out)
     local verdict, message, details = analyse(opts, out)

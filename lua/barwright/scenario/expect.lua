@@ -116,18 +116,18 @@ function methods:above(bound, given)
 end
 
 --- From `low` to `high`.
-function methods:between(low, high, given)
+function methods:between(min, max, given)
   local opts = read("between", given)
-  checked_bound("between", low)
-  checked_bound("between", high)
-  if low > high then raise(("between: %s is above %s"):format(show(low), show(high))) end
+  checked_bound("between", min)
+  checked_bound("between", max)
+  if min > max then raise(("between: %s is above %s"):format(show(min), show(max))) end
   if self.value == nil then return missing(self, "between", opts) end
   local value = number_of(self, "between")
-  local a, b = numbers.apart(value, value < low and low or high)
-  return judged(self, "between", {figure = plain(value), min = plain(low), max = plain(high),
-    source = opts.source, how = opts.how, allowed = ("%s to %s"):format(show(low), show(high))},
-    value >= low and value <= high, ("%s, from %s to %s expected (%s is passed)"):format(with_unit(self, a),
-      show(low), with_unit(self, show(high)), b))
+  local a, b = numbers.apart(value, value < min and min or max)
+  return judged(self, "between", {figure = plain(value), min = plain(min), max = plain(max),
+    source = opts.source, how = opts.how, allowed = ("%s to %s"):format(show(min), show(max))},
+    value >= min and value <= max, ("%s, from %s to %s expected (%s is passed)"):format(with_unit(self, a),
+      show(min), with_unit(self, show(max)), b))
 end
 
 local function tolerance_text(opts, unit)
@@ -346,7 +346,7 @@ function methods:matches_baseline(name, given)
 end
 
 arguments.methods("expectation", methods, Expectation, {below = "bound: any, options?: options",
-  above = "bound: any, options?: options", between = "low: any, high: any, options?: options",
+  above = "bound: any, options?: options", between = "min: any, max: any, options?: options",
   near = "reference: any, options?: options", equals = "other: any, options?: options",
   is_true = "options?: options",
   fails_with = "status: any, message?: any, options?: options", same_modes = "other: any, options?: options",

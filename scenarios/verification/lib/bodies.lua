@@ -9,7 +9,7 @@ local mm = 1e-3
 -- A bar of three bones, held at one end and on a slide at its middle: pressure, a total force, a
 -- torque, gravity.
 local function bar(order, material)
-  local mesh = assert(bw.mesh.box {low = {0, -12 * mm, -8 * mm}, high = {240 * mm, 12 * mm, 8 * mm},
+  local mesh = assert(bw.mesh.box {min = {0, -12 * mm, -8 * mm}, max = {240 * mm, 12 * mm, 8 * mm},
     cells = {24, 3, 2}, order = order})
   local part = bw.model {mesh = mesh, material = material}
   local boundary = mesh.boundary
@@ -43,7 +43,7 @@ local function figure(order, material)
     limbs[#limbs + 1] = bw.shapes.limb(figure_joints[bone[1]], figure_joints[bone[2]], 6 * mm, 5 * mm)
   end
   local surface = assert(bw.surface.implicit(bw.shapes.join(limbs, 3 * mm),
-    {low = {-0.025, -0.01, -0.055}, high = {0.025, 0.01, 0.072}, cells = 40}))
+    {min = {-0.025, -0.01, -0.055}, max = {0.025, 0.01, 0.072}, cells = 40}))
   local mesh = assert(bw.mesh.fill(surface, {elements = 2000, order = order}))
   local part = bw.model {mesh = mesh, material = material}
   part:fix(mesh.boundary:below(3, -44 * mm))

@@ -11,7 +11,7 @@ local function near(a, b) return math.abs(a - b) < 1e-9 end
 
 --- grid{cells, order, map}: map(u, v, w) gives a place {x, y, z} and keeps orientation.
 function grids.mapped(cells, order, map)
-  local box = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = cells, order = order}
+  local box = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = cells, order = order}
   local unit, moved = box.nodes:totable(), {}
   for i, p in ipairs(unit) do moved[i] = map(p[1], p[2], p[3]) end
   return setmetatable({unit = unit, mesh = assert(box:moved(moved))}, Grid)
@@ -19,7 +19,7 @@ end
 
 --- Several maps of one unit grid, welded where their nodes coincide.
 function grids.patches(cells, order, maps)
-  local box = bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = cells, order = order}
+  local box = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = cells, order = order}
   local unit, elements = box.nodes:totable(), box.elements:totable()
   local nodes, known, all, places = {}, {}, {}, {}
   for _, map in ipairs(maps) do

@@ -54,7 +54,7 @@ static void test_patch(void **state) {
            b_bar ? " with B-bar" : "", bw_law_word((bw_law)law), worst);
     check_near(worst, 0, 1e-9);
     check_near(result->energy, volume * energy, 1e-8 * volume * energy);
-    /* what holds the high x side is the stress times its area; edges belong to two sides, so the
+    /* what holds the max x side is the stress times its area; edges belong to two sides, so the
        whole is looked at: sum of x_i r_j over the boundary is V P_ji */
     double moment[9] = {0};
     for (int32_t i = 0; i < b.nodes; i++) {

@@ -50,7 +50,7 @@ static void shapes(void **state) {
   assert_int_equal(nodes_in(context, grid, &r), 9 * 7 * 3);
   assert_int_equal(cells_in(context, grid, &r, false), 96);
   assert_int_equal(cells_in(context, grid, &r, true), 192);
-  r = (bw_region){.parts = BW_IN_BOX, .low = {0.1, 0.2, 0}, .high = {0.3, 0.4, 9}};
+  r = (bw_region){.parts = BW_IN_BOX, .min = {0.1, 0.2, 0}, .max = {0.3, 0.4, 9}};
   assert_int_equal(nodes_in(context, grid, &r), 3 * 3 * 3);
   assert_int_equal(cells_in(context, grid, &r, false), 2 * 2 * 2);
   assert_int_equal(cells_in(context, grid, &r, true), 2 * 2 * 4);
@@ -108,11 +108,11 @@ static void refusals(void **state) {
   bw_context *context = check_context(state);
   bw_grid *grid = block(context);
   int32_t *node, count;
-  bw_region r = {.parts = BW_IN_BOX, .low = {0.41, 0.21, 0.05}, .high = {0.43, 0.22, 0.05}};
+  bw_region r = {.parts = BW_IN_BOX, .min = {0.41, 0.21, 0.05}, .max = {0.43, 0.22, 0.05}};
   check_fails(context, BW_EMPTY, "nearest node is at (0.4, 0.2, ",
               bw_grid_nodes(context, grid, &r, &node, &count));
   assert_non_null(strstr(bw_message(context), "between (0, 0, 0) and (0.8, 0.6, 0.2) m"));
-  r.low[0] = 1;
+  r.min[0] = 1;
   check_fails(context, BW_INVALID, "from 1 to 0.43 m along x",
               bw_grid_nodes(context, grid, &r, &node, &count));
   r = (bw_region){.parts = BW_ON_PLANE};

@@ -129,10 +129,10 @@ static void groups_and_units_of_svg(void **state) {
              page[i].root);
     check_ok(context, parse(context, "a.svg", text, 0, &o));
     bw_outline_measures m = measure(context, o);
-    check_near(m.high[0] - m.low[0], page[i].side, 1e-15);
-    check_near(m.high[1] - m.low[1], 2 * page[i].side, 1e-15);
-    check_near(m.low[0], page[i].x, 1e-15);
-    check_near(m.low[1], page[i].y, 1e-15);
+    check_near(m.max[0] - m.min[0], page[i].side, 1e-15);
+    check_near(m.max[1] - m.min[1], 2 * page[i].side, 1e-15);
+    check_near(m.min[0], page[i].x, 1e-15);
+    check_near(m.min[1], page[i].y, 1e-15);
     bw_release(o);
   }
 }
@@ -268,12 +268,12 @@ static void layers_units_and_strangers_of_dxf(void **state) {
   assert_int_equal(o->loop[1].region, -1);
   assert_string_equal(o->tag[o->segment[0].tag].text, "cut");
   assert_string_equal(o->tag[o->segment[4].tag].text, "drill");
-  check_near(measure(context, o).high[0], 0.1016, 1e-15);
+  check_near(measure(context, o).max[0], 0.1016, 1e-15);
   assert_non_null(strstr(bw_warning_at(context, 0), "2 of 4 entities"));
   bw_clear_warnings(context);
   bw_release(o);
   check_ok(context, dxf(context, "9 $EXTMIN|10 0", "0 CIRCLE|10 2|20 2|40 1", &o));
-  check_near(measure(context, o).high[0], 3e-3, 1e-15);
+  check_near(measure(context, o).max[0], 3e-3, 1e-15);
   assert_non_null(strstr(bw_warning_at(context, 0), "millimetres"));
   bw_clear_warnings(context);
   bw_release(o);

@@ -83,7 +83,7 @@ static void test_cube(void **state) {
   assert_true(log.attempts >= 1 && !log.repaired);
   assert_true(abs(mesh->element_count - 3000) <= 450);
   bw_mesh_quality_of(mesh, &q);
-  assert_true(q.dihedral_low > 5 * pi / 180);
+  assert_true(q.dihedral_min > 5 * pi / 180);
   options.order = 2;
   check_ok(context, bw_mesh_fill(context, cube, &options, &again, NULL));
   assert_int_equal(again->nodes_per_element, 10);
@@ -167,7 +167,7 @@ static void test_max_volume(void **state) {
   bw_mesh_quality q;
   check_ok(context, bw_mesh_fill(context, ball, &options, &mesh, NULL));
   bw_mesh_quality_of(mesh, &q);
-  assert_true(q.volume_high <= 1.5e-3); /* the optimisation at the end may exceed the bound */
+  assert_true(q.volume_max <= 1.5e-3); /* the optimisation at the end may exceed the bound */
   bw_release(mesh);
   bw_release(ball);
 }
@@ -631,7 +631,7 @@ static void test_models(void **state) {
       double ratio = (double)mesh->element_count / target[t];
       printf("%-24s %6d %6d  %4.2f  %2d attempts %6.1f s  moved %.3f %%  dihedral %5.2f to %6.2f\n",
              model[m], target[t], mesh->element_count, ratio, log.attempts, bw_seconds() - start,
-             100 * log.surface_moved / size, q.dihedral_low * 180 / pi, q.dihedral_high * 180 / pi);
+             100 * log.surface_moved / size, q.dihedral_min * 180 / pi, q.dihedral_max * 180 / pi);
       fflush(stdout);
       assert_true(ratio > 0.8 && ratio < 1.2);
       double volume = fabs(bw_surface_volume(surface));

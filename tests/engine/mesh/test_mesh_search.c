@@ -10,11 +10,11 @@ static void test_regular(void **state) {
   bw_mesh_quality q;
   check_ok(context, bw_mesh_copy(context, 1, 4, node, 1, element, NULL, &mesh));
   bw_mesh_quality_of(mesh, &q);
-  check_near(q.dihedral_low, acos(1.0 / 3), 1e-14);
-  check_near(q.dihedral_high, acos(1.0 / 3), 1e-14);
-  check_near(q.radius_edge_high, sqrt(6) / 4, 1e-14);
-  check_near(q.aspect_high, sqrt(1.5), 1e-14);
-  check_near(q.volume_low, 8.0 / 3, 1e-14);
+  check_near(q.dihedral_min, acos(1.0 / 3), 1e-14);
+  check_near(q.dihedral_max, acos(1.0 / 3), 1e-14);
+  check_near(q.radius_edge_max, sqrt(6) / 4, 1e-14);
+  check_near(q.aspect_max, sqrt(1.5), 1e-14);
+  check_near(q.volume_min, 8.0 / 3, 1e-14);
   assert_int_equal(q.worst, 0);
   bw_release(mesh);
 }
@@ -29,17 +29,17 @@ static void test_flat(void **state) {
   bw_mesh_quality q;
   check_ok(context, bw_mesh_copy(context, 1, 8, node, 1, element, NULL, &mesh));
   bw_mesh_quality_of(mesh, &q); /* angles 90 (3), 60, 45 (2); circumradius sqrt(3)/2 */
-  check_near(q.dihedral_low, acos(-1) / 4, 1e-14);
-  check_near(q.dihedral_high, acos(-1) / 2, 1e-14);
-  check_near(q.radius_edge_high, sqrt(3) / 2, 1e-14);
-  check_near(q.aspect_high, sqrt(3) * sqrt(2), 1e-13);
+  check_near(q.dihedral_min, acos(-1) / 4, 1e-14);
+  check_near(q.dihedral_max, acos(-1) / 2, 1e-14);
+  check_near(q.radius_edge_max, sqrt(3) / 2, 1e-14);
+  check_near(q.aspect_max, sqrt(3) * sqrt(2), 1e-13);
   bw_release(mesh);
   check_ok(context, bw_mesh_copy(context, 1, 8, node, 2, element, NULL, &mesh));
   bw_mesh_quality_of(mesh, &q);
   assert_int_equal(q.worst, 1);
-  check_near(q.dihedral_low, atan(t), 1e-14); /* the two large faces meet in an edge of length 1 */
-  check_near(q.volume_low, t / 6, 1e-16);
-  check_near(q.aspect_high, sqrt(2 + t * t) * sqrt(1 + t * t) / t, 1e-9 / t);
+  check_near(q.dihedral_min, atan(t), 1e-14); /* the two large faces meet in an edge of length 1 */
+  check_near(q.volume_min, t / 6, 1e-16);
+  check_near(q.aspect_max, sqrt(2 + t * t) * sqrt(1 + t * t) / t, 1e-9 / t);
   bw_release(mesh);
 }
 

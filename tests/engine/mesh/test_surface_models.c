@@ -114,7 +114,7 @@ static void test_bad_models_are_repaired(void **state) {
     assert_int_equal(report.count[BW_DEFECT_SELF_INTERSECTION] > 0, model->cuts);
     double size[3];
     for (int k = 0; k < 3; k++)
-      size[k] = report.high[k] - report.low[k];
+      size[k] = report.max[k] - report.min[k];
     check_ok(context, bw_surface_repair(context, surface, NULL, &repaired, &log));
     check_ok(context, bw_surface_check(context, repaired, 0, &report));
     if (!report.sound)

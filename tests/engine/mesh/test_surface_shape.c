@@ -35,7 +35,7 @@ static void test_box_sphere_cylinder(void **state) {
   check_near(bw_surface_volume(surface), 3 * 0.5 * 60 * 0.25 * sin(2 * pi / 60), 1e-13);
   check_sound(context, surface, 1);
   bw_release(surface);
-  check_fails(context, BW_INVALID, "the low corner must lie below",
+  check_fails(context, BW_INVALID, "min must lie below max",
               bw_surface_box_shape(context, high, low, &surface));
   check_fails(context, BW_INVALID, "radius",
               bw_surface_sphere_shape(context, low, -1, 2, &surface));

@@ -29,8 +29,8 @@ static void a_rectangle_with_a_hole(void **state) {
   check_near(m.second_moment[0], xx, 1e-10);
   check_near(m.second_moment[1], yy, 1e-10);
   check_near(m.second_moment[2], xy, 1e-10);
-  check_near(m.low[0], x, 0);
-  check_near(m.high[1], y + 4, 0);
+  check_near(m.min[0], x, 0);
+  check_near(m.max[1], y + 4, 0);
   bw_release(o);
 }
 
@@ -55,7 +55,7 @@ static void a_segment_of_a_parabola(void **state) {
   check_near(m.second_moment[1], 4 / 15.0, 1e-15);
   check_near(m.second_moment[2], 0, 1e-15);
   check_near(m.perimeter, sqrt(5) + asinh(2) / 2 + 2, 1e-13);
-  check_near(m.low[1], 0, 1e-15);
+  check_near(m.min[1], 0, 1e-15);
   double at[2], first[2], second[2], basis[4];
   bw_outline_evaluate(o, 0, 0.75, at, first, second); /* x = 2 t - 1 */
   check_near(at[0], 0.5, 1e-15);
@@ -93,7 +93,7 @@ static void regions_are_measured_apart(void **state) {
   check_near(measure(context, o, 0).perimeter, 40 + 12 + 4 + 16, 1e-12);
   check_near(measure(context, o, 1).area, 15, 1e-12);
   check_near(measure(context, o, 1).perimeter, 20, 1e-12);
-  check_near(measure(context, o, 1).low[0], 5, 0);
+  check_near(measure(context, o, 1).min[0], 5, 0);
   bw_outline_measures m;
   check_fails(context, BW_INVALID, "region 3", bw_outline_measure(context, o, 2, &m));
   bw_release(o);

@@ -373,8 +373,8 @@ static void unusable_requests_are_refused(void **state) {
   check_fails(context, BW_INVALID, "a finite vector that is not 0",
               bw_picture_surface(context, surface, NULL, false, &options, "x.png"));
   bw_picture_options_default(&options);
-  options.low = 2;
-  options.high = 1;
+  options.min = 2;
+  options.max = 1;
   check_fails(context, BW_INVALID, "not ascending",
               bw_picture_surface(context, surface, NULL, false, &options, "x.png"));
   bw_picture_options_default(&options);

@@ -282,8 +282,8 @@ static void test_limits(void **state) {
     double axis[3], at[3];
     for (int b = 0; b < 3; b++) {
       limit[b].swing = 0.2 + bw_random_uniform(&random);
-      limit[b].twist_low = -0.3 * bw_random_uniform(&random);
-      limit[b].twist_high = 0.3 * bw_random_uniform(&random);
+      limit[b].twist_min = -0.3 * bw_random_uniform(&random);
+      limit[b].twist_max = 0.3 * bw_random_uniform(&random);
       double angle = bw_random_uniform(&random) * limit[b].swing,
              phase = 6.28 * bw_random_uniform(&random);
       axis[0] = 0;
@@ -307,7 +307,7 @@ static void test_limits(void **state) {
       bwi_quaternion_of(pose[b].rotation, q);
       bwi_swing_twist(q, (double[3]){1, 0, 0}, &swing, &twist);
       assert_true(swing <= limit[b].swing + 1e-9);
-      assert_true(twist >= limit[b].twist_low - 1e-9 && twist <= limit[b].twist_high + 1e-9);
+      assert_true(twist >= limit[b].twist_min - 1e-9 && twist <= limit[b].twist_max + 1e-9);
     }
   }
   assert_int_equal(reached, 60);
@@ -357,8 +357,8 @@ static void test_random_trees(void **state) {
     limbs_random_pose(&random, bones, pose);
     for (int32_t b = 0; b < bones; b++) {
       limit[b].swing = 0.1 + bw_random_uniform(&random);
-      limit[b].twist_low = -0.1 - bw_random_uniform(&random);
-      limit[b].twist_high = bw_random_uniform(&random);
+      limit[b].twist_min = -0.1 - bw_random_uniform(&random);
+      limit[b].twist_max = bw_random_uniform(&random);
       for (int k = 0; k < 3; k++)
         direction[b][k] = s->joint[3 * s->bone[2 * b + 1] + k] - s->joint[3 * s->bone[2 * b] + k];
       double length = bw_norm(direction[b]);
@@ -386,7 +386,7 @@ static void test_random_trees(void **state) {
       bwi_quaternion_of(pose[b].rotation, q);
       bwi_swing_twist(q, direction[b], &swing, &twist);
       assert_true(swing <= limit[b].swing + 1e-9);
-      assert_true(twist >= limit[b].twist_low - 1e-9 && twist <= limit[b].twist_high + 1e-9);
+      assert_true(twist >= limit[b].twist_min - 1e-9 && twist <= limit[b].twist_max + 1e-9);
     }
     bw_release(s);
   }

@@ -151,7 +151,7 @@ end
 
 local function engine()
   local array <close> = bw.array.zeros(1)
-  return bw.mesh.box({low = {0, 0, 0}, high = {1, 1, 1}, cells = {1, 1, 1}}), array
+  return bw.mesh.box({min = {0, 0, 0}, max = {1, 1, 1}, cells = {1, 1, 1}}), array
 end
 
 local function release(results, pool, number, entry)

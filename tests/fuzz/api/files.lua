@@ -27,7 +27,7 @@ local function write(path, text)
   file:close()
 end
 
-local mesh = assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 0.1, 0.1}, cells = {2, 1, 1}})
+local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 0.1, 0.1}, cells = {2, 1, 1}})
 local surface = mesh:surface()
 for _, ending in ipairs {"stl", "obj", "off", "ply"} do assert(surface:write(files.path("good." .. ending))) end
 for _, ending in ipairs {"vtu", "msh", "mesh", "inp"} do assert(mesh:write(files.path("good." .. ending))) end

@@ -9,13 +9,13 @@ local hostile = require "hostile"
 local new_random = require "random"
 
 local function rectangle(more)
-  local opts = {low = {0, 0}, high = {1, 0.5}, tags = {bottom = 1, right = 2, top = 3, left = 4}}
+  local opts = {min = {0, 0}, max = {1, 0.5}, tags = {bottom = 1, right = 2, top = 3, left = 4}}
   for key, value in pairs(more or {}) do opts[key] = value end
   return assert(bw.outline.rectangle(opts))
 end
 
 local function beam(cells, order)
-  return assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 0.1, 0.1}, cells = cells, order = order})
+  return assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 0.1, 0.1}, cells = cells, order = order})
 end
 
 local function part(mesh, material)
@@ -46,7 +46,7 @@ end
 
 local function solid(grid)
   local made = assert(bw.solid {grid = grid, materials = materials()})
-  made:fix({side = "low x"}):force({side = "high x"}, {0, 0, -1})
+  made:fix({side = "min x"}):force({side = "max x"}, {0, 0, -1})
   return made
 end
 
@@ -71,7 +71,7 @@ makers.Array = {
   function(p) return (p.Skeleton:pose_maps(p.Skeleton:rest_pose())) end,
 }
 makers.Surface = {
-  function() return bw.surface.box {low = {0, 0, 0}, high = {1, 1, 1}} end,
+  function() return bw.surface.box {min = {0, 0, 0}, max = {1, 1, 1}} end,
   function() return bw.surface.sphere {radius = 1, subdivisions = 1} end,
   function(p) return (p.Mesh:surface()) end,
   function() return bw.surface.new {points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
@@ -170,7 +170,7 @@ end}
 makers.Sheet = {function(p) return rawget(p.SteadySheet, "body") end, function(p) return rawget(p.BentSheet,
   "body") end}
 makers.Metallophone = {function()
-  return assert(bw.responsive.metallophone {outline = rectangle {high = {0.2, 0.03}}, thickness = 0.004,
+  return assert(bw.responsive.metallophone {outline = rectangle {max = {0.2, 0.03}}, thickness = 0.004,
     material = bw.material.aluminium, elements = 12})
 end}
 makers.Plate = {function(p) return rawget(p.Metallophone, "body") end}

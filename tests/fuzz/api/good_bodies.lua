@@ -42,14 +42,14 @@ add {
     {unit = "m"} end,
   ["bw.surface.new"] = function() return {points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
     triangles = {{1, 3, 2}, {1, 2, 4}, {2, 3, 4}, {1, 4, 3}}, groups = {1, 2, 3, 4}} end,
-  ["bw.surface.box"] = function() return {low = {0, 0, 0}, high = {1, 2, 3}} end,
+  ["bw.surface.box"] = function() return {min = {0, 0, 0}, max = {1, 2, 3}} end,
   ["bw.surface.sphere"] = function(_, r) return {centre = vector(r), radius = 1,
     subdivisions = r:integer(2)} end,
   ["bw.surface.cylinder"] = function() return {base = {0, 0, 0}, axis = {0, 0, 1}, radius = 0.5,
     segments = 6} end,
   ["bw.surface.implicit"] = function(_, r) return r:one_of {"x^2 + y^2 + z^2 - 1", function(x, y, z)
     return x * x + y * y + z * z - 1 end,
-    bw.shapes.sphere({0, 0, 0}, 0.8)}, {low = {-1.5, -1.5, -1.5}, high = {1.5, 1.5, 1.5},
+    bw.shapes.sphere({0, 0, 0}, 0.8)}, {min = {-1.5, -1.5, -1.5}, max = {1.5, 1.5, 1.5},
       cells = 4 + r:integer(4)} end,
   ["Surface:write"] = function(_, r) return path {"stl", "obj", "ply", "off", "vtu", "msh"} (r),
     {unit = r:one_of {"m", "mm", 0.01}, ascii = r:chance(0.5)} end,
@@ -70,7 +70,7 @@ add {
   ["bw.mesh.read"] = function(_, r) return "good." .. r:one_of {"vtu", "msh", "mesh", "inp"}, {unit = "m"} end,
   ["bw.mesh.new"] = function() return {nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, elements = {{1, 2,
     3, 4}}, regions = {1}} end,
-  ["bw.mesh.box"] = function(_, r) return {low = {0, 0, 0}, high = {1, 1, 1}, cells = {r:integer(3), 1, 1},
+  ["bw.mesh.box"] = function(_, r) return {min = {0, 0, 0}, max = {1, 1, 1}, cells = {r:integer(3), 1, 1},
     order = r:integer(2)} end,
   ["Mesh:write"] = function(p, r) return path {"vtu", "msh", "mesh", "node", "inp"} (r),
     r:chance(0.5) and {fields = {a = p.Mesh.volumes, b = {p.Mesh.volumes, on = "elements"}}} or nil end,
@@ -164,7 +164,7 @@ add {
   ["bw.worst_case"] = function(p, r) return p:variant("bw.Model", 3), {force = 1, contact = r:one_of {1e-6, 1e-3},
     modes = 1, regions = 1, friction = r:one_of {0, 0.3}, friction_facets = 4} end,
   ["bw.check_certificate"] = function()
-    local cube = assert(bw.mesh.box {low = {0, 0, 0}, high = {0.01, 0.01, 0.01}, cells = {1, 1, 1}})
+    local cube = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.01, 0.01, 0.01}, cells = {1, 1, 1}})
     assert(bw.worst_case(bw.model {mesh = cube, material = bw.material.pla}, {force = 1, modes = 1, regions = 1,
       certify = 0.5, certificate = "proof.txt"}))
     return "proof.txt"
@@ -178,7 +178,7 @@ add {
   ["bw.von_mises_slopes"] = function(p) return p.Model, p.System, p.Static.displacement, {1, 5},
     {p.Mesh.nodes} end,
   ["bw.quadratic_program"] = function() return {H = {{2, 0}, {0, 1}}, g = {-2, -1}, A = {{1, 1}}, b = {1},
-    low = {0, 0}, high = {5, 5}} end,
+    min = {0, 0}, max = {5, 5}} end,
   ["WorstCase:picture"] = function() return "out.png", {width = 64, height = 64} end,
   ["WorstCase:report"] = function() return "out.html", {loads = 1, modes = 1, title = "t"} end,
   ["WorstCase:write"] = function() return "out.vtu" end,
@@ -273,7 +273,7 @@ add {
 -- ---- grids, solids, libraries -------------------------------------------------------------------
 
 local function region(p, r)
-  return r:one_of {{side = "low x"}, {low = {0, 0, 0}, high = {0.6, 1, 1}}, {centre = {0.5, 0.2, 0.2},
+  return r:one_of {{side = "min x"}, {min = {0, 0, 0}, max = {0.6, 1, 1}}, {centre = {0.5, 0.2, 0.2},
     radius = 0.4},
     {boundary = true}, {where = "x < 0.5"}, "x > 0.2", function(x) return x < 0.7 end, {plane = {{0, 0, 0}, {1,
       0, 0}}},
@@ -317,7 +317,7 @@ add {
     move = {0.01, 0, 0}} end,
   ["Solid:force"] = function(p, r) return region(p, r), {0, 0, -1} end,
   ["Solid:gravity"] = function() return {0, 0, -9.81} end,
-  ["Solid:pressure"] = function(p, r) return r:one_of {{side = "high x"}, p:variant("bw.Surface", 2)},
+  ["Solid:pressure"] = function(p, r) return r:one_of {{side = "max x"}, p:variant("bw.Surface", 2)},
     {pressure = r:one_of {5, function(x) return x end},
     follower = r:chance(0.5)} end,
   ["Solid:contact_plane"] = function() return {point = {0, 0, -0.01}, normal = {0, 0, 1}, move = {0, 0, 0.02}} end,

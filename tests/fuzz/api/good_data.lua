@@ -68,7 +68,7 @@ add {
   ["Canvas:write"] = function(_, r) return path {"svg", "png"} (r), {scale = 1, outlines = r:chance(0.5)} end,
   ["Canvas:svg"] = function() return {outlines = true} end,
   ["bw.plot.bars"] = function() return {names = {"a", "b"}, series = {{name = "s", values = {1, -2}, low = {0,
-    -3}, high = {2, -1}}}, value = "v",
+    -3}, max = {2, -1}}}, value = "v",
     horizontal = true} end,
   ["bw.plot.history"] = function() return {values = {3, 2, 4, 1}, goal = "min", failed = {false, true, false,
     false}, label = "l", scale = "log"} end,

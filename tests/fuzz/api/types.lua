@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Reads the types of annotation stubs: "integer|bw.Vector", "{low: number[], cells?: integer}", "fun(x): y".
+-- Reads the types of annotation stubs: "integer|bw.Vector", "{min: number[], cells?: integer}", "fun(x): y".
 -- A type is a list of alternatives, each a table with `kind`:
 --   name (class or basic type), word and number (literals), list (of), map (key, value),
 --   record (fields = {{name, optional, type}}), callback, none (nil is allowed)

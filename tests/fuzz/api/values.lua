@@ -21,7 +21,7 @@ local paths = {"a.vtu", "a.stl", "a.obj", "a.ply", "a.off", "a.msh", "a.mesh", "
   "good.stl", "good.vtu", "good.svg", "good.tgf", "good.bwm", "good.png", "good.study", "good.lua", "good.msh"}
 local texts = {"a", "x", "y", "upper", "lower", "boundary", "fixed", "pull", "mass", "steel", "C5", "x + y",
   "x^2 - 1",
-  "m", "mm", "auto", "high x", "von_mises", "done", "history", "#ff0000", "line", "stress", "nobody"}
+  "m", "mm", "auto", "max x", "von_mises", "done", "history", "#ff0000", "line", "stress", "nobody"}
 
 local path_names = {path = true, into = true, folder = true, file = true}
 
@@ -46,7 +46,7 @@ local basic = {
   table = function(random, pool)
     return random:one_of {{}, number_list(random, 3), {{0, 0}, {1, 0}, {1, 1}}, {{0, 0, 0}, {1, 0, 0}, {0, 1,
       0}},
-      {vertex = 1}, {loop = 1}, {edges = {1}}, {low = {0, 0, 0}}, {pool:get "bw.Array"}}
+      {vertex = 1}, {loop = 1}, {edges = {1}}, {min = {0, 0, 0}}, {pool:get "bw.Array"}}
   end,
   any = function(random, pool, _, about)
     return random:one_of {1, "a", {}, {a = 1, {2}}, true, pool:any(random), random:one_of(numbers),
@@ -58,7 +58,7 @@ local basic = {
       number_list(random, 3),
       {0, 0}, {0.5, 0.5}}
   end,
-  ["bw.Box"] = function() return {low = {0, 0, 0}, high = {1, 1, 1}} end,
+  ["bw.Box"] = function() return {min = {0, 0, 0}, max = {1, 1, 1}} end,
 }
 
 local function record(random, pool, fields, about)

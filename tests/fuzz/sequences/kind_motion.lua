@@ -10,8 +10,8 @@ function kind.make()
   local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.2}, cells = {2, 2, 4}})
   local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e5, poisson = 0.3,
     density = 1000}}})
-  assert(solid:fix {side = "low z"})
-  assert(solid:force({side = "high z"}, {uniform(-50, 50), uniform(-50, 50), uniform(-50, 50)}))
+  assert(solid:fix {side = "min z"})
+  assert(solid:force({side = "max z"}, {uniform(-50, 50), uniform(-50, 50), uniform(-50, 50)}))
   if math.random() < 0.4 then
     assert(solid:contact_plane {point = {0, 0, 0.205}, normal = {0, 0, -1}})
   end

@@ -15,7 +15,7 @@ local function part(force)
 end
 
 function kind.make()
-  mesh = mesh or assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 0.1, 0.1}, cells = {10, 1, 1},
+  mesh = mesh or assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 0.1, 0.1}, cells = {10, 1, 1},
     order = math.random(2)})
   steel = steel or bw.material.steel
   other = other or part {0, 10, 0}
@@ -39,7 +39,7 @@ local function seen(session)
   for i, state in ipairs(session.history) do
     parts[#parts + 1] = ("%d %s"):format(i, state.script)
     for b, limit in pairs(state.limits) do
-      parts[#parts + 1] = ("%d %s %s %s"):format(b, limit.swing, limit.twist_low, limit.twist_high)
+      parts[#parts + 1] = ("%d %s %s %s"):format(b, limit.swing, limit.twist_min, limit.twist_max)
     end
   end
   return table.concat(parts, "|")

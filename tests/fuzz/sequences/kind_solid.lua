@@ -14,7 +14,7 @@ function kind.make()
   materials = materials or {rubber(1e6), rubber(5e6)}
   local grid = assert(bw.grid.box {size = {0.1, 0.1, 0.2}, cells = {2, 2, 4}})
   local solid = assert(bw.solid {grid = grid, materials = materials})
-  assert(solid:fix {side = "low z"})
+  assert(solid:fix {side = "min z"})
   return {solid = solid, result = false}
 end
 
@@ -43,7 +43,7 @@ function kind.close(subject)
   if pcall(function() return subject.solid:solve() end) then error "a closed solid answers" end
 end
 
-local sides = {"low x", "high x", "high y", "high z"}
+local sides = {"min x", "max x", "max y", "max z"}
 local function place()
   local at = math.random()
   if at < 0.7 then return {side = sides[math.random(4)]} end
@@ -60,7 +60,7 @@ kind.operations = {
     return subject.solid:fix(place(), math.random() < 0.5 and {false, 0, 1e-3} or nil)
   end},
   turn = {0.3, function(subject)
-    return subject.solid:turn({side = "high z"}, {axis = vector(1), angle = uniform(-60, 60)})
+    return subject.solid:turn({side = "max z"}, {axis = vector(1), angle = uniform(-60, 60)})
   end},
   force = {2, function(subject) return subject.solid:force(place(), vector(size())) end},
   gravity = {1, function(subject) return subject.solid:gravity(vector(100)) end},

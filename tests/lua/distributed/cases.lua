@@ -114,7 +114,7 @@ end)
 
 case("a body that is nearly a mechanism is refused", function()
   -- Two cubes that share an edge: the second one turns about it.
-  local a = assert(bw.mesh.box {low = {0, 0, 0}, high = {1, 1, 1}, cells = {1, 1, 1}})
+  local a = assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {1, 1, 1}})
   local nodes, elements, at = {}, {}, {}
   local function add(mesh, shift)
     local place = {}
