@@ -34,7 +34,7 @@
  *              shows its shape in C; `*x` is one number. Statuses follow in capitals.
  * Words        Parameters and fields of these names have these units unless their comment
  *              says otherwise, and need no text:
- *                (m)      point, at, low, high, centre, origin, spacing, displacement
+ *                (m)      point, at, min, max, centre, origin, spacing, displacement
  *                (m)      radius, thickness, length
  *                (-)      normal, direction, axis, barycentric, fraction, poisson
  *                (N)      force, reaction
@@ -44,10 +44,11 @@
  *                (kg/m3)  density
  *                (index)  node, element, facet, cell, triangle, region
  *                (-)      order, path, name, data
- *              A position has 3 coordinates, 2 in the plane. A direction need not have unit
- *              length, but is not 0; a normal that the engine gives has unit length. Stress is
- *              xx yy zz yz zx xy. `order` is that of the elements' shape functions, 1 or 2;
- *              `data` is passed on to callbacks; x_count is the number of x.
+ *              A position has 3 coordinates, 2 in the plane; min and max are the corners of a
+ *              box. A direction need not have unit length, but is not 0; a normal that the
+ *              engine gives has unit length. Stress is xx yy zz yz zx xy. `order` is that of
+ *              the elements' shape functions, 1 or 2; `data` is passed on to callbacks; x_count
+ *              is the number of x.
  * Functions    bw_X_default writes the defaults that the comments of the fields of bw_X name.
  *              bw_X_free and bw_X_destroy release a bw_X and all that it holds; NULL is fine.
  *              bw_X_clear releases what a struct holds, which may be all zeros, and leaves it
