@@ -413,7 +413,7 @@ typedef struct bw_bound_leaves {
 BW_API void bw_bound_leaves_clear(bw_bound_leaves *leaves);
 /* An upper bound of the principal stress of largest magnitude (mean over an element) that any
  * admissible pressure causes in any element of this mesh, by branch and bound over elements and
- * directions. Hands are left out: pressure may act anywhere. incumbent (Pa): a stress known to be
+ * directions. Hands do not count: pressure may act anywhere. incumbent (Pa): a stress known to be
  * reached. Ends when `upper` is within the relative tolerance (-), 0.001 to 0.5, of the largest
  * stress found. One solve for each pressure, or several where displacements of all nodes under all
  * pressures take more than a quarter of the free memory (512 MB to 4 GB). leaves: NULL, or an empty

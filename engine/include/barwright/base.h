@@ -163,7 +163,7 @@ BW_API void bw_free(void *block);
 
 /* Blocks that are alive, for leak checks. */
 BW_API int64_t bw_live_blocks(void);
-/* Let the n-th allocation from now fail (1 = the next), and with `repeat` every later one;
+/* Makes the n-th allocation from now fail (1 = the next), and with `repeat` every later one;
  * 0 switches this off. For tests. */
 BW_API void bw_fail_allocation(int64_t n, bool repeat);
 /* Allocations since the start of the process. */

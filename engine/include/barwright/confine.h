@@ -1,7 +1,8 @@
-/* confine: for scripts that nobody has read. From bw_confine on, for the whole process and those
- * that it forks, the engine opens files only in the folder, and reads those that were named before
- * with bw_confine_read_also (a file, or a folder with what is in it). There is no way back. What
- * the script's language could open by itself is to be closed by whoever runs it. */
+/* confine: limits the files of a process that runs untrusted scripts. After bw_confine, for the
+ * whole process and those that it forks, the engine opens files only in the folder, and reads those
+ * that bw_confine_read_also named before (a file, or a folder with its content). This cannot be
+ * undone. The program that runs a script disables what the script's language could open by itself.
+ */
 #ifndef BARWRIGHT_CONFINE_H
 #define BARWRIGHT_CONFINE_H
 
@@ -31,7 +32,7 @@ typedef enum bw_use {
  * where a path leads is what counts; to replace or remove a file is to change its folder. */
 BW_API bw_status bw_may_use(bw_context *context, const char *path, bw_use use);
 /* As open, mkdir, remove and rename, with errno. In a confined process they refuse with EACCES what
- * bw_may_use refuses, and follow no link that is put in the way after that. A descriptor is closed
+ * bw_may_use refuses, and follow no link that is created after that. A descriptor is closed
  * when a program is started. This one takes open's `flags` and `mode` and returns a descriptor. */
 BW_API int bw_open(const char *path, int flags, unsigned mode);
 /* mkdir. */

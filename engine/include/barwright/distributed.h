@@ -1,10 +1,9 @@
 /* distributed: several processes under MPI. A library of its own (libbarwright_distributed, over
- * MPI, PETSc and SLEPc), which nothing else links: loading it is asking for it.
+ * MPI, PETSc and SLEPc), which nothing else links: a program that wants it loads it.
  *
- * Rank 0 decides. The others serve it, in one of two ways: bw_world_serve, as hands of the solver
- * that is registered on rank 0 (bw_external, solve.h), or with byte strings of the caller's own
- * meaning (bw_world_send, bw_world_receive). All waiting sleeps: a rank that has nothing to do
- * costs next to nothing. */
+ * Rank 0 decides. The others serve it in one of two ways: bw_world_serve works for the solver that
+ * is registered on rank 0 (bw_external, solve.h); bw_world_send and bw_world_receive exchange byte
+ * strings whose meaning is the caller's. A rank that waits sleeps. */
 #ifndef BARWRIGHT_DISTRIBUTED_H
 #define BARWRIGHT_DISTRIBUTED_H
 
@@ -15,9 +14,9 @@ extern "C" {
 #endif
 
 /* Join the other processes that mpirun started (alone: a world of one), and on rank 0 register the
- * solver. Once per process; later calls do nothing. MPI is left when the process exits. `together`:
- * every process has called or will call this at once; without it, a world of more than one rank is
- * refused (BW_UNSUPPORTED), since each rank would go its own way. */
+ * solver. Once per process; later calls do nothing. MPI is finalised when the process exits.
+ * `together`: every process calls this at the same time; without it, a world of more than one rank
+ * is refused (BW_UNSUPPORTED), since each rank would run the whole script by itself. */
 BW_API bw_status bw_world_start(bw_context *context, bool together);
 /* This process's rank, 0 to size - 1; before the start 0 of 1. A forked child of a rank belongs to
  * no world: there, all that follows is BW_UNSUPPORTED; before the start, BW_INVALID. */

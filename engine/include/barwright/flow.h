@@ -44,15 +44,15 @@ BW_API void bw_flow_options_default(bw_flow_options *options);
 typedef struct bw_flow {
   bw_object object;
   int components; /* 3, or 4 with heat: velocity x, y, pressure, temperature */
-  /* Of the state that stands; they live until the next operation that succeeds. */
+  /* Of the present state; they live until the next operation that succeeds. */
   const bw_plane_mesh *mesh; /* order 1 */
   const double *state;       /* (any, node_count x components) m/s, m/s, Pa, K */
   const double *before;      /* (any, node_count x components) of the step before */
   double time;               /* (s) since its creation */
   struct bwi_flow *inner;
 } bw_flow;
-/* A flow at rest on a mesh of order 1. BW_INVALID names a constant or condition that does not fit,
- * BW_LIMIT a mesh too large. */
+/* A flow at rest, at the reference temperature, on a mesh of order 1. BW_INVALID names a constant
+ * or condition that does not fit, BW_LIMIT a mesh too large. */
 BW_API bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
                                 const bw_flow_description *description, bw_flow **flow);
 /* Continues on another mesh of the same problem; velocity, pressure and temperature are
@@ -64,10 +64,9 @@ BW_API bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_pla
  * inverted element; all leave the state as it was. `options` and `kept` may be NULL. */
 BW_API bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options *options,
                               bw_plane_reuse *kept);
-/* What a flow is at, an immutable object: bw_release gives it up. Keeping it copies nothing;
- * returning to it brings back mesh, fields, time and what the next step starts from bit for bit,
- * and fails only for the state of another flow. A flow's operations put a new state in the place of
- * the one that stands when all is done: those that fail change nothing. */
+/* The state of a flow, an immutable object. Returning to it restores mesh, fields, time and the
+ * start of the next step bit for bit, and fails only for the state of another flow. The operations
+ * of a flow replace its present state at their end: those that fail change nothing. */
 typedef struct bw_flow_state bw_flow_state;
 /* The state of a flow, one reference to be released. */
 BW_API const bw_flow_state *bw_flow_keep(const bw_flow *flow);
@@ -75,7 +74,7 @@ BW_API const bw_flow_state *bw_flow_keep(const bw_flow *flow);
 BW_API const bw_plane_mesh *bw_flow_state_mesh(const bw_flow_state *state);
 /* Returns a flow to a state of its own. */
 BW_API bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state *state);
-/* Whether its parts belong together: see bw_plane_mesh_check. */
+/* Checks its parts against each other. */
 BW_API bw_status bw_flow_check(bw_context *context, const bw_flow *flow);
 
 /* The force (N/m), per depth, of the fluid on the segments of a `tag` (-1: all), as the reaction of

@@ -2,11 +2,11 @@
  *
  * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
  *
- * A child sees everything that is in memory at the fork, on pages that it shares until one side
- * writes, and what it writes stays with it. Whatever it does (crash, hang, fill memory), whoever
- * started it gets a status and a message. It has one thread, is the leader of a process group of
- * its own, so that Ctrl-C at a terminal reaches the starter alone, and dies with the starter. Files
- * that were open at the fork stay open in it; the pipes of other jobs do not. */
+ * A child has the memory of its starter at the fork, on pages that both share until one writes; the
+ * starter does not see what the child writes. Whatever the child does (crash, hang, fill memory),
+ * the starter gets a status and a message. The child has one thread. It is the leader of a process
+ * group of its own, so that Ctrl-C at a terminal reaches the starter alone, and ends with the
+ * starter. Files that were open at the fork stay open in it; the pipes of other jobs do not. */
 #ifndef BARWRIGHT_JOB_H
 #define BARWRIGHT_JOB_H
 

@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/* A measured constant in the unit of what it belongs to. */
+/* A measured constant, in its own unit. */
 typedef struct bw_value {
   double mean, scatter; /* (any) scatter: one standard deviation; 0 when not known */
   const char *source;   /* a static string: where the value comes from; NULL: given by the user */
@@ -52,7 +52,7 @@ struct bw_material {
   /* with scatter and source, where they are known (the library's materials) */
   bw_value young_value[3], poisson_value[3], strength_value[3], density_value, toughness_value;
   /* Of a material turned by element (bw_material_turned), else NULL. Axes and matrices above are
-   * then those before any turn; what knows the element takes them from the functions below. */
+   * then those of the unturned material; the functions below give those of an element. */
   const bw_material *unturned; /* retained */
   bw_material_turns *turns;    /* owned */
 };

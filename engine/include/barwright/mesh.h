@@ -131,10 +131,10 @@ typedef struct bw_repair_options {
   double memory_limit; /* (bytes) of one step; default 6e9 */
 } bw_repair_options;
 BW_API void bw_repair_options_default(bw_repair_options *options);
-/* Weld, drop duplicates and degenerates, orient, fill holes, resolve intersections, wrap: each only
- * where the check calls for it; a sound surface comes back as it is with an empty log. The result
- * is sound, or BW_GEOMETRY says what could not be repaired. BW_LIMIT where time or memory run out.
- * `options` and `log` may be NULL. Starts processes. */
+/* Welds, drops duplicates and degenerates, orients, fills holes, resolves intersections, wraps:
+ * each only where the check shows a defect; a sound surface is returned unchanged with an empty
+ * log. The result is sound, or BW_GEOMETRY says what could not be repaired. BW_LIMIT where time or
+ * memory run out. `options` and `log` may be NULL. Starts processes. */
 BW_API bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
                                    const bw_repair_options *options, bw_surface **repaired,
                                    bw_shape_log *log);
@@ -161,7 +161,7 @@ typedef struct bw_remesh_options {
   int64_t
       triangles; /* wanted number, when edge_length is 0; default 0: about as many as there are */
   double sharp_angle; /* (rad) between normals from which an edge is kept; default 40 degrees */
-  int iterations;     /* rounds of splits, collapses and flips; default 5 */
+  int iterations;     /* rounds of collapses, splits, flips and relaxation; default 5 */
   double tolerance;   /* (m) largest distance allowed; default 0: a quarter of edge_length */
   const bw_size_field *sizes; /* where edges are shorter; NULL: nowhere */
   double time_limit;          /* (s) of computing, BW_LIMIT beyond; default 300 */
@@ -170,7 +170,7 @@ typedef struct bw_remesh_options {
 BW_API void bw_remesh_options_default(bw_remesh_options *options);
 /* Isotropic remeshing of a closed manifold surface. Sharp edges stay; where a feature is smaller
  * than the edge length, edges there are shorter (down to a twelfth of it), so that there may be
- * more facets than asked for. A sound surface gives a sound one. BW_GEOMETRY for a
+ * more facets than wanted. A sound surface gives a sound one. BW_GEOMETRY for a
  * surface that is not closed and manifold, or where edges are too long for its shape; BW_LIMIT
  * where time, memory or steps run out. `options` and `log` may be NULL. */
 BW_API bw_status bw_surface_remesh(bw_context *context, const bw_surface *surface,
@@ -266,7 +266,7 @@ BW_API bw_status bw_mesh_moved(bw_context *context, const bw_mesh *mesh, const d
  * BW_LIMIT beyond 2^31 - 1 nodes. */
 BW_API bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order,
                                     bw_mesh **out);
-/* Nodes and elements along a curve that fills space, so that what is near in space is near in
+/* Nodes and elements in the order of a space-filling curve, so that neighbours in space are near in
  * memory: edits and their equations take less time than with a mesh generator's numbers
  * (docs/benchmarks.md). The old numbers, node_from (index, node_count) and element_from (index,
  * element_count), either of which may be NULL, are blocks for the caller to bw_free. */
@@ -374,8 +374,8 @@ BW_API bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
  * two corners. BW_LIMIT beyond 2^31 - 1 elements. */
 BW_API bw_status bw_mesh_box_grid(bw_context *context, const double min[3], const double max[3],
                                   const int cells[3], int order, bw_mesh **mesh);
-/* The same `cells` in the unit cube with nodes sent through `map` (corners and middles alike:
- * curved edges). BW_GEOMETRY where an element is flat, BW_LIMIT as bw_mesh_box_grid. */
+/* The same `cells` in the unit cube with nodes displaced by `map` (mid-edge nodes too: curved
+ * edges). BW_GEOMETRY where an element is flat, BW_LIMIT as bw_mesh_box_grid. */
 BW_API bw_status bw_mesh_mapped_box(bw_context *context, const int cells[3], int order,
                                     void (*map)(void *data, const double unit[3], double out[3]),
                                     void *data, bw_mesh **mesh);

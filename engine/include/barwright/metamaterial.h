@@ -51,8 +51,8 @@ typedef struct bw_library {
   int levels;                              /* that something can be looked up at */
   int32_t fit_count[2];                    /* of level 1 and 2, as it was built */
   const bw_fit_error *error[2];            /* fit_count: of each */
-  int32_t grown_count[2]; /* blocks that were fitted beside, for the grids they occur in */
-  const bw_fit_error *grown_error[2]; /* grown_count: of each */
+  int32_t grown_count[2];                  /* blocks that were fitted by bw_library_grow */
+  const bw_fit_error *grown_error[2];      /* grown_count: of each */
   double seconds; /* that building took, over all runs; 0 when read from a file */
   struct bwi_library *inner;
 } bw_library;
@@ -68,11 +68,10 @@ BW_API bw_status bw_library_build(bw_context *context, const bw_material_table *
                                   bw_library **library);
 /* The library with fits of its own for all blocks of a grid that have none: keys of level 1 that
  * were left out, and with `levels` 2 each block of 64 for which a representative would stand. They
- * are fitted as those of the library are, with its options, and are found before anything else.
- * material_table as for bw_coarsen. Runs on all threads, with progress; `checkpoint` (may be
- * NULL) keeps what is done, for any grid that the library is grown for: BW_FORMAT and BW_IO as
- * bw_library_build. The result depends on the
- * library and the set of blocks alone. */
+ * are fitted as those of the library are, with its options, and are looked up first. material_table
+ * as for bw_coarsen. Runs on all threads, with progress; `checkpoint` (may be NULL) keeps what is
+ * done, for any grid that the library is grown for: BW_FORMAT and BW_IO as bw_library_build. The
+ * result depends on the library and the set of blocks alone. */
 BW_API bw_status bw_library_grow(bw_context *context, const bw_library *library,
                                  const bw_material_table *material_table, const bw_grid *fine,
                                  int levels, const char *checkpoint, bw_library **grown);

@@ -12,8 +12,8 @@ extern "C" {
 /* ---- selections ---------------------------------------------------------------------------- */
 
 /* Boundary facets and boundary nodes of a mesh, both ascending. A geometric selection holds the
- * boundary nodes that fulfil it and the facets all of whose corners do; one made of facets holds
- * their nodes. An empty selection (no node) is BW_EMPTY: the message gives the box of the mesh and
+ * boundary nodes that fulfil it and the facets all of whose corners do; one of facets has their
+ * nodes. An empty selection (no node) is BW_EMPTY: the message gives the box of the mesh and
  * the distance of the nearest node. */
 typedef struct bw_selection {
   bw_object object;
@@ -190,7 +190,7 @@ BW_API bw_status bw_model_temperature(bw_context *context, bw_model *model, cons
 BW_API bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bool on_nodes,
                                          double *stress);
 /* The same material, supports and loads on a mesh of the same topology (an edited shape):
- * selections keep their facets and nodes, so that supports and loads go with the surface; areas,
+ * selections keep their facets and nodes, so that supports and loads follow the surface; areas,
  * resultants and normals are those of the new shape, forces and gravity keep their directions.
  * BW_INVALID for another topology. BW_GEOMETRY for a force on facets that have lost their area,
  * BW_UNSUPPORTED as bw_model_transferred. */

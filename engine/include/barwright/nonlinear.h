@@ -425,7 +425,7 @@ BW_API bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *moti
  * bw_solid_motion_step. */
 BW_API bw_status bw_solid_motion_advance(bw_context *context, bw_solid_motion *motion,
                                          int64_t count);
-/* Whether its parts belong together: see bw_plane_mesh_check. */
+/* Checks its parts against each other. */
 BW_API bw_status bw_solid_motion_check(bw_context *context, const bw_solid_motion *motion);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
 /* outline: shapes in the plane bounded by lines and Bézier curves, with holes and regions; their
- * handles, measures and edits. What a person drags, and what a plane mesh follows. */
+ * handles, measures and edits. Users drag them, and plane meshes follow them. */
 #ifndef BARWRIGHT_OUTLINE_H
 #define BARWRIGHT_OUTLINE_H
 

@@ -9,18 +9,19 @@
 extern "C" {
 #endif
 
-/* A plane mesh stands on three immutable objects, one for each level of reuse. Who holds results
- * compares pointers: same topology: the pattern of A holds; same nodes: preconditioner and
- * solution hold (responsive, table 1).
+/* A plane mesh consists of three immutable objects, one for each level of reuse. Code that keeps
+ * results compares pointers: with the same topology the pattern of A is valid, with the same nodes
+ * preconditioner and solution too (responsive, table 1).
  *
  *   relocation      new bw_plane_mesh, same topology, same nodes
  *   reconnecting    new topology (edges flipped), same nodes
  *   reconstruction  all new
  *
- * Nodes: the first corner_count are corners, the rest mid-edge nodes (order 2). A flip takes one
- * edge away and adds one, so that with order 2 the mid-edge node of the flipped edge becomes the
- * middle of the new one and keeps its number: the DOF map, and with it the preconditioner,
- * survives reconnecting for tri6 as well. */
+ * Nodes: the first corner_count are corners, the rest mid-edge nodes (order 2). A flip removes one
+ * edge and adds one, so that with order 2 the mid-edge node of the flipped edge becomes that of the
+ * new one and keeps its number: the DOF map, and with it the preconditioner, stays valid after
+ * reconnecting for tri6 as well. */
+
 /* The nodes of a plane mesh, by their place on the outline. */
 typedef struct bw_plane_nodes {
   bw_object object;
@@ -208,10 +209,9 @@ BW_API bw_status bw_mesh_motion_create(bw_context *context, const bw_plane_mesh 
  * factor. `report` may be NULL. */
 BW_API bw_status bw_mesh_motion_follow(bw_context *context, bw_mesh_motion *motion,
                                        const bw_outline *outline, bw_follow_report *report);
-/* What a mesh motion stands at, an immutable object: bw_release gives it up. Keeping it copies
- * nothing; returning to it brings back its mesh and all that following starts from, bit for bit
- * (following the outline back may end elsewhere), and fails only for the state of a mesh motion of
- * another order. */
+/* The state of a mesh motion, an immutable object. Returning to it restores the mesh and all that
+ * following starts from, bit for bit (following the outline back may end elsewhere), and fails only
+ * for the state of a mesh motion of another order. */
 typedef struct bw_mesh_motion_state bw_mesh_motion_state;
 /* The state of a mesh motion, one reference to be released. */
 BW_API const bw_mesh_motion_state *bw_mesh_motion_keep(const bw_mesh_motion *motion);

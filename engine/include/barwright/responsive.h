@@ -15,8 +15,8 @@ extern "C" {
 
 /* Block sparsity pattern of a plane mesh: full rows, ascending, and for every block the
  * contributions (element, local pair) that are added into it: gathered, never scattered, so that
- * the bits do not depend on threads. Values belong to whoever assembles: `components`^2 numbers per
- * block, row by row. Depends on topology only. */
+ * the bits do not depend on threads. Values are the caller's: `components`^2 numbers per block, row
+ * by row. Depends on topology only. */
 typedef struct bw_plane_pattern {
   bw_object object;
   const bw_plane_topology *topology; /* retained */
@@ -66,7 +66,7 @@ BW_API bw_status bw_plane_prescribe(bw_context *context, const bw_plane_pattern 
 typedef enum bw_lagged_factor_method {
   BW_LAGGED_FACTOR_AUTO, /* by predicted cost: operations and bytes counted, and the iterations that
                     recent solves took; never time measured */
-  BW_LAGGED_FACTOR_ITERATE,  /* on the factor as it is, as long as it converges */
+  BW_LAGGED_FACTOR_ITERATE,  /* on the present factor, as long as it converges */
   BW_LAGGED_FACTOR_REFACTOR, /* refactored each time, analysis reused */
   BW_LAGGED_FACTOR_FULL      /* analysed and factored each time: for baselines */
 } bw_lagged_factor_method;
@@ -175,7 +175,7 @@ typedef struct bw_sheet_description {
  * frame. Mutable. */
 typedef struct bw_sheet {
   bw_object object;
-  /* Of the state that stands; they live until the next operation that succeeds. */
+  /* Of the present state; they live until the next operation that succeeds. */
   const bw_plane_mesh *mesh;
   const double *displacement; /* (m, node_count x 2) of the last solution; zero at first */
   const double *velocity;     /* (m/s, node_count x 2) of transient sheets; NULL otherwise */
@@ -187,21 +187,20 @@ typedef struct bw_sheet {
  * no segment has, BW_UNSUPPORTED a material without an axis along z. */
 BW_API bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
                                  const bw_sheet_description *description, bw_sheet **sheet);
-/* Go over to another mesh of the same problem; the solution is carried over (bw_plane_transfer).
- * Conditions go by the names of their tags: the outline may be another one. On failure all is as it
- * was; BW_EMPTY where no segment has the tag of a condition. */
+/* Continues on another mesh of the same problem; the solution is transferred (bw_plane_transfer).
+ * Conditions apply by the names of their tags: the outline may be another one. On failure the sheet
+ * is unchanged; BW_EMPTY where no segment has the tag of a condition. */
 BW_API bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_mesh *mesh,
                                  bw_plane_reuse *kept);
-/* What a sheet is at, an immutable object: bw_release gives it up. Keeping it copies nothing;
- * returning to it brings back mesh, fields and time bit for bit, and fails only for the state of a
- * sheet with other conditions. A sheet's operations put a new state in the place of the one that
- * stands when all is done: those that fail change nothing. */
+/* The state of a sheet, an immutable object. Returning to it restores mesh, fields and time bit for
+ * bit, and fails only for the state of a sheet with other conditions. The operations of a sheet
+ * replace its present state at their end: those that fail change nothing. */
 typedef struct bw_sheet_state bw_sheet_state;
 /* The state of a sheet, one reference to be released. */
 BW_API const bw_sheet_state *bw_sheet_keep(const bw_sheet *sheet);
 /* Returns a sheet to a state. */
 BW_API bw_status bw_sheet_return(bw_context *context, bw_sheet *sheet, const bw_sheet_state *state);
-/* Whether its parts belong together: see bw_plane_mesh_check. */
+/* Checks its parts against each other. */
 BW_API bw_status bw_sheet_check(bw_context *context, const bw_sheet *sheet);
 /* (e) Linear statics. BW_UNCONSTRAINED when rigid-body modes are unconstrained; and those of
  * bw_lagged_factor_solve. `options` and `kept` may be NULL. */
@@ -269,7 +268,7 @@ typedef struct bw_plate {
   bw_object object;
   const bw_material *material; /* retained */
   double thickness;            /* (m) */
-  /* Of the state that stands; they live until the next operation that succeeds. */
+  /* Of the present state; they live until the next operation that succeeds. */
   const bw_plane_mesh *mesh; /* order 2 */
   int mode_count;
   const double *frequency; /* (Hz, mode_count) ascending, elastic modes only */
@@ -283,13 +282,13 @@ typedef struct bw_plate {
  * for a mesh too large. */
 BW_API bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
                                  const bw_material *material, double thickness, bw_plate **plate);
-/* Goes over to another mesh; the modes are carried over (bw_plane_transfer) as the start of the
- * next solution. Those of bw_plate_create. `kept` may be NULL. */
+/* Continues on another mesh; the modes are transferred (bw_plane_transfer) as the initial guess of
+ * the next solution. Those of bw_plate_create. `kept` may be NULL. */
 BW_API bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_mesh *mesh,
                                  bw_plane_reuse *kept);
-/* What a plate is at, an immutable object: bw_release gives it up. Keeping it copies nothing;
- * returning to it brings back mesh and modes bit for bit. A plate's operations put a new state in
- * the place of the one that stands when all is done: those that fail change nothing. */
+/* The state of a plate, an immutable object. Returning to it restores mesh and modes bit for bit.
+ * The operations of a plate replace its present state at their end: those that fail change nothing.
+ */
 typedef struct bw_plate_state bw_plate_state;
 /* The state of a plate, one reference to be released. */
 BW_API const bw_plate_state *bw_plate_keep(const bw_plate *plate);

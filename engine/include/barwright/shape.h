@@ -58,7 +58,8 @@ BW_API bw_status bw_skeleton_extract(bw_context *context, const bw_surface *surf
 
 /* Reads a file in trivial graph format: "number x y z [name]" per joint, "#", "from to [name]" per
  * bone. Lengths are multiplied by unit (m), that of the file. The root is the joint from which all
- * bones point away. BW_FORMAT with the line for anything else, BW_LIMIT for too many joints. */
+ * bones point away, else the middle one. BW_FORMAT with the line for anything else, BW_LIMIT for
+ * too many joints. */
 BW_API bw_status bw_skeleton_read_tgf(bw_context *context, const char *path, double unit,
                                       bw_skeleton **skeleton);
 /* Writes such a file, lengths divided by unit (m). Bones point away from the root. */
@@ -130,7 +131,7 @@ typedef struct bw_stiffness_subdomains {
 } bw_stiffness_subdomains;
 
 /* The subdomains of an edit session, which bones pose and scale. Type R follows one bone; type F
- * lies between several and is blended. They are numbered with all of type R first, by bone.
+ * is between several and is blended. They are numbered with all of type R first, by bone.
  * Immutable.
  *
  * Invariants: every element belongs to one subdomain; a type R subdomain is connected through

@@ -122,7 +122,7 @@ typedef struct bw_statics_options {
  * rates of one fixed machine, so that the choice is the same everywhere. The costs of solutions by
  * two-level PCG are added up: when the next one would make their sum more than the factor, that is
  * made. Where iterating does not converge, a factor takes its place, and a warning says so;
- * BW_CONVERGENCE where there is no memory for one, or PCG was asked for. */
+ * BW_CONVERGENCE where  * there is no memory for one, or the method is BW_STATICS_PCG. */
 BW_API bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
                             const bw_statics_options *options, bw_static **result);
 
@@ -224,8 +224,8 @@ BW_API bw_status bw_local_system_update(bw_context *context, bw_local_system *lo
                                         const bw_model *model, const bw_subdomain_motion *motion,
                                         bw_reuse *reuse);
 /* u = K^-1 f as bw_system_solve for force (N, count x node_count x 3) and displacement (m, count x
- * node_count x 3), by the method asked for or chosen. BW_CONVERGENCE where an iteration that was
- * asked for does not converge, BW_SINGULAR where the factor fails. `options` may be NULL; `reuse`
+ * node_count x 3), by the given or the cheapest method. BW_CONVERGENCE where a given iteration
+ * does not converge, BW_SINGULAR where the factor fails. `options` may be NULL; `reuse`
  * (may be NULL) is completed, not cleared. */
 BW_API bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
                                        const bw_local_options *options, int64_t count,
@@ -289,7 +289,7 @@ typedef struct bw_modes {
 } bw_modes;
 /* The lowest elastic modes K u = lambda M u (consistent mass) by block Lanczos on the inverse, with
  * the system's own factor; unconstrained rigid-body modes are projected out exactly. Fewer than
- * asked for where the body has fewer. BW_CONVERGENCE where the iteration does not reach the
+ * wanted where the body has fewer. BW_CONVERGENCE where the iteration does not reach the
  * tolerance, BW_LIMIT for too many modes. `options` may be NULL. */
 BW_API bw_status bw_modes_elastic(bw_context *context, bw_system *system,
                                   const bw_modes_options *options, bw_modes **modes);
@@ -371,7 +371,7 @@ BW_API void bw_external_register(const bw_external *outside);
 BW_API const bw_external *bw_external_registered(void);
 
 /* As bw_statics: BW_UNSUPPORTED when none is registered, BW_CONVERGENCE when the residual, computed
- * with the engine's own K, is above what was asked for, BW_UNCONSTRAINED as there, and the solver's
+ * with the engine's own K, is above the tolerance, BW_UNCONSTRAINED as there, and the solver's
  * own statuses. result->system is NULL. */
 BW_API bw_status bw_statics_external(bw_context *context, const bw_model *model,
                                      const bw_statics_options *statics,

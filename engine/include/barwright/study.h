@@ -1,4 +1,4 @@
-/* What studies stand on: files of results, points that fill a cube evenly, minimisers.
+/* The base of studies: files of results, points that fill a cube evenly, minimisers.
  *
  * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 #ifndef BARWRIGHT_STUDY_H
@@ -12,21 +12,21 @@ extern "C" {
 
 /* ---- database files -------------------------------------------------------------------------- */
 
-/* A SQLite file in write-ahead mode: one writer at a time, readers beside it, and what was
- * committed survives the death of the process at any moment. Failures carry the detail "reason":
+/* A SQLite file in write-ahead mode: one writer at a time, readers at the same time, and what
+ * was committed survives a crash of the process at any moment. Failures carry the detail "reason":
  *   BW_FORMAT      "damaged"; "foreign": not a file of barwright; "newer": of a later version
- *   BW_LIMIT       "full": no room on the disk; "busy": another process holds it for too long
+ *   BW_LIMIT       "full": no room on the disk; "busy": another process has locked it for too long
  *   BW_INFEASIBLE  "constraint": a row that the table's rules forbid
- *   BW_IO          the rest that the operating system refuses
+ *    *   BW_IO          other refusals of the operating system
  *   BW_INVALID     SQL that is wrong
- * Of SQL there is what studies need, whoever made the file or the statement: tables, indices, rows
- * and transactions, the functions count, max, min and sum. Views are made and not read; triggers
+ * The SQL is limited to that of studies, for every file and statement: tables, indices, rows and
+ * transactions, the functions count, max, min and sum. Views can be created and not read; triggers
  * and virtual tables of a file do nothing. A name is the name of a file, never a URI.
  *
  * A transaction in which the file turned out full, damaged or unreadable is rolled back.
  *
  * A database belongs to the process that opened it: in a forked child it can only be released,
- * which there does nothing to the file. */
+ * which does not change the file. */
 typedef struct bw_database bw_database; /* an object */
 /* A prepared statement. Its database owns it; it lives as long as that. */
 typedef struct bw_statement bw_statement;

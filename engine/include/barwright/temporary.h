@@ -1,11 +1,11 @@
-/* temporary: files that are there only while a process makes something.
+/* temporary: files that exist only while a process writes their target.
  *
- * Such a file lies beside what is made and is called TARGET.partial.PID.TAG, where TAG is eight
- * hexadecimal digits; what belongs to it has a name that begins so and goes on with "." or "-". Its
- * process holds a lock (flock) on it, which ends with the process, however that ends. A file of
- * such a name without a lock was left behind by a process that was killed: it is removed by the
- * next process of the same user that makes one in the folder. Where locks do not work (some network
- * file systems), nothing is removed. */
+ * Such a file is in the folder of its target and is called TARGET.partial.PID.TAG, where TAG is
+ * eight hexadecimal digits; names of files that accompany it begin so and continue with "." or "-".
+ * Its process has a lock (flock) on it, which ends with the process. A file of such a name without
+ * a lock is that of a process that was killed: the next process of the same user that makes one in
+ * the folder removes it. Where locks do not work (some network file systems), nothing is removed.
+ */
 #ifndef BARWRIGHT_TEMPORARY_H
 #define BARWRIGHT_TEMPORARY_H
 
@@ -15,16 +15,16 @@
 extern "C" {
 #endif
 
-/* An object: with the last reference its files are removed, unless it was put in place. A child
- * that is forked leaves them alone. */
+/* An object: the last reference removes its files, unless it was put in place. In a forked child it
+ * does not. */
 typedef struct bw_temporary bw_temporary;
 
 /* An empty file beside the `target`. `with_others`: files whose names begin with its name are to be
  * removed with it. BW_IO where it cannot be made. */
 BW_API bw_status bw_temporary_create(bw_context *context, const char *target, bool with_others,
                                      bw_temporary **temporary);
-/* An empty folder under a name that nobody can predict, which only this user can enter: in $TMPDIR,
- * else in /tmp; in a confined process in its own. BW_IO where it cannot be made. */
+/* An empty folder with an unpredictable name, which only this user can enter: in $TMPDIR, else in
+ * /tmp; in a confined process in its own folder. BW_IO where it cannot be made. */
 BW_API bw_status bw_temporary_folder_create(bw_context *context, bw_temporary **temporary);
 /* The path of the file or folder; lives as long as the object. */
 BW_API const char *bw_temporary_path(const bw_temporary *temporary);
