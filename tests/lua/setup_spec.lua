@@ -68,7 +68,7 @@ describe("scripts/setup", function()
   it("bundles the pages where there is, and again only when they changed", function()
     local folder = check.folder()
     local programs = {cmake = cmake, node = "true", npm = "mkdir -p node_modules",
-      npx = 'for last; do :; done; echo bundle >"${last#--outfile=}"; echo "$@" >>../bundled'}
+      npx = 'for last; do :; done; echo bundle >"${last#--outfile=}"; echo bundled >>../bundled'}
     local status, out = set_up(folder, programs)
     assert.equal(0, status, out)
     assert.is_true(exists(folder .. "/build/web/live.js"))
@@ -79,6 +79,21 @@ describe("scripts/setup", function()
     assert(os.execute(("cd %s && PATH=%s/bin scripts/setup --no-install >out 2>&1"):format(folder, folder)))
     local _, second = check.read(folder .. "/bundled"):gsub("\n", "")
     assert.equal(3, second)
+  end)
+
+  it("puts the licence of three.js into every script, and so into every report", function()
+    if not exists(check.root .. "/build/web/viewer.js") then return pending "the pages are not bundled" end
+    local folder = check.folder()
+    assert(require("barwright.report").page(folder .. "/report.html", {title = "", answer = "", body = "",
+      manifest = {}, data = {}}))
+    for _, path in ipairs {check.root .. "/build/web/viewer.js", check.root .. "/build/web/live.js",
+      check.root .. "/build/web/plane.js", folder .. "/report.html"} do
+      local text = check.read(path)
+      for _, words in ipairs {"Copyright © 2010-2024 three.js authors", "SPDX-License-Identifier: MIT",
+        "Permission is hereby granted, free of charge", "The above copyright notice and this permission notice"} do
+        assert.message(path).truthy(text:find(words, 1, true))
+      end
+    end
   end)
 
   it("goes on where the packages of the pages cannot be had", function()
