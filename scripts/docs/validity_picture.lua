@@ -113,14 +113,14 @@ do
     ellipse[i + 1] = {(u - v) / math.sqrt(2), (u + v) / math.sqrt(2)}
   end
   f.curve(ellipse, {stroke = BLUE, width = 2.5})
-  f.curve({{1, -1.5}, {1, 1}, {-1.5, 1}}, {stroke = RED, width = 2.5})
+  f.curve({{1, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}}, {stroke = RED, width = 2.5})
   text(canvas, "von Mises:", 370, 70, {colour = BLUE, bold = true})
   text(canvas, "metals yield", 370, 90)
   text(canvas, "largest principal:", 370, 130, {colour = RED, bold = true})
   text(canvas, "brittle and printed", 370, 150)
-  text(canvas, "materials crack;", 370, 170)
-  text(canvas, "no limit in", 370, 190)
-  text(canvas, "compression", 370, 210)
+  text(canvas, "materials crack; in", 370, 170)
+  text(canvas, "compression the same", 370, 190)
+  text(canvas, "strength is taken", 370, 210)
   write(canvas, "failure")
 end
 
