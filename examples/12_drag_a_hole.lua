@@ -40,7 +40,7 @@ print(("power mean %.2f MPa; its steepest slope %.3g MPa/mm"):format(mean / 1e6,
 
 -- 5. The same outline on ground that shakes at 400 Hz; a drag between time steps changes its tune.
 local transient = assert(bw.responsive.vibration {outline = outline, material = aluminium,
-  thickness = 4 * mm, elements = 2000, ground = "wall", shake = {y = "1e-4*sin(2*pi*400*t)"},
+  thickness = 4 * mm, elements = 2000, ground = "wall", ground_motion = {y = "1e-4*sin(2*pi*400*t)"},
   step = 5e-5})
 for _ = 1, 20 do
   assert(transient:drag({loop = "hole"}, {1 * mm, 0}))

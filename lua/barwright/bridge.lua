@@ -163,7 +163,7 @@ local function check_supports(opts, outline)
   end
   for _, tag in ipairs {"foot", "pad", "hold", "axis"} do
     if not found[tag] then
-      return nil, ("the edge '%s' of the bridge was moved: it stays where the bridge was made"):format(tag),
+      return nil, ("the edge '%s' of the bridge was moved: it has to stay in its place"):format(tag),
         {status = "geometry", tag = tag}
     end
   end
@@ -179,18 +179,18 @@ function class.become(self, outline)
     outline, message, details = with_supports(self.outline, outline)
     if not outline then return nil, message, details end
   end
-  local fine
-  fine, message, details = check_supports(self.opts, outline)
-  if not fine then return nil, message, details end
+  local ok
+  ok, message, details = check_supports(self.opts, outline)
+  if not ok then return nil, message, details end
   if self.sheet.outline:same_topology(outline) then
-    fine, message, details = self.sheet:become(outline)
+    ok, message, details = self.sheet:become(outline)
   else
-    fine, message, details = sheets.steady {outline = outline, material = self.opts.material,
+    ok, message, details = sheets.steady {outline = outline, material = self.opts.material,
       thickness = self.opts.thickness, size = self.opts.size, order = 2,
       conditions = conditions_of(self.opts)}
-    if fine then rawset(self, "sheet", fine) end
+    if ok then rawset(self, "sheet", ok) end
   end
-  if not fine then return nil, message, details end
+  if not ok then return nil, message, details end
   rawset(self, "edited", true)
   return self
 end
@@ -301,8 +301,8 @@ end
 -- Makes a shape the bridge's, and judges it on every mesh that answers are given for: the bridge's own and,
 -- where the shape was polished, one finer than that.
 local function judge(self, found, polish)
-  local fine, message, details = class.become(self, (found.form:outline()))
-  if not fine then return nil, message, details end
+  local ok, message, details = class.become(self, (found.form:outline()))
+  if not ok then return nil, message, details end
   found.worst = self.sheet.von_mises:max()
   if polish then
     local sheet
@@ -344,7 +344,7 @@ end
 --- tension and half in compression: limit thickness depth^2 / 4. A stress along the bridge can pass the limit
 --- of von Mises by 2 / sqrt(3) where another across it helps, so that above 1.155 there is no shape. A solid
 --- beam reaches 2 / 3, since its stress falls towards the middle of its height.
-function class.moment_share(self)
+function class.moment_fraction(self)
   local opts = self.opts
   local moment = opts.load / 4 * (opts.span + opts.bearing - opts.pad / 2)
   return 4 * moment / (opts.stress_limit * opts.thickness * opts.deck ^ 2)
@@ -356,7 +356,7 @@ local function failing(self, utilisation)
   return ("no shape was found that passes: the best is stressed to %.1f %% of the limit. It bears %.4g N, or "
     .. "%.4g N with a thickness of %.4g m. The bending moment in the middle is %.2f of what the depth can bear "
     .. "(a solid beam bears 0.67)"):format(100 * utilisation, opts.load / utilisation, opts.load,
-    opts.thickness * utilisation, self:moment_share())
+    opts.thickness * utilisation, self:moment_fraction())
 end
 
 -- The form to begin with; holes that were put in by hand stay in it. nil and why where they do not fit.
@@ -365,8 +365,8 @@ local function form_of_start(self, name, kept)
   if #kept == 0 then return form end
   form = form_of.create(table.move(kept, 1, #kept, #form.loops + 1,
     table.move(form.loops, 1, #form.loops, 1, {})))
-  local fine, message = form:outline()
-  if fine then return form end
+  local ok, message = form:outline()
+  if ok then return form end
   return nil, ("the holes that were put in by hand do not fit the start '%s': %s. Remove them with "
     .. "bridge:without, or start from 'current'"):format(name, message)
 end
@@ -393,13 +393,13 @@ end
 --- `message`; where there is none, nil and why.
 function class.design(self, given)
   local opts = options.read("design", given, design_rules)
-  local share = self:moment_share()
-  if share > 2 / math.sqrt(3) then
+  local fraction = self:moment_fraction()
+  if fraction > 2 / math.sqrt(3) then
     return nil, ("no bridge of this depth can pass: the bending moment in the middle is %.2f times the one of a "
       .. "section %.4g m deep with the stress limit everywhere. At least %.4g m of depth, or %.4g m of "
       .. "thickness, or less load is needed")
-      :format(share, self.opts.deck, self.opts.deck * math.sqrt(share * math.sqrt(3) / 2),
-        self.opts.thickness * share * math.sqrt(3) / 2), {status = "infeasible", moment_share = share}
+      :format(fraction, self.opts.deck, self.opts.deck * math.sqrt(fraction * math.sqrt(3) / 2),
+        self.opts.thickness * fraction * math.sqrt(3) / 2), {status = "infeasible", moment_fraction = fraction}
   end
   local results, best = {}, nil
   opts.starts = opts.starts or self.edited and {"current"} or order_of_starts
@@ -453,9 +453,9 @@ function bridge.create(given)
   local opts = complete(options.read("bridge", given, rules))
   local outline, message, details = opts.outline
   if outline then
-    local fine
-    fine, message, details = check_supports(opts, outline)
-    if not fine then return nil, message, details end
+    local ok
+    ok, message, details = check_supports(opts, outline)
+    if not ok then return nil, message, details end
   else
     if not is_start[opts.start] or opts.start == "current" then
       raise(("bridge: start '%s' is not known: %s"):format(opts.start,
@@ -474,7 +474,7 @@ arguments.methods("bridge", class, class, {become = "outline: any", drag = "hand
   pull = "vertex: integer, to: pair, how?: options", smooth = "how?: options",
     hole = "centre: pair, radius: number",
   without = "loop: string|integer", check = "size: number, order?: integer", uniform_beam = "", michell_area = "",
-  moment_share = "", design = "options?: options", picture = "path: string", body = ""})
+  moment_fraction = "", design = "options?: options", picture = "path: string", body = ""})
 
 bridge.class, bridge.properties = class, properties
 

@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- What the bodies share that follow an outline while it is dragged (sheets, plates, flows). Each is an
--- engine object `body` with its mover, and the frame that was last.
+-- What sheets, plates and flows that follow an outline have in common. Each is an engine object `body` with its
+-- mesh motion, and the reuse statistics of the last frame.
 --
 -- An object holds its last good state: what the outline, the mesh or the solution refuses returns nil,
 -- message, details, and everything is as it was before. So it is where a function of the script raises.
@@ -57,9 +57,9 @@ function followed.object(class, opts, body, message, details)
   if not body then return nil, message, details end
   local self = setmetatable({body = body, opts = opts, last = new_frame()}, class)
   if class.start then
-    local fine
-    fine, message, details = class.start(self)
-    if not fine then return nil, message, details end
+    local ok
+    ok, message, details = class.start(self)
+    if not ok then return nil, message, details end
   end
   return self
 end
@@ -126,8 +126,8 @@ end
 function followed.whole(self, change)
   return followed.attempt(self, function()
     local report = new_frame()
-    local fine, message, details = change(report)
-    if not fine then return nil, message, details end
+    local ok, message, details = change(report)
+    if not ok then return nil, message, details end
     rawset(self, "last", report)
     return self
   end)
@@ -138,9 +138,9 @@ function followed.become(self, outline)
   options.object("become", "outline", outline, "outline")
   local finish = getmetatable(self).finish
   return followed.whole(self, function(report)
-    local fine, message, details = self.body:follow(report, outline)
-    if fine and finish then return finish(self, report) end
-    return fine, message, details
+    local ok, message, details = self.body:follow(report, outline)
+    if ok and finish then return finish(self, report) end
+    return ok, message, details
   end)
 end
 

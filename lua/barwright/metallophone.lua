@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- A bar that rings: an outline extruded to a plate, its tone while it is dragged, how to tune it, where
--- to hold it, what it sounds like (responsive, section 5.1).
+-- Metallophone bars: an outline extruded to a plate, its natural frequencies while it is dragged, tuning,
+-- supports, tone (responsive, section 5.1).
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local followed = require "barwright.followed"
@@ -53,7 +53,7 @@ function bar:mode(mode)
 end
 
 --- The lowest frequencies of vibrations within the bar's plane (`count` of them, default 1): where one
---- lies below bar.frequency, the bar is too narrow for its thickness to sound as bending says.
+--- lies below bar.frequency, the bar is too narrow for its thickness, and bending does not decide the tone.
 function bar:inplane(count)
   return self.body:inplane(count)
 end
@@ -180,7 +180,7 @@ local function choice(opts)
   return function(self) return mode_kinds.lowest(self, opts.kind, #opts.ratios) end
 end
 
--- Computes so many modes that those to be tuned, and some room for others to pass, are among them.
+-- Computes so many modes that those to be tuned, and some more for others to pass, are among them.
 local function enough_modes(self, choose)
   local modes = choose(self)
   while not modes or modes[#modes] + 2 > self.opts.modes do
@@ -190,8 +190,8 @@ local function enough_modes(self, choose)
         self.opts.modes), {status = "infeasible"}
     end
     self.opts.modes = math.min(MAX_MODES, self.opts.modes + 3)
-    local fine, message, details = self:solve()
-    if not fine then return nil, message, details end
+    local ok, message, details = self:solve()
+    if not ok then return nil, message, details end
     modes = choose(self)
   end
   return true
@@ -246,12 +246,12 @@ local function tuned(self, wanted, opts, keep)
     met, message, details = tune.search(self, aim, base, search)
     if not met then return nil, message, details end
     rounds = rounds + message
-    local fine = self
+    local finer = self
     if opts.finer > 1 then
-      fine, message, details = on_finer(self, opts.finer)
-      if not fine then return nil, message, details end
+      finer, message, details = on_finer(self, opts.finer)
+      if not finer then return nil, message, details end
     end
-    local here, there = choose(self), choose(fine)
+    local here, there = choose(self), choose(finer)
     if not there then
       return nil, "the modes to be tuned are not among those computed on the finer mesh: try another 'finer' or "
         .. "more elements", {status = "convergence"}
@@ -259,7 +259,7 @@ local function tuned(self, wanted, opts, keep)
     local worst = 0
     modes = {}
     for k, target in ipairs(wanted) do
-      local ours, checked = self.frequencies[here[k]], fine.frequencies[there[k]]
+      local ours, checked = self.frequencies[here[k]], finer.frequencies[there[k]]
       modes[k] = {frequency = checked, wanted = target, cents = pitch.cents(checked, target), number = k,
         kind = opts.ratios and opts.kind or nil}
       worst = math.max(worst, math.abs(modes[k].cents))
@@ -360,11 +360,11 @@ function bar:trim(measured, target, given)
   local loops = polygonal(self.outline, width / 4)
   local drawn, message, details = outline_of(loops)
   if not drawn then return nil, message, details end
-  local fine
-  fine, message, details = metallophone.new {outline = drawn, material = self.opts.material,
+  local polygonal_bar
+  polygonal_bar, message, details = metallophone.new {outline = drawn, material = self.opts.material,
     thickness = self.opts.thickness, elements = self.element_count}
-  if not fine then return nil, message, details end
-  local gradient = fine:gradient():totable()
+  if not polygonal_bar then return nil, message, details end
+  local gradient = polygonal_bar:gradient():totable()
   local box = drawn.box
   local size = math.max(box.max[1] - box.min[1], box.max[2] - box.min[2])
   local across
@@ -393,7 +393,7 @@ function bar:trim(measured, target, given)
           change = change + part * (g[1] * inward[j][1] + g[2] * inward[j][2])
         end
       end
-      local per_m = 1200 / math.log(2) * change / fine.frequency
+      local per_m = 1200 / math.log(2) * change / polygonal_bar.frequency
       local reached = MOST_CUT * across[ring[i]] * math.abs(per_m)
       if per_m * needed > 0 and reached > most then most, where = reached, here end
       if per_m * needed > 0 and reached >= math.abs(needed) then

@@ -367,12 +367,12 @@ function methods:shifted(by)
 end
 
 --- Turned by degrees, counter-clockwise, about a point (default: the centroid).
-function methods:turned(degrees, about)
+function methods:rotated(degrees, about)
   if type(degrees) ~= "number" then
-    raise(("turned: an angle in degrees expected, got %s"):format(core.got(degrees)))
+    raise(("rotated: an angle in degrees expected, got %s"):format(core.got(degrees)))
   end
   local c, s = math.cos(math.rad(degrees)), math.sin(math.rad(degrees))
-  return mapped(self, c, -s, s, c, check_pair("turned: about", about, self.centroid), {0, 0})
+  return mapped(self, c, -s, s, c, check_pair("rotated: about", about, self.centroid), {0, 0})
 end
 
 --- Scaled by a factor, or by {fx, fy}, about a point (default: the centroid).
@@ -386,7 +386,7 @@ end
 
 arguments.methods("outline", methods, nil, {loop = "loop: string|integer", hole = "loop: table|outline",
   region = "loop: table|outline", edges = "which: any", tag = "name: any, which: any", shifted = "by: any",
-  turned = "degrees: any, about?: any", scaled = "factor: any, about?: any"})
+  rotated = "degrees: any, about?: any", scaled = "factor: any, about?: any"})
 
 -- ---- in words ------------------------------------------------------------------------------------
 

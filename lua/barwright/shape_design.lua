@@ -28,9 +28,9 @@ local function analyse(problem, state, form)
   if not outline then return nil, message, details end
   local sheet = state.sheet
   if sheet and sheet.outline:same_topology(outline) then
-    local fine
-    fine, message, details = sheet:become(outline)
-    if not fine then return nil, message, details end
+    local ok
+    ok, message, details = sheet:become(outline)
+    if not ok then return nil, message, details end
   else
     sheet, message, details = design.sheet(problem, outline, problem.size)
     if not sheet then return nil, message, details end

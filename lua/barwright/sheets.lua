@@ -101,7 +101,7 @@ local cantilever = followed.class("large-deflection sheet", fields)
 cantilever.drag, cantilever.become = followed.drag, followed.become
 
 function cantilever.finish(self, report)
-  return self.body:bend(report, self.opts.solver, self.opts.newton)
+  return self.body:large_deflection(report, self.opts.solver, self.opts.newton)
 end
 
 cantilever.solve, cantilever.start = followed.solve, followed.solve
@@ -124,14 +124,14 @@ local function stand_on_ground(where, opts, list)
   if type(ground) ~= "table" then
     raise(("%s: option 'ground': a tag or a list of tags expected, got %s"):format(where, core.got(ground)))
   end
-  for key in pairs(opts.shake) do
+  for key in pairs(opts.ground_motion) do
     if key ~= "x" and key ~= "y" then
-      raise(("%s: option 'shake': {x = , y = } expected, got the key '%s'"):format(where, tostring(key)))
+      raise(("%s: option 'ground_motion': {x = , y = } expected, got the key '%s'"):format(where, tostring(key)))
     end
   end
   for _, tag in ipairs(ground) do
     for component, key in ipairs {"x", "y"} do -- after all conditions: the ground decides
-      list[#list + 1] = {tag = tag, component = component, value = opts.shake[key] or 0,
+      list[#list + 1] = {tag = tag, component = component, value = opts.ground_motion[key] or 0,
         order = math.maxinteger >> 33}
     end
   end
@@ -144,17 +144,17 @@ function vibration:step(count)
   end
   local opts = self.opts
   return followed.step(self, function(report)
-    return self.body:shake(report, opts.solver, {step = opts.step, beta = opts.beta,
+    return self.body:transient(report, opts.solver, {step = opts.step, beta = opts.beta,
       gamma = opts.gamma, damping_mass = opts.damping[1], damping_stiffness = opts.damping[2]}, count)
   end)
 end
 
---- A sheet on ground that shakes: `shake = {x = , y = }`, displacements by number, formula in x, y, t,
+--- A sheet on moving ground: `ground_motion = {x = , y = }`, displacements by number, formula in x, y, t,
 --- or function, at the tags of `ground`. drag moves the outline, step the time.
 function sheets.vibration(given)
   return create("vibration", vibration, given, with {
     ground = {type = "any"},
-    shake = {type = "table", default = {}},
+    ground_motion = {type = "table", default = {}},
     step = {type = "number", default = 1e-3, above = 0},
     beta = {type = "number", default = 0.25, min = 0},
     gamma = {type = "number", default = 0.5, min = 0},

@@ -117,9 +117,9 @@ local function measures(outline, stiffness, kept, width)
       local a, b = ring[i], ring[i % #ring + 1]
       local length = math.max(math.sqrt((points[b][1] - points[a][1]) ^ 2
         + (points[b][2] - points[a][2]) ^ 2), 1e-9)
-      local dear = (mean / math.min(width[a], width[b])) ^ 2
-      local spring = dear * stiffness ^ 2 / length
-      length = dear * length
+      local weight = (mean / math.min(width[a], width[b])) ^ 2
+      local spring = weight * stiffness ^ 2 / length
+      length = weight * length
       local i1, i2 = place[a], place[b]
       if i1 then w[i1][i1] = w[i1][i1] + length / 2 + spring end
       if i2 then w[i2][i2] = w[i2][i2] + length / 2 + spring end
@@ -188,12 +188,12 @@ end
 -- ---- the search ----------------------------------------------------------------------------------
 
 -- Largest part of ln f to be gone in one step and largest move in parts of `smooth`; how exactly the
--- pitch has to be met; how little the way along may still be worth; rounds; smallest part of it tried.
+-- pitch has to be met; below which part of the change the step along ends; rounds; smallest part of it tried.
 local STRIDE, REACH, EXACT, STILL, ROUNDS, MIN = 0.08, 0.5, 1e-6, 1e-2, 80, 1 / 32
 -- Several pitches count as met this near (0.2 cents) where no step leads nearer: meshes that are rebuilt on
 -- the way move each by about that.
 local NEARLY = 1.2e-4
--- Sets points of a try that went beyond their room back to it; returns a list of them.
+-- Sets points of a trial that are beyond their move limit back to it; returns a list of them.
 local function confine(try, width, part, kept)
   local list = {}
   for i = 1, #try do
@@ -299,9 +299,9 @@ local function frequencies_of(bar, modes)
 end
 
 --- Moves `bar` (a metallophone bar) until its modes have the frequencies `wanted`, from `outline`. `opts`: keep
---- (set of points), smooth (length), room (part of the local width that a point may move by), choose (the
---- numbers of the modes on the bar as it is; nil: they are not there), enough (how near in ln f is near enough to
---- stop, or nil), watch (called with the bar after every round; false ends the search). Returns the bar's outline,
+--- (set of points), smooth (length), move_limit (fraction of the local width that a point may move by), choose
+--- (the numbers of the modes on the bar as it is; nil: they are not there), enough (how near in ln f is near
+--- enough to stop, or nil), watch (called with the bar after every round; false ends the search). Returns the bar's outline,
 --- rounds.
 function tune.search(bar, wanted, outline, opts)
   local count = outline.points.row_count
@@ -330,40 +330,40 @@ function tune.search(bar, wanted, outline, opts)
     for k = 1, #modes do
       by_p[k], short[k] = dot(g[k], p), math.max(-STRIDE, math.min(STRIDE, c[k]))
     end
-    local shares = solve_small(G, by_p)
-    local back = shares and solve_small(G, short)
-    if not back and best then
+    local projection = solve_small(G, by_p)
+    local correction = projection and solve_small(G, short)
+    if not correction and best then
       take(bar, outline, origin, best)
       return bar.outline, round
-    elseif not back then
+    elseif not correction then
       return nil, ("the outline reaches %s, not %s, with points that move by at most %.3g of the local width: "
         .. "give a larger move_limit or more stages"):format(hertz(frequencies), hertz(wanted), opts.move_limit),
         {status = "infeasible", frequency = frequencies[1], frequencies = frequencies}
     end
-    local size, rest, across = measured(list, p), sum_of(z, shares, count), sum_of(z, back, count)
+    local size, rest, across = measured(list, p), sum_of(z, projection, count), sum_of(z, correction, count)
     for i = 1, count do rest[i] = {rest[i][1] - p[i][1], rest[i][2] - p[i][2]} end
-    local worth = measured(list, rest)
-    if max < EXACT and worth <= STILL ^ 2 * size then return bar.outline, round - 1 end
+    local residual = measured(list, rest)
+    if max < EXACT and residual <= STILL ^ 2 * size then return bar.outline, round - 1 end
     local reach = -math.min(1, REACH * opts.smooth / (longest(across) + 1e-300))
-    local price = 2 * largest(shares) + 2 * largest(back)
-    local merit = size / 2 + price * sum
+    local penalty = 2 * largest(projection) + 2 * largest(correction)
+    local merit = size / 2 + penalty * sum
     -- not along while the pitch is far: it will be another way from there
     local part = max > STRIDE / 2 and 0
       or math.min(1, 2 * along, REACH * opts.smooth / (longest(rest) + 1e-300))
-    local fine, message, details
+    local ok, message, details
     local confined, halted = false, {}
     for _ = 1, 16 do
       local try = combined(p, reach, across, part, rest)
       local list_of_try = confine(try, width, opts.move_limit, kept)
       for _, i in ipairs(list_of_try) do halted[i] = true end
-      fine, message, details = take(bar, outline, origin, try)
-      if fine then
+      ok, message, details = take(bar, outline, origin, try)
+      if ok then
         local _, _, off = distances(bar, wanted, opts.choose(bar))
-        fine = off and (#modes == 1 and (part == 0 or #list_of_try > 0)
+        ok = off and (#modes == 1 and (part == 0 or #list_of_try > 0)
           or (part == 0 or #list_of_try > 0) and off < sum
-          or measured(list, try) / 2 + price * off < merit)
+          or measured(list, try) / 2 + penalty * off < merit)
       end
-      if fine then
+      if ok then
         p, confined = try, #list_of_try > 0
         for _, i in ipairs(list_of_try) do kept[i] = true end
         if part > 0 then along = part end
@@ -375,7 +375,7 @@ function tune.search(bar, wanted, outline, opts)
         reach = reach / 2
       end
     end
-    if not fine then
+    if not ok then
       take(bar, outline, origin, best or p)
       if best then return bar.outline, round end
       if next(halted) == nil then
@@ -383,7 +383,7 @@ function tune.search(bar, wanted, outline, opts)
           message and ": " .. message or ""), {status = details and details.status or "convergence",
           frequency = frequencies[1], frequencies = frequencies}
       end
-      -- what is at the end of its room stays; the others may go on
+      -- points at their move limit stay; the others may go on
       for i in pairs(halted) do kept[i] = true end
       confined = true
     end
@@ -391,7 +391,7 @@ function tune.search(bar, wanted, outline, opts)
     if opts.watch and opts.watch(bar) == false then
       return nil, "tuning was stopped by 'watch'", {status = "cancelled"}
     end
-    -- nothing along is worth it any more: the last of it, and the pitch is met
+    -- the step along is done and the pitch is met
     if not confined and part == 0 and max < EXACT then return bar.outline, round end
   end
   if best and take(bar, outline, origin, best) then return bar.outline, ROUNDS end

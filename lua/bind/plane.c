@@ -180,8 +180,8 @@ static int plane_moved(lua_State *L) {
 
 /* ---- fields, places, files ------------------------------------------------------------------- */
 
-/* mesh:carry(to, values): values at the nodes of `to` */
-static int plane_carry(lua_State *L) {
+/* mesh:transfer(to, values): values at the nodes of `to` */
+static int plane_transfer(lua_State *L) {
   const bw_plane_mesh *from = self(L);
   const bw_plane_mesh *to = (const bw_plane_mesh *)lbw_check(L, 2, &lbw_plane_mesh_class);
   int64_t rows;
@@ -397,7 +397,7 @@ static size_t plane_bytes(const void *object) {
   return bw_bytes(mesh) + bw_bytes(mesh->topology) + bw_bytes(mesh->topology->nodes);
 }
 
-static const luaL_Reg methods[] = {{"moved", plane_moved},   {"carry", plane_carry},
+static const luaL_Reg methods[] = {{"moved", plane_moved},   {"transfer", plane_transfer},
                                    {"locate", plane_locate}, {"write", plane_write},
                                    {"shares", plane_shares}, {NULL, NULL}};
 static const luaL_Reg properties[] = {{"points", plane_points},

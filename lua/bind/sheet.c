@@ -123,8 +123,8 @@ static int sheet_static(lua_State *L) {
   return lbw_leave_frame(L, &lbw_sheet_class, status, &kept);
 }
 
-/* sheet:shake(frame, solver options, newmark, steps) */
-static int sheet_shake(lua_State *L) {
+/* sheet:transient(frame, solver options, newmark, steps) */
+static int sheet_transient(lua_State *L) {
   static const lbw_option list[] = {
       {"step", LBW_REAL, offsetof(bw_newmark, step)},
       {"beta", LBW_REAL, offsetof(bw_newmark, beta)},
@@ -160,8 +160,8 @@ done:
   return lbw_leave_frame(L, &lbw_sheet_class, status, &kept);
 }
 
-/* sheet:bend(frame, solver options, newton) */
-static int sheet_bend(lua_State *L) {
+/* sheet:large_deflection(frame, solver options, newton) */
+static int sheet_large_deflection(lua_State *L) {
   static const lbw_option list[] = {{"tolerance", LBW_REAL, offsetof(bw_bend_options, tolerance)},
                                     {"iterations", LBW_INT, offsetof(bw_bend_options, iterations)},
                                     {"load_steps", LBW_INT, offsetof(bw_bend_options, load_steps)},
@@ -301,16 +301,12 @@ done:
   return lbw_leave(L, status, 3);
 }
 
-static const luaL_Reg methods[] = {{"follow", sheet_follow},
-                                   {"static", sheet_static},
-                                   {"shake", sheet_shake},
-                                   {"bend", sheet_bend},
-                                   {"stress_norm", sheet_stress_norm},
-                                   {"keep", sheet_keep},
-                                   {"return_to", sheet_return_to},
-                                   {"check", sheet_check},
-                                   {"counts", sheet_counts},
-                                   {NULL, NULL}};
+static const luaL_Reg methods[] = {
+    {"follow", sheet_follow},           {"static", sheet_static},
+    {"transient", sheet_transient},     {"large_deflection", sheet_large_deflection},
+    {"stress_norm", sheet_stress_norm}, {"keep", sheet_keep},
+    {"return_to", sheet_return_to},     {"check", sheet_check},
+    {"counts", sheet_counts},           {NULL, NULL}};
 static const luaL_Reg properties[] = {{"displacement", sheet_displacement},
                                       {"velocity", sheet_velocity},
                                       {"acceleration", sheet_acceleration},

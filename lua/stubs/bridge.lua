@@ -149,13 +149,13 @@ function Bridge:michell_area() end
 ---The bending moment in the middle over σ t h² / 4, which the depth h bears with all of it at the limit σ. A solid beam
 ---reaches 2/3. No shape passes above 2/√3.
 ---@return number fraction (-) the ratio
-function Bridge:moment_share() end
+function Bridge:moment_fraction() end
 
 ---Finds the shape of least area that passes, and takes it. Where no shape passes, it takes the one of least stress, and
----`message` of the result says what that bears. Holes added by hand stay as they are. Ctrl-C ends the search and keeps
+---`message` of the result gives the load that it bears. Holes added by hand stay as they are. Ctrl-C ends the search and keeps
 ---the best shape.
 ---
----Errors: infeasible (no shape of this depth can pass, details `moment_share`; or no start could be analysed), and those
+---Errors: infeasible (no shape of this depth can pass, details `moment_fraction`; or no start could be analysed), and those
 ---of `bw.plane.fill`.
 ---@param options? bw.BridgeDesignOptions where it begins, and how long it goes on
 ---@return bw.BridgeDesign? design what was found

@@ -457,7 +457,7 @@ function Outline:shifted(by) end
 ---@return bw.Outline? outline of the same topology
 ---@return string? message
 ---@return bw.Details? details
-function Outline:turned(degrees, about) end
+function Outline:rotated(degrees, about) end
 
 ---Scales the outline.
 ---

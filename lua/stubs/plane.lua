@@ -161,10 +161,10 @@ function PlaneMesh:moved(outline, points) end
 ---Errors: only those that every function may give.
 ---@param to bw.PlaneMesh the other mesh
 ---@param values bw.Array (any, node_count × k, per node) values
----@return bw.Array? carried (any, node_count × k, per node of `to`) values
+---@return bw.Array? transferred (any, node_count × k, per node of `to`) values
 ---@return string? message
 ---@return bw.Details? details
-function PlaneMesh:carry(to, values) end
+function PlaneMesh:transfer(to, values) end
 
 ---Finds the element at a place, or the nearest one.
 ---@param at number[] (m, {x, y}) the place

@@ -4,7 +4,7 @@
 --
 -- Responsive analyses
 --
--- Analyses in the plane that keep up with an outline while it is dragged.
+-- Analyses in the plane that follow an outline while it is dragged.
 
 ---Analyses of a plane body whose outline is dragged. Each function makes an object that holds its last good state. A
 ---drag that outline, mesh or solution refuses returns nil, message and details, and the object is as it was before.
@@ -55,7 +55,7 @@ function responsive_module.bridge(options) end
 ---Linear statics of an elastic sheet, solved in every drag.
 ---
 ---Errors: unconstrained (the conditions leave the sheet free to move; the message says where), convergence (the linear
----solution stopped early), empty (a condition is on a tag that no edge has), and those of `bw.plane.fill`.
+---solution stopped early), and those of `bw.plane.fill`.
 ---```lua
 ---local outline = assert(bw.plane.rectangle {max = {0.1, 0.02}}).outline
 ---local ends = {left = "fixed", right = {traction = {0, -1e5}}}
@@ -113,8 +113,7 @@ function responsive_module.steady(options) end
 ---Statics of a sheet in large deflection (St. Venant-Kirchhoff), brought to equilibrium in every drag by Newton's method.
 ---
 ---Errors: convergence (Newton's method found no equilibrium: the sheet snaps or folds, or an element inverts), unconstrained or singular
----(the conditions leave the sheet free to move), empty (a condition is on a tag that no edge has), and those of
----`bw.plane.fill`.
+---(the conditions leave the sheet free to move), and those of `bw.plane.fill`.
 ---
 ---Source: Umetani et al., equation 3.
 ---```lua
@@ -134,16 +133,16 @@ function responsive_module.cantilever(options) end
 ---@class bw.ResponsiveCantileverOptions: bw.ResponsiveSteadyOptions
 ---@field newton? bw.NewtonOptions when Newton's method ends. Default: as stated there
 
----Transient dynamics of a sheet on ground that shakes, by Newmark's method. It begins at rest, at time 0; `step` advances
+---Transient dynamics of a sheet on moving ground, by Newmark's method. It begins at rest, at time 0; `step` advances
 ---the time. `beta` and `gamma` outside of 2 beta ≥ gamma ≥ 1/2 raise at the first step.
 ---
----Errors: empty (a condition is on a tag that no edge has), and those of `bw.plane.fill`.
+---Errors: those of `bw.plane.fill`.
 ---
 ---Source: Umetani et al., equations 1 and 2.
 ---```lua
 ---local outline = assert(bw.plane.rectangle {max = {0.1, 0.02}}).outline
 ---local options = {outline = outline, material = bw.material.pla, elements = 200}
----options.ground, options.shake = "left", {y = "0.001 * sin(100 * t)"}
+---options.ground, options.ground_motion = "left", {y = "0.001 * sin(100 * t)"}
 ---local sheet = assert(bw.responsive.vibration(options))
 ---assert(sheet:step(5))
 ---print(sheet.time, sheet.von_mises:max())
@@ -154,10 +153,10 @@ function responsive_module.cantilever(options) end
 ---@return bw.Details? details
 function responsive_module.vibration(options) end
 
----A sheet on ground that shakes.
+---A sheet on moving ground.
 ---@class bw.ResponsiveVibrationOptions: bw.ResponsiveSteadyOptions
 ---@field ground? string|string[] the tags of the edges on the ground; they decide over all conditions. Default: none
----@field shake? bw.GroundMotion the displacement of the ground. Default: 0
+---@field ground_motion? bw.GroundMotion the displacement of the ground. Default: 0
 ---@field step? number (s) the time step, above 0. Default: 1e-3
 ---@field beta? number (-) Newmark's beta. Range: gamma / 2 and more. Default: 0.25
 ---@field gamma? number (-) Newmark's gamma. Range: 1/2 and more. Default: 0.5
@@ -173,7 +172,7 @@ function responsive_module.vibration(options) end
 ---condition. Without an outflow and a prescribed pressure, the mean pressure is 0.
 ---
 ---Errors: convergence (there is no steady state, or the linear solution stopped early), singular (the equations have no
----unique solution), empty (a condition is on a tag that no edge has), and those of `bw.plane.fill`.
+---unique solution), and those of `bw.plane.fill`.
 ---
 ---Source: Umetani et al., section 4; Tezduyar, Mittal, Ray and Shih, Comput. Methods Appl. Mech. Eng. 95 (1992).
 ---```lua

@@ -124,11 +124,11 @@ function BentSheet:become(outline) end
 ---@return bw.Details? details
 function BentSheet:solve() end
 
----A sheet on ground that shakes, made by `bw.responsive.vibration`.
+---A sheet on moving ground, made by `bw.responsive.vibration`.
 ---```lua
 ---local outline = assert(bw.plane.rectangle {max = {0.1, 0.02}}).outline
 ---local options = {outline = outline, material = bw.material.pla, elements = 200}
----options.ground, options.shake = "left", {y = "0.001 * sin(100 * t)"}
+---options.ground, options.ground_motion = "left", {y = "0.001 * sin(100 * t)"}
 ---local sheet = assert(bw.responsive.vibration(options))
 ---assert(sheet:step(5))
 ---print(sheet.time, sheet.velocity)
@@ -194,7 +194,7 @@ function ShakenSheet:step(count) end
 ---@field displacement bw.Array (m, node_count × 2, per node) displacement along x and y
 ---@field velocity bw.Array? (m/s, node_count × 2, per node) velocity along x and y; nil before the first step in time
 ---@field acceleration bw.Array? (m/s2, node_count × 2, per node) acceleration along x and y; nil before the first step in time
----@field stress bw.Array (Pa, node_count × 4, per node) stress: xx, yy, xy, zz; Cauchy stress after `bend`
+---@field stress bw.Array (Pa, node_count × 4, per node) stress: xx, yy, xy, zz; Cauchy stress after `large_deflection`
 ---@field von_mises bw.Array (Pa, node_count × 1, per node) von Mises stress
 ---@field error_estimate number (-) relative error in the energy norm, estimated by Zienkiewicz and Zhu
 ---@field points bw.Array (m, node_count × 2, per node) x and y of the mesh
@@ -234,7 +234,7 @@ function Sheet:static(frame, solver) end
 ---@return bw.ReuseStatistics? frame the same table
 ---@return string? message
 ---@return bw.Details? details
-function Sheet:shake(frame, solver, newmark, steps) end
+function Sheet:transient(frame, solver, newmark, steps) end
 
 ---Newmark's method with Rayleigh damping.
 ---@class bw.NewmarkOptions
@@ -253,7 +253,7 @@ function Sheet:shake(frame, solver, newmark, steps) end
 ---@return bw.ReuseStatistics? frame the same table
 ---@return string? message
 ---@return bw.Details? details
-function Sheet:bend(frame, solver, newton) end
+function Sheet:large_deflection(frame, solver, newton) end
 
 ---When Newton's method ends.
 ---@class bw.NewtonOptions

@@ -70,7 +70,7 @@ end)
 scenario("Resonance of a cantilever", {tags = {"slow"}}, function(t)
   local ratio, step, amplitude = 0.05, PERIOD / 60, 1e-4
   local s, tip = beam {step = step, damping = {0, 2 * ratio / OMEGA},
-    shake = {y = function(_, _, time) return amplitude * math.sin(OMEGA * time) end}}
+    ground_motion = {y = function(_, _, time) return amplitude * math.sin(OMEGA * time) end}}
   t:require(s:step(60 * 20))
   local max = 0
   for _ = 1, 120 do

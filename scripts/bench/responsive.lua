@@ -41,7 +41,7 @@ end
 
 local make = {
   vibration = function(options)
-    options.ground, options.shake, options.step = "bottom", {x = "0.01*sin(60*t)"}, 2e-3
+    options.ground, options.ground_motion, options.step = "bottom", {x = "0.01*sin(60*t)"}, 2e-3
     return bw.responsive.vibration(options)
   end,
   cantilever = function(options)

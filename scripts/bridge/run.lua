@@ -94,7 +94,7 @@ local function main()
     area_m2 = bridge.area, utilisation = found.utilisation,
     checked_utilisation = found.checked_utilisation, checked_elements = found.checked_elements,
     beam_height_m = height, beam_area_m2 = beam, michell_area_m2 = bridge:michell_area(),
-    moment_share = bridge:moment_share(), message = found.message,
+    moment_fraction = bridge:moment_fraction(), message = found.message,
     holes = #bridge.whole.loops - 1, starts = bw.json.list {}}
   for i, one in ipairs(found.starts) do
     result.starts[i] = {start = one.start, area_m2 = one.area, utilisation = one.utilisation,

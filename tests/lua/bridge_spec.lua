@@ -239,7 +239,7 @@ describe("a bridge", function()
   it("says what it would bear where no shape passes, and where none can", function()
     local b = assert(small_bridge {load = 4000, size = 0.006})
     check.near(4 * 4000 / 4 * (0.2 + b.options.bearing - b.options.pad / 2) / (30e6 * 0.004 * 0.1 ^ 2),
-      b:moment_share(), 1e-12)
+      b:moment_fraction(), 1e-12)
     local found = assert(b:design {starts = {"gable"}, rounds = 2, polish = 0})
     assert.is_false(found.passes)
     assert.truthy(found.message:find "It bears %d+ N, or 4000 N with a thickness of 0.00%d+ m")

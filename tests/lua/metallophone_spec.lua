@@ -90,7 +90,7 @@ describe("a metallophone bar", function()
   -- width in the place of the thickness.
   it("names its modes", function()
     local length, width, thick, nu = 0.3, 0.03, 0.004, 0.33
-    local turned = assert(bw.outline.rectangle {min = {0, 0}, max = {length, width}}):turned(30)
+    local turned = assert(bw.outline.rectangle {min = {0, 0}, max = {length, width}}):rotated(30)
     local bar = assert(bw.responsive.metallophone {outline = turned, thickness = thick, elements = 200, modes = 7,
       material = bw.material.isotropic {name = "alloy", young = 70e9, poisson = nu, density = 2700}})
     local first = {}

@@ -186,7 +186,7 @@ end)
 describe("a transient sheet", function()
   it("moves with the ground, in steps between drags", function()
     local s = assert(bw.responsive.vibration {outline = plate(), material = rubber, elements = 300,
-      ground = "left", shake = {y = function(_, _, t) return 0.01 * math.sin(20 * t) end}, step = 1e-3})
+      ground = "left", ground_motion = {y = function(_, _, t) return 0.01 * math.sin(20 * t) end}, step = 1e-3})
     assert.is_nil(s.velocity)
     for i = 1, 20 do
       if i % 4 == 0 then assert(s:drag({loop = "hole"}, {0.02, 0})) end
@@ -230,7 +230,7 @@ describe("random drags", function()
     end,
     vibration = function()
       -- a drag changes the rest shape under a strained sheet, and so its energy: damped, it is lost again
-      return bw.responsive.vibration(options {ground = "left", shake = {y = "0.01*sin(20*t)"},
+      return bw.responsive.vibration(options {ground = "left", ground_motion = {y = "0.01*sin(20*t)"},
         damping = {20, 1e-4}})
     end,
   }

@@ -64,7 +64,7 @@ describe("trials:plot", function()
     local trials = make(min_mass, 10)
     trials.summary = {indices = {mass = {{name = "thickness", first = 0.7, total = 0.8,
       first_interval = {0.6, 0.8}, total_interval = {0.7, 0.9}}, {name = "holes", first = 0.2, total = 0.2}}}}
-    assert.truthy(plots.plot(trials, "sensitivity"):svg():find("share of the variance of mass", 1, true))
+    assert.truthy(plots.plot(trials, "sensitivity"):svg():find("fraction of the variance of mass", 1, true))
     trials.summary = {effects = {stress = {{name = "thickness", mu_star = 1e7, sigma = 2e6,
       mu_star_interval = {8e6, 1.2e7}}, {name = "holes", count = 0}}}}
     local plane = plots.plot(trials, "sensitivity", {measure = "stress"})

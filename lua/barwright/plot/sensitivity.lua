@@ -63,7 +63,7 @@ local function sobol(opts, given)
     end
   end
   return bars {names = taken(opts.names, order), series = list, horizontal = true,
-    value = {label = "share of the variance" .. (opts.label and " of " .. opts.label or "")},
+    value = {label = "fraction of the variance" .. (opts.label and " of " .. opts.label or "")},
     title = opts.title, width = opts.width,
     height = given.height or math.max(180, 90 + #order * (24 + 16 * #list))}
 end
@@ -146,7 +146,7 @@ local function morris(opts)
     end}
 end
 
--- Spans from the measure at a variable's least to that at its most, the widest on top.
+-- Spans from the measure at a variable's minimum to that at its maximum, the widest on top.
 local function tornado(opts, given)
   local widths = {}
   for i = 1, #opts.names do widths[i] = math.abs(opts.high[i] - opts.low[i]) end
@@ -184,7 +184,7 @@ end
 
 --- Sobol's indices: names, first and total with first_low, first_high, total_low, total_high. Morris:
 --- names, mu_star, sigma, mu_star_low, mu_star_high. One at a time: names, low and high (the measure at each
---- variable's least and most), base.
+--- variable's minimum and maximum), base.
 return function(given)
   local opts = options.read(where, given, rules)
   opts.names = names_of(data.list(where, "names", opts.names))

@@ -52,8 +52,8 @@ static bw_mesh *perturbed_grid(bw_context *context, int cells, int order) {
   bw_random_seed(&random, 5);
   for (int32_t i = 0; i < grid->node_count; i++)
     for (int d = 0; d < 3; d++) {
-      double shake = 0.12 / cells * (2 * bw_random_uniform(&random) - 1);
-      x[3 * i + d] = grid->node[3 * i + d] + (on_surface(grid->node + 3 * i) ? 0 : shake);
+      double perturbation = 0.12 / cells * (2 * bw_random_uniform(&random) - 1);
+      x[3 * i + d] = grid->node[3 * i + d] + (on_surface(grid->node + 3 * i) ? 0 : perturbation);
     }
   check_ok(context, bw_mesh_moved(context, grid, x, &moved));
   check_ok(context, bw_mesh_with_order(context, moved, order, &mesh));

@@ -164,7 +164,7 @@ makers.SteadySheet = {function() return assert(bw.responsive.steady(sheet_option
   function() return assert(bw.responsive.steady(sheet_options {order = 2, elements = 8})) end}
 makers.BentSheet = {function() return assert(bw.responsive.cantilever(sheet_options())) end}
 makers.ShakenSheet = {function()
-  return assert(bw.responsive.vibration(sheet_options {ground = "left", shake = {x = "0.01*sin(9*t)"},
+  return assert(bw.responsive.vibration(sheet_options {ground = "left", ground_motion = {x = "0.01*sin(9*t)"},
     conditions = {}}))
 end}
 makers.Sheet = {function(p) return rawget(p.SteadySheet, "body") end, function(p) return rawget(p.BentSheet,

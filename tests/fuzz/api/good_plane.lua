@@ -48,7 +48,7 @@ add {
   ["Outline:tag"] = function(_, r) return "new", r:one_of {1, {1, 2}, {loop = 1}} end,
   ["Outline:with_tag"] = function() return "new", {1, 2} end,
   ["Outline:shifted"] = function(_, r) return pair(r) end,
-  ["Outline:turned"] = function(_, r) return 90 * r:uniform(), pair(r) end,
+  ["Outline:rotated"] = function(_, r) return 90 * r:uniform(), pair(r) end,
   ["Outline:scaled"] = function(_, r) return r:one_of {2, {1, 2}}, pair(r) end,
   ["Outline:measure"] = function() return 1 end,
   ["Outline:loop"] = function() return 1 end,
@@ -82,7 +82,7 @@ local function flow(more)
 end
 alike("bw.responsive.steady", sheet {})
 alike("bw.responsive.cantilever", sheet {newton = {iterations = 20, load_steps = 2}})
-alike("bw.responsive.vibration", sheet {ground = "left", shake = {x = "0.01*sin(t)"}, step = 0.01,
+alike("bw.responsive.vibration", sheet {ground = "left", ground_motion = {x = "0.01*sin(t)"}, step = 0.01,
   damping = {0.1, 0},
   conditions = {}})
 alike("bw.responsive.flow", flow {bdf = 2, ale = true})
@@ -92,16 +92,17 @@ alike("bw.responsive.thermal", flow {diffusivity = 0.1, expansion = 0.01, condit
 alike("SteadySheet:become BentSheet:become ShakenSheet:become Flow:become ThermalFlow:become", function(p)
   return p:variant("bw.Outline", 4) end)
 alike("Sheet:follow FlowBody:follow", function(p) return {}, p:variant("bw.Outline", 4) end)
-alike("Sheet:static Sheet:bend", function(_, r) return {}, {method = r:one_of {"auto", "scratch"}}, {} end)
+alike("Sheet:static Sheet:large_deflection", function(_, r)
+  return {}, {method = r:one_of {"auto", "scratch"}}, {} end)
 alike("SteadySheet:stress_norm Sheet:stress_norm", function(_, r) return 1 + 10 * r:uniform() end)
 alike("Metallophone:tone Metallophone:gains Plate:tone Plate:gains", function() return {seconds = 0.01,
   rate = 8000, at = {0.1, 0.015}} end)
 alike([[Metallophone:gradient Metallophone:mode Metallophone:inplane Plate:mode Plate:gradient
   Plate:nodal_lines Plate:inplane]],  function() return 1 end)
-alike("Flow:force ThermalFlow:force Flow:heat ThermalFlow:heat FlowBody:force FlowBody:heat", function(_, r)
+alike("Flow:force ThermalFlow:force ThermalFlow:heat FlowBody:force FlowBody:heat", function(_, r)
   return r:one_of {"top", "left", "bottom"} end)
 alike("Flow:coefficients ThermalFlow:coefficients", function() return "top", {velocity = 1, length = 0.1} end)
-alike("Flow:nusselt ThermalFlow:nusselt", function() return "bottom", 2 end)
+alike("ThermalFlow:nusselt", function() return "bottom", 2 end)
 alike("Flow:at ThermalFlow:at FlowBody:at", function(_, r) return r:uniform(), r:uniform() / 2 end)
 alike("Flow:pressure_drop ThermalFlow:pressure_drop", function(_, r) return pair(r), pair(r) end)
 alike("Flow:record ThermalFlow:record", function() return "lift", function(f) return f:force "top" end end)
@@ -115,7 +116,7 @@ add {
   ["bw.responsive.bridge"] = function(_, r) return {span = 0.2, load = 100, stress_limit = 30e6,
     material = bw.material.pla, thickness = 0.004,
     size = 0.02, wall = 0.01, start = r:one_of {"truss", "gable", "beam", "arch"}} end,
-  ["Sheet:shake"] = function(_, r) return {}, {}, {step = 0.01, beta = 0.25, gamma = 0.5}, r:integer(3) end,
+  ["Sheet:transient"] = function(_, r) return {}, {}, {step = 0.01, beta = 0.25, gamma = 0.5}, r:integer(3) end,
   ["Sheet:return_to"] = function(p) return (p.Sheet:keep()) end,
   ["Metallophone:become"] = function(_, r) return (bw.outline.rectangle {min = {0, 0}, max = {0.2,
     0.03 + 0.001 * r:uniform()}}) end,
@@ -153,7 +154,7 @@ add {
     relocation = r:one_of {"harmonic", "springs"}, sweeps = 2,
     force = r:one_of {"relocation", "reconnecting", "reconstruction"}} end,
   ["PlaneMesh:moved"] = function(p) local m = p:variant("bw.PlaneMesh", 1) return m.outline, m.points end,
-  ["PlaneMesh:carry"] = function(p) return p:variant("bw.PlaneMesh", 2), bw.array.zeros(p.PlaneMesh.node_count,
+  ["PlaneMesh:transfer"] = function(p) return p:variant("bw.PlaneMesh", 2), bw.array.zeros(p.PlaneMesh.node_count,
     2) end,
   ["PlaneMesh:locate"] = function(_, r) return pair(r) end,
   ["PlaneMesh:shares"] = function(p, r) return p:get("bw.PlaneMesh", r) end,

@@ -9,7 +9,7 @@ return followed_kinds.new {
     acting.load = 1e-3
     return bw.responsive.vibration {outline = followed_kinds.first(), material = acting.rubber,
       elements = math.random(8, 40), order = math.random(2), step = 1e-3, ground = "left",
-      shake = {y = acting.function_of_load}}
+      ground_motion = {y = acting.function_of_load}}
   end,
   fields = {"displacement", "velocity", "acceleration", "time"},
   moves = {
