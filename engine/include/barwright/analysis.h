@@ -44,9 +44,9 @@ BW_API bw_status bw_max_principal_field(bw_context *context, int64_t count, cons
 BW_API bw_status bw_utilisation_field(bw_context *context, const bw_material *material,
                                       int64_t count, const double *stress, double *value);
 /* Zienkiewicz and Zhu's estimate for displacement (m, node_count x 3): error energy of every
- * element against the averaged nodal stress, element (J, element_count), which may be NULL;
- * *relative (-) is the estimated energy-norm error over the energy norm of the solution, for tet10
- * times the factor 1.5 of the agile paper (section 8), without which it falls short. */
+ * element against the averaged nodal stress, element (J, element_count), which may be NULL.
+ * *relative (-) is the estimated energy-norm error over the energy norm of the solution. For tet10
+ * it has the factor 1.5 of the agile paper (section 8), without which it is too small. */
 BW_API bw_status bw_error_estimate(bw_context *context, const bw_mesh *mesh,
                                    const bw_material *material, const double *displacement,
                                    double *element, double *relative);
@@ -80,8 +80,9 @@ BW_API bw_status bw_internal_force(bw_context *context, const bw_mesh *mesh,
                                    const bw_material *material, const double *displacement,
                                    double *force);
 /* The largest concave angle, *kink (rad), by which the normals of boundary facets differ at the
- * nodes of the facets around a boundary node, of those below limit (rad): 0 on flat and on resolved
- * round faces, the angle between facets where these stand for a round face. 0 for inner nodes. */
+ * nodes of the facets around a boundary node, of those below limit (rad). It is 0 on flat and on
+ * resolved round faces, and at inner nodes; where facets represent a round face it is the angle
+ * between them. */
 BW_API bw_status bw_boundary_kink(bw_context *context, const bw_mesh *mesh, int32_t node,
                                   double limit, double *kink);
 
@@ -110,8 +111,8 @@ BW_API bw_status bw_surface_mean(bw_context *context, const bw_mesh *mesh,
 typedef bw_status bw_solve_function(void *data, bw_context *context, int64_t count,
                                     const double *force, double *displacement);
 /* The nodal von Mises stress, von_mises (Pa, count), as bw_static_stress and bw_von_mises_field
- * give it under displacement (m, node_count x 3), at nodes, node (index, count), and its derivative
- * by every corner node's position, gradient (Pa/m, count x node_count x 3), by one adjoint solve
+ * give it under displacement (m, node_count x 3), at nodes, node (index, count). Its derivative by
+ * every corner node's position, gradient (Pa/m, count x node_count x 3), takes one adjoint solve
  * each: d sigma = gradient : d x along any change of shape that keeps edges straight. The
  * contributions of mid-edge nodes are added to those of their edge's ends. Loads count too: those
  * on areas, and gravity, change with the shape. For a free body the balance by inertia is part of
@@ -167,8 +168,8 @@ BW_API bw_status bw_boundary_gather(bw_context *context, const bw_mesh *mesh, do
  * A x <= b and min <= x <= max, by NLopt's SLSQP. H (any, n x n) is positive definite, g (any, n),
  * A (any, m x n), b (any, m); bounds min (any, n) and max (any, n) may be infinite. Where no x
  * fulfils A x <= b within the bounds, *violation (any) > 0 is the least v for which A x <= b + v
- * has a solution (so give the rows a common scale), and x the point of least objective with it;
- * else it is 0. multiplier (any, m), which may be NULL, of the rows, so that H x + g + A^T
+ * has a solution (so give the rows a common scale). Then x is the point of least objective with it.
+ * Else it is 0. multiplier (any, m), which may be NULL, of the rows, so that H x + g + A^T
  * multiplier is 0 but for the bounds. BW_CONVERGENCE where NLopt fails. */
 BW_API bw_status bw_quadratic_program(bw_context *context, int n, const double *H, const double *g,
                                       int m, const double *A, const double *b, const double *min,
@@ -260,9 +261,8 @@ BW_API bw_status bw_region_by_force(bw_context *context, const bw_weak_regions *
 
 /* Pressures at boundary corner nodes, linear over facets, or constant on cells of facets.
  * force = G p (N A of eq. 10, consistent also for tet10). With friction every pressure has one
- * column for each facet of its cone: the pressure is their sum, and column k pulls the surface
- * along with it by friction times the pressure, in the k-th of so many directions around the
- * circle. */
+ * column for each facet of its cone, and the pressure is their sum. Column k has a tangential force
+ * of friction times the pressure, in the k-th of so many directions around the circle. */
 typedef struct bw_pressure_basis {
   bw_object object;
   const bw_mesh *mesh; /* retained */

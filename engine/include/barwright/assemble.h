@@ -134,17 +134,17 @@ BW_API bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_blo
 /* Brings it to another shape: motion[subdomain_count] says how every subdomain lies now; `mesh` has
  * the nodes as they are now, and is read for reshaped subdomains only. Only entries of subdomains
  * whose global entries changed are written (contributions of the others at shared blocks are kept).
- * What differs from the last writing by less than 2e-14 (of the map; for reshaped subdomains of the
- * largest coordinate) counts as rounding and is left, so that the values stay within 1e-12 of those
- * from scratch however many updates there were.
+ * Changes since the last writing below 2e-14 (of the map; for reshaped subdomains of the largest
+ * coordinate) count as rounding and are not written. So the values stay within 1e-12 of those from
+ * scratch after any number of updates.
  *
  * `changed` says for which subdomains any entry changed in the frames of its nodes, with the same
- * tolerance against the shape at which it was last reported: a subdomain that only turned as a
- * whole together with the frames of all its nodes (and, if anisotropic, its material) is false
- * there though its global entries were written; one that stayed while the frame of a neighbour's
- * node turned is true though nothing was. On failure everything is as it was: BW_INVALID for a
- * motion that is none (not finite, determinant not positive, frame no rotation) or a curved
- * element, BW_GEOMETRY for an inverted one. `change` may be NULL. */
+ * tolerance relative to the shape at which it was last reported. It is false for a subdomain that
+ * only turned as a whole together with the frames of all its nodes (and, if anisotropic, its
+ * material), though its global entries were written. It is true for one that stayed while the frame
+ * of a neighbour's node turned, though nothing was written. On failure everything is as it was:
+ * BW_INVALID for a motion that is none (not finite, determinant not positive, frame no rotation) or
+ * a curved element, BW_GEOMETRY for an inverted one. `change` may be NULL. */
 BW_API bw_status bw_subdomain_stiffness_update(bw_context *context,
                                                bw_subdomain_stiffness *stiffness,
                                                const bw_mesh *mesh,

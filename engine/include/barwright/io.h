@@ -62,7 +62,7 @@ typedef struct bw_read_info {
 
 /* Points as in the file (no unit conversion); exactly equal points of STL facets are welded.
  * `info` may be NULL. A volume mesh (MSH, VTU) gives its boundary. BW_FORMAT where the content is
- * not what its format says, BW_GEOMETRY for indices or coordinates that make no surface, BW_LIMIT
+ * not what its format says, BW_GEOMETRY for indices or coordinates that make no surface. BW_LIMIT
  * beyond 2^31 - 1 points or facets and for files beyond 4 GiB, BW_UNSUPPORTED for a variant of a
  * format that is not read. Details: "file", and "line" or "byte". */
 BW_API bw_status bw_surface_read(bw_context *context, const char *path, bw_surface **surface,

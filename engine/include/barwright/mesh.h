@@ -199,10 +199,10 @@ BW_API bw_status bw_surface_distance(bw_context *context, const bw_surface *a, c
  * it has no facets. */
 BW_API bw_status bw_surface_offsets(bw_context *context, const bw_surface *surface, int64_t count,
                                     const double *point, double *distance);
-/* How thick the body is under `samples` places that have equal shares of the area: thickness (m,
- * samples), the distance along the inward normal to the wall on the other side, INFINITY where
- * there is none (an open surface, or one that faces inwards); place (m, samples x 3), which may be
- * NULL. BW_GEOMETRY for a surface without area. */
+/* How thick the body is under `samples` places that have equal shares of the area, place (m,
+ * samples x 3), which may be NULL. thickness (m, samples) is the distance along the inward normal
+ * to the wall on the other side, INFINITY where there is none (an open surface, or one that faces
+ * inwards). BW_GEOMETRY for a surface without area. */
 BW_API bw_status bw_surface_thickness(bw_context *context, const bw_surface *surface,
                                       int32_t samples, double *thickness, double *place);
 

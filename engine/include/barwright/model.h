@@ -190,8 +190,8 @@ BW_API bw_status bw_model_temperature(bw_context *context, bw_model *model, cons
 BW_API bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bool on_nodes,
                                          double *stress);
 /* The same material, supports and loads on a mesh of the same topology (an edited shape):
- * selections keep their facets and nodes, so that supports and loads follow the surface; areas,
- * resultants and normals are those of the new shape, forces and gravity keep their directions.
+ * selections keep their facets and nodes, so that supports and loads follow the surface. Areas,
+ * resultants and normals are those of the new shape; forces and gravity keep their directions.
  * BW_INVALID for another topology. BW_GEOMETRY for a force on facets that have lost their area,
  * BW_UNSUPPORTED as bw_model_transferred. */
 BW_API bw_status bw_model_moved(bw_context *context, const bw_model *model, const bw_mesh *mesh,

@@ -51,9 +51,9 @@ BW_API void bw_svd3(const double f[9], double u[9], double s[3], double v[9]);
  */
 
 /* Points of quadrature in the unit cube. Level 0 and 1: 2 x 2 x 2 Gauss points, point k in octant
- * k (bits as corners); level l: such points in each of the 8^(l-1) small cubes, those of cube k
- * from 8^(l-1) k on, in each cube as in a level less. One object per level and process lifetime is
- * not promised: compare `level`. */
+ * k (bits as corners). Level l: such points in each of the 8^(l-1) small cubes; those of octant k
+ * are from 8^(l-1) k on, in the order of the level below. One object per level and process lifetime
+ * is not promised: compare `level`. */
 typedef struct bw_rule {
   bw_object object;
   int level; /* as above */
@@ -102,7 +102,7 @@ BW_API bw_status bw_solid_material_create(bw_context *context, const char *name,
                                           double young, double poisson, double density,
                                           bw_solid_material **material);
 /* The same with young (Pa) and poisson for elements with B-bar, which do not lock where poisson is
- * near 1/2: the terms with lambda are evaluated in the middle of the cell, where the volumetric
+ * near 1/2. The terms with lambda are evaluated in the middle of the cell, where the volumetric
  * strain of small deformations has its mean (docs/theory/elements.md). For poisson <= 0, where
  * nothing locks, the standard one.
  */
@@ -350,12 +350,12 @@ typedef struct bw_solid_static {
   bw_newton_report report;       /* how it was found */
 } bw_solid_static;
 /* The stable equilibrium that the load path from rest leads to: Newton's method on the total
- * potential with line search, where the tangent is not positive definite on one that is made so; an
- * equilibrium that is not stable is left. BW_UNCONSTRAINED for a solid with rigid-body modes,
- * also those that contact planes alone do not prevent. BW_CONVERGENCE, and BW_GEOMETRY for inverted
- * elements, name load factor, residual, worst element and its place, and still give the last
- * converged state in *result (complete = false), as BW_UNCONSTRAINED does where a mode appears at a
- * later load step. `newton` and `options` may be NULL. */
+ * potential with line search. Where the tangent is not positive definite, one that is made so
+ * replaces it. An unstable equilibrium is not accepted. BW_UNCONSTRAINED for a solid with
+ * rigid-body modes, also those that contact planes alone do not prevent. BW_CONVERGENCE, and
+ * BW_GEOMETRY for inverted elements, name load factor, residual, worst element and its place, and
+ * still give the last converged state in *result (complete = false), as BW_UNCONSTRAINED does where
+ * a mode appears at a later load step. `newton` and `options` may be NULL. */
 BW_API bw_status bw_solid_statics(bw_context *context, const bw_solid *solid,
                                   const bw_load_case *load_case, bw_newton *newton,
                                   const bw_newton_options *options, bw_solid_static **result);

@@ -32,8 +32,8 @@ typedef struct bw_loop {
 #define BW_OUTLINE_GAP 1e-9
 /* A shape in the plane. Immutable; always valid: every loop closed and simple, loops disjoint and
  * properly nested. Segments that are not neighbours stay more than BW_OUTLINE_GAP times the size of
- * the outline (the diagonal of its box, or the largest coordinate if that is larger) apart;
- * neighbours meet in their common end only, and not at an angle of zero. */
+ * the outline (the diagonal of its box, or the largest coordinate if that is larger) apart.
+ * Neighbours meet in their common end only, and not at an angle of zero. */
 typedef struct bw_outline {
   bw_object object;
   const struct bw_outline *origin; /* retained: whose topology this is; NULL: its own */
@@ -121,10 +121,10 @@ BW_API bw_status bw_outline_with_loop(bw_context *context, const bw_outline *out
  * regions close up. BW_GEOMETRY for the last one, BW_LIMIT as above. */
 BW_API bw_status bw_outline_without_loop(bw_context *context, const bw_outline *outline,
                                          int32_t loop, bw_outline **smaller);
-/* Push-pin pulling of a curve: the `vertex` goes to `to` (m), vertices pin (index, pins) stay, the
- * points of the loop between, up to the first vertex reach (m) away along the curve, 0: up to the
- * `pins` pins, follow as rigidly as possible. Without pins and reach the loop moves as a whole;
- * about a single pin it turns. BW_GEOMETRY where the result crosses itself. */
+/* Push-pin pulling of a curve: the `vertex` goes to `to` (m), and `pins` vertices, pin (index,
+ * pins), stay. The points of the loop between follow as rigidly as possible, up to the first vertex
+ * reach (m) away along the curve, 0: up to the pins. Without pins and reach the loop moves as a
+ * whole; about a single pin it turns. BW_GEOMETRY where the result crosses itself. */
 BW_API bw_status bw_outline_pulled(bw_context *context, const bw_outline *outline, int32_t vertex,
                                    const double to[2], int32_t pins, const int32_t *pin,
                                    double reach, bw_outline **pulled);

@@ -201,7 +201,7 @@ BW_API bw_status bw_canvas_svg(bw_context *context, const bw_canvas *canvas, boo
 BW_API bw_status bw_canvas_write(bw_context *context, const bw_canvas *canvas, double scale,
                                  bool outlines, const char *path);
 
-/* The index-th (from 0) of a dozen colours that  * differ clearly, sRGB bytes; then they repeat. */
+/* The index-th (from 0) of a dozen colours that differ clearly, sRGB bytes; then they repeat. */
 BW_API void bw_category_colour(int64_t index, unsigned char rgb[3]);
 
 /* The colour map: t (-), 0 to 1, to sRGB bytes; nan: grey. Shared with the report: even in the

@@ -47,10 +47,10 @@ BW_API bw_status bw_plane_multiply(bw_context *context, const bw_plane_pattern *
                                    int components, const double *values, const double *x,
                                    double *y);
 /* Prescribes unknowns, those with held (node_count x components) not 0, to prescribed (any,
- * node_count x components): their rows and columns in values (any, block_count x components x
- * components) become those of the identity times the mean size of the component's diagonal entries,
- * and rhs (any, node_count x components), which may be NULL, follows, so that the number of
- * unknowns never changes. */
+ * node_count x components). Their rows and columns in values (any, block_count x components x
+ * components) become those of the identity times the mean size of the component's diagonal entries.
+ * rhs (any, node_count x components), which may be NULL, changes accordingly, and the number of
+ * unknowns does not. */
 BW_API bw_status bw_plane_prescribe(bw_context *context, const bw_plane_pattern *pattern,
                                     int components, const uint8_t *held, const double *prescribed,
                                     double *values, double *rhs);
@@ -249,11 +249,11 @@ BW_API bw_status bw_sheet_stress(bw_context *context, const bw_sheet *sheet, dou
  * and error. */
 BW_API bw_status bw_sheet_error(bw_context *context, const bw_sheet *sheet, double *relative);
 /* The p-norm of stress, *norm (Pa), J = (integral of von Mises^p / area)^(1/p), which tends to the
- * largest stress from below as p (-) grows (1 to 1000), and dJ / d node positions, gradient (Pa/m,
- * node_count x 2), NULL: J alone, exact, by one
- * adjoint solve on the current factor: for shape optimisation. After bw_sheet_static on the same
- * mesh (BW_INVALID else). Those of bw_lagged_factor_solve. Values of conditions that are functions
- * of place are taken to go with their nodes. */
+ * largest stress from below as p (-) grows (1 to 1000). dJ / d node positions, gradient (Pa/m,
+ * node_count x 2), which may be NULL, is exact and takes one adjoint solve on the current factor.
+ * For shape optimisation. After bw_sheet_static on the same mesh (BW_INVALID else). Those of
+ * bw_lagged_factor_solve. Values of conditions that are functions of place are taken to go with
+ * their nodes. */
 BW_API bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double p,
                                           double *norm, double *gradient);
 

@@ -102,11 +102,11 @@ typedef struct bw_weights_options {
 /* How much each bone moves each node: weight (-, node_count x bone_count), non-negative, each row
  * summing to one (checked: BW_INTERNAL otherwise). On the surface the heat equilibrium of Baran and
  * Popovic,
- * (-Laplace + H) w = H p with H = heat / d^2 to the nearest bones that a surface point sees;
- * inside, a Laplace solve with these as boundary values (eq. 2 of agile); negative values, which
- * cotangents can cause, are cut and rows scaled. Mid-edge nodes get the mean of their edge's ends.
- * BW_SINGULAR where the Laplacian's factor fails, BW_LIMIT for one too large. `options` may be
- * NULL. */
+ * (-Laplace + H) w = H p with H = heat / d^2 to the nearest bones that are visible from a surface
+ * point. Inside, a Laplace solve with these as boundary values (eq. 2 of agile). Negative values,
+ * which cotangents can cause, are set to 0 and rows scaled. Mid-edge nodes get the mean of their
+ * edge's ends. BW_SINGULAR where the Laplacian's factor fails, BW_LIMIT for one too large.
+ * `options` may be NULL. */
 BW_API bw_status bw_skinning_weights(bw_context *context, const bw_mesh *mesh,
                                      const bw_skeleton *skeleton, const bw_weights_options *options,
                                      double *weight);
@@ -307,8 +307,8 @@ BW_API bw_status bw_mesh_relax(bw_context *context, const bw_mesh *mesh, const u
 /* New tetrahedra by TetGen in the part of the mesh with replace (element_count) not 0, at
  * positions, node (m, node_count x 3): the facets between it and the rest, and those on the
  * boundary, stay exactly. The boundary facets of `refilled` are those of `mesh`, in the same order,
- * with the same positions; boundary and kept nodes come first: node_from (index, node_count of
- * refilled) is the old node or -1; element_from (index, element_count of refilled) the old element
+ * with the same positions. Boundary and kept nodes come first. node_from (index, node_count of
+ * refilled) is the old node or -1, element_from (index, element_count of refilled) the old element
  * (kept ones, in order, first) or -1 - k with k the part's component (face-connected parts of
  * `replace`, by lowest element); release both with bw_free. BW_GEOMETRY when the part's own
  * boundary intersects itself or an element outside of it is inverted, BW_EMPTY when nothing is to

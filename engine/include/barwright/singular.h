@@ -55,8 +55,8 @@ typedef struct bw_singular_places {
 } bw_singular_places;
 
 /* The re-entrant edges of a closed surface: those where the angle inside the material exceeds 180
- * degrees by more than margin (rad), 0 for 10 degrees, between two recognised faces, and by more
- * than 30 degrees where one is free form (docs/theory/singular.md). `faces`: of this surface, or
+ * degrees by more than margin (rad), 0 for 10 degrees, between two recognised faces. Where one is
+ * free form, it is more than 30 degrees (docs/theory/singular.md). `faces`: of this surface, or
  * NULL. BW_GEOMETRY for a surface that is open, or not turned outwards. */
 BW_API bw_status bw_singular_edges(bw_context *context, const bw_surface *surface,
                                    const bw_faces *faces, double margin,

@@ -18,7 +18,7 @@ typedef struct bw_solve_times {
 /* The equations of a body: stiffness, mass, DOF map and the factor of the reduced stiffness. One
  * factor serves statics, modes, objectives and stresses. Solves may not run on one system from two
  * threads at once (the context is busy); a solve itself uses all threads. The equations never
- * change; only how they are solved may: those that bw_statics made for two-level PCG have no factor
+ * change; only how they are solved may. Those that bw_statics made for two-level PCG have no factor
  * and no mass until bw_system_factor is called, or a static solution finds that by now a factor
  * would have been cheaper. */
 typedef struct bw_system bw_system;
@@ -115,14 +115,15 @@ typedef struct bw_statics_options {
  * mesh, material and supports are the same; it may gain a factor, or lose what it has to solve by
  * two-level PCG).
  *
- * Left to itself, a static solution is by a factor where there is one already, where that counts as
- * cheap (less than five seconds of the model's machine), where PCG does not apply and where it
- * would cost more than half as much; else by two-level PCG, and so where the factor would take more
- * than four gigabytes or more than `memory`. Costs are operations and bytes, counted, over the
- * rates of one fixed machine, so that the choice is the same everywhere. The costs of solutions by
- * two-level PCG are added up: when the next one would make their sum more than the factor, that is
- * made. Where iterating does not converge, a factor takes its place, and a warning says so;
- * BW_CONVERGENCE where  * there is no memory for one, or the method is BW_STATICS_PCG. */
+ *  * By BW_STATICS_AUTO, a static solution is by a factor where there is one already, or where that
+ * counts as cheap (less than five seconds of the model's machine). So it is where PCG does not
+ * apply or would cost more than half as much. Else it is by two-level PCG, and also where the
+ * factor would take more than four gigabytes or more than `memory`. Costs are operations and bytes,
+ * counted, over the rates of one fixed machine, so that the choice is the same everywhere. The
+ * costs of solutions by two-level PCG are added up: when the next one would make their sum more
+ * than the factor, that is made. Where iterating does not converge, a factor takes its place, and a
+ * warning says so; BW_CONVERGENCE where there is no memory for one, or the method is
+ * BW_STATICS_PCG. */
 BW_API bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
                             const bw_statics_options *options, bw_static **result);
 
@@ -246,10 +247,10 @@ typedef struct bw_baseline_times {
   double flops, entries;                     /* (-) of the factor, as CHOLMOD counts them */
 } bw_baseline_times;
 /* What the same shape costs from scratch, with the same pattern: its stiffness gathered from all
- * elements, CHOLMOD's analysis, numeric factorisation and one solve, with the unknowns in the order
- * that was chosen for edits or (`own_order`) in the one it would be given for a single solution,
- * METIS's of the nodes, whose making counts as analysis. For benchmarks; needs a factor (BW_INVALID
- * before the first solve), and changes nothing. */
+ * elements, CHOLMOD's analysis, numeric factorisation and one solve. The unknowns are in the order
+ * that was chosen for edits, or with `own_order` in that of METIS for the nodes, whose time counts
+ * as analysis. For benchmarks; needs a factor (BW_INVALID before the first solve), and changes
+ * nothing. */
 BW_API bw_status bw_local_baseline(bw_context *context, const bw_local_system *local,
                                    bool own_order, bw_baseline_times *times);
 /* Bytes of the *factor, and of the update matrices kept beside it, *updates. */
