@@ -1,6 +1,6 @@
 /* io: files of surfaces and meshes. A reader decides by content first, by name second. Every
  * message of a refusal names the file and the line (text) or byte (binary), and what was expected.
- *  * Writers write a temporary file and rename it: the target is the old file or the new one, never
+ * Writers write a temporary file and rename it: the target is the old file or the new one, never
  * a part. */
 #ifndef BARWRIGHT_IO_H
 #define BARWRIGHT_IO_H

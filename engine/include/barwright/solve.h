@@ -115,7 +115,7 @@ typedef struct bw_statics_options {
  * mesh, material and supports are the same; it may gain a factor, or lose what it has to solve by
  * two-level PCG).
  *
- *  * By BW_STATICS_AUTO, a static solution is by a factor where there is one already, or where that
+ * By BW_STATICS_AUTO, a static solution is by a factor where there is one already, or where that
  * counts as cheap (less than five seconds of the model's machine). So it is where PCG does not
  * apply or would cost more than half as much. Else it is by two-level PCG, and also where the
  * factor would take more than four gigabytes or more than `memory`. Costs are operations and bytes,

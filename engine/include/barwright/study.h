@@ -17,7 +17,7 @@ extern "C" {
  *   BW_FORMAT      "damaged"; "foreign": not a file of barwright; "newer": of a later version
  *   BW_LIMIT       "full": no room on the disk; "busy": another process has locked it for too long
  *   BW_INFEASIBLE  "constraint": a row that the table's rules forbid
- *    *   BW_IO          other refusals of the operating system
+ *   BW_IO          other refusals of the operating system
  *   BW_INVALID     SQL that is wrong
  * The SQL is limited to that of studies, for every file and statement: tables, indices, rows and
  * transactions, the functions count, max, min and sum. Views can be created and not read; triggers
