@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Bulk operations on arrays: reduce, map by formula, arithmetic, gather, select, sort. */
 #include "array.h"
-#include "expression.h"
+#include "formula/expression.h"
 
 #include <math.h>
 #include <stdlib.h>

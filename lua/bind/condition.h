@@ -5,7 +5,7 @@
 #define LBW_CONDITION_H
 
 #include "bind.h"
-#include "expression.h"
+#include "formula/expression.h"
 
 typedef struct lbw_conditions lbw_conditions;
 /* Reads the list at `index`, {{tag = name (nil: everywhere), kind = "prescribed" | "traction" |

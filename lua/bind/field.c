@@ -2,7 +2,7 @@
 /* Fields over space from Lua (functions, formulas, numbers), units of length, boxes and logs as
  * tables, named arrays as fields of a file. */
 #include "bind.h"
-#include "expression.h"
+#include "formula/expression.h"
 
 #include <math.h>
 #include <stdio.h>

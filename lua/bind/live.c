@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #include "bind.h"
-#include "live_server.h"
+#include "live/server.h"
 
 static lbw_live_server *self(lua_State *L) {
   return (lbw_live_server *)lbw_check(L, 1, &lbw_live_server_class);

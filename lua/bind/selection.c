@@ -4,7 +4,7 @@
  * A geometric method chooses within the selection it is called on: foot:near(p, r) holds what lies
  * in foot and near p. An empty choice raises. */
 #include "bind.h"
-#include "expression.h"
+#include "formula/expression.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -12,7 +12,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "live_internal.h"
+#include "live/internal.h"
 
 /* How long a condition is waited for: it comes at once, but the machine may be busy. */
 enum { PATIENCE = 60 };

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "live_internal.h"
+#include "live/internal.h"
 
 /* The header fields that decide, each given once at most. Texts end with NUL. */
 typedef struct request {

@@ -1,11 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The windows of the live view: what arrives from them becomes events, what is sent to them is
- * queued. Functions of live_server.h run on the owner's thread, the others on the loop's. */
+ * queued. Functions of server.h run on the owner's thread, the others on the loop's. */
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
 
-#include "live_internal.h"
+#include "live/internal.h"
 
 /* ---- events ---------------------------------------------------------------------------------- */
 

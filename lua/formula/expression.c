@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Formulas over arrays: a recursive-descent compiler to a stack machine whose registers are blocks
  * of rows, so that the cost of interpreting is shared by LBW_BLOCK numbers. */
-#include "expression.h"
+#include "formula/expression.h"
 
 #include <ctype.h>
 #include <math.h>

@@ -17,7 +17,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "live_internal.h"
+#include "live/internal.h"
 
 static const double answer_seconds = 30; /* to take an answer */
 static const double drain_seconds = 2;   /* to end a connection after everything is sent */

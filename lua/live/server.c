@@ -9,7 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "live_internal.h"
+#include "live/internal.h"
 
 void lbw_live_defaults(lbw_live_options *options) {
   *options = (lbw_live_options){.clients = 8,

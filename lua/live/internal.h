@@ -1,10 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Shared by the files of the live view's server:
- *   live_server.c   life, pages
- *   live_loop.c     the thread: accepts, reads, writes, ends connections
- *   live_request.c  judges a request and answers it
- *   live_frame.c    WebSocket frames
- *   live_client.c   windows: what arrives from them, what is queued for them */
+ *   server.c   life, pages
+ *   loop.c     the thread: accepts, reads, writes, ends connections
+ *   request.c  judges a request and answers it
+ *   frame.c    WebSocket frames
+ *   client.c   windows: what arrives from them, what is queued for them */
 #ifndef LBW_LIVE_INTERNAL_H
 #define LBW_LIVE_INTERNAL_H
 
@@ -12,7 +12,7 @@
 #include <pthread.h>
 #include <sys/types.h>
 
-#include "live_server.h"
+#include "live/server.h"
 
 enum {
   LIVE_TOKEN_DIGITS = 32,
@@ -100,12 +100,12 @@ struct lbw_live_server {
   bool stopping;
 };
 
-/* ---- live_server.c --------------------------------------------------------------------------- */
+/* ---- server.c -------------------------------------------------------------------------------- */
 
 /* The page at a path, retained, or NULL. */
 live_page *live_find_page(lbw_live_server *server, const char *path);
 
-/* ---- live_loop.c ----------------------------------------------------------------------------- */
+/* ---- loop.c ---------------------------------------------------------------------------------- */
 
 /* Starts the thread; ends it and closes all connections. */
 bw_status live_start(bw_context *context, lbw_live_server *server);
@@ -113,7 +113,7 @@ void live_stop(lbw_live_server *server);
 /* Makes the loop look at what was queued. */
 void live_wake(lbw_live_server *server);
 
-/* ---- live_request.c -------------------------------------------------------------------------- */
+/* ---- request.c ------------------------------------------------------------------------------- */
 
 /* Answers a request. The head has its empty line, and is changed. The answer is queued and the
  * stage set; false when memory is out. */
@@ -121,7 +121,7 @@ bool live_answer(lbw_live_server *server, live_connection *connection, char *hea
 /* Answers with a refusal. */
 bool live_refuse(lbw_live_server *server, live_connection *connection, int code, const char *word);
 
-/* ---- live_frame.c ---------------------------------------------------------------------------- */
+/* ---- frame.c --------------------------------------------------------------------------------- */
 
 enum { LIVE_TEXT = 1, LIVE_BINARY = 2, LIVE_CLOSE = 8, LIVE_PING = 9, LIVE_PONG = 10 };
 enum { /* RFC 6455, section 7.4.1 */
@@ -154,7 +154,7 @@ enum { LIVE_ACCEPT_BYTES = 29 };
 /* The answer to a Sec-WebSocket-Key; false when it is none. */
 bool live_accept_key(const char *key, char answer[LIVE_ACCEPT_BYTES]);
 
-/* ---- live_client.c --------------------------------------------------------------------------- */
+/* ---- client.c -------------------------------------------------------------------------------- */
 
 /* Under the lock: appends to the queue, in place of an unsent message with the same key. */
 void live_enqueue(live_connection *connection, live_outgoing *message);

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "live_internal.h"
+#include "live/internal.h"
 
 enum { FINAL = 0x80, RESERVED = 0x70, OPCODE = 0x0f, MASKED = 0x80, LENGTH = 0x7f };
 enum { MASK_BYTES = 4, CONTROL_BYTES = 125 };
