@@ -14,7 +14,6 @@
  * with it. It is taken when no element is inverted by it. */
 #include "nonlinear/newton.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -22,8 +21,6 @@
 #define SETTLE_BELOW 1e-3
 /* Gaps of points that push, over the size of the solid. */
 #define GAP 1e-11
-/* Rounding in the forces of an element, over its stiffness times its size. */
-#define NOISE (8 * DBL_EPSILON)
 /* Where no step helps any more, residuals up to so many times that are taken for rounding. */
 #define ROUGH 100
 /* Residuals below this are near an equilibrium. */
@@ -35,110 +32,22 @@
 /* So many steps in succession that are shorter than this lead nowhere. */
 #define SHORT 1e-2
 enum {
-  ESCAPES = 6,
-  PATIENCE = 12,
-  PREDICTED = 8,
-  CREEPING = 8,
-  MAX_ITERATIONS = 500,
-  MAX_ITERATIONS_PER_STEP = 20
+  MAX_ESCAPES = 6,
+  MAX_PROJECTED = 12,  /* projected tangents, before shifted ones are taken */
+  MAX_PREDICTIONS = 8, /* directions for one tangent, each with other points in contact */
+  MAX_SHORT_STEPS = 8
 };
-#define CG ((int64_t)100) /* iterations that are worth one of Newton's */
 
-bw_status bwi_energy_forces_create(bw_context *context, int64_t size, bool contact,
-                                   bwi_energy_forces *at) {
-  *at = (bwi_energy_forces){0};
-  at->u = BW_NEW0(context, double, size);
-  at->internal = BW_NEW0(context, double, size);
-  at->load = BW_NEW0(context, double, size);
-  at->contact = contact ? BW_NEW0(context, double, size) : NULL;
-  return at->u && at->internal && at->load && (!contact || at->contact) ? BW_OK : BW_MEMORY;
-}
-
-void bwi_energy_forces_clear(bwi_energy_forces *at) {
-  bw_free(at->u);
-  bw_free(at->internal);
-  bw_free(at->load);
-  bw_free(at->contact);
-  *at = (bwi_energy_forces){0};
-}
-
-double bwi_newton_state_dot(const bwi_newton_state *state, const double *a, const double *b) {
-  double sum = 0;
-  for (int64_t i = 0; i < state->size; i++)
-    if (!state->load_case->held[i])
-      sum += a[i] * b[i];
-  return sum;
-}
-
-bw_status bwi_newton_state_loads(bwi_newton_state *state, const double *u, double *load) {
-  double factor = state->initial_residual ? 1 : state->load;
-  for (int64_t i = 0; i < state->size; i++)
-    load[i] = factor * state->dead[i] +
-              (state->initial_residual ? (1 - state->load) * state->initial_residual[i] : 0);
-  return state->follows ? bwi_load_case_follow(state->context, state->load_case, u, factor, load)
-                        : BW_OK;
-}
-
-bw_status bwi_newton_state_balance(bwi_newton_state *state, bwi_energy_forces *at) {
-  bw_status status = BW_OK;
-  double before = bw_seconds(), sum = 0;
-  BW_TRY(bw_solid_evaluate(state->context, state->solid, at->u, false, &at->energy, at->internal,
-                           NULL, &at->shape));
-  state->report->evaluations++;
-  state->report->seconds_quadrature += bw_seconds() - before;
-  if (!at->shape.defined)
-    goto done;
-  BW_TRY(bwi_newton_state_loads(state, at->u, at->load));
-  if (state->quadratic)
-    BW_TRY(bwi_quadratic_evaluate(state, at));
-  at->contact_energy = 0;
-  at->contacts = 0;
-  if (state->contact) {
-    memset(at->contact, 0, (size_t)state->size * sizeof *at->contact);
-    at->contacts = bwi_contact_evaluate(state->contact, at->u, &at->contact_energy, at->contact);
-    for (int64_t i = 0; i < state->size; i++)
-      at->load[i] += at->contact[i];
-  }
-  for (int64_t i = 0; i < state->size; i++)
-    sum += fabs(at->internal[i]) + fabs(at->load[i]);
-  at->shape.defined = isfinite(sum) && isfinite(at->energy) && isfinite(at->contact_energy);
-done:
-  return status;
-}
-
-void bwi_newton_state_measure(bwi_newton_state *state) {
-  const bwi_energy_forces *now = &state->now;
-  const bw_grid *grid = state->solid->grid;
-  double left = 0, applied = 0, held = 0, contact = 0, noise = 0, elastic = 0;
-  double cell = fmax(grid->spacing[0], fmax(grid->spacing[1], grid->spacing[2]));
-  for (int64_t i = 0; i < state->size; i++) {
-    double touching = now->contact ? now->contact[i] : 0, other = now->load[i] - touching;
-    double r = now->internal[i] - now->load[i];
-    state->residual[i] = state->load_case->held[i] ? 0 : r;
-    *(state->load_case->held[i] ? &held : &left) += r * r;
-    applied += other * other;
-    contact += touching * touching;
-    if (!state->load_case->held[i]) {
-      double stiff = state->blocks[3 * i + i % 3], term = stiff * (fabs(now->u[i]) + cell);
-      elastic += fabs(stiff) * cell * cell;
-      noise += term * term;
-    }
-  }
-  state->noise = NOISE * sqrt(noise);
-  state->elastic = elastic;
-  state->reference = sqrt(applied) + sqrt(held) + sqrt(contact) + now->quadratic_size;
-  double min = state->noise / state->options->tolerance;
-  state->relative = left > 0 ? sqrt(left) / fmax(state->reference, min) : 0;
-  if (!isfinite(state->relative))
-    state->relative = DBL_MAX;
-}
-
-void bwi_newton_state_accept(bwi_newton_state *state) {
-  bwi_energy_forces old = state->now;
-  state->now = state->trial;
-  state->trial = old;
-  state->fresh = false;
-}
+/* What the iterations at one load factor remember. They end with an equilibrium or an obstacle. */
+typedef struct iterations {
+  bwi_newton_state *state;
+  bwi_tangent kind;   /* of the next tangent */
+  double plain_below; /* residual below which the tangent may be tried as it is again */
+  double gap;         /* of points that push, m */
+  int escapes, projected, short_steps;
+  bool moving;  /* what is held has yet to move */
+  bool crushed; /* a shifted tangent failed once */
+} iterations;
 
 static bw_status record(bwi_newton_state *state, double step, int32_t cg, double residual) {
   bw_newton_report *report = state->report;
@@ -204,7 +113,7 @@ static bw_status predict_contacts(bwi_newton_state *state, double tolerance, dou
   size_t size = (size_t)state->size * sizeof(double);
   double *first = state->trial.internal, *linear = state->trial.load; /* not in use here */
   memcpy(first, state->direction, size);
-  for (int k = 0; k < PREDICTED; k++) {
+  for (int k = 0; k < MAX_PREDICTIONS; k++) {
     bool changed, definite;
     int32_t more = 0;
     BW_TRY(bwi_tangent_predict_contact(state, &changed, &definite));
@@ -273,7 +182,7 @@ static double largest(const double *u, int64_t size) {
 }
 
 /* At a residual that is small enough: whether the state is stable; if not, leave it. */
-static bw_status check_stable(bwi_newton_state *state, int *escapes, bool *stable) {
+static bw_status check_stable(bwi_newton_state *state, bool *stable) {
   bw_status status = BW_OK;
   bool definite = true, lower = false, decided = true, by_factor = false;
   *stable = true;
@@ -298,34 +207,175 @@ static bw_status check_stable(bwi_newton_state *state, int *escapes, bool *stabl
     return BW_OK;
   BW_TRY(bwi_newton_leave(state, &lower, &decided));
   state->undecided = !decided;
-  if (!lower)
-    return BW_OK;
-  *stable = false;
-  ++*escapes;
+  *stable = !lower;
 done:
   return status;
 }
 
-double bwi_newton_left(const bwi_newton_state *state, int64_t *of_cg) {
-  const bw_newton_options *o = state->options;
-  const bw_newton_report *report = state->report;
-  int64_t max = CG * (o->max_iterations > 0
-                          ? o->max_iterations
-                          : MAX_ITERATIONS + (int64_t)MAX_ITERATIONS_PER_STEP * (o->steps - 1));
-  int64_t left =
-      max - CG * report->iterations - report->cg_iterations - report->stability_iterations;
-  if (of_cg)
-    *of_cg = left > 0 ? left : 0;
-  return left > 0 ? (double)left / (double)max : 0;
+/* A tangent that is sure to be definite comes next; as it is only at much smaller residuals. */
+static void make_definite(iterations *it, bwi_tangent kind) {
+  it->kind = kind;
+  it->plain_below = fmin(it->plain_below, it->state->relative) * 1e-2;
+}
+
+static bool prefers_shift(const iterations *it) {
+  return it->state->relative < NEAR || it->projected > MAX_PROJECTED;
+}
+
+/* Whether a state with a small residual is the equilibrium; contact is settled on the way. */
+static bw_status check_equilibrium(iterations *it, bool *found) {
+  bw_status status = BW_OK;
+  bwi_newton_state *state = it->state;
+  const bw_newton_options *options = state->options;
+  double size = size_of(state->solid->grid);
+  it->gap = state->contact ? bwi_contact_error(state->contact) : 0;
+  if (!state->quadratic && largest(state->now.u, state->size) > AWAY * size) {
+    state->obstacle = BWI_STIFFNESS;
+    return BW_OK;
+  }
+  if (it->moving)
+    return BW_OK;
+  if (it->gap > GAP * size && state->relative <= fmax(SETTLE_BELOW, options->tolerance)) {
+    bwi_contact_settle(state->contact);
+    BW_TRY(bwi_newton_state_balance(state, &state->now));
+    bwi_newton_state_measure(state);
+  } else if (state->relative <= options->tolerance) {
+    if (state->now.shape.inverted > 0 && !options->allow_inverted) {
+      state->obstacle = BWI_INVERTED;
+      return BW_OK;
+    }
+    BW_TRY(check_stable(state, found));
+    if (*found)
+      return BW_OK;
+    if (++it->escapes > MAX_ESCAPES) {
+      state->obstacle = BWI_UNSTABLE;
+      return BW_OK;
+    }
+    it->kind = BWI_SHIFTED;
+    it->plain_below = 1e-2;
+    bwi_newton_state_measure(state);
+  }
+done:
+  return status;
+}
+
+/* A tangent to solve with, of a stiffer kind where that of the kind wanted is not definite. */
+static bw_status set_tangent(iterations *it) {
+  bw_status status = BW_OK;
+  bwi_newton_state *state = it->state;
+  bool definite;
+  if (state->iterative) {
+    bool by_factor;
+    BW_TRY(bwi_choice_factor(state, &by_factor));
+    if (by_factor)
+      state->iterative = state->fresh = false;
+  }
+  if (state->free == 0)
+    return BW_OK;
+  if (it->kind == BWI_PROJECTED && ++it->projected > MAX_PROJECTED)
+    it->kind = BWI_SHIFTED;
+  BW_TRY(bwi_tangent_set(state, it->kind, &definite));
+  if (!definite && it->kind == BWI_PLAIN) {
+    make_definite(it, prefers_shift(it) ? BWI_SHIFTED : BWI_PROJECTED);
+    BW_TRY(bwi_tangent_set(state, it->kind, &definite));
+  }
+  if (!definite && it->kind == BWI_SHIFTED && !it->crushed) {
+    /* what elements need, at least once */
+    it->crushed = true;
+    it->projected = 0;
+    make_definite(it, BWI_PROJECTED);
+    BW_TRY(bwi_tangent_set(state, it->kind, &definite));
+  }
+  if (!definite)
+    state->obstacle = it->kind == BWI_SHIFTED ? BWI_CRUSHED : BWI_STIFFNESS;
+done:
+  return status;
+}
+
+/* A direction for which the tangent shows no negative curvature: where it does, a stiffer tangent,
+ * as where a factor fails. */
+static bw_status find_safe_direction(iterations *it, double *slope, int32_t *cg) {
+  bw_status status = BW_OK;
+  bwi_newton_state *state = it->state;
+  BW_TRY(find_direction(state, slope, cg));
+  while (state->negative && state->tangent != BWI_PROJECTED) {
+    int32_t further = 0;
+    bool stiffer, definite;
+    BW_TRY(bwi_tangent_stiffen(state, &stiffer));
+    if (!stiffer) {
+      bool shift = prefers_shift(it) && it->kind == BWI_PLAIN;
+      make_definite(it, shift ? BWI_SHIFTED : BWI_PROJECTED);
+      BW_TRY(bwi_tangent_set(state, it->kind, &definite));
+    }
+    BW_TRY(find_direction(state, slope, &further));
+    *cg += further;
+  }
+done:
+  return status;
+}
+
+/* No step lowers the potential: a residual of rounding, another tangent, or an obstacle. */
+static void end_search(iterations *it, bool *found) {
+  bwi_newton_state *state = it->state;
+  const bw_newton_options *options = state->options;
+  /* some laws round more than the noise allows for */
+  double left = state->relative * fmax(state->reference, state->noise / options->tolerance);
+  if (left <= ROUGH * state->noise && it->gap <= GAP * size_of(state->solid->grid) &&
+      (state->now.shape.inverted == 0 || options->allow_inverted))
+    *found = true;
+  else if (it->kind == BWI_PLAIN) /* once more with a direction that is sure to go down */
+    make_definite(it, BWI_PROJECTED);
+  else
+    state->obstacle = BWI_SEARCH;
+}
+
+/* The iteration that moves what is held. */
+static bw_status move(iterations *it) {
+  bw_status status = BW_OK;
+  bool moved;
+  BW_TRY(move_held(it->state, &moved));
+  if (moved) {
+    it->moving = false;
+    it->state->have_tangent = false; /* it was that of another shape */
+  } else if (it->state->obstacle == BWI_NO_OBSTACLE) {
+    it->kind = BWI_PROJECTED;
+    it->plain_below *= 1e-2;
+  }
+done:
+  return status;
+}
+
+static bw_status descend(iterations *it, bool *found) {
+  bw_status status = BW_OK;
+  bwi_newton_state *state = it->state;
+  double slope = 0, step = 0, residual = state->relative;
+  int32_t cg = 0;
+  BW_TRY(find_safe_direction(it, &slope, &cg));
+  if (slope < 0)
+    BW_TRY(bwi_newton_search(state, slope, &step));
+  if (step == 0) {
+    BW_TRY(record(state, 0, cg, residual));
+    end_search(it, found);
+    return BW_OK;
+  }
+  state->previous = residual;
+  state->step = step;
+  BW_TRY(record(state, step, cg, residual));
+  it->short_steps = step < SHORT ? it->short_steps + 1 : 0;
+  if (it->short_steps == MAX_SHORT_STEPS) {
+    state->obstacle = BWI_CREEPING;
+  } else if (it->kind != BWI_PLAIN && step >= 1) {
+    bwi_newton_state_measure(state);
+    if (state->relative <= fmin(it->plain_below, NEAR))
+      it->kind = BWI_PLAIN;
+  }
+done:
+  return status;
 }
 
 bw_status bwi_newton_equilibrium(bwi_newton_state *state, double load, bool *found) {
   bw_status status = BW_OK;
-  const bw_newton_options *options = state->options;
-  bwi_tangent kind = BWI_PLAIN;
-  bool moving, crushed = false;
-  double plain_below = 1; /* residual below which the tangent may be tried as it is again */
-  int escapes = 0, projected = 0, creeping = 0;
+  iterations it = {.state = state, .kind = BWI_PLAIN, .plain_below = 1};
   *found = false;
   state->load = load;
   state->obstacle = BWI_NO_OBSTACLE;
@@ -334,144 +384,26 @@ bw_status bwi_newton_equilibrium(bwi_newton_state *state, double load, bool *fou
   state->have_tangent = state->negative = false;
   if (state->contact)
     bwi_contact_place(state->contact, load, state->begin != NULL);
-  moving = must_move(state);
+  it.moving = must_move(state);
   BW_TRY(bwi_newton_state_balance(state, &state->now));
-  for (int k = 0; k <= options->iterations; k++) {
-    bool definite = false;
-    int32_t cg = 0;
-    double slope = 0, step = 0;
+  for (int k = 0; !*found && state->obstacle == BWI_NO_OBSTACLE; k++) {
     if (!state->quadratic)
       bw_progress(state->context, "equilibrium",
                   fmax(state->reached, 1 - bwi_newton_left(state, NULL)));
     BW_TRY(bw_check_cancel(state->context));
     bwi_newton_state_measure(state);
-    if (!state->quadratic &&
-        largest(state->now.u, state->size) > AWAY * size_of(state->solid->grid)) {
-      state->obstacle = BWI_STIFFNESS;
-      goto done;
-    }
-    double gap = state->contact ? bwi_contact_error(state->contact) : 0;
-    bool small = state->relative <= options->tolerance;
-    if (!moving && gap > GAP * size_of(state->solid->grid) &&
-        state->relative <= fmax(SETTLE_BELOW, options->tolerance)) {
-      bwi_contact_settle(state->contact);
-      BW_TRY(bwi_newton_state_balance(state, &state->now));
-      bwi_newton_state_measure(state);
-    } else if (!moving && small) {
-      bool stable;
-      if (state->now.shape.inverted > 0 && !options->allow_inverted) {
-        state->obstacle = BWI_INVERTED;
-        goto done;
-      }
-      BW_TRY(check_stable(state, &escapes, &stable));
-      *found = stable;
-      if (stable)
-        goto done;
-      if (escapes > ESCAPES) {
-        state->obstacle = BWI_UNSTABLE;
-        goto done;
-      }
-      kind = BWI_SHIFTED;
-      plain_below = 1e-2;
-      bwi_newton_state_measure(state);
-    }
-    if (k == options->iterations)
+    BW_TRY(check_equilibrium(&it, found));
+    if (*found || state->obstacle != BWI_NO_OBSTACLE)
       break;
-    if (bwi_newton_left(state, NULL) <= 0) {
+    if (k == state->options->iterations)
+      state->obstacle = BWI_ITERATIONS;
+    else if (bwi_newton_left(state, NULL) <= 0)
       state->obstacle = BWI_WORK;
-      goto done;
-    }
-    double residual = state->relative;
-    if (state->iterative) {
-      bool by_factor;
-      BW_TRY(bwi_choice_factor(state, &by_factor));
-      if (by_factor)
-        state->iterative = state->fresh = false;
-    }
-    if (state->free > 0) {
-      if (kind == BWI_PROJECTED && ++projected > PATIENCE)
-        kind = BWI_SHIFTED;
-      BW_TRY(bwi_tangent_set(state, kind, &definite));
-      if (!definite && kind == BWI_PLAIN) {
-        kind = state->relative < NEAR || projected > PATIENCE ? BWI_SHIFTED : BWI_PROJECTED;
-        plain_below = fmin(plain_below, state->relative) * 1e-2;
-        BW_TRY(bwi_tangent_set(state, kind, &definite));
-      }
-      if (!definite && kind == BWI_SHIFTED && !crushed) { /* what elements need, at least once */
-        crushed = true;
-        kind = BWI_PROJECTED;
-        projected = 0;
-        plain_below = fmin(plain_below, state->relative) * 1e-2;
-        BW_TRY(bwi_tangent_set(state, kind, &definite));
-      }
-      if (!definite) {
-        state->obstacle = kind == BWI_SHIFTED ? BWI_CRUSHED : BWI_STIFFNESS;
-        goto done;
-      }
-    }
-    if (moving) {
-      bool moved;
-      BW_TRY(move_held(state, &moved));
-      if (!moved && state->obstacle == BWI_NO_OBSTACLE) {
-        kind = BWI_PROJECTED;
-        plain_below *= 1e-2;
-        continue;
-      }
-      if (!moved)
-        goto done;
-      moving = false;
-      state->have_tangent = false; /* it was that of another shape */
-      continue;
-    }
-    BW_TRY(find_direction(state, &slope, &cg));
-    while (state->negative && state->tangent != BWI_PROJECTED) { /* as where a factor fails */
-      int32_t further = 0;
-      bool stiffer;
-      BW_TRY(bwi_tangent_stiffen(state, &stiffer));
-      if (!stiffer) {
-        bool close = state->relative < NEAR || projected > PATIENCE;
-        kind = close && kind == BWI_PLAIN ? BWI_SHIFTED : BWI_PROJECTED;
-        plain_below = fmin(plain_below, state->relative) * 1e-2;
-        BW_TRY(bwi_tangent_set(state, kind, &definite));
-      }
-      BW_TRY(find_direction(state, &slope, &further));
-      cg += further;
-    }
-    if (slope < 0)
-      BW_TRY(bwi_newton_search(state, slope, &step));
-    if (step == 0) {
-      BW_TRY(record(state, 0, cg, residual));
-      /* as good as it gets: some laws round more than the noise allows for */
-      double min = state->noise / options->tolerance;
-      double left = state->relative * fmax(state->reference, min);
-      if (left <= ROUGH * state->noise && gap <= GAP * size_of(state->solid->grid) &&
-          (state->now.shape.inverted == 0 || options->allow_inverted)) {
-        *found = true;
-        goto done;
-      }
-      if (kind == BWI_PLAIN) { /* once more with a direction that is sure to go down */
-        kind = BWI_PROJECTED;
-        plain_below = fmin(plain_below, state->relative) * 1e-2;
-        continue;
-      }
-      state->obstacle = BWI_SEARCH;
-      goto done;
-    }
-    state->previous = residual;
-    state->step = step;
-    BW_TRY(record(state, step, cg, residual));
-    creeping = step < SHORT ? creeping + 1 : 0;
-    if (creeping == CREEPING) {
-      state->obstacle = BWI_CREEPING;
-      goto done;
-    }
-    if (kind != BWI_PLAIN && step >= 1) {
-      bwi_newton_state_measure(state);
-      if (state->relative <= fmin(plain_below, NEAR))
-        kind = BWI_PLAIN;
-    }
+    else
+      BW_TRY(set_tangent(&it));
+    if (state->obstacle == BWI_NO_OBSTACLE)
+      BW_TRY(it.moving ? move(&it) : descend(&it, found));
   }
-  state->obstacle = BWI_ITERATIONS;
 done:
   return status;
 }

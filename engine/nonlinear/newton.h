@@ -1,11 +1,12 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Newton's method for one solid under one case: what its files share.
  *
- *   newton.c          equilibrium at one load factor
+ *   newton_state.c    energy, forces and residual at one load factor
  *   newton_tangent.c  the tangent, and solving with it
  *   newton_search.c   how far to go along a direction
  *   newton_saddle.c   leaving equilibria that are not stable
  *   newton_choice.c   a factor or conjugate gradients
+ *   newton.c          equilibrium at one load factor
  *   statics.c         load steps, results, messages */
 #ifndef BWI_NONLINEAR_NEWTON_H
 #define BWI_NONLINEAR_NEWTON_H

@@ -131,21 +131,6 @@ done:
   return status;
 }
 
-void bwi_newton_state_clear(bwi_newton_state *state) {
-  bw_free(state->dead);
-  bw_free(state->begin);
-  bw_free(state->initial_residual);
-  bw_free(state->follower);
-  bwi_precondition_free(state->precondition);
-  bwi_contact_free(state->contact);
-  bwi_energy_forces_clear(&state->now);
-  bwi_energy_forces_clear(&state->trial);
-  bw_free(state->blocks);
-  bw_free(state->residual);
-  bw_free(state->direction);
-  bw_free(state->work);
-}
-
 static bw_status say_undefined(bwi_newton_state *state) {
   int32_t e = state->now.shape.worst;
   double at[3];
@@ -156,35 +141,6 @@ static bw_status say_undefined(bwi_newton_state *state) {
                              "%.3g), where its law has no energy: start from zero displacement",
                              (int)e + 1, at[0], at[1], at[2], state->now.shape.min_ratio);
   bw_detail_number(state->context, "element", e + 1);
-  return status;
-}
-
-bw_status bwi_newton_state_create(bwi_newton_state *state) {
-  bw_status status = BW_OK;
-  bw_context *context = state->context;
-  int64_t n = state->size = 3 * (int64_t)state->solid->grid->node_count;
-  for (int64_t i = 0; i < n; i++)
-    state->free += !state->load_case->held[i];
-  state->follows = bwi_load_case_follows(state->load_case);
-  state->dead = BW_NEW(context, double, n);
-  state->blocks = BW_NEW0(context, double, 3 * n);
-  state->residual = BW_NEW0(context, double, n);
-  state->direction = BW_NEW0(context, double, n);
-  state->work = BW_NEW0(context, double, n);
-  if (!state->dead || !state->blocks || !state->residual || !state->direction || !state->work)
-    return BW_MEMORY;
-  BW_TRY(
-      bwi_energy_forces_create(context, n, state->load_case->contact_plane_count > 0, &state->now));
-  BW_TRY(bwi_energy_forces_create(context, n, state->load_case->contact_plane_count > 0,
-                                  &state->trial));
-  state->iterative = state->options->linear != BW_NEWTON_DIRECT;
-  if (state->follows && (!state->iterative || state->options->by_cost)) {
-    state->follower = BW_NEW(context, double, 9 * state->solid->pattern->block_count);
-    if (!state->follower)
-      return BW_MEMORY;
-  }
-  BW_TRY(bwi_load_case_dead(context, state->solid, state->load_case, state->dead));
-done:
   return status;
 }
 
@@ -230,21 +186,6 @@ typedef struct failure {
   double load, residual;
   bw_solid_shape shape;
 } failure;
-
-const char *bwi_obstacle_text(bwi_obstacle obstacle) {
-  static const char *const why[] = {
-      [BWI_NO_OBSTACLE] = "",
-      [BWI_ITERATIONS] = "the iterations did not suffice",
-      [BWI_WORK] = "all iterations that are allowed together were used up",
-      [BWI_CREEPING] = "only very short steps lower the potential",
-      [BWI_SEARCH] = "no step lowers the potential any more",
-      [BWI_INVERTING] = "moving what is held turns elements inside out",
-      [BWI_UNSTABLE] = "one unstable equilibrium followed on another",
-      [BWI_STIFFNESS] = "something can move without any force",
-      [BWI_CRUSHED] = "elements are so far out of shape that there is no tangent to solve with",
-      [BWI_INVERTED] = "the equilibrium has elements that are inside out"};
-  return why[obstacle];
-}
 
 static bw_status say_failure(bwi_newton_state *state, double reached, const failure *f) {
   bw_context *context = state->context;

@@ -121,57 +121,45 @@ static bw_status refactor(bw_context *context, const bw_plate *plate, bool scrat
   return status;
 }
 
-bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_options *given,
-                         bw_plane_reuse *kept) {
+/* The initial vectors, in `vector`: the shapes of the last solution, which are the newest of the
+ * past too, and behind them those before. Returns how many are of the past. */
+static int begin_vectors(const bw_plate *plate, const bw_plate_options *options, int block,
+                         double *vector, bool *follows) {
+  const bw_plate_state *now = plate->inner->now;
+  int64_t n = 3 * (int64_t)plate->mesh->topology->nodes->node_count;
+  int begun = now->known - now->past, past = 0;
+  *follows = false;
+  if (options->scratch || begun == 0)
+    return 0;
+  memcpy(vector, plate->shape, (size_t)((begun < block ? begun : block) * n) * sizeof *vector);
+  size_t bytes = (size_t)(options->modes * n) * sizeof *vector;
+  if (begun >= options->modes) {
+    memcpy(vector + block * n, plate->shape, bytes);
+    past = options->modes;
+    *follows = plate->mode_count == options->modes && now->past > 0;
+  }
+  if (*follows) {
+    memcpy(vector + (block + past) * n, plate->shape + begun * n, bytes);
+    past += options->modes;
+  }
+  return past;
+}
+
+/* Modes with the factor that is there, or a new one where there is none or it takes too long. */
+static bw_status find_modes(bw_context *context, const bw_plate *plate,
+                            const bw_plate_options *options, int block, bool follows,
+                            double *vector, double *value, double *residual, bw_plane_reuse *kept) {
   bw_status status = BW_OK;
-  bw_plate_options options;
-  bw_plate_options_default(&options);
-  if (given)
-    options = *given;
   struct bwi_plate *in = plate->inner;
   const bw_plate_state *now = in->now;
-  bw_plate_state *next = NULL;
   int64_t nodes = plate->mesh->topology->nodes->node_count, n = 3 * nodes;
-  double *vector = NULL, *rigid = NULL, *value = NULL, *residual = NULL, *frequency = NULL,
-         *turn = NULL;
-  bw_plane_reuse none = {0};
-  kept = kept ? kept : &none;
-  if (options.modes < 1 || options.modes >= n - GUARDS - RIGID)
-    return bw_fail(context, BW_INVALID,
-                   "%d modes requested of a plate with %lld unknowns: fewer than these and at "
-                   "least 1 expected",
-                   options.modes, (long long)n);
-  if (!(options.tolerance > 0))
-    return bw_fail(context, BW_INVALID, "the tolerance is %g: it must be above 0",
-                   options.tolerance);
-  int block = options.modes + GUARDS, begun = now->known - now->past, past = 0;
-  bool follows = false;
-  vector = BW_NEW0(context, double, (block + PAST * options.modes) * n);
-  rigid = BW_NEW(context, double, 2 * RIGID * n);
-  value = BW_NEW(context, double, block);
-  frequency = BW_NEW(context, double, block);
-  residual = BW_NEW(context, double, block);
-  if (!vector || !rigid || !value || !frequency || !residual) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  if (!options.scratch && begun > 0) {
-    memcpy(vector, plate->shape, (size_t)((begun < block ? begun : block) * n) * sizeof *vector);
-    /* what is solved here will be the newest of the past */
-    size_t bytes = (size_t)(options.modes * n) * sizeof *vector;
-    if (begun >= options.modes) {
-      memcpy(vector + block * n, plate->shape, bytes);
-      past = options.modes;
-      follows = plate->mode_count == options.modes && now->past > 0;
-    }
-    if (follows) {
-      memcpy(vector + (block + past) * n, plate->shape + begun * n, bytes);
-      past += options.modes;
-    }
-  }
-  bool fresh = options.scratch || !in->factored || in->last > 2 * in->fresh + 6;
+  double *rigid = BW_NEW(context, double, 2 * RIGID * n), *turn = NULL;
+  bool fresh = options->scratch || !in->factored || in->last > 2 * in->fresh + 6;
+  int iterations = 0;
+  if (!rigid)
+    return BW_MEMORY;
   if (fresh)
-    BW_TRY(refactor(context, plate, options.scratch, kept));
+    BW_TRY(refactor(context, plate, options->scratch, kept));
   kept->factor = !fresh;
   double before = bw_seconds();
   BW_TRY(rigid_motions(context, plate, rigid, rigid + RIGID * n));
@@ -195,13 +183,12 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
                    .rigid_count = RIGID,
                    .rigid = rigid,
                    .mass_rigid = rigid + RIGID * n,
-                   .wanted = options.modes,
+                   .wanted = options->modes,
                    .block = block,
                    .more_count = follows ? now->past : 0,
-                   .more = follows ? plate->shape + begun * n : NULL,
-                   .tolerance = options.tolerance,
+                   .more = follows ? plate->shape + (now->known - now->past) * n : NULL,
+                   .tolerance = options->tolerance,
                    .limit = fresh ? ROUNDS : 2 * in->fresh + 20};
-  int iterations = 0;
   status = bwi_ritz_solve(context, &ritz, vector, value, residual, &iterations);
   if (status == BW_CONVERGENCE && !fresh) {
     bw_clear_failure(context);
@@ -219,13 +206,49 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   kept->iterations += iterations;
   kept->solves++;
   kept->seconds_solve += bw_seconds() - before;
+done:
+  bw_free(rigid);
+  bw_free(turn);
+  return status;
+}
+
+bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_options *given,
+                         bw_plane_reuse *kept) {
+  bw_status status = BW_OK;
+  bw_plate_options options;
+  bw_plate_options_default(&options);
+  if (given)
+    options = *given;
+  bw_plate_state *next = NULL;
+  int64_t nodes = plate->mesh->topology->nodes->node_count, n = 3 * nodes;
+  bw_plane_reuse none = {0};
+  kept = kept ? kept : &none;
+  if (options.modes < 1 || options.modes >= n - GUARDS - RIGID)
+    return bw_fail(context, BW_INVALID,
+                   "%d modes requested of a plate with %lld unknowns: fewer than these and at "
+                   "least 1 expected",
+                   options.modes, (long long)n);
+  if (!(options.tolerance > 0))
+    return bw_fail(context, BW_INVALID, "the tolerance is %g: it must be above 0",
+                   options.tolerance);
+  int block = options.modes + GUARDS;
+  double *vector = BW_NEW0(context, double, (block + PAST * options.modes) * n),
+         *value = BW_NEW(context, double, block), *frequency = BW_NEW(context, double, block),
+         *residual = BW_NEW(context, double, block);
+  if (!vector || !value || !frequency || !residual) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  bool follows;
+  int past = begin_vectors(plate, &options, block, vector, &follows);
+  BW_TRY(find_modes(context, plate, &options, block, follows, vector, value, residual, kept));
   for (int k = 0; k < block; k++)
     fix_sign(vector + k * n, nodes);
   for (int k = 0; k < options.modes; k++) {
     frequency[k] = sqrt(fmax(value[k], 0)) / (2 * 3.14159265358979323846);
     kept->residual = fmax(kept->residual, residual[k]);
   }
-  BW_TRY(bwi_plate_blank(context, plate->mesh, now->matrices, &next));
+  BW_TRY(bwi_plate_blank(context, plate->mesh, plate->inner->now->matrices, &next));
   next->shape = vector;
   next->frequency = frequency;
   next->residual = residual;
@@ -237,8 +260,6 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
 done:
   bw_release(next);
   bw_free(vector);
-  bw_free(rigid);
-  bw_free(turn);
   bw_free(value);
   bw_free(frequency);
   bw_free(residual);
