@@ -12,6 +12,7 @@
  *
  * Numbers are double or float; what computes with them is in the factor's kernels, and here are
  * only their places. */
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -47,7 +48,6 @@ typedef struct bwi_refactor_data {
   int64_t *at;                  /* super_count: where in it; those not kept have none */
   uint8_t *wanted;              /* super_count */
   store store;
-  bool broken;
 } bwi_refactor_data;
 
 typedef struct factorisation {
@@ -382,7 +382,7 @@ static bw_status kept_create(bw_context *context, const bwi_symbolic *symbolic,
   if (!kept)
     return BW_MEMORY;
   kept->reach = bw_retain(reach);
-  kept->broken = true; /* until it has been factored */
+  factor->broken = true; /* until it has been factored */
   kept->block = bw_alloc(context, (size_t)reach->kept_numbers, factor->kernels->size);
   kept->at = BW_NEW(context, int64_t, supers);
   kept->wanted = BW_NEW(context, uint8_t, supers);
@@ -422,6 +422,8 @@ static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_m
                         int32_t *bad_node) {
   bw_status status = BW_OK;
   store fronts = {0};
+  assert(symbolic->order->node_count == matrix->pattern->node_count);
+  assert(!matrix->dof_map || symbolic->components == 3);
   bwi_factor *factor = BW_NEW0(context, bwi_factor, 1);
   if (!factor)
     return BW_MEMORY;
@@ -475,10 +477,6 @@ bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
   return create(context, symbolic, matrix, reach, kernels, factor, bad_node);
 }
 
-bool bwi_factor_broken(const bwi_factor *factor) {
-  return factor->kept && factor->kept->broken;
-}
-
 bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_matrix *matrix,
                             const uint8_t *touched_subdomain, double *flops, int32_t *bad_node) {
   bw_status status = BW_OK;
@@ -496,7 +494,7 @@ bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_m
     *flops = 0;
   if (!kept)
     return bw_fail(context, BW_INTERNAL, "this factor was not created for updates");
-  if (kept->broken && touched_subdomain)
+  if (factor->broken && touched_subdomain)
     return bw_fail(context, BW_INTERNAL, "the last update of this factor failed: refactorise it");
   f.store = &kept->store;
   if (touched_subdomain) {
@@ -507,9 +505,9 @@ bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_m
     factor->unit = unit_of(factor->kernels, matrix, symbolic->components);
   f.unit = factor->unit;
   BW_TRY(bwi_plan_create(context, symbolic, f.wanted, kept->reach->keep, &plan));
-  kept->broken = true;
+  factor->broken = true;
   BW_TRY(check(&f, factorise(&f), bad_node));
-  kept->broken = false;
+  factor->broken = false;
   if (flops)
     *flops = plan.flops;
 done:

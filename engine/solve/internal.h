@@ -154,6 +154,7 @@ typedef struct bwi_factor {
   double unit;
   int64_t negative;               /* negative pivots */
   struct bwi_refactor_data *kept; /* of a factor that can be brought up to date in part, or NULL */
+  bool broken;                    /* of such a factor: the last update failed */
 } bwi_factor;
 
 /* A = L L^T. *bad_node (may be NULL) is the mesh node of the failing pivot when BW_SINGULAR. */
@@ -171,11 +172,10 @@ bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
                                int32_t *bad_node);
 /* Factor again, in place, what entries of the touched subdomains (NULL: all) reach: the same bits
  * as from scratch, when only entries of theirs have changed since. *flops (may be NULL): work done.
- * On failure, BW_CANCELLED included, the factor is broken (bwi_factor_broken): solves refuse it, an
+ * On failure, BW_CANCELLED included, the factor is broken: solves refuse it, an
  * update of all subdomains (NULL) repairs it. *bad_node as above. */
 bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_matrix *matrix,
                             const uint8_t *touched_subdomain, double *flops, int32_t *bad_node);
-bool bwi_factor_broken(const bwi_factor *factor);
 /* Bytes of L. */
 size_t bwi_factor_bytes(const bwi_factor *factor);
 /* Bytes of the update matrices kept, and of the memory kept to work in. */
@@ -188,17 +188,6 @@ bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const 
  * Width 1, 2, 4, 8 or 16. The numbers of x must be those of the factor. */
 bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int width, real *x);
 enum { BWI_MAX_WIDTH = 16 };
-
-/* ---- the yardstick (baseline.c) ------------------------------------------------------------ */
-
-typedef struct bwi_baseline_times {
-  double analysis, factor, solve; /* s */
-  double flops, entries;          /* as CHOLMOD counts them */
-} bwi_baseline_times;
-/* x = A^-1 x, one right-hand side in the order of `symbolic` (3 components), by CHOLMOD from
- * scratch in the same order. */
-bw_status bwi_baseline(bw_context *context, const bwi_symbolic *symbolic, const bwi_matrix *matrix,
-                       double *x, bwi_baseline_times *times);
 
 /* ---- dense kernels (front.c) --------------------------------------------------------------- */
 
@@ -324,6 +313,8 @@ void bwi_keep_states(const bw_dof_map *dof_map, unsigned states, double *field);
 void bwi_prescribed_field(const bw_dof_map *dof_map, double *field);
 /* Same supports: a system made for one dof_map serves the other. */
 bool bwi_same_supports(const bw_dof_map *a, const bw_dof_map *b);
+/* The system of a model with this DOF map: one on the same mesh, material and supports. */
+bool bwi_system_serves(const bw_system *system, const bw_model *model, const bw_dof_map *dof_map);
 /* The same elements on the same nodes. */
 bool bwi_same_topology(const bw_mesh *a, const bw_mesh *b);
 /* Nodes that take part in the order: all those of bodies with rigid-body modes (so that the order

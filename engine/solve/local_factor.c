@@ -6,7 +6,7 @@
 #include "solve/local.h"
 
 bool bwi_local_usable(const bw_local_system *local) {
-  return local->inner->factor && !bwi_factor_broken(local->inner->factor);
+  return local->inner->factor && !local->inner->factor->broken;
 }
 
 bool bwi_local_current(const bw_local_system *local) {
@@ -158,50 +158,5 @@ bw_status bwi_local_lose_single(bw_context *context, bw_local_system *local, bw_
     reuse->seconds_factor += bw_seconds() - start;
   }
 done:
-  return status;
-}
-
-bw_status bw_local_baseline(bw_context *context, const bw_local_system *local, bool own_order,
-                            bw_baseline_times *times) {
-  const bwi_local *inner = local->inner;
-  const bw_system *view = local->system;
-  bwi_baseline_times cholmod;
-  bw_status status = BW_OK;
-  if (!inner->factor)
-    return bw_fail(context, BW_INVALID, "the system has no factor yet: solve it once first");
-  const bwi_symbolic *symbolic = inner->factor->symbolic;
-  bwi_symbolic *own = NULL;
-  size_t entries = 9 * (size_t)view->pattern->block_count;
-  /* set beforehand: the first touch of new memory is not what is timed */
-  double *values = BW_NEW0(context, double, entries);
-  double *x = BW_NEW(context, double, symbolic->unknowns);
-  if (!values || !x) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  memset(values, 1, entries * sizeof *values);
-  double start = bw_seconds();
-  BW_TRY(bw_stiffness(context, view->pattern, view->mesh, inner->model->material, values));
-  times->stiffness = bw_seconds() - start;
-  start = bw_seconds();
-  if (own_order) {
-    BW_TRY(bwi_symbolic_for(context, view->pattern, view->dof_map, 0, NULL, NULL, NULL, &own));
-    symbolic = own;
-  }
-  double ordering = bw_seconds() - start;
-  bwi_matrix matrix = {
-      .pattern = view->pattern, .stiffness = view->stiffness, .dof_map = view->dof_map};
-  for (int32_t i = 0; i < symbolic->unknowns; i++)
-    x[i] = i % 7 - 3;
-  BW_TRY(bwi_baseline(context, symbolic, &matrix, x, &cholmod));
-  times->analysis = ordering + cholmod.analysis;
-  times->factor = cholmod.factor;
-  times->solve = cholmod.solve;
-  times->flops = cholmod.flops;
-  times->entries = cholmod.entries;
-done:
-  bw_release(own);
-  bw_free(values);
-  bw_free(x);
   return status;
 }

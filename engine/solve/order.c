@@ -5,11 +5,13 @@
  * Invariants of a bwi_order: place[node_at[p]] == p; supernodes are postordered (every child comes
  * before its parent, a subtree is a run of consecutive numbers); the rows of a supernode beyond its
  * own columns are a subset of its parent's rows. */
+#include <assert.h>
 #include <limits.h>
 #include <pthread.h>
 #include <string.h>
 
 #include "solve/order.h"
+#include <amd.h>
 #include <cholmod.h>
 
 static void order_destroy(void *object) {
@@ -98,6 +100,19 @@ enum { SEPARATORS = 4 };
 bw_status bwi_dissect(bw_context *context, idx_t size, idx_t *start, idx_t *neighbour,
                       idx_t *weight, idx_t *permutation) {
   return bwi_dissect_trial(context, size, start, neighbour, weight, 0, permutation);
+}
+
+bw_status bwi_minimum_degree(bw_context *context, idx_t size, idx_t *start, idx_t *neighbour,
+                             idx_t *permutation) {
+  if (sizeof(idx_t) != sizeof(int32_t))
+    return bwi_dissect(context, size, start, neighbour, NULL, permutation);
+  int code = amd_order((int32_t)size, (const int32_t *)start, (const int32_t *)neighbour,
+                       (int32_t *)permutation, NULL, NULL);
+  if (code == AMD_OUT_OF_MEMORY)
+    return bw_fail(context, BW_MEMORY, "no memory to order %d nodes", (int)size);
+  if (code != AMD_OK && code != AMD_OK_BUT_JUMBLED)
+    return bw_fail(context, BW_INTERNAL, "AMD failed to order %d nodes (code %d)", (int)size, code);
+  return BW_OK;
 }
 
 bw_status bwi_dissect_trial(bw_context *context, idx_t size, idx_t *start, idx_t *neighbour,
@@ -208,6 +223,29 @@ done:
   return status;
 }
 
+#ifndef NDEBUG
+/* The invariants at the top of this file. */
+static bool is_postordered(const bwi_order *order) {
+  for (int32_t p = 0; p < order->size; p++)
+    if (order->place[order->node_at[p]] != p)
+      return false;
+  for (int32_t s = 0; s < order->super_count; s++) {
+    int64_t first = order->row_start[s], columns = order->super[s + 1] - order->super[s];
+    int32_t parent = order->parent[s];
+    if (columns <= 0 || order->row_start[s + 1] - first < columns || (parent != -1 && parent <= s))
+      return false;
+    for (int64_t k = first; k < order->row_start[s + 1]; k++)
+      if (k < first + columns ? order->row[k] != order->super[s] + (int32_t)(k - first)
+                              : order->row[k] <= order->row[k - 1])
+        return false;
+    if (parent == -1 ? order->row_start[s + 1] - first > columns
+                     : order->row[first + columns] >= order->super[parent + 1])
+      return false;
+  }
+  return order->super[order->super_count] == order->size;
+}
+#endif
+
 bw_status bwi_order_analyse(bw_context *context, const bwi_adjacency *near,
                             const idx_t *permutation, bwi_order **out) {
   bw_status status = BW_OK;
@@ -234,6 +272,7 @@ bw_status bwi_order_analyse(bw_context *context, const bwi_adjacency *near,
       status = BW_MEMORY;
   } else
     status = analyse(context, near, permutation, order);
+  assert(status != BW_OK || is_postordered(order));
 done:
   if (status == BW_OK)
     *out = order;

@@ -15,6 +15,7 @@
  * preconditioner. The residual is then recomputed from the solution; where rounding has parted
  * the two, the iteration starts again from there until that no longer helps. Where the error in
  * energy is all that is asked for, that is left out, and so is the wait for the residual. */
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -229,6 +230,20 @@ static bw_status update_direction(iteration *it, int k, bool *more) {
   return BW_OK;
 }
 
+#ifndef NDEBUG
+/* Columns of different right-hand sides of the block. */
+static bool is_separate(const iteration *it, int64_t first, int count) {
+  for (int k = 0; k < it->active; k++) {
+    if (it->column[k].side < first || it->column[k].side >= first + count)
+      return false;
+    for (int j = 0; j < k; j++)
+      if (it->column[j].side == it->column[k].side)
+        return false;
+  }
+  return it->active <= count && count <= WIDTH;
+}
+#endif
+
 /* One block of right-hand sides. */
 static bw_status run(iteration *it, int64_t first, int count) {
   bw_status status = BW_OK;
@@ -236,6 +251,7 @@ static bw_status run(iteration *it, int64_t first, int count) {
   int iterations = 0;
   BW_TRY(begin(it, first, count));
   while (it->active > 0) {
+    assert(is_separate(it, first, count));
     if (iterations >= problem->limit) {
       problem->converged = false;
       break;
@@ -279,6 +295,8 @@ bw_status bwi_pcg_solve(bw_context *context, bwi_pcg *problem, int64_t count, co
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)problem->dof_map->mesh->node_count;
   int64_t width = count < WIDTH ? count : WIDTH;
+  assert(problem->tolerance > 0 && problem->limit >= 0);
+  assert(size == 3 * (int64_t)problem->pattern->node_count);
   iteration it = {.context = context,
                   .problem = problem,
                   .size = size,

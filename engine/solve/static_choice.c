@@ -53,8 +53,7 @@ static bw_status bring_system(statics *s, const bw_dof_map *dof_map, bw_system *
   const bw_model *model = s->model;
   if (given && !bwi_same_topology(given->mesh, model->mesh))
     given = NULL;
-  if (given && (given->factor || given->two_level) && given->mesh == model->mesh &&
-      given->material == model->material && bwi_same_supports(given->dof_map, dof_map)) {
+  if (given && (given->factor || given->two_level) && bwi_system_serves(given, model, dof_map)) {
     s->result->system = bw_retain(given);
     return BW_OK;
   }

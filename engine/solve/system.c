@@ -246,6 +246,27 @@ done:
   return status;
 }
 
+bool bwi_system_serves(const bw_system *system, const bw_model *model, const bw_dof_map *dof_map) {
+  return system->mesh == model->mesh && system->material == model->material &&
+         bwi_same_supports(system->dof_map, dof_map);
+}
+
+bw_status bw_system_of_model(bw_context *context, const bw_model *model, bw_system *given,
+                             bw_system **system) {
+  bw_status status = BW_OK;
+  bw_dof_map *dof_map = NULL;
+  BW_TRY(bw_dof_map_create(context, model, &dof_map));
+  if (given && bwi_system_serves(given, model, dof_map)) {
+    BW_TRY(bw_system_factor(context, given));
+    *system = bw_retain(given);
+  } else {
+    BW_TRY(bw_system_create(context, model->mesh, model->material, dof_map, given, system));
+  }
+done:
+  bw_release(dof_map);
+  return status;
+}
+
 typedef struct projection {
   const bw_dof_map *dof_map;
   bool force;

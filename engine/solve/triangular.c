@@ -448,7 +448,7 @@ bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int wi
       .context = context, .symbolic = symbolic, .value = factor->value, .width = width, .x = x};
   if (factor->kernels->size != sizeof *x)
     return bw_fail(context, BW_INTERNAL, "a solve in another precision than that of the factor");
-  if (bwi_factor_broken(factor))
+  if (factor->broken)
     return bw_fail(context, BW_INTERNAL,
                    "a solve with a factor whose last update failed: refactorise it");
   if (width != 1 && width != 2 && width != 4 && width != 8 && width != 16)

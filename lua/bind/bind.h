@@ -285,10 +285,6 @@ void lbw_read_plane_options(lua_State *L, int index, const char *function,
 /* {worst = , worst_element = , mean = , ...} */
 void lbw_push_plane_quality(lua_State *L, const bw_plane_mesh *mesh);
 
-/* The equations of a model: those it has, or new ones that reuse what they can. Retained by the
- * model's box; between lbw_enter and lbw_leave. */
-bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system);
-
 /* ---- the parts ------------------------------------------------------------------------------- */
 
 /* Each adds its functions to the table on the top of the stack. */

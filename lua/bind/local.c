@@ -279,22 +279,6 @@ static int local_memory(lua_State *L) {
   return 4;
 }
 
-/* local:baseline(own_order): seconds of stiffness, analysis, factor, solve from scratch; flops,
- * entries */
-static int local_baseline(lua_State *L) {
-  const bw_local_system *local = self(L);
-  bw_baseline_times times;
-  bw_status status = bw_local_baseline(lbw_enter(L), local, lua_toboolean(L, 2), &times);
-  if (status != BW_OK)
-    return lbw_leave(L, status, 1);
-  lbw_leave_or_raise(L, BW_OK);
-  lua_createtable(L, 0, 6);
-#define STORE(key) (lua_pushnumber(L, times.key), lua_setfield(L, -2, #key))
-  STORE(stiffness), STORE(analysis), STORE(factor), STORE(solve), STORE(flops), STORE(entries);
-#undef STORE
-  return 1;
-}
-
 static int local_unknown_count(lua_State *L) {
   lua_pushinteger(L, self(L)->system->dof_map->unknown_count);
   return 1;
@@ -319,10 +303,13 @@ static int local_tostring(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg methods[] = {{"update", local_update},     {"solve", local_solve},
-                                   {"statics", local_statics},   {"refactor", local_refactor},
-                                   {"view", local_view},         {"memory", local_memory},
-                                   {"baseline", local_baseline}, {NULL, NULL}};
+static const luaL_Reg methods[] = {{"update", local_update},
+                                   {"solve", local_solve},
+                                   {"statics", local_statics},
+                                   {"refactor", local_refactor},
+                                   {"view", local_view},
+                                   {"memory", local_memory},
+                                   {NULL, NULL}};
 static const luaL_Reg properties[] = {{"unknown_count", local_unknown_count},
                                       {"subdomain_count", local_subdomain_count},
                                       {NULL, NULL}};

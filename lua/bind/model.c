@@ -273,39 +273,16 @@ static int model_free_motions(lua_State *L) {
 
 /* ---- the system ------------------------------------------------------------------------------ */
 
-/* The same unknowns: then the same matrix. Prescribed values only matter to right-hand sides. */
-static bool same_unknowns(const bw_dof_map *a, const bw_dof_map *b) {
-  size_t nodes = (size_t)a->mesh->node_count;
-  return a->mesh == b->mesh && a->unknown_count == b->unknown_count &&
-         a->frame_count == b->frame_count &&
-         memcmp(a->unknown, b->unknown, 3 * nodes * sizeof *a->unknown) == 0 &&
-         memcmp(a->state, b->state, 3 * nodes * sizeof *a->state) == 0 &&
-         memcmp(a->value, b->value, 3 * nodes * sizeof *a->value) == 0 &&
-         (a->frame_count == 0 ||
-          (memcmp(a->frame_of, b->frame_of, nodes * sizeof *a->frame_of) == 0 &&
-           memcmp(a->frame, b->frame, 9 * (size_t)a->frame_count * sizeof *a->frame) == 0));
-}
-
-bw_status lbw_model_system(bw_context *context, lbw_box *box, bw_system **system) {
-  const bw_model *model = (const bw_model *)box->object;
-  bw_system *old = (bw_system *)box->extra, *new = NULL;
-  bw_dof_map *dof_map = NULL;
-  bw_status status = bw_dof_map_create(context, model, &dof_map);
-  if (status != BW_OK)
-    return status;
-  if (old && old->mesh == model->mesh && old->material == model->material &&
-      same_unknowns(old->dof_map, dof_map)) {
-    status = bw_system_factor(context, old);
-    *system = old;
-  } else {
-    status = bw_system_create(context, model->mesh, model->material, dof_map, old, &new);
-    if (status == BW_OK) {
-      bw_release(old);
-      box->extra = new;
-      *system = new;
-    }
+/* The equations of a model: those it has, or new ones that reuse what they can. The model's box
+ * holds the reference. Between lbw_enter and lbw_leave. */
+static bw_status bring_system(bw_context *context, lbw_box *box, bw_system **system) {
+  bw_system *of_model = NULL;
+  bw_status status = bw_system_of_model(context, (const bw_model *)box->object,
+                                        (bw_system *)box->extra, &of_model);
+  if (status == BW_OK) {
+    bw_release(box->extra);
+    box->extra = *system = of_model;
   }
-  bw_release(dof_map);
   return status;
 }
 
@@ -467,7 +444,7 @@ static int model_modes(lua_State *L) {
     status = bw_modes_external(context, (const bw_model *)model->object, &opts.options,
                                &opts.with.options, &modes);
   } else {
-    status = lbw_model_system(context, model, &system);
+    status = bring_system(context, model, &system);
     if (status == BW_OK)
       status = bw_modes_elastic(context, system, &opts.options, &modes);
   }
@@ -481,7 +458,7 @@ static int model_system(lua_State *L) {
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
   lbw_box *box = lbw_box_new(L, &lbw_system_class);
   bw_system *system = NULL;
-  bw_status status = lbw_model_system(lbw_enter(L), model, &system);
+  bw_status status = bring_system(lbw_enter(L), model, &system);
   lbw_box_fill(L, box, status == BW_OK ? bw_retain(system) : NULL);
   lbw_box_account(L, model);
   return lbw_leave(L, status, 1);

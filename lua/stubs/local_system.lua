@@ -89,23 +89,5 @@ function LocalSystem:view() end
 ---@return integer pcg (bytes) of the two-level preconditioner; 0 until it is first used
 function LocalSystem:memory() end
 
----What the current shape costs from scratch, for benchmarks. It needs a factor; before the first solution it raises.
----
----Errors: singular (the matrix is not positive definite), limit (more entries than CHOLMOD takes), memory.
----@param own_order? boolean the ordering of METIS, as for a single solution. Default: false, the one that was chosen for edits
----@return bw.LocalSystemBaseline? times what it costs
----@return string? message
----@return bw.Details? details
-function LocalSystem:baseline(own_order) end
-
----What a shape costs from scratch.
----@class bw.LocalSystemBaseline
----@field stiffness number (s) assembly from all elements
----@field analysis number (s) CHOLMOD's analysis; with METIS's ordering that, too
----@field factor number (s) the factor
----@field solve number (s) one solution
----@field flops number (count) operations of the factor
----@field entries number (count) entries of the factor
-
 ---Releases the equations at once.
 function LocalSystem:close() end

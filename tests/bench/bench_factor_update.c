@@ -10,7 +10,7 @@
 
 #include <time.h>
 
-#include "solve/internal.h"
+#include "bench/cholmod_baseline.h"
 
 static int ascending(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
@@ -142,8 +142,8 @@ static bw_status run(bw_context *context, const limbs *body, const scene *s, con
   solve_cpu = (processor() - solve_cpu) / 5;
   double solve = median(solves, 5);
   if (baseline[0] == 0) {
-    bwi_baseline_times times;
-    BW_TRY(bwi_baseline(context, symbolic, &matrix, x, &times));
+    cholmod_times times;
+    BW_TRY(cholmod_baseline(context, symbolic, &matrix, x, &times));
     baseline[0] = times.factor;
     baseline[1] = times.solve;
   }

@@ -45,6 +45,11 @@ struct bw_system {
 BW_API bw_status bw_system_create(bw_context *context, const bw_mesh *mesh,
                                   const bw_material *material, const bw_dof_map *dof_map,
                                   const bw_system *previous, bw_system **system);
+/* The equations of a model, with mass and factor: `given` (may be NULL), retained, where its mesh,
+ * material and supports are the model's; else new ones, with `given` as `previous`. Prescribed
+ * values may differ: they act on right-hand sides alone. BW_SINGULAR as in bw_system_create. */
+BW_API bw_status bw_system_of_model(bw_context *context, const bw_model *model, bw_system *given,
+                                    bw_system **system);
 /* Mass and factor, where the system has none yet: then it is one as bw_system_create makes it. On
  * failure it is as it was. BW_MEMORY, before any is allocated, where the factor is larger than what
  * is free (bw_free_memory); BW_SINGULAR and BW_LIMIT as bw_system_create. */
@@ -241,18 +246,6 @@ BW_API bw_status bw_local_statics(bw_context *context, bw_local_system *local,
                                   const bw_model *model, const bw_statics_options *statics,
                                   const bw_local_options *options, bw_static **result,
                                   bw_reuse *reuse);
-/* The costs of bw_local_baseline. */
-typedef struct bw_baseline_times {
-  double stiffness, analysis, factor, solve; /* (s) */
-  double flops, entries;                     /* (-) of the factor, as CHOLMOD counts them */
-} bw_baseline_times;
-/* What the same shape costs from scratch, with the same pattern: its stiffness gathered from all
- * elements, CHOLMOD's analysis, numeric factorisation and one solve. The unknowns are in the order
- * that was chosen for edits, or with `own_order` in that of METIS for the nodes, whose time counts
- * as analysis. For benchmarks; needs a factor (BW_INVALID before the first solve), and changes
- * nothing. */
-BW_API bw_status bw_local_baseline(bw_context *context, const bw_local_system *local,
-                                   bool own_order, bw_baseline_times *times);
 /* Bytes of the *factor, and of the update matrices kept beside it, *updates. */
 BW_API void bw_local_system_memory(const bw_local_system *local, size_t *factor, size_t *updates);
 /* Bytes of the two-level preconditioner; 0 until it is first used. */

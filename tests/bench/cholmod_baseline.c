@@ -1,14 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* What others would do: CHOLMOD's numeric factorisation and solve from scratch, in the same order
- * as the engine's own, with as many BLAS threads as there are threads. The yardstick of benchmarks
- * and tests; nothing in the engine stands on it. */
+#include "cholmod_baseline.h"
+
 #include <limits.h>
 #include <string.h>
 
 #include <cholmod.h>
-
-#include "solve/blas.h"
-#include "solve/internal.h"
 
 void openblas_set_num_threads(int);
 int openblas_get_num_threads(void);
@@ -77,15 +73,15 @@ static bw_status reduced_matrix(bw_context *context, const bwi_symbolic *symboli
   return BW_OK;
 }
 
-bw_status bwi_baseline(bw_context *context, const bwi_symbolic *symbolic, const bwi_matrix *matrix,
-                       double *x, bwi_baseline_times *times) {
+bw_status cholmod_baseline(bw_context *context, const bwi_symbolic *symbolic,
+                           const bwi_matrix *matrix, double *x, cholmod_times *times) {
   bw_status status = BW_OK;
   size_t size = (size_t)symbolic->unknowns;
   cholmod_common common;
   cholmod_sparse *a = NULL;
   cholmod_factor *l = NULL;
   cholmod_dense *b = NULL, *u = NULL;
-  *times = (bwi_baseline_times){0};
+  *times = (cholmod_times){0};
   cholmod_start(&common);
   common.print = 0;
   common.nmethods = 1;
