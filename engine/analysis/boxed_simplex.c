@@ -16,6 +16,7 @@
  * x = inverse * rest. */
 #include "analysis/simplex.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -100,12 +101,29 @@ static int32_t breakpoints(bwi_simplex *s, double sign, double smallest, double 
   return count;
 }
 
-static bwi_step iterate(bwi_simplex *s) {
+#ifndef NDEBUG
+/* A column is basic where a row has it, and no two rows have the same. */
+static bool is_basis(const bwi_simplex *s) {
+  int32_t rows = 0, columns = 0;
+  for (int32_t i = 0; i < s->program->rows; i++)
+    if (s->basic[i] >= 0) {
+      rows++;
+      if (s->basic[i] >= s->end || s->state[s->basic[i]] != BASIC)
+        return false;
+    }
+  for (int32_t j = 0; j < s->end; j++)
+    columns += s->state[j] == BASIC;
+  return rows == columns;
+}
+#endif
+
+static bwi_simplex_result iterate(bwi_simplex *s) {
   int32_t m = s->program->rows;
+  assert(is_basis(s));
   double length = 1;
   int32_t r = leaving_row(s, &length);
   if (r < 0)
-    return BWI_OPTIMAL;
+    return BWI_SIMPLEX_OPTIMAL;
   int32_t out = s->basic[r];
   double bound = upper(s, out);
   bool above = s->x[r] > bound;
@@ -122,7 +140,7 @@ static bwi_step iterate(bwi_simplex *s) {
       break;
   }
   if (passed <= 0)
-    return BWI_INFEASIBLE;
+    return BWI_SIMPLEX_INFEASIBLE;
   /* The last breakpoint enters, unless its pivot is too small: then an earlier one does, with less
    * to gain. */
   int32_t enters = passed - 1;
@@ -133,7 +151,7 @@ static bwi_step iterate(bwi_simplex *s) {
           (enters < 0 || bwi_sooner(&s->point[enters], &s->point[i])))
         enters = i;
     if (enters < 0)
-      return BWI_UNSTABLE;
+      return BWI_SIMPLEX_UNSTABLE;
   }
   const bwi_breakpoint stop = s->point[enters];
   int32_t q = stop.column;
@@ -144,7 +162,7 @@ static bwi_step iterate(bwi_simplex *s) {
   for (int32_t k = 0; k < m; k++)
     pivot += row[k] * s->column[k];
   if (fabs(pivot - s->alpha[q]) > 1e-8 * (length + fabs(pivot)))
-    return BWI_UNSTABLE;
+    return BWI_SIMPLEX_UNSTABLE;
 
   /* Turn over what was passed, move the multipliers, exchange r for q. */
   for (int32_t i = 0; i < passed; i++) {
@@ -182,7 +200,7 @@ static bwi_step iterate(bwi_simplex *s) {
       other[k] -= entry * row[k];
   }
   bwi_basic_values(s);
-  return BWI_DONE;
+  return BWI_SIMPLEX_PIVOTED;
 }
 
 static void hand_over(bwi_simplex *s, bwi_vertex *vertex) {

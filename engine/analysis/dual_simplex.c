@@ -44,7 +44,7 @@ static void arrays_of(bwi_simplex *s, simplex_array list[ARRAYS]) {
       {(void **)&s->key, groups, sizeof *s->key},
       {(void **)&s->ties, groups, sizeof *s->ties},
       {(void **)&s->last, groups, sizeof *s->last},
-      {(void **)&s->bend, groups > 0 ? n + groups : 0, sizeof *s->bend},
+      {(void **)&s->key_change, groups > 0 ? n + groups : 0, sizeof *s->key_change},
       {(void **)&s->group, rows, sizeof *s->group},
       {(void **)&s->member, rows, sizeof *s->member},
       {(void **)&s->unit, rows, sizeof *s->unit},
@@ -84,95 +84,22 @@ bw_status bwi_simplex_create(bw_context *context, const bwi_linear_program *prog
   return BW_OK;
 }
 
-void bwi_add_column(const bwi_simplex *s, int32_t j, double factor, double *sum) {
-  const bwi_linear_program *p = s->program;
-  if (j < 0)
-    return;
-  double *local = sum + p->first_row[j];
-  for (int32_t l = 0; l < p->row_count[j]; l++)
-    local[l] += factor * p->entry[(size_t)l * (size_t)p->columns + (size_t)j];
-  sum[p->rows - 1] += factor;
-}
-
-void bwi_times_columns(const bwi_simplex *s, const double *row, double *out) {
-  const bwi_linear_program *p = s->program;
-  size_t n = (size_t)p->columns;
-  double last = row[p->rows - 1];
-  for (int32_t k = 0; k < s->segments; k++) {
-    const bwi_segment *g = &p->segment[k];
-    const double *r = row + g->row;
-    if (g->rows == BWI_LOCAL_ROWS) {
-      const double *e0 = p->entry, *e1 = e0 + n, *e2 = e1 + n, *e3 = e2 + n, *e4 = e3 + n,
-                   *e5 = e4 + n;
-      const double r0 = r[0], r1 = r[1], r2 = r[2], r3 = r[3], r4 = r[4], r5 = r[5];
-      for (int32_t j = g->begin; j < g->end; j++)
-        out[j] = last + ((r0 * e0[j] + r1 * e1[j]) + (r2 * e2[j] + r3 * e3[j])) +
-                 (r4 * e4[j] + r5 * e5[j]);
-      continue;
-    }
-    for (int32_t j = g->begin; j < g->end; j++)
-      out[j] = last;
-    for (int32_t l = 0; l < g->rows; l++) {
-      const double *e = p->entry + (size_t)l * n, f = r[l];
-      for (int32_t j = g->begin; j < g->end; j++)
-        out[j] += f * e[j];
-    }
-  }
-}
-
-bool bwi_invert(bwi_simplex *s) {
-  int32_t m = s->program->rows;
-  size_t square = (size_t)m * (size_t)m;
-  memset(s->factor, 0, square * sizeof *s->factor);
-  for (int32_t i = 0; i < m; i++) /* the transpose of the basis */
-    s->method->basis_row(s, i, s->factor + (size_t)i * (size_t)m);
-  if (!bwi_dense_factor(m, s->factor, s->pivot))
-    return false;
-  /* Row i of the inverse solves B^T z = e_i. */
-  memset(s->inverse, 0, square * sizeof *s->inverse);
-  for (int32_t i = 0; i < m; i++) {
-    double *row = s->inverse + (size_t)i * (size_t)m;
-    row[i] = 1;
-    bwi_dense_solve(m, s->factor, s->pivot, row);
-  }
-  return true;
-}
-
-void bwi_basic_values(bwi_simplex *s) {
-  int32_t m = s->program->rows;
-  for (int32_t i = 0; i < m; i++) {
-    double sum = 0;
-    for (int32_t k = 0; k < m; k++)
-      sum += s->inverse[(size_t)i * (size_t)m + (size_t)k] * s->rest[k];
-    s->x[i] = sum;
-  }
-}
-
-double bwi_row_square(const bwi_simplex *s, int32_t i) {
-  int32_t m = s->program->rows;
-  const double *row = s->inverse + (size_t)i * (size_t)m;
-  double square = 0;
-  for (int32_t k = 0; k < m; k++)
-    square += row[k] * row[k];
-  return square;
-}
-
 /* A number from 0 to 1 that tells columns apart. */
 static double scatter(int32_t j) {
   return (double)((uint32_t)(j + 1) * 2654435761u >> 16) / 65536;
 }
 
 /* To the optimum of one level. The last word is had by a basis and costs computed afresh. */
-static bwi_step optimise(bwi_simplex *s) {
+static bwi_simplex_result optimise(bwi_simplex *s) {
   int limit = 400 + 120 * s->program->rows, since = 0, unstable = 0;
   s->method->restart(s);
   bool fresh = true;
   for (int i = 0; i < limit; i++) {
-    bwi_step result = s->method->iterate(s);
-    if (result == BWI_DONE) {
+    bwi_simplex_result result = s->method->iterate(s);
+    if (result == BWI_SIMPLEX_PIVOTED) {
       s->iterations++;
       fresh = ++since == REFRESH_EVERY;
-    } else if (fresh || (result == BWI_UNSTABLE && unstable++ > 4)) {
+    } else if (fresh || (result == BWI_SIMPLEX_UNSTABLE && unstable++ > 4)) {
       return result;
     } else {
       fresh = true;
@@ -182,14 +109,14 @@ static bwi_step optimise(bwi_simplex *s) {
       since = 0;
     }
   }
-  return BWI_UNSTABLE;
+  return BWI_SIMPLEX_UNSTABLE;
 }
 
 bw_status bwi_simplex_solve(bw_context *context, bwi_simplex *s, const double *cost, bool sampled,
                             bwi_vertex *vertex) {
   const bwi_linear_program *p = s->program;
   double capacity = 0, sample = 0;
-  bwi_step result = BWI_OPTIMAL;
+  bwi_simplex_result result = BWI_SIMPLEX_OPTIMAL;
   for (int32_t g = 0; g < p->groups; g++)
     capacity += p->upper[p->group_start[g]];
   /* Equal gains make ties, and ties can make the method go round in circles. Small amounts tell
@@ -209,13 +136,13 @@ bw_status bwi_simplex_solve(bw_context *context, bwi_simplex *s, const double *c
     s->stretch = level == p->levels - 1 ? 1 : capacity / sample;
     result = optimise(s);
   }
-  if (result != BWI_OPTIMAL)
+  if (result != BWI_SIMPLEX_OPTIMAL)
     return bw_fail(context, BW_CONVERGENCE,
                    "the dual simplex method found no optimum of %d rows and %d columns in %d "
                    "groups in %d iterations (%s)",
                    p->rows, p->columns, p->groups, s->iterations,
-                   result == BWI_INFEASIBLE ? "the rows contradict each other"
-                                            : "pivots too small, or too many iterations");
+                   result == BWI_SIMPLEX_INFEASIBLE ? "the rows contradict each other"
+                                                    : "pivots too small, or too many iterations");
   s->method->hand_over(s, vertex);
   vertex->iterations = s->iterations;
   return BW_OK;

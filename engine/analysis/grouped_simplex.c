@@ -213,7 +213,7 @@ static int32_t breakpoints(bwi_simplex *s, int32_t leaving, double sign, double 
         break;
       former = fmax(former, step);
       double slope = upper(s, g) * sign * (value(s->alpha, p) - value(s->alpha, q));
-      s->bend[count] = (bwi_bend){g, q, tied};
+      s->key_change[count] = (bwi_key_change){g, q, tied};
       s->point[count] = (bwi_breakpoint){former, tied ? 1e300 : slope, count};
       count++;
       if (tied)
@@ -229,18 +229,18 @@ static double pivot_of(const bwi_simplex *s, int32_t p, int32_t q) {
   return value(s->alpha, p) - value(s->alpha, q);
 }
 
-static bwi_step iterate(bwi_simplex *s) {
+static bwi_simplex_result iterate(bwi_simplex *s) {
   const bwi_linear_program *program = s->program;
   int32_t m = program->rows;
   double length = 1;
   do {
     if (!bwi_invert(s))
-      return BWI_UNSTABLE;
+      return BWI_SIMPLEX_UNSTABLE;
     bwi_basic_values(s);
   } while (turn_keys(s));
   int32_t r = leaving_row(s, &length);
   if (r < 0)
-    return BWI_OPTIMAL;
+    return BWI_SIMPLEX_OPTIMAL;
   bool unit = s->group[r] == NO_GROUP;
   double broken = fabs(s->x[r]), sign = unit && s->x[r] > 0 ? -1 : 1;
   const double *row = s->inverse + (size_t)r * (size_t)m;
@@ -248,30 +248,30 @@ static bwi_step iterate(bwi_simplex *s) {
   int32_t count = breakpoints(s, r, sign, 1e-11 * length);
   int32_t passed = bwi_select_breakpoints(s->point, count, broken);
   if (passed <= 0)
-    return BWI_INFEASIBLE;
+    return BWI_SIMPLEX_INFEASIBLE;
   const bwi_breakpoint stop = s->point[passed - 1];
-  const bwi_bend last = s->bend[stop.column];
+  const bwi_key_change last = s->key_change[stop.column];
 
   /* Keys before the stop: the last breakpoint passed of each group. */
   for (int32_t i = 0; i < passed - 1; i++)
-    s->last[s->bend[s->point[i].column].group] = -1;
+    s->last[s->key_change[s->point[i].column].group] = -1;
   for (int32_t i = 0; i < passed - 1; i++) {
     int32_t b = s->point[i].column;
-    if (b > s->last[s->bend[b].group])
-      s->last[s->bend[b].group] = b;
+    if (b > s->last[s->key_change[b].group])
+      s->last[s->key_change[b].group] = b;
   }
   int32_t before = s->key[last.group];
   for (int32_t i = 0; i < passed - 1; i++) {
     int32_t b = s->point[i].column;
-    if (s->bend[b].group == last.group && b == s->last[last.group])
-      before = s->bend[b].column;
+    if (s->key_change[b].group == last.group && b == s->last[last.group])
+      before = s->key_change[b].column;
   }
   if (fabs(pivot_of(s, before, last.column)) < bwi_smallest_pivot * length)
-    return BWI_UNSTABLE;
+    return BWI_SIMPLEX_UNSTABLE;
   for (int32_t i = 0; i < passed - 1; i++) {
     int32_t b = s->point[i].column;
-    if (b == s->last[s->bend[b].group])
-      set_key(s, s->bend[b].group, s->bend[b].column);
+    if (b == s->last[s->key_change[b].group])
+      set_key(s, s->key_change[b].group, s->key_change[b].column);
   }
   double move = stop.step * sign;
   for (int32_t j = 0; j < s->end; j++)
@@ -281,7 +281,7 @@ static bwi_step iterate(bwi_simplex *s) {
   s->group[r] = last.group;
   s->member[r] = last.column;
   s->ties[last.group]++;
-  return BWI_DONE;
+  return BWI_SIMPLEX_PIVOTED;
 }
 
 /* As bwi_vertex wants it: no column of zeros in the basis. */

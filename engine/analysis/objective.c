@@ -72,14 +72,6 @@ double bwi_shape_integrals(const bw_mesh *mesh, int32_t e, double (*gradient)[3]
   return volume;
 }
 
-void bwi_conjugate_stress(const double c[36], const double t[6], double s[6]) {
-  for (int k = 0; k < 6; k++) {
-    const double *row = c + 6 * k;
-    s[k] = row[0] * t[0] + row[1] * t[1] + row[2] * t[2] +
-           2 * (row[3] * t[3] + row[4] * t[4] + row[5] * t[5]);
-  }
-}
-
 /* right_hand_side += that of entry i, an element. */
 static void add_element(const bw_mesh *mesh, const bw_material *material, bw_worst_target target,
                         const bw_weak_region *r, int32_t i, double *right_hand_side) {

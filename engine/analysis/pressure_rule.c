@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Points, weights and functions of the pressures of a facet. */
+#include "analysis/linear_program.h"
 #include "analysis/pressure.h"
 #include "barwright/element.h"
 
@@ -149,4 +150,18 @@ void bwi_pressure_rules_clear(bwi_pressure_rules *rules) {
 const bwi_pressure_rule *bwi_facet_rule(const bwi_pressure_rules *rules,
                                         const bw_pressure_basis *basis, int32_t facet) {
   return &rules->rule[basis->parts[facet]];
+}
+
+void bwi_area_vector(const double (*x)[3], const double l[3], double normal[3]) {
+  /* Derivatives of the six functions by L0, L1, L2, then along the two edges from corner 0. */
+  const double by[6][3] = {{4 * l[0] - 1, 0, 0},    {0, 4 * l[1] - 1, 0},
+                           {0, 0, 4 * l[2] - 1},    {4 * l[1], 4 * l[0], 0},
+                           {0, 4 * l[2], 4 * l[1]}, {4 * l[2], 0, 4 * l[0]}};
+  double u[3] = {0, 0, 0}, v[3] = {0, 0, 0};
+  for (int a = 0; a < 6; a++)
+    for (int k = 0; k < 3; k++) {
+      u[k] += (by[a][1] - by[a][0]) * x[a][k];
+      v[k] += (by[a][2] - by[a][0]) * x[a][k];
+    }
+  bw_cross(u, v, normal);
 }

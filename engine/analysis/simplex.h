@@ -8,13 +8,18 @@
 
 #include "analysis/linear_program.h"
 
-typedef enum bwi_step { BWI_DONE, BWI_OPTIMAL, BWI_INFEASIBLE, BWI_UNSTABLE } bwi_step;
+typedef enum bwi_simplex_result {
+  BWI_SIMPLEX_PIVOTED,
+  BWI_SIMPLEX_OPTIMAL,
+  BWI_SIMPLEX_INFEASIBLE,
+  BWI_SIMPLEX_UNSTABLE
+} bwi_simplex_result;
 
 /* A change of a group's key, see grouped_simplex.c. */
-typedef struct bwi_bend {
+typedef struct bwi_key_change {
   int32_t group, column; /* the key after it */
   bool tied;             /* ends the search: the group has a basic column */
-} bwi_bend;
+} bwi_key_change;
 
 /* One of the two methods. */
 typedef struct bwi_method {
@@ -22,7 +27,7 @@ typedef struct bwi_method {
   void (*start)(bwi_simplex *s); /* a basis of unit columns */
   void (*basis_row)(const bwi_simplex *s, int32_t i, double *row); /* row += basic column i */
   void (*restart)(bwi_simplex *s);                                 /* all afresh from the basis */
-  bwi_step (*iterate)(bwi_simplex *s);
+  bwi_simplex_result (*iterate)(bwi_simplex *s);
   void (*hand_over)(bwi_simplex *s, bwi_vertex *vertex);
 } bwi_method;
 extern const bwi_method bwi_boxed, bwi_grouped;
@@ -43,11 +48,11 @@ struct bwi_simplex {
   int32_t *basic; /* rows */
   double reach;   /* how far breakpoints are looked for at first */
   /* Columns in groups. */
-  int32_t *key, *ties;     /* groups: the key, and how many columns of the basis */
-  int32_t *last;           /* groups: scratch, the last breakpoint passed */
-  bwi_bend *bend;          /* columns and groups */
-  int32_t *group, *member; /* rows: the basic column's group (-1: unit column), column */
-  int32_t *unit;           /* rows: number of the unit column */
+  int32_t *key, *ties;        /* groups: the key, and how many columns of the basis */
+  int32_t *last;              /* groups: scratch, the last breakpoint passed */
+  bwi_key_change *key_change; /* columns and groups */
+  int32_t *group, *member;    /* rows: the basic column's group (-1: unit column), column */
+  int32_t *unit;              /* rows: number of the unit column */
 };
 
 static const double bwi_feasible_share = 1e-12; /* of the total force */

@@ -29,7 +29,13 @@ bw_status bwi_element_regions(bw_context *context, const bw_mesh *mesh, int64_t 
 double bwi_shape_integrals(const bw_mesh *mesh, int32_t e, double (*gradient)[3], double *value);
 
 /* s = C : T, so that T : sigma = s : grad u. */
-void bwi_conjugate_stress(const double c[36], const double t[6], double s[6]);
+static inline void bwi_conjugate_stress(const double c[36], const double t[6], double s[6]) {
+  for (int k = 0; k < 6; k++) {
+    const double *row = c + 6 * k;
+    s[k] = row[0] * t[0] + row[1] * t[1] + row[2] * t[2] +
+           2 * (row[3] * t[3] + row[4] * t[4] + row[5] * t[5]);
+  }
+}
 
 /* Signed weights (not yet scaled) of a region of a Laplacian mode from the mean gradients of the
  * mode in all elements (weak_laplacian.c). */

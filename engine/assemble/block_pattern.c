@@ -8,6 +8,7 @@
 #include "assemble/internal.h"
 #include "base/sort.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { ROWS_PER_CHUNK = 512 };
@@ -189,6 +190,29 @@ static bw_status fill_upper(bw_context *context, bw_block_pattern *pattern) {
   return BW_OK;
 }
 
+#ifndef NDEBUG
+/* The invariants at the top of this file. */
+static bool is_ordered(const bw_block_pattern *pattern) {
+  for (int64_t i = 0; i < pattern->node_count; i++) {
+    int64_t end = pattern->start[i + 1];
+    if (end <= pattern->start[i] || pattern->column[end - 1] != i)
+      return false;
+    for (int64_t p = pattern->start[i]; p + 1 < end; p++)
+      if (pattern->column[p] < 0 || pattern->column[p] >= pattern->column[p + 1])
+        return false;
+    for (int64_t k = pattern->upper_start[i]; k < pattern->upper_start[i + 1]; k++)
+      if (pattern->column[pattern->upper_block[k]] != i || pattern->upper_row[k] <= i ||
+          (k > pattern->upper_start[i] && pattern->upper_row[k] <= pattern->upper_row[k - 1]))
+        return false;
+  }
+  for (int64_t p = 0; p < pattern->block_count; p++)
+    for (int64_t k = pattern->gather_start[p]; k + 1 < pattern->gather_start[p + 1]; k++)
+      if (pattern->gather_element[k] > pattern->gather_element[k + 1])
+        return false;
+  return pattern->start[pattern->node_count] == pattern->block_count;
+}
+#endif
+
 bw_status bw_block_pattern_of_elements(bw_context *context, int32_t node_count,
                                        int32_t element_count, int nodes_per_element,
                                        const int32_t *element, bw_block_pattern **pattern) {
@@ -229,6 +253,7 @@ bw_status bw_block_pattern_of_elements(bw_context *context, int32_t node_count,
   BW_TRY(bw_check_cancel(context));
   BW_TRY(bw_parallel(context, nodes, ROWS_PER_CHUNK, fill_rows, &b));
   BW_TRY(fill_upper(context, g));
+  assert(is_ordered(g));
   *pattern = g;
   g = NULL;
 done:

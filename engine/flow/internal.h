@@ -5,7 +5,7 @@
 
 #include "barwright/flow.h"
 
-enum { BWI_MAX = 4 }; /* unknowns of a node: velocity x, y, pressure, temperature */
+enum { BWI_FLOW_UNKNOWNS = 4 }; /* unknowns of a node: velocity x, y, pressure, temperature */
 
 /* One linear problem: the implicit step of length 1 / rate (times the coefficient of the scheme),
  * or with rate 0 the steady equations, linearised about a velocity. */

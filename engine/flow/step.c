@@ -114,7 +114,8 @@ static void balance(const bw_flow *flow) {
   const bw_plane_pattern *pattern = flow->inner->now->pattern;
   const bwi_flow_workspace *workspace = &flow->inner->workspace;
   int c = flow->components;
-  double diagonal[BWI_MAX] = {0}, right[BWI_MAX] = {0}, by[BWI_MAX] = {1, 1, 1, 1};
+  double diagonal[BWI_FLOW_UNKNOWNS] = {0}, right[BWI_FLOW_UNKNOWNS] = {0},
+         by[BWI_FLOW_UNKNOWNS] = {1, 1, 1, 1};
   for (int64_t i = 0; i < pattern->node_count; i++)
     for (int d = 0; d < c; d++) {
       diagonal[d] += fabs(workspace->system[c * (c * pattern->diagonal[i] + d) + d]);

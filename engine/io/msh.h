@@ -40,6 +40,8 @@ bw_status bwi_msh_real(bwi_msh *msh, double *value, const char *what);
 bw_status bwi_msh_check(bwi_msh *msh, int64_t count, size_t text, size_t binary, const char *what);
 bw_status bwi_msh_fail(bwi_msh *msh, const char *format, ...) BW_PRINTF(2, 3);
 
+/* The group of a dimension and a tag, a new one where there is none. */
+bw_status bwi_msh_find_group(bwi_msh *msh, int64_t dimension, int64_t tag, bwi_msh_group **group);
 /* Nodes of an element type; 0: the type is not known. */
 int bwi_msh_width(int64_t type);
 /* One element with node tags and physical groups (tag 0 is none). */

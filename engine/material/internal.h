@@ -23,10 +23,6 @@ bw_material *bwi_material_copy(bw_context *context, const bw_material *material)
 /* turned: rows R e_i of the axes' rows e_i */
 void bwi_material_turn_axes(const double axes[9], const double rotation[9], double turned[9]);
 
-/* turned.c */
 void bwi_material_turns_free(bw_material_turns *turns);
-/* A material that is turned by element, turned once more as a whole. */
-bw_status bwi_material_turned_on(bw_context *context, const bw_material *material,
-                                 const double rotation[9], bw_material **rotated);
 
 #endif

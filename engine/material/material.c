@@ -5,6 +5,17 @@
 #include <math.h>
 #include <string.h>
 
+void bwi_material_turns_free(bw_material_turns *turns) {
+  if (!turns)
+    return;
+  bw_free(turns->of_element);
+  bw_free(turns->rotation);
+  bw_free(turns->axes);
+  bw_free(turns->elasticity);
+  bw_free(turns->compliance);
+  bw_free(turns);
+}
+
 static void destroy(void *object) {
   bw_material *material = (bw_material *)object;
   bwi_material_turns_free(material->turns);
@@ -178,29 +189,6 @@ void bwi_material_turn_axes(const double axes[9], const double rotation[9], doub
   for (int i = 0; i < 3; i++)
     for (int k = 0; k < 3; k++)
       turned[3 * i + k] = bw_dot(rotation + 3 * k, axes + 3 * i);
-}
-
-bw_status bw_material_rotated(bw_context *context, const bw_material *material,
-                              const double rotation[9], bw_material **rotated) {
-  bw_status status = BW_OK;
-  double r[9];
-  memcpy(r, rotation, sizeof r);
-  BW_TRY(bwi_material_check_rotation(context, "the rotation of a material", r));
-  if (material->turns)
-    return bwi_material_turned_on(context, material, r, rotated);
-  bw_material *turned = bwi_material_copy(context, material);
-  if (!turned)
-    return BW_MEMORY;
-  bwi_material_turn_axes(material->axes, r, turned->axes);
-  if (!turned->isotropic)
-    status = bwi_material_orthotropic_matrices(context, turned);
-  if (status != BW_OK) {
-    bw_free(turned);
-    return status;
-  }
-  *rotated = turned;
-done:
-  return status;
 }
 
 double bw_material_strength(const bw_material *material, const double direction[3]) {

@@ -5,17 +5,6 @@
 
 #include <string.h>
 
-void bwi_material_turns_free(bw_material_turns *turns) {
-  if (!turns)
-    return;
-  bw_free(turns->of_element);
-  bw_free(turns->rotation);
-  bw_free(turns->axes);
-  bw_free(turns->elasticity);
-  bw_free(turns->compliance);
-  bw_free(turns);
-}
-
 static bw_status check_groups(bw_context *context, const bw_material *material,
                               int32_t element_count, int32_t group_count,
                               const int32_t *of_element) {
@@ -96,8 +85,9 @@ done:
   return status;
 }
 
-bw_status bwi_material_turned_on(bw_context *context, const bw_material *material,
-                                 const double rotation[9], bw_material **rotated) {
+/* A material that is turned by element, turned once more as a whole. */
+static bw_status turned_on(bw_context *context, const bw_material *material,
+                           const double rotation[9], bw_material **rotated) {
   const bw_material_turns *t = material->turns;
   double *both = BW_NEW(context, double, 9 * (int64_t)t->count);
   if (!both)
@@ -112,6 +102,29 @@ bw_status bwi_material_turned_on(bw_context *context, const bw_material *materia
   bw_status status = bw_material_turned(context, material->unturned, t->element_count, t->count,
                                         t->of_element, both, rotated);
   bw_free(both);
+  return status;
+}
+
+bw_status bw_material_rotated(bw_context *context, const bw_material *material,
+                              const double rotation[9], bw_material **rotated) {
+  bw_status status = BW_OK;
+  double r[9];
+  memcpy(r, rotation, sizeof r);
+  BW_TRY(bwi_material_check_rotation(context, "the rotation of a material", r));
+  if (material->turns)
+    return turned_on(context, material, r, rotated);
+  bw_material *turned = bwi_material_copy(context, material);
+  if (!turned)
+    return BW_MEMORY;
+  bwi_material_turn_axes(material->axes, r, turned->axes);
+  if (!turned->isotropic)
+    status = bwi_material_orthotropic_matrices(context, turned);
+  if (status != BW_OK) {
+    bw_free(turned);
+    return status;
+  }
+  *rotated = turned;
+done:
   return status;
 }
 

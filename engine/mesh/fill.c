@@ -81,17 +81,6 @@ static bw_status check_options(bw_context *context, const bw_fill_options *o) {
 
 /* ---- the base ------------------------------------------------------------------------------- */
 
-void bwi_fill_describe_defects(const bw_surface_report *report, char *text, size_t size) {
-  size_t used = 0;
-  text[0] = 0;
-  for (int k = 0; k < BW_DEFECT_KINDS; k++)
-    if (report->count[k] && used < size) {
-      int put = snprintf(text + used, size - used, "%s%lld x %s", used ? ", " : "",
-                         (long long)report->count[k], bw_defect_word((bw_defect_kind)k));
-      used += put > 0 ? (size_t)put : 0;
-    }
-}
-
 /* Adopt a surface as the base. */
 static void set_base(bwi_filler *f, bw_surface *surface) {
   double low[3], high[3], d[3];
@@ -105,12 +94,6 @@ static void set_base(bwi_filler *f, bw_surface *surface) {
   f->diagonal = bw_norm(d);
   f->area = bw_surface_area(surface);
   f->volume = fabs(bw_surface_volume(surface));
-}
-
-void bwi_fill_append_log(bw_shape_log *to, const bw_shape_log *from) {
-  for (int i = 0; i < from->count; i++)
-    bw_shape_log_add(to, from->step[i].name, from->step[i].count, from->step[i].moved, "%s",
-                     from->step[i].text);
 }
 
 /* The end of a warning on a change of the surface: how far it moved (of `size`, where that is above
@@ -167,16 +150,6 @@ done:
   bw_release(welded);
   bw_release(made);
   return status;
-}
-
-/* Errors that another way of making the surface may cure. */
-bool bwi_fill_may_cure(bw_status status) {
-  return status == BW_GEOMETRY || status == BW_LIMIT || status == BW_INTERNAL ||
-         status == BW_UNSUPPORTED || status == BW_CONVERGENCE;
-}
-
-bool bwi_fill_too_late(const bwi_filler *f) {
-  return f->best.node && bw_seconds() - f->start > f->options->time_limit;
 }
 
 /* ---- the whole ------------------------------------------------------------------------------ */

@@ -94,7 +94,7 @@ typedef struct bwi_filler {
   double start; /* of the search: no new run begins after time_limit, once there is a mesh */
 } bwi_filler;
 
-/* fill.c */
+/* fill_state.c */
 void bwi_fill_describe_defects(const bw_surface_report *report, char *text, size_t size);
 void bwi_fill_append_log(bw_shape_log *to, const bw_shape_log *from);
 /* Whether another way of making the surface may cure this failure. */

@@ -1,11 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Which element holds a point: a tree of boxes over the straight-edged elements.
- *
- * The elements are sorted along a Morton curve through their centroids and cut into leaves of
- * eight; the tree is a complete binary one in heap order (children of k: 2k+1, 2k+2), its last
- * level the leaves, padded with empty boxes to a power of two. One search serves both questions: an
- * element that holds the point has the distance 0. */
+/* Which element holds a point: a tree of boxes over the straight-edged elements, which are sorted
+ * along a Morton curve through their centroids. One search serves both questions: an element that
+ * holds the point has the distance 0. */
 #include "barwright/mesh.h"
+#include "base/box_tree.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,23 +13,19 @@ enum { LEAF = 8 };
 struct bw_locator {
   bw_object object;
   const bw_mesh *mesh; /* retained */
-  int32_t *element;    /* along the curve */
-  int64_t leaves;      /* a power of two */
-  double (*box)[6];    /* 2 leaves - 1: low, high */
+  bwi_box_tree tree;   /* of the elements along the curve */
 };
 
 static void locator_destroy(void *object) {
   bw_locator *locator = object;
   bw_release(locator->mesh);
-  bw_free(locator->element);
-  bw_free(locator->box);
+  bwi_box_tree_clear(&locator->tree);
   bw_free(locator);
 }
 
 static size_t locator_bytes(const void *object) {
   const bw_locator *locator = object;
-  return sizeof *locator + (size_t)locator->mesh->element_count * sizeof(int32_t) +
-         (size_t)(2 * locator->leaves - 1) * sizeof *locator->box;
+  return sizeof *locator + bwi_box_tree_bytes(&locator->tree);
 }
 
 static const bw_kind locator_kind = {"locator", locator_destroy, locator_bytes};
@@ -75,51 +69,24 @@ static void sort_codes(coded *list, coded *other, int64_t count) {
   }
 }
 
-static void fill_boxes(bw_locator *locator) {
-  const bw_mesh *mesh = locator->mesh;
-  for (int64_t leaf = 0; leaf < locator->leaves; leaf++) {
-    double *box = locator->box[locator->leaves - 1 + leaf];
-    for (int k = 0; k < 3; k++) {
-      box[k] = INFINITY;
-      box[3 + k] = -INFINITY;
-    }
-    for (int64_t i = leaf * LEAF; i < (leaf + 1) * LEAF && i < mesh->element_count; i++) {
-      const double *x[4];
-      corners_of(mesh, locator->element[i], x);
-      for (int c = 0; c < 4; c++)
-        for (int k = 0; k < 3; k++) {
-          box[k] = fmin(box[k], x[c][k]);
-          box[3 + k] = fmax(box[3 + k], x[c][k]);
-        }
-    }
+static void box_of(const void *data, int32_t element, double *min, double *max) {
+  const double *x[4];
+  corners_of(data, element, x);
+  for (int k = 0; k < 3; k++) {
+    min[k] = fmin(fmin(x[0][k], x[1][k]), fmin(x[2][k], x[3][k]));
+    max[k] = fmax(fmax(x[0][k], x[1][k]), fmax(x[2][k], x[3][k]));
   }
-  for (int64_t node = locator->leaves - 1; node-- > 0;)
-    for (int k = 0; k < 3; k++) {
-      const double *a = locator->box[2 * node + 1], *b = locator->box[2 * node + 2];
-      locator->box[node][k] = fmin(a[k], b[k]);
-      locator->box[node][3 + k] = fmax(a[3 + k], b[3 + k]);
-    }
 }
 
 bw_status bw_locator_create(bw_context *context, const bw_mesh *mesh, bw_locator **out) {
   bw_status status = BW_OK;
   int64_t count = mesh->element_count;
   coded *list = BW_NEW(context, coded, count), *other = BW_NEW(context, coded, count);
+  int32_t *element = BW_NEW(context, int32_t, count);
   bw_locator *locator = BW_NEW0(context, bw_locator, 1);
-  if (!list || !other || !locator) {
+  if (!list || !other || !element || !locator) {
+    bw_free(element);
     bw_free(locator);
-    status = BW_MEMORY;
-    goto done;
-  }
-  bw_object_init(locator, &locator_kind);
-  locator->mesh = bw_retain(mesh);
-  locator->leaves = 1;
-  while (locator->leaves * LEAF < count)
-    locator->leaves *= 2;
-  locator->element = BW_NEW(context, int32_t, count);
-  locator->box = bw_alloc(context, (size_t)(2 * locator->leaves - 1), sizeof *locator->box);
-  if (!locator->element || !locator->box) {
-    bw_release(locator);
     status = BW_MEMORY;
     goto done;
   }
@@ -140,8 +107,14 @@ bw_status bw_locator_create(bw_context *context, const bw_mesh *mesh, bw_locator
   }
   sort_codes(list, other, count); /* six passes: the result is in `list` again */
   for (int64_t i = 0; i < count; i++)
-    locator->element[i] = list[i].element;
-  fill_boxes(locator);
+    element[i] = list[i].element;
+  status = bwi_box_tree_create(context, 3, LEAF, count, element, box_of, mesh, &locator->tree);
+  if (status != BW_OK) {
+    bw_free(locator);
+    goto done;
+  }
+  bw_object_init(locator, &locator_kind);
+  locator->mesh = bw_retain(mesh);
   *out = locator;
 done:
   bw_free(list);
@@ -253,54 +226,26 @@ static double on_element(const double *p, const double *x[4], double weight[4]) 
   return best;
 }
 
-static double on_box(const double *p, const double box[6]) {
-  double square = 0;
-  for (int k = 0; k < 3; k++) {
-    double d = fmax(fmax(box[k] - p[k], p[k] - box[3 + k]), 0);
-    square += d * d;
-  }
-  return square;
+static double distance_from(void *data, int32_t element, const double *point) {
+  const double *x[4];
+  double weight[4];
+  corners_of(data, element, x);
+  return on_element(point, x, weight);
 }
 
 int32_t bw_locator_find(const bw_locator *locator, const double point[3], double weight[4],
                         bool *inside) {
-  int64_t stack[80]; /* one sibling per level */
-  int depth = 0;
-  double best = INFINITY;
-  int32_t found = -1;
-  stack[depth++] = 0;
-  while (depth > 0 && best > 0) {
-    int64_t node = stack[--depth];
-    if (on_box(point, locator->box[node]) > best)
-      continue;
-    if (node < locator->leaves - 1) {
-      int64_t near = 2 * node + 1, far = near + 1;
-      if (on_box(point, locator->box[far]) < on_box(point, locator->box[near])) {
-        far = near;
-        near = far + 1;
-      }
-      stack[depth++] = far;
-      stack[depth++] = near;
-      continue;
-    }
-    int64_t first = (node - (locator->leaves - 1)) * LEAF;
-    for (int64_t i = first; i < first + LEAF && i < locator->mesh->element_count; i++) {
-      const double *x[4];
-      double here[4];
-      corners_of(locator->mesh, locator->element[i], x);
-      double distance = on_element(point, x, here);
-      if (distance < best || (distance == best && locator->element[i] < found)) {
-        best = distance;
-        found = locator->element[i];
-        memcpy(weight, here, sizeof here);
-      }
-    }
-  }
-  if (found < 0) { /* a point that is no number is nowhere: say the first element's corner */
-    found = 0;
-    memcpy(weight, (double[4]){1, 0, 0, 0}, 4 * sizeof *weight);
-  }
+  const double *x[4];
+  double square;
+  int32_t found =
+      bwi_box_tree_nearest(&locator->tree, point, distance_from, (void *)locator->mesh, &square);
   if (inside)
-    *inside = best == 0;
+    *inside = square == 0;
+  if (found < 0) { /* a point that is no number is nowhere: say the first element's corner */
+    memcpy(weight, (double[4]){1, 0, 0, 0}, 4 * sizeof *weight);
+    return 0;
+  }
+  corners_of(locator->mesh, found, x);
+  on_element(point, x, weight);
   return found;
 }

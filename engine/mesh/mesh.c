@@ -12,6 +12,7 @@
 #include "base/union_find.h"
 #include "mesh/mesh_internal.h"
 
+#include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -391,6 +392,27 @@ static bw_status find_components(bw_context *context, bw_mesh *mesh) {
 
 /* ---- constructors --------------------------------------------------------------------------- */
 
+#ifndef NDEBUG
+/* Neighbours know each other, and belong to the same body as all of their nodes. */
+static bool is_connected(const bw_mesh *mesh) {
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    const int32_t *node = mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
+    for (int a = 1; a < mesh->nodes_per_element; a++)
+      if (mesh->component[node[a]] != mesh->component[node[0]])
+        return false;
+    for (int k = 0; k < 4; k++) {
+      int32_t other = mesh->neighbour[4 * (size_t)e + (size_t)k], back = other < 0 ? 0 : 4;
+      if (other < -1 || other >= mesh->element_count || other == e)
+        return false;
+      while (back > 0 && mesh->neighbour[4 * (size_t)other + (size_t)back - 1] != e)
+        if (--back == 0)
+          return false;
+    }
+  }
+  return true;
+}
+#endif
+
 bw_status bwi_mesh_own(bw_context *context, int order, int64_t nodes, double *node,
                        int64_t elements, int32_t *element, int32_t *region, bool flat,
                        bw_mesh **out) {
@@ -419,6 +441,7 @@ bw_status bwi_mesh_own(bw_context *context, int order, int64_t nodes, double *no
   BW_TRY(find_neighbours(context, mesh));
   BW_TRY(find_boundary(context, mesh));
   BW_TRY(find_components(context, mesh));
+  assert(is_connected(mesh));
   *out = mesh;
 done:
   if (status != BW_OK) {

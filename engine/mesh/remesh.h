@@ -78,6 +78,9 @@ static inline bool turned_over(const double before[3], const double after[3]) {
   return bw_dot(before, after) <= turn * bw_norm(before) * bw_norm(after);
 }
 
+/* What a facet takes while it is remeshed: measured, with what its points and the search take. */
+#define BWI_REMESH_BYTES_OF_FACET 300.0
+
 /* Long loops look up now and then: cancelled, out of steps, time or memory? */
 enum { BWI_REMESH_LOOK = 10 }; /* every 2^10 steps */
 bw_status bwi_remesh_check(const bwi_remesher *r);

@@ -1,9 +1,30 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* What a change of the remeshed surface must not do: leave the surface, leave a crease, or come
- * near what lies opposite. */
+ * near what lies opposite; and what remeshing as a whole may take. */
 #include "mesh/remesh.h"
 #include "mesh/surface_internal.h"
 #include "mesh/tetgen_run.h"
+
+bw_status bwi_remesh_check(const bwi_remesher *r) {
+  if (r->mesh && (double)r->mesh->facet_count * BWI_REMESH_BYTES_OF_FACET > r->memory) {
+    bw_fail(r->context, BW_LIMIT,
+            "remeshing needs more than the %.3g bytes it may use: ask for longer edges, or raise "
+            "memory_limit",
+            r->memory);
+    bw_detail_text(r->context, "limit", "memory");
+    return BW_LIMIT;
+  }
+  if (r->max_looks > 0 && ++*r->looks > r->max_looks) {
+    bw_fail(r->context, BW_LIMIT,
+            "remeshing with edges of %g m took more than the %lld steps it may use: ask for longer "
+            "edges",
+            r->length, (long long)r->max_looks << BWI_REMESH_LOOK);
+    bw_detail_text(r->context, "limit", "steps");
+    return BW_LIMIT;
+  }
+  bw_progress(r->context, "remeshing", r->share); /* who is shown it may cancel */
+  return bwi_time_limit_check(r->context, &r->time);
+}
 
 /* How far the surface may be left near a point. */
 double bwi_remesh_slack(const bwi_remesher *r, double size) {

@@ -28,8 +28,6 @@ void bw_remesh_options_default(bw_remesh_options *options) {
                                  .memory_limit = 6e9};
 }
 
-/* What a facet takes while it is remeshed: measured, with what its points and the search take. */
-static const double BYTES_OF_FACET = 300;
 static const double EQUILATERAL = 0.43301270189221930; /* area over squared side */
 
 static bw_status too_many(const bwi_remesher *r, double area, double facets) {
@@ -37,30 +35,9 @@ static bw_status too_many(const bwi_remesher *r, double area, double facets) {
       r->context, BW_LIMIT,
       "edges of %g m cut this surface of %g m2 into about %.3g facets; %.3g bytes have room for "
       "%.3g: ask for longer edges, or raise memory_limit",
-      r->length, area, facets, r->memory, r->memory / BYTES_OF_FACET);
+      r->length, area, facets, r->memory, r->memory / BWI_REMESH_BYTES_OF_FACET);
   bw_detail_text(r->context, "limit", "memory");
   return BW_LIMIT;
-}
-
-bw_status bwi_remesh_check(const bwi_remesher *r) {
-  if (r->mesh && (double)r->mesh->facet_count * BYTES_OF_FACET > r->memory) {
-    bw_fail(r->context, BW_LIMIT,
-            "remeshing needs more than the %.3g bytes it may use: ask for longer edges, or raise "
-            "memory_limit",
-            r->memory);
-    bw_detail_text(r->context, "limit", "memory");
-    return BW_LIMIT;
-  }
-  if (r->max_looks > 0 && ++*r->looks > r->max_looks) {
-    bw_fail(r->context, BW_LIMIT,
-            "remeshing with edges of %g m took more than the %lld steps it may use: ask for longer "
-            "edges",
-            r->length, (long long)r->max_looks << BWI_REMESH_LOOK);
-    bw_detail_text(r->context, "limit", "steps");
-    return BW_LIMIT;
-  }
-  bw_progress(r->context, "remeshing", r->share); /* who is shown it may cancel */
-  return bwi_time_limit_check(r->context, &r->time);
 }
 
 static bw_status find_creases(bwi_remesher *r) {
@@ -205,7 +182,7 @@ bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
   const double allowed = options.tolerance > 0 ? options.tolerance : 0.25 * r.length;
   r.tolerance = allowed;
   double expected = report.area / (EQUILATERAL * r.length * r.length);
-  if (!(expected * BYTES_OF_FACET <= r.memory)) {
+  if (!(expected * BWI_REMESH_BYTES_OF_FACET <= r.memory)) {
     status = too_many(&r, report.area, expected);
     goto done;
   }

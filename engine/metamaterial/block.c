@@ -64,12 +64,12 @@ typedef struct scratch {
   bool solid;            /* no void */
   double coarse[BWI_BLOCK_NODES][8];
   double stiffness[BWI_BLOCK_SIZE * BWI_BLOCK_SIZE];
-  double fluctuation[BWI_BLOCK_SIZE * BWI_FREE]; /* rows x free, periodic ones first */
-  double forces[BWI_BLOCK_SIZE * BWI_FREE];
-  double reduced[BWI_FREE * BWI_FREE], side[BWI_FREE];
-  double medium[BWI_BLOCK_SIZE * BWI_BLOCK_SIZE]; /* all cubes of bwi_weak_stiffness */
-  double resistance[BWI_FREE * BWI_FREE]; /* of a medium of unit stiffness to fluctuations that do
-                                             not repeat */
+  double fluctuation[BWI_BLOCK_SIZE * BWI_BLOCK_FREE]; /* rows x free, periodic ones first */
+  double forces[BWI_BLOCK_SIZE * BWI_BLOCK_FREE];
+  double reduced[BWI_BLOCK_FREE * BWI_BLOCK_FREE], side[BWI_BLOCK_FREE];
+  double medium[BWI_BLOCK_SIZE * BWI_BLOCK_SIZE];     /* all cubes of bwi_weak_stiffness */
+  double resistance[BWI_BLOCK_FREE * BWI_BLOCK_FREE]; /* of a medium of unit stiffness to
+                                             fluctuations that do not repeat */
   double product[BWI_BLOCK_SIZE * BWI_COARSE];
 } scratch;
 

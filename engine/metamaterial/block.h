@@ -18,7 +18,7 @@ enum {
   BWI_STRAINS = 6,
   BWI_SHAPES = 18, /* strains and gradients */
   BWI_PERIODIC = 21,
-  BWI_FREE = 57 /* all fluctuations */
+  BWI_BLOCK_FREE = 57 /* all fluctuations */
 };
 
 typedef struct bwi_condensed {

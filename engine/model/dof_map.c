@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Which displacement components are unknowns, held, or pinned: states, values and frames from what
  * the supports hold; the rigid-body modes of every body; the pins are chosen in isostatic.c. */
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -198,6 +199,58 @@ done:
   return status;
 }
 
+/* Nodes with the frame of their subdomain: what is constrained is known, what is isostatic is not
+ * yet. */
+static bw_status take_frames(bw_context *context, bw_dof_map *dof_map, const bwi_follow *follow) {
+  int32_t first = dof_map->frame_count, subdomains = follow->subdomain_count;
+  if ((int64_t)first + subdomains > INT32_MAX)
+    return bw_fail(context, BW_LIMIT, "%d subdomains are too many", subdomains);
+  double *all = (double *)bw_resize(context, dof_map->frame,
+                                    9 * ((size_t)first + (size_t)subdomains), sizeof *all);
+  if (!all)
+    return BW_MEMORY;
+  dof_map->frame = all;
+  dof_map->frame_count = first + subdomains;
+  memcpy(all + 9 * (size_t)first, follow->frame, 9 * (size_t)subdomains * sizeof *all);
+  for (int32_t i = 0; i < dof_map->mesh->node_count; i++) {
+    const uint8_t *state = dof_map->state + 3 * (size_t)i;
+    int32_t subdomain = follow->node_subdomain[i];
+    if (subdomain < 0 || state[0] != state[1] || state[1] != state[2])
+      continue;
+    if (subdomain >= subdomains)
+      return bw_fail(context, BW_INVALID, "node %d goes with subdomain %d of %d", i + 1,
+                     subdomain + 1, subdomains);
+    dof_map->frame_of[i] = first + subdomain;
+    double *value = dof_map->value + 3 * (size_t)i, global[3];
+    memcpy(global, value, sizeof global);
+    for (size_t k = 0; k < 3; k++)
+      value[k] = bw_dot(follow->frame + 9 * (size_t)subdomain + 3 * k, global);
+  }
+  return BW_OK;
+}
+
+#ifndef NDEBUG
+/* Numbers ascend over the unknowns and nothing else, every node belongs to one body,
+ * and pinned components are as many as unconstrained rigid-body modes. */
+static bool is_consistent(const bw_dof_map *dof_map) {
+  const bw_mesh *mesh = dof_map->mesh;
+  int32_t count = 0, isostatic = 0;
+  for (int64_t i = 0; i < 3 * (int64_t)mesh->node_count; i++) {
+    if (dof_map->unknown[i] != (dof_map->state[i] == BW_DOF_UNKNOWN ? count++ : -1))
+      return false;
+    isostatic += dof_map->state[i] == BW_DOF_ISOSTATIC;
+    if (dof_map->frame_of[i / 3] < -1 || dof_map->frame_of[i / 3] >= dof_map->frame_count)
+      return false;
+  }
+  for (int32_t b = 0; b < mesh->component_count; b++)
+    for (int32_t k = dof_map->body_start[b]; k < dof_map->body_start[b + 1]; k++)
+      if (mesh->component[dof_map->body_node[k]] != b)
+        return false;
+  return count == dof_map->unknown_count && isostatic == dof_map->motion_count &&
+         dof_map->body_start[mesh->component_count] == mesh->node_count;
+}
+#endif
+
 bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t hold_count,
                      const bwi_hold *hold, const bwi_follow *follow, bw_dof_map **out) {
   size_t nodes = (size_t)mesh->node_count, bodies = (size_t)mesh->component_count;
@@ -243,11 +296,12 @@ bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t hold_coun
   BW_TRY(bwi_moments(context, dof_map, inertia));
   BW_TRY(apply_holds(context, dof_map, hold_count, hold, follow));
   if (follow)
-    BW_TRY(bwi_take_frames(context, dof_map, follow));
+    BW_TRY(take_frames(context, dof_map, follow));
   BW_TRY(
       free_bodies(context, dof_map, hold_count, hold, inertia, follow ? follow->previous : NULL));
   for (size_t i = 0; i < 3 * nodes; i++)
     dof_map->unknown[i] = dof_map->state[i] == BW_DOF_UNKNOWN ? dof_map->unknown_count++ : -1;
+  assert(is_consistent(dof_map));
   *out = dof_map;
 done:
   bw_free(inertia);

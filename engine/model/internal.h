@@ -66,9 +66,6 @@ typedef struct bwi_follow {
 /* The DOF map of what is held; `follow` may be NULL. */
 bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t hold_count,
                      const bwi_hold *hold, const bwi_follow *follow, bw_dof_map **dof_map);
-/* Nodes with the frame of their subdomain (follow.c): held components are known, pins are not yet.
- */
-bw_status bwi_take_frames(bw_context *context, bw_dof_map *dof_map, const bwi_follow *follow);
 /* Mark the pins of a body that has `count` rigid-body modes and the radius of gyration `length`. */
 bw_status bwi_pin(bw_context *context, bw_dof_map *dof_map, int32_t body, int count,
                   const bw_rigid_mode *motion, double length, const bw_dof_map *previous);

@@ -7,8 +7,6 @@
 
 #include <string.h>
 
-#include <amd.h>
-
 #include "solve/order.h"
 
 struct bwi_direct {
@@ -55,7 +53,7 @@ static bw_status order_nodes(bw_context *context, const bw_block_pattern *patter
   bw_status status = BW_OK;
   bwi_adjacency near = {0};
   idx_t *permutation = NULL;
-  if (pattern->node_count > SMALL || sizeof(idx_t) != sizeof(int32_t))
+  if (pattern->node_count > SMALL)
     return bwi_order_create(context, pattern, take, order);
   BW_TRY(bwi_adjacency_create(context, pattern, take, &near));
   permutation = BW_NEW(context, idx_t, near.size);
@@ -63,15 +61,8 @@ static bw_status order_nodes(bw_context *context, const bw_block_pattern *patter
     status = BW_MEMORY;
     goto done;
   }
-  int code = amd_order((int32_t)near.size, (const int32_t *)near.start,
-                       (const int32_t *)near.neighbour, (int32_t *)permutation, NULL, NULL);
-  if (code == AMD_OUT_OF_MEMORY)
-    status = bw_fail(context, BW_MEMORY, "no memory to order %d nodes", (int)near.size);
-  else if (code != AMD_OK && code != AMD_OK_BUT_JUMBLED)
-    status = bw_fail(context, BW_INTERNAL, "AMD failed to order %d nodes (code %d)", (int)near.size,
-                     code);
-  if (status == BW_OK)
-    BW_TRY(bwi_order_analyse(context, &near, permutation, order));
+  BW_TRY(bwi_minimum_degree(context, near.size, near.start, near.neighbour, permutation));
+  BW_TRY(bwi_order_analyse(context, &near, permutation, order));
 done:
   bwi_adjacency_clear(&near);
   bw_free(permutation);

@@ -150,8 +150,3 @@ void bw_segment_box(const bw_outline *outline, int32_t segment, double min[2], d
   bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);
   bwi_curve_box(&curve, min, max);
 }
-
-double bw_segment_length(const bw_outline *outline, int32_t segment) {
-  bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);
-  return bwi_curve_length(&curve);
-}

@@ -112,6 +112,11 @@ double bwi_curve_length(const bwi_outline_curve *curve) {
   return halved_length(curve, whole, fmax(1e-13 * whole, 16 * DBL_EPSILON * farthest), 24);
 }
 
+double bw_segment_length(const bw_outline *outline, int32_t segment) {
+  bwi_outline_curve curve = bwi_curve_of(outline->point, &outline->segment[segment]);
+  return bwi_curve_length(&curve);
+}
+
 /* ---- measures -------------------------------------------------------------------------------- */
 
 static bw_status check_region(bw_context *context, const bw_outline *outline, int32_t region) {

@@ -5,36 +5,6 @@
 
 #include "picture/internal.h"
 
-char *bwi_clean_text(bw_context *context, const char *text) {
-  size_t length = strlen(text);
-  char *clean = BW_NEW(context, char, length + 1);
-  if (!clean)
-    return NULL;
-  for (size_t i = 0; i < length;) {
-    const unsigned char *c = (const unsigned char *)text + i;
-    size_t bytes = c[0] < 0x80                   ? 1
-                   : c[0] >= 0xC2 && c[0] < 0xE0 ? 2
-                   : (c[0] & 0xF0) == 0xE0       ? 3
-                   : c[0] >= 0xF0 && c[0] < 0xF5 ? 4
-                                                 : 0;
-    bool good = bytes > 0 && i + bytes <= length && (bytes > 1 || (c[0] >= 32 && c[0] != 127));
-    for (size_t k = 1; k < bytes && good; k++)
-      good = (c[k] & 0xC0) == 0x80;
-    /* overlong forms, surrogates, beyond the last code point */
-    if (good &&
-        ((bytes == 3 && ((c[0] == 0xE0 && c[1] < 0xA0) || (c[0] == 0xED && c[1] >= 0xA0))) ||
-         (bytes == 4 && ((c[0] == 0xF0 && c[1] < 0x90) || (c[0] == 0xF4 && c[1] >= 0x90)))))
-      good = false;
-    if (good) {
-      memcpy(clean + i, text + i, bytes);
-      i += bytes;
-    } else
-      clean[i++] = c[0] < 32 ? ' ' : '?';
-  }
-  clean[length] = 0;
-  return clean;
-}
-
 void bwi_draw_text(cairo_t *cairo, double x, double y, double align, double size, bool bold,
                    bool halo, const char *text) {
   cairo_text_extents_t extents;

@@ -92,20 +92,6 @@ bw_status bwi_png_decode(bw_context *context, const char *name, const unsigned c
 
 /* ---- fonts ----------------------------------------------------------------------------------- */
 
-/* The options are set for every text: with Cairo's own, letters depend on what the process drew
- * before. Without hints a text of twice the size is twice as wide. */
-void bwi_choose_font(cairo_t *cairo, double size, bool bold) {
-  cairo_font_options_t *options = cairo_font_options_create();
-  cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
-  cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
-  cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
-  cairo_set_font_options(cairo, options);
-  cairo_font_options_destroy(options);
-  cairo_select_font_face(cairo, BWI_FONT, CAIRO_FONT_SLANT_NORMAL,
-                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(cairo, size);
-}
-
 bw_status bwi_ruler_open(bw_context *context, cairo_t **ruler) {
   /* Without bounds: outlines of letters far outside of a surface are left out by Cairo. */
   cairo_surface_t *endless = cairo_recording_surface_create(CAIRO_CONTENT_ALPHA, NULL);

@@ -1,11 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Which element holds a place: a tree of boxes.
- *
- * The elements are sorted along a Morton curve through their centroids and cut into leaves; the
- * tree is a complete binary one in heap order (children of k: 2k+1, 2k+2), its last level the
- * leaves, padded with empty boxes to a power of two. The nearest element is searched, at distance 0
- * the one that holds the place. Elements are taken as straight-edged; where a side is curved, the
- * place in the found element is then refined by Newton's method. */
+/* Which element holds a place: a tree of boxes over the elements, which are sorted along a Morton
+ * curve through their centroids. The nearest element is searched, at distance 0 the one that holds
+ * the place. Elements are taken as straight-edged; where a side is curved, the place in the found
+ * element is then refined by Newton's method. */
+#include "base/box_tree.h"
 #include "plane/internal.h"
 
 #include <math.h>
@@ -15,9 +13,7 @@ enum { LEAF = 4 };
 
 struct bw_plane_locator {
   const bw_plane_mesh *mesh; /* retained */
-  int32_t *element;          /* along the curve */
-  int64_t leaves;            /* a power of two */
-  double (*box)[4];          /* 2 leaves - 1: low, high */
+  bwi_box_tree tree;         /* of the elements along the curve */
 };
 
 static void corners_of(const bw_plane_mesh *mesh, int32_t element, const double *x[3]) {
@@ -27,47 +23,22 @@ static void corners_of(const bw_plane_mesh *mesh, int32_t element, const double 
     x[k] = mesh->point + 2 * (size_t)n[k];
 }
 
-static void fill_boxes(bw_plane_locator *locator) {
-  for (int64_t leaf = 0; leaf < locator->leaves; leaf++) {
-    double *box = locator->box[locator->leaves - 1 + leaf];
-    box[0] = box[1] = INFINITY;
-    box[2] = box[3] = -INFINITY;
-    for (int64_t i = leaf * LEAF;
-         i < (leaf + 1) * LEAF && i < locator->mesh->topology->element_count; i++) {
-      const double *x[3];
-      corners_of(locator->mesh, locator->element[i], x);
-      for (int c = 0; c < 3; c++)
-        for (int k = 0; k < 2; k++) {
-          box[k] = fmin(box[k], x[c][k]);
-          box[2 + k] = fmax(box[2 + k], x[c][k]);
-        }
-    }
+static void box_of(const void *data, int32_t element, double *min, double *max) {
+  const double *x[3];
+  corners_of(data, element, x);
+  for (int k = 0; k < 2; k++) {
+    min[k] = fmin(x[0][k], fmin(x[1][k], x[2][k]));
+    max[k] = fmax(x[0][k], fmax(x[1][k], x[2][k]));
   }
-  for (int64_t node = locator->leaves - 1; node-- > 0;)
-    for (int k = 0; k < 2; k++) {
-      const double *a = locator->box[2 * node + 1], *b = locator->box[2 * node + 2];
-      locator->box[node][k] = fmin(a[k], b[k]);
-      locator->box[node][2 + k] = fmax(a[2 + k], b[2 + k]);
-    }
 }
 
 bw_status bw_plane_locator_create(bw_context *context, const bw_plane_mesh *mesh,
                                   bw_plane_locator **out) {
   bw_status status = BW_OK;
-  int32_t count = mesh->topology->element_count;
+  int32_t count = mesh->topology->element_count, *element = BW_NEW(context, int32_t, count);
   double *middle = BW_NEW(context, double, 2 * (size_t)count);
   bw_plane_locator *made = BW_NEW0(context, bw_plane_locator, 1);
-  if (!middle || !made) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  made->mesh = bw_retain(mesh);
-  made->leaves = 1;
-  while (made->leaves * LEAF < count)
-    made->leaves *= 2;
-  made->element = BW_NEW(context, int32_t, count);
-  made->box = bw_alloc(context, (size_t)(2 * made->leaves - 1), sizeof *made->box);
-  if (!made->element || !made->box) {
+  if (!middle || !element || !made) {
     status = BW_MEMORY;
     goto done;
   }
@@ -77,13 +48,18 @@ bw_status bw_plane_locator_create(bw_context *context, const bw_plane_mesh *mesh
     for (size_t k = 0; k < 2; k++)
       middle[2 * (size_t)i + k] = (x[0][k] + x[1][k] + x[2][k]) / 3;
   }
-  BW_TRY(bwi_order_places(context, count, middle, made->element));
-  fill_boxes(made);
+  BW_TRY(bwi_order_places(context, count, middle, element));
+  status = bwi_box_tree_create(context, 2, LEAF, count, element, box_of, mesh, &made->tree);
+  element = NULL;
+  if (status != BW_OK)
+    goto done;
+  made->mesh = bw_retain(mesh);
   *out = made;
   made = NULL;
 done:
   bw_free(middle);
-  bw_plane_locator_free(made);
+  bw_free(element);
+  bw_free(made);
   return status;
 }
 
@@ -91,8 +67,7 @@ void bw_plane_locator_free(bw_plane_locator *locator) {
   if (!locator)
     return;
   bw_release(locator->mesh);
-  bw_free(locator->element);
-  bw_free(locator->box);
+  bwi_box_tree_clear(&locator->tree);
   bw_free(locator);
 }
 
@@ -125,15 +100,6 @@ static double on_triangle(const double p[2], const double *x[3], double weight[3
     }
   }
   return best;
-}
-
-static double on_box(const double p[2], const double box[4]) {
-  double square = 0;
-  for (int k = 0; k < 2; k++) {
-    double d = fmax(fmax(box[k] - p[k], p[k] - box[2 + k]), 0);
-    square += d * d;
-  }
-  return square;
 }
 
 /* Where in a six-node element the place is: from the barycentric coordinates of the straight one.
@@ -208,46 +174,26 @@ static bool curved(const bw_plane_mesh *mesh, int32_t element) {
   return bwi_curved_quality(x) < 1 - 1e-12;
 }
 
+static double distance_from(void *data, int32_t element, const double *at) {
+  const double *x[3];
+  double weight[3];
+  corners_of(data, element, x);
+  return on_triangle(at, x, weight);
+}
+
 int32_t bw_plane_locate(const bw_plane_locator *locator, const double at[2], double barycentric[3],
                         double *outside) {
   const bw_plane_mesh *mesh = locator->mesh;
-  int64_t stack[80]; /* one sibling per level */
-  int depth = 0;
-  double best = INFINITY;
-  int32_t found = -1;
-  stack[depth++] = 0;
-  while (depth > 0 && best > 0) {
-    int64_t node = stack[--depth];
-    if (on_box(at, locator->box[node]) > best)
-      continue;
-    if (node < locator->leaves - 1) {
-      int64_t near = 2 * node + 1, far = near + 1;
-      if (on_box(at, locator->box[far]) < on_box(at, locator->box[near])) {
-        far = near;
-        near = far + 1;
-      }
-      stack[depth++] = far;
-      stack[depth++] = near;
-      continue;
-    }
-    int64_t first = (node - (locator->leaves - 1)) * LEAF;
-    for (int64_t i = first; i < first + LEAF && i < mesh->topology->element_count; i++) {
-      const double *x[3];
-      double here[3];
-      corners_of(mesh, locator->element[i], x);
-      double distance = on_triangle(at, x, here);
-      if (distance < best || (distance == best && locator->element[i] < found)) {
-        best = distance;
-        found = locator->element[i];
-        memcpy(barycentric, here, sizeof here);
-      }
-    }
-  }
+  double best;
+  int32_t found = bwi_box_tree_nearest(&locator->tree, at, distance_from, (void *)mesh, &best);
   if (found < 0) { /* a place that is no number is nowhere: say the first element's corner */
     found = 0;
     barycentric[0] = 1;
     barycentric[1] = barycentric[2] = 0;
-    best = INFINITY;
+  } else {
+    const double *x[3];
+    corners_of(mesh, found, x);
+    on_triangle(at, x, barycentric);
   }
   double distance = sqrt(best);
   if (curved(mesh, found)) {

@@ -55,7 +55,7 @@ static bw_status evaluate(newton *n, const double *u, double *force, double *ins
   double work;
   n->bend.u = u;
   BW_TRY(bwi_bend_evaluate(n->context, &n->bend, inside, force));
-  BW_TRY(bwi_dot(n->context, n->size, n->inner->force, u, &work));
+  BW_TRY(bwi_blocked_dot(n->context, n->size, n->inner->force, u, &work));
   *total = *inside - load * work;
 done:
   return status;
@@ -119,7 +119,7 @@ static bw_status go_on(newton *n, double load, double *inside, double *total) {
       way[0][k] = inner->held[k] ? 0 : 2 * last - before[k] + former[k];
   }
   for (int w = 0; w < count; w++)
-    BW_TRY(bwi_dot(n->context, n->size, inner->rhs, way[w], &slope[w]));
+    BW_TRY(bwi_blocked_dot(n->context, n->size, inner->rhs, way[w], &slope[w]));
   for (int w = 0; w <= count && !(relative <= FOLLOWED_AT_ONCE * plain); w++) {
     if (w < count)
       for (size_t k = 0; k < n->size; k++)
@@ -139,7 +139,7 @@ static bw_status go_on(newton *n, double load, double *inside, double *total) {
       return BW_OK;
     for (int v = 0; v < count && w < count; v++) {
       double end;
-      BW_TRY(bwi_dot(n->context, n->size, inner->rhs, way[v], &end));
+      BW_TRY(bwi_blocked_dot(n->context, n->size, inner->rhs, way[v], &end));
       by[v][w] = slope[v] - end;
     }
   }
@@ -221,7 +221,7 @@ static bw_status equilibrium(newton *n, double load, bool follow) {
     BW_TRY(solve_tangent(n, load, fmax(accuracy, 0.1 * tolerance / relative), keep));
     double slope, length = 1, next_inside = 0, next = 0;
     bool refused = false;
-    BW_TRY(bwi_dot(n->context, n->size, inner->rhs, n->step, &slope));
+    BW_TRY(bwi_blocked_dot(n->context, n->size, inner->rhs, n->step, &slope));
     /* With held unknowns on their way the energy may well rise: only inversion is looked at. */
     double rounding = 1e-13 * (fabs(inside) + fabs(total - inside));
     for (;; length *= 0.5) {

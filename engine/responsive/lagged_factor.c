@@ -261,11 +261,11 @@ static bw_status conjugate_gradients(iteration *it, int limit) {
     double next, curvature, square;
     BW_TRY(bw_check_cancel(context));
     BW_TRY(bwi_lagged_symmetric_apply(context, it->lagged->cholesky, it->old, r, z));
-    BW_TRY(bwi_dot(context, n, r, z, &next));
+    BW_TRY(bwi_blocked_dot(context, n, r, z, &next));
     BW_TRY(bwi_add_scaled(context, n, i ? next / rho : 0, z, p));
     rho = next;
     BW_TRY(multiply(it, p, q));
-    BW_TRY(bwi_dot(context, n, p, q, &curvature));
+    BW_TRY(bwi_blocked_dot(context, n, p, q, &curvature));
     it->count++;
     if (!(rho > 0) || !(curvature > 0) || !isfinite(rho / curvature))
       break; /* the factor is too old, or the matrix not positive definite */
@@ -297,7 +297,7 @@ static bw_status stabilised(iteration *it, int limit) {
   for (int i = 0; i < limit && it->residual > it->tolerance; i++) {
     double next, dot, square, ts;
     BW_TRY(bw_check_cancel(context));
-    BW_TRY(bwi_dot(context, n, shadow, r, &next));
+    BW_TRY(bwi_blocked_dot(context, n, shadow, r, &next));
     double beta = i ? next / rho * (alpha / omega) : 0;
     if (next == 0 || !isfinite(beta))
       break;
@@ -305,7 +305,7 @@ static bw_status stabilised(iteration *it, int limit) {
     BW_TRY(bwi_direction(context, n, beta, omega, r, v, p));
     BW_TRY(bw_lagged_factor_apply(context, it->lagged, p, y));
     BW_TRY(multiply(it, y, v));
-    BW_TRY(bwi_dot(context, n, shadow, v, &dot));
+    BW_TRY(bwi_blocked_dot(context, n, shadow, v, &dot));
     it->count++;
     alpha = rho / dot;
     if (!isfinite(alpha))
@@ -316,8 +316,8 @@ static bw_status stabilised(iteration *it, int limit) {
       break;
     BW_TRY(bw_lagged_factor_apply(context, it->lagged, r, z));
     BW_TRY(multiply(it, z, t));
-    BW_TRY(bwi_dot(context, n, t, t, &square));
-    BW_TRY(bwi_dot(context, n, t, r, &ts));
+    BW_TRY(bwi_blocked_dot(context, n, t, t, &square));
+    BW_TRY(bwi_blocked_dot(context, n, t, r, &ts));
     omega = ts / square;
     if (!isfinite(omega) || omega == 0)
       break;
@@ -383,7 +383,7 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
                   .x = lagged->workspace,
                   .tolerance = options->tolerance};
   kept->solves++;
-  BW_TRY(bwi_dot(context, n, rhs, rhs, &square));
+  BW_TRY(bwi_blocked_dot(context, n, rhs, rhs, &square));
   it.size = sqrt(square);
   if (!isfinite(it.size)) {
     status = bw_fail(context, BW_INVALID, "the right-hand side is not finite");
@@ -394,7 +394,7 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
     goto done;
   }
   memcpy(it.x, x, n * sizeof *x);
-  BW_TRY(bwi_dot(context, n, x, x, &square));
+  BW_TRY(bwi_blocked_dot(context, n, x, x, &square));
   it.zero = !(square > 0 && isfinite(square));
   if (it.zero)
     memset(it.x, 0, n * sizeof *x);

@@ -8,8 +8,6 @@
  * analysis is kept, since the first touch of new memory costs as much as the arithmetic. */
 #include <string.h>
 
-#include <amd.h>
-
 #include "responsive/lagged_factor.h"
 #include "responsive/triangular_solve.h"
 #include "solve/order.h"
@@ -102,18 +100,9 @@ static bw_status order_nodes(bw_context *context, const bwi_adjacency *near, boo
   idx_t *wide = BW_NEW(context, idx_t, near->size);
   if (!wide)
     return BW_MEMORY;
-  if ((quick || near->size <= SMALL) && sizeof(idx_t) == sizeof(int32_t)) {
-    int code = amd_order((int32_t)near->size, (const int32_t *)near->start,
-                         (const int32_t *)near->neighbour, (int32_t *)wide, NULL, NULL);
-    if (code == AMD_OUT_OF_MEMORY)
-      status = bw_fail(context, BW_MEMORY, "no memory to order %d nodes", (int)near->size);
-    else if (code != AMD_OK && code != AMD_OK_BUT_JUMBLED)
-      status = bw_fail(context, BW_INTERNAL, "AMD failed to order %d nodes (code %d)",
-                       (int)near->size, code);
-    if (status != BW_OK)
-      goto done;
-  } else
-    BW_TRY(bwi_dissect(context, near->size, near->start, near->neighbour, NULL, wide));
+  BW_TRY(quick || near->size <= SMALL
+             ? bwi_minimum_degree(context, near->size, near->start, near->neighbour, wide)
+             : bwi_dissect(context, near->size, near->start, near->neighbour, NULL, wide));
   for (idx_t i = 0; i < near->size; i++)
     permutation[i] = (int32_t)wide[i];
 done:

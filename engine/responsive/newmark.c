@@ -138,14 +138,14 @@ static bw_status first_acceleration(bw_context *context, bw_sheet *sheet, const 
     double next, curvature;
     for (size_t k = 0; k < n; k++)
       z[k] = r[k] / inner->mass[pattern->diagonal[k / 2]];
-    BW_TRY(bwi_dot(context, n, r, z, &next));
+    BW_TRY(bwi_blocked_dot(context, n, r, z, &next));
     BW_TRY(bwi_add_scaled(context, n, i ? next / rho : 0, z, p));
     rho = next;
     BW_TRY(multiply(context, inner, p, zero, q));
     for (size_t k = 0; k < n; k++)
       if (inner->held[k])
         q[k] = 0;
-    BW_TRY(bwi_dot(context, n, p, q, &curvature));
+    BW_TRY(bwi_blocked_dot(context, n, p, q, &curvature));
     if (!(curvature > 0))
       break;
     BW_TRY(bwi_step(context, n, rho / curvature, p, q, acceleration, r, &square));

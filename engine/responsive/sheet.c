@@ -128,9 +128,9 @@ static bw_status extrapolate(bw_context *context, const bw_sheet *sheet, size_t 
     change[i] = inner->held[i] ? 0 : sheet->displacement[i] - inner->now->before[i];
   BW_TRY(bw_plane_multiply(context, inner->pattern, 2, inner->matrix, inner->work, product));
   BW_TRY(bwi_subtract_from(context, size, inner->rhs, product, NULL));
-  BW_TRY(bwi_dot(context, size, change, product, &along));
+  BW_TRY(bwi_blocked_dot(context, size, change, product, &along));
   BW_TRY(bw_plane_multiply(context, inner->pattern, 2, inner->matrix, change, product));
-  BW_TRY(bwi_dot(context, size, change, product, &curvature));
+  BW_TRY(bwi_blocked_dot(context, size, change, product, &curvature));
   double length = along / curvature;
   if (curvature > 0 && isfinite(length))
     for (size_t i = 0; i < size; i++)

@@ -88,7 +88,8 @@ static bw_status run(bw_context *context, size_t n, pass *w, double *total) {
   return status;
 }
 
-bw_status bwi_dot(bw_context *context, size_t n, const double *a, const double *b, double *sum) {
+bw_status bwi_blocked_dot(bw_context *context, size_t n, const double *a, const double *b,
+                          double *sum) {
   pass w = {.operation = DOT, .a = a, .b = b};
   return run(context, n, &w, sum);
 }

@@ -6,7 +6,8 @@
 
 #include "barwright/base.h"
 
-bw_status bwi_dot(bw_context *context, size_t n, const double *a, const double *b, double *sum);
+bw_status bwi_blocked_dot(bw_context *context, size_t n, const double *a, const double *b,
+                          double *sum);
 /* r = b - r; *square = r . r (may be NULL) */
 bw_status bwi_subtract_from(bw_context *context, size_t n, const double *b, double *r,
                             double *square);

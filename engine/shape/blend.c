@@ -269,11 +269,11 @@ static bw_status find_lost(blend *b, int32_t *lost, int32_t *lost_count) {
   for (int32_t i = 0; i < n; i++)
     group[i] = i;
   for (size_t k = 0; k < b->edge_count; k++)
-    bwi_group_join(group, b->edges[k].i, b->edges[k].j);
+    bwi_set_join(group, b->edges[k].i, b->edges[k].j);
   for (int32_t i = b->free_count; i < n; i++)
-    held[bwi_group_find(group, i)] = 1;
+    held[bwi_set_root(group, i)] = 1;
   for (int32_t i = 0; i < b->free_count; i++)
-    if (!held[bwi_group_find(group, i)])
+    if (!held[bwi_set_root(group, i)])
       lost[(*lost_count)++] = i;
   bw_free(group);
   bw_free(held);

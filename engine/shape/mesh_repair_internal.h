@@ -78,7 +78,10 @@ typedef struct bwi_refiller {
 } bwi_refiller;
 
 /* Is this face of an element to be replaced one of its component's boundary? */
-bool bwi_on_component_boundary(const bwi_refiller *r, int32_t element, int face);
+static inline bool bwi_on_component_boundary(const bwi_refiller *r, int32_t e, int face) {
+  int32_t other = r->mesh->neighbour[4 * (size_t)e + (size_t)face];
+  return other < 0 || r->component_of[other] != r->component_of[e];
+}
 /* Once every component is filled: nodes, elements and where they come from. */
 bw_status bwi_refill_join(bwi_refiller *r);
 /* Give the facets of a mesh that nobody has seen yet the order they had. */

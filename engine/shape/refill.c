@@ -11,13 +11,7 @@ static const int32_t *corners_of(const bwi_refiller *r, int32_t e) {
   return r->mesh->element + (size_t)e * (size_t)r->mesh->nodes_per_element;
 }
 
-bool bwi_on_component_boundary(const bwi_refiller *r, int32_t e, int face) {
-  int32_t other = r->mesh->neighbour[4 * (size_t)e + (size_t)face];
-  return other < 0 || r->component_of[other] != r->component_of[e];
-}
-
-/* ---- components
- * ---------------------------------------------------------------------------------- */
+/* ---- components ------------------------------------------------------------------------------ */
 
 static bw_status find_components(bwi_refiller *r, const uint8_t *replace) {
   const bw_mesh *mesh = r->mesh;

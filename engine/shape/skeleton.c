@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "barwright/shape.h"
+#include "base/union_find.h"
 
 static void skeleton_destroy(void *object) {
   bw_skeleton *skeleton = object;
@@ -286,12 +287,6 @@ static bw_status check_geometry(bw_context *context, int64_t joints, const doubl
   return BW_OK;
 }
 
-static int32_t group_of(int32_t *group, int32_t j) {
-  while (group[j] != j)
-    j = group[j] = group[group[j]];
-  return j;
-}
-
 /* The first bone that closes a cycle, or a joint that no way leads to. */
 static bw_status check_tree(bw_context *context, int32_t joints, const bw_name *joint_name,
                             int32_t bones, const int32_t *ends, const bw_name *bone_name,
@@ -300,7 +295,7 @@ static bw_status check_tree(bw_context *context, int32_t joints, const bw_name *
     group[j] = j;
   for (int32_t b = 0; b < bones; b++) {
     int32_t i = ends[2 * (size_t)b], k = ends[2 * (size_t)b + 1];
-    int32_t one = group_of(group, i), other = group_of(group, k);
+    int32_t one = bwi_set_root(group, i), other = bwi_set_root(group, k);
     if (one == other) {
       bw_fail(context, BW_INVALID,
               "%s, from %s to %s, closes a cycle: these joints are joined already; a skeleton is a "
@@ -309,10 +304,10 @@ static bw_status check_tree(bw_context *context, int32_t joints, const bw_name *
               label_of("joint", joint_name, k).text);
       return fail_bone(context, b);
     }
-    group[one > other ? one : other] = one > other ? other : one;
+    bwi_set_join(group, one, other);
   }
   for (int32_t j = 0; j < joints; j++)
-    if (group_of(group, j) != group_of(group, 0)) {
+    if (bwi_set_root(group, j) != bwi_set_root(group, 0)) {
       bw_fail(context, BW_INVALID, "%s is not connected: no way along bones leads from %s to it",
               label_of("joint", joint_name, j).text, label_of("joint", joint_name, 0).text);
       bw_detail_number(context, "joint", j + 1.0);

@@ -72,11 +72,11 @@ static bool same_set(const partition *p, int32_t a, int32_t b) {
 }
 
 static void join(partition *p, int32_t a, int32_t b) {
-  a = bwi_group_find(p->group, a);
-  b = bwi_group_find(p->group, b);
+  a = bwi_set_root(p->group, a);
+  b = bwi_set_root(p->group, b);
   if (a == b)
     return;
-  bwi_group_join(p->group, a, b);
+  bwi_set_join(p->group, a, b);
   int32_t to = a < b ? a : b, from = a < b ? b : a;
   for (size_t k = 0; k < p->words; k++)
     set_of(p, to)[k] |= set_of(p, from)[k];
@@ -98,7 +98,7 @@ static void join_alike(partition *p) {
     for (int k = 0; k < 4; k++) {
       int32_t other = beside(d, e, k);
       if (other > e && (d->bone_of[d->element_subdomain[e]] >= 0 ||
-                        same_set(p, bwi_group_find(p->group, e), bwi_group_find(p->group, other))))
+                        same_set(p, bwi_set_root(p->group, e), bwi_set_root(p->group, other))))
         join(p, e, other);
     }
 }
@@ -111,7 +111,7 @@ static int32_t best_neighbour(partition *p, int32_t first) {
   for (int32_t e = first; e >= 0; e = p->next[e])
     for (int k = 0; k < 4; k++) {
       int32_t other = beside(p->subdomains, e, k);
-      if (other < 0 || (other = bwi_group_find(p->group, other)) == first)
+      if (other < 0 || (other = bwi_set_root(p->group, other)) == first)
         continue;
       const uint64_t *own = set_of(p, first), *its = set_of(p, other);
       int64_t cost = (int64_t)p->size[first] * count_beyond(its, own, p->words) +
@@ -159,7 +159,7 @@ static bw_status number_parts(bw_context *context, partition *p) {
     return BW_MEMORY;
   }
   for (int32_t e = 0; e < elements; e++) {
-    int32_t first = bwi_group_find(p->group, e);
+    int32_t first = bwi_set_root(p->group, e);
     if (first == e) {
       d->stiffness.of_element[e] = next[d->element_subdomain[e]]++;
       d->stiffness.parent[d->stiffness.of_element[e]] = d->element_subdomain[e];
@@ -214,7 +214,7 @@ static bw_status place_nodes(bw_context *context, const partition *p) {
     for (int k = 0; k < mesh->nodes_per_element; k++)
       for (size_t w = 0; w < p->words; w++)
         common[(size_t)nodes_of(mesh, e)[k] * p->words + w] &=
-            set_of(p, bwi_group_find(p->group, e))[w];
+            set_of(p, bwi_set_root(p->group, e))[w];
   for (int32_t i = 0; i < mesh->node_count; i++) {
     d->stiffness.of_node[i] = -1;
     rank[i] = INT32_MAX;
@@ -322,12 +322,12 @@ static bw_status check_parts(bw_context *context, const bw_subdomains *d, int32_
     for (int k = 0; k < 4; k++) {
       int32_t other = mesh->neighbour[4 * (size_t)e + (size_t)k];
       if (other > e && d->stiffness.of_element[other] == d->stiffness.of_element[e])
-        bwi_group_join(group, e, other);
+        bwi_set_join(group, e, other);
     }
   for (int32_t i = 0; i < d->stiffness.count; i++)
     first[i] = -1;
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    int32_t *named = first + d->stiffness.of_element[e], part = bwi_group_find(group, e);
+    int32_t *named = first + d->stiffness.of_element[e], part = bwi_set_root(group, e);
     if (*named < 0)
       *named = part;
     else if (*named != part)

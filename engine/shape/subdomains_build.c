@@ -45,21 +45,6 @@ static const int32_t *nodes_of(const bw_mesh *mesh, int32_t e) {
 
 /* ---- groups ---------------------------------------------------------------------------------- */
 
-int32_t bwi_group_find(int32_t *group, int32_t i) {
-  while (group[i] != i)
-    i = group[i] = group[group[i]];
-  return i;
-}
-
-void bwi_group_join(int32_t *group, int32_t a, int32_t b) {
-  a = bwi_group_find(group, a);
-  b = bwi_group_find(group, b);
-  if (a < b)
-    group[b] = a;
-  else
-    group[a] = b;
-}
-
 bw_status bwi_flexible_groups(bw_context *context, const bw_mesh *mesh, const int32_t *bone,
                               int32_t *group) {
   enum { rigid = -2, unseen = -1 };
@@ -80,75 +65,20 @@ bw_status bwi_flexible_groups(bw_context *context, const bw_mesh *mesh, const in
     for (int k = 0; k < 4; k++) {
       int32_t other = mesh->neighbour[4 * (size_t)e + (size_t)k];
       if (other >= 0 && bone[other] < 0)
-        bwi_group_join(group, e, other);
+        bwi_set_join(group, e, other);
     }
     for (int k = 0; k < mesh->nodes_per_element; k++) {
       int32_t *seen = at_node + nodes_of(mesh, e)[k];
       if (*seen == unseen)
         *seen = e;
       else if (*seen >= 0)
-        bwi_group_join(group, e, *seen);
+        bwi_set_join(group, e, *seen);
     }
   }
   for (int32_t e = 0; e < mesh->element_count; e++)
-    group[e] = bone[e] >= 0 ? -1 : bwi_group_find(group, e);
+    group[e] = bone[e] >= 0 ? -1 : bwi_set_root(group, e);
   bw_free(at_node);
   return BW_OK;
-}
-
-/* ---- the guide ------------------------------------------------------------------------------- */
-
-static double distance_to_bone(const bw_skeleton *skeleton, int32_t b, const double at[3]) {
-  const double *head = skeleton->joint + 3 * (size_t)skeleton->bone[2 * b];
-  const double *tail = skeleton->joint + 3 * (size_t)skeleton->bone[2 * b + 1];
-  double along[3], to[3];
-  for (int k = 0; k < 3; k++) {
-    along[k] = tail[k] - head[k];
-    to[k] = at[k] - head[k];
-  }
-  double t = fmin(fmax(bw_dot(to, along) / bw_dot(along, along), 0), 1);
-  for (int k = 0; k < 3; k++)
-    to[k] -= t * along[k];
-  return bw_norm(to);
-}
-
-void bwi_guide_score(const bwi_guide *guide, const bw_mesh *mesh, const bw_skeleton *skeleton,
-                     int32_t e, double *score) {
-  const int32_t *node = nodes_of(mesh, e);
-  size_t bones = (size_t)skeleton->bone_count;
-  if (guide->weight) {
-    for (int k = 0; k < 4; k++)
-      for (size_t b = 0; b < bones; b++)
-        score[b] += guide->weight[(size_t)node[k] * bones + b];
-  } else if (guide->before) {
-    const bw_subdomains *d = guide->before;
-    for (int k = 0; k < 4; k++)
-      for (int64_t i = d->influence_start[node[k]]; i < d->influence_start[node[k] + 1]; i++)
-        score[d->influence_bone[i]] += d->influence_weight[i];
-  } else {
-    double middle[3] = {0, 0, 0};
-    for (int k = 0; k < 4; k++)
-      for (int j = 0; j < 3; j++)
-        middle[j] += mesh->node[3 * (size_t)node[k] + (size_t)j] / 4;
-    int32_t nearest = 0;
-    double min = distance_to_bone(skeleton, 0, middle);
-    for (int32_t b = 1; b < skeleton->bone_count; b++) {
-      double distance = distance_to_bone(skeleton, b, middle);
-      if (distance < min) {
-        min = distance;
-        nearest = b;
-      }
-    }
-    score[nearest] += 1;
-  }
-}
-
-int32_t bwi_highest(const double *score, int32_t count) {
-  int32_t at = -1;
-  for (int32_t i = 0; i < count; i++)
-    if (score[i] > (at < 0 ? 0 : score[at]))
-      at = i;
-  return at;
 }
 
 /* ---- nodes and neighbours -------------------------------------------------------------------- */

@@ -143,19 +143,19 @@ static bw_status check_connected(const labels *l) {
     for (int k = 0; k < 4; k++) {
       int32_t other = mesh->neighbour[4 * (size_t)e + (size_t)k];
       if (other > e && l->element_subdomain[other] == l->element_subdomain[e])
-        bwi_group_join(group, e, other);
+        bwi_set_join(group, e, other);
     }
   for (int32_t i = 0; i < l->count; i++)
     largest[i] = -1;
   for (int32_t e = 0; e < mesh->element_count; e++)
-    size[bwi_group_find(group, e)]++;
+    size[bwi_set_root(group, e)]++;
   for (int32_t e = 0; e < mesh->element_count; e++) {
     int32_t *first = largest + l->element_subdomain[e];
     if (size[e] > 0 && (*first < 0 || size[e] > size[*first]))
       *first = e;
   }
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    int32_t i = l->element_subdomain[e], part = bwi_group_find(group, e);
+    int32_t i = l->element_subdomain[e], part = bwi_set_root(group, e);
     if (l->bone_of[i] < 0 || part == largest[i])
       continue;
     bw_fail(

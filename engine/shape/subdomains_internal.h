@@ -4,11 +4,7 @@
 #define BWI_SHAPE_SUBDOMAINS_H
 
 #include "barwright/shape.h"
-
-/* Elements as members of a subdomain, and subdomains as members of a group: union by the lowest
- * number, so that a group is named by its first member. */
-int32_t bwi_group_find(int32_t *group, int32_t i);
-void bwi_group_join(int32_t *group, int32_t a, int32_t b);
+#include "base/union_find.h" /* the lowest number names a group */
 
 /* What says which bone a part follows that touches no subdomain of type R: weights per node and
  * bone, or earlier subdomains of the same mesh, or (both NULL) the bones' distances. */

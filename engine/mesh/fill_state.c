@@ -1,0 +1,32 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of filling ask of its state, and what they write into its log. */
+#include "mesh/fill_internal.h"
+
+#include <stdio.h>
+
+void bwi_fill_describe_defects(const bw_surface_report *report, char *text, size_t size) {
+  size_t used = 0;
+  text[0] = 0;
+  for (int k = 0; k < BW_DEFECT_KINDS; k++)
+    if (report->count[k] && used < size) {
+      int put = snprintf(text + used, size - used, "%s%lld x %s", used ? ", " : "",
+                         (long long)report->count[k], bw_defect_word((bw_defect_kind)k));
+      used += put > 0 ? (size_t)put : 0;
+    }
+}
+
+void bwi_fill_append_log(bw_shape_log *to, const bw_shape_log *from) {
+  for (int i = 0; i < from->count; i++)
+    bw_shape_log_add(to, from->step[i].name, from->step[i].count, from->step[i].moved, "%s",
+                     from->step[i].text);
+}
+
+/* Errors that another way of making the surface may cure. */
+bool bwi_fill_may_cure(bw_status status) {
+  return status == BW_GEOMETRY || status == BW_LIMIT || status == BW_INTERNAL ||
+         status == BW_UNSUPPORTED || status == BW_CONVERGENCE;
+}
+
+bool bwi_fill_too_late(const bwi_filler *f) {
+  return f->best.node && bw_seconds() - f->start > f->options->time_limit;
+}
