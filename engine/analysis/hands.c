@@ -32,7 +32,7 @@ struct bwi_hands {
   const bw_dof_map *dof_map;
   bw_worst_load_options options; /* without hands */
   int count;
-  int32_t nodes;   /* that bear pressure */
+  int32_t nodes;   /* that carry pressure */
   double *normal;  /* nodes x 3: mean, unit */
   int64_t *start;  /* nodes + 1 */
   int32_t *member; /* nodes of the patch around each node, ascending */

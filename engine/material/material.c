@@ -176,7 +176,7 @@ double bw_material_mean_shear(const bw_material *material) {
   return (c[0] + c[7] + c[14] - (c[1] + c[2] + c[8]) + 3 * (c[21] + c[28] + c[35])) / 15;
 }
 
-/* Times the shear modulus: the bulk modulus that quadratic tetrahedra bear without locking. */
+/* Times the shear modulus: the bulk modulus that quadratic tetrahedra tolerate without locking. */
 static const double kept_bulk = 3;
 
 double bw_material_projected_bulk(const bw_material *material) {

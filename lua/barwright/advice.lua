@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Advice: which places of a body to thicken, and by how much, so that it bears a force. The judged stresses of
+-- Advice: which places of a body to thicken, and by how much, so that it carries a force. The judged stresses of
 -- the weak places, under their worst loads, are linearised by shape gradients (one adjoint solution for each),
 -- and a small quadratic program finds the least offsets. docs/theory/strengthen.md has the mathematics.
 local bumps = require "barwright.bumps"

@@ -404,7 +404,7 @@ function breaking_force:verdict(force)
   return force > self.high and "breaks" or "unsure"
 end
 
---- What to thicken so that it bears {force = N}; see barwright.advice.
+--- What to thicken so that it carries {force = N}; see barwright.advice.
 function breaking_force:advice(given)
   return advice.of(self, judge, given)
 end

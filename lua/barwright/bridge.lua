@@ -340,7 +340,7 @@ local function settled(self, opts, best, report)
   return found
 end
 
---- Bending moment in the middle over what the whole depth bears there with all of it at the limit, half in
+--- Bending moment in the middle over what the whole depth carries there with all of it at the limit, half in
 --- tension and half in compression: limit thickness depth^2 / 4. A stress along the bridge can pass the limit
 --- of von Mises by 2 / sqrt(3) where another across it helps, so that above 1.155 there is no shape. A solid
 --- beam reaches 2 / 3, since its stress falls towards the middle of its height.
@@ -350,12 +350,12 @@ function class.moment_fraction(self)
   return 4 * moment / (opts.stress_limit * opts.thickness * opts.deck ^ 2)
 end
 
--- Stress goes as load over thickness: what the shape bears, and which thickness would do.
+-- Stress goes as load over thickness: what the shape carries, and which thickness would do.
 local function failing(self, utilisation)
   local opts = self.opts
-  return ("no shape was found that passes: the best is stressed to %.1f %% of the limit. It bears %.4g N, or "
-    .. "%.4g N with a thickness of %.4g m. The bending moment in the middle is %.2f of what the depth can bear "
-    .. "(a solid beam bears 0.67)"):format(100 * utilisation, opts.load / utilisation, opts.load,
+  return ("no shape was found that passes: the best is stressed to %.1f %% of the limit. It carries %.4g N, or "
+    .. "%.4g N with a thickness of %.4g m. The bending moment in the middle is %.2f of what the depth can carry "
+    .. "(a solid beam carries 0.67)"):format(100 * utilisation, opts.load / utilisation, opts.load,
     opts.thickness * utilisation, self:moment_fraction())
 end
 

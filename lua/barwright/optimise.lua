@@ -132,7 +132,7 @@ local function descend(self, point)
 end
 
 -- Rounds of finding the worst load of the shape as it is, taking it in as a load case, and scaling,
--- until the load found is one that the shape bears.
+-- until the load found is one that the shape carries.
 local function descend_with_worst(self)
   local point, message, details
   for round = 1, self.opts.rounds do
@@ -282,7 +282,7 @@ local function with_progress(self, work)
   return word, message, details
 end
 
---- Scales bones of a session until its part bears its loads: see the stubs for the options. One edit
+--- Scales bones of a session until its part carries its loads: see the stubs for the options. One edit
 --- is made at the end. Returns a report, or nil, message, details with the best point found.
 function optimise.run(session, given)
   local opts = options.read("optimise", given, rules)

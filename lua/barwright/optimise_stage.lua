@@ -194,7 +194,7 @@ function stage:commit(scales)
     script = ("session:pose {%s}"):format(table.concat(list, ", "))}
 end
 
---- The equations of a point that bears no loads but its own inertia, factored, to find its worst load
+--- The equations of a point that carries no loads but its own inertia, factored, to find its worst load
 --- with: those of the session, so that only what changed since is factored.
 function stage:view(scales)
   local pose = self:pose_of(scales)

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Strengthening: a surface is thickened around its weak places until it bears a force. Advice (advice.lua) says
+-- Strengthening: a surface is thickened around its weak places until it carries a force. Advice (advice.lua) says
 -- where and by how much, bumps (bumps.lua) move the surface, and the breaking force is computed again.
 -- docs/theory/strengthen.md has the mathematics.
 local advice = require "barwright.advice"

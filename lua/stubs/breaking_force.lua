@@ -115,7 +115,7 @@ local BreakingForce = {}
 ---@field size number (m) edge of a regular tetrahedron of the mean volume
 ---@field seconds number (s) since the start
 
----Whether the body bears a force: "holds" where the whole interval lies above it, "breaks" where the interval lies below it, else
+---Whether the body carries a force: "holds" where the whole interval lies above it, "breaks" where the interval lies below it, else
 ---"unsure".
 ---@param force number (N) the force
 ---@return "holds"|"breaks"|"unsure" verdict the answer
@@ -150,7 +150,7 @@ function BreakingForce:advice(options) end
 ---Releases the factor and the modes of the last mesh at once.
 function BreakingForce:close() end
 
----What to thicken. `print` tells it in sentences.
+---What to thicken. `print` shows it in sentences.
 ---@class bw.Advice
 ---@field required number (N) the force that was asked for
 ---@field places bw.AdvicePlace[] the weakest first; empty where nothing needs thickening, or where none helps. Where places overlap, the surface moves by the largest offset there

@@ -53,7 +53,7 @@ local Bridge = {}
 ---@field depth? number (m) the height of the pad above the feet, where it was given
 ---@field deck number (m) the height of the pad above the feet: `depth`, else half the span
 ---@field outline? bw.Outline the right half to begin with, where it was given
----@field bar number (m) the width of a bar that bears the load at the limit: load / (thickness stress_limit)
+---@field bar number (m) the width of a bar that carries the load at the limit: load / (thickness stress_limit)
 ---@field spacing number (m) distance of the control points of free curves: 2.2 `size`
 ---@field hold number (m) half the width of the middle part of the pad: 0.02 `pad`
 ---@field member number (m) the width of members to begin with: the larger of 0.75 `bar` and 1.5 `wall`
@@ -146,13 +146,13 @@ function Bridge:uniform_beam() end
 ---@return number area (m2) for an unlimited plane
 function Bridge:michell_area() end
 
----The bending moment in the middle over σ t h² / 4, which the depth h bears with all of it at the limit σ. A solid beam
+---The bending moment in the middle over σ t h² / 4, which the depth h carries with all of it at the limit σ. A solid beam
 ---reaches 2/3. No shape passes above 2/√3.
 ---@return number fraction (-) the ratio
 function Bridge:moment_fraction() end
 
 ---Finds the shape of least area that passes, and takes it. Where no shape passes, it takes the one of least stress, and
----`message` of the result gives the load that it bears. Holes added by hand stay as they are. Ctrl-C ends the search and keeps
+---`message` of the result gives the load that it carries. Holes added by hand stay as they are. Ctrl-C ends the search and keeps
 ---the best shape.
 ---
 ---Errors: infeasible (no shape of this depth can pass, details `moment_fraction`; or no start could be analysed), and those

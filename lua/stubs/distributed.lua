@@ -5,7 +5,7 @@
 -- Several processes
 --
 -- The processes that `mpirun` started: solving on all of them, and byte strings between them. `require "barwright.distributed"`
--- gives the module; it raises where barwright was built without MPI. docs/howto_cluster.md tells more.
+-- gives the module; it raises where barwright was built without MPI. docs/howto_cluster.md has more.
 
 ---The processes of one run, called ranks. A solution with `with = "petsc"` loads this by itself; `barwright --mpi` calls `start`.
 ---```lua

@@ -237,7 +237,7 @@ function Session:commit(change) end
 ---@field limits? table<integer, bw.ReachLimit> by the bones' numbers
 ---@field topology? table<string, any> as barwright.edit_shape makes it
 
----Solves the part as it is now. `reused` of the solution tells what the edits left standing.
+---Solves the part as it is now. `reused` of the solution lists what was reused.
 ---
 ---Errors: those of `model:solve`, and unsupported (B-bar elements).
 ---@param options? bw.SessionSolveOptions how it is solved

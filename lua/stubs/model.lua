@@ -307,7 +307,7 @@ function Model:write_inp(path, options) end
 function Model:close() end
 
 ---How a solution or modes with `error` converged. Errors are relative to the value; of modes the value is the first frequency.
----`print` tells it.
+---`print` shows it.
 ---@class bw.Accuracy
 ---@field quantity string what was asked for
 ---@field value number (any) on the last mesh, in the unit of the quantity

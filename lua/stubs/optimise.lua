@@ -29,7 +29,7 @@ local bw = {}
 ---@field step? number (-) largest relative change of a factor in the first step, above 0. Default: 0.5
 ---@field inertia_relief? boolean balance the loads of a free part by inertia. Default: false; with the worst loads true
 
----What `session:optimise` found. `print` tells it in a few lines.
+---What `session:optimise` found. `print` shows it in a few lines.
 ---@class bw.Optimisation
 ---@field met boolean whether no stress is above the limit
 ---@field von_mises number (Pa) the largest stress

@@ -37,7 +37,7 @@ local responsive_module = {}
 function responsive_module.bridge(options) end
 
 ---What a bridge is for, and the shape to begin with. `bar` is load / (thickness stress_limit), the width of a bar that
----bears the load at the limit.
+---carries the load at the limit.
 ---@class bw.ResponsiveBridgeOptions
 ---@field span number (m) between the banks, above 0
 ---@field load number (N) downwards on the pad, above 0

@@ -33,7 +33,7 @@ function results_module.open(folder, about) end
 ---@field options? table<string, any> what the script was asked for. Default: none
 ---@field seed? integer|bw.JsonNull (seed) of random numbers; `bw.json.null`: none. Default: none
 
----The peak memory of the process; nil where the system does not tell.
+---The peak memory of the process; nil where the system does not report it.
 ---```lua
 ---local bytes = bw.results.peak_memory()
 ---print(bytes and bytes > 0)

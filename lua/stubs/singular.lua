@@ -47,7 +47,7 @@ function SingularPlaces:near(point, radius) end
 ---@return bw.SingularPlaces places the list
 function SingularPlaces.list(chosen) end
 
----Why a largest stress has no finite value. `print` tells it in a sentence.
+---Why a largest stress has no finite value. `print` shows it in a sentence.
 ---@class bw.SingularFinding
 ---@field by "geometry"|"growth"|"geometry and growth" a place that is known to be singular, growth under refinement, or both
 ---@field place? bw.SingularPlace the place that is known

@@ -70,7 +70,7 @@ local Static = {}
 ---@field peak_bytes? number (bytes) of PETSc and SLEPc: memory of all processes at their peaks
 ---@field largest_rank_bytes? number (bytes) of PETSc and SLEPc: memory of the largest process
 
----What a solution of an edit session reused, and what it cost. `print` tells it.
+---What a solution of an edit session reused, and what it cost. `print` shows it.
 ---@class bw.Reuse
 ---@field pattern boolean whether the sparsity pattern was kept
 ---@field ordering boolean whether the ordering was kept

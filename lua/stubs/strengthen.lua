@@ -4,7 +4,7 @@
 --
 -- Strengthening
 --
--- Thickening a surface until it bears a force.
+-- Thickening a surface until it carries a force.
 
 ---@class bw
 local bw = {}
@@ -34,7 +34,7 @@ function bw.strengthen(surface, options) end
 
 ---How a surface is strengthened.
 ---@class bw.StrengthenOptions
----@field force number (N) that it is to bear, above 0
+---@field force number (N) that it is to carry, above 0
 ---@field material bw.Material with a strength
 ---@field contact? number (m2) the smallest area that the force presses on. Default: 1e-4
 ---@field elements? integer (count) of the meshes, see `bw.BreakingForceOptions`. Range: 1 to 10000000. Default: 20000
@@ -48,7 +48,7 @@ function bw.strengthen(surface, options) end
 ---@field unit? number (m) coordinates are exact in single precision in this unit, as binary STL has them. Default: 1e-3
 ---@field progress? fun(step: bw.StrengthenStep) called after each round. Default: none
 
----A surface and what was added to it. `print` tells it in one line.
+---A surface and what was added to it. `print` shows it in one line.
 ---@class bw.Strengthened
 ---@field surface bw.Surface the thickened surface
 ---@field original bw.Surface the given one, repaired where it had to be

@@ -127,7 +127,7 @@ function surface_module.implicit(value, options) end
 ---@field cells? integer (count) cells along the longest side. Range: 1 to 4000. Default: 32
 
 ---A triangle surface. Surfaces do not change: methods give new ones. It may be open or wrong otherwise, as it was read;
----`check` tells. `print(surface)` lists its largest faces.
+---`check` reports it. `print(surface)` lists its largest faces.
 ---```lua
 ---local ball = bw.surface.sphere {centre = {0, 0, 0.01}, radius = 0.01}
 ---print(ball.volume, ball.area, ball.box.max[3])
@@ -159,7 +159,7 @@ function Surface:write(path, options) end
 ---@field ascii? boolean text instead of binary, where the format has both. Default: false
 ---@field fields? table<string, bw.Array> only .vtu: arrays with a row for every point or every triangle, by name
 
----What is wrong with the surface. `print` tells it in a few lines.
+---What is wrong with the surface. `print` shows it in a few lines.
 ---
 ---Errors: only those that every function may give.
 ---@param options? bw.SurfaceCheckOptions how many defects are listed
@@ -215,7 +215,7 @@ function Surface:repair(options) end
 ---@field time_limit? number (s) for the whole repair. Default: 120
 ---@field memory_limit? number (bytes) of one step. Default: 6e9
 
----What was done to a surface, step by step. `print` tells it.
+---What was done to a surface, step by step. `print` shows it.
 ---@class bw.ShapeLog
 ---@field moved number (m) the sum of the steps' distances: a bound on how far the surface moved
 ---@field steps bw.ShapeStep[] in order; empty where nothing was changed

@@ -131,7 +131,7 @@ local function replay(session, scene, result, results)
   return true
 end
 
--- Scaled until it bears its loads, or as near to that as it gets.
+-- Scaled until it carries its loads, or as near to that as it gets.
 local function strengthen(session, scene, result, results)
   local report, message, details = session:optimise {von_mises = result.limit_pa, move_supports = true,
     ties = scene.ties}

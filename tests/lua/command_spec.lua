@@ -511,7 +511,7 @@ describe("commands that compute", function()
     check.near(given.box.min[3] + 1, strong.box.min[3] + 1, 1e-9) -- kept
   end)
 
-  it("strengthen makes a real part bear 1.5 times the force", function()
+  it("strengthen makes a real part carry 1.5 times the force", function()
     if os.getenv "BARWRIGHT_FULL" ~= "1" then return pending "only with BARWRIGHT_FULL=1" end
     local given = (os.getenv "BARWRIGHT_SHARED" or check.root .. "/../shared") .. "/models/fan_blade.stl"
     local file = io.open(given)

@@ -32,7 +32,7 @@ describe("a forbidden surface", function()
   local top, side = boundary:facing {0, 0, 1}, boundary:facing {0, 1, 0}
   local base = {force = 5, pressure = 2e5, modes = 3, regions = 2, targets = 8}
 
-  it("bears no pressure, and can only lower the worst stress", function()
+  it("carries no pressure, and can only lower the worst stress", function()
     for _, held in ipairs {false, true} do
       local all, less, min = objectives(bar(held)), objectives(bar(held), top), objectives(bar(held), top | side)
       assert.truthy((less - all):max() <= 1e-7 * all:max())

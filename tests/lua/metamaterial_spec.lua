@@ -105,7 +105,7 @@ describe("a library", function()
   end)
 
   -- Hard rods along a soft bar, in a third of the columns, pressed: gradients of strain make blocks of them too
-  -- soft, and the coarse bar buckles under what the fine one bears.
+  -- soft, and the coarse bar buckles under what the fine one carries.
   local function pressed_rods()
     local seed, column = 7, {}
     for k = 0, 35 do

@@ -119,13 +119,13 @@ describe("the scaling optimisation", function()
     for key in pairs(found) do
       assert.truthy(documented:find("@field " .. key, 1, true), key .. " is not in the stubs")
     end
-    -- what already bears its loads is left alone
+    -- what already carries its loads is left alone
     local again = assert(session:optimise {von_mises = 0.6 * before, move_supports = true})
     assert.equal(0, again.iterations)
     assert.equal(1, #session.edits)
   end)
 
-  -- No point near the optimum both changes the shape less and bears the load.
+  -- No point near the optimum both changes the shape less and carries the load.
   it("leaves no better point nearby", function()
     local session = bar(3, {load = tip {0, 60, -100}})
     local mesh = session.mesh
@@ -249,7 +249,7 @@ describe("the scaling optimisation", function()
     assert.truthy(max_of(session) <= limit and found.change > plain)
   end)
 
-  it("bears several loads at once", function()
+  it("carries several loads at once", function()
     local session, part = bar(2, {load = tip {0, 0, -100}})
     local other = bw.model {mesh = part.mesh, material = part.material}
     other:fix(part.mesh.boundary:below(1, 0)):load {on = part.mesh.boundary:above(1, 300 * mm),
@@ -267,7 +267,7 @@ describe("the scaling optimisation", function()
     assert.truthy(cases[1] and cases[2])
   end)
 
-  it("bears the worst load, found again after each round", function()
+  it("carries the worst load, found again after each round", function()
     local session = bar(3, {free = true})
     local limit = 0.4 * MPa
     local opts = {force = 20, pressure = 2e5, modes = 4, regions = 2}

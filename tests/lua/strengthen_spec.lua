@@ -243,7 +243,7 @@ describe("advice", function()
     local after = assert(bw.breaking_force(thicker, with {length = breaking.length}))
     check.near(math.log(advice.force / breaking.force), math.log(after.force / breaking.force), 0.25)
     after:close()
-    -- What it bears already needs nothing.
+    -- What it carries already needs nothing.
     assert.equal(0, #assert(breaking:advice {force = 0.5 * breaking.low}).places)
     -- Nothing may move.
     check.fails("infeasible", "must not move", breaking:advice {force = 2 * breaking.force,
@@ -272,7 +272,7 @@ describe("advice on a thin part", function()
 end)
 
 describe("strengthening", function()
-  -- How much more a neck of this cross-section bears than the former one: bending, force ~ width x height^2.
+  -- How much more a neck of this cross-section carries than the former one: bending, force ~ width x height^2.
   local function gain(surface)
     local high, wide = 0, 0
     for _, p in ipairs(surface.points:totable()) do
@@ -411,7 +411,7 @@ describe("strengthening", function()
     assert.equal(2, #lighter.steps)
     check.near(share * 1e-4, lighter.steps[2].offset, 1e-9)
     assert.equal(160, lighter.after.force)
-    -- Where the lighter one does not bear the force, or no step is left, it is the first.
+    -- Where the lighter one does not carry the force, or no step is left, it is the first.
     for _, case in ipairs {{{100, 300, 120}, 8}, {{100, 300, 160}, 1}, {{100, 300, false}, 8}} do
       local result = assert(strengthening_by(scripted(case[1], top, {}))(bar,
         with {elements = 200, force = 130, steps = case[2]}))

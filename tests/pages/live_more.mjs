@@ -149,7 +149,7 @@ export async function liveMore({ browser, root, folder, test, assert, pictures }
     // of moves that wait only the newest is done: how many, depends on the machine
     assert(shapes + states >= 1, `${shapes} shapes, ${states} stresses`);
     assert(difference(moving.positions, after.positions) < 1e-6, "it ended elsewhere");
-    assert(after.maximum < before.maximum, "a thicker part bears more");
+    assert(after.maximum < before.maximum, "a thicker part carries more");
     await heavy.picture(window_, "live_heavy");
   });
   await heavy.end();

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- barwright statics MODEL: constrained here, loaded there, does it bear it?
+-- barwright statics MODEL: constrained here, loaded there, does it carry it?
 local bw = require "barwright"
 local averaging_radius = require "barwright.averaging_radius"
 local facet_error = require "barwright.facet_error"
@@ -329,7 +329,7 @@ local options = {
 table.move(model.value_options, 1, #model.value_options, #options + 1, options)
 
 return {
-  summary = "whether a part bears a load that is known",
+  summary = "whether a part carries a load that is known",
   about = "Constrains a part at places, applies loads at others, and tells how far it deflects and whether it "
     .. "breaks. A surface is repaired where it must be and filled with tetrahedra.\n\n" .. places.help
     .. "\n\n" .. output.codes("it holds", "it breaks, or the estimated error leaves it open"),

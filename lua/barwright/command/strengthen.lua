@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- barwright strengthen MODEL: thicken it around its weak places until it bears a force.
+-- barwright strengthen MODEL: thicken it around its weak places until it carries a force.
 local bw = require "barwright"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
@@ -116,7 +116,7 @@ end
 
 local options = {
   {name = "force", value = "FORCE", type = "number", unit = "N", above = 0, needed = true,
-    what = "the force that it must bear: the load on one side, which the reactions balance"},
+    what = "the force that it must carry: the load on one side, which the reactions balance"},
   {name = "out", value = "FILE.stl", type = "file", endings = {"stl", "obj", "off", "ply"}, needed = true,
     what = "where the strengthened surface goes, in the unit of the input"},
   model.material_option,
@@ -137,7 +137,7 @@ local options = {
 table.move(model.value_options, 1, #model.value_options, #options + 1, options)
 
 return {
-  summary = "thicken a part around its weak places until it bears a force",
+  summary = "thicken a part around its weak places until it carries a force",
   about = "Computes the least force that breaks a part (as `barwright worst`), thickens its surface where it is "
     .. "too weak for the force asked for, computes again, and repeats this until the force lies below the whole "
     .. "interval. Where and by how much follows from the shape gradients of the judged stresses. The surface is "

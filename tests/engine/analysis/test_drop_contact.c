@@ -7,7 +7,7 @@
 typedef struct pressed {
   bwi_contact_patch patch;
   double *share;
-  int nodes; /* that bear a part */
+  int nodes; /* that carry a part */
 } pressed;
 
 static pressed press(bw_context *context, const bw_mesh *mesh, const bwi_peg *peg, double force,
@@ -94,7 +94,7 @@ static void ball_converges(void **state) {
 }
 
 /* An edge that the cylinder crosses: the area grows with the force, the contact stays where the
- * edge is, and no facet that faces away bears anything. */
+ * edge is, and no facet that faces away carries anything. */
 static void edge(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_box(context, 1, 1, 1, 4, 4, 4, 1);

@@ -121,7 +121,7 @@ static inline bw_solid_static *solve(bw_context *context, const body *b,
   return result;
 }
 
-/* The sum of what supports and contact planes bear on a side. */
+/* The sum of what supports and contact planes carry on a side. */
 static inline void side_reaction(bw_context *context, const bw_solid_static *result, int axis,
                                  double at, double sum[3]) {
   int64_t count;
