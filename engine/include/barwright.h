@@ -25,7 +25,8 @@
  *              reference. An object retains what it depends on. The words in a function's
  *              name say what happens to arrays: _copy copies them, _own takes them over (they
  *              must come from bw_alloc), _borrow uses them while the named owner lives.
- *              Other input arrays and texts are read during the call only. Output arrays are
+ *              Other input arrays and texts, those of options too, are read during the call
+ *              only, and are copied where an object needs them later. Output arrays are
  *              the caller's; all of their entries are written. `T **` gives a block or an
  *              object to the caller. Callbacks run during the call only, on its thread.
  * Comments     Brackets behind the name of a parameter, and at the beginning of a field's

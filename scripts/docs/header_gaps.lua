@@ -10,7 +10,7 @@ header_gaps.kinds = {"comment", "parameter", "unit", "shape", "default", "owners
 
 -- Statuses that the contract names for every function; and BW_IO for those that have a path.
 local CONTRACT = {BW_OK = true, BW_INVALID = true, BW_MEMORY = true, BW_CANCELLED = true, BW_INTERNAL = true}
-local OWNERS = {"free", "release", "retain", "owned", "owns", "borrow", "copied", "copy", "static", "valid until",
+local OWNERS = {"free", "release", "retain", "owned", "owns", "borrow", "cop[iy]", "static", "valid until",
   "lives?%f[^%a]", "clear", "caller's"}
 local REALS = {double = true, float = true}
 
@@ -229,6 +229,19 @@ local function add_field(list, context, struct, field, has_default)
   end
 end
 
+-- A struct that is no object, and that no function of its own releases, says who owns what it points to. By the
+-- contract, what options point to is read during the call only.
+local function add_owner(list, context, struct)
+  local released = context.functions[struct.name .. "_clear"]
+  if context.objects[struct.name] or released or struct.name:find "_options$" then return end
+  for _, field in ipairs(struct.fields) do
+    local said = owned(struct.comment .. " " .. field.comment)
+    if field.stars > 0 and not context.objects[field.type] and not said then
+      add(list, "ownership", field.line, ("%s: %s: who releases it?"):format(struct.name, field.name))
+    end
+  end
+end
+
 --- The gaps of a header of the context, {kind, line, text}, in the order of their lines.
 function header_gaps.of(context, header)
   local list = {}
@@ -254,6 +267,7 @@ function header_gaps.of(context, header)
     end
   end
   for _, struct in ipairs(header.structs) do
+    add_owner(list, context, struct)
     local has_default = context.functions[struct.name .. "_default"] ~= nil
     for _, field in ipairs(struct.fields) do add_field(list, context, struct, field, has_default) end
   end

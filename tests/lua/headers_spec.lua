@@ -34,6 +34,10 @@ typedef struct bw_test_options {
   bw_test_form form;      /* default BW_TEST_ROUND */
 } bw_test_options;
 BW_API void bw_test_options_default(bw_test_options *options);
+/* Sizes, owned by the caller. */
+typedef struct bw_test_sizes {
+  double *size; /* (m, 3) */
+} bw_test_sizes;
 /* An object that tests hold. */
 typedef struct bw_test bw_test;
 /* Mean size (m) of a test. */
@@ -73,6 +77,7 @@ local broken = {
   {"/%* default BW_TEST_ROUND %*/", "/* its form */", "default: bw_test_options: form: no default"},
   {"/%* An object that tests hold%. %*/", "/* What tests hold. */",
     "ownership: bw_test: an object, or what releases it?"},
+  {"Sizes, owned by the caller", "Sizes", "ownership: bw_test_sizes: size: who releases it?"},
   {"Mean size %(m%)", "Mean size", "unit: bw_test_size: no unit of its result"},
   {"lives as long as", "names", "ownership: bw_test_label: who releases its result?"},
   {"/%* Largest.-%*/\n", "", "comment: BW_TEST_MAX: no comment"},

@@ -200,7 +200,7 @@ typedef struct bw_weak_options {
 } bw_weak_options;
 BW_API void bw_weak_options_default(bw_weak_options *options);
 
-/* Connected elements with the weights of their objective. */
+/* Connected elements with the weights of their objective; bw_weak_regions owns the lists. */
 typedef struct bw_weak_region {
   int mode;         /* 0-based; -1 for a region that no mode gave */
   int rank;         /* 0-based, by energy */

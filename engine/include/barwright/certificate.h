@@ -11,8 +11,8 @@ extern "C" {
 /* A claim is an element with a direction n and multipliers. It says that
  *     n . sigma n  and  -n . sigma n
  * of the element's mean stress are below a bound for every admissible pressure; without a direction
- * (n = 0) that no principal stress exceeds it. Admissible: 0 <= p <= pressure, `force` in all,
- * no work on the motions. */
+ * (n = 0) that no principal stress exceeds it. All lists are borrowed. Admissible: 0 <= p <=
+ * pressure, `force` in all, no work on the motions. */
 typedef struct bw_dual_claims {
   double force, pressure; /* F_tot (N), p_max (Pa) */
   bool force_is_max;      /* the force may also be smaller */

@@ -90,7 +90,7 @@ typedef struct bw_field {
   const bw_array *array; /* rows x components; 6 components are xx yy zz yz zx xy */
 } bw_field;
 
-/* A named set of nodes or elements. */
+/* A named set of nodes or elements; owned by a bw_mesh_file. */
 typedef struct bw_named_set {
   char *name;       /* as in the file */
   bool of_elements; /* else of nodes */

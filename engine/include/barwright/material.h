@@ -15,7 +15,7 @@ typedef struct bw_value {
 } bw_value;
 
 /* Axes that differ from element to element: every group of elements has the material turned by a
- * rotation of its own. */
+ * rotation of its own. The material owns the lists. */
 typedef struct bw_material_turns {
   int32_t element_count, count;
   int32_t *of_element; /* (index, element_count) its group, from 0 to count - 1 */

@@ -197,7 +197,7 @@ BW_API bw_status bw_solid_stress(bw_context *context, const bw_solid *solid, con
 /* ---- what acts on a solid ----------------------------------------------------------------------
  */
 
-/* A pressure on triangles. */
+/* A pressure on triangles; the load case owns the lists. */
 typedef struct bw_pressure_patch {
   const bw_embedding *embedding; /* retained */
   int64_t triangle_count;
@@ -206,7 +206,7 @@ typedef struct bw_pressure_patch {
   double *pressure;  /* (Pa, triangle_count) positive pushes inwards */
   bool follower;     /* along the normals of the deformed shape; else of the shape at rest */
 } bw_pressure_patch;
-/* A rigid plane without friction. */
+/* A rigid plane without friction; the load case owns the list. */
 typedef struct bw_contact_plane {
   double point[3], normal[3];    /* the solid stays where (x - point) . normal >= 0; normal unit */
   double move[3];                /* (m) the plane's displacement at load factor 1 */

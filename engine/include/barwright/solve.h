@@ -205,7 +205,7 @@ typedef struct bw_local_system {
   bw_subdomain_stiffness *stiffness; /* owned */
   struct bwi_local *inner;
 } bw_local_system;
-/* The edits to be expected, by the subdomains that they touch: those of subdomain d are
+/* The edits to be expected, borrowed, by the subdomains that they touch: those of subdomain d are
  * edit[start[d]] to edit[start[d + 1] - 1], numbers from 0 to count - 1 (bones, mostly). */
 typedef struct bw_edits {
   int32_t count;
@@ -334,7 +334,7 @@ typedef struct bw_external_matrix {
   const double *mass;      /* (kg, block_count) or NULL: no modes wanted */
 } bw_external_matrix;
 
-/* What it finds; the lists are allocated with bw_alloc for the caller. */
+/* What it finds; the lists are allocated with bw_alloc for the caller, who releases them. */
 typedef struct bw_external_modes {
   int count;
   double *value;  /* ((rad/s)^2, count) ascending */
