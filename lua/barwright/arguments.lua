@@ -56,7 +56,7 @@ local function kind_of(value)
 end
 
 local function spoken_name(kind)
-  return spoken[kind] or (kind:find "^[aeiou]" and "an " or "a ") .. kind:gsub("_", " ")
+  return spoken[kind] or core.spoken(kind)
 end
 
 local function expected(kinds)
@@ -115,7 +115,7 @@ end
 
 --- Raises unless the value is {x, y}, two finite numbers.
 function arguments.pair(where, value)
-  if not is_pair(value) then raise(("%s: %s expected"):format(where, spoken.pair)) end
+  if not is_pair(value) then raise(("%s: %s expected, got %s"):format(where, spoken.pair, core.got(value))) end
 end
 
 --- Puts checks in front of functions of a module; `prefix` goes before their names in messages.

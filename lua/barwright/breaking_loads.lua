@@ -23,8 +23,8 @@ end
 --- Raises where the options contradict each other.
 function breaking_loads.check(opts)
   if opts.hands == 1 and not opts.fix then
-    raise("breaking_force: option 'hands': one hand pushes a body away that nothing holds: give 'hold', or more "
-      .. "hands")
+    raise("breaking_force: option 'hands': a part without supports moves freely under the load of one hand: give "
+      .. "the option 'fix', or more hands")
   end
 end
 

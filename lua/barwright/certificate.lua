@@ -77,7 +77,7 @@ end
 function certificate.text(worst, part, leaves)
   local mesh, opts, loads = part.mesh, worst.options, worst.loads
   if part.material.turned then
-    return nil, "a certificate for a material that is turned by element is not implemented",
+    return nil, "a certificate for a material whose axes differ by element is not implemented",
       {status = "unsupported"}
   end
   local lines = {HEAD, material_line(part.material), row("formulation", part.formulation),

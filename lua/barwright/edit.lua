@@ -49,7 +49,8 @@ local function bone_thresholds(skeleton, given)
   for name, threshold in pairs(given) do
     local bone = skeleton:bone(name)
     if type(threshold) ~= "number" or not (threshold > 0 and threshold <= 1) then
-      raise(("edit: thresholds: bone '%s': a number above 0, at most 1, expected"):format(bone.name))
+      raise(("edit: thresholds: bone '%s': a number above 0, at most 1, expected, got %s"):format(bone.name,
+        core.got(threshold)))
     end
     rows[bone.index] = threshold
   end
@@ -95,7 +96,7 @@ local function begin(part, given)
   options.object("edit", "part", part, "model")
   local opts = options.read("edit", given, rules)
   if opts.material_turns and part.material.turned then
-    raise("edit: option 'material_turns': the part's material is turned by element already")
+    raise("edit: option 'material_turns': the material axes of the part differ by element already")
   end
   local mesh = part.mesh
   local subdomains, message, details = opts.subdomains
@@ -321,7 +322,7 @@ end
 --- The pose of a fork, as one edit.
 function class:adopt(fork)
   if getmetatable(fork) ~= class or fork.root ~= (self.root or self) then
-    raise("adopt: a fork of this session expected")
+    raise(("adopt: a fork of this session expected, got %s"):format(core.got(fork)))
   end
   local changes = edit_bone.changes(current(self), current(fork))
   if next(changes) == nil then return self end
@@ -424,8 +425,9 @@ function class:write(path, given)
   local opts = {}
   for key, value in pairs(given or {}) do opts[key] = value end
   local fields = {}
-  if opts.fields ~= nil
-    and type(opts.fields) ~= "table" then raise "write: option 'fields': a table of arrays expected" end
+  if opts.fields ~= nil and type(opts.fields) ~= "table" then
+    raise(("write: option 'fields': a table of arrays expected, got %s"):format(core.got(opts.fields)))
+  end
   for key, value in pairs(opts.fields or {}) do fields[key] = value end
   fields.subdomain = fields.subdomain or {self.subdomains.element_subdomain, on = "elements"}
   opts.fields = fields
@@ -452,7 +454,7 @@ end
 --- The edits in force as a script that replays them.
 function class:save(path)
   current(self)
-  if type(path) ~= "string" then raise("save: the path of a script expected") end
+  if type(path) ~= "string" then raise(("save: the path of a script expected, got %s"):format(core.got(path))) end
   return edit_script.save(self, path)
 end
 

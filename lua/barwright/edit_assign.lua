@@ -74,7 +74,9 @@ end
 --- on the mesh as it was before it was refilled; or nil, message, details.
 function edit_assign.subdomains(topology, elements, bone)
   local count = topology.mesh.element_count
-  if type(elements) ~= "table" then core.raise "assign: a list of elements expected" end
+  if type(elements) ~= "table" then
+    core.raise(("assign: a list of elements expected, got %s"):format(core.got(elements)))
+  end
   for _, e in ipairs(elements) do
     if math.type(e) ~= "integer" or e < 1 or e > count then
       core.raise(("assign: elements from 1 to %d expected, got %s"):format(count, core.got(e)))
@@ -85,7 +87,7 @@ function edit_assign.subdomains(topology, elements, bone)
     elements, topology = taken_back(topology, elements), topology.former
   until not topology.former
   if #elements == 0 then
-    return nil, "assign: of the elements before the mesh was refilled none lies where these do",
+    return nil, "assign: no element of the mesh before it was refilled lies where these elements do",
       {status = "geometry"}
   end
   local fine, subdomains, message, details = pcall(topology.subdomains.assign, topology.subdomains, elements, bone)

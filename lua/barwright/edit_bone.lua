@@ -180,7 +180,9 @@ end
 -- ---- several bones at once ---------------------------------------------------------------------------
 
 function edit_bone.set_pose(session, changes)
-  if type(changes) ~= "table" then raise("pose: a table of bones expected") end
+  if type(changes) ~= "table" then
+    raise(("pose: a table of changes by bones' names expected, got %s"):format(core.got(changes)))
+  end
   local state = state_of(session)
   local pose, list = state.pose, {}
   for name, given in pairs(changes) do
@@ -250,16 +252,17 @@ local function end_of(skeleton, name)
 end
 
 local function read_list(skeleton, list)
-  if #list == 0 then raise("reach: a list of {joint =, at =} expected") end
+  if #list == 0 then raise("reach: at least one target {joint =, at =} expected, got an empty list") end
   local out = {}
   for i, given in ipairs(list) do
     local opts = options.read("reach", given, target_rules)
     if (opts.joint == nil) == (opts.bone == nil) then
-      raise(("reach: target %d: one of joint and bone expected"):format(i))
+      raise(("reach: target %d: one of the options 'joint' and 'bone' expected, got %s"):format(i,
+        opts.joint and "both" or "neither"))
     end
     local bone, along
     if opts.joint ~= nil then
-      if opts.along then raise("reach: 'along' belongs to a bone") end
+      if opts.along then raise(("reach: target %d: option 'along' goes with 'bone' only"):format(i)) end
       bone, along = bone_at(skeleton, opts.joint)
     else
       bone, along = skeleton:bone(opts.bone).index, opts.along or 1
@@ -316,7 +319,7 @@ local function read_limit(given)
     local fits = #opts.twist == 2 and type(low) == "number" and type(high) == "number"
       and -math.huge < low and low <= high and high < math.huge
     if not fits then
-      raise("limit: option 'twist': {lowest, highest} in degrees expected")
+      raise("limit: option 'twist': {lowest, highest} expected, two numbers in degrees, the lower one first")
     end
   end
   return {swing = opts.swing and math.rad(opts.swing),

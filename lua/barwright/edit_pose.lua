@@ -150,7 +150,7 @@ function edit_pose.read_vector(where, value)
     and finite(value[3]) then
     return {value[1] + 0.0, value[2] + 0.0, value[3] + 0.0}
   end
-  raise(("%s: three finite numbers {x, y, z} expected"):format(where))
+  raise(("%s: three finite numbers {x, y, z} expected, got %s"):format(where, core.got(value)))
 end
 
 --- Three positive factors, or one for all.
@@ -159,7 +159,7 @@ function edit_pose.read_scale(where, value)
   local scale = edit_pose.read_vector(where, value)
   for i = 1, 3 do
     if scale[i] <= 0 then
-      raise(("%s: factors greater than 0 expected, got %g"):format(where, scale[i]))
+      raise(("%s: factors above 0 expected, got %g"):format(where, scale[i]))
     end
   end
   return scale
@@ -190,7 +190,7 @@ local known_turns = {axis = true, degrees = true, radians = true, x = true, y = 
 
 --- {axis =, degrees = | radians =}, {x =, y =, z =} in degrees, turned about x first, or three rows.
 function edit_pose.read_rotation(where, value)
-  if type(value) ~= "table" then raise(where .. ": a table expected") end
+  if type(value) ~= "table" then raise(("%s: a table expected, got %s"):format(where, core.got(value))) end
   if #value == 3 then return read_matrix(where, value) end
   for key in pairs(value) do
     if not known_turns[key] then
@@ -201,11 +201,11 @@ function edit_pose.read_rotation(where, value)
   if value.axis then
     local axis = edit_pose.read_vector(where .. ": axis", value.axis)
     if axis[1] == 0 and axis[2] == 0 and axis[3] == 0 then
-      raise(where .. ": an axis of some length expected")
+      raise(where .. ": an axis expected, got {0, 0, 0}, which has no direction")
     end
     local angle = value.radians or value.degrees
     if not finite(angle) or value.radians and value.degrees or value.x or value.y or value.z then
-      raise(where .. ": an axis and one of degrees, radians expected")
+      raise(where .. ": axis, and one of degrees and radians, expected")
     end
     return edit_pose.about(axis, value.radians or math.rad(angle))
   end
@@ -213,7 +213,9 @@ function edit_pose.read_rotation(where, value)
   for k, axis in ipairs {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}} do
     local degrees = value[("xyz"):sub(k, k)]
     if degrees ~= nil then
-      if not finite(degrees) then raise(where .. ": degrees expected") end
+      if not finite(degrees) then
+        raise(("%s: a number of degrees expected, got %s"):format(where, core.got(degrees)))
+      end
       out = edit_pose.multiply(edit_pose.about(axis, math.rad(degrees)), out)
     end
   end

@@ -23,7 +23,7 @@ local function number(value)
     local text = ("%%.%dg"):format(digits):format(value)
     if tonumber(text) == value then return text end
   end
-  raise("a finite number expected")
+  raise(("a finite number expected, got %s"):format(core.got(value)))
 end
 
 local function is_list(value)

@@ -9,7 +9,9 @@ local raise = core.raise
 
 local function copied(given)
   local opts = {}
-  if given ~= nil and type(given) ~= "table" then raise "option 'fields': a table of arrays expected" end
+  if given ~= nil and type(given) ~= "table" then
+    raise(("option 'fields': a table of arrays expected, got %s"):format(core.got(given)))
+  end
   for key, value in pairs(given or {}) do opts[key] = value end
   return opts
 end

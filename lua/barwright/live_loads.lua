@@ -33,8 +33,8 @@ function live_loads.find(controller)
   local session = controller.session
   local state, source = state_of(session), session.source
   if state.topology.node_from then
-    return nil, "elements were refilled: worst loads are found on the mesh as it was given only; "
-      .. "undo the edit that needed new elements", {status = "unsupported"}
+    return nil, "the mesh was refilled, and worst loads are for the mesh that the session began with: undo "
+      .. "the edit that refilled it", {status = "unsupported"}
   end
   local free = core.model {mesh = state.shape.mesh, material = source.material}
   local worst, why, details = worst_case(free, controller.about.worst)

@@ -55,11 +55,11 @@ end
 --- message, details where no surface is left.
 function load_limits.basis(where, mesh, opts)
   if opts.pressure and opts.contact then
-    raise(("%s: options 'pressure' and 'contact' say the same: give one of them"):format(where))
+    raise(("%s: one of the options 'pressure' and 'contact' expected, got both"):format(where))
   end
   opts.pressure = opts.pressure or opts.contact and opts.force / opts.contact or PRESSURE
   if opts.hand and not opts.hands then
-    raise(("%s: option 'hand' is the area of each of 'hands'"):format(where))
+    raise(("%s: option 'hand', the area of each hand, needs option 'hands'"):format(where))
   end
   opts.hand = opts.hands and (opts.hand or opts.force / opts.pressure)
   opts.forbidden = opts.forbidden and selection_of(where, opts.forbidden, mesh)

@@ -316,8 +316,8 @@ function optimise.run(session, given)
   end
   self.stage = stages.new(session, parts, relief)
   if opts.loads == "worst" and self.stage.topology.node_from then
-    return nil, "the worst load of a mesh that was filled again cannot be followed: begin a session "
-      .. "on the edited part", {status = "unsupported"}
+    return nil, "the mesh was refilled, and worst loads are for the mesh that the session began with: begin "
+      .. "a session on the edited part", {status = "unsupported"}
   end
   self.corners = core.corner_nodes(self.stage.topology.mesh)
   local word, message, details = with_progress(self, function()

@@ -19,13 +19,14 @@ function held.split(session, keep)
     else
       options.object("optimise", ("keep[%d]"):format(i), value, "selection")
       if value.mesh.node_count ~= session.source.mesh.node_count then
-        raise(("optimise: keep[%d]: a selection on the mesh that the session began with expected"):format(i))
+        raise(("optimise: keep[%d]: a selection on the mesh that the session began with expected, got one on %s")
+          :format(i, tostring(value.mesh)))
       end
       faces[#faces + 1] = {name = ("what keep[%d] keeps"):format(i), nodes = value.nodes, directions = axes}
     end
   end
   if #keep == 0 and next(keep) ~= nil then
-    raise "optimise: option 'keep': a list of names of bones and selections expected"
+    raise "optimise: option 'keep': a list of names of bones and selections expected, got a table with names"
   end
   return bones, faces
 end

@@ -118,7 +118,7 @@ function stage:at(scales, further)
   local shape, message, details = edit_shape.of(self.topology, pose, self.session.opts)
   if not shape then return nil, message, details end
   if shape.how == "relaxed" and not self.relaxing then -- its nodes are not linear in the factors
-    return nil, "elements turn so poor that inner nodes have to be moved", {status = "geometry"}
+    return nil, "elements become so distorted that inner nodes have to be moved", {status = "geometry"}
   end
   self.counts.shapes = self.counts.shapes + 1
   local point = {state = {topology = self.topology, pose = pose, shape = shape, limits = {}},

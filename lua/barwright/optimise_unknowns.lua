@@ -16,7 +16,7 @@ function unknowns.bones(skeleton, names, where)
   local out = {}
   for i, name in ipairs(names) do out[i] = skeleton:bone(name).index end
   if #out == 0 and next(names) ~= nil then
-    raise(("optimise: option '%s': a list of names of bones expected"):format(where))
+    raise(("optimise: option '%s': a list of names of bones expected, got a table with names"):format(where))
   end
   return out
 end
@@ -32,7 +32,7 @@ function unknowns.ties(skeleton, ties)
   local tied = {}
   for _, names in ipairs(ties) do
     if type(names) ~= "table" then
-      raise("optimise: option 'ties': lists of names of bones expected")
+      raise(("optimise: option 'ties': lists of names of bones expected, got %s"):format(core.got(names)))
     end
     local bones = unknowns.bones(skeleton, names, "ties")
     for _, bone in ipairs(bones) do

@@ -34,21 +34,21 @@ local function check(where, key, value, rule)
   if rule.type == "any" then return end
   local kind = kind_of(value)
   if rule.type == "number" and kind == "integer" then kind = "number" end
+  local wanted = rule.type == "integer" and "a whole number" or core.spoken(rule.type)
   if kind ~= rule.type then
-    fail(where, key, ("%s expected, got %s"):format(
-      rule.type == "integer" and "a whole number" or "a " .. rule.type, core.got(value)))
+    fail(where, key, ("%s expected, got %s"):format(wanted, core.got(value)))
   end
   if rule.type == "number" and (value ~= value or value == math.huge or value == -math.huge) then
     fail(where, key, ("a finite number expected, got %s"):format(core.got(value)))
   end
   if rule.above and value <= rule.above then
-    fail(where, key, ("greater than %g expected, got %s"):format(rule.above, core.got(value)))
+    fail(where, key, ("%s above %g expected, got %s"):format(wanted, rule.above, core.got(value)))
   end
   if rule.min and value < rule.min then
-    fail(where, key, ("at least %g expected, got %s"):format(rule.min, core.got(value)))
+    fail(where, key, ("%s of at least %g expected, got %s"):format(wanted, rule.min, core.got(value)))
   end
   if rule.max and value > rule.max then
-    fail(where, key, ("at most %g expected, got %s"):format(rule.max, core.got(value)))
+    fail(where, key, ("%s of at most %g expected, got %s"):format(wanted, rule.max, core.got(value)))
   end
   if rule.one_of then
     for _, word in ipairs(rule.one_of) do
@@ -91,8 +91,7 @@ end
 --- Raises unless the value is an open object of the class.
 function options.object(where, argument, value, class)
   if kind_of(value) ~= class then
-    raise(("%s: %s: %s %s expected, got %s"):format(where, argument,
-      class:find "^[aeiou]" and "an" or "a", class, core.got(value)))
+    raise(("%s: %s: %s expected, got %s"):format(where, argument, core.spoken(class), core.got(value)))
   end
 end
 

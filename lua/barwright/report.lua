@@ -136,7 +136,7 @@ local function vector_of(name, given)
   for k = 1, 3 do
     local x = type(given) == "table" and given[k]
     if type(x) ~= "number" or x ~= x or math.abs(x) == math.huge then
-      core.raise(("report: option '%s': three finite numbers expected"):format(name))
+      core.raise(("report: option '%s': three finite numbers expected, got %s"):format(name, core.got(given)))
     end
     list[k] = x
   end

@@ -10,7 +10,7 @@ local script_file = {}
 function script_file.refusal(path)
   local ending = (path:match "%.(%w+)$" or ""):lower()
   if endings[ending] then
-    return ("%s is no script: `barwright check %s` tells what is in it"):format(path, path)
+    return ("%s is no script: `barwright check %s` describes it"):format(path, path)
   end
 end
 

@@ -67,7 +67,9 @@ end
 --- The place nearest to a point: {place, distance, at, inward}; nil where none is within `radius`. Among those as
 --- near, the one of fastest growth.
 function places:near(point, radius)
-  if not is_point(point) then core.raise "near: point: three finite numbers {x, y, z} expected" end
+  if not is_point(point) then
+    core.raise(("near: point: three finite numbers {x, y, z} expected, got %s"):format(core.got(point)))
+  end
   local best
   for _, place in ipairs(self) do
     local far, at, inward = nearest_on(place, point)

@@ -22,7 +22,7 @@ local function read_joints(given)
   table.sort(names)
   local joints, number = {}, {}
   if #names > 0 and #given > 0 then
-    raise("skeleton.create: joints: either all named, or a list, expected")
+    raise("skeleton.create: joints: a list, or a table by names, expected, got both in one")
   end
   for i, name in ipairs(names) do joints[i] = given[name] end
   for i, joint in ipairs(given) do
@@ -31,7 +31,7 @@ local function read_joints(given)
   end
   for i, joint in ipairs(joints) do
     if type(joint) ~= "table" or #joint ~= 3 then
-      raise(("skeleton.create: joint %s: {x, y, z} expected"):format(names[i] or i))
+      raise(("skeleton.create: joint %s: {x, y, z} expected, got %s"):format(names[i] or i, core.got(joint)))
     end
     if names[i] then number[names[i]] = i end
   end
@@ -60,7 +60,8 @@ function skeleton.create(given)
   for i, bone in ipairs(opts.bones) do
     local where = ("bone %s"):format(type(bone) == "table" and bone.name or i)
     if type(bone) ~= "table" or #bone ~= 2 then
-      raise(("skeleton.create: %s: two joints expected"):format(where))
+      raise(("skeleton.create: %s: two joints expected, got %s"):format(where,
+        type(bone) == "table" and #bone or core.got(bone)))
     end
     bones[i] = {joint_number(bone[1], joints, names, number, where),
       joint_number(bone[2], joints, names, number, where)}

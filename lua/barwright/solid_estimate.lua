@@ -22,7 +22,7 @@ local function corrected(result)
   local fine, message, details = of_solids.fine_of(result.solid)
   if not fine then return nil, message, details end
   if fine.body.formulation == "b_bar" then -- coarse cells would lock where the fine ones are made not to
-    return nil, "the error of coarse solids of B-bar materials is not estimated", {status = "unsupported"}
+    return nil, "the error of a coarse solid is not estimated where a material is B-bar", {status = "unsupported"}
   end
   local case
   case, message, details = of_solids.case_of(fine, 1)
@@ -34,13 +34,15 @@ local function corrected(result)
   moved, message, details = fine.body:correct(case, {iterations = STEPS, cg_iterations = CG_ITERATIONS,
     coarse = under}, result.fine_displacement)
   if moved then return moved end
-  return nil, message or "the coarse displacements turn fine elements inside out", details or {status = "geometry"}
+  return nil, message or "the coarse displacements invert elements of the fine grid",
+    details or {status = "geometry"}
 end
 
 --- Of a coarse result: relative to the displacement, over the longest side, corrected displacements.
 function estimate.of(result)
   if not result.solid.coarse then
-    return nil, "a result on the fine grid has no coarse error to estimate", {status = "unsupported"}
+    return nil, "a result of a coarse solid expected: one of the fine solid has no such error",
+      {status = "unsupported"}
   end
   local moved, message, details = corrected(result)
   if not moved then return nil, message, details end

@@ -94,7 +94,8 @@ local named = {von_mises = true, movement = true}
 local function values_of(self, values)
   if type(values) ~= "string" then return values end
   if not named[values] then
-    core.raise(("picture: values: \"von_mises\", \"movement\" or an array expected, got '%s'"):format(values))
+    core.raise(("picture: option 'values': \"von_mises\", \"movement\" or an array expected, got %s"):format(
+      core.got(values)))
   end
   return self[values]
 end

@@ -59,8 +59,8 @@ local function check_numbers(function_name, list, count)
   for i, number in ipairs(is_array(list) and list:totable() or list) do
     local whole = math.tointeger(number)
     if type(number) ~= "number" or not whole or whole < 1 or whole > count then
-      raise(("%s: node %d of the list is %s: numbers from 1 to %d expected"):format(function_name, i,
-        number, count))
+      raise(("%s: entry %d of the list: a node from 1 to %d expected, got %s"):format(function_name, i, count,
+        core.got(number)))
     end
   end
 end
@@ -87,7 +87,7 @@ local function add(self, act, where)
     if numbers then
       check_numbers(name, where, self.node_count)
     elseif type(where) == "table" and next(where) == nil then
-      raise(("%s: {} chooses nothing: give a place, {side = \"min z\"}, or numbers of nodes"):format(name))
+      raise(("%s: a place, {side = \"min z\"}, or a list of nodes expected, got an empty table"):format(name))
     end
     local nodes, message, details = nodes_of(self.grid, act)
     if not nodes then return nil, message, details end
@@ -104,11 +104,12 @@ end
 local function vector(where, key, value)
   local list = is_array(value) and value:totable() or value
   if type(list) ~= "table" or #list ~= 3 then
-    raise(("%s: %s: three numbers {x, y, z} expected"):format(where, key))
+    raise(("%s: %s: three numbers {x, y, z} expected, got %s"):format(where, key, core.got(value)))
   end
   for i = 1, 3 do
     if not finite(list[i]) then
-      raise(("%s: %s: three finite numbers {x, y, z} expected"):format(where, key))
+      raise(("%s: %s: three finite numbers {x, y, z} expected, got %s at %d"):format(where, key,
+        core.got(list[i]), i))
     end
   end
   return list
@@ -133,12 +134,14 @@ function solid:fix(where, by)
   if type(by) == "table" then
     for i = 1, 3 do
       if not finite(by[i]) and by[i] ~= false then
-        raise "hold: {x, y, z} expected, each a displacement or false"
+        raise(("fix: {x, y, z} expected, each a number in m or false, got %s at %d"):format(core.got(by[i]), i))
       end
     end
-    if not (by[1] or by[2] or by[3]) then raise "hold: {false, false, false} holds nothing" end
+    if not (by[1] or by[2] or by[3]) then
+      raise "fix: a displacement of one component or more expected, got {false, false, false}"
+    end
   elseif type(by) ~= "function" then
-    raise(("hold: {x, y, z} or a function of x, y, z expected, got %s"):format(core.got(by)))
+    raise(("fix: {x, y, z} or a function of x, y, z expected, got %s"):format(core.got(by)))
   end
   return add(self, {kind = type(by) == "table" and "fix" or "move", by = by}, where)
 end
@@ -155,7 +158,7 @@ function solid:turn(where, given)
   })
   local axis = vector("turn", "axis", opts.axis)
   local length = math.sqrt(axis[1] ^ 2 + axis[2] ^ 2 + axis[3] ^ 2)
-  if length == 0 then raise "turn: axis: a direction expected, it has no length" end
+  if length == 0 then raise "turn: axis: a direction expected, got {0, 0, 0}" end
   return add(self, {kind = "turn", angle = math.rad(opts.angle),
     axis = {axis[1] / length, axis[2] / length, axis[3] / length},
     point = vector("turn", "point", opts.point), move = vector("turn", "move", opts.move)},
@@ -181,7 +184,9 @@ function solid:pressure(on, given)
   check_self("pressure", self)
   check_where("pressure", on)
   local surface = core.class_name(on) == "surface"
-  if surface and on.triangle_count < 1 then raise "pressure: the surface has no triangle" end
+  if surface and on.triangle_count < 1 then
+    raise "pressure: a surface with one triangle or more expected, got an empty one"
+  end
   local opts = options.read("pressure", given, {
     pressure = {type = "any", needed = true},
     follower = {type = "boolean", default = false},
@@ -191,10 +196,12 @@ function solid:pressure(on, given)
     raise(("pressure: a number, a list or a function of x, y, z expected, got %s"):format(
       core.got(opts.pressure)))
   end
-  if kind == "number" and not finite(opts.pressure) then raise "pressure: a finite number expected" end
+  if kind == "number" and not finite(opts.pressure) then
+    raise(("pressure: a finite number expected, got %s"):format(core.got(opts.pressure)))
+  end
   if not surface then
     if kind ~= "number" and kind ~= "function" then
-      raise "pressure: a list needs a surface; by place, a number or a function of x, y, z"
+      raise "pressure: a number or a function of x, y, z expected; a list goes with a surface only"
     end
     return add(self, {kind = "press", pressure = opts.pressure, follower = opts.follower}, on)
   end
@@ -271,7 +278,7 @@ function apply.move(case, act, grid, part)
   return prescribe(case, act, grid, function(x, y, z)
     local u, v, w = act.by(x, y, z)
     if not (finite(u) and finite(v) and finite(w)) then
-      raise(("hold: the function returned %s, %s, %s at (%g, %g, %g) m: three finite numbers expected"):format(
+      raise(("fix: the function returned %s, %s, %s at (%g, %g, %g) m: three finite numbers expected"):format(
         u, v, w, x, y, z))
     end
     return u * part, v * part, w * part
@@ -366,8 +373,8 @@ local function parts_of(self)
     end
   end
   if parts > MAX_PARTS then
-    raise(("solve: turns by %.0f times 30 degrees are more than the %d parts that a path has at most"):format(
-      parts, MAX_PARTS))
+    raise(("solve: turns of at most %d degrees expected, %d parts of 30 degrees, got %.0f parts"):format(
+      30 * MAX_PARTS, MAX_PARTS, parts))
   end
   return parts
 end
@@ -375,7 +382,7 @@ end
 -- The pair that preconditions on a coarse solid of one level.
 local function coarse_of(given)
   if getmetatable(given) ~= solid or not given.coarse or given.levels ~= 1 then
-    raise "solve: option 'coarse': a solid that was coarsened once from this one expected"
+    raise "solve: option 'coarse': a solid expected that was made coarse once from this one"
   end
   return {{given.coarse:coarsening(1), given.body}}
 end
@@ -395,12 +402,12 @@ local MAX_LEVELS = 2
 local function own_coarse(self, wanted)
   local level = self.levels
   if level == MAX_LEVELS then
-    if wanted then raise 'solve: linear = "coarse": this solid is coarse itself, and has no coarser one' end
+    if wanted then raise 'solve: linear = "coarse" is not available: this solid was made coarse twice' end
     return nil
   end
   if not (wanted or self.node_count > FEW_NODES) then return nil end
   if self.body.formulation == "b_bar" then -- coarse cells would lock where the fine ones are made not to
-    if wanted then raise 'solve: linear = "coarse" is of materials of the standard formulation; one is B-bar' end
+    if wanted then raise 'solve: linear = "coarse" is not available: a material is B-bar' end
     return nil
   end
   if rawget(self, "under") == nil then
@@ -505,7 +512,7 @@ end
 --- The solid on a grid made coarse: by a library, or "naive" or "average"; `levels` times (1).
 function solid:coarsen(by, levels)
   check_self("coarsen", self)
-  if self.coarse then raise "coarsen: this solid is coarse; give the levels where the fine one is coarsened" end
+  if self.coarse then raise "coarsen: this solid is coarse already: coarsen the fine one by more levels" end
   local coarse, message, details = core.metamaterial.coarsen(self.grid, self.materials, by, levels or 1)
   if not coarse then return nil, message, details end
   return make(coarse.grid, coarse.materials, self.acts, nil, coarse, self.materials, type(by) ~= "string")

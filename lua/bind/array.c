@@ -111,18 +111,19 @@ static void fill_from_table(lua_State *L, int index, const char *what, bw_type t
     int kind = lua_rawgeti(L, index, i + 1);
     if (!nested) {
       if (!store(L, data, type, i))
-        lbw_error(L, "%s: entry %I is not a number of type %s (%s)", what, (LUAI_UACINT)i + 1,
-                  lbw_type_word(type), luaL_tolstring(L, -1, NULL));
+        lbw_error(L, "%s: entry %I: a number of type %s expected, got %s", what, (LUAI_UACINT)i + 1,
+                  lbw_type_word(type), lbw_got(L, -1));
     } else {
       if (kind != LUA_TTABLE || (int64_t)lua_rawlen(L, -1) != columns)
-        lbw_error(L, "%s: row %I is not a table of %I numbers", what, (LUAI_UACINT)i + 1,
-                  (LUAI_UACINT)columns);
+        lbw_error(L, "%s: row %I: a table of %I numbers expected, got %s", what, (LUAI_UACINT)i + 1,
+                  (LUAI_UACINT)columns,
+                  kind == LUA_TTABLE ? lua_pushfstring(L, "%I", (LUAI_UACINT)lua_rawlen(L, -1))
+                                     : lbw_got(L, -1));
       for (int64_t j = 0; j < columns; j++) {
         lua_rawgeti(L, -1, j + 1);
         if (!store(L, data, type, i * columns + j))
-          lbw_error(L, "%s: entry (%I, %I) is not a number of type %s (%s)", what,
-                    (LUAI_UACINT)i + 1, (LUAI_UACINT)j + 1, lbw_type_word(type),
-                    luaL_tolstring(L, -1, NULL));
+          lbw_error(L, "%s: entry (%I, %I): a number of type %s expected, got %s", what,
+                    (LUAI_UACINT)i + 1, (LUAI_UACINT)j + 1, lbw_type_word(type), lbw_got(L, -1));
         lua_pop(L, 1);
       }
     }
@@ -168,7 +169,7 @@ static int array_range(lua_State *L) {
   double step = lua_isnoneornil(L, 3) ? 1 : lbw_check_real(L, 3, "step");
   lbw_argument_check(L, step != 0, 3, "a step other than 0 expected");
   double count = floor((last - first) / step * (1 + 1e-12)) + 1;
-  lbw_argument_check(L, count < 1e9, 3, "a range of more than a thousand million numbers");
+  lbw_argument_check(L, count < 1e9, 3, "a range of less than 1e9 numbers expected");
   int64_t rows = count > 0 ? (int64_t)count : 0;
   double *out = (double *)lbw_push_array(L, BW_F64, rows, 1)->data;
   for (int64_t i = 0; i < rows; i++)
@@ -383,8 +384,8 @@ static void check_range(lua_State *L, int64_t count, int64_t *first, int64_t *nu
     to += count + 1;
   bool any = *step > 0 ? to >= from : from >= to;
   if (any && (from < 1 || from > count || to < 1 || to > count))
-    lbw_error(L, "rows or columns %I to %I: there are %I", (LUAI_UACINT)from, (LUAI_UACINT)to,
-              (LUAI_UACINT)count);
+    lbw_error(L, "rows or columns from 1 to %I expected, got %I to %I", (LUAI_UACINT)count,
+              (LUAI_UACINT)from, (LUAI_UACINT)to);
   /* A longer step leaves the range at once, and could not be negated or multiplied. */
   *step = *step > count ? count : *step < -count ? -count : *step;
   int64_t n = any ? (to - from) / *step + 1 : 0;
@@ -417,7 +418,8 @@ static int array_column(lua_State *L) {
 /* array:totable(): numbers, or rows of numbers */
 static int array_totable(lua_State *L) {
   const bw_array *array = (const bw_array *)lbw_check(L, 1, &lbw_array_class);
-  lbw_argument_check(L, array->rows <= INT32_MAX, 1, "too many rows for a table");
+  lbw_argument_check(L, array->rows <= INT32_MAX, 1,
+                     "an array of at most 2147483647 rows expected");
   lua_createtable(L, (int)array->rows, 0);
   for (int64_t i = 0; i < array->rows; i++) {
     if (array->columns == 1)
@@ -497,8 +499,8 @@ static void *to_packed(lua_State *L, int index, const char *what, bw_type type, 
       else if (value >= INT32_MIN && value <= INT32_MAX && value == floor(value))
         ((int32_t *)data)[i * width + j] = (int32_t)value;
       else
-        lbw_error(L, "%s: entry (%I, %I) = %f is not a whole number", what, (LUAI_UACINT)i + 1,
-                  (LUAI_UACINT)j + 1, value);
+        lbw_error(L, "%s: entry (%I, %I): a whole number expected, got %f", what,
+                  (LUAI_UACINT)i + 1, (LUAI_UACINT)j + 1, value);
     }
   return data;
 }
@@ -512,7 +514,7 @@ int32_t *lbw_to_indices(lua_State *L, int index, const char *what, int64_t colum
   int64_t count = (int64_t)(lua_rawlen(L, -1) / sizeof *data);
   for (int64_t i = 0; i < count; i++) {
     if (data[i] < 1)
-      lbw_error(L, "%s: numbers count from 1, got %d", what, (int)data[i]);
+      lbw_error(L, "%s: indices count from 1, got %d", what, (int)data[i]);
     data[i]--;
   }
   return data;

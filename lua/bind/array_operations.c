@@ -149,7 +149,7 @@ static int array_dot(lua_State *L) {
 /* array:column_sums(): a table of one sum per column */
 static int array_column_sums(lua_State *L) {
   const bw_array *array = self(L);
-  lbw_argument_check(L, array->columns <= 100000, 1, "too many columns");
+  lbw_argument_check(L, array->columns <= 100000, 1, "an array of at most 100000 columns expected");
   lua_createtable(L, (int)array->columns, 0);
   for (int64_t j = 0; j < array->columns; j++) {
     running_sum s = {0, 0};
@@ -176,7 +176,7 @@ static int array_sorted(lua_State *L) {
   const bw_array *array = self(L);
   double *data = packed_column(L, array);
   for (int64_t i = 0; i < array->rows; i++)
-    lbw_argument_check(L, data[i] == data[i], 1, "NaN has no place in an order");
+    lbw_argument_check(L, data[i] == data[i], 1, "an array without NaN expected");
   double *out = (double *)lbw_push_array(L, BW_F64, array->rows, 1)->data;
   memcpy(out, data, (size_t)array->rows * sizeof *data);
   qsort(out, (size_t)array->rows, sizeof *out, compare_doubles);
@@ -201,7 +201,7 @@ static int array_order(lua_State *L) {
   ranked *list = (ranked *)lua_newuserdatauv(L, (size_t)(array->rows + 1) * sizeof *list, 0);
   for (int64_t i = 0; i < array->rows; i++) {
     list[i] = (ranked){bw_array_get(array, i, 0), i};
-    lbw_argument_check(L, list[i].value == list[i].value, 1, "NaN has no place in an order");
+    lbw_argument_check(L, list[i].value == list[i].value, 1, "an array without NaN expected");
   }
   qsort(list, (size_t)array->rows, sizeof *list, compare_ranked);
   int64_t *out = (int64_t *)lbw_push_array(L, BW_I64, array->rows, 1)->data;
@@ -288,10 +288,11 @@ static int map(lua_State *L, int formula, int table, const bw_array *array) {
     lbw_check_type(L, table, LUA_TTABLE);
     for (lua_pushnil(L); lua_next(L, table);) {
       if (lua_type(L, -2) != LUA_TSTRING)
-        return lbw_error(L, "map: variables are named: {name = array}");
+        return lbw_error(L, "map: named variables expected, {name = array}, got a value at %s",
+                         lbw_got(L, -2));
       const char *name = lua_tostring(L, -2);
       if (count == VARIABLES)
-        return lbw_error(L, "map: more than %d variables", VARIABLES);
+        return lbw_error(L, "map: at most %d variables expected", VARIABLES);
       const bw_array *value = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
       if (value)
         set_variable(&variable[count], name, value);
@@ -310,13 +311,13 @@ static int map(lua_State *L, int formula, int table, const bw_array *array) {
   int64_t rows = -1;
   for (int i = 0; i < count; i++) {
     if (rows >= 0 && variable[i].rows >= 0 && variable[i].rows != rows)
-      return lbw_error(L, "map: '%s' has %I rows, others %I", variable[i].name,
-                       (LUAI_UACINT)variable[i].rows, (LUAI_UACINT)rows);
+      return lbw_error(L, "map: variable '%s': %I rows expected, as the others have, got %I",
+                       variable[i].name, (LUAI_UACINT)rows, (LUAI_UACINT)variable[i].rows);
     if (variable[i].rows >= 0)
       rows = variable[i].rows;
   }
   if (rows < 0)
-    return lbw_error(L, "map: at least one variable must be an array");
+    return lbw_error(L, "map: at least one array expected among the variables");
   lbw_expression expression;
   char error[256];
   if (!lbw_expression_compile(text, variable, count, &expression, error, sizeof error))
@@ -346,15 +347,16 @@ static int arithmetic(lua_State *L, const char *formula) {
     if (array) {
       set_variable(&variable[i], name, array);
       if (rows >= 0 && rows != array->rows)
-        return lbw_error(L, "arrays of %I and %I rows", (LUAI_UACINT)rows,
-                         (LUAI_UACINT)array->rows);
+        return lbw_error(L, "arithmetic: arrays of equally many rows expected, got %I and %I",
+                         (LUAI_UACINT)rows, (LUAI_UACINT)array->rows);
       rows = array->rows;
     } else if (lua_type(L, i + 1) == LUA_TNUMBER) {
       number[i] = lua_tonumber(L, i + 1);
       variable[i] = (lbw_variable){
           .name = name, .type = BW_F64, .rows = -1, .columns = 1, .data = &number[i]};
     } else
-      return lbw_error(L, "arithmetic on an array and %s", lbw_type_name(L, i + 1));
+      return lbw_error(L, "arithmetic: an array or a number expected beside an array, got %s",
+                       lbw_got(L, i + 1));
   }
   lbw_expression expression;
   char error[256];
@@ -414,7 +416,8 @@ static int array_gather(lua_State *L) {
   bw_array *out = lbw_push_array(L, array->type, count, array->columns);
   for (int64_t i = 0; i < count; i++) {
     if (row[i] >= array->rows)
-      return lbw_error(L, "gather: row %d of %I", (int)row[i] + 1, (LUAI_UACINT)array->rows);
+      return lbw_error(L, "gather: rows from 1 to %I expected, got %d", (LUAI_UACINT)array->rows,
+                       (int)row[i] + 1);
     copy_row(array, row[i], out, i);
   }
   return 1;
@@ -464,11 +467,12 @@ static int array_scatter(lua_State *L) {
   lua_Integer count = lbw_check_integer(L, 3);
   lbw_argument_check(L, count >= 0, 3, "a number of rows, 0 or more, expected");
   int32_t *row = lbw_to_indices(L, 2, "rows", 1, &given);
-  lbw_argument_check(L, given == array->rows, 2, "rows: one for every row of the array expected");
+  lbw_check_rows(L, 2, "rows", given, array->rows, "row of the array");
   bw_array *out = lbw_push_array(L, array->type, count, array->columns);
   for (int64_t i = 0; i < given; i++) {
     if (row[i] >= count)
-      return lbw_error(L, "scatter: row %d of %I", (int)row[i] + 1, (LUAI_UACINT)count);
+      return lbw_error(L, "scatter: rows from 1 to %I expected, got %d", (LUAI_UACINT)count,
+                       (int)row[i] + 1);
     copy_row(array, i, out, row[i]);
   }
   return 1;

@@ -160,6 +160,13 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
  * instead of luaL_error, luaL_argerror, luaL_checkinteger and the like. */
 int lbw_error(lua_State *L, const char *format, ...);
 int lbw_argument_error(lua_State *L, int argument, const char *text);
+/* That an object of the class is expected; where a method was called without a colon, so. */
+int lbw_class_error(lua_State *L, int argument, const lbw_class *class);
+/* "a mesh", "an array", "weak regions"; pushed. */
+const char *lbw_spoken(lua_State *L, const char *name);
+/* Raises unless the argument `what` has as many rows as there are of `each`. */
+void lbw_check_rows(lua_State *L, int argument, const char *what, int64_t rows, int64_t expected,
+                    const char *each);
 /* As lbw_argument_error, with what was found where the text ends with "expected". */
 int lbw_argument_refused(lua_State *L, int argument, const char *text);
 #define lbw_argument_check(L, condition, argument, text)                                           \
@@ -239,6 +246,8 @@ int lbw_option_get(lua_State *L, int index, const char *key);
 int lbw_word_option(lua_State *L, int index, const char *function, const char *key,
                     const char *const words[], int otherwise);
 int lbw_option_error(lua_State *L, const char *function, const char *key, const char *expected);
+/* The same with what was found, which is on the top of the stack: "a string" expected. */
+int lbw_option_refused(lua_State *L, const char *function, const char *key, const char *expected);
 
 /* The candidate that a word may have been meant for; NULL where none resembles it. */
 const char *lbw_nearest(const char *word, const char *const *candidate, size_t count);

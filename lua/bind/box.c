@@ -47,8 +47,7 @@ const void *lbw_test(lua_State *L, int index, const lbw_class *class) {
 lbw_box *lbw_check_box(lua_State *L, int argument, const lbw_class *class) {
   lbw_box *box = box_of(L, argument, class);
   if (!box)
-    lbw_argument_error(
-        L, argument, lua_pushfstring(L, "%s expected, got %s", class->name, lbw_got(L, argument)));
+    lbw_class_error(L, argument, class);
   else if (!box->object)
     lbw_argument_error(L, argument, lua_pushfstring(L, "this %s is closed", class->name));
   return box;

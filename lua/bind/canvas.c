@@ -42,7 +42,7 @@ static void colour_option(lua_State *L, int index, const char *function, const c
                           double colour[4]) {
   int type = lbw_option_get(L, index, key);
   if (type != LUA_TNIL && (type != LUA_TSTRING || !parse_colour(lua_tostring(L, -1), colour)))
-    lbw_option_error(L, function, key, "a colour \"#rrggbb\" or \"#rrggbbaa\" expected");
+    lbw_option_refused(L, function, key, "a colour \"#rrggbb\" or \"#rrggbbaa\"");
   lua_pop(L, 1);
 }
 
@@ -50,10 +50,10 @@ static void dash_option(lua_State *L, int index, const char *function, double da
   if (lbw_option_get(L, index, "dash") != LUA_TNIL) {
     size_t count = lua_istable(L, -1) ? lua_rawlen(L, -1) : 0;
     if (count != 2 && count != 4)
-      lbw_option_error(L, function, "dash", "lengths {on, off} or {on, off, on, off} expected");
+      lbw_option_refused(L, function, "dash", "lengths {on, off} or {on, off, on, off}");
     for (size_t i = 0; i < count; i++) {
       if (lua_rawgeti(L, -1, (lua_Integer)i + 1) != LUA_TNUMBER)
-        lbw_option_error(L, function, "dash", "numbers expected");
+        lbw_option_refused(L, function, "dash", "numbers");
       dash[i] = lua_tonumber(L, -1);
       lua_pop(L, 1);
     }
@@ -85,8 +85,8 @@ static const double *read_points(lua_State *L, int index, const char *function, 
   }
   const double *point = lbw_to_doubles(L, index, function, flat ? 1 : 2, count);
   if (flat && *count % 2 != 0)
-    lbw_error(L, "%s: a flat list x, y, x, y, ... of %I numbers is not even", function,
-              (LUAI_UACINT)*count);
+    lbw_error(L, "%s: an even number of values expected in the list x, y, x, y, ..., got %I",
+              function, (LUAI_UACINT)*count);
   *count = flat ? *count / 2 : *count;
   return point;
 }
@@ -138,7 +138,7 @@ static const char *const *read_notes(lua_State *L, int index, int64_t count) {
   for (int64_t i = 0; i < count; i++) {
     int type = lua_rawgeti(L, index, i + 1);
     if (type != LUA_TSTRING && lua_toboolean(L, -1))
-      lbw_error(L, "markers: notes: texts expected, got %s at %I", luaL_typename(L, -1),
+      lbw_error(L, "markers: notes: strings expected, got %s at %I", lbw_got(L, -1),
                 (LUAI_UACINT)i + 1);
     note[i] = type == LUA_TSTRING ? lua_tostring(L, -1) : NULL; /* held by the list */
     lua_pop(L, 1);
@@ -232,8 +232,9 @@ static int canvas_pixels(lua_State *L) {
   read_box(L, 4, box);
   if (columns < 1 || columns > 20000 || length == 0 || length % (3 * (size_t)columns) != 0 ||
       length / (3 * (size_t)columns) > 20000)
-    return lbw_error(L, "pixels: %I bytes are no rows of %I pixels of 3 bytes", (LUAI_UACINT)length,
-                     (LUAI_UACINT)columns);
+    return lbw_error(
+        L, "pixels: a whole number of rows expected, of %I pixels of 3 bytes, got %I bytes",
+        (LUAI_UACINT)columns, (LUAI_UACINT)length);
   int rows = (int)(length / (3 * (size_t)columns));
   return leave(L, bw_canvas_pixels(lbw_enter(L), canvas, box, (int)columns, rows,
                                    (const unsigned char *)bytes));
@@ -326,7 +327,7 @@ static int canvas_new(lua_State *L) {
   lbw_options(L, 3, "canvas", list, NULL);
   int type = lbw_option_get(L, 3, "name");
   if (type != LUA_TSTRING && type != LUA_TNIL)
-    return lbw_option_error(L, "canvas", "name", "a string expected");
+    return lbw_option_refused(L, "canvas", "name", "a string");
   const char *name = lua_tostring(L, -1);
   lbw_box *box = lbw_box_new(L, &lbw_canvas_class);
   bw_canvas *canvas = NULL;

@@ -96,7 +96,8 @@ void lbw_check_matrix(lua_State *L, int argument, const char *what, int rows, in
                                        columns, lbw_got(L, argument)));
   }
   if (count != rows)
-    lbw_error(L, "%s: %d rows of %d numbers expected", what, rows, columns);
+    lbw_error(L, "%s: %d rows of %d numbers expected, got %I rows", what, rows, columns,
+              (LUAI_UACINT)count);
   memcpy(matrix, data, sizeof *matrix * (size_t)(rows * columns));
   lua_pop(L, 1);
 }
@@ -105,8 +106,9 @@ int lbw_option_error(lua_State *L, const char *function, const char *key, const 
   return lbw_error(L, "%s: option '%s': %s", function, key, expected);
 }
 
-static void wrong_type(lua_State *L, const char *function, const char *key, const char *expected) {
-  lbw_error(L, "%s: option '%s': %s expected, got %s", function, key, expected, lbw_got(L, -1));
+int lbw_option_refused(lua_State *L, const char *function, const char *key, const char *expected) {
+  return lbw_error(L, "%s: option '%s': %s expected, got %s", function, key, expected,
+                   lbw_got(L, -1));
 }
 
 /* The value is on the top of the stack. */
@@ -117,32 +119,32 @@ static void read_option(lua_State *L, const char *function, const lbw_option *op
   switch (option->type) {
   case LBW_BOOLEAN:
     if (!lua_isboolean(L, -1))
-      wrong_type(L, function, option->key, "true or false");
+      lbw_option_refused(L, function, option->key, "true or false");
     *(bool *)place = lua_toboolean(L, -1);
     break;
   case LBW_REAL:
     if (lua_type(L, -1) != LUA_TNUMBER || !isfinite(lua_tonumber(L, -1)))
-      wrong_type(L, function, option->key, "a finite number");
+      lbw_option_refused(L, function, option->key, "a finite number");
     *(double *)place = lua_tonumber(L, -1);
     break;
   case LBW_INT:
     if (!is_integer || integer < INT_MIN || integer > INT_MAX)
-      wrong_type(L, function, option->key, "a whole number");
+      lbw_option_refused(L, function, option->key, "a whole number");
     *(int *)place = (int)integer;
     break;
   case LBW_COUNT:
     if (!is_integer || integer < 0)
-      wrong_type(L, function, option->key, "a whole number of at least 0");
+      lbw_option_refused(L, function, option->key, "a whole number of at least 0");
     *(int64_t *)place = integer;
     break;
   case LBW_SEED:
     if (!is_integer)
-      wrong_type(L, function, option->key, "a whole number");
+      lbw_option_refused(L, function, option->key, "a whole number");
     *(uint64_t *)place = (uint64_t)integer;
     break;
   case LBW_VECTOR:
     if (!lbw_to_vector(L, -1, (double *)place))
-      wrong_type(L, function, option->key, "three finite numbers {x, y, z}");
+      lbw_option_refused(L, function, option->key, "three finite numbers {x, y, z}");
     break;
   case LBW_OTHER:
     break;

@@ -71,11 +71,12 @@ static const char *const *names_in(lua_State *L, int methods, int properties, si
 
 static int unknown_field(lua_State *L, lbw_box *box) {
   if (lua_type(L, 2) != LUA_TSTRING)
-    return lbw_error(L, "a %s cannot be indexed with %s", box->class->name, lbw_type_name(L, 2));
+    return lbw_error(L, "%s: a name expected in brackets, got %s", lbw_spoken(L, box->class->name),
+                     lbw_got(L, 2));
   size_t count;
   const char *const *name = names_in(L, lua_upvalueindex(1), lua_upvalueindex(2), &count);
   const char *wrong = lua_tostring(L, 2);
-  return lbw_error(L, "a %s has no '%s': %s", box->class->name, wrong,
+  return lbw_error(L, "%s has no '%s': %s", lbw_spoken(L, box->class->name), wrong,
                    lbw_suggestion(L, wrong, name, count));
 }
 
@@ -107,7 +108,7 @@ static int box_index(lua_State *L) {
 
 static int box_newindex(lua_State *L) {
   lbw_box *box = self_box(L);
-  return lbw_error(L, "a %s cannot be changed by assignment", box->class->name);
+  return lbw_error(L, "%s cannot be changed by assignment", lbw_spoken(L, box->class->name));
 }
 
 /* Adds functions of C, checked and guarded, to the table on the top of the stack. */

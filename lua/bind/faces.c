@@ -141,9 +141,15 @@ static bw_status select_face(bw_context *context, const bw_mesh *mesh, const opt
   BW_TRY(bw_faces_find(context, surface, 0, &faces));
   int32_t face = find_face(faces, surface, w);
   if (face < 0) {
+    char asked[40];
+    if (w->name[0])
+      snprintf(asked, sizeof asked, "'%.37s'", w->name);
+    else
+      snprintf(asked, sizeof asked, "%lld", (long long)w->number);
     status = bw_fail(context, BW_EMPTY,
-                     "the boundary has %d faces, but not %s: print(mesh:surface()) lists them",
-                     faces->count, w->name[0] ? w->name : "one of that number");
+                     "the boundary has no face %s: the name of one of its %d faces, or a number "
+                     "from 1 to %d, expected; print(mesh:surface()) lists them",
+                     asked, faces->count, faces->count);
     goto done;
   }
   for (int32_t t = 0; t < mesh->facet_count; t++)

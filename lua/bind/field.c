@@ -93,7 +93,7 @@ double lbw_unit_option(lua_State *L, int options, const char *function, double o
   case LUA_TNUMBER:
     metres = lua_tonumber(L, -1);
     if (!(metres > 0) || !isfinite(metres))
-      lbw_option_error(L, function, "unit", "metres per unit must be greater than 0");
+      lbw_option_refused(L, function, "unit", "a number of metres above 0");
     break;
   case LUA_TSTRING: {
     const char *name[UNITS];
@@ -110,7 +110,7 @@ double lbw_unit_option(lua_State *L, int options, const char *function, double o
     break;
   }
   default:
-    lbw_option_error(L, function, "unit", "a name such as \"mm\" or metres per unit expected");
+    lbw_option_refused(L, function, "unit", "a name such as \"mm\" or a number of metres");
   }
   lua_pop(L, 1);
   return metres;
@@ -195,7 +195,8 @@ bw_field *lbw_fields(lua_State *L, int index, const char *function, int64_t node
               lbw_got(L, index));
   for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
     if (lua_type(L, -2) != LUA_TSTRING)
-      lbw_error(L, "%s: fields are named: {name = array}", function);
+      lbw_error(L, "%s: fields: a table {name = array} expected, got a value at %s", function,
+                lbw_got(L, -2));
     const char *name = lua_tostring(L, -2);
     int place = -1;
     int top = lua_gettop(L);
@@ -209,10 +210,11 @@ bw_field *lbw_fields(lua_State *L, int index, const char *function, int64_t node
     if (place < 0)
       place = array->rows == nodes ? 0 : 1;
     if (array->rows != (place ? elements : nodes))
-      lbw_error(L, "%s: field '%s' has %I rows; nodes: %I, elements: %I", function, name,
-                (LUAI_UACINT)array->rows, (LUAI_UACINT)nodes, (LUAI_UACINT)elements);
+      lbw_error(
+          L, "%s: field '%s': a row for each of %I nodes or %I elements expected, got %I rows",
+          function, name, (LUAI_UACINT)nodes, (LUAI_UACINT)elements, (LUAI_UACINT)array->rows);
     if (*count == FIELDS)
-      lbw_error(L, "%s: more than %d fields", function, FIELDS);
+      lbw_error(L, "%s: at most %d fields expected", function, FIELDS);
     lua_settop(L, top);
     bw_field new = {name, place ? BW_ON_ELEMENTS : BW_ON_NODES, array};
     int at = (*count)++;

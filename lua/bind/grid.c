@@ -50,7 +50,7 @@ static source read_source(lua_State *L, int index, const char *what, int64_t cou
   s.list = (int32_t *)lua_newuserdatauv(L, (size_t)(count + 1) * sizeof *s.list, 0);
   for (int64_t i = 0; i < count; i++) {
     if (!(value[i] >= 0 && value[i] <= INT32_MAX && value[i] == floor(value[i])))
-      lbw_error(L, "%s: number %I is %f: whole numbers are expected, 0 for void", what,
+      lbw_error(L, "%s: entry %I: a whole number expected, 0 for void, got %f", what,
                 (LUAI_UACINT)i + 1, value[i]);
     s.list[i] = (int32_t)value[i];
   }
@@ -80,7 +80,7 @@ static bool triple_option(lua_State *L, const char *function, const char *key, d
   if (type == LUA_TNUMBER)
     out[0] = out[1] = out[2] = lua_tonumber(L, -1);
   else if (given && !lbw_to_vector(L, -1, out))
-    lbw_option_error(L, function, key, "a number or three {x, y, z} expected");
+    lbw_option_refused(L, function, key, "a number or three {x, y, z}");
   lua_pop(L, 1);
   return given;
 }
@@ -100,7 +100,7 @@ static int grid_box(lua_State *L) {
   bool sized = triple_option(L, "grid.box", "size", size);
   if (triple_option(L, "grid.box", "max", max)) {
     if (sized)
-      return lbw_error(L, "grid.box: size or max, not both");
+      return lbw_error(L, "grid.box: one of the options 'size' and 'max' expected, got both");
     for (int d = 0; d < 3; d++)
       size[d] = max[d] - min[d];
     sized = true;
@@ -108,32 +108,31 @@ static int grid_box(lua_State *L) {
   bool counted = triple_option(L, "grid.box", "cells", counts);
   bool spaced = triple_option(L, "grid.box", "spacing", spacing);
   if (sized + counted + spaced != 2)
-    return lbw_error(L, "grid.box: two of size (or max), cells and spacing are needed, got %d",
-                     sized + counted + spaced);
+    return lbw_error(
+        L,
+        "grid.box: two of the options 'size' (or 'max'), 'cells' and 'spacing' expected, got %d",
+        sized + counted + spaced);
+  static const char *const axis[] = {"x", "y", "z"};
   double all = 1;
   for (int d = 0; d < 3; d++) {
     if (!counted)
       counts[d] = round(size[d] / spacing[d]);
     if (!counted && !(fabs(size[d] / spacing[d] - counts[d]) < 1e-6))
-      return lbw_error(L, "grid.box: %f m along %s are no whole number of cells of %f m", size[d],
-                       d == 0   ? "x"
-                       : d == 1 ? "y"
-                                : "z",
-                       spacing[d]);
+      return lbw_error(L,
+                       "grid.box: a whole number of cells expected along %s, got %f m in cells of "
+                       "%f m",
+                       axis[d], size[d], spacing[d]);
     if (!(counts[d] >= 1 && counts[d] <= 1e9 && counts[d] == floor(counts[d])))
       return lbw_option_error(L, "grid.box", "cells", "whole numbers, 1 or more, expected");
     if (sized && !(size[d] > 0))
-      return lbw_error(L, "grid.box: a size of %f m along %s", size[d],
-                       d == 0   ? "x"
-                       : d == 1 ? "y"
-                                : "z");
+      return lbw_error(L, "grid.box: a size above 0 expected along %s, got %f m", axis[d], size[d]);
     if (sized)
       spacing[d] = size[d] / counts[d];
     cells[d] = (int32_t)counts[d];
     all *= counts[d];
   }
   if (all > MAX_CELLS)
-    return lbw_error(L, "grid.box: %d x %d x %d cells are too many: up to 2^26", (int)cells[0],
+    return lbw_error(L, "grid.box: at most 2^26 cells expected, got %d x %d x %d", (int)cells[0],
                      (int)cells[1], (int)cells[2]);
   int64_t count = (int64_t)all;
   if (lbw_option_get(L, 1, "material") == LUA_TNIL) {
@@ -319,7 +318,7 @@ static int grid_write(lua_State *L) {
   lua_settop(L, 3);
   lbw_options(L, 3, "write", list, NULL);
   if (length < 4 || strcasecmp(path + length - 4, ".vtu") != 0)
-    return lbw_argument_error(L, 2, "grids are written as .vtu");
+    return lbw_argument_error(L, 2, "a path that ends in .vtu expected");
   lbw_option_get(L, 3, "fields");
   int count;
   bw_field *field = lbw_fields(L, -1, "write", grid->node_count, grid->element_count, &count);
@@ -336,7 +335,7 @@ static int grid_difference(lua_State *L) {
     int64_t rows;
     field[i] = lbw_to_doubles(L, i + 2, "displacements", 3, &rows);
     if (rows != grid->node_count)
-      return lbw_error(L, "difference: a row for every node expected: %d, got %I",
+      return lbw_error(L, "difference: %d rows expected, one for each node, got %I",
                        (int)grid->node_count, (LUAI_UACINT)rows);
   }
   lua_pushnumber(L, bw_grid_difference(grid, field[0], field[1]));

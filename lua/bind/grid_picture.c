@@ -8,7 +8,7 @@
 static const char *text_option(lua_State *L, int index, const char *function, const char *key) {
   int type = lbw_option_get(L, index, key);
   if (type != LUA_TSTRING && type != LUA_TNIL)
-    lbw_option_error(L, function, key, "a string expected");
+    lbw_option_refused(L, function, key, "a string");
   return lua_tostring(L, -1); /* stays on the stack */
 }
 
@@ -21,20 +21,20 @@ static void read_panel(lua_State *L, int index, const char *function, bw_grid_pa
     panel->surface =
         panel->embedding ? (const bw_surface *)((lbw_box *)lua_touserdata(L, -1))->extra : NULL;
     if (!panel->surface)
-      lbw_option_error(L, function, "embedding", "a surface's, from grid:embed, expected");
+      lbw_option_refused(L, function, "embedding", "an embedding of a surface, from grid:embed,");
   }
   if (lbw_option_get(L, index, "displacement") != LUA_TNIL) {
     panel->displacement = lbw_to_doubles(L, -1, "displacement", 3, &rows);
     if (rows != grid->node_count)
-      lbw_error(L, "%s: displacement: a row for each of %d nodes expected, got %I", function,
+      lbw_error(L, "%s: displacement: %d rows expected, one for each node, got %I", function,
                 (int)grid->node_count, (LUAI_UACINT)rows);
   }
   if (lbw_option_get(L, index, "values") != LUA_TNIL) {
     panel->value = lbw_to_doubles(L, -1, "values", 1, &rows);
     panel->on_elements = rows == grid->element_count && rows != grid->node_count;
     if (!panel->on_elements && rows != grid->node_count)
-      lbw_error(L, "%s: values: %d nodes or %d elements, got %I rows", function,
-                (int)grid->node_count, (int)grid->element_count, (LUAI_UACINT)rows);
+      lbw_error(L, "%s: values: a row for each of %d nodes or %d elements expected, got %I rows",
+                function, (int)grid->node_count, (int)grid->element_count, (LUAI_UACINT)rows);
   }
 }
 

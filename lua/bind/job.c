@@ -121,7 +121,7 @@ static bw_status child_work(bw_context *context, void *data, bw_job_stream *out)
 static const char *text_option(lua_State *L, const char *key) {
   int type = lbw_option_get(L, 2, key); /* the table keeps it alive */
   if (type != LUA_TSTRING && type != LUA_TNIL)
-    lbw_option_error(L, "job", key, "a text expected");
+    lbw_option_error(L, "job", key, "a string expected");
   const char *text = lua_tostring(L, -1);
   lua_pop(L, 1);
   return text;
@@ -143,7 +143,7 @@ static int core_job(lua_State *L) {
   options.name = text_option(L, "name");
   options.output = text_option(L, "output");
   if (options.seconds < 0 || options.processor_seconds < 0 || options.bytes < 0)
-    return lbw_error(L, "job: a limit is a positive number; leave it away for none");
+    return lbw_error(L, "job: limits of at least 0 expected; leave one out, or give 0, for none");
   luaL_checkstack(L, 20, "too many values");
   lbw_box *box = lbw_box_new(L, &lbw_job_class);
   child c = {L, 1};

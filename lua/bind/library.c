@@ -27,7 +27,7 @@ static const lbw_option library_options[] = {
 static const char *checkpoint_of(lua_State *L, int arg, const char *function) {
   int type = lbw_option_get(L, arg, "checkpoint");
   if (type != LUA_TNIL && type != LUA_TSTRING)
-    lbw_option_error(L, function, "checkpoint", "a path expected");
+    lbw_option_refused(L, function, "checkpoint", "a path");
   return type == LUA_TNIL ? NULL : lua_tostring(L, -1);
 }
 
@@ -108,14 +108,14 @@ static int library_material(lua_State *L) {
   lbw_check_type(L, 2, LUA_TTABLE);
   size_t count = lua_rawlen(L, 2);
   if (count != 8 && count != 64)
-    return lbw_error(L, "a key of 8 materials (64 for level 2) expected, got %d", (int)count);
+    return lbw_error(L, "key: 8 materials expected, or 64 for level 2, got %d", (int)count);
   for (size_t i = 0; i < count; i++) {
     lua_rawgeti(L, 2, (lua_Integer)i + 1);
     int whole;
     lua_Integer value = lua_tointegerx(L, -1, &whole);
     if (!whole || value < 0 || value > INT32_MAX)
-      return lbw_error(L, "number %d of the key is %s: a whole number expected, 0 for void",
-                       (int)i + 1, luaL_tolstring(L, -1, NULL));
+      return lbw_error(L, "key: entry %d: a whole number expected, 0 for void, got %s", (int)i + 1,
+                       luaL_tolstring(L, -1, NULL));
     key[i] = (int32_t)value;
     lua_pop(L, 1);
   }

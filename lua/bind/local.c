@@ -232,8 +232,7 @@ static int local_solve(lua_State *L) {
   lua_settop(L, 4);
   read_options(L, 3, "solve", &options, &statics);
   double *force = lbw_to_doubles(L, 2, "force", 3, &rows);
-  lbw_argument_check(L, rows == local->system->mesh->node_count, 2,
-                     "force: a row for every node expected");
+  lbw_check_rows(L, 2, "force", rows, local->system->mesh->node_count, "node");
   double *out = (double *)lbw_push_array(L, BW_F64, rows, 3)->data;
   bw_reuse reuse;
   begin_reuse(L, 4, &reuse);

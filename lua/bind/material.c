@@ -22,7 +22,7 @@ static const char *name_option(lua_State *L, const char *function) {
   if (type == LUA_TSTRING)
     name = lua_tostring(L, -1);
   else if (type != LUA_TNIL)
-    lbw_option_error(L, function, "name", "a string expected");
+    lbw_option_refused(L, function, "name", "a string");
   lua_pop(L, 1);
   return name;
 }

@@ -281,7 +281,7 @@ static int mesh_moved(lua_State *L) {
   const bw_mesh *mesh = self(L);
   int64_t rows;
   double *node = lbw_to_doubles(L, 2, "nodes", 3, &rows);
-  lbw_argument_check(L, rows == mesh->node_count, 2, "nodes: a row for every node expected");
+  lbw_check_rows(L, 2, "nodes", rows, mesh->node_count, "node");
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
   bw_mesh *out = NULL;
   bw_status status = bw_mesh_moved(lbw_enter(L), mesh, node, &out);

@@ -124,8 +124,7 @@ static int mover_pull_back(lua_State *L) {
   bw_mesh_motion *motion = self(L);
   int64_t rows;
   double *gradient = lbw_to_doubles(L, 2, "gradient", 2, &rows);
-  lbw_argument_check(L, rows == motion->mesh->topology->nodes->node_count, 2,
-                     "gradient: a row for every node expected");
+  lbw_check_rows(L, 2, "gradient", rows, motion->mesh->topology->nodes->node_count, "node");
   bw_array *out = lbw_push_array(L, BW_F64, motion->mesh->outline->point_count, 2);
   bw_status status =
       bw_mesh_motion_pull_back(lbw_enter(L), motion, motion->mesh, gradient, (double *)out->data);

@@ -100,26 +100,27 @@ static double *numbers(lua_State *L, const char *key, int64_t *n) {
 static double *start_of(lua_State *L, int64_t n, const double *min, const double *max) {
   double *x = (double *)lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *x, 0);
   if (!min || !max)
-    lbw_option_error(L, "minimise", "start", "expected, where there are no bounds on both sides");
+    lbw_option_error(L, "minimise", "start",
+                     "is missing, and needed where a variable has no bounds");
   for (int64_t i = 0; i < n; i++) {
     x[i] = min[i] + (max[i] - min[i]) / 2;
     if (!isfinite(x[i]))
-      lbw_option_error(L, "minimise", "start", "expected, where bounds are infinite");
+      lbw_option_error(L, "minimise", "start", "is missing, and needed where a bound is infinite");
   }
   return x;
 }
 
 static int push_functions(lua_State *L) {
   if (lbw_option_get(L, 1, "objective") != LUA_TFUNCTION)
-    lbw_option_error(L, "minimise", "objective", "a function of x expected");
+    lbw_option_refused(L, "minimise", "objective", "a function of x");
   int type = lbw_option_get(L, 1, "constraints");
   if (type != LUA_TNIL && type != LUA_TTABLE)
-    lbw_option_error(L, "minimise", "constraints", "a list of functions of x expected");
+    lbw_option_refused(L, "minimise", "constraints", "a list of functions of x");
   int list = lua_gettop(L), count = type == LUA_TNIL ? 0 : (int)lua_rawlen(L, list);
   luaL_checkstack(L, count + 20, "too many constraints");
   for (int i = 1; i <= count; i++)
     if (lua_rawgeti(L, list, i) != LUA_TFUNCTION)
-      lbw_option_error(L, "minimise", "constraints", "a list of functions of x expected");
+      lbw_option_refused(L, "minimise", "constraints", "functions of x");
   lua_remove(L, list);
   return count;
 }

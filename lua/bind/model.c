@@ -159,19 +159,23 @@ static int model_load(lua_State *L) {
     given |= option_present(L, kinds[i]) << i;
   int kind = given & ~(ABOUT | NET_FORCE);
   if (kind == 0 || (kind & (kind - 1)))
-    return lbw_error(L, "load: one of force, traction, pressure, torque, nodal expected");
-  if ((given & ABOUT) && kind != TORQUE)
-    return lbw_error(L, "load: 'about' belongs to a torque");
-  if ((given & NET_FORCE) && kind != TORQUE)
-    return lbw_error(L, "load: 'net_force' belongs to a torque");
-  if (load.net_force && !(given & ABOUT))
     return lbw_error(
-        L, "load: 'net_force' needs the point that the torque is about: about = {x, y, z}");
+        L,
+        "load: one of the options 'force', 'traction', 'pressure', 'torque' and 'nodal' expected");
+  if ((given & ABOUT) && kind != TORQUE)
+    return lbw_error(L, "load: option 'about' goes with 'torque' only");
+  if ((given & NET_FORCE) && kind != TORQUE)
+    return lbw_error(L, "load: option 'net_force' goes with 'torque' only");
+  if (load.net_force && !(given & ABOUT))
+    return lbw_error(L,
+                     "load: option 'net_force' needs the point of the torque: about = {x, y, z}");
   if (kind == NODAL) {
     lbw_option_get(L, 2, "nodal");
     const bw_array *nodal = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
     if (!nodal || nodal->rows != model->mesh->node_count || nodal->columns != 3)
-      return lbw_error(L, "load: nodal: an array of a row of three forces for every node expected");
+      return lbw_error(
+          L, "load: option 'nodal': an array of %d x 3 expected, a row for each node, got %s",
+          (int)model->mesh->node_count, lbw_got(L, -1));
     return leave_self(L, bw_model_nodal_forces(lbw_enter(L), model, nodal));
   }
   lbw_option_get(L, 2, "on");
@@ -307,7 +311,7 @@ static void read_external(lua_State *L, const char *function, const char *const 
   static const char *const own[] = {"method", "rtol"};
   for (int i = 0; i < 2 && !opts->external; i++)
     if (lbw_option_get(L, 2, own[i]) != LUA_TNIL)
-      lbw_error(L, "%s: option '%s' belongs to with = \"%s\"", function, own[i], names[last]);
+      lbw_error(L, "%s: option '%s' goes with with = \"%s\" only", function, own[i], names[last]);
   lua_settop(L, 2);
 }
 
@@ -315,7 +319,7 @@ static void read_external(lua_State *L, const char *function, const char *const 
 static void check_belongs(lua_State *L, const char *function, const char *key, bool belongs,
                           const char *to) {
   if (!belongs && lbw_option_get(L, 2, key) != LUA_TNIL)
-    lbw_error(L, "%s: option '%s' belongs to %s", function, key, to);
+    lbw_error(L, "%s: option '%s' goes with %s only", function, key, to);
   lua_settop(L, 2);
 }
 
@@ -423,7 +427,8 @@ static int model_modes(lua_State *L) {
   read_external(L, "modes", names, &opts.with);
   check_belongs(L, "modes", "iterations", opts.with.external, "with = \"slepc\"");
   if (opts.with.external && opts.laplacian)
-    return lbw_error(L, "modes: Laplacian modes are the engine's own: no with = \"slepc\" there");
+    return lbw_error(
+        L, "modes: option 'laplacian' is not available with = \"slepc\": leave 'with' out");
   if (opts.with.external && !external_ready(L))
     return 3;
   lbw_box *box = lbw_box_new(L, &lbw_modes_class);

@@ -48,7 +48,7 @@ static int motion_step(lua_State *L) {
   lbw_box *box = lbw_check_box(L, 1, &lbw_solid_motion_class);
   bw_solid_motion *motion = self(L);
   lua_Integer count = lbw_integer_or(L, 2, 1);
-  lbw_argument_check(L, count >= 0, 2, "a number of steps expected, 0 or more");
+  lbw_argument_check(L, count >= 0, 2, "a number of steps of at least 0 expected");
   lua_settop(L, 1);
   bw_status status = bw_solid_motion_advance(lbw_enter(L), motion, count);
   int results = lbw_leave(L, status, 1);

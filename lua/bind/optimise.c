@@ -65,7 +65,7 @@ static request check_request(lua_State *L, int options) {
   lbw_argument_check(L, r.dof_map->mesh->node_count == nodes, 2, "a system of the model expected");
   lbw_read_guess(L, options, "von_mises_slopes", nodes, &r.solver.options);
   r.displacement = lbw_to_doubles(L, 3, "displacement", 3, &rows);
-  lbw_argument_check(L, rows == nodes, 3, "displacement: a row for every node expected");
+  lbw_check_rows(L, 3, "displacement", rows, nodes, "node");
   r.node = lbw_to_indices(L, 4, "nodes", 1, &r.count);
   for (int64_t i = 0; i < r.count; i++)
     lbw_argument_check(L, r.node[i] < nodes, 4, "nodes: numbers of the mesh's nodes expected");
@@ -170,9 +170,10 @@ static double *numbers(lua_State *L, const char *key, int64_t rows, int64_t colu
     for (int64_t i = 0; i < rows * columns; i++)
       data[i] = otherwise;
   } else
-    lbw_option_error(L, "quadratic_program", key, "numbers expected");
+    lbw_option_error(L, "quadratic_program", key, "is missing");
   if (given != rows)
-    lbw_option_error(L, "quadratic_program", key, "has another number of rows than expected");
+    lbw_error(L, "quadratic_program: option '%s': %I rows expected, got %I", key, (LUAI_UACINT)rows,
+              (LUAI_UACINT)given);
   return data;
 }
 

@@ -96,7 +96,7 @@ static bw_picture_label *read_labels(lua_State *L, int *count) {
     lua_rawgeti(L, from, i + 1);
     lbw_options(L, -1, "picture: labels", keys, &label[i]);
     if (lbw_option_get(L, -1, "text") != LUA_TSTRING)
-      lbw_option_error(L, "picture", "labels", "a text of each expected");
+      lbw_option_error(L, "picture", "labels", "a string 'text' of each expected");
     label[i].text = lua_tostring(L, -1);
     lua_rawseti(L, -3, i + 1);
     lua_pop(L, 1);
@@ -130,13 +130,15 @@ static void read_drawn(lua_State *L, drawn *d) {
     d->value = lbw_to_doubles(L, -1, "picture: values", 1, &rows);
     d->on_facets = rows == surface->triangle_count && rows != surface->point_count;
     if (!d->on_facets && rows != surface->point_count)
-      lbw_error(L, "picture: values: %d points or %d facets, got %I rows",
+      lbw_error(L,
+                "picture: values: a row for each of %d points or %d facets expected, got %I rows",
                 (int)surface->point_count, (int)surface->triangle_count, (LUAI_UACINT)rows);
   }
   if (lbw_option_get(L, 3, "displacement") != LUA_TNIL) {
     options->displacement = lbw_to_doubles(L, -1, "picture: displacement", 3, &rows);
     if (rows != surface->point_count)
-      lbw_error(L, "picture: displacement: a row for every point expected");
+      lbw_error(L, "picture: displacement: %d rows expected, one for each point, got %I",
+                (int)surface->point_count, (LUAI_UACINT)rows);
   }
   if (lbw_option_get(L, 3, "arrows") != LUA_TNIL)
     options->arrow = read_arrows(L, &options->arrow_count);

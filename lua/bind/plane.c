@@ -170,8 +170,7 @@ static int plane_moved(lua_State *L) {
   const bw_outline *outline = (const bw_outline *)lbw_check(L, 2, &lbw_outline_class);
   int64_t rows;
   double *point = lbw_to_doubles(L, 3, "points", 2, &rows);
-  lbw_argument_check(L, rows == mesh->topology->nodes->node_count, 3,
-                     "points: a row for every node expected");
+  lbw_check_rows(L, 3, "points", rows, mesh->topology->nodes->node_count, "node");
   lbw_box *box = lbw_box_new(L, &lbw_plane_mesh_class);
   bw_plane_mesh *out = NULL;
   bw_status status = bw_plane_mesh_moved(lbw_enter(L), mesh, outline, point, &out);

@@ -25,7 +25,8 @@ static double *bone_rows(lua_State *L, int argument, const char *what, int32_t b
   int64_t rows;
   double *data = lbw_to_doubles(L, argument, what, columns, &rows);
   if (rows != bones)
-    lbw_error(L, "%s: a row for every bone expected", what);
+    lbw_error(L, "%s: %d rows expected, one for each bone, got %I", what, (int)bones,
+              (LUAI_UACINT)rows);
   return data;
 }
 
@@ -123,7 +124,8 @@ bw_subdomain_motion *lbw_read_motion(lua_State *L, int argument, int32_t count) 
   int64_t rows;
   double *row = lbw_to_doubles(L, argument, "motion", MOTION, &rows);
   if (rows != count)
-    lbw_error(L, "motion: a row for every stiffness subdomain expected");
+    lbw_error(L, "motion: %d rows expected, one for each stiffness subdomain, got %I", (int)count,
+              (LUAI_UACINT)rows);
   bw_subdomain_motion *motion =
       (bw_subdomain_motion *)lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *motion, 0);
   for (int32_t d = 0; d < count; d++, row += MOTION) {

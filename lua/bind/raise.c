@@ -50,14 +50,58 @@ static bool called_by_guard(lua_State *L, lua_Debug *caller) {
   return guard;
 }
 
-int lbw_argument_error(lua_State *L, int argument, const char *text) {
+/* The function that the script called, by its name there, or NULL; *method: with a colon. */
+static const char *called_name(lua_State *L, bool *method) {
   lua_Debug called = {0};
   if (!called_by_guard(L, &called) && lua_getstack(L, 0, &called))
     lua_getinfo(L, "n", &called);
-  const char *name = called.name ? called.name : "?";
-  if (called.name && strcmp(called.namewhat, "method") == 0 && --argument == 0)
-    return lbw_error(L, "calling '%s' on bad self (%s)", name, text);
-  return lbw_error(L, "bad argument #%d to '%s' (%s)", argument, name, text);
+  *method = called.name && strcmp(called.namewhat, "method") == 0;
+  return called.name;
+}
+
+/* Whether the text begins with the argument's name: "force: ...". */
+static bool names_argument(const char *text) {
+  size_t length = strspn(text, "abcdefghijklmnopqrstuvwxyz_");
+  return length > 0 && starts_with(text + length, ": ");
+}
+
+int lbw_argument_error(lua_State *L, int argument, const char *text) {
+  bool method;
+  const char *name = called_name(L, &method);
+  argument -= method;
+  const bool named = argument == 0 || names_argument(text);
+  if (!name)
+    return named ? lbw_error(L, "%s", text) : lbw_error(L, "argument %d: %s", argument, text);
+  return named ? lbw_error(L, "%s: %s", name, text)
+               : lbw_error(L, "%s: argument %d: %s", name, argument, text);
+}
+
+int lbw_class_error(lua_State *L, int argument, const lbw_class *class) {
+  bool method, of_class = false;
+  const char *name = called_name(L, &method);
+  const char *got = lbw_got(L, argument); /* first: what is pushed may lie where it is missing */
+  const char *text = lua_pushfstring(L, "%s expected, got %s", lbw_spoken(L, class->name), got);
+  for (const luaL_Reg *m = class->methods; m->name; m++)
+    of_class = of_class || (name && strcmp(m->name, name) == 0);
+  if (argument == 1 && of_class && !method)
+    return lbw_error(L, "%s: %s: call it with a colon, as in %s:%s(...)", name, text, class->name,
+                     name);
+  return lbw_argument_error(L, argument, text);
+}
+
+const char *lbw_spoken(lua_State *L, const char *name) {
+  size_t length = strlen(name);
+  bool plural = length > 1 && name[length - 1] == 's' && name[length - 2] != 'i'; /* not: basis */
+  const char *article = plural ? "" : name[0] && strchr("aeiou", name[0]) ? "an " : "a ";
+  return lua_pushfstring(L, "%s%s", article, luaL_gsub(L, name, "_", " "));
+}
+
+void lbw_check_rows(lua_State *L, int argument, const char *what, int64_t rows, int64_t expected,
+                    const char *each) {
+  if (rows != expected)
+    lbw_argument_error(L, argument,
+                       lua_pushfstring(L, "%s: %I rows expected, one for each %s, got %I", what,
+                                       (LUAI_UACINT)expected, each, (LUAI_UACINT)rows));
 }
 
 static const char *got_string(lua_State *L, int index) {
@@ -112,17 +156,20 @@ static int type_error(lua_State *L, int argument, const char *expected) {
 }
 
 void lbw_check_type(lua_State *L, int argument, int type) {
-  if (lua_type(L, argument) != type)
-    type_error(L, argument, lua_typename(L, type));
+  if (lua_type(L, argument) != type) {
+    const char *got = lbw_got(L, argument);
+    lbw_argument_error(L, argument,
+                       lua_pushfstring(L, "a %s expected, got %s", lua_typename(L, type), got));
+  }
 }
 
 const char *lbw_check_text(lua_State *L, int argument, size_t *length) {
   size_t size = 0;
   const char *text = lua_tolstring(L, argument, &size);
   if (!text)
-    type_error(L, argument, lua_typename(L, LUA_TSTRING));
+    type_error(L, argument, "a string");
   else if (!length && strlen(text) != size) /* C would see the beginning alone */
-    lbw_argument_error(L, argument, "a text without zero bytes expected");
+    lbw_argument_error(L, argument, "a string without zero bytes expected");
   if (length)
     *length = size;
   return text;
@@ -144,7 +191,7 @@ double lbw_check_number(lua_State *L, int argument) {
   int is_number;
   double value = lua_tonumberx(L, argument, &is_number);
   if (!is_number)
-    type_error(L, argument, lua_typename(L, LUA_TNUMBER));
+    type_error(L, argument, "a number");
   return value;
 }
 
@@ -176,6 +223,12 @@ static int core_got(lua_State *L) {
   return 1;
 }
 
+/* spoken(name): how a message names a class or a type */
+static int core_spoken(lua_State *L) {
+  lbw_spoken(L, lbw_check_text(L, 1, NULL));
+  return 1;
+}
+
 /* library(): the folder of the file that calls holds the library */
 static int core_library(lua_State *L) {
   lua_Debug at;
@@ -194,7 +247,10 @@ static int core_library(lua_State *L) {
 }
 
 void lbw_open_raise(lua_State *L) {
-  static const luaL_Reg functions[] = {
-      {"raise", core_raise}, {"got", core_got}, {"library", core_library}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"raise", core_raise},
+                                       {"got", core_got},
+                                       {"spoken", core_spoken},
+                                       {"library", core_library},
+                                       {NULL, NULL}};
   luaL_setfuncs(L, functions, 0);
 }

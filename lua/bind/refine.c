@@ -30,7 +30,7 @@ static const bw_selection **read_selections(lua_State *L, int index, int *count)
 static uint8_t *read_levels(lua_State *L, int index, int64_t elements) {
   int64_t rows;
   const double *given = lbw_to_doubles(L, index, "levels", 1, &rows);
-  lbw_argument_check(L, rows == elements, index, "levels: one for every element expected");
+  lbw_check_rows(L, index, "levels", rows, elements, "element");
   uint8_t *levels = (uint8_t *)lua_newuserdatauv(L, (size_t)elements + 1, 0);
   for (int64_t e = 0; e < elements; e++) {
     lbw_argument_check(L, given[e] >= 0 && given[e] <= MAX_LEVELS, index,
@@ -108,8 +108,7 @@ static fields check_fields(lua_State *L) {
 static const double *check_displacement(lua_State *L, int index, const bw_mesh *mesh) {
   int64_t rows;
   const double *u = lbw_to_doubles(L, index, "displacement", 3, &rows);
-  lbw_argument_check(L, rows == mesh->node_count, index,
-                     "displacement: a row for every node expected");
+  lbw_check_rows(L, index, "displacement", rows, mesh->node_count, "node");
   return u;
 }
 
@@ -137,7 +136,7 @@ static int core_stress_functional(lua_State *L) {
   int64_t count, rows;
   const int32_t *node = lbw_to_indices(L, 3, "nodes", 1, &count);
   const double *weight = lbw_to_doubles(L, 4, "weights", 6, &rows);
-  lbw_argument_check(L, rows == count, 4, "weights: a row for every node in the list expected");
+  lbw_check_rows(L, 4, "weights", rows, count, "node");
   for (int64_t i = 0; i < count; i++)
     lbw_argument_check(L, node[i] >= 0 && node[i] < f.mesh->node_count, 3,
                        "nodes: numbers of nodes of the mesh expected");

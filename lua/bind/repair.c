@@ -13,7 +13,7 @@ static const bw_mesh *check_mesh(lua_State *L) {
 static double *check_nodes(lua_State *L, int argument, const bw_mesh *mesh) {
   int64_t rows;
   double *node = lbw_to_doubles(L, argument, "nodes", 3, &rows);
-  lbw_argument_check(L, rows == mesh->node_count, argument, "nodes: a row for every node expected");
+  lbw_check_rows(L, argument, "nodes", rows, mesh->node_count, "node");
   return node;
 }
 

@@ -27,7 +27,7 @@ double *lbw_read_displacement(lua_State *L, int index, const char *what, const b
   }
   double *u = lbw_to_doubles(L, index, what, 3, &rows);
   if (rows != grid->node_count)
-    lbw_error(L, "%s: a row for each of %d nodes expected, got %I", what, (int)grid->node_count,
+    lbw_error(L, "%s: %d rows expected, one for each node, got %I", what, (int)grid->node_count,
               (LUAI_UACINT)rows);
   return u;
 }
@@ -201,7 +201,8 @@ static int32_t *read_nodes(lua_State *L, int index, const bw_grid *grid, int64_t
   int32_t *node = lbw_to_indices(L, index, "nodes", 1, count);
   for (int64_t i = 0; i < *count; i++)
     if (node[i] >= grid->node_count)
-      lbw_error(L, "nodes: %d is beyond the last of %d", (int)node[i] + 1, (int)grid->node_count);
+      lbw_error(L, "nodes: indices from 1 to %d expected, got %d", (int)grid->node_count,
+                (int)node[i] + 1);
   return node;
 }
 
@@ -231,7 +232,8 @@ static int case_fix_each(lua_State *L) {
   const int32_t *node = read_nodes(L, 2, it->grid, &count);
   const double *value = lbw_to_doubles(L, 3, "displacements", 3, &rows);
   if (rows != count)
-    return lbw_error(L, "hold: %d nodes, but displacements for %d", (int)count, (int)rows);
+    return lbw_error(L, "fix: %d displacements expected, one for each node, got %d", (int)count,
+                     (int)rows);
   bw_context *context = lbw_enter(L);
   for (int64_t i = 0; i < count; i++)
     BW_TRY(bw_load_case_fix(context, it, 1, node + i, hold, value + 3 * i));
@@ -266,7 +268,8 @@ static int case_pressure(lua_State *L) {
   const int32_t *triangle = lbw_to_indices(L, 3, "triangles", 3, &triangles);
   const double *pressure = lbw_to_doubles(L, 4, "pressures", 1, &rows);
   if (rows != triangles)
-    return lbw_error(L, "pressure: %d triangles, but %d pressures", (int)triangles, (int)rows);
+    return lbw_error(L, "pressure: %d pressures expected, one for each triangle, got %d",
+                     (int)triangles, (int)rows);
   return lbw_leave(L,
                    bw_load_case_pressure(lbw_enter(L), it, embedding, triangles, triangle, pressure,
                                          lua_toboolean(L, 5)),
@@ -305,7 +308,7 @@ static int case_contact_plane(lua_State *L) {
     embedding = (const bw_embedding *)lbw_check(L, 5, &lbw_embedding_class);
     rest = lbw_to_doubles(L, 6, "points", 3, &rows);
     if (rows != embedding->point_count)
-      return lbw_error(L, "contact_plane: %d embedded points, but positions of %d",
+      return lbw_error(L, "contact_plane: %d positions expected, one for each point, got %d",
                        (int)embedding->point_count, (int)rows);
   }
   return lbw_leave(

@@ -38,15 +38,17 @@ static int material_create(lua_State *L) {
   bool b_bar = lbw_word_option(L, 1, where, "formulation", formulations, 0) == 1;
   int type = lbw_option_get(L, 1, "name");
   if (type != LUA_TSTRING && type != LUA_TNIL)
-    return lbw_option_error(L, where, "name", "a string expected");
+    return lbw_option_refused(L, where, "name", "a string");
   name = lua_tostring(L, -1); /* stays on the stack */
   bool engineering = !isnan(c.young) && !isnan(c.poisson) && isnan(c.mu) && isnan(c.lambda);
   bool lame = !isnan(c.mu) && !isnan(c.lambda) && isnan(c.young) && isnan(c.poisson);
   if (!engineering && !lame)
-    return lbw_error(L, "%s: either young and poisson or mu and lambda expected", where);
+    return lbw_error(L, "%s: the options 'young' and 'poisson', or 'mu' and 'lambda', expected",
+                     where);
   if (lame && !(c.mu > 0 && 3 * c.lambda + 2 * c.mu > 0))
-    return lbw_error(L, "%s: mu is %f Pa and lambda %f Pa: mu and 3 lambda + 2 mu must be positive",
-                     where, c.mu, c.lambda);
+    return lbw_error(
+        L, "%s: mu and 3 lambda + 2 mu above 0 expected, got mu = %f Pa and lambda = %f Pa", where,
+        c.mu, c.lambda);
   if (lame) {
     c.young = c.mu * (3 * c.lambda + 2 * c.mu) / (c.lambda + c.mu);
     c.poisson = c.lambda / (2 * (c.lambda + c.mu));
@@ -71,7 +73,7 @@ bw_material_table *lbw_read_material_table(lua_State *L, int index, const char *
     lua_rawgeti(L, index, (lua_Integer)i + 1);
     material[i] = (const bw_solid_material *)lbw_test(L, -1, &lbw_solid_material_class);
     if (!material[i])
-      lbw_error(L, "%s: materials: number %d is %s, a hyperelastic material expected", function,
+      lbw_error(L, "%s: materials: entry %d: a hyperelastic material expected, got %s", function,
                 (int)i + 1, lbw_got(L, -1));
     lua_pop(L, 1); /* the list keeps it alive */
   }
@@ -171,7 +173,7 @@ static int material_energy(lua_State *L) {
   bw_solid_material_constants(m, &mu, &lambda);
   if (!bw_law_evaluate((bw_law)m->law[0], mu, lambda, f, false, &energy, stress, NULL)) {
     lua_pushnil(L);
-    lua_pushliteral(L, "the law is not defined where the determinant is not positive");
+    lua_pushliteral(L, "the neo-Hookean law is not defined where det F <= 0");
     return 2;
   }
   lua_pushnumber(L, energy);

@@ -429,7 +429,8 @@ static int solve_list(lua_State *L, bw_system *system) {
   int64_t nodes = system->mesh->node_count, count = (int64_t)lua_rawlen(L, 2), rows;
   size_t size = 3 * (size_t)nodes * sizeof(double);
   lua_settop(L, 2);
-  lbw_argument_check(L, (double)count * (double)size < 0.5 * (double)INT64_MAX, 2, "too many");
+  lbw_argument_check(L, (double)count * (double)size < 0.5 * (double)INT64_MAX, 2,
+                     "fewer forces expected");
   char *block = (char *)lua_newuserdatauv(L, (size_t)count * size + 1, 0); /* 3 */
   for (int64_t i = 0; i < count; i++) {
     lua_rawgeti(L, 2, i + 1);
@@ -465,8 +466,7 @@ static int system_solve(lua_State *L) {
     return solve_list(L, system);
   int64_t rows;
   double *force = lbw_to_doubles(L, 2, "force", 3, &rows);
-  lbw_argument_check(L, rows == system->mesh->node_count, 2,
-                     "force: a row for every node expected");
+  lbw_check_rows(L, 2, "force", rows, system->mesh->node_count, "node");
   double *out = (double *)lbw_push_array(L, BW_F64, rows, 3)->data;
   return lbw_leave(L, bw_system_solve(lbw_enter(L), system, 1, force, out), 1);
 }
@@ -533,7 +533,7 @@ static const bw_mesh *mesh_and_displacement(lua_State *L, const double **displac
   lbw_check(L, 2, &lbw_material_class);
   int64_t rows;
   *displacement = lbw_to_doubles(L, 3, "displacement", 3, &rows);
-  lbw_argument_check(L, rows == mesh->node_count, 3, "displacement: a row for every node expected");
+  lbw_check_rows(L, 3, "displacement", rows, mesh->node_count, "node");
   return mesh;
 }
 
@@ -564,7 +564,7 @@ static int core_surface_stress(lua_State *L) {
   if (!lua_isnil(L, 4)) {
     int64_t rows;
     force = lbw_to_doubles(L, 4, "force", 3, &rows);
-    lbw_argument_check(L, rows == mesh->node_count, 4, "force: a row for every node expected");
+    lbw_check_rows(L, 4, "force", rows, mesh->node_count, "node");
   }
   const bw_material *material = (const bw_material *)lbw_check(L, 2, &lbw_material_class);
   double *out = (double *)lbw_push_array(L, BW_F64, 3 * (int64_t)mesh->facet_count, 6)->data;

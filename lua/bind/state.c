@@ -143,7 +143,8 @@ static int call_field(lua_State *L) {
   if (lua_isboolean(L, -1)) /* as in formulas */
     lua_pushnumber(L, lua_toboolean(L, -1));
   else if (!lua_isnumber(L, -1))
-    return lbw_error(L, "a function of x, y, z must return a number, not %s", lbw_got(L, -1));
+    return lbw_error(L, "a function of x, y, z: a number expected as its result, got %s",
+                     lbw_got(L, -1));
   return 1;
 }
 

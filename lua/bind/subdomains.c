@@ -44,7 +44,7 @@ static int core_subdomains(lua_State *L) {
   lua_settop(L, 4);
   int64_t rows;
   double *weight = lbw_to_doubles(L, 3, "weights", skeleton->bone_count, &rows);
-  lbw_argument_check(L, rows == mesh->node_count, 3, "weights: a row for every node expected");
+  lbw_check_rows(L, 3, "weights", rows, mesh->node_count, "node");
   bw_subdomains_options options = {0};
   lbw_options(L, 4, "subdomains", list, &options);
   if (lbw_option_get(L, 4, "bone_threshold") != LUA_TNIL) {
@@ -118,8 +118,7 @@ static int subdomains_refilled(lua_State *L) {
   int64_t rows;
   lua_settop(L, 6);
   double *map = lbw_to_doubles(L, 2, "maps", 12, &rows);
-  lbw_argument_check(L, rows == subdomains->skeleton->bone_count, 2,
-                     "maps: a row for every bone expected");
+  lbw_check_rows(L, 2, "maps", rows, subdomains->skeleton->bone_count, "bone");
   uint8_t *replace = lbw_to_mask(L, 3, "mask", old->element_count);
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 4, &lbw_mesh_class);
   int32_t *node_from = origins(L, 5, "node_from", mesh->node_count, old->node_count);

@@ -71,7 +71,7 @@ static int surface_write(lua_State *L) {
   size_t length = strlen(path);
   bool vtu = length > 4 && strcmp(path + length - 4, ".vtu") == 0;
   if (count > 0 && !vtu)
-    return lbw_error(L, "write: fields of a surface can only be written as .vtu");
+    return lbw_error(L, "write: option 'fields': a path that ends in .vtu expected");
   bw_surface *scaled = NULL;
   bw_status status;
   bw_context *context = lbw_enter(L);
@@ -106,7 +106,7 @@ static int surface_new(lua_State *L) {
   if (lbw_option_get(L, 1, "groups") != LUA_TNIL) {
     group = lbw_to_indices(L, -1, "surface.new: groups", 1, &groups);
     if (groups != triangles)
-      return lbw_error(L, "surface.new: groups: one for every triangle expected");
+      return lbw_error(L, "surface.new: groups: one for each triangle expected");
   }
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *out = NULL;
@@ -239,7 +239,7 @@ static int surface_rotate(lua_State *L) {
   double angle = lbw_check_real(L, 3, "angle"), length = bw_norm(axis);
   if (!lua_isnoneornil(L, 4))
     lbw_check_vector(L, 4, "centre", centre);
-  lbw_argument_check(L, length > 0, 2, "axis: a vector of some length expected");
+  lbw_argument_check(L, length > 0, 2, "axis: a vector other than 0 expected");
   double c = cos(angle), s = sin(angle);
   for (int i = 0; i < 3; i++)
     axis[i] /= length;

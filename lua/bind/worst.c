@@ -68,7 +68,7 @@ static int directed_regions(lua_State *L) {
   lua_settop(L, 3);
   const int32_t *element = lbw_to_indices(L, 2, "elements", 1, &count);
   const double *stress = lbw_to_doubles(L, 3, "stresses", 6, &rows);
-  lbw_argument_check(L, rows == count, 3, "stresses: a row of six for every element expected");
+  lbw_check_rows(L, 3, "stresses", rows, count, "element");
   lbw_box *box = lbw_box_new(L, &lbw_weak_regions_class);
   bw_weak_regions *regions = NULL;
   bw_status status = bw_weak_regions_directed(lbw_enter(L), mesh, count, element, stress, &regions);
@@ -84,7 +84,7 @@ static int patch_regions(lua_State *L) {
   double radius = lbw_check_number(L, 2);
   const int32_t *node = lbw_to_indices(L, 3, "nodes", 1, &count);
   const double *stress = lbw_to_doubles(L, 4, "stresses", 6, &rows);
-  lbw_argument_check(L, rows == count, 4, "stresses: a row of six for every node expected");
+  lbw_check_rows(L, 4, "stresses", rows, count, "node");
   lbw_box *box = lbw_box_new(L, &lbw_weak_regions_class);
   bw_weak_regions *regions = NULL;
   bw_status status = bw_weak_regions_patches(lbw_enter(L), system->mesh, system->dof_map, radius,
@@ -206,8 +206,7 @@ static int pressure_basis(lua_State *L) {
 static double *check_pressure(lua_State *L, const bw_pressure_basis *basis) {
   int64_t rows;
   double *pressure = lbw_to_doubles(L, 2, "pressure", 1, &rows);
-  lbw_argument_check(L, rows == basis->count, 2,
-                     "pressure: one for every column of the basis expected");
+  lbw_check_rows(L, 2, "pressure", rows, basis->count, "column");
   return pressure;
 }
 
@@ -282,8 +281,7 @@ static int basis_gradient(lua_State *L) {
   const bw_pressure_basis *basis = basis_self(L);
   int64_t rows;
   double *q = lbw_to_doubles(L, 2, "q", 3, &rows);
-  lbw_argument_check(L, rows == basis->mesh->node_count, 2,
-                     "q: a row for every mesh node expected");
+  lbw_check_rows(L, 2, "q", rows, basis->mesh->node_count, "node");
   bw_array *out = lbw_push_array(L, BW_F64, basis->count, 1);
   bw_pressure_gradient(basis, q, (double *)out->data);
   return 1;
@@ -308,8 +306,7 @@ static int basis_maximise(lua_State *L) {
   lbw_options(L, 4, "maximise", list, &options);
   int64_t rows;
   double *objective = lbw_to_doubles(L, 3, "objective", 1, &rows), value = 0;
-  lbw_argument_check(L, rows == basis->count, 3,
-                     "objective: one for every column of the basis expected");
+  lbw_check_rows(L, 3, "objective", rows, basis->count, "column");
   double *out = (double *)lbw_push_array(L, BW_F64, rows, 1)->data;
   bw_status status = bw_worst_loads(lbw_enter(L), basis, system->dof_map, &options, 1, objective,
                                     out, &value, NULL);

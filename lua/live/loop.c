@@ -358,7 +358,8 @@ bw_status live_start(bw_context *context, lbw_live_server *server) {
   server->running = pthread_create(&server->thread, NULL, live_thread, server) == 0;
   pthread_sigmask(SIG_SETMASK, &before, NULL);
   return server->running ? BW_OK
-                         : bw_fail(context, BW_MEMORY, "no thread for the live view's server");
+                         : bw_fail(context, BW_MEMORY,
+                                   "the thread of the live view's server cannot be started");
 }
 
 void live_stop(lbw_live_server *server) {

@@ -144,7 +144,7 @@ static bw_status listen_to(bw_context *context, lbw_live_server *server) {
   server->listening = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   int s = server->listening;
   if (server->wake < 0 || s < 0)
-    return bw_fail(context, BW_IO, "the live view gets no socket: %s", strerror(errno));
+    return bw_fail(context, BW_IO, "the live view cannot open a socket: %s", strerror(errno));
   setsockopt(s, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   if (bind(s, (const struct sockaddr *)&address, sizeof address) != 0 ||
       listen(s, SOMAXCONN) != 0 || getsockname(s, (struct sockaddr *)&address, &length) != 0) {
@@ -175,8 +175,9 @@ bw_status lbw_live_create(bw_context *context, const lbw_live_options *options,
   pthread_cond_init(&server->arrived, &clock);
   pthread_condattr_destroy(&clock);
   bw_status status;
-  BW_TRY(make_token(server->token) ? BW_OK
-                                   : bw_fail(context, BW_IO, "the system gives no random numbers"));
+  BW_TRY(make_token(server->token)
+             ? BW_OK
+             : bw_fail(context, BW_IO, "the random numbers of the system cannot be read"));
   BW_TRY(listen_to(context, server));
   BW_TRY(live_start(context, server));
   bw_retain(server);

@@ -467,6 +467,6 @@ bool program_close_lua(lua_State *L) {
   lua_pushcfunction(L, put_up);
   if (lua_pcall(L, 0, 0, 0) == LUA_OK)
     return true;
-  fprintf(stderr, "barwright: the sandbox cannot be put up: %s\n", lua_tostring(L, -1));
+  fprintf(stderr, "barwright: the sandbox cannot be set up: %s\n", lua_tostring(L, -1));
   return false;
 }

@@ -135,8 +135,8 @@ static bool is_model(const char *path) {
 
 int program_run_word(lua_State *L, const program_command *c) {
   if (is_model(c->script)) {
-    fprintf(stderr, "barwright: %s is no script: `barwright check %s` tells what is in it\n",
-            c->script, c->script);
+    fprintf(stderr, "barwright: %s is no script: `barwright check %s` describes it\n", c->script,
+            c->script);
     return PROGRAM_MISUSED;
   }
   if (strpbrk(c->script, "./") || strcmp(c->script, "-") == 0)

@@ -363,7 +363,7 @@ describe("solve with an error", function()
     end
     assert.matches("von_mises", message {error = 0.01, of = "von_misses"})
     assert.matches("'error'.*is missing", message {of = "displacement"})
-    assert.matches("greater than 0", message {error = 0})
+    assert.matches("a number above 0 expected", message {error = 0})
     assert.matches("unknown option 'off'", message {error = 0.01, off = 1})
     assert.matches("field", message {error = 0.01, of = {at = {0, 0, 0}, field = "xz"}})
     assert.matches("finite number", message {error = 0.01, of = function() end})

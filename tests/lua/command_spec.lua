@@ -730,7 +730,7 @@ describe("commands that compute", function()
     assert.is_true(none == picture {{at = {0.005, 0.005, 0}, text = "behind"}})
     assert.is_true(one == picture {{at = {0.005, 0.005, 0.01}, text = "here"}, {at = {0.005, 0.006, 0.01},
       text = "over it"}})
-    check.raises("a text of each expected", angle.picture, angle, plain, {labels = {{at = {0, 0, 0}}}})
+    check.raises("a string 'text' of each expected", angle.picture, angle, plain, {labels = {{at = {0, 0, 0}}}})
     check.raises("a list of at most 10000", angle.picture, angle, plain, {labels = 1})
     local _, out = check.run("check --faces yes " .. path)
     assert.truthy(out:find("8 faces:\n  plane 1      700 mm2\n", 1, true), out)

@@ -61,10 +61,10 @@ describe("an edit", function()
     local session = beam()
     check.raises("no bone 'louer': did you mean 'lower'", session.bone, session, "louer")
     local bone = session:bone "lower"
-    check.raises("greater than 0", bone.scale, bone, {1, -1, 1})
+    check.raises("factors above 0", bone.scale, bone, {1, -1, 1})
     check.raises("three finite numbers", bone.scale, bone, {1, 2})
     check.raises("three finite numbers", bone.translate, bone, {1, 0 / 0, 1})
-    check.raises("axis of some length", bone.rotate, bone, {axis = {0, 0, 0}, degrees = 1})
+    check.raises("an axis expected, got {0, 0, 0}", bone.rotate, bone, {axis = {0, 0, 0}, degrees = 1})
     check.raises("unknown option 'degres'", bone.rotate, bone, {axis = {0, 0, 1}, degres = 1})
     check.raises("rows of length 1", bone.rotate, bone, {{1, 0, 0}, {0, 2, 0}, {0, 0, 1}})
     check.raises("not a reflection", bone.rotate, bone, {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}})
@@ -99,8 +99,8 @@ describe("an edit", function()
     for _, length in ipairs {1e7, 1e100, 1e308} do
       check.fails("geometry", "is a factor or a length wrong", session:bone("upper"):translate {length, 0, 0})
     end
-    check.raises("{lowest, highest} in degrees", session.limit, session, "lower", {twist = {-1 / 0, 1 / 0}})
-    check.raises("one of degrees, radians", bone.rotate, bone, {axis = {0, 0, 1}, degrees = "ten"})
+    check.raises("{lowest, highest} expected", session.limit, session, "lower", {twist = {-1 / 0, 1 / 0}})
+    check.raises("one of degrees and radians", bone.rotate, bone, {axis = {0, 0, 1}, degrees = "ten"})
     assert.equal(0, #session.edits)
     for _, length in ipairs {1e200, 1e-200, 1} do
       assert(bone:rotate {axis = {0, 0, length}, degrees = 10})
@@ -133,7 +133,7 @@ describe("reaching", function()
     assert.equal(2, #session.edits)
     check.raises("no joint or bone 'left_fot': did you mean 'left_foot'", session.reach, session,
       "left_fot", {0, 0, 0})
-    check.raises("one of joint and bone", session.reach, session, {{at = {0, 0, 0}}})
+    check.raises("one of the options 'joint' and 'bone'", session.reach, session, {{at = {0, 0, 0}}})
   end)
 
   it("keeps to limits", function()

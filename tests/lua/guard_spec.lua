@@ -15,14 +15,15 @@ describe("a class", function()
     local closed, tried = sphere(), 0
     closed:close()
     for name, class in pairs(core.classes) do
+      local spoken = core.spoken(name)
       for _, functions in ipairs {class.methods, class.properties, {class.tostring}} do
         for key, bound in pairs(functions) do
           if debug.getinfo(bound, "S").what == "C" and key ~= "close" then
             for _, value in ipairs {5, "text", {}, io.stdout, closed, false} do
               check.raises(name == "surface" and value == closed and "this surface is closed"
-                or name .. " expected, got", bound, value)
+                or spoken .. " expected, got", bound, value)
             end
-            check.raises(name .. " expected, got no value", bound)
+            check.raises(spoken .. " expected, got no value", bound)
             tried = tried + 1
           end
         end

@@ -207,7 +207,7 @@ describe("the least contact", function()
 
   it("is given instead of the pressure, and fits on the surface", function()
     check.raises("'pressure' and 'contact'", bw.worst_case, bar(), {contact = 1e-4, pressure = 1e5})
-    check.raises("option 'contact': greater than 0", bw.brute_force, bar(), {contact = 0})
+    check.raises("option 'contact': a number above 0 expected", bw.brute_force, bar(), {contact = 0})
     check.fails("infeasible", "a smaller contact", bw.worst_case(bar(), {contact = 1, modes = 1}))
   end)
 end)

@@ -83,8 +83,8 @@ describe("a surface", function()
     assert.is_true(upper.area < round.area and upper.area > 0.3 * round.area)
     local part = bw.model {mesh = mesh, material = bw.material.steel}
     part:fix(foot):load {on = mesh.boundary:face {near = {0, 0, 0.05}}, force = {0, 0, 1}}
-    check.raises("the boundary has 3 faces, but not one of that number", mesh.boundary.face, mesh.boundary, 4)
-    check.raises("but not plane 7", mesh.boundary.face, mesh.boundary, "plane 7")
+    check.raises("the boundary has no face 4: the name of one of its 3 faces", mesh.boundary.face, mesh.boundary, 4)
+    check.raises("the boundary has no face 'plane 7'", mesh.boundary.face, mesh.boundary, "plane 7")
     check.raises("{near = {x, y, z}} expected", mesh.boundary.face, mesh.boundary, {})
     check.raises("a number of 1 or more", mesh.boundary.face, mesh.boundary, 0)
   end)
@@ -103,7 +103,7 @@ describe("a surface", function()
   it("raises what a function raises, and keeps working", function()
     local opts = {min = {-1, -1, -1}, max = {1, 1, 1}, cells = 8}
     check.raises("my own error", bw.surface.implicit, function() error "my own error" end, opts)
-    check.raises("must return a number, not nil", bw.surface.implicit, function() end, opts)
+    check.raises("a number expected as its result, got nil", bw.surface.implicit, function() end, opts)
     check.raises("the engine is busy", bw.surface.implicit, function()
       return bw.surface.sphere {radius = 1}
     end, opts)
@@ -230,7 +230,7 @@ describe("a mesh", function()
       bw.array.range(1, 240):below(121)))
     assert.equal(120, half.element_count)
     check.fails("geometry", "", beam:moved(beam.nodes * -1))
-    check.raises("a row for every node", beam.moved, beam, {{1, 2, 3}})
+    check.raises("rows expected, one for each node", beam.moved, beam, {{1, 2, 3}})
   end)
 
   it("finds points", function()
@@ -273,7 +273,7 @@ describe("a mesh", function()
     end
     local inches = assert(bw.mesh.read(folder .. "/m.mesh", {unit = "in"}))
     check.near(0.01 * 0.0254 ^ 3, inches.volume, 1e-9)
-    check.raises("field 'u' has 3 rows; nodes: 99, elements: 240", beam.write, beam, folder .. "/x.vtu",
+    check.raises("field 'u': a row for each of 99 nodes or 240 elements expected, got 3 rows", beam.write, beam, folder .. "/x.vtu",
       {fields = {u = bw.array {1, 2, 3}}})
     check.fails("format", "", bw.mesh.read(check.root .. "/README.md"))
   end)

@@ -136,7 +136,7 @@ describe("a model", function()
     assert.is_true(math.abs(force[2]) + math.abs(force[3]) > 10)
     check.near(100, turned.moment[1] - (about[2] * force[3] - about[3] * force[2]), 1e-9)
     check.raises("'net_force' needs the point", part.load, part, {on = tip, torque = {1, 0, 0}, net_force = true})
-    check.raises("'net_force' belongs to a torque", part.load, part,
+    check.raises("'net_force' goes with 'torque' only", part.load, part,
       {on = tip, force = {1, 0, 0}, net_force = true})
   end)
 
@@ -252,9 +252,9 @@ describe("a model", function()
       :fix(mesh.boundary:below(1, 0)):gravity {0, 0, -9.81}:solve {with = "factor", memory_limit = 1e4})
     part:clear_supports()
     check.raises("free to move", part.solve, part:clear_loads(), {with = "pcg"})
-    check.raises("belongs to with = \"pcg\"", part.solve, part, {iterations = 7})
-    check.raises("belongs to with = \"auto\"", part.solve, part, {with = "pcg", memory_limit = 7})
-    check.raises("belongs to with = \"petsc\"", part.solve, part, {with = "pcg", rtol = 1e-3})
+    check.raises("goes with with = \"pcg\" and with = \"petsc\" only", part.solve, part, {iterations = 7})
+    check.raises("goes with with = \"auto\" and", part.solve, part, {with = "pcg", memory_limit = 7})
+    check.raises("goes with with = \"petsc\" only", part.solve, part, {with = "pcg", rtol = 1e-3})
     check.raises("'pcgg' is not known: did you mean 'pcg'?", part.solve, part, {with = "pcgg"})
   end)
 
@@ -312,14 +312,14 @@ describe("a model", function()
       {mesh = mesh, mateial = bw.material.pla})
     check.raises("an open mesh expected, got surface", bw.model,
       {mesh = mesh:surface(), material = bw.material.pla})
-    check.raises("one of force, traction", part.load, part, {on = mesh.boundary})
-    check.raises("one of force, traction", part.load, part, {on = mesh.boundary, force = {1, 0, 0},
+    check.raises("one of the options 'force', 'traction'", part.load, part, {on = mesh.boundary})
+    check.raises("one of the options 'force', 'traction'", part.load, part, {on = mesh.boundary, force = {1, 0, 0},
       pressure = 3})
     check.raises("option 'on': an open selection expected, got mesh", part.load, part,
       {on = mesh, pressure = 3})
     check.raises("option 'force': three finite numbers", part.load, part,
       {on = mesh.boundary, force = 3})
-    check.raises("'about' belongs to a torque", part.load, part,
+    check.raises("'about' goes with 'torque' only", part.load, part,
       {on = mesh.boundary, force = {1, 0, 0}, about = {0, 0, 0}})
     check.raises("a model has no 'slove': did you mean 'solve'?", function() part:slove() end)
     mesh:close()

@@ -69,7 +69,7 @@ describe("a newcomer is told", function()
       says(3, "No such file or directory", command .. " nothing.lua")
     end
     for _, words in ipairs {"live ball.stl", "study run ball.stl", "test ball.stl", "ball.stl"} do
-      says(2, "ball.stl is no script: `barwright check ball.stl` tells what is in it", words)
+      says(2, "ball.stl is no script: `barwright check ball.stl` describes it", words)
     end
   end)
 

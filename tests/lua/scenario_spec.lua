@@ -59,7 +59,7 @@ scenario("all forms", function(t)
   expect(true):is_true()
   expect(bw.surface.read "/no/where.stl"):fails_with("io", "where.stl")
   expect(function() return bw.surface.read "/no/where.stl" end):fails_with "io"
-  expect(function() return bw.surface.read() end):fails_with {raises = "bad argument"}
+  expect(function() return bw.surface.read() end):fails_with {raises = "argument 1: a string expected"}
   expect(nil):equals(nil)
   t:require(expect(1):above(0))
   assert(t:require(5, "five") == 5)

@@ -56,11 +56,11 @@ describe("designs of levels", function()
       nothing)
     assert.equal(3, #points)
     assert.same({1, 3, 5}, {points[1].n, points[2].n, points[3].n})
-    check.raises("more than 10000000", run, {"grid", levels = 1000}, {variables = reals(4), measures = {"y"}},
+    check.raises("at most 10000000 points", run, {"grid", levels = 1000}, {variables = reals(4), measures = {"y"}},
       nothing)
     check.raises("'b' is no variable: known is only a", run, {"grid", levels = {b = 1}},
       {variables = {variables[1]}, measures = {"y"}}, nothing)
-    check.raises("levels 'a' has is missing", run, {"grid"}, {variables = variables, measures = {"y"}}, nothing)
+    check.raises("the number of levels of 'a' is missing", run, {"grid"}, {variables = variables, measures = {"y"}}, nothing)
   end)
 
   it("vary one at a time", function()
@@ -411,11 +411,11 @@ describe("minimisation", function()
 
   it("says what it cannot do", function()
     local limit = {{name = "y", max = 1}}
-    check.raises("'bobyqa' knows no constraints: take cobyla", run, {"minimise", method = "bobyqa"},
+    check.raises("'bobyqa' takes no constraints: use cobyla", run, {"minimise", method = "bobyqa"},
       {variables = reals(2), measures = {"y"}, objectives = {"y"}, constraints = limit}, nothing)
-    check.raises("one objective expected, the study has 2: take the design pareto", run, {"minimise"},
+    check.raises("one objective expected, the study has 2: use the design pareto", run, {"minimise"},
       {variables = reals(2), measures = {"y", "z"}, objectives = {"y", "z"}}, nothing)
-    check.raises("wants reals", run, {"minimise"}, {variables = {{name = "n", kind = "integer", min = 0,
+    check.raises("needs reals", run, {"minimise"}, {variables = {{name = "n", kind = "integer", min = 0,
       max = 1}, {name = "x", min = 0, max = 1}}, measures = {"y"}, objectives = {"y"}}, nothing)
     check.raises("run gave no gradient of 'y'", run, {"minimise", method = "lbfgs", gradient = "run"}, plain,
       function() return {y = 1} end)

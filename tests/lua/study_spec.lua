@@ -40,13 +40,13 @@ describe("the definition of a study", function()
     for _, each in ipairs {
       {{variabels = {}}, "did you mean 'variables'"},
       {{variables = {}}, "variables = {{name"},
-      {{variables = {{name = "a", min = 1, max = 1}}}, "variable 'a': min (1) is not below max (1)"},
-      {{variables = {{name = "a", min = -1, max = 1, scale = "log"}}}, "bounds above 0"},
+      {{variables = {{name = "a", min = 1, max = 1}}}, "variable 'a': min below max expected, got min = 1 and max = 1"},
+      {{variables = {{name = "a", min = -1, max = 1, scale = "log"}}}, "scale 'log' needs min above 0"},
       {{variables = {{name = "a", kind = "integer", min = 0.5, max = 3}}}, "whole numbers"},
       {{variables = {{name = "a", kind = "choice"}}}, "of = {...}"},
-      {{variables = {{name = "a", of = {"x", "x"}}}}, "the choice x is there twice"},
-      {{variables = {{name = "a", min = 0, max = 1}, {name = "a", min = 0, max = 1}}}, "'a' is there twice"},
-      {{variables = {{name = "a", min = 0, max = 1, default = 2}}}, "2 lies outside of 0 to 1"},
+      {{variables = {{name = "a", of = {"x", "x"}}}}, "the choice x occurs twice"},
+      {{variables = {{name = "a", min = 0, max = 1}, {name = "a", min = 0, max = 1}}}, "'a' occurs twice"},
+      {{variables = {{name = "a", min = 0, max = 1, default = 2}}}, "a number from 0 to 1 expected, got 2"},
       {{measures = {}}, "measures = {{name"},
       {{measures = {"height"}}, "measure 'height' has the name of a variable"},
       {{objectives = {{name = "mas"}}}, "did you mean 'mass'"},
@@ -83,8 +83,8 @@ describe("the definition of a study", function()
     assert.equal(10.0, list[2]:value(1))
     check.near(0.1, list[2]:value(0.5), 1e-14)
     assert.equal(2, list[3]:value(1))
-    check.raises("3 lies outside", list[3].check, list[3], 3, "here")
-    check.raises("none of a, 2, true", list[4].check, list[4], "2", "here")
+    check.raises("expected, got 3", list[3].check, list[3], 3, "here")
+    check.raises("one of a, 2, true expected", list[4].check, list[4], "2", "here")
   end)
 
   it("names a trial by its point, whatever the order of variables", function()

@@ -89,7 +89,7 @@ local function report_repair(surface, opts, out)
   local repaired, log, details = model.try(surface.repair, surface, {time_limit = opts.seconds})
   out:warnings()
   if not repaired and details and details.status == "cancelled" then
-    out:say "Whether repair helps was not found out: it was interrupted."
+    out:say "Repair was interrupted, so its effect is not known."
     return
   elseif not repaired then
     out:say("Repair does not help: %s", log)
@@ -296,7 +296,7 @@ local by_kind = {surface = check_surface, mesh = check_mesh, outline = check_out
 return {
   summary = "whether a model is sound, and what is wrong with it",
   about = "Reads a surface (STL OBJ OFF PLY), a mesh of tetrahedra (MSH VTU MEDIT INP TetGen) or a drawing (SVG "
-    .. "DXF) and tells what is in it: size, and whether the unit can be right; whether the surface is closed, "
+    .. "DXF) and reports what is in it: size, and whether the unit can be right; whether the surface is closed, "
     .. "faces outwards, crosses itself; how thin its walls are; what a repair would do.\n\n"
     .. output.codes("sound", "it has faults (also where they can be repaired)"),
   arguments = {{name = "model", type = "file", what = "the file"}},

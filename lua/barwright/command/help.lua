@@ -5,7 +5,7 @@ local help_text = require "barwright.command.help_text"
 return {
   summary = "what the commands are, or how one is used",
   about = "The same texts as `barwright --help` and `barwright COMMAND --help`.",
-  arguments = {{name = "command", optional = true, what = "the command to tell about"}},
+  arguments = {{name = "command", optional = true, what = "the command to describe"}},
   examples = {"barwright help worst"},
   run = function(opts, out)
     local commands = require "barwright.command"

@@ -26,7 +26,7 @@ commands.program_options = {
   {name = "memory", value = "SIZE", what = "let it have so much memory: 500M, 2G"},
   {name = "seconds", value = "TIME", what = "let it run so long: 60, 5min; then it is stopped (exit status 124)"},
   {name = "version", type = "flag", what = "versions of barwright and of the libraries it stands on"},
-  {name = "help", type = "flag", what = "this text; `barwright NAME --help` tells about a command"},
+  {name = "help", type = "flag", what = "this text; `barwright NAME --help` describes a command"},
 }
 
 local function module_of(name)

@@ -302,7 +302,7 @@ end
 function model.mesh(read, opts, out)
   if read.kind == "outline" then
     return nil, read.path .. ": a drawing is flat: it is no body that could be filled (`barwright check` and "
-      .. "`barwright convert` take drawings; docs/tutorial_responsive.md tells what can be computed of one)",
+      .. "`barwright convert` take drawings; docs/tutorial_responsive.md says what can be computed of one)",
       {status = "unsupported"}
   end
   if read.kind == "mesh" then

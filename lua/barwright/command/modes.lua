@@ -77,11 +77,11 @@ return {
     model.fix_option,
     model.unit_option,
     model.elements_option,
-    {name = "error", value = "SHARE", type = "number", above = 0, max = 1,
-      what = "refine until the estimated error of every frequency is this share, 0.02 (34 cents) for instance, or "
+    {name = "error", value = "FRACTION", type = "number", above = 0, max = 1,
+      what = "refine until the estimated error of every frequency is this fraction, 0.02 (34 cents), say, or "
         .. "the mesh has ten times the elements; the first mesh has a quarter of them"},
     {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2},
-      what = "linear or quadratic elements; linear ones are too stiff and ring too high"},
+      what = "linear or quadratic elements; linear ones are too stiff, and their frequencies too high"},
     {name = "sure", type = "flag", what = "count the eigenvalues, so that none is missing (twice the time)"},
     {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
       what = "write the shapes, for ParaView"},

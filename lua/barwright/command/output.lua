@@ -74,7 +74,7 @@ end
 
 --- The same for a wrong use of the command.
 function output:misuse(message)
-  return self:fail(message .. (" (barwright %s --help tells more)"):format(self.name), {status = "misuse"})
+  return self:fail(message .. (" (see barwright %s --help)"):format(self.name), {status = "misuse"})
 end
 
 --- What the engine warned of meanwhile ("the surface was repaired: ..."), reported and kept in the object.

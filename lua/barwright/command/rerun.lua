@@ -212,12 +212,12 @@ return {
   summary = "run an experiment again and say which numbers are others",
   about = "A folder of results has manifest.json, which says what was run, and result.json. The same words are "
     .. "run again into a new folder, from the folder you are in: relative paths mean what they meant there. "
-    .. "Inputs must be the same files; versions, libraries and machines that are others are told.",
+    .. "Inputs must be the same files; other versions, libraries and machines are reported.",
   arguments = {{name = "manifest", type = "file", what = "the manifest.json of the run, or its folder"}},
   options = {
     {name = "out", value = "FOLDER", type = "folder", what = "where the new run goes (default: FOLDER.again)"},
-    {name = "tolerance", value = "SHARE", type = "number", default = 0, min = 0,
-      what = "numbers that are apart by no more than this share of themselves are the same"},
+    {name = "tolerance", value = "FRACTION", type = "number", default = 0, min = 0,
+      what = "numbers that are apart by no more than this fraction of themselves are the same"},
     {name = "verbose", type = "flag", what = "list all that is other, however much it is"},
     {name = "anyway", type = "flag", what = "run it although inputs are missing or changed"},
   },

@@ -303,13 +303,13 @@ local options = {
     what = "gravity: an acceleration in m/s2, 0,0,-9.81 for instance"},
   model.unit_option,
   model.elements_option,
-  {name = "error", value = "SHARE", type = "number", above = 0, max = 1,
-    what = "refine where the error of the largest stress comes from until its estimate is this share, 0.02 for "
+  {name = "error", value = "FRACTION", type = "number", above = 0, max = 1,
+    what = "refine where the error of the largest stress comes from until its estimate is this fraction, 0.02 for "
       .. "instance, or the mesh has ten times the elements; the first mesh has a quarter of them"},
   model.length_option,
   {name = "fillet", value = "RADIUS", type = "number", unit = "m", above = 0,
-    what = "tell the stress that re-entrant edges would have with a fillet of this radius, which is small beside "
-      .. "the part"},
+    what = "report the stress that re-entrant edges would have with a fillet of this radius, which is small "
+      .. "beside the part"},
   {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2},
     what = "linear or quadratic elements; linear ones are too stiff"},
   {name = "formulation", value = "standard|b_bar", type = "string", default = "standard",
@@ -330,7 +330,7 @@ table.move(model.value_options, 1, #model.value_options, #options + 1, options)
 
 return {
   summary = "whether a part carries a load that is known",
-  about = "Constrains a part at places, applies loads at others, and tells how far it deflects and whether it "
+  about = "Constrains a part at places, applies loads at others, and reports how far it deflects and whether it "
     .. "breaks. A surface is repaired where it must be and filled with tetrahedra.\n\n" .. places.help
     .. "\n\n" .. output.codes("it holds", "it breaks, or the estimated error leaves it open"),
   arguments = {model.body_argument},

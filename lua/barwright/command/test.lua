@@ -217,7 +217,7 @@ end
 
 return {
   summary = "judge scenarios: scripts that state requirements",
-  about = "Every scenario of the files and folders runs in a process of its own. Results are told as TAP; with\n"
+  about = "Each scenario of the files and folders runs in a process of its own. Results are printed as TAP; with\n"
     .. "--out they are kept as junit.xml, result.json, index.html and pictures of what failed. Files in\n"
     .. "folders named lib are helpers; baselines lie in folders named baselines beside the files.",
   arguments = {{name = "scenarios", what = "files or folders of scenarios", many = true}},
@@ -236,7 +236,7 @@ return {
     {name = "with", value = "FILES", type = "string",
       what = "results of earlier runs (result.json) for what this one leaves out, in manual and page"},
     {name = "all-pictures", type = "flag", what = "draw the pictures of scenarios that pass, too"},
-    {name = "verbose", type = "flag", what = "tell also the expectations that were met"},
+    {name = "verbose", type = "flag", what = "report the expectations that were met, too"},
     {name = "in-process", type = "flag", what = "one after the other in this process, without limits"},
   },
   examples = {"barwright test scenarios/", "barwright test scenarios/ --skip-tag slow --parallel 2 --out result",

@@ -31,7 +31,7 @@ end
 
 local function known(name, where)
   if home[name] then return require("barwright.study." .. home[name])[name] end
-  core.raise(("%s: there is no design '%s': one of %s expected"):format(where, tostring(name),
+  core.raise(("%s: unknown design '%s': one of %s expected"):format(where, tostring(name),
     table.concat(designs.names(), ", ")))
 end
 
@@ -48,7 +48,8 @@ end
 function designs.read(where, given, problem, seed)
   if type(given) == "function" then return {name = "function", run = given, opts = {}, text = "a function"} end
   if type(given) ~= "table" or type(given[1]) ~= "string" then
-    core.raise(where .. ": design = {\"latin_hypercube\", count = 100} or the like expected")
+    core.raise(("%s: option 'design': a function, or a table such as {\"latin_hypercube\", count = 100}, "
+      .. "expected, got %s"):format(where, core.got(given)))
   end
   local kind = known(given[1], where)
   local opts = {}

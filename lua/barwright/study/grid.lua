@@ -14,9 +14,10 @@ local MAX_POINTS = 10000000
 local function spread(variable, count, where)
   local all = variable:count()
   if all and (not count or count >= all) then count = all end
-  if not count then raise(("%s: how many levels '%s' has is missing"):format(where, variable.name)) end
+  if not count then raise(("%s: option 'levels': the number of levels of '%s' is missing"):format(where,
+    variable.name)) end
   if all and all > MAX_POINTS then
-    raise(("%s: '%s' has %d values: say how many levels"):format(where, variable.name, all))
+    raise(("%s: '%s' has %d values: option 'levels' expected"):format(where, variable.name, all))
   end
   local values = {}
   for i = 1, count do
@@ -32,7 +33,8 @@ end
 
 local function levels_of(variable, opts, where)
   if type(opts) == "table" then
-    if #opts == 0 then raise(("%s: no levels for '%s'"):format(where, variable.name)) end
+    if #opts == 0 then raise(("%s: levels of '%s': one value or more expected, got an empty list"):format(where,
+      variable.name)) end
     local values = {}
     for i, value in ipairs(opts) do
       values[i] = variable:check(value, ("%s: levels of '%s'"):format(where, variable.name))
@@ -79,7 +81,7 @@ function grid.grid.points(problem, opts)
   for _, values in ipairs(levels) do
     count = count * #values
     if count > MAX_POINTS then
-      raise(("%s: more than %d points: take fewer levels or another design"):format(where, MAX_POINTS))
+      raise(("%s: at most %d points expected: take fewer levels or another design"):format(where, MAX_POINTS))
     end
   end
   local points = {}

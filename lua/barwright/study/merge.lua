@@ -82,8 +82,8 @@ local function take_file(self, target, known, out, path, opts)
   if not scripts then return nil, why, more end
   for sha in pairs(scripts) do
     if not known.scripts[sha] and not opts.continue then
-      return nil, ("%s: its trials were run with another text of the script. If they belong together all the "
-        .. "same, say continue = true (--continue)"):format(path), {status = "different", file = path}
+      return nil, ("%s: its trials were run with another text of the script. If their results still hold, give "
+        .. "continue = true (--continue)"):format(path), {status = "different", file = path}
     end
   end
   local list

@@ -52,19 +52,19 @@ function design.check(problem, opts)
   local kind = methods[name]
   if #problem.objectives ~= 1 then
     raise(("design minimise: one objective expected, the study has %d%s"):format(#problem.objectives,
-      #problem.objectives > 1 and ": take the design pareto" or ""))
+      #problem.objectives > 1 and ": use the design pareto" or ""))
   end
   if #problem.constraints > 0 and not kind.constraints then
-    raise(("design minimise: method '%s' knows no constraints: take cobyla, isres, mma or slsqp"):format(name))
+    raise(("design minimise: method '%s' takes no constraints: use cobyla, isres, mma or slsqp"):format(name))
   end
   for _, v in ipairs(problem.variables) do
     if v.kind ~= "real" and not kind.global then
-      raise(("design minimise: '%s' is %s %s, method '%s' wants reals: take direct_l, crs2 or isres, or the "
+      raise(("design minimise: '%s' is %s %s, method '%s' needs reals: use direct_l, crs2 or isres, or the "
         .. "design pareto"):format(v.name, v.kind == "integer" and "an" or "a", v.kind, name))
     end
   end
   if name == "bobyqa" and #problem.variables < 2 then
-    raise "design minimise: bobyqa wants two variables or more: take cobyla"
+    raise "design minimise: bobyqa needs two variables or more: use cobyla"
   end
   if opts.start then problem:check(opts.start, "design minimise: start") end
 end
@@ -126,7 +126,7 @@ local function gradient_of(self, measure, place, known)
   if search.opts.gradient == "run" then
     local given = known.gradients and known.gradients[measure]
     if not given then
-      error(("design minimise: run gave no gradient of '%s': return results, gradients, or say gradient = "
+      error(("design minimise: run gave no gradient of '%s': return results, gradients, or give gradient = "
         .. "\"differences\""):format(measure), 0)
     end
     for k, v in ipairs(search.problem.variables) do out[k] = given[v.name] * v:slope(v:value(place[k])) end

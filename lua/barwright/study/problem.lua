@@ -68,7 +68,7 @@ function problem.read(where, given)
   if #self.measures == 0 then raise(where .. ": measures = {{name = ...}, ...} expected: what run returns") end
   local seen = {}
   for _, item in ipairs(self.measures) do
-    if seen[item.name] then raise(("%s: measure '%s' is there twice"):format(where, item.name)) end
+    if seen[item.name] then raise(("%s: measure '%s' occurs twice"):format(where, item.name)) end
     seen[item.name] = true
     if self.variable[item.name] then
       raise(("%s: measure '%s' has the name of a variable"):format(where, item.name))

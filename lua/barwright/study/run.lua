@@ -85,7 +85,7 @@ local function look_at_finished(self)
     if not record or record.status == "asked" or self.pending[record] then return end
     self.seen = self.seen + 1
     self.live[self.seen] = record
-    if self.opts.stop_when and self.opts.stop_when(self.live) then stop "stop_when said so" end
+    if self.opts.stop_when and self.opts.stop_when(self.live) then stop "stop_when returned true" end
   end
 end
 
@@ -212,7 +212,7 @@ local function shard_of(opts)
   if opts == nil then return function() return true end end
   local i, n = type(opts) == "table" and opts[1], type(opts) == "table" and opts[2]
   if math.type(i) ~= "integer" or math.type(n) ~= "integer" or i < 1 or i > n then
-    core.raise "study:run: shard = {which, of how many} expected"
+    core.raise "study:run: option 'shard': two whole numbers {which, of how many} expected, such as {2, 10}"
   end
   return function(place) return (place - 1) % n == i - 1 end
 end
@@ -230,7 +230,7 @@ end
 local function read_options(given)
   local opts = options.read("study:run", given, rules)
   if opts.stop_when ~= nil and type(opts.stop_when) ~= "function" then
-    core.raise "study:run: stop_when: a function of the trials so far expected"
+    core.raise "study:run: option 'stop_when': a function of the trials so far expected"
   end
   return opts
 end
@@ -271,7 +271,7 @@ function run.run(study, given)
   local mine = shard_of(opts.shard)
   local design = opts.design and designs.read("study:run", opts.design, study.problem, study.seed) or study.design
   if opts.shard and not (design.kind and design.kind.points) then
-    core.raise(("study:run: shard: the points of design '%s' depend on results; it cannot be cut into parts")
+    core.raise(("study:run: option 'shard': the points of design '%s' depend on results, and cannot be split")
       :format(design.name))
   end
   local lock <close>, message, details = core.lock(study.file .. ".lock", 0.3) -- status looks at it

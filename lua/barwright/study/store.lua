@@ -218,7 +218,7 @@ local function compare(self, opts)
   end
   if about.lost then
     if not opts.continue then
-      return nil, self.path .. ": which study it is of has been lost. If it is this one, say continue = true "
+      return nil, self.path .. ": the definition of its study is lost. If it is this study, give continue = true "
         .. "(--continue)", {status = "different", file = self.path}
     end
     local same, name = same_tables(tables, self.about, self.plain)
@@ -292,7 +292,7 @@ function store:remember(study, continue)
   end
   if not self.script and #known > 0 and not continue then
     return nil, ("%s: the script%s has changed since its trials were run. If the results that are there still "
-      .. "hold, say continue = true (--continue); else give it a new file (file = \"...\", --file)")
+      .. "hold, give continue = true (--continue); else give it a new file (file = \"...\", --file)")
       :format(self.path, script.path and " " .. script.path or ""), {status = "different", file = self.path}
   end
   local manifest = json.encode(study:manifest())

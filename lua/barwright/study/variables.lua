@@ -37,7 +37,7 @@ local function check_choices(where, v)
       raise(("%s: choice %d is a %s: strings, numbers, true and false expected"):format(where, i, kind))
     end
     local text = variables.choice_text(value)
-    if v.index[text] then raise(("%s: the choice %s is there twice"):format(where, text)) end
+    if v.index[text] then raise(("%s: the choice %s occurs twice"):format(where, text)) end
     v.index[text] = i
   end
 end
@@ -53,11 +53,11 @@ local function check_bounds(where, v)
   else
     v.min, v.max = v.min + 0.0, v.max + 0.0
     if v.scale == "log" and v.min <= 0 then
-      raise(("%s: scale 'log' wants bounds above 0, min is %.14g"):format(where, v.min))
+      raise(("%s: scale 'log' needs min above 0, got %.14g"):format(where, v.min))
     end
   end
   if v.min >= v.max then
-    raise(("%s: min (%.14g) is not below max (%.14g)"):format(where, v.min, v.max))
+    raise(("%s: min below max expected, got min = %.14g and max = %.14g"):format(where, v.min, v.max))
   end
 end
 
@@ -80,7 +80,7 @@ function variables.read(where, list)
     local v = options.read(place, given, rules)
     place = ("%s: variable '%s'"):format(where, v.name)
     if v.name == "" or v.name:find "[%c]" then raise(place .. ": a name without control characters expected") end
-    if seen[v.name] then raise(place .. " is there twice") end
+    if seen[v.name] then raise(place .. " occurs twice") end
     seen[v.name] = true
     v.kind = kind_of(v)
     if v.kind == "choice" then check_choices(place, v) else check_bounds(place, v) end
@@ -135,7 +135,7 @@ function class:check(value, where)
     if k and type(self.of[k]) == type(value) then return self.of[k] end
     local words = {}
     for i, each in ipairs(self.of) do words[i] = variables.choice_text(each) end
-    raise(("%s: %s is none of %s"):format(where, tostring(value), table.concat(words, ", ")))
+    raise(("%s: one of %s expected, got %s"):format(where, table.concat(words, ", "), core.got(value)))
   end
   if type(value) ~= "number" or not finite(value) then
     raise(("%s: a finite number expected, got %s"):format(where, core.got(value)))
@@ -149,7 +149,7 @@ function class:check(value, where)
     if value == 0 then value = 0.0 end -- of the two zeros the positive one
   end
   if value < self.min or value > self.max then
-    raise(("%s: %.14g lies outside of %.14g to %.14g"):format(where, value, self.min, self.max))
+    raise(("%s: a number from %.14g to %.14g expected, got %.14g"):format(where, self.min, self.max, value))
   end
   return value
 end

@@ -148,7 +148,7 @@ end)
 
 case("misuse", function()
   local part = held(1)
-  check.raises("belongs to with = \"petsc\"", part.solve, part, {rtol = 1e-3})
+  check.raises("goes with with = \"petsc\" only", part.solve, part, {rtol = 1e-3})
   check.raises("slepc", part.modes, part, {with = "petsc"})
   check.raises("rtol is 2", part.solve, part, {with = "petsc", rtol = 2})
 end)
