@@ -157,7 +157,7 @@ describe("a solve", function()
     compare(session, assert(session:solve {method = "iterate"}))
     assert(session:undo())
     compare(session, assert(session:solve()))
-    check.raises("the material axes of the part differ by element already", bw.edit, session.part, {material_turns = true})
+    check.raises("axes of the part differ by element already", bw.edit, session.part, {material_turns = true})
 
     -- and the optimiser's slopes are of that material
     local limit = 0.9 * assert(session:solve()).von_mises:max()

@@ -28,7 +28,8 @@ local function calls(session, part)
     ["no bone 'loer'"] = function() session:bone("loer") end, -- found out by C, called by Lua
     ["no bone 'uper'"] = function() session:pose {uper = {scale = 1}} end,
     ["factors above 0"] = function() session:bone("upper"):scale {0, 1, 1} end,
-    ["an axis expected, got {0, 0, 0}"] = function() session:bone("upper"):rotate {axis = {0, 0, 0}, degrees = 1} end,
+    ["an axis expected, got {0, 0, 0}"] = function()
+      session:bone("upper"):rotate {axis = {0, 0, 0}, degrees = 1} end,
     ["cannot be changed by assignment"] = function() session:bone("upper").length = 2 end,
     ["translation: three finite"] = function() session:bone("upper"):set {translation = {1}} end,
     ["no joint or bone 'd'"] = function() session:reach("d", {0, 0, 0}) end,

@@ -112,7 +112,9 @@ describe("what acts on a solid", function()
       check.raises("finite number", function() standing():pressure(surface, {pressure = f}):solve() end)
       assert.is_false(pcall(function() standing():pressure(top, {pressure = f}):solve() end))
     end
-    check.raises("80 pressures expected, one for each triangle, got 1", function() standing():pressure(surface, {pressure = {1}}):solve() end)
+    check.raises("80 pressures expected, one for each triangle, got 1", function()
+      standing():pressure(surface, {pressure = {1}}):solve()
+    end)
     surface:close()
     check.raises("closed", function() standing():pressure(surface, {pressure = 1}) end)
     check.fails("geometry", "from the nearest element",

@@ -203,7 +203,7 @@ describe("a solid", function()
       assert.is_true(other:error(direct) < 1e-8)
     end
     check.raises("made coarse once from this one", function() solid:solve {coarse = solid} end)
-    check.raises("this solid was made coarse twice", function() solid:coarsen("naive", 2):solve {linear = "coarse"} end)
+    check.raises("was made coarse twice", function() solid:coarsen("naive", 2):solve {linear = "coarse"} end)
     -- a coarse solid too, over one that is coarser still; also after an edit
     local coarse = assert(solid:coarsen "naive")
     coarse = assert(coarse:with(assert(solid.grid:set({max = {0.05, 1, 1}}, 0))))

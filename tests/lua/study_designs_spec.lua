@@ -60,7 +60,8 @@ describe("designs of levels", function()
       nothing)
     check.raises("'b' is no variable: known is only a", run, {"grid", levels = {b = 1}},
       {variables = {variables[1]}, measures = {"y"}}, nothing)
-    check.raises("the number of levels of 'a' is missing", run, {"grid"}, {variables = variables, measures = {"y"}}, nothing)
+    check.raises("the number of levels of 'a' is missing", run, {"grid"},
+      {variables = variables, measures = {"y"}}, nothing)
   end)
 
   it("vary one at a time", function()

@@ -40,7 +40,7 @@ describe("the definition of a study", function()
     for _, each in ipairs {
       {{variabels = {}}, "did you mean 'variables'"},
       {{variables = {}}, "variables = {{name"},
-      {{variables = {{name = "a", min = 1, max = 1}}}, "variable 'a': min below max expected, got min = 1 and max = 1"},
+      {{variables = {{name = "a", min = 1, max = 1}}}, "'a': min below max expected, got min = 1 and max = 1"},
       {{variables = {{name = "a", min = -1, max = 1, scale = "log"}}}, "scale 'log' needs min above 0"},
       {{variables = {{name = "a", kind = "integer", min = 0.5, max = 3}}}, "whole numbers"},
       {{variables = {{name = "a", kind = "choice"}}}, "of = {...}"},
