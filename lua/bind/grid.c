@@ -109,8 +109,7 @@ static int grid_box(lua_State *L) {
   bool spaced = triple_option(L, "grid.box", "spacing", spacing);
   if (sized + counted + spaced != 2)
     return lbw_error(
-        L,
-        "grid.box: two of the options 'size' (or 'max'), 'cells' and 'spacing' expected, got %d",
+        L, "grid.box: two of the options 'size' (or 'max'), 'cells' and 'spacing' expected, got %d",
         sized + counted + spaced);
   static const char *const axis[] = {"x", "y", "z"};
   double all = 1;
