@@ -97,8 +97,8 @@ function brute_force:compare(worst, p)
 end
 
 function brute_force:__tostring()
-  return ("brute force over %d elements: %.4g MPa, %.1f s; %s"):format(self.elements,
-    self.max_principal / 1e6, self.seconds, core.error_unknown)
+  return ("brute force over %d elements: %s in %s; %s"):format(self.elements,
+    core.quantity(self.max_principal, "Pa"), core.quantity(self.seconds, "s"), core.error_unknown)
 end
 
 arguments.methods("brute force", brute_force, brute_force, {percentile = "p?: number",

@@ -119,9 +119,9 @@ local surface = core.classes.surface.methods
 -- ---- what a check and a repair found, in words ----
 
 function core.tables.surface_report:__tostring()
-  local lines = {("%s: %d shells, %s, volume %.6g m3, area %.6g m2"):format(
+  local lines = {("%s: %d shells, %s, volume %s, area %s"):format(
     self.sound and "sound" or "not sound", self.shells, self.closed and "closed" or
-    ("open with %d holes"):format(self.holes), self.volume, self.area)}
+    ("open with %d holes"):format(self.holes), core.quantity(self.volume, "m3"), core.quantity(self.area, "m2"))}
   local kinds = {}
   for kind, count in pairs(self.count) do
     if count > 0 then kinds[#kinds + 1] = ("  %s: %d"):format(kind, count) end
@@ -130,8 +130,8 @@ function core.tables.surface_report:__tostring()
   for _, line in ipairs(kinds) do lines[#lines + 1] = line end
   for i = 1, math.min(5, #self.defects) do
     local d = self.defects[i]
-    lines[#lines + 1] = ("  %s at facet %d, (%.6g, %.6g, %.6g) m"):format(d.kind, d.facet,
-      table.unpack(d.at))
+    lines[#lines + 1] = ("  %s at facet %d, (%.4g, %.4g, %.4g) mm"):format(d.kind, d.facet,
+      1e3 * d.at[1], 1e3 * d.at[2], 1e3 * d.at[3])
   end
   return table.concat(lines, "\n")
 end

@@ -175,12 +175,12 @@ function report:__tostring()
   local names = {}
   for name in pairs(self.factors) do names[#names + 1] = name end
   table.sort(names)
-  local lines = {("%s: %.4g MPa at most, from %.4g MPa; limit %.4g MPa; %d steps, %d nodes, %.3g s")
-    :format(self.met and "met" or "not met", self.von_mises / 1e6, self.from / 1e6, self.limit / 1e6,
-      self.iterations, self.constrained, self.seconds)}
+  local lines = {("%s: %s at most, from %s; limit %s; %d steps, %d nodes, %s"):format(
+    self.met and "met" or "not met", core.quantity(self.von_mises, "Pa"), core.quantity(self.from, "Pa"),
+    core.quantity(self.limit, "Pa"), self.iterations, self.constrained, core.quantity(self.seconds, "s"))}
   for _, name in ipairs(names) do
     local f = self.factors[name]
-    lines[#lines + 1] = ("  %s: (%.5g, %.5g, %.5g)"):format(name, f[1], f[2], f[3])
+    lines[#lines + 1] = ("  %s: (%.4g, %.4g, %.4g)"):format(name, f[1], f[2], f[3])
   end
   return table.concat(lines, "\n")
 end

@@ -121,9 +121,9 @@ end
 
 function result:__tostring()
   local r = self.report
-  return ("equilibrium%s: energy %.6g J after %d iterations (%d load steps), residual %.1e, least "
-    .. "det F %.3f"):format(self.complete and "" or (" at load %.3f"):format(r.load), self.energy,
-    r.iterations, r.load_steps, r.residual, r.shape.min_ratio)
+  return ("equilibrium%s: strain energy %s, %d iterations in %d load steps, residual %.1e, smallest det F "
+    .. "%.3g"):format(self.complete and "" or (" at load factor %.3g"):format(r.load),
+    core.quantity(self.energy, "J"), r.iterations, r.load_steps, r.residual, r.shape.min_ratio)
 end
 
 arguments.methods("result", result, result, {error = "reference: any", estimate_error = "",

@@ -351,15 +351,15 @@ function worst_case:__tostring()
   if not self.regions then return "worst case (closed)" end
   local head
   if self.options.target == "displacement" then
-    head = ("%.4g mm of displacement, %.4g MPa at %s"):format(
-      self.regions[self.region].displacement * 1e3, self.max_principal / 1e6, place(self.at))
+    head = ("%s of displacement, %s at %s"):format(core.quantity(self.regions[self.region].displacement, "m"),
+      core.quantity(self.max_principal, "Pa"), place(self.at))
   else
-    head = ("%.4g MPa at %s"):format(self.max_principal / 1e6, place(self.at))
+    head = ("%s at %s"):format(core.quantity(self.max_principal, "Pa"), place(self.at))
   end
   local tail = self.utilisation and ("%.3g %% of strength"):format(100 * self.utilisation)
     or "strength not known"
   if self.upper_bound then
-    tail = ("%s; at most %.4g MPa on this mesh%s"):format(tail, self.upper_bound / 1e6,
+    tail = ("%s; at most %s on this mesh%s"):format(tail, core.quantity(self.upper_bound, "Pa"),
       self.bounded and " " .. self.bounded or "")
   end
   return ("%s: %s; %s%s; %s"):format(head, self.regions[self.region].label, tail,

@@ -143,6 +143,11 @@ const char *lbw_type_name(lua_State *L, int index);
 /* What a message says was found: a number or boolean as it is, "string 'abc'", "array of 3 x 2",
  * else the class or type. Left on the stack. */
 const char *lbw_got(lua_State *L, int index);
+/* "12.35 mm", "3.448 MPa": a quantity in a SI unit as print shows it. */
+typedef struct lbw_text {
+  char text[48];
+} lbw_text;
+lbw_text lbw_quantity(double value, const char *unit);
 /* Runs `compute` once per box and key; the value is kept with the box. Called from a property. */
 int lbw_cached(lua_State *L, const char *key, lua_CFunction compute);
 
@@ -299,6 +304,7 @@ void lbw_push_plane_quality(lua_State *L, const bw_plane_mesh *mesh);
 /* Each adds its functions to the table on the top of the stack. */
 void lbw_open_classes(lua_State *L);
 void lbw_open_raise(lua_State *L);
+void lbw_open_quantity(lua_State *L);
 void lbw_open_suggestions(lua_State *L);
 void lbw_open_array(lua_State *L);
 void lbw_open_surface(lua_State *L);

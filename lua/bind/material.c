@@ -286,7 +286,7 @@ static int material_tostring(lua_State *L) {
                      "orthotropic: Young's moduli %.4g, %.4g, %.4g GPa", y[0] / 1e9, y[1] / 1e9,
                      y[2] / 1e9);
   if (material->turns)
-    used += snprintf(text + used, sizeof text - (size_t)used, ", axes turned by element");
+    used += snprintf(text + used, sizeof text - (size_t)used, ", axes differ by element");
   if (material->density > 0)
     used += snprintf(text + used, sizeof text - (size_t)used, ", density %.4g kg/m3",
                      material->density);

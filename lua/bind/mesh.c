@@ -536,9 +536,10 @@ static int mesh_tostring(lua_State *L) {
   const char *bodies = mesh->component_count > 1
                            ? lua_pushfstring(L, ", %d bodies", (int)mesh->component_count)
                            : "";
-  char moved[64] = "";
+  char moved[80] = "";
   if (mesh->surface_moved > 0)
-    snprintf(moved, sizeof moved, ", surface moved by up to %.3g mm", 1e3 * mesh->surface_moved);
+    snprintf(moved, sizeof moved, ", surface moved by up to %s",
+             lbw_quantity(mesh->surface_moved, "m").text);
   lua_pushfstring(L, "mesh of %d tet%d and %d nodes, %s%s%s", (int)mesh->element_count,
                   mesh->nodes_per_element, (int)mesh->node_count, box, bodies, moved);
   return 1;

@@ -107,8 +107,9 @@ static int motion_report(lua_State *L) {
 static int motion_tostring(lua_State *L) {
   const bw_solid_motion *m = self(L);
   char text[200];
-  snprintf(text, sizeof text, "motion at %.6g s after %lld steps: kinetic %.4g J, strain %.4g J",
-           m->time, (long long)m->steps, m->kinetic, m->strain);
+  snprintf(text, sizeof text, "motion at %s after %lld steps: kinetic energy %s, strain energy %s",
+           lbw_quantity(m->time, "s").text, (long long)m->steps, lbw_quantity(m->kinetic, "J").text,
+           lbw_quantity(m->strain, "J").text);
   lua_pushstring(L, text);
   return 1;
 }

@@ -24,7 +24,7 @@ lbw_text lbw_quantity(double value, const char *unit) {
   enum { COUNT = sizeof shown / sizeof *shown };
   const struct shown plain = {unit, unit, 1, 0}, *as = &plain;
   lbw_text out;
-  char number[32];
+  char number[28];
   for (int i = 0; i < COUNT && as == &plain; i++)
     if (strcmp(shown[i].unit, unit) == 0 &&
         (fabs(value) >= shown[i].from || (value == 0 && shown[i].scale < 1)))

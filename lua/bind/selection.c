@@ -351,10 +351,10 @@ static int selection_tostring(lua_State *L) {
   double centre[3];
   bw_selection_centre(selection, centre);
   char text[160];
-  snprintf(text, sizeof text,
-           "selection of %d facets and %d nodes, %.4g m2 about (%.4g, %.4g, %.4g) m",
-           (int)selection->facet_count, (int)selection->node_count, bw_selection_area(selection),
-           centre[0], centre[1], centre[2]);
+  snprintf(text, sizeof text, "selection of %d facets and %d nodes, %s about (%.4g, %.4g, %.4g) mm",
+           (int)selection->facet_count, (int)selection->node_count,
+           lbw_quantity(bw_selection_area(selection), "m2").text, 1e3 * centre[0], 1e3 * centre[1],
+           1e3 * centre[2]);
   lua_pushstring(L, text);
   return 1;
 }

@@ -184,12 +184,13 @@ static int material_energy(lua_State *L) {
 
 static int material_tostring(lua_State *L) {
   const bw_solid_material *m = self(L);
-  char text[160];
+  char text[240];
   double mu, lambda;
   bw_solid_material_constants(m, &mu, &lambda);
   if (m->uniform || m->b_bar)
-    snprintf(text, sizeof text, "%s: %s, mu %.4g Pa, lambda %.4g Pa%s", m->name,
-             bw_law_word((bw_law)m->law[0]), mu, lambda, m->b_bar ? ", B-bar" : "");
+    snprintf(text, sizeof text, "%s: %s, mu %s, lambda %s%s", m->name,
+             bw_law_word((bw_law)m->law[0]), lbw_quantity(mu, "Pa").text,
+             lbw_quantity(lambda, "Pa").text, m->b_bar ? ", B-bar" : "");
   else
     snprintf(text, sizeof text, "%s: %d points, %d fibres at each", m->name, (int)m->rule->count,
              m->fibre_count);

@@ -270,10 +270,10 @@ static int static_tostring(lua_State *L) {
   if (result->report.method == BW_STATICS_PCG)
     snprintf(how, sizeof how, ", in %d iterations by two-level PCG", result->report.iterations);
   snprintf(text, sizeof text,
-           "static solution on %d nodes: largest displacement %.4g mm, strain energy %.4g J, "
-           "residual %.1e%s; " LBW_ERROR_UNKNOWN,
-           (int)result->model->mesh->node_count, largest * 1e3, result->energy, result->residual,
-           how);
+           "static solution on %d nodes: largest displacement %s, strain energy %s, residual "
+           "%.1e%s; " LBW_ERROR_UNKNOWN,
+           (int)result->model->mesh->node_count, lbw_quantity(largest, "m").text,
+           lbw_quantity(result->energy, "J").text, result->residual, how);
   lua_pushstring(L, text);
   return 1;
 }

@@ -374,6 +374,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lua_setfield(L, -2, "tables");
   lbw_open_classes(L);
   lbw_open_raise(L);
+  lbw_open_quantity(L);
   lbw_open_suggestions(L);
   lbw_open_array(L);
   lbw_open_surface(L);

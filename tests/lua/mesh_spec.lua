@@ -16,7 +16,7 @@ describe("a surface", function()
     local lines = {}
     for line in tostring(box):gmatch "[^\n]+" do lines[#lines + 1] = line end
     assert.equal("surface of 12 triangles and 8 points, 1 x 2 x 3 m from (0, 0, 0)", lines[1])
-    assert.equal("  plane 1      60000 cm2 at (0, 1000, 1500) mm, normal (-1, -0, -0)", lines[2])
+    assert.equal("  plane 1      6 m2 at (0, 1000, 1500) mm, normal (-1, -0, -0)", lines[2])
     assert.equal(7, #lines)
   end)
 
