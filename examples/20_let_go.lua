@@ -20,7 +20,7 @@ print(pulled)
 -- some of it in every step, and forgives long steps. Damping may be added to either.
 local bar = held()
 local step = 0.005
-local swing = assert(bar:motion {scheme = "newmark", step = step, displacement = pulled.displacement})
+local swing = assert(bar:transient {scheme = "newmark", step = step, displacement = pulled.displacement})
 local total = swing.kinetic + swing.strain + swing.potential
 local end_nodes = grid:nodes {side = "max y"}
 local results = assert(bw.results.open(folder, {script = "examples/20_let_go.lua"}))

@@ -52,7 +52,7 @@ static void arrays_of(bwi_simplex *s, simplex_array list[ARRAYS]) {
   memcpy(list, all, sizeof all);
 }
 
-void bwi_simplex_free(bwi_simplex *s) {
+void bwi_simplex_destroy(bwi_simplex *s) {
   simplex_array list[ARRAYS];
   if (!s)
     return;
@@ -76,7 +76,7 @@ bw_status bwi_simplex_create(bw_context *context, const bwi_linear_program *prog
       continue;
     *list[i].place = bw_alloc(context, list[i].count, list[i].size);
     if (!*list[i].place) {
-      bwi_simplex_free(s);
+      bwi_simplex_destroy(s);
       return BW_MEMORY;
     }
   }

@@ -52,7 +52,7 @@ typedef struct bench {
   double *given, *pressure; /* columns of the patches' linear program */
 } bench;
 
-void bwi_hands_free(bwi_hands *hands) {
+void bwi_hands_destroy(bwi_hands *hands) {
   if (!hands)
     return;
   bw_free(hands->normal);
@@ -395,7 +395,7 @@ done:
   if (status == BW_OK)
     *result = h;
   else
-    bwi_hands_free(h);
+    bwi_hands_destroy(h);
   return status;
 }
 

@@ -76,12 +76,13 @@ static bw_status utilisation(void *data, int64_t begin, int64_t end, int worker)
   const field *f = (const field *)data;
   (void)worker;
   const double *strength = f->material->strength;
-  const bw_material_turns *turns = f->material->turns;
+  const bw_material_orientations *orientations = f->material->orientations;
   bw_material own = *f->material; /* its axes are those of each element in turn */
   bool same = strength[0] > 0 && strength[0] == strength[1] && strength[1] == strength[2];
   for (int64_t i = begin; i < end; i++) { /* directions cost five times as much as values */
-    if (turns)
-      memcpy(own.axes, turns->axes + 9 * (int64_t)turns->of_element[i], sizeof own.axes);
+    if (orientations)
+      memcpy(own.axes, orientations->axes + 9 * (int64_t)orientations->of_element[i],
+             sizeof own.axes);
     f->value[i] = same ? largest(f->stress + 6 * i) / strength[0]
                        : bw_material_utilisation(&own, f->stress + 6 * i);
   }
@@ -110,11 +111,11 @@ bw_status bw_utilisation_field(bw_context *context, const bw_material *material,
                                const double *stress, double *value) {
   if (!material)
     return bw_fail(context, BW_INVALID, "a utilisation field needs a material");
-  if (material->turns && material->turns->element_count != count)
+  if (material->orientations && material->orientations->element_count != count)
     return bw_fail(context, BW_INVALID,
                    "%lld stresses for a material with axes for each of %d elements: the "
                    "utilisation is of the stresses of elements then",
-                   (long long)count, material->turns->element_count);
+                   (long long)count, material->orientations->element_count);
   field f = {material, stress, value, NULL};
   return bw_parallel(context, count, ROWS_PER_CHUNK, utilisation, &f);
 }

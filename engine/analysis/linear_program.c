@@ -15,7 +15,7 @@ static const double smallest_motion = 1e-3;
 /* A sample below this many columns is not worth a level of its own. */
 enum { LEVEL_FACTOR = 8, LEVEL_SMALLEST = 600 };
 
-void bwi_linear_program_free(bwi_linear_program *program) {
+void bwi_linear_program_destroy(bwi_linear_program *program) {
   if (!program)
     return;
   bw_free(program->entry);
@@ -359,7 +359,7 @@ done:
   if (status == BW_OK)
     *result = program;
   else
-    bwi_linear_program_free(program);
+    bwi_linear_program_destroy(program);
   return status;
 }
 

@@ -70,7 +70,7 @@ bw_status bwi_pressure_basis_empty(bw_context *context, const bw_mesh *mesh,
 bw_status bwi_linear_program_create(bw_context *context, const bw_pressure_basis *basis,
                                     const bw_dof_map *dof_map, const bw_worst_load_options *options,
                                     bwi_linear_program **program);
-void bwi_linear_program_free(bwi_linear_program *program);
+void bwi_linear_program_destroy(bwi_linear_program *program);
 
 /* Where a solver ended: `rows` basic columns (-1 - r: the unit column of row r, for a row without a
  * basic column of its own) and for the others whether they sit at their upper bound. In a group one
@@ -111,7 +111,7 @@ typedef struct bwi_glpk bwi_glpk;
 bw_status bwi_glpk_create(bw_context *context, const bwi_linear_program *program, bwi_glpk **glpk);
 bw_status bwi_glpk_solve(bw_context *context, bwi_glpk *glpk, const double *cost, int attempt,
                          bwi_vertex *vertex);
-void bwi_glpk_free(bwi_glpk *glpk); /* in the thread that created it */
+void bwi_glpk_destroy(bwi_glpk *glpk); /* in the thread that created it */
 
 /* The dual simplex method of our own (dual_simplex.c), also for columns in groups. */
 typedef struct bwi_simplex bwi_simplex;
@@ -119,7 +119,7 @@ bw_status bwi_simplex_create(bw_context *context, const bwi_linear_program *prog
                              bwi_simplex **simplex);
 bw_status bwi_simplex_solve(bw_context *context, bwi_simplex *simplex, const double *cost,
                             bool sampled, bwi_vertex *vertex);
-void bwi_simplex_free(bwi_simplex *simplex);
+void bwi_simplex_destroy(bwi_simplex *simplex);
 
 /* Where the dual function bends along a line: its slope grows by `slope` after `step`. */
 typedef struct bwi_breakpoint {
@@ -144,7 +144,7 @@ bw_status bwi_hands_create(bw_context *context, const bw_pressure_basis *basis,
                            bwi_hands **hands);
 bw_status bwi_hands_solve(bw_context *context, const bwi_hands *hands, const double *objective,
                           const double *dual, double *pressure, double *value);
-void bwi_hands_free(bwi_hands *hands);
+void bwi_hands_destroy(bwi_hands *hands);
 
 /* The linear program with solvers and scratch memory per thread, for many batches of objectives
  * (worst_loads.c; see bw_worst_loads). */
@@ -154,6 +154,6 @@ bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,
                            bwi_loads **loads);
 bw_status bwi_loads_solve(bw_context *context, bwi_loads *loads, int64_t count,
                           const double *objective, double *pressure, double *value, double *dual);
-void bwi_loads_free(bwi_loads *loads);
+void bwi_loads_destroy(bwi_loads *loads);
 
 #endif

@@ -204,7 +204,7 @@ bw_status bwi_glpk_solve(bw_context *context, bwi_glpk *glpk, const double *cost
   return status;
 }
 
-void bwi_glpk_free(bwi_glpk *glpk) {
+void bwi_glpk_destroy(bwi_glpk *glpk) {
   if (!glpk)
     return;
   if (glpk->problem && setjmp(glpk->escape) == 0) {

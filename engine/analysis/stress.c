@@ -31,7 +31,7 @@ static void prepare(const bw_mesh *mesh, const bw_material *material, const doub
   bw_tet_shape_gradient(mesh->order, centre, d->mean); /* linear: the centre has the mean */
   for (int a = 0; a < mesh->nodes_per_element; a++) {
     double *l = d->node_l[a];
-    bwi_node_place(a, l);
+    bwi_node_barycentric(a, l);
     bw_tet_shape_gradient(mesh->order, l, d->at_node[a]);
   }
 }
@@ -141,7 +141,7 @@ static bw_status stress_of_nodes(void *data, int64_t begin, int64_t end, int wor
       bwi_strain_at(&state, of->at_node[a], of->node_l[a], strain);
       pressure +=
           state.volume * state.projected * (state.dilatation - (strain[0] + strain[1] + strain[2]));
-      if (material->turns) {
+      if (material->orientations) {
         double own[6];
         bwi_multiply6(bw_material_elasticity(material, d->incidence.element[k]), strain, own);
         memcpy(strain, own, sizeof strain); /* stresses are averaged then */
@@ -152,7 +152,7 @@ static bw_status stress_of_nodes(void *data, int64_t begin, int64_t end, int wor
     }
     for (int c = 0; c < 6; c++)
       sum[c] = volume > 0 ? sum[c] / volume : 0;
-    if (material->turns)
+    if (material->orientations)
       memcpy(of->out + 6 * i, sum, sizeof sum);
     else
       bwi_multiply6(material->elasticity, sum, of->out + 6 * i);

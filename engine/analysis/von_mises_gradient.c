@@ -454,7 +454,7 @@ bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
   bwi_rule_make(mesh->order, mesh->order == 1 ? 1 : d.expansion ? 3 : 2, &d.rule);
   for (int a = 0; a < mesh->nodes_per_element; a++) {
     double l[4];
-    bwi_node_place(a, l);
+    bwi_node_barycentric(a, l);
     bw_tet_shape_gradient(mesh->order, l, d.at_node[a]);
   }
   size_t max = (size_t)(count < BATCH ? count : BATCH);

@@ -345,7 +345,7 @@ done:
 
 static void search_clear(search *s) {
   for (int i = 0; s->worker && i < s->workers; i++) {
-    bwi_loads_free(s->worker[i].loads);
+    bwi_loads_destroy(s->worker[i].loads);
     bw_free(s->worker[i].response);
     bw_free(s->worker[i].objective);
     bw_free(s->worker[i].pressure);

@@ -180,7 +180,7 @@ bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pre
   }
   bw_progress(context, "worst loads", 1);
 done:
-  bwi_loads_free(loads);
+  bwi_loads_destroy(loads);
   bw_free(r.block);
   bw_free(r.objective);
   bw_free(r.pressure);

@@ -66,7 +66,7 @@ static void scratch_clear(loads_scratch *scratch) {
   bw_free(scratch->dual);
   bw_free(scratch->vertex.basic);
   bw_free(scratch->vertex.at_upper);
-  bwi_simplex_free(scratch->simplex);
+  bwi_simplex_destroy(scratch->simplex);
 }
 
 /* Gains per share of the total force, scaled to a largest one of 1. Returns the scale. */
@@ -179,7 +179,7 @@ static bw_status loads_body(void *data, int64_t begin, int64_t end, int worker) 
   for (int64_t i = begin; i < end; i++)
     BW_TRY(solve_one(work, i, scratch, &glpk));
 done:
-  bwi_glpk_free(glpk);
+  bwi_glpk_destroy(glpk);
   return status;
 }
 
@@ -244,18 +244,18 @@ done:
   if (status == BW_OK)
     *result = loads;
   else
-    bwi_loads_free(loads);
+    bwi_loads_destroy(loads);
   return status;
 }
 
-void bwi_loads_free(bwi_loads *loads) {
+void bwi_loads_destroy(bwi_loads *loads) {
   if (!loads)
     return;
   for (int w = 0; loads->scratch && w < loads->workers; w++)
     scratch_clear(&loads->scratch[w]);
   bw_free(loads->scratch);
-  bwi_hands_free(loads->hands);
-  bwi_linear_program_free(loads->program);
+  bwi_hands_destroy(loads->hands);
+  bwi_linear_program_destroy(loads->program);
   bw_free(loads);
 }
 
@@ -274,6 +274,6 @@ bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
   BW_TRY(bwi_loads_create(context, basis, dof_map, options, &loads));
   BW_TRY(bwi_loads_solve(context, loads, count, objective, pressure, value, dual));
 done:
-  bwi_loads_free(loads);
+  bwi_loads_destroy(loads);
   return status;
 }

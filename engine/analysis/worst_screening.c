@@ -304,7 +304,7 @@ static bw_status solve_linear_programs(screen *s) {
     BW_TRY(bw_parallel(context, s->wanted, 8, stress_body, s));
   }
 done:
-  bwi_loads_free(loads);
+  bwi_loads_destroy(loads);
   return status;
 }
 
@@ -385,7 +385,7 @@ done:
   if (status != BW_OK)
     bw_screening_clear(screening);
   bw_release(s.coarse);
-  bwi_linear_program_free(s.program);
+  bwi_linear_program_destroy(s.program);
   bw_free(s.response);
   bw_free(s.traction);
   bw_free(s.row);

@@ -98,7 +98,8 @@ static inline void bwi_sum_contributions(const bwi_block_source *source,
 }
 
 /* What the same contributions make of the tensor of mean gradients, V mean(grad N_i) (x)
- * mean(grad N_j): on a straight tet10 those of corners vanish, and those of middles are s_m. */
+ * mean(grad N_j): on a straight tet10 those of corners vanish, and those of mid-edge nodes are s_m.
+ */
 static inline void bwi_sum_means(const bwi_block_source *source, int64_t begin, int64_t end,
                                  double t[3][4]) {
   const bwi_frames *frames = source->frames;

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The block sparsity pattern: nodes i and j share an element.
  *
- * Invariants: row i holds its columns j <= i in ascending order, the diagonal last. The places
+ * Invariants: row i holds its columns j <= i in ascending order, the diagonal last. The indices
  * upper_block[upper_start[i]..] are those of the blocks (k, i) with k > i, k ascending. The
  * contributions gather_start[p].. of block p are in ascending order of elements: summed in this
  * order, a value has the same bits whichever thread sums it. */
@@ -57,9 +57,9 @@ bw_status bwi_incidence_of_elements(bw_context *context, int32_t node_count, int
     start[i + 1] += start[i];
   for (int32_t e = 0; e < element_count; e++)
     for (int a = 0; a < nodes_per_element; a++) {
-      int64_t place = start[element[(int64_t)e * nodes_per_element + a]]++;
-      incidence->element[place] = e;
-      incidence->local[place] = (uint8_t)a;
+      int64_t index = start[element[(int64_t)e * nodes_per_element + a]]++;
+      incidence->element[index] = e;
+      incidence->local[index] = (uint8_t)a;
     }
   memmove(start + 1, start, (size_t)node_count * sizeof *start);
   start[0] = 0;
@@ -110,8 +110,8 @@ static bw_status count_rows(void *data, int64_t begin, int64_t end, int worker) 
   return BW_OK;
 }
 
-/* Fill columns and contributions of rows. Here mark[j] is the place of column j in the row, if that
- * place is filled and holds j; anything may stand in mark before. */
+/* Fill columns and contributions of rows. Here mark[j] is the index of column j in the row, if that
+ * entry is filled and holds j; anything may stand in mark before. */
 static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
   builder *b = (builder *)data;
   bw_block_pattern *pattern = b->pattern;
@@ -124,8 +124,8 @@ static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
     for (int64_t k = b->incidence.start[i]; k < b->incidence.start[i + 1]; k++) {
       const int32_t *node = b->element + (int64_t)b->incidence.element[k] * n;
       for (int a = 0; a < n; a++) {
-        int32_t j = node[a], place = mark[j];
-        if (j > i || (place >= 0 && place < count && column[place] == j))
+        int32_t j = node[a], index = mark[j];
+        if (j > i || (index >= 0 && index < count && column[index] == j))
           continue;
         mark[j] = count;
         column[count++] = j;
@@ -154,9 +154,9 @@ static bw_status fill_rows(void *data, int64_t begin, int64_t end, int worker) {
       const int32_t *node = b->element + (int64_t)e * n;
       for (int a = 0; a < n; a++)
         if (node[a] <= i) {
-          int64_t place = gather[mark[node[a]]]++;
-          pattern->gather_element[place] = e;
-          pattern->gather_local[place] = (uint8_t)(b->incidence.local[k] << 4 | a);
+          int64_t index = gather[mark[node[a]]]++;
+          pattern->gather_element[index] = e;
+          pattern->gather_local[index] = (uint8_t)(b->incidence.local[k] << 4 | a);
         }
     }
     for (int32_t p = count - 1; p > 0; p--)
@@ -181,9 +181,9 @@ static bw_status fill_upper(bw_context *context, bw_block_pattern *pattern) {
     start[i + 1] += start[i];
   for (int32_t i = 0; i < pattern->node_count; i++)
     for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++) {
-      int64_t place = start[pattern->column[p]]++;
-      pattern->upper_block[place] = p;
-      pattern->upper_row[place] = i;
+      int64_t index = start[pattern->column[p]]++;
+      pattern->upper_block[index] = p;
+      pattern->upper_row[index] = i;
     }
   memmove(start + 1, start, (size_t)pattern->node_count * sizeof *start);
   start[0] = 0;
@@ -302,7 +302,7 @@ void bwi_block_pattern_mark_surface(const bw_block_pattern *pattern, const bw_me
         int32_t row = mesh->facet[f * n + a], column = mesh->facet[f * n + b];
         if (column >= row)
           continue;
-        surface[bwi_sorted_place(pattern->column, pattern->start[row], pattern->start[row + 1],
+        surface[bwi_sorted_index(pattern->column, pattern->start[row], pattern->start[row + 1],
                                  column)] = 1;
       }
 }

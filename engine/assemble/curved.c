@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Which tet10 are curved, and so need quadrature, and what is said of inverted ones. */
+/* Which tet10 are curved, and so need quadrature, and what is reported of inverted ones. */
 #include "assemble/internal.h"
 
 typedef struct search {

@@ -16,7 +16,7 @@ static int other(int middle, int corner) {
   return edge[0] == corner ? edge[1] : edge[0];
 }
 
-/* For corners i, j and middles m = ab of tet10, with s_m = g_a + g_b and V = 1:
+/* For corners i, j and mid-edge nodes m = ab of tet10, with s_m = g_a + g_b and V = 1:
  *   T_ij = 3/5 g_i g_j when i = j, else -1/5 g_i g_j
  *   T_im = 4/5 g_i g_b - 1/5 g_i s_m when i = a, else -1/5 g_i s_m
  *   T_mn = 4/5 (s_m s_n + g_b g_c) for m = ab, n = ac; 4/5 s_m s_n for opposite edges
@@ -62,7 +62,7 @@ typedef struct gather_data {
   /* by group: of the component T[m], what it adds to the block's rows; and of mean gradients, in
      elements with B-bar (NULL: without) */
   bwi_vector (*map)[9][3], (*mean_map)[9][3];
-  const int32_t *group; /* by element: where the material is turned by element, or NULL */
+  const int32_t *group; /* by element: where the material is rotated by element, or NULL */
   double *values;
 } gather_data;
 
@@ -139,15 +139,16 @@ static void fill_map(const double c[36], bwi_vector map[9][3]) {
  * the material's groups. `projected` is the bulk modulus that acts on mean gradients. */
 static bw_status general_maps(bw_context *context, const bw_material *material, double projected,
                               gather_data *g) {
-  const bw_material_turns *turns = material->turns;
-  int32_t count = turns ? turns->count : 1;
+  const bw_material_orientations *orientations = material->orientations;
+  int32_t count = orientations ? orientations->count : 1;
   g->map = (bwi_vector(*)[9][3])bw_alloc(context, (size_t)count, sizeof *g->map);
   if (projected > 0)
     g->mean_map = (bwi_vector(*)[9][3])bw_alloc(context, (size_t)count, sizeof *g->mean_map);
   if (!g->map || (projected > 0 && !g->mean_map))
     return BW_MEMORY;
   for (int32_t n = 0; n < count; n++) {
-    const double *c = turns ? turns->elasticity + 36 * (int64_t)n : material->elasticity;
+    const double *c =
+        orientations ? orientations->elasticity + 36 * (int64_t)n : material->elasticity;
     double rest[36], on_mean[36] = {0};
     memcpy(rest, c, sizeof rest);
     for (int i = 0; i < 3; i++)
@@ -159,7 +160,7 @@ static bw_status general_maps(bw_context *context, const bw_material *material, 
       fill_map(on_mean, g->mean_map[n]);
     fill_map(rest, g->map[n]);
   }
-  g->group = turns ? turns->of_element : NULL;
+  g->group = orientations ? orientations->of_element : NULL;
   return BW_OK;
 }
 

@@ -34,7 +34,7 @@ static inline void bwi_element_nodes(const bw_mesh *mesh, int64_t element, doubl
 }
 
 /* Barycentric coordinates of local node a: of a corner, or of the middle of an edge. */
-static inline void bwi_node_place(int a, double l[4]) {
+static inline void bwi_node_barycentric(int a, double l[4]) {
   l[0] = l[1] = l[2] = l[3] = 0;
   if (a < 4)
     l[a] = 1;
@@ -47,7 +47,7 @@ static inline void bwi_gradients_at_node(const bw_mesh *mesh, int64_t element, i
                                          double (*gradient)[3]) {
   double x[10][3], l[4];
   bwi_element_nodes(mesh, element, x);
-  bwi_node_place(a, l);
+  bwi_node_barycentric(a, l);
   bw_tet_gradient(mesh->order, (const double(*)[3])x, l, gradient);
 }
 

@@ -3,10 +3,10 @@
  *
  * On a straight element the integrals are the volume times constants,
  *     tet4:  (1 + d_ij) / 20
- *     tet10, in units of V/420: corners 6 (same) and 1; corner and middle -4 (of its own edge) and
- *            -6; middles 32 (same), 16 (edges that meet) and 8 (opposite edges).
- * Lumping scales the diagonal to the volume (Hinton, Rock, Zienkiewicz): V/4 per node of tet4, V/36
- * per corner and 4V/27 per mid-edge node of tet10. Row sums would give corners of tet10 a negative
+ *     tet10, in units of V/420: corners 6 (same) and 1; corner and mid-edge node -4 (of its own
+ * edge) and -6; mid-edge nodes 32 (same), 16 (edges that meet) and 8 (opposite edges). Lumping
+ * scales the diagonal to the volume (Hinton, Rock, Zienkiewicz): V/4 per node of tet4, V/36 per
+ * corner and 4V/27 per mid-edge node of tet10. Row sums would give corners of tet10 a negative
  * mass. */
 #include "assemble/internal.h"
 

@@ -32,7 +32,7 @@ typedef struct bwi_subdomain_shape {
 
 /* The blocks of a section in one tile. */
 typedef struct bwi_subdomain_segment {
-  int64_t section, first; /* into `place` */
+  int64_t section, first; /* into `block_code` */
   int64_t item, present;  /* into `tensor` and `present` */
   int32_t size, numbers;  /* blocks; of each and each subdomain: 6 or 9 */
 } bwi_subdomain_segment;
@@ -53,16 +53,18 @@ typedef struct bwi_subdomain_coefficients {
   int64_t *block_start;     /* section_count + 1, into block_subdomain */
   int32_t *block_subdomain; /* the subdomains of each section, ascending */
   /* segments: tile by tile, in each by ascending sections */
-  int64_t segment_count, place_count, item_count, present_count;
+  int64_t segment_count, code_count, item_count, present_count;
   bwi_subdomain_segment *segment;
-  uint32_t *place; /* 2 * block, + 1 on the diagonal; ascending in each segment */
-  double *tensor;  /* T at rest, by halves: (T_pq + T_qp) / 2 for p <= q, (T_pq - T_qp) / 2 */
-  double *present; /* T as it is now, of segments of sets, where a subdomain is reshaped */
-  double *map;     /* BWI_SUBDOMAIN_MAP subdomain_count: what makes entries of T now */
+  uint32_t *block_code; /* 2 * block, + 1 on the diagonal; ascending in each segment */
+  double *tensor;       /* T at rest, by halves: (T_pq + T_qp) / 2 for p <= q, (T_pq - T_qp) / 2 */
+  double *present;      /* T as it is now, of segments of sets, where a subdomain is reshaped */
+  double *map;          /* BWI_SUBDOMAIN_MAP subdomain_count: what makes entries of T now */
 
-  double elasticity[81]; /* [3 i + k][3 j + l]: C_ijkl, of a material turned by element unturned */
-  double *rest_turn;     /* subdomain_count x 9: then how each subdomain's lies at rest; or NULL */
-  bool turning_matters;  /* the material is not isotropic */
+  double
+      elasticity[81]; /* [3 i + k][3 j + l]: C_ijkl, of a material rotated by element unrotated */
+  double
+      *rest_orientation; /* subdomain_count x 9: then how each subdomain's lies at rest; or NULL */
+  bool orientation_matters; /* the material is not isotropic */
 
   /* Frames met on a subdomain's nodes, -1 the global one; with a material that is not isotropic
      also the frame in which the material rests. */
@@ -81,7 +83,7 @@ typedef struct bwi_subdomain_coefficients {
 bw_status bwi_subdomain_lists(bw_context *context, const bw_block_pattern *pattern,
                               int32_t subdomain_count, const int32_t *element_subdomain,
                               const int32_t *node_subdomain, bool material_frame,
-                              bool material_turns, bwi_subdomain_coefficients *c);
+                              bool rotate_material, bwi_subdomain_coefficients *c);
 
 /* subdomain_evaluate.c. A tensor's halves: xx xy xz yy yz zz of the symmetric one, xy xz yz of the
  * skew one. A map makes those of the entries: map[6 m + r] and map[36 + 3 m + r] is what number m
@@ -98,7 +100,8 @@ void bwi_subdomain_map_derivative(const double elasticity[81], const double line
 /* The entries of one block, whose halves, 6 or 9 numbers, are at tensor[4 m]. */
 void bwi_subdomain_entries(const double *map, const double *tensor, int numbers, double block[9]);
 /* C of a material turned by the rotation: C'_ijkl = R_ia R_jb R_kc R_ld C_abcd. */
-void bwi_turn_elasticity(const double elasticity[81], const double rotation[9], double turned[81]);
+void bwi_rotate_elasticity(const double elasticity[81], const double rotation[9],
+                           double turned[81]);
 /* C of a subdomain, whose material may have turned with its frame. */
 void bwi_subdomain_elasticity(const bw_subdomain_stiffness *stiffness, int32_t subdomain,
                               const double frame[9], double elasticity[81]);

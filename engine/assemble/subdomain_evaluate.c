@@ -73,7 +73,8 @@ void bwi_subdomain_map_derivative(const double elasticity[81], const double line
   bwi_subdomain_map(changed, linear, map);
 }
 
-void bwi_turn_elasticity(const double elasticity[81], const double rotation[9], double turned[81]) {
+void bwi_rotate_elasticity(const double elasticity[81], const double rotation[9],
+                           double turned[81]) {
   /* each pass turns the last index and moves it to the front; four passes turn all and restore the
    * order, which is i k j l here */
   double now[81], next[81];
@@ -92,8 +93,8 @@ void bwi_turn_elasticity(const double elasticity[81], const double rotation[9], 
 void bwi_subdomain_elasticity(const bw_subdomain_stiffness *stiffness, int32_t subdomain,
                               const double frame[9], double elasticity[81]) {
   const bwi_subdomain_coefficients *c = stiffness->coefficients;
-  const double *rest = c->rest_turn ? c->rest_turn + 9 * (int64_t)subdomain : NULL;
-  bool turns = c->turning_matters && stiffness->material_turns;
+  const double *rest = c->rest_orientation ? c->rest_orientation + 9 * (int64_t)subdomain : NULL;
+  bool turns = c->orientation_matters && stiffness->rotate_material;
   double rotation[9];
   if (!turns && !rest) {
     memcpy(elasticity, c->elasticity, sizeof c->elasticity);
@@ -109,7 +110,7 @@ void bwi_subdomain_elasticity(const bw_subdomain_stiffness *stiffness, int32_t s
         rotation[3 * r + s] =
             frame[r] * rest[s] + frame[3 + r] * rest[3 + s] + frame[6 + r] * rest[6 + s];
     }
-  bwi_turn_elasticity(c->elasticity, rotation, elasticity);
+  bwi_rotate_elasticity(c->elasticity, rotation, elasticity);
 }
 
 void bwi_subdomain_entries(const double *map, const double *tensor, int numbers, double block[9]) {
@@ -165,7 +166,7 @@ INLINED void add_four(const double *map, const double *tensor, int numbers, bwi_
 }
 
 /* The entries of `count` of four blocks, to their places. */
-INLINED void store(const bwi_vector half[9], int numbers, const uint32_t *place, int count,
+INLINED void store(const bwi_vector half[9], int numbers, const uint32_t *code, int count,
                    double *out) {
   bwi_vector k[8] = {half[0], half[1], half[2], half[1], half[3], half[4], half[2], half[4]};
   if (numbers == 9) {
@@ -180,7 +181,7 @@ INLINED void store(const bwi_vector half[9], int numbers, const uint32_t *place,
   transpose(k, low);
   transpose(k + 4, high);
   for (int index = 0; index < count; index++) {
-    double *block = out + 9 * (int64_t)(place[index] >> 1);
+    double *block = out + 9 * (int64_t)(code[index] >> 1);
     *(bwi_vector *)block = low[index];
     *(bwi_vector *)(block + 4) = high[index];
     block[8] = half[5][index];
@@ -200,23 +201,23 @@ static const double *map_of(const bwi_subdomain_coefficients *c,
 
 /* Segments of one subdomain. */
 INLINED void evaluate_inside(const double *map, const double *tensor, int numbers,
-                             const uint32_t *place, int64_t size, double *out) {
+                             const uint32_t *code, int64_t size, double *out) {
   int64_t k = 0;
   for (; k + 4 <= size; k += 4) {
     bwi_vector half[9] = {{0}};
     add_four(map, tensor + numbers * k, numbers, half);
-    store(half, numbers, place + k, 4, out);
+    store(half, numbers, code + k, 4, out);
   }
   if (k < size) {
     bwi_vector half[9] = {{0}};
     add_four(map, tensor + numbers * k, numbers, half);
-    store(half, numbers, place + k, (int)(size - k), out);
+    store(half, numbers, code + k, (int)(size - k), out);
   }
 }
 
 void bwi_subdomain_evaluate(const bwi_subdomain_coefficients *c,
                             const bwi_subdomain_segment *segment, double *out) {
-  const uint32_t *place = c->place + segment->first;
+  const uint32_t *code = c->block_code + segment->first;
   int64_t subdomains = c->block_start[segment->section + 1] - c->block_start[segment->section];
   const double *tensor, *map = map_of(c, segment, 0, &tensor);
   if (subdomains > 1)
@@ -226,10 +227,10 @@ void bwi_subdomain_evaluate(const bwi_subdomain_coefficients *c,
         map = map_of(c, segment, j, &tensor);
         add_four(map, tensor + 9 * k, 9, half);
       }
-      store(half, 9, place + k, segment->size - k < 4 ? (int)(segment->size - k) : 4, out);
+      store(half, 9, code + k, segment->size - k < 4 ? (int)(segment->size - k) : 4, out);
     }
   else if (segment->numbers == 6)
-    evaluate_inside(map, tensor, 6, place, segment->size, out);
+    evaluate_inside(map, tensor, 6, code, segment->size, out);
   else
-    evaluate_inside(map, tensor, 9, place, segment->size, out);
+    evaluate_inside(map, tensor, 9, code, segment->size, out);
 }

@@ -32,7 +32,7 @@ static bw_status list_elements(bw_context *context, const bw_mesh *mesh, int32_t
 /* Nodes of each subdomain, and the frames met there. */
 static bw_status list_nodes(bw_context *context, const bw_mesh *mesh, int32_t subdomain_count,
                             const int32_t *element_subdomain, const int32_t *node_subdomain,
-                            bool material_frame, bool material_turns,
+                            bool material_frame, bool rotate_material,
                             bwi_subdomain_coefficients *c) {
   bw_status status = BW_OK;
   bwi_incidence around = {0};
@@ -82,7 +82,7 @@ static bw_status list_nodes(bw_context *context, const bw_mesh *mesh, int32_t su
       if (k < c->node_start[d]) { /* before all nodes: where the material rests */
         if (!material_frame || c->node_start[d] == c->node_start[d + 1])
           continue;
-        f = material_turns ? d : -1;
+        f = rotate_material ? d : -1;
       } else
         f = node_subdomain[c->node[k]];
       if (mark[f + 1] == d)
@@ -260,19 +260,19 @@ static bw_status list_segments(bw_context *context, const bw_block_pattern *patt
       int64_t size = bwi_next_four(segment->size);
       int64_t all = segment->numbers * size *
                     (c->block_start[segment->section + 1] - c->block_start[segment->section]);
-      segment->first = c->place_count;
+      segment->first = c->code_count;
       segment->item = c->item_count;
       segment->present = c->present_count;
-      c->place_count += size;
+      c->code_count += size;
       c->item_count += all;
       c->present_count += segment->section < c->inside_count ? 0 : all;
       found[segment->section] = p;
     }
   }
-  c->place = BW_NEW0(context, uint32_t, c->place_count);
+  c->block_code = BW_NEW0(context, uint32_t, c->code_count);
   c->tensor = BW_NEW0(context, double, c->item_count);
   c->present = BW_NEW0(context, double, c->present_count);
-  if (!c->place || !c->tensor || !c->present) {
+  if (!c->block_code || !c->tensor || !c->present) {
     status = BW_MEMORY;
     goto done;
   }
@@ -283,7 +283,7 @@ static bw_status list_segments(bw_context *context, const bw_block_pattern *patt
       if (block % BLOCKS_PER_TILE == 0)
         for (int64_t in = 0; in < BLOCKS_PER_TILE && in < blocks - block; in += (segment++)->size)
           next[segment->section] = segment->first;
-      c->place[next[section[block]]++] =
+      c->block_code[next[section[block]]++] =
           (uint32_t)block << 1 | (block == pattern->start[i + 1] - 1);
     }
 done:
@@ -346,11 +346,11 @@ done:
 bw_status bwi_subdomain_lists(bw_context *context, const bw_block_pattern *pattern,
                               int32_t subdomain_count, const int32_t *element_subdomain,
                               const int32_t *node_subdomain, bool material_frame,
-                              bool material_turns, bwi_subdomain_coefficients *c) {
+                              bool rotate_material, bwi_subdomain_coefficients *c) {
   bw_status status = BW_OK;
   BW_TRY(list_elements(context, pattern->mesh, subdomain_count, element_subdomain, c));
   BW_TRY(list_nodes(context, pattern->mesh, subdomain_count, element_subdomain, node_subdomain,
-                    material_frame, material_turns, c));
+                    material_frame, rotate_material, c));
   BW_TRY(list_sections(context, pattern, subdomain_count, element_subdomain, c));
 done:
   return status;

@@ -23,11 +23,11 @@ static void destroy(void *object) {
     bw_free(c->block_start);
     bw_free(c->block_subdomain);
     bw_free(c->segment);
-    bw_free(c->place);
+    bw_free(c->block_code);
     bw_free(c->tensor);
     bw_free(c->present);
     bw_free(c->map);
-    bw_free(c->rest_turn);
+    bw_free(c->rest_orientation);
     bw_free(c->frame_start);
     bw_free(c->frame_subdomain);
     bw_free(c->written);
@@ -52,14 +52,14 @@ static size_t bytes(const void *object) {
          numbers = (size_t)(9 * stiffness->pattern->block_count + c->item_count + c->present_count),
          nodes = (size_t)c->node_start[subdomains], frames = (size_t)c->frame_start[subdomains];
   return sizeof *stiffness + sizeof *c + numbers * sizeof *c->tensor +
-         (size_t)c->place_count * sizeof *c->place + (size_t)c->segment_count * sizeof *c->segment +
-         sections * 2 * sizeof(int64_t) +
+         (size_t)c->code_count * sizeof *c->block_code +
+         (size_t)c->segment_count * sizeof *c->segment + sections * 2 * sizeof(int64_t) +
          (size_t)c->block_start[sections] * sizeof *c->block_subdomain +
          elements * 2 * sizeof(int32_t) +
          nodes * (sizeof *c->node + 6 * sizeof *c->written_position) +
          frames * (sizeof *c->frame_subdomain + 9 * sizeof *c->reported_frame) +
          subdomains * (2 * sizeof *c->written + 2 * sizeof(int32_t) + sizeof(int64_t) +
-                       (BWI_SUBDOMAIN_MAP + (c->rest_turn ? 9 : 0)) * sizeof *c->map + 1);
+                       (BWI_SUBDOMAIN_MAP + (c->rest_orientation ? 9 : 0)) * sizeof *c->map + 1);
 }
 
 static const bw_kind stiffness_kind = {"subdomain stiffness", destroy, bytes};
@@ -93,20 +93,21 @@ static bw_status check_arguments(bw_context *context, const bw_mesh *mesh, int32
   return BW_OK;
 }
 
-/* How each subdomain's material lies at rest where it is turned by element: alike in all of a
+/* How each subdomain's material lies at rest where it is rotated by element: alike in all of a
  * subdomain.
  */
-static bw_status take_turns(bw_context *context, const bw_material *material,
-                            int32_t subdomain_count, const int32_t *element_subdomain,
-                            bwi_subdomain_coefficients *c) {
-  const bw_material_turns *t = material->turns;
+static bw_status take_orientations(bw_context *context, const bw_material *material,
+                                   int32_t subdomain_count, const int32_t *element_subdomain,
+                                   bwi_subdomain_coefficients *c) {
+  const bw_material_orientations *t = material->orientations;
   if (!t)
     return BW_OK;
-  c->rest_turn = BW_NEW0(context, double, 9 * (int64_t)subdomain_count); /* zero: not met yet */
-  if (!c->rest_turn)
+  c->rest_orientation =
+      BW_NEW0(context, double, 9 * (int64_t)subdomain_count); /* zero: not met yet */
+  if (!c->rest_orientation)
     return BW_MEMORY;
   for (int32_t e = 0; e < t->element_count; e++) {
-    double *rest = c->rest_turn + 9 * (int64_t)element_subdomain[e];
+    double *rest = c->rest_orientation + 9 * (int64_t)element_subdomain[e];
     const double *own = t->rotation + 9 * (int64_t)t->of_element[e];
     if (bw_norm(rest) == 0)
       memcpy(rest, own, 9 * sizeof *rest);
@@ -125,7 +126,7 @@ static bw_status take_turns(bw_context *context, const bw_material *material,
 
 bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_pattern *pattern,
                                         const bw_mesh *mesh, const bw_material *material,
-                                        bool material_turns, int32_t subdomain_count,
+                                        bool rotate_material, int32_t subdomain_count,
                                         const int32_t *element_subdomain,
                                         const int32_t *node_subdomain,
                                         bw_subdomain_stiffness **stiffness) {
@@ -151,7 +152,7 @@ bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_patt
   bw_object_init(s, &stiffness_kind);
   s->pattern = (const bw_block_pattern *)bw_retain(pattern);
   s->material = (const bw_material *)bw_retain(material);
-  s->material_turns = material_turns;
+  s->rotate_material = rotate_material;
   s->subdomain_count = subdomain_count;
   s->revision = s->object.revision;
   bwi_subdomain_coefficients *c = s->coefficients = BW_NEW0(context, bwi_subdomain_coefficients, 1);
@@ -165,10 +166,10 @@ bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_patt
         for (int l = 0; l < 3; l++)
           c->elasticity[9 * (3 * i + k) + 3 * j + l] =
               material->elasticity[6 * voigt[i][j] + voigt[k][l]];
-  c->turning_matters = !material->isotropic;
-  BW_TRY(take_turns(context, material, subdomain_count, element_subdomain, c));
+  c->orientation_matters = !material->isotropic;
+  BW_TRY(take_orientations(context, material, subdomain_count, element_subdomain, c));
   BW_TRY(bwi_subdomain_lists(context, pattern, subdomain_count, element_subdomain, node_subdomain,
-                             c->turning_matters, material_turns, c));
+                             c->orientation_matters, rotate_material, c));
   int64_t nodes = c->node_start[subdomain_count];
   int32_t frames = c->frame_start[subdomain_count];
   s->values = BW_NEW(context, double, 9 * pattern->block_count);
@@ -230,11 +231,11 @@ static int32_t row_of(const bw_block_pattern *pattern, int32_t from, int64_t ind
 
 /* y += A x with A the map of a block's coefficients. */
 static void add_product(const bw_block_pattern *pattern, const double *map, const double *tensor,
-                        const uint32_t *place, const bwi_subdomain_segment *segment,
-                        const double *x, double *y) {
+                        const uint32_t *code, const bwi_subdomain_segment *segment, const double *x,
+                        double *y) {
   int32_t row = 0;
   for (int64_t k = 0; k < segment->size; k++) {
-    int64_t index = place[k] >> 1;
+    int64_t index = code[k] >> 1;
     const double *t = tensor + segment->numbers * (k & ~(int64_t)3) + (k & 3);
     row = row_of(pattern, row, index);
     int32_t column = pattern->column[index];
@@ -273,7 +274,7 @@ bw_status bw_subdomain_stiffness_derivative(bw_context *context,
     for (int64_t b = first; b < c->block_start[segment->section + 1]; b++)
       if (c->block_subdomain[b] == subdomain)
         add_product(pattern, map, bwi_subdomain_rest(c, segment, b - first),
-                    c->place + segment->first, segment, x, y);
+                    c->block_code + segment->first, segment, x, y);
   }
   return BW_OK;
 }

@@ -113,7 +113,7 @@ static bool must_write(const bw_subdomain_stiffness *stiffness, const bw_mesh *m
   const bwi_subdomain_shape *was = &c->written[d];
   if (motion->reshaped != was->reshaped)
     return true;
-  if (c->turning_matters && stiffness->material_turns && !same_map(motion->frame, was->frame))
+  if (c->orientation_matters && stiffness->rotate_material && !same_map(motion->frame, was->frame))
     return true;
   return motion->reshaped ? !same_positions(mesh, c, d, NULL, c->written_position, NULL)
                           : !same_map(motion->linear, was->linear);

@@ -142,13 +142,13 @@ static bwi_element_range range_of(const bwi_subdomain_work *work, int64_t subdom
 /* T of a segment's j-th subdomain into `to`. */
 static void gather_tensors(const bwi_subdomain_work *work, const bwi_subdomain_segment *segment,
                            int32_t subdomain, double *to) {
-  const uint32_t *place = work->stiffness->coefficients->place + segment->first;
+  const uint32_t *code = work->stiffness->coefficients->block_code + segment->first;
   bwi_element_range range = range_of(work, subdomain);
   int numbers = segment->numbers;
   for (int64_t k = 0; k < segment->size; k++) {
     double t[3][4], *tensor = to + numbers * (k & ~(int64_t)3) + (k & 3);
-    bool diagonal = place[k] & 1;
-    bwi_sum_block(&work->source, &range, place[k] >> 1, diagonal, t);
+    bool diagonal = code[k] & 1;
+    bwi_sum_block(&work->source, &range, code[k] >> 1, diagonal, t);
     bwi_subdomain_halves(t, numbers, tensor);
     if (diagonal) /* symmetric but for rounding */
       for (int m = 6; m < numbers; m++)
@@ -175,7 +175,7 @@ static void gather_inside(const bwi_subdomain_work *work, const bwi_subdomain_se
                           int32_t subdomain) {
   const bwi_subdomain_coefficients *c = work->stiffness->coefficients;
   const bw_material *material = work->stiffness->material;
-  const uint32_t *place = c->place + segment->first;
+  const uint32_t *code = c->block_code + segment->first;
   bwi_element_range range = range_of(work, subdomain);
   bwi_vector map[9][3] = {{{0}}};
   if (!material->isotropic) {
@@ -187,9 +187,9 @@ static void gather_inside(const bwi_subdomain_work *work, const bwi_subdomain_se
           map[jl][i][k] = elasticity[9 * (3 * i + k) + jl];
   }
   for (int64_t k = 0; k < segment->size; k++) {
-    double t[3][4], *block = work->stiffness->values + 9 * (int64_t)(place[k] >> 1);
-    bool diagonal = place[k] & 1;
-    bwi_sum_block(&work->source, &range, place[k] >> 1, diagonal, t);
+    double t[3][4], *block = work->stiffness->values + 9 * (int64_t)(code[k] >> 1);
+    bool diagonal = code[k] & 1;
+    bwi_sum_block(&work->source, &range, code[k] >> 1, diagonal, t);
     if (material->isotropic)
       bwi_apply_isotropic(material->lame_lambda, material->lame_mu, t, block);
     else

@@ -3,10 +3,10 @@
  * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
  *
  * Invariants: the roots are written before confined is set, and never after that; what is allowed
- * can only become less. A path is judged by where it leads with every link followed, and what does
- * not exist yet by its folder. bw_open and its relatives judge by themselves, and then go down to
- * that place folder by folder without following any link. So what is judged is what is opened, also
- * where another process moves links about in the meantime. */
+ * can only become less. A path is checked by where it leads with every link followed, and what does
+ * not exist yet by its folder. bw_open and its relatives check by themselves, and then go down to
+ * that place folder by folder without following any link. So what is checked is what is opened,
+ * also where another process moves links about in the meantime. */
 #include "barwright/confine.h"
 
 #include <errno.h>

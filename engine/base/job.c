@@ -25,7 +25,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { CHUNK = 1 << 15, POLL_MILLISECONDS = 50, PATIENCE_WITH_WORDS = 100 };
+enum { CHUNK = 1 << 15, POLL_MILLISECONDS = 50, DRAIN_MILLISECONDS = 100 };
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static bw_job *living;
@@ -351,14 +351,14 @@ bw_status bw_jobs_wait(bw_context *context, int count, bw_job *const *jobs, doub
     for (int i = 0; i < count; i++)
       ready[i] = (struct pollfd){jobs[i]->pipe, POLLIN, 0};
     double left = 1000 * (seconds - (bw_seconds() - start));
-    int patience = left >= POLL_MILLISECONDS ? POLL_MILLISECONDS : left > 0 ? (int)ceil(left) : 0;
-    int found = poll(ready, (nfds_t)count, patience);
+    int timeout = left >= POLL_MILLISECONDS ? POLL_MILLISECONDS : left > 0 ? (int)ceil(left) : 0;
+    int found = poll(ready, (nfds_t)count, timeout);
     if (found < 0 && errno != EINTR) {
       status = bw_fail(context, BW_LIMIT, "waiting for %d jobs: %s", count, strerror(errno));
       goto done;
     }
     /* What has come by the end of the time is still read, and may be somebody's last words. */
-    late = left <= 0 && (found == 0 || left < -PATIENCE_WITH_WORDS);
+    late = left <= 0 && (found == 0 || left < -DRAIN_MILLISECONDS);
     for (int i = 0; i < count && found >= 0; i++)
       if (ready[i].revents)
         listen(context, jobs[i]);

@@ -121,7 +121,7 @@ static void prepare(const bw_job_options *options, int output, int parent) {
   /* Handlers are the starter's business, and so is Ctrl-C, which does not come here. */
   for (int number = 1; number < 32; number++)
     signal(number, SIG_DFL);
-  /* A file that may not grow further is a failure to write, which can be told. */
+  /* A file that may not grow further is a failure to write, which can be reported. */
   signal(SIGXFSZ, SIG_IGN);
   sigset_t none;
   sigemptyset(&none);

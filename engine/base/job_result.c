@@ -1,4 +1,4 @@
-/* What came of a job: usage, result, and what is said where there is none. See barwright/job.h.
+/* What came of a job: usage, result, and the message where there is none. See barwright/job.h.
  *
  * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 #include <signal.h>

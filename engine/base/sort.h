@@ -23,7 +23,7 @@ static inline void bwi_sort_columns(int32_t *list, int64_t count) {
 }
 
 /* The place of a column in list[begin, end), which ascends and has it. */
-static inline int64_t bwi_sorted_place(const int32_t *list, int64_t begin, int64_t end,
+static inline int64_t bwi_sorted_index(const int32_t *list, int64_t begin, int64_t end,
                                        int32_t column) {
   while (end - begin > 1) {
     int64_t middle = begin + (end - begin) / 2;

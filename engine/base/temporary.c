@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Temporary files, and those that killed processes left. See barwright/temporary.h.
  *
- * Invariant: a file of this process has a lock before its maker is told its name. Between its
+ * Invariant: a file of this process has a lock before its maker gets its name. Between its
  * making and its locking another process may take it for one that was left behind, lock it and
  * remove it: then the lock is refused, or taken on a file without a name, and another one is made.
  * Files that belong to it are made after it and removed before it, so that they are left behind

@@ -14,13 +14,13 @@ static void destroy(bwd_system *system) {
   KSPDestroy(&system->solver);
   MatDestroy(&system->K);
   MatDestroy(&system->M);
-  MatDestroy(&system->pinned);
+  MatDestroy(&system->isostatic);
   VecDestroy(&system->force);
   VecDestroy(&system->displacement);
   VecDestroy(&system->mask);
   VecDestroyVecs(system->motions, &system->motion);
   VecDestroyVecs(system->motions, &system->weighted);
-  bw_free(system->place);
+  bw_free(system->row_of);
   bw_free(system->start);
   bw_free(system->counts);
   bw_free(system->where);
@@ -57,7 +57,7 @@ bw_status bwd_run_open(bw_context *context, const bw_external_matrix *matrix,
   current->matrix = matrix;
   if (options)
     current->options = *options;
-  BW_TRY(bwd_share(context, current));
+  BW_TRY(bwd_distribute(context, current));
 done:
   return ended(context, status);
 }
@@ -111,27 +111,29 @@ void bwd_run_close(bw_context *context, bw_external_report *report) {
 /* ---- on rank 0 ---------------------------------------------------------------------------------
  */
 
-static bw_status outside_open(bw_context *context, const bw_external_matrix *matrix,
-                              const bw_external_options *options) {
+static bw_status external_open(bw_context *context, const bw_external_matrix *matrix,
+                               const bw_external_options *options) {
   bw_status status = bwd_command(context, BWD_OPEN);
   return status == BW_OK ? bwd_run_open(context, matrix, options) : status;
 }
 
-static bw_status outside_solve(bw_context *context, const double *force, double *displacement) {
+static bw_status external_solve(bw_context *context, const double *force, double *displacement) {
   bw_status status = bwd_command(context, BWD_SOLVE);
   return status == BW_OK ? bwd_run_solve(context, force, displacement) : status;
 }
 
-static bw_status outside_modes(bw_context *context, const bw_modes_options *options,
-                               bw_external_modes *modes) {
+static bw_status external_modes(bw_context *context, const bw_modes_options *options,
+                                bw_external_modes *modes) {
   bw_status status = bwd_command(context, BWD_MODES);
   return status == BW_OK ? bwd_run_modes(context, options, modes) : status;
 }
 
-static void outside_close(bw_context *context, bw_external_report *report) {
+static void external_close(bw_context *context, bw_external_report *report) {
   if (bwd_command(context, BWD_CLOSE) == BW_OK)
     bwd_run_close(context, report);
 }
 
-const bw_external bwd_external = {
-    .open = outside_open, .solve = outside_solve, .modes = outside_modes, .close = outside_close};
+const bw_external bwd_external = {.open = external_open,
+                                  .solve = external_solve,
+                                  .modes = external_modes,
+                                  .close = external_close};

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Fields of rank 0, in global directions and the mesh's order, and vectors spread over the ranks,
- * in the nodes' frames and by place. */
+ * in the nodes' frames and by row. */
 #include <string.h>
 
 #include "distributed/internal.h"
@@ -23,7 +23,7 @@ static void out_of_frame(const double *frame, const double *own, double *global)
     global[c] = frame ? frame[c] * own[0] + frame[3 + c] * own[1] + frame[6 + c] * own[2] : own[c];
 }
 
-/* The numbers in `system->field`, already by place, to a vector. */
+/* The numbers in `system->field`, already by row, to a vector. */
 bw_status bwd_spread(bw_context *context, bwd_system *system, Vec vector) {
   bw_status status = BW_OK;
   double *own = NULL;
@@ -40,7 +40,7 @@ bw_status bwd_scatter(bw_context *context, bwd_system *system, const double *fie
     const bw_dof_map *dof_map = system->matrix->dof_map;
     for (int64_t i = 0; i < system->nodes; i++)
       bwd_into_frame(bwd_frame_at(dof_map, i), field + 3 * i,
-                     system->field + 3 * (int64_t)system->place[i]);
+                     system->field + 3 * (int64_t)system->row_of[i]);
   }
   return bwd_spread(context, system, vector);
 }
@@ -55,7 +55,7 @@ bw_status bwd_gather(bw_context *context, bwd_system *system, Vec vector, double
   if (system->rank == 0) {
     const bw_dof_map *dof_map = system->matrix->dof_map;
     for (int64_t i = 0; i < system->nodes; i++)
-      out_of_frame(bwd_frame_at(dof_map, i), system->field + 3 * (int64_t)system->place[i],
+      out_of_frame(bwd_frame_at(dof_map, i), system->field + 3 * (int64_t)system->row_of[i],
                    field + 3 * i);
   }
 done:

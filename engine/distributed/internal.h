@@ -33,11 +33,11 @@ bw_status bwd_agree(bw_context *context, bw_status status);
 /* Has rank 0 been asked to stop? The same answer on all ranks. */
 bool bwd_cancelled(bw_context *context);
 /* Wait without burning the processor: call again and again; the pauses grow to a millisecond. */
-typedef struct bwd_patience {
+typedef struct bwd_backoff {
   int rounds;
   double since;
-} bwd_patience;
-void bwd_pause(bwd_patience *patience);
+} bwd_backoff;
+void bwd_pause(bwd_backoff *backoff);
 
 /* A PETSc call inside a function with `status`, `context` and a `done` label. */
 bw_status bwd_petsc_status(bw_context *context, PetscErrorCode code);
@@ -48,7 +48,8 @@ bw_status bwd_petsc_status(bw_context *context, PetscErrorCode code);
 
 /* Unknowns: three at each node, in the node's frame; nodes are renumbered, those of a rank next to
  * each other. Held components stay in K as decoupled equations with K's own diagonal (so that
- * blocks are 3 x 3 throughout, which multigrid wants) and are zero in M; pinned ones are ordinary.
+ * blocks are 3 x 3 throughout, which multigrid wants) and are zero in M; isostatic ones are
+ * ordinary.
  */
 typedef struct bwd_system {
   int rank, ranks;
@@ -58,7 +59,7 @@ typedef struct bwd_system {
   int motions;
   int mass_width; /* numbers of M sent per block: 0, 3 (the block's diagonal), 9 */
   Mat K, M;
-  Mat pinned; /* K with the pinned components decoupled too, or NULL: for a factor */
+  Mat isostatic; /* K with the isostatic components decoupled too, or NULL: for a factor */
   Vec force, displacement;
   Vec mask;               /* 1 at the components solved for */
   Vec *motion, *weighted; /* R and W R */
@@ -68,26 +69,26 @@ typedef struct bwd_system {
   double processor; /* of this process when the system was opened */
   /* Rank 0 alone: */
   const bw_external_matrix *matrix;
-  int32_t *place;      /* nodes: where each has gone */
-  int32_t *start;      /* ranks + 1: first place of each rank; on every rank */
+  int32_t *row_of;     /* nodes: the row of each */
+  int32_t *start;      /* ranks + 1: first row of each rank; on every rank */
   int *counts, *where; /* ranks: numbers of a field and where they begin */
   double *field;       /* 3 x nodes: a field in frames and places */
 } bwd_system;
 
 /* partition.c: nodes to ranks by METIS, few neighbours across; within a rank, neighbours near each
- * other. place (node_count) and start (ranks + 1) are filled. */
+ * other. row_of (node_count) and start (ranks + 1) are filled. */
 bw_status bwd_partition(bw_context *context, const bw_block_pattern *pattern, int ranks,
-                        int32_t *place, int32_t *start);
+                        int32_t *row_of, int32_t *start);
 
-/* share.c: sizes, K, M, mask, motions, to all ranks. Collective, as all below. */
-bw_status bwd_share(bw_context *context, bwd_system *system);
+/* distribute.c: sizes, K, M, mask, motions, to all ranks. Collective, as all below. */
+bw_status bwd_distribute(bw_context *context, bwd_system *system);
 /* rows.c: the entries of K and M; `most` is the largest number of blocks in a row. */
 bw_status bwd_send_rows(bw_context *context, bwd_system *system, int32_t max);
 
 /* fields.c: a field in global directions of rank 0 to a vector, and back. */
 bw_status bwd_scatter(bw_context *context, bwd_system *system, const double *field, Vec vector);
 bw_status bwd_gather(bw_context *context, bwd_system *system, Vec vector, double *field);
-/* The numbers in `system->field` of rank 0, by place and in frames, to a vector. */
+/* The numbers in `system->field` of rank 0, by row and in frames, to a vector. */
 bw_status bwd_spread(bw_context *context, bwd_system *system, Vec vector);
 /* A node's frame, rows are directions; NULL: the global one. */
 const double *bwd_frame_at(const bw_dof_map *dof_map, int64_t node);

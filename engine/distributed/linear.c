@@ -3,10 +3,10 @@
  * factor spread over the ranks (MUMPS).
  *
  * Multigrid by smoothed aggregation needs to know what elements cannot feel: the six rigid-body
- * motions at all nodes, zero at held components. A body that moves freely is solved as it is,
- * without pins: K is singular, its null space is told, the force is balanced, and conjugate
- * gradients stay in the complement. (With pins the matrix is regular, but the pins make one to six
- * eigenvalues very small, and each costs iterations.) A factor needs the pins. */
+ * motions at all nodes, zero at prescribed components. A body that moves freely is solved as it is,
+ * without isostatic constraints: K is singular, its null space is given, the force is balanced, and
+ * conjugate gradients stay in the complement. (With pins the matrix is regular, but the pins make
+ * one to six eigenvalues very small, and each costs iterations.) A factor needs the pins. */
 #include <math.h>
 #include <string.h>
 
@@ -93,7 +93,7 @@ done:
   return status;
 }
 
-/* K with the pinned components decoupled. */
+/* K with the isostatic components decoupled. */
 static bw_status pin(bw_context *context, bwd_system *system) {
   bw_status status = BW_OK;
   PetscInt *row = BW_NEW(context, PetscInt, 3 * (int64_t)system->local);
@@ -110,8 +110,8 @@ static bw_status pin(bw_context *context, bwd_system *system) {
     if (mask[i] == 0)
       row[count++] = 3 * system->first + i;
   BWD_TRY(VecRestoreArrayRead(system->mask, &mask));
-  BWD_TRY(MatDuplicate(system->K, MAT_COPY_VALUES, &system->pinned));
-  BWD_TRY(MatZeroRowsColumns(system->pinned, count, row, size, NULL, NULL));
+  BWD_TRY(MatDuplicate(system->K, MAT_COPY_VALUES, &system->isostatic));
+  BWD_TRY(MatZeroRowsColumns(system->isostatic, count, row, size, NULL, NULL));
 done:
   (void)diagonal;
   VecDestroy(&main);
@@ -147,7 +147,7 @@ static PetscErrorCode converged(KSP solver, PetscInt iteration, PetscReal norm,
     w->first = norm;
   if (*reason == KSP_CONVERGED_ITERATING && iteration % CANCEL_EVERY == 0 && iteration > 0) {
     if (bwd_cancelled(w->context))
-      *reason = KSP_DIVERGED_BREAKDOWN; /* told apart by the flag */
+      *reason = KSP_DIVERGED_BREAKDOWN; /* distinguished by the flag */
     PetscReal wanted = -log(w->system->options.rtol);
     if (w->system->rank == 0 && w->first > 0 && norm > 0 && wanted > 0)
       bw_progress(w->context, "conjugate gradients",
@@ -209,9 +209,9 @@ static bw_status with_factor(bw_context *context, bwd_system *system, int percen
   bw_status status = BW_OK;
   PC pc;
   Mat factor;
-  if (system->motions > 0 && !system->pinned)
+  if (system->motions > 0 && !system->isostatic)
     BW_TRY(pin(context, system));
-  Mat matrix = system->pinned ? system->pinned : system->K;
+  Mat matrix = system->isostatic ? system->isostatic : system->K;
   BWD_TRY(MatSetOption(matrix, MAT_SPD, PETSC_TRUE));
   BWD_TRY(KSPSetOperators(system->solver, matrix, matrix));
   BWD_TRY(KSPSetType(system->solver, KSPPREONLY));
@@ -355,7 +355,7 @@ bw_status bwd_count_below(bw_context *context, bwd_system *system, double sigma,
     BWD_TRY(MatGetFactor(shifted, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, &factor));
     BWD_TRY(MatMumpsSetIcntl(factor, 13,
                              1)); /* the root on one rank: else its pivots are not counted */
-    BWD_TRY(MatMumpsSetIcntl(factor, 24, 1)); /* pivots near zero are told */
+    BWD_TRY(MatMumpsSetIcntl(factor, 24, 1)); /* pivots near zero are reported */
     BWD_TRY(MatMumpsSetIcntl(factor, 14, memory_percent[k]));
     BWD_TRY(MatFactorInfoInitialize(&info));
     BWD_TRY(MatCholeskyFactorSymbolic(factor, shifted, NULL, &info));

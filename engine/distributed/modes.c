@@ -24,7 +24,7 @@ static bw_status take_off(bw_context *context, int count, Vec *basis, Vec *other
   bw_status status = BW_OK;
   PetscScalar *part = BW_NEW(context, PetscScalar, count);
   if (!part)
-    return BW_MEMORY; /* a few numbers: told at the next agreement */
+    return BW_MEMORY; /* a few numbers: reported at the next agreement */
   BWD_TRY(VecMDot(v, count, basis, part));
   for (int k = 0; k < count; k++)
     part[k] = -part[k];
@@ -121,7 +121,7 @@ static bw_status random_start(elastic *e, uint64_t seed, Vec start) {
   }
   BWD_TRY(VecDuplicate(start, &random));
   BW_TRY(bwd_scatter(context, system, field, random));
-  BW_TRY(apply(e, random, start)); /* zero at held components, no rigid-body motion */
+  BW_TRY(apply(e, random, start)); /* zero at prescribed components, no rigid-body motion */
 done:
   VecDestroy(&random);
   bw_free(field);
@@ -151,7 +151,7 @@ static bw_status search(elastic *e, int wanted, double tolerance, uint64_t seed,
   BWD_TRY(EPSSetTarget(solver, 0));
   BWD_TRY(EPSSetDimensions(solver, wanted, PETSC_DEFAULT, PETSC_DEFAULT));
   BWD_TRY(EPSSetTolerances(solver, tolerance, 1000));
-  BWD_TRY(EPSSetPurify(solver, PETSC_FALSE)); /* start and Op are clean of held components */
+  BWD_TRY(EPSSetPurify(solver, PETSC_FALSE)); /* start and Op are clean of prescribed components */
   BWD_TRY(EPSGetST(solver, &st));
   BWD_TRY(STSetType(st, STSINVERT));
   BWD_TRY(STSetMatMode(st, ST_MATMODE_SHELL)); /* no copy of K */

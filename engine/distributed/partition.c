@@ -33,31 +33,31 @@ static bw_status neighbours(bw_context *context, const bw_block_pattern *pattern
 
 /* Places by breadth-first search, rank after rank. */
 static bw_status number(bw_context *context, const adjacency *a, int32_t nodes, int ranks,
-                        const idx_t *rank_of, int32_t *place, int32_t *start) {
+                        const idx_t *rank_of, int32_t *row_of, int32_t *start) {
   int32_t *queue = BW_NEW(context, int32_t, nodes);
   if (!queue)
     return BW_MEMORY;
   memset(start, 0, ((size_t)ranks + 1) * sizeof *start);
   for (int32_t i = 0; i < nodes; i++) {
     start[rank_of[i] + 1]++;
-    place[i] = -1;
+    row_of[i] = -1;
   }
   for (int r = 0; r < ranks; r++)
     start[r + 1] += start[r];
   for (int r = 0; r < ranks; r++) {
     int32_t next = start[r];
     for (int32_t root = 0; root < nodes && next < start[r + 1]; root++) {
-      if (rank_of[root] != r || place[root] >= 0)
+      if (rank_of[root] != r || row_of[root] >= 0)
         continue;
       int32_t head = 0, tail = 0;
       queue[tail++] = root;
-      place[root] = next++;
+      row_of[root] = next++;
       while (head < tail) {
         int32_t i = queue[head++];
         for (idx_t k = a->start[i]; k < a->start[i + 1]; k++) {
           int32_t j = (int32_t)a->neighbour[k];
-          if (rank_of[j] == r && place[j] < 0) {
-            place[j] = next++;
+          if (rank_of[j] == r && row_of[j] < 0) {
+            row_of[j] = next++;
             queue[tail++] = j;
           }
         }
@@ -69,7 +69,7 @@ static bw_status number(bw_context *context, const adjacency *a, int32_t nodes, 
 }
 
 bw_status bwd_partition(bw_context *context, const bw_block_pattern *pattern, int ranks,
-                        int32_t *place, int32_t *start) {
+                        int32_t *row_of, int32_t *start) {
   bw_status status = BW_OK;
   adjacency a = {0};
   idx_t nodes = pattern->node_count, one = 1, parts = ranks, cut = 0;
@@ -98,11 +98,11 @@ bw_status bwd_partition(bw_context *context, const bw_block_pattern *pattern, in
                                    NULL, NULL, options, &cut, rank_of);
     if (code != METIS_OK) {
       status = bw_fail(context, code == METIS_ERROR_MEMORY ? BW_MEMORY : BW_INTERNAL,
-                       "METIS could not share out %d nodes among %d ranks", (int)nodes, ranks);
+                       "METIS could not distribute %d nodes among %d ranks", (int)nodes, ranks);
       goto done;
     }
   }
-  BW_TRY(number(context, &a, (int32_t)nodes, ranks, rank_of, place, start));
+  BW_TRY(number(context, &a, (int32_t)nodes, ranks, rank_of, row_of, start));
 done:
   bw_free(rank_of);
   bw_free(a.start);

@@ -30,32 +30,33 @@ static void lay_out(const bwd_system *system, void *buffer, int64_t capacity, pi
   p->column = p->length + capacity;
 }
 
-/* A place and the block it stands for, seen from the row: `turned` when it is stored as (k, i). */
+/* A place and the block it stands for, seen from the row: `transposed` when it is stored as (k, i).
+ */
 typedef struct neighbour {
-  int32_t place, node;
+  int32_t column, node;
   int64_t index;
-  bool turned;
+  bool transposed;
 } neighbour;
 
 static int32_t row_neighbours(const bwd_system *system, int32_t node, neighbour *list) {
   const bw_block_pattern *pattern = system->matrix->pattern;
   int32_t count = 0;
   for (int64_t k = pattern->start[node]; k < pattern->start[node + 1]; k++)
-    list[count++] = (neighbour){system->place[pattern->column[k]], pattern->column[k], k, false};
+    list[count++] = (neighbour){system->row_of[pattern->column[k]], pattern->column[k], k, false};
   for (int64_t k = pattern->upper_start[node]; k < pattern->upper_start[node + 1]; k++)
-    list[count++] = (neighbour){system->place[pattern->upper_row[k]], pattern->upper_row[k],
+    list[count++] = (neighbour){system->row_of[pattern->upper_row[k]], pattern->upper_row[k],
                                 pattern->upper_block[k], true};
   for (int32_t a = 1; a < count; a++) { /* a few dozen */
     neighbour moving = list[a];
     int32_t b = a;
-    for (; b > 0 && list[b - 1].place > moving.place; b--)
+    for (; b > 0 && list[b - 1].column > moving.column; b--)
       list[b] = list[b - 1];
     list[b] = moving;
   }
   return count;
 }
 
-/* block = F_i K_ij F_j^T without what is held. */
+/* block = F_i K_ij F_j^T without prescribed components. */
 static void stiffness_block(const bwd_system *system, int32_t i, const neighbour *n,
                             double block[9]) {
   const bw_dof_map *dof_map = system->matrix->dof_map;
@@ -64,7 +65,7 @@ static void stiffness_block(const bwd_system *system, int32_t i, const neighbour
   double k[9];
   for (int r = 0; r < 3; r++)
     for (int c = 0; c < 3; c++)
-      k[3 * r + c] = n->turned ? value[3 * c + r] : value[3 * r + c];
+      k[3 * r + c] = n->transposed ? value[3 * c + r] : value[3 * r + c];
   if (right) {
     double turned[9];
     for (int r = 0; r < 3; r++)
@@ -127,7 +128,7 @@ static void pack(const bwd_system *system, const int32_t *node_at, int32_t *next
       stiffness_block(system, node, &list[n], block);
       for (int r = 0; r < 3; r++)
         memcpy(k + (int64_t)r * 3 * count + 3 * n, block + 3 * r, 3 * sizeof *k);
-      p->column[p->blocks + n] = list[n].place;
+      p->column[p->blocks + n] = list[n].column;
       if (system->mass_width)
         mass_block(system, node, &list[n], p->mass + system->mass_width * ((int64_t)p->blocks + n));
     }
@@ -204,7 +205,7 @@ bw_status bwd_send_rows(bw_context *context, bwd_system *system, int32_t max) {
   int32_t *head = p.length - 2;
   if (system->rank == 0) {
     for (int32_t i = 0; i < system->nodes; i++)
-      node_at[system->place[i]] = i;
+      node_at[system->row_of[i]] = i;
     for (int r = 0; r < system->ranks; r++) {
       int32_t next = system->start[r], end = system->start[r + 1];
       while (next < end) {
@@ -221,12 +222,12 @@ bw_status bwd_send_rows(bw_context *context, bwd_system *system, int32_t max) {
   } else {
     int32_t row = system->first, end = row + system->local;
     while (row < end) {
-      bwd_patience patience = {0};
+      bwd_backoff backoff = {0};
       for (int there = 0;;) {
         MPI_Iprobe(0, ROW_TAG, bwd_comm(), &there, MPI_STATUS_IGNORE);
         if (there)
           break;
-        bwd_pause(&patience);
+        bwd_pause(&backoff);
       }
       MPI_Recv(buffer, (int)bytes, MPI_BYTE, 0, ROW_TAG, bwd_comm(), MPI_STATUS_IGNORE);
       p.rows = head[0];

@@ -13,7 +13,7 @@
 #include "distributed/internal.h"
 
 #define LONGEST_PAUSE 1e-3 /* s */
-#define PATIENCE 60.0      /* s that a failed rank waits for the others to come to an agreement */
+#define MAX_WAIT 60.0      /* s that a failed rank waits for the others to come to an agreement */
 enum { COMMAND_TAG = 1, MESSAGE = 1000, MAX_TAG = 1000, SPINS = 20 };
 
 static struct world {
@@ -28,12 +28,12 @@ static char petsc_text[MESSAGE]; /* of the last error that PETSc raised */
 /* ---- waiting -----------------------------------------------------------------------------------
  */
 
-void bwd_pause(bwd_patience *patience) {
-  if (patience->rounds++ == 0)
-    patience->since = bw_seconds();
-  if (patience->rounds < SPINS)
+void bwd_pause(bwd_backoff *backoff) {
+  if (backoff->rounds++ == 0)
+    backoff->since = bw_seconds();
+  if (backoff->rounds < SPINS)
     return;
-  double pause = 2e-5 * (patience->rounds - SPINS + 1);
+  double pause = 2e-5 * (backoff->rounds - SPINS + 1);
   if (pause > LONGEST_PAUSE)
     pause = LONGEST_PAUSE;
   struct timespec span = {0, (long)(pause * 1e9)};
@@ -219,13 +219,13 @@ bw_status bw_world_serve(bw_context *context) {
   if (status != BW_OK)
     return status;
   for (;;) {
-    bwd_patience patience = {0};
+    bwd_backoff backoff = {0};
     int there = 0, operation = 0;
     for (;;) {
       MPI_Iprobe(0, COMMAND_TAG, world.work, &there, MPI_STATUS_IGNORE);
       if (there)
         break;
-      bwd_pause(&patience);
+      bwd_pause(&backoff);
     }
     MPI_Recv(&operation, 1, MPI_INT, 0, COMMAND_TAG, world.work, MPI_STATUS_IGNORE);
     bw_clear_failure(context);
@@ -251,19 +251,19 @@ bw_status bwd_agree(bw_context *context, bw_status status) {
     return status;
   MPI_Request request;
   MPI_Iallreduce(&own, &worst, 1, MPI_2INT, MPI_MAXLOC, world.work, &request);
-  bwd_patience patience = {0};
+  bwd_backoff backoff = {0};
   int there = 0;
   for (;;) {
     MPI_Test(&request, &there, MPI_STATUS_IGNORE);
     if (there)
       break;
-    bwd_pause(&patience);
-    if (status != BW_OK && patience.rounds > SPINS && bw_seconds() - patience.since > PATIENCE) {
+    bwd_pause(&backoff);
+    if (status != BW_OK && backoff.rounds > SPINS && bw_seconds() - backoff.since > MAX_WAIT) {
       char text[MESSAGE + 200];
       snprintf(
           text, sizeof text,
           "%s. The other ranks have not come to the same end within %.0f s, so all are stopped",
-          bw_message(context), PATIENCE);
+          bw_message(context), MAX_WAIT);
       bw_world_abort(text);
     }
   }
@@ -305,11 +305,11 @@ bw_status bw_world_send(bw_context *context, int rank, int tag, const void *byte
                    count, INT_MAX);
   MPI_Request request;
   MPI_Isend(bytes, (int)count, MPI_BYTE, rank, tag, world.talk, &request);
-  bwd_patience patience = {0};
+  bwd_backoff backoff = {0};
   for (int sent = 0; !sent;) {
     MPI_Test(&request, &sent, MPI_STATUS_IGNORE);
     if (!sent)
-      bwd_pause(&patience);
+      bwd_pause(&backoff);
   }
   return BW_OK;
 }
@@ -331,7 +331,7 @@ bw_status bw_world_receive(bw_context *context, double seconds, int *rank, int *
   *bytes = NULL;
   *count = 0;
   MPI_Status found;
-  bwd_patience patience = {0};
+  bwd_backoff backoff = {0};
   double until = bw_seconds() + seconds;
   for (int there = 0;;) {
     MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, world.talk, &there, &found);
@@ -343,7 +343,7 @@ bw_status bw_world_receive(bw_context *context, double seconds, int *rank, int *
       return bw_fail(context, BW_IO, "rank 0 has left");
     if ((status = bw_check_cancel(context)) != BW_OK)
       return status;
-    bwd_pause(&patience);
+    bwd_pause(&backoff);
   }
   int size = 0;
   MPI_Get_count(&found, MPI_BYTE, &size);

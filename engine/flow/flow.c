@@ -12,8 +12,8 @@ static void flow_destroy(void *object) {
   if (in) {
     bw_free(in->condition);
     bw_release(in->now);
-    bw_plane_locator_free(in->locator);
-    bw_lagged_factor_free(in->lagged);
+    bw_plane_locator_destroy(in->locator);
+    bw_lagged_factor_destroy(in->lagged);
     bwi_flow_workspace_clear(&in->workspace);
     bw_free(in);
   }
@@ -128,7 +128,7 @@ done:
 
 /* Everything is made beside what there is, and takes its place at the end. */
 bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh *mesh,
-                         bw_plane_reuse *kept) {
+                         bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
   const struct bwi_flow *in = flow->inner;
   const bw_flow_state *now = in->now;
@@ -180,10 +180,10 @@ bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh
       memcpy(next->older_point, now->older_point, 2 * nodes * sizeof(double));
   }
   BW_TRY(bwi_flow_commit(context, flow, next));
-  if (kept) {
-    kept->pattern = same_topology;
-    kept->solution = true;
-    kept->seconds_assemble += bw_seconds() - started;
+  if (reuse) {
+    reuse->pattern = same_topology;
+    reuse->solution = true;
+    reuse->seconds_assemble += bw_seconds() - started;
   }
 done:
   bw_release(pattern);

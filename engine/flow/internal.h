@@ -51,13 +51,13 @@ typedef struct bwi_flow_workspace {
       *reaction; /* node_count x components: A x - b of the last equations, before prescriptions */
   double *convect;   /* node_count x 2 */
   double *laplacian; /* element_count x 3 */
-  uint8_t *held;
+  uint8_t *is_prescribed;
 } bwi_flow_workspace;
 bw_status bwi_flow_workspace_make(bw_context *context, const bw_plane_pattern *pattern,
                                   int components, bwi_flow_workspace *workspace);
 void bwi_flow_workspace_clear(bwi_flow_workspace *workspace);
 
-/* All that an operation on a flow changes (kept.c). An operation makes the next state beside the
+/* All that an operation on a flow changes (state.c). An operation makes the next state beside the
  * one that stands and puts it in its place when nothing can fail any more: it happens whole or not
  * at all, and keeping a state copies nothing. */
 struct bw_flow_state {

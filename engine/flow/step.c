@@ -70,17 +70,17 @@ static bw_status assemble(bw_context *context, bw_flow *flow, const bwi_linear *
  * constant. */
 static bool is_enclosed(const bw_flow *flow) {
   const bw_plane_topology *topology = flow->mesh->topology;
-  const uint8_t *held = flow->inner->workspace.held;
+  const uint8_t *is_prescribed = flow->inner->workspace.is_prescribed;
   int c = flow->components;
   for (int64_t i = 0; i < topology->nodes->node_count; i++)
-    if (held[c * i + 2])
+    if (is_prescribed[c * i + 2])
       return false;
   for (int64_t k = 0; k < topology->side_count; k++) {
     if (topology->side_element[2 * k + 1] >= 0)
       continue;
     for (int end = 0; end < 2; end++) {
       int64_t node = topology->side[2 * k + end];
-      if (!held[c * node] || !held[c * node + 1])
+      if (!is_prescribed[c * node] || !is_prescribed[c * node + 1])
         return false;
     }
   }
@@ -142,7 +142,7 @@ static void balance(const bw_flow *flow) {
 
 /* Assembles and solves; room.solution is the first guess and the result, room.reaction follows. */
 static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *linear, double time,
-                       const bw_flow_options *options, bw_plane_reuse *kept) {
+                       const bw_flow_options *options, bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   bwi_flow_workspace *workspace = &in->workspace;
@@ -152,28 +152,28 @@ static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *lin
   double started = bw_seconds();
   BW_TRY(bwi_flow_recover(context, flow->mesh, c, workspace->solution, workspace->laplacian));
   BW_TRY(assemble(context, flow, linear));
-  memset(workspace->held, 0, unknowns);
+  memset(workspace->is_prescribed, 0, unknowns);
   BW_TRY(bw_conditions_prescribe(context, flow->mesh, c, about->condition_count, about->condition,
-                                 time, workspace->held, workspace->prescribed,
+                                 time, workspace->is_prescribed, workspace->prescribed,
                                  &in->conflicts_reported));
   BW_TRY(bwi_flow_boundary(context, flow, time));
   bool enclosed = is_enclosed(flow);
   if (enclosed) {
-    workspace->held[2] = 1;
+    workspace->is_prescribed[2] = 1;
     workspace->prescribed[2] = 0;
   }
   size_t entries = (size_t)in->now->pattern->block_count * (size_t)(c * c);
   memcpy(workspace->system, workspace->values, entries * sizeof *workspace->system);
   memcpy(workspace->rhs, workspace->load, unknowns * sizeof *workspace->rhs);
-  BW_TRY(bw_plane_prescribe(context, in->now->pattern, c, workspace->held, workspace->prescribed,
-                            workspace->system, workspace->rhs));
+  BW_TRY(bw_plane_prescribe(context, in->now->pattern, c, workspace->is_prescribed,
+                            workspace->prescribed, workspace->system, workspace->rhs));
   balance(flow);
   for (size_t i = 0; i < unknowns; i++)
-    if (workspace->held[i])
+    if (workspace->is_prescribed[i])
       workspace->solution[i] = workspace->prescribed[i];
-  kept->seconds_assemble += bw_seconds() - started;
+  reuse->seconds_assemble += bw_seconds() - started;
   BW_TRY(bw_lagged_factor_solve(context, in->lagged, in->now->pattern, workspace->system,
-                                workspace->rhs, workspace->solution, &options->linear, kept));
+                                workspace->rhs, workspace->solution, &options->linear, reuse));
   BW_TRY(bw_plane_multiply(context, in->now->pattern, c, workspace->values, workspace->solution,
                            workspace->reaction));
   for (size_t i = 0; i < unknowns; i++)
@@ -225,7 +225,7 @@ static void carried_by(const bw_flow *flow, const double *state, const scheme *m
 }
 
 static bw_status march(bw_context *context, bw_flow *flow, const bw_flow_options *options,
-                       bw_flow_state *next, bw_plane_reuse *kept) {
+                       bw_flow_state *next, bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   int c = flow->components;
@@ -256,7 +256,7 @@ static bw_status march(bw_context *context, bw_flow *flow, const bw_flow_options
   for (int k = 0; k < rounds; k++) {
     carried_by(flow, x, options->ale ? &s : NULL);
     memcpy(last, x, unknowns * sizeof *x);
-    BW_TRY(solve(context, flow, &linear, flow->time + dt, options, kept));
+    BW_TRY(solve(context, flow, &linear, flow->time + dt, options, reuse));
     if (k > 0 && change(flow, last, x) <= options->tolerance)
       break;
   }
@@ -290,7 +290,7 @@ static double fastest(const bw_flow *flow, const bwi_linear *linear) {
  * from round to round allows; 0: none, Picard and Newton at once. */
 static bw_status search(bw_context *context, bw_flow *flow, const bw_flow_options *options,
                         double pseudo, int rounds, double *reached, double *last,
-                        bw_plane_reuse *kept) {
+                        bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   int c = flow->components;
@@ -311,7 +311,7 @@ static bw_status search(bw_context *context, bw_flow *flow, const bw_flow_option
                          .laplacian = in->workspace.laplacian,
                          .history = in->workspace.history,
                          .newton = pseudo > 0 || k >= PICARD ? last : NULL};
-    BW_TRY(solve(context, flow, &linear, flow->time, options, kept));
+    BW_TRY(solve(context, flow, &linear, flow->time, options, reuse));
     double moved = change(flow, last, x), before = *reached;
     /* a steady state does not move however long the step */
     *reached = moved;
@@ -348,7 +348,7 @@ static bool heats_up(const bw_flow *flow) {
 }
 
 static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_options *options,
-                        bw_flow_state *next, bw_plane_reuse *kept) {
+                        bw_flow_state *next, bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   if (heats_up(flow))
@@ -363,7 +363,7 @@ static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_option
   if (!last)
     return BW_MEMORY;
   memcpy(x, flow->state, unknowns * sizeof *x);
-  BW_TRY(search(context, flow, options, 0, rounds, &reached, last, kept));
+  BW_TRY(search(context, flow, options, 0, rounds, &reached, last, reuse));
   if (!(reached <= options->tolerance)) {
     memcpy(x, flow->state, unknowns * sizeof *x);
     carried_by(flow, x, NULL);
@@ -372,7 +372,7 @@ static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_option
                          .components = flow->components,
                          .convect = in->workspace.convect};
     double pseudo = fastest(flow, &linear) / 10;
-    BW_TRY(search(context, flow, options, pseudo, 10 * rounds, &reached, last, kept));
+    BW_TRY(search(context, flow, options, pseudo, 10 * rounds, &reached, last, reuse));
   }
   if (!(reached <= options->tolerance)) {
     status = bw_fail(context, BW_CONVERGENCE,
@@ -395,7 +395,7 @@ done:
 
 /* The next state is made beside the one that stands, which is in nobody's way until then. */
 bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options *given,
-                       bw_plane_reuse *kept) {
+                       bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
   struct bwi_flow *in = flow->inner;
   bw_flow_state *next = NULL;
@@ -404,7 +404,7 @@ bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options
   bw_flow_options_default(&options);
   if (given)
     options = *given;
-  kept = kept ? kept : &ignored;
+  reuse = reuse ? reuse : &ignored;
   if (!(options.step >= 0) || !isfinite(options.step) || options.bdf < 1 || options.bdf > 2 ||
       options.iterations < 0 || !(options.tolerance > 0))
     return bw_fail(context, BW_INVALID,
@@ -417,9 +417,9 @@ bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options
     BW_TRY(bwi_flow_workspace_make(context, in->now->pattern, flow->components, &in->workspace));
   BW_TRY(bwi_flow_next(context, flow, &next));
   if (options.step > 0)
-    BW_TRY(march(context, flow, &options, next, kept));
+    BW_TRY(march(context, flow, &options, next, reuse));
   else
-    BW_TRY(settle(context, flow, &options, next, kept));
+    BW_TRY(settle(context, flow, &options, next, reuse));
   memcpy(next->reaction, in->workspace.reaction,
          (size_t)in->now->pattern->node_count * (size_t)flow->components * sizeof(double));
   next->reacted = true;

@@ -16,7 +16,7 @@ void bwi_flow_workspace_clear(bwi_flow_workspace *workspace) {
   bw_free(workspace->reaction);
   bw_free(workspace->convect);
   bw_free(workspace->laplacian);
-  bw_free(workspace->held);
+  bw_free(workspace->is_prescribed);
   *workspace = (bwi_flow_workspace){0};
 }
 
@@ -38,12 +38,12 @@ bw_status bwi_flow_workspace_make(bw_context *context, const bw_plane_pattern *p
       .reaction = BW_NEW(context, double, unknowns),
       .convect = BW_NEW(context, double, 2 * (size_t)pattern->node_count),
       .laplacian = BW_NEW(context, double, 3 * (size_t)pattern->topology->element_count),
-      .held = BW_NEW(context, uint8_t, unknowns),
+      .is_prescribed = BW_NEW(context, uint8_t, unknowns),
   };
   if (workspace->block && workspace->vector && workspace->values && workspace->system &&
       workspace->load && workspace->rhs && workspace->prescribed && workspace->solution &&
       workspace->history && workspace->reaction && workspace->convect && workspace->laplacian &&
-      workspace->held)
+      workspace->is_prescribed)
     return BW_OK;
   bwi_flow_workspace_clear(workspace);
   return BW_MEMORY;

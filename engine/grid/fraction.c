@@ -251,7 +251,7 @@ static bw_status count_unmatched(bw_context *context, const bw_surface *surface,
               2;
   }
 done:
-  bwi_topology_free(t);
+  bwi_topology_destroy(t);
   return status;
 }
 

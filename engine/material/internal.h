@@ -21,8 +21,8 @@ bw_status bwi_material_orthotropic_matrices(bw_context *context, bw_material *ma
 /* The same without its turns by element, with one reference. */
 bw_material *bwi_material_copy(bw_context *context, const bw_material *material);
 /* turned: rows R e_i of the axes' rows e_i */
-void bwi_material_turn_axes(const double axes[9], const double rotation[9], double turned[9]);
+void bwi_material_rotate_axes(const double axes[9], const double rotation[9], double turned[9]);
 
-void bwi_material_turns_free(bw_material_turns *turns);
+void bwi_material_orientations_destroy(bw_material_orientations *orientations);
 
 #endif

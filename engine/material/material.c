@@ -5,27 +5,27 @@
 #include <math.h>
 #include <string.h>
 
-void bwi_material_turns_free(bw_material_turns *turns) {
-  if (!turns)
+void bwi_material_orientations_destroy(bw_material_orientations *orientations) {
+  if (!orientations)
     return;
-  bw_free(turns->of_element);
-  bw_free(turns->rotation);
-  bw_free(turns->axes);
-  bw_free(turns->elasticity);
-  bw_free(turns->compliance);
-  bw_free(turns);
+  bw_free(orientations->of_element);
+  bw_free(orientations->rotation);
+  bw_free(orientations->axes);
+  bw_free(orientations->elasticity);
+  bw_free(orientations->compliance);
+  bw_free(orientations);
 }
 
 static void destroy(void *object) {
   bw_material *material = (bw_material *)object;
-  bwi_material_turns_free(material->turns);
-  bw_release(material->unturned);
+  bwi_material_orientations_destroy(material->orientations);
+  bw_release(material->unrotated);
   bw_free(material);
 }
 
 static size_t bytes(const void *object) {
   const bw_material *material = (const bw_material *)object;
-  const bw_material_turns *t = material->turns;
+  const bw_material_orientations *t = material->orientations;
   size_t groups = t ? (size_t)t->count : 0, elements = t ? (size_t)t->element_count : 0;
   return sizeof *material + (t ? sizeof *t : 0) + elements * sizeof(int32_t) +
          groups * (2 * 9 + 2 * 36) * sizeof(double);
@@ -147,14 +147,14 @@ bw_material *bwi_material_copy(bw_context *context, const bw_material *material)
     return NULL;
   *copy = *material;
   bw_object_init(copy, &material_kind);
-  copy->unturned = NULL;
-  copy->turns = NULL;
+  copy->unrotated = NULL;
+  copy->orientations = NULL;
   return copy;
 }
 
 bw_status bw_material_formulated(bw_context *context, const bw_material *material,
                                  bw_formulation formulation, bw_material **formulated) {
-  if (material->turns)
+  if (material->orientations)
     return bw_fail(context, BW_INVALID,
                    "material %s has axes by element: choose the formulation before the axes",
                    material->name);
@@ -185,7 +185,7 @@ double bw_material_projected_bulk(const bw_material *material) {
   return fmax(0, bw_material_bulk(material) - kept_bulk * bw_material_mean_shear(material));
 }
 
-void bwi_material_turn_axes(const double axes[9], const double rotation[9], double turned[9]) {
+void bwi_material_rotate_axes(const double axes[9], const double rotation[9], double turned[9]) {
   for (int i = 0; i < 3; i++)
     for (int k = 0; k < 3; k++)
       turned[3 * i + k] = bw_dot(rotation + 3 * k, axes + 3 * i);

@@ -24,7 +24,7 @@ static void clear(bwi_coarsening *c) {
   bw_free(c->lost);
   bw_free(c->hint);
   bw_free(c->seen);
-  bwi_tree_free(c->tree);
+  bwi_tree_destroy(c->tree);
 }
 
 /* The plane's quadric, weighted by area, to each corner. */

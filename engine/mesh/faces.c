@@ -383,7 +383,7 @@ bw_status bw_faces_find(bw_context *context, const bw_surface *surface, double a
   faces = NULL;
 done:
   bw_release(faces);
-  bwi_topology_free(top);
+  bwi_topology_destroy(top);
   bw_free(f.normal);
   bw_free(f.area);
   bw_free(f.order);

@@ -100,7 +100,7 @@ bw_status bwi_faces_label(bw_context *context, const bw_surface *base, const bw_
       label[t] = faces->of_triangle[nearest];
   }
 done:
-  bwi_tree_free(tree);
+  bwi_tree_destroy(tree);
   return status;
 }
 

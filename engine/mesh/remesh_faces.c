@@ -170,6 +170,6 @@ bw_status bwi_faces_min(bw_context *context, const bw_surface *surface, const bw
     if (is_round(&faces->face[i]) && size > 0)
       *round_facets += faces->face[i].area / (0.4330127 * size * size);
   }
-  bwi_changing_free(r.mesh);
+  bwi_changing_destroy(r.mesh);
   return status;
 }

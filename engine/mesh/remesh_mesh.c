@@ -9,7 +9,7 @@
 #include "mesh/surface_internal.h"
 #include "mesh/surface_topology.h"
 
-void bwi_changing_free(bwi_changing *mesh) {
+void bwi_changing_destroy(bwi_changing *mesh) {
   if (!mesh)
     return;
   bw_free(mesh->point);
@@ -128,8 +128,8 @@ bw_status bwi_changing_create(bw_context *context, const bw_surface *surface, do
   *out = mesh;
   mesh = NULL;
 done:
-  bwi_topology_free(topology);
-  bwi_changing_free(mesh);
+  bwi_topology_destroy(topology);
+  bwi_changing_destroy(mesh);
   return status;
 }
 

@@ -32,7 +32,7 @@ bw_status bwi_changing_create(bw_context *context, const bw_surface *surface, do
 /* Points on no sharp edge are free; on two that run on nearly straight, crease points; others are
  * corners. */
 void bwi_changing_classify(bwi_changing *mesh);
-void bwi_changing_free(bwi_changing *mesh);
+void bwi_changing_destroy(bwi_changing *mesh);
 bw_status bwi_changing_surface(const bwi_changing *mesh, bool groups, bw_surface **surface);
 
 static inline int32_t bwi_next(int32_t side) {

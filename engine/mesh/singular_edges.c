@@ -151,7 +151,7 @@ bw_status bw_singular_edges(bw_context *context, const bw_surface *surface, cons
 done:
   bw_release(places);
   bw_release(found);
-  bwi_topology_free(top);
+  bwi_topology_destroy(top);
   bw_free(f.known);
   bw_free(seams.seam);
   return status;

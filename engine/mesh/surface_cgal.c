@@ -68,6 +68,6 @@ bw_status bwi_take_groups(bw_context *context, const bw_surface *from, bw_surfac
   }
   to->group = group;
 done:
-  bwi_tree_free(tree);
+  bwi_tree_destroy(tree);
   return status;
 }

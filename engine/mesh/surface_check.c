@@ -292,6 +292,6 @@ bw_status bw_surface_check(bw_context *context, const bw_surface *surface, int64
 done:
   bw_surface_report_clear(&report);
   bw_free(flat);
-  bwi_topology_free(topology);
+  bwi_topology_destroy(topology);
   return status;
 }

@@ -69,7 +69,7 @@ bw_status bwi_drop_repeated(bw_context *context, const bw_surface *surface, bw_s
   }
   BW_TRY(keep_only(context, surface, topology->degenerate, dropped, out, changed));
 done:
-  bwi_topology_free(topology);
+  bwi_topology_destroy(topology);
   return status;
 }
 
@@ -188,7 +188,7 @@ bw_status bwi_drop_duplicates(bw_context *context, const bw_surface *surface, bw
     }
   BW_TRY(keep_only(context, surface, keep, dropped, out, changed));
 done:
-  bwi_topology_free(topology);
+  bwi_topology_destroy(topology);
   bw_free(same);
   bw_free(balance);
   bw_free(patch);
@@ -268,7 +268,7 @@ static bw_status split_flat_once(bw_context *context, const bw_surface *surface,
   else
     BW_TRY(bwi_surface_select(context, welded, keep, extra, triangle, from, out));
 done:
-  bwi_topology_free(topology);
+  bwi_topology_destroy(topology);
   bw_release(welded);
   bw_free(flat);
   bw_free(keep);
@@ -346,7 +346,7 @@ bw_status bwi_drop_fins(bw_context *context, const bw_surface *surface, bw_surfa
   }
   BW_TRY(keep_only(context, surface, keep, dropped, out, changed));
 done:
-  bwi_topology_free(topology);
+  bwi_topology_destroy(topology);
   bw_free(keep);
   bw_free(facets);
   bw_free(queue);
@@ -385,7 +385,7 @@ bw_status bwi_drop_specks(bw_context *context, const bw_surface *surface, double
   }
   BW_TRY(keep_only(context, surface, keep, dropped, out, changed));
 done:
-  bwi_topology_free(topology);
+  bwi_topology_destroy(topology);
   bw_free(area);
   bw_free(open);
   bw_free(keep);

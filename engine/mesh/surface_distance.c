@@ -83,7 +83,7 @@ bw_status bwi_one_sided_distance(bw_context *context, const bw_surface *from, co
     worst = far[i] > worst ? far[i] : worst;
   *distance = bwi_above_rounding(from, sqrt(worst));
 done:
-  bwi_tree_free(tree);
+  bwi_tree_destroy(tree);
   bw_free(far);
   return status;
 }
@@ -133,6 +133,6 @@ bw_status bw_surface_offsets(bw_context *context, const bw_surface *surface, int
   offsets o = {tree, point, distance};
   BW_TRY(bw_parallel(context, count, GRAIN, find_offsets, &o));
 done:
-  bwi_tree_free(tree);
+  bwi_tree_destroy(tree);
   return status;
 }

@@ -188,7 +188,7 @@ bw_status bwi_fill_holes(bw_context *context, const bw_surface *surface, double 
                             out));
 done:
   bw_release(welded);
-  bwi_topology_free(topology);
+  bwi_topology_destroy(topology);
   loops_free(&rim);
   bw_free(bytes);
   bw_free(triangle);

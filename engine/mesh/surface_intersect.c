@@ -169,6 +169,6 @@ done:
   for (size_t i = 0; i < chunks; i++)
     bw_free(all.chunk[i].pair);
   bw_free(all.chunk);
-  bwi_tree_free(tree);
+  bwi_tree_destroy(tree);
   return status;
 }

@@ -166,7 +166,7 @@ bw_status bw_surface_orient(bw_context *context, const bw_surface *surface, bw_s
     *flipped = count;
 done:
   bw_release(made);
-  bwi_topology_free(topology);
+  bwi_topology_destroy(topology);
   bw_free(queue);
   bw_free(patch.of);
   bw_free(patch.turned);

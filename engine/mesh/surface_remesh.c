@@ -60,7 +60,7 @@ done:
 
 static bw_status run(bwi_remesher *r, const bw_remesh_options *options, bw_surface **made) {
   bw_status status = BW_OK;
-  bwi_changing_free(r->mesh);
+  bwi_changing_destroy(r->mesh);
   r->mesh = NULL;
   BW_TRY(bwi_changing_create(r->context, r->original, options->sharp_angle, &r->mesh));
   for (size_t p = 0; p < r->mesh->point_count; p++)
@@ -242,9 +242,9 @@ done:
   bw_surface_report_clear(&report);
   bw_release(made);
   bw_release(welded);
-  bwi_changing_free(r.mesh);
-  bwi_tree_free(r.tree);
-  bwi_tree_free(r.creases);
+  bwi_changing_destroy(r.mesh);
+  bwi_tree_destroy(r.tree);
+  bwi_tree_destroy(r.creases);
   bw_free(r.crease);
   bw_free(r.fine);
   bw_free(r.clearance);

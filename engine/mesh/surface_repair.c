@@ -286,7 +286,7 @@ static bw_status resolve(repairer *r) {
   }
 done:
   bw_release(welded);
-  bwi_topology_free(topology);
+  bwi_topology_destroy(topology);
   bw_free(pairs);
   bw_free(flat);
   bw_free(cavity);

@@ -176,7 +176,7 @@ done:
   bw_free(no_wall);
   bw_free(c.hits);
   bw_free(list);
-  bwi_tree_free(tree);
+  bwi_tree_destroy(tree);
   return status;
 }
 
@@ -228,8 +228,8 @@ bw_status bwi_moved_outside(bw_context *context, const bw_surface *before, const
   }
   *moved = bwi_above_rounding(before, worst);
 done:
-  bwi_topology_free(topology);
-  bwi_tree_free(tree);
+  bwi_topology_destroy(topology);
+  bwi_tree_destroy(tree);
   bw_free(flat);
   return status;
 }

@@ -53,7 +53,7 @@ static bw_status merge_open(bw_context *context, const bw_surface *surface, doub
   BW_TRY(bwi_drop_repeated(context, loose, out, &dropped));
 done:
   bw_release(loose);
-  bwi_topology_free(topology);
+  bwi_topology_destroy(topology);
   bw_free(open);
   bw_free(to);
   bw_free(stands_for);
@@ -165,8 +165,8 @@ static bw_status split_open(bw_context *context, const bw_surface *surface, doub
   else
     BW_TRY(bwi_surface_select(context, surface, keep, (int64_t)extra, triangle, from, out));
 done:
-  bwi_topology_free(topology);
-  bwi_tree_free(tree);
+  bwi_topology_destroy(topology);
+  bwi_tree_destroy(tree);
   bw_free(open);
   bw_free(keep);
   bw_free(spot);
@@ -286,7 +286,7 @@ bw_status bwi_separate(bw_context *context, const bw_surface *surface, double ga
                          out));
 done:
   bw_release(welded);
-  bwi_topology_free(topology);
+  bwi_topology_destroy(topology);
   bw_free(parent);
   bw_free(copy);
   bw_free(first);

@@ -116,6 +116,6 @@ bw_status bw_surface_thickness(bw_context *context, const bw_surface *surface, i
              3 * sizeof *place);
   }
 done:
-  bwi_tree_free(tree);
+  bwi_tree_destroy(tree);
   return status;
 }

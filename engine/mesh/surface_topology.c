@@ -8,7 +8,7 @@
 #include "mesh/predicates.h"
 #include "mesh/surface_internal.h"
 
-void bwi_topology_free(bwi_topology *topology) {
+void bwi_topology_destroy(bwi_topology *topology) {
   if (!topology)
     return;
   bw_free(topology->corner);
@@ -151,7 +151,7 @@ bw_status bwi_topology_create(bw_context *context, const bw_surface *surface, bw
   *out = topology;
   topology = NULL;
 done:
-  bwi_topology_free(topology);
+  bwi_topology_destroy(topology);
   return status;
 }
 

@@ -31,7 +31,7 @@ typedef struct bwi_topology {
 /* Welds points exactly equal and connects. */
 bw_status bwi_topology_create(bw_context *context, const bw_surface *surface,
                               bwi_topology **topology);
-void bwi_topology_free(bwi_topology *topology);
+void bwi_topology_destroy(bwi_topology *topology);
 
 static inline int32_t bwi_side_from(const bwi_topology *topology, int64_t side) {
   return topology->corner[side];

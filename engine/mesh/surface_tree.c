@@ -152,12 +152,12 @@ bw_status bwi_tree_create(bw_context *context, const double *point, int64_t tria
   *out = tree;
   tree = NULL;
 done:
-  bwi_tree_free(tree);
+  bwi_tree_destroy(tree);
   bw_free(build.middle);
   return status;
 }
 
-void bwi_tree_free(bwi_tree *tree) {
+void bwi_tree_destroy(bwi_tree *tree) {
   if (!tree)
     return;
   bw_free(tree->facet);

@@ -16,7 +16,7 @@ typedef struct bwi_tree bwi_tree;
 /* Borrows the arrays. Facets t with skip[t] are left out (skip may be NULL). */
 bw_status bwi_tree_create(bw_context *context, const double *point, int64_t triangles,
                           const int32_t *triangle, const uint8_t *skip, bwi_tree **tree);
-void bwi_tree_free(bwi_tree *tree);
+void bwi_tree_destroy(bwi_tree *tree);
 
 /* Called with a facet whose box meets what was asked for; false ends the search. */
 typedef bool bwi_tree_visit(void *data, int32_t facet);

@@ -50,7 +50,7 @@ static bw_status is_inside(bw_context *context, const bwi_topology *topology, co
   }
   *result = votes > 0;
 done:
-  bwi_tree_free(tree);
+  bwi_tree_destroy(tree);
   return status;
 }
 
@@ -112,7 +112,7 @@ static bw_status drop_one(bw_context *context, const bw_surface *surface, bw_sur
     skip[t] = patch[t] != gone; /* now: keep */
   BW_TRY(bwi_surface_select(context, surface, skip, 0, NULL, NULL, out));
 done:
-  bwi_topology_free(topology);
+  bwi_topology_destroy(topology);
   bw_free(patch);
   bw_free(skip);
   bw_free(info);

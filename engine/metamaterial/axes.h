@@ -13,7 +13,7 @@ enum {
 };
 #define BWI_GRADIENT_WEIGHT 0.25 /* of the gradients of strain against the strains */
 
-/* Shapes of a block are told by 18 coordinates in which its stiffness is nearly the identity:
+/* Shapes of a block are given by 18 coordinates in which its stiffness is nearly the identity:
  * unit coordinates have like energies. The first six are uniform strains, the others have
  * gradients of strain. (Nearly: shapes that meet no resistance are bounded by a little added.) */
 typedef struct bwi_frame18 {

@@ -29,11 +29,11 @@ static int32_t *find(const bwi_rows *it, const int32_t *key) {
 }
 
 static bw_status make_slots(bwi_rows *it, size_t slots) {
-  int32_t *fresh = BW_NEW0(it->context, int32_t, slots);
-  if (!fresh)
+  int32_t *larger = BW_NEW0(it->context, int32_t, slots);
+  if (!larger)
     return BW_MEMORY;
   bw_free(it->slot);
-  it->slot = fresh;
+  it->slot = larger;
   it->slots = slots;
   for (int32_t id = 1; id <= it->count; id++) {
     const int32_t *key = it->key + (size_t)it->width * (size_t)(id - 1);

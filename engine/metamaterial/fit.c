@@ -75,7 +75,7 @@ bw_status bwi_fit_workspace_create(bw_context *context, const bw_library_options
   *workspace = w;
   w = NULL;
 done:
-  bwi_fit_workspace_free(w);
+  bwi_fit_workspace_destroy(w);
   return status;
 }
 
@@ -84,7 +84,7 @@ void bwi_fit_workspace_report(bwi_fit_workspace *w, const char *stage, double fr
   w->fraction = fraction;
 }
 
-void bwi_fit_workspace_free(bwi_fit_workspace *w) {
+void bwi_fit_workspace_destroy(bwi_fit_workspace *w) {
   if (!w)
     return;
   bw_free(w->sample);

@@ -88,17 +88,17 @@ static void equations(int n, const bwi_frame18 *frame, const double *metric,
 /* Samples that the constants of the round before miss count for less: a block that has buckled has
  * left the shapes that a coarse cell knows. */
 static void add_sample(int n, double row[1 + BWI_SHAPES][BWI_CONSTANTS],
-                       const double value[1 + BWI_SHAPES], const double *constant, double share,
+                       const double value[1 + BWI_SHAPES], const double *constant, double weight,
                        double *gram, double *side) {
   double missed = 0;
   for (int e = 0; e <= BWI_SHAPES; e++) {
     double left = bwi_dot(n, row[e], constant) - value[e];
     missed += left * left;
   }
-  share /= 1 + missed / (MISSED * MISSED);
+  weight /= 1 + missed / (MISSED * MISSED);
   for (int e = 0; e <= BWI_SHAPES; e++)
     for (int i = 0; i < n; i++) {
-      double factor = share * row[e][i];
+      double factor = weight * row[e][i];
       for (int j = 0; j < n; j++)
         gram[(size_t)i * n + j] += factor * row[e][j];
       side[i] += factor * value[e];

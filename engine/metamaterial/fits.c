@@ -26,7 +26,7 @@ bw_status bwi_fits_begin(bw_context *context, bwi_fits_block block, void *data, 
 
 void bwi_fits_clear(bwi_fits *fits) {
   for (int w = 0; fits->workspace && w < fits->workers; w++)
-    bwi_fit_workspace_free(fits->workspace[w]);
+    bwi_fit_workspace_destroy(fits->workspace[w]);
   bw_free(fits->workspace);
   fits->workspace = NULL;
 }

@@ -23,7 +23,7 @@ typedef struct bwi_block {
 typedef struct bwi_fit_workspace bwi_fit_workspace;
 bw_status bwi_fit_workspace_create(bw_context *context, const bw_library_options *options,
                                    bwi_fit_workspace **workspace);
-void bwi_fit_workspace_free(bwi_fit_workspace *workspace);
+void bwi_fit_workspace_destroy(bwi_fit_workspace *workspace);
 /* What fits in this workspace report as progress, again and again, so that the caller can cancel
  * within one; stage NULL (at first): nothing. `stage` outlives the fits. */
 void bwi_fit_workspace_report(bwi_fit_workspace *workspace, const char *stage, double fraction);

@@ -59,8 +59,8 @@ void bwi_symmetry_stiffness(int s, const double from[576], double to[576]) {
       to[24 * i + j] = sign[i] * sign[j] * from[24 * image[i] + image[j]];
 }
 
-bw_status bwi_material_turned(bw_context *context, const bw_solid_material *m, int s,
-                              bw_solid_material **turned) {
+bw_status bwi_material_transformed(bw_context *context, const bw_solid_material *m, int s,
+                                   bw_solid_material **turned) {
   bw_status status = BW_OK;
   bwi_symmetry sym = bwi_symmetry_of(s);
   int32_t count = m->rule->count;
@@ -105,7 +105,7 @@ done:
   return status;
 }
 
-void bwi_keys_free(bwi_keys *keys) {
+void bwi_keys_destroy(bwi_keys *keys) {
   if (!keys)
     return;
   bw_free(keys->first);
@@ -185,6 +185,6 @@ bw_status bwi_keys_create(bw_context *context, int32_t base, bool voids, bool or
   *out = keys;
   keys = NULL;
 done:
-  bwi_keys_free(keys);
+  bwi_keys_destroy(keys);
   return status;
 }

@@ -29,8 +29,8 @@ void bwi_symmetry_key(int s, int count, const int32_t *from, int32_t *to);
 /* A 24 x 24 stiffness of a cube, turned with it. */
 void bwi_symmetry_stiffness(int s, const double from[576], double to[576]);
 /* A material whose points lie in octants (of octants), turned. */
-bw_status bwi_material_turned(bw_context *context, const bw_solid_material *material, int s,
-                              bw_solid_material **turned);
+bw_status bwi_material_transformed(bw_context *context, const bw_solid_material *material, int s,
+                                   bw_solid_material **turned);
 
 /* ---- keys ---------------------------------------------------------------------------------------
  *
@@ -50,7 +50,7 @@ typedef struct bwi_keys {
  * key belongs to an orbit, and the lists are NULL. */
 bw_status bwi_keys_create(bw_context *context, int32_t base, bool voids, bool orbits,
                           bwi_keys **keys);
-void bwi_keys_free(bwi_keys *keys);
+void bwi_keys_destroy(bwi_keys *keys);
 static inline int32_t bwi_key_code(int32_t base, const int32_t key[8]) {
   int32_t code = 0;
   for (int c = 7; c >= 0; c--)

@@ -387,6 +387,6 @@ done:
     bw_free(it.solid[s]);
   for (int s = 0; s < BWI_STAGES; s++)
     bw_free(it.cells[s]);
-  bwi_levels_free(it.levels);
+  bwi_levels_destroy(it.levels);
   return status;
 }

@@ -31,7 +31,7 @@ typedef struct bwi_levels {
   float max[BWI_STAGES];         /* the largest */
 } bwi_levels;
 
-void bwi_levels_free(bwi_levels *levels);
+void bwi_levels_destroy(bwi_levels *levels);
 /* Chooses the representatives of all stages, from the fits of level 1 (one for each orbit): up to
  * `representatives` at stages 0 to 2, and so many chosen, to be fitted, at stage 3. */
 bw_status bwi_levels_create(bw_context *context, const bwi_keys *keys,

@@ -4,7 +4,7 @@
 
 #include "metamaterial/levels.h"
 
-void bwi_levels_free(bwi_levels *it) {
+void bwi_levels_destroy(bwi_levels *it) {
   if (!it)
     return;
   for (int s = 0; s < BWI_STAGES; s++) {

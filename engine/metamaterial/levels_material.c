@@ -20,8 +20,8 @@
 #define FAR 4      /* times as stiff as the cell that stands for it, or as soft */
 #define SPREAD 0.8 /* of points where no fit is taken: that of homogeneous blocks */
 
-/* A cell as one point: means of its fit of level 1, with what its fibres are worth in the mean over
- * all directions: C (v . E v)^2 then is 2 C / 15 (E : E + (tr E)^2 / 2). */
+/* A cell as one point: means of its fit of level 1, with what its fibres contribute in the mean
+ * over all directions: C (v . E v)^2 then is 2 C / 15 (E : E + (tr E)^2 / 2). */
 typedef struct cell {
   int32_t code;
   bool empty;

@@ -40,8 +40,8 @@ static void destroy(void *object) {
   if (inner && inner->of) {
     bw_release(inner->of);
   } else if (inner) {
-    bwi_keys_free(inner->keys);
-    bwi_levels_free(inner->levels);
+    bwi_keys_destroy(inner->keys);
+    bwi_levels_destroy(inner->levels);
   }
   bw_free(inner);
   bw_free(it);
@@ -183,9 +183,9 @@ bw_status bwi_level2_block(bw_context *context, const bw_library *it, int32_t fi
   bwi_levels_block(levels, fit, cell);
   for (int c = 0; c < 8 && status == BW_OK; c++)
     if (cell[c] > 0)
-      status = bwi_material_turned(context,
-                                   it->inner->fit[0][levels->chosen[0][levels->origin[0][cell[c]]]],
-                                   levels->how[0][cell[c]], &child[c]);
+      status = bwi_material_transformed(
+          context, it->inner->fit[0][levels->chosen[0][levels->origin[0][cell[c]]]],
+          levels->how[0][cell[c]], &child[c]);
   return status;
 }
 
@@ -262,7 +262,7 @@ static bw_status made_of(bw_context *context, const bw_solid_material *fit, int 
   bw_solid_material *turned = NULL;
   double mu[8], lambda[8], stiffness[24];
   size_t fibres = (size_t)fit->fibre_count;
-  BW_TRY(bwi_material_turned(context, fit, symmetry, &turned));
+  BW_TRY(bwi_material_transformed(context, fit, symmetry, &turned));
   if (!block->partial && density == turned->density) {
     *out = turned;
     return BW_OK;

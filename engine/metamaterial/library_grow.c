@@ -12,7 +12,7 @@
 
 typedef struct grower {
   int level;
-  bwi_grown fresh[2]; /* of each level; fits that the checkpoint did not have are NULL */
+  bwi_grown added[2]; /* of each level; fits that the checkpoint did not have are NULL */
   bwi_fits fits; /* its library is that which the blocks of this level are made of: all cells */
 } grower;
 
@@ -75,9 +75,9 @@ static bw_status find_missing(grower *it, const bw_grid *fine,
       memmove(key + w * (size_t)missing, key + w * (size_t)i, w);
       missing++;
     }
-  BW_TRY(bwi_grown_reserve(it->fits.context, width, missing, &it->fresh[it->level - 1]));
+  BW_TRY(bwi_grown_reserve(it->fits.context, width, missing, &it->added[it->level - 1]));
   if (missing > 0)
-    memcpy(it->fresh[it->level - 1].key, key, w * (size_t)missing);
+    memcpy(it->added[it->level - 1].key, key, w * (size_t)missing);
 done:
   bw_free(key);
   return status;
@@ -90,8 +90,8 @@ static bw_status make_block(void *data, int32_t entry, bwi_block *block,
                             bw_solid_material *owned[8], uint64_t *seed) {
   bw_status status = BW_OK;
   const grower *it = (const grower *)data;
-  const bwi_grown *fresh = &it->fresh[it->level - 1];
-  const uint8_t *key = fresh->key + (size_t)fresh->width * (size_t)entry;
+  const bwi_grown *added = &it->added[it->level - 1];
+  const uint8_t *key = added->key + (size_t)added->width * (size_t)entry;
   const bw_library *library = it->fits.library;
   int32_t base = library->inner->keys->base, cell[8], code[8];
   for (int c = 0; c < 8; c++) {
@@ -101,7 +101,7 @@ static bw_status make_block(void *data, int32_t entry, bwi_block *block,
     if (it->level == 2 && code[c] > 0) {
       int symmetry = 0;
       const bw_solid_material *fit = bwi_library_cell(library, cell, &symmetry);
-      BW_TRY(bwi_material_turned(it->fits.context, fit, symmetry, &owned[c]));
+      BW_TRY(bwi_material_transformed(it->fits.context, fit, symmetry, &owned[c]));
     }
     block->child[c] = it->level == 1 ? library->material_table->material[key[c]] : owned[c];
   }
@@ -116,7 +116,7 @@ done:
 static bw_status take(void *data, int level, int32_t fit, const uint8_t *key,
                       bw_solid_material *material, const bw_fit_error *error) {
   grower *it = (grower *)data;
-  bwi_grown *fresh = &it->fresh[level - 1];
+  bwi_grown *added = &it->added[level - 1];
   (void)fit;
   if (!key) {
     bw_release(material);
@@ -124,13 +124,13 @@ static bw_status take(void *data, int level, int32_t fit, const uint8_t *key,
                    "the checkpoint is of a library that is being built, not grown: name another "
                    "file");
   }
-  int32_t entry = level == it->level ? bwi_grown_find(fresh, key) : -1;
-  if (entry < 0 || fresh->fit[entry]) { /* of another grid, or twice */
+  int32_t entry = level == it->level ? bwi_grown_find(added, key) : -1;
+  if (entry < 0 || added->fit[entry]) { /* of another grid, or twice */
     bw_release(material);
     return BW_OK;
   }
-  fresh->fit[entry] = material;
-  fresh->error[entry] = *error;
+  added->fit[entry] = material;
+  added->error[entry] = *error;
   return BW_OK;
 }
 
@@ -140,17 +140,17 @@ static bw_status grow_level(grower *it, int level, const bw_grid *fine,
                             const bw_coarsening *const *coarsening, const char *checkpoint) {
   static const char *const stage[] = {"blocks of level 1", "blocks of level 2"};
   bw_status status = BW_OK;
-  bwi_grown *fresh = &it->fresh[level - 1];
+  bwi_grown *added = &it->added[level - 1];
   it->level = level;
   BW_TRY(find_missing(it, fine, coarsening));
-  if (fresh->count == 0)
+  if (added->count == 0)
     return BW_OK;
   if (checkpoint)
     BW_TRY(bwi_checkpoint_open(it->fits.context, checkpoint, it->fits.library->material_table,
                                &it->fits.library->options, take, it, &it->fits.before,
                                &it->fits.checkpoint));
-  BW_TRY(bwi_fits_run(&it->fits, level, stage[level - 1], fresh->count, fresh->key, fresh->width,
-                      fresh->fit, fresh->error));
+  BW_TRY(bwi_fits_run(&it->fits, level, stage[level - 1], added->count, added->key, added->width,
+                      added->fit, added->error));
 done:
   bwi_checkpoint_close(it->fits.checkpoint);
   it->fits.checkpoint = NULL;
@@ -163,8 +163,8 @@ static bw_status join(grower *it, bw_library **out) {
   const bwi_library *inner = it->fits.library->inner;
   bwi_grown grown[2] = {{0}};
   for (int l = 0; l < 2; l++) {
-    it->fresh[l].width = l == 0 ? 8 : 64;
-    BW_TRY(bwi_grown_join(it->fits.context, &inner->grown[l], &it->fresh[l], &grown[l]));
+    it->added[l].width = l == 0 ? 8 : 64;
+    BW_TRY(bwi_grown_join(it->fits.context, &inner->grown[l], &it->added[l], &grown[l]));
   }
   BW_TRY(bwi_library_with(it->fits.context, it->fits.library, grown, out));
 done:
@@ -191,7 +191,7 @@ bw_status bw_library_grow(bw_context *context, const bw_library *library,
   BW_TRY(grow_level(&it, 1, fine, (const bw_coarsening *const *)coarsening, checkpoint));
   if (levels == 2) {
     BW_TRY(join(&it, &with_cells));
-    bwi_grown_clear(&it.fresh[0]);
+    bwi_grown_clear(&it.added[0]);
     it.fits.library = with_cells;
     BW_TRY(grow_level(&it, 2, fine, (const bw_coarsening *const *)coarsening, checkpoint));
   }
@@ -201,7 +201,7 @@ bw_status bw_library_grow(bw_context *context, const bw_library *library,
 done:
   bwi_fits_clear(&it.fits);
   for (int l = 0; l < 2; l++) {
-    bwi_grown_clear(&it.fresh[l]);
+    bwi_grown_clear(&it.added[l]);
     bw_release(coarsening[l]);
   }
   bw_release(with_cells);

@@ -37,8 +37,8 @@ static void describe_material(bwi_text *out, const bw_material *material) {
   bwi_text_add(out, "material: ");
   bwi_text_add(out, material->name[0] ? material->name : "unnamed");
   bwi_text_add(out, material->isotropic ? ", isotropic" : ", orthotropic");
-  if (material->turns)
-    bwi_text_add(out, " with axes turned by element");
+  if (material->orientations)
+    bwi_text_add(out, " with axes rotated by element");
   add_three(out, ", Young's modulus ", material->young, " Pa");
   add_three(out, ", Poisson's ratio ", material->poisson, "");
   if (!material->isotropic)

@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Which displacement components are unknowns, held, or pinned: states, values and frames from what
- * the supports hold; the rigid-body modes of every body; the pins are chosen in isostatic.c. */
+/* Which displacement components are unknowns, prescribed or isostatic constraints: states, values
+ * and frames from what the supports hold; the rigid-body modes of every body; the pins are chosen
+ * in isostatic.c. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>

@@ -118,7 +118,7 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
   bw_status status;
   if (modes < 0)
     return bw_fail(context, BW_INVALID, "%d modes requested: 0 for a static step, or more", modes);
-  if (model->material->turns)
+  if (model->material->orientations)
     return bw_fail(context, BW_UNSUPPORTED,
                    "%s: material %s has axes by element, and the deck that is written has one "
                    "material for all elements",

@@ -1,11 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Where a body with rigid-body modes is pinned.
+/* Isostatic constraints of a body with rigid-body modes.
  *
- * A body with rigid-body modes has a singular stiffness matrix. Pinning as many components as there
- * are rigid-body modes, such that no rigid-body mode vanishes at all of them, makes it regular
- * without making it stiffer: the pins are statically determinate, so their reactions are zero when
- * the load is balanced. They are picked by pivoting: each one where the motions not yet pinned move
- * most. */
+ * A body with rigid-body modes has a singular stiffness matrix. Constraining as many components as
+ * there are rigid-body modes, such that no rigid-body mode vanishes at all of them, makes it
+ * regular without making it stiffer: the constraints are statically determinate, so their reactions
+ * are zero when the load is balanced. They are picked by pivoting: each one where the motions not
+ * yet constrained move most. */
 #include <math.h>
 #include <string.h>
 

@@ -266,7 +266,7 @@ bw_status bw_model_transferred(bw_context *context, const bw_model *model, const
                    "facets), in the same order: a model can be transferred only where the surface "
                    "stayed",
                    mesh->facet_count, old->facet_count);
-  if (model->material->turns)
+  if (model->material->orientations)
     return bw_fail(context, BW_UNSUPPORTED,
                    "material %s has axes by element, and the mesh has other elements: transfer the "
                    "model with the material before the rotation, and rotate it on the new mesh",
@@ -286,7 +286,7 @@ bw_status bw_model_refined(bw_context *context, const bw_model *model,
                    "its topology",
                    mesh->node_count, mesh->element_count, refinement->mesh->node_count,
                    refinement->mesh->element_count);
-  if (model->material->turns)
+  if (model->material->orientations)
     return bw_fail(context, BW_UNSUPPORTED,
                    "material %s has axes by element: such a model cannot be refined",
                    model->material->name);

@@ -121,7 +121,7 @@ static bw_status support_borders(finder *f, const bw_surface *boundary) {
   BW_TRY(find_borders(f, top, faces, BW_CORNER_SLIDING));
 done:
   bw_release(faces);
-  bwi_topology_free(top);
+  bwi_topology_destroy(top);
   return status;
 }
 

@@ -134,8 +134,8 @@ bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bo
   const bw_mesh *mesh = model->mesh;
   int32_t count = on_nodes ? mesh->node_count : mesh->element_count;
   double unit[6], point[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS];
-  double *by_node = NULL; /* where the material is turned by element */
-  bool turned = model->material->turns != NULL;
+  double *by_node = NULL; /* where the material is rotated by element */
+  bool turned = model->material->orientations != NULL;
   bw_status status = BW_OK;
   if (turned && on_nodes)
     BW_TRY(nodal_units(context, model, &by_node));

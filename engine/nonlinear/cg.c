@@ -10,7 +10,7 @@ bw_status bwi_cg_solve(bw_context *context, bwi_precondition *m, double toleranc
                        int32_t iterations, const double *force, double *x, bwi_cg_report *report) {
   bw_status status = BW_OK;
   int64_t n;
-  const uint8_t *held = bwi_precondition_held(m, &n);
+  const uint8_t *constrained = bwi_precondition_constrained(m, &n);
   double *r = BW_NEW(context, double, n), *z = BW_NEW(context, double, n),
          *p = BW_NEW(context, double, n), *q = BW_NEW(context, double, n);
   *report = (bwi_cg_report){0};
@@ -19,33 +19,35 @@ bw_status bwi_cg_solve(bw_context *context, bwi_precondition *m, double toleranc
     goto done;
   }
   for (int64_t i = 0; i < n; i++)
-    r[i] = held[i] ? 0 : force[i];
+    r[i] = constrained[i] ? 0 : force[i];
   memset(x, 0, (size_t)n * sizeof *x);
-  double first = sqrt(bwi_dot(n, r, r)), before = 0;
-  report->residual = first > 0 ? 1 : 0;
+  double initial = sqrt(bwi_dot(n, r, r)), r_dot_z_old = 0;
+  report->residual = initial > 0 ? 1 : 0;
   while (report->residual > tolerance && report->iterations < iterations) {
     BW_TRY(bw_check_cancel(context));
     BW_TRY(bwi_precondition_apply(context, m, r, z));
-    double rz = bwi_dot(n, r, z);
-    if (!(rz > 0) || !isfinite(rz)) { /* the cycle is definite unless the tangent is not */
+    double r_dot_z = bwi_dot(n, r, z);
+    if (!(r_dot_z > 0) ||
+        !isfinite(r_dot_z)) { /* the cycle is definite unless the tangent is not */
       report->negative = true;
       break;
     }
+    double beta = report->iterations > 0 ? r_dot_z / r_dot_z_old : 0;
     for (int64_t i = 0; i < n; i++)
-      p[i] = z[i] + (report->iterations > 0 ? rz / before * p[i] : 0);
-    before = rz;
+      p[i] = z[i] + (report->iterations > 0 ? beta * p[i] : 0);
+    r_dot_z_old = r_dot_z;
     BW_TRY(bwi_precondition_multiply(context, m, p, q));
-    double curvature = bwi_dot(n, p, q);
-    if (!(curvature > 0) || !isfinite(curvature)) {
+    double p_dot_Ap = bwi_dot(n, p, q);
+    if (!(p_dot_Ap > 0) || !isfinite(p_dot_Ap)) {
       report->negative = true;
       break;
     }
-    double a = rz / curvature;
+    double alpha = r_dot_z / p_dot_Ap;
     for (int64_t i = 0; i < n; i++) {
-      x[i] += a * p[i];
-      r[i] -= a * q[i];
+      x[i] += alpha * p[i];
+      r[i] -= alpha * q[i];
     }
-    report->residual = sqrt(bwi_dot(n, r, r)) / first;
+    report->residual = sqrt(bwi_dot(n, r, r)) / initial;
     report->iterations++;
   }
 done:

@@ -13,11 +13,11 @@
  * by about this factor. */
 #define STIFFER 1e3
 
-void bwi_contact_free(bwi_contact *c) {
+void bwi_contact_destroy(bwi_contact *c) {
   if (!c)
     return;
   if (!c->borrows) {
-    bw_free(c->floor);
+    bw_free(c->plane);
     bw_free(c->stiffness);
     bw_free(c->pushes);
   }
@@ -33,9 +33,9 @@ void bwi_contact_free(bwi_contact *c) {
   bw_free(c);
 }
 
-static bool held_along(const bw_load_case *load_case, int32_t node, const double normal[3]) {
+static bool constrained_along(const bw_load_case *load_case, int32_t node, const double normal[3]) {
   for (int d = 0; d < 3; d++)
-    if (fabs(normal[d]) > 1e-9 && !load_case->held[3 * (int64_t)node + d])
+    if (fabs(normal[d]) > 1e-9 && !load_case->constrained[3 * (int64_t)node + d])
       return false;
   return true;
 }
@@ -43,7 +43,7 @@ static bool held_along(const bw_load_case *load_case, int32_t node, const double
 /* Append a point with these nodes, unless none of them can move along the normal. */
 static void append(bwi_contact *c, int f, const double rest[3], int terms, const int32_t *node,
                    const double *weight, const double *blocks) {
-  const bw_contact_plane *plane = &c->load_case->floor[f];
+  const bw_contact_plane *plane = &c->load_case->contact_plane[f];
   double give = 0;
   int64_t at = c->start[c->count];
   for (int k = 0; k < terms; k++) {
@@ -51,7 +51,7 @@ static void append(bwi_contact *c, int f, const double rest[3], int terms, const
       continue;
     c->node[at] = node[k];
     c->weight[at++] = weight[k];
-    if (held_along(c->load_case, node[k], plane->normal))
+    if (constrained_along(c->load_case, node[k], plane->normal))
       continue;
     double stiff = 0;
     for (int i = 0; i < 3; i++)
@@ -63,7 +63,7 @@ static void append(bwi_contact *c, int f, const double rest[3], int terms, const
   if (!(give > 0))
     return;
   double y[3] = {rest[0] - plane->point[0], rest[1] - plane->point[1], rest[2] - plane->point[2]};
-  c->floor[c->count] = f;
+  c->plane[c->count] = f;
   c->rest[c->count] = bw_dot(y, plane->normal);
   c->stiffness[c->count] = STIFFER / give;
   c->start[++c->count] = at;
@@ -91,7 +91,7 @@ bw_status bwi_contact_create(bw_context *context, const bw_load_case *load_case,
   if (load_case->contact_plane_count == 0)
     return BW_OK;
   for (int f = 0; f < load_case->contact_plane_count; f++) {
-    const bw_embedding *embedding = load_case->floor[f].embedding;
+    const bw_embedding *embedding = load_case->contact_plane[f].embedding;
     int64_t points = embedding ? embedding->point_count : grid->node_count;
     max += points;
     terms += embedding ? 8 * points : points;
@@ -103,7 +103,7 @@ bw_status bwi_contact_create(bw_context *context, const bw_load_case *load_case,
     goto done;
   }
   c->load_case = load_case;
-  c->floor = BW_NEW(context, int32_t, max);
+  c->plane = BW_NEW(context, int32_t, max);
   c->rest = BW_NEW(context, double, max);
   c->start = BW_NEW0(context, int64_t, max + 1);
   c->node = BW_NEW(context, int32_t, terms);
@@ -115,17 +115,17 @@ bw_status bwi_contact_create(bw_context *context, const bw_load_case *load_case,
   c->pushes = BW_NEW0(context, uint8_t, max);
   c->offset = BW_NEW0(context, double, load_case->contact_plane_count);
   c->shift = BW_NEW0(context, double, load_case->contact_plane_count);
-  if (!c->floor || !c->rest || !c->start || !c->node || !c->weight || !c->stiffness || !c->force ||
+  if (!c->plane || !c->rest || !c->start || !c->node || !c->weight || !c->stiffness || !c->force ||
       !c->gap || !c->multiplier || !c->pushes || !c->offset || !c->shift) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(mark_boundary(context, grid, outer));
   for (int f = 0; f < load_case->contact_plane_count; f++) {
-    const bw_embedding *e = load_case->floor[f].embedding;
+    const bw_embedding *e = load_case->contact_plane[f].embedding;
     for (int64_t p = 0; e && p < e->point_count; p++)
-      append(c, f, load_case->floor[f].rest + 3 * p, 8, grid->element + 8 * (int64_t)e->element[p],
-             e->weight + 8 * p, blocks);
+      append(c, f, load_case->contact_plane[f].rest + 3 * p, 8,
+             grid->element + 8 * (int64_t)e->element[p], e->weight + 8 * p, blocks);
     for (int32_t n = 0; !e && n < grid->node_count; n++) {
       const double one = 1;
       double at[3];
@@ -138,21 +138,21 @@ bw_status bwi_contact_create(bw_context *context, const bw_load_case *load_case,
   *out = c;
   c = NULL;
 done:
-  bwi_contact_free(c);
+  bwi_contact_destroy(c);
   bw_free(outer);
   return status;
 }
 
 void bwi_contact_place(bwi_contact *c, double load, bool moved) {
   for (int f = 0; f < c->load_case->contact_plane_count; f++) {
-    const bw_contact_plane *plane = &c->load_case->floor[f];
+    const bw_contact_plane *plane = &c->load_case->contact_plane[f];
     c->offset[f] =
         (moved ? 1 : load) * bw_dot(plane->move, plane->normal) - (1 - load) * c->shift[f];
   }
 }
 
 static double displacement(const bwi_contact *c, int64_t p, const double *u) {
-  const double *normal = c->load_case->floor[c->floor[p]].normal;
+  const double *normal = c->load_case->contact_plane[c->plane[p]].normal;
   double sum = 0;
   for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
     sum += c->weight[k] * bw_dot(normal, u + 3 * (int64_t)c->node[k]);
@@ -160,7 +160,7 @@ static double displacement(const bwi_contact *c, int64_t p, const double *u) {
 }
 
 static void add(const bwi_contact *c, int64_t p, double size, double *v) {
-  const double *normal = c->load_case->floor[c->floor[p]].normal;
+  const double *normal = c->load_case->contact_plane[c->plane[p]].normal;
   for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
     for (int d = 0; d < 3; d++)
       v[3 * (int64_t)c->node[k] + d] += size * c->weight[k] * normal[d];
@@ -170,8 +170,8 @@ void bwi_contact_begin(bwi_contact *c, const double *u) {
   memset(c->shift, 0, (size_t)c->load_case->contact_plane_count * sizeof *c->shift);
   bwi_contact_place(c, 1, true);
   for (int64_t p = 0; p < c->count; p++) {
-    double gap = c->rest[p] + displacement(c, p, u) - c->offset[c->floor[p]];
-    double *shift = &c->shift[c->floor[p]];
+    double gap = c->rest[p] + displacement(c, p, u) - c->offset[c->plane[p]];
+    double *shift = &c->shift[c->plane[p]];
     *shift = fmax(*shift, -gap);
   }
 }
@@ -181,7 +181,7 @@ int64_t bwi_contact_evaluate(bwi_contact *c, const double *u, double *energy, do
   *energy = 0;
   for (int64_t p = 0; p < c->count; p++) {
     double stiff = c->stiffness[p], before = c->multiplier[p];
-    c->gap[p] = c->rest[p] + displacement(c, p, u) - c->offset[c->floor[p]];
+    c->gap[p] = c->rest[p] + displacement(c, p, u) - c->offset[c->plane[p]];
     double f = c->force[p] = fmax(0, before - stiff * c->gap[p]);
     *energy += (f * f - before * before) / (2 * stiff);
     c->pushes[p] = f > 0;
@@ -208,7 +208,7 @@ void bwi_contact_settle(bwi_contact *c) {
 /* `part` of a point's derivatives. */
 static void add_stiffness(const bwi_contact *c, int64_t p, double part,
                           const bw_block_pattern *pattern, double *values) {
-  const double *normal = c->load_case->floor[c->floor[p]].normal;
+  const double *normal = c->load_case->contact_plane[c->plane[p]].normal;
   for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
     for (int64_t l = c->start[p]; l < c->start[p + 1]; l++) {
       if (c->node[l] > c->node[k])
@@ -252,7 +252,7 @@ void bwi_contact_blocks(const bwi_contact *c, double *blocks) {
   for (int64_t p = 0; p < c->count; p++) {
     if (!c->pushes[p])
       continue;
-    const double *normal = c->load_case->floor[c->floor[p]].normal;
+    const double *normal = c->load_case->contact_plane[c->plane[p]].normal;
     for (int64_t k = c->start[p]; k < c->start[p + 1]; k++)
       for (int i = 0; i < 9; i++)
         blocks[9 * (int64_t)c->node[k] + i] +=
@@ -275,14 +275,14 @@ bw_status bwi_contact_coarse(bw_context *context, const bwi_contact *contact,
   c->load_case = contact->load_case;
   c->count = contact->count;
   c->borrows = true;
-  c->floor = contact->floor;
+  c->plane = contact->plane;
   c->stiffness = contact->stiffness;
   c->pushes = contact->pushes;
   c->start = BW_NEW0(context, int64_t, c->count + 1);
   c->node = BW_NEW(context, int32_t, max);
   c->weight = BW_NEW(context, double, max);
   if (!c->start || !c->node || !c->weight) {
-    bwi_contact_free(c);
+    bwi_contact_destroy(c);
     return BW_MEMORY;
   }
   for (int64_t p = 0; p < c->count; p++) {

@@ -6,7 +6,7 @@
  * derivative, so line searches work on it. l is the multiplier, c a stiffness a good deal above the
  * solid's own at the point. In equilibrium, l is set to f and the equilibrium found again, until
  * gaps of points that push are zero to rounding: then f is the exact contact force. f is never
- * negative: nothing is held back. */
+ * negative: the plane does not pull. */
 #ifndef BWI_NONLINEAR_CONTACT_PLANE_H
 #define BWI_NONLINEAR_CONTACT_PLANE_H
 
@@ -15,7 +15,7 @@
 typedef struct bwi_contact {
   const bw_load_case *load_case;
   int64_t count;     /* points that may touch */
-  int32_t *floor;    /* count */
+  int32_t *plane;    /* count */
   double *rest;      /* count: height over the plane at load factor 0, both at rest */
   int64_t *start;    /* count + 1: terms of each point */
   int32_t *node;     /* terms */
@@ -26,15 +26,15 @@ typedef struct bwi_contact {
   double *multiplier;
   bool borrows;    /* contact plane, stiffness and pushes are those of another */
   uint8_t *pushes; /* count: f > 0 at the last evaluation, or as was predicted since */
-  double *offset;  /* floor_count: how far each plane has moved along its normal */
-  double *shift;   /* floor_count: how much further back it is at load factor 0 */
+  double *offset;  /* contact_plane_count: how far each plane has moved along its normal */
+  double *shift;   /* contact_plane_count: how much further back it is at load factor 0 */
 } bwi_contact;
 
 /* `blocks`: node_count x 9, the solid's own stiffness at each node. *contact stays NULL for a case
  * without contact planes. */
 bw_status bwi_contact_create(bw_context *context, const bw_load_case *load_case,
                              const double *blocks, bwi_contact **contact);
-void bwi_contact_free(bwi_contact *contact);
+void bwi_contact_destroy(bwi_contact *contact);
 /* Where the planes are at a load factor; `moved`: they are at their ends, but for the shifts. */
 void bwi_contact_place(bwi_contact *contact, double load, bool moved);
 /* Shift the planes so that at load factor 0 they do not reach into a shape that begins at u. */

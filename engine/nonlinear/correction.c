@@ -14,7 +14,7 @@ static bw_status step(bwi_newton_state *state, bool *moved) {
   bool definite;
   double length = 0, slope;
   *moved = false;
-  state->fresh = false;
+  state->stiffness_current = false;
   BW_TRY(bwi_tangent_set(state, BWI_PROJECTED, &definite));
   bwi_newton_state_measure(state);
   for (int64_t i = 0; i < state->size; i++)
@@ -51,7 +51,7 @@ bw_status bw_solid_correct(bw_context *context, const bw_solid *solid,
   state.load = 1;
   memcpy(state.now.u, options->start, (size_t)state.size * sizeof *displacement);
   for (int64_t i = 0; i < state.size; i++)
-    if (load_case->held[i])
+    if (load_case->constrained[i])
       state.now.u[i] = load_case->value[i];
   BW_TRY(bwi_newton_state_balance(&state, &state.now));
   *defined = state.now.shape.defined;

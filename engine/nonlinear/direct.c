@@ -1,8 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Direct solutions: the engine's multifrontal factor on a solid's pattern.
  *
- * Invariants: `symbolic` is of `pattern` and `held`, all NULL before the first analysis; `factor`,
- * when there is one, is of `symbolic`, and its numbers are to be used while `usable`. */
+ * Invariants: `symbolic` is of `pattern` and `constrained`, all NULL before the first analysis;
+ * `factor`, when there is one, is of `symbolic`, and its numbers are to be used while `usable`. */
 #include "nonlinear/direct.h"
 
 #include <string.h>
@@ -11,7 +11,7 @@
 
 struct bwi_direct {
   const bw_block_pattern *pattern; /* retained */
-  uint8_t *held;                   /* 3 pattern->node_count */
+  uint8_t *constrained;            /* 3 pattern->node_count */
   bwi_symbolic *symbolic;
   bwi_factor *factor;
   bool usable;
@@ -29,11 +29,11 @@ static void forget(bwi_direct *direct) {
   bw_release(direct->factor);
   bw_release(direct->symbolic);
   bw_release(direct->pattern);
-  bw_free(direct->held);
+  bw_free(direct->constrained);
   *direct = (bwi_direct){0};
 }
 
-void bwi_direct_free(bwi_direct *direct) {
+void bwi_direct_destroy(bwi_direct *direct) {
   if (!direct)
     return;
   forget(direct);
@@ -78,32 +78,32 @@ static bool same_pattern(const bw_block_pattern *a, const bw_block_pattern *b) {
 }
 
 bool bwi_direct_keeps(const bwi_direct *direct, const bw_block_pattern *pattern,
-                      const uint8_t *held) {
+                      const uint8_t *constrained) {
   return direct->symbolic && same_pattern(direct->pattern, pattern) &&
-         memcmp(direct->held, held, 3 * (size_t)pattern->node_count) == 0;
+         memcmp(direct->constrained, constrained, 3 * (size_t)pattern->node_count) == 0;
 }
 
 bw_status bwi_direct_analyse(bw_context *context, bwi_direct *direct,
-                             const bw_block_pattern *pattern, const uint8_t *held) {
+                             const bw_block_pattern *pattern, const uint8_t *constrained) {
   bw_status status = BW_OK;
   size_t nodes = (size_t)pattern->node_count, size = 3 * nodes;
   uint8_t *take = NULL;
   int32_t *unknown = NULL, count = 0;
   bwi_order *order = NULL;
-  if (bwi_direct_keeps(direct, pattern, held))
+  if (bwi_direct_keeps(direct, pattern, constrained))
     return BW_OK;
   forget(direct);
   take = BW_NEW0(context, uint8_t, nodes);
   unknown = BW_NEW(context, int32_t, size);
-  direct->held = BW_NEW(context, uint8_t, size);
-  if (!take || !unknown || !direct->held) {
+  direct->constrained = BW_NEW(context, uint8_t, size);
+  if (!take || !unknown || !direct->constrained) {
     status = BW_MEMORY;
     goto done;
   }
-  memcpy(direct->held, held, size);
+  memcpy(direct->constrained, constrained, size);
   for (size_t i = 0; i < size; i++) {
-    unknown[i] = held[i] ? -1 : count++;
-    take[i / 3] = (uint8_t)(take[i / 3] | !held[i]);
+    unknown[i] = constrained[i] ? -1 : count++;
+    take[i / 3] = (uint8_t)(take[i / 3] | !constrained[i]);
   }
   if (count == 0) {
     status = bw_fail(context, BW_INTERNAL, "a matrix without unknowns cannot be factorised");
@@ -128,7 +128,7 @@ void bwi_direct_count(const bwi_direct *direct, double *flops, double *entries) 
 }
 
 bw_status bwi_direct_factor(bw_context *context, bwi_direct *direct,
-                            const bw_block_pattern *pattern, const uint8_t *held,
+                            const bw_block_pattern *pattern, const uint8_t *constrained,
                             const double *stiffness, bool *definite, int32_t *node) {
   bw_status status = BW_OK;
   bwi_elimination_reach *reach = NULL;
@@ -136,13 +136,13 @@ bw_status bwi_direct_factor(bw_context *context, bwi_direct *direct,
   int32_t bad_node = -1;
   direct->usable = false;
   *definite = false;
-  BW_TRY(bwi_direct_analyse(context, direct, pattern, held));
+  BW_TRY(bwi_direct_analyse(context, direct, pattern, constrained));
   if (direct->factor)
     status = bwi_factor_update(context, direct->factor, &matrix, NULL, NULL, &bad_node);
   else {
     BW_TRY(bwi_elimination_reach_create_whole(context, direct->symbolic, &reach));
-    status = bwi_factor_create_kept(context, direct->symbolic, &matrix, reach, &direct->factor,
-                                    &bad_node);
+    status = bwi_factor_create_with_updates(context, direct->symbolic, &matrix, reach,
+                                            &direct->factor, &bad_node);
   }
   if (status == BW_SINGULAR) {
     bw_clear_failure(context);

@@ -109,19 +109,19 @@ static void respond(const bw_solid_material *m, int32_t first, const points *p, 
   }
 }
 
-/* Forces and stiffnesses of eight points; `fresh`: written, else added to those of others. */
-static inline void add_forces(const points *p, const bwi_lanes stress[9], bool fresh,
+/* Forces and stiffnesses of eight points; `overwrite`: written, else added to those of others. */
+static inline void add_forces(const points *p, const bwi_lanes stress[9], bool overwrite,
                               bwi_lanes *force) {
   for (int a = 0; a < 8; a++)
     for (int i = 0; i < 3; i++) {
       bwi_lanes value = stress[3 * i] * p->gradient[a][0] + stress[3 * i + 1] * p->gradient[a][1] +
                         stress[3 * i + 2] * p->gradient[a][2];
-      force[3 * a + i] = fresh ? value : force[3 * a + i] + value;
+      force[3 * a + i] = overwrite ? value : force[3 * a + i] + value;
     }
 }
 
 /* K_ab,ik = sum over j, l of g_aj A_ij,kl g_bl. */
-static inline void add_stiffness(const points *p, const bwi_lanes tangent[81], bool fresh,
+static inline void add_stiffness(const points *p, const bwi_lanes tangent[81], bool overwrite,
                                  bwi_lanes *stiffness) {
   for (int a = 0; a < 8; a++) {
     const bwi_lanes *g = p->gradient[a];
@@ -136,14 +136,14 @@ static inline void add_stiffness(const points *p, const bwi_lanes tangent[81], b
       for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++) {
           bwi_lanes value = t[i][3 * k] * x + t[i][3 * k + 1] * y + t[i][3 * k + 2] * z;
-          block[3 * i + k] = fresh ? value : block[3 * i + k] + value;
+          block[3 * i + k] = overwrite ? value : block[3 * i + k] + value;
         }
     }
     bwi_lanes *block = stiffness + bwi_element_block(a, a);
     for (int i = 0; i < 3; i++)
       for (int k = i; k < 3; k++, block++) {
         bwi_lanes value = t[i][3 * k] * g[0] + t[i][3 * k + 1] * g[1] + t[i][3 * k + 2] * g[2];
-        *block = fresh ? value : *block + value;
+        *block = overwrite ? value : *block + value;
       }
   }
 }
@@ -151,7 +151,8 @@ static inline void add_stiffness(const points *p, const bwi_lanes tangent[81], b
 /* The same for neo-Hookean points, without their tangent: with h_a = F^-T g_a,
  * K_ab = mu (g_a . g_b) 1 + (mu - lambda ln J) h_b h_a^T + lambda h_a h_b^T. */
 static inline void add_neo_hookean(const points *p, const bwi_lanes *mu, const bwi_lanes *lambda,
-                                   const bwi_response *response, bool fresh, bwi_lanes *stiffness) {
+                                   const bwi_response *response, bool overwrite,
+                                   bwi_lanes *stiffness) {
   bwi_lanes h[8][3], scaled[8][3], turned[8][3], zero = {0};
   for (int a = 0; a < 8; a++)
     for (int i = 0; i < 3; i++) {
@@ -169,7 +170,7 @@ static inline void add_neo_hookean(const points *p, const bwi_lanes *mu, const b
         for (int k = a == b ? i : 0; k < 3; k++, block++) {
           bwi_lanes value =
               h[b][i] * turned[a][k] + scaled[a][i] * h[b][k] + (i == k ? same : zero);
-          *block = fresh ? value : *block + value;
+          *block = overwrite ? value : *block + value;
         }
     }
 }

@@ -22,14 +22,14 @@ bw_status bw_solid_linear_create(bw_context *context, const bw_solid *solid,
   linear->stiffness = BW_NEW0(context, double, BWI_ELEMENT_NUMBERS *elements);
   linear->product = BW_NEW0(context, double, BWI_ELEMENT_FORCES *elements);
   if (!linear->stiffness || !linear->product) {
-    bw_solid_linear_free(linear);
+    bw_solid_linear_destroy(linear);
     return BW_MEMORY;
   }
   *out = linear;
   return BW_OK;
 }
 
-void bw_solid_linear_free(bw_solid_linear *linear) {
+void bw_solid_linear_destroy(bw_solid_linear *linear) {
   if (!linear)
     return;
   bw_release(linear->solid);

@@ -1,9 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* What acts on a solid: gathering it.
  *
- * Invariants: value[i] is 0 where held[i] is not set; normals of contact planes are of unit length;
- * every triangle's points exist in its embedding, which is of the case's grid or of one with the
- * same elements. */
+ * Invariants: value[i] is 0 where constrained[i] is not set; normals of contact planes are of unit
+ * length; every triangle's points exist in its embedding, which is of the case's grid or of one
+ * with the same elements. */
 #include "nonlinear/load_case.h"
 
 #include <math.h>
@@ -19,12 +19,12 @@ static void destroy(void *object) {
     bw_free(it->patch[p].pressure);
   }
   for (int32_t f = 0; f < it->contact_plane_count; f++) {
-    bw_release(it->floor[f].embedding);
-    bw_free(it->floor[f].rest);
+    bw_release(it->contact_plane[f].embedding);
+    bw_free(it->contact_plane[f].rest);
   }
   bw_free(it->patch);
-  bw_free(it->floor);
-  bw_free(it->held);
+  bw_free(it->contact_plane);
+  bw_free(it->constrained);
   bw_free(it->value);
   bw_free(it->force);
   bw_release(it->grid);
@@ -48,10 +48,10 @@ bw_status bw_load_case_create(bw_context *context, const bw_grid *grid, bw_load_
   size_t size = 3 * (size_t)grid->node_count;
   bw_object_init(it, &case_kind);
   it->grid = bw_retain(grid);
-  it->held = BW_NEW0(context, uint8_t, size);
+  it->constrained = BW_NEW0(context, uint8_t, size);
   it->value = BW_NEW0(context, double, size);
   it->force = BW_NEW0(context, double, size);
-  if (!it->held || !it->value || !it->force) {
+  if (!it->constrained || !it->value || !it->force) {
     bw_release(it);
     return BW_MEMORY;
   }
@@ -92,7 +92,7 @@ bw_status bw_load_case_fix(bw_context *context, bw_load_case *it, int64_t count,
   for (int64_t k = 0; k < count; k++)
     for (int c = 0; c < 3; c++) {
       int64_t i = 3 * (int64_t)node[k] + c;
-      if (hold[c] && it->held[i] && it->value[i] != value[c]) {
+      if (hold[c] && it->constrained[i] && it->value[i] != value[c]) {
         double at[3];
         bw_grid_position(it->grid, node[k], at);
         status = bw_fail(context, BW_INVALID,
@@ -106,7 +106,7 @@ bw_status bw_load_case_fix(bw_context *context, bw_load_case *it, int64_t count,
   for (int64_t k = 0; k < count; k++)
     for (int c = 0; c < 3; c++)
       if (hold[c]) {
-        it->held[3 * (int64_t)node[k] + c] = 1;
+        it->constrained[3 * (int64_t)node[k] + c] = 1;
         it->value[3 * (int64_t)node[k] + c] = value[c];
       }
   it->object.revision++;
@@ -204,14 +204,14 @@ bw_status bw_load_case_contact_plane(bw_context *context, bw_load_case *it, cons
       bwi_embedding_rest(embedding, plane.rest);
   }
   bw_contact_plane *list = (bw_contact_plane *)bw_resize(
-      context, it->floor, (size_t)it->contact_plane_count + 1, sizeof *list);
+      context, it->contact_plane, (size_t)it->contact_plane_count + 1, sizeof *list);
   if (!list) {
     bw_free(plane.rest);
     return BW_MEMORY;
   }
-  it->floor = list;
+  it->contact_plane = list;
   plane.embedding = bw_retain(embedding);
-  it->floor[it->contact_plane_count++] = plane;
+  it->contact_plane[it->contact_plane_count++] = plane;
   it->object.revision++;
 done:
   return status;

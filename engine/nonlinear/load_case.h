@@ -45,7 +45,7 @@ static inline int64_t bwi_block_index(const bw_block_pattern *pattern, int32_t a
 }
 
 /* BW_UNCONSTRAINED where a group of elements connected by nodes can move as a rigid body: by what
- * is held and, towards them, by contact planes. */
-bw_status bwi_load_case_check_held(bw_context *context, const bw_load_case *it);
+ * is constrained and, towards them, by contact planes. */
+bw_status bwi_load_case_check_constraints(bw_context *context, const bw_load_case *it);
 
 #endif

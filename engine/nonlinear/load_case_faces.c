@@ -28,14 +28,14 @@ bw_status bw_load_case_force(bw_context *context, bw_load_case *it, int64_t coun
                              const int32_t *node, const double total[3]) {
   bw_status status = BW_OK;
   const bw_grid *grid = it->grid;
-  double *share = NULL, sum = 0;
+  double *weight = NULL, sum = 0;
   uint8_t *given = NULL;
   int32_t corner[4];
   BW_TRY(bwi_load_case_check_nodes(context, grid, count, node, "a force"));
   BW_TRY(bwi_load_case_check_finite(context, "the force", total));
-  share = BW_NEW0(context, double, grid->node_count);
+  weight = BW_NEW0(context, double, grid->node_count);
   given = mark(context, grid, count, node);
-  if (!share || !given) {
+  if (!weight || !given) {
     status = BW_MEMORY;
     goto done;
   }
@@ -45,20 +45,20 @@ bw_status bw_load_case_force(bw_context *context, bw_load_case *it, int64_t coun
         continue;
       double area = grid->spacing[(side / 2 + 1) % 3] * grid->spacing[(side / 2 + 2) % 3];
       for (int c = 0; c < 4; c++)
-        share[corner[c]] += area / 4;
+        weight[corner[c]] += area / 4;
       sum += area;
     }
   if (sum == 0)
     for (int32_t n = 0; n < grid->node_count; n++) {
-      share[n] = given[n];
+      weight[n] = given[n];
       sum += given[n];
     }
   for (int32_t n = 0; n < grid->node_count; n++)
     for (int c = 0; c < 3; c++)
-      it->force[3 * (int64_t)n + c] += share[n] / sum * total[c];
+      it->force[3 * (int64_t)n + c] += weight[n] / sum * total[c];
   it->object.revision++;
 done:
-  bw_free(share);
+  bw_free(weight);
   bw_free(given);
   return status;
 }

@@ -9,9 +9,9 @@
  * solid as a whole is unstable, close to equilibria: there, and where projected ones take long, as
  * little is added to the diagonal as makes it positive definite.
  *
- * What is held moves in the first iteration, K_ff d_f = -(r_f + K_fh d_h), so that the rest of the
- * solid goes along: the only step that is not measured by the potential, since the problem changes
- * with it. It is taken when no element is inverted by it. */
+ * What is constrained moves in the first iteration, K_ff d_f = -(r_f + K_fh d_h), so that the rest
+ * of the solid goes along: the only step that is not measured by the potential, since the problem
+ * changes with it. It is taken when no element is inverted by it. */
 #include "nonlinear/newton.h"
 
 #include <math.h>
@@ -45,7 +45,7 @@ typedef struct iterations {
   double plain_below; /* residual below which the tangent may be tried as it is again */
   double gap;         /* of points that push, m */
   int escapes, projected, short_steps;
-  bool moving;  /* what is held has yet to move */
+  bool moving;  /* what is constrained has yet to move */
   bool crushed; /* a shifted tangent failed once */
 } iterations;
 
@@ -66,18 +66,19 @@ static bw_status record(bwi_newton_state *state, double step, int32_t cg, double
   return BW_OK;
 }
 
-/* Move what is held to where it is at this load factor, and the rest along. */
-static bw_status move_held(bwi_newton_state *state, bool *moved) {
+/* Move what is constrained to where it is at this load factor, and the rest along. */
+static bw_status move_constrained(bwi_newton_state *state, bool *moved) {
   bw_status status = BW_OK;
   int32_t cg = 0;
   double *d = state->direction, *moving = state->work, residual = state->relative;
   *moved = false;
   for (int64_t i = 0; i < state->size; i++)
-    moving[i] = state->load_case->held[i] ? bwi_newton_state_target(state, i) - state->now.u[i] : 0;
+    moving[i] =
+        state->load_case->constrained[i] ? bwi_newton_state_target(state, i) - state->now.u[i] : 0;
   if (state->free > 0) {
     BW_TRY(bwi_tangent_multiply(state, moving, d));
     for (int64_t i = 0; i < state->size; i++)
-      d[i] = state->load_case->held[i] ? 0 : -state->residual[i] - d[i];
+      d[i] = state->load_case->constrained[i] ? 0 : -state->residual[i] - d[i];
     BW_TRY(bwi_tangent_solve(state, d, 1e-4, d, &cg));
     if (state->negative && state->tangent == BWI_PLAIN)
       return BW_OK; /* not yet: with another tangent */
@@ -85,8 +86,8 @@ static bw_status move_held(bwi_newton_state *state, bool *moved) {
     memset(d, 0, (size_t)state->size * sizeof *d);
   for (int64_t i = 0; i < state->size; i++) {
     d[i] += moving[i];
-    state->trial.u[i] =
-        state->load_case->held[i] ? bwi_newton_state_target(state, i) : state->now.u[i] + d[i];
+    state->trial.u[i] = state->load_case->constrained[i] ? bwi_newton_state_target(state, i)
+                                                         : state->now.u[i] + d[i];
   }
   BW_TRY(bwi_newton_state_balance(state, &state->trial));
   bool inverting = state->trial.shape.inverted > 0 && state->now.shape.inverted == 0;
@@ -122,8 +123,9 @@ static bw_status predict_contacts(bwi_newton_state *state, double tolerance, dou
     memset(linear, 0, size);
     bwi_contact_linear(state->contact, linear);
     for (int64_t i = 0; i < state->size; i++)
-      state->work[i] =
-          state->load_case->held[i] ? 0 : linear[i] - state->now.contact[i] - state->residual[i];
+      state->work[i] = state->load_case->constrained[i]
+                           ? 0
+                           : linear[i] - state->now.contact[i] - state->residual[i];
     BW_TRY(bwi_tangent_solve(state, state->work, tolerance, state->direction, &more));
     *cg += more;
   }
@@ -162,7 +164,7 @@ done:
 
 static bool must_move(const bwi_newton_state *state) {
   for (int64_t i = 0; i < state->size; i++)
-    if (state->load_case->held[i] && state->now.u[i] != bwi_newton_state_target(state, i))
+    if (state->load_case->constrained[i] && state->now.u[i] != bwi_newton_state_target(state, i))
       return true;
   return false;
 }
@@ -195,10 +197,10 @@ static bw_status check_stable(bwi_newton_state *state, bool *stable) {
   if (state->iterative)
     BW_TRY(bwi_choice_factor_search(state, &by_factor));
   if (by_factor) {
-    state->iterative = state->fresh = false;
+    state->iterative = state->stiffness_current = false;
     status = bwi_tangent_set(state, BWI_PLAIN, &definite);
     state->iterative = true;
-    state->fresh = false;
+    state->stiffness_current = false;
     if (status != BW_OK || definite)
       return status;
   }
@@ -268,7 +270,7 @@ static bw_status set_tangent(iterations *it) {
     bool by_factor;
     BW_TRY(bwi_choice_factor(state, &by_factor));
     if (by_factor)
-      state->iterative = state->fresh = false;
+      state->iterative = state->stiffness_current = false;
   }
   if (state->free == 0)
     return BW_OK;
@@ -329,11 +331,11 @@ static void end_search(iterations *it, bool *found) {
     state->obstacle = BWI_SEARCH;
 }
 
-/* The iteration that moves what is held. */
+/* The iteration that moves what is constrained. */
 static bw_status move(iterations *it) {
   bw_status status = BW_OK;
   bool moved;
-  BW_TRY(move_held(it->state, &moved));
+  BW_TRY(move_constrained(it->state, &moved));
   if (moved) {
     it->moving = false;
     it->state->have_tangent = false; /* it was that of another shape */

@@ -36,8 +36,8 @@ struct bw_newton {
 };
 
 /* What may be added to the potential: 1/2 (u - centre) . Q (u - centre) + force . (u - centre),
- * Q = of_mass M + of_stiffness K. A step in time has one; nothing need be held then, and any state
- * without a residual is its solution. */
+ * Q = of_mass M + of_stiffness K. A step in time has one; nothing need be constrained then, and any
+ * state without a residual is its solution. */
 typedef struct bwi_quadratic {
   const double *centre, *force; /* node_count x 3 */
   double of_mass;               /* 1/s2 */
@@ -82,7 +82,7 @@ typedef enum bwi_obstacle {
   BWI_WORK,       /* or in all load steps */
   BWI_SEARCH,     /* no step along a direction lowers the potential */
   BWI_CREEPING,   /* one short step follows on another */
-  BWI_INVERTING,  /* moving what is held would turn elements inside out */
+  BWI_INVERTING,  /* moving what is constrained would turn elements inside out */
   BWI_UNSTABLE,   /* from one unstable equilibrium to the next */
   BWI_STIFFNESS,  /* no tangent to solve with: something is free to move */
   BWI_CRUSHED,    /* none with any shift: elements are badly out of shape */
@@ -97,11 +97,11 @@ typedef struct bwi_newton_state {
   bw_newton *newton;
   const bw_newton_options *options;
   int64_t size;             /* 3 node_count */
-  int64_t free;             /* components that are not held */
+  int64_t free;             /* components that are not constrained */
   double *dead;             /* dead loads at full */
   double *begin;            /* displacements at load factor 0, or NULL: rest */
   double *initial_residual; /* what is out of balance there under full loads, or NULL. Balanced at
-                   load factor 0, it fades: at load factor s, 1 - s of it is left */
+                   load factor 0, it goes to zero: at load factor s, 1 - s of it is left */
   bool follows;             /* the case has follower pressures */
   double *follower;         /* 9 per block: what follower pressures add to the tangent, or NULL */
   bwi_contact *contact;     /* or NULL */
@@ -125,12 +125,13 @@ typedef struct bwi_newton_state {
   bool negative;  /* the last of those met a direction of negative curvature */
   bwi_choice choice;
   bwi_precondition *precondition;
-  bool fresh;      /* the stiffness kept is the plain one at now.u, without contact */
-  double previous; /* the residual one iteration before, for how exactly to solve */
-  bool undecided;  /* whether the last equilibrium is stable was not found out */
+  bool stiffness_current; /* the stiffness kept is the plain one at now.u, without contact */
+  double previous;        /* the residual one iteration before, for how exactly to solve */
+  bool undecided;         /* whether the last equilibrium is stable was not found out */
   /* of a failed equilibrium */
   bwi_obstacle obstacle;
-  double part; /* how much of the movement of what is held would have been possible, 0: not known */
+  double part; /* how much of the movement of what is constrained would have been possible, 0: not
+                  known */
   bw_newton_report *report;
   size_t history_capacity;
 } bwi_newton_state;
@@ -161,7 +162,7 @@ bw_status bwi_newton_state_balance(bwi_newton_state *state, bwi_energy_forces *a
 void bwi_newton_state_accept(bwi_newton_state *state);
 /* Loads but for those of contact planes, at displacements u. */
 bw_status bwi_newton_state_loads(bwi_newton_state *state, const double *u, double *load);
-/* Residual (0 where held), its size relative to the forces at work, and what those are. */
+/* Residual (0 where constrained), its size relative to the forces at work, and what those are. */
 void bwi_newton_state_measure(bwi_newton_state *state);
 static inline double bwi_newton_state_target(const bwi_newton_state *state, int64_t i) {
   double from = state->begin ? state->begin[i] : 0;

@@ -5,15 +5,15 @@
  * measured: the same solution takes the same way everywhere. Those of the factor are known from its
  * analysis. An iteration of conjugate gradients is so many products, which read the elements'
  * stiffnesses, and a solution with the coarsest factor; how many there will be is what solutions of
- * the same elements have needed so far, and a guess before there were any. The analysis costs as
- * much as some tens of iterations: it is put off until iterations have cost four times that, so
+ * the same elements have needed so far, and an estimate before there were any. The analysis costs
+ * as much as some tens of iterations: it is put off until iterations have cost four times that, so
  * that short solutions go without. Then, and whenever it is kept from before, a Newton state takes
- * what seems cheaper; from iterations it goes over to the factor for good. No solution may take
- * more of them than a few factors are worth.
+ * what is predicted to be cheaper; from iterations it goes over to the factor for good. No solution
+ * may take more of them than a few factors cost.
  *
  * The search for a direction of negative curvature has to go on until its residual has fallen by
- * some sixteen factors of e, which is dear where convergence is slow: one factor then does the same
- * if it comes out. */
+ * some sixteen factors of e, which is expensive where convergence is slow: one factor then does the
+ * same if it comes out. */
 #include "nonlinear/newton.h"
 
 #include <math.h>
@@ -35,12 +35,12 @@ enum { PRODUCTS = 5, PRODUCTS_BELOW = 4, PRODUCTS_TO_SET = 3 };
 #define COARSE_ENTRIES 600.0
 /* Seconds to analyse, for each node; it is done when this part of what iterations took. */
 #define ANALYSIS 1e-5
-#define ANALYSIS_SHARE 0.25
+#define ANALYSIS_FRACTION 0.25
 
 /* Iterations of a solution before anything is known, which counts as so many solutions. */
 #define GUESS 6.0
 #define GUESS_WEIGHT 1.0
-/* Iterations that are worth so many factors end a solution. */
+/* Iterations that cost as much as so many factors end a solution. */
 #define LIMIT 3.0
 #define MIN_ITERATIONS 10.0
 /* Factors of e by which the search's residual falls: half of log(n 30 10^8), n some 10^4. */
@@ -83,17 +83,17 @@ static double spent(const bwi_newton_state *state) {
          (ANALYSIS * state->solid->grid->node_count);
 }
 
-/* Analyses once that is worth it. */
+/* Analyses once that pays. */
 static bw_status consider(bwi_newton_state *state) {
   bw_status status = BW_OK;
   bwi_choice *c = &state->choice;
   double flops, entries, before = bw_seconds();
-  if (!c->open || c->factor > 0 || spent(state) * ANALYSIS_SHARE < 1)
+  if (!c->open || c->factor > 0 || spent(state) * ANALYSIS_FRACTION < 1)
     return BW_OK;
-  state->report->analyses +=
-      !bwi_direct_keeps(state->newton->direct, state->solid->pattern, state->load_case->held);
+  state->report->analyses += !bwi_direct_keeps(state->newton->direct, state->solid->pattern,
+                                               state->load_case->constrained);
   BW_TRY(bwi_direct_analyse(state->context, state->newton->direct, state->solid->pattern,
-                            state->load_case->held));
+                            state->load_case->constrained));
   state->report->seconds_analysis += bw_seconds() - before;
   bwi_direct_count(state->newton->direct, &flops, &entries);
   c->factor = flops / FLOPS_PER_SECOND + ENTRY_BYTES * entries / BYTES_PER_SECOND;
@@ -115,7 +115,7 @@ int32_t bwi_choice_limit(const bwi_newton_state *state) {
   if (c->factor > 0)
     max = fmin(max, fmax(MIN_ITERATIONS, LIMIT * c->factor / c->iteration));
   else if (c->open)
-    max = fmin(max, fmax(MIN_ITERATIONS, (1 / ANALYSIS_SHARE - spent(state)) * ANALYSIS *
+    max = fmin(max, fmax(MIN_ITERATIONS, (1 / ANALYSIS_FRACTION - spent(state)) * ANALYSIS *
                                              state->solid->grid->node_count / c->iteration));
   return (int32_t)max;
 }

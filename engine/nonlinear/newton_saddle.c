@@ -46,7 +46,7 @@ static bw_status random_forces(bwi_newton_state *state, double *force) {
   bw_random_seed(&random, 1);
   for (int64_t i = 0; i < state->size; i++) {
     double number = bw_random_normal(&random);
-    force[i] = state->load_case->held[i] ? 0 : sqrt(fabs(blocks[3 * i + i % 3])) * number;
+    force[i] = state->load_case->constrained[i] ? 0 : sqrt(fabs(blocks[3 * i + i % 3])) * number;
   }
   bw_free(own);
   return BW_OK;
@@ -82,9 +82,10 @@ static bw_status find_negative(bwi_newton_state *state, const double *plain, boo
     if (*none || rz < 0)
       goto done;
     for (int64_t i = 0; i < n; i++)
-      p[i] = state->load_case->held[i] ? 0 : z[i] + (before > 0 ? rz / before * p[i] : 0);
+      p[i] = state->load_case->constrained[i] ? 0 : z[i] + (before > 0 ? rz / before * p[i] : 0);
     before = rz;
-    if (state->iterative) /* 0 where held: reactions are nothing that coarse solids should see */
+    if (state->iterative) /* 0 where constrained: reactions are nothing that coarse solids should
+                             see */
       BW_TRY(bwi_precondition_multiply(context, state->precondition, p, q));
     else
       BW_TRY(bw_block_multiply(context, state->solid->pattern, plain, 9, 3, 1, p, q));
@@ -114,7 +115,7 @@ static bw_status potential_at(bwi_newton_state *state, double t, double *change)
   double work = 0;
   for (int64_t i = 0; i < state->size; i++) {
     state->trial.u[i] = state->now.u[i] + t * state->direction[i];
-    if (!state->load_case->held[i])
+    if (!state->load_case->constrained[i])
       work += (state->now.load[i] - (state->now.contact ? state->now.contact[i] : 0)) * t *
               state->direction[i];
   }
@@ -124,7 +125,7 @@ static bw_status potential_at(bwi_newton_state *state, double t, double *change)
     goto done;
   /* of follower pressures: the mean of the forces at both ends */
   for (int64_t i = 0; state->follows && i < state->size; i++)
-    if (!state->load_case->held[i])
+    if (!state->load_case->constrained[i])
       work += 0.5 * t * state->direction[i] *
               (state->trial.load[i] - (state->trial.contact ? state->trial.contact[i] : 0) -
                state->now.load[i] + (state->now.contact ? state->now.contact[i] : 0));

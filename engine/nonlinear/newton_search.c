@@ -175,7 +175,7 @@ done:
 static bool slope_is_less(const bwi_newton_state *state, double slope) {
   double ahead = 0;
   for (int64_t i = 0; i < state->size; i++)
-    if (!state->load_case->held[i])
+    if (!state->load_case->constrained[i])
       ahead += (state->trial.internal[i] - state->trial.load[i]) * state->direction[i];
   return fabs(ahead) <= 0.9 * fabs(slope);
 }
@@ -183,14 +183,14 @@ static bool slope_is_less(const bwi_newton_state *state, double slope) {
 /* Where a step falls by more than the tangent's parabola, which loses half of the slope, the
  * tangent was projected and too stiff, as it is beside unstable equilibria: twice the step, and
  * again, while that pays. */
-static bool worth_more(const line *l, double a, double slope) {
+static bool falls_faster(const line *l, double a, double slope) {
   return l->change < 0.6 * a * slope && -l->change > l->rounding;
 }
 
 static bw_status extend(bwi_newton_state *state, double slope, line *l, double *step) {
   bw_status status = BW_OK;
   double best = l->change, a = *step;
-  while (state->tangent != BWI_PLAIN && a < 1e6 && worth_more(l, a, slope)) {
+  while (state->tangent != BWI_PLAIN && a < 1e6 && falls_faster(l, a, slope)) {
     BW_TRY(try_length(state, 2 * a, l));
     if (!state->trial.shape.defined || !(l->change < best))
       break;
@@ -216,7 +216,7 @@ bw_status bwi_newton_search(bwi_newton_state *state, double slope, double *step)
   if (!isfinite(longest) || !isfinite(slope))
     return BW_OK;
   for (int64_t i = 0; i < state->size; i++)
-    if (!state->load_case->held[i])
+    if (!state->load_case->constrained[i])
       l.constant += (state->now.load[i] - (state->now.contact ? state->now.contact[i] : 0)) * d[i];
   if (state->follows) {
     BW_TRY(follower_power(state, 0, &l.power));

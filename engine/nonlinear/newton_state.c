@@ -33,8 +33,8 @@ void bwi_newton_state_clear(bwi_newton_state *state) {
   bw_free(state->begin);
   bw_free(state->initial_residual);
   bw_free(state->follower);
-  bwi_precondition_free(state->precondition);
-  bwi_contact_free(state->contact);
+  bwi_precondition_destroy(state->precondition);
+  bwi_contact_destroy(state->contact);
   bwi_energy_forces_clear(&state->now);
   bwi_energy_forces_clear(&state->trial);
   bw_free(state->blocks);
@@ -48,7 +48,7 @@ bw_status bwi_newton_state_create(bwi_newton_state *state) {
   bw_context *context = state->context;
   int64_t n = state->size = 3 * (int64_t)state->solid->grid->node_count;
   for (int64_t i = 0; i < n; i++)
-    state->free += !state->load_case->held[i];
+    state->free += !state->load_case->constrained[i];
   state->follows = bwi_load_case_follows(state->load_case);
   state->dead = BW_NEW(context, double, n);
   state->blocks = BW_NEW0(context, double, 3 * n);
@@ -93,7 +93,7 @@ void bwi_energy_forces_clear(bwi_energy_forces *at) {
 double bwi_newton_state_dot(const bwi_newton_state *state, const double *a, const double *b) {
   double sum = 0;
   for (int64_t i = 0; i < state->size; i++)
-    if (!state->load_case->held[i])
+    if (!state->load_case->constrained[i])
       sum += a[i] * b[i];
   return sum;
 }
@@ -137,16 +137,16 @@ done:
 void bwi_newton_state_measure(bwi_newton_state *state) {
   const bwi_energy_forces *now = &state->now;
   const bw_grid *grid = state->solid->grid;
-  double left = 0, applied = 0, held = 0, contact = 0, noise = 0, elastic = 0;
+  double left = 0, applied = 0, constrained = 0, contact = 0, noise = 0, elastic = 0;
   double cell = fmax(grid->spacing[0], fmax(grid->spacing[1], grid->spacing[2]));
   for (int64_t i = 0; i < state->size; i++) {
     double touching = now->contact ? now->contact[i] : 0, other = now->load[i] - touching;
     double r = now->internal[i] - now->load[i];
-    state->residual[i] = state->load_case->held[i] ? 0 : r;
-    *(state->load_case->held[i] ? &held : &left) += r * r;
+    state->residual[i] = state->load_case->constrained[i] ? 0 : r;
+    *(state->load_case->constrained[i] ? &constrained : &left) += r * r;
     applied += other * other;
     contact += touching * touching;
-    if (!state->load_case->held[i]) {
+    if (!state->load_case->constrained[i]) {
       double stiff = state->blocks[3 * i + i % 3], term = stiff * (fabs(now->u[i]) + cell);
       elastic += fabs(stiff) * cell * cell;
       noise += term * term;
@@ -154,7 +154,7 @@ void bwi_newton_state_measure(bwi_newton_state *state) {
   }
   state->noise = NOISE * sqrt(noise);
   state->elastic = elastic;
-  state->reference = sqrt(applied) + sqrt(held) + sqrt(contact) + now->quadratic_size;
+  state->reference = sqrt(applied) + sqrt(constrained) + sqrt(contact) + now->quadratic_size;
   double min = state->noise / state->options->tolerance;
   state->relative = left > 0 ? sqrt(left) / fmax(state->reference, min) : 0;
   if (!isfinite(state->relative))
@@ -165,7 +165,7 @@ void bwi_newton_state_accept(bwi_newton_state *state) {
   bwi_energy_forces old = state->now;
   state->now = state->trial;
   state->trial = old;
-  state->fresh = false;
+  state->stiffness_current = false;
 }
 
 double bwi_newton_left(const bwi_newton_state *state, int64_t *of_cg) {

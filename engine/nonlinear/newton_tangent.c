@@ -35,7 +35,7 @@ static bw_status linearise(bwi_newton_state *state, bool project) {
   bw_newton *newton = state->newton;
   double before = bw_seconds();
   if (newton->linear_of != state->solid) {
-    bw_solid_linear_free(newton->linear);
+    bw_solid_linear_destroy(newton->linear);
     bw_release(newton->linear_of);
     newton->linear = NULL;
     newton->linear_of = NULL;
@@ -68,7 +68,7 @@ static bw_status precondition(bwi_newton_state *state, double shift) {
   int factorisations = 0;
   double *shifted = NULL; /* the Newton state's own blocks say how large forces are */
   if (!state->precondition)
-    BW_TRY(bwi_precondition_create(state->context, state->solid, state->load_case->held,
+    BW_TRY(bwi_precondition_create(state->context, state->solid, state->load_case->constrained,
                                    state->options, state->contact, &state->precondition));
   factorisations = bwi_precondition_factorisations(state->precondition);
   if (shift > 0) {
@@ -92,22 +92,22 @@ done:
 static bw_status evaluate(bwi_newton_state *state, bool project) {
   bw_status status = BW_OK;
   if (state->iterative) {
-    if (project || !state->fresh)
+    if (project || !state->stiffness_current)
       BW_TRY(linearise(state, project));
-    state->fresh = !project;
+    state->stiffness_current = !project;
     goto done;
   }
   const bw_block_pattern *pattern = state->solid->pattern;
   double before = bw_seconds();
   bw_solid_shape shape;
   BW_TRY(reserve(state));
-  if (project || !state->fresh) {
+  if (project || !state->stiffness_current) {
     BW_TRY(bw_solid_evaluate(state->context, state->solid, state->now.u, project, NULL, NULL,
                              state->newton->stiffness, &shape));
     state->report->evaluations++;
     state->report->seconds_quadrature += bw_seconds() - before;
   }
-  state->fresh = !project;
+  state->stiffness_current = !project;
   for (int64_t n = 0; n < pattern->node_count; n++)
     memcpy(state->blocks + 9 * n, state->newton->stiffness + 9 * (pattern->start[n + 1] - 1),
            9 * sizeof(double));
@@ -123,14 +123,15 @@ static bw_status factor(bwi_newton_state *state, bool *definite) {
   const bw_block_pattern *pattern = state->solid->pattern;
   bw_newton *newton = state->newton;
   double before = bw_seconds();
-  state->report->analyses += !bwi_direct_keeps(newton->direct, pattern, state->load_case->held);
+  state->report->analyses +=
+      !bwi_direct_keeps(newton->direct, pattern, state->load_case->constrained);
   bw_status status =
-      bwi_direct_analyse(state->context, newton->direct, pattern, state->load_case->held);
+      bwi_direct_analyse(state->context, newton->direct, pattern, state->load_case->constrained);
   double between = bw_seconds();
   state->report->seconds_analysis += between - before;
   if (status == BW_OK)
-    status = bwi_direct_factor(state->context, newton->direct, pattern, state->load_case->held,
-                               newton->stiffness, definite, NULL);
+    status = bwi_direct_factor(state->context, newton->direct, pattern,
+                               state->load_case->constrained, newton->stiffness, definite, NULL);
   state->report->seconds_factor += bw_seconds() - between;
   state->report->factorisations++;
   return status;
@@ -143,7 +144,7 @@ static bw_status factor_shifted(bwi_newton_state *state, double part, double gro
   bw_status status = BW_OK;
   const bw_block_pattern *pattern = state->solid->pattern;
   double mean = mean_diagonal(state), shift = 0;
-  state->fresh = false;
+  state->stiffness_current = false;
   state->shift = 0;
   for (; part <= 1 && !*definite && mean > 0; part *= growth) {
     for (int64_t n = 0; n < pattern->node_count; n++)
@@ -161,7 +162,7 @@ done:
 static bw_status shift_linear(bwi_newton_state *state, double part) {
   bw_status status = BW_OK;
   double value = part * mean_diagonal(state);
-  state->fresh = false;
+  state->stiffness_current = false;
   state->shift = part;
   BW_TRY(bwi_solid_linear_shift(state->context, state->newton->linear, value));
   BW_TRY(precondition(state, value));
@@ -198,11 +199,11 @@ bw_status bwi_tangent_set(bwi_newton_state *state, bwi_tangent kind, bool *defin
   BW_TRY(evaluate(state, kind == BWI_PROJECTED));
   if (state->quadratic) {
     bwi_quadratic_stiffness(state);
-    state->fresh = false;
+    state->stiffness_current = false;
   }
   if (state->contact) {
     bwi_contact_stiffness(state->contact, state->solid->pattern, state->newton->stiffness);
-    state->fresh = false;
+    state->stiffness_current = false;
   }
   if (state->follows) {
     size_t size = 9 * (size_t)state->solid->pattern->block_count;
@@ -212,7 +213,7 @@ bw_status bwi_tangent_set(bwi_newton_state *state, bwi_tangent kind, bool *defin
                                           state->solid->pattern, state->follower));
     for (size_t i = 0; i < size; i++)
       state->newton->stiffness[i] += state->follower[i];
-    state->fresh = false;
+    state->stiffness_current = false;
   }
   if (kind == BWI_SHIFTED) {
     BW_TRY(factor_shifted(state, shift, GROWTH, definite));
@@ -305,7 +306,7 @@ static bw_status exact(bwi_newton_state *state, const double *v0, double toleran
   BW_TRY(bwi_load_case_follow_along(state->context, state->load_case, state->now.u, v0,
                                     state->initial_residual ? 1 : state->load, work));
   for (int64_t i = 0; i < state->size; i++)
-    if (state->load_case->held[i])
+    if (state->load_case->constrained[i])
       work[i] = 0;
   BW_TRY(solve(state, work, tolerance, work, &cg));
   *iterations += cg;

@@ -3,7 +3,7 @@
  *
  * Invariants: level 0 is the solid itself, its `linear` not its own; the last level has a `direct`
  * where there is more than one, and levels between have a `linear`. Vectors of a level are 0 where
- * it is held. */
+ * it is constrained. */
 #include "nonlinear/precondition.h"
 
 #include <math.h>
@@ -19,8 +19,8 @@ typedef struct level {
   const bw_solid *solid;
   const bw_coarsening *coarsening; /* to the next level, or NULL */
   int32_t *same;                   /* node_count of the next level: fine node at the same place */
-  const uint8_t *held;
-  uint8_t *own_held; /* held, but on level 0 */
+  const uint8_t *constrained;
+  uint8_t *own_constrained; /* constrained, but on level 0 */
   const bw_solid_linear *linear;
   bw_solid_linear *own_linear;
   const bwi_contact *contact; /* or NULL */
@@ -43,10 +43,10 @@ struct bwi_precondition {
 
 static void level_clear(level *l) {
   bw_free(l->same);
-  bw_free(l->own_held);
-  bw_solid_linear_free(l->own_linear);
-  bwi_contact_free(l->own_contact);
-  bwi_direct_free(l->direct);
+  bw_free(l->own_constrained);
+  bw_solid_linear_destroy(l->own_linear);
+  bwi_contact_destroy(l->own_contact);
+  bwi_direct_destroy(l->direct);
   bw_free(l->stiffness);
   bw_free(l->inverse);
   bw_free(l->u);
@@ -58,7 +58,7 @@ static void level_clear(level *l) {
   bw_free(l->power);
 }
 
-void bwi_precondition_free(bwi_precondition *m) {
+void bwi_precondition_destroy(bwi_precondition *m) {
   if (!m)
     return;
   for (int k = 0; m->level && k < m->count; k++)
@@ -103,21 +103,21 @@ static bw_status find_same(bw_context *context, level *fine) {
   return BW_OK;
 }
 
-static bw_status hold_coarse(bw_context *context, const level *fine, level *coarse) {
-  coarse->own_held = BW_NEW0(context, uint8_t, coarse->size);
-  coarse->held = coarse->own_held;
-  if (!coarse->own_held)
+static bw_status constrain_coarse(bw_context *context, const level *fine, level *coarse) {
+  coarse->own_constrained = BW_NEW0(context, uint8_t, coarse->size);
+  coarse->constrained = coarse->own_constrained;
+  if (!coarse->own_constrained)
     return BW_MEMORY;
   for (int64_t n = 0; n < coarse->size / 3; n++)
     for (int c = 0; c < 3; c++)
-      coarse->own_held[3 * n + c] =
-          fine->same[n] >= 0 && fine->held[3 * (int64_t)fine->same[n] + c];
+      coarse->own_constrained[3 * n + c] =
+          fine->same[n] >= 0 && fine->constrained[3 * (int64_t)fine->same[n] + c];
   return BW_OK;
 }
 
-bw_status bwi_precondition_create(bw_context *context, const bw_solid *solid, const uint8_t *held,
-                                  const bw_newton_options *options, const bwi_contact *contact,
-                                  bwi_precondition **out) {
+bw_status bwi_precondition_create(bw_context *context, const bw_solid *solid,
+                                  const uint8_t *constrained, const bw_newton_options *options,
+                                  const bwi_contact *contact, bwi_precondition **out) {
   bw_status status = BW_OK;
   bwi_precondition *m = BW_NEW0(context, bwi_precondition, 1);
   if (!m)
@@ -132,10 +132,10 @@ bw_status bwi_precondition_create(bw_context *context, const bw_solid *solid, co
     level *l = &m->level[k];
     BW_TRY(level_create(context, k == 0 ? solid : options->coarse[k - 1], l));
     if (k == 0) {
-      l->held = held;
+      l->constrained = constrained;
       l->contact = contact;
     } else {
-      BW_TRY(hold_coarse(context, l - 1, l));
+      BW_TRY(constrain_coarse(context, l - 1, l));
       if (l[-1].contact)
         BW_TRY(bwi_contact_coarse(context, l[-1].contact, l[-1].coarsening, &l->own_contact));
       l->contact = l->own_contact;
@@ -157,20 +157,21 @@ bw_status bwi_precondition_create(bw_context *context, const bw_solid *solid, co
   *out = m;
   m = NULL;
 done:
-  bwi_precondition_free(m);
+  bwi_precondition_destroy(m);
   return status;
 }
 
 /* ---- node blocks ---------------------------------------------------------------------------- */
 
-/* The inverse of a symmetric block with held components left out and eigenvalues made positive. */
-static void invert_block(const double *block, const uint8_t *held, double *inverse) {
+/* The inverse of a symmetric block with constrained components left out and eigenvalues made
+ * positive. */
+static void invert_block(const double *block, const uint8_t *constrained, double *inverse) {
   double tensor[6], value[3], vector[9], max = 0;
   static const int place[6] = {0, 4, 8, 5, 2, 1};
   for (int i = 0; i < 6; i++)
     tensor[i] = block[place[i]];
   for (int c = 0; c < 3; c++)
-    if (held[c]) {
+    if (constrained[c]) {
       static const int others[3][2] = {{4, 5}, {3, 5}, {3, 4}};
       tensor[c] = tensor[others[c][0]] = tensor[others[c][1]] = 0;
     }
@@ -187,7 +188,7 @@ static void invert_block(const double *block, const uint8_t *held, double *inver
         inverse[3 * i + j] += vector[3 * k + i] * vector[3 * k + j] / size;
   }
   for (int c = 0; c < 3; c++)
-    if (held[c])
+    if (constrained[c])
       for (int i = 0; i < 3; i++)
         inverse[3 * c + i] = inverse[3 * i + c] = 0;
 }
@@ -212,7 +213,7 @@ static bw_status set_blocks(bw_context *context, level *l, const double *blocks)
   if (l->contact)
     bwi_contact_blocks(l->contact, own);
   for (int64_t n = 0; n < l->size / 3; n++)
-    invert_block(own + 9 * n, l->held + 3 * n, l->inverse + 9 * n);
+    invert_block(own + 9 * n, l->constrained + 3 * n, l->inverse + 9 * n);
 done:
   bw_free(own);
   return status;
@@ -220,13 +221,13 @@ done:
 
 /* ---- the smoother --------------------------------------------------------------------------- */
 
-/* y = K x, 0 where held */
+/* y = K x, 0 where constrained */
 static bw_status multiply(bw_context *context, const level *l, const double *x, double *y) {
   bw_status status = bw_solid_linear_multiply(context, l->linear, x, y);
   if (l->contact)
     bwi_contact_multiply(l->contact, x, y);
   for (int64_t i = 0; i < l->size; i++)
-    if (l->held[i])
+    if (l->constrained[i])
       y[i] = 0;
   return status;
 }
@@ -246,7 +247,7 @@ static bw_status find_largest(bw_context *context, level *l) {
     bw_random random;
     bw_random_seed(&random, 1);
     for (int64_t i = 0; i < l->size; i++)
-      l->power[i] = l->held[i] ? 0 : bw_random_uniform(&random) - 0.5;
+      l->power[i] = l->constrained[i] ? 0 : bw_random_uniform(&random) - 0.5;
   }
   l->largest = 0;
   for (int k = 0; k < steps; k++) {
@@ -318,12 +319,12 @@ static bw_status cycle(bw_context *context, bwi_precondition *m, int k, const do
     l->t[i] = r[i] - l->t[i];
   bw_coarsening_restrict(l->coarsening, 3, l->t, next->r);
   for (int64_t i = 0; i < next->size; i++)
-    if (next->held[i])
+    if (next->constrained[i])
       next->r[i] = 0;
   BW_TRY(cycle(context, m, k + 1, next->r, next->z));
   bw_coarsening_prolong(l->coarsening, 3, next->z, l->t);
   for (int64_t i = 0; i < l->size; i++)
-    if (!l->held[i])
+    if (!l->constrained[i])
       z[i] += l->t[i];
   BW_TRY(smooth(context, l, false, r, z));
 done:
@@ -375,7 +376,7 @@ static bw_status factor_coarsest(bw_context *context, bwi_precondition *m, level
   bool free = false;
   l->usable = false;
   for (int64_t i = 0; i < l->size; i++)
-    free = free || !l->held[i];
+    free = free || !l->constrained[i];
   if (!free)
     return BW_OK;
   BW_TRY(bw_solid_evaluate(context, l->solid, l->u, true, NULL, NULL, l->stiffness, &shape));
@@ -388,7 +389,8 @@ static bw_status factor_coarsest(bw_context *context, bwi_precondition *m, level
       for (int c = 0; c < 3; c++)
         l->stiffness[9 * (pattern->start[n + 1] - 1) + 4 * c] += part * mean - shift;
     shift = part * mean;
-    BW_TRY(bwi_direct_factor(context, l->direct, pattern, l->held, l->stiffness, &l->usable, NULL));
+    BW_TRY(bwi_direct_factor(context, l->direct, pattern, l->constrained, l->stiffness, &l->usable,
+                             NULL));
     m->factorisations++;
   }
 done:
@@ -431,7 +433,7 @@ bw_status bwi_precondition_multiply(bw_context *context, const bwi_precondition 
   return multiply(context, &m->level[0], x, y);
 }
 
-const uint8_t *bwi_precondition_held(const bwi_precondition *m, int64_t *size) {
+const uint8_t *bwi_precondition_constrained(const bwi_precondition *m, int64_t *size) {
   *size = m->level[0].size;
-  return m->level[0].held;
+  return m->level[0].constrained;
 }

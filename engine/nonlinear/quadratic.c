@@ -24,7 +24,7 @@ bw_status bwi_quadratic_evaluate(bwi_newton_state *state, bwi_energy_forces *at)
     energy += (0.5 * slope + q->force[i]) * off;
     slope += q->force[i];
     at->internal[i] += slope;
-    if (!state->load_case->held[i])
+    if (!state->load_case->constrained[i])
       size += slope * slope;
   }
   at->quadratic_energy = energy;

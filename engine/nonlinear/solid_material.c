@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Materials of elements, point by point, and palettes of them. */
+/* Materials of elements, point by point, and material tables of them. */
 #include "barwright/nonlinear.h"
 
 #include <math.h>
@@ -198,7 +198,7 @@ void bw_solid_material_constants(const bw_solid_material *m, double *mu, double 
   *lambda = m->b_bar ? m->lambda[m->rule->count - 1] / 2 : m->lambda[0];
 }
 
-static void destroy_palette(void *object) {
+static void destroy_material_table(void *object) {
   bw_material_table *material_table = (bw_material_table *)object;
   for (int32_t i = 0; material_table->material && i < material_table->count; i++)
     bw_release(material_table->material[i]);
@@ -206,12 +206,13 @@ static void destroy_palette(void *object) {
   bw_free(material_table);
 }
 
-static size_t bytes_of_palette(const void *object) {
+static size_t bytes_of_material_table(const void *object) {
   const bw_material_table *material_table = (const bw_material_table *)object;
   return sizeof *material_table + sizeof(void *) * (size_t)material_table->count;
 }
 
-static const bw_kind material_table_kind = {"palette", destroy_palette, bytes_of_palette};
+static const bw_kind material_table_kind = {"material table", destroy_material_table,
+                                            bytes_of_material_table};
 
 bw_status bw_material_table_create(bw_context *context, int32_t count,
                                    const bw_solid_material *const *material,

@@ -1,10 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Statics of a solid: load steps from rest, or from a first guess, to load factor 1.
  *
- * At load factor s the loads, the gravity, the movements of what is held and of contact planes are
- * s times theirs. From a first guess the loads are there in full at once, and what is out of
- * balance at the guess is balanced by forces that fade, 1 - s of them being left: so a guess that
- * is the equilibrium of another case leads on from there, and a path exists in any case.
+ * At load factor s the loads, the gravity, the movements of what is constrained and of contact
+ * planes are s times theirs. From a first guess the loads are there in full at once, and what is
+ * out of balance at the guess is balanced by forces that go to zero, 1 - s of them being left: so a
+ * guess that is the equilibrium of another case leads on from there, and a path exists in any case.
  *
  * A load step that fails is halved, with what the failure said about how far it could have gone;
  * steps grow again after two that went well. A load that failed is not tried again until it is a
@@ -28,9 +28,9 @@ void bw_newton_options_default(bw_newton_options *options) {
 
 static void destroy_newton(void *object) {
   bw_newton *newton = (bw_newton *)object;
-  bwi_direct_free(newton->direct);
+  bwi_direct_destroy(newton->direct);
   bw_free(newton->stiffness);
-  bw_solid_linear_free(newton->linear);
+  bw_solid_linear_destroy(newton->linear);
   bw_release(newton->linear_of);
   bw_free(newton);
 }
@@ -126,7 +126,7 @@ bw_status bwi_newton_check(bw_context *context, const bw_solid *solid,
     if (!isfinite(o->start[i]))
       return bw_fail(context, BW_INVALID, "the initial guess is %g at node %lld: it must be finite",
                      o->start[i], (long long)(i / 3) + 1);
-  BW_TRY(bwi_load_case_check_held(context, load_case));
+  BW_TRY(bwi_load_case_check_constraints(context, load_case));
 done:
   return status;
 }
@@ -145,7 +145,7 @@ static bw_status say_undefined(bwi_newton_state *state) {
 }
 
 /* Everything at load factor 0. */
-static bw_status walk_begin(bwi_newton_state *state) {
+static bw_status newton_begin(bwi_newton_state *state) {
   bw_status status = BW_OK;
   bw_context *context = state->context;
   const double *start = state->options->start;
@@ -164,7 +164,7 @@ static bw_status walk_begin(bwi_newton_state *state) {
       return say_undefined(state);
     for (int64_t i = 0; i < n; i++)
       state->initial_residual[i] =
-          state->load_case->held[i] ? 0 : state->now.internal[i] - state->now.load[i];
+          state->load_case->constrained[i] ? 0 : state->now.internal[i] - state->now.load[i];
   }
   bwi_choice_begin(state);
   BW_TRY(bwi_choice_factor(state, &by_factor));
@@ -257,7 +257,7 @@ static bw_status follow_path(bwi_newton_state *state, double *u, double *multipl
     *failed = (failure){state->obstacle, load, state->relative, state->now.shape};
     state->report->failed_steps++;
     memcpy(state->now.u, u, size);
-    state->fresh = false;
+    state->stiffness_current = false;
     if (contact)
       memcpy(state->contact->multiplier, multiplier, contact);
     good = 0;
@@ -282,7 +282,7 @@ static void warning_rounding(bwi_newton_state *state) {
   double left = state->relative * fmax(state->reference, min);
   for (int64_t i = 0; i < state->size; i++) {
     double load = state->now.load[i] - (state->now.contact ? state->now.contact[i] : 0);
-    applied += state->load_case->held[i] ? 0 : load * load;
+    applied += state->load_case->constrained[i] ? 0 : load * load;
   }
   applied = sqrt(applied);
   if (applied > 0 && left > 1e-2 * applied && left > state->options->tolerance * state->reference)
@@ -313,8 +313,9 @@ static bw_status finish(bwi_newton_state *state, double reached, bw_solid_static
   BW_TRY(bwi_newton_state_balance(state, &state->now));
   for (int64_t i = 0; i < state->size; i++) {
     double contact = state->now.contact ? state->now.contact[i] : 0;
-    result->reaction[i] =
-        state->load_case->held[i] ? state->now.internal[i] - state->now.load[i] + contact : contact;
+    result->reaction[i] = state->load_case->constrained[i]
+                              ? state->now.internal[i] - state->now.load[i] + contact
+                              : contact;
   }
   result->energy = state->now.energy;
   result->report.load = reached;
@@ -364,7 +365,7 @@ bw_status bw_solid_statics(bw_context *context, const bw_solid *solid,
   state.newton = newton;
   state.options = &chosen;
   state.report = &result->report;
-  BW_TRY(walk_begin(&state));
+  BW_TRY(newton_begin(&state));
   memcpy(result->displacement, state.now.u, (size_t)state.size * sizeof(double));
   if (state.contact) {
     multiplier = BW_NEW0(context, double, state.contact->count);

@@ -15,14 +15,14 @@ bw_status bwi_edge_flips_open(bw_context *context, const bw_plane_topology *topo
                                .element_count = topology->element_count};
   flipping->element = BW_NEW(context, int32_t, width * elements);
   flipping->neighbour = BW_NEW(context, int32_t, 3 * elements);
-  flipping->kept = BW_NEW0(context, uint8_t, 3 * elements);
-  flipping->held = BW_NEW0(context, uint8_t, nodes->corner_count);
+  flipping->constrained = BW_NEW0(context, uint8_t, 3 * elements);
+  flipping->fixed = BW_NEW0(context, uint8_t, nodes->corner_count);
   flipping->point = BW_NEW(context, double, 2 * (size_t)nodes->node_count);
   flipping->star = BW_NEW(context, int32_t, nodes->corner_count);
   flipping->quality = BW_NEW(context, double, elements);
   flipping->queue = BW_NEW(context, int32_t, 3 * elements);
   flipping->queued = BW_NEW0(context, uint8_t, 3 * elements);
-  if (!flipping->element || !flipping->neighbour || !flipping->kept || !flipping->held ||
+  if (!flipping->element || !flipping->neighbour || !flipping->constrained || !flipping->fixed ||
       !flipping->point || !flipping->star || !flipping->quality || !flipping->queue ||
       !flipping->queued) {
     bwi_edge_flips_clear(flipping);
@@ -35,11 +35,11 @@ bw_status bwi_edge_flips_open(bw_context *context, const bw_plane_topology *topo
     for (size_t k = 0; k < 3; k++) {
       int32_t other = flipping->neighbour[3 * e + k], corner = flipping->element[width * e + k];
       flipping->star[corner] = (int32_t)e;
-      flipping->held[corner] |= nodes->segment[corner] >= 0;
+      flipping->fixed[corner] |= nodes->segment[corner] >= 0;
       if (other >= 0 && topology->region[e] == topology->region[other])
         continue;
-      flipping->kept[3 * e + k] = 1;
-      flipping->held[corner] = flipping->held[flipping->element[width * e + (k + 1) % 3]] = 1;
+      flipping->constrained[3 * e + k] = 1;
+      flipping->fixed[corner] = flipping->fixed[flipping->element[width * e + (k + 1) % 3]] = 1;
     }
   for (size_t e = 0; e < elements; e++)
     flipping->quality[e] =
@@ -53,7 +53,7 @@ bw_status bwi_edge_flips_open(bw_context *context, const bw_plane_topology *topo
       int32_t from = topology->side[(width == 6 ? 3 : 2) * (size_t)s + (size_t)i];
       for (size_t k = 0; k < 3; k++)
         if (flipping->element[width * (size_t)e + k] == from)
-          flipping->kept[3 * (size_t)e + k] = 1;
+          flipping->constrained[3 * (size_t)e + k] = 1;
     }
   return BW_OK;
 }
@@ -61,8 +61,8 @@ bw_status bwi_edge_flips_open(bw_context *context, const bw_plane_topology *topo
 void bwi_edge_flips_clear(bwi_edge_flips *flipping) {
   bw_free(flipping->element);
   bw_free(flipping->neighbour);
-  bw_free(flipping->kept);
-  bw_free(flipping->held);
+  bw_free(flipping->constrained);
+  bw_free(flipping->fixed);
   bw_free(flipping->point);
   bw_free(flipping->star);
   bw_free(flipping->quality);
@@ -113,7 +113,8 @@ static bool violates(const bwi_edge_flips *flipping, const quad *q) {
   return cross_c * dot_d + dot_c * cross_d < -1e-9 * size;
 }
 
-/* What the two elements become: e = c d b, f = d c a with the new edge first; middles go along. */
+/* What the two elements become: e = c d b, f = d c a with the new edge first; mid-edge nodes go
+ * along. */
 static void turned(const bwi_edge_flips *flipping, const quad *q, int32_t e[6], int32_t f[6]) {
   e[0] = q->d;
   e[1] = q->c;
@@ -155,9 +156,9 @@ static bool comes_out_right(bwi_edge_flips *flipping, const int32_t e[6], const 
 
 /* After element `at` got other edges: its neighbour across edge k learns who is there. */
 static void link(bwi_edge_flips *flipping, int32_t at, int k, int32_t other, int32_t was,
-                 uint8_t kept) {
+                 uint8_t constrained) {
   flipping->neighbour[3 * (size_t)at + (size_t)k] = other;
-  flipping->kept[3 * (size_t)at + (size_t)k] = kept;
+  flipping->constrained[3 * (size_t)at + (size_t)k] = constrained;
   if (other >= 0 && was != at) {
     /* the edge of `other` that begins where edge k of `at` ends */
     size_t width = flipping->order == 2 ? 6 : 3;
@@ -181,21 +182,22 @@ static bool try_flip(bwi_edge_flips *flipping, int32_t e, int k) {
   flipping->quality[q.f] = quality[1];
   const int32_t *around_e = flipping->neighbour + 3 * (size_t)q.e;
   const int32_t *around_f = flipping->neighbour + 3 * (size_t)q.f;
-  const uint8_t *kept_e = flipping->kept + 3 * (size_t)q.e,
-                *kept_f = flipping->kept + 3 * (size_t)q.f;
+  const uint8_t *constrained_e = flipping->constrained + 3 * (size_t)q.e,
+                *constrained_f = flipping->constrained + 3 * (size_t)q.f;
   int32_t ca = around_e[(k + 2) % 3], bc = around_e[(k + 1) % 3];
   int32_t ad = around_f[(q.m + 1) % 3], db = around_f[(q.m + 2) % 3];
-  uint8_t kept_ca = kept_e[(k + 2) % 3], kept_bc = kept_e[(k + 1) % 3];
-  uint8_t kept_ad = kept_f[(q.m + 1) % 3], kept_db = kept_f[(q.m + 2) % 3];
+  uint8_t constrained_ca = constrained_e[(k + 2) % 3], constrained_bc = constrained_e[(k + 1) % 3];
+  uint8_t constrained_ad = constrained_f[(q.m + 1) % 3],
+          constrained_db = constrained_f[(q.m + 2) % 3];
   memcpy(flipping->element + width * (size_t)q.e, en, width * sizeof *en);
   memcpy(flipping->element + width * (size_t)q.f, fn, width * sizeof *fn);
-  link(flipping, q.e, 1, ca, q.e, kept_ca);
-  link(flipping, q.e, 2, ad, q.f, kept_ad);
-  link(flipping, q.f, 1, db, q.f, kept_db);
-  link(flipping, q.f, 2, bc, q.e, kept_bc);
+  link(flipping, q.e, 1, ca, q.e, constrained_ca);
+  link(flipping, q.e, 2, ad, q.f, constrained_ad);
+  link(flipping, q.f, 1, db, q.f, constrained_db);
+  link(flipping, q.f, 2, bc, q.e, constrained_bc);
   flipping->neighbour[3 * (size_t)q.e] = q.f;
   flipping->neighbour[3 * (size_t)q.f] = q.e;
-  flipping->kept[3 * (size_t)q.e] = flipping->kept[3 * (size_t)q.f] = 0;
+  flipping->constrained[3 * (size_t)q.e] = flipping->constrained[3 * (size_t)q.f] = 0;
   flipping->star[q.a] = flipping->star[q.c] = q.e;
   flipping->star[q.b] = flipping->star[q.d] = q.f;
   return true;
@@ -203,7 +205,7 @@ static bool try_flip(bwi_edge_flips *flipping, int32_t e, int k) {
 
 void bwi_edge_flips_queue(bwi_edge_flips *flipping, int32_t element, int k) {
   int64_t h = 3 * (int64_t)element + k, edges = 3 * (int64_t)flipping->element_count;
-  if (flipping->kept[h] || flipping->neighbour[h] < 0 || flipping->queued[h])
+  if (flipping->constrained[h] || flipping->neighbour[h] < 0 || flipping->queued[h])
     return;
   flipping->queued[h] = 1;
   flipping->queue[(flipping->head + flipping->waiting++) % edges] = (int32_t)h;
@@ -224,7 +226,7 @@ int32_t bwi_edge_flips_flip(bwi_edge_flips *flipping) {
     flipping->waiting--;
     flipping->queued[h] = 0;
     /* rounding cannot make flips go round for ever: beyond any number that is needed they stop */
-    if (flipping->kept[h] || flipping->neighbour[h] < 0 || flips > 16 * edges ||
+    if (flipping->constrained[h] || flipping->neighbour[h] < 0 || flips > 16 * edges ||
         !try_flip(flipping, h / 3, h % 3))
       continue;
     flips++;

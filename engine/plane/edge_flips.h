@@ -5,26 +5,27 @@
 
 #include "plane/internal.h"
 
-/* Edge k of an element runs from its corner k to corner k + 1; `kept` edges are never flipped
- * (sides and edges between regions). Points: of corners, and with order 2 of middles behind them.
+/* Edge k of an element runs from its corner k to corner k + 1; `constrained` edges are never
+ * flipped (sides and edges between regions). Points: of corners, and with order 2 of mid-edge nodes
+ * behind them.
  */
 typedef struct bwi_edge_flips {
   int order;
   int32_t corner_count, element_count;
-  int32_t *element;   /* x 3 or 6 */
-  int32_t *neighbour; /* x 3 */
-  uint8_t *kept;      /* x 3 */
-  uint8_t *held;      /* corners: may not move */
-  double *point;      /* x 2 */
-  int32_t *star;      /* corners: an element around; kept by flips */
-  double *quality;    /* elements; kept by flips and moves */
-  int32_t *queue;     /* x 3: a ring of edges that flips will look at, 3 e + k */
-  uint8_t *queued;    /* x 3 */
+  int32_t *element;     /* x 3 or 6 */
+  int32_t *neighbour;   /* x 3 */
+  uint8_t *constrained; /* x 3 */
+  uint8_t *fixed;       /* corners: may not move */
+  double *point;        /* x 2 */
+  int32_t *star;        /* corners: an element around; kept by flips */
+  double *quality;      /* elements; kept by flips and moves */
+  int32_t *queue;       /* x 3: a ring of edges that flips will look at, 3 e + k */
+  uint8_t *queued;      /* x 3 */
   int64_t head, waiting;
 } bwi_edge_flips;
 
 /* Of a mesh: topology, and points that are copied. Sides, edges between regions and their corners
- * are kept and held. */
+ * are constrained and fixed. */
 bw_status bwi_edge_flips_open(bw_context *context, const bw_plane_topology *topology,
                               const double *point, bwi_edge_flips *flipping);
 void bwi_edge_flips_clear(bwi_edge_flips *flipping); /* frees all of it */

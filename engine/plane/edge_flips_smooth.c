@@ -42,7 +42,7 @@ static double check(const bwi_edge_flips *flipping, int count, const int32_t *el
   return worst;
 }
 
-/* The node and, at order 2, the middles of the edges to it. */
+/* The node and, at order 2, the mid-edge nodes of the edges to it. */
 static void put(bwi_edge_flips *flipping, int32_t node, int count, const int32_t *element,
                 const int *corner, const double at[2]) {
   memcpy(flipping->point + 2 * (size_t)node, at, 2 * sizeof *at);
@@ -108,11 +108,11 @@ int32_t bwi_edge_flips_smooth(bwi_edge_flips *flipping, double below, double eno
   for (int32_t e = 0; e < flipping->element_count; e++)
     if (flipping->quality[e] < below)
       for (size_t k = 0; k < 3; k++)
-        flipping->held[flipping->element[width * (size_t)e + k]] |= WANTED;
+        flipping->fixed[flipping->element[width * (size_t)e + k]] |= WANTED;
   for (int32_t node = 0; node < flipping->corner_count; node++) {
-    uint8_t held = flipping->held[node];
-    flipping->held[node] = held & 1;
-    if (held == WANTED)
+    uint8_t flags = flipping->fixed[node];
+    flipping->fixed[node] = flags & 1;
+    if (flags == WANTED)
       moved += smooth_node(flipping, node, below, enough);
   }
   return moved;

@@ -178,11 +178,11 @@ bw_status bwi_plane_fill(bw_context *context, const bw_outline *outline,
       .size = options.size, .function = options.field, .data = options.field_data};
   if (counted) {
     /* thin shapes have about as many triangles as boundary edges */
-    double fresh = fmin(fmax(sqrt(measures.area / (EQUILATERAL * options.elements)),
-                             measures.perimeter / options.elements),
-                        across);
+    double estimate = fmin(fmax(sqrt(measures.area / (EQUILATERAL * options.elements)),
+                                measures.perimeter / options.elements),
+                           across);
     /* a guess from a far smaller shape would ask for far too many */
-    field.size = *guess > fresh / 4 ? *guess : fresh;
+    field.size = *guess > estimate / 4 ? *guess : estimate;
   } else if (options.size == 0) {
     field.size = across;
   }

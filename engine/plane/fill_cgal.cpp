@@ -154,8 +154,8 @@ struct Put {
   double along;
 };
 
-bool walk_chords(Triangulation &t, const bwi_fill_boundary *boundary, std::int32_t loops,
-                 const std::vector<Vertex> &vertex, std::vector<Put> &put) {
+bool trace_chords(Triangulation &t, const bwi_fill_boundary *boundary, std::int32_t loops,
+                  const std::vector<Vertex> &vertex, std::vector<Put> &put) {
   auto constrained_others = [&](Vertex v, Vertex found[2]) {
     int count = 0;
     auto edge = t.incident_edges(v), first = edge;
@@ -416,7 +416,7 @@ bw_status fill(bw_context *context, const bw_outline *outline, const bwi_fill_bo
       number.push_back(v);
     }
   std::vector<Put> put(number.size(), Put{-1, 0});
-  if (!walk_chords(t, boundary, loops, vertex, put)) {
+  if (!trace_chords(t, boundary, loops, vertex, put)) {
     filling->stuck = true; /* rounding let two boundary edges meet */
     return BW_OK;
   }

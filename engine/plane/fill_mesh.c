@@ -38,9 +38,9 @@ static bw_status place_nodes(bw_context *context, const bw_outline *outline,
 }
 
 /* Three-node topology of the filling in Morton order, and its edge flips. */
-static bw_status open_weave(bw_context *context, const bw_outline *outline,
-                            const bwi_fill_boundary *boundary, bwi_filling *filling,
-                            bw_plane_topology **topology, bwi_edge_flips *flipping) {
+static bw_status open_flipping(bw_context *context, const bw_outline *outline,
+                               const bwi_fill_boundary *boundary, bwi_filling *filling,
+                               bw_plane_topology **topology, bwi_edge_flips *flipping) {
   bw_status status = BW_OK;
   int32_t nodes = filling->node_count, elements = filling->element_count;
   int32_t *segment = NULL, *number = NULL, *element = NULL, *region = NULL, *segments = NULL;
@@ -109,7 +109,7 @@ done:
   return status;
 }
 
-/* Middles on all edges, numbered element by element, those on sides on their curve. */
+/* Mid-edge nodes on all edges, numbered element by element, those on sides on their curve. */
 static bw_status add_mid_edge_nodes(bw_context *context, const bw_outline *outline,
                                     const bw_plane_topology *topology,
                                     const bwi_edge_flips *flipping, int32_t *nodes,
@@ -208,7 +208,7 @@ bw_status bwi_fill_mesh(bw_context *context, const bw_outline *outline,
   int32_t *segment = NULL, *element = NULL, *region = NULL, nodes = 0, which = 0;
   double *parameter = NULL, *point = NULL;
   *fits = true;
-  BW_TRY(open_weave(context, outline, boundary, filling, &corners, &flipping));
+  BW_TRY(open_flipping(context, outline, boundary, filling, &corners, &flipping));
   bwi_edge_flips_queue_all(&flipping);
   bwi_edge_flips_flip(&flipping);
   for (int round = 0; round < SMOOTHING; round++) {

@@ -236,7 +236,7 @@ bw_status bwi_harmonic_create(bw_context *context, const bw_plane_topology *topo
   *out = made;
   made = NULL;
 done:
-  bwi_harmonic_free(made);
+  bwi_harmonic_destroy(made);
   bw_free(inside);
   bw_free(number);
   bw_free(position);
@@ -244,7 +244,7 @@ done:
   return status;
 }
 
-void bwi_harmonic_free(bwi_harmonic *harmonic) {
+void bwi_harmonic_destroy(bwi_harmonic *harmonic) {
   if (!harmonic)
     return;
   bw_free(harmonic->place);

@@ -22,7 +22,7 @@ typedef struct bwi_harmonic {
 
 bw_status bwi_harmonic_create(bw_context *context, const bw_plane_topology *topology,
                               const double *point, bwi_harmonic **out);
-void bwi_harmonic_free(bwi_harmonic *harmonic);
+void bwi_harmonic_destroy(bwi_harmonic *harmonic);
 /* u: corners x 2, given on the boundary, filled in inside. */
 void bwi_harmonic_extend(const bwi_harmonic *harmonic, double *u);
 /* The adjoint: g of inner corners goes to the boundary's; inside it becomes 0. */

@@ -38,7 +38,8 @@ bw_status bwi_plane_check_arrays(bw_context *context, int order, int32_t nodes, 
 /* 2 sqrt(3) inradius / longest edge; < 0 when clockwise. */
 double bwi_triangle_quality(const double a[2], const double b[2], const double c[2]);
 /* The smallest of the six Bernstein coefficients of the Jacobian of a tri6 over their mean: never
- * above the smallest Jacobian over the mean one; 1 for straight sides with centred middles. */
+ * above the smallest Jacobian over the mean one; 1 for straight sides with centred mid-edge nodes.
+ */
 double bwi_curved_quality(const double *x[6]);
 double bwi_plane_quality(const double *point, const int32_t *element, int order);
 /* The worst quality of all elements, *which is the first with it. */

@@ -63,7 +63,7 @@ done:
   return status;
 }
 
-void bw_plane_locator_free(bw_plane_locator *locator) {
+void bw_plane_locator_destroy(bw_plane_locator *locator) {
   if (!locator)
     return;
   bw_release(locator->mesh);

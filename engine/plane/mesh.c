@@ -107,7 +107,7 @@ bw_status bwi_plane_check_arrays(bw_context *context, int order, int32_t nodes, 
   return BW_OK;
 }
 
-/* Corners before middles, every node used. */
+/* Corners before mid-edge nodes, every node used. */
 static bw_status count_corners(bw_context *context, int order, int32_t nodes, int32_t elements,
                                const int32_t *element, int32_t *corners) {
   bw_status status = BW_OK;

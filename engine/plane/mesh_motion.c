@@ -47,7 +47,7 @@ void bw_follow_options_default(bw_follow_options *options) {
   options->fill.elements = 0;
 }
 
-static void mover_destroy(void *object) {
+static void mesh_motion_destroy(void *object) {
   bw_mesh_motion *motion = object;
   if (motion->inner)
     bw_release(motion->inner->now);
@@ -55,7 +55,7 @@ static void mover_destroy(void *object) {
   bw_free(motion);
 }
 
-static const bw_kind mover_kind = {"mesh motion", mover_destroy, NULL};
+static const bw_kind mesh_motion_kind = {"mesh motion", mesh_motion_destroy, NULL};
 
 /* Cannot fail. */
 static void adopt(bw_mesh_motion *motion, const bw_mesh_motion_state *state) {
@@ -88,7 +88,7 @@ bw_status bw_mesh_motion_create(bw_context *context, const bw_plane_mesh *mesh,
   made = BW_NEW0(context, bw_mesh_motion, 1);
   if (!made)
     return BW_MEMORY;
-  bw_object_init(made, &mover_kind);
+  bw_object_init(made, &mesh_motion_kind);
   made->options = *options;
   made->options.fill.order = mesh->topology->nodes->order;
   if (made->options.fill.size == 0 && !made->options.fill.field && made->options.fill.elements <= 0)

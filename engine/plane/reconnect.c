@@ -27,7 +27,7 @@ static bw_status side_elements(bw_context *context, const bw_plane_topology *top
   for (int32_t s = 0; s < topology->side_count; s++)
     side_from[topology->side[per * (size_t)s]] = s;
   for (int64_t h = 0; h < 3 * (int64_t)flipping->element_count; h++) {
-    if (!flipping->kept[h])
+    if (!flipping->constrained[h])
       continue;
     const int32_t *n = flipping->element + width * (size_t)(h / 3);
     int32_t a = n[h % 3], b = n[(h % 3 + 1) % 3];

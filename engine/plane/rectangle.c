@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 /* Nodes are first thought of on the grid of half squares (2 nx + 1) x (2 ny + 1): corners at even
- * places, middles at the others; at order 2 all of them are nodes. */
+ * places, mid-edge nodes at the others; at order 2 all of them are nodes. */
 typedef struct grid {
   int32_t nx, ny;
   int order;
@@ -21,7 +21,7 @@ static int32_t place_number(const grid *g, int32_t i, int32_t j) {
   if (i % 2 == 0 && j % 2 == 0)
     return corner_number(g, i / 2, j / 2);
   int32_t corners = (g->nx + 1) * (g->ny + 1);
-  /* an even row has nx middles, an odd one 2 nx + 1 */
+  /* an even row has nx mid-edge nodes, an odd one 2 nx + 1 */
   int32_t before = (j / 2) * (3 * g->nx + 1) + (j % 2) * g->nx;
   return corners + before + (j % 2 ? i : i / 2);
 }

@@ -34,7 +34,7 @@ static double extent_of(const bw_plane_mesh *mesh) {
 static void relocator_destroy(void *object) {
   bwi_relocator *relocator = object;
   bw_release(relocator->base);
-  bwi_harmonic_free(relocator->harmonic);
+  bwi_harmonic_destroy(relocator->harmonic);
   bw_free(relocator->u);
   bw_free(relocator->shape);
   bw_free(relocator);

@@ -118,10 +118,10 @@ bw_status bw_plane_assemble(bw_context *context, const bw_plane_pattern *pattern
 
 /* ---- prescribed unknowns ------------------------------------------------------------------- */
 
-/* Rows and columns of the held unknowns alone are walked, the columns through the mirrors of the
- * rows: few nodes are held. */
+/* Rows and columns of the prescribed unknowns alone are walked, the columns through the mirrors of
+ * the rows: few nodes are prescribed. */
 bw_status bw_plane_prescribe(bw_context *context, const bw_plane_pattern *pattern, int components,
-                             const uint8_t *held, const double *prescribed, double *values,
+                             const uint8_t *is_prescribed, const double *prescribed, double *values,
                              double *rhs) {
   const int C = components, square = C * C;
   double scale[BWI_MAX_COMPONENTS];
@@ -136,13 +136,13 @@ bw_status bw_plane_prescribe(bw_context *context, const bw_plane_pattern *patter
   }
   for (int64_t i = 0; i < pattern->node_count; i++)
     for (int c = 0; c < C; c++) {
-      if (!held[i * C + c])
+      if (!is_prescribed[i * C + c])
         continue;
       for (int64_t p = pattern->start[i]; p < pattern->start[i + 1]; p++) {
         int64_t j = pattern->column[p];
         double *row = values + square * p, *column = values + square * pattern->mirror[p];
         for (int r = 0; r < C; r++) {
-          if (rhs && !held[j * C + r])
+          if (rhs && !is_prescribed[j * C + r])
             rhs[j * C + r] -= column[C * r + c] * prescribed[i * C + c];
           row[C * c + r] = 0;
           column[C * r + c] = 0;

@@ -180,7 +180,7 @@ static bool report_conflicts(bw_context *context, const bw_plane_mesh *mesh, int
 
 bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh, int components,
                                   int32_t count, const bw_condition *condition, double time,
-                                  uint8_t *held, double *prescribed, bool *reported) {
+                                  uint8_t *is_prescribed, double *prescribed, bool *reported) {
   size_t size = (size_t)mesh->topology->nodes->node_count * (size_t)components;
   request *all = BW_NEW0(context, request, size);
   if (!all)
@@ -188,7 +188,7 @@ bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh
   bw_status status = collect_requests(context, mesh, components, count, condition, time, all);
   if (status == BW_OK) {
     for (size_t i = 0; i < size; i++) {
-      held[i] = all[i].any;
+      is_prescribed[i] = all[i].any;
       prescribed[i] = all[i].any ? decide(&all[i], (int)(i % (size_t)components)) : 0;
     }
     if (reported && !*reported)

@@ -20,7 +20,7 @@
 #include "responsive/lagged_factor.h"
 
 /* An order under which the work has grown by more than this is recomputed. */
-#define WORN 1.25
+#define MAX_WORK_GROWTH 1.25
 /* Smallest pivot inside a node's block, of a scaled matrix. */
 #define SMALLEST_PIVOT 1e-5
 
@@ -76,7 +76,7 @@ void bwi_lagged_blocks_reset(bwi_lagged_blocks *s) {
   *s = (bwi_lagged_blocks){.components = s->components};
 }
 
-void bwi_lagged_blocks_free(bwi_lagged_blocks *s) {
+void bwi_lagged_blocks_destroy(bwi_lagged_blocks *s) {
   if (!s)
     return;
   bwi_lagged_blocks_reset(s);
@@ -214,7 +214,7 @@ static bw_status analyse(bw_context *context, bwi_lagged_blocks *s, const bw_pla
   }
   BW_TRY(find_upper(context, s, pattern));
   count_work(s);
-  if (!work->reordered && s->flops > WORN * s->ordered) {
+  if (!work->reordered && s->flops > MAX_WORK_GROWTH * s->ordered) {
     work->reordered = true;
     forget_analysis(s);
     BW_TRY(find_order(context, s, pattern, true));

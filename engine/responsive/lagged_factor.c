@@ -27,12 +27,12 @@
 #define ANALYSIS_SECONDS 2e-7
 #define ORDER_SECONDS 3e-7
 /* Iterations expected of the first solve with an old factor, and of the first after edges were
- * flipped: before there is experience, few, so that the former is made, and many, since flips
- * change entries altogether; and less by this share each time that the expectation ruled it out,
+ * flipped: before any are counted, few, so that the former is made, and many, since flips
+ * change entries altogether; and less by this fraction each time that the expectation ruled it out,
  * since drags slow down. */
 #define FIRST_GUESS 2.0
 #define FIRST_GUESS_FLIPPED 25.0
-#define FORGETTING 0.9
+#define DISCOUNT 0.9
 
 struct bw_lagged_factor {
   bool symmetric;
@@ -85,12 +85,12 @@ done:
   if (status == BW_OK)
     *out = lagged;
   else
-    bw_lagged_factor_free(lagged);
+    bw_lagged_factor_destroy(lagged);
   return status;
 }
 
 /* Orders, analyses, numbers. */
-static void forget_kept(bw_lagged_factor *lagged) {
+static void clear_factor(bw_lagged_factor *lagged) {
   if (lagged->cholesky)
     bwi_lagged_symmetric_reset(lagged->cholesky);
   if (lagged->lu)
@@ -108,7 +108,7 @@ static void forget_factor(bw_lagged_factor *lagged) {
 }
 
 void bw_lagged_factor_reset(bw_lagged_factor *lagged) {
-  forget_kept(lagged);
+  clear_factor(lagged);
   forget_factor(lagged);
   lagged->pivoting = false;
   lagged->first = FIRST_GUESS;
@@ -118,13 +118,13 @@ void bw_lagged_factor_reset(bw_lagged_factor *lagged) {
   lagged->size = 0;
 }
 
-void bw_lagged_factor_free(bw_lagged_factor *lagged) {
+void bw_lagged_factor_destroy(bw_lagged_factor *lagged) {
   if (!lagged)
     return;
   bw_lagged_factor_reset(lagged);
-  bwi_lagged_symmetric_free(lagged->cholesky);
-  bwi_lagged_unsymmetric_free(lagged->lu);
-  bwi_lagged_blocks_free(lagged->blocks);
+  bwi_lagged_symmetric_destroy(lagged->cholesky);
+  bwi_lagged_unsymmetric_destroy(lagged->lu);
+  bwi_lagged_blocks_destroy(lagged->blocks);
   bw_free(lagged);
 }
 
@@ -183,12 +183,12 @@ static double expected_iterations(const bw_lagged_factor *lagged, const bw_plane
 
 static bw_status factor(bw_context *context, bw_lagged_factor *lagged,
                         const bw_plane_pattern *pattern, const double *values,
-                        bw_lagged_factor_method method, bw_plane_reuse *kept) {
+                        bw_lagged_factor_method method, bw_plane_reuse *reuse) {
   double start = bw_seconds();
   bwi_lagged_work work = {0};
   bw_status status = BW_OK;
   if (method == BW_LAGGED_FACTOR_FULL)
-    forget_kept(lagged);
+    clear_factor(lagged);
   forget_factor(lagged);
   if (lagged->symmetric)
     status = bwi_lagged_symmetric_factor(context, lagged->cholesky, pattern, values, &work);
@@ -201,10 +201,10 @@ static bw_status factor(bw_context *context, bw_lagged_factor *lagged,
     if (lagged->pivoting)
       status = bwi_lagged_unsymmetric_factor(context, lagged->lu, pattern, values, &work);
   }
-  kept->analyses += work.analysed;
-  kept->factorisations++;
-  kept->factor = false;
-  kept->seconds_factor += bw_seconds() - start;
+  reuse->analyses += work.analysed;
+  reuse->factorisations++;
+  reuse->factor = false;
+  reuse->seconds_factor += bw_seconds() - start;
   if (status != BW_OK)
     return status;
   lagged->topology = bw_retain(pattern->topology);
@@ -332,12 +332,12 @@ done:
   return status;
 }
 
-static bw_status iterate(iteration *it, int limit, bw_plane_reuse *kept) {
+static bw_status iterate(iteration *it, int limit, bw_plane_reuse *reuse) {
   double start = bw_seconds();
   it->count = 0;
   bw_status status = it->lagged->symmetric ? conjugate_gradients(it, limit) : stabilised(it, limit);
-  kept->iterations += it->count;
-  kept->seconds_solve += bw_seconds() - start;
+  reuse->iterations += it->count;
+  reuse->seconds_solve += bw_seconds() - start;
   return status;
 }
 
@@ -361,14 +361,14 @@ static bw_status prepare(bw_context *context, bw_lagged_factor *lagged,
 bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
                                  const bw_plane_pattern *pattern, const double *values,
                                  const double *rhs, double *x,
-                                 const bw_lagged_factor_options *options, bw_plane_reuse *kept) {
+                                 const bw_lagged_factor_options *options, bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
   bw_lagged_factor_options defaults;
   bw_plane_reuse ignored = {0};
   double square;
   bw_lagged_factor_options_default(&defaults);
   options = options ? options : &defaults;
-  kept = kept ? kept : &ignored;
+  reuse = reuse ? reuse : &ignored;
   if (!(options->tolerance > 0) || options->iterations < 1)
     return bw_fail(context, BW_INVALID,
                    "a tolerance of %g and %d iterations: both above 0 expected", options->tolerance,
@@ -382,7 +382,7 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
                   .rhs = rhs,
                   .x = lagged->workspace,
                   .tolerance = options->tolerance};
-  kept->solves++;
+  reuse->solves++;
   BW_TRY(bwi_blocked_dot(context, n, rhs, rhs, &square));
   it.size = sqrt(square);
   if (!isfinite(it.size)) {
@@ -401,32 +401,32 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
 
   bool fits = lagged->topology && lagged->topology->nodes == pattern->topology->nodes;
   bool flipped = fits && lagged->topology != pattern->topology;
-  bool fresh = !fits || options->method == BW_LAGGED_FACTOR_REFACTOR ||
-               options->method == BW_LAGGED_FACTOR_FULL;
+  bool refactorise = !fits || options->method == BW_LAGGED_FACTOR_REFACTOR ||
+                     options->method == BW_LAGGED_FACTOR_FULL;
   int limit = options->iterations;
   double one = 0, old = 0, rebuilt = 0;
   if (fits) {
     one = iteration_seconds(lagged, pattern, true);
     rebuilt = factor_seconds(lagged, pattern, flipped) + iteration_seconds(lagged, pattern, false);
     old = copy_seconds(lagged) + expected_iterations(lagged, pattern) * one;
-    kept->predicted_iterate += old;
-    kept->predicted_factor += rebuilt;
+    reuse->predicted_iterate += old;
+    reuse->predicted_factor += rebuilt;
   }
-  if (!fresh && options->method == BW_LAGGED_FACTOR_AUTO) {
+  if (!refactorise && options->method == BW_LAGGED_FACTOR_AUTO) {
     double average = lagged->spent / (lagged->solves + 1); /* the first was with the factor new */
-    double worth = average < rebuilt ? average : rebuilt;
-    fresh = old > worth;
-    if (fresh && lagged->last_topology != pattern->topology)
-      lagged->first_flipped *= FORGETTING;
-    else if (fresh && lagged->solves == 0)
-      lagged->first *= FORGETTING;
+    double break_even = average < rebuilt ? average : rebuilt;
+    refactorise = old > break_even;
+    if (refactorise && lagged->last_topology != pattern->topology)
+      lagged->first_flipped *= DISCOUNT;
+    else if (refactorise && lagged->solves == 0)
+      lagged->first *= DISCOUNT;
     /* No more than a new factor would have cost. */
     limit = (int)fmin(limit, 2 + rebuilt / one);
   }
-  if (!fresh) {
-    kept->factor = true;
+  if (!refactorise) {
+    reuse->factor = true;
     it.old = true;
-    BW_TRY(iterate(&it, limit, kept));
+    BW_TRY(iterate(&it, limit, reuse));
     it.old = false;
     lagged->spent += copy_seconds(lagged) + it.count * one;
     lagged->solves++;
@@ -435,28 +435,28 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
       lagged->first_flipped = it.count > 0 ? it.count : 1;
     else if (lagged->solves == 1)
       lagged->first = it.count > 0 ? it.count : 1;
-    fresh = !(it.residual <= it.tolerance);
-    if (fresh && !isfinite(it.residual))
+    refactorise = !(it.residual <= it.tolerance);
+    if (refactorise && !isfinite(it.residual))
       memcpy(it.x, x, n * sizeof *x);
   }
-  if (fresh) {
+  if (refactorise) {
     if (!fits)
       lagged->pivoting = false;
-    BW_TRY(factor(context, lagged, pattern, values, options->method, kept));
+    BW_TRY(factor(context, lagged, pattern, values, options->method, reuse));
     bool blocks = !lagged->symmetric && !lagged->pivoting;
     BW_TRY(
-        iterate(&it, blocks && options->iterations > ENOUGH ? ENOUGH : options->iterations, kept));
+        iterate(&it, blocks && options->iterations > ENOUGH ? ENOUGH : options->iterations, reuse));
     if (blocks && !(it.residual <= it.tolerance)) {
       lagged->pivoting = true;
       if (!isfinite(it.residual))
         memcpy(it.x, x, n * sizeof *x);
-      BW_TRY(factor(context, lagged, pattern, values, options->method, kept));
-      BW_TRY(iterate(&it, options->iterations, kept));
+      BW_TRY(factor(context, lagged, pattern, values, options->method, reuse));
+      BW_TRY(iterate(&it, options->iterations, reuse));
     }
     lagged->spent += it.count * iteration_seconds(lagged, pattern, false);
   }
-  if (!(it.residual <= kept->residual))
-    kept->residual = it.residual;
+  if (!(it.residual <= reuse->residual))
+    reuse->residual = it.residual;
   if (!(it.residual <= it.tolerance)) {
     status =
         bw_fail(context, BW_CONVERGENCE,

@@ -23,7 +23,7 @@ typedef struct bwi_lagged_work {
 typedef struct bwi_lagged_symmetric bwi_lagged_symmetric;
 bw_status bwi_lagged_symmetric_create(bw_context *context, int components,
                                       bwi_lagged_symmetric **out);
-void bwi_lagged_symmetric_free(bwi_lagged_symmetric *s);
+void bwi_lagged_symmetric_destroy(bwi_lagged_symmetric *s);
 void bwi_lagged_symmetric_reset(bwi_lagged_symmetric *s);
 bw_status bwi_lagged_symmetric_factor(bw_context *context, bwi_lagged_symmetric *s,
                                       const bw_plane_pattern *pattern, const double *values,
@@ -35,7 +35,7 @@ bw_status bwi_lagged_symmetric_apply(bw_context *context, bwi_lagged_symmetric *
 typedef struct bwi_lagged_unsymmetric bwi_lagged_unsymmetric;
 bw_status bwi_lagged_unsymmetric_create(bw_context *context, int components,
                                         bwi_lagged_unsymmetric **out);
-void bwi_lagged_unsymmetric_free(bwi_lagged_unsymmetric *s);
+void bwi_lagged_unsymmetric_destroy(bwi_lagged_unsymmetric *s);
 void bwi_lagged_unsymmetric_reset(bwi_lagged_unsymmetric *s);
 bw_status bwi_lagged_unsymmetric_factor(bw_context *context, bwi_lagged_unsymmetric *s,
                                         const bw_plane_pattern *pattern, const double *values,
@@ -47,7 +47,7 @@ bw_status bwi_lagged_unsymmetric_apply(bw_context *context, bwi_lagged_unsymmetr
  * not do (lagged_blocks.c). */
 typedef struct bwi_lagged_blocks bwi_lagged_blocks;
 bw_status bwi_lagged_blocks_create(bw_context *context, int components, bwi_lagged_blocks **out);
-void bwi_lagged_blocks_free(bwi_lagged_blocks *s);
+void bwi_lagged_blocks_destroy(bwi_lagged_blocks *s);
 void bwi_lagged_blocks_reset(bwi_lagged_blocks *s);
 bw_status bwi_lagged_blocks_factor(bw_context *context, bwi_lagged_blocks *s,
                                    const bw_plane_pattern *pattern, const double *values,

@@ -4,15 +4,16 @@
  *
  * A reconnected mesh has the same nodes, and while flips are few the elimination order stays good:
  * only the analysis under it is rebuilt. Flips across separators add fill; an order under which
- * the work has grown by more than WORN is recomputed too. Numbers are factored in place where the
- * analysis is kept, since the first touch of new memory costs as much as the arithmetic. */
+ * the work has grown by more than MAX_WORK_GROWTH is recomputed too. Numbers are factored in place
+ * where the analysis is kept, since the first touch of new memory costs as much as the arithmetic.
+ */
 #include <string.h>
 
 #include "responsive/lagged_factor.h"
 #include "responsive/triangular_solve.h"
 #include "solve/order.h"
 
-#define WORN 1.25
+#define MAX_WORK_GROWTH 1.25
 
 struct bwi_lagged_symmetric {
   int components;
@@ -21,8 +22,8 @@ struct bwi_lagged_symmetric {
   double ordered;                    /* operations under the order when it was new */
   const bw_plane_topology *topology; /* retained: what symbolic is of */
   bwi_symbolic *symbolic;
-  bwi_factor *factor;          /* of this symbolic or, until the next factorisation, an older one */
-  bwi_triangular_solve *sweep; /* of it; NULL until it is worth making */
+  bwi_factor *factor; /* of this symbolic or, until the next factorisation, an older one */
+  bwi_triangular_solve *triangular; /* of it; NULL until it pays */
 };
 
 bw_status bwi_lagged_symmetric_create(bw_context *context, int components,
@@ -44,8 +45,8 @@ static void forget_analysis(bwi_lagged_symmetric *s) {
 
 void bwi_lagged_symmetric_reset(bwi_lagged_symmetric *s) {
   forget_analysis(s);
-  bwi_triangular_solve_free(s->sweep);
-  s->sweep = NULL;
+  bwi_triangular_solve_destroy(s->triangular);
+  s->triangular = NULL;
   bw_release(s->factor);
   bw_release(s->nodes);
   bw_free(s->permutation);
@@ -54,7 +55,7 @@ void bwi_lagged_symmetric_reset(bwi_lagged_symmetric *s) {
   s->permutation = NULL;
 }
 
-void bwi_lagged_symmetric_free(bwi_lagged_symmetric *s) {
+void bwi_lagged_symmetric_destroy(bwi_lagged_symmetric *s) {
   if (!s)
     return;
   bwi_lagged_symmetric_reset(s);
@@ -91,7 +92,7 @@ static bw_status adjacency(bw_context *context, const bw_plane_pattern *pattern,
 
 /* Nested dissection makes the better order for large meshes. Approximate minimum degree costs a
  * fifteenth of its time and for meshes up to SMALL nodes its factor takes no longer to make: for
- * those, and (`quick`) for orders that will soon be worn again. */
+ * those, and (`quick`) for orders that will soon be recomputed again. */
 enum { SMALL = 30000 };
 
 static bw_status order_nodes(bw_context *context, const bwi_adjacency *near, bool quick,
@@ -158,7 +159,7 @@ static bw_status analyse(bw_context *context, bwi_lagged_symmetric *s,
   }
   if (s->nodes)
     BW_TRY(analyse_ordered(context, s, &near, unknown));
-  if (!s->nodes || s->symbolic->flops > WORN * s->ordered) {
+  if (!s->nodes || s->symbolic->flops > MAX_WORK_GROWTH * s->ordered) {
     work->reordered = true;
     bw_release(s->symbolic);
     s->symbolic = NULL;
@@ -200,13 +201,14 @@ bw_status bwi_lagged_symmetric_factor(bw_context *context, bwi_lagged_symmetric 
   if (!rows.upper_start)
     return BW_MEMORY;
   BW_TRY(analyse(context, s, pattern, work));
-  bwi_triangular_solve_free(s->sweep);
-  s->sweep = NULL;
+  bwi_triangular_solve_destroy(s->triangular);
+  s->triangular = NULL;
   if (s->factor && s->factor->symbolic == s->symbolic) {
     status = bwi_factor_update(context, s->factor, &matrix, NULL, NULL, &bad_node);
   } else {
     BW_TRY(bwi_elimination_reach_create_whole(context, s->symbolic, &reach));
-    status = bwi_factor_create_kept(context, s->symbolic, &matrix, reach, &factor, &bad_node);
+    status =
+        bwi_factor_create_with_updates(context, s->symbolic, &matrix, reach, &factor, &bad_node);
     bw_release(s->factor);
     s->factor = factor;
   }
@@ -237,9 +239,9 @@ bw_status bwi_lagged_symmetric_apply(bw_context *context, bwi_lagged_symmetric *
     return bw_fail(context, BW_INTERNAL, "there is no factor to apply");
   if (!old)
     return bwi_solve_fields(context, s->factor, NULL, 1, r, z);
-  if (!s->sweep)
-    BW_TRY(bwi_triangular_solve_create(context, s->factor, &s->sweep));
-  bwi_triangular_solve_apply(s->sweep, r, z);
+  if (!s->triangular)
+    BW_TRY(bwi_triangular_solve_create(context, s->factor, &s->triangular));
+  bwi_triangular_solve_apply(s->triangular, r, z);
 done:
   return status;
 }

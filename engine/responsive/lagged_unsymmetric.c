@@ -14,7 +14,7 @@
 #include "solve/blas.h"
 
 /* An order under which the work has grown by more than this is recomputed. */
-#define WORN 1.25
+#define MAX_WORK_GROWTH 1.25
 
 struct bwi_lagged_unsymmetric {
   int components;
@@ -64,7 +64,7 @@ void bwi_lagged_unsymmetric_reset(bwi_lagged_unsymmetric *s) {
   *s = (bwi_lagged_unsymmetric){.components = s->components};
 }
 
-void bwi_lagged_unsymmetric_free(bwi_lagged_unsymmetric *s) {
+void bwi_lagged_unsymmetric_destroy(bwi_lagged_unsymmetric *s) {
   if (!s)
     return;
   bwi_lagged_unsymmetric_reset(s);
@@ -183,7 +183,7 @@ static bw_status analyse(bw_context *context, bwi_lagged_unsymmetric *s,
     double flops = info[UMFPACK_FLOPS_ESTIMATE];
     if (work->reordered)
       s->ordered = flops;
-    if (flops <= WORN * s->ordered)
+    if (flops <= MAX_WORK_GROWTH * s->ordered)
       break;
     umfpack_di_free_symbolic(&s->symbolic);
     s->symbolic = NULL;

@@ -10,8 +10,8 @@
  *
  * Where the ground moves, displacement, velocity and acceleration are those of the ground itself:
  * taken by Newmark's formulas they would swing about the truth undamped. The mass is consistent and
- * couples held to free nodes, so these accelerations are part of the load. The matrix depends on
- * the mesh and the step only: while the drag rests, its factor is exact. */
+ * couples prescribed to free nodes, so these accelerations are part of the load. The matrix depends
+ * on the mesh and the step only: while the drag rests, its factor is exact. */
 #include <math.h>
 #include <string.h>
 
@@ -91,13 +91,13 @@ static bw_status ground(bw_context *context, bw_sheet *sheet, double time, doubl
   memset(acceleration, 0, size * sizeof *acceleration);
   if (moves) {
     bool first = time < 0.5 * step; /* then ahead, in place of on both sides */
-    BW_TRY(bwi_sheet_hold(context, sheet, first ? time + 2 * step : time - step));
+    BW_TRY(bwi_sheet_prescribe(context, sheet, first ? time + 2 * step : time - step));
     memcpy(workspace, inner->prescribed, size * sizeof *workspace);
-    BW_TRY(bwi_sheet_hold(context, sheet, time + step));
+    BW_TRY(bwi_sheet_prescribe(context, sheet, time + step));
     memcpy(velocity, inner->prescribed, size * sizeof *velocity);
-    BW_TRY(bwi_sheet_hold(context, sheet, time));
+    BW_TRY(bwi_sheet_prescribe(context, sheet, time));
     for (size_t i = 0; i < size; i++)
-      if (inner->held[i]) {
+      if (inner->is_prescribed[i]) {
         double other = workspace[i], after = velocity[i], now = inner->prescribed[i];
         velocity[i] = (first ? 4 * after - 3 * now - other : after - other) / (2 * step);
         acceleration[i] =
@@ -105,7 +105,7 @@ static bw_status ground(bw_context *context, bw_sheet *sheet, double time, doubl
       } else
         velocity[i] = 0;
   } else
-    BW_TRY(bwi_sheet_hold(context, sheet, time));
+    BW_TRY(bwi_sheet_prescribe(context, sheet, time));
 done:
   return status;
 }
@@ -130,7 +130,7 @@ static bw_status first_acceleration(bw_context *context, bw_sheet *sheet, const 
   }
   BW_TRY(multiply(context, inner, z, q, r));
   for (size_t i = 0; i < n; i++) {
-    r[i] = inner->held[i] ? 0 : inner->force[i] - r[i];
+    r[i] = inner->is_prescribed[i] ? 0 : inner->force[i] - r[i];
     size += r[i] * r[i];
   }
   double rho = 0, square = size;
@@ -143,7 +143,7 @@ static bw_status first_acceleration(bw_context *context, bw_sheet *sheet, const 
     rho = next;
     BW_TRY(multiply(context, inner, p, zero, q));
     for (size_t k = 0; k < n; k++)
-      if (inner->held[k])
+      if (inner->is_prescribed[k])
         q[k] = 0;
     BW_TRY(bwi_blocked_dot(context, n, p, q, &curvature));
     if (!(curvature > 0))
@@ -183,8 +183,8 @@ static bw_status begin(bw_context *context, bw_sheet *sheet, const bw_newmark *n
   BW_TRY(bwi_sheet_force(context, sheet, sheet->time));
   BW_TRY(ground(context, sheet, sheet->time, newmark->step, velocity, acceleration, displacement));
   for (size_t i = 0; i < size; i++) {
-    displacement[i] = inner->held[i] ? inner->prescribed[i] : sheet->displacement[i];
-    if (!inner->held[i])
+    displacement[i] = inner->is_prescribed[i] ? inner->prescribed[i] : sheet->displacement[i];
+    if (!inner->is_prescribed[i])
       velocity[i] = sheet->velocity ? sheet->velocity[i] : 0;
   }
   BW_TRY(first_acceleration(context, sheet, newmark, velocity, displacement, acceleration));
@@ -204,8 +204,8 @@ done:
   return status;
 }
 
-bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
-                         const bw_lagged_factor_options *options, bw_plane_reuse *kept) {
+bw_status bw_sheet_transient(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
+                             const bw_lagged_factor_options *options, bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
   bw_newmark defaults;
@@ -215,13 +215,13 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
   bool made;
   bw_newmark_default(&defaults);
   newmark = newmark ? newmark : &defaults;
-  kept = kept ? kept : &ignored;
+  reuse = reuse ? reuse : &ignored;
   double start = bw_seconds();
   BW_TRY(check(context, newmark));
   BW_TRY(bwi_sheet_prepare(context, sheet, &made));
-  kept->pattern = !made;
+  reuse->pattern = !made;
   BW_TRY(bwi_sheet_next(context, sheet, sheet->mesh, true, &next));
-  kept->solution = next->solved;
+  reuse->solution = next->solved;
   size_t size = 2 * (size_t)inner->pattern->node_count;
   BW_TRY(bwi_sheet_stiffness(context, sheet));
   BW_TRY(bwi_sheet_mass(context, sheet));
@@ -239,10 +239,10 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
   double *u = workspace, *v = workspace + size, *a = v + size, *w = a + size;
   BW_TRY(bwi_sheet_force(context, sheet, time));
   BW_TRY(ground(context, sheet, time, h, v, a, w));
-  /* What multiplies M, C and K in the load: at held unknowns the ground's own, at free ones the
-     part of Newmark's formulas that is known already. v and a take the latter over. */
+  /* What multiplies M, C and K in the load: at prescribed unknowns the ground's own, at free ones
+     the part of Newmark's formulas that is known already. v and a take the latter over. */
   for (size_t i = 0; i < size; i++) {
-    if (inner->held[i]) {
+    if (inner->is_prescribed[i]) {
       u[i] = inner->prescribed[i];
     } else {
       double before = next->displacement[i] + h * next->velocity[i] +
@@ -262,26 +262,26 @@ bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark 
     blend d = {inner->pattern,      inner->mass,  inner->stiffness, by_mass + am * by_damping,
                1 + ak * by_damping, inner->matrix};
     BW_TRY(bw_parallel(context, inner->pattern->node_count, BWI_GRAIN_NODES, blend_rows, &d));
-    BW_TRY(bw_plane_prescribe(context, inner->pattern, 2, inner->held, inner->prescribed,
+    BW_TRY(bw_plane_prescribe(context, inner->pattern, 2, inner->is_prescribed, inner->prescribed,
                               inner->matrix, NULL));
     memcpy(inner->matrix_step, step, sizeof step);
   }
   for (size_t i = 0; i < size; i++)
-    if (inner->held[i]) {
+    if (inner->is_prescribed[i]) {
       int64_t p = inner->pattern->diagonal[i / 2];
       inner->rhs[i] = inner->matrix[4 * p + (i % 2 ? 3 : 0)] * inner->prescribed[i];
       inner->work[i] = inner->prescribed[i];
     } else /* a first guess: the acceleration stays */
       inner->work[i] =
           next->displacement[i] + h * next->velocity[i] + 0.5 * h * h * next->acceleration[i];
-  kept->seconds_assemble += bw_seconds() - start;
+  reuse->seconds_assemble += bw_seconds() - start;
   BW_TRY(bw_lagged_factor_solve(context, inner->lagged, inner->pattern, inner->matrix, inner->rhs,
-                                inner->work, options, kept));
+                                inner->work, options, reuse));
   /* v and a hold what is known of the new ones */
   for (size_t i = 0; i < size; i++) {
-    bool held = inner->held[i];
-    next->acceleration[i] = held ? a[i] : a[i] + by_mass * inner->work[i];
-    next->velocity[i] = held ? v[i] : v[i] + by_damping * inner->work[i];
+    bool is_prescribed = inner->is_prescribed[i];
+    next->acceleration[i] = is_prescribed ? a[i] : a[i] + by_mass * inner->work[i];
+    next->velocity[i] = is_prescribed ? v[i] : v[i] + by_damping * inner->work[i];
     next->displacement[i] = inner->work[i];
   }
   next->time = time;

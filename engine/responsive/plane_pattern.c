@@ -80,7 +80,7 @@ static bw_status count_rows(void *data, int64_t begin, int64_t end, int worker) 
 }
 
 /* Columns of each row, and how many contributions each block has, counted into gather_start[p + 1].
- * mark[j] is the place of column j, good where that place is of this row and holds j. */
+ * mark[j] is the index of column j, valid where that index is of this row and holds j. */
 static bw_status fill_columns(void *data, int64_t begin, int64_t end, int worker) {
   const builder *b = data;
   bw_plane_pattern *pattern = b->pattern;
@@ -118,7 +118,7 @@ static bw_status fill_columns(void *data, int64_t begin, int64_t end, int worker
 }
 
 int64_t bwi_plane_block_index(const bw_plane_pattern *pattern, int32_t row, int32_t column) {
-  return bwi_sorted_place(pattern->column, pattern->start[row], pattern->start[row + 1], column);
+  return bwi_sorted_index(pattern->column, pattern->start[row], pattern->start[row + 1], column);
 }
 
 /* gather_start is complete: fill contributions and mirrors. mark[j] is where the next contribution
@@ -136,9 +136,9 @@ static bw_status fill_contributions(void *data, int64_t begin, int64_t end, int 
     for (int64_t k = b->around[i]; k < b->around[i + 1]; k++) {
       int32_t e = b->around_item[k] / b->n, a = b->around_item[k] % b->n;
       for (int c = 0; c < b->n; c++) {
-        int64_t place = first + mark[b->element[(int64_t)e * b->n + c]]++;
-        pattern->gather_element[place] = e;
-        pattern->gather_local[place] = (uint8_t)(a * 6 + c);
+        int64_t index = first + mark[b->element[(int64_t)e * b->n + c]]++;
+        pattern->gather_element[index] = e;
+        pattern->gather_local[index] = (uint8_t)(a * 6 + c);
       }
     }
   }

@@ -11,7 +11,7 @@ static void plate_destroy(void *object) {
   if (in) {
     bw_release(in->now);
     bw_free(in->origin);
-    bwi_lagged_symmetric_free(in->factor);
+    bwi_lagged_symmetric_destroy(in->factor);
     bw_free(in);
   }
   bw_release(plate->material);
@@ -203,13 +203,13 @@ static bw_status copy(bw_context *context, const double *from, int count, double
 
 /* Everything is made beside what there is, and takes its place at the end. */
 bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_mesh *mesh,
-                          bw_plane_reuse *kept) {
+                          bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
   struct bwi_plate *in = plate->inner;
   const bw_plate_state *was = in->now;
   const bw_plane_topology *before = plate->mesh->topology, *now = mesh->topology;
   bool same_topology = now == before, same_nodes = now->nodes == before->nodes;
-  double started = bw_seconds(), *turn = NULL;
+  double started = bw_seconds(), *rotation = NULL;
   bw_plane_pattern *pattern = NULL;
   bwi_plate_matrices *matrices = NULL;
   bw_plate_state *next = NULL;
@@ -227,8 +227,8 @@ bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_m
   BW_TRY(copy(context, was->frequency, was->mode_count, &next->frequency));
   BW_TRY(copy(context, was->residual, was->mode_count, &next->residual));
   next->shape = BW_NEW(context, double, was->known *nodes * 3);
-  turn = BW_NEW(context, double, 4 * nodes);
-  if (!next->shape || !turn) {
+  rotation = BW_NEW(context, double, 4 * nodes);
+  if (!next->shape || !rotation) {
     status = BW_MEMORY;
     goto done;
   }
@@ -237,21 +237,22 @@ bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_m
                              was->shape + k * 3 * (int64_t)before->nodes->node_count,
                              next->shape + k * 3 * nodes));
   if (same_nodes) {
-    BW_TRY(bwi_plate_turns(context, &in->reference, now, plate->mesh->point, mesh->point, turn));
+    BW_TRY(bwi_plate_rotations(context, &in->reference, now, plate->mesh->point, mesh->point,
+                               rotation));
     for (int k = 0; k < was->known; k++)
-      bwi_plate_turn(nodes, turn, false, next->shape + k * 3 * nodes);
+      bwi_plate_rotate(nodes, rotation, false, next->shape + k * 3 * nodes);
   }
   BW_TRY(bwi_plate_commit(context, plate, next));
-  if (kept) {
-    kept->pattern = same_topology;
-    kept->factor = same_topology && in->factored;
-    kept->solution = next->known > 0;
-    kept->seconds_assemble += bw_seconds() - started;
+  if (reuse) {
+    reuse->pattern = same_topology;
+    reuse->factor = same_topology && in->factored;
+    reuse->solution = next->known > 0;
+    reuse->seconds_assemble += bw_seconds() - started;
   }
 done:
   bw_release(pattern);
   bw_release(matrices);
   bw_release(next);
-  bw_free(turn);
+  bw_free(rotation);
   return status;
 }

@@ -51,11 +51,11 @@ void bwi_plate_energies(const bwi_plate_reference *reference, const bwi_plate_la
                         const double x[6][2], const double u[20], double *elastic, double *kinetic);
 
 /* Per node the 2 x 2 matrix that takes rotations from the nodes at `from` to those at `to`. */
-bw_status bwi_plate_turns(bw_context *context, const bwi_plate_reference *reference,
-                          const bw_plane_topology *topology, const double *from, const double *to,
-                          double *turn);
+bw_status bwi_plate_rotations(bw_context *context, const bwi_plate_reference *reference,
+                              const bw_plane_topology *topology, const double *from,
+                              const double *to, double *rotation);
 /* u = T u or T^T u in place (3 numbers a node). */
-void bwi_plate_turn(int64_t nodes, const double *turn, bool transposed, double *u);
+void bwi_plate_rotate(int64_t nodes, const double *rotation, bool transposed, double *u);
 
 /* The matrices of a mesh: an immutable object. */
 typedef struct bwi_plate_matrices {
@@ -86,9 +86,9 @@ struct bwi_plate {
   const bw_plate_state *now; /* retained; the public fields are its own */
   /* What makes the next frame faster. */
   bwi_lagged_symmetric *factor;
-  bool factored;   /* there is a factor of these nodes, of whatever shape */
-  double *origin;  /* node_count x 2: where the nodes were then */
-  int fresh, last; /* iterations with a new factor, and in the last solve */
+  bool factored;              /* there is a factor of these nodes, of whatever shape */
+  double *origin;             /* node_count x 2: where the nodes were then */
+  int first_iterations, last; /* iterations with a new factor, and in the last solve */
 };
 
 /* A state of a mesh with its matrices and without modes. */

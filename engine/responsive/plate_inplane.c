@@ -53,7 +53,7 @@ static bw_status rigid_motions(inplane *p, double *rigid, double *mass_rigid) {
   }
   for (int k = 0; k < RIGID; k++) {
     double *v = rigid + k * n, *m = mass_rigid + k * n, size = 0;
-    for (int turn = 0; turn < 2; turn++)
+    for (int pass = 0; pass < 2; pass++)
       for (int j = 0; j < k; j++) {
         double along = 0;
         for (int64_t i = 0; i < n; i++)
@@ -138,7 +138,7 @@ bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count
   for (int k = 0; k < count; k++)
     frequency[k] = sqrt(fmax(value[k], 0)) / (2 * pi);
 done:
-  bwi_lagged_symmetric_free(factor);
+  bwi_lagged_symmetric_destroy(factor);
   bw_release(sheet);
   bw_free(shifted);
   bw_free(vector);

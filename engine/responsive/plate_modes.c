@@ -15,8 +15,8 @@ void bw_plate_options_default(bw_plate_options *options) {
 typedef struct problem {
   bw_context *context;
   const bw_plate *plate;
-  const double *turn; /* from the factor's shape to this one; NULL: they are the same */
-  double *workspace;  /* one vector */
+  const double *rotation; /* from the factor's shape to this one; NULL: they are the same */
+  double *workspace;      /* one vector */
 } problem;
 
 static bw_status times_stiffness(void *data, const double *x, double *y) {
@@ -34,13 +34,13 @@ static bw_status precondition(void *data, const double *x, double *y) {
   const problem *p = data;
   bwi_lagged_symmetric *factor = p->plate->inner->factor;
   int64_t nodes = p->plate->mesh->topology->nodes->node_count;
-  if (!p->turn)
+  if (!p->rotation)
     return bwi_lagged_symmetric_apply(p->context, factor, false, x, y);
   memcpy(p->workspace, x, (size_t)(3 * nodes) * sizeof *x);
-  bwi_plate_turn(nodes, p->turn, true, p->workspace);
+  bwi_plate_rotate(nodes, p->rotation, true, p->workspace);
   bw_status status = bwi_lagged_symmetric_apply(p->context, factor, true, p->workspace, y);
   if (status == BW_OK)
-    bwi_plate_turn(nodes, p->turn, false, y);
+    bwi_plate_rotate(nodes, p->rotation, false, y);
   return status;
 }
 
@@ -64,7 +64,7 @@ static bw_status rigid_motions(bw_context *context, const bw_plate *plate, doubl
   }
   for (int k = 0; k < RIGID; k++) {
     double *v = rigid + k * n, *m = mass_rigid + k * n;
-    for (int turn = 0; turn < 2; turn++)
+    for (int pass = 0; pass < 2; pass++)
       for (int j = 0; j < k; j++) {
         double along = 0;
         for (int64_t i = 0; i < n; i++)
@@ -96,8 +96,8 @@ static void fix_sign(double *shape, int64_t nodes) {
       shape[i] = -shape[i];
 }
 
-static bw_status refactor(bw_context *context, const bw_plate *plate, bool scratch,
-                          bw_plane_reuse *kept) {
+static bw_status refactor(bw_context *context, const bw_plate *plate, bool full,
+                          bw_plane_reuse *reuse) {
   struct bwi_plate *in = plate->inner;
   const bwi_plate_matrices *m = in->now->matrices;
   double before = bw_seconds();
@@ -109,15 +109,15 @@ static bw_status refactor(bw_context *context, const bw_plate *plate, bool scrat
   memcpy(origin, plate->mesh->point, numbers * sizeof *origin);
   bw_free(in->origin);
   in->origin = origin;
-  if (scratch)
+  if (full)
     bwi_lagged_symmetric_reset(in->factor);
   in->factored = false;
   bw_status status =
       bwi_lagged_symmetric_factor(context, in->factor, m->pattern, m->shifted, &work);
   in->factored = status == BW_OK;
-  kept->analyses += work.analysed;
-  kept->factorisations++;
-  kept->seconds_factor += bw_seconds() - before;
+  reuse->analyses += work.analysed;
+  reuse->factorisations++;
+  reuse->seconds_factor += bw_seconds() - before;
   return status;
 }
 
@@ -129,7 +129,7 @@ static int begin_vectors(const bw_plate *plate, const bw_plate_options *options,
   int64_t n = 3 * (int64_t)plate->mesh->topology->nodes->node_count;
   int begun = now->known - now->past, past = 0;
   *follows = false;
-  if (options->scratch || begun == 0)
+  if (options->full || begun == 0)
     return 0;
   memcpy(vector, plate->shape, (size_t)((begun < block ? begun : block) * n) * sizeof *vector);
   size_t bytes = (size_t)(options->modes * n) * sizeof *vector;
@@ -148,32 +148,33 @@ static int begin_vectors(const bw_plate *plate, const bw_plate_options *options,
 /* Modes with the factor that is there, or a new one where there is none or it takes too long. */
 static bw_status find_modes(bw_context *context, const bw_plate *plate,
                             const bw_plate_options *options, int block, bool follows,
-                            double *vector, double *value, double *residual, bw_plane_reuse *kept) {
+                            double *vector, double *value, double *residual,
+                            bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
   struct bwi_plate *in = plate->inner;
   const bw_plate_state *now = in->now;
   int64_t nodes = plate->mesh->topology->nodes->node_count, n = 3 * nodes;
-  double *rigid = BW_NEW(context, double, 2 * RIGID * n), *turn = NULL;
-  bool fresh = options->scratch || !in->factored || in->last > 2 * in->fresh + 6;
+  double *rigid = BW_NEW(context, double, 2 * RIGID * n), *rotation = NULL;
+  bool fresh = options->full || !in->factored || in->last > 2 * in->first_iterations + 6;
   int iterations = 0;
   if (!rigid)
     return BW_MEMORY;
   if (fresh)
-    BW_TRY(refactor(context, plate, options->scratch, kept));
-  kept->factor = !fresh;
+    BW_TRY(refactor(context, plate, options->full, reuse));
+  reuse->factor = !fresh;
   double before = bw_seconds();
   BW_TRY(rigid_motions(context, plate, rigid, rigid + RIGID * n));
   problem data = {context, plate, NULL, NULL};
   if (!fresh) {
-    turn = BW_NEW(context, double, 7 * nodes);
-    if (!turn) {
+    rotation = BW_NEW(context, double, 7 * nodes);
+    if (!rotation) {
       status = BW_MEMORY;
       goto done;
     }
-    BW_TRY(bwi_plate_turns(context, &in->reference, plate->mesh->topology, in->origin,
-                           plate->mesh->point, turn));
-    data.turn = turn;
-    data.workspace = turn + 4 * nodes;
+    BW_TRY(bwi_plate_rotations(context, &in->reference, plate->mesh->topology, in->origin,
+                               plate->mesh->point, rotation));
+    data.rotation = rotation;
+    data.workspace = rotation + 4 * nodes;
   }
   bwi_ritz ritz = {.size = n,
                    .stiffness = times_stiffness,
@@ -188,32 +189,32 @@ static bw_status find_modes(bw_context *context, const bw_plate *plate,
                    .more_count = follows ? now->past : 0,
                    .more = follows ? plate->shape + (now->known - now->past) * n : NULL,
                    .tolerance = options->tolerance,
-                   .limit = fresh ? ROUNDS : 2 * in->fresh + 20};
+                   .limit = fresh ? ROUNDS : 2 * in->first_iterations + 20};
   status = bwi_ritz_solve(context, &ritz, vector, value, residual, &iterations);
   if (status == BW_CONVERGENCE && !fresh) {
     bw_clear_failure(context);
-    BW_TRY(refactor(context, plate, false, kept));
+    BW_TRY(refactor(context, plate, false, reuse));
     fresh = true;
-    data.turn = NULL;
-    kept->factor = false;
+    data.rotation = NULL;
+    reuse->factor = false;
     ritz.limit = ROUNDS;
     status = bwi_ritz_solve(context, &ritz, vector, value, residual, &iterations);
   }
   BW_TRY(status);
   in->last = iterations;
   if (fresh)
-    in->fresh = iterations;
-  kept->iterations += iterations;
-  kept->solves++;
-  kept->seconds_solve += bw_seconds() - before;
+    in->first_iterations = iterations;
+  reuse->iterations += iterations;
+  reuse->solves++;
+  reuse->seconds_solve += bw_seconds() - before;
 done:
   bw_free(rigid);
-  bw_free(turn);
+  bw_free(rotation);
   return status;
 }
 
 bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_options *given,
-                         bw_plane_reuse *kept) {
+                         bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
   bw_plate_options options;
   bw_plate_options_default(&options);
@@ -222,7 +223,7 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   bw_plate_state *next = NULL;
   int64_t nodes = plate->mesh->topology->nodes->node_count, n = 3 * nodes;
   bw_plane_reuse none = {0};
-  kept = kept ? kept : &none;
+  reuse = reuse ? reuse : &none;
   if (options.modes < 1 || options.modes >= n - GUARDS - RIGID)
     return bw_fail(context, BW_INVALID,
                    "%d modes requested of a plate with %lld unknowns: fewer than these and at "
@@ -241,12 +242,12 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   }
   bool follows;
   int past = begin_vectors(plate, &options, block, vector, &follows);
-  BW_TRY(find_modes(context, plate, &options, block, follows, vector, value, residual, kept));
+  BW_TRY(find_modes(context, plate, &options, block, follows, vector, value, residual, reuse));
   for (int k = 0; k < block; k++)
     fix_sign(vector + k * n, nodes);
   for (int k = 0; k < options.modes; k++) {
     frequency[k] = sqrt(fmax(value[k], 0)) / (2 * 3.14159265358979323846);
-    kept->residual = fmax(kept->residual, residual[k]);
+    reuse->residual = fmax(reuse->residual, residual[k]);
   }
   BW_TRY(bwi_plate_blank(context, plate->mesh, plate->inner->now->matrices, &next));
   next->shape = vector;

@@ -17,13 +17,13 @@ static void sheet_destroy(void *object) {
     bw_free(inner->section);
     bw_free(inner->thickness);
     bw_free(inner->condition);
-    bw_lagged_factor_free(inner->lagged);
+    bw_lagged_factor_destroy(inner->lagged);
     bw_release(inner->pattern);
     bw_free(inner->stiffness);
     bw_free(inner->matrix);
     bw_free(inner->mass);
     bw_free(inner->workspace);
-    bw_free(inner->held);
+    bw_free(inner->is_prescribed);
     bw_free(inner->prescribed);
     bw_free(inner->force);
     bw_free(inner->rhs);
@@ -125,7 +125,7 @@ static bw_status extrapolate(bw_context *context, const bw_sheet *sheet, size_t 
   if (!workspace)
     return BW_MEMORY;
   for (size_t i = 0; i < size; i++)
-    change[i] = inner->held[i] ? 0 : sheet->displacement[i] - inner->now->before[i];
+    change[i] = inner->is_prescribed[i] ? 0 : sheet->displacement[i] - inner->now->before[i];
   BW_TRY(bw_plane_multiply(context, inner->pattern, 2, inner->matrix, inner->work, product));
   BW_TRY(bwi_subtract_from(context, size, inner->rhs, product, NULL));
   BW_TRY(bwi_blocked_dot(context, size, change, product, &along));
@@ -145,15 +145,15 @@ bw_status bwi_sheet_statics(bw_context *context, bw_sheet *sheet, bool *made) {
   struct bwi_sheet *inner = sheet->inner;
   BW_TRY(bwi_sheet_prepare(context, sheet, made));
   inner->matrix_step[0] = 0;
-  BW_TRY(bwi_sheet_hold(context, sheet, sheet->time));
-  if (!inner->held_checked)
-    BW_TRY(bwi_sheet_check_free(context, sheet));
-  inner->held_checked = true;
+  BW_TRY(bwi_sheet_prescribe(context, sheet, sheet->time));
+  if (!inner->prescribed_checked)
+    BW_TRY(bwi_sheet_check_destroy(context, sheet));
+  inner->prescribed_checked = true;
   BW_TRY(bwi_sheet_force(context, sheet, sheet->time));
   BW_TRY(bwi_sheet_stiffness(context, sheet));
   memcpy(inner->matrix, inner->stiffness, 4 * (size_t)inner->pattern->block_count * sizeof(double));
   memcpy(inner->rhs, inner->force, 2 * (size_t)inner->pattern->node_count * sizeof(double));
-  BW_TRY(bw_plane_prescribe(context, inner->pattern, 2, inner->held, inner->prescribed,
+  BW_TRY(bw_plane_prescribe(context, inner->pattern, 2, inner->is_prescribed, inner->prescribed,
                             inner->matrix, inner->rhs));
   inner->matrix_step[0] = -1;
 done:
@@ -161,21 +161,21 @@ done:
 }
 
 bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet,
-                          const bw_lagged_factor_options *options, bw_plane_reuse *kept) {
+                          const bw_lagged_factor_options *options, bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
   bw_sheet_state *next = NULL;
   bw_plane_reuse ignored = {0};
   bool made;
-  kept = kept ? kept : &ignored;
+  reuse = reuse ? reuse : &ignored;
   double start = bw_seconds();
   BW_TRY(bwi_sheet_next(context, sheet, sheet->mesh, true, &next));
   BW_TRY(bwi_sheet_statics(context, sheet, &made));
   size_t size = 2 * (size_t)inner->pattern->node_count;
-  kept->pattern = !made;
-  kept->solution = next->solved;
+  reuse->pattern = !made;
+  reuse->solution = next->solved;
   for (size_t i = 0; i < size; i++)
-    inner->work[i] = inner->held[i] ? inner->prescribed[i] : sheet->displacement[i];
+    inner->work[i] = inner->is_prescribed[i] ? inner->prescribed[i] : sheet->displacement[i];
   if (next->before)
     BW_TRY(extrapolate(context, sheet, size));
   else if (next->solved)
@@ -184,9 +184,9 @@ bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet,
     status = BW_MEMORY;
     goto done;
   }
-  kept->seconds_assemble += bw_seconds() - start;
+  reuse->seconds_assemble += bw_seconds() - start;
   BW_TRY(bw_lagged_factor_solve(context, inner->lagged, inner->pattern, inner->matrix, inner->rhs,
-                                inner->work, options, kept));
+                                inner->work, options, reuse));
   if (next->before)
     memcpy(next->before, sheet->displacement, size * sizeof(double));
   memcpy(next->displacement, inner->work, size * sizeof(double));

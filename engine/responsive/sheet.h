@@ -82,11 +82,11 @@ struct bw_sheet_state {
   /* node_count x 2 each */
   double *displacement;
   double *velocity, *acceleration; /* both, or NULL */
-  double *before, *former; /* the solution before the last, and of bw_sheet_bend the one before
-                              that; NULL: none */
+  double *before, *former; /* the solution before the last, and of bw_sheet_large_deflection the one
+                              before that; NULL: none */
   bool solved;             /* displacement is a solution of some mesh */
   bool statics;            /* the linear statics of this mesh */
-  bool large;              /* by bw_sheet_bend */
+  bool large;              /* by bw_sheet_large_deflection */
   bool moving;             /* acceleration fits displacement and velocity */
 };
 
@@ -110,13 +110,13 @@ struct bwi_sheet {
   double *mass;      /* 1 per block, density included */
   double *workspace; /* element matrices */
   /* By nodes. */
-  uint8_t *held;                           /* node_count x 2 */
+  uint8_t *is_prescribed;                  /* node_count x 2 */
   double *prescribed, *force, *rhs, *work; /* node_count x 2 each */
 
   bool stiffness_current;  /* of the mesh as it is; so also mass */
   double matrix_step[4];   /* step, beta, damping: what `matrix` is made with; step 0: nothing that
                               lasts, -1: the statics of the mesh as it is */
-  bool held_checked;       /* no piece of this topology is free */
+  bool prescribed_checked; /* no piece of this topology is free */
   bool conflicts_reported; /* of the conditions' prescribed values */
 };
 
@@ -170,11 +170,11 @@ bw_status bwi_sheet_tri3_stiffness(bw_context *context, const bw_sheet *sheet, d
 bw_status bwi_sheet_tri3_mass(bw_context *context, const bw_sheet *sheet, double *values);
 /* Forces of gravity, tractions and pressures at a time: into inner->force. */
 bw_status bwi_sheet_force(bw_context *context, bw_sheet *sheet, double time);
-/* inner->held and inner->prescribed at a time. */
-bw_status bwi_sheet_hold(bw_context *context, bw_sheet *sheet, double time);
+/* inner->is_prescribed and inner->prescribed at a time. */
+bw_status bwi_sheet_prescribe(bw_context *context, bw_sheet *sheet, double time);
 /* inner->matrix and inner->rhs: the linear statics of the sheet as it is. *made: as in prepare. */
 bw_status bwi_sheet_statics(bw_context *context, bw_sheet *sheet, bool *made);
-/* BW_UNCONSTRAINED where a piece of the sheet can move rigidly against inner->held. */
-bw_status bwi_sheet_check_free(bw_context *context, const bw_sheet *sheet);
+/* BW_UNCONSTRAINED where a piece of the sheet can move rigidly against inner->is_prescribed. */
+bw_status bwi_sheet_check_destroy(bw_context *context, const bw_sheet *sheet);
 
 #endif

@@ -36,7 +36,7 @@ done:
 }
 
 bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_mesh *mesh,
-                          bw_plane_reuse *kept) {
+                          bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
   const bw_plane_topology *was = sheet->mesh->topology, *now = mesh->topology;
   bw_sheet_state *next = NULL;
@@ -63,11 +63,11 @@ bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_m
     next->statics = false;
     BW_TRY(bwi_sheet_commit(context, sheet, next));
   }
-  if (kept && level > kept->level)
-    kept->level = level;
+  if (reuse && level > reuse->level)
+    reuse->level = level;
 done:
   bw_release(next);
-  if (kept)
-    kept->seconds_mesh += bw_seconds() - start;
+  if (reuse)
+    reuse->seconds_mesh += bw_seconds() - start;
   return status;
 }

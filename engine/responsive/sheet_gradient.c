@@ -142,7 +142,7 @@ bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double 
     goto done;
   }
   for (size_t i = 0; i < size; i++)
-    if (inner->held[i])
+    if (inner->is_prescribed[i])
       inner->rhs[i] = 0;
   bw_lagged_factor_options options;
   bw_lagged_factor_options_default(&options);

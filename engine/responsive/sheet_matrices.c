@@ -95,7 +95,7 @@ bw_status bwi_sheet_prepare(bw_context *context, bw_sheet *sheet, bool *made) {
   BW_TRY(workspace(context, &inner->force, size));
   BW_TRY(workspace(context, &inner->rhs, size));
   BW_TRY(workspace(context, &inner->work, size));
-  if (!inner->held && !(inner->held = BW_NEW(context, uint8_t, size)))
+  if (!inner->is_prescribed && !(inner->is_prescribed = BW_NEW(context, uint8_t, size)))
     status = BW_MEMORY;
 done:
   return status;
@@ -164,10 +164,10 @@ static void add_weight3(const bw_sheet *sheet, double *force) {
     bwi_element_points(sheet->mesh, e, 3, x);
     double twice =
         (x[1][0] - x[0][0]) * (x[2][1] - x[0][1]) - (x[1][1] - x[0][1]) * (x[2][0] - x[0][0]);
-    double share = twice * section->thickness * section->density / 6;
+    double nodal_mass = twice * section->thickness * section->density / 6;
     for (int a = 0; a < 3; a++)
       for (int i = 0; i < 2; i++)
-        force[2 * (int64_t)node[a] + i] += share * gravity[i];
+        force[2 * (int64_t)node[a] + i] += nodal_mass * gravity[i];
   }
 }
 
@@ -210,23 +210,24 @@ bw_status bwi_sheet_force(bw_context *context, bw_sheet *sheet, double time) {
   return BW_OK;
 }
 
-bw_status bwi_sheet_hold(bw_context *context, bw_sheet *sheet, double time) {
+bw_status bwi_sheet_prescribe(bw_context *context, bw_sheet *sheet, double time) {
   struct bwi_sheet *inner = sheet->inner;
   return bw_conditions_prescribe(context, sheet->mesh, 2, inner->condition_count, inner->condition,
-                                 time, inner->held, inner->prescribed, &inner->conflicts_reported);
+                                 time, inner->is_prescribed, inner->prescribed,
+                                 &inner->conflicts_reported);
 }
 
 /* ---- unconstrained rigid-body modes
  * -------------------------------------------------------------------- */
 
 /* Held components restrain the motions (1, 0), (0, 1) and (-y, x)/size of the piece they are on. A
- * motion is free when no held component resists it: a zero eigenvalue of the 3x3 sum of their
+ * motion is free when no prescribed component resists it: a zero eigenvalue of the 3x3 sum of their
  * squares. */
-bw_status bwi_sheet_check_free(bw_context *context, const bw_sheet *sheet) {
+bw_status bwi_sheet_check_destroy(bw_context *context, const bw_sheet *sheet) {
   bw_status status = BW_OK;
   const bw_plane_mesh *mesh = sheet->mesh;
   const bw_plane_topology *topology = mesh->topology;
-  const uint8_t *held = sheet->inner->held;
+  const uint8_t *is_prescribed = sheet->inner->is_prescribed;
   int32_t nodes = topology->nodes->node_count, n = topology->nodes->order == 1 ? 3 : 6;
   int32_t *parent = BW_NEW(context, int32_t, nodes);
   double *sum = BW_NEW0(context, double, 10 * (size_t)nodes); /* 6 of the matrix, centre, count */
@@ -255,12 +256,12 @@ bw_status bwi_sheet_check_free(bw_context *context, const bw_sheet *sheet) {
   for (int32_t i = 0; i < nodes; i++) {
     double *s = sum + 10 * (int64_t)bwi_set_root(parent, i);
     double x = mesh->point[2 * i] - s[6] / s[8], y = mesh->point[2 * i + 1] - s[7] / s[8];
-    if (held[2 * i]) {
+    if (is_prescribed[2 * i]) {
       s[0] += 1;
       s[4] += -y / s[9];
       s[2] += y * y / (s[9] * s[9]);
     }
-    if (held[2 * i + 1]) {
+    if (is_prescribed[2 * i + 1]) {
       s[1] += 1;
       s[3] += x / s[9];
       s[2] += x * x / (s[9] * s[9]);

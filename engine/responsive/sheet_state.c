@@ -93,7 +93,7 @@ static void drop_what_is_of(struct bwi_sheet *inner, const bw_plane_mesh *was,
     return;
   bw_release(inner->pattern);
   inner->pattern = NULL;
-  inner->held_checked = false;
+  inner->prescribed_checked = false;
   drop(&inner->stiffness);
   drop(&inner->matrix);
   drop(&inner->workspace);
@@ -103,8 +103,8 @@ static void drop_what_is_of(struct bwi_sheet *inner, const bw_plane_mesh *was,
   drop(&inner->force);
   drop(&inner->rhs);
   drop(&inner->work);
-  bw_free(inner->held);
-  inner->held = NULL;
+  bw_free(inner->is_prescribed);
+  inner->is_prescribed = NULL;
 }
 
 void bwi_sheet_adopt(bw_sheet *sheet, const bw_sheet_state *state) {

@@ -70,7 +70,7 @@ bw_status bw_plate_gains(bw_context *context, const bw_plate *plate, const bw_to
   for (int k = 0; k < plate->mode_count && loudest > 0; k++)
     gain[k] /= loudest;
 done:
-  bw_plane_locator_free(locator);
+  bw_plane_locator_destroy(locator);
   return status;
 }
 

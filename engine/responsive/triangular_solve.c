@@ -27,24 +27,24 @@ static int64_t padded(int64_t rows) {
   return (rows + WIDE - 1) / WIDE * WIDE;
 }
 
-void bwi_triangular_solve_free(bwi_triangular_solve *sweep) {
-  if (!sweep)
+void bwi_triangular_solve_destroy(bwi_triangular_solve *solve) {
+  if (!solve)
     return;
-  bw_release(sweep->symbolic);
-  bw_free(sweep->entry);
-  bw_free(sweep->start);
-  bw_free(sweep->x);
-  bw_free(sweep->below);
-  bw_free(sweep);
+  bw_release(solve->symbolic);
+  bw_free(solve->entry);
+  bw_free(solve->start);
+  bw_free(solve->x);
+  bw_free(solve->below);
+  bw_free(solve);
 }
 
-double bwi_triangular_solve_bytes(const bwi_triangular_solve *sweep) {
-  return 8.0 * (double)sweep->start[sweep->symbolic->order->super_count];
+double bwi_triangular_solve_bytes(const bwi_triangular_solve *solve) {
+  return 8.0 * (double)solve->start[solve->symbolic->order->super_count];
 }
 
 typedef struct copy {
   const bwi_factor *factor;
-  bwi_triangular_solve *sweep;
+  bwi_triangular_solve *solve;
   double scale;
 } copy;
 
@@ -55,7 +55,7 @@ static bw_status copy_supernodes(void *data, int64_t begin, int64_t end, int wor
   for (int64_t s = begin; s < end; s++) {
     int32_t n = bwi_pivots(symbolic, (int32_t)s), rows = symbolic->rows[s], m = rows - n;
     const double *value = c->factor->value, *panel = value + symbolic->panel[s];
-    float *to = c->sweep->entry + c->sweep->start[s];
+    float *to = c->solve->entry + c->solve->start[s];
     for (int32_t j = 0; j < n; j++) {
       const double *column = panel + (int64_t)j * rows;
       *to++ = (float)(1 / (c->scale * column[j]));
@@ -82,38 +82,38 @@ bw_status bwi_triangular_solve_create(bw_context *context, const bwi_factor *fac
   int64_t max = 0;
   double largest = 0;
   const double *value = factor->value;
-  bwi_triangular_solve *sweep = BW_NEW0(context, bwi_triangular_solve, 1);
-  if (!sweep)
+  bwi_triangular_solve *solve = BW_NEW0(context, bwi_triangular_solve, 1);
+  if (!solve)
     return BW_MEMORY;
-  sweep->symbolic = bw_retain(symbolic);
-  sweep->start = BW_NEW(context, int64_t, (size_t)supers + 1);
-  if (!sweep->start) {
+  solve->symbolic = bw_retain(symbolic);
+  solve->start = BW_NEW(context, int64_t, (size_t)supers + 1);
+  if (!solve->start) {
     status = BW_MEMORY;
     goto done;
   }
-  sweep->start[0] = 0;
+  solve->start[0] = 0;
   for (int32_t s = 0; s < supers; s++) {
     int64_t n = bwi_pivots(symbolic, s), rows = symbolic->rows[s], below = padded(rows - n);
-    sweep->start[s + 1] = sweep->start[s] + n * (n + 1) / 2 + n * below;
+    solve->start[s + 1] = solve->start[s] + n * (n + 1) / 2 + n * below;
     max = below > max ? below : max;
     for (int64_t j = 0; j < n; j++)
       largest = fmax(largest, value[symbolic->panel[s] + j * rows + j]);
   }
-  sweep->entry = BW_NEW(context, float, sweep->start[supers]);
-  sweep->x = BW_NEW(context, float, symbolic->unknowns);
-  sweep->below = BW_NEW0(context, float, max);
-  if (!sweep->entry || !sweep->x || !sweep->below) {
+  solve->entry = BW_NEW(context, float, solve->start[supers]);
+  solve->x = BW_NEW(context, float, symbolic->unknowns);
+  solve->below = BW_NEW0(context, float, max);
+  if (!solve->entry || !solve->x || !solve->below) {
     status = BW_MEMORY;
     goto done;
   }
-  copy c = {factor, sweep, largest > 0 ? 1 / largest : 1};
-  sweep->scale = c.scale * c.scale;
+  copy c = {factor, solve, largest > 0 ? 1 / largest : 1};
+  solve->scale = c.scale * c.scale;
   BW_TRY(bw_parallel(context, supers, 1024, copy_supernodes, &c));
 done:
   if (status == BW_OK)
-    *out = sweep;
+    *out = solve;
   else
-    bwi_triangular_solve_free(sweep);
+    bwi_triangular_solve_destroy(solve);
   return status;
 }
 
@@ -183,17 +183,18 @@ static void backward(const float *entry, int32_t n, int64_t ld, float *x, const 
   }
 }
 
-/* ---- both sweeps --------------------------------------------------------------------------- */
+/* ---- both solves --------------------------------------------------------------------------- */
 
-static inline __attribute__((always_inline)) void sweep_both(bwi_triangular_solve *sweep, int C) {
-  const bwi_order *order = sweep->symbolic->order;
-  float *x = sweep->x, *y = sweep->below;
+static inline __attribute__((always_inline)) void forward_backward(bwi_triangular_solve *solve,
+                                                                   int C) {
+  const bwi_order *order = solve->symbolic->order;
+  float *x = solve->x, *y = solve->below;
   for (int32_t s = 0; s < order->super_count; s++) {
     int32_t first = order->super[s], nodes = order->super[s + 1] - first;
     const int32_t *row = order->row + order->row_start[s] + nodes;
     int64_t below = order->row_start[s + 1] - order->row_start[s] - nodes, ld = padded(below * C);
     memset(y, 0, (size_t)ld * sizeof *y);
-    forward(sweep->entry + sweep->start[s], nodes * C, ld, x + (int64_t)first * C, y);
+    forward(solve->entry + solve->start[s], nodes * C, ld, x + (int64_t)first * C, y);
     for (int64_t k = 0; k < below; k++)
       for (int c = 0; c < C; c++)
         x[(int64_t)row[k] * C + c] -= y[k * C + c];
@@ -207,32 +208,32 @@ static inline __attribute__((always_inline)) void sweep_both(bwi_triangular_solv
         y[k * C + c] = x[(int64_t)row[k] * C + c];
     for (int64_t k = below * C; k < ld; k++)
       y[k] = 0;
-    backward(sweep->entry + sweep->start[s], nodes * C, ld, x + (int64_t)first * C, y);
+    backward(solve->entry + solve->start[s], nodes * C, ld, x + (int64_t)first * C, y);
   }
 }
 
-void bwi_triangular_solve_apply(bwi_triangular_solve *sweep, const double *r, double *z) {
-  const bwi_order *order = sweep->symbolic->order;
-  int C = sweep->symbolic->components;
-  int64_t size = sweep->symbolic->unknowns;
+void bwi_triangular_solve_apply(bwi_triangular_solve *solve, const double *r, double *z) {
+  const bwi_order *order = solve->symbolic->order;
+  int C = solve->symbolic->components;
+  int64_t size = solve->symbolic->unknowns;
   double largest = 0;
   for (int64_t i = 0; i < size; i++)
     largest = fmax(largest, fabs(r[i]));
-  double scale = largest > 0 ? 1 / largest : 0, back = largest * sweep->scale;
+  double scale = largest > 0 ? 1 / largest : 0, back = largest * solve->scale;
   for (int32_t p = 0; p < order->size; p++)
     for (int c = 0; c < C; c++)
-      sweep->x[(int64_t)p * C + c] = (float)(scale * r[(int64_t)order->node_at[p] * C + c]);
+      solve->x[(int64_t)p * C + c] = (float)(scale * r[(int64_t)order->node_at[p] * C + c]);
   switch (C) {
   case 1:
-    sweep_both(sweep, 1);
+    forward_backward(solve, 1);
     break;
   case 2:
-    sweep_both(sweep, 2);
+    forward_backward(solve, 2);
     break;
   default:
-    sweep_both(sweep, 3);
+    forward_backward(solve, 3);
   }
   for (int32_t p = 0; p < order->size; p++)
     for (int c = 0; c < C; c++)
-      z[(int64_t)order->node_at[p] * C + c] = back * (double)sweep->x[(int64_t)p * C + c];
+      z[(int64_t)order->node_at[p] * C + c] = back * (double)solve->x[(int64_t)p * C + c];
 }

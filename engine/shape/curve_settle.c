@@ -118,8 +118,8 @@ bw_status bwi_sketch_settle(bw_context *context, const bw_surface *surface, bwi_
   for (int32_t j = 0; j < sketch->joint_count; j++)
     BW_TRY(take_in(context, &w, sketch->joint + 4 * (size_t)j));
 done:
-  bwi_tree_free(w.tree);
-  bwi_topology_free(w.topology);
+  bwi_tree_destroy(w.tree);
+  bwi_topology_destroy(w.topology);
   return status;
 }
 

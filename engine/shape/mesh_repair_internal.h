@@ -14,7 +14,7 @@ typedef struct bwi_patch {
   int32_t *corner;     /* element_count x 4: a free node, or -1 */
   double *fixed;       /* element_count x 12: the corners' positions; those of free ones unused */
   double *length;      /* element_count: edge of a regular element of the wanted volume, m */
-  double worst;        /* smallest quality, kept up to date by the functions below */
+  double worst;        /* smallest quality, updated by the functions below */
   int32_t worst_place; /* the element that has it */
   int iterations;
 } bwi_patch;

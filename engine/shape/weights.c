@@ -30,7 +30,7 @@ static void skinning_clear(bwi_skinning *s) {
   bw_free(s->near);
   bw_free(s->is_near);
   bw_free(s->gap);
-  bwi_tree_free(s->tree);
+  bwi_tree_destroy(s->tree);
 }
 
 /* ---- the surface ----------------------------------------------------------------------------- */

@@ -128,8 +128,8 @@ done:
   return status;
 }
 
-/* Whether two nodes are held alike, along the same directions. */
-static bool held_alike(const bw_dof_map *dof_map, int64_t a, int64_t b) {
+/* Whether two nodes are constrained alike, along the same directions. */
+static bool constrained_alike(const bw_dof_map *dof_map, int64_t a, int64_t b) {
   bool all = true;
   for (int k = 0; k < 3; k++) {
     if (dof_map->state[3 * a + k] != dof_map->state[3 * b + k])
@@ -166,7 +166,7 @@ static void number_corners(bwi_coarse *c, const bw_dof_map *dof_map) {
       continue;
     for (int side = 0; side < 2; side++) {
       int32_t k = c->parent[2 * i + side];
-      if (!held_alike(dof_map, i, c->corner[k]))
+      if (!constrained_alike(dof_map, i, c->corner[k]))
         for (int d = 0; d < 3; d++)
           c->unknown[3 * (int64_t)k + d] = -1;
     }
@@ -216,7 +216,8 @@ static bw_status bring_factor(bw_context *context, bwi_coarse *c, const bwi_matr
     bw_clear_failure(context);
     bw_release(c->factor);
     c->factor = NULL;
-    status = bwi_factor_create_kept(context, c->symbolic, matrix, c->reach, &c->factor, NULL);
+    status =
+        bwi_factor_create_with_updates(context, c->symbolic, matrix, c->reach, &c->factor, NULL);
   }
   if (status != BW_OK) {
     bw_release(c->factor);

@@ -101,11 +101,11 @@ static bw_status take_out(bwi_lanczos *l, int count, double tolerance, bwi_eigen
       break;
     BW_TRY(bwi_multi_combine(context, size, count, next, count, turn, count, 1, 0, kx));
     memcpy(next, kx, (size_t)count * (size_t)size * sizeof(double));
-    double *fresh = gram; /* count numbers of scratch */
-    BW_TRY(true_residuals(context, problem, count, value, next, fresh, kx, mx));
+    double *recomputed = gram; /* count numbers of workspace */
+    BW_TRY(true_residuals(context, problem, count, value, next, recomputed, kx, mx));
     double now = 0;
     for (int k = 0; k < count; k++)
-      now = fmax(now, fresh[k]);
+      now = fmax(now, recomputed[k]);
     if (!(now < worst))
       break;
     bool slow = now > 0.2 * worst;
@@ -114,7 +114,7 @@ static bw_status take_out(bwi_lanczos *l, int count, double tolerance, bwi_eigen
     x = next;
     next = other;
     memcpy(result->value, value, (size_t)count * sizeof(double));
-    memcpy(result->residual, fresh, (size_t)count * sizeof(double));
+    memcpy(result->residual, recomputed, (size_t)count * sizeof(double));
     if (slow)
       break;
   }

@@ -63,10 +63,10 @@ bw_status bwi_elimination_reach_create(bw_context *context, bwi_symbolic *symbol
       goto done;
     }
     for (int k = 0; k < npe; k++) {
-      int32_t place = order->place[mesh->element[e * npe + k]];
-      if (place >= 0)
-        reach->set[(size_t)super_of[place] * words + (size_t)(subdomain / 64)] |= (uint64_t)1
-                                                                                  << subdomain % 64;
+      int32_t position = order->position[mesh->element[e * npe + k]];
+      if (position >= 0)
+        reach->set[(size_t)super_of[position] * words + (size_t)(subdomain / 64)] |=
+            (uint64_t)1 << subdomain % 64;
     }
   }
   for (int32_t s = 0; s < supers; s++) {

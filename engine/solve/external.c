@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Static solutions and modes by a external solver. The engine assembles, hands over,
- * and judges: residuals are computed here, with its own matrices, whatever the solver says. */
+ * and checks: residuals are computed here, with its own matrices, whatever the solver says. */
 #include <math.h>
 #include <string.h>
 
@@ -9,8 +9,8 @@
 
 static const bw_external *registered;
 
-void bw_external_register(const bw_external *outside) {
-  registered = outside;
+void bw_external_register(const bw_external *external) {
+  registered = external;
 }
 
 const bw_external *bw_external_registered(void) {
@@ -90,13 +90,13 @@ static void clear(bw_context *context, equations *e, bw_external_report *report)
 
 /* ---- statics --------------------------------------------------------------------------------- */
 
-typedef struct outside_solve {
+typedef struct external_solve {
   equations *equations;
   bool failed; /* the solver has closed the system */
-} outside_solve;
+} external_solve;
 
 static bw_status solve(bw_context *context, void *data, const double *force, double *displacement) {
-  outside_solve *s = data;
+  external_solve *s = data;
   bw_status status = registered->solve(context, force, displacement);
   if (status != BW_OK)
     s->equations->open = false;
@@ -165,7 +165,7 @@ bw_status bw_statics_external(bw_context *context, const bw_model *model,
   }
   BW_TRY(assemble(context, model, false, &e));
   BW_TRY(open_system(context, &options, &e));
-  outside_solve data = {.equations = &e};
+  external_solve data = {.equations = &e};
   bwi_static_solver solver = {.solve = solve, .data = &data, .refine_to = options.rtol};
   BW_TRY(bwi_static_solve(context, e.dof_map, e.pattern, e.stiffness, &solver, result));
   if (result->residual > options.rtol)
@@ -217,13 +217,13 @@ bw_status bw_modes_external(bw_context *context, const bw_model *model,
                             bw_modes **modes) {
   bw_status status = BW_OK;
   bw_modes_options opts;
-  bw_external_options outside;
+  bw_external_options external;
   equations e = {0};
   bw_external_modes found = {0};
   bwi_eigen_result result = {0};
   bw_external_report *report = NULL;
   BW_TRY(bwi_modes_options_check(context, options, &opts));
-  BW_TRY(check_options(context, given, BW_EXTERNAL_CHOLESKY, &outside));
+  BW_TRY(check_options(context, given, BW_EXTERNAL_CHOLESKY, &external));
   report = BW_NEW0(context, bw_external_report, 1);
   if (!report) {
     status = BW_MEMORY;
@@ -231,7 +231,7 @@ bw_status bw_modes_external(bw_context *context, const bw_model *model,
   }
   BW_TRY(bw_dof_map_create(context, model, &e.dof_map));
   BW_TRY(assemble(context, model, true, &e));
-  BW_TRY(open_system(context, &outside, &e));
+  BW_TRY(open_system(context, &external, &e));
   status = registered->modes(context, &opts, &found);
   e.open = status == BW_OK;
   result = (bwi_eigen_result){.count = found.count,

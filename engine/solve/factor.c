@@ -41,7 +41,7 @@ typedef struct store {
   int32_t *sibling;
 } store;
 
-/* What makes a factor one that can be brought up to date in part. */
+/* What makes a factor one that can be updated in part. */
 typedef struct bwi_refactor_data {
   bwi_elimination_reach *reach; /* retained */
   void *block;                  /* the update matrices kept */
@@ -66,14 +66,14 @@ typedef struct factorisation {
   int32_t failed, weak; /* lowest position of such a pivot, or INT32_MAX; atomic */
 } factorisation;
 
-/* The place of number `at` of a block. */
-static void *place(const factorisation *f, void *block, int64_t at) {
+/* The address of number `at` of a block. */
+static void *address(const factorisation *f, void *block, int64_t at) {
   return (char *)block + (size_t)at * f->kernels->size;
 }
 
-/* The place of an update matrix that is kept, or NULL. */
-static void *kept_update(const factorisation *f, int32_t s) {
-  return f->kept && f->kept->reach->keep[s] ? place(f, f->kept->block, f->kept->at[s]) : NULL;
+/* The address of an update matrix that is kept, or NULL. */
+static void *saved_update(const factorisation *f, int32_t s) {
+  return f->kept && f->kept->reach->keep[s] ? address(f, f->kept->block, f->kept->at[s]) : NULL;
 }
 
 static void lower_to(int32_t *lowest, int32_t value) {
@@ -118,8 +118,8 @@ static bw_status do_front(factorisation *f, int32_t s, void *own, workspace *spa
     offset += symbolic->first[p + 1] - symbolic->first[p];
   }
   const bwi_kernels *kernels = f->kernels;
-  void *panel = f->value ? place(f, f->value, symbolic->panel[s]) : space->panel;
-  void *update = own ? own : place(f, space->stack, space->fill);
+  void *panel = f->value ? address(f, f->value, symbolic->panel[s]) : space->panel;
+  void *update = own ? own : address(f, space->stack, space->fill);
   clearing clear_panel = {panel, kernels->size, rows, false};
   clearing clear_update = {update, kernels->size, outer, true};
   int64_t grain = 1 + (1 << 18) / (rows + 1);
@@ -127,10 +127,10 @@ static bw_status do_front(factorisation *f, int32_t s, void *own, workspace *spa
   BW_TRY(bw_parallel(context, outer, grain, clear_columns, &clear_update));
   kernels->entries(symbolic, f->matrix, f->unit, s, space->local, panel, space->scale);
   for (int32_t c = f->store->child[s]; c >= 0; c = f->store->sibling[c]) {
-    const void *of_child = kept_update(f, c);
+    const void *of_child = saved_update(f, c);
     BW_TRY(kernels->child(context, symbolic, s, c, of_child ? of_child : f->store->update[c],
                           space->local, space->runs, panel, update));
-    if (f->plan->task_of[c] < 0 && !kept_update(f, c))
+    if (f->plan->task_of[c] < 0 && !saved_update(f, c))
       children += bwi_update_size(symbolic->rows[c] - bwi_pivots(symbolic, c));
   }
   bwi_front front = {.rows = rows,
@@ -149,7 +149,7 @@ static bw_status do_front(factorisation *f, int32_t s, void *own, workspace *spa
   __atomic_add_fetch(&f->negative, front.negative, __ATOMIC_RELAXED);
   space->fill -= children;
   if (!own) {
-    void *to = place(f, space->stack, space->fill);
+    void *to = address(f, space->stack, space->fill);
     if (children > 0)
       memmove(to, update, (size_t)numbers * kernels->size);
     space->fill += numbers;
@@ -187,9 +187,9 @@ static bw_status do_tasks(void *data, int64_t begin, int64_t end, int worker) {
         continue;
       if (bw_cancelled(f->context))
         return bw_check_cancel(f->context);
-      void *own = kept_update(f, s);
+      void *own = saved_update(f, s);
       if (!own && s == task->root)
-        own = place(f, f->store->own, task->own);
+        own = address(f, f->store->own, task->own);
       BW_TRY(do_front(f, s, own, space));
     }
   }
@@ -296,7 +296,7 @@ static bw_status factorise(factorisation *f) {
   for (int32_t k = 0; k < plan->top_count; k++) {
     BW_TRY(bw_check_cancel(context));
     bw_progress(context, "factor", (double)k / plan->top_count);
-    BW_TRY(do_front(f, plan->top[k], kept_update(f, plan->top[k]), space));
+    BW_TRY(do_front(f, plan->top[k], saved_update(f, plan->top[k]), space));
   }
 done:
   bwi_blas_leave();
@@ -329,7 +329,7 @@ size_t bwi_factor_bytes(const bwi_factor *factor) {
   return (size_t)symbolic->panel[symbolic->order->super_count] * factor->kernels->size;
 }
 
-void bwi_factor_kept_bytes(const bwi_factor *factor, size_t *updates, size_t *work) {
+void bwi_factor_update_bytes(const bwi_factor *factor, size_t *updates, size_t *work) {
   *updates = *work = 0;
   const bwi_refactor_data *kept = factor->kept;
   if (!kept)
@@ -344,7 +344,7 @@ void bwi_factor_kept_bytes(const bwi_factor *factor, size_t *updates, size_t *wo
 static size_t factor_bytes(const void *object) {
   const bwi_factor *factor = object;
   size_t updates, work;
-  bwi_factor_kept_bytes(factor, &updates, &work);
+  bwi_factor_update_bytes(factor, &updates, &work);
   return sizeof *factor + updates + work + bwi_factor_bytes(factor);
 }
 
@@ -465,9 +465,9 @@ bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const b
   return create(context, symbolic, matrix, NULL, &bwi_kernels_double, factor, bad_node);
 }
 
-bw_status bwi_factor_create_kept(bw_context *context, bwi_symbolic *symbolic,
-                                 const bwi_matrix *matrix, bwi_elimination_reach *reach,
-                                 bwi_factor **factor, int32_t *bad_node) {
+bw_status bwi_factor_create_with_updates(bw_context *context, bwi_symbolic *symbolic,
+                                         const bwi_matrix *matrix, bwi_elimination_reach *reach,
+                                         bwi_factor **factor, int32_t *bad_node) {
   return create(context, symbolic, matrix, reach, &bwi_kernels_double, factor, bad_node);
 }
 

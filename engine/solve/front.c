@@ -105,7 +105,7 @@ static bw_status block_rows(void *data, int64_t low, int64_t high, int worker) {
   return BW_OK;
 }
 
-/* The diagonal block of the panel: bring it up to date and factor it. */
+/* The diagonal block of the panel: update it and factor it. */
 static bw_status diagonal_block(bw_context *context, elimination *work) {
   bwi_front *front = work->front;
   int begin = work->begin, width = work->end - begin, info = 0, ld = front->rows;
@@ -151,7 +151,7 @@ static bw_status diagonal_block(bw_context *context, elimination *work) {
   return BW_OK;
 }
 
-/* Rows below the diagonal block: up to date, then divided by it. */
+/* Rows below the diagonal block: updated, then divided by it. */
 static bw_status panel_rows(void *data, int64_t low, int64_t high, int worker) {
   (void)worker;
   elimination *work = data;

@@ -40,15 +40,15 @@ void bwi_matrix_to_panel(const bwi_symbolic *symbolic, const bwi_matrix *matrix,
     int32_t node = order->node_at[p];
     for (int64_t k = pattern->start[node]; k < pattern->start[node + 1]; k++) {
       int32_t other = pattern->column[k];
-      if (order->place[other] >= p)
-        add_block(symbolic, matrix, k, true, other, node, local[order->place[other]], local[p],
+      if (order->position[other] >= p)
+        add_block(symbolic, matrix, k, true, other, node, local[order->position[other]], local[p],
                   unit, panel, ld, scale);
     }
     for (int64_t k = pattern->upper_start[node]; k < pattern->upper_start[node + 1]; k++) {
       int32_t other = pattern->upper_row[k];
-      if (order->place[other] >= p)
+      if (order->position[other] >= p)
         add_block(symbolic, matrix, pattern->upper_block[k], false, other, node,
-                  local[order->place[other]], local[p], unit, panel, ld, scale);
+                  local[order->position[other]], local[p], unit, panel, ld, scale);
     }
   }
 }

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "solve/local.h"
+#include "solve/incremental.h"
 #include "solve/multivector.h"
 
 /* The least part of a field's energy that is not rounding once those before it are taken out. */
@@ -137,11 +137,11 @@ static double norm(const bw_dof_map *dof_map, const double *a, double *work) {
   return sqrt(sum);
 }
 
-bw_status bwi_initial_guess_make(bw_context *context, const bw_local_system *local,
-                                 const bw_local_options *options, int64_t count,
+bw_status bwi_initial_guess_make(bw_context *context, const bw_incremental_system *incremental,
+                                 const bw_incremental_options *options, int64_t count,
                                  const double *force, bwi_initial_guess *rest) {
   bw_status status = BW_OK;
-  const bw_dof_map *dof_map = local->system->dof_map;
+  const bw_dof_map *dof_map = incremental->system->dof_map;
   int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
   double *work = NULL;
   rest->tolerance = options->tolerance;
@@ -156,7 +156,7 @@ bw_status bwi_initial_guess_make(bw_context *context, const bw_local_system *loc
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(combine(context, local->system, options->guess_count, options->guess, count, force,
+  BW_TRY(combine(context, incremental->system, options->guess_count, options->guess, count, force,
                  rest->guess, rest->force, rest->energy));
   double max = 0;
   for (int64_t k = 0; k < count; k++) {

@@ -22,7 +22,7 @@ typedef struct bwi_order {
   int32_t node_count; /* of the mesh */
   int32_t size;       /* nodes that take part */
   int32_t *node_at;   /* size: mesh node at each position */
-  int32_t *place;     /* node_count: position of each mesh node, or -1 */
+  int32_t *position;  /* node_count: position of each mesh node, or -1 */
   int32_t super_count;
   int32_t *super;     /* super_count + 1: first position of each supernode */
   int32_t *parent;    /* super_count: parent supernode (larger), or -1 */
@@ -36,7 +36,7 @@ bw_status bwi_order_create(bw_context *context, const bw_block_pattern *pattern,
                            const uint8_t *take, bwi_order **order);
 
 /* An order for edits subdomain by subdomain: of several candidates the one in which an edit (NULL:
- * of one subdomain) touches the least work, without making the whole factor much dearer. */
+ * of one subdomain) touches the least work, without making the whole factor much costlier. */
 bw_status bwi_order_create_subdomains(bw_context *context, const bw_block_pattern *pattern,
                                       const uint8_t *take, const bw_mesh *mesh,
                                       int32_t subdomain_count, const int32_t *element_subdomain,
@@ -153,7 +153,7 @@ typedef struct bwi_factor {
   void *value; /* panels, column-major, one leading dimension per supernode */
   double unit;
   int64_t negative;               /* negative pivots */
-  struct bwi_refactor_data *kept; /* of a factor that can be brought up to date in part, or NULL */
+  struct bwi_refactor_data *kept; /* of a factor that can be updated in part, or NULL */
   bool broken;                    /* of such a factor: the last update failed */
 } bwi_factor;
 
@@ -162,9 +162,9 @@ bw_status bwi_factor_create(bw_context *context, bwi_symbolic *symbolic, const b
                             bwi_factor **factor, int32_t *bad_node);
 /* The same, keeping the update matrices that `reach` (retained) names and the memory that updates
  * work in. */
-bw_status bwi_factor_create_kept(bw_context *context, bwi_symbolic *symbolic,
-                                 const bwi_matrix *matrix, bwi_elimination_reach *reach,
-                                 bwi_factor **factor, int32_t *bad_node);
+bw_status bwi_factor_create_with_updates(bw_context *context, bwi_symbolic *symbolic,
+                                         const bwi_matrix *matrix, bwi_elimination_reach *reach,
+                                         bwi_factor **factor, int32_t *bad_node);
 /* The same with numbers of the precision asked for. */
 bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
                                const bwi_matrix *matrix, bwi_elimination_reach *reach,
@@ -179,7 +179,7 @@ bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_m
 /* Bytes of L. */
 size_t bwi_factor_bytes(const bwi_factor *factor);
 /* Bytes of the update matrices kept, and of the memory kept to work in. */
-void bwi_factor_kept_bytes(const bwi_factor *factor, size_t *updates, size_t *work);
+void bwi_factor_update_bytes(const bwi_factor *factor, size_t *updates, size_t *work);
 /* The number of negative eigenvalues of A, by L S L^T without keeping L. *trusted is false where a
  * pivot was so small that rounding may have chosen its sign. */
 bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const bwi_matrix *matrix,
@@ -333,7 +333,7 @@ bw_status bwi_balance_fields(bw_context *context, const bw_dof_map *dof_map, int
                              double *force);
 bw_status bwi_steady_fields(bw_context *context, const bw_dof_map *dof_map, int64_t count,
                             double *displacement);
-/* BW_INVALID for the view of a local system whose factor is not up to date. */
+/* BW_INVALID for the view of an incremental system whose factor is not current. */
 bw_status bwi_need_factor(bw_context *context, const bw_system *system);
 /* BW_SINGULAR at a node, in words for the user. */
 bw_status bwi_say_singular(bw_context *context, const bw_mesh *mesh, int32_t node);

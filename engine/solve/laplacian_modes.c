@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The lowest nonconstant modes of the scalar Laplacian with a free boundary, L u = lambda V u. Like
- * a free elastic body, with one motion per body: the constant. One node of each body is pinned, and
- * P = 1 - 1 1^T V / volume takes the constant off. */
+ * a free elastic body, with one motion per body: the constant. One node of each body is
+ * constrained, and P = 1 - 1 1^T V / volume takes the constant off. */
 #include <math.h>
 #include <string.h>
 
@@ -75,7 +75,7 @@ static bw_status open_laplacian(bw_context *context, const bw_mesh *mesh,
                                 const bw_block_pattern *pattern, laplacian *l) {
   bw_status status = BW_OK;
   bwi_order *order = NULL;
-  bwi_symbolic *pinned = NULL;
+  bwi_symbolic *constrained = NULL;
   int32_t nodes = mesh->node_count;
   int32_t *unknown = BW_NEW0(context, int32_t, nodes);
   *l = (laplacian){.mesh = mesh, .pattern = pattern};
@@ -100,9 +100,9 @@ static bw_status open_laplacian(bw_context *context, const bw_mesh *mesh,
       found++;
     }
   }
-  BW_TRY(bwi_symbolic_create(context, order, 1, unknown, &pinned));
+  BW_TRY(bwi_symbolic_create(context, order, 1, unknown, &constrained));
   bwi_matrix matrix = {.pattern = pattern, .stiffness = l->stiffness};
-  BW_TRY(bwi_factor_create(context, pinned, &matrix, &l->factor, NULL));
+  BW_TRY(bwi_factor_create(context, constrained, &matrix, &l->factor, NULL));
   /* weights: V 1 over the volume of the body */
   double *ones = BW_NEW(context, double, nodes);
   if (!ones) {
@@ -123,7 +123,7 @@ static bw_status open_laplacian(bw_context *context, const bw_mesh *mesh,
 done:
   bw_free(unknown);
   bw_release(order);
-  bw_release(pinned);
+  bw_release(constrained);
   return status;
 }
 

@@ -1,8 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Elastic modes K u = lambda M u of held and free bodies, with the system's own factor.
+/* Elastic modes K u = lambda M u of constrained and unconstrained bodies, with the system's own
+ * factor.
  *
- * The operator is P K_pinned^-1 P^T M: symmetric in M, zero on rigid-body motions, so no rigid mode
- * appears and none has to be told from an elastic one. The Sturm count takes the unpinned
+ * The operator is P K_c^-1 P^T M: symmetric in M, zero on rigid-body motions, so no rigid mode
+ * appears and none has to be separated from an elastic one. The Sturm count takes the unconstrained
  * K - sigma M, which is regular for sigma > 0; rigid-body motions count there and are taken off. */
 #include <math.h>
 #include <string.h>
@@ -101,7 +102,7 @@ bw_status bwi_modes_from(bw_context *context, const bw_mesh *mesh, const bw_mate
 
 typedef struct elastic {
   bw_system *system;
-  bool held; /* some component is held */
+  bool constrained; /* some component is prescribed */
   bwi_symbolic *unpinned;
 } elastic;
 
@@ -117,7 +118,7 @@ static bw_status multiply(bw_context *context, const elastic *problem, bool mass
   bw_status status =
       bw_block_multiply(context, system->pattern, mass ? system->mass : system->stiffness,
                         mass ? 1 : 9, 3, count, x, y);
-  if (problem->held)
+  if (problem->constrained)
     for (int64_t k = 0; status == BW_OK && k < count; k++)
       bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC,
                       y + k * 3 * (int64_t)system->mesh->node_count);
@@ -189,7 +190,7 @@ bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_mode
   BW_TRY(bwi_modes_options_check(context, given, &options));
   BW_TRY(bwi_need_factor(context, system));
   for (int64_t i = 0; i < 3 * (int64_t)system->mesh->node_count; i++)
-    problem.held |= dof_map->state[i] == BW_DOF_PRESCRIBED;
+    problem.constrained |= dof_map->state[i] == BW_DOF_PRESCRIBED;
   bwi_eigen_problem eigen = {.size = 3 * (int64_t)system->mesh->node_count,
                              .data = &problem,
                              .solve = elastic_solve,

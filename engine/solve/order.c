@@ -2,9 +2,9 @@
 /* Elimination order and supernodes, on nodes rather than unknowns: the graph is three times smaller
  * in rows and nine times in entries, and every supernode holds whole nodes.
  *
- * Invariants of a bwi_order: place[node_at[p]] == p; supernodes are postordered (every child comes
- * before its parent, a subtree is a run of consecutive numbers); the rows of a supernode beyond its
- * own columns are a subset of its parent's rows. */
+ * Invariants of a bwi_order: position[node_at[p]] == p; supernodes are postordered (every child
+ * comes before its parent, a subtree is a run of consecutive numbers); the rows of a supernode
+ * beyond its own columns are a subset of its parent's rows. */
 #include <assert.h>
 #include <limits.h>
 #include <pthread.h>
@@ -17,7 +17,7 @@
 static void order_destroy(void *object) {
   bwi_order *order = object;
   bw_free(order->node_at);
-  bw_free(order->place);
+  bw_free(order->position);
   bw_free(order->super);
   bw_free(order->parent);
   bw_free(order->row_start);
@@ -214,7 +214,7 @@ static bw_status analyse(bw_context *context, const bwi_adjacency *adjacency,
   bw_free(super_of);
   for (int32_t p = 0; p < size; p++) {
     order->node_at[p] = adjacency->node_of[perm[p]];
-    order->place[order->node_at[p]] = p;
+    order->position[order->node_at[p]] = p;
   }
 done:
   cholmod_free_factor(&factor, &common);
@@ -227,7 +227,7 @@ done:
 /* The invariants at the top of this file. */
 static bool is_postordered(const bwi_order *order) {
   for (int32_t p = 0; p < order->size; p++)
-    if (order->place[order->node_at[p]] != p)
+    if (order->position[order->node_at[p]] != p)
       return false;
   for (int32_t s = 0; s < order->super_count; s++) {
     int64_t first = order->row_start[s], columns = order->super[s + 1] - order->super[s];
@@ -256,13 +256,13 @@ bw_status bwi_order_analyse(bw_context *context, const bwi_adjacency *near,
   order->node_count = near->node_count;
   order->size = near->size;
   order->node_at = BW_NEW(context, int32_t, near->size);
-  order->place = BW_NEW(context, int32_t, near->node_count);
-  if (!order->node_at || !order->place) {
+  order->position = BW_NEW(context, int32_t, near->node_count);
+  if (!order->node_at || !order->position) {
     status = BW_MEMORY;
     goto done;
   }
   for (int32_t i = 0; i < near->node_count; i++)
-    order->place[i] = -1;
+    order->position[i] = -1;
   if (near->size == 0) {
     order->super = BW_NEW0(context, int32_t, 1);
     order->parent = BW_NEW(context, int32_t, 0);

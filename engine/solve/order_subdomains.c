@@ -6,12 +6,12 @@
  * edit passes. Here the tree of subdomains is bisected along its interfaces, so that the thick
  * parts become subtrees like all others and the top holds interfaces only.
  *
- * Interfaces everywhere would make the whole factor several times dearer: a chunky subdomain
+ * Interfaces everywhere would make the whole factor several times costlier: a chunky subdomain
  * between large interfaces has fronts as long as those. So subdomains are first put together into
  * groups across their largest interfaces; inside a group METIS rules. How far to go is decided by
  * trying: candidates with fewer and fewer groups are analysed, and so is METIS alone, several times
  * over: in thick bodies, where separators across the trunk are large wherever they lie, those that
- * happen to be small and out of the way of most edits are worth more than interfaces at the top.
+ * happen to be small and out of the way of most edits matter more than interfaces at the top.
  * The order with the lowest predicted cost is taken. The prediction is what sessions then measure:
  * which supernodes an edit touches is known exactly. */
 #include <float.h>
@@ -26,13 +26,13 @@
 enum { MAX_SUBDOMAINS = 512 };
 
 /* Of more subdomains than this nearly every second one is joined to another at least: interfaces of
- * all make the factor several times dearer. */
+ * all make the factor several times costlier. */
 enum { FEW_SUBDOMAINS = 16 };
 
 /* How often METIS is tried for the body as a whole. */
 enum { TRIALS = 3 };
 
-/* ---- what subdomains share --------------------------------------------------------------------
+/* ---- what subdomains share ----------------------------------------------------------------------
  */
 
 static void membership_clear(bwi_membership *of) {
@@ -202,7 +202,7 @@ static bw_status predict(bw_context *context, bwi_order *order, const bw_mesh *m
   }
   for (int64_t i = 0; i < order->node_count; i++)
     for (int c = 0; c < 3; c++)
-      unknown[3 * i + c] = order->place[i] >= 0 ? 0 : -1;
+      unknown[3 * i + c] = order->position[i] >= 0 ? 0 : -1;
   BW_TRY(bwi_symbolic_create(context, order, 3, unknown, &symbolic));
   BW_TRY(bwi_elimination_reach_create(context, symbolic, mesh, subdomain_count, element_subdomain,
                                       &reach));
@@ -300,12 +300,12 @@ done:
 
 /* A few numbers of groups, then those midway between the best of them and its neighbours. */
 static bw_status search_groups(search *s) {
-  static const double share[] = {0.8, 0.4, 0.25, 0.12};
-  enum { SHARES = sizeof share / sizeof *share };
+  static const double fraction[] = {0.8, 0.4, 0.25, 0.12};
+  enum { FRACTIONS = sizeof fraction / sizeof *fraction };
   bw_status status = BW_OK;
   bw_context *context = s->context;
-  int32_t wanted[SHARES], count = 0, best = 0;
-  double cost[SHARES], ignored;
+  int32_t wanted[FRACTIONS], count = 0, best = 0;
+  double cost[FRACTIONS], ignored;
   bwi_membership of_subdomains = {0};
   int32_t *element = BW_NEW(context, int32_t, s->mesh->element_count);
   if (!element) {
@@ -315,14 +315,14 @@ static bw_status search_groups(search *s) {
   BW_TRY(sort_elements(context, s->mesh, s->subdomain_count, s->element_subdomain, element));
   BW_TRY(membership_of_subdomains(context, s->near, s->mesh, element, s->element_subdomain,
                                   &of_subdomains));
-  for (int k = 0; k < SHARES; k++) {
-    int32_t groups = (int32_t)ceil(share[k] * s->subdomain_count);
+  for (int k = 0; k < FRACTIONS; k++) {
+    int32_t groups = (int32_t)ceil(fraction[k] * s->subdomain_count);
     groups = groups < 2 ? 2 : groups;
     if ((k == 0 && s->subdomain_count > FEW_SUBDOMAINS) ||
         (count > 0 && groups == wanted[count - 1]))
       continue;
     wanted[count] = groups;
-    bw_progress(context, "order", 0.5 + 0.5 * k / (SHARES + 2));
+    bw_progress(context, "order", 0.5 + 0.5 * k / (FRACTIONS + 2));
     BW_TRY(consider_groups(s, &of_subdomains, groups, &cost[count]));
     if (cost[count] < cost[best])
       best = count;

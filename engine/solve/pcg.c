@@ -20,11 +20,11 @@
 #include <string.h>
 
 #include "base/dense.h"
-#include "solve/local.h"
+#include "solve/incremental.h"
 
 enum { WIDTH = 8, STARTS = 4 };
 
-/* Convergence is judged from this iteration on: until then outlying eigenvalues rule. */
+/* Convergence is checked from this iteration on: until then outlying eigenvalues rule. */
 enum { CHECKED_FROM = 6, REMEMBERED = 512 };
 
 /* In one iteration the energy of the error falls by at least this fraction of what the residual
@@ -153,7 +153,7 @@ done:
   return status;
 }
 
-/* Whether more iterations are to come than max_remaining allows, judged by how r . z has fallen
+/* Whether more iterations are to come than max_remaining allows, by how r . z has fallen
  * since half of those made. Rates grow as the outlying eigenvalues are found one by one, mostly to
  * twice of what is seen; while they are, hardly anything may fall. Where that makes it give up a
  * little too soon, no more is lost than what max_remaining would have been lost on. */

@@ -40,7 +40,7 @@ typedef struct bwi_smoother {
   const bw_block_pattern *pattern; /* retained */
   int32_t count;                   /* nodes */
   int32_t *node;                   /* count: in the order of the rows */
-  int32_t *place;                  /* count: and the row of each */
+  int32_t *row_of;                 /* count: and the row of each */
   int32_t chunk_count;
   int32_t chunk_start[BWI_SMOOTHER_MAX_CHUNKS + 1]; /* rows after the last are between chunks */
   bwi_smoother_part even, odd;                      /* of 6 numbers, of 9 */

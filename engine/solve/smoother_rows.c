@@ -16,8 +16,8 @@ typedef struct taking {
   const bw_dof_map *dof_map;
 } taking;
 
-/* The inverse of a diagonal block on the unknowns of its node, 0 on what is held: F^T (F K F^T)^-1
- * F with the directions of the unknowns for rows of F. */
+/* The inverse of a diagonal block on the unknowns of its node, 0 on constrained components: F^T (F
+ * K F^T)^-1 F with the directions of the unknowns for rows of F. */
 static bool invert(const bw_dof_map *dof_map, int64_t node, const double *block,
                    double inverse[9]) {
   static const double global[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -189,7 +189,7 @@ static void cut(bwi_smoother *s, const int32_t *near, const int32_t *at) {
           s->chunk_start[++chunk] = row;
     }
   for (int32_t k = 0; k < s->count; k++)
-    s->place[s->node[k]] = k;
+    s->row_of[s->node[k]] = k;
 }
 
 static bw_status order_nodes(bw_context *context, bwi_smoother *s) {
@@ -257,11 +257,11 @@ static void list_rows(bwi_smoother *s, const uint8_t *odd, entry *row) {
     int32_t i = s->node[k];
     int64_t count = 0;
     for (int64_t p = pattern->start[i]; p < pattern->start[i + 1] - 1; p++)
-      if (s->place[pattern->column[p]] < k)
-        row[count++] = (entry){s->place[pattern->column[p]], 2 * p};
+      if (s->row_of[pattern->column[p]] < k)
+        row[count++] = (entry){s->row_of[pattern->column[p]], 2 * p};
     for (int64_t u = pattern->upper_start[i]; u < pattern->upper_start[i + 1]; u++)
-      if (s->place[pattern->upper_row[u]] < k)
-        row[count++] = (entry){s->place[pattern->upper_row[u]], 2 * pattern->upper_block[u] + 1};
+      if (s->row_of[pattern->upper_row[u]] < k)
+        row[count++] = (entry){s->row_of[pattern->upper_row[u]], 2 * pattern->upper_block[u] + 1};
     sort_row(row, count);
     for (int n = 0; n < 2; n++)
       parts[n]->start[k + 1] = parts[n]->start[k];
@@ -312,7 +312,7 @@ static void smoother_destroy(void *object) {
   bwi_smoother *s = object;
   bw_release(s->pattern);
   bw_free(s->node);
-  bw_free(s->place);
+  bw_free(s->row_of);
   free_part(&s->even);
   free_part(&s->odd);
   bw_free(s->inverse);
@@ -328,14 +328,14 @@ static size_t part_bytes(const bwi_smoother_part *part, size_t rows, size_t numb
 }
 
 /* The pattern is its user's. */
-static size_t sweeps_bytes(const void *object) {
+static size_t smoother_bytes(const void *object) {
   const bwi_smoother *s = object;
   size_t rows = (size_t)s->count;
   return sizeof *s + rows * (2 * sizeof(int32_t) + 9 * (sizeof(float) + sizeof(double))) +
          part_bytes(&s->even, rows, 6) + part_bytes(&s->odd, rows, 9);
 }
 
-static const bw_kind smoother_kind = {"sweeps", smoother_destroy, sweeps_bytes};
+static const bw_kind smoother_kind = {"smoother", smoother_destroy, smoother_bytes};
 
 bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
                               const bw_block_pattern *pattern, bool even, bwi_smoother **out) {
@@ -347,10 +347,10 @@ bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
   s->pattern = bw_retain(pattern);
   s->count = pattern->node_count;
   s->node = BW_NEW(context, int32_t, s->count);
-  s->place = BW_NEW(context, int32_t, s->count);
+  s->row_of = BW_NEW(context, int32_t, s->count);
   s->inverse = BW_NEW0(context, float, 9 * (int64_t)s->count + BWI_SMOOTHER_SPARE);
   s->diagonal = BW_NEW0(context, double, 9 * (int64_t)s->count + BWI_SMOOTHER_SPARE);
-  if (!s->node || !s->place || !s->inverse || !s->diagonal) {
+  if (!s->node || !s->row_of || !s->inverse || !s->diagonal) {
     status = BW_MEMORY;
     goto done;
   }

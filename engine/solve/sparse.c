@@ -103,9 +103,9 @@ static bw_status mirror(bw_context *context, rows *r) {
     g->upper_start[i + 2] += g->upper_start[i + 1];
   for (int32_t i = 0; i < g->node_count; i++)
     for (int64_t k = g->start[i]; k < g->start[i + 1] - 1; k++) {
-      int64_t place = g->upper_start[g->column[k] + 1]++;
-      g->upper_block[place] = k;
-      g->upper_row[place] = i;
+      int64_t index = g->upper_start[g->column[k] + 1]++;
+      g->upper_block[index] = k;
+      g->upper_row[index] = i;
     }
   return BW_OK;
 }

@@ -8,7 +8,7 @@
 #include <math.h>
 
 #include "barwright/job.h"
-#include "solve/local.h"
+#include "solve/incremental.h"
 #include "solve/static_pcg.h"
 
 enum {
@@ -20,7 +20,7 @@ enum {
 #define CHEAP 5.0
 #define LARGE 4e9
 /* Of the factor's cost that PCG may be at most: it may serve again. */
-#define WORTH 0.5
+#define MAX_COST_RATIO 0.5
 
 typedef struct statics {
   bw_context *context;
@@ -79,7 +79,7 @@ static bool pcg_is_better(const statics *s, const bw_system *system) {
     return true;
   if (two_level->preconditioner)
     return two_level->spent + next_by_pcg(cost) <= cost->factor;
-  return cost->factor >= CHEAP && cost->pcg <= WORTH * cost->factor;
+  return cost->factor >= CHEAP && cost->pcg <= MAX_COST_RATIO * cost->factor;
 }
 
 static bw_status choose(statics *s) {
@@ -107,8 +107,8 @@ done:
 static int limit_of(const statics *s, const bwi_cost_prediction *cost) {
   if (s->opts.method == BW_STATICS_PCG || !has_memory(s, cost))
     return s->opts.iterations;
-  double worth = fmax(cost->factor, 2 * next_by_pcg(cost)) / cost->one_iteration;
-  return worth < s->opts.iterations ? (int)worth : s->opts.iterations;
+  double break_even = fmax(cost->factor, 2 * next_by_pcg(cost)) / cost->one_iteration;
+  return break_even < s->opts.iterations ? (int)break_even : s->opts.iterations;
 }
 
 /* ---- by two-level PCG ---------------------------------------------------------------------------

@@ -13,7 +13,7 @@
 #include <math.h>
 
 #include "assemble/internal.h"
-#include "solve/local.h"
+#include "solve/incremental.h"
 
 /* Entries and operations over those powers. Measured: 1.26 to 1.52, 1.08 to 1.46. */
 #define MORE_ENTRIES 1.35
@@ -48,13 +48,13 @@ static bwi_cost_prediction predict(const bw_system *system, const bwi_coarse *co
   double wider = unknowns > 0 ? system->dof_map->unknown_count / (2 * unknowns) : 0;
   cost.factor_flops = MORE_FLOPS * wider * wider * wider * bwi_coarse_flops(coarse);
   cost.factor_bytes = MORE_ENTRIES * wider * wider * bwi_coarse_entries(coarse) * sizeof(double);
-  cost.factor = cost.factor_flops / bwi_local_flops_per_second(64) +
-                4 * cost.factor_bytes / BWI_LOCAL_BYTES_PER_SECOND + ORDER_BLOCK * blocks;
+  cost.factor = cost.factor_flops / bwi_cost_flops_per_second(64) +
+                4 * cost.factor_bytes / BWI_COST_BYTES_PER_SECOND + ORDER_BLOCK * blocks;
   double bytes = bwi_smoother_bytes((int64_t)blocks) + 8 * bwi_coarse_entries(coarse);
-  cost.one_iteration = BWI_TWO_LEVEL_PASS * bytes / BWI_LOCAL_BYTES_PER_SECOND;
+  cost.one_iteration = BWI_TWO_LEVEL_PASS * bytes / BWI_COST_BYTES_PER_SECOND;
   cost.pcg =
       (BWI_TWO_LEVEL_BEGIN + 1 + BWI_TWO_LEVEL_RATE * log(2 / bwi_refine_to)) * cost.one_iteration +
-      bwi_coarse_flops(coarse) / bwi_local_flops_per_second(32);
+      bwi_coarse_flops(coarse) / bwi_cost_flops_per_second(32);
   return cost;
 }
 
@@ -81,7 +81,7 @@ static bw_status find_even(bw_context *context, const bw_system *system, bool *e
   int32_t *number = NULL;
   int64_t curved = 0;
   bw_status status = bwi_find_curved(context, system->mesh, &number, &curved);
-  *even = curved == 0 && !system->material->turns;
+  *even = curved == 0 && !system->material->orientations;
   bw_free(number);
   return status;
 }

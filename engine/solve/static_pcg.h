@@ -7,7 +7,7 @@
 #include "solve/two_level.h"
 
 /* What the two ways cost for one solution from nothing but the equations: s of the model's machine
- * (local.h). */
+ * (incremental.h). */
 typedef struct bwi_cost_prediction {
   double factor_flops, factor_bytes; /* bytes of L */
   double factor, pcg;

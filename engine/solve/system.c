@@ -1,9 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The equations of a body. Prescribed components are left out of the matrix; so are the pinned ones
- * of a body that is free, which makes the rest positive definite: with P = 1 - R R^T W (model.h)
- *     u = P K_pinned^-1 P^T f
- * is the solution free of rigid-body motion for the balanced load P^T f, whichever components were
- * pinned. */
+/* The equations of a body. Prescribed components are left out of the matrix; so are the isostatic
+ * constraints
+ * of an unconstrained body, which makes the rest positive definite: with P = 1 - R R^T W (model.h)
+ *     u = P K_c^-1 P^T f
+ * is the solution free of rigid-body motion for the balanced load P^T f, whichever isostatic
+ * constraints are chosen. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -54,7 +55,7 @@ void bwi_nodes_taking_part(const bw_dof_map *dof_map, uint8_t *take) {
 
 static bool order_fits(const bwi_order *order, const uint8_t *take, int32_t nodes) {
   for (int32_t i = 0; i < nodes; i++)
-    if ((order->place[i] >= 0) != (take[i] != 0))
+    if ((order->position[i] >= 0) != (take[i] != 0))
       return false;
   return true;
 }
@@ -326,7 +327,7 @@ bw_status bwi_need_factor(bw_context *context, const bw_system *system) {
                    "(bw_system_factor)");
   return bw_fail(context, BW_INVALID,
                  "the system follows an edited shape and its factor is lagged: refactorise it "
-                 "first (bw_local_system_refactor)");
+                 "first (bw_incremental_system_refactor)");
 }
 
 /* What the frame's directions with `keep` see of a vector at a node. */

@@ -30,7 +30,7 @@ static void two_level_destroy(void *object) {
   bw_free(l->child_start);
   bw_free(l->child);
   bw_free(l->parent);
-  bw_free(l->held);
+  bw_free(l->constrained);
   bw_free(l);
 }
 
@@ -55,8 +55,8 @@ static bw_status join_levels(bw_context *context, bwi_two_level *l) {
   l->parent = BW_NEW(context, int32_t, 2 * (int64_t)s->count);
   l->child_start = BW_NEW0(context, int64_t, corners + 1);
   l->child = BW_NEW(context, int32_t, 2 * (int64_t)s->count);
-  l->held = BW_NEW(context, int32_t, s->count);
-  if (!l->parent || !l->child_start || !l->child || !l->held)
+  l->constrained = BW_NEW(context, int32_t, s->count);
+  if (!l->parent || !l->child_start || !l->child || !l->constrained)
     return BW_MEMORY;
   for (int64_t k = 0; k < s->count; k++)
     for (int side = 0; side < 2; side++) {
@@ -167,11 +167,11 @@ bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *l, const bw_m
   bw_retain(dof_map);
   bw_release(l->dof_map);
   l->dof_map = (bw_dof_map *)dof_map;
-  l->held_count = 0;
+  l->constrained_count = 0;
   for (int32_t k = 0; k < l->smoother->count; k++) {
     const uint8_t *state = dof_map->state + 3 * (int64_t)l->smoother->node[k];
     if (state[0] != BW_DOF_UNKNOWN || state[1] != BW_DOF_UNKNOWN || state[2] != BW_DOF_UNKNOWN)
-      l->held[l->held_count++] = k;
+      l->constrained[l->constrained_count++] = k;
   }
   BW_TRY(bwi_coarse_follow(context, l->coarse, model, dof_map, usable));
   if (*usable)

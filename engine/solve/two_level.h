@@ -12,13 +12,13 @@ typedef struct bwi_two_level {
   bw_object object;
   bwi_coarse *coarse;
   bwi_smoother *smoother;
-  /* By corner: the rows of its own node and of the middles next to it. */
+  /* By corner: the rows of its own node and of the mid-edge nodes next to it. */
   int64_t *child_start;
   int32_t *child;
-  int32_t *parent;     /* by row x 2: corners; twice its own */
-  bw_dof_map *dof_map; /* retained: of the shape followed */
-  int32_t held_count;  /* rows that are held in some direction, or in all */
-  int32_t *held;
+  int32_t *parent;           /* by row x 2: corners; twice its own */
+  bw_dof_map *dof_map;       /* retained: of the shape followed */
+  int32_t constrained_count; /* rows with a component that is not an unknown */
+  int32_t *constrained;
   /* room for `width` fields */
   int width;
   double *u, *r, *p, *q, *ku; /* ku: K u, where residuals are recomputed */
@@ -26,8 +26,8 @@ typedef struct bwi_two_level {
   double *corner; /* SIDES x 3 corners */
 } bwi_two_level;
 
-/* What counting says of a solution, on the model's machine (local.h). Iterations do not depend on
- * the shape, but on the mesh; these good ones have: an iteration halves the error. */
+/* What counting says of a solution, on the model's machine (incremental.h). Iterations do not
+ * depend on the shape, but on the mesh; these good ones have: an iteration halves the error. */
 #define BWI_TWO_LEVEL_RATE 1.45
 /* Beside reading matrices: sums over fields, rows between chunks, one after the other (measured).
  */

@@ -45,25 +45,26 @@ typedef struct iteration {
   const double *force; /* of the first field */
   double *solution;
   column column[SIDES];
-  double *part; /* by chunk of rows: 2 x SIDES sums */
+  double *chunk_sum; /* by chunk of rows: 2 x SIDES sums */
   double sum[2 * SIDES];
 } iteration;
 
-static bw_status summed(iteration *it, bw_body *body) {
+static bw_status parallel_sums(iteration *it, bw_body *body) {
   bw_status status = BW_OK;
   int64_t chunks = (it->l->smoother->count + ROWS - 1) / ROWS;
   BW_TRY(bw_parallel(it->context, it->l->smoother->count, ROWS, body, it));
   for (int i = 0; i < 2 * SIDES; i++) {
     it->sum[i] = 0;
     for (int64_t c = 0; c < chunks; c++)
-      it->sum[i] += it->part[2 * SIDES * c + i];
+      it->sum[i] += it->chunk_sum[2 * SIDES * c + i];
   }
 done:
   return status;
 }
 
 /* What of a vector at a node is along its unknowns; the two may be the same. */
-static void held_out(const bw_dof_map *dof_map, int64_t node, const double *f, double out[3]) {
+static void project_unknowns(const bw_dof_map *dof_map, int64_t node, const double *f,
+                             double out[3]) {
   int32_t row = dof_map->frame_of[node];
   const uint8_t *state = dof_map->state + 3 * node;
   if (row < 0) {
@@ -82,11 +83,11 @@ static void held_out(const bw_dof_map *dof_map, int64_t node, const double *f, d
 
 /* Fields of doubles at the unknowns alone. */
 static void keep_unknowns(const bwi_two_level *l, int width, double *field) {
-  for (int32_t h = 0; h < l->held_count; h++) {
-    double *x = field + 3 * (int64_t)width * l->held[h];
+  for (int32_t h = 0; h < l->constrained_count; h++) {
+    double *x = field + 3 * (int64_t)width * l->constrained[h];
     for (int f = 0; f < width; f++) {
       double value[3] = {x[f], x[width + f], x[2 * width + f]};
-      held_out(l->dof_map, l->smoother->node[l->held[h]], value, value);
+      project_unknowns(l->dof_map, l->smoother->node[l->constrained[h]], value, value);
       for (int d = 0; d < 3; d++)
         x[d * width + f] = value[d];
     }
@@ -107,7 +108,7 @@ static bw_status p_dot_Ap(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const iteration *it = data;
   const bwi_two_level *l = it->l;
-  double *sum = it->part + 2 * SIDES * (begin / ROWS);
+  double *sum = it->chunk_sum + 2 * SIDES * (begin / ROWS);
   int width = it->width;
   memset(sum, 0, 2 * SIDES * sizeof *sum);
   for (int64_t i = 3 * begin; i < 3 * end; i++)
@@ -119,25 +120,25 @@ static bw_status p_dot_Ap(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-/* r = f - K u (where `renewed`; else f) with its floats, and r . r */
-static bw_status take_force(iteration *it, int64_t begin, int64_t end, bool renewed) {
+/* r = f - K u (where `recomputed`; else f) with its floats, and r . r */
+static bw_status set_residual(iteration *it, int64_t begin, int64_t end, bool recomputed) {
   bwi_two_level *l = it->l;
   int width = it->width;
-  double *sum = it->part + 2 * SIDES * (begin / ROWS);
+  double *sum = it->chunk_sum + 2 * SIDES * (begin / ROWS);
   int64_t size = 3 * (int64_t)l->smoother->count;
   memset(sum, 0, 2 * SIDES * sizeof *sum);
   for (int64_t k = begin; k < end; k++) {
     int64_t node = l->smoother->node[k];
     for (int f = 0; f < width; f++) {
       double value[3] = {0, 0, 0};
-      if (f < it->used && renewed) {
+      if (f < it->used && recomputed) {
         double rest[3];
         for (int d = 0; d < 3; d++)
           rest[d] = it->column[f].unit * it->force[f * size + 3 * node + d] -
                     l->ku[(3 * k + d) * width + f];
-        held_out(l->dof_map, node, rest, value);
+        project_unknowns(l->dof_map, node, rest, value);
       } else if (f < it->used)
-        held_out(l->dof_map, node, it->force + f * size + 3 * node, value);
+        project_unknowns(l->dof_map, node, it->force + f * size + 3 * node, value);
       for (int d = 0; d < 3; d++) {
         l->r[(3 * k + d) * width + f] = value[d];
         l->floats[(3 * k + d) * width + f] = (float)value[d];
@@ -148,14 +149,14 @@ static bw_status take_force(iteration *it, int64_t begin, int64_t end, bool rene
   return BW_OK;
 }
 
-static bw_status take_new(void *data, int64_t begin, int64_t end, int worker) {
+static bw_status initial_residual(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
-  return take_force(data, begin, end, false);
+  return set_residual(data, begin, end, false);
 }
 
-static bw_status take_again(void *data, int64_t begin, int64_t end, int worker) {
+static bw_status true_residual(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
-  return take_force(data, begin, end, true);
+  return set_residual(data, begin, end, true);
 }
 
 /* r times the units, and the floats; u = 0 */
@@ -178,7 +179,7 @@ static bw_status advance(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const iteration *it = data;
   bwi_two_level *l = it->l;
-  double *sum = it->part + 2 * SIDES * (begin / ROWS), step[SIDES];
+  double *sum = it->chunk_sum + 2 * SIDES * (begin / ROWS), step[SIDES];
   int width = it->width;
   memset(sum, 0, 2 * SIDES * sizeof *sum);
   for (int f = 0; f < width; f++)
@@ -200,7 +201,7 @@ static bw_status r_dot_z(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const iteration *it = data;
   const bwi_two_level *l = it->l;
-  double *sum = it->part + 2 * SIDES * (begin / ROWS);
+  double *sum = it->chunk_sum + 2 * SIDES * (begin / ROWS);
   int width = it->width;
   memset(sum, 0, 2 * SIDES * sizeof *sum);
   for (int64_t i = 3 * begin; i < 3 * end; i++)
@@ -230,8 +231,8 @@ static bw_status update_direction(void *data, int64_t begin, int64_t end, int wo
   return BW_OK;
 }
 
-/* That, without what the floats of z leave along directions that are held. */
-static bw_status turn_all(iteration *it) {
+/* That, projected onto the unknowns: the floats of z leave a rest along constrained directions. */
+static bw_status update_directions(iteration *it) {
   bw_status status = BW_OK;
   BW_TRY(bw_parallel(it->context, it->l->smoother->count, ROWS, update_direction, it));
   keep_unknowns(it->l, it->width, it->l->p);
@@ -239,7 +240,7 @@ done:
   return status;
 }
 
-static bw_status hand_over(void *data, int64_t begin, int64_t end, int worker) {
+static bw_status store_solution(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const iteration *it = data;
   const bwi_two_level *l = it->l;
@@ -278,7 +279,7 @@ static double allowed(const iteration *it, int f) {
 static bw_status begin(iteration *it) {
   bw_status status = BW_OK;
   const bwi_two_level_problem *problem = it->problem;
-  BW_TRY(summed(it, take_new));
+  BW_TRY(parallel_sums(it, initial_residual));
   for (int f = 0; f < it->width; f++) {
     column *c = &it->column[f];
     double size = sqrt(it->sum[f]);
@@ -297,7 +298,7 @@ static bw_status begin(iteration *it) {
   size_t numbers = 3 * (size_t)it->l->smoother->count * (size_t)it->width;
   memset(it->l->q, 0, numbers * sizeof *it->l->q);
   memset(it->l->p, 0, numbers * sizeof *it->l->p);
-  BW_TRY(summed(it, r_dot_z));
+  BW_TRY(parallel_sums(it, r_dot_z));
   for (int f = 0; f < it->used; f++) {
     column *c = &it->column[f];
     c->r_dot_z = c->energy = it->sum[f];
@@ -305,7 +306,7 @@ static bw_status begin(iteration *it) {
             ->energy) /* in equations taken times units: u . f goes with unit^2 over the matrix' */
       c->energy = fmax(c->energy, problem->energy[f] * c->unit * c->unit / it->l->smoother->unit);
   }
-  BW_TRY(turn_all(it));
+  BW_TRY(update_directions(it));
 done:
   return status;
 }
@@ -313,7 +314,7 @@ done:
 /* What r . z is to fall to. Where solutions are to be as exact as a direct one, errors must be
  * small beside any part of the solution that is seen, and the energy of a load at a support, say,
  * is that of its neighbourhood: ten times less. */
-static double aim(const bwi_two_level_problem *problem) {
+static double target(const bwi_two_level_problem *problem) {
   return sqrt(SMALLEST) * problem->tolerance * (problem->energy_alone ? 1 : 0.1);
 }
 
@@ -331,7 +332,7 @@ static bw_status check(iteration *it, const bool *ended) {
   if (!any || it->problem->energy_alone)
     return BW_OK;
   BW_TRY(multiply(it, l->u, l->ku));
-  BW_TRY(summed(it, take_again)); /* of the others too: they go on with these */
+  BW_TRY(parallel_sums(it, true_residual)); /* of the others too: they go on with these */
   for (int f = 0; f < it->used; f++) {
     column *c = &it->column[f];
     if (!ended[f])
@@ -348,24 +349,24 @@ done:
 }
 
 /* z = M r, and from it what the next directions take of the last ones. Those that are done by it go
- * to `ended`. `once_more`: for those that are restarted, after it was called for all. */
-static bw_status look_ahead(iteration *it, bool once_more, bool *ended) {
+ * to `ended`. `restarts`: for those that are restarted, after it was called for all. */
+static bw_status update_beta(iteration *it, bool restarts, bool *ended) {
   bw_status status = BW_OK;
-  double tolerance = aim(it->problem);
+  double tolerance = target(it->problem);
   BW_TRY(bwi_two_level_precondition(it->context, it->l, it->width, it->used));
-  BW_TRY(summed(it, r_dot_z));
+  BW_TRY(parallel_sums(it, r_dot_z));
   for (int f = 0; f < it->used; f++) {
     column *c = &it->column[f];
-    double rz = it->sum[f];
+    double next_r_dot_z = it->sum[f];
     ended[f] = false;
     if (c->done || c->restarted)
       c->beta = 0;
-    else if (!once_more) {
-      ended[f] = rz <= tolerance * tolerance * c->energy && c->size <= allowed(it, f);
+    else if (!restarts) {
+      ended[f] = next_r_dot_z <= tolerance * tolerance * c->energy && c->size <= allowed(it, f);
       c->beta = -c->alpha * it->sum[SIDES + f] / c->r_dot_z;
     }
     if (!c->done)
-      c->r_dot_z = rz;
+      c->r_dot_z = next_r_dot_z;
     c->restarted = false;
   }
 done:
@@ -373,8 +374,8 @@ done:
 }
 
 /* Fields whose residual has fallen so far that r . z surely has too. */
-static bool find_sure(const iteration *it, const double *before, bool *ended) {
-  double tolerance = aim(it->problem);
+static bool find_converged(const iteration *it, const double *before, bool *ended) {
+  double tolerance = target(it->problem);
   double min = it->problem->energy_alone ? ENERGY_FALLS_MOSTLY : ENERGY_FALLS;
   bool any = false;
   for (int f = 0; f < it->used; f++) {
@@ -390,7 +391,7 @@ static bool find_sure(const iteration *it, const double *before, bool *ended) {
 
 /* How far the slowest has come, in digits. */
 static double fraction_done(const iteration *it) {
-  double wanted = log(aim(it->problem)), min = 1;
+  double wanted = log(target(it->problem)), min = 1;
   for (int f = 0; f < it->used; f++)
     if (!it->column[f].done)
       min = fmin(min, 0.5 * log(it->column[f].r_dot_z / it->column[f].energy) / wanted);
@@ -405,36 +406,36 @@ static double largest_residual(const iteration *it) {
   return max;
 }
 
-static bool going_on(const iteration *it) {
+static bool is_active(const iteration *it) {
   for (int f = 0; f < it->used; f++)
     if (!it->column[f].done)
       return true;
   return false;
 }
 
-static bool any_fresh(const iteration *it) {
+static bool any_restarted(const iteration *it) {
   for (int f = 0; f < it->used; f++)
     if (it->column[f].restarted)
       return true;
   return false;
 }
 
-/* Along the directions; *sound is false where the matrix is not positive definite. */
-static bw_status step_on(iteration *it, double *before, bool *sound) {
+/* Along the directions; *definite is false where the matrix is not positive definite. */
+static bw_status step(iteration *it, double *before, bool *definite) {
   bw_status status = BW_OK;
   BW_TRY(multiply(it, it->l->p, it->l->q));
-  BW_TRY(summed(it, p_dot_Ap));
+  BW_TRY(parallel_sums(it, p_dot_Ap));
   for (int f = 0; f < it->used; f++) {
     column *c = &it->column[f];
     before[f] = c->size;
     /* p . r in place of r . z: where r was recomputed the two are not the same, and only the
        first lets no step make the error in energy larger */
     c->alpha = c->done ? 0 : it->sum[SIDES + f] / it->sum[f];
-    *sound &= c->done || (it->sum[f] > 0 && isfinite(c->alpha));
+    *definite &= c->done || (it->sum[f] > 0 && isfinite(c->alpha));
   }
-  if (!*sound)
+  if (!*definite)
     return BW_OK;
-  BW_TRY(summed(it, advance));
+  BW_TRY(parallel_sums(it, advance));
   for (int f = 0; f < it->used; f++)
     it->column[f].size = sqrt(it->sum[f]);
 done:
@@ -446,9 +447,9 @@ static bw_status run(iteration *it) {
   bwi_two_level_problem *problem = it->problem;
   int iterations = 0;
   BW_TRY(begin(it));
-  while (going_on(it)) {
+  while (is_active(it)) {
     double before[SIDES];
-    bool ended[SIDES], sound = true;
+    bool ended[SIDES], definite = true;
     if (iterations >= problem->limit) {
       problem->converged = false;
       break;
@@ -456,22 +457,22 @@ static bw_status run(iteration *it) {
     iterations++;
     BW_TRY(bw_check_cancel(it->context));
     bw_progress(it->context, "iterate", fraction_done(it));
-    BW_TRY(step_on(it, before, &sound));
-    if (!sound) {
+    BW_TRY(step(it, before, &definite));
+    if (!definite) {
       problem->converged = false;
       break;
     }
-    if (find_sure(it, before, ended))
+    if (find_converged(it, before, ended))
       BW_TRY(check(it, ended));
-    if (!going_on(it))
+    if (!is_active(it))
       break;
-    BW_TRY(look_ahead(it, false, ended));
+    BW_TRY(update_beta(it, false, ended));
     BW_TRY(check(it, ended));
-    if (any_fresh(it))
-      BW_TRY(look_ahead(it, true, ended));
-    BW_TRY(turn_all(it));
+    if (any_restarted(it))
+      BW_TRY(update_beta(it, true, ended));
+    BW_TRY(update_directions(it));
   }
-  BW_TRY(bw_parallel(it->context, it->l->smoother->count, ROWS, hand_over, it));
+  BW_TRY(bw_parallel(it->context, it->l->smoother->count, ROWS, store_solution, it));
   problem->reached = largest_residual(it);
 done:
   problem->iterations = iterations;
@@ -488,8 +489,8 @@ bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *l, bwi_two_lev
   problem->converged = true;
   it.problem = &part;
   BW_TRY(bwi_two_level_reserve(context, l, it.width));
-  it.part = BW_NEW(context, double, 2 * SIDES * (l->smoother->count / ROWS + 1));
-  if (!it.part) {
+  it.chunk_sum = BW_NEW(context, double, 2 * SIDES * (l->smoother->count / ROWS + 1));
+  if (!it.chunk_sum) {
     status = BW_MEMORY;
     goto done;
   }
@@ -507,6 +508,6 @@ bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *l, bwi_two_lev
     problem->reached = part.reached;
   }
 done:
-  bw_free(it.part);
+  bw_free(it.chunk_sum);
   return status;
 }

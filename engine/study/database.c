@@ -149,7 +149,7 @@ bool bwi_expects_changes(const unsigned char *head) {
   return head[BWI_MODE_AT] != 1 || head[BWI_MODE_AT + 1] != 1;
 }
 
-/* What SQLite would say only in general terms, or not at all, is judged by the first bytes. */
+/* What SQLite would say only in general terms, or not at all, is decided by the first bytes. */
 static bw_status check_file(bw_context *context, const char *path, bool read_only) {
   unsigned char head[BWI_HEADER] = {0};
   struct stat about;

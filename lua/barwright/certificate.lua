@@ -76,7 +76,7 @@ end
 --- details.
 function certificate.text(worst, part, leaves)
   local mesh, opts, loads = part.mesh, worst.options, worst.loads
-  if part.material.turned then
+  if part.material.rotated_by_element then
     return nil, "a certificate for a material whose axes differ by element is not implemented",
       {status = "unsupported"}
   end

@@ -36,7 +36,7 @@ local rules = {
   quality = {type = "number", default = 0.02, min = 0, max = 0.5},
   relax = {type = "boolean", default = true},
   refill = {type = "boolean", default = true},
-  material_turns = {type = "boolean", default = false},
+  rotate_material = {type = "boolean", default = false},
   journal = {type = "string"},
   script = {type = "string"},
 }
@@ -95,8 +95,8 @@ end
 local function begin(part, given)
   options.object("edit", "part", part, "model")
   local opts = options.read("edit", given, rules)
-  if opts.material_turns and part.material.turned then
-    raise("edit: option 'material_turns': the material axes of the part differ by element already")
+  if opts.rotate_material and part.material.rotated_by_element then
+    raise("edit: option 'rotate_material': the material axes of the part differ by element already")
   end
   local mesh = part.mesh
   local subdomains, message, details = opts.subdomains
@@ -332,7 +332,7 @@ end
 -- ---- solving -------------------------------------------------------------------------------------
 
 --- Stresses of the part as it is now; an edit session's result says what was `reused`. Options:
---- method = "auto" | "refactor" | "iterate" | "pcg" | "scratch", tolerance, precision = 32 | 64 (of the
+--- method = "auto" | "refactor" | "iterate" | "pcg" | "full", tolerance, precision = 32 | 64 (of the
 --- factor; else by cost), check, inertia_relief, balance_tolerance; part = another load case, a model
 --- of the mesh as it was given.
 function class:solve(given)

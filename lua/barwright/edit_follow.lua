@@ -18,17 +18,18 @@ function edit_follow.model(state, part)
     model, message, details = part:moved(shape.mesh)
   end
   if not model then return nil, message, details end
-  if shape.material_turns and not shape.at_rest then
+  if shape.rotate_material and not shape.at_rest then
     local motion
     motion, message, details = topology.subdomains:motion(shape.maps, shape.rotations)
     if not motion then return nil, message, details end
-    return core.turn_material(model, topology.subdomains, motion)
+    return core.rotate_material(model, topology.subdomains, motion)
   end
   return model
 end
 
 local function make(owner, state, model)
-  local system, message, details = core.local_system(model, state.topology.subdomains, state.shape.material_turns)
+  local system, message, details = core.incremental_system(model, state.topology.subdomains,
+    state.shape.rotate_material)
   if not system then return nil, message, details end
   local memory
   memory, message, details = edit_motion.begin(state.shape)
@@ -71,10 +72,10 @@ local reused = setmetatable({}, {__mode = "k"})
 core.classes.static.properties.reused = function(static) return reused[static] end
 
 local methods = {
-  refactor = function(reuse) return ("%.0f %% of the factor"):format(100 * reuse.factor_kept) end,
+  refactor = function(reuse) return ("%.0f %% of the factor"):format(100 * reuse.factor_reused) end,
   iterate = function(reuse) return ("the factor as it was, %d iterations"):format(reuse.iterations) end,
   pcg = function(reuse) return ("two-level PCG in place of a factor, %d iterations"):format(reuse.iterations) end,
-  scratch = function() return "nothing of the factor" end,
+  full = function() return "nothing of the factor" end,
 }
 
 function core.tables.reuse:__tostring()
@@ -91,8 +92,8 @@ end
 local function complete_new(reuse, subdomains)
   reuse.pattern, reuse.ordering = false, false
   reuse.subdomains, reuse.subdomains_reused, reuse.subdomains_rotated = subdomains, 0, 0
-  reuse.subdomains_changed, reuse.factor_kept = subdomains, 0
-  if reuse.method ~= "pcg" then reuse.method = "scratch" end
+  reuse.subdomains_changed, reuse.factor_reused = subdomains, 0
+  if reuse.method ~= "pcg" then reuse.method = "full" end
 end
 
 local solutions = 2 -- of each load case, that are kept to begin iterations with

@@ -114,7 +114,7 @@ local function relaxed_nodes(topology, shape, nodes)
 end
 
 --- The shape of a pose: {maps, rotations, mesh, how = "posed" | "relaxed", relaxed = set of subdomains,
---- topology, material_turns}. Where elements are inverted and stay so, a fourth value has what refilling
+--- topology, rotate_material}. Where elements are inverted and stay so, a fourth value has what refilling
 --- starts from.
 function edit_shape.of(topology, pose, opts)
   local maps, rotations, details = topology.skeleton:pose_maps(pose)
@@ -127,7 +127,7 @@ function edit_shape.of(topology, pose, opts)
       .. "wrong?"):format(farthest), {status = "geometry"}
   end
   local shape = {topology = topology, maps = maps, rotations = rotations, how = "posed",
-    relaxed = {}, at_rest = edit_pose.all_at_rest(pose), material_turns = opts.material_turns}
+    relaxed = {}, at_rest = edit_pose.all_at_rest(pose), rotate_material = opts.rotate_material}
   local judged = topology.mesh:judge(nodes, topology.floor)
   local final = nodes
   if judged.inverted > 0 then

@@ -482,10 +482,10 @@ end
 --- The solid in motion: {scheme = "implicit_euler" | "newmark", step = s, mass_damping =,
 --- stiffness_damping =, beta =, gamma =, tolerance =, iterations =, displacement =, velocity =}. Loads
 --- are at full, what is held stays where it is at full load.
-function solid:motion(given)
-  check_self("motion", self)
+function solid:transient(given)
+  check_self("transient", self)
   if given ~= nil and type(given) ~= "table" then
-    raise(("motion: a table of options expected, got %s"):format(core.got(given)))
+    raise(("transient: a table of options expected, got %s"):format(core.got(given)))
   end
   local opts = {}
   for key, value in pairs(given or {}) do opts[key] = value end
@@ -493,7 +493,7 @@ function solid:motion(given)
   opts.displacement, opts.velocity = nil, nil
   local case, message, details = case_of(self, 1)
   if not case then return nil, message, details end
-  return self.body:motion(case, opts, displacement, velocity)
+  return self.body:transient(case, opts, displacement, velocity)
 end
 
 -- ---- other grids ---------------------------------------------------------------------------------

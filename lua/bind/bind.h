@@ -154,7 +154,7 @@ int lbw_cached(lua_State *L, const char *key, lua_CFunction compute);
 extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_selection_class,
     lbw_material_class, lbw_model_class, lbw_static_class, lbw_modes_class, lbw_system_class,
     lbw_weak_regions_class, lbw_pressure_basis_class, lbw_skeleton_class, lbw_subdomains_class,
-    lbw_local_system_class, lbw_live_server_class, lbw_outline_class, lbw_sheet_class,
+    lbw_incremental_system_class, lbw_live_server_class, lbw_outline_class, lbw_sheet_class,
     lbw_plane_mesh_class, lbw_mesh_motion_class, lbw_flow_class, lbw_plate_class, lbw_grid_class,
     lbw_embedding_class, lbw_job_class, lbw_canvas_class, lbw_database_class, lbw_lock_class,
     lbw_temporary_class;
@@ -201,11 +201,11 @@ int32_t lbw_check_bone(lua_State *L, int argument, const bw_skeleton *skeleton);
 int32_t lbw_check_joint(lua_State *L, int argument, const bw_skeleton *skeleton);
 /* A row of 19 numbers for every subdomain (see pose.c), as structs in a userdata that is pushed. */
 bw_subdomain_motion *lbw_read_motion(lua_State *L, int argument, int32_t count);
-/* The words for bw_local_method; ends with NULL. */
-extern const char *const lbw_local_methods[];
+/* The words for bw_incremental_method; ends with NULL. */
+extern const char *const lbw_incremental_methods[];
 /* options.guess, a list of fields on a mesh of `nodes` nodes; they stay on the stack. */
 void lbw_read_guess(lua_State *L, int index, const char *function, int64_t nodes,
-                    bw_local_options *options);
+                    bw_incremental_options *options);
 /* Nine numbers in three rows, or flat. */
 void lbw_check_matrix(lua_State *L, int argument, const char *what, int rows, int columns,
                       double *matrix);
@@ -326,7 +326,7 @@ void lbw_open_pose(lua_State *L);
 void lbw_open_repair(lua_State *L);
 void lbw_open_refine(lua_State *L);
 void lbw_open_singular(lua_State *L);
-void lbw_open_local(lua_State *L);
+void lbw_open_incremental(lua_State *L);
 void lbw_open_optimise(lua_State *L);
 void lbw_open_live(lua_State *L);
 void lbw_open_outline(lua_State *L);
@@ -338,7 +338,7 @@ void lbw_open_flow(lua_State *L);
 void lbw_open_plate(lua_State *L);
 void lbw_open_solid_material(lua_State *L);
 void lbw_open_solid(lua_State *L);
-void lbw_open_motion(lua_State *L);
+void lbw_open_transient(lua_State *L);
 void lbw_open_library(lua_State *L);
 void lbw_open_grid(lua_State *L);
 void lbw_open_job(lua_State *L);

@@ -49,8 +49,8 @@ static int flow_create(lua_State *L) {
 /* ---- following and stepping ------------------------------------------------------------------ */
 
 static bw_status follow_mesh(bw_context *context, void *flow, const bw_plane_mesh *mesh,
-                             bw_plane_reuse *kept) {
-  return bw_flow_follow(context, (bw_flow *)flow, mesh, kept);
+                             bw_plane_reuse *reuse) {
+  return bw_flow_follow(context, (bw_flow *)flow, mesh, reuse);
 }
 
 static const void *keep(const void *flow) {
@@ -101,7 +101,7 @@ static int flow_step(lua_State *L) {
   lua_settop(L, 5);
   lbw_check_type(L, 2, LUA_TTABLE);
   bw_flow_options options;
-  bw_plane_reuse kept;
+  bw_plane_reuse reuse;
   bw_flow_options_default(&options);
   double tolerance = options.linear.tolerance;
   lbw_read_lagged_factor(L, 3, &options.linear);
@@ -110,7 +110,7 @@ static int flow_step(lua_State *L) {
   lua_settop(L, 5);
   lbw_options(L, 4, "step", list, &options);
   lua_Integer steps = lbw_integer_or(L, 5, 1);
-  lbw_load_plane_reuse(L, 2, &kept);
+  lbw_load_plane_reuse(L, 2, &reuse);
   lbw_conditions_begin(L, 1);
   bw_context *context = lbw_enter(L);
   const bw_flow_state *before = bw_flow_keep(flow);
@@ -118,13 +118,13 @@ static int flow_step(lua_State *L) {
     if (steps > 1)
       bw_progress(context, "time steps", (double)i / (double)steps);
     BW_TRY(bw_check_cancel(context));
-    BW_TRY(bw_flow_step(context, flow, &options, &kept));
+    BW_TRY(bw_flow_step(context, flow, &options, &reuse));
   }
 done:
   if (status != BW_OK) /* all steps or none; its own state: it cannot fail */
     (void)bw_flow_return(context, flow, before);
   bw_release(before);
-  return lbw_leave_frame(L, &lbw_flow_class, status, &kept);
+  return lbw_leave_frame(L, &lbw_flow_class, status, &reuse);
 }
 
 /* ---- results --------------------------------------------------------------------------------- */

@@ -8,7 +8,7 @@
 
 static const char *const level_words[] = {"none", "relocation", "reconnecting", "reconstruction",
                                           NULL};
-static const char *const method_words[] = {"auto", "iterate", "refactor", "scratch", NULL};
+static const char *const method_words[] = {"auto", "iterate", "refactor", "full", NULL};
 
 /* ---- what was kept --------------------------------------------------------------------------- */
 
@@ -29,40 +29,40 @@ static const char *const method_words[] = {"auto", "iterate", "refactor", "scrat
   NUMBER(seconds_solve)
 
 /* Writes into the table at `index`. */
-static void store_kept(lua_State *L, int index, const bw_plane_reuse *kept) {
+static void store_reuse(lua_State *L, int index, const bw_plane_reuse *reuse) {
   index = lua_absindex(L, index);
-#define BOOLEAN(key) (lua_pushboolean(L, kept->key), lua_setfield(L, index, #key));
-#define INTEGER(key) (lua_pushinteger(L, kept->key), lua_setfield(L, index, #key));
-#define NUMBER(key) (lua_pushnumber(L, kept->key), lua_setfield(L, index, #key));
+#define BOOLEAN(key) (lua_pushboolean(L, reuse->key), lua_setfield(L, index, #key));
+#define INTEGER(key) (lua_pushinteger(L, reuse->key), lua_setfield(L, index, #key));
+#define NUMBER(key) (lua_pushnumber(L, reuse->key), lua_setfield(L, index, #key));
   KEYS_OF_KEPT(BOOLEAN, INTEGER, NUMBER)
 #undef BOOLEAN
 #undef INTEGER
 #undef NUMBER
-  lua_pushstring(L, level_words[kept->level]);
+  lua_pushstring(L, level_words[reuse->level]);
   lua_setfield(L, index, "level");
 }
 
 /* Reads back what a former call of the same frame wrote; the table's level is a word. */
-void lbw_load_plane_reuse(lua_State *L, int index, bw_plane_reuse *kept) {
-  memset(kept, 0, sizeof *kept);
+void lbw_load_plane_reuse(lua_State *L, int index, bw_plane_reuse *reuse) {
+  memset(reuse, 0, sizeof *reuse);
 #define BOOLEAN(key)                                                                               \
-  (lua_getfield(L, index, #key), kept->key = lua_toboolean(L, -1), lua_pop(L, 1));
+  (lua_getfield(L, index, #key), reuse->key = lua_toboolean(L, -1), lua_pop(L, 1));
 #define INTEGER(key)                                                                               \
-  (lua_getfield(L, index, #key), kept->key = (int)lua_tointeger(L, -1), lua_pop(L, 1));
-#define NUMBER(key) (lua_getfield(L, index, #key), kept->key = lua_tonumber(L, -1), lua_pop(L, 1));
+  (lua_getfield(L, index, #key), reuse->key = (int)lua_tointeger(L, -1), lua_pop(L, 1));
+#define NUMBER(key) (lua_getfield(L, index, #key), reuse->key = lua_tonumber(L, -1), lua_pop(L, 1));
   KEYS_OF_KEPT(BOOLEAN, INTEGER, NUMBER)
 #undef BOOLEAN
 #undef INTEGER
 #undef NUMBER
-  kept->level = (bw_level)lbw_word_option(L, index, "reused", "level", level_words, 0);
+  reuse->level = (bw_level)lbw_word_option(L, index, "reused", "level", level_words, 0);
 }
 
 int lbw_leave_frame(lua_State *L, const lbw_class *class, bw_status status,
-                    const bw_plane_reuse *kept) {
+                    const bw_plane_reuse *reuse) {
   lua_pushvalue(L, 2);
   int results = lbw_leave(L, status, 1);
   if (status == BW_OK) {
-    store_kept(L, 2, kept);
+    store_reuse(L, 2, reuse);
     lbw_box_account(L, lbw_check_box(L, 1, class));
   }
   return results;
@@ -158,20 +158,20 @@ int lbw_follow(lua_State *L, const lbw_followed *followed) {
   lbw_check_type(L, 2, LUA_TTABLE);
   const bw_outline *outline = (const bw_outline *)lbw_check(L, 3, &lbw_outline_class);
   bw_follow_report report = {0};
-  bw_plane_reuse kept;
-  lbw_load_plane_reuse(L, 2, &kept);
+  bw_plane_reuse reuse;
+  lbw_load_plane_reuse(L, 2, &reuse);
   lua_settop(L, 3);
   lbw_conditions_begin(L, 1); /* the mesh's size may be a function */
   bw_context *context = lbw_enter(L);
   const bw_mesh_motion_state *before = bw_mesh_motion_keep(motion);
   BW_TRY(bw_mesh_motion_follow(context, motion, outline, &report));
-  kept.level = report.level;
-  kept.seconds_mesh += report.seconds;
-  if ((status = followed->follow(context, (void *)box->object, motion->mesh, &kept)) != BW_OK)
+  reuse.level = report.level;
+  reuse.seconds_mesh += report.seconds;
+  if ((status = followed->follow(context, (void *)box->object, motion->mesh, &reuse)) != BW_OK)
     (void)bw_mesh_motion_return(context, motion, before); /* its own state: it cannot fail */
 done:
   bw_release(before);
-  if (lbw_leave_frame(L, followed->class, status, &kept) != 1)
+  if (lbw_leave_frame(L, followed->class, status, &reuse) != 1)
     return 3;
   lua_pushinteger(L, report.flips);
   lua_setfield(L, 2, "flips");

@@ -16,10 +16,10 @@ void lbw_read_follow(lua_State *L, int index, const char *function, bw_follow_op
 void lbw_read_lagged_factor(lua_State *L, int index, bw_lagged_factor_options *options);
 
 /* What former calls wrote into the frame at `index`. */
-void lbw_load_plane_reuse(lua_State *L, int index, bw_plane_reuse *kept);
-/* lbw_leave with the frame as the result, `kept` written into it. */
+void lbw_load_plane_reuse(lua_State *L, int index, bw_plane_reuse *reuse);
+/* lbw_leave with the frame as the result, `reuse` written into it. */
 int lbw_leave_frame(lua_State *L, const lbw_class *class, bw_status status,
-                    const bw_plane_reuse *kept);
+                    const bw_plane_reuse *reuse);
 /* Fills the outline, puts a mover on the mesh and what `create` makes of `description` beside it
  * into a new box, which is the result. `conditions`: the stack's place of what the box is to keep
  * of them; 0: there are none. */
@@ -33,7 +33,7 @@ int lbw_follow_create(lua_State *L, const lbw_class *class, const bw_outline *ou
 typedef struct lbw_followed {
   const lbw_class *class;
   bw_status (*follow)(bw_context *context, void *body, const bw_plane_mesh *mesh,
-                      bw_plane_reuse *kept);
+                      bw_plane_reuse *reuse);
   const void *(*keep)(const void *body);
   bw_status (*return_to)(bw_context *context, void *body, const void *state);
   bw_status (*check)(bw_context *context, const void *body);

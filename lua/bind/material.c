@@ -160,7 +160,7 @@ static void push_known(lua_State *L, double value) {
 }
 
 static int material_is_turned(lua_State *L) {
-  lua_pushboolean(L, self(L)->turns != NULL);
+  lua_pushboolean(L, self(L)->orientations != NULL);
   return 1;
 }
 
@@ -285,7 +285,7 @@ static int material_tostring(lua_State *L) {
     used += snprintf(text + used, sizeof text - (size_t)used,
                      "orthotropic: Young's moduli %.4g, %.4g, %.4g GPa", y[0] / 1e9, y[1] / 1e9,
                      y[2] / 1e9);
-  if (material->turns)
+  if (material->orientations)
     used += snprintf(text + used, sizeof text - (size_t)used, ", axes differ by element");
   if (material->density > 0)
     used += snprintf(text + used, sizeof text - (size_t)used, ", density %.4g kg/m3",
@@ -317,14 +317,20 @@ static const luaL_Reg methods[] = {{"rotated", material_rotated},
                                    {"strength_along", material_strength_along},
                                    {"utilisation", material_utilisation},
                                    {NULL, NULL}};
-static const luaL_Reg properties[] = {
-    {"name", material_name},           {"isotropic", material_is_isotropic},
-    {"turned", material_is_turned},    {"density", material_density},
-    {"young", material_young},         {"poisson", material_poisson},
-    {"shear", material_shear},         {"strength", material_strength},
-    {"toughness", material_toughness}, {"critical_distance", material_critical_distance},
-    {"axes", material_axes},           {"elasticity", material_elasticity},
-    {"sources", material_sources},     {NULL, NULL}};
+static const luaL_Reg properties[] = {{"name", material_name},
+                                      {"isotropic", material_is_isotropic},
+                                      {"rotated_by_element", material_is_turned},
+                                      {"density", material_density},
+                                      {"young", material_young},
+                                      {"poisson", material_poisson},
+                                      {"shear", material_shear},
+                                      {"strength", material_strength},
+                                      {"toughness", material_toughness},
+                                      {"critical_distance", material_critical_distance},
+                                      {"axes", material_axes},
+                                      {"elasticity", material_elasticity},
+                                      {"sources", material_sources},
+                                      {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", material_tostring}, {NULL, NULL}};
 const lbw_class lbw_material_class = {"material", methods, properties, meta, NULL};
 

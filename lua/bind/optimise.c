@@ -9,9 +9,9 @@
 /* ---- stress gradients ------------------------------------------------------------------------ */
 
 typedef struct solver {
-  bw_system *system;      /* either this */
-  bw_local_system *local; /* or this */
-  bw_local_options options;
+  bw_system *system;                  /* either this */
+  bw_incremental_system *incremental; /* or this */
+  bw_incremental_options options;
   double *adjoint; /* where the next ones go, or NULL */
 } solver;
 
@@ -19,9 +19,9 @@ static bw_status solve(void *data, bw_context *context, int64_t count, const dou
                        double *displacement) {
   solver *s = (solver *)data;
   bw_status status = s->system ? bw_system_solve(context, s->system, count, force, displacement)
-                               : bw_local_system_solve(context, s->local, &s->options, count, force,
-                                                       displacement, NULL);
-  const bw_mesh *mesh = s->system ? s->system->mesh : s->local->system->mesh;
+                               : bw_incremental_system_solve(context, s->incremental, &s->options,
+                                                             count, force, displacement, NULL);
+  const bw_mesh *mesh = s->system ? s->system->mesh : s->incremental->system->mesh;
   if (s->adjoint && status == BW_OK) {
     size_t size = (size_t)count * 3 * (size_t)mesh->node_count;
     memcpy(s->adjoint, displacement, size * sizeof *displacement);
@@ -39,23 +39,24 @@ typedef struct request {
   int64_t count;
 } request;
 
-/* The arguments model, system or local system, displacement, nodes; options at `options`. */
+/* The arguments model, system or incremental system, displacement, nodes; options at `options`. */
 static request check_request(lua_State *L, int options) {
   static const lbw_option list[] = {
-      {"tolerance", LBW_REAL, offsetof(bw_local_options, tolerance)},
+      {"tolerance", LBW_REAL, offsetof(bw_incremental_options, tolerance)},
       {"method", LBW_OTHER, 0},
       {"guess", LBW_OTHER, 0},
-      {"max_iteration_ratio", LBW_REAL, offsetof(bw_local_options, max_iteration_ratio)},
-      {"energy", LBW_BOOLEAN, offsetof(bw_local_options, energy)},
+      {"max_iteration_ratio", LBW_REAL, offsetof(bw_incremental_options, max_iteration_ratio)},
+      {"energy", LBW_BOOLEAN, offsetof(bw_incremental_options, energy)},
       {NULL, LBW_OTHER, 0}};
   request r = {.model = (const bw_model *)lbw_check(L, 1, &lbw_model_class)};
-  bw_local_options_default(&r.solver.options);
+  bw_incremental_options_default(&r.solver.options);
   lbw_options(L, options, "von_mises_slopes", list, &r.solver.options);
-  r.solver.options.method = (bw_local_method)lbw_word_option(
-      L, options, "von_mises_slopes", "method", lbw_local_methods, (int)r.solver.options.method);
-  r.solver.local = (bw_local_system *)lbw_test(L, 2, &lbw_local_system_class);
-  if (r.solver.local)
-    r.dof_map = r.solver.local->system->dof_map;
+  r.solver.options.method =
+      (bw_incremental_method)lbw_word_option(L, options, "von_mises_slopes", "method",
+                                             lbw_incremental_methods, (int)r.solver.options.method);
+  r.solver.incremental = (bw_incremental_system *)lbw_test(L, 2, &lbw_incremental_system_class);
+  if (r.solver.incremental)
+    r.dof_map = r.solver.incremental->system->dof_map;
   else {
     r.solver.system = (bw_system *)lbw_check(L, 2, &lbw_system_class);
     r.dof_map = r.solver.system->dof_map;

@@ -201,7 +201,7 @@ typedef struct locator_box {
 
 static int free_locator(lua_State *L) {
   locator_box *held = (locator_box *)lua_touserdata(L, 1);
-  bw_plane_locator_free(held->locator);
+  bw_plane_locator_destroy(held->locator);
   held->locator = NULL;
   return 0;
 }

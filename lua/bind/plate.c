@@ -48,8 +48,8 @@ static int plate_create(lua_State *L) {
 }
 
 static bw_status follow_mesh(bw_context *context, void *plate, const bw_plane_mesh *mesh,
-                             bw_plane_reuse *kept) {
-  return bw_plate_follow(context, (bw_plate *)plate, mesh, kept);
+                             bw_plane_reuse *reuse) {
+  return bw_plate_follow(context, (bw_plate *)plate, mesh, reuse);
 }
 
 static const void *keep(const void *plate) {
@@ -87,22 +87,22 @@ static int plate_check(lua_State *L) {
   return lbw_followed_check(L, &followed);
 }
 
-/* plate:solve(frame, {modes, tolerance, scratch}) */
+/* plate:solve(frame, {modes, tolerance, full}) */
 static int plate_solve(lua_State *L) {
   static const lbw_option list[] = {{"modes", LBW_INT, offsetof(bw_plate_options, modes)},
                                     {"tolerance", LBW_REAL, offsetof(bw_plate_options, tolerance)},
-                                    {"scratch", LBW_BOOLEAN, offsetof(bw_plate_options, scratch)},
+                                    {"full", LBW_BOOLEAN, offsetof(bw_plate_options, full)},
                                     {NULL, LBW_OTHER, 0}};
   bw_plate *plate = self(L);
   lua_settop(L, 3);
   lbw_check_type(L, 2, LUA_TTABLE);
   bw_plate_options options;
-  bw_plane_reuse kept;
+  bw_plane_reuse reuse;
   bw_plate_options_default(&options);
   lbw_options(L, 3, "solve", list, &options);
-  lbw_load_plane_reuse(L, 2, &kept);
-  bw_status status = bw_plate_solve(lbw_enter(L), plate, &options, &kept);
-  return lbw_leave_frame(L, &lbw_plate_class, status, &kept);
+  lbw_load_plane_reuse(L, 2, &reuse);
+  bw_status status = bw_plate_solve(lbw_enter(L), plate, &options, &reuse);
+  return lbw_leave_frame(L, &lbw_plate_class, status, &reuse);
 }
 
 /* Numbers change in place from frame to frame: each is a copy of its moment. */

@@ -70,8 +70,8 @@ static int sheet_create(lua_State *L) {
 /* ---- following and solving ------------------------------------------------------------------- */
 
 static bw_status follow_mesh(bw_context *context, void *sheet, const bw_plane_mesh *mesh,
-                             bw_plane_reuse *kept) {
-  return bw_sheet_follow(context, (bw_sheet *)sheet, mesh, kept);
+                             bw_plane_reuse *reuse) {
+  return bw_sheet_follow(context, (bw_sheet *)sheet, mesh, reuse);
 }
 
 static const void *keep(const void *sheet) {
@@ -115,12 +115,12 @@ static int sheet_static(lua_State *L) {
   lua_settop(L, 3);
   lbw_check_type(L, 2, LUA_TTABLE);
   bw_lagged_factor_options options;
-  bw_plane_reuse kept;
+  bw_plane_reuse reuse;
   lbw_read_lagged_factor(L, 3, &options);
-  lbw_load_plane_reuse(L, 2, &kept);
+  lbw_load_plane_reuse(L, 2, &reuse);
   lbw_conditions_begin(L, 1);
-  bw_status status = bw_sheet_static(lbw_enter(L), sheet, &options, &kept);
-  return lbw_leave_frame(L, &lbw_sheet_class, status, &kept);
+  bw_status status = bw_sheet_static(lbw_enter(L), sheet, &options, &reuse);
+  return lbw_leave_frame(L, &lbw_sheet_class, status, &reuse);
 }
 
 /* sheet:transient(frame, solver options, newmark, steps) */
@@ -138,12 +138,12 @@ static int sheet_transient(lua_State *L) {
   lbw_check_type(L, 2, LUA_TTABLE);
   bw_lagged_factor_options options;
   bw_newmark newmark;
-  bw_plane_reuse kept;
+  bw_plane_reuse reuse;
   lbw_read_lagged_factor(L, 3, &options);
   bw_newmark_default(&newmark);
   lbw_options(L, 4, "step", list, &newmark);
   lua_Integer steps = lbw_integer_or(L, 5, 1);
-  lbw_load_plane_reuse(L, 2, &kept);
+  lbw_load_plane_reuse(L, 2, &reuse);
   lbw_conditions_begin(L, 1);
   bw_context *context = lbw_enter(L);
   const bw_sheet_state *before = bw_sheet_keep(sheet);
@@ -151,34 +151,35 @@ static int sheet_transient(lua_State *L) {
     if (steps > 1)
       bw_progress(context, "time steps", (double)i / (double)steps);
     BW_TRY(bw_check_cancel(context));
-    BW_TRY(bw_sheet_shake(context, sheet, &newmark, &options, &kept));
+    BW_TRY(bw_sheet_transient(context, sheet, &newmark, &options, &reuse));
   }
 done:
   if (status != BW_OK) /* all steps or none; its own state: it cannot fail */
     (void)bw_sheet_return(context, sheet, before);
   bw_release(before);
-  return lbw_leave_frame(L, &lbw_sheet_class, status, &kept);
+  return lbw_leave_frame(L, &lbw_sheet_class, status, &reuse);
 }
 
 /* sheet:large_deflection(frame, solver options, newton) */
 static int sheet_large_deflection(lua_State *L) {
-  static const lbw_option list[] = {{"tolerance", LBW_REAL, offsetof(bw_bend_options, tolerance)},
-                                    {"iterations", LBW_INT, offsetof(bw_bend_options, iterations)},
-                                    {"load_steps", LBW_INT, offsetof(bw_bend_options, load_steps)},
-                                    {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {
+      {"tolerance", LBW_REAL, offsetof(bw_large_deflection_options, tolerance)},
+      {"iterations", LBW_INT, offsetof(bw_large_deflection_options, iterations)},
+      {"load_steps", LBW_INT, offsetof(bw_large_deflection_options, load_steps)},
+      {NULL, LBW_OTHER, 0}};
   bw_sheet *sheet = self(L);
   lua_settop(L, 4);
   lbw_check_type(L, 2, LUA_TTABLE);
-  bw_bend_options options;
-  bw_bend_report report = {0};
-  bw_plane_reuse kept;
-  bw_bend_options_default(&options);
+  bw_large_deflection_options options;
+  bw_large_deflection_report report = {0};
+  bw_plane_reuse reuse;
+  bw_large_deflection_options_default(&options);
   lbw_options(L, 4, "solve", list, &options);
   lbw_read_lagged_factor(L, 3, &options.linear);
-  lbw_load_plane_reuse(L, 2, &kept);
+  lbw_load_plane_reuse(L, 2, &reuse);
   lbw_conditions_begin(L, 1);
-  bw_status status = bw_sheet_bend(lbw_enter(L), sheet, &options, &report, &kept);
-  int results = lbw_leave_frame(L, &lbw_sheet_class, status, &kept);
+  bw_status status = bw_sheet_large_deflection(lbw_enter(L), sheet, &options, &report, &reuse);
+  int results = lbw_leave_frame(L, &lbw_sheet_class, status, &reuse);
   if (status == BW_OK) {
     lua_pushinteger(L, report.iterations);
     lua_setfield(L, 2, "newton_iterations");

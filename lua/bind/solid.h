@@ -6,7 +6,7 @@
 #include "bind.h"
 
 extern const lbw_class lbw_solid_material_class, lbw_material_table_class, lbw_solid_class,
-    lbw_load_case_class, lbw_solid_static_class, lbw_solid_motion_class, lbw_library_class,
+    lbw_load_case_class, lbw_solid_static_class, lbw_solid_transient_class, lbw_library_class,
     lbw_coarse_class, lbw_coarsening_class;
 
 /* A material table from the list of materials at `index`; its box is pushed. */

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What is said of a figure that comes from one mesh without an estimate. */
+/* The message for a figure that comes from one mesh without an estimate. */
 #define LBW_ERROR_UNKNOWN "error unknown: one mesh"
 
 /* ---- statics --------------------------------------------------------------------------------- */

@@ -395,7 +395,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_repair(L);
   lbw_open_refine(L);
   lbw_open_singular(L);
-  lbw_open_local(L);
+  lbw_open_incremental(L);
   lbw_open_optimise(L);
   lbw_open_live(L);
   lbw_open_outline(L);
@@ -412,7 +412,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_minimise(L);
   lbw_open_solid_material(L);
   lbw_open_solid(L);
-  lbw_open_motion(L);
+  lbw_open_transient(L);
   lbw_open_library(L);
   lbw_open_files(L);
   /* The functions of classes are guarded already, but for close. */

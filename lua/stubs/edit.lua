@@ -83,7 +83,7 @@ function edit_module.begin(script, session) end
 ---@field quality? number (-) elements of a lower shape quality (`mesh:shapes`) are relaxed. Range: 0 to 0.5. Default: 0.02
 ---@field relax? boolean relax inner nodes where an edit inverts elements. Default: true
 ---@field refill? boolean refill subdomains where that fails. Default: true
----@field material_turns? boolean the axes of an orthotropic material turn with the bones. Default: false, they stay
+---@field rotate_material? boolean the axes of an orthotropic material turn with the bones. Default: false, they stay
 ---@field journal? string a script that every edit is added to at once; an older journal becomes path~, any other file there is refused. Default: none
 ---@field script? string a file that returns the part and these options, named by saved scripts. Default: none
 
@@ -247,7 +247,7 @@ function Session:commit(change) end
 function Session:solve(options) end
 
 ---How a session is solved.
----@class bw.SessionSolveOptions: bw.LocalSolveOptions
+---@class bw.SessionSolveOptions: bw.IncrementalSolveOptions
 ---@field part? bw.Model another load case: a model of the mesh as it was given. Other supports need another factor. Default: the part
 
 ---Scales the bones near high stresses across themselves (their axes y and z) until no node's von Mises stress is above a limit, with
@@ -268,7 +268,7 @@ function Session:optimise(options) end
 ---The equations of the session, updated to the current shape, and the model that they belong to.
 ---
 ---Errors: those of `solve`.
----@return bw.LocalSystem? system the equations
+---@return bw.IncrementalSystem? system the equations
 ---@return bw.Model|string model of the current shape, or the message
 ---@return bw.Details? details
 function Session:synchronise() end

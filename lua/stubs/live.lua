@@ -18,9 +18,9 @@ local bw = {}
 ---  conditions = {boundary = "fixed"}})
 ---assert(bw.live(sheet, {title = "A plate", ready = print})) -- prints the address; ends with Ctrl-C
 ---```
----@param served bw.Session|bw.SteadySheet|bw.BentSheet|bw.ShakenSheet|bw.Bridge|bw.Metallophone|bw.Flow|bw.ThermalFlow what is edited
+---@param served bw.Session|bw.SteadySheet|bw.LargeDeflectionSheet|bw.TransientSheet|bw.Bridge|bw.Metallophone|bw.Flow|bw.ThermalFlow what is edited
 ---@param options? bw.LiveOptions what the page shows
----@return bw.Session|bw.SteadySheet|bw.BentSheet|bw.ShakenSheet|bw.Bridge|bw.Metallophone|bw.Flow|bw.ThermalFlow|nil served the same object, as it was edited
+---@return bw.Session|bw.SteadySheet|bw.LargeDeflectionSheet|bw.TransientSheet|bw.Bridge|bw.Metallophone|bw.Flow|bw.ThermalFlow|nil served the same object, as it was edited
 ---@return string? message
 ---@return bw.Details? details
 function bw.live(served, options) end

@@ -96,7 +96,7 @@ function material_module.names() end
 ---@field toughness number? (Pa m^0.5) fracture toughness K_Ic; nil where it is not known
 ---@field critical_distance number? (m) (toughness / strength)^2 / pi, by the largest strength; nil where it is not known
 ---@field axes bw.Array (-, 3 × 3) rows are the material axes
----@field turned boolean whether the axes differ from element to element, as in an edit session with `material_turns`; `axes` and `elasticity` are then those before
+---@field rotated_by_element boolean whether the axes differ from element to element, as in an edit session with `rotate_material`; `axes` and `elasticity` are then those before
 ---@field elasticity bw.Array (Pa, 6 × 6) in the order xx yy zz yz zx xy, for engineering shear strains, in directions of space
 ---@field sources table<string, bw.MaterialSource> by value: young_1, poisson_12, strength_1, ..., density, toughness, critical_distance
 local Material = {}

@@ -250,7 +250,7 @@ function Plate:solve(frame, options) end
 ---@class bw.PlateSolveOptions
 ---@field modes? integer (count) elastic modes, 1 and more. Default: 1
 ---@field tolerance? number (-) relative error of a mode in the energy norm, above 0; that of the frequency is its square. Default: 1e-6
----@field scratch? boolean whether nothing of the last frame is used, with a new analysis and factorisation. Default: false
+---@field full? boolean whether nothing of the last frame is used, with a new analysis and factorisation. Default: false
 
 ---The shape of a mode: the deflection and the two rotations. A plate that was not solved raises.
 ---@param mode? integer (index from 1) the mode. Default: 1

@@ -91,7 +91,7 @@ local bw = {}
 ---print(stress[1], gradient:norm())
 ---```
 ---@param part bw.Model the part
----@param system bw.System|bw.LocalSystem of the part
+---@param system bw.System|bw.IncrementalSystem of the part
 ---@param displacement bw.Array (m, node_count × 3, per node) the solution
 ---@param nodes integer[]|bw.Array (index from 1, n × 1) where the stress is asked for
 ---@param options? bw.VonMisesGradientOptions how adjoint problems are solved
@@ -102,7 +102,7 @@ function bw.von_mises_gradient(part, system, displacement, nodes, options) end
 
 ---How adjoint problems are solved with the equations of an edit session.
 ---@class bw.VonMisesGradientOptions
----@field method? "auto"|"refactor"|"iterate"|"pcg"|"scratch" as of `bw.LocalSolveOptions`. Default: "auto"
+---@field method? "auto"|"refactor"|"iterate"|"pcg"|"full" as of `bw.IncrementalSolveOptions`. Default: "auto"
 ---@field tolerance? number (-) of iterations, relative residual. Range: above 0, below 1. Default: 1e-10
 ---@field energy? boolean the tolerance is that of the error in energy. Default: false
 ---@field guess? bw.Array[] (m, node_count × 3, per node) fields near the solutions, to begin iterations with. Range: at most 64. Default: none
@@ -121,7 +121,7 @@ function bw.von_mises_gradient(part, system, displacement, nodes, options) end
 ---print(slopes(1, 1) / stress[1]) -- -2: the stress falls like (1 + t)^-2
 ---```
 ---@param part bw.Model the part
----@param system bw.System|bw.LocalSystem of the part
+---@param system bw.System|bw.IncrementalSystem of the part
 ---@param displacement bw.Array (m, node_count × 3, per node) the solution
 ---@param nodes integer[]|bw.Array (index from 1, n × 1) where the stress is asked for
 ---@param motions bw.Array[] (any, node_count × 3, per node) m per unit of each motion

@@ -106,7 +106,7 @@ function responsive_module.steady(options) end
 
 ---How the linear equations of a frame are solved with the factor of a former one.
 ---@class bw.ResponsiveSolverOptions
----@field method? "auto"|"iterate"|"refactor"|"scratch" "auto": by predicted cost; "iterate": on the lagged factor as long as it converges; "refactor": a new factor with the former analysis; "scratch": a new analysis as well. Default: "auto"
+---@field method? "auto"|"iterate"|"refactor"|"full" "auto": by predicted cost; "iterate": on the lagged factor as long as it converges; "refactor": a new factor with the former analysis; "full": a new analysis as well. Default: "auto"
 ---@field tolerance? number (-) relative residual, above 0. Default: 1e-8 for sheets, 1e-6 for flows
 ---@field iterations? integer (count) iterations before it refactors, 1 and more. Default: 60
 
@@ -124,7 +124,7 @@ function responsive_module.steady(options) end
 ---print(sheet, sheet.reused.newton_iterations)
 ---```
 ---@param options bw.ResponsiveCantileverOptions outline, material, conditions and Newton's method
----@return bw.BentSheet? sheet the sheet, in equilibrium
+---@return bw.LargeDeflectionSheet? sheet the sheet, in equilibrium
 ---@return string? message
 ---@return bw.Details? details
 function responsive_module.cantilever(options) end
@@ -148,7 +148,7 @@ function responsive_module.cantilever(options) end
 ---print(sheet.time, sheet.von_mises:max())
 ---```
 ---@param options bw.ResponsiveVibrationOptions outline, material, ground and time step
----@return bw.ShakenSheet? sheet the sheet, at rest
+---@return bw.TransientSheet? sheet the sheet, at rest
 ---@return string? message
 ---@return bw.Details? details
 function responsive_module.vibration(options) end

@@ -79,7 +79,7 @@ function SteadySheet:stress_norm(p) end
 ---assert(sheet:drag({vertex = 3}, {0, 0.005}))
 ---print(sheet.displacement:min(), sheet.reused)
 ---```
----@class bw.BentSheet
+---@class bw.LargeDeflectionSheet
 ---@field outline bw.Outline the current outline
 ---@field mesh bw.PlaneMesh the current mesh
 ---@field reused bw.ReuseStatistics what the last frame reused
@@ -94,35 +94,35 @@ function SteadySheet:stress_norm(p) end
 ---@field element_count integer (count) triangles
 ---@field node_count integer (count) nodes
 ---@field time number (s) the time in conditions: 0
-local BentSheet = {}
+local LargeDeflectionSheet = {}
 
 ---Moves a handle of the outline; the sheet is brought to equilibrium again.
 ---
 ---Errors: geometry (edges would cross or touch), and those of `bw.responsive.cantilever`. After a failure the sheet is as it was.
 ---@param handle bw.OutlineHandle what is moved
 ---@param by number[] (m, {x, y}) the displacement
----@return bw.BentSheet? sheet the same sheet
+---@return bw.LargeDeflectionSheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
-function BentSheet:drag(handle, by) end
+function LargeDeflectionSheet:drag(handle, by) end
 
 ---Takes another outline, of any topology with the tags of the conditions; the sheet is brought to equilibrium again.
 ---
 ---Errors: those of `bw.responsive.cantilever`. An outline without a tag that a condition is on raises. After a failure the
 ---sheet is as it was.
 ---@param outline bw.Outline the other outline
----@return bw.BentSheet? sheet the same sheet
+---@return bw.LargeDeflectionSheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
-function BentSheet:become(outline) end
+function LargeDeflectionSheet:become(outline) end
 
 ---Solves again on the outline as it is.
 ---
 ---Errors: those of `bw.responsive.cantilever`. After a failure the sheet is as it was.
----@return bw.BentSheet? sheet the same sheet
+---@return bw.LargeDeflectionSheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
-function BentSheet:solve() end
+function LargeDeflectionSheet:solve() end
 
 ---A sheet on moving ground, made by `bw.responsive.vibration`.
 ---```lua
@@ -133,7 +133,7 @@ function BentSheet:solve() end
 ---assert(sheet:step(5))
 ---print(sheet.time, sheet.velocity)
 ---```
----@class bw.ShakenSheet
+---@class bw.TransientSheet
 ---@field outline bw.Outline the current outline
 ---@field mesh bw.PlaneMesh the current mesh
 ---@field reused bw.ReuseStatistics what the last frame reused
@@ -148,36 +148,36 @@ function BentSheet:solve() end
 ---@field element_count integer (count) triangles
 ---@field node_count integer (count) nodes
 ---@field time number (s) the time since the start
-local ShakenSheet = {}
+local TransientSheet = {}
 
 ---Moves a handle of the outline; displacements and velocities are transferred to the new mesh.
 ---
 ---Errors: geometry (edges would cross or touch), and those of `bw.responsive.vibration`. After a failure the sheet is as it was.
 ---@param handle bw.OutlineHandle what is moved
 ---@param by number[] (m, {x, y}) the displacement
----@return bw.ShakenSheet? sheet the same sheet
+---@return bw.TransientSheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
-function ShakenSheet:drag(handle, by) end
+function TransientSheet:drag(handle, by) end
 
 ---Takes another outline, of any topology with the tags of the conditions; displacements and velocities are transferred to the new mesh.
 ---
 ---Errors: those of `bw.responsive.vibration`. An outline without a tag that a condition is on raises. After a failure the
 ---sheet is as it was.
 ---@param outline bw.Outline the other outline
----@return bw.ShakenSheet? sheet the same sheet
+---@return bw.TransientSheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
-function ShakenSheet:become(outline) end
+function TransientSheet:become(outline) end
 
 ---Advances by time steps, all or none.
 ---
 ---Errors: singular, convergence (the linear equations could not be solved). After a failure the sheet is as it was.
 ---@param count? integer (count) steps, 1 and more. Default: 1
----@return bw.ShakenSheet? sheet the same sheet
+---@return bw.TransientSheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
-function ShakenSheet:step(count) end
+function TransientSheet:step(count) end
 
 ---The engine's sheet and its mesh motion, `body` of the sheets above. Scripts take these. `frame` is a table that receives
 ---what the call reused.

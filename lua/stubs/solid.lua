@@ -29,7 +29,7 @@ function bw.hyperelastic(options) end
 ---@field poisson? number (-) Poisson's ratio. Range: above -1, below 0.5
 ---@field mu? number (Pa) shear modulus, above 0
 ---@field lambda? number (Pa) Lame's first constant; 3 lambda + 2 mu is above 0
----@field density? number (kg/m3) 0: not known; gravity and `motion` need it. Default: 0
+---@field density? number (kg/m3) 0: not known; gravity and `transient` need it. Default: 0
 ---@field name? string for `print`. Default: that of the law
 ---@field formulation? "standard"|"b_bar" "b_bar": elements do not lock where Poisson's ratio is near 0.5; such a material cannot be made coarse. Default: "standard"
 
@@ -123,7 +123,7 @@ function bw.solid(options) end
 ---@field locking string? a warning of volumetric locking and its cure, which a solve reports as well; nil where none is expected
 local Solid = {}
 
----Prescribes displacements of nodes. A contradiction to an earlier support is raised by `solve` and `motion`.
+---Prescribes displacements of nodes. A contradiction to an earlier support is raised by `solve` and `transient`.
 ---@param where bw.Region|bw.Surface|string|fun(x: number, y: number, z: number): (boolean|number)|bw.Array|integer[] (index from 1, n × 1) a place, or node numbers
 ---@param by? (number|false)[]|fun(x: number, y: number, z: number): number, number, number (m) displacement {x, y, z} at full load, where false leaves a component free; or a function of the node's place that returns all three. Default: {0, 0, 0}
 ---@return bw.Solid self
@@ -228,17 +228,17 @@ function Solid:solve(options) end
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
 ---local rubber = bw.hyperelastic {young = 1e6, poisson = 0.45, density = 1100}
 ---local bar = assert(bw.solid {grid = grid, materials = {rubber}}):fix({side = "min x"}):gravity {0, 0, -9.81}
----local motion = assert(bar:motion {scheme = "newmark", step = 2e-3, mass_damping = 1})
+---local motion = assert(bar:transient {scheme = "newmark", step = 2e-3, mass_damping = 1})
 ---print(assert(motion:step(10)).displacement:column(3):min())
 ---```
----@param options? bw.SolidMotionOptions scheme, time step and initial values
----@return bw.SolidMotion? motion at time 0
+---@param options? bw.SolidTransientOptions scheme, time step and initial values
+---@return bw.SolidTransient? motion at time 0
 ---@return string? message
 ---@return bw.Details? details
-function Solid:motion(options) end
+function Solid:transient(options) end
 
 ---Scheme, time step and initial values of a transient solid.
----@class bw.SolidMotionOptions
+---@class bw.SolidTransientOptions
 ---@field scheme? "implicit_euler"|"newmark" Newmark's scheme keeps the energy, implicit Euler dissipates some in each step. Default: "implicit_euler"
 ---@field step? number (s) time step, above 0. Default: 0.01
 ---@field mass_damping? number (1/s) Rayleigh damping by the mass matrix. Range: at least 0. Default: 0
@@ -272,7 +272,7 @@ function Solid:with(grid) end
 ---The solid on a grid made coarse: 2 × 2 × 2 cells become one, with a material that stands for them. "naive": each
 ---point takes the material of the fine element there; "average": means of their constants. A library can be worse than
 ---"naive" where its blocks do not behave as they were sampled, as with straight stiff rods or prescribed displacements:
----`solve` chooses between the two, `motion` takes the library.
+---`solve` chooses between the two, `transient` takes the library.
 ---
 ---Materials that differ from point to point or are B-bar raise, as do a coarse solid and another library's materials.
 ---
@@ -456,11 +456,11 @@ function SolidResult:panel(title, values) end
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
 ---local rubber = bw.hyperelastic {young = 1e6, poisson = 0.45, density = 1100}
 ---local bar = assert(bw.solid {grid = grid, materials = {rubber}}):fix({side = "min x"}):gravity {0, 0, -9.81}
----local motion = assert(bar:motion {step = 2e-3})
+---local motion = assert(bar:transient {step = 2e-3})
 ---for _ = 1, 3 do assert(motion:step(5)) end
 ---print(motion, motion.kinetic + motion.strain + motion.potential + motion.dissipated)
 ---```
----@class bw.SolidMotion
+---@class bw.SolidTransient
 ---@field time number (s) since the start
 ---@field steps integer (count) time steps so far
 ---@field displacement bw.Array (m, node_count × 3, per node) displacements
@@ -471,21 +471,21 @@ function SolidResult:panel(title, values) end
 ---@field potential number (J) potential of gravity and of loads that do not follow
 ---@field dissipated number (J) by damping, contact planes and the scheme; the sum of all four changes by the work of followers only
 ---@field report bw.SolidReport of the last step
-local SolidMotion = {}
+local SolidTransient = {}
 
 ---Advances in time. On failure the motion is as it was before the call.
 ---
 ---Errors: convergence (a step finds no solution), geometry (it has inverted elements), memory, cancelled. Details have
 ---`time`, `step`, `residual`, `element` and its place `x`, `y`, `z`.
 ---@param count? integer (count) time steps. Range: at least 0. Default: 1
----@return bw.SolidMotion? self
+---@return bw.SolidTransient? self
 ---@return string? message
 ---@return bw.Details? details
-function SolidMotion:step(count) end
+function SolidTransient:step(count) end
 
 ---Checks that its parts belong together, for tests and debugging. Raises where they do not.
----@return bw.SolidMotion self
-function SolidMotion:check() end
+---@return bw.SolidTransient self
+function SolidTransient:check() end
 
 ---Releases its memory early, which the garbage collector else does.
-function SolidMotion:close() end
+function SolidTransient:close() end

@@ -78,8 +78,8 @@ local Static = {}
 ---@field subdomains_reused integer (count) subdomains whose coefficients stayed
 ---@field subdomains_rotated integer (count) subdomains that are unchanged in their own frames
 ---@field subdomains_changed integer (count) subdomains that changed
----@field method "refactor"|"iterate"|"pcg"|"scratch" how it was solved
----@field factor_kept number (-) fraction of the factor's work that was not done again
+---@field method "refactor"|"iterate"|"pcg"|"full" how it was solved
+---@field factor_reused number (-) fraction of the factor's work that was not done again
 ---@field iterations integer (count) of conjugate gradients
 ---@field precision integer (bits) of the factor's numbers, 32 or 64
 ---@field refinements integer (count) iterations that made solutions with a factor of 32 bits exact

@@ -42,7 +42,7 @@ end
 
 local function same_answers(name, make, drags)
   local kept = make {solver = {tolerance = 1e-10}}
-  local rebuilt = make {solver = {tolerance = 1e-10, method = "scratch"}}
+  local rebuilt = make {solver = {tolerance = 1e-10, method = "full"}}
   local random, worst, levels = random_of(5), 0, {}
   for _ = 1, drags do
     local by = {0.15 * (random() - 0.5), 0.15 * (random() - 0.5)}

@@ -49,7 +49,7 @@ local function pendulum(scheme, parts)
   local period = 4 * math.sqrt(second / (g * arm)) * elliptic(math.sin(amplitude / 2))
   solid:gravity {0, 0, -g}
   local step = period / parts
-  local motion = assert(solid:motion {scheme = scheme, step = step, tolerance = 1e-9})
+  local motion = assert(solid:transient {scheme = scheme, step = step, tolerance = 1e-9})
   local tip = grid:nodes {where = function(x, _, z) return x > 1 - 1e-9 and z < 1e-9 end}
   -- the angle of the bar's lower edge under the horizontal, past that at which its middle hangs below
   local function angle()
@@ -81,7 +81,7 @@ local function cantilever(cells, parts)
   local omega = 1.8751040687 ^ 2 * math.sqrt(young * (1 + cell ^ 2 / 2) * side ^ 2 / (12 * density)) / length ^ 2
   local period = 2 * math.pi / omega
   local step = period / parts
-  local motion = assert(free:motion {scheme = "newmark", step = step, displacement = bent.displacement,
+  local motion = assert(free:transient {scheme = "newmark", step = step, displacement = bent.displacement,
     tolerance = 1e-9})
   local tip = grid:nodes {side = "max x"}
   local times = crossings(motion, step, 5, function()

@@ -84,7 +84,7 @@ local marches = {vibration = true, flow = true, thermal = true}
 
 local function replay(name, elements, rebuilt)
   local sheet = assert(make[name] {outline = plate(), material = rubber, elements = elements,
-    follow = rebuilt and {level = "reconstruction"} or {}, solver = {method = rebuilt and "scratch" or "auto"}})
+    follow = rebuilt and {level = "reconstruction"} or {}, solver = {method = rebuilt and "full" or "auto"}})
   local clock, processor, levels, iterations, factors = {}, {}, {}, 0, 0
   local made = sheet.element_count
   -- what is rebuilt costs the same however far the hole has moved: fewer frames do

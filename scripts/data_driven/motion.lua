@@ -20,7 +20,7 @@ local function let_go(opts, fine, solution, by)
     if not free then return nil, message, details end
   end
   local moving
-  moving, message, details = free:motion {scheme = "implicit_euler", step = opts.step, iterations = 1,
+  moving, message, details = free:transient {scheme = "implicit_euler", step = opts.step, iterations = 1,
     displacement = solution.displacement, linear = not by and "jacobi" or nil}
   return moving, message, details, free
 end

@@ -18,7 +18,7 @@ local groups = {
   {"Geometry", "surface shapes mesh selection picture canvas"},
   {"Parts", "material model static stress modes system singular"},
   {"Where a part breaks", "worst_case breaking_force strengthen drop_test brute_force worst_loads"},
-  {"Edit sessions", "edit optimise skeleton subdomains local_system live"},
+  {"Edit sessions", "edit optimise skeleton subdomains incremental_system live"},
   {"The plane", "outline plane responsive sheet bridge metallophone flow"},
   {"Solids on grids", "grid solid metamaterial"},
   {"Studies and tests", "study scenario plot distributed"},

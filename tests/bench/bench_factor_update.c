@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Factor reuse in limbed bodies: for an edit of every single subdomain the work touched and the
- * time of bringing the factor up to date and solving, beside CHOLMOD's factor and solve from
+ * time of updating the factor and solving, beside CHOLMOD's factor and solve from
  * scratch in the same run.
  *
  *   build/tests/bench_factor_update [scene or all] [elements] [folder of meshes made before]
@@ -122,7 +122,7 @@ static bw_status run(bw_context *context, const limbs *body, const scene *s, con
   BW_TRY(bwi_elimination_reach_create(context, symbolic, s->mesh, s->subdomains, s->subdomain,
                                       &reach));
   start = bw_seconds();
-  BW_TRY(bwi_factor_create_kept(context, symbolic, &matrix, reach, &factor, NULL));
+  BW_TRY(bwi_factor_create_with_updates(context, symbolic, &matrix, reach, &factor, NULL));
   double first = bw_seconds() - start;
   start = bw_seconds();
   BW_TRY(bwi_factor_update(context, factor, &matrix, NULL, NULL, NULL));
@@ -161,7 +161,7 @@ static bw_status run(bw_context *context, const limbs *body, const scene *s, con
   }
   update_cpu = processor() - update_cpu;
   size_t kept, work;
-  bwi_factor_kept_bytes(factor, &kept, &work);
+  bwi_factor_update_bytes(factor, &kept, &work);
   double entries = (double)symbolic->panel[order->super_count];
   printf("{\"scene\": \"%s\", \"order\": \"%s\", \"elements\": %d, \"unknowns\": %d, "
          "\"subdomains\": %d, \"gigaflops\": %.2f, \"entries_million\": %.1f, "

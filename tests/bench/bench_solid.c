@@ -109,7 +109,7 @@ int main(int count, char **argument) {
                  unit * kernel[0], unit * kernel[1], unit * kernel[2], unit * whole[0],
                  unit * whole[1], unit * whole[2], unit * product, unit * with_matrix);
           free(values);
-          bw_solid_linear_free(linear);
+          bw_solid_linear_destroy(linear);
           bw_release(solid);
           bw_release(material_table);
           bw_release(material);

@@ -47,7 +47,7 @@ static bw_status reduced_matrix(bw_context *context, const bwi_symbolic *symboli
           for (int64_t k = from[node]; k < from[node + 1]; k++) {
             int32_t other = half ? pattern->upper_row[k] : pattern->column[k];
             double block[9];
-            if (order->place[other] < p)
+            if (order->position[other] < p)
               continue;
             if (value)
               bwi_matrix_block(matrix, 3, half ? pattern->upper_block[k] : k, !half, other, node,

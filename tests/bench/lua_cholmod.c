@@ -11,18 +11,18 @@
 #include "bind.h"
 
 #include "bench/cholmod_baseline.h"
-#include "solve/local.h"
+#include "solve/incremental.h"
 
 typedef struct baseline_times {
   double stiffness, ordering;
   cholmod_times cholmod;
 } baseline_times;
 
-static bw_status measure(bw_context *context, const bw_local_system *local, bool own_order,
-                         baseline_times *times) {
+static bw_status measure(bw_context *context, const bw_incremental_system *incremental,
+                         bool own_order, baseline_times *times) {
   bw_status status = BW_OK;
-  const bwi_local *inner = local->inner;
-  const bw_system *view = local->system;
+  const bwi_incremental *inner = incremental->inner;
+  const bw_system *view = incremental->system;
   if (!inner->factor)
     return bw_fail(context, BW_INVALID, "the system has no factor yet: solve it once first");
   const bwi_symbolic *symbolic = inner->factor->symbolic;

@@ -52,12 +52,12 @@ describe("an edit that inverts elements", function()
   end)
 
   it("keeps the directions of a material that turns through a refill", function()
-    local session = body {material_turns = true}
+    local session = body {rotate_material = true}
     turn_until(session, "x", "refilled")
     compare(session, assert(session:solve {check = true}))
     assert(session:bone("trunk"):rotate {x = 10, z = 20})
     compare(session, assert(session:solve {check = true}))
-    assert.truthy(session.part.material.turned)
+    assert.truthy(session.part.material.rotated_by_element)
   end)
 
   it("has blended subdomains refilled where that fails, and goes on", function()

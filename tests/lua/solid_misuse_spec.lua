@@ -201,7 +201,7 @@ describe("a solid", function()
     assert.equal(before, displacement:norm())
     assert.is_true(stress:norm() > 0 and solid == nil and result == nil)
     for _, object in ipairs {bw.grid.box {size = 1, cells = 1}, rubber(), column().materials,
-      standing():motion {}} do
+      standing():transient {}} do
       object:close()
       assert.is_truthy(tostring(object):find("(closed)", 1, true))
     end
@@ -231,19 +231,19 @@ describe("a motion", function()
       displacement = {5, {}}, velocity = {{{1, 2, 3}}}} do
       for _, bad in ipairs(list) do
         local solid = standing()
-        assert.is_false(pcall(solid.motion, solid, {[key] = bad}), key .. " = " .. tostring(bad))
+        assert.is_false(pcall(solid.transient, solid, {[key] = bad}), key .. " = " .. tostring(bad))
       end
     end
-    check.raises("a table of options", function() standing():motion(5) end)
-    check.raises("density", function() standing({bw.hyperelastic {young = 1, poisson = 0}}):motion() end)
-    local motion = assert(standing():motion())
+    check.raises("a table of options", function() standing():transient(5) end)
+    check.raises("density", function() standing({bw.hyperelastic {young = 1, poisson = 0}}):transient() end)
+    local motion = assert(standing():transient())
     check.raises("of at least 0 expected", motion.step, motion, -1)
   end)
 
   it("that cannot be is told, and stays as it was", function()
     local fast = {}
     for i = 1, 45 do fast[i] = {1e30, 0, 0} end
-    local motion = assert(standing():motion {velocity = fast})
+    local motion = assert(standing():transient {velocity = fast})
     local before = motion.kinetic
     check.fails("convergence", "the step from 0 s", motion:step())
     assert.equal(before, motion.kinetic)

@@ -185,7 +185,7 @@ describe("a solid", function()
     local pressed, done = {}, {}
     for i, p in ipairs(grid.points:totable()) do pressed[i] = {1e-4 * math.sin(20 * p[3]), 0, -0.3 * p[3]} end
     for i, linear in ipairs {"direct", "jacobi"} do
-      local motion = assert(solid:motion {step = 0.1, iterations = 1, linear = linear,
+      local motion = assert(solid:transient {step = 0.1, iterations = 1, linear = linear,
         displacement = bw.array(pressed)})
       done[i] = assert(motion:step()).displacement
     end
@@ -262,7 +262,7 @@ describe("a solid", function()
   it("moves: without a load it stays, falling it falls", function()
     local solid = column()
     solid:gravity {0, 0, -10}
-    local motion = assert(solid:motion {step = 0.01, scheme = "newmark"})
+    local motion = assert(solid:transient {step = 0.01, scheme = "newmark"})
     assert(motion:step(10))
     check.near(0.1, motion.time, 1e-12)
     check.near(-0.05, motion.displacement:column(3):mean(), 1e-6)
@@ -271,12 +271,13 @@ describe("a solid", function()
     solid:fix {side = "min z"}
     solid:gravity {3, 0, 0}
     for i, linear in ipairs {"direct", "jacobi"} do
-      local swing = assert(solid:motion {step = 0.01, iterations = 1, linear = linear, stiffness_damping = 1e-3})
+      local swing = assert(solid:transient {step = 0.01, iterations = 1, linear = linear,
+        stiffness_damping = 1e-3})
       swung[i] = assert(swing:step(5)).displacement:column(1):max()
       assert.is_true(math.abs(swing.kinetic + swing.strain + swing.potential + swing.dissipated) < 1e-12)
     end
     check.near(swung[1], swung[2], 1e-5)
     assert.is_true(swung[1] > 1e-7)
-    check.raises("did you mean 'step'", function() solid:motion {steps = 1} end)
+    check.raises("did you mean 'step'", function() solid:transient {steps = 1} end)
   end)
 end)

@@ -17,11 +17,11 @@ local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   selection = "bw.Selection", material = "bw.Material", model = "bw.Model", static = "bw.Static",
   modes = "bw.Modes", system = "bw.System", weak_regions = "bw.WeakRegions",
   pressure_basis = "bw.PressureBasis", skeleton = "bw.Skeleton",
-  subdomains = "bw.Subdomains", local_system = "bw.LocalSystem",
+  subdomains = "bw.Subdomains", incremental_system = "bw.IncrementalSystem",
   live_server = "bw.LiveServer", outline = "bw.Outline",
   sheet = "bw.Sheet", plate = "bw.Plate",
   grid = "bw.Grid", canvas = "bw.Canvas", embedding = "bw.Embedding", hyperelastic = "bw.Hyperelastic",
-  ["material table"] = "bw.MaterialTable", solid_motion = "bw.SolidMotion", library = "bw.Library",
+  ["material table"] = "bw.MaterialTable", solid_transient = "bw.SolidTransient", library = "bw.Library",
   plane_mesh = "bw.PlaneMesh", ["mesh motion"] = "bw.MeshMotion", flow = "bw.FlowBody", state = "bw.BodyState"}
 
 -- Seen from scripts only through objects written in Lua.

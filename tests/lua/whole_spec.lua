@@ -209,7 +209,7 @@ describe("a motion", function()
     local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e5, poisson = 0.3,
       density = 1000}}})
     assert(solid:fix {side = "min z"}):force({side = "max z"}, {5, 0, 0})
-    local motion = assert(solid:motion {step = 1e-3})
+    local motion = assert(solid:transient {step = 1e-3})
     assert(motion:step(2))
     local function said()
       return motion.displacement:tostring "<f8" .. motion.velocity:tostring "<f8"
@@ -217,7 +217,7 @@ describe("a motion", function()
     end
     local before = said()
     for fraction = 1, 3 do
-      local former = bw.progress(function(stage, part) return stage ~= "motion" or part < fraction / 4 end)
+      local former = bw.progress(function(stage, part) return stage ~= "transient" or part < fraction / 4 end)
       check.fails("cancelled", "", motion:step(4))
       bw.progress(former)
       assert.equal(before, said())

@@ -40,7 +40,7 @@ BW_API bw_status bw_principal_field(bw_context *context, int64_t count, const do
 BW_API bw_status bw_max_principal_field(bw_context *context, int64_t count, const double *stress,
                                         double *value);
 /* bw_material_utilisation of tensors, stress (Pa, count x 6): value (-, count). With a material
- * turned by element they are those of all elements, in order (BW_INVALID else). */
+ * rotated by element they are those of all elements, in order (BW_INVALID else). */
 BW_API bw_status bw_utilisation_field(bw_context *context, const bw_material *material,
                                       int64_t count, const double *stress, double *value);
 /* Zienkiewicz and Zhu's estimate for displacement (m, node_count x 3): error energy of every
@@ -107,7 +107,7 @@ BW_API bw_status bw_surface_mean(bw_context *context, const bw_mesh *mesh,
  */
 
 /* Solves K x = f for `count` right-hand sides, force (any, count x node_count x 3), displacement
- * (any, count x node_count x 3): bw_system_solve or bw_local_system_solve. */
+ * (any, count x node_count x 3): bw_system_solve or bw_incremental_system_solve. */
 typedef bw_status bw_solve_function(void *data, bw_context *context, int64_t count,
                                     const double *force, double *displacement);
 /* The nodal von Mises stress, von_mises (Pa, count), as bw_static_stress and bw_von_mises_field

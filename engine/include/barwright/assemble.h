@@ -110,9 +110,9 @@ typedef struct bw_subdomain_change {
 typedef struct bw_subdomain_stiffness {
   bw_object object;
   const bw_block_pattern *pattern; /* retained */
-  const bw_material *material;     /* retained; its axes stay global, unless material_turns */
-  bool material_turns; /* an orthotropic material's axes turn with each subdomain's frame, from
-                          what they are in `material` (turned by element: one way in each
+  const bw_material *material;     /* retained; its axes stay global, unless rotate_material */
+  bool rotate_material; /* an orthotropic material's axes turn with each subdomain's frame, from
+                          what they are in `material` (rotated by element: one way in each
                           subdomain) */
   int32_t subdomain_count;
   double *values;    /* (N/m, block_count x 9) those of bw_stiffness for the mesh as it is now */
@@ -120,14 +120,14 @@ typedef struct bw_subdomain_stiffness {
   uint64_t revision; /* of the values: the same as the object's */
   struct bwi_subdomain_coefficients *coefficients; /* the engine's own */
 } bw_subdomain_stiffness;
-/* All subdomains at rest in `mesh`, with material_turns as above. element_subdomain (index,
+/* All subdomains at rest in `mesh`, with rotate_material as above. element_subdomain (index,
  * element_count) and node_subdomain (index, node_count), -1: the global frame, for nodes some but
  * not all of whose components are prescribed, are copied. Curved elements are BW_INVALID, as they
  * have no closed form; BW_UNSUPPORTED for the B-bar formulation, BW_LIMIT for too many
  * contributions, BW_GEOMETRY for an inverted element. */
 BW_API bw_status bw_subdomain_stiffness_create(bw_context *context, const bw_block_pattern *pattern,
                                                const bw_mesh *mesh, const bw_material *material,
-                                               bool material_turns, int32_t subdomain_count,
+                                               bool rotate_material, int32_t subdomain_count,
                                                const int32_t *element_subdomain,
                                                const int32_t *node_subdomain,
                                                bw_subdomain_stiffness **stiffness);

@@ -56,14 +56,14 @@ typedef struct bw_flow {
 BW_API bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
                                 const bw_flow_description *description, bw_flow **flow);
 /* Continues on another mesh of the same problem; velocity, pressure and temperature are
- * interpolated (bw_plane_transfer). What is reused is added to `kept`, which may be NULL. */
+ * interpolated (bw_plane_transfer). What is reused is added to `reuse`, which may be NULL. */
 BW_API bw_status bw_flow_follow(bw_context *context, bw_flow *flow, const bw_plane_mesh *mesh,
-                                bw_plane_reuse *kept);
+                                bw_plane_reuse *reuse);
 /* One implicit time step, or the steady state. BW_CONVERGENCE where no steady state was found or
  * the equations were not solved, BW_SINGULAR where they have no solution, BW_GEOMETRY for an
- * inverted element; all leave the state as it was. `options` and `kept` may be NULL. */
+ * inverted element; all leave the state as it was. `options` and `reuse` may be NULL. */
 BW_API bw_status bw_flow_step(bw_context *context, bw_flow *flow, const bw_flow_options *options,
-                              bw_plane_reuse *kept);
+                              bw_plane_reuse *reuse);
 /* The state of a flow, an immutable object. Returning to it restores mesh, fields, time and the
  * start of the next step bit for bit, and fails only for the state of another flow. The operations
  * of a flow replace its present state at their end: those that fail change nothing. */

@@ -102,7 +102,7 @@ BW_API bw_status bw_grid_surface(bw_context *context, const bw_grid *grid, bw_su
 
 /* ---- choosing by geometry -------------------------------------------------------------------
  *
- * A region is said in metres, not in cells, so that the same one serves a fine grid and a coarse
+ * A region is given in metres, not in cells, so that the same one serves a fine grid and a coarse
  * one. */
 /* The conditions of a region, to be combined by |. */
 enum bw_region_part {

@@ -16,14 +16,14 @@ typedef struct bw_value {
 
 /* Axes that differ from element to element: every group of elements has the material turned by a
  * rotation of its own. The material owns the lists. */
-typedef struct bw_material_turns {
+typedef struct bw_material_orientations {
   int32_t element_count, count;
   int32_t *of_element; /* (index, element_count) its group, from 0 to count - 1 */
-  double *rotation;    /* (-, count x 9) material axis e_i of the unturned material goes to R e_i */
-  double *axes;        /* (-, count x 9) as bw_material.axes, of each group */
-  double *elasticity;  /* (Pa, count x 36) in these axes */
-  double *compliance;  /* (1/Pa, count x 36) its inverse */
-} bw_material_turns;
+  double *rotation;   /* (-, count x 9) material axis e_i of the unrotated material goes to R e_i */
+  double *axes;       /* (-, count x 9) as bw_material.axes, of each group */
+  double *elasticity; /* (Pa, count x 36) in these axes */
+  double *compliance; /* (1/Pa, count x 36) its inverse */
+} bw_material_orientations;
 
 /* How displacements enter the strain energy of an element. B-bar: the part of the bulk modulus that
  * locks acts on the mean of the volumetric strain over the element (docs/theory/elements.md). */
@@ -51,20 +51,21 @@ struct bw_material {
   bw_formulation formulation;  /* of the elements that have this material */
   /* with scatter and source, where they are known (the library's materials) */
   bw_value young_value[3], poisson_value[3], strength_value[3], density_value, toughness_value;
-  /* Of a material turned by element (bw_material_turned), else NULL. Axes and matrices above are
-   * then those of the unturned material; the functions below give those of an element. */
-  const bw_material *unturned; /* retained */
-  bw_material_turns *turns;    /* owned */
+  /* Of a material rotated by element (bw_material_rotated_by_element), else NULL. Axes and matrices
+   * above are then those of the unrotated material; the functions below give those of an element.
+   */
+  const bw_material *unrotated;           /* retained */
+  bw_material_orientations *orientations; /* owned */
 };
 /* The elasticity matrix, 36 numbers (Pa), in an element of the mesh; lives as long as the material.
  */
 static inline const double *bw_material_elasticity(const bw_material *material, int64_t element) {
-  const bw_material_turns *t = material->turns;
+  const bw_material_orientations *t = material->orientations;
   return t ? t->elasticity + 36 * (int64_t)t->of_element[element] : material->elasticity;
 }
 /* The compliance matrix, 36 numbers (1/Pa), in an element; lives as long as the material. */
 static inline const double *bw_material_compliance(const bw_material *material, int64_t element) {
-  const bw_material_turns *t = material->turns;
+  const bw_material_orientations *t = material->orientations;
   return t ? t->compliance + 36 * (int64_t)t->of_element[element] : material->compliance;
 }
 
@@ -107,16 +108,16 @@ BW_API bw_status bw_material_rotated(bw_context *context, const bw_material *mat
  * of that group as by bw_material_rotated: of_element (index, element_count), rotation (-,
  * group_count x 9). It fits meshes of element_count elements only. An isotropic material is itself,
  * retained. BW_INVALID for a group that is not there, a rotation that is none, and a material that
- * is turned by element already. */
-BW_API bw_status bw_material_turned(bw_context *context, const bw_material *material,
-                                    int32_t element_count, int32_t group_count,
-                                    const int32_t *of_element, const double *rotation,
-                                    bw_material **turned);
-/* BW_INVALID where a material turned by element does not fit the number of elements. */
+ * is rotated by element already. */
+BW_API bw_status bw_material_rotated_by_element(bw_context *context, const bw_material *material,
+                                                int32_t element_count, int32_t group_count,
+                                                const int32_t *of_element, const double *rotation,
+                                                bw_material **turned);
+/* BW_INVALID where a material rotated by element does not fit the number of elements. */
 BW_API bw_status bw_material_fits(bw_context *context, const bw_material *material,
                                   int32_t element_count);
 
-/* The same material for elements of a formulation. BW_INVALID for a material turned by element:
+/* The same material for elements of a formulation. BW_INVALID for a material rotated by element:
  * turn the formulated one. */
 BW_API bw_status bw_material_formulated(bw_context *context, const bw_material *material,
                                         bw_formulation formulation, bw_material **formulated);

@@ -129,14 +129,15 @@ typedef struct bw_model {
   bw_support *support; /* support_count supports */
 } bw_model;
 
-/* A model without supports and loads. BW_INVALID for a material turned by element for another mesh.
+/* A model without supports and loads. BW_INVALID for a material rotated by element for another
+ * mesh.
  */
 BW_API bw_status bw_model_create(bw_context *context, const bw_mesh *mesh,
                                  const bw_material *material, bw_model **model);
-/* Turns the model's material by element (bw_material_turned): those of group of_element (index,
- * element_count) by the rotation (-, group_count x 9) of their group. */
-BW_API bw_status bw_model_turn_material(bw_context *context, bw_model *model, int32_t group_count,
-                                        const int32_t *of_element, const double *rotation);
+/* Turns the model's material by element (bw_material_rotated_by_element): those of group of_element
+ * (index, element_count) by the rotation (-, group_count x 9) of their group. */
+BW_API bw_status bw_model_rotate_material(bw_context *context, bw_model *model, int32_t group_count,
+                                          const int32_t *of_element, const double *rotation);
 /* The formulation of the model's elements; BW_INVALID for B-bar on linear elements. */
 BW_API bw_status bw_model_formulate(bw_context *context, bw_model *model,
                                     bw_formulation formulation);
@@ -198,7 +199,7 @@ BW_API bw_status bw_model_moved(bw_context *context, const bw_model *model, cons
                                 bw_model **moved);
 /* The same on a mesh whose boundary facets are those of the model's mesh in the same order (a
  * refilled one), with the old node of each one in node_from (index, node_count), or -1. Loads on
- * inner nodes that are gone, temperatures that vary and a material turned by element are
+ * inner nodes that are gone, temperatures that vary and a material rotated by element are
  * BW_UNSUPPORTED. */
 BW_API bw_status bw_model_transferred(bw_context *context, const bw_model *model,
                                       const bw_mesh *mesh, const int32_t *node_from,
@@ -206,7 +207,7 @@ BW_API bw_status bw_model_transferred(bw_context *context, const bw_model *model
 /* The same on a refined mesh (bw_mesh_refine of the model's mesh) or on one of its topology that
  * was moved: facets of supports and loads become the facets inside of them, fields at nodes are
  * interpolated. `also`: further selections, carried the same way into also_refined (the caller's
- * references). A material turned by element is BW_UNSUPPORTED. */
+ * references). A material rotated by element is BW_UNSUPPORTED. */
 BW_API bw_status bw_model_refined(bw_context *context, const bw_model *model,
                                   const bw_refinement *refinement, const bw_mesh *mesh,
                                   int also_count, const bw_selection *const *also,
@@ -223,7 +224,7 @@ BW_API bw_status bw_model_force_vector(bw_context *context, const bw_model *mode
 BW_API bw_status bw_model_describe(bw_context *context, const bw_model *model, char **text);
 /* As an .inp for CalculiX; `modes` > 0 writes a frequency step instead of a static one.
  * BW_UNSUPPORTED for an oblique slide at a node with a prescribed displacement, and for a material
- * turned by element. */
+ * rotated by element. */
 BW_API bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
                                     int modes);
 

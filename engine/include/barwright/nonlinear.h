@@ -172,12 +172,12 @@ BW_API bw_status bw_solid_evaluate(bw_context *context, const bw_solid *solid, c
  * uniform material with a Poisson's ratio above 0.48 in the standard formulation. */
 BW_API const char *bw_solid_locking(const bw_solid *solid);
 /* Element stiffnesses kept for products without a matrix: 300 numbers an element, and 24 of
- * workspace, so that one product runs at a time. bw_solid_linear_free releases it. */
+ * workspace, so that one product runs at a time. bw_solid_linear_destroy releases it. */
 typedef struct bw_solid_linear bw_solid_linear;
 /* Retains the solid; to be set before use. */
 BW_API bw_status bw_solid_linear_create(bw_context *context, const bw_solid *solid,
                                         bw_solid_linear **linear);
-BW_API void bw_solid_linear_free(bw_solid_linear *linear);
+BW_API void bw_solid_linear_destroy(bw_solid_linear *linear);
 /* The stiffnesses at u (m, node_count x 3), with `project` as in bw_solid_evaluate. BW_GEOMETRY
  * where the energy does not exist. */
 BW_API bw_status bw_solid_linear_set(bw_context *context, bw_solid_linear *linear, const double *u,
@@ -220,15 +220,15 @@ typedef struct bw_contact_plane {
  * prescribed displacements and gravity grow with the load factor 0..1. */
 typedef struct bw_load_case {
   bw_object object;
-  const bw_grid *grid; /* retained */
-  uint8_t *held;       /* (node_count x 3) whether the component is prescribed */
-  double *value;       /* (m, node_count x 3) prescribed displacement at load factor 1 */
-  double *force;       /* (N, node_count x 3) at load factor 1 */
-  double gravity[3];   /* (m/s2) at load factor 1 */
+  const bw_grid *grid;  /* retained */
+  uint8_t *constrained; /* (node_count x 3) whether the component is prescribed */
+  double *value;        /* (m, node_count x 3) prescribed displacement at load factor 1 */
+  double *force;        /* (N, node_count x 3) at load factor 1 */
+  double gravity[3];    /* (m/s2) at load factor 1 */
   int32_t patch_count;
   bw_pressure_patch *patch; /* patch_count of them */
   int32_t contact_plane_count;
-  bw_contact_plane *floor; /* contact_plane_count of them */
+  bw_contact_plane *contact_plane; /* contact_plane_count of them */
 } bw_load_case;
 /* A case without supports and loads. */
 BW_API bw_status bw_load_case_create(bw_context *context, const bw_grid *grid, bw_load_case **it);
@@ -372,31 +372,31 @@ BW_API bw_status bw_solid_correct(bw_context *context, const bw_solid *solid,
  */
 
 /* The integrator of a motion. */
-typedef enum bw_motion_scheme {
+typedef enum bw_transient_scheme {
   BW_IMPLICIT_EULER, /* first order, with numerical damping */
   BW_NEWMARK         /* second order */
-} bw_motion_scheme;
+} bw_transient_scheme;
 /* How a motion is integrated. */
-typedef struct bw_motion_options {
-  bw_motion_scheme scheme;  /* default BW_IMPLICIT_EULER */
-  double step;              /* (s) default 0.01, > 0 */
-  double mass_damping;      /* (1/s) Rayleigh; default 0 */
-  double stiffness_damping; /* (s) Rayleigh, of the stiffness at the step's start; default 0 */
-  double beta;              /* (-) Newmark; default 1/4, gamma / 2 or more */
-  double gamma;             /* (-) Newmark; default 1/2, to 2 */
-  double tolerance;         /* (-) as in bw_newton_options; default 1e-6 */
-  int iterations;           /* 1: linearly implicit; default 30 */
-  bool allow_inverted;      /* as in bw_newton_options; default false */
-  bw_newton_linear linear;  /* BW_NEWTON_DIRECT (default), or _JACOBI: without a matrix, for large
-                               solids */
-} bw_motion_options;
-BW_API void bw_motion_options_default(bw_motion_options *options);
+typedef struct bw_transient_options {
+  bw_transient_scheme scheme; /* default BW_IMPLICIT_EULER */
+  double step;                /* (s) default 0.01, > 0 */
+  double mass_damping;        /* (1/s) Rayleigh; default 0 */
+  double stiffness_damping;   /* (s) Rayleigh, of the stiffness at the step's start; default 0 */
+  double beta;                /* (-) Newmark; default 1/4, gamma / 2 or more */
+  double gamma;               /* (-) Newmark; default 1/2, to 2 */
+  double tolerance;           /* (-) as in bw_newton_options; default 1e-6 */
+  int iterations;             /* 1: linearly implicit; default 30 */
+  bool allow_inverted;        /* as in bw_newton_options; default false */
+  bw_newton_linear linear;    /* BW_NEWTON_DIRECT (default), or _JACOBI: without a matrix, for large
+                                 solids */
+} bw_transient_options;
+BW_API void bw_transient_options_default(bw_transient_options *options);
 /* A solid in motion under a constant case, its loads at full. Mutable. */
-typedef struct bw_solid_motion {
+typedef struct bw_solid_transient {
   bw_object object;
   const bw_solid *solid;         /* retained */
   const bw_load_case *load_case; /* retained */
-  bw_motion_options options;     /* that it was created with */
+  bw_transient_options options;  /* that it was created with */
   double time;                   /* (s) */
   int64_t steps;                 /* so far */
   double *displacement;          /* (m, node_count x 3) */
@@ -407,26 +407,26 @@ typedef struct bw_solid_motion {
   double dissipated; /* (J) by damping, contact planes and the scheme, so that the sum of the four
                         changes by the work of pressures that follow only */
   bw_newton_report report; /* of the last step */
-  struct bwi_motion *inner;
-} bw_solid_motion;
+  struct bwi_transient *inner;
+} bw_solid_transient;
 /* A motion from displacements u (m, node_count x 3) and velocities v (m/s, node_count x 3), which
  * may be NULL: at rest. Prescribed components have their values of the case from the start.
  * BW_INVALID for a solid without density, BW_GEOMETRY where the shape has no energy. `options` may
  * be NULL. */
-BW_API bw_status bw_solid_motion_create(bw_context *context, const bw_solid *solid,
-                                        const bw_load_case *load_case,
-                                        const bw_motion_options *options, const double *u,
-                                        const double *v, bw_solid_motion **motion);
+BW_API bw_status bw_solid_transient_create(bw_context *context, const bw_solid *solid,
+                                           const bw_load_case *load_case,
+                                           const bw_transient_options *options, const double *u,
+                                           const double *v, bw_solid_transient **motion);
 /* One step. On failure the motion is as it was: BW_CONVERGENCE where no solution was found
  * (never with one iteration, unless nothing lowers the potential), BW_GEOMETRY where it has
  * inverted elements; both name time, residual, worst element and its place. */
-BW_API bw_status bw_solid_motion_step(bw_context *context, bw_solid_motion *motion);
+BW_API bw_status bw_solid_transient_step(bw_context *context, bw_solid_transient *motion);
 /* `count` steps, with progress: all of them, or where one fails none. Those of
- * bw_solid_motion_step. */
-BW_API bw_status bw_solid_motion_advance(bw_context *context, bw_solid_motion *motion,
-                                         int64_t count);
+ * bw_solid_transient_step. */
+BW_API bw_status bw_solid_transient_advance(bw_context *context, bw_solid_transient *motion,
+                                            int64_t count);
 /* Checks its parts against each other. */
-BW_API bw_status bw_solid_motion_check(bw_context *context, const bw_solid_motion *motion);
+BW_API bw_status bw_solid_transient_check(bw_context *context, const bw_solid_transient *motion);
 
 #ifdef __cplusplus
 }

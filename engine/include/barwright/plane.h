@@ -133,13 +133,13 @@ BW_API void bw_plane_measure(const bw_plane_mesh *mesh, bw_plane_quality *qualit
 /* The quality (-) of an element, as bw_plane_quality.worst. */
 BW_API double bw_plane_element_quality(const bw_plane_mesh *mesh, int32_t element);
 
-/* A search tree over the elements of a mesh, which it retains; bw_plane_locator_free releases it.
- * Used from any thread. */
+/* A search tree over the elements of a mesh, which it retains; bw_plane_locator_destroy releases
+ * it. Used from any thread. */
 typedef struct bw_plane_locator bw_plane_locator;
 /* Builds the tree. */
 BW_API bw_status bw_plane_locator_create(bw_context *context, const bw_plane_mesh *mesh,
                                          bw_plane_locator **locator);
-BW_API void bw_plane_locator_free(bw_plane_locator *locator);
+BW_API void bw_plane_locator_destroy(bw_plane_locator *locator);
 /* The element that holds a place, or the nearest one, with barycentric coordinates clipped to it;
  * *outside (m), which may be NULL, is its distance, 0 inside. */
 BW_API int32_t bw_plane_locate(const bw_plane_locator *locator, const double at[2],

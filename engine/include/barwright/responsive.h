@@ -46,14 +46,14 @@ BW_API bw_status bw_plane_assemble(bw_context *context, const bw_plane_pattern *
 BW_API bw_status bw_plane_multiply(bw_context *context, const bw_plane_pattern *pattern,
                                    int components, const double *values, const double *x,
                                    double *y);
-/* Prescribes unknowns, those with held (node_count x components) not 0, to prescribed (any,
+/* Prescribes unknowns, those with prescribed (node_count x components) not 0, to prescribed (any,
  * node_count x components). Their rows and columns in values (any, block_count x components x
  * components) become those of the identity times the mean size of the component's diagonal entries.
  * rhs (any, node_count x components), which may be NULL, changes accordingly, and the number of
  * unknowns does not. */
 BW_API bw_status bw_plane_prescribe(bw_context *context, const bw_plane_pattern *pattern,
-                                    int components, const uint8_t *held, const double *prescribed,
-                                    double *values, double *rhs);
+                                    int components, const uint8_t *is_prescribed,
+                                    const double *prescribed, double *values, double *rhs);
 
 /* ---- lagged factors (responsive, sections 3.2 and 3.3)
  * --------------------------------------------
@@ -90,22 +90,23 @@ typedef struct bw_plane_reuse {
   double seconds_mesh, seconds_assemble, seconds_factor, seconds_solve; /* (s) of the parts */
 } bw_plane_reuse;
 
-/* A factor of a former matrix. Mutable; one thread at a time. bw_lagged_factor_free releases it. */
+/* A factor of a former matrix. Mutable; one thread at a time. bw_lagged_factor_destroy releases it.
+ */
 typedef struct bw_lagged_factor bw_lagged_factor;
 /* For 1 to 4 components at a node, 1 to 3 where `symmetric`. */
 BW_API bw_status bw_lagged_factor_create(bw_context *context, bool symmetric, int components,
                                          bw_lagged_factor **lagged);
-BW_API void bw_lagged_factor_free(bw_lagged_factor *lagged);
+BW_API void bw_lagged_factor_destroy(bw_lagged_factor *lagged);
 /* Solves A x = b for values (any, block_count x components x components) and rhs (any, node_count x
  * components). x (any, node_count x components) is the initial guess on entry, the solution on
  * return. The factor and its elimination order are kept as long as the pattern's nodes are the same
  * object, the analysis as long as its topology is. BW_SINGULAR, or BW_CONVERGENCE with the residual
- * reached; x is then as it was. `options` and `kept` may be NULL; `kept` is added to. */
+ * reached; x is then as it was. `options` and `reuse` may be NULL; `reuse` is added to. */
 BW_API bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
                                         const bw_plane_pattern *pattern, const double *values,
                                         const double *rhs, double *x,
                                         const bw_lagged_factor_options *options,
-                                        bw_plane_reuse *kept);
+                                        bw_plane_reuse *reuse);
 /* Applies the factor alone, current or lagged: z (any, node_count x components) = B r (any,
  * node_count x components), for eigenvalue iterations. Only after a solution. */
 BW_API bw_status bw_lagged_factor_apply(bw_context *context, bw_lagged_factor *lagged,
@@ -138,15 +139,16 @@ typedef struct bw_condition {
   double coefficient;          /* (m/s) of convection, over density times heat capacity */
   int32_t order; /* of prescribed values that conflict at a node, the highest order decides */
 } bw_condition;
-/* held (node_count x components) and prescribed (any, node_count x components) at a time. A
+/* prescribed (node_count x components) and prescribed (any, node_count x components) at a time. A
  * component that any tag of a node prescribes is prescribed. Where tags of one order prescribe
  * different values, the displacement or velocity nearest to 0 holds (0 between values of both
  * signs), and the middle of temperatures. Conflicts give a warning unless *reported, which is then
  * set; `reported` may be NULL. */
 BW_API bw_status bw_conditions_prescribe(bw_context *context, const bw_plane_mesh *mesh,
                                          int components, int32_t count,
-                                         const bw_condition *condition, double time, uint8_t *held,
-                                         double *prescribed, bool *reported);
+                                         const bw_condition *condition, double time,
+                                         uint8_t *is_prescribed, double *prescribed,
+                                         bool *reported);
 /* Consistent nodal forces of tractions and pressures, times thickness: force (N, node_count x
  * components), overwritten. */
 BW_API bw_status bw_conditions_force(bw_context *context, const bw_plane_mesh *mesh, int components,
@@ -191,7 +193,7 @@ BW_API bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,
  * Conditions apply by the names of their tags: the outline may be another one. On failure the sheet
  * is unchanged; BW_EMPTY where no segment has the tag of a condition. */
 BW_API bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_mesh *mesh,
-                                 bw_plane_reuse *kept);
+                                 bw_plane_reuse *reuse);
 /* The state of a sheet, an immutable object. Returning to it restores mesh, fields and time bit for
  * bit, and fails only for the state of a sheet with other conditions. The operations of a sheet
  * replace its present state at their end: those that fail change nothing. */
@@ -203,9 +205,9 @@ BW_API bw_status bw_sheet_return(bw_context *context, bw_sheet *sheet, const bw_
 /* Checks its parts against each other. */
 BW_API bw_status bw_sheet_check(bw_context *context, const bw_sheet *sheet);
 /* (e) Linear statics. BW_UNCONSTRAINED when rigid-body modes are unconstrained; and those of
- * bw_lagged_factor_solve. `options` and `kept` may be NULL. */
+ * bw_lagged_factor_solve. `options` and `reuse` may be NULL. */
 BW_API bw_status bw_sheet_static(bw_context *context, bw_sheet *sheet,
-                                 const bw_lagged_factor_options *options, bw_plane_reuse *kept);
+                                 const bw_lagged_factor_options *options, bw_plane_reuse *reuse);
 /* Newmark's method with Rayleigh damping. */
 typedef struct bw_newmark {
   double step;              /* (s) default 1e-3, > 0 */
@@ -218,31 +220,33 @@ BW_API void bw_newmark_default(bw_newmark *newmark);
 /* (a) One Newmark step of rho u'' + c = div sigma (eqs. 1, 2). Prescribed displacements are of the
  * ground, as functions of time (read at the new time and a step before and after it, at 0 and
  * after; never below 0); the other conditions' functions are read at the new time. Those of
- * bw_lagged_factor_solve. `newmark`, `options` and `kept` may be NULL. */
-BW_API bw_status bw_sheet_shake(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
-                                const bw_lagged_factor_options *options, bw_plane_reuse *kept);
+ * bw_lagged_factor_solve. `newmark`, `options` and `reuse` may be NULL. */
+BW_API bw_status bw_sheet_transient(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
+                                    const bw_lagged_factor_options *options, bw_plane_reuse *reuse);
 /* How Newton's method proceeds. */
-typedef struct bw_bend_options {
+typedef struct bw_large_deflection_options {
   double tolerance;                /* (-) |residual| / |load|; default 1e-8, > 0 */
   int iterations;                  /* of one load step; default 30, 1 or more */
   int load_steps;                  /* at most; default 64, 1 or more */
   bw_lagged_factor_options linear; /* of each iteration */
-} bw_bend_options;
-BW_API void bw_bend_options_default(bw_bend_options *options);
+} bw_large_deflection_options;
+BW_API void bw_large_deflection_options_default(bw_large_deflection_options *options);
 /* What Newton's method did. */
-typedef struct bw_bend_report {
+typedef struct bw_large_deflection_report {
   int iterations, load_steps; /* how many */
   double residual;            /* (-) |residual| / |load| reached */
   double energy;              /* (J) strain energy */
-} bw_bend_report;
+} bw_large_deflection_report;
 /* (b) St. Venant-Kirchhoff statics (eq. 3) by Newton's method with a line search on the energy,
  * from the last solution; load steps where Newton fails from there. BW_CONVERGENCE says how far the
  * load went, BW_UNCONSTRAINED that rigid-body modes are unconstrained. `options`, `report` and
- * `kept` may be NULL. */
-BW_API bw_status bw_sheet_bend(bw_context *context, bw_sheet *sheet, const bw_bend_options *options,
-                               bw_bend_report *report, bw_plane_reuse *kept);
+ * `reuse` may be NULL. */
+BW_API bw_status bw_sheet_large_deflection(bw_context *context, bw_sheet *sheet,
+                                           const bw_large_deflection_options *options,
+                                           bw_large_deflection_report *report,
+                                           bw_plane_reuse *reuse);
 /* Stress xx yy xy zz at element points averaged to nodes, stress (Pa, node_count x 4), Cauchy
- * stress after bw_sheet_bend, and von_mises (Pa, node_count); either may be NULL. */
+ * stress after bw_sheet_large_deflection, and von_mises (Pa, node_count); either may be NULL. */
 BW_API bw_status bw_sheet_stress(bw_context *context, const bw_sheet *sheet, double *stress,
                                  double *von_mises);
 /* Zienkiewicz and Zhu's estimate of the error in the energy norm, *relative (-) to that of solution
@@ -283,9 +287,9 @@ typedef struct bw_plate {
 BW_API bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
                                  const bw_material *material, double thickness, bw_plate **plate);
 /* Continues on another mesh; the modes are transferred (bw_plane_transfer) as the initial guess of
- * the next solution. Those of bw_plate_create. `kept` may be NULL. */
+ * the next solution. Those of bw_plate_create. `reuse` may be NULL. */
 BW_API bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_mesh *mesh,
-                                 bw_plane_reuse *kept);
+                                 bw_plane_reuse *reuse);
 /* The state of a plate, an immutable object. Returning to it restores mesh and modes bit for bit.
  * The operations of a plate replace its present state at their end: those that fail change nothing.
  */
@@ -299,15 +303,15 @@ BW_API bw_status bw_plate_check(bw_context *context, const bw_plate *plate);
 typedef struct bw_plate_options {
   int modes;        /* default 1 */
   double tolerance; /* (-) of `residual`; the frequency's error is its square; default 1e-6, > 0 */
-  bool scratch;     /* random start, new factor: for checks and baselines; default false */
+  bool full;        /* random start, new factor: for checks and baselines; default false */
 } bw_plate_options;
 BW_API void bw_plate_options_default(bw_plate_options *options);
 /* Rayleigh-Ritz iteration with the rigid-body motions projected out, from the last frame's modes on
  * the last frame's factor; with a fresh factor at least as fast as inverse iteration.
  * BW_CONVERGENCE where it does not reach the tolerance and BW_SINGULAR where the factor fails leave
- * the plate as it was. `options` and `kept` may be NULL. */
+ * the plate as it was. `options` and `reuse` may be NULL. */
 BW_API bw_status bw_plate_solve(bw_context *context, bw_plate *plate,
-                                const bw_plate_options *options, bw_plane_reuse *kept);
+                                const bw_plate_options *options, bw_plane_reuse *reuse);
 /* d frequency[mode] / d node positions: gradient (Hz/m, node_count x 2). */
 BW_API bw_status bw_plate_gradient(bw_context *context, const bw_plate *plate, int mode,
                                    double *gradient);

@@ -136,24 +136,24 @@ BW_API bw_status bw_statics(bw_context *context, const bw_model *model, bw_syste
  */
 
 /* How the equations of an edited shape are solved. */
-typedef enum bw_local_method {
-  BW_LOCAL_AUTO,     /* by predicted cost: operations and bytes counted, never time measured */
-  BW_LOCAL_REFACTOR, /* the supernodes that the edits touched, and their ancestors */
-  BW_LOCAL_ITERATE,  /* conjugate gradients, preconditioned by the factor as it is */
-  BW_LOCAL_SCRATCH,  /* every supernode again: for checks and baselines */
-  BW_LOCAL_PCG       /* as BW_STATICS_PCG: needs no factor */
-} bw_local_method;
+typedef enum bw_incremental_method {
+  BW_INCREMENTAL_AUTO, /* by predicted cost: operations and bytes counted, never time measured */
+  BW_INCREMENTAL_REFACTOR, /* the supernodes that the edits touched, and their ancestors */
+  BW_INCREMENTAL_ITERATE,  /* conjugate gradients, preconditioned by the factor as it is */
+  BW_INCREMENTAL_FULL,     /* every supernode again: for checks and baselines */
+  BW_INCREMENTAL_PCG       /* as BW_STATICS_PCG: needs no factor */
+} bw_incremental_method;
 
 /* What an update and a solve reused and what they cost. */
 typedef struct bw_reuse {
-  bool pattern, ordering;     /* kept */
-  int32_t subdomains;         /* in all */
-  int32_t subdomains_reused;  /* no entry of theirs was written */
-  int32_t subdomains_rotated; /* written, but unchanged in their own frames */
-  int32_t subdomains_changed; /* changed: evaluated by polynomials or gathered */
-  bw_local_method method;     /* BW_LOCAL_REFACTOR (also where nothing had to be done), _ITERATE,
-                               _SCRATCH     or _PCG */
-  double factor_kept;         /* (-) fraction of the factor's work that was not done again */
+  bool pattern, ordering;       /* kept */
+  int32_t subdomains;           /* in all */
+  int32_t subdomains_reused;    /* no entry of theirs was written */
+  int32_t subdomains_rotated;   /* written, but unchanged in their own frames */
+  int32_t subdomains_changed;   /* changed: evaluated by polynomials or gathered */
+  bw_incremental_method method; /* BW_INCREMENTAL_REFACTOR (also where nothing had to be done),
+                           _ITERATE, _SCRATCH     or _PCG */
+  double factor_reused;         /* (-) fraction of the factor's work that was not done again */
   int iterations;  /* of conjugate gradients with a factor of a former shape, or by two-level PCG,
                       in all solves since the update */
   int precision;   /* bits of the factor's numbers: 64, or 32 */
@@ -168,8 +168,8 @@ typedef struct bw_reuse {
 } bw_reuse;
 
 /* How the equations of an edited shape are to be solved. */
-typedef struct bw_local_options {
-  bw_local_method method; /* default BW_LOCAL_AUTO */
+typedef struct bw_incremental_options {
+  bw_incremental_method method; /* default BW_INCREMENTAL_AUTO */
   double tolerance; /* (-) of conjugate gradients, relative residual; default 1e-10, below 1 */
   int precision;    /* of the factor: 32 or 64 bits; default 0: by predicted cost. Solutions are in
                        double precision in any case: with a factor in single precision, which takes
@@ -191,20 +191,20 @@ typedef struct bw_local_options {
      solution's: for values that are means over many elements. Residuals, which single elements may
      dominate, do not count. Default false. */
   bool energy;
-} bw_local_options;
-BW_API void bw_local_options_default(bw_local_options *options);
+} bw_incremental_options;
+BW_API void bw_incremental_options_default(bw_incremental_options *options);
 
-/* The equations of a body cut into subdomains, kept up to date through edits of its shape. Mutable:
+/* The equations of a body cut into subdomains, updated through edits of its shape. Mutable:
  * one owner, one thread at a time. `system` is a view for what takes a bw_system: its mesh,
  * dof_map and stiffness are of the shape last synchronised; factor and mass are so only
- * after bw_local_system_refactor (NULL, or of no use, otherwise), the factor in double precision;
- * none outlives the next update. */
-typedef struct bw_local_system {
+ * after bw_incremental_system_refactor (NULL, or of no use, otherwise), the factor in double
+ * precision; none outlives the next update. */
+typedef struct bw_incremental_system {
   bw_object object;
   bw_system *system;                 /* owned */
   bw_subdomain_stiffness *stiffness; /* owned */
-  struct bwi_local *inner;
-} bw_local_system;
+  struct bwi_incremental *inner;
+} bw_incremental_system;
 /* The edits to be expected, borrowed, by the subdomains that they touch: those of subdomain d are
  * edit[start[d]] to edit[start[d + 1] - 1], numbers from 0 to count - 1 (bones, mostly). */
 typedef struct bw_edits {
@@ -214,42 +214,47 @@ typedef struct bw_edits {
 } bw_edits;
 /* `subdomain_count` subdomains by element, element_subdomain (index, element_count), and by node,
  * node_subdomain (index, node_count), as in bw_subdomains; all at rest in the model's mesh.
- * `material_turns`: an orthotropic material's axes turn with the frames of the subdomains, and
- * models that are followed come with their material turned so (bw_model_turn_material). The
+ * `rotate_material`: an orthotropic material's axes turn with the frames of the subdomains, and
+ * models that are followed come with their material turned so (bw_model_rotate_material). The
  * elimination order takes account of the edits (NULL: of each subdomain by itself). Those of
  * bw_system_create and bw_subdomain_stiffness_create. */
-BW_API bw_status bw_local_system_create(bw_context *context, const bw_model *model,
-                                        bool material_turns, int32_t subdomain_count,
-                                        const int32_t *element_subdomain,
-                                        const int32_t *node_subdomain, const bw_edits *edits,
-                                        bw_local_system **local);
+BW_API bw_status bw_incremental_system_create(bw_context *context, const bw_model *model,
+                                              bool rotate_material, int32_t subdomain_count,
+                                              const int32_t *element_subdomain,
+                                              const int32_t *node_subdomain, const bw_edits *edits,
+                                              bw_incremental_system **incremental);
 /* Follow an edit: `model` is the edited one (bw_model_moved). Where the supports are no longer the
  * same, the next solve factors from scratch. On failure the shape is as it was; those of
  * bw_subdomain_stiffness_update. */
-BW_API bw_status bw_local_system_update(bw_context *context, bw_local_system *local,
-                                        const bw_model *model, const bw_subdomain_motion *motion,
-                                        bw_reuse *reuse);
+BW_API bw_status bw_incremental_system_update(bw_context *context,
+                                              bw_incremental_system *incremental,
+                                              const bw_model *model,
+                                              const bw_subdomain_motion *motion, bw_reuse *reuse);
 /* u = K^-1 f as bw_system_solve for force (N, count x node_count x 3) and displacement (m, count x
  * node_count x 3), by the given or the cheapest method. BW_CONVERGENCE where a given iteration
  * does not converge, BW_SINGULAR where the factor fails. `options` may be NULL; `reuse`
  * (may be NULL) is completed, not cleared. */
-BW_API bw_status bw_local_system_solve(bw_context *context, bw_local_system *local,
-                                       const bw_local_options *options, int64_t count,
-                                       const double *force, double *displacement, bw_reuse *reuse);
+BW_API bw_status bw_incremental_system_solve(bw_context *context,
+                                             bw_incremental_system *incremental,
+                                             const bw_incremental_options *options, int64_t count,
+                                             const double *force, double *displacement,
+                                             bw_reuse *reuse);
 /* Updates the factor, and that of the view: where the system keeps its own in single precision,
- * that is another one, factored from scratch. BW_SINGULAR as bw_local_system_solve. */
-BW_API bw_status bw_local_system_refactor(bw_context *context, bw_local_system *local,
-                                          bw_reuse *reuse);
+ * that is another one, factored from scratch. BW_SINGULAR as bw_incremental_system_solve. */
+BW_API bw_status bw_incremental_system_refactor(bw_context *context,
+                                                bw_incremental_system *incremental,
+                                                bw_reuse *reuse);
 /* The static solution of the model that was last synchronised, as bw_statics; result->system is
- * NULL. Those of bw_local_system_solve; BW_UNCONSTRAINED as bw_statics. */
-BW_API bw_status bw_local_statics(bw_context *context, bw_local_system *local,
-                                  const bw_model *model, const bw_statics_options *statics,
-                                  const bw_local_options *options, bw_static **result,
-                                  bw_reuse *reuse);
+ * NULL. Those of bw_incremental_system_solve; BW_UNCONSTRAINED as bw_statics. */
+BW_API bw_status bw_incremental_statics(bw_context *context, bw_incremental_system *incremental,
+                                        const bw_model *model, const bw_statics_options *statics,
+                                        const bw_incremental_options *options, bw_static **result,
+                                        bw_reuse *reuse);
 /* Bytes of the *factor, and of the update matrices kept beside it, *updates. */
-BW_API void bw_local_system_memory(const bw_local_system *local, size_t *factor, size_t *updates);
+BW_API void bw_incremental_system_memory(const bw_incremental_system *incremental, size_t *factor,
+                                         size_t *updates);
 /* Bytes of the two-level preconditioner; 0 until it is first used. */
-BW_API size_t bw_local_system_two_level_bytes(const bw_local_system *local);
+BW_API size_t bw_incremental_system_two_level_bytes(const bw_incremental_system *incremental);
 
 /* ---- modes --------------------------------------------------------------------------------- */
 
@@ -360,7 +365,7 @@ typedef struct bw_external {
   void (*close)(bw_context *context, bw_external_report *report);
 } bw_external;
 /* Registers a solver for the process, borrowed until the next registration; NULL: none. */
-BW_API void bw_external_register(const bw_external *outside);
+BW_API void bw_external_register(const bw_external *external);
 /* The registered solver, borrowed, or NULL. */
 BW_API const bw_external *bw_external_registered(void);
 
@@ -373,7 +378,7 @@ BW_API bw_status bw_statics_external(bw_context *context, const bw_model *model,
 /* As bw_modes_elastic: BW_UNSUPPORTED when none is registered, and the solver's own statuses. */
 BW_API bw_status bw_modes_external(bw_context *context, const bw_model *model,
                                    const bw_modes_options *options,
-                                   const bw_external_options *outside, bw_modes **modes);
+                                   const bw_external_options *external, bw_modes **modes);
 
 /* A *text with name and version of the BLAS in use, the thread libraries, CHOLMOD, METIS, GLPK...:
  * one line each; it warns of a BLAS known to be slow here (OpenMP variant). Release it with

@@ -135,9 +135,9 @@ static void own_method_agrees_with_glpk(void **state) {
       bw_free(shares);
       bw_free(vertex.basic);
       bw_free(vertex.at_upper);
-      bwi_simplex_free(simplex);
-      bwi_glpk_free(glpk);
-      bwi_linear_program_free(program);
+      bwi_simplex_destroy(simplex);
+      bwi_glpk_destroy(glpk);
+      bwi_linear_program_destroy(program);
     }
     pressed_close(&s);
     bw_release(mesh);

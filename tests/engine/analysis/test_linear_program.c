@@ -434,9 +434,9 @@ static void each_solver_alone(void **state) {
   bw_free(share);
   bw_free(vertex.basic);
   bw_free(vertex.at_upper);
-  bwi_simplex_free(simplex);
-  bwi_glpk_free(glpk);
-  bwi_linear_program_free(program);
+  bwi_simplex_destroy(simplex);
+  bwi_glpk_destroy(glpk);
+  bwi_linear_program_destroy(program);
   bw_release(basis);
   bw_release(mesh);
 }

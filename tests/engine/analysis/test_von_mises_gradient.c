@@ -41,7 +41,7 @@ static bw_material *make_material(bw_context *context, int printed) {
 }
 
 /* Elements in turn belong to three groups, each with the material turned in its own way. */
-static void turn_material(bw_context *context, bw_model *model) {
+static void rotate_material(bw_context *context, bw_model *model) {
   const double turn[3][9] = {{1, 0, 0, 0, 1, 0, 0, 0, 1},
                              {0.6, -0.8, 0, 0.8, 0.6, 0, 0, 0, 1},
                              {0, 0, 1, 0.6, 0.8, 0, -0.8, 0.6, 0}};
@@ -50,7 +50,7 @@ static void turn_material(bw_context *context, bw_model *model) {
   assert_non_null(group);
   for (int32_t e = 0; e < count; e++)
     group[e] = e % 3;
-  check_ok(context, bw_model_turn_material(context, model, 3, group, turn[0]));
+  check_ok(context, bw_model_rotate_material(context, model, 3, group, turn[0]));
   free(group);
 }
 
@@ -141,7 +141,7 @@ static bw_model *model_on(bw_context *context, const scene *s, const bar *b, con
   check_ok(context, bw_select_all(context, mesh, &all));
   check_ok(context, bw_model_create(context, mesh, b->material, &model));
   if (s->printed == 2)
-    turn_material(context, model);
+    rotate_material(context, model);
   const bool held[3] = {true, true, true}, across[3] = {false, true, true};
   const double value[3] = {1e-3, -2e-3, 5e-4}, zero[3] = {0, 0, 0}, oblique[3] = {0.8, 0.6, 0};
   if (s->held == CLAMPED || s->held == PRESCRIBED)
@@ -235,7 +235,7 @@ static void compare_part(bw_context *context, const bw_model *model, const bw_st
 }
 
 static void compare(bw_context *context, const scene *s) {
-  static const char *const word[] = {"isotropic", "orthotropic", "turned by element"};
+  static const char *const word[] = {"isotropic", "orthotropic", "rotated by element"};
   bar b = make(context, s);
   int32_t node[NODES];
   double j[NODES], at[4][NODES], size = 3e-4;

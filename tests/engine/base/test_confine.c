@@ -111,7 +111,7 @@ static bool check_paths(bw_context *c) {
     if (may(c, in(expected[i].name), BW_TO_READ) != expected[i].read ||
         may(c, in(expected[i].name), BW_TO_WRITE) != expected[i].write ||
         may(c, in(expected[i].name), BW_TO_REPLACE) != expected[i].replace) {
-      fprintf(stderr, "%s is judged wrongly\n", expected[i].name);
+      fprintf(stderr, "%s is checked wrongly\n", expected[i].name);
       return false;
     }
   return !may(c, "", BW_TO_READ) && !may(c, "/etc/passwd", BW_TO_READ) && !may(c, "/", BW_TO_READ);

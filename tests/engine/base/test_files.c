@@ -83,7 +83,7 @@ static void folders(void **state) {
   }
 }
 
-/* A child that takes the lock and goes on until it is told otherwise. */
+/* A child that takes the lock and goes on until it is asked to stop. */
 static pid_t holder(const char *path) {
   int ready[2];
   assert_int_equal(pipe(ready), 0);

@@ -62,9 +62,9 @@ static void test_channel(void **state) {
   for (int k = 0; k < 3; k++) {
     bw_plane_mesh *mesh = rectangle(context, 2, 1, 8 << k, 4 << k, 0);
     bw_flow *flow = make_flow(context, mesh, 0.1, 6, channel);
-    bw_plane_reuse kept = {0};
+    bw_plane_reuse reuse = {0};
     double force[2];
-    check_ok(context, bw_flow_step(context, flow, NULL, &kept));
+    check_ok(context, bw_flow_step(context, flow, NULL, &reuse));
     error[k] = 0;
     for (int64_t i = 0; i < mesh->topology->nodes->node_count; i++)
       error[k] = fmax(error[k], fabs(flow->state[3 * i] - parabola(NULL, mesh->point + 2 * i, 0)));
@@ -321,13 +321,13 @@ static void test_following(void **state) {
   check_ok(context, bw_plane_mesh_moved(context, mesh, mesh->outline, point, &moved));
   bw_flow *flow = make_flow(context, mesh, 0.02, 6, channel);
   bw_flow *rebuilt = make_flow(context, moved, 0.02, 6, channel);
-  bw_plane_reuse kept = {0};
+  bw_plane_reuse reuse = {0};
   double force[2], other[2];
   check_ok(context, bw_flow_step(context, flow, NULL, NULL));
-  check_ok(context, bw_flow_follow(context, flow, moved, &kept));
-  assert_true(kept.pattern && kept.solution);
-  check_fails(context, BW_INVALID, "no step", bw_flow_force(context, flow, BOTTOM, force));
-  check_ok(context, bw_flow_step(context, flow, NULL, &kept));
+  check_ok(context, bw_flow_follow(context, flow, moved, &reuse));
+  assert_true(reuse.pattern && reuse.solution);
+  check_fails(context, BW_INVALID, "no solution", bw_flow_force(context, flow, BOTTOM, force));
+  check_ok(context, bw_flow_step(context, flow, NULL, &reuse));
   check_ok(context, bw_flow_step(context, rebuilt, NULL, NULL));
   for (int64_t i = 0; i < 3 * (int64_t)nodes->node_count; i++)
     check_near(flow->state[i], rebuilt->state[i], 1e-6);
@@ -357,13 +357,13 @@ static void test_kept(void **state) {
     check_ok(context, bw_flow_step(context, flow, &options, NULL));
   check_ok(context, bw_flow_force(context, flow, BOTTOM, force));
   memcpy(state_then, flow->state, size);
-  const bw_flow_state *kept = bw_flow_keep(flow);
-  assert_ptr_equal(bw_flow_state_mesh(kept), mesh);
+  const bw_flow_state *reuse = bw_flow_keep(flow);
+  assert_ptr_equal(bw_flow_state_mesh(reuse), mesh);
   for (int k = 0; k < 2; k++) {
     bw_plane_mesh *now = k ? other : mesh;
     check_ok(context, bw_flow_follow(context, flow, now, NULL));
     check_ok(context, bw_flow_step(context, flow, k ? NULL : &options, NULL));
-    check_ok(context, bw_flow_return(context, flow, kept));
+    check_ok(context, bw_flow_return(context, flow, reuse));
     assert_ptr_equal(flow->mesh, mesh);
     assert_memory_equal(flow->state, state_then, size);
     check_near(flow->time, 0.15, 1e-15);
@@ -379,10 +379,10 @@ static void test_kept(void **state) {
   for (size_t i = 0; i < size / sizeof(double); i++)
     check_near(flow->state[i], straight->state[i], 2e-5);
   bw_flow *heated = warm_flow(context, mesh, 1, 6, channel);
-  check_fails(context, BW_INVALID, "another flow", bw_flow_return(context, heated, kept));
+  check_fails(context, BW_INVALID, "another flow", bw_flow_return(context, heated, reuse));
   bw_release(heated);
   bw_release(straight);
-  bw_release(kept);
+  bw_release(reuse);
   bw_release(flow);
   bw_release(mesh);
   bw_release(other);
@@ -396,7 +396,7 @@ static double shear(void *data, const double at[2], double time) {
 }
 
 /* Couette's flow is linear in space: nodes that wander through it, at steps of any length, do not
- * disturb it if the equations are told their velocity; if not, they carry it along. */
+ * disturb it if the equations have their velocity; if not, they carry it along. */
 static void test_moving_mesh(void **state) {
   bw_context *context = check_context(state);
   static const bw_condition plates[5] = {{.tag = LEFT, .component = 0, .function = shear},
@@ -467,7 +467,7 @@ static void test_wrong_input(void **state) {
   options.step = -1;
   check_fails(context, BW_INVALID, "step", bw_flow_step(context, flow, &options, NULL));
   double heat;
-  check_fails(context, BW_INVALID, "temperature", bw_flow_heat(context, flow, LEFT, &heat));
+  check_fails(context, BW_INVALID, "carries no heat", bw_flow_heat(context, flow, LEFT, &heat));
   bw_release(flow);
   bw_release(mesh);
 }
@@ -495,13 +495,13 @@ static void test_memory(void **state) {
       status = bw_flow_follow(context, flow, mesh, NULL);
     if (status == BW_OK)
       status = bw_flow_step(context, flow, NULL, NULL);
-    const bw_flow_state *kept = flow ? bw_flow_keep(flow) : NULL;
+    const bw_flow_state *reuse = flow ? bw_flow_keep(flow) : NULL;
     if (status == BW_OK)
       status = bw_flow_follow(context, flow, other, NULL);
     if (status == BW_OK)
-      status = bw_flow_return(context, flow, kept);
+      status = bw_flow_return(context, flow, reuse);
     bw_fail_allocation(0, false);
-    bw_release(kept);
+    bw_release(reuse);
     bw_release(flow);
     assert_int_equal(bw_live_blocks(), blocks);
     if (status == BW_OK)

@@ -230,7 +230,7 @@ static void turned_by_element(void **state) {
   const double mirror[18] = {1, 0, 0, 0, 1, 0, 0, 0, -1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
   bw_material *m = NULL, *steel = NULL, *turned = NULL, *again = NULL, *one = NULL;
   check_ok(context, bw_material_named(context, "zp150", &m));
-  check_ok(context, bw_material_turned(context, m, 3, 2, group, turn[0], &turned));
+  check_ok(context, bw_material_rotated_by_element(context, m, 3, 2, group, turn[0], &turned));
   for (int e = 0; e < 3; e++) {
     check_ok(context, bw_material_rotated(context, m, turn[group[e]], &one));
     for (int k = 0; k < 36; k++) {
@@ -240,7 +240,7 @@ static void turned_by_element(void **state) {
     bw_release(one);
   }
   check_ok(context, bw_material_rotated(context, turned, turn[0], &again));
-  const double *second = again->turns->rotation + 9;
+  const double *second = again->orientations->rotation + 9;
   for (int r = 0; r < 3; r++)
     for (int c = 0; c < 3; c++) {
       double want = 0;
@@ -248,17 +248,17 @@ static void turned_by_element(void **state) {
         want += turn[0][3 * r + k] * turn[1][3 * k + c];
       check_near(second[3 * r + c], want, 1e-15);
     }
-  assert_ptr_equal(again->unturned, m);
+  assert_ptr_equal(again->unrotated, m);
   assert_true(bw_bytes(turned) > bw_bytes(m));
   check_fails(context, BW_INVALID, "has axes by element already",
-              bw_material_turned(context, turned, 3, 2, group, turn[0], &one));
+              bw_material_rotated_by_element(context, turned, 3, 2, group, turn[0], &one));
   check_fails(context, BW_INVALID, "element 2 is in group 3",
-              bw_material_turned(context, m, 3, 2, beyond, turn[0], &one));
+              bw_material_rotated_by_element(context, m, 3, 2, beyond, turn[0], &one));
   check_fails(context, BW_INVALID, "left-handed",
-              bw_material_turned(context, m, 3, 2, group, mirror, &one));
+              bw_material_rotated_by_element(context, m, 3, 2, group, mirror, &one));
   check_fails(context, BW_INVALID, "each of 3 elements", bw_material_fits(context, turned, 4));
   check_ok(context, bw_material_named(context, "steel", &steel));
-  check_ok(context, bw_material_turned(context, steel, 3, 2, group, turn[0], &one));
+  check_ok(context, bw_material_rotated_by_element(context, steel, 3, 2, group, turn[0], &one));
   assert_ptr_equal(one, steel); /* no direction differs from another */
   bw_release(one);
   bw_release(steel);
@@ -277,7 +277,7 @@ static void out_of_memory(void **state) {
     bw_fail_allocation(n, true);
     bw_status status = bw_material_named(context, "zp150", &m);
     if (status == BW_OK)
-      status = bw_material_turned(context, m, 2, 1, group, quarter, &by_element);
+      status = bw_material_rotated_by_element(context, m, 2, 1, group, quarter, &by_element);
     if (status == BW_OK)
       status = bw_material_rotated(context, by_element, quarter, &turned);
     bw_fail_allocation(0, false);

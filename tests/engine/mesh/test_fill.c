@@ -589,7 +589,7 @@ static void test_surface_tolerance(void **state) {
       near = fmax(near, sqrt(bwi_tree_nearest(tree, x, -1, 0, place, &facet)));
   }
   assert_true(near < 0.1 * point.length);
-  bwi_tree_free(tree);
+  bwi_tree_destroy(tree);
   bw_release(boundary);
   bw_release(mesh);
   bw_release(fine);

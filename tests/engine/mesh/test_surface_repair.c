@@ -1,4 +1,4 @@
-/* Repair, wrap and remesh: from broken shapes to sound ones, the distance moved told. */
+/* Repair, wrap and remesh: from broken shapes to sound ones, the distance moved reported. */
 #include "check.h"
 
 #include "mesh/faces_internal.h"

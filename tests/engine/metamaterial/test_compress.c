@@ -96,7 +96,7 @@ static void test_symmetry(void **state) {
     for (int s = 1; s < 48; s += round % 5 + 1) {
       turned_key(s, key, image);
       check_ok(context, bw_library_material(context, library, 2, image, &turned, NULL));
-      check_ok(context, bwi_material_turned(context, m, s, &expected));
+      check_ok(context, bwi_material_transformed(context, m, s, &expected));
       bwi_material_stiffness(turned, k);
       bwi_material_stiffness(expected, expected_k);
       for (int i = 0; i < 576; i++)
@@ -125,7 +125,7 @@ static void test_own_fits(void **state) {
     bwi_symmetry_key(f % 48, 64, key, image);
     check_ok(context, bw_library_material(context, library, 2, image, &m, &found));
     check_ok(context,
-             bwi_material_turned(context, library->inner->fit[1][found], f % 48, &expected));
+             bwi_material_transformed(context, library->inner->fit[1][found], f % 48, &expected));
     double k[576], expected_k[576];
     bwi_material_stiffness(m, k);
     bwi_material_stiffness(expected, expected_k);
@@ -164,7 +164,7 @@ static void test_memory(void **state) {
     bw_status status =
         bwi_levels_create(context, library->inner->keys, library->inner->fit[0], 8, &levels);
     bw_fail_allocation(0, false);
-    bwi_levels_free(levels);
+    bwi_levels_destroy(levels);
     assert_int_equal(bw_live_blocks(), blocks);
     if (status == BW_OK)
       break;

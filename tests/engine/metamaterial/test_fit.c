@@ -30,7 +30,7 @@ static kit kit_of(bw_context *context, int directions) {
 static void kit_free(kit *k) {
   for (int i = 0; i < MATERIALS; i++)
     bw_release(k->material[i]);
-  bwi_fit_workspace_free(k->workspace);
+  bwi_fit_workspace_destroy(k->workspace);
 }
 
 static bwi_block block_of(const kit *k, const char *key) {
@@ -312,7 +312,7 @@ static void memory_that_runs_out(void **state) {
     assert_true(passed || status == BW_MEMORY);
     assert_true(passed == (fitted != NULL));
     bw_release(fitted);
-    bwi_fit_workspace_free(workspace);
+    bwi_fit_workspace_destroy(workspace);
   }
   assert_true(passed);
   kit_free(&k);

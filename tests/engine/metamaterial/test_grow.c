@@ -158,7 +158,7 @@ static void test_blocks(void **state) {
     assert_in_range(fit, grown->fit_count[1], grown->fit_count[1] + 1);
     for (int s = 1; s < BWI_SYMMETRIES; s += 5) {
       bwi_symmetry_key(s, 64, key, image);
-      check_ok(context, bwi_material_turned(context, of, s, &expected));
+      check_ok(context, bwi_material_transformed(context, of, s, &expected));
       check_ok(context, bw_library_material(context, grown, 2, image, &turned, NULL));
       same_materials(expected, turned, 1e-5);
       bw_release(expected);

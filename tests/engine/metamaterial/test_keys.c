@@ -78,7 +78,7 @@ static void test_orbits(void **state) {
         bwi_symmetry_key(keys->symmetry[code], 8, first, turned);
         assert_memory_equal(turned, key, sizeof key);
       }
-      bwi_keys_free(keys);
+      bwi_keys_destroy(keys);
     }
   }
   check_fails(context, BW_LIMIT, "up to 7 materials",
@@ -93,7 +93,7 @@ static void test_orbits(void **state) {
       break;
     assert_int_equal(status, BW_MEMORY);
   }
-  bwi_keys_free(keys);
+  bwi_keys_destroy(keys);
 }
 
 static bw_solid_material *random_material(bw_context *context, bw_random *random, int level,
@@ -157,9 +157,9 @@ static void test_turned(void **state) {
       bwi_symmetry a = bwi_symmetry_of(s);
       for (int c = 0; c < 8; c++)
         bwi_symmetry_vector(a, u + 3 * c, v + 3 * bwi_symmetry_octant(a, c));
-      check_ok(context, bwi_material_turned(context, m, s, &turned));
+      check_ok(context, bwi_material_transformed(context, m, s, &turned));
       check_near(energy(turned, v) / before, 1, 1e-12);
-      check_ok(context, bwi_material_turned(context, turned, bwi_symmetry_inverse(s), &back));
+      check_ok(context, bwi_material_transformed(context, turned, bwi_symmetry_inverse(s), &back));
       assert_memory_equal(back->mu, m->mu, (size_t)m->rule->count * sizeof(double));
       assert_memory_equal(back->rule->spread, m->rule->spread, sizeof m->rule->spread);
       bw_release(back);

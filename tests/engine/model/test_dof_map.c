@@ -24,15 +24,15 @@ static void check_motions(const bw_dof_map *dof_map) {
       if (dof_map->state[i] == BW_DOF_PRESCRIBED && dof_map->frame_of[i / 3] < 0)
         check_near(r[i], 0, 1e-9);
   }
-  int pinned = 0, unknowns = 0;
+  int isostatic = 0, unknowns = 0;
   for (size_t i = 0; i < size; i++) {
-    pinned += dof_map->state[i] == BW_DOF_ISOSTATIC;
+    isostatic += dof_map->state[i] == BW_DOF_ISOSTATIC;
     if (dof_map->state[i] == BW_DOF_UNKNOWN)
       assert_int_equal(dof_map->unknown[i], unknowns++);
     else
       assert_int_equal(dof_map->unknown[i], -1);
   }
-  assert_int_equal(pinned, n);
+  assert_int_equal(isostatic, n);
   assert_int_equal(unknowns, dof_map->unknown_count);
   free(r);
   free(w);

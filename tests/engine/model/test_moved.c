@@ -292,12 +292,12 @@ static void pins_stay(void **state) {
   bw_release(next);
   bw_release(moved);
   bw_release(turned);
-  /* pinned near one end, by hand: far too weak on what is seen as a longer body */
+  /* isostatic near one end, by hand: far too weak on what is seen as a longer body */
   memset(first->state, BW_DOF_UNKNOWN, 3 * (size_t)mesh->node_count);
-  int pinned = 0;
-  for (int32_t i = 0; i < mesh->node_count && pinned < 6; i++)
+  int isostatic = 0;
+  for (int32_t i = 0; i < mesh->node_count && isostatic < 6; i++)
     if (mesh->node[3 * i] < 0.1)
-      for (int k = 0; k < 3 && pinned < 6; k++, pinned++)
+      for (int k = 0; k < 3 && isostatic < 6; k++, isostatic++)
         first->state[3 * i + k] = BW_DOF_ISOSTATIC;
   check_ok(context, bw_dof_map_follow(context, model, first, 1, subdomain, rest, &same, &next));
   assert_false(same);

@@ -14,21 +14,21 @@ static double inertia(void) {
   return side * side * side * side / 12;
 }
 
-/* Largest load of a column, held at its foot, for which the straight state is stable: where the
- * tangent there loses definiteness, by bisection. The corotated law shortens it linearly. */
+/* Largest load of a column, constrained at its foot, for which the straight state is stable: where
+ * the tangent there loses definiteness, by bisection. The corotated law shortens it linearly. */
 static double column_load(bw_context *context, int cells, double length) {
   body b = body_box(context, cells, 1, 1, length, side, side, BW_COROTATED, young, 0, 0);
   bwi_direct *direct;
   check_ok(context, bwi_direct_create(context, &direct));
   double *u = BW_NEW0(context, double, 3 * b.nodes);
   double *stiffness = BW_NEW(context, double, 9 * b.solid->pattern->block_count);
-  uint8_t *held = BW_NEW0(context, uint8_t, 3 * b.nodes);
+  uint8_t *constrained = BW_NEW0(context, uint8_t, 3 * b.nodes);
   double low = 0, high = 0.01; /* shortening */
   for (int32_t i = 0; i < b.nodes; i++) {
     double x[3];
     bw_grid_position(b.grid, i, x);
     for (int c = 0; c < 3; c++)
-      held[3 * i + c] = x[0] < 1e-9;
+      constrained[3 * i + c] = x[0] < 1e-9;
   }
   for (int k = 0; k < 22; k++) {
     double at = (low + high) / 2, x[3];
@@ -39,15 +39,15 @@ static double column_load(bw_context *context, int cells, double length) {
       u[3 * i] = -at * x[0];
     }
     check_ok(context, bw_solid_evaluate(context, b.solid, u, false, NULL, NULL, stiffness, &shape));
-    check_ok(context, bwi_direct_factor(context, direct, b.solid->pattern, held, stiffness,
+    check_ok(context, bwi_direct_factor(context, direct, b.solid->pattern, constrained, stiffness,
                                         &definite, NULL));
     *(definite ? &low : &high) = at;
   }
   assert_true(low > 0 && high < 0.01);
-  bwi_direct_free(direct);
+  bwi_direct_destroy(direct);
   bw_free(u);
   bw_free(stiffness);
-  bw_free(held);
+  bw_free(constrained);
   body_release(&b);
   return young * side * side * low;
 }

@@ -1,5 +1,5 @@
-/* Loads past what a solid carries, equilibria that are not stable, large motions of what is held;
- * and that a solution can be stopped and can run out of memory. */
+/* Loads past what a solid carries, equilibria that are not stable, large motions of what is
+ * constrained; and that a solution can be stopped and can run out of memory. */
 #include "solid_box.h"
 
 static const double bar_size[3] = {0.2, 0.2, 0.8};
@@ -197,12 +197,12 @@ static void test_buckling(void **state) {
   check_near(sideways[0], sideways[1], 1e-4 * sideways[0]);
 }
 
-/* A column of 3 x 3 x 40 neo-Hookean cells between its held ends, pressed to 0.8 % below and 1.5 %
- * above the shortening at which the factor of its tangent fails first (0.0212; Euler's is 0.0185,
- * to which cells as wide as a third of it add). Symmetric in every respect: nothing but the search
- * for a direction tells a solution without a matrix that the straight column is no longer stable,
- * and the bent one has two ways to go that are nearly alike, along a side and along a diagonal, of
- * which only the first ends in a minimum. */
+/* A column of 3 x 3 x 40 neo-Hookean cells between its constrained ends, pressed to 0.8 % below
+ * and 1.5 % above the shortening at which the factor of its tangent fails first (0.0212; Euler's is
+ * 0.0185, to which cells as wide as a third of it add). Symmetric in every respect: nothing but the
+ * search for a direction tells a solution without a matrix that the straight column is no longer
+ * stable, and the bent one has two ways to go that are nearly alike, along a side and along a
+ * diagonal, of which only the first ends in a minimum. */
 static void test_column(void **state) {
   bw_context *context = check_context(state);
   const int32_t cells[3] = {3, 3, 40};
@@ -335,7 +335,7 @@ static void test_twist(void **state) {
   }
 }
 
-/* Large movements of what is held, that would turn elements inside out in one go. */
+/* Large movements of what is constrained, that would turn elements inside out in one go. */
 static void test_crushed(void **state) {
   bw_context *context = check_context(state);
   const int32_t cells[3] = {2, 2, 8};

@@ -23,10 +23,10 @@ static int check_contact(const box *b, const bw_solid_static *result,
       x[d] += u[d] - plane->point[d] - plane->move[d];
     double gap = bw_dot(x, plane->normal), push = bw_dot(r, plane->normal);
     assert_true(gap > -1e-9 * 0.4);
-    bool held = false;
+    bool constrained = false;
     for (int d = 0; d < 3; d++)
-      held = held || b->load_case->held[3 * (int64_t)n + d];
-    if (held)
+      constrained = constrained || b->load_case->constrained[3 * (int64_t)n + d];
+    if (constrained)
       continue;
     assert_true(push >= 0);
     if (push > 0) {
@@ -52,9 +52,9 @@ static void test_weight(void **state) {
     check_ok(context, bw_load_case_gravity(context, b.load_case, gravity));
     check_ok(context,
              bw_load_case_contact_plane(context, b.load_case, point, normal, NULL, NULL, NULL));
-    check_near(b.load_case->floor[0].normal[2], 1, 1e-15);
+    check_near(b.load_case->contact_plane[0].normal[2], 1, 1e-15);
     bw_solid_static *result = solve(context, &b);
-    assert_true(check_contact(&b, result, &b.load_case->floor[0]) > 0);
+    assert_true(check_contact(&b, result, &b.load_case->contact_plane[0]) > 0);
     check_near(box_sum(&b, result->reaction, 2, 0, 2), 36 * 10, 1e-3);
     assert_true(result->report.contacts == 16);
     bw_release(result);
@@ -86,7 +86,7 @@ static void press(bw_context *context, bool embedded) {
   check_near(force / (size[0] * size[1]), -0.10872218513629549, 1e-6);
   check_near(1 + box_mean(&b, result->displacement, 0, 1, 0) / size[0], 1.0317024344, 1e-6);
   if (!embedded)
-    assert_int_equal(check_contact(&b, result, &b.load_case->floor[0]), 9);
+    assert_int_equal(check_contact(&b, result, &b.load_case->contact_plane[0]), 9);
   bw_release(result);
   bw_release(embedding);
   box_free(&b);
@@ -112,7 +112,7 @@ static void test_cantilever(void **state) {
     check_ok(context,
              bw_load_case_contact_plane(context, b.load_case, point, normal, move, NULL, NULL));
     bw_solid_static *result = solve(context, &b);
-    int touching = check_contact(&b, result, &b.load_case->floor[0]);
+    int touching = check_contact(&b, result, &b.load_case->contact_plane[0]);
     assert_in_range(touching, 1, 6);
     double sum = 0;
     for (int32_t n = 0; n < b.grid->node_count; n++)
@@ -123,7 +123,7 @@ static void test_cantilever(void **state) {
   }
 }
 
-/* Lifted off the floor that was all that held it: nothing stops it. */
+/* Lifted off the floor that was all that constrained it: nothing stops it. */
 static void test_lifted(void **state) {
   bw_context *context = check_context(state);
   for (int k = 0; k < 2; k++) {

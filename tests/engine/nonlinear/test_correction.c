@@ -19,8 +19,8 @@ static bw_newton_options options_from(const double *start) {
   return options;
 }
 
-/* From a disturbed equilibrium the steps go back to it by most of the way; held nodes take what is
- * prescribed; from the equilibrium itself they do not move. */
+/* From a disturbed equilibrium the steps go back to it by most of the way; constrained nodes take
+ * what is prescribed; from the equilibrium itself they do not move. */
 static void test_goes_towards_equilibrium(void **state) {
   bw_context *context = check_context(state);
   body b = body_box(context, 8, 4, 4, 2, 1, 1, BW_NEO_HOOKEAN, 1e6, 0.4, 0);
@@ -40,7 +40,7 @@ static void test_goes_towards_equilibrium(void **state) {
   assert_true(distance(moved, result->displacement, n) <
               0.2 * distance(start, result->displacement, n));
   for (int64_t i = 0; i < n; i++)
-    if (load_case->held[i])
+    if (load_case->constrained[i])
       assert_true(moved[i] == load_case->value[i]);
   options = options_from(result->displacement);
   check_ok(context, bw_solid_correct(context, b.solid, load_case, &options, moved, &defined));

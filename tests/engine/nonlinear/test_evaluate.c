@@ -256,7 +256,7 @@ static void test_threads(void **state) {
   for (int32_t i = 0; i < solid->pattern->node_count; i++)
     assert_memory_equal(blocks + 9 * i, values[0] + 9 * (solid->pattern->start[i + 1] - 1),
                         9 * sizeof(double));
-  bw_solid_linear_free(linear);
+  bw_solid_linear_destroy(linear);
   free(u), free(g[0]), free(g[1]), free(values[0]), free(values[1]), free(x), free(y), free(z);
   free(blocks);
   bw_release(solid);
@@ -361,7 +361,7 @@ static void test_inverted(void **state) {
       check_ok(context, bw_solid_linear_create(context, solid, &linear));
       check_fails(context, BW_GEOMETRY, "element 3",
                   bw_solid_linear_set(context, linear, u, false));
-      bw_solid_linear_free(linear);
+      bw_solid_linear_destroy(linear);
     }
     u[4] = NAN;
     check_ok(context, bw_solid_evaluate(context, solid, u, true, &energy, g, NULL, &shape));
@@ -401,7 +401,7 @@ static void test_memory(void **state) {
       status = bw_solid_stress(context, solid, u, NULL, stress);
     bw_fail_allocation(0, false);
     assert_true(status == BW_OK || status == BW_MEMORY);
-    bw_solid_linear_free(linear);
+    bw_solid_linear_destroy(linear);
     bw_release(solid);
   }
   free(u), free(g), free(values), free(stress), free(blocks);

@@ -29,7 +29,7 @@ static void write_deck(const char *path, const bw_grid *grid, const bw_load_case
   fprintf(file, "*SOLID SECTION, ELSET=BODY, MATERIAL=IT\n*BOUNDARY\n");
   for (int32_t i = 0; i < grid->node_count; i++)
     for (int c = 0; c < 3; c++)
-      if (load_case->held[3 * (int64_t)i + c])
+      if (load_case->constrained[3 * (int64_t)i + c])
         fprintf(file, "%d, %d, %d, %.15g\n", (int)i + 1, c + 1, c + 1,
                 load_case->value[3 * (int64_t)i + c]);
   fprintf(file, "*STEP\n*STATIC\n*CLOAD\n");
@@ -50,7 +50,8 @@ static void remove_files(const char *stem) {
   }
 }
 
-/* An L of cells, held at its foot, bent and twisted at its arm, and moved a little on one side. */
+/* An L of cells, constrained at its foot, bent and twisted at its arm, and moved a little on one
+ * side. */
 static void test_same(void **state) {
   bw_context *context = check_context(state);
   if (system("command -v ccx > /dev/null 2>&1") != 0)

@@ -1,4 +1,4 @@
-/* What acts on a solid: totals, contradictions, what is not held, pressures that follow. */
+/* What acts on a solid: totals, contradictions, what is not constrained, pressures that follow. */
 #include "solid_box.h"
 
 #include "nonlinear/load_case.h"
@@ -255,7 +255,7 @@ static void test_elsewhere(void **state) {
   const double places[3] = {0.1, 0.1, 0.1};
   bw_embedding *embedding;
   bw_solid_static *result;
-  bw_solid_motion *motion;
+  bw_solid_transient *motion;
   box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0.3, 1000);
   box_make(context, &other, cells, twice, BW_COROTATED, 1e6, 0.3, 1000);
   check_ok(context, bw_embedding_create(context, other.grid, 1, places, 0, &embedding));
@@ -264,8 +264,9 @@ static void test_elsewhere(void **state) {
       bw_load_case_contact_plane(context, b.load_case, point, normal, NULL, embedding, NULL));
   check_fails(context, BW_INVALID, "elsewhere",
               bw_solid_statics(context, b.solid, other.load_case, NULL, NULL, &result));
-  check_fails(context, BW_INVALID, "another grid",
-              bw_solid_motion_create(context, b.solid, other.load_case, NULL, NULL, NULL, &motion));
+  check_fails(
+      context, BW_INVALID, "another grid",
+      bw_solid_transient_create(context, b.solid, other.load_case, NULL, NULL, NULL, &motion));
   bw_release(embedding);
   box_free(&b);
   box_free(&other);

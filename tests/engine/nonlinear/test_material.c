@@ -1,5 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Materials of elements: Lame's constants, what counts as uniform, what is refused, palettes. */
+/* Materials of elements: Lame's constants, what counts as uniform, what is refused, material
+ * tables. */
 #include "nonlinear/solids.h"
 
 static void test_constants(void **state) {

@@ -11,7 +11,7 @@ typedef struct block {
 } block;
 
 /* A cube of n x n x n cells of two materials, mixed at random, the stiff one `contrast` times as
- * stiff; held below, pulled sideways and down at the top. */
+ * stiff; constrained below, pulled sideways and down at the top. */
 static void block_make(bw_context *context, block *b, int32_t n, double contrast, double strain) {
   const int32_t cells[3] = {n, n, n};
   double origin[3] = {0, 0, 0}, spacing[3] = {1.0 / n, 1.0 / n, 1.0 / n};

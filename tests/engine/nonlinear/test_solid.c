@@ -8,7 +8,7 @@ static bw_solid *block(bw_context *context, const int32_t cells[3], bw_law law) 
   return solids_create(context, cells, 1, &one, NULL, NULL);
 }
 
-/* K x = b through order, symbolic and factor, for a block of which one end is held. */
+/* K x = b through order, symbolic and factor, for a block of which one end is constrained. */
 static void test_factor(void **state) {
   bw_context *context = check_context(state);
   bw_solid *solid = block(context, (const int32_t[3]){5, 3, 2}, BW_COROTATED);

@@ -55,7 +55,7 @@ static void locating(void **state) {
   }
   double weight[3];
   assert_int_equal(bw_plane_locate(locator, (double[]){NAN, 0}, weight, NULL), 0);
-  bw_plane_locator_free(locator);
+  bw_plane_locator_destroy(locator);
   bw_release(mesh);
   bw_release(outline);
 }
@@ -162,7 +162,7 @@ static void curved_sides(void **state) {
     bw_plane_locate(locator, p, weight, &outside);
     check_near(outside, 0.1, 0.02);
   }
-  bw_plane_locator_free(locator);
+  bw_plane_locator_destroy(locator);
   bw_release(mesh);
   bw_release(outline);
 }

@@ -119,8 +119,8 @@ static inline bw_sheet *sheet_on(bw_context *context, const bw_plane_mesh *mesh,
   return sheet;
 }
 
-/* What `solve` does of a held and pulled sheet has the same bits on one to three threads; the mesh
- * is large enough to be shared out. */
+/* What `solve` does of a constrained and pulled sheet has the same bits on one to three threads;
+ * the mesh is large enough to be shared out. */
 static inline void same_on_any_threads(bw_context *context, double young, double traction,
                                        double jitter,
                                        void (*solve)(bw_context *context, bw_sheet *sheet)) {

@@ -95,35 +95,35 @@ static void *make(bw_context *context, kind what, const bw_plane_mesh *mesh,
 }
 
 static bw_status follow(bw_context *context, kind what, void *body, const bw_plane_mesh *mesh,
-                        bw_plane_reuse *kept) {
-  return what == RINGING ? bw_plate_follow(context, body, mesh, kept)
-                         : bw_sheet_follow(context, body, mesh, kept);
+                        bw_plane_reuse *reuse) {
+  return what == RINGING ? bw_plate_follow(context, body, mesh, reuse)
+                         : bw_sheet_follow(context, body, mesh, reuse);
 }
 
-static bw_status solve(bw_context *context, kind what, void *body, bool scratch,
-                       bw_plane_reuse *kept) {
+static bw_status solve(bw_context *context, kind what, void *body, bool full,
+                       bw_plane_reuse *reuse) {
   bw_lagged_factor_options options;
   bw_lagged_factor_options_default(&options);
-  if (scratch)
+  if (full)
     options.method = BW_LAGGED_FACTOR_FULL;
   if (what == RINGING) {
     bw_plate_options plate;
     bw_plate_options_default(&plate);
-    plate.scratch = scratch;
-    return bw_plate_solve(context, body, &plate, kept);
+    plate.full = full;
+    return bw_plate_solve(context, body, &plate, reuse);
   }
   if (what == LARGE_DEFLECTION) {
-    bw_bend_options newton;
-    bw_bend_options_default(&newton);
+    bw_large_deflection_options newton;
+    bw_large_deflection_options_default(&newton);
     newton.linear = options;
-    return bw_sheet_bend(context, body, &newton, NULL, kept);
+    return bw_sheet_large_deflection(context, body, &newton, NULL, reuse);
   }
   if (what == STEADY)
-    return bw_sheet_static(context, body, &options, kept);
+    return bw_sheet_static(context, body, &options, reuse);
   bw_newmark newmark;
   bw_newmark_default(&newmark);
   newmark.step = 5e-3;
-  return bw_sheet_shake(context, body, &newmark, &options, kept);
+  return bw_sheet_transient(context, body, &newmark, &options, reuse);
 }
 
 /* How far two bodies on the same mesh differ, relative to the larger answer. */
@@ -191,7 +191,7 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
       continue;
     }
     bw_follow_report report;
-    bw_plane_reuse kept = {0};
+    bw_plane_reuse reuse = {0};
     const bw_plane_mesh *before = motion->mesh;
     const bw_mesh_motion_state *there = bw_mesh_motion_keep(motion);
     const bw_sheet_state *then = what == LARGE_DEFLECTION ? bw_sheet_keep(body) : NULL;
@@ -213,8 +213,8 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
     bw_plane_measure(motion->mesh, &quality);
     assert_int_equal(quality.inverted, 0);
     assert_true(quality.worst > 0);
-    check_ok(context, follow(context, what, body, motion->mesh, &kept));
-    status = solve(context, what, body, false, &kept);
+    check_ok(context, follow(context, what, body, motion->mesh, &reuse));
+    status = solve(context, what, body, false, &reuse);
     if (status != BW_OK) { /* back to the last good state */
       assert_true(what == LARGE_DEFLECTION && status == BW_CONVERGENCE);
       r.unsolved++;
@@ -225,7 +225,7 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
       size_t numbers = 2 * (size_t)before->topology->nodes->node_count;
       double *last = malloc(numbers * sizeof *last);
       memcpy(last, ((bw_sheet *)body)->displacement, numbers * sizeof *last);
-      check_ok(context, solve(context, what, body, false, &kept));
+      check_ok(context, solve(context, what, body, false, &reuse));
       for (size_t i = 0; i < numbers; i++)
         check_near(((bw_sheet *)body)->displacement[i], last[i], 1e-6);
       free(last);

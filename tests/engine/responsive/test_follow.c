@@ -7,7 +7,7 @@
 
 enum { DRAGS = 24 };
 
-/* A plate 2 x 1, held at the left, with a round hole. */
+/* A plate 2 x 1, prescribed at the left, with a round hole. */
 static bw_outline *plate(bw_context *context, double x, double y, double r) {
   static draft d;
   memset(&d, 0, sizeof d);
@@ -67,21 +67,21 @@ static bw_sheet *make(bw_context *context, const bw_plane_mesh *mesh, const bw_m
 }
 
 static void step(bw_context *context, bw_sheet *sheet, kind what, bw_lagged_factor_method method,
-                 bw_plane_reuse *kept) {
+                 bw_plane_reuse *reuse) {
   bw_lagged_factor_options options;
-  bw_bend_options newton;
+  bw_large_deflection_options newton;
   bw_newmark newmark;
   bw_lagged_factor_options_default(&options);
-  bw_bend_options_default(&newton);
+  bw_large_deflection_options_default(&newton);
   bw_newmark_default(&newmark);
   newmark.step = 5e-3;
   options.method = newton.linear.method = method;
   if (what == STATIC)
-    check_ok(context, bw_sheet_static(context, sheet, &options, kept));
+    check_ok(context, bw_sheet_static(context, sheet, &options, reuse));
   else if (what == TRANSIENT)
-    check_ok(context, bw_sheet_shake(context, sheet, &newmark, &options, kept));
+    check_ok(context, bw_sheet_transient(context, sheet, &newmark, &options, reuse));
   else
-    check_ok(context, bw_sheet_bend(context, sheet, &newton, NULL, kept));
+    check_ok(context, bw_sheet_large_deflection(context, sheet, &newton, NULL, reuse));
 }
 
 static void drag(bw_context *context, kind what, int order) {
@@ -111,17 +111,17 @@ static void drag(bw_context *context, kind what, int order) {
     double dx = share * (to_x - x), dy = share * (to_y - y);
     bw_outline *moved = hole_at(context, outline, dx, dy);
     bw_follow_report report;
-    bw_plane_reuse kept = {0};
+    bw_plane_reuse reuse = {0};
     check_ok(context, bw_mesh_motion_follow(context, motion, moved, &report));
     x += dx;
     y += dy;
-    check_ok(context, bw_sheet_follow(context, reused, motion->mesh, &kept));
-    assert_int_equal(kept.level, report.level);
+    check_ok(context, bw_sheet_follow(context, reused, motion->mesh, &reuse));
+    assert_int_equal(reuse.level, report.level);
     seen[report.level]++;
-    step(context, reused, what, BW_LAGGED_FACTOR_AUTO, &kept);
-    lagged += kept.factor;
+    step(context, reused, what, BW_LAGGED_FACTOR_AUTO, &reuse);
+    lagged += reuse.factor;
     if (k > 0)
-      assert_true(kept.pattern == (report.level < BW_LEVEL_RECONNECTING));
+      assert_true(reuse.pattern == (report.level < BW_LEVEL_RECONNECTING));
     if (what == TRANSIENT)
       check_ok(context, bw_sheet_follow(context, rebuilt, motion->mesh, NULL));
     else {
@@ -186,22 +186,22 @@ static void memory(bw_context *context, kind what, int order, double by) {
   for (int n = 1; status != BW_OK; n += 3) {
     bw_sheet *sheet = make(context, mesh, material, what);
     step(context, sheet, what, BW_LAGGED_FACTOR_AUTO, NULL);
-    bw_plane_reuse kept = {0};
+    bw_plane_reuse reuse = {0};
     double norm, *gradient = BW_NEW(context, double, 2 * motion->mesh->topology->nodes->node_count);
     bw_fail_allocation(n, true);
-    status = bw_sheet_follow(context, sheet, motion->mesh, &kept);
+    status = bw_sheet_follow(context, sheet, motion->mesh, &reuse);
     if (status == BW_OK && what == STATIC)
-      status = bw_sheet_static(context, sheet, NULL, &kept);
+      status = bw_sheet_static(context, sheet, NULL, &reuse);
     else if (status == BW_OK && what == TRANSIENT)
-      status = bw_sheet_shake(context, sheet, NULL, NULL, &kept);
+      status = bw_sheet_transient(context, sheet, NULL, NULL, &reuse);
     else if (status == BW_OK)
-      status = bw_sheet_bend(context, sheet, NULL, NULL, &kept);
+      status = bw_sheet_large_deflection(context, sheet, NULL, NULL, &reuse);
     if (status == BW_OK && what == STATIC)
       status = bw_sheet_stress_gradient(context, sheet, 6, &norm, gradient);
     bw_fail_allocation(0, false);
     assert_true(status == BW_OK || status == BW_MEMORY);
     assert_true(n < 3000);
-    check_ok(context, bw_sheet_follow(context, sheet, motion->mesh, &kept));
+    check_ok(context, bw_sheet_follow(context, sheet, motion->mesh, &reuse));
     step(context, sheet, what, BW_LAGGED_FACTOR_AUTO, NULL);
     bw_free(gradient);
     bw_release(sheet);

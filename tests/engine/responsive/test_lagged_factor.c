@@ -88,79 +88,79 @@ static void follow_changes(bw_context *context, bool symmetric, int components) 
   bw_lagged_factor_options_default(&options);
   check_ok(context, bw_lagged_factor_create(context, symmetric, components, &lagged));
 
-  bw_plane_reuse kept = {0};
+  bw_plane_reuse reuse = {0};
   assemble(&f, 0.1, 0);
   check_ok(context, bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x,
-                                           &options, &kept));
+                                           &options, &reuse));
   assert_true(residual(&f) < 1.001e-8);
-  assert_int_equal(kept.factorisations, 1);
-  assert_int_equal(kept.analyses, 1);
-  assert_true(kept.iterations <= 2);
-  assert_false(kept.factor);
+  assert_int_equal(reuse.factorisations, 1);
+  assert_int_equal(reuse.analyses, 1);
+  assert_true(reuse.iterations <= 2);
+  assert_false(reuse.factor);
 
   /* the values move: the factor is kept and iterated on */
   options.method = BW_LAGGED_FACTOR_ITERATE;
-  kept = (bw_plane_reuse){0};
+  reuse = (bw_plane_reuse){0};
   assemble(&f, 0.1, 0.3);
   check_ok(context, bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x,
-                                           &options, &kept));
+                                           &options, &reuse));
   assert_true(residual(&f) < 1.001e-8);
-  assert_true(kept.factor);
-  assert_int_equal(kept.factorisations, 0);
-  assert_in_range(kept.iterations, 1, 30);
-  check_near(kept.residual, residual(&f), 1e-12);
+  assert_true(reuse.factor);
+  assert_int_equal(reuse.factorisations, 0);
+  assert_in_range(reuse.iterations, 1, 30);
+  check_near(reuse.residual, residual(&f), 1e-12);
 
   /* the topology moves: the factor is kept all the same */
-  kept = (bw_plane_reuse){0};
+  reuse = (bw_plane_reuse){0};
   assemble(&g, 0.1, 0.3);
   memcpy(g.x, f.x, f.size * sizeof *f.x);
   check_ok(context, bw_lagged_factor_solve(context, lagged, g.pattern, g.values, g.rhs, g.x,
-                                           &options, &kept));
+                                           &options, &reuse));
   assert_true(residual(&g) < 1.001e-8);
-  assert_true(kept.factor);
-  assert_int_equal(kept.factorisations, 0);
+  assert_true(reuse.factor);
+  assert_int_equal(reuse.factorisations, 0);
 
   /* refactorised: the analysis is made for the new topology */
   options.method = BW_LAGGED_FACTOR_REFACTOR;
-  kept = (bw_plane_reuse){0};
+  reuse = (bw_plane_reuse){0};
   memset(g.x, 0, g.size * sizeof *g.x);
   check_ok(context, bw_lagged_factor_solve(context, lagged, g.pattern, g.values, g.rhs, g.x,
-                                           &options, &kept));
+                                           &options, &reuse));
   assert_true(residual(&g) < 1.001e-8);
-  assert_int_equal(kept.analyses, 1);
-  assert_int_equal(kept.factorisations, 1);
-  kept = (bw_plane_reuse){0};
+  assert_int_equal(reuse.analyses, 1);
+  assert_int_equal(reuse.factorisations, 1);
+  reuse = (bw_plane_reuse){0};
   assemble(&g, 0.4, 0.3);
   check_ok(context, bw_lagged_factor_solve(context, lagged, g.pattern, g.values, g.rhs, g.x,
-                                           &options, &kept));
+                                           &options, &reuse));
   assert_true(residual(&g) < 1.001e-8);
-  assert_int_equal(kept.analyses, 0);
-  assert_int_equal(kept.factorisations, 1);
+  assert_int_equal(reuse.analyses, 0);
+  assert_int_equal(reuse.factorisations, 1);
 
   /* too far for the iterations allowed: a new factor is made without being asked for */
   options.method = BW_LAGGED_FACTOR_ITERATE;
   options.iterations = 2;
-  kept = (bw_plane_reuse){0};
+  reuse = (bw_plane_reuse){0};
   assemble(&g, 0.9, 2);
   check_ok(context, bw_lagged_factor_solve(context, lagged, g.pattern, g.values, g.rhs, g.x,
-                                           &options, &kept));
+                                           &options, &reuse));
   assert_true(residual(&g) < 1.001e-8);
-  assert_int_equal(kept.factorisations, 1);
+  assert_int_equal(reuse.factorisations, 1);
 
   /* another size */
   fixture h = set_up(context, 9, components, symmetric ? 0 : 1, 0, NULL);
-  kept = (bw_plane_reuse){0};
+  reuse = (bw_plane_reuse){0};
   bw_lagged_factor_options_default(&options);
   assemble(&h, 0.4, 0.3);
   check_ok(context, bw_lagged_factor_solve(context, lagged, h.pattern, h.values, h.rhs, h.x,
-                                           &options, &kept));
+                                           &options, &reuse));
   assert_true(residual(&h) < 1.001e-8);
-  assert_int_equal(kept.analyses, 1);
+  assert_int_equal(reuse.analyses, 1);
 
   bw_lagged_factor_reset(lagged);
   check_fails(context, BW_INTERNAL, "no factor",
               bw_lagged_factor_apply(context, lagged, h.rhs, h.x));
-  bw_lagged_factor_free(lagged);
+  bw_lagged_factor_destroy(lagged);
   clear(&f);
   clear(&g);
   clear(&h);
@@ -183,16 +183,16 @@ static void test_choice(void **state) {
   for (int fast = 0; fast < 2; fast++) {
     bw_lagged_factor *lagged;
     check_ok(context, bw_lagged_factor_create(context, true, 2, &lagged));
-    bw_plane_reuse kept = {0};
+    bw_plane_reuse reuse = {0};
     for (int frame = 0; frame < 40; frame++) {
       assemble(&f, 0.5, frame * (fast ? 0.8 : 1e-4));
       check_ok(context, bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x,
-                                               NULL, &kept));
+                                               NULL, &reuse));
       assert_true(residual(&f) < 1.001e-8);
     }
-    factorisations[fast] = kept.factorisations;
-    assert_int_equal(kept.analyses, 1);
-    bw_lagged_factor_free(lagged);
+    factorisations[fast] = reuse.factorisations;
+    assert_int_equal(reuse.analyses, 1);
+    bw_lagged_factor_destroy(lagged);
   }
   assert_in_range(factorisations[0], 1, 8);
   assert_in_range(factorisations[1], 15, 40);
@@ -231,7 +231,7 @@ static void test_refused(void **state) {
     check_ok(context,
              bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, NULL, NULL));
     assert_true(f.x[0] == 0);
-    bw_lagged_factor_free(lagged);
+    bw_lagged_factor_destroy(lagged);
     clear(&f);
   }
   bw_lagged_factor *lagged;
@@ -245,7 +245,7 @@ static void test_saddle(void **state) {
   bw_context *context = check_context(state);
   for (int k = 0; k < 2; k++) {
     fixture f = set_up(context, 12, 2, 0.5, 0, NULL);
-    bw_plane_reuse kept = {0};
+    bw_plane_reuse reuse = {0};
     bw_lagged_factor *lagged;
     double residual = 0;
     check_ok(context, bw_lagged_factor_create(context, false, 2, &lagged));
@@ -258,13 +258,13 @@ static void test_saddle(void **state) {
         block[2] = own ? -1 : 0.1;
         block[3] = own && k == 1 ? 1e-9 : 0;
       }
-    check_ok(context,
-             bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, NULL, &kept));
+    check_ok(context, bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, NULL,
+                                             &reuse));
     check_ok(context, bw_plane_multiply(context, f.pattern, 2, f.values, f.x, f.y));
     for (size_t i = 0; i < f.size; i++)
       residual = fmax(residual, fabs(f.y[i] - f.rhs[i]));
     assert_true(residual < 1e-6);
-    bw_lagged_factor_free(lagged);
+    bw_lagged_factor_destroy(lagged);
     clear(&f);
   }
 }
@@ -286,7 +286,7 @@ static void test_threads(void **state) {
                                                  &options, NULL));
         options.method = BW_LAGGED_FACTOR_ITERATE;
       }
-      bw_lagged_factor_free(lagged);
+      bw_lagged_factor_destroy(lagged);
       if (first)
         assert_memory_equal(first, f.x, f.size * sizeof *f.x);
       else {
@@ -316,7 +316,7 @@ static void test_memory(void **state) {
       bw_fail_allocation(0, false);
       assert_true(status == BW_OK || status == BW_MEMORY);
       assert_true(n < 1000);
-      bw_lagged_factor_free(lagged);
+      bw_lagged_factor_destroy(lagged);
     }
     clear(&f);
   }

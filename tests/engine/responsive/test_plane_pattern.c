@@ -89,19 +89,19 @@ static void test_prescribe(void **state) {
   random_elements random = {36, 11};
   double *values = BW_NEW(context, double, pattern->block_count *C *C);
   double *before = BW_NEW(context, double, pattern->block_count *C *C);
-  uint8_t *held = BW_NEW0(context, uint8_t, size);
+  uint8_t *is_prescribed = BW_NEW0(context, uint8_t, size);
   double *x = BW_NEW(context, double, size), *y = BW_NEW(context, double, size),
          *rhs = BW_NEW(context, double, size), *full = BW_NEW(context, double, size);
   check_ok(context, bw_plane_assemble(context, pattern, C, random_matrix, &random, values));
   memcpy(before, values, (size_t)pattern->block_count * C * C * sizeof(double));
   for (int i = 0; i < size; i++) {
-    held[i] = i % 5 == 0 || i % 7 == 3;
+    is_prescribed[i] = i % 5 == 0 || i % 7 == 3;
     x[i] = cos(3.0 * i);
   }
   /* with this x as the solution the right-hand side is A x at free unknowns */
   check_ok(context, bw_plane_multiply(context, pattern, C, values, x, full));
   memcpy(rhs, full, (size_t)size * sizeof(double));
-  check_ok(context, bw_plane_prescribe(context, pattern, C, held, x, values, rhs));
+  check_ok(context, bw_plane_prescribe(context, pattern, C, is_prescribed, x, values, rhs));
   check_ok(context, bw_plane_multiply(context, pattern, C, values, x, y));
   for (int i = 0; i < size; i++)
     check_near(y[i], rhs[i], 1e-13);
@@ -109,7 +109,7 @@ static void test_prescribe(void **state) {
     for (int64_t p = pattern->start[i]; p < pattern->start[i + 1]; p++)
       for (int k = 0; k < C * C; k++) {
         int row = i * C + k / C, column = pattern->column[p] * C + k % C;
-        if (!held[row] && !held[column])
+        if (!is_prescribed[row] && !is_prescribed[column])
           assert_true(values[C * C * p + k] == before[C * C * p + k]);
         else if (row != column)
           assert_true(values[C * C * p + k] == 0);
@@ -118,7 +118,7 @@ static void test_prescribe(void **state) {
       }
   bw_free(values);
   bw_free(before);
-  bw_free(held);
+  bw_free(is_prescribed);
   bw_free(x);
   bw_free(y);
   bw_free(rhs);

@@ -24,12 +24,12 @@ static bw_plane_mesh *rectangle(bw_context *context, double a, double b, int nx,
 static void frequencies(bw_context *context, const bw_plane_mesh *mesh, const bw_material *material,
                         double thickness, int modes, double *frequency) {
   bw_plate *plate;
-  bw_plane_reuse kept = {0};
+  bw_plane_reuse reuse = {0};
   bw_plate_options options;
   bw_plate_options_default(&options);
   options.modes = modes;
   check_ok(context, bw_plate_create(context, mesh, material, thickness, &plate));
-  check_ok(context, bw_plate_solve(context, plate, &options, &kept));
+  check_ok(context, bw_plate_solve(context, plate, &options, &reuse));
   memcpy(frequency, plate->frequency, (size_t)modes * sizeof *frequency);
   bw_release(plate);
 }
@@ -209,16 +209,16 @@ static void test_lagged_equals_full(void **state) {
   static const int modes[] = {2, 2, 2, 2, 2, 3, 1, 1, 1};
   for (int k = 0; k < 9; k++) {
     bw_plane_mesh *moved = dragged(context, mesh, 0.004 * (k + 1));
-    bw_plane_reuse kept = {0};
+    bw_plane_reuse reuse = {0};
     double scratch[3];
     options.modes = modes[k];
-    check_ok(context, bw_plate_follow(context, plate, moved, &kept));
-    check_ok(context, bw_plate_solve(context, plate, &options, &kept));
-    assert_int_equal(kept.factorisations, 0);
-    assert_true(kept.iterations < 20);
+    check_ok(context, bw_plate_follow(context, plate, moved, &reuse));
+    check_ok(context, bw_plate_solve(context, plate, &options, &reuse));
+    assert_int_equal(reuse.factorisations, 0);
+    assert_true(reuse.iterations < 20);
     if (k == 4 || k == 8) /* the last frames' modes leave little to do */
-      assert_true(kept.iterations <= 3);
-    assert_true(kept.pattern && kept.factor && kept.solution);
+      assert_true(reuse.iterations <= 3);
+    assert_true(reuse.pattern && reuse.factor && reuse.solution);
     frequencies(context, moved, material, 0.004, modes[k], scratch);
     for (int i = 0; i < modes[k]; i++)
       check_near(plate->frequency[i] / scratch[i], 1, 1e-9);

@@ -41,11 +41,11 @@ static void test_patch(void **state) {
         bw_material *material = wood ? turned(context) : isotropic(context, 2e11, 0.3, 0);
         bw_plane_mesh *mesh = jittered(context, rectangle(context, order, 2, 1, 6, 4), 0.06);
         bw_sheet *sheet = sheet_on(context, mesh, material, 0.01, strain, 2, hold);
-        bw_plane_reuse kept = {0};
+        bw_plane_reuse reuse = {0};
         bw_lagged_factor_options options;
         bw_lagged_factor_options_default(&options);
         options.tolerance = 1e-12;
-        check_ok(context, bw_sheet_static(context, sheet, &options, &kept));
+        check_ok(context, bw_sheet_static(context, sheet, &options, &reuse));
         int32_t nodes = mesh->topology->nodes->node_count;
         for (int32_t i = 0; i < nodes; i++) {
           check_near(sheet->displacement[2 * i], linear_x(NULL, mesh->point + 2 * i, 0), 1e-14);
@@ -236,7 +236,7 @@ static void test_not_held(void **state) {
   sheet = sheet_on(context, mesh, material, 1, false, 0, NULL);
   check_fails(context, BW_UNCONSTRAINED, "free to", bw_sheet_static(context, sheet, NULL, NULL));
   bw_release(sheet);
-  /* uniform pressure on a square held at two sides: uniform stress */
+  /* uniform pressure on a square constrained at two sides: uniform stress */
   hold[0].component = 1;
   hold[1].tag = RIGHT;
   sheet = sheet_on(context, mesh, material, 2, false, 3, hold);
@@ -386,7 +386,7 @@ static void test_turned_material(void **state) {
   int32_t group[16] = {0};
   double rotation[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
   check_ok(context, bw_material_orthotropic(context, &spruce, &wood));
-  check_ok(context, bw_material_turned(context, wood, 16, 1, group, rotation, &turned));
+  check_ok(context, bw_material_rotated_by_element(context, wood, 16, 1, group, rotation, &turned));
   bw_plane_mesh *mesh = rectangle(context, 2, 2, 1, 2, 2);
   bw_sheet_section section = {turned, 1, false};
   bw_sheet_description description = {.section_count = 1, .section = &section};

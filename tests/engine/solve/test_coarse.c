@@ -2,7 +2,7 @@
 /* The coarse space of linear elements: what it represents it solves to the digits of floats. */
 #include "solve/coarse.h"
 
-#include "local_bar.h"
+#include "incremental_bar.h"
 
 /* A field that is linear in every element, random at the corners, and 0 wherever a support holds
  * anything nearby. */
@@ -47,12 +47,12 @@ static void linear_fields_are_solved(void **state) {
     bar b;
     bar_make(context, 1, 2, &b);
     load_bar(context, &b, scene);
-    bw_local_system *local = local_of(context, &b);
+    bw_incremental_system *incremental = incremental_of(context, &b);
     turn_subdomain(&b, 1, 0.2);
     b.now.scale[0][1] *= 1.2;
-    edit_and_compare(context, &b, local, BW_LOCAL_REFACTOR);
-    const bw_dof_map *dof_map = local->system->dof_map;
-    const bw_mesh *mesh = local->system->mesh;
+    edit_and_compare(context, &b, incremental, BW_INCREMENTAL_REFACTOR);
+    const bw_dof_map *dof_map = incremental->system->dof_map;
+    const bw_mesh *mesh = incremental->system->mesh;
     size_t size = 3 * (size_t)mesh->node_count;
     assert_int_equal(bwi_coarse_fits(mesh, dof_map), dof_map->motion_count == 0);
     if (dof_map->motion_count == 0) {
@@ -62,10 +62,11 @@ static void linear_fields_are_solved(void **state) {
       double *f = BW_NEW(context, double, size), *v = BW_NEW0(context, double, size);
       assert_true(f && v);
       check_ok(context, bwi_coarse_create(context, mesh, &coarse));
-      check_ok(context, bwi_coarse_follow(context, coarse, local->inner->model, dof_map, &usable));
+      check_ok(context,
+               bwi_coarse_follow(context, coarse, incremental->inner->model, dof_map, &usable));
       assert_true(usable);
-      check_ok(context, bw_block_multiply(context, local->system->pattern, local->system->stiffness,
-                                          9, 3, 1, u, f));
+      check_ok(context, bw_block_multiply(context, incremental->system->pattern,
+                                          incremental->system->stiffness, 9, 3, 1, u, f));
       bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN, f);
       const int32_t *parent = bwi_coarse_parents(coarse);
       int64_t corners = bwi_coarse_corners(coarse);
@@ -83,7 +84,7 @@ static void linear_fields_are_solved(void **state) {
       bw_free(f);
       bw_free(v);
     }
-    bw_release(local);
+    bw_release(incremental);
     bar_clear(&b);
   }
 }
@@ -93,15 +94,15 @@ static void no_memory(void **state) {
   bar b;
   bar_make(context, 1, 2, &b);
   load_bar(context, &b, 0);
-  bw_local_system *local = local_of(context, &b);
+  bw_incremental_system *incremental = incremental_of(context, &b);
   for (int64_t n = 1;; n++) {
     bwi_coarse *coarse = NULL;
     bool usable = false;
     bw_fail_allocation(n, true);
-    bw_status status = bwi_coarse_create(context, local->system->mesh, &coarse);
+    bw_status status = bwi_coarse_create(context, incremental->system->mesh, &coarse);
     if (status == BW_OK)
-      status =
-          bwi_coarse_follow(context, coarse, local->inner->model, local->system->dof_map, &usable);
+      status = bwi_coarse_follow(context, coarse, incremental->inner->model,
+                                 incremental->system->dof_map, &usable);
     bw_fail_allocation(0, false);
     bw_release(coarse);
     if (status == BW_OK)
@@ -109,7 +110,7 @@ static void no_memory(void **state) {
     assert_int_equal(status, BW_MEMORY);
     bw_clear_failure(context);
   }
-  bw_release(local);
+  bw_release(incremental);
   bar_clear(&b);
 }
 

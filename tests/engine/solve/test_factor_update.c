@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Bringing a factor up to date in part: the same bits as from scratch, after random edits of random
+/* Updating a factor in part: the same bits as from scratch, after random edits of random
  * subdomains, for any number of threads and either order; what is predicted is what is done; and
  * what happens when an update fails. */
 #include "bodies.h"
@@ -239,7 +239,7 @@ static void sets(void **state) {
     touched[d] = 1;
     for (int64_t e = 0; e < p.mesh->element_count; e++)
       for (int k = 0; k < 4 && p.element_subdomain[e] == d; k++) {
-        int32_t place = order->place[p.mesh->element[4 * e + k]], s = 0;
+        int32_t place = order->position[p.mesh->element[4 * e + k]], s = 0;
         if (place < 0)
           continue;
         while (order->super[s + 1] <= place)
@@ -266,7 +266,8 @@ static void broken(void **state) {
   uint8_t *touched = calloc((size_t)p.subdomain_count, 1);
   double *x = numbers(p.symbolic->unknowns);
   bwi_factor *factor = NULL;
-  check_ok(context, bwi_factor_create_kept(context, p.symbolic, &p.matrix, p.reach, &factor, NULL));
+  check_ok(context,
+           bwi_factor_create_with_updates(context, p.symbolic, &p.matrix, p.reach, &factor, NULL));
   int32_t node = p.mesh->node_count - 1, bad = -1;
   double *diagonal = p.stiffness + 9 * (p.pattern->start[node + 1] - 1), kept = diagonal[0];
   assert_int_equal(p.pattern->column[p.pattern->start[node + 1] - 1], node);
@@ -303,9 +304,9 @@ static void orders(void **state) {
     const bwi_order *order = p.order;
     int32_t placed = 0;
     for (int32_t i = 0; i < order->node_count; i++) {
-      assert_int_equal(order->place[i] >= 0, p.take[i]);
-      if (order->place[i] >= 0)
-        assert_int_equal(order->node_at[order->place[i]], i);
+      assert_int_equal(order->position[i] >= 0, p.take[i]);
+      if (order->position[i] >= 0)
+        assert_int_equal(order->node_at[order->position[i]], i);
       placed += p.take[i];
     }
     assert_int_equal(placed, order->size);

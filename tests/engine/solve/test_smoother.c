@@ -3,7 +3,7 @@
  * products beside those of the pattern. */
 #include "solve/smoother.h"
 
-#include "local_bar.h"
+#include "incremental_bar.h"
 
 typedef struct scene {
   bar b;
@@ -59,7 +59,7 @@ static void chunks_are_apart(void **state) {
   assert_true(8 * (smoother->count - inside) < smoother->count);
   for (int64_t i = 0; i < smoother->count; i++)
     for (int64_t p = s.pattern->start[i]; p < s.pattern->start[i + 1]; p++) {
-      int32_t a = smoother->place[i], b = smoother->place[s.pattern->column[p]];
+      int32_t a = smoother->row_of[i], b = smoother->row_of[s.pattern->column[p]];
       for (int c = 0; c < smoother->chunk_count && a < inside && b < inside; c++)
         assert_int_equal(a >= smoother->chunk_start[c] && a < smoother->chunk_start[c + 1],
                          b >= smoother->chunk_start[c] && b < smoother->chunk_start[c + 1]);

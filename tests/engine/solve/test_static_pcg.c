@@ -2,7 +2,7 @@
 /* Static solutions by two-level PCG: the same as by a factor, under every kind of support,
  * of straight and of curved elements; when they are chosen, what is kept, and what is said where
  * they do not serve. */
-#include "local_bar.h"
+#include "incremental_bar.h"
 #include "solve/static_pcg.h"
 
 static const bw_statics_options by_levels = {.method = BW_STATICS_PCG},

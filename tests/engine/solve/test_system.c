@@ -5,7 +5,7 @@
 
 void dgesv_(const int *, const int *, double *, const int *, int *, double *, const int *, int *);
 
-/* A free body: P K_pinned^-1 P^T equals the bordered system [K WR; (WR)^T 0]. */
+/* A free body: P K_c^-1 P^T equals the bordered system [K WR; (WR)^T 0]. */
 static void free_body_against_bordered(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 0.3, 0.2, 0.1, 3, 2, 2, 1);
@@ -59,7 +59,7 @@ static void free_body_against_bordered(void **state) {
   bw_release(mesh);
 }
 
-/* K u = balanced f at every node, also where the body is pinned; many right-hand sides; the same
+/* K u = balanced f at every node, also at isostatic constraints; many right-hand sides; the same
  * bits for 1, 2 and 3 threads. */
 static void residual_and_threads(void **state) {
   bw_context *context = check_context(state);

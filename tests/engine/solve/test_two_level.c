@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Solving by two-level PCG: as exact as a factor under every kind of support, in a number of
  * iterations that sizes and edits do not change, in the same bits on any number of threads. */
-#include "local_bar.h"
+#include "incremental_bar.h"
 
 /* Under every kind of support, turned, bent and stretched, though the factor of the start stays as
  * it is. */
@@ -11,23 +11,24 @@ static void as_a_factor(void **state) {
     bar b;
     bar_make(context, 2, 2, &b);
     load_bar(context, &b, scene);
-    bw_local_system *local = local_of(context, &b);
-    if (local->system->dof_map->motion_count > 0) {
+    bw_incremental_system *incremental = incremental_of(context, &b);
+    if (incremental->system->dof_map->motion_count > 0) {
       bw_static *result = NULL;
-      const bw_local_options options = {.method = BW_LOCAL_PCG};
-      check_fails(context, BW_INVALID, "free to move",
-                  bw_local_statics(context, local, b.model, &relief, &options, &result, NULL));
+      const bw_incremental_options options = {.method = BW_INCREMENTAL_PCG};
+      check_fails(
+          context, BW_INVALID, "free to move",
+          bw_incremental_statics(context, incremental, b.model, &relief, &options, &result, NULL));
     } else {
-      bw_reuse r = edit_and_compare(context, &b, local, BW_LOCAL_PCG);
-      assert_int_equal(r.method, BW_LOCAL_PCG);
+      bw_reuse r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_PCG);
+      assert_int_equal(r.method, BW_INCREMENTAL_PCG);
       turn_subdomain(&b, 0, 0.5);
       turn_subdomain(&b, 1, 0.3);
       b.now.scale[2][1] *= 1.3;
-      r = edit_and_compare(context, &b, local, BW_LOCAL_PCG);
+      r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_PCG);
       assert_in_range(r.iterations, 5, 120);
-      assert_false(bwi_local_current(local));
+      assert_false(bwi_incremental_current(incremental));
     }
-    bw_release(local);
+    bw_release(incremental);
     bar_clear(&b);
   }
 }
@@ -37,21 +38,21 @@ static void linear_elements_are_refused(void **state) {
   bw_context *context = check_context(state);
   bar b;
   bw_static *result = NULL;
-  const bw_local_options options = {.method = BW_LOCAL_PCG};
+  const bw_incremental_options options = {.method = BW_INCREMENTAL_PCG};
   bar_make(context, 1, 1, &b);
   load_bar(context, &b, 0);
-  bw_local_system *local = local_of(context, &b);
+  bw_incremental_system *incremental = incremental_of(context, &b);
   check_fails(context, BW_INVALID, "these are linear",
-              bw_local_statics(context, local, b.model, NULL, &options, &result, NULL));
-  bw_release(local);
+              bw_incremental_statics(context, incremental, b.model, NULL, &options, &result, NULL));
+  bw_release(incremental);
   bar_clear(&b);
 }
 
-/* A block of cubes, nx by n by n of them, in one subdomain, held at one end and bearing its weight.
+/* A block of cubes, nx by n by n of them, in one subdomain, held at one end and under its weight.
  */
-static bw_local_system *block_of(bw_context *context, int nx, int n, bar *b) {
+static bw_incremental_system *block_of(bw_context *context, int nx, int n, bar *b) {
   const double gravity[3] = {1, 2, -9.81};
-  bw_local_system *local = NULL;
+  bw_incremental_system *incremental = NULL;
   memset(b, 0, sizeof *b);
   b->mesh = body_box(context, (double)nx / n, 1, 1, nx, n, n, 2);
   b->material = body_material(context);
@@ -62,19 +63,19 @@ static bw_local_system *block_of(bw_context *context, int nx, int n, bar *b) {
   bw_selection *root = face(context, b->mesh, 0, 0);
   check_ok(context, bw_model_fix(context, b->model, root));
   check_ok(context, bw_model_gravity(context, b->model, gravity));
-  check_ok(context, bw_local_system_create(context, b->model, false, 1, b->element_subdomain,
-                                           b->node_subdomain, NULL, &local));
+  check_ok(context, bw_incremental_system_create(context, b->model, false, 1, b->element_subdomain,
+                                                 b->node_subdomain, NULL, &incremental));
   bw_release(root);
-  return local;
+  return incremental;
 }
 
 /* Iterations to 1e-10 for a bar of cubes of `cells` elements along an edge. */
 static int iterations_of(bw_context *context, int cells) {
   bar b;
-  bw_local_system *local = block_of(context, 2 * cells, cells, &b);
+  bw_incremental_system *incremental = block_of(context, 2 * cells, cells, &b);
   bw_reuse reuse = {0};
-  compare(context, local, b.model, BW_LOCAL_PCG, &reuse);
-  bw_release(local);
+  compare(context, incremental, b.model, BW_INCREMENTAL_PCG, &reuse);
+  bw_release(incremental);
   bar_clear(&b);
   return reuse.iterations;
 }
@@ -87,30 +88,32 @@ static void sizes_do_not_matter(void **state) {
 }
 
 /* Loads spread, at a point, none, more than fit side by side; one by one and together; begun near
- * the solution; to an error in energy, judged by the exact solution. */
+ * the solution; to an error in energy, measured by the exact solution. */
 static void many_sides(void **state) {
   bw_context *context = check_context(state);
   enum { SIDES = 11 };
   bar b;
   bar_make(context, 2, 2, &b);
   load_bar(context, &b, 1);
-  bw_local_system *local = local_of(context, &b);
+  bw_incremental_system *incremental = incremental_of(context, &b);
   int64_t size = 3 * (int64_t)b.mesh->node_count;
   double *force = numbers(SIDES * size), *u = numbers(SIDES * size), *v = numbers(SIDES * size);
   double *near = numbers(size), *product = numbers(size);
   random_field(7, SIDES * size, force);
   memset(force + size, 0, 2 * (size_t)size * sizeof *force);
   force[size + size - 2] = 1e6;
-  bw_local_options options = {.method = BW_LOCAL_SCRATCH};
-  check_ok(context, bw_local_system_solve(context, local, &options, SIDES, force, v, NULL));
-  options = (bw_local_options){.method = BW_LOCAL_PCG};
+  bw_incremental_options options = {.method = BW_INCREMENTAL_FULL};
+  check_ok(context,
+           bw_incremental_system_solve(context, incremental, &options, SIDES, force, v, NULL));
+  options = (bw_incremental_options){.method = BW_INCREMENTAL_PCG};
   bw_reuse reuse = {0};
-  check_ok(context, bw_local_system_solve(context, local, &options, SIDES, force, u, &reuse));
+  check_ok(context,
+           bw_incremental_system_solve(context, incremental, &options, SIDES, force, u, &reuse));
   for (int k = 0; k < SIDES; k++)
     check_near(difference(u + k * size, v + k * size, size), 0, 1e-8);
   for (int64_t i = 0; i < size; i++)
     check_near(u[2 * size + i], 0, 0);
-  check_ok(context, bw_local_system_solve(context, local, &options, 1, force, u, NULL));
+  check_ok(context, bw_incremental_system_solve(context, incremental, &options, 1, force, u, NULL));
   check_near(difference(u, v, size), 0, 1e-8);
   /* begun at the solution but for very little of another */
   double part = 1e-9 / difference(v + size, v, size);
@@ -120,17 +123,19 @@ static void many_sides(void **state) {
   bw_reuse begun = {0};
   options.guess = guesses;
   options.guess_count = 1;
-  check_ok(context, bw_local_system_solve(context, local, &options, 1, force, u, &begun));
+  check_ok(context,
+           bw_incremental_system_solve(context, incremental, &options, 1, force, u, &begun));
   check_near(difference(u, v, size), 0, 1e-8);
   assert_true(begun.iterations < reuse.iterations - 3);
-  options = (bw_local_options){.method = BW_LOCAL_PCG, .tolerance = 1e-3, .energy = true};
-  check_ok(context, bw_local_system_solve(context, local, &options, 2, force, u, NULL));
+  options =
+      (bw_incremental_options){.method = BW_INCREMENTAL_PCG, .tolerance = 1e-3, .energy = true};
+  check_ok(context, bw_incremental_system_solve(context, incremental, &options, 2, force, u, NULL));
   for (int k = 0; k < 2; k++) {
     double error = 0, whole = 0;
     for (int64_t i = 0; i < size; i++)
       near[i] = u[k * size + i] - v[k * size + i];
-    check_ok(context, bw_block_multiply(context, local->system->pattern, local->system->stiffness,
-                                        9, 3, 1, near, product));
+    check_ok(context, bw_block_multiply(context, incremental->system->pattern,
+                                        incremental->system->stiffness, 9, 3, 1, near, product));
     for (int64_t i = 0; i < size; i++) {
       error += near[i] * product[i];
       whole += force[k * size + i] * v[k * size + i];
@@ -138,7 +143,7 @@ static void many_sides(void **state) {
     check_near(sqrt(error / whole), 0, 3e-3);
     assert_true(sqrt(error / whole) > 1e-7); /* and no more was done */
   }
-  bw_release(local);
+  bw_release(incremental);
   free(force);
   free(u);
   free(v);
@@ -155,18 +160,19 @@ static void same_bits(void **state) {
   int64_t size = 3 * (int64_t)b.mesh->node_count;
   double *force = numbers(2 * size), *u = numbers(2 * size), *v = numbers(2 * size);
   random_field(5, 2 * size, force);
-  const bw_local_options options = {.method = BW_LOCAL_PCG};
+  const bw_incremental_options options = {.method = BW_INCREMENTAL_PCG};
   for (int threads = 1; threads <= 4; threads += 3) {
     check_ok(context, bw_set_threads(context, threads));
-    bw_local_system *local = local_of(context, &b);
+    bw_incremental_system *incremental = incremental_of(context, &b);
     for (int count = 1; count <= 2; count++) {
-      check_ok(context, bw_local_system_solve(context, local, &options, count, force, u, NULL));
+      check_ok(context,
+               bw_incremental_system_solve(context, incremental, &options, count, force, u, NULL));
       if (threads == 1)
         memcpy(count == 1 ? v : v + size, u, (size_t)size * sizeof *u);
       else
         assert_memory_equal(count == 1 ? v : v + size, u, (size_t)size * sizeof *u);
     }
-    bw_release(local);
+    bw_release(incremental);
   }
   free(force);
   free(u);
@@ -182,30 +188,30 @@ static void chosen_by_cost(void **state) {
   bar b;
   bar_make(context, 5, 2, &b);
   load_bar(context, &b, 0);
-  bw_local_system *local = local_of(context, &b);
-  bw_reuse r = edit_and_compare(context, &b, local, BW_LOCAL_AUTO);
-  assert_int_equal(r.method, BW_LOCAL_REFACTOR);
+  bw_incremental_system *incremental = incremental_of(context, &b);
+  bw_reuse r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_AUTO);
+  assert_int_equal(r.method, BW_INCREMENTAL_REFACTOR);
   assert_true(r.predicted_pcg == 0);
   for (int k = 0; k < RIGID; k++)
     b.now.scale[k][1] *= 1.3;
-  r = edit_and_compare(context, &b, local, BW_LOCAL_AUTO);
+  r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_AUTO);
   assert_true(r.predicted_pcg > 0 && r.predicted_refactor > 0);
   bool cheaper = r.predicted_pcg < fmin(r.predicted_refactor, r.predicted_iterate);
   assert_false(cheaper);
-  assert_int_not_equal(r.method, BW_LOCAL_PCG);
-  bw_release(local);
+  assert_int_not_equal(r.method, BW_INCREMENTAL_PCG);
+  bw_release(incremental);
   bar_clear(&b);
 }
 
 /* Of a block all of whose factor an edit does again, PCG is chosen, and serves as well: a thick
- * body's factor is dear for its size. What they hold is counted. */
+ * body's factor is expensive for its size. What they hold is counted. */
 static void chosen_for_a_thick_body(void **state) {
   bw_context *context = check_context(state);
   bar b;
-  bw_local_system *local = block_of(context, 10, 10, &b);
+  bw_incremental_system *incremental = block_of(context, 10, 10, &b);
   int64_t size = 3 * (int64_t)b.mesh->node_count;
-  size_t before = bw_bytes(local), factor, updates;
-  assert_true(bw_local_system_two_level_bytes(local) == 0);
+  size_t before = bw_bytes(incremental), factor, updates;
+  assert_true(bw_incremental_system_two_level_bytes(incremental) == 0);
   bw_mesh *moved = NULL;
   bw_model *model = NULL;
   bw_static *result = NULL;
@@ -217,21 +223,21 @@ static void chosen_for_a_thick_body(void **state) {
   check_ok(context, bw_mesh_moved(context, b.mesh, b.node, &moved));
   check_ok(context, bw_model_moved(context, b.model, moved, &model));
   bw_reuse r = {0};
-  check_ok(context, bw_local_system_update(context, local, model, &motion, &r));
-  check_ok(context, bw_local_statics(context, local, model, NULL, NULL, &result, &r));
-  assert_int_equal(r.method, BW_LOCAL_PCG);
+  check_ok(context, bw_incremental_system_update(context, incremental, model, &motion, &r));
+  check_ok(context, bw_incremental_statics(context, incremental, model, NULL, NULL, &result, &r));
+  assert_int_equal(r.method, BW_INCREMENTAL_PCG);
   assert_true(r.predicted_pcg < r.predicted_refactor && r.predicted_pcg < r.predicted_iterate);
   assert_in_range(r.iterations, 5, 60);
   assert_true(result->residual < 1e-10);
-  assert_false(bwi_local_current(local));
-  bw_local_system_memory(local, &factor, &updates);
-  size_t two_level = bw_local_system_two_level_bytes(local);
+  assert_false(bwi_incremental_current(incremental));
+  bw_incremental_system_memory(incremental, &factor, &updates);
+  size_t two_level = bw_incremental_system_two_level_bytes(incremental);
   assert_in_range(two_level, factor / 10, factor); /* a third: the body is small */
-  assert_true(bw_bytes(local) >= before + two_level);
+  assert_true(bw_bytes(incremental) >= before + two_level);
   bw_release(result);
   bw_release(model);
   bw_release(moved);
-  bw_release(local);
+  bw_release(incremental);
   bar_clear(&b);
 }
 
@@ -243,23 +249,23 @@ static void followed_once(void **state) {
     bar b;
     bar_make(context, 2, 2, &b);
     load_bar(context, &b, scene);
-    bw_local_system *local = local_of(context, &b);
-    const bwi_local *inner = local->inner;
-    for (int edit = 0; edit < 4 && local->system->dof_map->motion_count == 0; edit++) {
+    bw_incremental_system *incremental = incremental_of(context, &b);
+    const bwi_incremental *inner = incremental->inner;
+    for (int edit = 0; edit < 4 && incremental->system->dof_map->motion_count == 0; edit++) {
       if (edit == 1)
         b.now.scale[1][1] *= 1.1;
       if (edit == 3)
         turn_subdomain(&b, 0, 0.3);
       bw_model *model = posed(context, &b);
       assert_non_null(model);
-      check_ok(context, bw_local_system_update(context, local, model, b.motion, NULL));
+      check_ok(context, bw_incremental_system_update(context, incremental, model, b.motion, NULL));
       assert_true(inner->two_level_known == (edit == 2));
       bw_reuse reuse = {0};
-      compare(context, local, model, BW_LOCAL_PCG, &reuse);
+      compare(context, incremental, model, BW_INCREMENTAL_PCG, &reuse);
       assert_true(inner->two_level_known);
       bw_release(model);
     }
-    bw_release(local);
+    bw_release(incremental);
     bar_clear(&b);
   }
 }
@@ -272,13 +278,14 @@ static void no_memory(void **state) {
   int64_t size = 3 * (int64_t)b.mesh->node_count;
   double *force = numbers(2 * size), *u = numbers(2 * size);
   random_field(5, 2 * size, force);
-  const bw_local_options options = {.method = BW_LOCAL_PCG, .tolerance = 1e-3};
+  const bw_incremental_options options = {.method = BW_INCREMENTAL_PCG, .tolerance = 1e-3};
   for (int64_t n = 1;; n++) {
-    bw_local_system *local = local_of(context, &b);
+    bw_incremental_system *incremental = incremental_of(context, &b);
     bw_fail_allocation(n, true);
-    bw_status status = bw_local_system_solve(context, local, &options, 2, force, u, NULL);
+    bw_status status =
+        bw_incremental_system_solve(context, incremental, &options, 2, force, u, NULL);
     bw_fail_allocation(0, false);
-    bw_release(local);
+    bw_release(incremental);
     if (status == BW_OK)
       break;
     assert_int_equal(status, BW_MEMORY);

@@ -1,4 +1,4 @@
-/* Files of results: what is refused and how it is told, what survives, what can be saved. */
+/* Files of results: what is refused and how it is reported, what survives, what can be saved. */
 #include "check.h"
 
 #include <fcntl.h>

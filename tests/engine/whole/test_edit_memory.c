@@ -74,36 +74,36 @@ done:
 
 static bw_status solve_local(void *data, bw_context *context, int64_t count, const double *force,
                              double *displacement) {
-  return bw_local_system_solve(context, (bw_local_system *)data, NULL, count, force, displacement,
-                               NULL);
+  return bw_incremental_system_solve(context, (bw_incremental_system *)data, NULL, count, force,
+                                     displacement, NULL);
 }
 
 /* One edit followed and solved, and the slopes of two stresses. */
 static bw_status follow_and_solve(bw_context *context, const bw_model *model,
                                   const bw_subdomains *subdomains, const bw_bone_pose *pose,
-                                  shape *s, bw_local_method method, bw_local_system *local,
-                                  double *max) {
+                                  shape *s, bw_incremental_method method,
+                                  bw_incremental_system *incremental, double *max) {
   bw_mesh *mesh = NULL;
   bw_model *moved = NULL;
   bw_static *result = NULL;
   bw_reuse reuse;
-  bw_local_options options;
+  bw_incremental_options options;
   double *gradient = NULL, von_mises[SLOPES];
   bw_status status;
   BW_TRY(pose_shape(context, subdomains, pose, s, &mesh));
   BW_TRY(bw_model_moved(context, model, mesh, &moved));
-  BW_TRY(bw_local_system_update(context, local, moved, s->motion, &reuse));
-  bw_local_options_default(&options);
+  BW_TRY(bw_incremental_system_update(context, incremental, moved, s->motion, &reuse));
+  bw_incremental_options_default(&options);
   options.method = method;
-  BW_TRY(bw_local_statics(context, local, moved, NULL, &options, &result, &reuse));
+  BW_TRY(bw_incremental_statics(context, incremental, moved, NULL, &options, &result, &reuse));
   gradient = BW_NEW(context, double, SLOPES * 3 * (size_t)mesh->node_count);
   if (!gradient) {
     status = BW_MEMORY;
     goto done;
   }
   const int32_t nodes[SLOPES] = {0, mesh->node_count / 2};
-  BW_TRY(bw_von_mises_gradient(context, moved, local->system->dof_map, result->displacement,
-                               solve_local, local, SLOPES, nodes, NULL, von_mises, gradient));
+  BW_TRY(bw_von_mises_gradient(context, moved, incremental->system->dof_map, result->displacement,
+                               solve_local, incremental, SLOPES, nodes, NULL, von_mises, gradient));
   *max = von_mises[0];
 done:
   bw_free(gradient);
@@ -118,7 +118,7 @@ static bw_status whole_session(bw_context *context, double *max) {
   bw_skeleton *skeleton = NULL;
   bw_subdomains *subdomains = NULL;
   bw_model *model = NULL;
-  bw_local_system *local = NULL;
+  bw_incremental_system *incremental = NULL;
   double *weight = NULL;
   shape s = {NULL, NULL, NULL, NULL, NULL};
   bw_bone_pose pose[BONES];
@@ -139,24 +139,27 @@ static bw_status whole_session(bw_context *context, double *max) {
   BW_TRY(bw_skinning_weights(context, mesh, skeleton, NULL, weight));
   BW_TRY(bw_subdomains_create(context, mesh, skeleton, weight, NULL, &subdomains));
   BW_TRY(shape_create(context, subdomains, &s));
-  BW_TRY(bw_local_system_create(context, model, false, subdomains->stiffness.count,
-                                subdomains->stiffness.of_element, subdomains->stiffness.of_node,
-                                NULL, &local));
+  BW_TRY(bw_incremental_system_create(context, model, false, subdomains->stiffness.count,
+                                      subdomains->stiffness.of_element,
+                                      subdomains->stiffness.of_node, NULL, &incremental));
   for (int b = 0; b < BONES; b++)
     bw_bone_pose_rest(&pose[b]);
   pose[1].scale[1] = 1.2;
-  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, BW_LOCAL_REFACTOR, local, max));
+  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, BW_INCREMENTAL_REFACTOR,
+                          incremental, max));
   const bw_reach_target target = {
       .bone = 1, .along = 1, .at = {0.95, 0.15, 0.1}, .weight = 1, .chain_from = -1};
   BW_TRY(bw_pose_reach(context, skeleton, NULL, 1, &target, 0, pose, &reached));
-  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, BW_LOCAL_ITERATE, local, max));
+  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, BW_INCREMENTAL_ITERATE, incremental,
+                          max));
   for (int b = 0; b < BONES; b++) /* undone */
     bw_bone_pose_rest(&pose[b]);
-  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, BW_LOCAL_AUTO, local, max));
+  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, BW_INCREMENTAL_AUTO, incremental,
+                          max));
 done:
   shape_clear(&s);
   bw_free(weight);
-  bw_release(local);
+  bw_release(incremental);
   bw_release(subdomains);
   bw_release(skeleton);
   bw_release(model);

@@ -153,7 +153,7 @@ makers.Bone = {
   function(p) return p.Session:bone "lower" end,
   function(p) return p.Session:bone "upper" end,
 }
-makers.LocalSystem = {function(p) return (assert(p.Session:synchronise())) end}
+makers.IncrementalSystem = {function(p) return (assert(p.Session:synchronise())) end}
 makers.Optimisation = {function(p)
   local session = assert(bw.edit(p.Model, {skeleton = p.Skeleton}))
   return assert(session:optimise {von_mises = 1e12, move_supports = true})
@@ -162,12 +162,13 @@ makers.LiveServer = {function() return assert(core.live_server {}) end}
 makers.Results = {function() return assert(bw.results.open(files.path "results", {script = "good.lua"})) end}
 makers.SteadySheet = {function() return assert(bw.responsive.steady(sheet_options())) end,
   function() return assert(bw.responsive.steady(sheet_options {order = 2, elements = 8})) end}
-makers.BentSheet = {function() return assert(bw.responsive.cantilever(sheet_options())) end}
-makers.ShakenSheet = {function()
+makers.LargeDeflectionSheet = {function() return assert(bw.responsive.cantilever(sheet_options())) end}
+makers.TransientSheet = {function()
   return assert(bw.responsive.vibration(sheet_options {ground = "left", ground_motion = {x = "0.01*sin(9*t)"},
     conditions = {}}))
 end}
-makers.Sheet = {function(p) return rawget(p.SteadySheet, "body") end, function(p) return rawget(p.BentSheet,
+makers.Sheet = {function(p) return rawget(p.SteadySheet, "body") end,
+  function(p) return rawget(p.LargeDeflectionSheet,
   "body") end}
 makers.Metallophone = {function()
   return assert(bw.responsive.metallophone {outline = rectangle {max = {0.2, 0.03}}, thickness = 0.004,
@@ -209,7 +210,7 @@ makers.Hyperelastic = {function() return materials()[1] end,
 makers.MaterialTable = {function(p) return p.Solid.materials end}
 makers.Solid = {function(p) return solid(p.Grid) end, function(p) return solid(p:variant("bw.Grid", 2)) end}
 makers.SolidResult = {function(p) return assert(p.Solid:solve()) end}
-makers.SolidMotion = {function(p) return assert(p.Solid:motion {step = 0.01}) end}
+makers.SolidTransient = {function(p) return assert(p.Solid:transient {step = 0.01}) end}
 makers.Library = {function() return assert(bw.metamaterial.read "good/good.bwm") end}
 makers.Canvas = {function() return assert(bw.canvas(100, 80)) end}
 makers.Figure = {
@@ -238,11 +239,12 @@ makers.Expectation = {function(p) return p.expect(5, "a force", "N") end, functi
 makers.Test = {function(p) return p.test end}
 
 -- Changed by their methods: made again after so many uses.
-local lives = {Model = 60, Session = 40, Bone = 40, LocalSystem = 40, LiveServer = 40, SteadySheet = 40,
-  BentSheet = 40,
-  ShakenSheet = 40, Sheet = 40, Metallophone = 40, Plate = 40, Bridge = 60, Flow = 40, ThermalFlow = 40,
+local lives = {Model = 60, Session = 40, Bone = 40, IncrementalSystem = 40, LiveServer = 40, SteadySheet = 40,
+  LargeDeflectionSheet = 40,
+  TransientSheet = 40, Sheet = 40, Metallophone = 40, Plate = 40, Bridge = 60, Flow = 40, ThermalFlow = 40,
     FlowBody = 40,
-  BodyState = 40, MeshMotion = 40, Solid = 60, SolidMotion = 40, Canvas = 40, Study = 60, Trials = 100, Trial = 40,
+  BodyState = 40, MeshMotion = 40, Solid = 60, SolidTransient = 40, Canvas = 40, Study = 60,
+    Trials = 100, Trial = 40,
     Kept = 40,
   Results = 60}
 

@@ -12,7 +12,8 @@ local function handle(_, r)
     0.02 * (r:uniform() - 0.5)}
 end
 local small_hole = {{0.45, 0.2}, {0.55, 0.2}, {0.5, 0.3}}
-alike([[Outline:moved SteadySheet:drag BentSheet:drag ShakenSheet:drag Metallophone:drag Flow:drag ThermalFlow:drag
+alike([[Outline:moved SteadySheet:drag LargeDeflectionSheet:drag
+  TransientSheet:drag Metallophone:drag Flow:drag ThermalFlow:drag
   Bridge:drag]], handle)
 alike("Outline:hole Outline:region", function(_, r)
   return r:one_of {small_hole, bw.outline.circle {radius = 0.05, centre = {0.5, 0.25}}} end)
@@ -89,11 +90,12 @@ alike("bw.responsive.flow", flow {bdf = 2, ale = true})
 alike("bw.responsive.thermal", flow {diffusivity = 0.1, expansion = 0.01, conditions = {left = {x = 1, y = 0,
   temperature = 1},
   top = "wall", bottom = {x = 0, y = 0, convection = {coefficient = 1, temperature = 3}}}})
-alike("SteadySheet:become BentSheet:become ShakenSheet:become Flow:become ThermalFlow:become", function(p)
+alike([[SteadySheet:become LargeDeflectionSheet:become TransientSheet:become Flow:become
+  ThermalFlow:become]], function(p)
   return p:variant("bw.Outline", 4) end)
 alike("Sheet:follow FlowBody:follow", function(p) return {}, p:variant("bw.Outline", 4) end)
 alike("Sheet:static Sheet:large_deflection", function(_, r)
-  return {}, {method = r:one_of {"auto", "scratch"}}, {} end)
+  return {}, {method = r:one_of {"auto", "full"}}, {} end)
 alike("SteadySheet:stress_norm Sheet:stress_norm", function(_, r) return 1 + 10 * r:uniform() end)
 alike("Metallophone:tone Metallophone:gains Plate:tone Plate:gains", function() return {seconds = 0.01,
   rate = 8000, at = {0.1, 0.015}} end)
@@ -108,7 +110,7 @@ alike("Flow:pressure_drop ThermalFlow:pressure_drop", function(_, r) return pair
 alike("Flow:record ThermalFlow:record", function() return "lift", function(f) return f:force "top" end end)
 alike("Flow:frequency ThermalFlow:frequency", function() return "lift", 2 end)
 alike("Flow:pace ThermalFlow:pace", function() return 0.01 end)
-alike("Flow:step ThermalFlow:step ShakenSheet:step SolidMotion:step", function(_, r) return r:integer(3) end)
+alike("Flow:step ThermalFlow:step TransientSheet:step SolidTransient:step", function(_, r) return r:integer(3) end)
 add {
   ["bw.responsive.metallophone"] = function() return {outline = bw.outline.rectangle {width = 0.2,
     height = 0.03}, material = bw.material.aluminium,

@@ -21,7 +21,7 @@ function kind.make()
   other = other or part {0, 10, 0}
   local journal = os.tmpname()
   local session = assert(bw.edit(part {0, 0, -10}, {skeleton = edit_bodies.beam_skeleton(), journal = journal,
-    relax = math.random() < 0.8, refill = math.random() < 0.8, material_turns = math.random() < 0.3}))
+    relax = math.random() < 0.8, refill = math.random() < 0.8, rotate_material = math.random() < 0.3}))
   return {session = session, forks = {}, journal = journal}
 end
 
@@ -124,7 +124,7 @@ kind.operations = {
     return subject.session:adopt(fork)
   end},
   solve = {3, function(subject)
-    local methods = {"auto", "refactor", "iterate", "pcg", "scratch"}
+    local methods = {"auto", "refactor", "iterate", "pcg", "full"}
     return one_of(subject):solve {method = methods[math.random(5)], check = math.random() < 0.3,
       tolerance = 10 ^ uniform(-12, -3)}
   end},

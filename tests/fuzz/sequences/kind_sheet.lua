@@ -7,7 +7,7 @@ local followed_kinds = require "followed_kinds"
 return followed_kinds.new {
   make = function()
     acting.load = 1e3
-    local methods = {"auto", "iterate", "refactor", "scratch"}
+    local methods = {"auto", "iterate", "refactor", "full"}
     return bw.responsive.steady {outline = followed_kinds.first(), material = acting.rubber,
       elements = math.random(8, 60), order = math.random(2), solver = {method = methods[math.random(4)]},
       conditions = {left = "fixed", right = {traction = {acting.function_of_load, 0}}}}

@@ -5,7 +5,7 @@ local core = require "barwright.core"
 local sequence = require "sequence"
 
 local names = {"sheet", "cantilever", "vibration", "flow", "thermal", "plate", "bridge", "mesh_motion", "session",
-  "solid", "motion", "controller"}
+  "solid", "transient", "controller"}
 local batch_size = 5 -- sequences
 local seconds, bytes = 600, 4e9 -- of processor time and memory that a batch may take
 
