@@ -237,7 +237,7 @@ static void empty_selections_say_where_the_body_is(void **state) {
   check_fails(context, BW_EMPTY, "the mask selects no boundary node",
               bw_select_mask(context, mesh, NULL, mask, &none));
   free(mask);
-  check_fails(context, BW_INVALID, "above the high one along x",
+  check_fails(context, BW_INVALID, "min is above max along x",
               bw_select_box(context, mesh, far_high, far_low, &none));
   double zero[3] = {0, 0, 0}, nan[3] = {NAN, 0, 0};
   check_fails(context, BW_INVALID, "normal is (0, 0, 0)",
