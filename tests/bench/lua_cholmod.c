@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* A Lua module for scripts/bench/agile.lua: what the shape of an edit session costs from scratch.
  *   local cholmod = require "cholmod"
- *   times = cholmod.baseline(local_system, own_order)
+ *   times = cholmod.baseline(incremental_system, own_order)
  * The stiffness is assembled from all elements; CHOLMOD factorises and solves once, with the
  * unknowns in the order that was chosen for edits or (own_order) in that of a single solution,
  * METIS's of the nodes, whose computation counts as analysis. Seconds: stiffness, analysis, factor,
@@ -63,7 +63,10 @@ static void store(lua_State *L, const char *key, double value) {
 }
 
 static int baseline(lua_State *L) {
-  const lbw_box *box = luaL_checkudata(L, 1, "barwright.local_system");
+  const lbw_box *box = lua_touserdata(L, 1);
+  bool fits = box && luaL_getmetafield(L, 1, "__name") == LUA_TSTRING &&
+              strcmp(lua_tostring(L, -1), "barwright.incremental_system") == 0;
+  luaL_argcheck(L, fits, 1, "an incremental system expected");
   baseline_times times = {0};
   luaL_argcheck(L, box->object, 1, "it is closed");
   bw_context *context = bw_context_create();
