@@ -1,5 +1,5 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
-// What the plane's page tells in numbers: stress or tone, level, what was kept, the shape, the edits.
+// What the plane's page tells in numbers: stress or tone, level, what was reused, the shape, the edits.
 import { number } from "./stage.mjs";
 
 const byId = (id) => document.getElementById(id);
@@ -24,7 +24,7 @@ function withUnit(element, text, unit) {
 export function readouts(scene, state) {
   byId("level").textContent = state.level === "none" ? "same mesh" : state.level;
   byId("level").className = state.level;
-  byId("kept").textContent = (state.reused.match(/kept ([^;]*)/) || [""])[0];
+  byId("kept").textContent = (state.reused.match(/reused ([^;]*)/) || [""])[0];
   byId("area").textContent = state.area < 0.01 ? `${number(state.area * 1e6)} mm²` : `${number(state.area)} m²`;
   byId("elements").textContent = state.elements;
   byId("iterations").textContent = state.iterations;

@@ -301,8 +301,8 @@ end
 --- Moves `bar` (a metallophone bar) until its modes have the frequencies `wanted`, from `outline`. `opts`: keep
 --- (set of points), smooth (length), move_limit (fraction of the local width that a point may move by), choose
 --- (the numbers of the modes on the bar as it is; nil: they are not there), enough (how near in ln f is near
---- enough to stop, or nil), watch (called with the bar after every round; false ends the search). Returns the bar's outline,
---- rounds.
+--- enough to stop, or nil), watch (called with the bar after every round; false ends the search). Returns the
+--- bar's outline, rounds.
 function tune.search(bar, wanted, outline, opts)
   local count = outline.points.row_count
   local origin, now = outline.points:totable(), bar.outline.points:totable()

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Flows that follow an outline. A box holds a flow and, as its second reference, the mover of its
- * mesh. Names for options and conditions are Lua (lua/barwright/flows.lua). */
+/* Flows that follow an outline. A box holds a flow and, as its second reference, the mesh motion of
+ * its mesh. Names for options and conditions are Lua (lua/barwright/flows.lua). */
 #include "condition.h"
 #include "follow.h"
 

@@ -10,9 +10,10 @@ static const char *const level_words[] = {"none", "relocation", "reconnecting", 
                                           NULL};
 static const char *const method_words[] = {"auto", "iterate", "refactor", "full", NULL};
 
-/* ---- what was kept --------------------------------------------------------------------------- */
+/* ---- reuse statistics ---------------------------------------------------------------------------
+ */
 
-#define KEYS_OF_KEPT(BOOLEAN, INTEGER, NUMBER)                                                     \
+#define REUSE_KEYS(BOOLEAN, INTEGER, NUMBER)                                                       \
   BOOLEAN(pattern)                                                                                 \
   BOOLEAN(factor)                                                                                  \
   BOOLEAN(solution)                                                                                \
@@ -34,7 +35,7 @@ static void store_reuse(lua_State *L, int index, const bw_plane_reuse *reuse) {
 #define BOOLEAN(key) (lua_pushboolean(L, reuse->key), lua_setfield(L, index, #key));
 #define INTEGER(key) (lua_pushinteger(L, reuse->key), lua_setfield(L, index, #key));
 #define NUMBER(key) (lua_pushnumber(L, reuse->key), lua_setfield(L, index, #key));
-  KEYS_OF_KEPT(BOOLEAN, INTEGER, NUMBER)
+  REUSE_KEYS(BOOLEAN, INTEGER, NUMBER)
 #undef BOOLEAN
 #undef INTEGER
 #undef NUMBER
@@ -50,7 +51,7 @@ void lbw_load_plane_reuse(lua_State *L, int index, bw_plane_reuse *reuse) {
 #define INTEGER(key)                                                                               \
   (lua_getfield(L, index, #key), reuse->key = (int)lua_tointeger(L, -1), lua_pop(L, 1));
 #define NUMBER(key) (lua_getfield(L, index, #key), reuse->key = lua_tonumber(L, -1), lua_pop(L, 1));
-  KEYS_OF_KEPT(BOOLEAN, INTEGER, NUMBER)
+  REUSE_KEYS(BOOLEAN, INTEGER, NUMBER)
 #undef BOOLEAN
 #undef INTEGER
 #undef NUMBER
@@ -183,8 +184,8 @@ done:
 
 /* ---- states ---------------------------------------------------------------------------------- */
 
-/* A box of a state holds the body's and, as its second reference, the mover's; its user value is
- * the class of the bodies that may return to it. */
+/* A box of a state holds the body's and, as its second reference, the mesh motion's; its user value
+ * is the class of the bodies that may return to it. */
 static const luaL_Reg none[] = {{NULL, NULL}};
 static const lbw_class state_class = {"state", none, none, none, NULL};
 

@@ -10,7 +10,7 @@ static bw_mesh_motion *self(lua_State *L) {
 
 static const char *const levels[] = {"none", "relocation", "reconnecting", "reconstruction", NULL};
 
-/* ---- the size field of reconstructions: a value kept beside the mover's box, by its address
+/* ---- the size field of reconstructions: a value kept beside the mesh motion's box, by its address
  * ------ */
 
 static int field_key;
@@ -43,7 +43,7 @@ static lbw_field *kept_field(lua_State *L, int box) {
   lua_pushvalue(L, box);
   if (lua_rawget(L, -2) == LUA_TNIL)
     return NULL;
-  return lbw_field_read(L, -1, "mover: field");
+  return lbw_field_read(L, -1, "plane.mesh_motion: field");
 }
 
 /* plane.mesh_motion(mesh, options) */
@@ -100,7 +100,7 @@ static void push_report(lua_State *L, const bw_follow_report *report) {
   lua_setfield(L, -2, "seconds");
 }
 
-/* mover:follow(outline): report */
+/* motion:follow(outline): report */
 static int mover_follow(lua_State *L) {
   bw_mesh_motion *motion = self(L);
   const bw_outline *outline = (const bw_outline *)lbw_check(L, 2, &lbw_outline_class);
@@ -119,7 +119,7 @@ static int mover_follow(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* mover:pull_back(gradient): of the outline's points, from that of nodes */
+/* motion:pull_back(gradient): of the outline's points, from that of nodes */
 static int mover_pull_back(lua_State *L) {
   bw_mesh_motion *motion = self(L);
   int64_t rows;
@@ -131,7 +131,7 @@ static int mover_pull_back(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* mover:check(): itself, where its parts belong together; raises otherwise */
+/* motion:check(): itself, where its parts belong together; raises otherwise */
 static int mover_check(lua_State *L) {
   const bw_mesh_motion *motion = self(L);
   lbw_leave_or_raise(L, bw_mesh_motion_check(lbw_enter(L), motion));

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Plates that ring. A box holds a plate and, as its second reference, the mover of its mesh. What
- * makes an instrument of it is Lua (lua/barwright/metallophone.lua). */
+/* Plates and their modes. A box holds a plate and, as its second reference, the mesh motion of its
+ * mesh. What makes an instrument of it is Lua (lua/barwright/metallophone.lua). */
 #include "follow.h"
 
 #include <math.h>

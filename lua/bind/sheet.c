@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Elastic sheets that follow an outline. A box holds a sheet and, as its second reference, the
- * mover of its mesh. The applications, with names for options and conditions, are Lua
+ * mesh motion of its mesh. The applications, with names for options and conditions, are Lua
  * (lua/barwright/responsive.lua). */
 #include "condition.h"
 #include "follow.h"
