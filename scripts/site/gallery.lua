@@ -20,7 +20,8 @@ local kept = {
   ["validity_failure.svg"] = {"scripts/docs/validity_picture.lua", "Two failure criteria in plane stress"},
   ["validity_intervals.svg"] = {"scripts/docs/validity_picture.lua", "Intervals of breaking forces"},
   ["validity_loads.svg"] = {"scripts/docs/validity_picture.lua", "Which loads are searched"},
-  ["validity_material.svg"] = {"scripts/docs/validity_picture.lua", "Young's modulus by direction, with its scatter"},
+  ["validity_material.svg"] = {"scripts/docs/validity_picture.lua",
+    "Young's modulus by direction, with its scatter"},
   ["validity_mean.svg"] = {"scripts/docs/validity_picture.lua", "Stress near a re-entrant edge, and its mean"},
 }
 
