@@ -112,6 +112,7 @@ local function parameter_gap(list, context, f, one)
   local given, mentioned, single = described(text, one.name)
   local pointer = one.stars > 0
   local freed = context.objects[one.type] or context.functions[one.type .. "_free"]
+    or context.functions[one.type .. "_destroy"]
   if one.stars > 1 and not freed and one.type ~= "void" and not one.constant
     and not owned(text) then
     add(list, "ownership", f.line, where .. ": who releases it?")

@@ -69,7 +69,7 @@ describe("scripts/agile/run.lua", function()
       ["--scene opener"] = "--out DIR",
       ["--out x"] = "either --scene NAME or a MODEL",
       ["--scene opener --out x --elments 4"] = "did you mean --elements",
-      ["--scene opener --out x --elements many"] = "positive integer",
+      ["--scene opener --out x --elements many"] = "a whole number from 1",
       ["no/such/file.stl --out x"] = "no/such/file.stl",
     } do
       local code, _, complaint = check.run(RUN .. " " .. arguments)

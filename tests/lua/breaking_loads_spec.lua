@@ -59,10 +59,10 @@ describe("the breaking force of a held bar", function()
 
   it("names what is wrong", function()
     local function raises(what, given) check.raises(what, breaking, given) end
-    raises("option 'hands': one hand pushes a body away", {hands = 1})
+    raises("option 'hands': a part without supports moves freely under the load of one hand", {hands = 1})
     raises("option 'fix': a function expected", {fix = root(mesh)})
     raises("option 'fix': a function of the mesh that returns selections", {fix = function() return {7} end})
-    raises("option 'friction': at least 0", {friction = -1})
+    raises("option 'friction': a number of at least 0", {friction = -1})
     local function fails(status, what, given)
       given.material = bw.material.pla
       check.fails(status, what, bw.breaking_force(mesh, given))

@@ -110,8 +110,8 @@ describe("the worst case with friction", function()
   end)
 
   it("says what it takes", function()
-    check.raises("option 'friction': at least 0", bw.worst_case, free, {friction = -0.1})
-    check.raises("option 'friction_facets': at least 3", bw.brute_force, free,
+    check.raises("option 'friction': a number of at least 0", bw.worst_case, free, {friction = -0.1})
+    check.raises("option 'friction_facets': a whole number of at least 3", bw.brute_force, free,
       {friction = 0.1, friction_facets = 2})
     check.raises("a friction cone of 2 facets", bw.pressure_basis, box, {friction = 0.1, friction_facets = 2})
     local basis = assert(bw.pressure_basis(box, {friction = 0.1, friction_facets = 5}))

@@ -1,5 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- scripts/check_sentences counts prose only, and names long sentences by file and line. Every page keeps to its aim.
+-- scripts/check_sentences counts prose only, and names long sentences by file and line. Every page keeps to its
+-- aim.
 local check = require "check"
 
 local page = [[
@@ -33,8 +34,8 @@ describe("sentences", function()
     assert.message(complaint).equal(0, status)
     local pages, failed = 0, {}
     for line in out:gmatch "[^\n]+" do
-      local page, mean, aim, over = line:match "^(%S+%.md) +%d+ +([%d.]+) +%d+ +(%d+) +(%d+)$"
-      if page then
+      local name, mean, aim, over = line:match "^(%S+%.md) +%d+ +([%d.]+) +%d+ +(%d+) +(%d+)$"
+      if name then
         pages = pages + 1
         if tonumber(mean) > tonumber(aim) or over ~= "0" then failed[#failed + 1] = line end
       elseif line:find "^%S+%.md:%d+: " then

@@ -155,7 +155,7 @@ static void refusals(void **state) {
               bw_plane_mesh_copy(context, 1, 3, point, 1, (int32_t[]){0, 1, 2}, NULL, &mesh));
   check_fails(context, BW_INVALID, "order 3",
               bw_plane_rectangle(context, 3, LOW, HIGH, 2, 2, BW_DIAGONAL_LEFT, &mesh));
-  check_fails(context, BW_INVALID, "squares",
+  check_fails(context, BW_INVALID, "0 x 2 cells",
               bw_plane_rectangle(context, 1, LOW, HIGH, 0, 2, BW_DIAGONAL_LEFT, &mesh));
   check_fails(context, BW_INVALID, "above",
               bw_plane_rectangle(context, 1, HIGH, LOW, 1, 2, BW_DIAGONAL_LEFT, &mesh));
