@@ -13,7 +13,7 @@ static const int place[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
 #define MIN_SUM 1e-9
 
 static void neo_hookean(const bwi_lanes *mu, const bwi_lanes *lambda, bwi_frame *f) {
-  /* energy and stress come from the closed form (law_closed.c); in f->energy: ln J */
+  /* energy and stress come from the closed form (law.c); in f->energy: ln J */
   bwi_lanes g = *mu - *lambda * f->energy, inverse[3];
   for (int i = 0; i < 3; i++)
     inverse[i] = 1 / f->s[i];

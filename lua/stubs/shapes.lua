@@ -44,7 +44,8 @@ function shapes.limb(a, b, ra, rb) end
 ---@return fun(x: number, y: number, z: number): number body the signed distance (m) at a point
 function shapes.box(min, max) end
 
----The union of bodies. Fillets of about the size `rounding` smooth the edges where they meet.
+---The union of bodies. Fillets of about the size `rounding` smooth the edges where they meet. Where faces
+---of two bodies coincide, the rounding moves them outwards by a quarter of it.
 ---```lua
 ---local foot = bw.shapes.box({-0.02, -0.02, 0}, {0.02, 0.02, 0.005})
 ---local post = bw.shapes.limb({0, 0, 0}, {0, 0, 0.06}, 0.006)

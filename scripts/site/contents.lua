@@ -12,6 +12,7 @@ return {
     {"docs/faq.md", "Frequently asked questions"}, {"gallery", "Gallery"},
   }},
   {title = "How to", pages = {
+    {"docs/howto_known_loads.md", "Compute a bracket"},
     {"docs/loads_and_supports.md", "Loads, supports, selections"},
     {"docs/choosing_a_solver.md", "Choose a solver"}, {"docs/import_export.md", "Import and export"},
     {"docs/howto_study.md", "Run a design study"}, {"docs/howto_experiments.md", "Publish an experiment"},

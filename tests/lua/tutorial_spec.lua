@@ -23,7 +23,8 @@ local function describe_page(page, min_blocks, prepare)
     local folder = check.folder()
 
     local function adapted(script)
-      return full and script or (script:gsub("elements = %d+", "elements = " .. small))
+      return full and script or (script:gsub("elements = %d+", "elements = " .. small)
+        :gsub("evaluations = %d+", "evaluations = 3"):gsub("error = 0%.05", "error = 0.3"))
     end
 
     setup(function()
@@ -124,6 +125,13 @@ describe_page("tutorial.md", 3, function(folder)
   assert(part:surface():write(folder .. "/part.stl", {unit = "mm"}))
   local model = ("'%s/scripts/demo_model/foal.lua' %s/out/demo/foal.stl"):format(check.root, folder)
   assert.equal(0, (check.run(model)))
+end)
+
+describe_page("howto_known_loads.md", 3, function(folder)
+  local page = check.read(check.root .. "/docs/howto_known_loads.md")
+  check.write(folder .. "/bracket.lua", page:match "```lua\n(%-%- bracket%.lua\n.-)```")
+  local bracket = dofile(folder .. "/bracket.lua")
+  assert(bracket(0.06, 0.05, 0.03, 0.006, 0.004):write(folder .. "/bracket.stl"))
 end)
 
 describe_page("tutorial_edit.md", 10)
