@@ -39,6 +39,7 @@ local function describe_page(page, min_blocks, prepare)
       if full and not line:find("--forbid", 1, true) then return line end
       return line:gsub("out/demo/foal%.stl", "part.vtu"):gsub("part%.stl", "part.vtu") .. " "
         .. small_options[line:match "^%l+"]
+        .. (line:find("bracket.stl", 1, true) and " --elements " .. small or "")
     end
 
     it("has commands that run", function()
