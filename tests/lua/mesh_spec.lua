@@ -321,7 +321,7 @@ describe("a filled ball", function()
     assert.is_true(log.surface_moved > 0)
     assert.equal(log.surface_moved, mesh.surface_moved)
     assert.equal(log.surface_moved, mesh:with_order(2).surface_moved)
-    assert.truthy(tostring(mesh):find(("surface moved by up to %.3g mm"):format(1e3 * log.surface_moved), 1, true))
+    assert.truthy(tostring(mesh):find(("surface moved by up to %.4g mm"):format(1e3 * log.surface_moved), 1, true))
     local part = bw.model {mesh = mesh, material = bw.material.pla}
     assert.equal(log.surface_moved, part.mesh.surface_moved)
     local box = assert(bw.surface.box {min = {0, 0, 0}, max = {1, 1, 1}})

@@ -83,7 +83,7 @@ describe("wrong input", function()
     refused("/dev/zero: cannot be read: it is not a regular file", "/dev/zero")
     refused("it is a directory", check.folder())
     refused("No such file", "/nowhere/x.stl")
-    refused("a MODEL is missing", "")
+    refused("MODEL: a value expected", "")
     local pipe = check.folder() .. "/pipe.stl"
     assert(os.execute("mkfifo " .. quoted(pipe)))
     refused("it is not a regular file", pipe)
@@ -109,7 +109,7 @@ describe("wrong input", function()
       ["--elements 0"] = "--elements: a whole number from 1", ["--elements -5"] = "got '-5'",
       ["--elements abc"] = "got 'abc'", ["--elements 1e12"] = "got '1e12'",
       ["--elements"] = "got nothing", ["--modes 5000"] = "from 1 to 500", ["--modes 2.5"] = "got '2.5'",
-      ["--force -1"] = "--force: a number above 0", ["--pressure 0"] = "--pressure: a number above 0",
+      ["--force -1"] = "--force: a number of N above 0", ["--pressure 0"] = "--pressure: a number of Pa above 0",
       ["--pressure nan"] = "got 'nan'", ["--fraction 2"] = "up to 1", ["--threads 1000"] = "to 64",
       ["--order 3"] = "from 1 to 2", ["--elemnts 5"] = "did you mean --elements",
       ["--material unobtainium"] = "there is no material 'unobtainium'",

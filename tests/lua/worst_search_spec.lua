@@ -135,7 +135,7 @@ describe("the search of the worst case", function()
     assert.equal(poor.upper_bound, again.upper_bound)
     assert.equal(poor.weakness:tostring "<f8", again.weakness:tostring "<f8")
     check.raises("option 'certify'", bw.worst_case, body, {certify = 0.01, target = "displacement"})
-    check.raises("option 'certify': at least 0.001", bw.worst_case, body, {certify = 1e-9})
+    check.raises("option 'certify': a number of at least 0.001", bw.worst_case, body, {certify = 1e-9})
   end)
 
   it("gives the same bits on any number of threads", function()

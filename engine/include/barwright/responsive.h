@@ -46,8 +46,8 @@ BW_API bw_status bw_plane_assemble(bw_context *context, const bw_plane_pattern *
 BW_API bw_status bw_plane_multiply(bw_context *context, const bw_plane_pattern *pattern,
                                    int components, const double *values, const double *x,
                                    double *y);
-/* Prescribes unknowns, those with is_prescribed (node_count x components) not 0, to prescribed (any,
- * node_count x components). Their rows and columns in values (any, block_count x components x
+/* Prescribes unknowns, those with is_prescribed (node_count x components) not 0, to prescribed
+ * (any, node_count x components). Their rows and columns in values (any, block_count x components x
  * components) become those of the identity times the mean size of the component's diagonal entries.
  * rhs (any, node_count x components), which may be NULL, changes accordingly, and the number of
  * unknowns does not. */
@@ -139,8 +139,8 @@ typedef struct bw_condition {
   double coefficient;          /* (m/s) of convection, over density times heat capacity */
   int32_t order; /* of prescribed values that conflict at a node, the highest order decides */
 } bw_condition;
-/* is_prescribed (node_count x components) and prescribed (any, node_count x components) at a time. A
- * component that any tag of a node prescribes is prescribed. Where tags of one order prescribe
+/* is_prescribed (node_count x components) and prescribed (any, node_count x components) at a time.
+ * A component that any tag of a node prescribes is prescribed. Where tags of one order prescribe
  * different values, the displacement or velocity nearest to 0 holds (0 between values of both
  * signs), and the middle of temperatures. Conflicts give a warning unless *reported, which is then
  * set; `reported` may be NULL. */
