@@ -65,7 +65,7 @@ describe("scripts/agile/run.lua", function()
 
   it("refuses what it cannot use with one sentence", function()
     for arguments, text in pairs {
-      ["--scene opner --out /dev/null/x"] = "opener bird horse dinosaur earphone",
+      ["--scene opner --out /dev/null/x"] = "opener, bird, horse, dinosaur, earphone",
       ["--scene opener"] = "--out DIR",
       ["--out x"] = "either --scene NAME or a MODEL",
       ["--scene opener --out x --elments 4"] = "did you mean --elements",
