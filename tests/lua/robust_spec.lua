@@ -19,9 +19,9 @@ local function files_of(folder)
 end
 
 -- Exit status, errors, folder of results, output. Nothing here hangs.
-local function worst(model, options, before)
+local function worst(model, options, before, given)
   local folder = check.folder()
-  local out = folder .. "/out"
+  local out = given or folder .. "/out"
   local _, _, status = os.execute(("%s BARWRIGHT_QUIET=1 timeout -k 5 600 %s %s %s --out %s %s"
     .. " >%s/output 2>%s/errors </dev/null"):format(before or "", quoted(check.program), quoted(run),
     quoted(model), quoted(out), options or "", folder, folder))
@@ -108,16 +108,17 @@ describe("wrong input", function()
     for options, text in pairs {
       ["--elements 0"] = "--elements: a whole number from 1", ["--elements -5"] = "got '-5'",
       ["--elements abc"] = "got 'abc'", ["--elements 1e12"] = "got '1e12'",
-      ["--elements"] = "got nothing", ["--modes 5000"] = "from 1 to 500", ["--modes 2.5"] = "got '2.5'",
+      ["--elements"] = "option --elements: a value is missing",
+      ["--modes 5000"] = "from 1 up to 500", ["--modes 2.5"] = "got '2.5'",
       ["--force -1"] = "--force: a number of N above 0", ["--pressure 0"] = "--pressure: a number of Pa above 0",
-      ["--pressure nan"] = "got 'nan'", ["--fraction 2"] = "up to 1", ["--threads 1000"] = "to 64",
-      ["--order 3"] = "from 1 to 2", ["--elemnts 5"] = "did you mean --elements",
+      ["--pressure nan"] = "got 'nan'", ["--fraction 2"] = "up to 1", ["--threads 1000"] = "up to 64",
+      ["--order 3"] = "from 1 up to 2", ["--elemnts 5"] = "did you mean --elements",
       ["--material unobtainium"] = "there is no material 'unobtainium'",
-      ["--unit parsec"] = "unknown unit 'parsec'", ["second.stl"] = "one MODEL expected",
+      ["--unit parsec"] = "unknown unit 'parsec'", ["second.stl"] = "one argument too many",
     } do
       refused(text, cube, options)
     end
-    local status, errors = worst(cube, small .. " --out /proc/nothing")
+    local status, errors = worst(cube, small, nil, "/proc/nothing")
     assert.equal(2, status)
     assert.truthy(errors:find("/proc/nothing: cannot be made as a folder", 1, true), errors)
     local help, output = check.run(quoted(run) .. " --help")

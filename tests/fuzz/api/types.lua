@@ -78,6 +78,7 @@ end
 
 -- One alternative, or those between brackets.
 local function parse_some(text, at)
+  local _
   local inside = text:match("^%(()", at)
   if not inside then
     local one
@@ -86,6 +87,9 @@ local function parse_some(text, at)
   end
   local some
   some, at = parse_union(text, inside)
+  while text:match("^, *()", at) do -- several results of a function: the first counts
+    _, at = parse_union(text, text:match("^, *()", at))
+  end
   return some, text:match("^%)()", at) or error("no ')' at '" .. text:sub(at) .. "' of '" .. text .. "'")
 end
 
