@@ -18,16 +18,12 @@ local function read_arguments()
   local opts = script.read {
     summary = "edit sessions of the paper agile",
     about = "Replays the edits of a scene, or of a MODEL with an extracted skeleton, solves after each, and then "
-      .. "scales "
-      .. "the limbs until the part is strong enough. A MODEL stands on its lowest part and is pushed sideways at "
-      .. "the "
-      .. "end of a limb.\n\n"
+      .. "scales the limbs until the part is strong enough. A MODEL stands on its lowest part and is pushed "
+      .. "sideways at the end of a limb.\n\n"
       .. "DIR gets result.json, manifest.json, report.html, pictures, the edits as a script, and the shape as "
-      .. "STL; "
-      .. "with `--scene all`, a folder for each scene.\n\n"
+      .. "STL; with `--scene all`, a folder for each scene.\n\n"
       .. "Exit status: 0 the part ends below the limit (or --no-optimise); 2 the input was refused; 3 it does "
-      .. "not; 130 "
-      .. "interrupted. What ends early keeps what is done: result.json says \"finished\": false and why.",
+      .. "not; 130 interrupted. What ends early keeps what is done: result.json says \"finished\": false and why.",
     arguments = {{name = "model", type = "file", optional = true, what = "a surface: STL, OBJ, OFF or PLY"}},
     options = {script.option.needed_out,
       {name = "scene", value = "NAME", one_of = names, what = "instead of a MODEL"},

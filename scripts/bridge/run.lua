@@ -12,8 +12,7 @@ local function read_arguments()
   return script.read {
     summary = "a bridge of the smallest area that carries a load",
     about = "Designs a bridge: the smallest area that carries a load on the middle of a span below a stress "
-      .. "limit. "
-      .. "Ctrl-C ends the search; what is best so far is written.\n\n"
+      .. "limit. Ctrl-C ends the search; what is best so far is written.\n\n"
       .. "DIR gets result.json, manifest.json, bridge.svg (coloured by stress), bridge_cut.svg and bridge_cut.dxf "
       .. "(outlines to cut, mm), bridge.stl and report.html.\n\n"
       .. "Exit status: 0 a bridge that passes; 2 the input was refused; 3 none that passes was found.",

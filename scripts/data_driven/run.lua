@@ -18,17 +18,13 @@ local function read_arguments()
   local opts = script.read {
     summary = "the experiments of the paper data-driven",
     about = "Solves each scene on its fine grid and coarse: by lookup, by lookup in the library grown for the "
-      .. "grid, "
-      .. "naively and by averages. The errors stand beside the numbers of table 1 of the paper.\n\n"
+      .. "grid, naively and by averages. The errors stand beside the numbers of table 1 of the paper.\n\n"
       .. "The library is built into DIR/three.bwm when none is given; a build that was interrupted carries on. "
       .. "Without lookup among the methods none is built: grown then begins from nothing. DIR gets a folder for "
-      .. "each "
-      .. "scene with result.json, manifest.json, report.html and pictures, and a report over all scenes that "
-      .. "were run "
-      .. "into it.\n\n"
-      .. "Exit status: 0 all solved; 1 something did not solve; 2 the input was refused; 130 interrupted, what "
-      .. "is done "
-      .. "is kept.",
+      .. "each scene with result.json, manifest.json, report.html and pictures, and a report over all scenes that "
+      .. "were run into it.\n\n"
+      .. "Exit status: 0 all solved; 1 something did not solve; 2 the input was refused; 130 interrupted, what is "
+      .. "done is kept.",
     options = {script.option.needed_out,
       {name = "scene", value = "NAME,...", list = true, one_of = scenes.order, word = "all", needed = true,
         what = "which scenes, or all"},

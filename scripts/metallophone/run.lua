@@ -27,11 +27,9 @@ local paper = {
 local opts = script.read {
   summary = "a metallophone: bars of one outline tuned to a scale",
   about = "Makes bars of one outline tuned to a scale: cutting files, sounds, places for the screws, and a page "
-    .. "with "
-    .. "a table beside that of the paper responsive.\n\n"
+    .. "with a table beside that of the paper responsive.\n\n"
     .. "Exit status: 0 every bar within 1 cent; 1 one is not; 2 the input was refused; 130 interrupted, what is "
-    .. "done "
-    .. "is kept.",
+    .. "done is kept.",
   options = {script.option.needed_out,
     {name = "shape", value = "SHAPE", default = "fish",
       what = "fish, leaf, bone, or a drawing: FILE.svg, FILE.dxf"},

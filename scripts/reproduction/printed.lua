@@ -10,13 +10,11 @@ printed.papers = {
   {key = "agile", cite = "Xie, Xu, Yang, Guo, Zhou 2015", about = "Scenes by formula of the paper's numbers of "
     .. "tetrahedra and bones stand for its models, which are not to be had."},
   {key = "responsive", cite = "Umetani, Takayama, Mitani, Igarashi", about = "The drag of the paper's figure 2; "
-    .. "its "
-    .. "computer had a processor of 2.5 GHz."},
+    .. "its computer had a processor of 2.5 GHz."},
   {key = "worst-case", cite = "Zhou, Panetta, Zorin 2013", about = "Bodies by formula of the paper's numbers of "
     .. "tetrahedra."},
   {key = "data-driven", cite = "Chen, Levin, Sueda, Matusik 2015", about = "Scenes of the paper's grids; its "
-    .. "loads, "
-    .. "layouts and figures are not to be had, so that errors are those of other bodies. Seconds are the "
+    .. "loads, layouts and figures are not to be had, so that errors are those of other bodies. Seconds are the "
     .. "processor's; the paper's are one thread's of 2.5 GHz."},
 }
 
@@ -67,9 +65,8 @@ local function edit_solve(result)
 end
 
 local add = new("agile", "Table 2", "What an edit costs", "Ours: the middle one of edits that scale or turn one "
-  .. "bone; "
-  .. "quadratic tetrahedra as in the paper. The begin of a session is all that is done before the first edit, the "
-  .. "first solution with it.")
+  .. "bone; quadratic tetrahedra as in the paper. The begin of a session is all that is done before the first "
+  .. "edit, the first solution with it.")
 for _, line in ipairs(agile) do
   local name, elements, t = table.unpack(line)
   local part = "agile_" .. name
@@ -87,8 +84,7 @@ for _, line in ipairs(agile) do
 end
 
 add = new("agile", "Table 3", "Scaling optimisation to 55 MPa", "Stresses before are those of our scenes. The "
-  .. "paper's "
-  .. "subdomains that are optimised are beside our unknowns (two a subdomain, ties taken together).")
+  .. "paper's subdomains that are optimised are beside our unknowns (two a subdomain, ties taken together).")
 for _, line in ipairs(agile) do
   local name, part, t = line[1], "agile_" .. line[1], line[4]
   add {what = name .. ": largest stress before", unit = "MPa", printed = t[1], part = part,
@@ -112,8 +108,7 @@ local function run_of(result, rebuilt)
 end
 
 add = new("responsive", "Table 2", "How often each level of reuse ran in 159 frames", "Ours: of the cantilever. "
-  .. "What is "
-  .. "not counted needed nothing but moving nodes.")
+  .. "What is not counted needed nothing but moving nodes.")
 for _, level in ipairs {{"relocation", 117}, {"reconnecting", 39}, {"reconstruction", 3}} do
   add {what = level[1], unit = "frames", printed = level[2], part = "responsive_cantilever",
     pick = function(result)
@@ -138,8 +133,7 @@ for _, line in ipairs {{"vibration", 1962, 105.0, 41.8}, {"cantilever", 990, 37.
 end
 
 add = new("responsive", "Table 4", "A metallophone", "The paper's simulated frequencies beside those that our "
-  .. "bars are "
-  .. "tuned to; its measured and adjusted ones are of bars of metal, which we have not made.")
+  .. "bars are tuned to; its measured and adjusted ones are of bars of metal, which we have not made.")
 local bars = {{"C5", 523, 525, 506, 523}, {"D5", 587, 588, 604, 587}, {"E5", 659, 661, 621, 659},
   {"F5", 698, 699, 698, 698}, {"G5", 783, 786, 787, 783}, {"A5", 880, 880, 860, 881}, {"B5", 987, 989, 993, 987}}
 for _, bar in ipairs(bars) do
@@ -162,8 +156,7 @@ end
 -- ---- worst-case ------------------------------------------------------------------------------------------
 
 add = new("worst-case", "section 5", "The whole analysis", "Ours: from the mesh on, with 15 modes and 5 regions "
-  .. "of "
-  .. "each, of a foal by formula.")
+  .. "of each, of a foal by formula.")
 for _, line in ipairs {{2723, 0.028}, {42900, 0.308}, {70356, 0.382}, {155383, 2.566}, {322398, 9.601},
   {414894, 4.490}} do
   add {what = ("%d tetrahedra"):format(line[1]), unit = "minutes", printed = line[2], part = "worst_case_pipeline",
@@ -175,8 +168,7 @@ for _, line in ipairs {{2723, 0.028}, {42900, 0.308}, {70356, 0.382}, {155383, 2
 end
 
 add = new("worst-case", "Table 1", "Brute force and weak regions", "Five of the paper's eight sizes have a body "
-  .. "of "
-  .. "ours.")
+  .. "of ours.")
 for _, line in ipairs {{2723, 681.367, 1.089}, {2869, 793.362, 1.087}, {2904, 894.610, 0.641},
   {5332, 2120.361, 1.171}, {11020, 11029.721, 2.729}, {12853, 11334.362, 1.694}, {14163, 27775.900, 3.373},
   {16008, 19917.838, 1.892}} do
@@ -228,10 +220,8 @@ local examples = { -- relative speed, seconds an iteration, iterations, error, b
 }
 
 add = new("data-driven", "Table 1", "Coarsening by lookup", "Relative speed is that over one's own fine grid: "
-  .. "ours is "
-  .. "many times faster than the paper's, so that less is left to gain. Errors are mean distances of nodes over "
-  .. "the "
-  .. "longest side.")
+  .. "ours is many times faster than the paper's, so that less is left to gain. Errors are mean distances of "
+  .. "nodes over the longest side.")
 for _, example in ipairs(examples) do
   local name = example[1]
   local part = "data_driven_" .. name

@@ -18,9 +18,8 @@ local function read_arguments()
   local opts = script.read {
     summary = "the tables of the four papers, ours beside each printed number",
     about = "Runs every part in a job of its own. A part that is done with the same program and the same options "
-      .. "is "
-      .. "not run again. DIR gets SCALE/index.html, result.json, manifest.json, and a folder of results for each "
-      .. "part.\n\n"
+      .. "is not run again. DIR gets SCALE/index.html, result.json, manifest.json, and a folder of results for "
+      .. "each part.\n\n"
       .. "Exit status: 0 every part is done; 1 one is not; 2 the input was refused; 130 interrupted.",
     options = {
       {name = "quick", type = "flag", what = "in minutes: smaller, and the page says what is (this is the "
@@ -29,8 +28,7 @@ local function read_arguments()
       {name = "tiny", type = "flag", what = "in seconds: for the tests"},
       {name = "out", value = "DIR", type = "folder", default = "reproduced", what = "where the results go"},
       {name = "only", value = "TEXT", what = "parts whose name contains this text; what others gave before stays "
-        .. "in "
-        .. "the page"},
+        .. "in the page"},
       {name = "again", type = "flag", what = "run what is done, too"},
       {name = "list", type = "flag", what = "print the parts, run none"},
     },

@@ -283,8 +283,8 @@ local function main()
     model_path:match "[^/]+$", worst.at[1] * 1e3, worst.at[2] * 1e3, worst.at[3] * 1e3,
     worst.max_principal / 1e6))
   if used then
-    print(("On this mesh that is %.3g %% of the strength of %s; %s. `barwright worst` gives an interval and a"
-      .. " verdict."):format(100 * used, opts.material, core.error_unknown))
+    print(("On this mesh that is %.3g %% of the strength of %s; %s. `barwright worst` gives an interval and a "
+      .. "verdict."):format(100 * used, opts.material, core.error_unknown))
   else
     print(("The strength of %s is not known."):format(opts.material))
   end
