@@ -94,7 +94,7 @@ local function static_analysis(opts, mesh)
       facet_error = facets, edge = edge, parts = parts,
       rivals = rivals_of(part.mesh, found)}
   end
-  return {name = wanted.name, selections = wanted.selections, step = step}
+  return {name = wanted.name, unit = wanted.unit, selections = wanted.selections, step = step}
 end
 
 -- Whether the largest stress is at a place where it has no finite value. The first mesh has all edges.
@@ -161,7 +161,8 @@ local function mode_analysis(opts)
     return {result = modes, value = modes.frequencies(1, 1), frequencies = modes.frequencies:totable(),
       error = error, parts = parts}
   end
-  return {name = ("frequencies of %d modes, the first"):format(opts.count), selections = {}, step = step}
+  return {name = ("frequencies of %d modes, the first"):format(opts.count), unit = "Hz", selections = {},
+    step = step}
 end
 
 -- ---- methods ---------------------------------------------------------------------------------------

@@ -266,6 +266,11 @@ end
 
 local fields = {"von_mises", "displacement", "xx", "yy", "zz", "yz", "zx", "xy", "ux", "uy", "uz"}
 
+-- The unit of a quantity or field.
+local function unit_of(field)
+  return (field == "displacement" or displacement_columns[field]) and "m" or "Pa"
+end
+
 local function known(name, list, what)
   for _, word in ipairs(list) do
     if word == name then return end
@@ -276,7 +281,7 @@ end
 local function of_selection(selection, axis, mesh)
   if selection.mesh ~= mesh then raise "the selection is not of the model's mesh" end
   if axis ~= nil then known(axis, {"x", "y", "z"}, "axis") end
-  return {measure = reaction(axes[axis]), selections = {selection},
+  return {measure = reaction(axes[axis]), selections = {selection}, unit = "N",
     name = axis and "reaction along " .. axis or "reaction"}
 end
 
@@ -291,19 +296,20 @@ local function of_table(of, mesh)
   end
   local field = opts.field or "von_mises"
   known(field, fields, "field")
-  return {measure = at_place(opts.at, field), selections = {}, name = field .. " at a point"}
+  return {measure = at_place(opts.at, field), selections = {}, unit = unit_of(field),
+    name = field .. " at a point"}
 end
 
---- What is asked: {measure = function(part, static, selections), selections, name}. measure gives {value, at,
+--- What is asked: {measure = function(part, static, selections), selections, name, unit}. measure gives {value, at,
 --- recovery_error, dual = function or nil, field, better}.
 function goal.read(of, mesh)
   if of == nil then of = "von_mises" end
   if type(of) == "string" then
     known(of, {"von_mises", "max_principal", "displacement"}, "quantity")
     return {measure = of == "displacement" and largest_displacement or largest_stress(of), selections = {},
-      name = "largest " .. of}
+      unit = unit_of(of), name = "largest " .. of}
   end
-  if type(of) == "function" then return {measure = by_function(of), selections = {}, name = "function"} end
+  if type(of) == "function" then return {measure = by_function(of), selections = {}, unit = "", name = "function"} end
   if core.class_name(of) == "selection" then return of_selection(of, nil, mesh) end
   if is_point(of) then of = {at = of} end
   if type(of) == "table" then return of_table(of, mesh) end

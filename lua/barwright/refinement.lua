@@ -151,13 +151,13 @@ local function finish(self, result, reason)
   return result, self
 end
 
---- Runs an analysis {name, selections, step}: step(history, part, selections) gives {result, value, at, error
+--- Runs an analysis {name, unit, selections, step}: step(history, part, selections) gives {result, value, at, error
 --- (relative), parts (of every element in the error), rivals (elements to be bisected once)}. Returns its last
 --- result and the accuracy; or nil, message, details.
 function refinement.run(part, opts, analysis)
   local mesh, started = part.mesh, core.seconds()
-  local self = setmetatable({options = opts, history = {}, quantity = analysis.name, surface = opts.surface},
-    accuracy)
+  local self = setmetatable({options = opts, history = {}, quantity = analysis.name, unit = analysis.unit,
+    surface = opts.surface}, accuracy)
   local message, details, selections
   part, selections, details = part:refined(core.array.zeros(mesh.element_count), {surface = self.surface,
     order = 2, also = analysis.selections})
@@ -182,7 +182,7 @@ function refinement.run(part, opts, analysis)
   end
 end
 
--- ---- told ------------------------------------------------------------------------------------------
+-- ---- printing ------------------------------------------------------------------------------------------
 
 local reasons = {
   tolerance = "the estimated error is small enough",
@@ -194,11 +194,12 @@ local reasons = {
 }
 
 function accuracy:__tostring()
-  local lines = {("%s: %.6g, estimated error %.2g %%, %s: %s"):format(self.quantity, self.value,
+  local function shown(value) return core.quantity(value, self.unit) end
+  local lines = {("%s: %s, estimated error %.2g %%, %s: %s"):format(self.quantity, shown(self.value),
     100 * self.estimated_error, self.converged and "converged" or "not converged", reasons[self.reason])}
   for _, row in ipairs(self.history) do
-    lines[#lines + 1] = ("  %8d elements  %8d unknowns  %12.6g  %6.2f %%"):format(row.elements, row.unknowns,
-      row.value, 100 * row.estimated_error)
+    lines[#lines + 1] = ("  %8d elements  %8d unknowns  %12s  %6.2f %%"):format(row.elements, row.unknowns,
+      shown(row.value), 100 * row.estimated_error)
   end
   if self.singular then lines[#lines + 1] = tostring(self.singular) end
   return table.concat(lines, "\n")

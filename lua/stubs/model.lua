@@ -310,6 +310,7 @@ function Model:close() end
 ---`print` shows it.
 ---@class bw.Accuracy
 ---@field quantity string what was asked for
+---@field unit string of the quantity; empty for functions
 ---@field value number (any) on the last mesh, in the unit of the quantity
 ---@field estimated_error number (-) relative, on the last mesh
 ---@field at? bw.Vector (m) where the value is; nil for functions and modes

@@ -122,7 +122,7 @@ end
 local above, below = {1, -1.5, 0.9}, {1, -1.5, -0.7}
 local on = {
   {"boundary:below(\"z\", 0), seen from below", boundary:below("z", 0), below},
-  {"boundary:box(low, high)", boundary:box({-1 * mm, -1 * mm, 30 * mm}, {13 * mm, 25 * mm, 51 * mm}), above},
+  {"boundary:box(min, max)", boundary:box({-1 * mm, -1 * mm, 30 * mm}, {13 * mm, 25 * mm, 51 * mm}), above},
   {"boundary:near(point, radius)", boundary:near({60 * mm, 12 * mm, 12 * mm}, 10 * mm), above},
   {"boundary:facing({0, 0, 1}, angle)", boundary:facing({0, 0, 1}, math.rad(20)), above},
   {"boundary:patch(point, angle)", boundary:patch({14.3 * mm, 12 * mm, 14.3 * mm}, math.rad(30)), above},

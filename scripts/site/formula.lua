@@ -99,7 +99,7 @@ function reader:script()
   -- letters and digits, and M_pq,ik
   while true do
     local next_sign = self:peek()
-    if next_sign and text:match "%w$" and next_sign:match "^%w" then
+    if next_sign and (text:match "%w$" or letters[text]) and next_sign:match "^%w" then
       text = text .. self:take()
     elseif next_sign == "," and (self:peek(1) or ""):match "^%w" then
       text = text .. self:take() .. self:take()
@@ -334,6 +334,18 @@ local function balance(word)
   return open
 end
 
+-- Whether a word has a sign that only formulas have: an index, a power, an integral, a root or a derivative.
+-- Powers of ten and units such as m² are no formulas.
+local marks = {}
+for sign in ("√ ∂ ∇ ‖ ′ ″ ½ − ·"):gmatch "%S+" do marks[sign] = true end
+local function marked(word)
+  for sign in word:gmatch "[\194-\244][\128-\191]*" do
+    if subscripts[sign] or big[sign] or accents[sign] or composed[sign] or marks[sign] then return true end
+    if superscripts[sign] and sign ~= "²" and sign ~= "³" and word:find "%a" then return true end
+  end
+  return false
+end
+
 local function decoded(text) return (text:gsub("&lt;", "<"):gsub("&gt;", ">")) end
 
 -- Words of a text as {text, space = before it, core = without punctuation, tail = that punctuation}.
@@ -362,7 +374,7 @@ local function extent(words, k)
       if prose[core] and not sign_follows and (n == k or not expects and open == 0) then break end
       open = open + balance(core)
       if open < 0 then break end
-      if core:find "[_^|∫∂√=+/]" or core:find "%a%(" or big[core] then telling = true end
+      if core:find "[_^|=+/]" or core:find "%a%(" or big[core] or marked(core) then telling = true end
       if open == 0 and not big[core] then last = n end
       if open == 0 and tail ~= "" then break end
       expects = false
