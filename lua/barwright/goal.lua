@@ -300,8 +300,8 @@ local function of_table(of, mesh)
     name = field .. " at a point"}
 end
 
---- What is asked: {measure = function(part, static, selections), selections, name, unit}. measure gives {value, at,
---- recovery_error, dual = function or nil, field, better}.
+--- What is asked: {measure = function(part, static, selections), selections, name, unit}. measure gives {value,
+--- at, recovery_error, dual = function or nil, field, better}.
 function goal.read(of, mesh)
   if of == nil then of = "von_mises" end
   if type(of) == "string" then
@@ -309,7 +309,9 @@ function goal.read(of, mesh)
     return {measure = of == "displacement" and largest_displacement or largest_stress(of), selections = {},
       unit = unit_of(of), name = "largest " .. of}
   end
-  if type(of) == "function" then return {measure = by_function(of), selections = {}, unit = "", name = "function"} end
+  if type(of) == "function" then
+    return {measure = by_function(of), selections = {}, unit = "", name = "function"}
+  end
   if core.class_name(of) == "selection" then return of_selection(of, nil, mesh) end
   if is_point(of) then of = {at = of} end
   if type(of) == "table" then return of_table(of, mesh) end

@@ -151,9 +151,9 @@ local function finish(self, result, reason)
   return result, self
 end
 
---- Runs an analysis {name, unit, selections, step}: step(history, part, selections) gives {result, value, at, error
---- (relative), parts (of every element in the error), rivals (elements to be bisected once)}. Returns its last
---- result and the accuracy; or nil, message, details.
+--- Runs an analysis {name, unit, selections, step}: step(history, part, selections) gives {result, value, at,
+--- error (relative), parts (of every element in the error), rivals (elements to be bisected once)}. Returns its
+--- last result and the accuracy; or nil, message, details.
 function refinement.run(part, opts, analysis)
   local mesh, started = part.mesh, core.seconds()
   local self = setmetatable({options = opts, history = {}, quantity = analysis.name, unit = analysis.unit,
