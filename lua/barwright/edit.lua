@@ -348,7 +348,7 @@ function class:solve(given)
   return result
 end
 
---- The equations brought to the current shape: a local system, and the model it is of.
+--- The equations brought to the current shape: an incremental system, and the model it is of.
 function class:synchronise()
   local record, message, details = edit_follow.bring(self, current(self))
   if not record then return nil, message, details end

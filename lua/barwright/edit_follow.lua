@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The equations of a session. One local system follows the edits within a topology; another topology
+-- The equations of a session. One incremental system follows the edits within a topology; another topology
 -- (a refilled mesh, other subdomains) needs another system, made at the shape it is needed for. What a
 -- solve reused is told in words.
 local core = require "barwright.core"

@@ -25,8 +25,8 @@ function options.countable(value)
   return fine and math.type(count) == "integer" and count >= 0 and count < 1e9
 end
 
--- rule: {type = "number" | "integer" | "boolean" | "string" | "table" | a class, default =, least =,
--- most =, one_of = {...}, above = }; type "any" is checked by the caller
+-- rule: {type = "number" | "integer" | "boolean" | "string" | "table" | a class, default =, min =,
+-- max =, one_of = {...}, above = }; type "any" is checked by the caller
 local function check(where, key, value, rule)
   if type(value) == "table" and not options.countable(value) then
     fail(where, key, "a table with a length expected")

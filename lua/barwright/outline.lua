@@ -271,7 +271,7 @@ function methods:region(loop)
   return add(self, "region", loop, number, "region")
 end
 
--- Edges by {edges = {...}}, {near = {x, y}, radius = }, {box = {low, high}}, {loop = name}, or numbers.
+-- Edges by {edges = {...}}, {near = {x, y}, radius = }, {box = {min, max}}, {loop = name}, or numbers.
 local selections = {
   edges = {type = "any"},
   near = {type = "table"},
@@ -320,14 +320,14 @@ local function one_selection(self, opts, edges)
   return edges
 end
 
---- The numbers of edges: {edges = }, {near = {x, y}, radius = }, {box = {low, high}} (wholly inside),
+--- The numbers of edges: {edges = }, {near = {x, y}, radius = }, {box = {min, max}} (wholly inside),
 --- {loop = name}, a number or a list of numbers. None raises.
 function methods:edges(which)
   if math.type(which) == "integer" then which = {edges = which} end
   if type(which) == "table" and rawlen(which) > 0 then which = {edges = which} end
   local opts = options.read("edges", which, selections)
   local edges = one_selection(self, opts, {})
-  if #edges == 0 then raise "edges: the selection has no edge: no edge is there" end
+  if #edges == 0 then raise "edges: no edge lies in the selection" end
   for _, edge in ipairs(edges) do
     if math.type(edge) ~= "integer" or edge < 1 or edge > self.edge_count then
       raise(("edges: numbers from 1 to %d expected, got %s"):format(self.edge_count, core.got(edge)))

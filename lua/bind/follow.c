@@ -10,8 +10,7 @@ static const char *const level_words[] = {"none", "relocation", "reconnecting", 
                                           NULL};
 static const char *const method_words[] = {"auto", "iterate", "refactor", "full", NULL};
 
-/* ---- reuse statistics ---------------------------------------------------------------------------
- */
+/* ---- reuse statistics ------------------------------------------------------------------------ */
 
 #define REUSE_KEYS(BOOLEAN, INTEGER, NUMBER)                                                       \
   BOOLEAN(pattern)                                                                                 \

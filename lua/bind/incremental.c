@@ -114,8 +114,8 @@ static int core_rotate_material(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* local_system(model, subdomains, rotate_material): the model at the shape that later motions count
- * from */
+/* incremental_system(model, subdomains, rotate_material): the model at the shape that later motions
+ * count from */
 static int core_incremental_system(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
   const bw_subdomains *subdomains = (const bw_subdomains *)lbw_check(L, 2, &lbw_subdomains_class);

@@ -159,7 +159,7 @@ static void push_known(lua_State *L, double value) {
     lua_pushnil(L);
 }
 
-static int material_is_turned(lua_State *L) {
+static int material_is_rotated_by_element(lua_State *L) {
   lua_pushboolean(L, self(L)->orientations != NULL);
   return 1;
 }
@@ -319,7 +319,7 @@ static const luaL_Reg methods[] = {{"rotated", material_rotated},
                                    {NULL, NULL}};
 static const luaL_Reg properties[] = {{"name", material_name},
                                       {"isotropic", material_is_isotropic},
-                                      {"rotated_by_element", material_is_turned},
+                                      {"rotated_by_element", material_is_rotated_by_element},
                                       {"density", material_density},
                                       {"young", material_young},
                                       {"poisson", material_poisson},

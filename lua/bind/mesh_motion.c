@@ -47,7 +47,7 @@ static lbw_field *kept_field(lua_State *L, int box) {
 }
 
 /* plane.mesh_motion(mesh, options) */
-static int plane_mover(lua_State *L) {
+static int plane_mesh_motion(lua_State *L) {
   static const lbw_option list[] = {{"sweeps", LBW_INT, offsetof(bw_follow_options, sweeps)},
                                     {"distorted", LBW_REAL, offsetof(bw_follow_options, distorted)},
                                     {"rebuild", LBW_REAL, offsetof(bw_follow_options, rebuild)},
@@ -101,7 +101,7 @@ static void push_report(lua_State *L, const bw_follow_report *report) {
 }
 
 /* motion:follow(outline): report */
-static int mover_follow(lua_State *L) {
+static int motion_follow(lua_State *L) {
   bw_mesh_motion *motion = self(L);
   const bw_outline *outline = (const bw_outline *)lbw_check(L, 2, &lbw_outline_class);
   bw_follow_report report = {BW_LEVEL_NONE, 0, 0, 0, false, 0};
@@ -120,7 +120,7 @@ static int mover_follow(lua_State *L) {
 }
 
 /* motion:pull_back(gradient): of the outline's points, from that of nodes */
-static int mover_pull_back(lua_State *L) {
+static int motion_pull_back(lua_State *L) {
   bw_mesh_motion *motion = self(L);
   int64_t rows;
   double *gradient = lbw_to_doubles(L, 2, "gradient", 2, &rows);
@@ -132,34 +132,34 @@ static int mover_pull_back(lua_State *L) {
 }
 
 /* motion:check(): itself, where its parts belong together; raises otherwise */
-static int mover_check(lua_State *L) {
+static int motion_check(lua_State *L) {
   const bw_mesh_motion *motion = self(L);
   lbw_leave_or_raise(L, bw_mesh_motion_check(lbw_enter(L), motion));
   lua_settop(L, 1);
   return 1;
 }
 
-static int mover_mesh(lua_State *L) {
+static int motion_mesh(lua_State *L) {
   lbw_push(L, &lbw_plane_mesh_class, self(L)->mesh);
   return 1;
 }
 
-static int mover_outline(lua_State *L) {
+static int motion_outline(lua_State *L) {
   lbw_push(L, &lbw_outline_class, self(L)->mesh->outline);
   return 1;
 }
 
 static const luaL_Reg methods[] = {
-    {"follow", mover_follow}, {"pull_back", mover_pull_back}, {"check", mover_check}, {NULL, NULL}};
+    {"follow", motion_follow}, {"pull_back", motion_pull_back}, {"check", motion_check}, {NULL, NULL}};
 static const luaL_Reg properties[] = {
-    {"mesh", mover_mesh}, {"outline", mover_outline}, {NULL, NULL}};
+    {"mesh", motion_mesh}, {"outline", motion_outline}, {NULL, NULL}};
 static const luaL_Reg meta[] = {{NULL, NULL}};
 const lbw_class lbw_mesh_motion_class = {"mesh motion", methods, properties, meta, NULL};
 
 void lbw_open_mesh_motion(lua_State *L) {
   lbw_class_register(L, &lbw_mesh_motion_class);
   lua_getfield(L, -1, "plane");
-  lua_pushcfunction(L, plane_mover);
+  lua_pushcfunction(L, plane_mesh_motion);
   lua_setfield(L, -2, "mesh_motion");
   lua_pop(L, 1);
 }

@@ -91,8 +91,8 @@ static int subdomains_posed_nodes(lua_State *L) {
   return lbw_leave(L, bw_pose_nodes(lbw_enter(L), subdomains, map, node), 1);
 }
 
-/* subdomains:pose_derivative(pose, bone, axis): of every node by the scale of a bone along its axis
- */
+/* subdomains:pose_derivative(pose, bone, axis): of every node by the scale of a bone along its
+ * axis */
 static int subdomains_pose_derivative(lua_State *L) {
   const bw_subdomains *subdomains = check_subdomains(L, 1);
   bw_bone_pose *pose = read_pose(L, 2, subdomains->skeleton);

@@ -25,9 +25,12 @@ lbw_text lbw_quantity(double value, const char *unit) {
   const struct shown plain = {unit, unit, 1, 0}, *as = &plain;
   lbw_text out;
   char number[28];
+  /* the unit of the number that is shown: 9.99999 m is 10 m */
+  snprintf(number, sizeof number, "%.4g", value);
+  double size = fabs(strtod(number, NULL));
   for (int i = 0; i < COUNT && as == &plain; i++)
     if (strcmp(shown[i].unit, unit) == 0 &&
-        (fabs(value) >= shown[i].from || (value == 0 && shown[i].scale < 1)))
+        (size >= shown[i].from || (value == 0 && shown[i].scale < 1)))
       as = &shown[i];
   snprintf(number, sizeof number, "%.4g", value / as->scale);
   if (strstr(number, "e+") && fabs(value / as->scale) < 1e9) /* no exponent in 12340 */

@@ -91,7 +91,8 @@ int lbw_class_error(lua_State *L, int argument, const lbw_class *class) {
 
 const char *lbw_spoken(lua_State *L, const char *name) {
   size_t length = strlen(name);
-  bool plural = length > 1 && name[length - 1] == 's' && name[length - 2] != 'i'; /* not: basis */
+  /* not: basis, canvas */
+  bool plural = length > 1 && name[length - 1] == 's' && !strchr("ia", name[length - 2]);
   const char *article = plural ? "" : name[0] && strchr("aeiou", name[0]) ? "an " : "a ";
   return lua_pushfstring(L, "%s%s", article, luaL_gsub(L, name, "_", " "));
 }

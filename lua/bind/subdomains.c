@@ -168,8 +168,8 @@ static int subdomains_stiffness_subdomains_touched(lua_State *L) {
 
 /* ---- views ----------------------------------------------------------------------------------- */
 
-/* subdomains[i]: {index, type = "R" | "F", bone, bones = {names}, elements, adjacent = {numbers}}
- */
+/* subdomains[i]: {index, type = "R" | "F", bone, bones = {names}, elements,
+ * adjacent = {numbers}} */
 static int subdomains_index(lua_State *L) {
   const bw_subdomains *subdomains = self(L);
   if (lua_type(L, 2) != LUA_TNUMBER)

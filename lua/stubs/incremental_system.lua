@@ -17,14 +17,14 @@
 ---```
 ---@class bw.IncrementalSystem
 ---@field unknown_count integer (count) of degrees of freedom
----@field subdomain_count integer (count) of subdomains
+---@field subdomain_count integer (count) of stiffness subdomains
 local IncrementalSystem = {}
 
 ---Updates the equations to an edited shape.
 ---
 ---Errors: singular (the matrix is not positive definite), memory.
 ---@param model bw.Model of the edited shape
----@param motion bw.Array|number[][] (-, subdomain_count × 19, per subdomain) how each subdomain lies against the shape that the system was made at, as of `subdomains:motion`
+---@param motion bw.Array|number[][] (-, subdomain_count × 19, per stiffness subdomain) how each of them lies against the shape that the system was made at, as of `subdomains:motion`
 ---@return bw.Reuse? reused what was reused
 ---@return string? message
 ---@return bw.Details? details

@@ -74,7 +74,7 @@ local Static = {}
 ---@class bw.Reuse
 ---@field pattern boolean whether the sparsity pattern was kept
 ---@field ordering boolean whether the ordering was kept
----@field subdomains integer (count) subdomains of the equations
+---@field subdomains integer (count) stiffness subdomains of the equations
 ---@field subdomains_reused integer (count) subdomains whose coefficients stayed
 ---@field subdomains_rotated integer (count) subdomains that are unchanged in their own frames
 ---@field subdomains_changed integer (count) subdomains that changed

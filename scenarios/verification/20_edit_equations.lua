@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The equations kept through edits beside those of the same shape rebuilt.
+-- The equations kept through edits beside new ones of the same shape.
 local bw = require "barwright"
 local bodies = require "bodies"
 
@@ -8,7 +8,7 @@ local scenario, expect = bw.scenario, bw.scenario.expect
 scenario.about {title = "Edit sessions: equations kept",
   text = [[Random sequences of six edits (scaling, turning, moving, reaching, undo, redo) through sessions with
 gravity, pressure, a total force, a torque, fixed and sliding supports. What updates, partial refactoring and
-lagged-factor iterations leave is compared with everything rebuilt. Theory: [edit.md](theory/edit.md).]]}
+lagged-factor iterations leave is compared with a rebuild of everything. Theory: [edit.md](theory/edit.md).]]}
 
 local edits_each = 6
 
@@ -23,8 +23,8 @@ local function solve(session, random)
 end
 
 -- A sequence of edits; after each but the last sometimes a solve, after the last always. Returns the
--- largest differences: of the stiffness, of the solution with a factor rebuilt (both by the engine's
--- own check), of displacement and stress with those of a part rebuilt on the shape.
+-- largest differences: of the stiffness, of the solution with a new factor (both by the engine's
+-- own check), of displacement and stress with those of a new part of the shape.
 local function sequence(body, random, seen)
   local session = bodies.session(body)
   for i = 1, edits_each do
@@ -60,9 +60,9 @@ local function sequences(each)
     end
     row("stiffness", "stiffness", 1e-12, ("%d sequences, %d edits (%d refused), %d solves; largest "
       .. "difference of an entry, of the largest"):format(each, seen.edits, seen.refused, seen.solves))
-    row("solution", "solution", 1e-8, ("with a factor rebuilt; %d solves iterated, %d are on refilled meshes")
+    row("solution", "solution", 1e-8, ("with a new factor; %d solves iterated, %d are on refilled meshes")
       :format(seen.iterated, seen.refilled))
-    row("displacement", "displacement", 1e-8, "with a part rebuilt on the shape; norm over the nodes")
+    row("displacement", "displacement", 1e-8, "with a new part of the shape; norm over the nodes")
     row("von Mises stress", "stress", 1e-8, "likewise")
   end
 end

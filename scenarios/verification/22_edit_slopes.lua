@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- How von Mises stresses change with the scaling factors of bones, by one adjoint solve for each node,
--- beside central differences of complete solves of parts rebuilt.
+-- beside central differences of complete solves of new parts.
 local bw = require "barwright"
 local core = require "barwright.core"
 local bodies = require "bodies"

@@ -143,7 +143,7 @@ local function optimise(t, name, elements)
   local found = t:require(session:optimise {von_mises = scenes.threshold, move_supports = true, ties = scene.ties})
   local after = t:require(session.part:solve()).von_mises:max()
   expect(after / 1e6, "largest stress", "MPa"):below(scenes.threshold / 1e6,
-    {how = ("%d elements, %.1f MPa before; a part rebuilt; %d unknowns, %d steps"):format(
+    {how = ("%d elements, %.1f MPa before; a new part; %d unknowns, %d steps"):format(
       scene.mesh.element_count, from / 1e6, found.unknowns, found.iterations)})
   local moved, how = posed(session), session.edits[#session.edits].mesh
   assert(session:undo())

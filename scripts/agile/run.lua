@@ -5,6 +5,7 @@
 local folder = arg[0]:match "^(.*)/[^/]*$" or "."
 package.path = folder .. "/?.lua;" .. package.path
 local bw = require "barwright"
+local command_model = require "barwright.command.model"
 local models = require "models"
 local page = require "page"
 local scenes = require "scenes"
@@ -27,8 +28,8 @@ local function read_arguments()
     arguments = {{name = "model", type = "file", optional = true, what = "a surface: STL, OBJ, OFF or PLY"}},
     options = {script.option.needed_out,
       {name = "scene", value = "NAME", one_of = names, what = "instead of a MODEL"},
-      {name = "elements", value = "N", type = "integer", min = 1, what = "number of elements (default: the "
-        .. "scene's)"},
+      {name = "elements", value = "N", type = "integer", min = 1,
+        what = "number of elements (default: the scene's)"},
       {name = "order", value = "N", type = "integer", min = 1, max = 2, default = 2, what = "order of elements"},
       {name = "limit", value = "STRESS", type = "number", unit = "Pa", default = scenes.threshold, above = 0,
         what = "von Mises stress that the part must stay below"},
@@ -36,8 +37,9 @@ local function read_arguments()
       script.option.threads,
       {name = "bones", value = "N", type = "integer", min = 1, what = "bones of the skeleton, of a MODEL"},
       {name = "force", value = "FORCE", type = "number", unit = "N", above = 0, what = "force, of a MODEL"},
-      {name = "unit", value = "UNIT", what = "unit of the MODEL's file: m, cm, mm, um, in, ft"},
-      {name = "material", value = "NAME", what = "of `barwright materials`, of a MODEL"},
+      command_model.unit_option,
+      {name = "material", value = "NAME", one_of = bw.material.names(),
+        what = "of `barwright materials`, of a MODEL"},
     },
   }
   if (opts.model ~= nil) == (opts.scene ~= nil) then script.refuse "either --scene NAME or a MODEL expected" end

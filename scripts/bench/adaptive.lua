@@ -5,7 +5,6 @@ local folder = arg[0]:match "^(.*)/scripts/bench/" or "."
 package.path = folder .. "/scenarios/verification/lib/?.lua;" .. folder .. "/scripts/bench/?.lua;" .. package.path
 local bw = require "barwright"
 local grids = require "grids"
-local options = require "options"
 local script = require "barwright.command.script"
 
 local opts = script.read {
@@ -20,7 +19,7 @@ local opts = script.read {
       what = "relative error of the value that is asked for"},
     {name = "max", value = "N", type = "integer", default = 300000, min = 1,
       what = "largest number of unknowns of uniform refinement"},
-    options.out,
+    script.option.out,
   },
 }
 

@@ -7,7 +7,6 @@
 local root = arg[0]:match "^(.*)/bench/[^/]*$" or "scripts"
 package.path = root .. "/bench/?.lua;" .. root .. "/agile/?.lua;" .. package.path
 local bw = require "barwright"
-local options = require "options"
 local scenes = require "scenes"
 local script = require "barwright.command.script"
 -- Of the tests' build, beside the engine that runs.
@@ -27,7 +26,7 @@ local paper = {
 local opts = script.read {
   summary = "edits of one bone beside the same shape from scratch, on scenes of the sizes of the paper agile",
   options = {
-    options.out,
+    script.option.out,
     {name = "scenes", value = "NAME,...", list = true, one_of = scenes.names, default = scenes.names,
       what = "which scenes"},
     {name = "bones", value = "N", type = "integer", min = 1, what = "edits of so many bones alone (default: all)"},

@@ -5,7 +5,6 @@ local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
 local bodies = require "bodies_by_formula"
-local options = require "options"
 local script = require "barwright.command.script"
 
 -- worst-case, table 1 (elements, brute force, seconds)
@@ -14,7 +13,7 @@ local paper = {[2723] = 681.367, [2869] = 793.362, [2904] = 894.610, [5332] = 21
 
 local opts = script.read {
   summary = "weak regions against brute force, beside figure 7 and table 1 of the paper worst-case",
-  options = {options.out,
+  options = {script.option.out,
     {name = "bodies", value = "N", type = "integer", default = #bodies.list, min = 1,
       what = "the N smallest bodies alone"},
     {name = "elements", value = "FRACTION", type = "number", default = 1, above = 0,

@@ -14,7 +14,7 @@ local FORCE, PRESSURE = 20, 2e5
 
 local opts = script.read {
   summary = "certified upper bounds of the worst case on machine parts",
-  options = {options.out, options.unseen, options.only, options.elements(40000),
+  options = {script.option.out, options.unseen, options.only, options.elements(40000),
     {name = "share", value = "FRACTION", type = "number", default = 0.05, min = 0.001, max = 0.5,
       what = "the largest gap between bound and load that is asked for"},
     {name = "check", type = "flag", what = "check the certificate as well"},

@@ -40,6 +40,7 @@ local function measure(kind, cells, order, ranks)
 end
 
 if opts.here then
+  if not opts.cells[1] then script.refuse "--here needs CELLS" end
   measure(opts.here, opts.cells[1], opts.order, opts.ranks)
   return
 end

@@ -11,7 +11,7 @@ local script = require "barwright.command.script"
 
 local opts = script.read {
   summary = "contacts of the drop test on coarse meshes of machine parts",
-  options = {options.out, options.only, options.elements(5000),
+  options = {script.option.out, options.only, options.elements(5000),
     {name = "drops", value = "N", type = "integer", default = 500, min = 1, what = "number of random drops"}},
 }
 

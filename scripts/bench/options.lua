@@ -1,8 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Options that several benchmarks have, as rules of lua/barwright/command/arguments.lua.
-local script = require "barwright.command.script"
-
-local options = {out = script.option.out}
+local options = {}
 
 options.only = {name = "only", value = "NAME", what = "only what has this name"}
 options.containing = {name = "only", value = "TEXT", what = "only bodies whose name contains this text"}

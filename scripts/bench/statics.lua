@@ -28,7 +28,7 @@ end
 local function measure(body, cells, with)
   local n, size = {}, {}
   for i, k in ipairs(shapes[body]) do n[i], size[i] = k * cells, k end
-  local mesh = assert(bw.mesh.box {min = {0, 0, 0}, high = size, cells = n, order = 2})
+  local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = size, cells = n, order = 2})
   local part = bw.model {mesh = mesh, material = bw.material.steel}
   part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, size[1]), force = {1e3, 0, -1e3}}
   local function peak()
@@ -55,7 +55,10 @@ local function parts_of(text)
 end
 
 if opts.here then
-  measure(parts_of(opts.body[1]))
+  if not opts.body[1] then script.refuse "--here needs a BODY" end
+  local body, cells, solver = parts_of(opts.body[1])
+  if solver == "" then script.refuse "--here needs a solver behind the BODY: block:12:pcg" end
+  measure(body, cells, solver)
   return
 end
 

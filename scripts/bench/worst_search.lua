@@ -17,11 +17,11 @@ local opts = script.read {
   summary = "the worst-case search against brute force on the same mesh",
   about = "The bodies are the machine parts of scripts/worst_case/machine_parts.lua and, with --models, surfaces "
     .. "of a folder, scaled to a box diagonal of 100 mm.",
-  options = {options.out, options.models, options.unseen, options.only, options.elements(3000),
+  options = {script.option.out, options.models, options.unseen, options.only, options.elements(3000),
     {name = "principal", type = "flag",
       what = "beside it brute force that maximises the principal stress of every element (three times as long)"},
-    {name = "certify", value = "FRACTION", type = "number", default = 0, min = 0, max = 0.5, what = "an upper "
-      .. "bound within that fraction, how much of it the search reaches, and its seconds; 0: without"},
+    {name = "certify", value = "FRACTION", type = "number", default = 0, min = 0, max = 0.5,
+      what = "an upper bound within that fraction, how much of it the search reaches, and its seconds; 0: without"},
   },
 }
 

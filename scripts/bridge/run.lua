@@ -26,7 +26,7 @@ local function read_arguments()
       {name = "thickness", value = "LENGTH", type = "number", unit = "m", default = 0.004, above = 0,
         what = "thickness of the plate"},
       {name = "depth", value = "LENGTH", type = "number", unit = "m", above = 0,
-        what = "largest height of the bridge; without it, half the span"},
+        what = "height of the load above the feet; without it, half the span"},
       {name = "wall", value = "LENGTH", type = "number", unit = "m", above = 0,
         what = "smallest thickness of walls; without it, a fiftieth of the span"},
       {name = "size", value = "LENGTH", type = "number", unit = "m", above = 0,

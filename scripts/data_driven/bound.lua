@@ -37,6 +37,8 @@ if opts.library then
 end
 
 local rows, status = bw.json.list {}, 0
+local wanted = {}
+for _, method in ipairs(methods) do wanted[method] = true end
 for _, name in ipairs(names) do
   local scene = scenes[name]
   local fine = assert(scenes.solid(scene, scenes.materials()))
@@ -48,7 +50,7 @@ for _, name in ipairs(names) do
   else
     local u = reference.displacement
     local by = {naive = "naive", lookup = library}
-    if table.concat(methods, ","):find "grown" then
+    if wanted.grown then
       by.grown = assert(bw.metamaterial.grow(library or scenes.materials(), fine.grid, {levels = scene.levels}))
     end
     for level = 1, math.min(scene.levels, opts.levels) do

@@ -70,7 +70,7 @@ end
 
 local function dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
 
--- The facets that face the viewer from the farthest to the nearest: {depth, number, normal along each axis}.
+-- The facets that face the viewer from the farthest to the nearest: {depth, number, light = brightness}.
 local function visible(points, facets, right, up, to)
   local list = {}
   for number, f in ipairs(facets) do

@@ -192,8 +192,8 @@ do
   for _, degrees in ipairs {70, 77, 84, 91} do push(canvas, x, y, rx, ry, degrees, 48, 0, RED) end
   for _, dx in ipairs {-80, -40, 0, 40, 80} do arrow(canvas, x + dx, y + 22, x + dx, y - 4, SOFT) end
 
-  x, y = panel(2, "supports and forbidden places", {"supports balance the load; nothing presses on", "forbidden "
-    .. "places (green)"})
+  x, y = panel(2, "supports and forbidden places", {"supports balance the load; nothing presses on",
+    "forbidden places (green)"})
   for _, degrees in ipairs {112, 119, 126, 133} do push(canvas, x, y, rx, ry, degrees, 48, 0, RED) end
   local lines = {}
   for degrees = 235, 305, 5 do
@@ -243,10 +243,10 @@ do
     {"bottle opener", 77.13, {67.32, 79.61, 93.54}, {69.26, 79.96, 93.95}, {71.02, 79.98, 93.98}},
     {"tray", 6.784, {6.251, 7.775, 8.141}, {6.375, 7.511, 7.865}, {6.554, 7.409, 7.758}},
   }
-  local canvas = drawing(620, 330, "intervals of five breaking forces from three meshes, over the force of a much "
-    .. "finer mesh")
-  local f = frame(canvas, {70, 20, 530, 240}, {min = 0, max = 5, at = {}, name = "from 2,500, 5,000 and 10,000 "
-    .. "elements"}, {min = 0.7, max = 1.3, at = {0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3}, name = "force / finest mesh"})
+  local canvas = drawing(620, 330,
+    "intervals of five breaking forces from three meshes, over the force of a much finer mesh")
+  local f = frame(canvas, {70, 20, 530, 240},
+    {min = 0, max = 5, at = {}, name = "from 2,500, 5,000 and 10,000 elements"}, {min = 0.7, max = 1.3, at = {0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3}, name = "force / finest mesh"})
   f.curve({{0, 1}, {5, 1}}, {stroke = RED, width = 2})
   for i, model in ipairs(models) do
     text(canvas, model[1], f.x(i - 0.5), f.y(0.7) + 17, {align = 0.5, size = 12})

@@ -8,7 +8,8 @@ local page = {}
 local escape = html.escape
 
 local STYLE <const> = [[
-p { max-width: 48rem } tr:nth-child(even) td { background: var(--stripe) } .last td:last-child { text-align: left }
+p { max-width: 48rem } tr:nth-child(even) td { background: var(--stripe) }
+.last th:last-child, .last td:last-child { text-align: left }
 ]]
 
 local function figure(value, unit)

@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Pictures for the gallery: those of docs/images, whose makers are scripts/docs/*, and what the lessons draw.
 local bw = require "barwright"
-local markdown = require "markdown"
+local escape = require "barwright.html".escape
 
 local gallery = {}
 
@@ -96,8 +96,8 @@ function gallery.html(pictures)
       or "<code>" .. picture.made .. "</code>"
     if not picture.page then
       out[#out + 1] = ('<figure><a href="%s"><img src="%s" alt="%s" loading="lazy"></a><figcaption>%s (%s)'
-        .. "</figcaption></figure>"):format(picture.file, picture.file, markdown.escape(picture.caption),
-        markdown.escape(picture.caption), source)
+        .. "</figcaption></figure>"):format(picture.file, picture.file, escape(picture.caption),
+        escape(picture.caption), source)
     end
   end
   out[#out + 1] = "</div>"
@@ -105,7 +105,7 @@ function gallery.html(pictures)
   for _, picture in ipairs(pictures) do
     if picture.page then
       reports[#reports + 1] = ('<li><a href="%s">%s</a></li>'):format(picture.file,
-        markdown.escape(picture.caption))
+        escape(picture.caption))
     end
   end
   if #reports > 0 then

@@ -1,5 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Each lesson and design study of examples/ as a page: what its head says, how to run it, the whole program.
+local escape = require "barwright.html".escape
 local markdown = require "markdown"
 
 local lessons = {}
@@ -29,15 +30,15 @@ end
 --- Its page as HTML.
 function lessons.html(lesson, pictures)
   local out = {("<h1>%s%s</h1>"):format(lesson.number and lesson.number .. ". " or "",
-    markdown.escape(lesson.title))}
+    escape(lesson.title))}
   out[#out + 1] = (markdown.html(lesson.text, function(target) return target end))
   if lesson.run then
-    out[#out + 1] = ("<pre><code>%s</code></pre>"):format(markdown.escape(lesson.run))
+    out[#out + 1] = ("<pre><code>%s</code></pre>"):format(escape(lesson.run))
   end
   local up = ("../"):rep(select(2, lesson.page.address:gsub("/", "")))
   for _, picture in ipairs(pictures or {}) do
     out[#out + 1] = ('<p><img src="%s%s" alt="%s" loading="lazy"></p>'):format(up, picture.file,
-      markdown.escape(picture.caption))
+      escape(picture.caption))
   end
   out[#out + 1] = ('<pre class="lua"><code>%s</code></pre>'):format(markdown.lua(lesson.source))
   return table.concat(out, "\n")

@@ -3,6 +3,7 @@
 -- pages and to sources, formulas as MathML, colours for code.
 local colour = require "colour"
 local core = require "barwright.core"
+local escape = require "barwright.html".escape
 local formula = require "formula"
 
 local markdown = {}
@@ -13,10 +14,6 @@ local function plain(html)
   return (html:gsub("<[^>]*>", ""):gsub("&lt;", "<"):gsub("&gt;", ">"):gsub("&quot;", '"'):gsub("&amp;", "&"))
 end
 markdown.plain = plain
-
-function markdown.escape(text)
-  return (text:gsub("[&<>\"]", {["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;", ['"'] = "&quot;"}))
-end
 
 -- The name that others who show Markdown give a heading: small letters, hyphens for spaces, no other signs.
 local function slug(text, taken)
@@ -70,7 +67,7 @@ end
 
 --- Lua with its words, texts, numbers and comments marked.
 function markdown.lua(source)
-  return colour.lua(source, markdown.escape)
+  return colour.lua(source, escape)
 end
 
 return markdown

@@ -6,6 +6,7 @@ package.path = root .. "/scripts/site/?.lua;" .. package.path
 local bw = require "barwright"
 local contents = require "contents"
 local core = require "barwright.core"
+local escape = require "barwright.html".escape
 local gallery = require "gallery"
 local lessons = require "lessons"
 local links = require "links"
@@ -106,7 +107,7 @@ local function up(address) return ("../"):rep(select(2, address:gsub("/", ""))) 
 local function add_to(out, page, other, class)
   if not other.there then return end
   out[#out + 1] = ('<li%s><a href="%s%s"%s>%s</a></li>'):format(class or "", up(page.address), other.address,
-    other == page and ' aria-current="page"' or "", markdown.escape(other.title))
+    other == page and ' aria-current="page"' or "", escape(other.title))
 end
 
 local function navigation(page)
@@ -131,7 +132,7 @@ local function section_list(page)
   for _, heading in ipairs(page.headings or {}) do
     if heading.level == 2 or heading.level == 3 and #page.headings < 60 then
       out[#out + 1] = ('<li%s><a href="#%s">%s</a></li>'):format(heading.level == 3 and ' class="deep"' or "",
-        heading.name, markdown.escape(heading.text))
+        heading.name, escape(heading.text))
     end
   end
   return #out > 1 and "<ul>" .. table.concat(out) .. "</ul>" or ""
@@ -177,7 +178,7 @@ for _, page in ipairs(pages) do
       local to = lesson.number and rows or studies
       to[#to + 1] = ('<li%s><a href="%s">%s</a></li>'):format(
         lesson.number and (' value="%d"'):format(lesson.number) or "", lesson.page.address,
-        markdown.escape(lesson.title))
+        escape(lesson.title))
     end
     page.there, page.html = true, table.concat(rows, "\n") .. table.concat(studies, "\n") .. "</ul>"
   elseif page.source:match "%.md$" then
@@ -198,7 +199,7 @@ for source in pairs(shown) do
     local page = add(source, source, "source/" .. source:gsub("/", "_") .. ".html")
     page.there = true
     page.html = ("<h1>%s</h1><pre><code>%s</code></pre>"):format(source,
-      (source:match "%.lua$" and markdown.lua or markdown.escape)(text))
+      (source:match "%.lua$" and markdown.lua or escape)(text))
   end
 end
 
@@ -208,7 +209,7 @@ end
 for _, page in ipairs(pages) do
   if page.there then
     index(page)
-    write(opts.out .. "/" .. page.address, fill {TITLE = markdown.escape(page.title), ROOT = up(page.address),
+    write(opts.out .. "/" .. page.address, fill {TITLE = escape(page.title), ROOT = up(page.address),
       VERSION = version .. (commit ~= "" and ", " .. commit or ""), PAGES = navigation(page), BODY = page.html,
       SECTIONS = section_list(page)})
   end

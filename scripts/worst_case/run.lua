@@ -2,6 +2,7 @@
 -- The worst-case analysis of a model on one mesh from one command.
 local bw = require "barwright"
 local core = require "barwright.core"
+local model = require "barwright.command.model"
 local places = require "barwright.command.places"
 local script = require "barwright.command.script"
 
@@ -32,26 +33,24 @@ local function read_arguments()
     arguments = {{name = "model", type = "file", what = "a surface or a mesh"}},
     options = {script.option.needed_out,
       count("elements", 40000, 1, 100000000, "number of elements that a surface is filled with"),
-      count("order", 1, 1, 2, "order of elements"),
-      {name = "unit", value = "UNIT", what = "unit of the file: m, cm, mm, um, in, ft"},
-      {name = "material", value = "NAME", default = "pla", what = "of `barwright materials`"},
+      model.order_option,
+      model.unit_option, model.material_option,
       {name = "force", value = "FORCE", type = "number", unit = "N", default = 20, above = 0,
         what = "the total force of the loads"},
       {name = "pressure", value = "STRESS", type = "number", unit = "Pa", above = 0,
         what = ("largest pressure of the loads; without it and --contact %g MPa"):format(PRESSURE / 1e6)},
       {name = "contact", value = "AREA", type = "number", unit = "m2", above = 0,
         what = "smallest area that carries the force, instead of --pressure"},
-      {name = "fix", value = "PLACE", many = true, what = "fixed places; without any, inertia balances the loads"},
+      model.fix_option,
       {name = "forbid", value = "PLACE", many = true, what = "places where nothing presses"},
       {name = "friction", value = "MU", type = "number", default = 0, min = 0, max = 100,
         what = "coefficient of friction of the loads"},
       count("friction-facets", 8, 3, 64, "facets that stand for the cone of friction"),
       {name = "hands", value = "K", type = "integer", min = 1, max = 16,
         what = "loads act within so many places at once; without it, anywhere"},
-      {name = "hand", value = "AREA", type = "number", unit = "m2", above = 0, what = "area of each of the "
-        .. "--hands"},
-      count("modes", 15, 1, 500, "modes that weak regions are found from"),
-      count("regions", 5, 1, 1000, "weak regions of a mode"),
+      {name = "hand", value = "AREA", type = "number", unit = "m2", above = 0,
+        what = "area of each of the --hands"},
+      model.search_options[1], model.search_options[2],
       {name = "fraction", value = "FRACTION", type = "number", default = 0.025, above = 0, max = 1,
         what = "fraction of the volume that a weak region may take"},
       {name = "measure", value = "NAME", one_of = {"stress", "energy"}, default = "stress",
@@ -59,8 +58,8 @@ local function read_arguments()
       {name = "target", value = "NAME", one_of = {"stress", "displacement"}, default = "stress",
         what = "what the loads maximise"},
       {name = "laplacian", type = "flag", what = "modes of the Laplacian instead of elastic ones"},
-      {name = "method", value = "NAME", one_of = {"search", "paper"}, what = "how loads are searched (default: "
-        .. "search; paper with --target displacement)"},
+      {name = "method", value = "NAME", one_of = {"search", "paper"},
+        what = "how loads are searched (default: search; paper with --target displacement)"},
       {name = "certify", value = "FRACTION", type = "number", min = 0.001, max = 0.5,
         what = "an upper bound that is proved, at most so much above the load that is found"},
       {name = "certificate", value = "FILE", type = "file", what = "the file that proves the bound of --certify"},

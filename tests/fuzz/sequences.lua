@@ -5,8 +5,8 @@
 --   build/barwright tests/fuzz/sequences.lua [options]
 --     --operations N   how many operations (2000), over all kinds or those of --kind
 --     --seed S         of their choice (1)
---     --kind NAME      sheet, cantilever, vibration, flow, thermal, plate, bridge, mover, session, solid,
---                      motion or controller
+--     --kind NAME      sheet, cantilever, vibration, flow, thermal, plate, bridge, mesh_motion, session, solid,
+--                      transient or controller
 --     --sequence N     this sequence alone, told operation by operation
 --     --length N       operations of a sequence (40)
 --     --parallel N     processes (as many as there are processors)

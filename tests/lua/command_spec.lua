@@ -265,7 +265,7 @@ describe("every command", function()
     end
   end)
 
-  it("is preceded by a file that is named with its folder", function()
+  it("is not run in place of a file that is named with its folder", function()
     local folder = check.folder()
     check.write(folder .. "/help", "print 'a script'")
     local status, out = check.run(folder .. "/help")

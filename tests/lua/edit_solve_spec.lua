@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- A session's answer is that of a part rebuilt, and says what it reused.
+-- A session's answer is that of a new part, and says what it reused.
 local bw = require "barwright"
 local check = require "check"
 local edit_bodies = require "edit_bodies"
@@ -36,7 +36,7 @@ describe("a solve", function()
     end
   end)
 
-  it("is that of the part rebuilt, after every kind of edit, by every method", function()
+  it("is that of a new part, after every kind of edit, by every method", function()
     local session = body()
     local first = assert(session:solve())
     compare(session, first)
@@ -150,7 +150,7 @@ describe("a solve", function()
     local stays = assert(assert(part:moved(session.mesh)):solve())
     assert.truthy((stays.displacement - result.displacement):norm() > 0.1 * result.displacement:norm())
 
-    -- bent: that of the part rebuilt, whose material knows how each element lies
+    -- bent: that of a new part, whose material knows how each element lies
     assert(session:bone("lower"):rotate {y = 20})
     compare(session, assert(session:solve {check = true}))
     assert(session:bone("lower"):scale {1, 1.2, 1.1})

@@ -107,7 +107,7 @@ describe("the scaling optimisation", function()
     check.near(found.von_mises, max_of(session), 1e-6)
     assert.truthy(max_of(session) <= 0.6 * before)
     check.near(change_of(mesh, session), found.change, 1e-9)
-    -- a part rebuilt on that shape says the same
+    -- a new part of that shape has the same
     check.near(found.von_mises, assert(session.part:solve()).von_mises:max(), 1e-6)
     assert.truthy(session:undo())
     check.near(before, max_of(session), 1e-9)

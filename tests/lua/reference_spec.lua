@@ -5,16 +5,6 @@ package.path = check.root .. "/scripts/docs/?.lua;" .. package.path
 local gaps = require "gaps"
 local stubs = require "stubs"
 
--- How many gaps each file of lua/stubs may have (scripts/check_reference). Lower the number when there are fewer,
--- and take the line out at 0. An empty line between two lets changes of both be merged.
-local allowed = {
-  flow = 224,
-
-  metallophone = 207,
-
-  plot = 175,
-}
-
 -- What an example is run by where it is not a script for the program alone.
 local runners = {
   scenario = "%s test %s",
@@ -41,12 +31,10 @@ end
 
 describe("the reference", function()
   for _, file in ipairs(all.files) do
-    it("has no more gaps in " .. file.name, function()
+    it("has no gaps in " .. file.name, function()
       local list = gaps.of(all, file)
-      local max = allowed[file.name] or 0
       local first = list[1] and ("line %d: %s: %s"):format(list[1].line, list[1].kind, list[1].text) or ""
-      assert.truthy(#list <= max, ("%d gaps, %d allowed; scripts/check_reference %s lists them; %s"):format(#list,
-        max, file.name, first))
+      assert.equal(0, #list, ("scripts/check_reference %s lists them; %s"):format(file.name, first))
     end)
   end
 

@@ -11,10 +11,12 @@ local small = 3000
 local small_options = {check = "", worst = "--modes 2 --regions 1", statics = "", modes = ""}
 local function runs(name) return full and name == "strengthen" or small_options[name] end
 
--- Runs words of a shell in a folder. What they print, and the exit status.
+local program = "'" .. check.program .. "'"
+
+-- Runs words of a shell in a folder. The exit status, what they print, and what they write to standard error.
 local function run_in(folder, words)
-  local _, _, code = os.execute(("cd '%s' && BARWRIGHT_QUIET=1 %s >said 2>&1"):format(folder, words))
-  return code, check.read(folder .. "/said")
+  local _, _, code = os.execute(("cd '%s' && BARWRIGHT_QUIET=1 %s >printed 2>complaint"):format(folder, words))
+  return code, check.read(folder .. "/printed"), check.read(folder .. "/complaint")
 end
 
 local function describe_page(page, min_blocks, prepare)
@@ -47,16 +49,17 @@ local function describe_page(page, min_blocks, prepare)
       for block in text:gmatch "```sh\n(.-)```" do
         for line in block:gmatch "build/barwright (%l+ [^\n]*)" do
           if runs(line:match "^%l+") then
-            local code, out = run_in(folder, check.program .. " " .. command(line))
-            assert.message(line .. "\n" .. out).is_true(code <= 1) -- 1: it breaks, or is unsure
+            local code, out, complaint = run_in(folder, program .. " " .. command(line))
+            assert.message(line .. "\n" .. out .. complaint).is_true(code <= 1) -- 1: it breaks, or is unsure
+            assert.message(line).equal("", complaint)
             count = count + 1
           end
         end
       end
       for line in text:gmatch "build/barwright ([se]%l+/[^\n`]*)" do
         if not full then line = line:gsub("%-%-elements %d+", "--elements " .. small) end
-        local code, out = run_in(folder, ("%s %s/%s"):format(check.program, check.root, line))
-        assert.message(line .. "\n" .. out).are.equal(0, code)
+        local code, out, complaint = run_in(folder, ("%s '%s'/%s"):format(program, check.root, line))
+        assert.message(line .. "\n" .. out .. complaint).are.equal(0, code)
         count = count + 1
       end
       assert.is_true(count >= 1)
@@ -74,8 +77,8 @@ local function describe_page(page, min_blocks, prepare)
       end
       assert.is_true(#parts >= min_blocks)
       check.write(folder .. "/tutorial.lua", adapted(table.concat(parts, "\n")))
-      local code, out = run_in(folder, check.program .. " tutorial.lua")
-      assert.message(out).are.equal(0, code)
+      local code, out, complaint = run_in(folder, program .. " tutorial.lua")
+      assert.message(out .. complaint).are.equal(0, code)
     end)
   end)
 end
@@ -179,8 +182,8 @@ describe("README.md", function()
             "%1, modes = 2, regions = 1}))\nprint")
       end
       check.write(folder .. "/script.lua", block)
-      local code, out = run_in(folder, check.program .. " script.lua")
-      assert.message(block .. "\n" .. out).equal(0, code)
+      local code, out, complaint = run_in(folder, program .. " script.lua")
+      assert.message(block .. "\n" .. out .. complaint).equal(0, code)
     end
     assert.equal(5, count)
   end)

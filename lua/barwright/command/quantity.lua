@@ -64,7 +64,7 @@ function quantity.text(value, unit)
   for _, one in ipairs(written[unit] or {}) do
     if value >= units[unit][one] then name, scale = one, units[unit][one] end
   end
-  local text = math.type(value) == "integer" and tostring(value) or ("%.14g"):format(value / scale)
+  local text = scale == 1 and math.type(value) == "integer" and tostring(value) or ("%.14g"):format(value / scale)
   return name and text .. " " .. name or text
 end
 

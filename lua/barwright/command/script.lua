@@ -48,7 +48,7 @@ function script.read(about)
   local fault = arguments.fault(about)
   if fault then core.raise(("script: the table of options: %s"):format(fault)) end
   local opts, message = arguments.parse(about, arg)
-  if not opts then script.refuse(message .. " (--help tells more)") end
+  if not opts then script.refuse(message .. " (see --help)") end
   if opts.help then
     print(help_text.of(arg[0], about))
     os.exit(0, true)

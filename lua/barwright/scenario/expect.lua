@@ -115,7 +115,7 @@ function methods:above(bound, given)
     ("%s, at least %s expected%s"):format(with_unit(self, a), with_unit(self, b), share(value, bound)))
 end
 
---- From `low` to `high`.
+--- From `min` to `max`.
 function methods:between(min, max, given)
   local opts = read("between", given)
   checked_bound("between", min)

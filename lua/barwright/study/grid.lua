@@ -14,8 +14,9 @@ local MAX_POINTS = 10000000
 local function spread(variable, count, where)
   local all = variable:count()
   if all and (not count or count >= all) then count = all end
-  if not count then raise(("%s: option 'levels': the number of levels of '%s' is missing"):format(where,
-    variable.name)) end
+  if not count then
+    raise(("%s: option 'levels': the number of levels of '%s' is missing"):format(where, variable.name))
+  end
   if all and all > MAX_POINTS then
     raise(("%s: '%s' has %d values: option 'levels' expected"):format(where, variable.name, all))
   end
@@ -33,8 +34,9 @@ end
 
 local function levels_of(variable, opts, where)
   if type(opts) == "table" then
-    if #opts == 0 then raise(("%s: levels of '%s': one value or more expected, got an empty list"):format(where,
-      variable.name)) end
+    if #opts == 0 then
+      raise(("%s: levels of '%s': one value or more expected, got an empty list"):format(where, variable.name))
+    end
     local values = {}
     for i, value in ipairs(opts) do
       values[i] = variable:check(value, ("%s: levels of '%s'"):format(where, variable.name))

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Good files of some formats, for what reads, and studies. Each batch of calls has a folder of its own, rebuilt,
+-- Good files of some formats, for what reads, and studies. Each batch of calls has a new folder of its own,
 -- so that no batch reads what another one wrote.
 local bw = require "barwright"
 local core = require "barwright.core"

@@ -168,14 +168,13 @@ makers.TransientSheet = {function()
     conditions = {}}))
 end}
 makers.Sheet = {function(p) return rawget(p.SteadySheet, "body") end,
-  function(p) return rawget(p.LargeDeflectionSheet,
-  "body") end}
+  function(p) return rawget(p.LargeDeflectionSheet, "body") end}
 makers.Metallophone = {function()
   return assert(bw.responsive.metallophone {outline = rectangle {max = {0.2, 0.03}}, thickness = 0.004,
     material = bw.material.aluminium, elements = 12})
 end}
 makers.Plate = {function(p) return rawget(p.Metallophone, "body") end}
-makers.Kept = {function(p) return p.SteadySheet.reused end, function(p) return p.Flow.reused end}
+makers.ReuseStatistics = {function(p) return p.SteadySheet.reused end, function(p) return p.Flow.reused end}
 makers.Bridge = {function()
   return assert(bw.responsive.bridge {span = 0.2, load = 100, stress_limit = 30e6, material = bw.material.pla,
     thickness = 0.004, size = 0.02, wall = 0.01})
@@ -240,13 +239,9 @@ makers.Test = {function(p) return p.test end}
 
 -- Changed by their methods: made again after so many uses.
 local lives = {Model = 60, Session = 40, Bone = 40, IncrementalSystem = 40, LiveServer = 40, SteadySheet = 40,
-  LargeDeflectionSheet = 40,
-  TransientSheet = 40, Sheet = 40, Metallophone = 40, Plate = 40, Bridge = 60, Flow = 40, ThermalFlow = 40,
-    FlowBody = 40,
-  BodyState = 40, MeshMotion = 40, Solid = 60, SolidTransient = 40, Canvas = 40, Study = 60,
-    Trials = 100, Trial = 40,
-    Kept = 40,
-  Results = 60}
+  LargeDeflectionSheet = 40, TransientSheet = 40, Sheet = 40, Metallophone = 40, Plate = 40, Bridge = 60, Flow =
+  40, ThermalFlow = 40, FlowBody = 40, BodyState = 40, MeshMotion = 40, Solid = 60, SolidTransient = 40, Canvas
+  = 40, Study = 60, Trials = 100, Trial = 40, ReuseStatistics = 40, Results = 60}
 
 -- ---- the pool -----------------------------------------------------------------------------------
 

@@ -22,7 +22,7 @@ alike("Outline:edges", function(_, r) return r:one_of {1, {1, 2}, {edges = {1}},
   {box = {{-1, -1}, {2, 2}}}} end)
 add {
   ["bw.outline()"] = function() return {points = {{0, 0}, {1, 0}, {{1, 0.3}, {0.6, 0.6}, {0, 0.5}}}, name = "a",
-    tags = {min = {1}}, holes = {}} end,
+    tags = {low = {1}}, holes = {}} end,
   ["bw.outline.rectangle"] = function(_, r) return {width = 2, height = 1, centre = pair(r), radius = 0.1,
     tags = {low = 1}} end,
   ["bw.outline.circle"] = function() return {radius = 1, centre = {0, 0}, tag = "rim"} end,
