@@ -21,7 +21,7 @@ local opts = script.read {
     {name = "principal", type = "flag",
       what = "beside it brute force that maximises the principal stress of every element (three times as long)"},
     {name = "certify", value = "FRACTION", type = "number", default = 0, min = 0, max = 0.5,
-      what = "an upper bound within that fraction, how much of it the search reaches, and its seconds; 0: without"},
+      what = "an upper bound within that fraction, what of it the search reaches, and its seconds; 0: without"},
   },
 }
 

@@ -246,7 +246,8 @@ do
   local canvas = drawing(620, 330,
     "intervals of five breaking forces from three meshes, over the force of a much finer mesh")
   local f = frame(canvas, {70, 20, 530, 240},
-    {min = 0, max = 5, at = {}, name = "from 2,500, 5,000 and 10,000 elements"}, {min = 0.7, max = 1.3, at = {0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3}, name = "force / finest mesh"})
+    {min = 0, max = 5, at = {}, name = "from 2,500, 5,000 and 10,000 elements"},
+    {min = 0.7, max = 1.3, at = {0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3}, name = "force / finest mesh"})
   f.curve({{0, 1}, {5, 1}}, {stroke = RED, width = 2})
   for i, model in ipairs(models) do
     text(canvas, model[1], f.x(i - 0.5), f.y(0.7) + 17, {align = 0.5, size = 12})
