@@ -34,7 +34,7 @@ static bw_status sorted(bw_context *context, int64_t count, const double *value,
                                  "sample %lld has value %g and weight %g: values must be numbers, "
                                  "weights finite and not negative",
                                  (long long)i + 1, value[i], w);
-      bw_detail_number(context, "sample", (double)i);
+      bw_detail_number(context, "sample", (double)i + 1);
       return status;
     }
     *total += w;

@@ -236,8 +236,7 @@ static int by_bound(const void *a, const void *b) {
   return (x->target > y->target) - (x->target < y->target);
 }
 
-/* ---- linear programs in the patches' pressures --------------------------------------------------
- */
+/* ---- linear programs in the patches' pressures ----------------------------------------------- */
 
 /* Step 0: the first direction, with the sign of the larger bound; then that of the best stress. */
 static bw_status objective_body(void *data, int64_t begin, int64_t end, int worker) {

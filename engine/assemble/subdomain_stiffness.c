@@ -93,9 +93,8 @@ static bw_status check_arguments(bw_context *context, const bw_mesh *mesh, int32
   return BW_OK;
 }
 
-/* How each subdomain's material lies at rest where it is rotated by element: alike in all of a
- * subdomain.
- */
+/* How each subdomain's material lies at rest where it is rotated by element: alike in all
+ * of a subdomain. */
 static bw_status take_orientations(bw_context *context, const bw_material *material,
                                    int32_t subdomain_count, const int32_t *element_subdomain,
                                    bwi_subdomain_coefficients *c) {

@@ -102,7 +102,7 @@ static bw_status check_motion(bw_context *context, int32_t subdomain,
                 "zero and nothing mirrored",
                 subdomain + 1, bw_inverse3(motion->linear, inverse));
   if (status != BW_OK)
-    bw_detail_number(context, "subdomain", subdomain);
+    bw_detail_number(context, "subdomain", subdomain + 1.0);
   return status;
 }
 

@@ -108,8 +108,7 @@ void bwd_run_close(bw_context *context, bw_external_report *report) {
   current = NULL;
 }
 
-/* ---- on rank 0 ---------------------------------------------------------------------------------
- */
+/* ---- on rank 0 ------------------------------------------------------------------------------- */
 
 static bw_status external_open(bw_context *context, const bw_external_matrix *matrix,
                                const bw_external_options *options) {

@@ -43,14 +43,12 @@ void bwd_pause(bwd_backoff *backoff);
 bw_status bwd_petsc_status(bw_context *context, PetscErrorCode code);
 #define BWD_TRY(call) BW_TRY(bwd_petsc_status(context, (call)))
 
-/* ---- a system spread over the ranks ------------------------------------------------------------
- */
+/* ---- a system spread over the ranks ---------------------------------------------------------- */
 
 /* Unknowns: three at each node, in the node's frame; nodes are renumbered, those of a rank next to
  * each other. Held components stay in K as decoupled equations with K's own diagonal (so that
- * blocks are 3 x 3 throughout, which multigrid wants) and are zero in M; isostatic ones are
- * ordinary.
- */
+ * blocks are 3 x 3 throughout, which multigrid wants) and are zero in M; isostatic
+ * ones are ordinary. */
 typedef struct bwd_system {
   int rank, ranks;
   int32_t nodes, first, local; /* all; those of this rank */

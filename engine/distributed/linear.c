@@ -119,8 +119,7 @@ done:
   return status;
 }
 
-/* ---- stopping ----------------------------------------------------------------------------------
- */
+/* ---- stopping -------------------------------------------------------------------------------- */
 
 typedef struct watch {
   bw_context *context;
@@ -156,8 +155,7 @@ static PetscErrorCode converged(KSP solver, PetscInt iteration, PetscReal norm,
   return 0;
 }
 
-/* ---- making ------------------------------------------------------------------------------------
- */
+/* ---- making ---------------------------------------------------------------------------------- */
 
 /* Aggregates of neighbours, weak ties left out: half to a third of the iterations of PETSc's own
  * default, which aggregates neighbours of neighbours, for twice the setup (24,843 unknowns, 1e-8:
@@ -293,8 +291,7 @@ done:
   return status;
 }
 
-/* ---- solving -----------------------------------------------------------------------------------
- */
+/* ---- solving --------------------------------------------------------------------------------- */
 
 bw_status bwd_solver_apply(bw_context *context, bwd_system *system, Vec force, Vec displacement) {
   bw_status status = BW_OK;
@@ -335,8 +332,7 @@ done:
   return status;
 }
 
-/* ---- counting ----------------------------------------------------------------------------------
- */
+/* ---- counting -------------------------------------------------------------------------------- */
 
 bw_status bwd_count_below(bw_context *context, bwd_system *system, double sigma, int64_t *count,
                           bool *trusted) {

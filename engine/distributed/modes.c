@@ -76,8 +76,7 @@ static PetscErrorCode shell_apply(PC pc, Vec f, Vec u) {
   return code;
 }
 
-/* ---- a set of modes ----------------------------------------------------------------------------
- */
+/* ---- a set of modes -------------------------------------------------------------------------- */
 
 typedef struct set {
   int count, capacity;
@@ -183,8 +182,7 @@ done:
   return status;
 }
 
-/* ---- refinement --------------------------------------------------------------------------------
- */
+/* ---- refinement ------------------------------------------------------------------------------ */
 
 static bw_status orthonormalise(elastic *e, int count, Vec *vector) {
   bw_status status = BW_OK;
@@ -266,8 +264,7 @@ done:
   return status;
 }
 
-/* ---- none missing? -----------------------------------------------------------------------------
- */
+/* ---- none missing? --------------------------------------------------------------------------- */
 
 /* The place after the cluster of the last wanted mode, and a shift in the gap there; 0: no gap
  * among those known. */
@@ -319,8 +316,7 @@ done:
   return status;
 }
 
-/* ---- all of it ---------------------------------------------------------------------------------
- */
+/* ---- all of it ------------------------------------------------------------------------------- */
 
 static bw_status deliver(bw_context *context, bwd_system *system, const set *s, int count,
                          bw_external_modes *modes) {

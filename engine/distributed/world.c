@@ -25,8 +25,7 @@ static struct world {
 
 static char petsc_text[MESSAGE]; /* of the last error that PETSc raised */
 
-/* ---- waiting -----------------------------------------------------------------------------------
- */
+/* ---- waiting --------------------------------------------------------------------------------- */
 
 void bwd_pause(bwd_backoff *backoff) {
   if (backoff->rounds++ == 0)
@@ -40,8 +39,7 @@ void bwd_pause(bwd_backoff *backoff) {
   nanosleep(&span, NULL);
 }
 
-/* ---- joining and leaving -----------------------------------------------------------------------
- */
+/* ---- joining and leaving --------------------------------------------------------------------- */
 
 static bool ours(void) {
   return world.process != 0 && world.process == getpid();
@@ -147,8 +145,7 @@ void bw_world_abort(const char *message) {
   _exit(1);
 }
 
-/* ---- PETSc -------------------------------------------------------------------------------------
- */
+/* ---- PETSc ----------------------------------------------------------------------------------- */
 
 /* Keeps what PETSc says; where it was called from is of no use to whoever called us. */
 static PetscErrorCode keep_error(MPI_Comm comm, int line, const char *function, const char *file,
@@ -201,8 +198,7 @@ bw_status bw_world_versions(bw_context *context, char **text) {
   return BW_OK;
 }
 
-/* ---- commands and agreement --------------------------------------------------------------------
- */
+/* ---- commands and agreement ------------------------------------------------------------------ */
 
 bw_status bwd_command(bw_context *context, bwd_operation operation) {
   bw_status status = need_world(context);
@@ -287,8 +283,7 @@ bool bwd_cancelled(bw_context *context) {
   return flag != 0;
 }
 
-/* ---- byte strings ------------------------------------------------------------------------------
- */
+/* ---- byte strings ---------------------------------------------------------------------------- */
 
 bw_status bw_world_send(bw_context *context, int rank, int tag, const void *bytes, size_t count) {
   bw_status status = need_world(context);

@@ -55,16 +55,16 @@ bw_status bw_flow_heat(bw_context *context, const bw_flow *flow, int32_t tag, do
   if (flow->components < 4)
     return bw_fail(context, BW_INVALID, "the flow carries no heat: its diffusivity is 0");
   /* A corner's reaction belongs to the side whose temperature is prescribed. */
-  bool is_prescribed = false;
-  for (int32_t i = 0; i < flow->inner->about.condition_count && !is_prescribed; i++) {
+  bool fixed_temperature = false;
+  for (int32_t i = 0; i < flow->inner->about.condition_count && !fixed_temperature; i++) {
     const bw_condition *c = &flow->inner->condition[i];
-    is_prescribed =
+    fixed_temperature =
         c->kind == BW_PRESCRIBED && c->component == 3 && (tag < 0 || c->tag < 0 || c->tag == tag);
   }
   double reactions = 0, natural = 0;
   BW_TRY(sum_reactions(context, flow, tag, 3, &reactions));
   BW_TRY(bwi_flow_boundary_heat(context, flow, tag, &natural));
-  *heat = (is_prescribed ? reactions : 0) + natural;
+  *heat = (fixed_temperature ? reactions : 0) + natural;
 done:
   return status;
 }

@@ -140,7 +140,8 @@ static void balance(const bw_flow *flow) {
       workspace->rhs[c * i + d] *= by[d];
 }
 
-/* Assembles and solves; room.solution is the first guess and the result, room.reaction follows. */
+/* Assembles and solves; workspace.solution is the first guess and the result, workspace.reaction
+ * follows from it. */
 static bw_status solve(bw_context *context, bw_flow *flow, const bwi_linear *linear, double time,
                        const bw_flow_options *options, bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
@@ -286,8 +287,8 @@ static double fastest(const bw_flow *flow, const bwi_linear *linear) {
   return rate;
 }
 
-/* Rounds from room.solution. `pseudo`: the rate of the first implicit step, falling as the change
- * from round to round allows; 0: none, Picard and Newton at once. */
+/* Rounds from workspace.solution. `pseudo`: the rate of the first implicit step, falling as the
+ * change from round to round allows; 0: none, Picard and Newton at once. */
 static bw_status search(bw_context *context, bw_flow *flow, const bw_flow_options *options,
                         double pseudo, int rounds, double *reached, double *last,
                         bw_plane_reuse *reuse) {

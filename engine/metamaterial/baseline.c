@@ -3,9 +3,9 @@
  * there) and averaged.
  *
  * That of an element which fills a part of its cell has this part of its constants; that of a void
- * one next to nothing (BWI_VOID_PART), so that every node is constrained by something. So the
- * energy of a block under a uniform deformation is right to a thousandth, and its mass exactly; the
- * coarse cells themselves count as full. */
+ * one next to nothing (BWI_VOID_PART), so that every node has some stiffness. So the energy of a
+ * block under a uniform deformation is right to a thousandth, and its mass exactly; the coarse
+ * cells themselves count as full. */
 #include <math.h>
 #include <stdio.h>
 

@@ -67,9 +67,9 @@ typedef struct scratch {
   double fluctuation[BWI_BLOCK_SIZE * BWI_BLOCK_FREE]; /* rows x free, periodic ones first */
   double forces[BWI_BLOCK_SIZE * BWI_BLOCK_FREE];
   double reduced[BWI_BLOCK_FREE * BWI_BLOCK_FREE], side[BWI_BLOCK_FREE];
-  double medium[BWI_BLOCK_SIZE * BWI_BLOCK_SIZE];     /* all cubes of bwi_weak_stiffness */
-  double resistance[BWI_BLOCK_FREE * BWI_BLOCK_FREE]; /* of a medium of unit stiffness to
-                                             fluctuations that do not repeat */
+  double medium[BWI_BLOCK_SIZE * BWI_BLOCK_SIZE]; /* all cubes of bwi_weak_stiffness */
+  /* of a medium of unit stiffness to fluctuations that do not repeat */
+  double resistance[BWI_BLOCK_FREE * BWI_BLOCK_FREE];
   double product[BWI_BLOCK_SIZE * BWI_COARSE];
 } scratch;
 

@@ -7,8 +7,7 @@
 
 #include "barwright/metamaterial.h"
 
-/* ---- fitting ------------------------------------------------------------------------------------
- */
+/* ---- fitting --------------------------------------------------------------------------------- */
 
 /* One to eight equal cubes side by side. The child at (i, j, k) is number
  * i + size[0] (j + size[1] k), so that in a 2 x 2 x 2 block child c is in octant c. NULL is void.

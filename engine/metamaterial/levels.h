@@ -51,8 +51,7 @@ void bwi_levels_cells(const bwi_levels *levels, int32_t z, int32_t cell[8]);
 /* The same of the block that fit f of level 2 is of. */
 void bwi_levels_block(const bwi_levels *levels, int32_t fit, int32_t cell[8]);
 
-/* ---- making them, also from a file (levels_expand.c) -------------------------------------------
- */
+/* ---- making them, also from a file (levels_expand.c) ----------------------------------------- */
 
 /* The image of a pair of stage s under a reflection. */
 int32_t bwi_pair_flipped(const bwi_levels *levels, int stage, int32_t code, int flip);

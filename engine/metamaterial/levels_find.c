@@ -21,8 +21,7 @@ void bwi_levels_destroy(bwi_levels *it) {
   bw_free(it);
 }
 
-/* ---- lookup -----------------------------------------------------------------------------------
- */
+/* ---- lookup ---------------------------------------------------------------------------------- */
 
 static int32_t pair_of(const bwi_levels *it, int stage, int32_t a, int32_t b) {
   return it->table[stage][a + (int64_t)it->count[stage] * b];

@@ -17,7 +17,8 @@ typedef struct bwi_library {
   const bw_library *of;       /* NULL, or retained: whose keys, fits, errors and levels these are */
 } bwi_library;
 
-/* A library without fits, its keys numbered. Palette, options and key limits are checked. */
+/* A library without fits, its keys numbered. Material table, options and key limits
+ * are checked. */
 bw_status bwi_library_begin(bw_context *context, const bw_material_table *material_table,
                             const bw_library_options *options, bw_library **library);
 /* Room for `count` fits of a level, all NULL. */
@@ -75,7 +76,7 @@ bw_status bwi_unpack_fail(bwi_unpack *from, const char *format, ...) BW_PRINTF(2
 /* BW_FORMAT unless exactly everything was read. */
 bw_status bwi_unpack_end(bwi_unpack *from);
 
-/* Palette and options: what makes a library this one and no other. */
+/* Material table and options: what makes a library this one and no other. */
 void bwi_pack_head(bwi_pack *pack, const bw_material_table *material_table,
                    const bw_library_options *options);
 bw_status bwi_unpack_head(bwi_unpack *from, bw_material_table **material_table,

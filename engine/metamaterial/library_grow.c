@@ -110,8 +110,7 @@ done:
   return status;
 }
 
-/* ---- checkpoints ------------------------------------------------------------------------------
- */
+/* ---- checkpoints ----------------------------------------------------------------------------- */
 
 static bw_status take(void *data, int level, int32_t fit, const uint8_t *key,
                       bw_solid_material *material, const bw_fit_error *error) {

@@ -53,8 +53,7 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
 /* u = r(x) */
 void bwi_motion_at(const bw_rigid_mode *motion, const double x[3], double u[3]);
 
-/* ---- dof_map.c, isostatic.c ---------------------------------------------------------------------
- */
+/* ---- dof_map.c, isostatic.c ------------------------------------------------------------------ */
 
 /* What a DOF map of an edited shape follows. */
 typedef struct bwi_follow {

@@ -27,8 +27,8 @@ bw_status bwi_cg_solve(bw_context *context, bwi_precondition *m, double toleranc
     BW_TRY(bw_check_cancel(context));
     BW_TRY(bwi_precondition_apply(context, m, r, z));
     double r_dot_z = bwi_dot(n, r, z);
-    if (!(r_dot_z > 0) ||
-        !isfinite(r_dot_z)) { /* the cycle is definite unless the tangent is not */
+    /* the cycle is definite unless the tangent is not */
+    if (!(r_dot_z > 0) || !isfinite(r_dot_z)) {
       report->negative = true;
       break;
     }

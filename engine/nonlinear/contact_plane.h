@@ -52,11 +52,11 @@ int64_t bwi_contact_predict(bwi_contact *contact, const double *d, const bw_bloc
                             double *values);
 /* Those linear forces at the last evaluation, added. */
 void bwi_contact_linear(const bwi_contact *contact, double *force);
-/* Derivatives with the points that push: added to blocks of a pattern, to node blocks, to y for x.
- */
+/* Derivatives with the points that push, added to blocks of a pattern, to node blocks, or to y
+ * (their product with x). */
 void bwi_contact_stiffness(const bwi_contact *contact, const bw_block_pattern *pattern,
                            double *values);
-void bwi_contact_blocks(const bwi_contact *contact, double *values);
+void bwi_contact_blocks(const bwi_contact *contact, double *blocks);
 void bwi_contact_multiply(const bwi_contact *contact, const double *x, double *y);
 /* The same points as parts of a coarse solid, for those derivatives alone: which of them push is
  * read from `contact`, which must outlive it. */

@@ -69,7 +69,7 @@ done:
   return status;
 }
 
-/* Graphs of the same elements are the same, whichever solid they were made for. */
+/* Patterns of the same elements are the same, whichever solid they were made for. */
 static bool same_pattern(const bw_block_pattern *a, const bw_block_pattern *b) {
   return a == b ||
          (a->node_count == b->node_count && a->block_count == b->block_count &&

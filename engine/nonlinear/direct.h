@@ -3,8 +3,7 @@
  * pattern and what is constrained are the same, the factor's memory too.
  *
  *   bwi_direct_factor(context, direct, pattern, constrained, stiffness, &definite);
- *   bwi_direct_solve(context, direct, force, displacement);    constrained components come out as 0
- */
+ *   bwi_direct_solve(context, direct, force, displacement);  constrained components become 0 */
 #ifndef BWI_NONLINEAR_DIRECT_H
 #define BWI_NONLINEAR_DIRECT_H
 

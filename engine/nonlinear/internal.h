@@ -18,8 +18,7 @@ static inline double bwi_solid_volume(const bw_grid *grid, int32_t element) {
 
 /* Element stiffnesses are stored as their lower triangle: for a = 0..7 the blocks (a, b), b < a, of
  * 9 numbers, and the diagonal block's 6: 00 01 02 11 12 22. Corners and nodes are both numbered
- * along the lattice, so that a block (i, j), i >= j, of the pattern always has local nodes a >= b.
- */
+ * along the lattice: a block (i, j), i >= j, of the pattern always has local nodes a >= b. */
 enum { BWI_ELEMENT_NUMBERS = 300, BWI_ELEMENT_FORCES = 24 };
 static inline int bwi_element_block(int a, int b) {
   return 9 * a * (a - 1) / 2 + 6 * a + 9 * b;

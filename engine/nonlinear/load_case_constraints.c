@@ -1,12 +1,11 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Whether what is constrained stops every group of elements from moving as a rigid body.
  *
- * A constrained component c of a node at y from the group's centre stops the rigid-body motion (t,
- * w) as far as (t + w x y) . e_c is not zero: a row [e_c, y x e_c]. The motion that is stopped
+ * A constrained component c of a node at y from the group's centre stops the rigid-body motion
+ * (t, w) as far as (t + w x y) . e_c is not zero: a row [e_c, y x e_c]. The motion that is stopped
  * least is the eigenvector of the least eigenvalue of the sum of row^T row, lengths taken over the
  * group's size. Contact planes give rows [n, y x n]: that they only push is for the solution to
- * find out.
- */
+ * find out. */
 #include <math.h>
 #include <string.h>
 
@@ -82,10 +81,10 @@ static bw_status say_free(bw_context *context, const bw_grid *grid, const group 
   double length = fmax(turn, move);
   bw_status status =
       bw_fail(context, BW_UNCONSTRAINED,
-              "the solid%s can %s as a whole: hold more of its nodes (a group of %d elements "
+              "the solid%s can %s as a whole: constrain more of its nodes (a group of %d elements "
               "around element %d at (%g, %g, %g) m, %s (%.3g, %.3g, %.3g))",
-              groups > 1 ? " is in several pieces, of which one" : "",
-              turn > move ? "turn" : "move", (int)g->elements, (int)g->first + 1, at[0], at[1],
+              groups > 1 ? " is in several parts, of which one" : "",
+              turn > move ? "rotate" : "move", (int)g->elements, (int)g->first + 1, at[0], at[1],
               at[2], turn > move ? "about" : "along", d[0] / length, d[1] / length, d[2] / length);
   bw_detail_number(context, "element", g->first + 1);
   bw_detail_number(context, "groups", groups);

@@ -103,8 +103,8 @@ done:
   return status;
 }
 
-/* Floors are stiff: a direction that does not know of them ends at the first that it meets, a
- * little of the way. So the direction is found again for the points that push at its end, until
+/* Contact planes are stiff: a direction that does not know of them ends at the first that it meets,
+ * a little of the way. So the direction is found again for the points that push at its end, until
  * these are those that it was found for: the minimum of the potential's parabola with contact
  * planes. It goes down, since what is added to a parabola where a point is about to push, or taken
  * away where it is about to leave, only makes a step towards its minimum lower. */

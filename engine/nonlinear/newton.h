@@ -82,11 +82,11 @@ typedef enum bwi_obstacle {
   BWI_WORK,       /* or in all load steps */
   BWI_SEARCH,     /* no step along a direction lowers the potential */
   BWI_CREEPING,   /* one short step follows on another */
-  BWI_INVERTING,  /* moving what is constrained would turn elements inside out */
+  BWI_INVERTING,  /* moving what is constrained would invert elements */
   BWI_UNSTABLE,   /* from one unstable equilibrium to the next */
   BWI_STIFFNESS,  /* no tangent to solve with: something is free to move */
   BWI_CRUSHED,    /* none with any shift: elements are badly out of shape */
-  BWI_INVERTED    /* an equilibrium, with elements inside out */
+  BWI_INVERTED    /* an equilibrium, with inverted elements */
 } bwi_obstacle;
 const char *bwi_obstacle_text(bwi_obstacle obstacle); /* "the iterations did not suffice" */
 
@@ -130,8 +130,7 @@ typedef struct bwi_newton_state {
   bool undecided;         /* whether the last equilibrium is stable was not found out */
   /* of a failed equilibrium */
   bwi_obstacle obstacle;
-  double part; /* how much of the movement of what is constrained would have been possible, 0: not
-                  known */
+  double part; /* how much of the movement of what is constrained was possible; 0: not known */
   bw_newton_report *report;
   size_t history_capacity;
 } bwi_newton_state;

@@ -84,8 +84,8 @@ static bw_status find_negative(bwi_newton_state *state, const double *plain, boo
     for (int64_t i = 0; i < n; i++)
       p[i] = state->load_case->constrained[i] ? 0 : z[i] + (before > 0 ? rz / before * p[i] : 0);
     before = rz;
-    if (state->iterative) /* 0 where constrained: reactions are nothing that coarse solids should
-                             see */
+    /* q is 0 where constrained: reactions are nothing that coarse solids should see */
+    if (state->iterative)
       BW_TRY(bwi_precondition_multiply(context, state->precondition, p, q));
     else
       BW_TRY(bw_block_multiply(context, state->solid->pattern, plain, 9, 3, 1, p, q));

@@ -20,11 +20,11 @@ const char *bwi_obstacle_text(bwi_obstacle obstacle) {
       [BWI_WORK] = "all iterations that are allowed together were used up",
       [BWI_CREEPING] = "only very short steps lower the potential",
       [BWI_SEARCH] = "no step lowers the potential any more",
-      [BWI_INVERTING] = "moving what is held turns elements inside out",
+      [BWI_INVERTING] = "moving what is constrained inverts elements",
       [BWI_UNSTABLE] = "one unstable equilibrium followed on another",
       [BWI_STIFFNESS] = "something can move without any force",
       [BWI_CRUSHED] = "elements are so far out of shape that there is no tangent to solve with",
-      [BWI_INVERTED] = "the equilibrium has elements that are inside out"};
+      [BWI_INVERTED] = "the equilibrium has inverted elements"};
   return why[obstacle];
 }
 

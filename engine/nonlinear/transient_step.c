@@ -4,8 +4,8 @@
  *   potential(u) + 1/2 (u - u*)^T Q (u - u*) + (u - u*)^T C v*,
  *   Q = M / displacement + velocity C,   C = am M + ak K(u at the step's start),
  *
- * whose gradient is the equation of motion at the step's end with a and v as in bwi_transient_rule.
- */
+ * whose gradient is the equation of motion at the step's end, with a and v as the rule
+ * (bwi_transient_rule) has them. */
 #include "nonlinear/transient.h"
 
 #include <limits.h>
@@ -59,7 +59,7 @@ done:
   return status;
 }
 
-/* u*, v* (into next_velocity) and C v* (into room[0]). */
+/* u*, v* (into next_velocity) and C v* (into workspace[0]). */
 static bw_status set_centre(bw_context *context, bw_solid_transient *motion,
                             const bwi_transient_rule *rule) {
   bw_status status = BW_OK;

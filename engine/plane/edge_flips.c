@@ -113,8 +113,7 @@ static bool violates(const bwi_edge_flips *flipping, const quad *q) {
   return cross_c * dot_d + dot_c * cross_d < -1e-9 * size;
 }
 
-/* What the two elements become: e = c d b, f = d c a with the new edge first; mid-edge nodes go
- * along. */
+/* What the two elements become: e = c d b, f = d c a, the new edge first, with mid-edge nodes. */
 static void turned(const bwi_edge_flips *flipping, const quad *q, int32_t e[6], int32_t f[6]) {
   e[0] = q->d;
   e[1] = q->c;

@@ -7,8 +7,7 @@
 
 /* Edge k of an element runs from its corner k to corner k + 1; `constrained` edges are never
  * flipped (sides and edges between regions). Points: of corners, and with order 2 of mid-edge nodes
- * behind them.
- */
+ * behind them. */
 typedef struct bwi_edge_flips {
   int order;
   int32_t corner_count, element_count;

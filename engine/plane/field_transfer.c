@@ -6,7 +6,8 @@
 #include <string.h>
 
 static void interpolate(const bw_plane_mesh *from, const bw_plane_locator *locator,
-                        const double at[2], int components, const double *value, double *carried) {
+                        const double at[2], int components, const double *value,
+                        double *transferred) {
   const bw_plane_topology *t = from->topology;
   double weight[6], along_r[6], along_s[6], place[3], outside;
   int32_t e = bw_plane_locate(locator, at, place, &outside);
@@ -16,9 +17,9 @@ static void interpolate(const bw_plane_mesh *from, const bw_plane_locator *locat
   else
     memcpy(weight, place, sizeof place);
   for (int c = 0; c < components; c++) {
-    carried[c] = 0;
+    transferred[c] = 0;
     for (int i = 0; i < width; i++)
-      carried[c] +=
+      transferred[c] +=
           weight[i] *
           value[(size_t)t->element[(size_t)width * (size_t)e + (size_t)i] * (size_t)components +
                 (size_t)c];
@@ -42,11 +43,10 @@ static int32_t *ends_of_mid_edge_nodes(bw_context *context, const bw_plane_topol
 }
 
 /* The nodes are the same: only mid-edge nodes of flipped edges have another place in the field. It
- * is read where the new edge's middle would lie on the old mesh: corners carry their values with
- * them. */
-static bw_status carry_flips(bw_context *context, const bw_plane_mesh *from,
-                             const bw_plane_mesh *to, int components, const double *value,
-                             double *carried) {
+ * is read where the new edge's middle would lie on the old mesh: corners keep their values. */
+static bw_status transfer_flips(bw_context *context, const bw_plane_mesh *from,
+                                const bw_plane_mesh *to, int components, const double *value,
+                                double *transferred) {
   bw_status status = BW_OK;
   const bw_plane_nodes *nodes = from->topology->nodes;
   bw_plane_locator *locator = NULL;
@@ -65,7 +65,7 @@ static bw_status carry_flips(bw_context *context, const bw_plane_mesh *from,
       BW_TRY(bw_plane_locator_create(context, from, &locator));
     const double *a = from->point + 2 * (size_t)q[0], *b = from->point + 2 * (size_t)q[1];
     double at[2] = {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2};
-    interpolate(from, locator, at, components, value, carried + (size_t)m * (size_t)components);
+    interpolate(from, locator, at, components, value, transferred + (size_t)m * (size_t)components);
   }
 done:
   bw_plane_locator_destroy(locator);
@@ -75,16 +75,16 @@ done:
 }
 
 bw_status bw_plane_transfer(bw_context *context, const bw_plane_mesh *from, const bw_plane_mesh *to,
-                            int components, const double *value, double *carried) {
+                            int components, const double *value, double *transferred) {
   bw_status status = BW_OK;
   const bw_plane_nodes *nodes = to->topology->nodes;
   bw_plane_locator *locator = NULL;
   if (components < 1)
     return bw_fail(context, BW_INVALID, "%d components: at least 1 expected", components);
   if (nodes == from->topology->nodes) {
-    memcpy(carried, value, (size_t)nodes->node_count * (size_t)components * sizeof *value);
+    memcpy(transferred, value, (size_t)nodes->node_count * (size_t)components * sizeof *value);
     if (nodes->order == 2 && from->topology != to->topology)
-      status = carry_flips(context, from, to, components, value, carried);
+      status = transfer_flips(context, from, to, components, value, transferred);
     return status;
   }
   BW_TRY(bw_plane_locator_create(context, from, &locator));
@@ -92,7 +92,7 @@ bw_status bw_plane_transfer(bw_context *context, const bw_plane_mesh *from, cons
     if (i % 16384 == 0)
       BW_TRY(bw_check_cancel(context));
     interpolate(from, locator, to->point + 2 * (size_t)i, components, value,
-                carried + (size_t)i * (size_t)components);
+                transferred + (size_t)i * (size_t)components);
   }
 done:
   bw_plane_locator_destroy(locator);

@@ -56,8 +56,7 @@ static bw_status check_options(bw_context *context, const bw_plane_options *o) {
   return BW_OK;
 }
 
-/* ---- limits -------------------------------------------------------------------------------------
- */
+/* ---- limits ---------------------------------------------------------------------------------- */
 
 /* What a mesh takes while it is made, with CGAL's queues: measured at 2,000 to 5,000,000 elements.
  */
@@ -106,8 +105,7 @@ static bw_status endless(bw_context *context, const bw_outline *outline, double 
   return BW_GEOMETRY;
 }
 
-/* ---- filling ------------------------------------------------------------------------------------
- */
+/* ---- filling --------------------------------------------------------------------------------- */
 
 static double across_of(const bw_outline_measures *measures) {
   return hypot(measures->max[0] - measures->min[0], measures->max[1] - measures->min[1]);

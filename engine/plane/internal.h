@@ -32,14 +32,12 @@ bw_status bwi_plane_topology_like(bw_context *context, const bw_plane_topology *
 bw_status bwi_plane_check_arrays(bw_context *context, int order, int32_t nodes, const double *point,
                                  int32_t elements, const int32_t *element);
 
-/* ---- quality (quality.c) ------------------------------------------------------------------------
- */
+/* ---- quality (quality.c) --------------------------------------------------------------------- */
 
 /* 2 sqrt(3) inradius / longest edge; < 0 when clockwise. */
 double bwi_triangle_quality(const double a[2], const double b[2], const double c[2]);
 /* The smallest of the six Bernstein coefficients of the Jacobian of a tri6 over their mean: never
- * above the smallest Jacobian over the mean one; 1 for straight sides with centred mid-edge nodes.
- */
+ * above the smallest Jacobian over the mean; 1 for straight sides with centred mid-edge nodes. */
 double bwi_curved_quality(const double *x[6]);
 double bwi_plane_quality(const double *point, const int32_t *element, int order);
 /* The worst quality of all elements, *which is the first with it. */

@@ -13,8 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- objects ------------------------------------------------------------------------------------
- */
+/* ---- objects --------------------------------------------------------------------------------- */
 
 static void nodes_destroy(void *object) {
   bw_plane_nodes *nodes = object;
@@ -78,8 +77,7 @@ bw_status bwi_plane_mesh_own(bw_context *context, const bw_plane_topology *topol
   return BW_OK;
 }
 
-/* ---- checks -------------------------------------------------------------------------------------
- */
+/* ---- checks ---------------------------------------------------------------------------------- */
 
 bw_status bwi_plane_check_arrays(bw_context *context, int order, int32_t nodes, const double *point,
                                  int32_t elements, const int32_t *element) {
@@ -236,8 +234,7 @@ done:
   return status;
 }
 
-/* ---- meshes from arrays -------------------------------------------------------------------------
- */
+/* ---- meshes from arrays ---------------------------------------------------------------------- */
 
 bw_status bw_plane_mesh_on(bw_context *context, const bw_outline *outline, int order, int32_t nodes,
                            const double *point, const int32_t *segment, const double *parameter,

@@ -162,8 +162,7 @@ done:
   return status;
 }
 
-/* ---- springs ----------------------------------------------------------------------------------
- */
+/* ---- springs --------------------------------------------------------------------------------- */
 
 static void centre_mid_edge_nodes(const bw_plane_topology *t, double *point) {
   for (int64_t h = 0; h < 3 * (int64_t)t->element_count; h++) {
@@ -210,8 +209,7 @@ bw_status bwi_relocate_springs(bw_context *context, const bw_plane_mesh *mesh,
   return BW_OK;
 }
 
-/* ---- adjoint ------------------------------------------------------------------------------------
- */
+/* ---- adjoint --------------------------------------------------------------------------------- */
 
 bw_status bwi_relocate_adjoint(bw_context *context, bwi_relocator *r, const bw_plane_mesh *mesh,
                                const double *node_gradient, double *point_gradient) {

@@ -107,8 +107,7 @@ static bw_status find_neighbours(bw_context *context, bw_plane_topology *t, half
   return BW_OK;
 }
 
-/* ---- sides ------------------------------------------------------------------------------------
- */
+/* ---- sides ----------------------------------------------------------------------------------- */
 
 typedef struct placed {
   int32_t segment, node;
@@ -229,8 +228,7 @@ done:
   return status;
 }
 
-/* ---- making -----------------------------------------------------------------------------------
- */
+/* ---- making ---------------------------------------------------------------------------------- */
 
 static bw_plane_topology *topology_new(bw_context *context, const bw_plane_nodes *nodes,
                                        int32_t elements, int32_t *element) {

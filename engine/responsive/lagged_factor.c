@@ -90,7 +90,7 @@ done:
 }
 
 /* Orders, analyses, numbers. */
-static void clear_factor(bw_lagged_factor *lagged) {
+static void reset_solvers(bw_lagged_factor *lagged) {
   if (lagged->cholesky)
     bwi_lagged_symmetric_reset(lagged->cholesky);
   if (lagged->lu)
@@ -108,7 +108,7 @@ static void forget_factor(bw_lagged_factor *lagged) {
 }
 
 void bw_lagged_factor_reset(bw_lagged_factor *lagged) {
-  clear_factor(lagged);
+  reset_solvers(lagged);
   forget_factor(lagged);
   lagged->pivoting = false;
   lagged->first = FIRST_GUESS;
@@ -188,7 +188,7 @@ static bw_status factor(bw_context *context, bw_lagged_factor *lagged,
   bwi_lagged_work work = {0};
   bw_status status = BW_OK;
   if (method == BW_LAGGED_FACTOR_FULL)
-    clear_factor(lagged);
+    reset_solvers(lagged);
   forget_factor(lagged);
   if (lagged->symmetric)
     status = bwi_lagged_symmetric_factor(context, lagged->cholesky, pattern, values, &work);

@@ -3,7 +3,7 @@
  *
  *   factor   make the factor of this matrix, keeping what still fits of order and analysis
  *   apply    z = B r with the factor as it is, of whatever age
- *   forget   drop everything
+ *   reset    drop everything
  *
  * What is kept depends on identity of objects alone: the elimination order belongs to the nodes,
  * the analysis to the topology, the numbers to the matrix. */

@@ -5,8 +5,7 @@
  * A reconnected mesh has the same nodes, and while flips are few the elimination order stays good:
  * only the analysis under it is rebuilt. Flips across separators add fill; an order under which
  * the work has grown by more than MAX_WORK_GROWTH is recomputed too. Numbers are factored in place
- * where the analysis is kept, since the first touch of new memory costs as much as the arithmetic.
- */
+ * where the analysis is kept, since the first touch of new memory costs as much as arithmetic. */
 #include <string.h>
 
 #include "responsive/lagged_factor.h"
@@ -92,7 +91,7 @@ static bw_status adjacency(bw_context *context, const bw_plane_pattern *pattern,
 
 /* Nested dissection makes the better order for large meshes. Approximate minimum degree costs a
  * fifteenth of its time and for meshes up to SMALL nodes its factor takes no longer to make: for
- * those, and (`quick`) for orders that will soon be recomputed again. */
+ * those, and (`quick`) for orders that will soon be recomputed. */
 enum { SMALL = 30000 };
 
 static bw_status order_nodes(bw_context *context, const bwi_adjacency *near, bool quick,

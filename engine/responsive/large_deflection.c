@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Sheets that bend largely: St. Venant-Kirchhoff's law S = D E with Green's strain
+/* Sheets with large deflections: St. Venant-Kirchhoff's law S = D E with Green's strain
  * E = (F^T F - 1) / 2, in equilibrium with loads that keep their direction.
  *
  * Equilibrium is a stationary point of the energy W(u) - f . u. Newton's method with a line search
@@ -90,10 +90,10 @@ static void swap(double **a, double **b) {
 }
 
 static bool all_prescribed(const newton *n, double load) {
-  bool is_prescribed = true;
-  for (size_t k = 0; k < n->size && is_prescribed; k++)
-    is_prescribed = !n->inner->is_prescribed[k] || n->u[k] == load * n->inner->prescribed[k];
-  return is_prescribed;
+  bool all = true;
+  for (size_t k = 0; k < n->size && all; k++)
+    all = !n->inner->is_prescribed[k] || n->u[k] == load * n->inner->prescribed[k];
+  return all;
 }
 
 /* The start of a frame, u, moved along the changes of the last frames.
@@ -205,16 +205,15 @@ static bw_status equilibrium(newton *n, double load, bool follow) {
   for (int i = 0; i < n->options->iterations; i++) {
     BW_TRY(bw_check_cancel(n->context));
     double last = relative;
-    bool is_prescribed = all_prescribed(n, load), reuse = keep;
+    bool arrived = all_prescribed(n, load), kept = keep;
     relative = residual(n, load, n->u, n->inside);
     n->report->residual = relative;
     /* the end; or rounding is all that is left, and a new tangent did not make it better */
-    if (is_prescribed &&
-        (relative <= tolerance || (relative < 1e-6 && relative >= best && !reuse))) {
+    if (arrived && (relative <= tolerance || (relative < 1e-6 && relative >= best && !kept))) {
       n->report->energy = inside;
       goto done;
     }
-    keep = is_prescribed && i > 0 && relative <= KEPT_ABOVE * last;
+    keep = arrived && i > 0 && relative <= KEPT_ABOVE * last;
     if (relative < 1e-6)
       best = fmin(best, relative);
     n->report->iterations++;
@@ -223,8 +222,7 @@ static bw_status equilibrium(newton *n, double load, bool follow) {
     double slope, length = 1, next_inside = 0, next = 0;
     bool refused = false;
     BW_TRY(bwi_blocked_dot(n->context, n->size, inner->rhs, n->step, &slope));
-    /* With prescribed unknowns on their way the energy may well rise: only inversion is looked at.
-     */
+    /* While prescribed unknowns are on their way energy may well rise: only inversion counts. */
     double rounding = 1e-13 * (fabs(inside) + fabs(total - inside));
     for (;; length *= 0.5) {
       if (length < 1.0 / 4096) {
@@ -239,8 +237,7 @@ static bw_status equilibrium(newton *n, double load, bool follow) {
         n->trial[k] = length == 1 && inner->is_prescribed[k] ? load * inner->prescribed[k]
                                                              : n->u[k] + length * n->step[k];
       BW_TRY(evaluate(n, n->trial, n->inside_trial, &next_inside, &next, load));
-      if (isfinite(next) &&
-          (!is_prescribed || next <= total - 1e-4 * length * fmax(slope, 0) + rounding))
+      if (isfinite(next) && (!arrived || next <= total - 1e-4 * length * fmax(slope, 0) + rounding))
         break;
       if (keep) { /* a new tangent first */
         refused = true;
@@ -356,7 +353,7 @@ bw_status bw_sheet_large_deflection(bw_context *context, bw_sheet *sheet,
   BW_TRY(bwi_large_deflection_prepare(context, sheet, &n.bend));
   BW_TRY(bwi_sheet_prescribe(context, sheet, sheet->time));
   if (!inner->prescribed_checked)
-    BW_TRY(bwi_sheet_check_destroy(context, sheet));
+    BW_TRY(bwi_sheet_check_constraints(context, sheet));
   inner->prescribed_checked = true;
   BW_TRY(bwi_sheet_force(context, sheet, sheet->time));
   inner->matrix_step[0] = 0; /* the matrix is used for tangents */

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Newmark's method for sheets on shaking ground.
+/* Newmark's method for sheets with base excitation.
  *
  * With u* = u + h v + (1/2 - beta) h^2 a and v* = v + (1 - gamma) h a, the new acceleration and
  * velocity are a = (u - u*) / (beta h^2) and v = v* + gamma h a, and the new displacement solves

@@ -104,8 +104,7 @@ bw_status bwi_plate_commit(bw_context *context, bw_plate *plate, const bw_plate_
 bw_status bwi_plate_multiply_mass(bw_context *context, const bw_plate *plate, const double *x,
                                   double *y);
 
-/* ---- eigenpairs by Rayleigh-Ritz on [X, B R, P] (ritz.c) ----------------------------------------
- */
+/* ---- eigenpairs by Rayleigh-Ritz on [X, B R, P] (ritz.c) ------------------------------------- */
 
 typedef bw_status bwi_apply(void *data, const double *x, double *y);
 typedef struct bwi_ritz {

@@ -184,8 +184,7 @@ void bwi_plate_reference_fill(bwi_plate_reference *r) {
   }
 }
 
-/* ---- an element
- * ---------------------------------------------------------------------------------- */
+/* ---- an element ------------------------------------------------------------------------------ */
 
 /* Numbers in a row over the 20 unknowns, the last of them zero: whole vector registers. */
 enum { ROW = 24 };

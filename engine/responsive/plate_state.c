@@ -38,7 +38,7 @@ bw_status bwi_plate_blank(bw_context *context, const bw_plane_mesh *mesh,
 void bwi_plate_adopt(bw_plate *plate, const bw_plate_state *state) {
   struct bwi_plate *in = plate->inner;
   const bw_plate_state *former = in->now;
-  /* flipped edges move their middles: a former factor takes five times as long */
+  /* flipped edges move their mid-edge nodes: a former factor takes five times as long */
   if (former && former->mesh->topology != state->mesh->topology)
     in->factored = false;
   in->now = bw_retain(state);

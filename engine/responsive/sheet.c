@@ -147,7 +147,7 @@ bw_status bwi_sheet_statics(bw_context *context, bw_sheet *sheet, bool *made) {
   inner->matrix_step[0] = 0;
   BW_TRY(bwi_sheet_prescribe(context, sheet, sheet->time));
   if (!inner->prescribed_checked)
-    BW_TRY(bwi_sheet_check_destroy(context, sheet));
+    BW_TRY(bwi_sheet_check_constraints(context, sheet));
   inner->prescribed_checked = true;
   BW_TRY(bwi_sheet_force(context, sheet, sheet->time));
   BW_TRY(bwi_sheet_stiffness(context, sheet));

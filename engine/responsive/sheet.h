@@ -160,7 +160,7 @@ static inline void bwi_strain(int n, const double (*g)[2], const double (*u)[2],
   }
 }
 
-/* Graph and room for the topology at hand; *made when there was none. */
+/* Pattern and workspace for the topology at hand; *made when there was none. */
 bw_status bwi_sheet_prepare(bw_context *context, bw_sheet *sheet, bool *made);
 /* Stiffness and mass of the mesh as it is, unless they are so already. */
 bw_status bwi_sheet_stiffness(bw_context *context, bw_sheet *sheet);
@@ -175,6 +175,6 @@ bw_status bwi_sheet_prescribe(bw_context *context, bw_sheet *sheet, double time)
 /* inner->matrix and inner->rhs: the linear statics of the sheet as it is. *made: as in prepare. */
 bw_status bwi_sheet_statics(bw_context *context, bw_sheet *sheet, bool *made);
 /* BW_UNCONSTRAINED where a piece of the sheet can move rigidly against inner->is_prescribed. */
-bw_status bwi_sheet_check_destroy(bw_context *context, const bw_sheet *sheet);
+bw_status bwi_sheet_check_constraints(bw_context *context, const bw_sheet *sheet);
 
 #endif

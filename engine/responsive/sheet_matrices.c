@@ -217,13 +217,12 @@ bw_status bwi_sheet_prescribe(bw_context *context, bw_sheet *sheet, double time)
                                  &inner->conflicts_reported);
 }
 
-/* ---- unconstrained rigid-body modes
- * -------------------------------------------------------------------- */
+/* ---- unconstrained rigid-body modes ---------------------------------------------------------- */
 
-/* Held components restrain the motions (1, 0), (0, 1) and (-y, x)/size of the piece they are on. A
- * motion is free when no prescribed component resists it: a zero eigenvalue of the 3x3 sum of their
- * squares. */
-bw_status bwi_sheet_check_destroy(bw_context *context, const bw_sheet *sheet) {
+/* Prescribed components restrain the motions (1, 0), (0, 1) and (-y, x)/size of the piece they are
+ * on. A motion is free when no prescribed component resists it: a zero eigenvalue of the 3x3 sum of
+ * their squares. */
+bw_status bwi_sheet_check_constraints(bw_context *context, const bw_sheet *sheet) {
   bw_status status = BW_OK;
   const bw_plane_mesh *mesh = sheet->mesh;
   const bw_plane_topology *topology = mesh->topology;

@@ -57,8 +57,7 @@ static const int32_t *corners(const bw_mesh *mesh, int32_t e) {
   return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
 }
 
-/* ---- the equations of one subdomain -------------------------------------------------------------
- */
+/* ---- the equations of one subdomain ---------------------------------------------------------- */
 
 static bw_status collect_nodes(blend *b, int32_t subdomain) {
   const bw_subdomains *d = b->subdomains;
@@ -201,8 +200,7 @@ static bw_status solve(blend *b, int32_t subdomain, int32_t bone, double *x) {
   return BW_CONVERGENCE;
 }
 
-/* ---- what each subdomain follows ----------------------------------------------------------------
- */
+/* ---- what each subdomain follows ------------------------------------------------------------- */
 
 static bw_status add_influence(blend *b, int32_t node, int32_t bone, double weight) {
   if (!bw_grow(b->context, (void **)&b->list, &b->capacity, b->count, 1, sizeof *b->list))
@@ -216,9 +214,8 @@ static int compare_numbers(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* The bones of the type R subdomains that a type F subdomain touches, ascending, at the end of
- * b->bone.
- */
+/* Appends the bones of the type R subdomains that a type F subdomain touches to b->bone, in
+ * ascending order. */
 static bw_status touched_bones(blend *b, int32_t *count) {
   size_t first = b->bone_count;
   for (int32_t k = b->free_count; k < b->node_count; k++) {
@@ -385,8 +382,7 @@ done:
   return status;
 }
 
-/* ---- all subdomains -----------------------------------------------------------------------------
- */
+/* ---- all subdomains -------------------------------------------------------------------------- */
 
 static bw_status sort_elements(blend *b) {
   const bw_subdomains *d = b->subdomains;

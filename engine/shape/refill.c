@@ -104,9 +104,7 @@ static int32_t common_region(const bwi_refiller *r, const bwi_component *p) {
   return best;
 }
 
-/* Mean length of the old edges at each corner of a component, in its new place: the sizes to ask
- * for.
- */
+/* Mean length of the old edges at each corner of a component, in its new place: the size wanted. */
 static bw_status measure_edges(bwi_refiller *r, const bwi_component *p, double **sample,
                                double **length, int64_t *count) {
   bw_status status = BW_OK;
@@ -230,7 +228,7 @@ static bw_status check_boundary(const bwi_refiller *r, int32_t number, const bw_
                 p->element_count, what, d->at[0], d->at[1], d->at[2], element_of[d->facet] + 1,
                 (long long)report.count[d->kind]);
     bw_detail_number(r->context, "element", element_of[d->facet] + 1.0);
-    bw_detail_number(r->context, "component", number);
+    bw_detail_number(r->context, "component", number + 1.0);
     goto done;
   }
   if (!(report.volume > 0)) {
@@ -239,7 +237,7 @@ static bw_status check_boundary(const bwi_refiller *r, int32_t number, const bw_
                      "encloses %g m3 near (%g, %g, %g)",
                      p->element_count, report.volume, surface->point[0], surface->point[1],
                      surface->point[2]);
-    bw_detail_number(r->context, "component", number);
+    bw_detail_number(r->context, "component", number + 1.0);
   }
 done:
   bw_surface_report_clear(&report);

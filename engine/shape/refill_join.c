@@ -2,9 +2,9 @@
 /* Joining what was kept of a mesh and its refilled parts.
  *
  * Nodes of the new mesh are the old ones that a kept element or a facet of a component has, in
- * their order, then new ones by component: corners, and at order 2 the middles of all new edges. An
- * edge of a new element that was there before (along a component's boundary) has its old middle, so
- * that the parts fit. */
+ * their order, then new ones by component: corners, and at order 2 the mid-edge nodes of all new
+ * edges. An edge of a new element that was there before (along a component's boundary) has its old
+ * mid-edge node, so that the parts fit. */
 #include "shape/mesh_repair_internal.h"
 
 #include <string.h>
@@ -86,8 +86,8 @@ static int32_t find_edge(const bwi_keyed *list, size_t count, uint64_t key) {
   return low < count && list[low].key == key ? list[low].item : -1;
 }
 
-/* Middles for the elements from r->kept on: old ones where the edge is old, else new ones in the
- * order of edges. Grows r->new_node and r->node_from. */
+/* Mid-edge nodes for the elements from r->kept on: old ones where the edge is old, else new ones in
+ * the order of edges. Grows r->new_node and r->node_from. */
 static bw_status place_new_mid_edge_nodes(bwi_refiller *r) {
   bw_status status;
   bwi_keyed *old = NULL, *edge = NULL;

@@ -197,8 +197,8 @@ static bw_status list_bones(bw_context *context, const partition *p) {
 
 /* ---- frames of nodes ------------------------------------------------------------------------- */
 
-/* of_node. When a part of the body turns as a whole, parts in it keep their entries where all
- * their nodes' frames turn along: those of bones that they follow. */
+/* of_node. When a limb turns as a whole, the parts in it keep their entries where all their nodes'
+ * frames turn along: those of bones that they follow. */
 static bw_status place_nodes(bw_context *context, const partition *p) {
   bw_subdomains *d = p->subdomains;
   const bw_mesh *mesh = d->mesh;

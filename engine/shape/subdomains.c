@@ -2,9 +2,7 @@
 /* Which elements follow one bone (agile, section 4): region growing from the skinning weights, and
  * what it takes for the invariants of bw_subdomains to hold.
  *
- * Through all steps bone[e] is the bone whose subdomain of type R holds element e, or -1 for type
- * F.
- */
+ * Through all steps bone[e] is the bone whose subdomain of type R holds element e; -1: type F. */
 #include "shape/subdomains_internal.h"
 
 #include <math.h>

@@ -100,9 +100,8 @@ static influences of_node(const bw_subdomains *d, int32_t i) {
                       d->influence_weight + first};
 }
 
-/* Kept nodes as before; new ones as their Laplace solve says, or, in a subdomain of one bone, by
- * it.
- */
+/* Kept nodes as before; new ones as their Laplace solve says, or in a subdomain of one bone by
+ * that bone. */
 static influences of_refilled(const bw_subdomains *old, const bw_subdomains *d,
                               const int32_t *node_from, int32_t i) {
   if (node_from[i] >= 0)
@@ -264,8 +263,8 @@ bw_status bw_subdomains_refilled(bw_context *context, const bw_subdomains *subdo
                                    subdomains->bone_of, label, &d));
   BW_TRY(merge_influences(context, subdomains, d, node_from));
   BW_TRY(copy_bones(context, subdomains, d));
-  BW_TRY(bwi_stiffness_subdomains_create(
-      context, d)); /* what moves the nodes is not what it was made with */
+  /* what moves the nodes is not what they were made with */
+  BW_TRY(bwi_stiffness_subdomains_create(context, d));
   BW_TRY(rest_places(context, subdomains, d, map, node_from, rest));
   BW_TRY(carry(context, d, rest));
   *refilled = d;

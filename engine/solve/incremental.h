@@ -51,8 +51,7 @@ typedef struct bwi_incremental {
 bool bwi_incremental_usable(const bw_incremental_system *incremental);
 bool bwi_incremental_current(const bw_incremental_system *incremental);
 
-/* ---- incremental_update.c
- * ------------------------------------------------------------------------ */
+/* ---- incremental_update.c -------------------------------------------------------------------- */
 
 /* The frames of supports as they are, seen from the subdomains of their nodes (`frame`: the
  * subdomains' frames): rotations are measured against these. Release with bw_free. */
@@ -60,8 +59,7 @@ bw_status bwi_incremental_supports(bw_context *context, const bw_incremental_sys
                                    const bw_dof_map *dof_map, const double *frame,
                                    double **reported);
 
-/* ---- incremental_factor.c
- * ------------------------------------------------------------------------ */
+/* ---- incremental_factor.c -------------------------------------------------------------------- */
 
 /* Update the factor, all of it where `full`. On failure it is not usable. Where single
  * precision breaks down, it is made in double precision. */
@@ -72,8 +70,7 @@ bw_status bwi_incremental_factor(bw_context *context, bw_incremental_system *inc
 bw_status bwi_incremental_lose_single(bw_context *context, bw_incremental_system *incremental,
                                       bw_reuse *reuse);
 
-/* ---- incremental_precision.c
- * ---------------------------------------------------------------------- */
+/* ---- incremental_precision.c ----------------------------------------------------------------- */
 
 /* *bits: 32 or 64, that of the factor there is, or 0; becomes what the factor is to be. */
 bw_status bwi_incremental_choose_bits(bw_context *context, const bw_incremental_system *incremental,
@@ -81,8 +78,7 @@ bw_status bwi_incremental_choose_bits(bw_context *context, const bw_incremental_
 /* Iterations to be expected with the factor of the present shape: 0 in double precision. */
 double bwi_incremental_refinements(const bw_incremental_system *incremental, double tolerance);
 
-/* ---- incremental_predict.c
- * ----------------------------------------------------------------------- */
+/* ---- incremental_predict.c ------------------------------------------------------------------- */
 
 /* The model's machine. */
 #define BWI_COST_BYTES_PER_SECOND 17e9
@@ -132,8 +128,7 @@ typedef struct bwi_pcg {
 bw_status bwi_pcg_solve(bw_context *context, bwi_pcg *problem, int64_t count, const double *force,
                         double *displacement);
 
-/* ---- initial_guess.c
- * ------------------------------------------------------------------------------- */
+/* ---- initial_guess.c ------------------------------------------------------------------------- */
 
 /* What is left to iterate where options->guess has fields near the solution. Without any, only the
  * tolerance is set. Release with bwi_initial_guess_clear. */
@@ -147,8 +142,7 @@ bw_status bwi_initial_guess_make(bw_context *context, const bw_incremental_syste
                                  const double *force, bwi_initial_guess *rest);
 void bwi_initial_guess_clear(bwi_initial_guess *rest);
 
-/* ---- incremental_pcg.c ------------------------------------------------------------------------
- */
+/* ---- incremental_pcg.c ----------------------------------------------------------------------- */
 
 /* Whether the body can be solved by two-level PCG. */
 bool bwi_incremental_has_two_level(const bw_incremental_system *incremental);
@@ -160,8 +154,7 @@ bw_status bwi_incremental_by_two_level(bw_context *context, bw_incremental_syste
                                        const bwi_initial_guess *left, int64_t count,
                                        double *displacement, int *iterations, bool *converged);
 
-/* ---- incremental_check.c
- * ------------------------------------------------------------------------- */
+/* ---- incremental_check.c --------------------------------------------------------------------- */
 
 /* Compare stiffness and solution with those of a full refactorisation: BW_INTERNAL. */
 bw_status bwi_incremental_check(bw_context *context, const bw_incremental_system *incremental,

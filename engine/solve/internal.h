@@ -98,8 +98,7 @@ bw_status bwi_plan_create(bw_context *context, const bwi_symbolic *symbolic, con
                           const uint8_t *keep, bwi_plan *plan);
 void bwi_plan_clear(bwi_plan *plan);
 
-/* ---- which subdomains reach which supernodes (elimination_reach.c)
- * ---------------------------------------- */
+/* ---- which subdomains reach which supernodes (elimination_reach.c) --------------------------- */
 
 /* A matrix entry is of the subdomains whose elements contribute to its block of nodes; it sits in
  * the supernode of the node eliminated first. */
@@ -224,8 +223,7 @@ typedef struct bwi_run {
   int32_t from, to, length;
 } bwi_run;
 
-/* ---- kernels for either precision (real.h) --------------------------------------------------
- */
+/* ---- kernels for either precision (real.h) --------------------------------------------------- */
 
 /* Add the entries of supernode s, times `unit`, to its panel. local: row of each position in it;
  * scale: size of each pivot's diagonal entry (front_assemble.c). */

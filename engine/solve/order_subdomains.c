@@ -32,8 +32,7 @@ enum { FEW_SUBDOMAINS = 16 };
 /* How often METIS is tried for the body as a whole. */
 enum { TRIALS = 3 };
 
-/* ---- what subdomains share ----------------------------------------------------------------------
- */
+/* ---- what subdomains share ------------------------------------------------------------------- */
 
 static void membership_clear(bwi_membership *of) {
   bw_free(of->start);

@@ -111,8 +111,7 @@ static int limit_of(const statics *s, const bwi_cost_prediction *cost) {
   return break_even < s->opts.iterations ? (int)break_even : s->opts.iterations;
 }
 
-/* ---- by two-level PCG ---------------------------------------------------------------------------
- */
+/* ---- by two-level PCG ------------------------------------------------------------------------ */
 
 static bw_status fail_convergence(const statics *s, double reached) {
   const bw_system *system = s->result->system;

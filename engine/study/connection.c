@@ -131,8 +131,7 @@ static int restrict_to_studies(sqlite3 *connection) {
 }
 
 /* The name in the form that SQLite needs. "./" before a relative one: else "file:" and ":memory:"
- * have a meaning of their own. An immutable file has a URI, in which what it reserves is escaped.
- */
+ * have a meaning of their own. An immutable file has a URI; what that reserves is escaped. */
 static void name_of(const char *path, bool immutable, char name[NAME]) {
   size_t at = (size_t)snprintf(name, NAME, "%s%s%s", immutable ? "file:" : "",
                                immutable && path[0] == '/' ? "//" : "", path[0] == '/' ? "" : "./");

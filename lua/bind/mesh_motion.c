@@ -10,8 +10,7 @@ static bw_mesh_motion *self(lua_State *L) {
 
 static const char *const levels[] = {"none", "relocation", "reconnecting", "reconstruction", NULL};
 
-/* ---- the size field of reconstructions: a value kept beside the mesh motion's box, by its address
- * ------ */
+/* ---- the size field of reconstructions: a value kept beside the box, by its address -------- */
 
 static int field_key;
 
@@ -149,8 +148,10 @@ static int motion_outline(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg methods[] = {
-    {"follow", motion_follow}, {"pull_back", motion_pull_back}, {"check", motion_check}, {NULL, NULL}};
+static const luaL_Reg methods[] = {{"follow", motion_follow},
+                                   {"pull_back", motion_pull_back},
+                                   {"check", motion_check},
+                                   {NULL, NULL}};
 static const luaL_Reg properties[] = {
     {"mesh", motion_mesh}, {"outline", motion_outline}, {NULL, NULL}};
 static const luaL_Reg meta[] = {{NULL, NULL}};

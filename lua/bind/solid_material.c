@@ -215,8 +215,7 @@ static const luaL_Reg properties[] = {{"name", material_name},
 static const luaL_Reg meta[] = {{"__tostring", material_tostring}, {NULL, NULL}};
 const lbw_class lbw_solid_material_class = {"hyperelastic", methods, properties, meta, NULL};
 
-/* ---- material table
- * -------------------------------------------------------------------------------- */
+/* ---- material table -------------------------------------------------------------------------- */
 
 static const bw_material_table *self_material_table(lua_State *L) {
   return (const bw_material_table *)lbw_check(L, 1, &lbw_material_table_class);

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Plane meshes: filling, arrays, carrying, following, files, refusals.
+-- Plane meshes: filling, arrays, transferring, following, files, refusals.
 local bw = require "barwright"
 local check = require "check"
 

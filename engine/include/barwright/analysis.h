@@ -103,8 +103,7 @@ BW_API bw_status bw_surface_mean(bw_context *context, const bw_mesh *mesh,
                                  const bw_dof_map *dof_map, double radius, int columns,
                                  const double *value, double *mean);
 
-/* ---- how stresses change with the shape (agile, section 7) ------------------------------------
- */
+/* ---- how stresses change with the shape (agile, section 7) ----------------------------------- */
 
 /* Solves K x = f for `count` right-hand sides, force (any, count x node_count x 3), displacement
  * (any, count x node_count x 3): bw_system_solve or bw_incremental_system_solve. */
@@ -291,8 +290,7 @@ typedef struct bw_pressure_options {
   double spacing;
   double friction;     /* (-) Coulomb's coefficient; 0: none; to 100 */
   int friction_facets; /* m of 3 to BW_MAX_FRICTION_FACETS of the pyramid in the cone: it holds the
-                        * cone of friction cos(pi/m)
-                        */
+                        * cone of friction cos(pi/m) */
 } bw_pressure_options;
 /* The pressures of a mesh. `options` may be NULL: all of the boundary, no friction. BW_EMPTY where
  * no surface is left or the forbidden one has no facet, BW_UNSUPPORTED for a spacing that makes too

@@ -12,8 +12,7 @@ extern "C" {
 
 /* The block sparsity pattern (nodes i and j share an element), lower triangle by rows with the
  * diagonal last, and for every stored block the list of contributions (element, local pair).
- * Depends on topology only.
- */
+ * Depends on topology only. */
 typedef struct bw_block_pattern {
   bw_object object;
   const bw_mesh *mesh; /* retained: any mesh of the same topology may be assembled; NULL where it
@@ -71,9 +70,7 @@ BW_API bw_status bw_block_multiply(bw_context *context, const bw_block_pattern *
                                    const double *values, int block, int components, int64_t count,
                                    const double *x, double *y);
 
-/* ---- stiffness kept subdomain by subdomain (agile, sections 5 and 6)
- * ---------------------------------
- */
+/* ---- stiffness kept subdomain by subdomain (agile, sections 5 and 6) ------------------------- */
 
 /* How a subdomain lies now, relative to rest: the mesh that the stiffness was created with. Never
  * relative to an earlier edit, so that rounding does not accumulate over a session and an old
@@ -86,8 +83,7 @@ typedef struct bw_subdomain_motion {
   /* (-) With R the subdomain's rotation since rest: frame = R^T. Row i is R e_i, where the i-th
    direction of rest has gone to: the unknowns of nodes that go with the subdomain are taken along
    these rows (own = frame * global). A rotation also where reshaped. Turning a subdomain as a
-   whole, so that R and the shape turn together, changes none of its entries in these directions.
- */
+   whole, so that R and the shape turn together, changes none of its entries in these directions. */
   double frame[9];
   bool reshaped; /* its nodes moved otherwise: they are read from the mesh, and linear is not used.
                     Any subdomain may become so and stop being so again */

@@ -94,8 +94,7 @@ BW_API bw_status bw_library_material(bw_context *context, const bw_library *libr
                                      const int32_t *key, bw_solid_material **material,
                                      int32_t *fit);
 
-/* ---- coarsening --------------------------------------------------------------------------------
- */
+/* ---- coarsening ------------------------------------------------------------------------------ */
 
 /* How coarse materials are found. */
 typedef enum bw_coarse_method {

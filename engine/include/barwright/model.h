@@ -129,9 +129,8 @@ typedef struct bw_model {
   bw_support *support; /* support_count supports */
 } bw_model;
 
-/* A model without supports and loads. BW_INVALID for a material rotated by element for another
- * mesh.
- */
+/* A model without supports and loads. BW_INVALID for a material rotated by element
+ * for another mesh. */
 BW_API bw_status bw_model_create(bw_context *context, const bw_mesh *mesh,
                                  const bw_material *material, bw_model **model);
 /* Turns the model's material by element (bw_material_rotated_by_element): those of group of_element
@@ -228,8 +227,7 @@ BW_API bw_status bw_model_describe(bw_context *context, const bw_model *model, c
 BW_API bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const char *path,
                                     int modes);
 
-/* ---- rigid-body motions and unknowns ------------------------------------------------------------
- */
+/* ---- rigid-body motions and unknowns --------------------------------------------------------- */
 
 /* A rigid-body motion u(x) = translation + rotation x (x - centre) of one body (component). For a
  * rotation the centre is the point of its axis nearest to the body's centre of volume, and the
@@ -295,8 +293,7 @@ BW_API bw_status bw_dof_map_unconstrained(bw_context *context, const bw_mesh *me
  * node_subdomain (index, node_count), -1: none, frame (-, subdomain_count x 9), rows are
  * directions. Isostatic constraints turn with these. Nodes constrained in some directions keep the
  * frame of their support. The frames of the subdomains are the last subdomain_count rows of the DOF
- * map's. previous may be NULL. *same says whether state and unknown are those of `previous`.
- */
+ * map's. previous may be NULL. *same says whether state and unknown are those of `previous`. */
 BW_API bw_status bw_dof_map_follow(bw_context *context, const bw_model *model,
                                    const bw_dof_map *previous, int32_t subdomain_count,
                                    const int32_t *node_subdomain, const double *frame, bool *same,

@@ -47,8 +47,7 @@ BW_API void bw_fibre_add(double stiffness, const double v[3], const double f[9],
  * the sign of det F. */
 BW_API void bw_svd3(const double f[9], double u[9], double s[3], double v[9]);
 
-/* ---- materials of elements ---------------------------------------------------------------------
- */
+/* ---- materials of elements ------------------------------------------------------------------- */
 
 /* Points of quadrature in the unit cube. Level 0 and 1: 2 x 2 x 2 Gauss points, point k in octant
  * k (bits as corners). Level l: such points in each of the 8^(l-1) small cubes; those of octant k
@@ -104,8 +103,7 @@ BW_API bw_status bw_solid_material_create(bw_context *context, const char *name,
 /* The same with young (Pa) and poisson for elements with B-bar, which do not lock where poisson is
  * near 1/2. The terms with lambda are evaluated in the middle of the cell, where the volumetric
  * strain of small deformations has its mean (docs/theory/elements.md). For poisson <= 0, where
- * nothing locks, the standard one.
- */
+ * nothing locks, the standard one. */
 BW_API bw_status bw_solid_material_b_bar(bw_context *context, const char *name, bw_law law,
                                          double young, double poisson, double density,
                                          bw_solid_material **material);
@@ -133,8 +131,7 @@ BW_API bw_status bw_material_table_create(bw_context *context, int32_t count,
                                           const bw_solid_material *const *material,
                                           bw_material_table **material_table);
 
-/* ---- solids ------------------------------------------------------------------------------------
- */
+/* ---- solids ---------------------------------------------------------------------------------- */
 
 /* A grid made of a material table: the body whose energy is a function of node displacements u
  * (node_count x 3, m). Partial cells count by their fraction, never below 1e-3. Does not change
@@ -194,8 +191,7 @@ BW_API bw_status bw_solid_linear_diagonal(bw_context *context, const bw_solid_li
 BW_API bw_status bw_solid_stress(bw_context *context, const bw_solid *solid, const double *u,
                                  double *of_elements, double *of_nodes);
 
-/* ---- what acts on a solid ----------------------------------------------------------------------
- */
+/* ---- what acts on a solid -------------------------------------------------------------------- */
 
 /* A pressure on triangles; the load case owns the lists. */
 typedef struct bw_pressure_patch {
@@ -268,8 +264,7 @@ BW_API bw_status bw_load_case_contact_plane(bw_context *context, bw_load_case *i
                                             const double move[3], const bw_embedding *embedding,
                                             const double *rest);
 
-/* ---- statics -----------------------------------------------------------------------------------
- */
+/* ---- statics --------------------------------------------------------------------------------- */
 
 /* How the linear equations of a Newton iteration are solved. */
 typedef enum bw_newton_linear {
@@ -368,8 +363,7 @@ BW_API bw_status bw_solid_correct(bw_context *context, const bw_solid *solid,
                                   const bw_load_case *load_case, const bw_newton_options *options,
                                   double *displacement, bool *defined);
 
-/* ---- dynamics ----------------------------------------------------------------------------------
- */
+/* ---- dynamics -------------------------------------------------------------------------------- */
 
 /* The integrator of a motion. */
 typedef enum bw_transient_scheme {

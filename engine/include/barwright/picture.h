@@ -110,8 +110,7 @@ BW_API bw_status bw_picture_grids(bw_context *context, int count, const bw_grid_
  * times (0: for ever). BW_FORMAT where a file is no PNG, BW_LIMIT where it is too large. */
 BW_API bw_status bw_animation_write(bw_context *context, int count, const char *const *png,
                                     double seconds, int rounds, const char *path);
-/* ---- drawings ---------------------------------------------------------------------------------
- */
+/* ---- drawings -------------------------------------------------------------------------------- */
 
 /* A drawing of lines, markers, text and images: a mutable object with a list of what was drawn, to
  * be written as SVG or PNG. Lengths are in pixels from the top left corner, y downwards. What is

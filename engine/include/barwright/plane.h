@@ -145,15 +145,14 @@ BW_API void bw_plane_locator_destroy(bw_plane_locator *locator);
 BW_API int32_t bw_plane_locate(const bw_plane_locator *locator, const double at[2],
                                double barycentric[3], double *outside);
 /* Values at the nodes of `from`, value (any, node_count x components), transferred to the nodes of
- * `to`, carried (any, node_count x components). They are copied where the nodes are the same
+ * `to`, transferred (any, node_count x components). They are copied where the nodes are the same
  * (middles of flipped edges are read from the field as it was), interpolated at the nodes' places
  * otherwise (the nearest place of `from` where they lie outside). */
 BW_API bw_status bw_plane_transfer(bw_context *context, const bw_plane_mesh *from,
                                    const bw_plane_mesh *to, int components, const double *value,
-                                   double *carried);
+                                   double *transferred);
 
-/* ---- a mesh that follows its outline (responsive, section 3.3) ---------------------------------
- */
+/* ---- a mesh that follows its outline (responsive, section 3.3) ------------------------------- */
 
 /* What of a mesh is new, by increasing cost. */
 typedef enum bw_level {

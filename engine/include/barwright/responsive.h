@@ -114,8 +114,7 @@ BW_API bw_status bw_lagged_factor_apply(bw_context *context, bw_lagged_factor *l
 /* Releases factor, analysis and pattern: the next solve begins from scratch. */
 BW_API void bw_lagged_factor_reset(bw_lagged_factor *lagged);
 
-/* ---- conditions by tag -------------------------------------------------------------------------
- */
+/* ---- conditions by tag ----------------------------------------------------------------------- */
 
 /* A value (any) over place and time, in the unit of the condition. */
 typedef double bw_plane_function(void *data, const double at[2], double time);
@@ -155,8 +154,7 @@ BW_API bw_status bw_conditions_force(bw_context *context, const bw_plane_mesh *m
                                      int32_t count, const bw_condition *condition, double time,
                                      double thickness, double *force);
 
-/* ---- elastic sheets
- * -------------------------------------------------------------------------------- */
+/* ---- elastic sheets -------------------------------------------------------------------------- */
 
 /* What a region of a sheet is made of. */
 typedef struct bw_sheet_section {
@@ -261,8 +259,7 @@ BW_API bw_status bw_sheet_error(bw_context *context, const bw_sheet *sheet, doub
 BW_API bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, double p,
                                           double *norm, double *gradient);
 
-/* ---- plates that ring (responsive, appendix A)
- * --------------------------------------------------------- */
+/* ---- plates that ring (responsive, appendix A) ----------------------------------------------- */
 
 /* The outline extruded to a plate, as Reissner-Mindlin triangles that do not lock: deflection and
  * two rotations at each node. Mutable; holds factor, modes and rigid-body motions from frame to

@@ -90,8 +90,7 @@ BW_API bw_status bw_skeleton_with_root(bw_context *context, const bw_skeleton *s
  * and z across it (y is the global axis least along the bone, made orthogonal), right-handed. */
 BW_API void bw_skeleton_frames(const bw_skeleton *skeleton, double *frame);
 
-/* ---- skinning weights --------------------------------------------------------------------------
- */
+/* ---- skinning weights ------------------------------------------------------------------------ */
 
 /* How weights fall off; all zeros are the defaults. */
 typedef struct bw_weights_options {
@@ -111,9 +110,7 @@ BW_API bw_status bw_skinning_weights(bw_context *context, const bw_mesh *mesh,
                                      const bw_skeleton *skeleton, const bw_weights_options *options,
                                      double *weight);
 
-/* ---- subdomains (agile, section 4)
- * ----------------------------------------------------------------
- */
+/* ---- subdomains (agile, section 4) ----------------------------------------------------------- */
 
 /* Subdomains cut further, for the equations: elements joined through faces whose corners follow the
  * same set of bones. Few of a blended subdomain's bones matter at any place, so that an edit
@@ -280,9 +277,7 @@ BW_API bw_status bw_pose_reach(bw_context *context, const bw_skeleton *skeleton,
                                const bw_reach_target *target, double tolerance, bw_bone_pose *pose,
                                bw_reach_report *report);
 
-/* ---- repair of an edited mesh
- * --------------------------------------------------------------------
- */
+/* ---- repair of an edited mesh ---------------------------------------------------------------- */
 
 /* What a repair found and did. */
 typedef struct bw_mesh_repair_report {

@@ -132,8 +132,7 @@ typedef struct bw_statics_options {
 BW_API bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
                             const bw_statics_options *options, bw_static **result);
 
-/* ---- a system that follows edits (agile, section 6, and beyond) -------------------------------
- */
+/* ---- a system that follows edits (agile, section 6, and beyond) ------------------------------ */
 
 /* How the equations of an edited shape are solved. */
 typedef enum bw_incremental_method {

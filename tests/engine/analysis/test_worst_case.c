@@ -201,8 +201,7 @@ static void pinned_equals_bordered(void **state) {
 }
 
 /* The same body with its nodes numbered backwards has isostatic constraints elsewhere; nothing may
- * change. And with another Young's modulus, stresses stay. And twice the load is twice the stress.
- */
+ * change. And with another Young's modulus, stresses stay. Twice the load is twice the stress. */
 static void invariances(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_bar(context, dumbbell_profile, 14, 4, 1), *turned = NULL;

@@ -320,7 +320,7 @@ static void test_following(void **state) {
                (nodes->segment[i / 2] < 0 ? 0.04 * (bw_random_uniform(&random) - 0.5) : 0);
   check_ok(context, bw_plane_mesh_moved(context, mesh, mesh->outline, point, &moved));
   bw_flow *flow = make_flow(context, mesh, 0.02, 6, channel);
-  bw_flow *rebuilt = make_flow(context, moved, 0.02, 6, channel);
+  bw_flow *fresh = make_flow(context, moved, 0.02, 6, channel);
   bw_plane_reuse reuse = {0};
   double force[2], other[2];
   check_ok(context, bw_flow_step(context, flow, NULL, NULL));
@@ -328,14 +328,14 @@ static void test_following(void **state) {
   assert_true(reuse.pattern && reuse.solution);
   check_fails(context, BW_INVALID, "no solution", bw_flow_force(context, flow, BOTTOM, force));
   check_ok(context, bw_flow_step(context, flow, NULL, &reuse));
-  check_ok(context, bw_flow_step(context, rebuilt, NULL, NULL));
+  check_ok(context, bw_flow_step(context, fresh, NULL, NULL));
   for (int64_t i = 0; i < 3 * (int64_t)nodes->node_count; i++)
-    check_near(flow->state[i], rebuilt->state[i], 1e-6);
+    check_near(flow->state[i], fresh->state[i], 1e-6);
   check_ok(context, bw_flow_force(context, flow, BOTTOM, force));
-  check_ok(context, bw_flow_force(context, rebuilt, BOTTOM, other));
+  check_ok(context, bw_flow_force(context, fresh, BOTTOM, other));
   check_near(force[0], other[0], 1e-6);
   bw_release(flow);
-  bw_release(rebuilt);
+  bw_release(fresh);
   bw_release(moved);
   bw_release(mesh);
   free(point);
@@ -357,13 +357,13 @@ static void test_kept(void **state) {
     check_ok(context, bw_flow_step(context, flow, &options, NULL));
   check_ok(context, bw_flow_force(context, flow, BOTTOM, force));
   memcpy(state_then, flow->state, size);
-  const bw_flow_state *reuse = bw_flow_keep(flow);
-  assert_ptr_equal(bw_flow_state_mesh(reuse), mesh);
+  const bw_flow_state *kept = bw_flow_keep(flow);
+  assert_ptr_equal(bw_flow_state_mesh(kept), mesh);
   for (int k = 0; k < 2; k++) {
     bw_plane_mesh *now = k ? other : mesh;
     check_ok(context, bw_flow_follow(context, flow, now, NULL));
     check_ok(context, bw_flow_step(context, flow, k ? NULL : &options, NULL));
-    check_ok(context, bw_flow_return(context, flow, reuse));
+    check_ok(context, bw_flow_return(context, flow, kept));
     assert_ptr_equal(flow->mesh, mesh);
     assert_memory_equal(flow->state, state_then, size);
     check_near(flow->time, 0.15, 1e-15);
@@ -379,10 +379,10 @@ static void test_kept(void **state) {
   for (size_t i = 0; i < size / sizeof(double); i++)
     check_near(flow->state[i], straight->state[i], 2e-5);
   bw_flow *heated = warm_flow(context, mesh, 1, 6, channel);
-  check_fails(context, BW_INVALID, "another flow", bw_flow_return(context, heated, reuse));
+  check_fails(context, BW_INVALID, "another flow", bw_flow_return(context, heated, kept));
   bw_release(heated);
   bw_release(straight);
-  bw_release(reuse);
+  bw_release(kept);
   bw_release(flow);
   bw_release(mesh);
   bw_release(other);
@@ -495,13 +495,13 @@ static void test_memory(void **state) {
       status = bw_flow_follow(context, flow, mesh, NULL);
     if (status == BW_OK)
       status = bw_flow_step(context, flow, NULL, NULL);
-    const bw_flow_state *reuse = flow ? bw_flow_keep(flow) : NULL;
+    const bw_flow_state *kept = flow ? bw_flow_keep(flow) : NULL;
     if (status == BW_OK)
       status = bw_flow_follow(context, flow, other, NULL);
     if (status == BW_OK)
-      status = bw_flow_return(context, flow, reuse);
+      status = bw_flow_return(context, flow, kept);
     bw_fail_allocation(0, false);
-    bw_release(reuse);
+    bw_release(kept);
     bw_release(flow);
     assert_int_equal(bw_live_blocks(), blocks);
     if (status == BW_OK)

@@ -320,7 +320,7 @@ static void test_not_held(void **state) {
   int32_t two[2] = {0, 2}; /* both on the x axis: it can turn about that */
   bool all[3] = {true, true, true};
   check_ok(context, bw_load_case_fix(context, b.load_case, 2, two, all, NULL));
-  check_free(context, &b, "turn as a whole");
+  check_free(context, &b, "rotate as a whole");
   box_hold(context, &b, 0, 0, true, true, true, 0);
   check_ok(context, bw_load_case_gravity(context, b.load_case, gravity));
   bw_solid_static *result;

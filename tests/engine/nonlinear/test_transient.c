@@ -138,8 +138,8 @@ static void test_used_memory(void **state) {
 
 /* One element column of the corotated law without Poisson's effect, constrained at its foot and
  * pulled along its axis: P = E (s - 1), a linear spring at any amplitude, k = E A / L, with half of
- * the mass at the top. One step multiplies the mode's amplitude by (1 + z/2) / (1 - z/2), or 1 / (1
- * - z), z = h lambda, lambda^2 + (am + ak w^2) lambda + w^2 = 0. */
+ * the mass at the top. One step multiplies the mode's amplitude by (1 + z/2) / (1 - z/2), or by
+ * 1 / (1 - z), z = h lambda, lambda^2 + (am + ak w^2) lambda + w^2 = 0. */
 static void spring(bw_context *context, bw_transient_scheme scheme, double am, double ak,
                    double h) {
   double young = 3e4, density = 500, length = 0.5, start = 0.2;

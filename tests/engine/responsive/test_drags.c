@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Random drags of vertices, edges and loops, small ones and ones that fold the outline, for each of
- * the four elastic applications: every drag ends either in the answer that a body rebuilt on the
+ * the four elastic applications: every drag ends either in the answer that a body fresh on the
  * same mesh gives, or in a refusal with the last good state kept. No element is ever inverted, and
  * memory does not grow. BARWRIGHT_FULL=1: 10,000 drags for each application and a figure of each
  * run; BARWRIGHT_DRAGS: another number. */
@@ -242,16 +242,16 @@ static void drags(bw_context *context, kind what, int order, uint64_t seed) {
       check_ok(context, solve(context, what, beside, true, NULL));
     }
     if (k % every == 0) {
-      void *rebuilt = what == TRANSIENT ? beside : make(context, what, motion->mesh, material);
+      void *fresh = what == TRANSIENT ? beside : make(context, what, motion->mesh, material);
       if (what != TRANSIENT)
-        check_ok(context, solve(context, what, rebuilt, true, NULL));
-      double off = difference(what, body, rebuilt);
+        check_ok(context, solve(context, what, fresh, true, NULL));
+      double off = difference(what, body, fresh);
       if (!(off <= 1e-6))
         fail_msg("%s, order %d, drag %d: %g off, level %d, quality %g", kind_words[what], order, k,
                  off, (int)report.level, quality.worst);
       r.worst = fmax(r.worst, off);
       if (what != TRANSIENT)
-        bw_release(rebuilt);
+        bw_release(fresh);
     }
     if (what == TRANSIENT) { /* the same state again for the next step */
       const bw_sheet_state *same = bw_sheet_keep(body);

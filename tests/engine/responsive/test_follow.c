@@ -1,13 +1,13 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Sheets that follow a dragged outline: after every drag the answer with everything reused is that
- * of a sheet rebuilt on the same mesh, for statics, shaking and large bending; and curved
+ * of a sheet built on the same mesh, for statics, transients and large deflections; and curved
  * outlines: NAFEMS LE1, Kirsch's hole. */
 #include "outline/shapes.h"
 #include "sheets.h"
 
 enum { DRAGS = 24 };
 
-/* A plate 2 x 1, prescribed at the left, with a round hole. */
+/* A plate 2 x 1, fixed at the left, with a round hole. */
 static bw_outline *plate(bw_context *context, double x, double y, double r) {
   static draft d;
   memset(&d, 0, sizeof d);
@@ -99,7 +99,7 @@ static void drag(bw_context *context, kind what, int order) {
   check_ok(context, bw_plane_fill(context, outline, &fill, &mesh));
   check_ok(context, bw_mesh_motion_create(context, mesh, &follow, &motion));
   bw_sheet *reused = make(context, mesh, material, what);
-  bw_sheet *rebuilt = make(context, mesh, material, what); /* for TRANSIENT: history needed */
+  bw_sheet *fresh = make(context, mesh, material, what); /* for TRANSIENT: history needed */
   bw_random random;
   bw_random_seed(&random, 9 + (uint64_t)what);
   double x = 0.6, y = 0.5;
@@ -123,16 +123,16 @@ static void drag(bw_context *context, kind what, int order) {
     if (k > 0)
       assert_true(reuse.pattern == (report.level < BW_LEVEL_RECONNECTING));
     if (what == TRANSIENT)
-      check_ok(context, bw_sheet_follow(context, rebuilt, motion->mesh, NULL));
+      check_ok(context, bw_sheet_follow(context, fresh, motion->mesh, NULL));
     else {
-      bw_release(rebuilt);
-      rebuilt = make(context, motion->mesh, material, what);
+      bw_release(fresh);
+      fresh = make(context, motion->mesh, material, what);
     }
-    step(context, rebuilt, what, BW_LAGGED_FACTOR_FULL, NULL);
+    step(context, fresh, what, BW_LAGGED_FACTOR_FULL, NULL);
     double max = 0, off = 0;
     for (int32_t i = 0; i < 2 * motion->mesh->topology->nodes->node_count; i++) {
-      max = fmax(max, fabs(rebuilt->displacement[i]));
-      off = fmax(off, fabs(rebuilt->displacement[i] - reused->displacement[i]));
+      max = fmax(max, fabs(fresh->displacement[i]));
+      off = fmax(off, fabs(fresh->displacement[i] - reused->displacement[i]));
     }
     assert_true(max > 0 && off <= 1e-6 * max);
     bw_release(outline);
@@ -142,7 +142,7 @@ static void drag(bw_context *context, kind what, int order) {
   assert_true(seen[BW_LEVEL_RECONNECTING] + seen[BW_LEVEL_RECONSTRUCTION] > 0);
   assert_true(lagged > 0 || what == TRANSIENT); /* on so few nodes a new factor is soon as cheap */
   bw_release(reused);
-  bw_release(rebuilt);
+  bw_release(fresh);
   bw_release(motion);
   bw_release(mesh);
   bw_release(outline);

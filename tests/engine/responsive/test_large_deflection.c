@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Sheets that bend largely: force and tangent against finite differences of the energy, the
+/* Sheets with large deflections: force and tangent against finite differences of the energy, the
  * elastica, Cook's membrane of St. Venant-Kirchhoff's material, uniform stretch by its closed form,
  * rigid rotation without stress, inversion reported. */
 #include "responsive/large_deflection.h"
@@ -289,15 +289,15 @@ static void test_frames(void **state) {
       if (k > 0 && at[k] == at[k - 1]) /* nothing to do */
         assert_int_equal(reuse.solves, 0);
       assert_true(reuse.solves <= 6 || k == 0);
-      bw_sheet *rebuilt = sheet_on(context, moved, material, 1, false, 3, conditions);
-      check_ok(context, bw_sheet_large_deflection(context, rebuilt, NULL, NULL, NULL));
+      bw_sheet *fresh = sheet_on(context, moved, material, 1, false, 3, conditions);
+      check_ok(context, bw_sheet_large_deflection(context, fresh, NULL, NULL, NULL));
       double max = 0, off = 0;
       for (size_t i = 0; i < size; i++) {
-        max = fmax(max, fabs(rebuilt->displacement[i]));
-        off = fmax(off, fabs(rebuilt->displacement[i] - sheet->displacement[i]));
+        max = fmax(max, fabs(fresh->displacement[i]));
+        off = fmax(off, fabs(fresh->displacement[i] - sheet->displacement[i]));
       }
       assert_true(max > 0.1 && off <= 1e-7 * max);
-      bw_release(rebuilt);
+      bw_release(fresh);
       bw_release(moved);
     }
     bw_release(sheet);

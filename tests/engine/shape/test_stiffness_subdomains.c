@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Parts of subdomains: what moves as a whole does so exactly, an edit leaves alone what it does not
- * move, and the stiffness kept part by part is that from scratch. */
+/* Stiffness subdomains: what moves as a whole does so exactly, an edit leaves alone what it does
+ * not move, and the stiffness kept subdomain by subdomain is that from scratch. */
 #include "limbs.h"
 
 #include "barwright/assemble.h"

@@ -27,9 +27,8 @@ static void choice_by_cost(void **state) {
 }
 
 /* The work that the order of elimination was chosen by is the work that a session then does, and no
- * subdomain is touched but those whose bones moved: here the one reshaped and those blended beside
- * it.
- */
+ * subdomain is touched but those whose bones moved: here the one reshaped and those
+ * blended beside it. */
 static void work_is_predicted(void **state) {
   bw_context *context = check_context(state);
   bar b;

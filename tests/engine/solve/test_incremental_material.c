@@ -1,7 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Orthotropic materials of bodies that are edited: axes that stay, axes that turn with the
- * subdomains.
- */
+/* Orthotropic materials of bodies that are edited: axes that stay, axes that turn with
+ * the subdomains. */
 #include "incremental_bar.h"
 
 /* Printed material: its axes stay those of the printer, or turn with the subdomains. */

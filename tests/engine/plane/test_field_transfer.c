@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Point location and fields carried from mesh to mesh. */
+/* Point location and fields transferred from mesh to mesh. */
 #include "outlines.h"
 
 static bw_plane_mesh *filled(bw_context *context, const bw_outline *outline, int order,
