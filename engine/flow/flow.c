@@ -92,14 +92,8 @@ bw_status bw_flow_create(bw_context *context, const bw_plane_mesh *mesh,
   flow->inner = in;
   flow->components = description->diffusivity > 0 ? 4 : 3;
   in->about = *description;
-  in->condition = BW_NEW(context, bw_condition, description->condition_count);
-  if (!in->condition) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  if (description->condition_count > 0)
-    memcpy(in->condition, description->condition,
-           (size_t)description->condition_count * sizeof *in->condition);
+  BW_TRY(bwi_conditions_copy(context, description->condition_count, description->condition,
+                             &in->condition));
   in->about.condition = in->condition;
   BW_TRY(bw_lagged_factor_create(context, false, flow->components, &in->lagged));
   BW_TRY(bw_plane_pattern_create(context, mesh->topology, &pattern));

@@ -3,9 +3,9 @@
  * again would take as long as the first time, and may end elsewhere: a steady flow need not be the
  * only one. */
 #include <math.h>
-#include <string.h>
 
 #include "flow/internal.h"
+#include "responsive/internal.h"
 
 static void destroy(void *object) {
   bw_flow_state *s = object;
@@ -28,18 +28,6 @@ static size_t bytes(const void *object) {
 
 static const bw_kind kind = {"flow state", destroy, bytes};
 
-/* A copy of a block, or of none. */
-static bw_status copy(bw_context *context, const double *from, size_t count, double **to) {
-  *to = NULL;
-  if (!from)
-    return BW_OK;
-  *to = BW_NEW(context, double, count);
-  if (!*to)
-    return BW_MEMORY;
-  memcpy(*to, from, count * sizeof **to);
-  return BW_OK;
-}
-
 bw_status bwi_flow_blank(bw_context *context, const bw_flow *flow, const bw_plane_mesh *mesh,
                          const bw_plane_pattern *pattern, bw_flow_state **state) {
   const struct bwi_flow *in = flow->inner;
@@ -53,15 +41,12 @@ bw_status bwi_flow_blank(bw_context *context, const bw_flow *flow, const bw_plan
   s->time = flow->time;
   s->known = 1;
   s->condition_count = in->about.condition_count;
-  s->condition = BW_NEW(context, bw_condition, s->condition_count);
-  if (!s->condition) {
+  bw_status status = bwi_conditions_copy(context, s->condition_count, in->condition, &s->condition);
+  if (status == BW_OK)
+    *state = s;
+  else
     bw_release(s);
-    return BW_MEMORY;
-  }
-  if (s->condition_count > 0)
-    memcpy(s->condition, in->condition, (size_t)s->condition_count * sizeof *s->condition);
-  *state = s;
-  return BW_OK;
+  return status;
 }
 
 bw_status bwi_flow_next(bw_context *context, const bw_flow *flow, bw_flow_state **next) {
@@ -74,11 +59,11 @@ bw_status bwi_flow_next(bw_context *context, const bw_flow *flow, bw_flow_state 
   s->known = now->known;
   s->reacted = now->reacted;
   s->last_step = now->last_step;
-  BW_TRY(copy(context, now->state, unknowns, &s->state));
-  BW_TRY(copy(context, now->before, unknowns, &s->before));
-  BW_TRY(copy(context, now->reaction, unknowns, &s->reaction));
-  BW_TRY(copy(context, now->old_point, 2 * nodes, &s->old_point));
-  BW_TRY(copy(context, now->older_point, 2 * nodes, &s->older_point));
+  BW_TRY(bwi_copy_block(context, now->state, unknowns, &s->state));
+  BW_TRY(bwi_copy_block(context, now->before, unknowns, &s->before));
+  BW_TRY(bwi_copy_block(context, now->reaction, unknowns, &s->reaction));
+  BW_TRY(bwi_copy_block(context, now->old_point, 2 * nodes, &s->old_point));
+  BW_TRY(bwi_copy_block(context, now->older_point, 2 * nodes, &s->older_point));
   *next = s;
   s = NULL;
 done:
@@ -96,8 +81,7 @@ void bwi_flow_adopt(bw_flow *flow, const bw_flow_state *state) {
     in->locator = NULL;
   }
   in->now = bw_retain(state);
-  for (int i = 0; i < in->about.condition_count; i++)
-    in->condition[i].tag = state->condition[i].tag;
+  bwi_conditions_take_tags(in->about.condition_count, state->condition, in->condition);
   flow->mesh = state->mesh;
   flow->state = state->state;
   flow->before = state->before;
@@ -125,13 +109,8 @@ const bw_plane_mesh *bw_flow_state_mesh(const bw_flow_state *state) {
  * their functions stand on. */
 static bool fits(const bw_flow *flow, const bw_flow_state *s) {
   const struct bwi_flow *in = flow->inner;
-  if (s->components != flow->components || s->condition_count != in->about.condition_count)
-    return false;
-  for (int i = 0; i < s->condition_count; i++)
-    if (s->condition[i].kind != in->condition[i].kind ||
-        s->condition[i].component != in->condition[i].component)
-      return false;
-  return true;
+  return s->components == flow->components && s->condition_count == in->about.condition_count &&
+         bwi_conditions_alike(s->condition_count, s->condition, in->condition);
 }
 
 bw_status bw_flow_return(bw_context *context, bw_flow *flow, const bw_flow_state *state) {

@@ -32,9 +32,10 @@ bw_status bwi_cg_solve(bw_context *context, bwi_precondition *m, double toleranc
       report->negative = true;
       break;
     }
-    double beta = report->iterations > 0 ? r_dot_z / r_dot_z_old : 0;
+    bool first = report->iterations == 0;
+    double beta = first ? 0 : r_dot_z / r_dot_z_old;
     for (int64_t i = 0; i < n; i++)
-      p[i] = z[i] + (report->iterations > 0 ? beta * p[i] : 0);
+      p[i] = z[i] + (first ? 0 : beta * p[i]);
     r_dot_z_old = r_dot_z;
     BW_TRY(bwi_precondition_multiply(context, m, p, q));
     double p_dot_Ap = bwi_dot(n, p, q);

@@ -1,7 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Text, the axes' triad and the mark of the largest value, drawn by Cairo over the picture. */
 #include <math.h>
-#include <string.h>
 
 #include "picture/internal.h"
 

@@ -3,6 +3,7 @@
  * functions of conditions may be anything a caller gives (a script's, say): they are called on the
  * caller's thread, in a fixed order. */
 #include <math.h>
+#include <string.h>
 
 #include "responsive/internal.h"
 
@@ -61,6 +62,28 @@ bw_status bwi_conditions_renamed(bw_context *context, const bw_outline *from, co
   }
   *out = renamed;
   return BW_OK;
+}
+
+bw_status bwi_conditions_copy(bw_context *context, int32_t count, const bw_condition *condition,
+                              bw_condition **out) {
+  *out = BW_NEW(context, bw_condition, count);
+  if (!*out)
+    return BW_MEMORY;
+  if (count > 0)
+    memcpy(*out, condition, (size_t)count * sizeof **out);
+  return BW_OK;
+}
+
+bool bwi_conditions_alike(int32_t count, const bw_condition *a, const bw_condition *b) {
+  for (int32_t i = 0; i < count; i++)
+    if (a[i].kind != b[i].kind || a[i].component != b[i].component)
+      return false;
+  return true;
+}
+
+void bwi_conditions_take_tags(int32_t count, const bw_condition *from, bw_condition *to) {
+  for (int32_t i = 0; i < count; i++)
+    to[i].tag = from[i].tag;
 }
 
 bw_status bwi_condition_value(bw_context *context, const bw_condition *condition,

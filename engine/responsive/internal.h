@@ -3,6 +3,8 @@
 #ifndef BWI_RESPONSIVE_INTERNAL_H
 #define BWI_RESPONSIVE_INTERNAL_H
 
+#include <string.h>
+
 #include "barwright/responsive.h"
 
 enum {
@@ -34,6 +36,19 @@ static inline size_t bwi_plane_workspace_size(const bw_plane_pattern *pattern, i
   return (size_t)pattern->topology->element_count * rows * rows;
 }
 
+/* A copy of a block of numbers (NULL: of none), for the caller to free. */
+static inline bw_status bwi_copy_block(bw_context *context, const double *from, size_t count,
+                                       double **to) {
+  *to = NULL;
+  if (!from)
+    return BW_OK;
+  *to = BW_NEW(context, double, count);
+  if (!*to)
+    return BW_MEMORY;
+  memcpy(*to, from, count * sizeof **to);
+  return BW_OK;
+}
+
 /* ---- conditions (conditions.c) ------------------------------------------------------------- */
 
 /* BW_INVALID for components, tags and values that are none, BW_EMPTY for tags without a segment. */
@@ -43,6 +58,13 @@ bw_status bwi_conditions_check(bw_context *context, const bw_plane_mesh *mesh, i
  * none of a name. */
 bw_status bwi_conditions_renamed(bw_context *context, const bw_outline *from, const bw_outline *to,
                                  int32_t count, const bw_condition *condition, bw_condition **out);
+/* A copy as they are. */
+bw_status bwi_conditions_copy(bw_context *context, int32_t count, const bw_condition *condition,
+                              bw_condition **out);
+/* Whether two lists have the same kinds and components. */
+bool bwi_conditions_alike(int32_t count, const bw_condition *a, const bw_condition *b);
+/* The tags of one list into another, which stays its own otherwise. */
+void bwi_conditions_take_tags(int32_t count, const bw_condition *from, bw_condition *to);
 /* Whether a condition's tag is that of a side, and its value at a place (BW_INVALID: not finite).
  */
 bool bwi_condition_applies(const bw_plane_mesh *mesh, const bw_condition *condition, int32_t side);

@@ -19,8 +19,6 @@
 #include "base/sort.h"
 #include "responsive/lagged_factor.h"
 
-/* An order under which the work has grown by more than this is recomputed. */
-#define MAX_WORK_GROWTH 1.25
 /* Smallest pivot inside a node's block, of a scaled matrix. */
 #define SMALLEST_PIVOT 1e-5
 
@@ -214,7 +212,7 @@ static bw_status analyse(bw_context *context, bwi_lagged_blocks *s, const bw_pla
   }
   BW_TRY(find_upper(context, s, pattern));
   count_work(s);
-  if (!work->reordered && s->flops > MAX_WORK_GROWTH * s->ordered) {
+  if (!work->reordered && s->flops > BWI_MAX_WORK_GROWTH * s->ordered) {
     work->reordered = true;
     forget_analysis(s);
     BW_TRY(find_order(context, s, pattern, true));

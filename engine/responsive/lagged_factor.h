@@ -12,6 +12,9 @@
 
 #include "responsive/internal.h"
 
+/* An order under which the work has grown by more than this is recomputed. */
+#define BWI_MAX_WORK_GROWTH 1.25
+
 /* What a factorisation would cost or did, counted. */
 typedef struct bwi_lagged_work {
   double flops;

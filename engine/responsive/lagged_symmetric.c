@@ -4,15 +4,14 @@
  *
  * A reconnected mesh has the same nodes, and while flips are few the elimination order stays good:
  * only the analysis under it is rebuilt. Flips across separators add fill; an order under which
- * the work has grown by more than MAX_WORK_GROWTH is recomputed too. Numbers are factored in place
- * where the analysis is kept, since the first touch of new memory costs as much as arithmetic. */
+ * the work has grown by more than BWI_MAX_WORK_GROWTH is recomputed too. Numbers are factored in
+ * place where the analysis is kept, since the first touch of new memory costs as much as
+ * arithmetic does. */
 #include <string.h>
 
 #include "responsive/lagged_factor.h"
 #include "responsive/triangular_solve.h"
 #include "solve/order.h"
-
-#define MAX_WORK_GROWTH 1.25
 
 struct bwi_lagged_symmetric {
   int components;
@@ -158,7 +157,7 @@ static bw_status analyse(bw_context *context, bwi_lagged_symmetric *s,
   }
   if (s->nodes)
     BW_TRY(analyse_ordered(context, s, &near, unknown));
-  if (!s->nodes || s->symbolic->flops > MAX_WORK_GROWTH * s->ordered) {
+  if (!s->nodes || s->symbolic->flops > BWI_MAX_WORK_GROWTH * s->ordered) {
     work->reordered = true;
     bw_release(s->symbolic);
     s->symbolic = NULL;

@@ -13,9 +13,6 @@
 #include "responsive/lagged_factor.h"
 #include "solve/blas.h"
 
-/* An order under which the work has grown by more than this is recomputed. */
-#define MAX_WORK_GROWTH 1.25
-
 struct bwi_lagged_unsymmetric {
   int components;
   const bw_plane_nodes *nodes;       /* retained: what the order is of */
@@ -183,7 +180,7 @@ static bw_status analyse(bw_context *context, bwi_lagged_unsymmetric *s,
     double flops = info[UMFPACK_FLOPS_ESTIMATE];
     if (work->reordered)
       s->ordered = flops;
-    if (flops <= MAX_WORK_GROWTH * s->ordered)
+    if (flops <= BWI_MAX_WORK_GROWTH * s->ordered)
       break;
     umfpack_di_free_symbolic(&s->symbolic);
     s->symbolic = NULL;

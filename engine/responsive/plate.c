@@ -1,7 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* A plate on a mesh that follows an outline: its life and its matrices. */
 #include <math.h>
-#include <string.h>
 
 #include "responsive/plate.h"
 
@@ -192,15 +191,6 @@ done:
   return status;
 }
 
-static bw_status copy(bw_context *context, const double *from, int count, double **to) {
-  *to = BW_NEW(context, double, count);
-  if (!*to)
-    return BW_MEMORY;
-  if (count > 0)
-    memcpy(*to, from, (size_t)count * sizeof **to);
-  return BW_OK;
-}
-
 /* Everything is made beside what there is, and takes its place at the end. */
 bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_mesh *mesh,
                           bw_plane_reuse *reuse) {
@@ -224,8 +214,8 @@ bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_m
   next->mode_count = was->mode_count;
   next->known = was->known;
   next->past = was->past;
-  BW_TRY(copy(context, was->frequency, was->mode_count, &next->frequency));
-  BW_TRY(copy(context, was->residual, was->mode_count, &next->residual));
+  BW_TRY(bwi_copy_block(context, was->frequency, (size_t)was->mode_count, &next->frequency));
+  BW_TRY(bwi_copy_block(context, was->residual, (size_t)was->mode_count, &next->residual));
   next->shape = BW_NEW(context, double, was->known *nodes * 3);
   rotation = BW_NEW(context, double, 4 * nodes);
   if (!next->shape || !rotation) {

@@ -122,13 +122,13 @@ static bw_status refactor(bw_context *context, const bw_plate *plate, bool full,
 }
 
 /* The initial vectors, in `vector`: the shapes of the last solution, which are the newest of the
- * past too, and behind them those before. Returns how many are of the past. */
+ * past too, and behind them those before: *former, or NULL. Returns how many are of the past. */
 static int begin_vectors(const bw_plate *plate, const bw_plate_options *options, int block,
-                         double *vector, bool *follows) {
+                         double *vector, const double **former) {
   const bw_plate_state *now = plate->inner->now;
   int64_t n = 3 * (int64_t)plate->mesh->topology->nodes->node_count;
   int begun = now->known - now->past, past = 0;
-  *follows = false;
+  *former = NULL;
   if (options->full || begun == 0)
     return 0;
   memcpy(vector, plate->shape, (size_t)((begun < block ? begun : block) * n) * sizeof *vector);
@@ -136,10 +136,11 @@ static int begin_vectors(const bw_plate *plate, const bw_plate_options *options,
   if (begun >= options->modes) {
     memcpy(vector + block * n, plate->shape, bytes);
     past = options->modes;
-    *follows = plate->mode_count == options->modes && now->past > 0;
+    if (plate->mode_count == options->modes && now->past > 0)
+      *former = plate->shape + begun * n;
   }
-  if (*follows) {
-    memcpy(vector + (block + past) * n, plate->shape + begun * n, bytes);
+  if (*former) {
+    memcpy(vector + (block + past) * n, *former, bytes);
     past += options->modes;
   }
   return past;
@@ -147,7 +148,7 @@ static int begin_vectors(const bw_plate *plate, const bw_plate_options *options,
 
 /* Modes with the factor that is there, or a new one where there is none or it takes too long. */
 static bw_status find_modes(bw_context *context, const bw_plate *plate,
-                            const bw_plate_options *options, int block, bool follows,
+                            const bw_plate_options *options, int block, const double *former,
                             double *vector, double *value, double *residual,
                             bw_plane_reuse *reuse) {
   bw_status status = BW_OK;
@@ -186,8 +187,8 @@ static bw_status find_modes(bw_context *context, const bw_plate *plate,
                    .mass_rigid = rigid + RIGID * n,
                    .wanted = options->modes,
                    .block = block,
-                   .more_count = follows ? now->past : 0,
-                   .more = follows ? plate->shape + (now->known - now->past) * n : NULL,
+                   .more_count = former ? now->past : 0,
+                   .more = former,
                    .tolerance = options->tolerance,
                    .limit = fresh ? ROUNDS : 2 * in->first_iterations + 20};
   status = bwi_ritz_solve(context, &ritz, vector, value, residual, &iterations);
@@ -240,9 +241,9 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
     status = BW_MEMORY;
     goto done;
   }
-  bool follows;
-  int past = begin_vectors(plate, &options, block, vector, &follows);
-  BW_TRY(find_modes(context, plate, &options, block, follows, vector, value, residual, reuse));
+  const double *former;
+  int past = begin_vectors(plate, &options, block, vector, &former);
+  BW_TRY(find_modes(context, plate, &options, block, former, vector, value, residual, reuse));
   for (int k = 0; k < block; k++)
     fix_sign(vector + k * n, nodes);
   for (int k = 0; k < options.modes; k++) {

@@ -52,9 +52,8 @@ static bw_status copy_description(bw_context *context, struct bwi_sheet *inner,
                                   const bw_sheet_description *d) {
   inner->section = BW_NEW0(context, bwi_section, d->section_count);
   inner->material = BW_NEW0(context, const bw_material *, d->section_count);
-  inner->condition = BW_NEW(context, bw_condition, d->condition_count);
   inner->thickness = BW_NEW(context, double, d->section_count);
-  if (!inner->section || !inner->thickness || !inner->material || !inner->condition)
+  if (!inner->section || !inner->thickness || !inner->material)
     return BW_MEMORY;
   inner->section_count = d->section_count;
   for (int32_t k = 0; k < d->section_count; k++) {
@@ -64,11 +63,9 @@ static bw_status copy_description(bw_context *context, struct bwi_sheet *inner,
     inner->material[k] = bw_retain(d->section[k].material);
     inner->thickness[k] = d->section[k].thickness;
   }
-  if (d->condition_count > 0)
-    memcpy(inner->condition, d->condition, (size_t)d->condition_count * sizeof *d->condition);
   inner->condition_count = d->condition_count;
   memcpy(inner->gravity, d->gravity, sizeof inner->gravity);
-  return BW_OK;
+  return bwi_conditions_copy(context, d->condition_count, d->condition, &inner->condition);
 }
 
 bw_status bw_sheet_create(bw_context *context, const bw_plane_mesh *mesh,

@@ -1,7 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The states of a sheet: each immutable once it stands. */
 #include <math.h>
-#include <string.h>
 
 #include "responsive/sheet.h"
 
@@ -25,16 +24,6 @@ static size_t bytes(const void *object) {
 
 static const bw_kind kind = {"sheet state", destroy, bytes};
 
-static bw_status copy(bw_context *context, const double *from, size_t count, double **to) {
-  if (!from)
-    return BW_OK;
-  *to = BW_NEW(context, double, count);
-  if (!*to)
-    return BW_MEMORY;
-  memcpy(*to, from, count * sizeof **to);
-  return BW_OK;
-}
-
 bw_status bwi_sheet_next(bw_context *context, const bw_sheet *sheet, const bw_plane_mesh *mesh,
                          bool fields, bw_sheet_state **next) {
   bw_status status = BW_OK;
@@ -48,13 +37,7 @@ bw_status bwi_sheet_next(bw_context *context, const bw_sheet *sheet, const bw_pl
   s->mesh = bw_retain(mesh);
   s->time = sheet->time;
   s->condition_count = inner->condition_count;
-  s->condition = BW_NEW(context, bw_condition, inner->condition_count);
-  if (!s->condition) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  if (s->condition_count > 0)
-    memcpy(s->condition, inner->condition, (size_t)s->condition_count * sizeof *s->condition);
+  BW_TRY(bwi_conditions_copy(context, s->condition_count, inner->condition, &s->condition));
   if (now) {
     s->solved = now->solved;
     s->statics = now->statics;
@@ -62,11 +45,11 @@ bw_status bwi_sheet_next(bw_context *context, const bw_sheet *sheet, const bw_pl
     s->moving = now->moving;
   }
   if (now && fields) {
-    BW_TRY(copy(context, now->displacement, size, &s->displacement));
-    BW_TRY(copy(context, now->velocity, size, &s->velocity));
-    BW_TRY(copy(context, now->acceleration, size, &s->acceleration));
-    BW_TRY(copy(context, now->before, size, &s->before));
-    BW_TRY(copy(context, now->former, size, &s->former));
+    BW_TRY(bwi_copy_block(context, now->displacement, size, &s->displacement));
+    BW_TRY(bwi_copy_block(context, now->velocity, size, &s->velocity));
+    BW_TRY(bwi_copy_block(context, now->acceleration, size, &s->acceleration));
+    BW_TRY(bwi_copy_block(context, now->before, size, &s->before));
+    BW_TRY(bwi_copy_block(context, now->former, size, &s->former));
   }
 done:
   if (status == BW_OK)
@@ -113,8 +96,7 @@ void bwi_sheet_adopt(bw_sheet *sheet, const bw_sheet_state *state) {
   if (former)
     drop_what_is_of(inner, former->mesh, state->mesh);
   inner->now = bw_retain(state);
-  for (int32_t i = 0; i < inner->condition_count; i++)
-    inner->condition[i].tag = state->condition[i].tag;
+  bwi_conditions_take_tags(inner->condition_count, state->condition, inner->condition);
   sheet->mesh = state->mesh;
   sheet->displacement = state->displacement;
   sheet->velocity = state->velocity;
@@ -140,10 +122,8 @@ const bw_sheet_state *bw_sheet_keep(const bw_sheet *sheet) {
 bw_status bw_sheet_return(bw_context *context, bw_sheet *sheet, const bw_sheet_state *state) {
   const struct bwi_sheet *inner = sheet->inner;
   bool fits = state->condition_count == inner->condition_count &&
-              state->mesh->topology->nodes->order == sheet->mesh->topology->nodes->order;
-  for (int32_t i = 0; i < inner->condition_count && fits; i++)
-    fits = state->condition[i].kind == inner->condition[i].kind &&
-           state->condition[i].component == inner->condition[i].component;
+              state->mesh->topology->nodes->order == sheet->mesh->topology->nodes->order &&
+              bwi_conditions_alike(inner->condition_count, state->condition, inner->condition);
   if (!fits)
     return bw_fail(context, BW_INVALID, "the state is that of another sheet");
   if (state != inner->now)

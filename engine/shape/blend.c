@@ -53,10 +53,6 @@ typedef struct blend {
   double *diagonal, *x, *r, *p, *q; /* free_count */
 } blend;
 
-static const int32_t *corners(const bw_mesh *mesh, int32_t e) {
-  return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
-}
-
 /* ---- the equations of one subdomain ---------------------------------------------------------- */
 
 static bw_status collect_nodes(blend *b, int32_t subdomain) {
@@ -68,7 +64,7 @@ static bw_status collect_nodes(blend *b, int32_t subdomain) {
   for (int held = 0; held < 2; held++) {
     for (int32_t at = first; at < end; at++)
       for (int k = 0; k < 4; k++) {
-        int32_t i = corners(d->mesh, b->element[at])[k];
+        int32_t i = bwi_nodes_of(d->mesh, b->element[at])[k];
         if (b->local[i] >= 0 || (b->held_bone[i] >= 0) != held)
           continue;
         b->local[i] = b->node_count;
@@ -82,7 +78,7 @@ static bw_status collect_nodes(blend *b, int32_t subdomain) {
 
 /* -integral of grad N_i . grad N_j for the six edges of a straight tetrahedron. */
 static void edge_weights(const bw_mesh *mesh, int32_t e, double weight[6]) {
-  const int32_t *node = corners(mesh, e);
+  const int32_t *node = bwi_nodes_of(mesh, e);
   double jacobian[9], inverse[9], gradient[4][3];
   for (int k = 0; k < 3; k++)
     for (int j = 0; j < 3; j++)
@@ -115,7 +111,7 @@ static bw_status collect_edges(blend *b, int32_t subdomain) {
   size_t count = 0;
   for (int32_t at = first; at < end; at++) {
     int32_t e = b->element[at];
-    const int32_t *node = corners(b->subdomains->mesh, e);
+    const int32_t *node = bwi_nodes_of(b->subdomains->mesh, e);
     double weight[6];
     edge_weights(b->subdomains->mesh, e, weight);
     for (int k = 0; k < 6; k++) {
@@ -427,7 +423,7 @@ static bw_status sort_influences(blend *b) {
     goto done;
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < 4; k++)
-      corner[corners(mesh, e)[k]] = 1;
+      corner[bwi_nodes_of(mesh, e)[k]] = 1;
   for (size_t k = 0; k < b->count; k++)
     start[b->list[k].node + 1]++;
   for (int32_t i = 0; i < nodes; i++) {

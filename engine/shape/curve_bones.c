@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "shape/curve.h"
+#include "shape/internal.h"
 
 enum { SAMPLES = 2000 };               /* along the whole curve */
 static const double ends_apart = 0.75; /* a bend lies so many radii from the ends of its bone */
@@ -53,19 +54,6 @@ static bw_status resample(bw_context *context, const bwi_branch *b, double step,
   return BW_OK;
 }
 
-static double to_segment(const double *x, const double *a, const double *b) {
-  double ab[3], ax[3], d[3];
-  for (int k = 0; k < 3; k++) {
-    ab[k] = b[k] - a[k];
-    ax[k] = x[k] - a[k];
-  }
-  double square = bw_dot(ab, ab), t = square > 0 ? bw_dot(ax, ab) / square : 0;
-  t = fmin(fmax(t, 0), 1);
-  for (int k = 0; k < 3; k++)
-    d[k] = ax[k] - t * ab[k];
-  return bw_norm(d);
-}
-
 static void check(const samples *along, piece *p) {
   const double *at = along[p->branch].at;
   const double *a = at + 4 * (size_t)p->first, *b = at + 4 * (size_t)p->last;
@@ -78,7 +66,7 @@ static void check(const samples *along, piece *p) {
     if (bwi_gap(x, a) < ends_apart * fmax(x[3], a[3]) ||
         bwi_gap(x, b) < ends_apart * fmax(x[3], b[3]))
       continue;
-    double strays = to_segment(x, a, b) / fmax(x[3], 1e-9);
+    double strays = bwi_segment_distance(x, a, b) / fmax(x[3], 1e-9);
     if (strays > p->strays) {
       p->strays = strays;
       p->bend = i;

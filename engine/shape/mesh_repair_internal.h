@@ -5,6 +5,7 @@
 
 #include "barwright/shape.h"
 #include "mesh/mesh_internal.h"
+#include "shape/internal.h"
 
 /* Some free nodes and every element around them, numbered within the patch. Nodes that stay where
  * they are have no number: their positions are read from `fixed`. */

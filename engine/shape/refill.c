@@ -7,10 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-static const int32_t *corners_of(const bwi_refiller *r, int32_t e) {
-  return r->mesh->element + (size_t)e * (size_t)r->mesh->nodes_per_element;
-}
-
 /* ---- components ------------------------------------------------------------------------------ */
 
 static bw_status find_components(bwi_refiller *r, const uint8_t *replace) {
@@ -61,7 +57,7 @@ static bw_status check_kept(const bwi_refiller *r) {
       return BW_INVALID;
     }
   for (int32_t e = 0; e < r->mesh->element_count; e++) {
-    const int32_t *c = corners_of(r, e);
+    const int32_t *c = bwi_nodes_of(r->mesh, e);
     const double *const x[4] = {r->node + 3 * (size_t)c[0], r->node + 3 * (size_t)c[1],
                                 r->node + 3 * (size_t)c[2], r->node + 3 * (size_t)c[3]};
     if (r->component_of[e] >= 0 || bwi_checked_quality(x) > 0)
@@ -113,7 +109,7 @@ static bw_status measure_edges(bwi_refiller *r, const bwi_component *p, double *
     r->number[i] = -1;
   for (int32_t i = p->first; i < p->first + p->element_count; i++)
     for (int k = 0; k < 4; k++) {
-      int32_t c = corners_of(r, r->ordered[i])[k];
+      int32_t c = bwi_nodes_of(r->mesh, r->ordered[i])[k];
       if (r->number[c] < 0)
         r->number[c] = corners++;
     }
@@ -125,7 +121,7 @@ static bw_status measure_edges(bwi_refiller *r, const bwi_component *p, double *
     goto done;
   }
   for (int32_t i = p->first; i < p->first + p->element_count; i++) {
-    const int32_t *c = corners_of(r, r->ordered[i]);
+    const int32_t *c = bwi_nodes_of(r->mesh, r->ordered[i]);
     for (int k = 0; k < 6; k++) {
       int32_t a = c[bw_tet_edge[k][0]], b = c[bw_tet_edge[k][1]], na = r->number[a],
               nb = r->number[b];
@@ -171,7 +167,7 @@ static bw_status component_boundary(bwi_refiller *r, bwi_component *p, bw_surfac
       if (bwi_on_component_boundary(r, r->ordered[i], k)) {
         p->facet_count++;
         for (int j = 0; j < 3; j++)
-          r->number[corners_of(r, r->ordered[i])[bw_tet_face[k][j]]] = 0;
+          r->number[bwi_nodes_of(r->mesh, r->ordered[i])[bw_tet_face[k][j]]] = 0;
       }
   for (int32_t i = 0; i < r->mesh->node_count; i++)
     if (r->number[i] == 0)
@@ -194,7 +190,7 @@ static bw_status component_boundary(bwi_refiller *r, bwi_component *p, bw_surfac
       if (bwi_on_component_boundary(r, r->ordered[i], k)) {
         for (int j = 0; j < 3; j++)
           triangle[3 * (size_t)at + (size_t)j] =
-              r->number[corners_of(r, r->ordered[i])[bw_tet_face[k][j]]];
+              r->number[bwi_nodes_of(r->mesh, r->ordered[i])[bw_tet_face[k][j]]];
         element_of[at++] = r->ordered[i];
       }
   BW_TRY(bw_surface_own(r->context, p->corners, point, p->facet_count, triangle, NULL, surface));

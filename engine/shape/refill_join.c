@@ -9,10 +9,6 @@
 
 #include <string.h>
 
-static const int32_t *nodes_of(const bwi_refiller *r, int32_t e) {
-  return r->mesh->element + (size_t)e * (size_t)r->mesh->nodes_per_element;
-}
-
 /* r->number: the new number of every node that stays, -1 for the others. */
 static void number_nodes(bwi_refiller *r) {
   const bw_mesh *mesh = r->mesh;
@@ -20,7 +16,7 @@ static void number_nodes(bwi_refiller *r) {
   for (int32_t i = 0; i < mesh->node_count; i++)
     r->number[i] = -1;
   for (int32_t e = 0; e < mesh->element_count; e++) {
-    const int32_t *n = nodes_of(r, e);
+    const int32_t *n = bwi_nodes_of(r->mesh, e);
     if (r->component_of[e] < 0)
       for (size_t k = 0; k < width; k++)
         r->number[n[k]] = 0;
@@ -51,7 +47,7 @@ static bw_status old_edges(bwi_refiller *r, bwi_keyed **list, size_t *count) {
     for (int32_t i = 0; i < r->component[p].corners; i++)
       touched[r->component[p].corner[i]] = 1;
   for (int32_t e = 0; e < r->mesh->element_count; e++) {
-    const int32_t *n = nodes_of(r, e);
+    const int32_t *n = bwi_nodes_of(r->mesh, e);
     for (int k = 0; k < 6; k++) {
       int32_t a = n[bw_tet_edge[k][0]], b = n[bw_tet_edge[k][1]], middle = r->number[n[4 + k]];
       if (!touched[a] || !touched[b] || middle < 0)
@@ -183,7 +179,7 @@ bw_status bwi_refill_join(bwi_refiller *r) {
   for (int32_t e = 0; e < mesh->element_count; e++)
     if (r->component_of[e] < 0) {
       for (size_t k = 0; k < width; k++)
-        r->element[width * at + k] = r->number[nodes_of(r, e)[k]];
+        r->element[width * at + k] = r->number[bwi_nodes_of(r->mesh, e)[k]];
       if (r->region)
         r->region[at] = mesh->region[e];
       r->element_from[at++] = e;

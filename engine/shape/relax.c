@@ -32,19 +32,15 @@ typedef struct relaxer {
   bw_mesh_repair_report report;
 } relaxer;
 
-static const int32_t *corners(const relaxer *r, int32_t e) {
-  return r->mesh->element + (size_t)e * (size_t)r->mesh->nodes_per_element;
-}
-
 static double quality_now(const relaxer *r, int32_t e) {
-  const int32_t *c = corners(r, e);
+  const int32_t *c = bwi_nodes_of(r->mesh, e);
   const double *const x[4] = {r->node + 3 * (size_t)c[0], r->node + 3 * (size_t)c[1],
                               r->node + 3 * (size_t)c[2], r->node + 3 * (size_t)c[3]};
   return bwi_checked_quality(x);
 }
 
 static double quality_at_rest(const relaxer *r, int32_t e) {
-  const int32_t *c = corners(r, e);
+  const int32_t *c = bwi_nodes_of(r->mesh, e);
   const double *rest = r->mesh->node;
   return bw_shape_quality(rest + 3 * (size_t)c[0], rest + 3 * (size_t)c[1], rest + 3 * (size_t)c[2],
                           rest + 3 * (size_t)c[3]);
@@ -73,7 +69,7 @@ static bw_status prepare(relaxer *r, const uint8_t *may_move) {
   for (int32_t e = 0; e < mesh->element_count; e++) {
     r->quality[e] = quality_now(r, e);
     for (int k = 0; k < 4; k++) {
-      int32_t c = corners(r, e)[k];
+      int32_t c = bwi_nodes_of(r->mesh, e)[k];
       r->is_free[c] = may_move[c] != 0;
       r->start[c + 2]++;
     }
@@ -84,7 +80,7 @@ static bw_status prepare(relaxer *r, const uint8_t *may_move) {
     r->start[i + 1] += r->start[i];
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < 4; k++)
-      r->star[r->start[corners(r, e)[k] + 1]++] = e;
+      r->star[r->start[bwi_nodes_of(r->mesh, e)[k] + 1]++] = e;
   for (size_t i = 0; i < nodes; i++)
     r->number[i] = -1;
   return BW_OK;
@@ -96,7 +92,7 @@ static int32_t find_nodes(relaxer *r, int rings) {
   for (int32_t e = 0; e < r->mesh->element_count; e++)
     if (!r->stuck[e] && is_bad(r, e))
       for (int k = 0; k < 4; k++) {
-        int32_t c = corners(r, e)[k];
+        int32_t c = bwi_nodes_of(r->mesh, e)[k];
         if (r->is_free[c] && r->number[c] < 0) {
           r->number[c] = 0;
           r->found[count++] = c;
@@ -106,7 +102,7 @@ static int32_t find_nodes(relaxer *r, int rings) {
     for (int32_t end = count; done < end; done++)
       for (int64_t i = r->start[r->found[done]]; i < r->start[r->found[done] + 1]; i++)
         for (int k = 0; k < 4; k++) {
-          int32_t c = corners(r, r->star[i])[k];
+          int32_t c = bwi_nodes_of(r->mesh, r->star[i])[k];
           if (r->is_free[c] && r->number[c] < 0) {
             r->number[c] = 0;
             r->found[count++] = c;
@@ -123,7 +119,7 @@ static int32_t gather_patch(relaxer *r, int32_t first, int32_t *place) {
   for (int32_t at = first; at < end; at++)
     for (int64_t i = r->start[r->found[at]]; i < r->start[r->found[at] + 1]; i++)
       for (int k = 0; k < 4; k++) {
-        int32_t c = corners(r, r->star[i])[k];
+        int32_t c = bwi_nodes_of(r->mesh, r->star[i])[k];
         if (r->number[c] != 0)
           continue;
         int32_t other = r->found[end], from = place[c];
@@ -166,7 +162,7 @@ static bw_status make_patch(relaxer *r, int32_t first, int32_t end, bwi_patch *p
   for (int32_t i = 0; i < elements; i++) {
     int32_t e = r->element_of_patch[i];
     for (int k = 0; k < 4; k++) {
-      int32_t c = corners(r, e)[k];
+      int32_t c = bwi_nodes_of(r->mesh, e)[k];
       /* only numbers of this patch: those of others are for nodes that stay */
       bool ours = r->number[c] > 0 && first + r->number[c] - 1 < end &&
                   r->found[first + r->number[c] - 1] == c;
@@ -225,7 +221,7 @@ done:
 static bw_status refuse(const relaxer *r, int32_t left, const double *before) {
   bw_mesh_repair_report now;
   bw_mesh_shape_check(r->mesh, r->node, 0, &now);
-  const int32_t *c = corners(r, now.worst);
+  const int32_t *c = bwi_nodes_of(r->mesh, now.worst);
   const double *x = before + 3 * (size_t)c[0];
   int held = 0;
   for (int k = 0; k < 4; k++)
@@ -243,7 +239,7 @@ static bw_status refuse(const relaxer *r, int32_t left, const double *before) {
 /* An inverted element of which no corner may move cannot be helped. */
 static bool hopeless(const relaxer *r) {
   for (int32_t e = 0; e < r->mesh->element_count; e++) {
-    const int32_t *c = corners(r, e);
+    const int32_t *c = bwi_nodes_of(r->mesh, e);
     if (r->quality[e] <= 0 &&
         !(r->is_free[c[0]] || r->is_free[c[1]] || r->is_free[c[2]] || r->is_free[c[3]]))
       return true;
@@ -284,7 +280,7 @@ bw_status bw_mesh_relax(bw_context *context, const bw_mesh *mesh, const uint8_t 
   int32_t *place = NULL, left, nodes = 0;
   bw_mesh_shape_check(mesh, node, 0, &r.report);
   if (!isfinite(r.report.worst_before)) {
-    const int32_t *c = corners(&r, r.report.worst);
+    const int32_t *c = bwi_nodes_of(r.mesh, r.report.worst);
     return bw_fail(context, BW_INVALID,
                    "element %d (nodes %d %d %d %d) has a corner that is not at a finite place",
                    r.report.worst + 1, c[0] + 1, c[1] + 1, c[2] + 1, c[3] + 1);

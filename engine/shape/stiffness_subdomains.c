@@ -25,10 +25,6 @@ typedef struct partition {
   int32_t *last;  /* element_count: the end of the chain, at its first */
 } partition;
 
-static const int32_t *nodes_of(const bw_mesh *mesh, int32_t e) {
-  return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
-}
-
 /* ---- sets of bones --------------------------------------------------------------------------- */
 
 static size_t set_words(const bw_subdomains *d) {
@@ -55,7 +51,7 @@ static int32_t count_beyond(const uint64_t *a, const uint64_t *b, size_t words) 
 /* The bones that the corners of element e follow. */
 static void add_followed(const bw_subdomains *d, int32_t e, uint64_t *set) {
   for (int k = 0; k < 4; k++) {
-    int32_t i = nodes_of(d->mesh, e)[k];
+    int32_t i = bwi_nodes_of(d->mesh, e)[k];
     for (int64_t at = d->influence_start[i]; at < d->influence_start[i + 1]; at++)
       add_bone(set, d->influence_bone[at]);
   }
@@ -213,7 +209,7 @@ static bw_status place_nodes(bw_context *context, const partition *p) {
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < mesh->nodes_per_element; k++)
       for (size_t w = 0; w < p->words; w++)
-        common[(size_t)nodes_of(mesh, e)[k] * p->words + w] &=
+        common[(size_t)bwi_nodes_of(mesh, e)[k] * p->words + w] &=
             set_of(p, bwi_set_root(p->group, e))[w];
   for (int32_t i = 0; i < mesh->node_count; i++) {
     d->stiffness.of_node[i] = -1;
@@ -223,7 +219,7 @@ static bw_status place_nodes(bw_context *context, const partition *p) {
     int32_t part = d->stiffness.of_element[e], first = d->stiffness.bone_start[part];
     int32_t count = d->stiffness.bone_start[part + 1] - first;
     for (int k = 0; k < mesh->nodes_per_element; k++) {
-      int32_t i = nodes_of(mesh, e)[k], own = count;
+      int32_t i = bwi_nodes_of(mesh, e)[k], own = count;
       if (part < d->rigid_count)
         own = 0;
       else if (!has_bone(common + (size_t)i * p->words, d->stiffness.bone[first]))
@@ -342,7 +338,7 @@ static bw_status check_bones(bw_context *context, const bw_subdomains *d, uint8_
   for (int32_t e = 0; e < mesh->element_count; e++) {
     int32_t part = d->stiffness.of_element[e];
     for (int k = 0; k < mesh->nodes_per_element; k++) {
-      int32_t i = nodes_of(mesh, e)[k], frame = d->stiffness.of_node[i];
+      int32_t i = bwi_nodes_of(mesh, e)[k], frame = d->stiffness.of_node[i];
       for (int64_t at = d->influence_start[i]; at < d->influence_start[i + 1]; at++) {
         int32_t list = d->stiffness.bone_start[part], bone = d->influence_bone[at];
         if (!follows(d, part, bone))

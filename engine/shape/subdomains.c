@@ -23,12 +23,8 @@ typedef struct growth {
   int32_t *stack, *component; /* scratch: per element */
 } growth;
 
-static const int32_t *corners(const bw_mesh *mesh, int32_t e) {
-  return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
-}
-
 static double mean_weight(const growth *g, int32_t e, int32_t b) {
-  const int32_t *node = corners(g->mesh, e);
+  const int32_t *node = bwi_nodes_of(g->mesh, e);
   size_t bones = (size_t)g->skeleton->bone_count;
   double sum = 0;
   for (int k = 0; k < 4; k++)
@@ -171,7 +167,7 @@ static bw_status part_subdomains(growth *g) {
     if (g->bone[e] < 0)
       continue;
     for (int k = 0; k < 4; k++) {
-      int32_t i = corners(mesh, e)[k];
+      int32_t i = bwi_nodes_of(mesh, e)[k];
       if (owner[i] < 0 || g->mean[e] > best[i] ||
           (g->mean[e] == best[i] && g->bone[e] < owner[i])) {
         owner[i] = g->bone[e];
@@ -181,7 +177,7 @@ static bw_status part_subdomains(growth *g) {
   }
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < 4 && g->bone[e] >= 0; k++)
-      if (owner[corners(mesh, e)[k]] != g->bone[e])
+      if (owner[bwi_nodes_of(mesh, e)[k]] != g->bone[e])
         g->bone[e] = -1;
   bw_free(best);
   bw_free(owner);
@@ -240,7 +236,7 @@ static bw_status settle_groups(growth *g, int32_t *first, int32_t *size) {
     if (g->bone[e] >= 0) {
       size[g->bone[e]]++;
       for (int k = 0; k < 4; k++)
-        owner[corners(mesh, e)[k]] = g->bone[e];
+        owner[bwi_nodes_of(mesh, e)[k]] = g->bone[e];
     }
   for (int32_t e = 0; e < mesh->element_count; e++) {
     next[e] = -1;
@@ -253,7 +249,7 @@ static bw_status settle_groups(growth *g, int32_t *first, int32_t *size) {
       next[last[to]] = e;
     last[to] = e;
     for (int k = 0; k < 4; k++) {
-      int32_t b = owner[corners(mesh, e)[k]];
+      int32_t b = owner[bwi_nodes_of(mesh, e)[k]];
       if (b >= 0 && touches[to] != b)
         touches[to] = touches[to] == -1 ? b : -2;
     }

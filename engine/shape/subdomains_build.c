@@ -3,7 +3,6 @@
  * invariants. */
 #include "shape/subdomains_internal.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -39,10 +38,6 @@ static size_t subdomains_bytes(const void *object) {
 
 static const bw_kind subdomains_kind = {"subdomains", subdomains_destroy, subdomains_bytes};
 
-static const int32_t *nodes_of(const bw_mesh *mesh, int32_t e) {
-  return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
-}
-
 /* ---- groups ---------------------------------------------------------------------------------- */
 
 bw_status bwi_flexible_groups(bw_context *context, const bw_mesh *mesh, const int32_t *bone,
@@ -57,7 +52,7 @@ bw_status bwi_flexible_groups(bw_context *context, const bw_mesh *mesh, const in
     group[e] = e;
     if (bone[e] >= 0)
       for (int k = 0; k < mesh->nodes_per_element; k++)
-        at_node[nodes_of(mesh, e)[k]] = rigid;
+        at_node[bwi_nodes_of(mesh, e)[k]] = rigid;
   }
   for (int32_t e = 0; e < mesh->element_count; e++) {
     if (bone[e] >= 0)
@@ -68,7 +63,7 @@ bw_status bwi_flexible_groups(bw_context *context, const bw_mesh *mesh, const in
         bwi_set_join(group, e, other);
     }
     for (int k = 0; k < mesh->nodes_per_element; k++) {
-      int32_t *seen = at_node + nodes_of(mesh, e)[k];
+      int32_t *seen = at_node + bwi_nodes_of(mesh, e)[k];
       if (*seen == unseen)
         *seen = e;
       else if (*seen >= 0)
@@ -95,7 +90,7 @@ static void place_nodes(bw_subdomains *d) {
   for (int32_t e = 0; e < mesh->element_count; e++) {
     int32_t here = d->element_subdomain[e];
     for (int k = 0; k < mesh->nodes_per_element; k++) {
-      int32_t i = nodes_of(mesh, e)[k], there = d->node_subdomain[i];
+      int32_t i = bwi_nodes_of(mesh, e)[k], there = d->node_subdomain[i];
       if (there >= 0 && there != here)
         d->interface[i] = 1;
       if (there < 0 || (is_rigid(d, here) && !is_rigid(d, there)))
@@ -128,7 +123,7 @@ static bw_status find_neighbours(bw_context *context, bw_subdomains *d) {
   size_t at_count = 0, at_capacity = 0, pair_count = 0, pair_capacity = 0;
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < mesh->nodes_per_element; k++) {
-      int32_t i = nodes_of(mesh, e)[k];
+      int32_t i = bwi_nodes_of(mesh, e)[k];
       if (!d->interface[i])
         continue;
       if (!bw_grow(context, (void **)&at, &at_capacity, at_count, 1, sizeof *at))

@@ -13,10 +13,6 @@ typedef struct labels {
   const int32_t *bone_of, *element_subdomain;
 } labels;
 
-static const int32_t *nodes_of(const bw_mesh *mesh, int32_t e) {
-  return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
-}
-
 static const char *bone_name(const labels *l, int32_t subdomain) {
   return l->skeleton->bone_name[l->bone_of[subdomain]].text;
 }
@@ -88,7 +84,7 @@ static bw_status check_meetings(const labels *l) {
     rigid[i] = flexible[i] = -1;
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < mesh->nodes_per_element; k++) {
-      int32_t i = nodes_of(mesh, e)[k], here = l->element_subdomain[e];
+      int32_t i = bwi_nodes_of(mesh, e)[k], here = l->element_subdomain[e];
       if (l->bone_of[here] < 0)
         continue;
       if (rigid[i] < 0)
@@ -106,7 +102,7 @@ static bw_status check_meetings(const labels *l) {
     }
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < mesh->nodes_per_element; k++) {
-      int32_t i = nodes_of(mesh, e)[k], here = l->element_subdomain[e];
+      int32_t i = bwi_nodes_of(mesh, e)[k], here = l->element_subdomain[e];
       if (l->bone_of[here] >= 0 || rigid[i] >= 0)
         continue;
       if (flexible[i] < 0)
@@ -246,7 +242,7 @@ static bw_status check_influences(bw_context *context, const bw_subdomains *d) {
   const bw_mesh *mesh = d->mesh;
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < mesh->nodes_per_element; k++) {
-      int32_t i = nodes_of(mesh, e)[k], subdomain = d->element_subdomain[e];
+      int32_t i = bwi_nodes_of(mesh, e)[k], subdomain = d->element_subdomain[e];
       int64_t first = d->influence_start[i], end = d->influence_start[i + 1];
       if (k >= 4) {
         if (first != end)
@@ -284,7 +280,7 @@ bw_status bw_subdomains_check(bw_context *context, const bw_subdomains *subdomai
     return status;
   for (int32_t e = 0; e < d->mesh->element_count; e++)
     for (int k = 0; k < d->mesh->nodes_per_element; k++) {
-      int32_t i = nodes_of(d->mesh, e)[k], here = d->element_subdomain[e],
+      int32_t i = bwi_nodes_of(d->mesh, e)[k], here = d->element_subdomain[e],
               there = d->node_subdomain[i];
       bool rigid = d->bone_of[here] >= 0;
       if ((rigid && there != here) || (!rigid && d->bone_of[there] < 0 && there != here) ||

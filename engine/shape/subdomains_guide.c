@@ -2,25 +2,14 @@
 /* Which bone a part follows that touches no subdomain of type R. */
 #include "shape/subdomains_internal.h"
 
-#include <math.h>
-
 static double distance_to_bone(const bw_skeleton *skeleton, int32_t b, const double at[3]) {
-  const double *head = skeleton->joint + 3 * (size_t)skeleton->bone[2 * b];
-  const double *tail = skeleton->joint + 3 * (size_t)skeleton->bone[2 * b + 1];
-  double along[3], to[3];
-  for (int k = 0; k < 3; k++) {
-    along[k] = tail[k] - head[k];
-    to[k] = at[k] - head[k];
-  }
-  double t = fmin(fmax(bw_dot(to, along) / bw_dot(along, along), 0), 1);
-  for (int k = 0; k < 3; k++)
-    to[k] -= t * along[k];
-  return bw_norm(to);
+  return bwi_segment_distance(at, skeleton->joint + 3 * (size_t)skeleton->bone[2 * b],
+                              skeleton->joint + 3 * (size_t)skeleton->bone[2 * b + 1]);
 }
 
 void bwi_guide_score(const bwi_guide *guide, const bw_mesh *mesh, const bw_skeleton *skeleton,
                      int32_t e, double *score) {
-  const int32_t *node = mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
+  const int32_t *node = bwi_nodes_of(mesh, e);
   size_t bones = (size_t)skeleton->bone_count;
   if (guide->weight) {
     for (int k = 0; k < 4; k++)

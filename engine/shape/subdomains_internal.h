@@ -5,6 +5,7 @@
 
 #include "barwright/shape.h"
 #include "base/union_find.h" /* the lowest number names a group */
+#include "shape/internal.h"
 
 /* What says which bone a part follows that touches no subdomain of type R: weights per node and
  * bone, or earlier subdomains of the same mesh, or (both NULL) the bones' distances. */

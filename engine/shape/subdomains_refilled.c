@@ -10,10 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-static const int32_t *corners(const bw_mesh *mesh, int32_t e) {
-  return mesh->element + (size_t)e * (size_t)mesh->nodes_per_element;
-}
-
 /* ---- labels ---------------------------------------------------------------------------------- */
 
 /* The subdomain of every component, which is a face-connected part of `replace`; components are
@@ -208,7 +204,7 @@ static bw_status rest_places(bw_context *context, const bw_subdomains *old, bw_s
   if (mesh->order == 2)
     for (int32_t e = 0; e < mesh->element_count; e++)
       for (int k = 0; k < 6; k++) {
-        const int32_t *node = corners(mesh, e);
+        const int32_t *node = bwi_nodes_of(mesh, e);
         if (node_from[node[4 + k]] >= 0)
           continue;
         const double *a = rest + 3 * (size_t)node[bw_tet_edge[k][0]];

@@ -4,6 +4,7 @@
 #define LIMBS_H
 
 #include "check.h"
+#include "shape/internal.h"
 
 /* A bar of 3 x 0.4 x 0.4 along x (n cells across) and three bones of length 1 along it. */
 static inline bw_mesh *limbs_bar(bw_context *context, int order, int n) {
@@ -51,17 +52,8 @@ static inline bw_skeleton *limbs_cross_bones(bw_context *context) {
 }
 
 static inline double limbs_distance(const bw_skeleton *skeleton, int32_t b, const double at[3]) {
-  const double *head = skeleton->joint + 3 * skeleton->bone[2 * b];
-  const double *tail = skeleton->joint + 3 * skeleton->bone[2 * b + 1];
-  double along[3], to[3];
-  for (int k = 0; k < 3; k++) {
-    along[k] = tail[k] - head[k];
-    to[k] = at[k] - head[k];
-  }
-  double t = fmin(fmax(bw_dot(to, along) / bw_dot(along, along), 0), 1);
-  for (int k = 0; k < 3; k++)
-    to[k] -= t * along[k];
-  return bw_norm(to);
+  return bwi_segment_distance(at, skeleton->joint + 3 * skeleton->bone[2 * b],
+                              skeleton->joint + 3 * skeleton->bone[2 * b + 1]);
 }
 
 /* Weights that fall off with the distance to the nearest bone: near one along a bone, shared at
