@@ -1,5 +1,5 @@
 -- SPDX-License-Identifier: MIT
--- Lesson 3: at what pitch does it ring?
+-- Lesson 3: natural frequencies and modes.
 --   build/barwright examples/03_modes.lua
 --
 -- A free aluminium bar of 300 x 30 x 6 mm. A free body has six rigid-body motions of frequency zero:

@@ -44,8 +44,8 @@ print(("tip left %.2g mm from its place"):format(report.distance * 1e3))
 
 -- 5. Undo goes to any depth. An edit that would turn elements inside out is repaired, or refused.
 assert(session:undo())
-local fine, message = session:bone("nose"):rotate {axis = {0, 1, 0}, degrees = -170}
-print(fine and "that went well" or message)
+local ok, message = session:bone("nose"):rotate {axis = {0, 1, 0}, degrees = -170}
+print(ok and "that went well" or message)
 
 -- 6. Keep what was done: as a script that replays it, as a picture, as a surface to print.
 assert(session:save(out .. "/hook_edits.lua"))

@@ -15,8 +15,8 @@ local plate = assert(bw.outline.rectangle {
 plate = assert(plate:hole {name = "drop", {0.05, 0.015}, {{0.075, 0.015}, {0.065, 0.045}, {0.05, 0.035}}})
 print(plate)
 
--- 2. Tags say later where it is held and loaded. Edges are found by place.
-plate = assert(plate:tag("held", {near = {0, 0.025}}))
+-- 2. Tags say later where it is fixed and loaded. Edges are found by place.
+plate = assert(plate:tag("fixed", {near = {0, 0.025}}))
 plate = assert(plate:tag("loaded", {near = {0.08, 0.025}}))
 assert(plate:picture(out .. "/plate.png", {numbers = true}))
 
@@ -35,7 +35,7 @@ end
 assert(moved:same_topology(plate))
 assert(math.abs(moved.area - plate.area) < 1e-12)
 
--- 4. Pull the top edge's middle up between its ends, as one would a wire held by two pins.
+-- 4. Pull the top edge's middle up between its ends, as one would a wire fixed by two pins.
 local finer = plate
 for _ = 1, 4 do -- more vertices for the curve to bend in
   for edge = finer.edge_count, 1, -1 do

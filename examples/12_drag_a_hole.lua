@@ -29,8 +29,8 @@ end
 print(("the hole does least harm at %d mm: %.1f MPa"):format(at, best / 1e6))
 
 -- 3. A drag that cannot be is refused, and the last good state stays.
-local fine, message = bracket:drag({loop = "hole"}, {60 * mm, 0})
-assert(not fine)
+local ok, message = bracket:drag({loop = "hole"}, {60 * mm, 0})
+assert(not ok)
 print("refused: " .. message)
 
 -- 4. Which way should the outline go? The gradient of a power mean of the stresses by its points.

@@ -22,8 +22,8 @@ assert(bridge:hole({30 * mm, 40 * mm}, 12 * mm))
 for _ = 1, 5 do assert(bridge:drag({loop = "hole 1"}, {-1 * mm, 0})) end
 print(("by hand: %.0f mm2, %.0f %% of the limit; %s"):format(bridge.area / mm ^ 2,
   100 * bridge.utilisation, tostring(bridge.reused)))
-local fine, message = bridge:drag({loop = "hole 1"}, {0, 80 * mm})
-assert(not fine)
+local ok, message = bridge:drag({loop = "hole 1"}, {0, 80 * mm})
+assert(not ok)
 print("refused: " .. message)
 
 -- 3. By itself, from two struts and a tie. More starts, rounds and a finer mesh give smaller areas:

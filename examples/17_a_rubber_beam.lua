@@ -2,7 +2,7 @@
 -- Lesson 17: rubber that bends a long way.
 --   build/barwright examples/17_a_rubber_beam.lua [FOLDER]
 --
--- A beam of rubber, 200 mm long, is held at one end; a growing weight hangs from the other. Small
+-- A beam of rubber, 200 mm long, is fixed at one end; a growing weight hangs from the other. Small
 -- deflections go with the weight, large ones do not: the beam turns into the weight's direction.
 local bw = require "barwright"
 local folder = arg and arg[1] or os.tmpname() .. "_beam"
@@ -13,7 +13,7 @@ local grid = assert(bw.grid.box {size = {200 * mm, 20 * mm, 20 * mm}, spacing = 
 local rubber = bw.hyperelastic {law = "neo_hookean", young = 1e6, poisson = 0.45, density = 1100}
 print(grid)
 
--- 2. Supports and loads are said by place. Newton's method finds where everything is in balance.
+-- 2. Supports and loads are given by place. Newton's method finds where everything is in balance.
 local function loaded(force)
   local beam = assert(bw.solid {grid = grid, materials = {rubber}})
   beam:fix {side = "min x"}

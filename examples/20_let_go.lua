@@ -8,17 +8,17 @@ local folder = arg and arg[1] or os.tmpname() .. "_motion"
 
 local grid = assert(bw.grid.box {size = {0.04, 0.2, 0.02}, cells = {4, 20, 2}})
 local rubber = bw.hyperelastic {young = 1e6, poisson = 0.4, density = 1000}
-local function held()
+local function fixed()
   return assert(bw.solid {grid = grid, materials = {rubber}}):fix {side = "min y"}
 end
 
 -- 1. Pulled: a static equilibrium, from which the motion begins.
-local pulled = assert(held():force({side = "max y"}, {0, 0, -0.6}):solve())
+local pulled = assert(fixed():force({side = "max y"}, {0, 0, -0.6}):solve())
 print(pulled)
 
 -- 2. Let go: the same bar without the force. Newmark's scheme keeps the energy; implicit Euler takes
 -- some of it in every step, and forgives long steps. Damping may be added to either.
-local bar = held()
+local bar = fixed()
 local step = 0.005
 local swing = assert(bar:transient {scheme = "newmark", step = step, displacement = pulled.displacement})
 local total = swing.kinetic + swing.strain + swing.potential

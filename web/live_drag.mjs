@@ -1,5 +1,5 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
-// A drag as it is told: begin, moves, end. One move at a time is under way, until its shape is back:
+// A drag as it is sent: begin, moves, end. One move at a time is under way, until its shape is back:
 // meanwhile only the newest request is kept. So what is dragged follows the hand as fast as it can and never
 // lags behind it.
 
@@ -54,7 +54,7 @@ export class Drag {
     this.send({ type: "end", seq: ++this.seq, cancel: true });
   }
 
-  // The drag is over without more being told: it was refused, or the connection was lost.
+  // The drag is over without more being reported: it was refused, or the connection was lost.
   drop() {
     this.going = false;
     this.wanted = null;

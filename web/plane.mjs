@@ -1,6 +1,6 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
-// The live view of what follows an outline in the plane: sheets, plates that ring, flows. Shows the state
-// that it is told, sends what the person does; keeps nothing of its own but what is looked at.
+// The live view of what follows an outline in the plane: sheets, vibrating plates, flows. Shows the state
+// that it receives, sends what the person does; keeps nothing of its own but what is looked at.
 import { colourMap, diverging } from "./colour.mjs";
 import { connect } from "./live_socket.mjs";
 import { Field, largest } from "./plane_field.mjs";
@@ -63,7 +63,7 @@ const link = connect(
 const send = (message) => link.send(message);
 const tools = new Tools(plane, outline, send, say);
 
-// ---- what is told --------------------------------------------------------------------------------------
+// ---- what is reported --------------------------------------------------------------------------------------
 
 const heard = {
   welcome(message) {

@@ -24,7 +24,7 @@ function withUnit(element, text, unit) {
 export function readouts(scene, state) {
   byId("level").textContent = state.level === "none" ? "same mesh" : state.level;
   byId("level").className = state.level;
-  byId("kept").textContent = (state.reused.match(/reused ([^;]*)/) || [""])[0];
+  byId("reused").textContent = (state.reused.match(/reused ([^;]*)/) || [""])[0];
   byId("area").textContent = state.area < 0.01 ? `${number(state.area * 1e6)} mm²` : `${number(state.area)} m²`;
   byId("elements").textContent = state.elements;
   byId("iterations").textContent = state.iterations;

@@ -115,7 +115,7 @@ export class Tools {
     this.drag.cancel();
   }
 
-  // The drag is over without more being told.
+  // The drag is over without more being reported.
   drop() {
     this.press = null;
     this.drag.drop();

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double smallest_share = 1e-9; /* of the largest pressure: less is rounding */
+static const double smallest_fraction = 1e-9; /* of the largest pressure: less is rounding */
 static const double same_way = 0.5; /* cosine between a node's push and the cluster's first */
 
 typedef struct loaded {
@@ -75,7 +75,7 @@ static int32_t list_loaded(const bw_pressure_basis *basis, const double *pressur
     memset(l, 0, sizeof *l);
     l->column = first;
     for (int32_t j = first; j < first + basis->directions; j++) {
-      if (!(fabs(pressure[j]) > smallest_share * largest))
+      if (!(fabs(pressure[j]) > smallest_fraction * largest))
         continue;
       l->area = basis->area[j];
       for (int64_t k = basis->start[j]; k < basis->start[j + 1]; k++)

@@ -34,13 +34,13 @@ static void end(sweep *s) {
 }
 
 /* What node i takes of each of its neighbours, the own value among them left out. */
-static double share_of(const sweep *s, int32_t node) {
+static double fraction_of(const sweep *s, int32_t node) {
   int64_t elements = s->around.start[node + 1] - s->around.start[node];
   return 1.0 / (double)(elements * (s->mesh->nodes_per_element - 1));
 }
 
 static void gather(const sweep *s, int32_t node, double *values) {
-  double sum[3] = {0}, share = share_of(s, node);
+  double sum[3] = {0}, fraction = fraction_of(s, node);
   for (int64_t k = s->around.start[node]; k < s->around.start[node + 1]; k++) {
     const int32_t *own =
         s->mesh->element + (int64_t)s->around.element[k] * s->mesh->nodes_per_element;
@@ -49,13 +49,13 @@ static void gather(const sweep *s, int32_t node, double *values) {
         sum[c] += values[3 * (size_t)own[a] + c];
   }
   for (size_t c = 0; c < 3; c++)
-    values[3 * (size_t)node + c] = share * sum[c];
+    values[3 * (size_t)node + c] = fraction * sum[c];
 }
 
 static void scatter(const sweep *s, int32_t node, double *covector) {
-  double part[3], share = share_of(s, node);
+  double part[3], fraction = fraction_of(s, node);
   for (size_t c = 0; c < 3; c++) {
-    part[c] = share * covector[3 * (size_t)node + c];
+    part[c] = fraction * covector[3 * (size_t)node + c];
     covector[3 * (size_t)node + c] = 0;
   }
   for (int64_t k = s->around.start[node]; k < s->around.start[node + 1]; k++) {

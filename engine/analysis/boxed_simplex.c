@@ -23,7 +23,7 @@
 enum { AT_LOWER = 0, AT_UPPER = 1, BASIC = 2 };
 
 static double upper(const bwi_simplex *s, int32_t j) {
-  return j < 0 ? 0 : s->stretch * s->program->upper[j]; /* unit columns are held at zero */
+  return j < 0 ? 0 : s->stretch * s->program->upper[j]; /* unit columns are fixed at zero */
 }
 
 static void start(bwi_simplex *s) {
@@ -76,7 +76,7 @@ static int32_t leaving_row(const bwi_simplex *s, double *length) {
   for (int32_t i = 0; i < m; i++) {
     double bound = upper(s, s->basic[i]);
     double broken = fmax(-s->x[i], s->x[i] - bound);
-    if (!(broken > bwi_feasible_share + bwi_feasible_bound * bound))
+    if (!(broken > bwi_feasible_fraction + bwi_feasible_bound * bound))
       continue;
     double square = bwi_row_square(s, i);
     if (broken * broken > best * square) {

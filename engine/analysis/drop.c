@@ -28,7 +28,7 @@ void bw_drop_result_clear(bw_drop_result *result) {
   bw_free(result->mean_peak);
   bw_free(result->contact);
   bw_free(result->force);
-  bw_free(result->push);
+  bw_free(result->direction);
   bw_free(result->resultant);
   bw_free(result->nodes);
   bw_free(result->area);
@@ -200,7 +200,7 @@ static contact find_contact(const drop_test *test, int64_t drop) {
         found.speed = test->speed * s;
         for (int m = 0; m < 3; m++) {
           found.peg.at[m] = p[m] + part * (q[m] - p[m]);
-          found.peg.push[m] = c * b[m] - s * d[m];
+          found.peg.direction[m] = c * b[m] - s * d[m];
         }
       }
     if (found.node[0] >= 0) { /* else the peg passed between two bodies: again */
@@ -217,7 +217,7 @@ static double force_at(const drop_test *test, const contact *hit, const double a
   double arm[3], turn[3], rate[3];
   for (int k = 0; k < 3; k++)
     arm[k] = at[k] - body->centre[k];
-  bw_cross(arm, hit->peg.push, turn);
+  bw_cross(arm, hit->peg.direction, turn);
   for (int k = 0; k < 3; k++)
     rate[k] = bw_dot(body->inverse_inertia + 3 * k, turn);
   double effective = 1 / (1 / body->mass + bw_dot(turn, rate));
@@ -231,14 +231,14 @@ static void apply(const drop_test *test, int64_t drop, const contact *hit, bwi_c
   const bw_mesh *mesh = test->mesh;
   double *resultant = test->result->resultant + 3 * drop;
   bwi_contact_patch patch;
-  double *share =
+  double *fraction =
       force + 2 * (size_t)mesh->node_count; /* read before it is overwritten: 3 i <= 2 n + i */
   memset(force, 0, 3 * (size_t)mesh->node_count * sizeof *force);
-  bwi_contact_press(mesh, &hit->peg, force_at(test, hit, hit->peg.at), test->modulus, part, share,
-                    &patch);
+  bwi_contact_press(mesh, &hit->peg, force_at(test, hit, hit->peg.at), test->modulus, part,
+                    fraction, &patch);
   if (patch.count == 0) { /* nothing faces the peg: the edge that is hit */
-    share[hit->node[0]] = 1 - hit->part;
-    share[hit->node[1]] += hit->part;
+    fraction[hit->node[0]] = 1 - hit->part;
+    fraction[hit->node[1]] += hit->part;
     memcpy(patch.centre, hit->peg.at, sizeof patch.centre);
   }
   double size = force_at(test, hit, patch.centre);
@@ -247,10 +247,10 @@ static void apply(const drop_test *test, int64_t drop, const contact *hit, bwi_c
   test->result->nodes[drop] = 0;
   memset(resultant, 0, 3 * sizeof *resultant);
   for (int64_t i = 0; i < mesh->node_count; i++) {
-    double own = size * share[i];
+    double own = size * fraction[i];
     test->result->nodes[drop] += own != 0;
     for (int k = 0; k < 3; k++) {
-      force[3 * i + k] = own * hit->peg.push[k];
+      force[3 * i + k] = own * hit->peg.direction[k];
       resultant[k] += force[3 * i + k];
     }
   }
@@ -262,7 +262,7 @@ static bw_status drop_body(void *data, int64_t begin, int64_t end, int worker) {
     int64_t drop = test->first + i;
     contact hit = find_contact(test, drop);
     memcpy(test->result->contact + 3 * drop, hit.peg.at, sizeof hit.peg.at);
-    memcpy(test->result->push + 3 * drop, hit.peg.push, sizeof hit.peg.push);
+    memcpy(test->result->direction + 3 * drop, hit.peg.direction, sizeof hit.peg.direction);
     apply(test, drop, &hit, test->part + worker * test->part_count,
           test->block + (size_t)i * 3 * (size_t)test->mesh->node_count);
   }
@@ -349,11 +349,11 @@ static bw_status check_drops(bw_context *context, const bw_system *system,
     return bw_fail(context, BW_INVALID,
                    "a drop test needs the density of the material, and %s has none",
                    system->material->name[0] ? system->material->name : "this one");
-  if (system->dof_map->motion_count != 6 * system->mesh->component_count)
+  if (system->dof_map->rigid_mode_count != 6 * system->mesh->component_count)
     return bw_fail(context, BW_INVALID,
                    "a drop test needs a body without supports: of the %d rigid-body modes of this "
                    "model %d are unconstrained; remove the supports",
-                   6 * system->mesh->component_count, system->dof_map->motion_count);
+                   6 * system->mesh->component_count, system->dof_map->rigid_mode_count);
   return BW_OK;
 }
 
@@ -389,7 +389,7 @@ bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_opt
   result.mean_peak = BW_NEW0(context, double, elements);
   result.contact = BW_NEW(context, double, 3 * drops);
   result.force = BW_NEW(context, double, drops);
-  result.push = BW_NEW(context, double, 3 * drops);
+  result.direction = BW_NEW(context, double, 3 * drops);
   result.resultant = BW_NEW(context, double, 3 * drops);
   result.nodes = BW_NEW(context, int32_t, drops);
   result.area = BW_NEW(context, double, drops);
@@ -398,8 +398,8 @@ bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_opt
   result.peak = BW_NEW(context, double, drops);
   result.drops = test.options.drops;
   if (!test.body || !test.block || !test.stress || !test.principal || !result.exceedance ||
-      !result.mean_peak || !result.contact || !result.force || !result.push || !result.resultant ||
-      !result.nodes || !result.area || !result.peak || !test.part) {
+      !result.mean_peak || !result.contact || !result.force || !result.direction ||
+      !result.resultant || !result.nodes || !result.area || !result.peak || !test.part) {
     status = BW_MEMORY;
     goto done;
   }

@@ -31,14 +31,14 @@ static double gap_at(const bwi_peg *peg, const double across[3], const double x[
                      double *height) {
   double off[3], r = peg->radius, breadth, edge, top, fall;
   for (int k = 0; k < 3; k++)
-    off[k] = x[k] - peg->at[k] + r * peg->push[k];
-  *height = bw_dot(off, peg->push);
+    off[k] = x[k] - peg->at[k] + r * peg->direction[k];
+  *height = bw_dot(off, peg->direction);
   breadth = bw_dot(off, across);
   edge = fmin(fmax(breadth, -EDGE * r), EDGE * r);
   top = sqrt(r * r - edge * edge);
   fall = -edge / top;
   for (int k = 0; k < 3; k++)
-    slope[k] = peg->push[k] - fall * across[k];
+    slope[k] = peg->direction[k] - fall * across[k];
   return *height - (top + fall * (breadth - edge));
 }
 
@@ -87,7 +87,7 @@ static void measure(const bw_mesh *mesh, const bwi_peg *peg, const double across
     edge[1][k] = x[2][k] - x[0][k];
   }
   bw_cross(edge[0], edge[1], normal);
-  part->area = fmax(0, -0.5 * bw_dot(normal, peg->push));
+  part->area = fmax(0, -0.5 * bw_dot(normal, peg->direction));
   part->gap = part->min = gap_at(peg, across, centre, slope, &height);
   if (!(height > 0)) /* behind the cylinder's middle */
     part->area = 0;
@@ -149,10 +149,10 @@ static int64_t facets_near(const bw_mesh *mesh, const bwi_peg *peg, const double
 }
 
 void bwi_contact_press(const bw_mesh *mesh, const bwi_peg *peg, double force, double modulus,
-                       bwi_contact_part *part, double *share, bwi_contact_patch *patch) {
+                       bwi_contact_part *part, double *fraction, bwi_contact_patch *patch) {
   double across[3], depth = 0, deepest = DEEPEST * peg->radius, sum = 0;
   int64_t capacity = bwi_contact_capacity(mesh), in_contact = 0;
-  bw_cross(peg->along, peg->push, across);
+  bw_cross(peg->along, peg->direction, across);
   int64_t count = facets_near(mesh, peg, across, part);
   for (int level = 0;; level++) {
     qsort(part, (size_t)count, sizeof *part, by_gap);
@@ -191,7 +191,7 @@ void bwi_contact_press(const bw_mesh *mesh, const bwi_peg *peg, double force, do
       centre[a] = (part[i].corner[0][a] + part[i].corner[1][a] + part[i].corner[2][a]) / 3;
     bw_facet_shape(mesh->order, centre, value);
     for (int a = 0; a < mesh->nodes_per_facet; a++)
-      share[node[a]] += weight * value[a];
+      fraction[node[a]] += weight * value[a];
     for (int a = 0; a < 3; a++)
       for (int k = 0; k < 3; k++)
         patch->centre[k] += weight * centre[a] * mesh->node[3 * (int64_t)node[a] + k];

@@ -8,9 +8,9 @@
 
 /* A rigid cylinder that touches the body at one point. */
 typedef struct bwi_peg {
-  double at[3];    /* the point */
-  double push[3];  /* unit, from the cylinder's axis to the point: the force on the body */
-  double along[3]; /* unit, the axis */
+  double at[3];        /* the point */
+  double direction[3]; /* unit, from the cylinder's axis to the point: the force on the body */
+  double along[3];     /* unit, the axis */
   double radius;
   int32_t component; /* of the body that it touches */
 } bwi_peg;
@@ -35,8 +35,9 @@ typedef struct bwi_contact_patch {
 /* Room for parts that never runs out at the start. */
 int64_t bwi_contact_capacity(const bw_mesh *mesh);
 /* The patch under a force; `modulus`: of plane strain, E/(1 - nu^2). Shares of nodes are added to
- * `share` (node_count), which then sum to 1 more, but where count is 0 (nothing faces the peg). */
+ * `fraction` (node_count), which then sum to 1 more, but where count is 0 (nothing faces the peg).
+ */
 void bwi_contact_press(const bw_mesh *mesh, const bwi_peg *peg, double force, double modulus,
-                       bwi_contact_part *part, double *share, bwi_contact_patch *patch);
+                       bwi_contact_part *part, double *fraction, bwi_contact_patch *patch);
 
 #endif

@@ -84,7 +84,7 @@ bw_status bwi_simplex_create(bw_context *context, const bwi_linear_program *prog
   return BW_OK;
 }
 
-/* A number from 0 to 1 that tells columns apart. */
+/* A number from 0 to 1 that distinguishes columns. */
 static double scatter(int32_t j) {
   return (double)((uint32_t)(j + 1) * 2654435761u >> 16) / 65536;
 }

@@ -109,20 +109,20 @@ bw_status bw_stress_functional(bw_context *context, const bw_mesh *mesh,
     for (int64_t k = around.start[node[i]]; k < around.start[node[i] + 1]; k++) {
       int64_t e = around.element[k];
       const int32_t *own = mesh->element + e * mesh->nodes_per_element;
-      double gradient[10][3], s[6], share = mesh->volume[e] / volume;
+      double gradient[10][3], s[6], fraction = mesh->volume[e] / volume;
       bwi_gradients_at_node(mesh, e, around.local[k], gradient);
       bwi_multiply6(bw_material_elasticity(material, e), weight + 6 * i, s);
       const double full[3][3] = {{s[0], s[5], s[4]}, {s[5], s[1], s[3]}, {s[4], s[3], s[2]}};
       for (int a = 0; a < mesh->nodes_per_element; a++)
         for (int c = 0; c < 3; c++)
-          force[3 * (int64_t)own[a] + c] += share * bw_dot(full[c], gradient[a]);
+          force[3 * (int64_t)own[a] + c] += fraction * bw_dot(full[c], gradient[a]);
       if (projected > 0) {
         double mean[10][3], trace = weight[6 * i] + weight[6 * i + 1] + weight[6 * i + 2];
         mean_gradient(mesh, e, mean);
         for (int a = 0; a < mesh->nodes_per_element; a++)
           for (int c = 0; c < 3; c++)
             force[3 * (int64_t)own[a] + c] +=
-                share * projected * trace * (mean[a][c] - gradient[a][c]);
+                fraction * projected * trace * (mean[a][c] - gradient[a][c]);
       }
     }
   }

@@ -12,7 +12,7 @@
 bw_status bwi_gradient_supports(bw_context *context, const bw_model *model);
 
 /* gradient += d (adjoint . f) for one load on facets (pressure, traction, force, torque), with the
- * adjoint's nodal values held: node_count x 3 both. */
+ * adjoint's nodal values fixed: node_count x 3 both. */
 bw_status bwi_gradient_surface_load(bw_context *context, const bw_model *model, const bw_load *load,
                                     const double *adjoint, double *gradient);
 

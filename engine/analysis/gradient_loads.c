@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* How the work of an adjoint field on a surface load, lambda . f(x), changes with the corners of
  * straight facets. With edges a = x1 - x0, b = x2 - x0, normal n = a x b of twice the area S,
- *     d(n . v) = da . (b x v) + db . (v x a),       dS = d(n . n0) / 2 with n0 = n / |n| held. */
+ *     d(n . v) = da . (b x v) + db . (v x a),       dS = d(n . n0) / 2 with n0 = n / |n| fixed. */
 #include "analysis/gradient.h"
 #include "model/internal.h"
 
@@ -11,7 +11,7 @@
 enum { ROTATING_DEGREE = 4 }; /* adjoint (2), arm (1), and the weight of a corner (1) */
 
 typedef struct facet_state {
-  const int32_t *node; /* corners, then middles */
+  const int32_t *node; /* corners, then mid-edge nodes */
   double x[3][3], a[3], b[3], middle[3], normal[3], area, unit[3];
 } facet_state;
 
@@ -31,7 +31,7 @@ static void facet_load(const bw_mesh *mesh, int32_t facet, facet_state *f) {
     f->unit[c] = size > 0 ? f->normal[c] / size : 0;
 }
 
-/* gradient += factor * d (n . v), v held */
+/* gradient += factor * d (n . v), v fixed */
 static void add_normal(const facet_state *f, double factor, const double v[3], double *gradient) {
   double one[3], two[3];
   bw_cross(f->b, v, one);
@@ -49,7 +49,7 @@ static void add_area(const facet_state *f, double factor, double *gradient) {
 }
 
 /* Integral of the adjoint over a facet of unit area: a third of those nodes whose shape functions
- * have an integral, corners of order 1 and middles of order 2. */
+ * have an integral, corners of order 1 and mid-edge nodes of order 2. */
 static void mean_adjoint(const bw_mesh *mesh, const facet_state *f, const double *adjoint,
                          double mean[3]) {
   const int32_t *node = f->node + (mesh->order == 1 ? 0 : 3);
@@ -62,7 +62,7 @@ static void mean_adjoint(const bw_mesh *mesh, const facet_state *f, const double
 /* ---- torque ---------------------------------------------------------------------------------- */
 
 /* Traction w x y with y = x - about, w = I^-1 T and I = integral |y|^2 1 - y y^T. With
- * m = integral y x lambda and p = I^-1 m, held,
+ * m = integral y x lambda and p = I^-1 m, fixed,
  *     lambda . f = w . m,   d (lambda . f) = w . dm - w . dI p = d integral phi,
  *     phi(y) = w . (y x lambda) - (y . y)(w . p) + (w . y)(p . y).
  * The point goes with the centre of the area (bw_model_moved). */

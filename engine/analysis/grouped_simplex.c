@@ -145,7 +145,7 @@ static bool turn_keys(bwi_simplex *s) {
         left -= s->x[k];
         largest = s->x[k] > s->x[largest] ? k : largest;
       }
-    if (left >= -(bwi_feasible_share + bwi_feasible_bound * upper(s, g)))
+    if (left >= -(bwi_feasible_fraction + bwi_feasible_bound * upper(s, g)))
       continue;
     int32_t former = s->key[g];
     set_key(s, g, s->member[largest]);
@@ -164,7 +164,7 @@ static int32_t leaving_row(const bwi_simplex *s, double *length) {
     bool unit = s->group[i] == NO_GROUP;
     double bound = unit ? 0 : upper(s, s->group[i]);
     double broken = unit ? fabs(s->x[i]) : -s->x[i];
-    if (!(broken > bwi_feasible_share + bwi_feasible_bound * bound))
+    if (!(broken > bwi_feasible_fraction + bwi_feasible_bound * bound))
       continue;
     double square = bwi_row_square(s, i);
     if (broken * broken > best * square) {
@@ -301,5 +301,5 @@ static void hand_over(bwi_simplex *s, bwi_vertex *vertex) {
 }
 
 /* The columns of a node lie in a space of three dimensions: where three of them are tied, all are,
- * and the method would go round in circles, so the first attempt tells them apart as well. */
+ * and the method would go round in circles, so the first attempt perturbs them as well. */
 const bwi_method bwi_grouped = {1e-10, start, basis_row, restart, iterate, hand_over};

@@ -16,7 +16,7 @@
 #include <string.h>
 
 enum { CANDIDATES = 10, STEPS = 12, SEEDS = 64, STARTS = 3 };
-/* Of the largest gain, what a share of the force is worth by itself. */
+/* Of the largest gain, what a fraction of the force is worth by itself. */
 static const double reward = 10;
 static const double facing = -0.5; /* cosine between the normals of opposite patches, at most */
 static const double gain = 1e-6, whole = 1e-9;
@@ -79,7 +79,7 @@ static bw_status bench_open(bw_context *context, const bwi_hands *hands, const d
   b->taken = BW_NEW(context, uint8_t, nodes);
   b->score = BW_NEW(context, double, nodes);
   b->price = BW_NEW(context, double, nodes);
-  b->dual = BW_NEW(context, double, (size_t)hands->dof_map->motion_count + 1);
+  b->dual = BW_NEW(context, double, (size_t)hands->dof_map->rigid_mode_count + 1);
   b->given = BW_NEW(context, double, columns);
   b->pressure = BW_NEW(context, double, columns);
   return b->taken && b->score && b->price && b->dual && b->given && b->pressure ? BW_OK : BW_MEMORY;
@@ -188,7 +188,7 @@ static bool holds(const set *s, int32_t centre) {
 static void price_patches(bench *b, const double *objective, const double *dual) {
   const bwi_hands *h = b->hands;
   const bw_pressure_basis *basis = h->basis;
-  int32_t motions = h->dof_map->motion_count;
+  int32_t motions = h->dof_map->rigid_mode_count;
   for (int32_t g = 0; g < h->nodes; g++) {
     double max = 0;
     for (int32_t j = g * basis->directions; j < (g + 1) * basis->directions; j++) {
@@ -350,7 +350,7 @@ static bw_status find_seed(bw_context *context, bwi_hands *h) {
   if (!h->options.force_is_max && max < force * (1 - whole)) {
     status = bw_fail(context, BW_INFEASIBLE,
                      "no load of %d hands was found that is in balance and amounts to %g N: the "
-                     "largest that was found amounts to %g N. Give more or larger hands, hold the "
+                     "largest that was found amounts to %g N. Give more or larger hands, fix the "
                      "part, or let the force be smaller (force_is_max)",
                      h->count, force, max);
     bw_detail_number(context, "force", force);
@@ -382,7 +382,7 @@ bw_status bwi_hands_create(bw_context *context, const bw_pressure_basis *basis,
   h->nodes = basis->count / basis->directions;
   h->normal = BW_NEW(context, double, 3 * (size_t)h->nodes);
   h->start = BW_NEW0(context, int64_t, (size_t)h->nodes + 1);
-  h->work = BW_NEW(context, double, (size_t)dof_map->motion_count *(size_t)basis->count + 1);
+  h->work = BW_NEW(context, double, (size_t)dof_map->rigid_mode_count *(size_t)basis->count + 1);
   if (!h->normal || !h->start || !h->work) {
     status = BW_MEMORY;
     goto done;

@@ -8,8 +8,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Balance directions in which all pressures together reach less than this share of the natural size
- * (force times lever arm) are fulfilled by every pressure: their rows would only hold rounding. */
+/* Balance directions in which all pressures together reach less than this fraction of the natural
+ * size (force times lever arm) are fulfilled by every pressure: their rows would only hold
+ * rounding. */
 static const double negligible_row = 1e-9;
 static const double smallest_motion = 1e-3;
 /* A sample below this many columns is not worth a level of its own. */
@@ -135,7 +136,7 @@ static void raw_rows(const bw_pressure_basis *basis, const bw_dof_map *dof_map,
 
 void bwi_column_motions(const bw_pressure_basis *basis, const bw_dof_map *dof_map, double *work) {
   size_t n = (size_t)basis->count;
-  for (int32_t m = 0; m < dof_map->motion_count; m++) {
+  for (int32_t m = 0; m < dof_map->rigid_mode_count; m++) {
     const bw_rigid_mode *motion = &dof_map->motion[m];
     for (size_t j = 0; j < n; j++) {
       double sum = 0;
@@ -246,11 +247,11 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_dof_map *dof
 
 static bw_status make_bodies(bw_context *context, bwi_linear_program *program,
                              const bw_pressure_basis *basis, const bw_dof_map *dof_map) {
-  program->motion_count = dof_map->motion_count;
-  program->body = BW_NEW0(context, bwi_balance, dof_map->motion_count + 1);
+  program->rigid_mode_count = dof_map->rigid_mode_count;
+  program->body = BW_NEW0(context, bwi_balance, dof_map->rigid_mode_count + 1);
   if (!program->body)
     return BW_MEMORY;
-  for (int32_t m = 0; m < dof_map->motion_count; m++) {
+  for (int32_t m = 0; m < dof_map->rigid_mode_count; m++) {
     int32_t k = 0;
     while (k < program->body_count && program->body[k].component != dof_map->motion[m].component)
       k++;
@@ -269,7 +270,7 @@ static bw_status make_bodies(bw_context *context, bwi_linear_program *program,
     orthonormalise(basis, dof_map, &program->body[k]);
     program->rows += program->body[k].rows;
   }
-  program->rows++; /* the shares */
+  program->rows++; /* the fractions */
   return BW_OK;
 }
 
@@ -382,13 +383,13 @@ static int32_t full_column(const bwi_linear_program *program, const bwi_vertex *
 }
 
 /* b - A t. */
-static void residual(const bwi_linear_program *program, const double *share, double *rest) {
+static void residual(const bwi_linear_program *program, const double *fraction, double *rest) {
   int32_t m = program->rows;
   for (int32_t i = 0; i < m; i++)
     rest[i] = i == m - 1;
   for (int32_t j = 0; j < program->columns; j++)
-    if (share[j] != 0)
-      add_column(program, j, -share[j], rest);
+    if (fraction[j] != 0)
+      add_column(program, j, -fraction[j], rest);
 }
 
 bw_status bwi_linear_program_evaluate(bw_context *context, const bwi_linear_program *program,
@@ -396,7 +397,7 @@ bw_status bwi_linear_program_evaluate(bw_context *context, const bwi_linear_prog
                                       bwi_solution *solution) {
   bw_status status = BW_OK;
   int32_t m = program->rows, n = program->columns;
-  double *share = solution->share, *y = solution->multiplier;
+  double *fraction = solution->fraction, *y = solution->multiplier;
   double *basis = BW_NEW0(context, double, (size_t)m *(size_t)m);
   double *rest = BW_NEW(context, double, m), *x = BW_NEW(context, double, m);
   int32_t *pivot = BW_NEW(context, int32_t, m), *full = BW_NEW(context, int32_t, m);
@@ -407,7 +408,7 @@ bw_status bwi_linear_program_evaluate(bw_context *context, const bwi_linear_prog
   solution->value = 0;
   solution->violation = solution->gap = INFINITY;
   for (int32_t j = 0; j < n; j++)
-    share[j] = vertex->at_upper[j] ? program->upper[j] : 0;
+    fraction[j] = vertex->at_upper[j] ? program->upper[j] : 0;
   for (int32_t i = 0; i < m; i++) {
     /* The transpose of the basis is filled: column i as row i. */
     double *column = basis + (size_t)i * (size_t)m;
@@ -415,7 +416,7 @@ bw_status bwi_linear_program_evaluate(bw_context *context, const bwi_linear_prog
       column[-1 - vertex->basic[i]] = 1;
     } else {
       add_column(program, vertex->basic[i], 1, column);
-      share[vertex->basic[i]] = 0;
+      fraction[vertex->basic[i]] = 0;
     }
     y[i] = vertex->basic[i] < 0 ? 0 : cost[vertex->basic[i]];
     full[i] = vertex->basic[i] < 0 ? -1 : full_column(program, vertex, vertex->basic[i]);
@@ -428,10 +429,10 @@ bw_status bwi_linear_program_evaluate(bw_context *context, const bwi_linear_prog
     goto done;
   bwi_dense_solve(m, basis, pivot, y); /* B^T y = c_B */
 
-  /* Basic values, with one step of refinement: x on top of what the shares already hold. */
+  /* Basic values, with one step of refinement: x on top of what the fractions already hold. */
   double artificial = 0;
   for (int pass = 0; pass < 2; pass++) {
-    residual(program, share, rest);
+    residual(program, fraction, rest);
     if (pass == 1)
       for (int32_t i = 0; i < m; i++)
         if (vertex->basic[i] < 0)
@@ -441,9 +442,9 @@ bw_status bwi_linear_program_evaluate(bw_context *context, const bwi_linear_prog
     for (int32_t i = 0; i < m; i++) {
       x[i] = pass == 0 ? step[i] : x[i] + step[i];
       if (vertex->basic[i] >= 0)
-        share[vertex->basic[i]] = x[i];
+        fraction[vertex->basic[i]] = x[i];
       if (full[i] >= 0)
-        share[full[i]] -= step[i];
+        fraction[full[i]] -= step[i];
     }
   }
   double violation = 0;
@@ -453,14 +454,14 @@ bw_status bwi_linear_program_evaluate(bw_context *context, const bwi_linear_prog
       artificial = fmax(artificial, fabs(x[i]));
       continue;
     }
-    violation = fmax(violation, fmax(-share[j], share[j] - program->upper[j]));
-    share[j] = fmin(fmax(share[j], 0), program->upper[j]);
+    violation = fmax(violation, fmax(-fraction[j], fraction[j] - program->upper[j]));
+    fraction[j] = fmin(fmax(fraction[j], 0), program->upper[j]);
     if (full[i] >= 0) {
-      violation = fmax(violation, -share[full[i]]);
-      share[full[i]] = fmax(share[full[i]], 0);
+      violation = fmax(violation, -fraction[full[i]]);
+      fraction[full[i]] = fmax(fraction[full[i]], 0);
     }
   }
-  residual(program, share, rest);
+  residual(program, fraction, rest);
   for (int32_t i = 0; i < m; i++)
     violation = fmax(violation, fabs(rest[i]));
   solution->violation = fmax(violation, artificial);
@@ -474,7 +475,7 @@ bw_status bwi_linear_program_evaluate(bw_context *context, const bwi_linear_prog
       for (int32_t l = 0; l < program->row_count[j]; l++)
         reduced -= y[program->first_row[j] + l] * program->entry[(size_t)l * (size_t)n + (size_t)j];
       max = fmax(max, reduced);
-      value += cost[j] * share[j];
+      value += cost[j] * fraction[j];
       largest = fmax(largest, fabs(cost[j]));
     }
     if (max > 0)

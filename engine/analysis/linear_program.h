@@ -3,13 +3,13 @@
  *
  *     maximise c . t   subject to   A t = b,  0 <= t <= u,  b = (0, ..., 0, 1)
  *
- * t_j = A_j p_j / F_tot is the share of the total force that pressure j carries, u_j = A_j p_max /
- * F_tot. With friction a node has a group of columns; then u bounds the sum of each group. The last
- * row of A is all ones: the shares add up to one. The rows before it balance force and moment, body
- * by body, and are orthonormalised (weights A_j): a column has entries of order one only in the
- * rows of its own body. Rows that every pressure fulfils anyway (a sphere's moments) are dropped.
- * Columns are permuted: levels are nested samples of the boundary, coarse first, and inside a level
- * columns are sorted by body into segments. */
+ * t_j = A_j p_j / F_tot is the fraction of the total force that pressure j carries, u_j = A_j p_max
+ * / F_tot. With friction a node has a group of columns; then u bounds the sum of each group. The
+ * last row of A is all ones: the fractions add up to one. The rows before it balance force and
+ * moment, body by body, and are orthonormalised (weights A_j): a column has entries of order one
+ * only in the rows of its own body. Rows that every pressure fulfils anyway (a sphere's moments)
+ * are dropped. Columns are permuted: levels are nested samples of the boundary, coarse first, and
+ * inside a level columns are sorted by body into segments. */
 #ifndef BARWRIGHT_ANALYSIS_LINEAR_PROGRAM_H
 #define BARWRIGHT_ANALYSIS_LINEAR_PROGRAM_H
 
@@ -49,7 +49,7 @@ typedef struct bwi_linear_program {
   int32_t level_segments[BWI_TWO_LEVEL]; /* their segments */
   int32_t body_count;
   bwi_balance *body;
-  int32_t motion_count;
+  int32_t rigid_mode_count;
   double force, pressure; /* F_tot, p_max */
 } bwi_linear_program;
 
@@ -82,10 +82,10 @@ typedef struct bwi_vertex {
 } bwi_vertex;
 
 /* The exact solution at a vertex: basic values and multipliers by a dense factor of the basis.
- * `share` has `columns` entries, `multiplier` has `rows`. Says how far the vertex is from being
+ * `fraction` has `columns` entries, `multiplier` has `rows`. Says how far the vertex is from being
  * optimal: violation of bounds and rows (shares), and the duality gap over |c| . t. */
 typedef struct bwi_solution {
-  double *share, *multiplier;
+  double *fraction, *multiplier;
   double value, violation, gap;
 } bwi_solution;
 bw_status bwi_linear_program_evaluate(bw_context *context, const bwi_linear_program *program,
@@ -124,7 +124,7 @@ void bwi_simplex_destroy(bwi_simplex *simplex);
 /* Where the dual function bends along a line: its slope grows by `slope` after `step`. */
 typedef struct bwi_breakpoint {
   double step, slope;
-  int32_t column; /* or any number that tells breakpoints apart */
+  int32_t column; /* or any number that orders breakpoints */
 } bwi_breakpoint;
 bool bwi_sooner(const bwi_breakpoint *a, const bwi_breakpoint *b);
 /* Bring to the front the first breakpoints whose slopes reach `wanted`, the last of them at the end

@@ -3,7 +3,7 @@
  * a_i . z <= beta_i. SLSQP starts with the identity for a Hessian, which here is the Hessian: its
  * first step is the solution.
  *
- * Its answer is then judged: the multipliers of the rows that are active come from non-negative
+ * Its answer is then checked: the multipliers of the rows that are active come from non-negative
  * least squares, the rows with positive ones are made exactly active, and a point that fulfils all
  * rows with them is the optimum, because the linear program is strictly convex. */
 #include "analysis/nearest_point.h"
@@ -42,7 +42,7 @@ static void rows_of(unsigned m, double *value, unsigned n, const double *z, doub
     memcpy(gradient, p->a, (size_t)m * n * sizeof *gradient);
 }
 
-/* z from 0. *word says what NLopt said; its answer is for the caller to judge. */
+/* z from 0. *word says what NLopt said; its answer is for the caller to check. */
 static bw_status slsqp(const bwi_polyhedron *p, double *z, const char **word) {
   bw_status status = BW_OK;
   double min;
@@ -92,7 +92,7 @@ static double worst_row(const bwi_polyhedron *p, const double *z) {
   return worst;
 }
 
-/* Rows that are held as active, and room to solve with them. */
+/* Rows of the active set, and workspace to solve with them. */
 typedef struct active_rows {
   int count;
   int *row;     /* at most n, independent */

@@ -2,7 +2,7 @@
 /* How the mean surface stress over a patch changes with the shape (docs/theory/strengthen.md).
  *
  * Mid-edge nodes are variables of their own: inside an element, curved or not, the shape changes by
- * V(x) = sum_a dx_a N_a(x), so with nodal values held d(grad u) = -(grad u)(grad V) and
+ * V(x) = sum_a dx_a N_a(x), so with nodal values fixed d(grad u) = -(grad u)(grad V) and
  * d(volume) = tr(grad V) volume at every point of quadrature. */
 #include "analysis/pressure.h"
 #include "analysis/strain.h"
@@ -234,14 +234,14 @@ static void add_weights(const patch *p, const double *value, double mean, double
   double square = p->patches.radius * p->patches.radius;
   for (size_t f = 0; f < p->facets; f++) {
     const int32_t *node = mesh->facet + (size_t)p->facet[f] * (size_t)mesh->nodes_per_facet;
-    double by_area = 0, area = p->patches.area[p->facet[f]], share[BWI_PATCH_SAMPLES];
+    double by_area = 0, area = p->patches.area[p->facet[f]], fraction[BWI_PATCH_SAMPLES];
     for (int a = 0; a < 3; a++)
       by_area += p->weight[3 * f + a] * (value[3 * f + a] - mean) / (p->total * area);
-    bwi_surface_patch_shares(&p->patches, p->facet[f], p->centre, share);
+    bwi_surface_patch_fractions(&p->patches, p->facet[f], p->centre, fraction);
     for (int k = 0; k < BWI_PATCH_SAMPLES; k++) {
       const double *at = p->patches.at[k];
       double off = -mean, arm[3];
-      if (!(share[k] > 0))
+      if (!(fraction[k] > 0))
         continue;
       for (int c = 0; c < 3; c++)
         arm[c] = -centre[c];

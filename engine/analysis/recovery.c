@@ -141,7 +141,8 @@ static bw_status fit_corners(void *data, int64_t begin, int64_t end, int worker)
 }
 
 /* stress += share of the polynomial of corner i at x */
-static void add_fit(const recovery *r, int64_t i, const double x[3], double share, double *stress) {
+static void add_fit(const recovery *r, int64_t i, const double x[3], double fraction,
+                    double *stress) {
   const double *centre = r->mesh->node + 3 * (int64_t)r->corner[i], *fit = r->fit + 6 * TERMS * i;
   double y[3], p[TERMS];
   for (int k = 0; k < 3; k++)
@@ -149,7 +150,7 @@ static void add_fit(const recovery *r, int64_t i, const double x[3], double shar
   monomials(y, p);
   for (int t = 0; t < TERMS; t++)
     for (int c = 0; c < 6; c++)
-      stress[c] += share * p[t] * fit[6 * t + c];
+      stress[c] += fraction * p[t] * fit[6 * t + c];
 }
 
 bw_status bw_recovered_stress(bw_context *context, const bw_mesh *mesh, const bw_material *material,

@@ -31,7 +31,7 @@ void bwi_targets_clear(bwi_targets *targets);
 void bwi_target_stress(const bwi_targets *targets, int32_t target, int worker, double *out);
 
 /* The first `wanted` targets of a list, in its order, that lie apart: no two patches with their
- * middles within a radius; all elements do. Moves them to the front, returns how many. */
+ * centres within a radius; all elements do. Moves them to the front, returns how many. */
 int32_t bwi_targets_apart(const bwi_targets *targets, int32_t wanted, int32_t *list);
 
 #endif

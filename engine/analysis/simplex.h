@@ -55,9 +55,9 @@ struct bwi_simplex {
   int32_t *unit;              /* rows: number of the unit column */
 };
 
-static const double bwi_feasible_share = 1e-12; /* of the total force */
-static const double bwi_feasible_bound = 1e-9;  /* of a bound */
-static const double bwi_smallest_pivot = 1e-7;  /* over the length of the row of the inverse */
+static const double bwi_feasible_fraction = 1e-12; /* of the total force */
+static const double bwi_feasible_bound = 1e-9;     /* of a bound */
+static const double bwi_smallest_pivot = 1e-7;     /* over the length of the row of the inverse */
 
 /* sum += factor * A_j; nothing for a negative j. */
 void bwi_add_column(const bwi_simplex *s, int32_t j, double factor, double *sum);

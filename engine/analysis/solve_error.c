@@ -17,13 +17,14 @@
 #include <math.h>
 #include <string.h>
 
-/* The modes' tolerance is far smaller than the share of the lowest eigenvalue that is left out. */
-static const double LOWEST_SHARE = 0.99;
-/* Of the balance of a load, as a share of its largest force. */
+/* The modes' tolerance is far smaller than the fraction of the lowest eigenvalue that is left out.
+ */
+static const double LOWEST_FRACTION = 0.99;
+/* Of the balance of a load, as a fraction of its largest force. */
 static const double BALANCE_ROUNDING = 512 * DBL_EPSILON;
 
 /* theta: M_e - theta D_e is positive definite for every element, and so for the sum. */
-static bw_status share_of_diagonal(bw_context *context, const bw_mesh *mesh, double *theta) {
+static bw_status fraction_of_diagonal(bw_context *context, const bw_mesh *mesh, double *theta) {
   int n = mesh->nodes_per_element;
   double mass[100], rest[100], x[10][3];
   *theta = 0.25;
@@ -72,8 +73,8 @@ bw_status bwi_solve_error_open(bw_context *context, bw_system *system, bwi_solve
     goto done;
   }
   double theta;
-  BW_TRY(share_of_diagonal(context, system->mesh, &theta));
-  double scale = LOWEST_SHARE * modes->eigenvalue[0] * theta;
+  BW_TRY(fraction_of_diagonal(context, system->mesh, &theta));
+  double scale = LOWEST_FRACTION * modes->eigenvalue[0] * theta;
   for (int32_t i = 0; i < pattern->node_count; i++)
     error->compliance[i] = 1 / (scale * system->mass[pattern->start[i + 1] - 1]);
 done:

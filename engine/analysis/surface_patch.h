@@ -33,8 +33,8 @@ void bwi_surface_patches_clear(bwi_surface_patches *patches);
 
 /* The shares of a facet's samples in the patch around a node: 0 beyond the radius. Whether one is
  * not 0. */
-bool bwi_surface_patch_shares(const bwi_surface_patches *patches, int32_t facet, int32_t node,
-                              double share[BWI_PATCH_SAMPLES]);
+bool bwi_surface_patch_fractions(const bwi_surface_patches *patches, int32_t facet, int32_t node,
+                                 double fraction[BWI_PATCH_SAMPLES]);
 
 /* Of the flat triangle of a facet's corners, m2. */
 double bwi_facet_area(const bw_mesh *mesh, int32_t facet);
@@ -43,8 +43,8 @@ double bwi_facet_area(const bw_mesh *mesh, int32_t facet);
 bool bwi_surface_patch_exists(const bwi_surface_patches *patches, int32_t node);
 
 /* Calls `add` for each facet of the patch around a boundary node with the weights of its corners,
- * their shares not divided by the total. Where no sample lies within the radius, the weight is the
- * area of the facets around the node at that corner, or half of it at both ends of a mid-edge
+ * their fractions not divided by the total. Where no sample lies within the radius, the weight is
+ * the area of the facets around the node at that corner, or half of it at both ends of a mid-edge
  * node's edge. So the sum of the weights is 0 where there is no patch only. `mark`: greater than 0,
  * another one for each patch of a worker. */
 void bwi_surface_patch_visit(const bwi_surface_patches *patches, int32_t node, int32_t mark,

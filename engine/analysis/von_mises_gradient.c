@@ -4,7 +4,7 @@
  * J depends on the shape directly, through the mean over the elements at the node, and through u:
  *     dJ = dJ/dx . dx + lambda . (df - dK u),     K lambda = dJ/du.
  * Inside a straight element that moves by V(x) = sum_k dx_k L_k, G = grad V is constant and
- *     d(grad u) = -(grad u) G  (nodal values held),   d(volume) = tr(G) volume,
+ *     d(grad u) = -(grad u) G  (nodal values fixed),   d(volume) = tr(G) volume,
  * so everything is of the form A : G = sum_k dx_k . A g_k with g_k = grad L_k: one tensor A per
  * element. With tau = C (strain(u) - alpha dT 1), the true stress, the force of thermal expansion
  * is part of
@@ -13,7 +13,7 @@
  * On a free body f - W r balances the load f by the inertia of a rigid-body motion r (model.h). J
  * knows no rigid-body motion and lambda has none (lambda^T W s = 0 for every unconstrained
  * rigid-body mode s), so that neither the change of r's six numbers counts nor that of the volume
- * in W = M/V; what is left is lambda . d(M r)/V with those numbers held. */
+ * in W = M/V; what is left is lambda . d(M r)/V with those numbers fixed. */
 #include "analysis/gradient.h"
 
 #include "barwright/analysis.h"
@@ -160,7 +160,7 @@ static void nodal_state_of(const gradient_data *d, int32_t node, nodal_state *ou
   out->mean = bwi_dot6(out->slope, stress);
 }
 
-/* right += dJ/du where `right` is given, gradient += dJ/dx at held u where `gradient` is. */
+/* right += dJ/du where `right` is given, gradient += dJ/dx at fixed u where `gradient` is. */
 static void nodal_derivative(const gradient_data *d, int32_t node, const nodal_state *j,
                              double *right, double *gradient) {
   for (int64_t k = d->incidence.start[node]; k < d->incidence.start[node + 1]; k++) {
@@ -169,7 +169,7 @@ static void nodal_derivative(const gradient_data *d, int32_t node, const nodal_s
     const double(*by_l)[4] = d->at_node[d->incidence.local[k]];
     bwi_element_state state;
     bwi_element_state_load(d->mesh, d->material, d->u, e, &state);
-    double share = state.volume / j->volume, conjugate[6], s[9];
+    double fraction = state.volume / j->volume, conjugate[6], s[9];
     bwi_multiply6(bw_material_elasticity(d->material, e), j->slope, conjugate);
     full_tensor(conjugate, s);
     if (right) {
@@ -177,7 +177,7 @@ static void nodal_derivative(const gradient_data *d, int32_t node, const nodal_s
       for (int l = 0; l < 4; l++) {
         add_product(s, state.g[l], push[l]);
         for (int c = 0; c < 3; c++)
-          push[l][c] *= share;
+          push[l][c] *= fraction;
       }
       for (int a = 0; a < state.nodes; a++)
         for (int l = 0; l < 4; l++)
@@ -189,8 +189,8 @@ static void nodal_derivative(const gradient_data *d, int32_t node, const nodal_s
       gradient_at(&state, (const double(*)[3])state.u, by_l, grad);
       strain_of(grad, strain);
       stress_of(d->material, e, strain, d->expansion ? d->expansion[node] : 0, stress);
-      add_transposed_product(a, -share, grad, s);
-      add_identity(a, share * (bwi_dot6(j->slope, stress) - j->mean));
+      add_transposed_product(a, -fraction, grad, s);
+      add_identity(a, fraction * (bwi_dot6(j->slope, stress) - j->mean));
       for (int l = 0; l < 4; l++)
         add_product(a, state.g[l], gradient + 3 * (int64_t)nodes[l]);
     }
@@ -325,7 +325,7 @@ static bw_status take_inertia(bw_context *context, const bw_model *model, const 
   bw_status status = BW_OK;
   const bw_mesh *mesh = model->mesh;
   double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
-  double *part = BW_NEW(context, double, dof_map->motion_count);
+  double *part = BW_NEW(context, double, dof_map->rigid_mode_count);
   d->body = BW_NEW0(context, inertia, mesh->component_count);
   if (!force || !part || !d->body) {
     status = BW_MEMORY;
@@ -447,7 +447,7 @@ bw_status bw_von_mises_gradient(bw_context *context, const bw_model *model,
   nodal_state *state = NULL;
   BW_TRY(check_input(context, model, dof_map, displacement, count, node));
   BW_TRY(take_loads(context, model, &d));
-  if (dof_map->motion_count > 0)
+  if (dof_map->rigid_mode_count > 0)
     BW_TRY(take_inertia(context, model, dof_map, &d));
   BW_TRY(bwi_incidence_create(context, mesh, &d.incidence));
   /* products of two gradients; with a temperature's shape functions between them one more degree */

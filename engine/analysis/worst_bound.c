@@ -376,7 +376,7 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
               .incumbent = incumbent,
               .tolerance = tolerance,
               .leaves = leaves,
-              .motions = system->dof_map->motion_count,
+              .motions = system->dof_map->rigid_mode_count,
               .columns = basis->count / basis->directions + (options->force_is_max ? 1 : 0)};
   *bound = (bw_worst_bound){.largest = incumbent, .element = -1};
   if (basis->mesh->node_count != mesh->node_count)

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Worst loads: one linear program per objective, solved in parallel, every answer judged by its
+/* Worst loads: one linear program per objective, solved in parallel, every answer checked by its
  * own violation and duality gap before it is believed.
  *
  * Our dual simplex goes first; where its answer fails the judgement, GLPK is asked, with its dual
@@ -14,7 +14,7 @@ static const double violation_limit = 1e-9; /* of the total force */
 static const double gap_limit = 1e-8;
 
 typedef struct loads_scratch {
-  double *cost, *share, *multiplier;
+  double *cost, *fraction, *multiplier;
   double *dual; /* of pressures anywhere, for hands */
   bwi_vertex vertex;
   bwi_simplex *simplex;
@@ -41,17 +41,17 @@ static bw_status scratch_fill(const loads_work *work, loads_scratch *scratch) {
   bw_context *context = work->context;
   if (!scratch->cost)
     scratch->cost = BW_NEW(context, double, n);
-  if (!scratch->share)
-    scratch->share = BW_NEW(context, double, n);
+  if (!scratch->fraction)
+    scratch->fraction = BW_NEW(context, double, n);
   if (!scratch->multiplier)
     scratch->multiplier = BW_NEW(context, double, m);
   if (!scratch->dual)
-    scratch->dual = BW_NEW(context, double, (size_t)work->loads->program->motion_count + 1);
+    scratch->dual = BW_NEW(context, double, (size_t)work->loads->program->rigid_mode_count + 1);
   if (!scratch->vertex.basic)
     scratch->vertex.basic = BW_NEW(context, int32_t, m);
   if (!scratch->vertex.at_upper)
     scratch->vertex.at_upper = BW_NEW(context, uint8_t, n);
-  if (!scratch->cost || !scratch->share || !scratch->multiplier || !scratch->dual ||
+  if (!scratch->cost || !scratch->fraction || !scratch->multiplier || !scratch->dual ||
       !scratch->vertex.basic || !scratch->vertex.at_upper)
     return BW_MEMORY;
   if (work->loads->options.solver != BW_LP_OWN || scratch->simplex)
@@ -61,7 +61,7 @@ static bw_status scratch_fill(const loads_work *work, loads_scratch *scratch) {
 
 static void scratch_clear(loads_scratch *scratch) {
   bw_free(scratch->cost);
-  bw_free(scratch->share);
+  bw_free(scratch->fraction);
   bw_free(scratch->multiplier);
   bw_free(scratch->dual);
   bw_free(scratch->vertex.basic);
@@ -99,14 +99,14 @@ static void hand_over(const loads_work *work, int64_t i, const bwi_solution *sol
       continue;
     /* At its bound a pressure is p_max exactly. */
     p[program->source[j]] =
-        solution->share[j] >= program->upper[j]
+        solution->fraction[j] >= program->upper[j]
             ? program->pressure
-            : fmin(program->pressure, solution->share[j] * program->force / program->area[j]);
+            : fmin(program->pressure, solution->fraction[j] * program->force / program->area[j]);
   }
   for (int32_t j = 0; j < work->loads->pressures; j++)
     value += f[j] * p[j];
   work->value[i] = value;
-  memset(dual, 0, ((size_t)program->motion_count + 1) * sizeof *dual);
+  memset(dual, 0, ((size_t)program->rigid_mode_count + 1) * sizeof *dual);
   for (int32_t k = 0; k < program->body_count; k++) {
     const bwi_balance *body = &program->body[k];
     for (int m = 0; m < body->motions; m++) {
@@ -116,7 +116,7 @@ static void hand_over(const loads_work *work, int64_t i, const bwi_solution *sol
       dual[body->motion[m]] = sum * scale;
     }
   }
-  dual[program->motion_count] = solution->multiplier[program->rows - 1] * scale;
+  dual[program->rigid_mode_count] = solution->multiplier[program->rows - 1] * scale;
 }
 
 static bool good(const bwi_solution *solution) {
@@ -128,7 +128,7 @@ enum { OWN_ATTEMPTS = 2, GLPK_ATTEMPTS = 3 };
 static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scratch,
                            bwi_glpk **glpk) {
   bw_status status = BW_OK;
-  bwi_solution solution = {scratch->share, scratch->multiplier, 0, INFINITY, INFINITY};
+  bwi_solution solution = {scratch->fraction, scratch->multiplier, 0, INFINITY, INFINITY};
   double scale;
   bool own = work->loads->options.solver == BW_LP_OWN;
   BW_TRY(bw_check_cancel(work->context));
@@ -150,9 +150,9 @@ static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scr
     BW_TRY(bwi_linear_program_evaluate(work->context, work->loads->program, scratch->cost,
                                        &scratch->vertex, &solution));
     if (good(&solution)) {
-      double *dual = work->dual
-                         ? work->dual + (size_t)i * ((size_t)work->loads->program->motion_count + 1)
-                         : scratch->dual;
+      double *dual =
+          work->dual ? work->dual + (size_t)i * ((size_t)work->loads->program->rigid_mode_count + 1)
+                     : scratch->dual;
       hand_over(work, i, &solution, scale, dual);
       if (work->loads->hands)
         BW_TRY(bwi_hands_solve(work->context, work->loads->hands,
@@ -191,7 +191,7 @@ static bw_status check_balance(bw_context *context, const bw_pressure_basis *bas
   bw_worst_load_options less = *options;
   bw_status status = BW_OK;
   double largest = 0;
-  if (basis->complete || options->force_is_max || dof_map->motion_count == 0)
+  if (basis->complete || options->force_is_max || dof_map->rigid_mode_count == 0)
     return BW_OK;
   double *pressure = BW_NEW(context, double, basis->count);
   if (!pressure)
@@ -202,7 +202,7 @@ static bw_status check_balance(bw_context *context, const bw_pressure_basis *bas
   if (largest < options->force * (1 - violation_limit)) {
     status = bw_fail(context, BW_INFEASIBLE,
                      "a total force of %g N was requested, but on the admissible surface pressures "
-                     "up to %g Pa are in equilibrium up to a total of %g N only: forbid less, hold "
+                     "up to %g Pa are in equilibrium up to a total of %g N only: forbid less, fix "
                      "the part, or allow a smaller force (force_is_max)",
                      options->force, options->pressure, largest);
     bw_detail_number(context, "force", options->force);

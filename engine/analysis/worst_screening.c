@@ -351,7 +351,7 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
   /* Pressures by patch may miss the balance that pressures by node reach. */
   limits.force_is_max = options->force_is_max || !basis->complete;
   limits.hands = 0; /* the screening ranks targets by what pressures anywhere do */
-  int32_t fewest = PATCHES_PER_ROW * (system->dof_map->motion_count + 1);
+  int32_t fewest = PATCHES_PER_ROW * (system->dof_map->rigid_mode_count + 1);
   BW_TRY(bwi_pressure_patches(context, basis, patches > fewest ? patches : fewest, &s.coarse));
   s.patches = s.coarse->count;
   BW_TRY(bwi_linear_program_create(context, s.coarse, system->dof_map, options, &s.program));

@@ -77,8 +77,8 @@ bw_status bw_array_create(bw_context *context, bw_type type, int64_t rows, int64
   return status;
 }
 
-bw_status bw_array_own(bw_context *context, bw_type type, int64_t rows, int64_t columns, void *data,
-                       bw_array **array) {
+bw_status bw_array_adopt(bw_context *context, bw_type type, int64_t rows, int64_t columns,
+                         void *data, bw_array **array) {
   bw_status status = check_shape(context, type, rows, columns);
   return status == BW_OK ? array_new(context, type, rows, columns, data, NULL, array) : status;
 }

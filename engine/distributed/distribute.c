@@ -101,7 +101,7 @@ static bw_status make_plan(bw_context *context, bwd_system *system, int32_t **ow
     system->where[r] = 3 * system->start[r];
   }
   p->nodes = system->nodes;
-  p->motions = m->dof_map->motion_count;
+  p->motions = m->dof_map->rigid_mode_count;
   p->mass_width = !m->mass ? 0 : m->dof_map->frame_count > 0 ? 9 : 3;
   p->method = system->options.method;
   p->iterations = system->options.iterations;

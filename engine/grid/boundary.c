@@ -78,7 +78,7 @@ bw_status bw_grid_surface(bw_context *context, const bw_grid *grid, bw_surface *
       triangle[6 * f + k] = number[face[f].node[half[k]]];
     group[2 * f] = group[2 * f + 1] = grid->material[face[f].element];
   }
-  BW_TRY(bw_surface_own(context, points, point, 2 * faces, triangle, group, surface));
+  BW_TRY(bw_surface_adopt(context, points, point, 2 * faces, triangle, group, surface));
   point = NULL;
   triangle = group = NULL;
   if (node) {

@@ -12,7 +12,7 @@
 #define TOLERANCE 1e-6
 enum { OFTEN = 1024 }; /* places between two looks at whether to stop: functions may be slow */
 
-/* Points or cells of a lattice, seen alike: cells by their middles. */
+/* Points or cells of a lattice, seen alike: cells by their centres. */
 typedef struct places {
   const bw_grid *grid;
   const bw_region *region;

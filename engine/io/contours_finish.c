@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Pieces of a drawing become the loops of an outline: what is drawn twice is dropped, open pieces
- * are put together, loops told material from holes. Matching takes ends two by two: one that finds
- * no other within the tolerance, or more than one, is told with its place. */
+ * are put together, loops divided into material and holes. Matching takes ends two by two: one that
+ * finds no other within the tolerance, or more than one, is reported with its place. */
 #include "io/contours.h"
 
 #include <float.h>
@@ -172,7 +172,7 @@ static bw_status match_ends(bwi_contours *c, double tolerance, const bool *open,
         char text[200];
         snprintf(text, sizeof text,
                  "more than two curves end at (%g, %g) m, within %.3g m: which go together cannot "
-                 "be told (a line drawn twice?)",
+                 "be distinguished (a line drawn twice?)",
                  end[i].at[0], end[i].at[1], tolerance);
         BW_TRY(fail_at(c->context, c->name, c->piece[end[j].number / 2].line, end[i].at, text));
       }

@@ -42,7 +42,7 @@ typedef struct keyword {
   bool tet;
 } keyword;
 
-/* The middles of TetrahedraP2 stand in the order of bw_mesh: 01 12 20 03 13 23. */
+/* The mid-edge nodes of TetrahedraP2 stand in the order of bw_mesh: 01 12 20 03 13 23. */
 static const keyword keywords[] = {
     {"Tetrahedra", 4, 4, true},      {"TetrahedraP2", 10, 10, true},
     {"Triangles", 3, 3, false},      {"TrianglesP2", 6, 3, false},

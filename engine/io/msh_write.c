@@ -51,7 +51,7 @@ static int32_t entity_of(const cells *c, int64_t i) {
   return (int32_t)(at - c->group) + 1;
 }
 
-/* The middles of the edges 13 and 23 change places. */
+/* The mid-edge nodes of the edges 13 and 23 change places. */
 static int32_t node_at(const cells *c, int64_t i, int k) {
   int from = c->width == 10 && k >= 8 ? 17 - k : k;
   return c->node[i * c->width + from];

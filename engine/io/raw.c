@@ -286,8 +286,8 @@ bw_status bwi_raw_mesh(bwi_raw *raw, const char *format, bw_mesh_file *file) {
     bw_free(raw->region);
     raw->region = NULL;
   }
-  status = bw_mesh_own(context, raw->width == 10 ? 2 : 1, (int64_t)kept, raw->point,
-                       (int64_t)raw->tet_count, raw->tet, raw->region, &file->mesh);
+  status = bw_mesh_adopt(context, raw->width == 10 ? 2 : 1, (int64_t)kept, raw->point,
+                         (int64_t)raw->tet_count, raw->tet, raw->region, &file->mesh);
   if (status != BW_OK) {
     if (status != BW_MEMORY && status != BW_CANCELLED)
       name_file_in_failure(raw, status);

@@ -127,8 +127,8 @@ bw_status bwi_soup_finish(bwi_soup *soup, const char *format, bool weld, bw_surf
   soup->point = fitted ? (double *)fitted : soup->point;
   fitted = bw_resize(soup->context, soup->triangle, soup->triangle_count, 3 * sizeof(int32_t));
   soup->triangle = fitted ? (int32_t *)fitted : soup->triangle;
-  BW_TRY(bw_surface_own(soup->context, (int64_t)soup->point_count, soup->point,
-                        (int64_t)soup->triangle_count, soup->triangle, soup->group, &made));
+  BW_TRY(bw_surface_adopt(soup->context, (int64_t)soup->point_count, soup->point,
+                          (int64_t)soup->triangle_count, soup->triangle, soup->group, &made));
   soup->point = NULL;
   soup->triangle = soup->group = NULL;
   if (weld) {

@@ -19,11 +19,11 @@ static bool plain(const char *name) {
 
 static void write_id(bw_writer *writer, const char *name) {
   for (const char *c = name; *c; c++) {
-    bool fine = (*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z') || (*c >= '0' && *c <= '9') ||
-                *c == '-' || *c == '_';
+    bool ok = (*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z') || (*c >= '0' && *c <= '9') ||
+              *c == '-' || *c == '_';
     if (c == name && ((*c >= '0' && *c <= '9') || *c == '-'))
       bw_writer_bytes(writer, "_", 1);
-    bw_writer_bytes(writer, fine ? c : "_", 1);
+    bw_writer_bytes(writer, ok ? c : "_", 1);
   }
 }
 
@@ -48,9 +48,9 @@ static void write_escaped(bw_writer *writer, const char *text) {
 static void write_tag(bw_writer *writer, const char *tag) {
   for (const char *c = tag; *c; c++) {
     unsigned char u = (unsigned char)*c;
-    bool fine = u >= 128 || (u >= 'a' && u <= 'z') || (u >= 'A' && u <= 'Z') ||
-                (u >= '0' && u <= '9') || u == '-' || u == '_';
-    if (fine)
+    bool ok = u >= 128 || (u >= 'a' && u <= 'z') || (u >= 'A' && u <= 'Z') ||
+              (u >= '0' && u <= '9') || u == '-' || u == '_';
+    if (ok)
       bw_writer_bytes(writer, c, 1);
     else
       bw_writer_print(writer, "%%%02X", u);

@@ -67,8 +67,8 @@ typedef struct bwi_coarsen_change {
   double normal[2 * BWI_RING][3];
 } bwi_coarsen_change;
 
-/* The share of the wanted length, and of all that goes with it, at a place. */
-static inline double share_at(const bwi_coarsening *c, const double at[3]) {
+/* The fraction of the wanted length, and of all that goes with it, at a place. */
+static inline double fraction_at(const bwi_coarsening *c, const double at[3]) {
   const bwi_coarsen_options *o = c->options;
   if (!o->field)
     return 1;
@@ -79,11 +79,11 @@ static inline double share_at(const bwi_coarsening *c, const double at[3]) {
 
 /* How far the surface may be left at a place. */
 static inline double allowed_at(const bwi_coarsening *c, const double at[3]) {
-  return share_at(c, at) * c->options->allowed;
+  return fraction_at(c, at) * c->options->allowed;
 }
 
 static inline double error_at(const bwi_coarsening *c, const double at[3]) {
-  return share_at(c, at) * c->options->error;
+  return fraction_at(c, at) * c->options->error;
 }
 
 static inline void normal_of(const double *const x[3], double n[3]) {

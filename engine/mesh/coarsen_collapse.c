@@ -64,11 +64,11 @@ static bool best_place(const bwi_coarsening *c, const double q[10], double at[3]
   return planes_near(c, q, at);
 }
 
-/* Fill in the triangles around the edge after its collapse, and judge their shapes: the worst must
+/* Fill in the triangles around the edge after its collapse, and check their shapes: the worst must
  * be good, or at least as good as the worst before, those that go included. */
 static bool plan(const bwi_coarsening *c, bwi_coarsen_change *now, const int32_t *ring, int count) {
   double worst = 1, worst_before = 1;
-  double length = fmin(c->length, share_at(c, now->at) * c->options->length);
+  double length = fmin(c->length, fraction_at(c, now->at) * c->options->length);
   now->count = 0;
   for (int i = 0; i < count; i++) {
     int32_t t = ring[i] / 3;
@@ -293,7 +293,7 @@ static bool is_short(const bwi_coarsening *c, int32_t a, int32_t b, double lengt
   double middle[3];
   for (int k = 0; k < 3; k++)
     middle[k] = (place(c, a)[k] + place(c, b)[k]) / 2;
-  return length < share_at(c, middle) * c->options->shorter;
+  return length < fraction_at(c, middle) * c->options->shorter;
 }
 
 bw_status bwi_coarsen_collapse(bwi_coarsening *c, int64_t *collapsed) {

@@ -168,7 +168,7 @@ static bool near_change(const bwi_coarsening *c, bwi_coarsen_change *now, int32_
   return now->lost <= allowed_at(c, old);
 }
 
-/* Middles of sides and facets are tried. */
+/* Midpoints of sides and centroids of facets are tried. */
 static bool stays_near(const bwi_coarsening *c, bwi_coarsen_change *now) {
   for (int i = 0; i < now->count; i++) {
     double middle[3] = {0, 0, 0};

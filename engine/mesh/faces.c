@@ -18,8 +18,8 @@
 #include "mesh/surface_topology.h"
 
 static const double strip_width = 0.15; /* a smooth neighbour of a plane is narrower than this */
-/* Corners may be as far from a round primitive: the larger of the first share of the diagonal, and
- * the smaller of shares of diagonal and radius. */
+/* Corners may be as far from a round primitive: the larger of the first fraction of the diagonal,
+ * and the smaller of shares of diagonal and radius. */
 static const double near_rounding = 2e-6, near_diagonal = 1e-4, near_radius = 0.01;
 /* ... and of the distance from the best plane: any small piece of a smooth surface is nearly round
  */

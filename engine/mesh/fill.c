@@ -204,8 +204,8 @@ bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
     BW_TRY(bwi_fill_meet_count(&f));
   else
     BW_TRY(bwi_fill_once(&f));
-  BW_TRY(bw_mesh_own(context, 1, f.best.node_count, f.best.node, f.best.element_count,
-                     f.best.element, NULL, &made));
+  BW_TRY(bw_mesh_adopt(context, 1, f.best.node_count, f.best.node, f.best.element_count,
+                       f.best.element, NULL, &made));
   f.best.node = NULL;
   f.best.element = NULL;
   if (!f.options->keep_surface) {

@@ -9,9 +9,9 @@
 #include <stdio.h>
 
 /* Elements per facet of the surface and per volume of an edge length, for the first guess. */
-static const double facet_share = 1.7, volume_share = 1.6;
+static const double facet_fraction = 1.7, volume_fraction = 1.6;
 /* ... per point that bends a border of faces, where those are kept. */
-static const double bend_share = 12;
+static const double bend_fraction = 12;
 /* The volume bound that goes with an edge length, in cubes of it: the edges inside may be about
  * half as long again as those on the surface. */
 static const double volume_of_length = 0.5;
@@ -19,7 +19,7 @@ enum { MAX_ATTEMPTS = 14 };
 /* Edges of the next try over those of the last one, where filling failed. */
 static const double shorter = 0.96;
 
-/* Elements without volume at planes are taken off, within this share of the diagonal. */
+/* Elements without volume at planes are taken off, within this fraction of the diagonal. */
 static const double of_rounding = 1e-12;
 
 /* TetGen's last step may leave elements of no volume, which no mesh may have. */
@@ -141,14 +141,14 @@ static bw_status fill_at(bwi_filler *f, bwi_fill_way *how, double length, double
 
 /* Elements that the faces take at any edge length. */
 static double min_count(const bwi_filler *f, bwi_fill_way how) {
-  return (how <= WAY_BORDERS ? bend_share * (double)f->bends : 0) +
-         (how <= WAY_FACES ? facet_share * f->round_facets : 0);
+  return (how <= WAY_BORDERS ? bend_fraction * (double)f->bends : 0) +
+         (how <= WAY_FACES ? facet_fraction * f->round_facets : 0);
 }
 
 static double expected_count(const bwi_filler *f, double length) {
   double facets = f->area / (0.4330127 * length * length) * 1.15;
   double cube = length * length * length;
-  return facet_share * facets + volume_share * f->volume / cube;
+  return facet_fraction * facets + volume_fraction * f->volume / cube;
 }
 
 static double first_length(const bwi_filler *f, double count) {

@@ -252,8 +252,8 @@ bw_status bwi_peel_degenerate(bw_context *context, bwi_tetgen_result *result, do
   for (int round = 0; round < ROUNDS; round++) {
     int64_t gone, kept = 0;
     double moved = 0;
-    BW_TRY(bwi_mesh_own(context, 1, result->node_count, result->node, result->element_count,
-                        result->element, NULL, true, &mesh));
+    BW_TRY(bwi_mesh_adopt(context, 1, result->node_count, result->node, result->element_count,
+                          result->element, NULL, true, &mesh));
     status = choose(context, mesh, DEGENERATE, max, max, keep, &gone, &moved);
     result->node_count = mesh->node_count; /* the arrays go back */
     result->node = mesh->node;

@@ -207,7 +207,7 @@ static bw_status cut(bw_context *context, pass *p, int32_t cuts, bw_surface **ou
     for (size_t i = first; group && i < at; i++)
       group[i] = s->group[t];
   }
-  BW_TRY(bw_surface_own(context, (int64_t)points, point, (int64_t)at, triangle, group, out));
+  BW_TRY(bw_surface_adopt(context, (int64_t)points, point, (int64_t)at, triangle, group, out));
 done:
   if (status != BW_OK) {
     bw_free(point);

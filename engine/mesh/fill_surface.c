@@ -12,8 +12,8 @@ static const double straight = 1e-6;
 /* ... of the edge length where the count has no room for more. */
 static const double nearly_straight = 0.03;
 /* Faces are kept where planes and round faces of at least the second share of the area have the
- * first share of it: scans have many small ones by chance. */
-static const double share_of_area = 0.5, min_area = 1e-3;
+ * first fraction of it: scans have many small ones by chance. */
+static const double fraction_of_area = 0.5, min_area = 1e-3;
 /* Edges on round faces turn by no more: a facet's area is short by a twenty-fourth of the square.
  */
 static const double round_angle = 0.25;
@@ -21,7 +21,7 @@ static const double round_angle = 0.25;
  * most: when it takes out what is tiny, and afterwards. */
 static const double small_step = 0.05, large_step = 0.15;
 /* Shares of the tolerance: of either step, and what is left to putting points back onto faces. */
-static const double share_of_step = 0.3, share_of_projection = 0.4;
+static const double fraction_of_step = 0.3, fraction_of_projection = 0.4;
 
 /* Remeshing runs in a child process with a limit on its time: some surfaces of thousands of needles
  * keep it busy for minutes, and there is another way for those. */
@@ -207,7 +207,7 @@ static bw_status coarsen(bwi_filler *f, double length, bw_surface **out, bw_shap
   bwi_coarsen_options options = {.length = length,
                                  .shorter = 0.3 * length,
                                  .error = 0.02 * length,
-                                 .allowed = fmin(share_of_step * tolerance, small_step * length),
+                                 .allowed = fmin(fraction_of_step * tolerance, small_step * length),
                                  .field = &f->field,
                                  .seconds = f->options->time_limit};
   bw_surface *cut = NULL;
@@ -224,7 +224,7 @@ static bw_status coarsen(bwi_filler *f, double length, bw_surface **out, bw_shap
       bwi_refine_surface(f->context, f->tidy, &sizes, 1.4, 4000000, f->options->time_limit, &cut));
   options.shorter = 0.8 * length;
   options.error = 0.05 * length;
-  options.allowed = fmin(share_of_step * tolerance, large_step * length);
+  options.allowed = fmin(fraction_of_step * tolerance, large_step * length);
   BW_TRY(collapse_short(f, &options, cut, out, log));
 done:
   bw_release(cut);
@@ -251,7 +251,7 @@ bw_status bwi_fill_find_faces(bwi_filler *f) {
     const bw_face *face = &f->faces->face[i];
     kept += face->kind != BW_FACE_FREE && face->area >= min_area * f->area ? face->area : 0;
   }
-  f->has_faces = kept >= share_of_area * f->area;
+  f->has_faces = kept >= fraction_of_area * f->area;
 done:
   bw_surface_report_clear(&report);
   bw_release(welded);
@@ -266,7 +266,7 @@ static bw_status onto_faces(bwi_filler *f, double length, bw_surface **surface, 
   bw_status status = bwi_fill_find_faces(f);
   double limit = 0.3 * length, tolerance = f->options->surface_tolerance;
   if (tolerance > 0)
-    limit = fmin(limit, share_of_projection * tolerance);
+    limit = fmin(limit, fraction_of_projection * tolerance);
   if (status == BW_OK)
     status =
         bwi_faces_project(f->context, f->base, f->faces, *surface, limit, &made, &count, &moved);

@@ -72,8 +72,8 @@ bw_status bw_mesh_mapped_box(bw_context *context, const int cells[3], int order,
   int32_t *element = NULL;
   bw_mesh *straight = NULL, *wide = NULL;
   BW_TRY(unit_grid(context, cells, &nodes, &node, &elements, &element));
-  if (order == 2) { /* middles are made in the unit box and mapped like the corners */
-    BW_TRY(bw_mesh_own(context, 1, nodes, node, elements, element, NULL, &straight));
+  if (order == 2) { /* mid-edge nodes are made in the unit box and mapped like the corners */
+    BW_TRY(bw_mesh_adopt(context, 1, nodes, node, elements, element, NULL, &straight));
     node = NULL;
     element = NULL;
     BW_TRY(bw_mesh_with_order(context, straight, 2, &wide));
@@ -95,7 +95,7 @@ bw_status bw_mesh_mapped_box(bw_context *context, const int cells[3], int order,
   if (order == 2) {
     BW_TRY(bw_mesh_copy(context, 2, nodes, node, elements, wide->element, NULL, mesh));
   } else {
-    BW_TRY(bw_mesh_own(context, 1, nodes, node, elements, element, NULL, mesh));
+    BW_TRY(bw_mesh_adopt(context, 1, nodes, node, elements, element, NULL, mesh));
     node = NULL;
     element = NULL;
   }

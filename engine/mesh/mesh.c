@@ -163,7 +163,7 @@ static bw_status check_numbers(bw_context *context, int per_element, int64_t nod
   return BW_OK;
 }
 
-/* Exchange corners 1 and 2, and the middles that go with them: the orientation is turned. */
+/* Exchange corners 1 and 2, and the mid-edge nodes that go with them: the orientation is turned. */
 static void turn_element(int32_t *e, int order) {
   static const int pair[3][2] = {{1, 2}, {4, 6}, {8, 9}};
   for (int i = 0; i < (order == 2 ? 3 : 1); i++) {
@@ -413,9 +413,9 @@ static bool is_connected(const bw_mesh *mesh) {
 }
 #endif
 
-bw_status bwi_mesh_own(bw_context *context, int order, int64_t nodes, double *node,
-                       int64_t elements, int32_t *element, int32_t *region, bool flat,
-                       bw_mesh **out) {
+bw_status bwi_mesh_adopt(bw_context *context, int order, int64_t nodes, double *node,
+                         int64_t elements, int32_t *element, int32_t *region, bool flat,
+                         bw_mesh **out) {
   bw_status status = check_sizes(context, order, nodes, node, elements, element);
   if (status != BW_OK)
     return status;
@@ -453,9 +453,9 @@ done:
   return status;
 }
 
-bw_status bw_mesh_own(bw_context *context, int order, int64_t nodes, double *node, int64_t elements,
-                      int32_t *element, int32_t *region, bw_mesh **mesh) {
-  return bwi_mesh_own(context, order, nodes, node, elements, element, region, false, mesh);
+bw_status bw_mesh_adopt(bw_context *context, int order, int64_t nodes, double *node,
+                        int64_t elements, int32_t *element, int32_t *region, bw_mesh **mesh) {
+  return bwi_mesh_adopt(context, order, nodes, node, elements, element, region, false, mesh);
 }
 
 bw_status bw_mesh_copy(bw_context *context, int order, int64_t nodes, const double *node,
@@ -477,7 +477,7 @@ bw_status bw_mesh_copy(bw_context *context, int order, int64_t nodes, const doub
   memcpy(own_element, element, width * (size_t)elements * sizeof *element);
   if (region)
     memcpy(own_region, region, (size_t)elements * sizeof *region);
-  BW_TRY(bw_mesh_own(context, order, nodes, own_node, elements, own_element, own_region, mesh));
+  BW_TRY(bw_mesh_adopt(context, order, nodes, own_node, elements, own_element, own_region, mesh));
 done:
   if (status != BW_OK) {
     bw_free(own_node);

@@ -169,7 +169,7 @@ bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order
            4 * sizeof *element);
   if (order == 2) {
     BW_TRY(number_mid_edge_nodes(context, mesh, element, &node, &nodes));
-  } else { /* the middles, which no element uses any more, are dropped by the constructor */
+  } else { /* the mid-edge nodes, which no element uses any more, are dropped by the constructor */
     node = BW_NEW(context, double, 3 * (size_t)nodes);
     if (!node) {
       status = BW_MEMORY;
@@ -177,7 +177,7 @@ bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, int order
     }
     memcpy(node, mesh->node, 3 * (size_t)nodes * sizeof *node);
   }
-  BW_TRY(bw_mesh_own(context, order, nodes, node, mesh->element_count, element, region, out));
+  BW_TRY(bw_mesh_adopt(context, order, nodes, node, mesh->element_count, element, region, out));
   (*out)->surface_moved = mesh->surface_moved;
 done:
   if (status != BW_OK) {
@@ -214,8 +214,8 @@ bw_status bw_mesh_subset(bw_context *context, const bw_mesh *mesh, const uint8_t
       at++;
     }
   memcpy(node, mesh->node, 3 * (size_t)mesh->node_count * sizeof *node);
-  BW_TRY(bw_mesh_own(context, mesh->order, mesh->node_count, node, (int64_t)kept, element, region,
-                     subset));
+  BW_TRY(bw_mesh_adopt(context, mesh->order, mesh->node_count, node, (int64_t)kept, element, region,
+                       subset));
 done:
   if (status != BW_OK) {
     bw_free(element);
@@ -252,7 +252,7 @@ bw_status bw_mesh_boundary(bw_context *context, const bw_mesh *mesh, bw_surface 
   for (size_t i = 0; i < facets; i++)
     for (size_t k = 0; k < 3; k++)
       triangle[3 * i + k] = number[mesh->facet[width * i + k]];
-  BW_TRY(bw_surface_own(context, points, point, mesh->facet_count, triangle, NULL, surface));
+  BW_TRY(bw_surface_adopt(context, points, point, mesh->facet_count, triangle, NULL, surface));
   point = NULL;
   triangle = NULL;
   if (node_of_point) {

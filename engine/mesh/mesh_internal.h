@@ -15,11 +15,11 @@ typedef struct bwi_mesh {
 /* An empty mesh object with one reference, for the constructors. */
 bw_mesh *bwi_mesh_create(bw_context *context);
 
-/* As bw_mesh_own. With `flat`, elements whose corners lie in one plane to within rounding are taken
- * with a volume of 0: no such mesh leaves the engine. */
-bw_status bwi_mesh_own(bw_context *context, int order, int64_t nodes, double *node,
-                       int64_t elements, int32_t *element, int32_t *region, bool flat,
-                       bw_mesh **mesh);
+/* As bw_mesh_adopt. With `flat`, elements whose corners lie in one plane to within rounding are
+ * taken with a volume of 0: no such mesh leaves the engine. */
+bw_status bwi_mesh_adopt(bw_context *context, int order, int64_t nodes, double *node,
+                         int64_t elements, int32_t *element, int32_t *region, bool flat,
+                         bw_mesh **mesh);
 
 /* Six times the signed volume of the tetrahedron, and a bound on the rounding error in it that
  * covers the rounding of the coordinates themselves. */

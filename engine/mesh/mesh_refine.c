@@ -206,7 +206,7 @@ static bw_status begin(refining *r, const uint8_t *levels) {
   size_t width = (size_t)mesh->nodes_per_element;
   r->cell_count = mesh->element_count;
   r->cell_capacity = 2 * r->cell_count;
-  r->node_count = mesh->node_count; /* middles are dropped at the end */
+  r->node_count = mesh->node_count; /* mid-edge nodes are dropped at the end */
   r->node_capacity = 2 * r->node_count;
   r->cells = BW_NEW(r->context, cell, r->cell_capacity);
   r->node = BW_NEW(r->context, double, 3 * (int64_t)r->node_capacity);
@@ -255,8 +255,8 @@ static bw_status make_mesh(refining *r, int order, bw_mesh **out, int32_t **cell
     if (region)
       region[i] = r->from->region[r->cells[i].parent];
   }
-  BW_TRY(bw_mesh_own(r->context, 1, r->node_count, r->node, r->cell_count, element, region,
-                     &straight));
+  BW_TRY(bw_mesh_adopt(r->context, 1, r->node_count, r->node, r->cell_count, element, region,
+                       &straight));
   r->node = NULL;
   element = region = NULL;
   BW_TRY(bw_mesh_with_order(r->context, straight, order, &wide));

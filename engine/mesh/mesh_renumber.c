@@ -123,8 +123,8 @@ bw_status bw_mesh_renumbered(bw_context *context, const bw_mesh *mesh, int32_t *
     if (region)
       region[e] = mesh->region[old];
   }
-  BW_TRY(bw_mesh_own(context, mesh->order, mesh->node_count, node, mesh->element_count, element,
-                     region, out));
+  BW_TRY(bw_mesh_adopt(context, mesh->order, mesh->node_count, node, mesh->element_count, element,
+                       region, out));
   node = NULL;
   element = region = NULL;
   if (node_from) {

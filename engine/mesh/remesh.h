@@ -36,7 +36,7 @@ typedef struct bwi_remesher {
   double memory;             /* bytes allowed */
   int64_t *looks, max_looks; /* how often loops looked up, and may (0: no limit) */
   bwi_time_limit time;
-  double share;               /* done of the whole, for progress */
+  double fraction;            /* done of the whole, for progress */
   const bw_size_field *sizes; /* NULL: none */
   double
       *clearance; /* per facet of the original: how far what lies opposite is, inside or outside */

@@ -22,7 +22,7 @@ bw_status bwi_remesh_check(const bwi_remesher *r) {
     bw_detail_text(r->context, "limit", "steps");
     return BW_LIMIT;
   }
-  bw_progress(r->context, "remeshing", r->share); /* who is shown it may cancel */
+  bw_progress(r->context, "remeshing", r->fraction); /* who is shown it may cancel */
   return bwi_time_limit_check(r->context, &r->time);
 }
 

@@ -81,7 +81,7 @@ bw_status bwi_remesh_flip_edges(bwi_remesher *r, int passes) {
 
 /* ---- relax --------------------------------------------------------------------------------- */
 
-/* Where a point would like to be: the middle of its facets' middles weighted by area; on a crease,
+/* Where a point would like to be: the mean of its facets' centroids weighted by area; on a crease,
  * of its two neighbours there. */
 static bool opts(const bwi_changing *mesh, int32_t p, double out[3]) {
   int32_t start = mesh->side[p], s = start;

@@ -59,8 +59,8 @@ static bw_status check_arrays(bw_context *context, int64_t points, const double 
   return BW_OK;
 }
 
-bw_status bw_surface_own(bw_context *context, int64_t points, double *point, int64_t triangles,
-                         int32_t *triangle, int32_t *group, bw_surface **surface) {
+bw_status bw_surface_adopt(bw_context *context, int64_t points, double *point, int64_t triangles,
+                           int32_t *triangle, int32_t *group, bw_surface **surface) {
   bw_status status = check_arrays(context, points, point, triangles, triangle);
   if (status != BW_OK)
     return status;
@@ -103,7 +103,7 @@ bw_status bw_surface_copy(bw_context *context, int64_t points, const double *poi
     if (triangles)
       memcpy(own_group, group, (size_t)triangles * sizeof *group);
   }
-  BW_TRY(bw_surface_own(context, points, own_point, triangles, own_triangle, own_group, surface));
+  BW_TRY(bw_surface_adopt(context, points, own_point, triangles, own_triangle, own_group, surface));
   return BW_OK;
 done:
   bw_free(own_point);

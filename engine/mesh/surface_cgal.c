@@ -37,7 +37,7 @@ bw_status bwi_cgal_surface(bw_context *context, const char *what, const bwi_chil
   memcpy(point, at, (size_t)head[0] * 3 * sizeof *point);
   memcpy(triangle, at + (size_t)head[0] * 3 * sizeof *point,
          (size_t)head[1] * 3 * sizeof *triangle);
-  BW_TRY(bw_surface_own(context, head[0], point, head[1], triangle, NULL, surface));
+  BW_TRY(bw_surface_adopt(context, head[0], point, head[1], triangle, NULL, surface));
   point = NULL;
   triangle = NULL;
 done:

@@ -353,7 +353,7 @@ done:
   return status;
 }
 
-bw_status bwi_drop_specks(bw_context *context, const bw_surface *surface, double share,
+bw_status bwi_drop_specks(bw_context *context, const bw_surface *surface, double fraction,
                           bw_surface **out, int64_t *changed) {
   bw_status status = BW_OK;
   bwi_topology *topology = NULL;
@@ -380,7 +380,7 @@ bw_status bwi_drop_specks(bw_context *context, const bw_surface *surface, double
   }
   for (int32_t t = 0; t < topology->facets; t++) {
     int32_t s = topology->shell[t];
-    keep[t] = s < 0 || !open[s] || area[s] >= share * total;
+    keep[t] = s < 0 || !open[s] || area[s] >= fraction * total;
     dropped += !keep[t];
   }
   BW_TRY(keep_only(context, surface, keep, dropped, out, changed));

@@ -34,8 +34,9 @@ typedef struct one_sided {
 
 enum { GRAIN = 512 };
 
-/* Corners, side middles and the middle of each facet. Since only the largest distance counts, the
- * search for a sample ends as soon as something nearer than the largest so far is found. */
+/* Corners, midpoints of sides and the centroid of each facet. Since only the largest distance
+ * counts, the search for a sample ends as soon as something nearer than the largest so far is
+ * found. */
 static bw_status measure(void *data, int64_t begin, int64_t end, int worker) {
   one_sided *side = (one_sided *)data;
   (void)worker;

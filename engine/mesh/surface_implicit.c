@@ -228,8 +228,8 @@ bw_status bw_surface_implicit(bw_context *context, const double min[3], const do
                      m.nodes[1], m.nodes[2]);
     goto done;
   }
-  BW_TRY(bw_surface_own(context, (int64_t)m.point_count, m.point, (int64_t)m.triangle_count,
-                        m.triangle, NULL, surface));
+  BW_TRY(bw_surface_adopt(context, (int64_t)m.point_count, m.point, (int64_t)m.triangle_count,
+                          m.triangle, NULL, surface));
   m.point = NULL;
   m.triangle = NULL;
 done:

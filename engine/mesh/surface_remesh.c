@@ -71,7 +71,7 @@ static bw_status run(bwi_remesher *r, const bw_remesh_options *options, bw_surfa
     BW_TRY(find_creases(r));
   BW_TRY(bwi_remesh_flip_edges(r, 10));
   for (int i = 0; i < options->iterations; i++) {
-    r->share = (double)i / options->iterations;
+    r->fraction = (double)i / options->iterations;
     BW_TRY(bwi_remesh_collapse_short(r, i == 0, i > 0));
     bwi_remesh_grade(r->mesh);
     BW_TRY(bwi_remesh_split_long(r));
@@ -222,7 +222,7 @@ bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
     if ((report.sound || !sound_before) && moved <= 1.0001 * allowed)
       break;
     BW_TRY(refine_cuts(&r, made, &report));
-    if (moved > allowed) /* changes are judged at few points of each facet: judge them harder */
+    if (moved > allowed) /* changes are checked at few points of each facet: be stricter */
       r.tolerance *= 0.9 * fmax(allowed / moved, 0.5);
   }
   if (attempt == 5) {

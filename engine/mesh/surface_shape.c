@@ -53,7 +53,8 @@ bw_status bw_surface_sphere_shape(bw_context *context, const double centre[3], d
   for (int cut = 0; cut < subdivisions; cut++) {
     for (size_t t = 0; t < count; t++) {
       const double *x = corner + 9 * t;
-      double m[3][3]; /* middles of the sides 01 12 20, on the sphere; the same from both facets */
+      double m[3]
+              [3]; /* midpoints of the sides 01 12 20, on the sphere; the same from both facets */
       for (int k = 0; k < 3; k++) {
         const double *a = x + 3 * k, *b = x + 3 * ((k + 1) % 3);
         for (int i = 0; i < 3; i++)
@@ -109,7 +110,7 @@ bw_status bw_surface_cylinder_shape(bw_context *context, const double base[3], c
   for (int k = 0; k < 3; k++)
     along[k] = axis[k] / height;
   bw_across(along, u, v);
-  int32_t min = 2 * segments, max = min + 1; /* the middles of the caps */
+  int32_t min = 2 * segments, max = min + 1; /* the centres of the caps */
   for (int i = 0; i < segments; i++) {
     double turn = 2 * 3.14159265358979323846 * i / segments;
     for (int k = 0; k < 3; k++) {

@@ -13,7 +13,8 @@
 #include "mesh/surface_internal.h"
 #include "mesh/surface_tree.h"
 
-/* A segment from inside the surface, and the nearest wall on it so far, as a share of its length.
+/* A segment from inside the surface, and the nearest wall on it so far, as a fraction of its
+ * length.
  */
 typedef struct probe {
   const bw_surface *surface;

@@ -56,7 +56,7 @@ typedef struct bwi_pair {
 bw_status bwi_intersections(bw_context *context, const bwi_topology *topology, const uint8_t *skip,
                             bwi_pair **pairs, int64_t *count);
 
-/* How many other shells each shell lies inside of, judged by the parity of crossings of a ray
+/* How many other shells each shell lies inside of, determined by the parity of crossings of a ray
  * from several of its facets; only facets of shells with closed[shell] count as walls. */
 bw_status bwi_shell_depths(bw_context *context, const bwi_topology *topology, const uint8_t *closed,
                            const uint8_t *skip, int32_t *depth);

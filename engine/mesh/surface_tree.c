@@ -4,7 +4,7 @@
  *
  * Nodes lie in depth-first order: the first child of node i is i + 1, the second is node[i].second.
  * A leaf has second = 0 and holds facet[first .. first + count). Every box holds the boxes below.
- * Facets are split at the median of their middles along the longest side, so that the depth is
+ * Facets are split at the median of their centroids along the longest side, so that the depth is
  * log2 of their number and a stack of 64 is enough. */
 #include "mesh/surface_tree.h"
 
@@ -48,7 +48,7 @@ static void facet_box(const bwi_tree *tree, int32_t facet, double low[3], double
   }
 }
 
-/* Does facet a come before facet b along an axis? Equal middles are ordered by number. */
+/* Does facet a come before facet b along an axis? Equal centroids are ordered by number. */
 static bool before(const builder *build, int axis, int32_t a, int32_t b) {
   double x = build->middle[3 * (int64_t)a + axis], y = build->middle[3 * (int64_t)b + axis];
   return x < y || (x == y && a < b);

@@ -8,7 +8,7 @@
 #include "metamaterial/fit.h"
 #include "nonlinear/law.h"
 
-#define ENERGY_SHARE 0.1 /* of the equation for energy against one for a force */
+#define ENERGY_FRACTION 0.1 /* of the equation for energy against one for a force */
 
 #define MISSED 0.2 /* relative error that halves a sample's weight */
 
@@ -72,7 +72,7 @@ static bool evaluate(const bwi_axes *axes, const uint8_t law[8],
 static void equations(int n, const bwi_frame18 *frame, const double *metric,
                       const bwi_sample *sample, columns column,
                       double row[1 + BWI_SHAPES][BWI_CONSTANTS], double value[1 + BWI_SHAPES]) {
-  double relative = sqrt(ENERGY_SHARE) / sample->energy;
+  double relative = sqrt(ENERGY_FRACTION) / sample->energy;
   for (int j = 0; j < n; j++)
     row[0][j] = column[j][0] * relative;
   value[0] = sample->energy * relative;

@@ -7,12 +7,12 @@
 
 #include "model/internal.h"
 
-/* A force is held where its part along free components is below this share of it. */
-static const double held_share = 1e-9;
-/* A load of which this share of the area lies on supports is a warning. */
-static const double warning_share = 0.05;
+/* A force is absorbed where its part along free components is below this fraction of it. */
+static const double absorbed_fraction = 1e-9;
+/* A load of which this fraction of the area lies on supports is a warning. */
+static const double warning_fraction = 0.05;
 
-/* The part of a nodal force along components that are not held. */
+/* The part of a nodal force along components that are not constrained. */
 static double free_part(const bw_dof_map *dof_map, int32_t node, const double force[3]) {
   const uint8_t *state = dof_map->state + 3 * (size_t)node;
   int32_t row = dof_map->frame_of[node];
@@ -38,18 +38,18 @@ static double facet_size(const bw_mesh *mesh, int32_t facet) {
   return bw_norm(normal) / 2;
 }
 
-/* The share of a load that the supports take: of its area, where all nodes of a facet pass their
+/* The fraction of a load that the supports take: of its area, where all nodes of a facet pass their
  * force on; of the sum of forces for nodal loads. 0 for a load without force. */
-static double share_of(const bw_dof_map *dof_map, const bw_load *load, const double *force) {
+static double fraction_of(const bw_dof_map *dof_map, const bw_load *load, const double *force) {
   const bw_mesh *mesh = dof_map->mesh;
-  double whole = 0, held = 0, total = 0, loose = 0;
+  double whole = 0, absorbed = 0, total = 0, loose = 0;
   for (int32_t i = 0; i < mesh->node_count; i++) {
     total += bw_norm(force + 3 * (size_t)i);
     loose += free_part(dof_map, i, force + 3 * (size_t)i);
   }
   if (!(total > 0))
     return 0;
-  if (loose <= held_share * total)
+  if (loose <= absorbed_fraction * total)
     return 1;
   for (int32_t f = 0; load->on && f < load->on->facet_count; f++) {
     const int32_t *node = mesh->facet + (size_t)load->on->facet[f] * (size_t)mesh->nodes_per_facet;
@@ -57,14 +57,14 @@ static double share_of(const bw_dof_map *dof_map, const bw_load *load, const dou
     bool all = true;
     for (int a = 0; a < mesh->nodes_per_facet; a++) {
       const double *at_node = force + 3 * (size_t)node[a];
-      all = all && (bw_norm(at_node) > 0
-                        ? free_part(dof_map, node[a], at_node) <= held_share * bw_norm(at_node)
-                        : fully_held(dof_map, node[a]));
+      all = all && (bw_norm(at_node) > 0 ? free_part(dof_map, node[a], at_node) <=
+                                               absorbed_fraction * bw_norm(at_node)
+                                         : fully_held(dof_map, node[a]));
     }
     whole += size;
-    held += all ? size : 0;
+    absorbed += all ? size : 0;
   }
-  return whole > 0 ? fmin(held / whole, 1 - held_share) : 0;
+  return whole > 0 ? fmin(absorbed / whole, 1 - absorbed_fraction) : 0;
 }
 
 static const char *kind_word(bw_load_kind kind) {
@@ -111,8 +111,8 @@ bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
     if (!load->on && load->kind != BW_LOAD_NODAL)
       continue;
     BW_TRY(bwi_load_force(context, model, load, force));
-    double share = share_of(dof_map, load, force);
-    if (share == 1 && !dof_map->prescribed) {
+    double fraction = fraction_of(dof_map, load, force);
+    if (fraction == 1 && !dof_map->prescribed) {
       status =
           bw_fail(context, BW_INVALID,
                   "load %d, a %s, acts on supports only: they take its force directly and nothing "
@@ -121,11 +121,11 @@ bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
       bw_detail_number(context, "load", i + 1);
       goto done;
     }
-    if (share >= warning_share)
+    if (fraction >= warning_fraction)
       bw_warn(context,
               "%.2g %% of the area of load %d, a %s, lies on supports: the supports take that part "
               "of its force directly",
-              100 * share, i + 1, kind_word(load->kind));
+              100 * fraction, i + 1, kind_word(load->kind));
   }
 done:
   bw_free(force);

@@ -79,12 +79,12 @@ static void describe_support(bwi_text *out, const bw_support *support, int numbe
   bwi_text_add(out, "support ");
   bwi_text_integer(out, number);
   if (support->slide) {
-    bwi_text_add(out, ": slides, held along ");
+    bwi_text_add(out, ": slides, fixed along ");
     if (bw_norm(support->normal) > 0)
       bwi_text_vector(out, support->normal, 5, 1e-12);
     else
       bwi_text_add(out, "its surface's normal");
-  } else if (support->held[0] && support->held[1] && support->held[2] &&
+  } else if (support->fixed[0] && support->fixed[1] && support->fixed[2] &&
              bw_norm(support->value) == 0 && !support->field)
     bwi_text_add(out, ": fixed");
   else if (support->field)
@@ -94,7 +94,7 @@ static void describe_support(bwi_text *out, const bw_support *support, int numbe
     bool first = true;
     bwi_text_add(out, ": moved by ");
     for (int k = 0; k < 3; k++)
-      if (support->held[k]) {
+      if (support->fixed[k]) {
         bwi_text_add(out, first ? "" : ", ");
         bwi_text_add(out, name[k]);
         bwi_text_add(out, " = ");

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Which displacement components are unknowns, prescribed or isostatic constraints: states, values
- * and frames from what the supports hold; the rigid-body modes of every body; the pins are chosen
- * in isostatic.c. */
+ * and frames from what the supports constrain; the rigid-body modes of every body; the pins are
+ * chosen in isostatic.c. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -32,7 +32,7 @@ static size_t dof_map_bytes(const void *object) {
   size_t bodies = (size_t)dof_map->mesh->component_count;
   return sizeof *dof_map + nodes * (3 * 4 + 3 + 4 + 3 * 8 + 4 + 4 * 8) +
          (size_t)dof_map->frame_count * 72 + bodies * 40 +
-         (size_t)dof_map->motion_count * sizeof *dof_map->motion;
+         (size_t)dof_map->rigid_mode_count * sizeof *dof_map->motion;
 }
 
 static const bw_kind dof_map_kind = {"DOF map", dof_map_destroy, dof_map_bytes};
@@ -59,7 +59,7 @@ static void complete(int count, double (*row)[3]) {
 
 /* The frame of a node held along one or two directions, these first. Following an edit, the rest is
  * chosen as seen from the node's subdomain, so that where both turn together, the frame does. */
-static void support_frame(const bwi_hold *at, const bwi_follow *follow, double row[3][3]) {
+static void support_frame(const bwi_constraint *at, const bwi_follow *follow, double row[3][3]) {
   const double *turn = NULL;
   if (follow && follow->node_subdomain[at->node] >= 0)
     turn = follow->frame + 9 * (size_t)follow->node_subdomain[at->node];
@@ -79,8 +79,8 @@ static void support_frame(const bwi_hold *at, const bwi_follow *follow, double r
 /* Turn what is held at nodes into states, values and frames. Following an edit, every node that is
  * held in part has a frame of its own, along the global axes or not: so its state does not depend
  * on how the surface lies just now. */
-static bw_status apply_holds(bw_context *context, bw_dof_map *dof_map, int32_t count,
-                             const bwi_hold *hold, const bwi_follow *follow) {
+static bw_status apply_constraints(bw_context *context, bw_dof_map *dof_map, int32_t count,
+                                   const bwi_constraint *constraint, const bwi_follow *follow) {
   int32_t frames = 0;
   for (int pass = 0; pass < 2; pass++) {
     if (pass == 1 && frames > 0) {
@@ -91,7 +91,7 @@ static bw_status apply_holds(bw_context *context, bw_dof_map *dof_map, int32_t c
     dof_map->frame_count = frames;
     frames = 0;
     for (int32_t h = 0; h < count; h++) {
-      const bwi_hold *at = &hold[h];
+      const bwi_constraint *at = &constraint[h];
       size_t base = 3 * (size_t)at->node;
       /* Global components serve when every global axis is either held or free. */
       bool global = !follow, held[3];
@@ -134,32 +134,33 @@ static bw_status apply_holds(bw_context *context, bw_dof_map *dof_map, int32_t c
 }
 
 /* The rigid-body modes of every body, and their pins. */
-static bw_status free_bodies(bw_context *context, bw_dof_map *dof_map, int32_t hold_count,
-                             const bwi_hold *hold, const double *inertia,
+static bw_status free_bodies(bw_context *context, bw_dof_map *dof_map, int32_t constraint_count,
+                             const bwi_constraint *constraint, const double *inertia,
                              const bw_dof_map *previous) {
   const bw_mesh *mesh = dof_map->mesh;
   bw_status status = BW_OK;
   size_t capacity = 0, bodies = (size_t)mesh->component_count;
   double(*row)[6] = NULL;
   int64_t *start = BW_NEW0(context, int64_t, bodies + 1);
-  int32_t *order = BW_NEW(context, int32_t, hold_count);
+  int32_t *order = BW_NEW(context, int32_t, constraint_count);
   if (!start || !order) {
     status = BW_MEMORY;
     goto done;
   }
-  /* holds by body */
-  for (int32_t h = 0; h < hold_count; h++)
-    start[mesh->component[hold[h].node] + 1]++;
+  /* constraints by body */
+  for (int32_t h = 0; h < constraint_count; h++)
+    start[mesh->component[constraint[h].node] + 1]++;
   int64_t max = 0;
   for (size_t body = 0; body < bodies; body++) {
     max = start[body + 1] > max ? start[body + 1] : max;
     start[body + 1] += start[body];
   }
-  for (int32_t h = hold_count - 1; h >= 0; h--) /* backwards, with ends as cursors, then restored */
-    order[--start[mesh->component[hold[h].node] + 1]] = h;
+  for (int32_t h = constraint_count - 1; h >= 0;
+       h--) /* backwards, with ends as cursors, then restored */
+    order[--start[mesh->component[constraint[h].node] + 1]] = h;
   for (size_t body = 0; body < bodies; body++)
     start[body] = start[body + 1];
-  start[bodies] = hold_count;
+  start[bodies] = constraint_count;
   row = (double(*)[6])bw_alloc(context, 3 * (size_t)max, sizeof *row);
   if (!row) {
     status = BW_MEMORY;
@@ -171,7 +172,7 @@ static bw_status free_bodies(bw_context *context, bw_dof_map *dof_map, int32_t h
     double length = sqrt((j[0] + j[4] + j[8]) / 2); /* radius of gyration */
     int64_t rows = 0;
     for (int64_t o = start[body]; o < start[body + 1]; o++) {
-      const bwi_hold *at = &hold[order[o]];
+      const bwi_constraint *at = &constraint[order[o]];
       const double *x = mesh->node + 3 * (size_t)at->node;
       double y[3] = {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]};
       for (int i = 0; i < at->count; i++, rows++) {
@@ -182,16 +183,16 @@ static bw_status free_bodies(bw_context *context, bw_dof_map *dof_map, int32_t h
       }
     }
     BW_TRY(bw_check_cancel(context));
-    if (!bw_grow(context, (void **)&dof_map->motion, &capacity, (size_t)dof_map->motion_count, 6,
-                 sizeof *dof_map->motion)) {
+    if (!bw_grow(context, (void **)&dof_map->motion, &capacity, (size_t)dof_map->rigid_mode_count,
+                 6, sizeof *dof_map->motion)) {
       status = BW_MEMORY;
       goto done;
     }
-    bw_rigid_mode *motion = dof_map->motion + dof_map->motion_count;
+    bw_rigid_mode *motion = dof_map->motion + dof_map->rigid_mode_count;
     int count = bwi_rigid_modes(dof_map, body, j, length, rows, (const double(*)[6])row, motion);
-    BW_TRY(bwi_pin(context, dof_map, body, count, motion, length, previous));
-    dof_map->motion_count += count;
-    dof_map->motion_start[body + 1] = dof_map->motion_count;
+    BW_TRY(bwi_add_isostatic(context, dof_map, body, count, motion, length, previous));
+    dof_map->rigid_mode_count += count;
+    dof_map->motion_start[body + 1] = dof_map->rigid_mode_count;
   }
 done:
   bw_free(row);
@@ -247,13 +248,13 @@ static bool is_consistent(const bw_dof_map *dof_map) {
     for (int32_t k = dof_map->body_start[b]; k < dof_map->body_start[b + 1]; k++)
       if (mesh->component[dof_map->body_node[k]] != b)
         return false;
-  return count == dof_map->unknown_count && isostatic == dof_map->motion_count &&
+  return count == dof_map->unknown_count && isostatic == dof_map->rigid_mode_count &&
          dof_map->body_start[mesh->component_count] == mesh->node_count;
 }
 #endif
 
-bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t hold_count,
-                     const bwi_hold *hold, const bwi_follow *follow, bw_dof_map **out) {
+bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t constraint_count,
+                     const bwi_constraint *constraint, const bwi_follow *follow, bw_dof_map **out) {
   size_t nodes = (size_t)mesh->node_count, bodies = (size_t)mesh->component_count;
   double *inertia = NULL;
   bw_status status = BW_OK;
@@ -295,11 +296,11 @@ bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t hold_coun
   dof_map->body_start[bodies] = mesh->node_count;
 
   BW_TRY(bwi_moments(context, dof_map, inertia));
-  BW_TRY(apply_holds(context, dof_map, hold_count, hold, follow));
+  BW_TRY(apply_constraints(context, dof_map, constraint_count, constraint, follow));
   if (follow)
     BW_TRY(take_frames(context, dof_map, follow));
-  BW_TRY(
-      free_bodies(context, dof_map, hold_count, hold, inertia, follow ? follow->previous : NULL));
+  BW_TRY(free_bodies(context, dof_map, constraint_count, constraint, inertia,
+                     follow ? follow->previous : NULL));
   for (size_t i = 0; i < 3 * nodes; i++)
     dof_map->unknown[i] = dof_map->state[i] == BW_DOF_UNKNOWN ? dof_map->unknown_count++ : -1;
   assert(is_consistent(dof_map));
@@ -317,12 +318,12 @@ bw_status bw_dof_map_unconstrained(bw_context *context, const bw_mesh *mesh, bw_
 
 bw_status bw_dof_map_create(bw_context *context, const bw_model *model, bw_dof_map **dof_map) {
   int32_t count = 0;
-  bwi_hold *hold = NULL;
+  bwi_constraint *constraint = NULL;
   bw_status status;
-  BW_TRY(bwi_holds_of(context, model, &count, &hold));
-  BW_TRY(bwi_number(context, model->mesh, count, hold, NULL, dof_map));
+  BW_TRY(bwi_node_constraints(context, model, &count, &constraint));
+  BW_TRY(bwi_number(context, model->mesh, count, constraint, NULL, dof_map));
 done:
-  bw_free(hold);
+  bw_free(constraint);
   return status;
 }
 
@@ -335,7 +336,7 @@ bw_status bw_dof_map_describe_rigid_modes(bw_context *context, const bw_dof_map 
                                           char **text) {
   bwi_text out = {.context = context};
   int32_t bodies = dof_map->mesh->component_count, named = 0, more = 0;
-  if (dof_map->motion_count == 0)
+  if (dof_map->rigid_mode_count == 0)
     bwi_text_add(&out, "no rigid-body mode is unconstrained");
   for (int32_t body = 0; body < bodies; body++) {
     int32_t first = dof_map->motion_start[body], next = dof_map->motion_start[body + 1];

@@ -19,7 +19,7 @@ void bwi_boundary_normal(const bw_mesh *mesh, int32_t facet, const double baryce
     for (int i = 0; i < 3; i++)
       g[k][i] += slope * x[i];
   }
-  for (int k = 0; k < 3 && mesh->order == 2; k++) { /* middles ab bc ca: N = 4 La Lb */
+  for (int k = 0; k < 3 && mesh->order == 2; k++) { /* mid-edge nodes ab bc ca: N = 4 La Lb */
     const double *x = mesh->node + 3 * (size_t)node[3 + k];
     int l = (k + 1) % 3;
     for (int i = 0; i < 3; i++) {

@@ -3,9 +3,9 @@
  *
  * Invariants: rows 0 .. S - 1 of `frame` are those of supports, rows S .. S + subdomain_count - 1
  * those of the subdomains, whether a node uses them or not. A node takes the frame of its subdomain
- * when its three components are all held or none is: then any frame serves. A node where some are
- * held keeps the directions in which it is held. Pins are chosen after that, so that a pin of a
- * body that turns turns with it. */
+ * when its three components are all constrained or none is: then any frame serves. A node where
+ * some are constrained keeps these directions. Isostatic constraints are chosen after that, so that
+ * one of a body that turns turns with it. */
 #include <string.h>
 
 #include "model/internal.h"
@@ -15,7 +15,7 @@ bw_status bw_dof_map_follow(bw_context *context, const bw_model *model, const bw
                             const double *frame, bool *same, bw_dof_map **out) {
   bw_status status;
   int32_t count = 0;
-  bwi_hold *hold = NULL;
+  bwi_constraint *constraint = NULL;
   const bw_mesh *mesh = model->mesh;
   const bwi_follow follow = {previous, subdomain_count, node_subdomain, frame};
   if (previous && (previous->mesh->node_count != mesh->node_count ||
@@ -23,10 +23,10 @@ bw_status bw_dof_map_follow(bw_context *context, const bw_model *model, const bw
     return bw_fail(context, BW_INVALID,
                    "the DOF map to follow is of a mesh of %d nodes, the model's mesh has %d",
                    previous->mesh->node_count, mesh->node_count);
-  BW_TRY(bwi_holds_of(context, model, &count, &hold));
-  BW_TRY(bwi_number(context, mesh, count, hold, &follow, out));
+  BW_TRY(bwi_node_constraints(context, model, &count, &constraint));
+  BW_TRY(bwi_number(context, mesh, count, constraint, &follow, out));
   *same = previous && memcmp(previous->state, (*out)->state, 3 * (size_t)mesh->node_count) == 0;
 done:
-  bw_free(hold);
+  bw_free(constraint);
   return status;
 }

@@ -29,8 +29,8 @@ static void fix(conditions *c, int32_t node, int direction, double value) {
   c->fixed_value[c->fixed_count++] = value;
 }
 
-/* What is held at a node with its own frame, one or two directions (three hold it altogether and
- * need no frame). Each equation must name a component that no other does, so two directions are
+/* What is constrained at a node with its own frame, one or two directions (three fix it altogether
+ * and need no frame). Each equation must name a component that no other does, so two directions are
  * written as u_i = (t_i / t_k) u_k with the one free direction t, k its largest component. */
 static bw_status oblique_node(bw_context *context, const bw_dof_map *dof_map, int32_t node,
                               conditions *c) {
@@ -46,15 +46,15 @@ static bw_status oblique_node(bw_context *context, const bw_dof_map *dof_map, in
         "file cannot express both; prescribe the displacement along x, y, z instead",
         node + 1, at);
   }
-  int held = 0;
-  for (int k = 0; k < 3; k++) /* pins are wanted here too: they come as held directions */
-    held += state[k] != BW_DOF_UNKNOWN;
-  if (held == 3) {
+  int constrained = 0;
+  for (int k = 0; k < 3; k++) /* isostatic constraints are wanted here too */
+    constrained += state[k] != BW_DOF_UNKNOWN;
+  if (constrained == 3) {
     for (int k = 0; k < 3; k++)
       fix(c, node, k, 0);
     return BW_OK;
   }
-  if (held == 1) {
+  if (constrained == 1) {
     int k = state[0] != BW_DOF_UNKNOWN ? 0 : state[1] != BW_DOF_UNKNOWN ? 1 : 2;
     c->equation_node[c->equation_count] = node;
     memcpy(c->equation_normal + 3 * c->equation_count, frame + 3 * k, 3 * sizeof *frame);
@@ -132,7 +132,7 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
   int64_t max = 0;
   for (size_t i = 0; i < 3 * (size_t)mesh->node_count; i++)
     if (dof_map->state[i] != BW_DOF_UNKNOWN)
-      max += 2; /* two conditions at most for one held direction */
+      max += 2; /* two conditions at most for one constrained direction */
   c.fixed_node = BW_NEW(context, int32_t, max);
   c.fixed_direction = BW_NEW(context, int, max);
   c.fixed_value = BW_NEW(context, double, max);

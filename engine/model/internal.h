@@ -23,17 +23,19 @@ bw_status bwi_refined_array(bw_context *context, const bw_refinement *refinement
                             const bw_mesh *from, const bw_mesh *mesh, const bw_array *array,
                             bool interpolated, bw_array **refined);
 
-/* ---- hold.c ---------------------------------------------------------------------------------- */
+/* ---- constraint.c
+ * ---------------------------------------------------------------------------------- */
 
-/* What the supports hold at each node: an orthonormal set of directions with values. */
-typedef struct bwi_hold {
+/* What the supports constrain at each node: an orthonormal set of directions with values. */
+typedef struct bwi_constraint {
   int32_t node;
   int count;              /* 1..3 */
   double direction[3][3]; /* orthonormal */
   double value[3];        /* displacement along each */
-} bwi_hold;
-/* The held nodes of a model, ascending. Release with bw_free. */
-bw_status bwi_holds_of(bw_context *context, const bw_model *model, int32_t *count, bwi_hold **hold);
+} bwi_constraint;
+/* The constrained nodes of a model, ascending. Release with bw_free. */
+bw_status bwi_node_constraints(bw_context *context, const bw_model *model, int32_t *count,
+                               bwi_constraint **constraint);
 
 /* ---- moments.c, rigid.c, motions.c ----------------------------------------------------------- */
 
@@ -44,7 +46,7 @@ bw_status bwi_moments(bw_context *context, bw_dof_map *dof_map, double *inertia)
 /* m = integral of N and q = integral of N x (4 numbers per node) of one element. */
 void bwi_element_moments(int order, const double (*x)[3], double volume, double (*moment)[4]);
 
-/* The motions of one body that `row_count` rows of held components leave free. A row is
+/* The motions of one body that `row_count` rows of constrained components leave free. A row is
  * [direction, y x direction / length] with y from the body's centre. At most 6; fills motion[]. */
 int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double inertia[9],
                     double length, int64_t row_count, const double (*row)[6],
@@ -57,17 +59,20 @@ void bwi_motion_at(const bw_rigid_mode *motion, const double x[3], double u[3]);
 
 /* What a DOF map of an edited shape follows. */
 typedef struct bwi_follow {
-  const bw_dof_map *previous; /* of the same topology, or NULL: its pins stay where they serve */
+  const bw_dof_map *
+      previous; /* of the same topology, or NULL: its isostatic constraints stay where they serve */
   int32_t subdomain_count;
   const int32_t *node_subdomain;
   const double *frame; /* subdomain_count x 9 */
 } bwi_follow;
-/* The DOF map of what is held; `follow` may be NULL. */
-bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t hold_count,
-                     const bwi_hold *hold, const bwi_follow *follow, bw_dof_map **dof_map);
-/* Mark the pins of a body that has `count` rigid-body modes and the radius of gyration `length`. */
-bw_status bwi_pin(bw_context *context, bw_dof_map *dof_map, int32_t body, int count,
-                  const bw_rigid_mode *motion, double length, const bw_dof_map *previous);
+/* The DOF map of what is constrained; `follow` may be NULL. */
+bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t constraint_count,
+                     const bwi_constraint *constraint, const bwi_follow *follow,
+                     bw_dof_map **dof_map);
+/* Mark the isostatic constraints of a body that has `count` rigid-body modes and the radius of
+ * gyration `length`. */
+bw_status bwi_add_isostatic(bw_context *context, bw_dof_map *dof_map, int32_t body, int count,
+                            const bw_rigid_mode *motion, double length, const bw_dof_map *previous);
 
 /* ---- facet.c --------------------------------------------------------------------------------- */
 
@@ -75,9 +80,9 @@ bw_status bwi_pin(bw_context *context, bw_dof_map *dof_map, int32_t body, int co
  * unit of parameter area covers. */
 void bwi_boundary_normal(const bw_mesh *mesh, int32_t facet, const double barycentric[3],
                          double normal[3]);
-/* The same at the facet's own node k: corners 0..2, middles 3..5. */
+/* The same at the facet's own node k: corners 0..2, mid-edge nodes 3..5. */
 void bwi_boundary_normal_at(const bw_mesh *mesh, int32_t facet, int k, double normal[3]);
-/* All middles on the middles of their edges (true for order 1). */
+/* All mid-edge nodes at the midpoints of their edges (true for order 1). */
 bool bwi_boundary_is_straight(const bw_mesh *mesh, int32_t facet);
 
 /* Integration points of a facet: at most BW_QUADRATURE_POINTS. */

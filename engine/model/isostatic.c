@@ -11,16 +11,16 @@
 
 #include "model/internal.h"
 
-/* Pins are looked for within this many radii of gyration: the far tips of thin limbs are soft and
+/* They are looked for within this many radii of gyration: the far tips of thin limbs are soft and
  * would make the matrix ill-conditioned. */
 #define PIN_REACH 1.5
-/* A pin this weak (relative to the first) calls for looking at all nodes. */
+/* A constraint this weak (relative to the first) calls for looking at all nodes. */
 #define PIN_WEAK 0.1
 /* So many nodes of a body, evenly spread over their numbers, are looked at before that. */
 enum { PIN_CANDIDATES = 4096 };
 
-/* Pins of a shape before it was edited stay as long as none is weaker than this, relative to the
- * first, and all lie within PIN_STAYS radii of gyration. */
+/* Constraints of a shape before it was edited stay as long as none is weaker than this, relative to
+ * the first, and all lie within PIN_STAYS radii of gyration. */
 #define PIN_POOR 0.03
 #define PIN_STAYS 3.0
 
@@ -31,16 +31,16 @@ static void direction_of(const bw_dof_map *dof_map, int32_t node, int k, double 
     d[l] = frame < 0 ? k == l : dof_map->frame[9 * (size_t)frame + (size_t)(3 * k + l)];
 }
 
-/* Pin `count` components of a body whose first motion is `motion`; false when the rigid-body modes
- * cannot be told apart at the candidates: every stride-th node within `reach` of the centre, and of
- * those (with `among`) only the pins of that DOF map. */
+/* Constrain `count` components of a body whose first motion is `motion`; false when the rigid-body
+ * modes cannot be told apart at the candidates: every stride-th node within `reach` of the centre,
+ * and of those (with `among`) only the isostatic constraints of that DOF map. */
 static bool pick_pins(const bw_dof_map *dof_map, int32_t body, int count,
                       const bw_rigid_mode *motion, double reach, int32_t stride, double weakest,
-                      const bw_dof_map *among, int32_t *pin_node, int *pin_direction) {
+                      const bw_dof_map *among, int32_t *chosen_node, int *chosen_direction) {
   const bw_mesh *mesh = dof_map->mesh;
   const double *centre = dof_map->body_centre + 3 * (size_t)body;
   double done[6][6], first = 0;
-  for (int pin = 0; pin < count; pin++) {
+  for (int chosen = 0; chosen < count; chosen++) {
     double best = 0, best_row[6] = {0};
     for (int64_t j = dof_map->body_start[body]; j < dof_map->body_start[body + 1]; j += stride) {
       int32_t i = dof_map->body_node[j];
@@ -60,7 +60,7 @@ static bool pick_pins(const bw_dof_map *dof_map, int32_t body, int count,
         for (int m = 0; m < count; m++)
           row[m] = bw_dot(d, u[m]);
         for (int pass = 0; pass < 2; pass++)
-          for (int p = 0; p < pin; p++) {
+          for (int p = 0; p < chosen; p++) {
             double part = 0;
             for (int m = 0; m < count; m++)
               part += row[m] * done[p][m];
@@ -72,38 +72,41 @@ static bool pick_pins(const bw_dof_map *dof_map, int32_t body, int count,
         if (size > best * (1 + 1e-6)) { /* ties go to the first, whatever the rounding */
           best = size;
           memcpy(best_row, row, sizeof row);
-          pin_node[pin] = i;
-          pin_direction[pin] = k;
+          chosen_node[chosen] = i;
+          chosen_direction[chosen] = k;
         }
       }
     }
     best = sqrt(best);
-    if (pin == 0)
+    if (chosen == 0)
       first = best;
     if (!(best > weakest * first) || best == 0)
       return false;
     for (int m = 0; m < count; m++)
-      done[pin][m] = best_row[m] / best;
+      done[chosen][m] = best_row[m] / best;
   }
   return true;
 }
 
-bw_status bwi_pin(bw_context *context, bw_dof_map *dof_map, int32_t body, int count,
-                  const bw_rigid_mode *motion, double length, const bw_dof_map *previous) {
-  int32_t pin_node[6];
-  int pin_direction[6];
+bw_status bwi_add_isostatic(bw_context *context, bw_dof_map *dof_map, int32_t body, int count,
+                            const bw_rigid_mode *motion, double length,
+                            const bw_dof_map *previous) {
+  int32_t chosen_node[6];
+  int chosen_direction[6];
   int32_t nodes = dof_map->body_start[body + 1] - dof_map->body_start[body];
   if (previous && previous->motion_start[body + 1] - previous->motion_start[body] != count)
     previous = NULL;
   if (!(previous && pick_pins(dof_map, body, count, motion, PIN_STAYS * length, 1, PIN_POOR,
-                              previous, pin_node, pin_direction)) &&
+                              previous, chosen_node, chosen_direction)) &&
       !pick_pins(dof_map, body, count, motion, PIN_REACH * length, nodes / PIN_CANDIDATES + 1,
-                 PIN_WEAK, NULL, pin_node, pin_direction) &&
-      !pick_pins(dof_map, body, count, motion, HUGE_VAL, 1, 1e-9, NULL, pin_node, pin_direction))
-    return bw_fail(context, BW_INTERNAL,
-                   "body %d has %d unconstrained rigid-body modes that its nodes cannot tell apart",
-                   body + 1, count);
+                 PIN_WEAK, NULL, chosen_node, chosen_direction) &&
+      !pick_pins(dof_map, body, count, motion, HUGE_VAL, 1, 1e-9, NULL, chosen_node,
+                 chosen_direction))
+    return bw_fail(
+        context, BW_INTERNAL,
+        "body %d has %d unconstrained rigid-body modes that its nodes cannot distinguish", body + 1,
+        count);
   for (int p = 0; p < count; p++)
-    dof_map->state[3 * (size_t)pin_node[p] + (size_t)pin_direction[p]] = BW_DOF_ISOSTATIC;
+    dof_map->state[3 * (size_t)chosen_node[p] + (size_t)chosen_direction[p]] = BW_DOF_ISOSTATIC;
   return BW_OK;
 }

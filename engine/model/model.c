@@ -93,13 +93,13 @@ static bw_status check_finite(bw_context *context, const char *what, const doubl
   return BW_OK;
 }
 
-/* Where this share of the area that a selection probably means is missing, it warns. */
-static const double missed_share = 0.1;
+/* Where this fraction of the area that a selection probably means is missing, it warns. */
+static const double missed_fraction = 0.1;
 
 static void warn_of_missed_area(bw_context *context, const bw_selection *on, const char *what) {
   double area = bw_selection_area(on), whole = area + on->missed_area;
   char covered[40], meant[40];
-  if (!(on->missed_area > missed_share * whole))
+  if (!(on->missed_area > missed_fraction * whole))
     return;
   bwi_number_string(covered, sizeof covered, area, 4, 0);
   bwi_number_string(meant, sizeof meant, whole, 4, 0);
@@ -195,7 +195,7 @@ bw_status bwi_model_add_support(bw_context *context, bw_model *model, const bw_s
 }
 
 bw_status bw_model_fix(bw_context *context, bw_model *model, const bw_selection *on) {
-  bw_support support = {.on = on, .held = {true, true, true}};
+  bw_support support = {.on = on, .fixed = {true, true, true}};
   bw_status status = check_selection(context, model, on, true, "a fixed support");
   return status != BW_OK ? status : bwi_model_add_support(context, model, &support);
 }
@@ -224,18 +224,18 @@ done:
 }
 
 bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_selection *on,
-                             const bool held[3], const double value[3]) {
-  bw_support support = {.on = on, .held = {held[0], held[1], held[2]}};
+                             const bool fixed[3], const double value[3]) {
+  bw_support support = {.on = on, .fixed = {fixed[0], fixed[1], fixed[2]}};
   bw_status status;
   BW_TRY(check_selection(context, model, on, true, "a prescribed displacement"));
-  if (!held[0] && !held[1] && !held[2]) {
+  if (!fixed[0] && !fixed[1] && !fixed[2]) {
     status =
         bw_fail(context, BW_INVALID,
                 "a prescribed displacement constrains no direction: give a number for x, y or z");
     goto done;
   }
   for (int k = 0; k < 3; k++)
-    support.value[k] = held[k] && value ? value[k] : 0;
+    support.value[k] = fixed[k] && value ? value[k] : 0;
   BW_TRY(check_finite(context, "prescribed displacement", support.value));
   BW_TRY(bwi_model_add_support(context, model, &support));
 done:
@@ -243,11 +243,11 @@ done:
 }
 
 bw_status bw_model_prescribe_field(bw_context *context, bw_model *model, const bw_selection *on,
-                                   const bool held[3], const bw_array *field) {
-  bw_support support = {.on = on, .held = {held[0], held[1], held[2]}, .field = field};
+                                   const bool fixed[3], const bw_array *field) {
+  bw_support support = {.on = on, .fixed = {fixed[0], fixed[1], fixed[2]}, .field = field};
   bw_status status;
   BW_TRY(check_selection(context, model, on, true, "a prescribed displacement"));
-  if (!held[0] && !held[1] && !held[2]) {
+  if (!fixed[0] && !fixed[1] && !fixed[2]) {
     status =
         bw_fail(context, BW_INVALID,
                 "a prescribed displacement constrains no direction: give a number for x, y or z");

@@ -3,8 +3,8 @@
  *
  * A rigid-body motion about the body's centre of volume c is u(x) = t + w x y, y = x - c. In the
  * tests below rotations are measured by the displacement they cause at the body's radius of
- * gyration L: a motion is the six numbers (t, L w), and a held component d . u(x) is the row (d, y
- * x d / L). */
+ * gyration L: a motion is the six numbers (t, L w), and a constrained component d . u(x) is the row
+ * (d, y x d / L). */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -12,8 +12,8 @@
 #include "base/dense.h"
 #include "model/internal.h"
 
-/* A component is held when what is left of its row (size about 1) is above this. Positions from
- * single-precision files carry relative noise of 1e-7, which must not count as a support. */
+/* A component is constrained when what is left of its row (size about 1) is above this. Positions
+ * from single-precision files carry relative noise of 1e-7, which must not count as a support. */
 #define HELD_TOLERANCE 1e-6
 /* Principal moments that agree to this are taken as equal, and their axes along x, y, z. */
 #define EQUAL_MOMENTS 1e-7
@@ -100,9 +100,9 @@ static void align(int count, const double (*v)[3], double (*coefficient)[6]) {
 
 /* ---- which motions are free ------------------------------------------------------------------ */
 
-/* An orthonormal basis of the motions (t, L w) that no row holds. */
+/* An orthonormal basis of the motions (t, L w) that no row constrains. */
 static int free_space(int64_t row_count, const double (*row)[6], double (*basis)[6]) {
-  double held[6][6];
+  double constrained[6][6];
   int rank = 0;
   for (; rank < 6; rank++) { /* the row that adds most: rank by pivoting, whatever their number */
     double best = HELD_TOLERANCE;
@@ -110,19 +110,19 @@ static int free_space(int64_t row_count, const double (*row)[6], double (*basis)
     for (int64_t r = 0; r < row_count; r++) {
       double a[6];
       memcpy(a, row[r], sizeof a);
-      double size = deflate(6, a, rank, (const double(*)[6])held);
+      double size = deflate(6, a, rank, (const double(*)[6])constrained);
       if (size > best) {
         best = size;
         found = true;
         for (int k = 0; k < 6; k++)
-          held[rank][k] = a[k] / size;
+          constrained[rank][k] = a[k] / size;
       }
     }
     if (!found)
       break;
   }
   double all[6][6];
-  memcpy(all, held, sizeof all);
+  memcpy(all, constrained, sizeof all);
   for (int j = rank; j < 6; j++) {
     double best = 0;
     for (int k = 0; k < 6; k++) {

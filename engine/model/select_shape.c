@@ -11,7 +11,7 @@
  * size is the distance from the border on both sides. */
 typedef double distance_function(const void *shape, const double x[3]);
 
-/* A facet lies along the border of a shape where its corners are nearer to it than this share of
+/* A facet lies along the border of a shape where its corners are nearer to it than this fraction of
  * the facet's size (the root of its area). */
 static const double along_border = 0.05;
 

@@ -26,13 +26,13 @@ typedef struct finder {
   bwi_seams seams;
   double poisson;
   double *normal;  /* per facet, unit outward */
-  uint8_t *corner; /* per facet: bw_corner, BW_CORNER_FREE where nothing holds it */
+  uint8_t *corner; /* per facet: bw_corner, BW_CORNER_FREE where nothing constrains it */
 } finder;
 
 /* ---- borders of supports --------------------------------------------------------------------- */
 
-/* Which of the facet's displacements a support holds, as bits of directions. A support along the
- * facet's normal alone is no bit, and `slides` then. */
+/* Which of the facet's displacements a support constrains, as bits of directions. A support along
+ * the facet's normal alone is no bit, and `slides` then. */
 static uint8_t bits_of(const bw_support *support, const double normal[3], bool *slides) {
   const double *n = support->normal;
   uint8_t bits = 0;
@@ -44,7 +44,7 @@ static uint8_t bits_of(const bw_support *support, const double normal[3], bool *
     return 0;
   }
   for (int k = 0; k < 3; k++)
-    if (support->held[k])
+    if (support->fixed[k])
       bits |= (uint8_t)(HELD_X << k);
   for (int k = 0; k < 3; k++)
     if (bits == HELD_X << k && fabs(normal[k]) > along_normal) {
@@ -81,7 +81,7 @@ static void along_face(bwi_seam *seam, const bwi_topology *top, int64_t side,
     seam->inward[k] /= size;
 }
 
-/* Edges between a facet that is held like this and a free one. */
+/* Edges between a facet that is constrained like this and a free one. */
 static bw_status find_borders(finder *f, const bwi_topology *top, const bw_faces *faces,
                               bw_corner corner) {
   f->seams.count = 0;
@@ -101,7 +101,8 @@ static bw_status find_borders(finder *f, const bwi_topology *top, const bw_faces
                     f->normal + 3 * (size_t)t1, f->normal + 3 * (size_t)t2, seam.inward);
     if (corner == BW_CORNER_SLIDING && 2 * seam.angle - pi <= facet_margin)
       continue;
-    if (corner == BW_CORNER_SLIDING) /* the bisector of the whole wedge lies in the held face */
+    if (corner ==
+        BW_CORNER_SLIDING) /* the bisector of the whole wedge lies in the constrained face */
       along_face(&seam, top, side[first ? 0 : 1], f->normal);
     bw_status status = bwi_seams_add(f->context, &f->seams, &seam);
     if (status != BW_OK)

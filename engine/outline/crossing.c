@@ -333,10 +333,10 @@ static int sweep_axis(const piece *pieces, int32_t count) {
 
 static bw_status check_pair(bw_context *context, contact *c, const bw_loop *loop,
                             const piece *pieces, const piece *p, const piece *q) {
-  bool fine = &pieces[p->next] == q   ? meet_once(c, &p->curve, &q->curve)
-              : &pieces[q->next] == p ? meet_once(c, &q->curve, &p->curve)
-                                      : apart(c, &p->curve, &q->curve);
-  if (fine)
+  bool ok = &pieces[p->next] == q   ? meet_once(c, &p->curve, &q->curve)
+            : &pieces[q->next] == p ? meet_once(c, &q->curve, &p->curve)
+                                    : apart(c, &p->curve, &q->curve);
+  if (ok)
     return BW_OK;
   return fail_contact(context, c, loop, p->segment <= q->segment ? p : q,
                       p->segment <= q->segment ? q : p);

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Laplacian smoothing of a loop: each point of the control polygon moves towards the middle of its
- * two neighbours. Corners are told once, from the loop as it is, and stay; so do points between two
- * lines that make no angle. */
+ * two neighbours. Corners are recognised once, from the loop as it is, and stay; so do points
+ * between two lines that make no angle. */
 #include <math.h>
 #include <string.h>
 

@@ -48,7 +48,7 @@ typedef struct bwi_solid {
   bool edges; /* every facet's edges are drawn */
   bool quads; /* facets 2 q and 2 q + 1 are halves of one: their common edge, from corner 2 to 0 of
                  the first, is not drawn */
-  const int32_t *category; /* triangle_count, or NULL: colours that tell apart, without values */
+  const int32_t *category; /* triangle_count, or NULL: colours of categories, without values */
   bool turned;             /* a closed surface that faces inwards: its inside is what is seen */
 } bwi_solid;
 /* Normals averaged over the facets around each corner that make less than `crease` with its own,

@@ -92,9 +92,9 @@ bw_status bwi_occlude(bw_context *context, bwi_image *image, double radius) {
     goto done;
   for (int cell = 0; cell < PATTERN * PATTERN; cell++)
     for (int p = 0; p < PLACES; p++) {
-      double share = (p + (cell * 7 % 16 + 0.5) / 16) / PLACES;
+      double fraction = (p + (cell * 7 % 16 + 0.5) / 16) / PLACES;
       double angle = 2.399963229728653 * p + 6.283185307179586 * (cell * 5 % 16) / 16;
-      double away = radius * pow(share, 0.75) + 1;
+      double away = radius * pow(fraction, 0.75) + 1;
       j->place[cell][p][0] = (float)(away * cos(angle));
       j->place[cell][p][1] = (float)(away * sin(angle));
     }

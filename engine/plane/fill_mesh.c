@@ -86,11 +86,11 @@ static bw_status open_flipping(bw_context *context, const bw_outline *outline,
       element[3 * (size_t)e + (size_t)k] = number[n[(first + k) % 3]];
     region[e] = outline->loop[filling->loop[from]].region;
   }
-  status = bwi_plane_nodes_own(context, 1, nodes, nodes, segments, parameters, &made);
+  status = bwi_plane_nodes_adopt(context, 1, nodes, nodes, segments, parameters, &made);
   segments = NULL;
   parameters = NULL;
   BW_TRY(status);
-  status = bwi_plane_topology_own(context, made, outline, elements, element, region, topology);
+  status = bwi_plane_topology_adopt(context, made, outline, elements, element, region, topology);
   element = region = NULL;
   BW_TRY(status);
   BW_TRY(bwi_edge_flips_open(context, *topology, point, flipping));
@@ -240,17 +240,17 @@ bw_status bwi_fill_mesh(bw_context *context, const bw_outline *outline,
     goto done;
   }
   memcpy(region, corners->region, (size_t)filling->element_count * sizeof *region);
-  status = bwi_plane_nodes_own(context, order, nodes, corners->nodes->corner_count, segment,
-                               parameter, &made);
+  status = bwi_plane_nodes_adopt(context, order, nodes, corners->nodes->corner_count, segment,
+                                 parameter, &made);
   segment = NULL;
   parameter = NULL;
   BW_TRY(status);
-  status = bwi_plane_topology_own(context, made, outline, filling->element_count, element, region,
-                                  &topology);
+  status = bwi_plane_topology_adopt(context, made, outline, filling->element_count, element, region,
+                                    &topology);
   element = region = NULL;
   BW_TRY(status);
   *fits = bwi_plane_worst(topology, point, &which) > 1e-3;
-  status = bwi_plane_mesh_own(context, topology, outline, point, mesh);
+  status = bwi_plane_mesh_adopt(context, topology, outline, point, mesh);
   point = NULL;
 done:
   bwi_edge_flips_clear(&flipping);

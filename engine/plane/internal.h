@@ -17,14 +17,14 @@ static inline int bwi_plane_width(const bw_plane_nodes *nodes) {
 /* ---- making (mesh.c, topology.c) --------------------------------------------------------------
  * Each call takes the arrays over, also when it fails. */
 
-bw_status bwi_plane_nodes_own(bw_context *context, int order, int32_t nodes, int32_t corners,
-                              int32_t *segment, double *parameter, bw_plane_nodes **out);
+bw_status bwi_plane_nodes_adopt(bw_context *context, int order, int32_t nodes, int32_t corners,
+                                int32_t *segment, double *parameter, bw_plane_nodes **out);
 /* Neighbours are found, sides follow from the nodes' places on the outline; both are checked. */
-bw_status bwi_plane_topology_own(bw_context *context, const bw_plane_nodes *nodes,
-                                 const bw_outline *outline, int32_t elements, int32_t *element,
-                                 int32_t *region, bw_plane_topology **out);
-bw_status bwi_plane_mesh_own(bw_context *context, const bw_plane_topology *topology,
-                             const bw_outline *outline, double *point, bw_plane_mesh **out);
+bw_status bwi_plane_topology_adopt(bw_context *context, const bw_plane_nodes *nodes,
+                                   const bw_outline *outline, int32_t elements, int32_t *element,
+                                   int32_t *region, bw_plane_topology **out);
+bw_status bwi_plane_mesh_adopt(bw_context *context, const bw_plane_topology *topology,
+                               const bw_outline *outline, double *point, bw_plane_mesh **out);
 /* A topology whose arrays are all given (side arrays are those of `like`, but for the elements). */
 bw_status bwi_plane_topology_like(bw_context *context, const bw_plane_topology *like,
                                   int32_t *element, int32_t *neighbour, int32_t *side_element,

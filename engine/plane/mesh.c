@@ -29,8 +29,8 @@ static size_t nodes_bytes(const void *object) {
 
 static const bw_kind nodes_kind = {"plane nodes", nodes_destroy, nodes_bytes};
 
-bw_status bwi_plane_nodes_own(bw_context *context, int order, int32_t nodes, int32_t corners,
-                              int32_t *segment, double *parameter, bw_plane_nodes **out) {
+bw_status bwi_plane_nodes_adopt(bw_context *context, int order, int32_t nodes, int32_t corners,
+                                int32_t *segment, double *parameter, bw_plane_nodes **out) {
   bw_plane_nodes *made = BW_NEW0(context, bw_plane_nodes, 1);
   if (!made) {
     bw_free(segment);
@@ -62,8 +62,8 @@ static size_t mesh_bytes(const void *object) {
 
 static const bw_kind mesh_kind = {"plane mesh", mesh_destroy, mesh_bytes};
 
-bw_status bwi_plane_mesh_own(bw_context *context, const bw_plane_topology *topology,
-                             const bw_outline *outline, double *point, bw_plane_mesh **out) {
+bw_status bwi_plane_mesh_adopt(bw_context *context, const bw_plane_topology *topology,
+                               const bw_outline *outline, double *point, bw_plane_mesh **out) {
   bw_plane_mesh *made = BW_NEW0(context, bw_plane_mesh, 1);
   if (!made) {
     bw_free(point);
@@ -274,17 +274,17 @@ bw_status bw_plane_mesh_on(bw_context *context, const bw_outline *outline, int o
   memcpy(corner, element, width * (size_t)elements * sizeof *corner);
   if (region)
     memcpy(regions, region, (size_t)elements * sizeof *regions);
-  status = bwi_plane_nodes_own(context, order, nodes, corners, segments, parameters, &made_nodes);
+  status = bwi_plane_nodes_adopt(context, order, nodes, corners, segments, parameters, &made_nodes);
   segments = NULL;
   parameters = NULL;
   BW_TRY(status);
   BW_TRY(check_places(context, made_nodes, outline, points));
   status =
-      bwi_plane_topology_own(context, made_nodes, outline, elements, corner, regions, &topology);
+      bwi_plane_topology_adopt(context, made_nodes, outline, elements, corner, regions, &topology);
   corner = regions = NULL;
   BW_TRY(status);
   BW_TRY(check_elements(context, topology, points));
-  status = bwi_plane_mesh_own(context, topology, outline, points, mesh);
+  status = bwi_plane_mesh_adopt(context, topology, outline, points, mesh);
   points = NULL;
 done:
   bw_release(made_nodes);
@@ -320,7 +320,7 @@ bw_status bw_plane_mesh_moved(bw_context *context, const bw_plane_mesh *mesh,
   if (!points)
     return BW_MEMORY;
   memcpy(points, point, count * sizeof *points);
-  status = bwi_plane_mesh_own(context, mesh->topology, outline, points, moved);
+  status = bwi_plane_mesh_adopt(context, mesh->topology, outline, points, moved);
 done:
   return status;
 }

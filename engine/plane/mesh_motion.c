@@ -39,7 +39,7 @@ static const bw_kind state_kind = {"mesh motion state", state_destroy, NULL};
 
 void bw_follow_options_default(bw_follow_options *options) {
   *options = (bw_follow_options){.relocation = BW_RELOCATE_HARMONIC,
-                                 .sweeps = 2,
+                                 .rounds = 2,
                                  .distorted = 0.35,
                                  .rebuild = 0.1,
                                  .force = BW_LEVEL_NONE};
@@ -83,8 +83,8 @@ bw_status bw_mesh_motion_create(bw_context *context, const bw_plane_mesh *mesh,
         context, BW_INVALID,
         "distorted %g, rebuild %g: qualities with 0 <= rebuild <= distorted < 1 expected",
         options->distorted, options->rebuild);
-  if (options->sweeps < 0 || options->sweeps > 10000)
-    return bw_fail(context, BW_INVALID, "sweeps %d: from 0 to 10000 expected", options->sweeps);
+  if (options->rounds < 0 || options->rounds > 10000)
+    return bw_fail(context, BW_INVALID, "rounds %d: from 0 to 10000 expected", options->rounds);
   made = BW_NEW0(context, bw_mesh_motion, 1);
   if (!made)
     return BW_MEMORY;
@@ -129,7 +129,7 @@ static bw_status relocate(bw_context *context, const bw_mesh_motion *motion,
   if (!*point)
     return BW_MEMORY;
   if (motion->options.relocation == BW_RELOCATE_SPRINGS)
-    return bwi_relocate_springs(context, from, outline, motion->options.sweeps, *point);
+    return bwi_relocate_springs(context, from, outline, motion->options.rounds, *point);
   return bwi_relocate(context, relocator, outline, *point);
 }
 
@@ -162,8 +162,8 @@ static bw_status reconnect(bw_context *context, const bw_plane_topology *topolog
   BW_TRY(bwi_plane_reconnect(context, topology, point, &made));
   *changed = made.flips > 0 || made.moved > 0;
   if (*changed) {
-    status = bwi_plane_mesh_own(context, made.topology ? made.topology : topology, outline,
-                                made.point, &mesh);
+    status = bwi_plane_mesh_adopt(context, made.topology ? made.topology : topology, outline,
+                                  made.point, &mesh);
     made.point = NULL;
     BW_TRY(status);
     BW_TRY(bwi_relocator_create(context, mesh, &relocator));
@@ -260,7 +260,7 @@ static bw_status follow(bw_context *context, const bw_mesh_motion *motion,
   }
   if (!changed) {
     bw_plane_mesh *mesh = NULL;
-    status = bwi_plane_mesh_own(context, topology, outline, point, &mesh);
+    status = bwi_plane_mesh_adopt(context, topology, outline, point, &mesh);
     point = NULL;
     BW_TRY(status);
     bw_release(frame->mesh);

@@ -26,7 +26,7 @@ bw_status bwi_relocate(bw_context *context, bwi_relocator *relocator, const bw_o
                        double *point);
 /* The paper's springs, from the places of `mesh`. */
 bw_status bwi_relocate_springs(bw_context *context, const bw_plane_mesh *mesh,
-                               const bw_outline *outline, int sweeps, double *point);
+                               const bw_outline *outline, int rounds, double *point);
 /* From the gradient by the nodes of `mesh` to that by the points of its outline. BW_INVALID where
  * the mesh does not have the base's nodes. */
 bw_status bwi_relocate_adjoint(bw_context *context, bwi_relocator *relocator,

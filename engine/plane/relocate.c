@@ -178,7 +178,7 @@ static void centre_mid_edge_nodes(const bw_plane_topology *t, double *point) {
 /* Springs of rest length zero between neighbours, all alike: at rest every inner node lies at the
  * mean of its neighbours. Each edge with an inner end is met once from either side. */
 bw_status bwi_relocate_springs(bw_context *context, const bw_plane_mesh *mesh,
-                               const bw_outline *outline, int sweeps, double *point) {
+                               const bw_outline *outline, int rounds, double *point) {
   const bw_plane_topology *t = mesh->topology;
   const bw_plane_nodes *nodes = t->nodes;
   size_t width = (size_t)bwi_plane_width(nodes);
@@ -187,7 +187,7 @@ bw_status bwi_relocate_springs(bw_context *context, const bw_plane_mesh *mesh,
     return BW_MEMORY;
   memcpy(point, mesh->point, 2 * (size_t)nodes->node_count * sizeof *point);
   put_on_outline(nodes, outline, point);
-  for (int sweep = 0; sweep < sweeps; sweep++) {
+  for (int sweep = 0; sweep < rounds; sweep++) {
     memset(sum, 0, 3 * (size_t)nodes->corner_count * sizeof *sum);
     for (int64_t h = 0; h < 3 * (int64_t)t->element_count; h++) {
       /* around an inner node each neighbour is the end of one directed edge */

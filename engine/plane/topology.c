@@ -242,9 +242,9 @@ static bw_plane_topology *topology_new(bw_context *context, const bw_plane_nodes
   return t;
 }
 
-bw_status bwi_plane_topology_own(bw_context *context, const bw_plane_nodes *nodes,
-                                 const bw_outline *outline, int32_t elements, int32_t *element,
-                                 int32_t *region, bw_plane_topology **out) {
+bw_status bwi_plane_topology_adopt(bw_context *context, const bw_plane_nodes *nodes,
+                                   const bw_outline *outline, int32_t elements, int32_t *element,
+                                   int32_t *region, bw_plane_topology **out) {
   bw_status status = BW_OK;
   half_edges halves = {NULL, NULL};
   bw_plane_topology *t = NULL;

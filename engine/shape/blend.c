@@ -249,7 +249,7 @@ static bw_status follow_guide(blend *b, int32_t subdomain) {
 }
 
 /* Free nodes that no chain of edges joins to a held one (in a subdomain of several parts) have no
- * equation of their own: they take the bone of the nearest held node. lost[i] says which. */
+ * equation of their own: they take the bone of the nearest constrained node. lost[i] says which. */
 static bw_status find_lost(blend *b, int32_t *lost, int32_t *lost_count) {
   int32_t n = b->node_count;
   int32_t *group = BW_NEW(b->context, int32_t, n);

@@ -1,10 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Pruning a curve: the least of its branches goes first, and everything is judged again after each,
- * since a junction that loses a branch may become part of one.
+/* Pruning a curve: the least of its branches goes first, and everything is checked again after
+ * each, since a junction that loses a branch may become part of one.
  *
  * Contraction leaves spurs that point at corners and bumps of the surface, and splits a junction of
  * four limbs into two of three that lie close together. Both are small against the local radius,
- * which tells them from thin limbs. */
+ * which distinguishes them from thin limbs. */
 #include <math.h>
 #include <string.h>
 

@@ -193,7 +193,7 @@ static bw_status component_boundary(bwi_refiller *r, bwi_component *p, bw_surfac
               r->number[bwi_nodes_of(r->mesh, r->ordered[i])[bw_tet_face[k][j]]];
         element_of[at++] = r->ordered[i];
       }
-  BW_TRY(bw_surface_own(r->context, p->corners, point, p->facet_count, triangle, NULL, surface));
+  BW_TRY(bw_surface_adopt(r->context, p->corners, point, p->facet_count, triangle, NULL, surface));
   point = NULL;
   triangle = NULL;
 done:
@@ -275,8 +275,8 @@ bw_status bw_mesh_refill(bw_context *context, const bw_mesh *mesh, const double 
     BW_TRY(fill_component(&r, p));
   }
   BW_TRY(bwi_refill_join(&r));
-  BW_TRY(bw_mesh_own(context, mesh->order, r.node_count, r.new_node, r.element_count, r.element,
-                     r.region, &made));
+  BW_TRY(bw_mesh_adopt(context, mesh->order, r.node_count, r.new_node, r.element_count, r.element,
+                       r.region, &made));
   r.new_node = NULL;
   r.element = r.region = NULL;
   if (made->node_count != r.node_count) {

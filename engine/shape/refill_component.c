@@ -2,7 +2,7 @@
 /* Filling a closed surface without a point added on it.
  *
  * TetGen gets the surface alone, and fills everything within, cavities too: which of its elements
- * belong to the body is told by the facets, each of which has an element on its inner side, and
+ * belong to the body follows from the facets, each of which has an element on its inner side, and
  * from there by going from element to element through faces that are no facets. That holds for
  * surfaces that touch themselves in edges and points, too. A result that lacks a facet, has moved a
  * point, or has not the volume inside the surface is not taken. */
@@ -265,8 +265,8 @@ static bw_status take_result(bw_context *context, const bw_surface *surface,
   double volume = 0, wanted = bw_surface_volume(surface);
   bool sound = false;
   *taken = false;
-  status = bw_mesh_own(context, 1, result->node_count, result->node, result->element_count,
-                       result->element, NULL, &mesh);
+  status = bw_mesh_adopt(context, 1, result->node_count, result->node, result->element_count,
+                         result->element, NULL, &mesh);
   if (status == BW_GEOMETRY) { /* elements without volume */
     bw_clear_failure(context);
     return BW_OK;

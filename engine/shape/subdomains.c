@@ -62,9 +62,9 @@ static int compare_ranked(const void *a, const void *b) {
   return (x->element > y->element) - (x->element < y->element);
 }
 
-/* Lower each bone's threshold to what `share` (by volume) of the elements that it moves most reach:
- * where bones are short for the body's thickness, no weight comes near one. */
-static bw_status fit_thresholds(growth *g, double share, const double *own) {
+/* Lower each bone's threshold to what `fraction` (by volume) of the elements that it moves most
+ * reach: where bones are short for the body's thickness, no weight comes near one. */
+static bw_status fit_thresholds(growth *g, double fraction, const double *own) {
   int32_t count = g->mesh->element_count;
   ranked *list = BW_NEW(g->context, ranked, count);
   if (!list)
@@ -77,7 +77,7 @@ static bw_status fit_thresholds(growth *g, double share, const double *own) {
     int32_t b = list[first].bone, at = first;
     for (end = first; end < count && list[end].bone == b; end++)
       total += list[end].volume;
-    while (at + 1 < end && (reached += list[at].volume) < share * total)
+    while (at + 1 < end && (reached += list[at].volume) < fraction * total)
       at++;
     if ((own && own[b] != 0) || list[at].mean >= g->threshold[b])
       continue;
@@ -279,12 +279,12 @@ done:
 
 enum { WARNINGS = 4 }; /* on single bones; of more, their number says enough */
 
-static void warning(growth *g, double share) {
+static void warning(growth *g, double fraction) {
   if (g->lowered > 0)
     bw_warn(g->context,
             "the thresholds of %d of %d bones were lowered, to %.3g at least, so that each has a "
             "subdomain of %g %% of what it moves most",
-            g->lowered, g->skeleton->bone_count, g->lowest, 100 * share);
+            g->lowered, g->skeleton->bone_count, g->lowest, 100 * fraction);
   int32_t without = 0;
   for (int32_t b = 0; b < g->skeleton->bone_count; b++) {
     bool found = false;
@@ -339,12 +339,12 @@ bw_status bw_subdomains_create(bw_context *context, const bw_mesh *mesh,
                                const bw_subdomains_options *options, bw_subdomains **subdomains) {
   int32_t bones = skeleton->bone_count;
   double usual = options && options->threshold != 0 ? options->threshold : 0.95;
-  double share = options && options->share != 0 ? options->share : 0.35;
-  if (!(share <= 1))
+  double fraction = options && options->fraction != 0 ? options->fraction : 0.35;
+  if (!(fraction <= 1))
     return bw_fail(
         context, BW_INVALID,
         "a fraction of %g: at most 1 expected, or a negative number for thresholds as they are",
-        share);
+        fraction);
   bw_status status = check_threshold(context, usual, "the skeleton");
   if (status == BW_OK)
     status = check_weights(context, mesh, skeleton, weight);
@@ -371,8 +371,8 @@ bw_status bw_subdomains_create(bw_context *context, const bw_mesh *mesh,
     BW_TRY(check_threshold(context, threshold[b], skeleton->bone_name[b].text));
   }
   find_best(&g);
-  if (share > 0)
-    BW_TRY(fit_thresholds(&g, share, options ? options->bone_threshold : NULL));
+  if (fraction > 0)
+    BW_TRY(fit_thresholds(&g, fraction, options ? options->bone_threshold : NULL));
   candidates(&g);
   BW_TRY(bw_check_cancel(context));
   grow_from_seeds(&g, first);
@@ -382,7 +382,7 @@ bw_status bw_subdomains_create(bw_context *context, const bw_mesh *mesh,
   BW_TRY(bw_check_cancel(context));
   bwi_guide guide = {weight, NULL};
   BW_TRY(bwi_subdomains_from_bones(context, mesh, skeleton, g.bone, &guide, subdomains));
-  warning(&g, share);
+  warning(&g, fraction);
 done:
   bw_free(threshold);
   bw_free(first);

@@ -217,7 +217,7 @@ static bw_status rest_places(bw_context *context, const bw_subdomains *old, bw_s
 
 /* A shape whose blended map folds over is what refilling is for; elements between the places that
  * the map's inverse gives may then be inverted. So this mesh is made from the posed one, whose
- * elements are sound, and carries positions; only meshes posed from it are judged. */
+ * elements are sound, and carries positions; only meshes posed from it are checked. */
 static bw_status carry(bw_context *context, bw_subdomains *d, const double *rest) {
   bw_mesh *carrier = NULL;
   bw_status status = bw_mesh_moved(context, d->mesh, d->mesh->node, &carrier);

@@ -95,7 +95,7 @@ done:
 }
 
 bool bwi_coarse_fits(const bw_mesh *mesh, const bw_dof_map *dof_map) {
-  return mesh->order == 2 && dof_map->motion_count == 0;
+  return mesh->order == 2 && dof_map->rigid_mode_count == 0;
 }
 
 bw_status bwi_coarse_create(bw_context *context, const bw_mesh *mesh, bwi_coarse **out) {

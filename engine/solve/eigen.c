@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The lowest eigenpairs of a problem: block Lanczos, a Sturm count that tells whether one was
+/* The lowest eigenpairs of a problem: block Lanczos, a Sturm count that shows whether one was
  * missed, recovery, and true residuals. */
 #include <math.h>
 #include <string.h>

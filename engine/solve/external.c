@@ -123,7 +123,7 @@ static bw_status check(bw_context *context, const equations *e, double rtol,
     goto done;
   }
   memcpy(rest, result->force, (size_t)size * sizeof *rest);
-  if (e->dof_map->motion_count > 0)
+  if (e->dof_map->rigid_mode_count > 0)
     bw_rigid_modes_balance(e->dof_map, rest);
   BW_TRY(
       bw_block_multiply(context, e->pattern, e->stiffness, 9, 3, 1, result->displacement, product));
@@ -248,7 +248,7 @@ bw_status bw_modes_external(bw_context *context, const bw_model *model,
     goto done;
   }
   BW_TRY(residuals(context, &e, result.count, result.value, result.vector, result.residual));
-  BW_TRY(bwi_modes_from(context, model->mesh, model->material, e.dof_map->motion_count, &result,
+  BW_TRY(bwi_modes_from(context, model->mesh, model->material, e.dof_map->rigid_mode_count, &result,
                         modes));
 done:
   clear(context, &e, report);

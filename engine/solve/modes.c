@@ -141,7 +141,7 @@ static bw_status elastic_project(bw_context *context, void *data, int64_t count,
   for (int64_t k = 0; k < count; k++) {
     double *field = x + k * 3 * (int64_t)dof_map->mesh->node_count;
     bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, field);
-    if (dof_map->motion_count > 0)
+    if (dof_map->rigid_mode_count > 0)
       bw_rigid_modes_remove(dof_map, field);
   }
   return BW_OK;
@@ -160,7 +160,7 @@ static bw_status elastic_below(bw_context *context, void *data, double sigma, in
                        .shift = -sigma,
                        .dof_map = dof_map};
   int64_t negative = 0;
-  if (dof_map->motion_count > 0 && !problem->unpinned) {
+  if (dof_map->rigid_mode_count > 0 && !problem->unpinned) {
     int64_t entries = 3 * (int64_t)system->mesh->node_count;
     int32_t *unknown = BW_NEW(context, int32_t, entries);
     if (!unknown)
@@ -175,7 +175,7 @@ static bw_status elastic_below(bw_context *context, void *data, double sigma, in
   if (problem->unpinned)
     symbolic = problem->unpinned;
   BW_TRY(bwi_count_negative(context, symbolic, &matrix, &negative, trusted));
-  *count = negative - dof_map->motion_count;
+  *count = negative - dof_map->rigid_mode_count;
 done:
   return status;
 }
@@ -200,7 +200,7 @@ bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_mode
                              .below = elastic_below,
                              .dimension = dof_map->unknown_count};
   BW_TRY(bwi_eigen_lowest(context, &eigen, &options, &result));
-  BW_TRY(bwi_modes_from(context, system->mesh, system->material, dof_map->motion_count, &result,
+  BW_TRY(bwi_modes_from(context, system->mesh, system->material, dof_map->rigid_mode_count, &result,
                         modes));
 done:
   bw_release(problem.unpinned);

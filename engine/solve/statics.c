@@ -40,7 +40,7 @@ static bw_status check_balance(bw_context *context, const bw_dof_map *dof_map, c
                                double tolerance) {
   bw_status status = BW_OK;
   char *text = NULL;
-  int32_t nodes = dof_map->mesh->node_count, motions = dof_map->motion_count;
+  int32_t nodes = dof_map->mesh->node_count, motions = dof_map->rigid_mode_count;
   double *part = BW_NEW(context, double, motions);
   if (!part)
     return BW_MEMORY;
@@ -112,7 +112,7 @@ bw_status bwi_static_begin(bw_context *context, const bw_model *model,
   }
   BW_TRY(bw_model_check_absorbed(context, model, dof_map));
   BW_TRY(bw_model_force_vector(context, model, result->force));
-  if (dof_map->motion_count > 0 && !opts.inertia_relief)
+  if (dof_map->rigid_mode_count > 0 && !opts.inertia_relief)
     BW_TRY(check_balance(context, dof_map, result->force, opts.tolerance));
 done:
   if (status == BW_OK)
@@ -138,7 +138,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
     goto done;
   }
   memcpy(load, result->force, (size_t)size * sizeof(double));
-  if (dof_map->motion_count > 0)
+  if (dof_map->rigid_mode_count > 0)
     bw_rigid_modes_balance(dof_map, load);
   /* work = load - K u at the unknowns, for u = u0 at first and the solution later */
   bwi_prescribed_field(dof_map, u);
@@ -156,7 +156,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
     BW_TRY(solver->solve(context, solver->data, work, step));
     for (int64_t i = 0; i < size; i++)
       step[i] += u[i];
-    if (dof_map->motion_count > 0 && !dof_map->prescribed)
+    if (dof_map->rigid_mode_count > 0 && !dof_map->prescribed)
       bw_rigid_modes_remove(dof_map, step);
     BW_TRY(bw_block_multiply(context, pattern, stiffness, 9, 3, 1, step, product));
     for (int64_t i = 0; i < size; i++)

@@ -289,13 +289,13 @@ static bw_status project(void *data, int64_t begin, int64_t end, int worker) {
 bw_status bwi_balance_fields(bw_context *context, const bw_dof_map *dof_map, int64_t count,
                              double *force) {
   projection balance = {dof_map, true, force};
-  return dof_map->motion_count ? bw_parallel(context, count, 1, project, &balance) : BW_OK;
+  return dof_map->rigid_mode_count ? bw_parallel(context, count, 1, project, &balance) : BW_OK;
 }
 
 bw_status bwi_steady_fields(bw_context *context, const bw_dof_map *dof_map, int64_t count,
                             double *displacement) {
   projection remove = {dof_map, false, displacement};
-  return dof_map->motion_count ? bw_parallel(context, count, 1, project, &remove) : BW_OK;
+  return dof_map->rigid_mode_count ? bw_parallel(context, count, 1, project, &remove) : BW_OK;
 }
 
 bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
@@ -305,7 +305,7 @@ bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
   size_t size = 3 * (size_t)system->mesh->node_count;
   double start = bw_seconds();
   BW_TRY(bwi_need_factor(context, system));
-  if (dof_map->motion_count > 0) {
+  if (dof_map->rigid_mode_count > 0) {
     if (force != displacement)
       memcpy(displacement, force, (size_t)count * size * sizeof(double));
     BW_TRY(bwi_balance_fields(context, dof_map, count, displacement));
@@ -378,7 +378,7 @@ bool bwi_same_supports(const bw_dof_map *a, const bw_dof_map *b) {
     return true;
   size_t nodes = (size_t)a->mesh->node_count;
   return a->mesh->node_count == b->mesh->node_count && a->frame_count == b->frame_count &&
-         a->motion_count == b->motion_count && memcmp(a->state, b->state, 3 * nodes) == 0 &&
+         a->rigid_mode_count == b->rigid_mode_count && memcmp(a->state, b->state, 3 * nodes) == 0 &&
          memcmp(a->frame_of, b->frame_of, nodes * sizeof(int32_t)) == 0 &&
          (a->frame_count == 0 ||
           memcmp(a->frame, b->frame, 9 * (size_t)a->frame_count * sizeof(double)) == 0);

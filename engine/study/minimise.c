@@ -116,8 +116,8 @@ static const char *point_text(const run *r, const double *x, char text[160]) {
 static bw_status check_solution(run *r, int which, const double *x, double value,
                                 const double *gradient) {
   char name[40], at[160];
-  bool fine = r->method->models ? isfinite(value) : !isnan(value) && value != -INFINITY;
-  if (!fine)
+  bool ok = r->method->models ? isfinite(value) : !isnan(value) && value != -INFINITY;
+  if (!ok)
     return bw_fail(r->context, BW_CONVERGENCE,
                    "%s is %g at (%s): %s wants a %s; give a large number where there is no value",
                    name_of(which, name), value, point_text(r, x, at), r->method->word,

@@ -221,8 +221,8 @@ bw_status bw_database_check(bw_context *context, bw_database *d, int max, char *
     if (status != BW_OK || !row)
       break;
     status = bw_statement_value(context, s, 0, &value);
-    bool fine = value.length == 2 && memcmp(value.text, "ok", 2) == 0;
-    if (status == BW_OK && value.type == BW_SQL_TEXT && !fine)
+    bool ok = value.length == 2 && memcmp(value.text, "ok", 2) == 0;
+    if (status == BW_OK && value.type == BW_SQL_TEXT && !ok)
       status = add_line(context, &list, value.text, value.length);
   }
   if (row)

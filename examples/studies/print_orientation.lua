@@ -4,7 +4,7 @@
 --
 -- A powder printer's gypsum is five times stiffer along its head's passes than across its layers. The same
 -- hook is printed lying, standing, or in between: the material's axes are turned, the shape stays. Nobody
--- knows how the hook will be handled, so the measure is the worst case: the share of the strength that the
+-- knows how the hook will be handled, so the measure is the worst case: the fraction of the strength that the
 -- worst load uses. First an even sample of all orientations, then a search from the best of them.
 local bw = require "barwright"
 local quick = arg[#arg] == "--quick"

@@ -4,7 +4,7 @@
 --
 -- No two printed parts are alike: the three Young's moduli of printed gypsum were measured with a scatter.
 -- A hundred parts are drawn from it. How much do the tip's sag, the first frequency and the stress vary, and
--- how many of the parts ring below a limit?
+-- how many of the parts have a natural frequency below a limit?
 local bw = require "barwright"
 local quick = arg[#arg] == "--quick"
 local folder = arg[1] ~= "--quick" and arg[1] or "out/printed_scatter" .. (quick and "_quick" or "")
@@ -61,7 +61,7 @@ print(trials)
 local function quantiles(name, scale, unit)
   local values = trials:column(name)
   table.sort(values)
-  local function at(share) return values[math.max(1, math.ceil(share * #values))] * scale end
+  local function at(fraction) return values[math.max(1, math.ceil(fraction * #values))] * scale end
   print(("%-10s 5 %%: %.4g, median %.4g, 95 %%: %.4g %s"):format(name, at(0.05), at(0.5), at(0.95), unit))
   return at(0.05), at(0.5), at(0.95)
 end

@@ -29,7 +29,7 @@ local static_rules = with_common {
   of = {type = "any"},
   memory_limit = {type = "number", above = 0},
   inertia_relief = {type = "boolean"},
-  tolerance = {type = "number", above = 0},
+  balance_tolerance = {type = "number", above = 0},
   with = {type = "string", one_of = {"auto", "factor", "pcg"}},
 }
 
@@ -72,7 +72,7 @@ end
 
 local function static_analysis(opts, mesh)
   local wanted = goal.read(opts.of, mesh)
-  local how = some_of(opts, {"with", "memory_limit", "inertia_relief", "tolerance"})
+  local how = some_of(opts, {"with", "memory_limit", "inertia_relief", "balance_tolerance"})
   local function step(history, part, selections)
     local static, message, details = solve(part, how)
     if not static then return nil, message, details end
@@ -106,7 +106,7 @@ local function find_singular(part, accuracy)
     former = former or accuracy.history[i].edge > last.edge and accuracy.history[i]
   end
   local places = part:singular_places {surface = accuracy.surface}
-  return growth.judge(places, last.at, growth.radius(last.edge), growth.exponent(former, last),
+  return growth.check(places, last.at, growth.radius(last.edge), growth.exponent(former, last),
     accuracy.reason == "divergence")
 end
 

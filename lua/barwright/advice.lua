@@ -21,17 +21,17 @@ local rules = {
 -- Places at most. Where more are needed to cover all that is too weak, bumps are larger by this factor, and again.
 local MAX, WIDER = 20, 1.25
 -- The radius of a bump: so many times the judged patch's radius, or the thickness there times the second; at most
--- this share of the diagonal.
+-- this fraction of the diagonal.
 local OF_PATCH, OF_THICKNESS, OF_DIAGONAL = 3, 1.25, 0.2
--- An offset is at most this share of the thickness: the linearised stresses do not reach further.
+-- An offset is at most this fraction of the thickness: the linearised stresses do not reach further.
 local MAX_THICKNESS_FRACTION = 0.5
--- Places are this share of the radius apart at least.
+-- Places are this fraction of the radius apart at least.
 local APART = 0.6
--- Bumps of a smaller share of their radius are left out.
+-- Bumps of a smaller fraction of their radius are left out.
 local MIN_OFFSET = 1e-3
 -- Rays by which thicknesses are measured.
 local RAYS = 4000
--- The prediction is taken to be off by this share of the logarithm of what it promises.
+-- The prediction is taken to be off by this fraction of the logarithm of what it promises.
 local OFF = 0.5
 -- The step of the central difference of the utilisation by the stress, over the stress's size.
 local STEP = 1e-5
@@ -45,7 +45,7 @@ local function diagonal(box)
 end
 
 -- The derivative of the utilisation by the six components of a stress, from central differences.
-local function slope_of(breaking, judge, stress)
+local function slope_of(breaking, utilisation, stress)
   local size, rows = 0, {}
   for k = 1, 6 do size = math.max(size, math.abs(stress[k])) end
   for k = 1, 6 do
@@ -55,7 +55,7 @@ local function slope_of(breaking, judge, stress)
       rows[#rows + 1] = row
     end
   end
-  local used, slope = judge(breaking, core.array.new(rows)), {}
+  local used, slope = utilisation(breaking, core.array.new(rows)), {}
   for k = 1, 6 do slope[k] = (used[2 * k - 1] - used[2 * k]) / (2 * STEP * size) end
   return slope
 end
@@ -74,14 +74,14 @@ end
 
 -- The nodes where the utilisation of one of the judged loads is above a limit: {[node] = {used, region, stress}}
 -- with the largest utilisation, and the load and mean stress that cause it.
-local function nodes_above(breaking, judge, limit)
+local function nodes_above(breaking, utilisation, limit)
   local above, seen = {}, {}
   for _, place in ipairs(breaking.worst.places) do
     if place.utilisation > limit and not seen[place.region] then
       seen[place.region] = true
       local mean, message, details = mean_stress(breaking, place.region)
       if not mean then return nil, message, details end
-      for node, value in ipairs(judge(breaking, mean):totable()) do
+      for node, value in ipairs(utilisation(breaking, mean):totable()) do
         value = type(value) == "table" and value[1] or value
         if value > (above[node] and above[node].used or limit) then
           above[node] = {used = value, region = place.region, stress = mean:rows(node, node):totable()[1]}
@@ -156,13 +156,13 @@ end
 -- The shape gradient of the judged utilisation at a place {node, region}, and its value, under the worst load of
 -- the judged component: a row for every node, by its position, inner nodes following the boundary. nil, message,
 -- details where it cannot be computed.
-local function gradient_of(breaking, judge, place)
+local function gradient_of(breaking, utilisation, place)
   local worst, mesh = breaking.worst, breaking.mesh
   if (worst.limits.hands or 0) > 0 or worst.basis.directions > 1 then
     return nil, "the shape gradient is not implemented for loads with friction or of several hands",
       {status = "unsupported"}
   end
-  local slope = core.array.new {slope_of(breaking, judge, place.stress)}
+  local slope = core.array.new {slope_of(breaking, utilisation, place.stress)}
   local force, by_force, details = core.patch_functional(worst.system, breaking.length, place.node, slope)
   if not force then return nil, by_force, details end
   local adjoint, message
@@ -187,10 +187,10 @@ local function gradient_of(breaking, judge, place)
 end
 
 -- The gradient of every place's utilisation, over the utilisation, by the positions of all points of the shape.
-local function gradients(breaking, judge, shape, places)
+local function gradients(breaking, utilisation, shape, places)
   local list = {}
   for i, place in ipairs(places) do
-    local gradient, value, details = gradient_of(breaking, judge, place)
+    local gradient, value, details = gradient_of(breaking, utilisation, place)
     if not gradient then return nil, value, details end
     place.used = math.max(place.used, value)
     list[i] = {}
@@ -216,7 +216,7 @@ local function sensitivities(shape, slopes, moved, keep)
 end
 
 -- The least offsets of some places with which the logarithms of all fall to that of the limit, where that can be,
--- each at most a share of its radius and of the thickness. In radii, so that the numbers are of order one.
+-- each at most a fraction of its radius and of the thickness. In radii, so that the numbers are of order one.
 local function offsets(places, moved, matrix, limit, max)
   local H, A, b, low, high, g = {}, {}, {}, {}, {}, {}
   for j, place in ipairs(moved) do
@@ -236,17 +236,17 @@ local function offsets(places, moved, matrix, limit, max)
 end
 
 -- Places with their offsets, and the matrix of their bumps. Bumps that are not needed are left out, and the others
--- take their share of the displacement: so the prediction is that of the bumps that are applied.
-local function solve(breaking, judge, places, limit, opts)
+-- take their fraction of the displacement: so the prediction is that of the bumps that are applied.
+local function solve(breaking, utilisation, places, limit, opts)
   local shape = bumps.of_mesh(breaking.mesh)
-  local slopes, message, details = gradients(breaking, judge, shape, places)
+  local slopes, message, details = gradients(breaking, utilisation, shape, places)
   if not slopes then return nil, message, details end
   local moved = places
   while #moved > 0 do
     local matrix = sensitivities(shape, slopes, moved, opts.keep)
-    local fine
-    fine, message, details = offsets(places, moved, matrix, limit, opts.max_offset)
-    if not fine then return nil, message, details end
+    local ok
+    ok, message, details = offsets(places, moved, matrix, limit, opts.max_offset)
+    if not ok then return nil, message, details end
     local needed = {}
     for _, place in ipairs(moved) do
       if place.offset > MIN_OFFSET * place.radius then needed[#needed + 1] = place end
@@ -263,9 +263,9 @@ function advice.goal(breaking, force)
   return force * math.min(breaking.force / breaking.low, WIDEST)
 end
 
---- Advice for a breaking force (see bw.breaking_force). `judge(breaking, stress)` is the utilisation of rows of
---- stresses.
-function advice.of(breaking, judge, given)
+--- Advice for a breaking force (see bw.breaking_force). `utilisation(breaking, stress)` is the utilisation of rows
+--- of stresses.
+function advice.of(breaking, utilisation, given)
   local opts = options.read("advice", given, rules)
   if not breaking.worst then core.raise "advice: this breaking force is closed" end
   local self = setmetatable({required = opts.force, places = {}, force = breaking.force, low = breaking.low,
@@ -276,7 +276,7 @@ function advice.of(breaking, judge, given)
   local extended, message, details = breaking.worst:extend(limit)
   if not extended then return nil, message, details end
   local above, places
-  above, message, details = nodes_above(breaking, judge, limit)
+  above, message, details = nodes_above(breaking, utilisation, limit)
   if not above then return nil, message, details end
   places, message, details = choose(breaking, above, opts.keep)
   if not places then return nil, message, details end
@@ -284,7 +284,7 @@ function advice.of(breaking, judge, given)
     return nil, "all weak places are on faces that must not move", {status = "infeasible"}
   end
   local moved, matrix
-  moved, matrix, details = solve(breaking, judge, places, limit, opts)
+  moved, matrix, details = solve(breaking, utilisation, places, limit, opts)
   if not moved then return nil, matrix, details end
   for j, place in ipairs(moved) do
     self.places[j] = {at = place.at, radius = place.radius, offset = place.offset}
@@ -300,12 +300,12 @@ function advice.of(breaking, judge, given)
   return self
 end
 
---- The predicted force (N) if each place is thickened by its offset times its `share` (1 where none is given).
+--- The predicted force (N) if each place is thickened by its offset times its `fraction` (1 where none is given).
 function advice:predict()
   local largest = -math.huge
   for _, row in ipairs(self.linear) do
     local sum = row.used
-    for j, place in ipairs(self.places) do sum = sum + row.slopes[j] * place.offset * (place.share or 1) end
+    for j, place in ipairs(self.places) do sum = sum + row.slopes[j] * place.offset * (place.fraction or 1) end
     largest = math.max(largest, sum)
   end
   return self.reference / math.exp(largest)

@@ -1,11 +1,11 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The radius of the surface patch over which breaking forces average the stress: a length, "critical" for the
--- material's, or a share of the part. docs/theory/breaking_force.md.
+-- material's, or a fraction of the part. docs/theory/breaking_force.md.
 local core = require "barwright.core"
 local distance = require("barwright.points").distance
 
 -- The default, over the diagonal of the bounding box.
-local SHARE = 0.02
+local FRACTION = 0.02
 -- Over the critical distance: at edges of 265 to 305 degrees the mean over this radius is that of the line method.
 local CRITICAL = 0.5
 
@@ -31,7 +31,7 @@ end
 
 --- The radius in m that an option `length` of `where` asks for; nil, message, details where the material has none.
 return function(where, length, material, box)
-  if length == nil then return SHARE * distance(box.min, box.max) end
+  if length == nil then return FRACTION * distance(box.min, box.max) end
   if length == "critical" then return of_material(material, box) end
   if type(length) ~= "number" or not (length > 0 and length < math.huge) then
     core.raise(("%s: option 'length': a length in m above 0 or 'critical' expected, got %s"):format(where,

@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The breaking force: the least force that breaks a part when it is pushed in the worst way through
 -- contacts of a given size, as an interval. The worst case is analysed on a sequence of finer meshes; the
--- stress is judged by its mean over a surface patch, which has a limit under refinement also at re-entrant
+-- stress is assessed by its mean over a surface patch, which has a limit under refinement also at re-entrant
 -- edges. docs/theory/breaking_force.md has the mathematics.
 local advice = require "barwright.advice"
 local arguments = require "barwright.arguments"
@@ -40,12 +40,12 @@ local rules = breaking_loads.rules {
 
 -- A sound surface that filling wrapped is filled again with FEWER times the elements, so often at most.
 local OTHERS, FEWER = 2, 0.9
--- A contact takes at most this share of the surface; with more, few loads are admissible.
+-- A contact takes at most this fraction of the surface; with more, few loads are admissible.
 local MAX_SURFACE_FRACTION = 0.05
--- The first mesh is uniform and has this share of the elements that are asked for, but not fewer than FEWEST. The
--- others have so much of them, with BACKGROUND for the whole body, the rest near the weakest places.
+-- The first mesh is uniform and has this fraction of the elements that are asked for, but not fewer than FEWEST.
+-- The others have so much of them, with BACKGROUND for the whole body, the rest near the weakest places.
 local FIRST, FEWEST, BACKGROUND = 0.25, 300, 0.5
-local SHARES = {0.6, 1}
+local FRACTIONS = {0.6, 1}
 -- From there on, while the error is too large, the number of elements grows by this factor, by default to MORE
 -- times the number asked for, but not beyond the default of that number.
 local GROWTH, MORE = 2, 4
@@ -55,14 +55,14 @@ local MAX_MESHES = 8
 -- near to the largest; others if it is NEARLY.
 local REFINED, CLOSE, NEARLY = 8, 0.85, weak_places.NEARLY
 -- About so many elements has a place whose edges are a patch's radius long; the number grows by this power of
--- radius over edge. Edges there are at most this share of the radius. From the mesh of this number on, those of
+-- radius over edge. Edges there are at most this fraction of the radius. From the mesh of this number on, those of
 -- the first few places are shorter: the change from the meshes before shows what shorter edges change.
 local ELEMENTS_OF_PLACE, POWER, LONGEST = 250, 2.8, 0.7
 local SHORTER_FROM, SHORTER_AT, SHORTER = 3, 2, 0.5
 -- The least error where the weakest place is not refined, for elements as large as the radius of a patch: there
 -- the change from mesh to mesh says little.
 local UNREFINED = 0.3
--- The background leaves the surface by at most this share of the radius, so that small features are seen.
+-- The background leaves the surface by at most this fraction of the radius, so that small features are seen.
 local FOLLOWED = 0.3
 -- So many meshes are screened for new places; the others start from the places that are known.
 local SCREENED = 3
@@ -79,7 +79,7 @@ local SEARCH = 0.02
 local MOVED = 2
 -- No estimate from several meshes is trusted below this, and one mesh alone leaves so much open.
 local MIN_ERROR, ALONE = 0.02, 0.5
--- The least share by which the force may be higher: meshes of the same numbers scatter by a few percent.
+-- The least fraction by which the force may be higher: meshes of the same numbers scatter by a few percent.
 local HIGHER = 0.045
 -- Backgrounds hide weak places of walls that are thinner than their edges are long: the force may be lower by this
 -- share for each thickness that the edges are longer. The thickness is this quantile, from so many rays.
@@ -91,7 +91,7 @@ local EXCESS, EXCESS_FROM, EXCESS_TO = 0.35, 1.25 * math.pi, 1.75 * math.pi
 local ductile = {steel = true, aluminium = true}
 
 -- Stress over strength of rows of tensors.
-local function judge(self, stress)
+local function utilisation(self, stress)
   if self.failure == "von_mises" then return core.von_mises(stress) * (1 / self.material.strength) end
   return self.material:utilisation(stress)
 end
@@ -130,11 +130,11 @@ end
 
 -- Edge lengths near places, of `count` elements in all.
 local function sizes_near(self, places, count)
-  local share, near = (#places * ELEMENTS_OF_PLACE / count) ^ (1 / POWER), {}
+  local fraction, near = (#places * ELEMENTS_OF_PLACE / count) ^ (1 / POWER), {}
   for i, place in ipairs(places) do
     local shorter = #self.history + 1 >= SHORTER_FROM and i <= SHORTER_AT
     near[i] = {at = place.at, radius = self.length,
-      length = math.min(share, shorter and SHORTER or LONGEST) * self.length}
+      length = math.min(fraction, shorter and SHORTER or LONGEST) * self.length}
   end
   return near
 end
@@ -145,11 +145,11 @@ local function background_length(surface, count)
   local low, high = 1e-6, 1
   local scale = distance(surface.box.min, surface.box.max)
   for _ = 1, 60 do
-    local share = math.sqrt(low * high)
-    local length = share * scale
+    local fraction = math.sqrt(low * high)
+    local length = fraction * scale
     local facets = surface.area / (EQUILATERAL * length ^ 2)
     local expected = FOR_FACETS * facets + FOR_VOLUME * math.abs(surface.volume) / length ^ 3
-    if expected > count then low = share else high = share end
+    if expected > count then low = fraction else high = fraction end
   end
   return math.sqrt(low * high) * scale
 end
@@ -268,10 +268,10 @@ local function find_singular(self)
   for _, edge in ipairs(surface and surface:singular_edges() or {}) do
     if edge.length >= self.length then long[#long + 1] = edge end
   end
-  return growth.judge(singular.list(long), self.at, self.length, nil, grows(self.history))
+  return growth.check(singular.list(long), self.at, self.length, nil, grows(self.history))
 end
 
--- The share by which the force is too small at a re-entrant edge, where the mean falls to its limit slowly.
+-- The fraction by which the force is too small at a re-entrant edge, where the mean falls to its limit slowly.
 local function excess_at(finding)
   local angle = finding and finding.place and finding.place.angle
   if not angle then return 0 end
@@ -284,7 +284,7 @@ local function ties(self, places)
   return table.move(list, 2, #list + 1, 1)
 end
 
--- The share by which the force may be lower at places that a background of this edge length hides.
+-- The fraction by which the force may be lower at places that a background of this edge length hides.
 local function hidden_by(background, mesh)
   local surface = background and mesh:surface()
   local walls = surface and surface:thickness(RAYS)
@@ -320,10 +320,10 @@ local function next_count(self)
   local opts, levels = self.options, #self.history
   if self.given_mesh or levels >= MAX_MESHES then return nil end
   if levels == 0 then return math.min(opts.elements, math.max(FEWEST, math.ceil(FIRST * opts.elements))) end
-  if SHARES[levels] then return SHARES[levels] * opts.elements end
+  if FRACTIONS[levels] then return FRACTIONS[levels] * opts.elements end
   local last = self.history[levels]
   local open = weak_places.unsettled(self.history, self.length)
-  if #open > 0 and levels < #SHARES + 3 then return last.asked end
+  if #open > 0 and levels < #FRACTIONS + 3 then return last.asked end
   local next = last.asked * GROWTH
   local max = opts.max_elements or math.max(opts.elements, math.min(MORE * opts.elements, ELEMENTS))
   if estimate(self) <= opts.error or next > max then return nil end
@@ -334,7 +334,7 @@ end
 local function to_follow(self)
   local list = {}
   if self.given_mesh then return list end
-  for k = #self.history + 1, #SHARES do list[#list + 1] = SHARES[k] * self.options.elements end
+  for k = #self.history + 1, #FRACTIONS do list[#list + 1] = FRACTIONS[k] * self.options.elements end
   return list
 end
 
@@ -406,7 +406,7 @@ end
 
 --- What to thicken so that it carries {force = N}; see barwright.advice.
 function breaking_force:advice(given)
-  return advice.of(self, judge, given)
+  return advice.of(self, utilisation, given)
 end
 
 --- Releases the factor and the modes of the last mesh.

@@ -50,7 +50,7 @@ local function union_of(list)
 end
 
 --- The part on a mesh and the options of its worst case: `force` on one side over at least `contact`. What the
---- loads are is kept in `self` (held_area, forbidden_area). Returns nil, message, details where a selection fails.
+--- loads are is kept in `self` (fixed_area, forbidden_area). Returns nil, message, details if a selection fails.
 function breaking_loads.part(self, mesh)
   local opts = self.options
   local part = core.model {mesh = mesh, material = self.material}
@@ -58,13 +58,13 @@ function breaking_loads.part(self, mesh)
   local sides = opts.fix and 1 or 2
   local limits = {force = sides * opts.force, pressure = opts.force / self.contact}
   if opts.fix then
-    local held, message, details = selections("fix", opts.fix, mesh)
-    if not held then return nil, message, details end
-    for _, on in ipairs(held) do part:fix(on) end
-    if union_of(held).facet_count == mesh.facet_count then
+    local fixed, message, details = selections("fix", opts.fix, mesh)
+    if not fixed then return nil, message, details end
+    for _, on in ipairs(fixed) do part:fix(on) end
+    if union_of(fixed).facet_count == mesh.facet_count then
       return nil, "the whole surface is constrained: no load stresses the part", {status = "invalid"}
     end
-    self.held_area = union_of(held).area
+    self.fixed_area = union_of(fixed).area
   end
   if opts.forbidden then
     local forbidden, message, details = selections("forbidden", opts.forbidden, mesh)

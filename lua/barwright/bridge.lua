@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Bridges (the paper *responsive*, section 5.2): a span, a load on its centre, a limit of stress, and the
--- smallest area that passes. Shapes are symmetric: what is held, meshed and moved is the right half, its
--- outline with the tags "foot", "pad", "hold" (the middle of the pad), "axis" and "free".
+-- smallest area that passes. Shapes are symmetric: what is fixed, meshed and moved is the right half, its
+-- outline with the tags "foot", "pad", "middle" (the middle of the pad), "axis" and "free".
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local form_of = require "barwright.free_form"
@@ -51,7 +51,7 @@ local function complete(opts)
   opts.wall = opts.wall or opts.span / 50
   opts.size = opts.size or opts.span / 100
   opts.spacing = 2.2 * opts.size
-  opts.hold = 0.02 * opts.pad
+  opts.middle = 0.02 * opts.pad
   opts.member = math.max(0.75 * bar, 1.5 * opts.wall)
   local pressed = opts.load / (opts.thickness * math.min(opts.pad, 2 * opts.bearing))
   if pressed > opts.stress_limit then
@@ -70,7 +70,7 @@ local function complete(opts)
 end
 
 local function conditions_of(opts)
-  return {axis = {x = 0}, hold = {y = 0},
+  return {axis = {x = 0}, middle = {y = 0},
     pad = {traction = {0, -opts.load / (opts.thickness * opts.pad)}},
     foot = {traction = {0, opts.load / (2 * opts.thickness * opts.bearing)}}}
 end
@@ -144,8 +144,8 @@ end
 -- The edges that carry: where they have to be.
 local function check_supports(opts, outline)
   local a, H = opts.span / 2, opts.deck
-  local wanted = {foot = {{a, 0}, {a + opts.bearing, 0}}, pad = {{opts.pad / 2, H}, {opts.hold, H}},
-    hold = {{opts.hold, H}, {0, H}}}
+  local wanted = {foot = {{a, 0}, {a + opts.bearing, 0}}, pad = {{opts.pad / 2, H}, {opts.middle, H}},
+    middle = {{opts.middle, H}, {0, H}}}
   local left = outline:measure().box.min[1]
   if left < -1e-9 * opts.span then
     return nil, ("the outline reaches x = %.4g m, across the axis at x = 0 into its own image"):format(left),
@@ -161,7 +161,7 @@ local function check_supports(opts, outline)
       found.axis = edge.from[1] == 0 and edge.to[1] == 0
     end
   end
-  for _, tag in ipairs {"foot", "pad", "hold", "axis"} do
+  for _, tag in ipairs {"foot", "pad", "middle", "axis"} do
     if not found[tag] then
       return nil, ("the edge '%s' of the bridge was moved: it has to stay in its place"):format(tag),
         {status = "geometry", tag = tag}
@@ -246,13 +246,13 @@ class.picture, class.body = picture.write, picture.body
 --- The lowest beam of one height that passes: height, area (of the whole).
 function class.uniform_beam(self)
   local opts = self.opts
-  local a, e, c, d = opts.span / 2, opts.span / 2 + opts.bearing, opts.pad / 2, opts.hold
+  local a, e, c, d = opts.span / 2, opts.span / 2 + opts.bearing, opts.pad / 2, opts.middle
   local problem = problem_of(opts)
   local function max(h)
     local outline = core.outline.make({{0, 0}, {a, 0}, {e, 0}, {e, h}, {c, h}, {d, h}, {0, h}},
       {{1, 0, 0, 2, 1}, {2, 0, 0, 3, 2}, {3, 0, 0, 4, 1}, {4, 0, 0, 5, 1}, {5, 0, 0, 6, 3},
       {6, 0, 0, 7, 4}, {7, 0, 0, 1, 5}}, {{count = 7, region = 1, name = "beam"}},
-      {"free", "foot", "pad", "hold", "axis"})
+      {"free", "foot", "pad", "middle", "axis"})
     local sheet, message, details = shape_design.sheet(problem, outline, math.max(opts.size, h / 20))
     if not sheet then return nil, message, details end
     return sheet.von_mises:max()
@@ -269,7 +269,7 @@ function class.uniform_beam(self)
 end
 
 --- Michell's least area of bars for a force in the middle between two feet in an unlimited plane:
---- (1 + pi/2) F a / (t limit), a half the distance of the middles of the feet.
+--- (1 + pi/2) F a / (t limit), a half the distance of the centres of the feet.
 function class.michell_area(self)
   local opts = self.opts
   return (1 + math.pi / 2) * opts.bar * (opts.span + opts.bearing) / 2
@@ -298,9 +298,9 @@ local function reported(self, opts, name, first, count, report_total)
   end
 end
 
--- Makes a shape the bridge's, and judges it on every mesh that answers are given for: the bridge's own and,
+-- Makes a shape the bridge's, and checks it on every mesh that answers are given for: the bridge's own and,
 -- where the shape was polished, one finer than that.
-local function judge(self, found, polish)
+local function check_meshes(self, found, polish)
   local ok, message, details = class.become(self, (found.form:outline()))
   if not ok then return nil, message, details end
   found.worst = self.sheet.von_mises:max()
@@ -314,14 +314,14 @@ local function judge(self, found, polish)
   return found
 end
 
--- The best of the starts again, on finer meshes where it is polished, until it passes wherever it is judged.
+-- The best of the starts again, on finer meshes where it is polished, until it passes wherever it is checked.
 -- One that failed before is not tried again without that.
 local function settled(self, opts, best, report)
   local polish = opts.polish > 0 and not core.interrupted()
   local margin, found = polish and 0.004 or 0.003, best
   local message, details
   if not polish then
-    found, message, details = judge(self, best, false)
+    found, message, details = check_meshes(self, best, false)
     if not found or not best.passes then return found, message, details end
   end
   for _ = 1, 4 do
@@ -333,7 +333,7 @@ local function settled(self, opts, best, report)
       rounds = polish and opts.polish or 10, margin = margin, polish = true})
     local start = found
     found, message, details = shape_design.search(problem, start.form:copy(), report)
-    if found then found, message, details = judge(self, found, polish) end
+    if found then found, message, details = check_meshes(self, found, polish) end
     if not found then return nil, message, details end
     if not polish then found.falling, found.converged = best.falling, best.converged end
   end

@@ -4,7 +4,7 @@
 -- The feet stand at y = 0 from x = span / 2 outwards, the pad is at y = deck from the middle. Both are pressed
 -- evenly, so that curves may leave them at any angle and no stress is singular: stiff supports would have
 -- infinite stresses at their edges. As the two forces balance, a short piece in the middle of the pad that is
--- held takes no more than the pressure that would be on it.
+-- fixed takes no more than the pressure that would be on it.
 local form_of = require "barwright.free_form"
 
 local starts = {}
@@ -39,7 +39,7 @@ local function make(opts, bottom, top, middle)
   local loop = {name = "bridge",
     chain(bottom, s, "axis", "clamped"), {line = true, tag = "foot"},
     chain(top, s, "clamped", "clamped"), {line = true, tag = "pad"},
-    {controls = {{opts.hold, opts.deck, "fixed"}}}, {line = true, tag = "hold"},
+    {controls = {{opts.middle, opts.deck, "fixed"}}}, {line = true, tag = "middle"},
     {controls = {{0, opts.deck, "fixed"}}}, {line = true, tag = "axis"}}
   if middle then
     loop[#loop + 1] = chain(middle, s, "axis", "axis")
@@ -129,7 +129,7 @@ local function outer(outline, loop, spacing)
   local function tag(k) return outline:edge(loop.first + (k - 1) % count).tag end
   local function carries(k)
     local name = tag(k)
-    return name == "foot" or name == "pad" or name == "hold" or name == "axis"
+    return name == "foot" or name == "pad" or name == "middle" or name == "axis"
   end
   local begin = 1
   while not (carries(begin) and not carries(begin + 1)) do begin = begin + 1 end

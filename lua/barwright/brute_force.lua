@@ -19,13 +19,13 @@ local rules = load_limits.rules {
   objective = {type = "string", default = "trace", one_of = {"trace", "principal"}},
 }
 
--- Steps of the ascent at most, and the share by which some element must gain for another one.
+-- Steps of the ascent at most, and the fraction by which some element must gain for another one.
 local ASCENT_STEPS, GAIN = 6, 1e-3
 
 --- Ascent of the principal stress in every element tried: its linear program with the principal direction of
 --- the stress under its load as the objective, until none gains. Results as those of the first run.
 local function ascend(mesh, system, basis, elements, loads, limits)
-  local count, stresses = loads.peaks.row_count, loads.own_stresses
+  local count, stresses = loads.peaks.row_count, loads.first_stresses
   local peaks, own = loads.peaks, core.max_principal(stresses)
   for _ = 1, ASCENT_STEPS do
     local stressed = own:above(0):where()
@@ -37,9 +37,9 @@ local function ascend(mesh, system, basis, elements, loads, limits)
     if not more then return nil, message, details end
     local weakness = core.array.map("max(a, b)", {a = loads.weakness, b = more.weakness})
     peaks = core.array.map("max(a, b)", {a = peaks, b = more.peaks})
-    local reached = core.max_principal(more.own_stresses)
+    local reached = core.max_principal(more.first_stresses)
     local gain = core.array.map("a / b", {a = reached, b = own}):max()
-    stresses, own = more.own_stresses, reached
+    stresses, own = more.first_stresses, reached
     loads = {weakness = weakness, peaks = peaks, element = (weakness:argmax())}
     if gain < 1 + GAIN then break end
   end

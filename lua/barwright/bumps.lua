@@ -7,9 +7,9 @@ local distance = require("barwright.points").distance
 
 local bumps = {}
 
--- Full offset up to this share of the radius, then a smooth decay to zero.
+-- Full offset up to this fraction of the radius, then a smooth decay to zero.
 local FLAT = 0.4
--- Normals diffuse over this share of the radius. Where less than MIN of their length is left, as in the middle
+-- Normals diffuse over this fraction of the radius. Where less than MIN of their length is left, as in the middle
 -- of a thin rib, the displacement is less as well.
 local SMOOTHED, MIN = 0.3, 0.5
 -- Over that length: the size of the groups of points that have a direction, and the distance over which points
@@ -19,11 +19,11 @@ local ITERATIONS, PRECISION = 100, 1e-4
 -- A part of the surface within the radius that is not connected to the place moves where its normal points
 -- away from the place at least so much: the other side of a wall, but not the other side of a gap.
 local AWAY = 0.3
--- Towards points that are kept a bump falls to zero over this share of the radius. So a bump of at most a quarter
--- of the radius does not reach beyond a kept plane.
+-- Towards points that are kept a bump falls to zero over this fraction of the radius. So a bump of at most a
+-- quarter of the radius does not reach beyond a kept plane.
 local KEPT = 0.5
--- Edges longer than a share of the radius are cut in halves near a place; the first share that adds no more points
--- than MAX_ADDED is taken. Rounds at most.
+-- Edges longer than a fraction of the radius are bisected near a place; the first fraction that adds no more
+-- points than MAX_ADDED is taken. Rounds at most.
 local EDGES, ROUNDS = {1 / 7, 1 / 5, 1 / 3.5}, 40
 -- The work of a step grows with the points of the surface.
 local MAX_ADDED = 30000
@@ -252,7 +252,7 @@ local function interpolated(groups, first, at, length, values)
 end
 
 -- Normals and directions around places. Directions are normals that diffuse along the surface
--- over a share of the radius: the two sides of a wall do not mix, and a crumb of tiny facets takes the
+-- over a fraction of the radius: the two sides of a wall do not mix, and a crumb of tiny facets takes the
 -- direction of what is around it.
 local function prepare(shape, places)
   measure(shape)
@@ -280,14 +280,14 @@ local function prepare(shape, places)
 end
 
 -- 1 up to FLAT of the radius, then a smooth decay to 0.
-local function height(share)
-  if share <= FLAT then return 1 end
-  local t = (1 - share) / (1 - FLAT)
+local function height(fraction)
+  if fraction <= FLAT then return 1 end
+  local t = (1 - fraction) / (1 - FLAT)
   return t * t * (3 - 2 * t)
 end
 
 -- A function that falls to zero at the border of the kept points among those of a list, within a length.
-local function kept_share(shape, list, keep, length)
+local function kept_fraction(shape, list, keep, length)
   local border, is_kept = {}, {}
   for _, i in ipairs(keep and list or {}) do
     local p = shape.points[i]
@@ -308,19 +308,19 @@ local function kept_share(shape, list, keep, length)
   end
 end
 
--- The height of a place's bump at the points of a shape that it moves, and its share left beside kept points.
+-- The height of a place's bump at the points of a shape that it moves, and its fraction left beside kept points.
 local function heights(shape, place, keep)
   local list, nearest = within(shape, place.at, place.radius)
   local inside, height_at, kept_at = {}, {}, {}
   for _, i in ipairs(list) do inside[i] = true end
   local reached = connected(shape, nearest, inside)
-  local share = kept_share(shape, list, keep, KEPT * place.radius)
+  local fraction = kept_fraction(shape, list, keep, KEPT * place.radius)
   for _, i in ipairs(list) do
     local p, n = shape.points[i], shape.directions[i]
     local x, y, z = p[1] - place.at[1], p[2] - place.at[2], p[3] - place.at[3]
     local far = sqrt(x * x + y * y + z * z)
     local away = x * n[1] + y * n[2] + z * n[3] > AWAY * far
-    if reached[i] or away then height_at[i], kept_at[i] = height(far / place.radius), share(i) end
+    if reached[i] or away then height_at[i], kept_at[i] = height(far / place.radius), fraction(i) end
   end
   return height_at, kept_at
 end
@@ -358,15 +358,15 @@ local function to_segment(p, a, b)
   return sqrt((p[1] - a[1] - t * dx) ^ 2 + (p[2] - a[2] - t * dy) ^ 2 + (p[3] - a[3] - t * dz) ^ 2)
 end
 
-local function too_long(a, b, places, share)
+local function too_long(a, b, places, fraction)
   local length = distance(a, b)
   for _, place in ipairs(places) do
-    if length > share * place.radius and to_segment(place.at, a, b) < place.radius then return true end
+    if length > fraction * place.radius and to_segment(place.at, a, b) < place.radius then return true end
   end
   return false
 end
 
--- The triangles that one becomes, m the middles of its edges 12, 23, 31, or false.
+-- The triangles that one becomes, m the midpoints of its edges 12, 23, 31, or false.
 local function pieces(points, t, m)
   local count = (m[1] and 1 or 0) + (m[2] and 1 or 0) + (m[3] and 1 or 0)
   if count == 0 then return {t} end
@@ -385,8 +385,8 @@ local function pieces(points, t, m)
   return out
 end
 
--- The shape with edges near places cut until they are at most a share of the radius long; nil beyond MAX_ADDED.
-local function cut_to(shape, places, share)
+-- The shape with edges near places cut until they are at most a fraction of the radius long; nil beyond MAX_ADDED.
+local function cut_to(shape, places, fraction)
   local points, triangles = table.move(shape.points, 1, #shape.points, 1, {}), shape.triangles
   for _ = 1, ROUNDS do
     local centroids, known, cut, changed = {}, {}, {}, false
@@ -394,7 +394,7 @@ local function cut_to(shape, places, share)
       if a > b then a, b = b, a end
       local key = a * 4294967296 + b
       if known[key] == nil then
-        known[key] = too_long(points[a], points[b], places, share)
+        known[key] = too_long(points[a], points[b], places, fraction)
         if known[key] then
           local p, q = points[a], points[b]
           points[#points + 1] = {(p[1] + q[1]) / 2, (p[2] + q[2]) / 2, (p[3] + q[3]) / 2}
@@ -415,11 +415,11 @@ local function cut_to(shape, places, share)
   return {points = points, triangles = triangles}
 end
 
---- Cuts edges near places in halves until they are short enough for bumps: the same surface with more triangles.
+--- Bisects edges near places until they are short enough for bumps: the same surface with more triangles.
 --- Returns nil and a message where it would take too many points.
 function bumps.subdivide(shape, places)
-  for _, share in ipairs(EDGES) do
-    local cut = cut_to(shape, places, share)
+  for _, fraction in ipairs(EDGES) do
+    local cut = cut_to(shape, places, fraction)
     if cut then return cut end
   end
   return nil, ("the surface would need more than %d new points around the weak places"):format(MAX_ADDED)
@@ -430,7 +430,7 @@ function bumps.displaced(shape, places, units)
   local moved = {}
   for i, p in ipairs(shape.points) do moved[i] = {p[1], p[2], p[3]} end
   for j, place in ipairs(places) do
-    local size = (place.share or 1) * place.offset
+    local size = (place.fraction or 1) * place.offset
     for i, d in pairs(units[j]) do
       local p = moved[i]
       p[1], p[2], p[3] = p[1] + size * d[1], p[2] + size * d[2], p[3] + size * d[3]

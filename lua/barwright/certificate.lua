@@ -41,9 +41,9 @@ local function add_supports(lines, part)
     local along = support.direction
     local kind = support.slide and (along and row("along", table.unpack(along)) or "normal")
     if not kind then
-      local held = {}
-      for k = 1, 3 do held[k] = support.displacement[k] and 1 or 0 end
-      kind = row("held", table.unpack(held))
+      local fixed = {}
+      for k = 1, 3 do fixed[k] = support.displacement[k] and 1 or 0 end
+      kind = row("fixed", table.unpack(fixed))
     end
     lines[#lines + 1] = kind
     lines[#lines + 1] = row("facets", support.on.facet_count, numbers(support.on.facets))
@@ -90,7 +90,7 @@ function certificate.text(worst, part, leaves)
     forbidden and numbers(forbidden.facets) or "")
   lines[#lines + 1] = row("loads", opts.force, opts.pressure, opts.force_is_max and "max" or "exactly",
     opts.friction, opts.friction_facets)
-  local motions = assert(part:free_motions())
+  local motions = assert(part:rigid_modes())
   lines[#lines + 1] = row("motions", #motions)
   for _, motion in ipairs(motions) do
     local c, t, r = motion.centre, motion.translation, motion.rotation
@@ -205,8 +205,8 @@ function reader:supports()
   for i = 1, self:whole(self:words "supports"[1], 0, MAX) do
     local words = self:words()
     local support = {kind = table.remove(words, 1)}
-    if support.kind ~= "normal" and support.kind ~= "along" and support.kind ~= "held" then
-      refuse(self, ("a support 'held', 'along' or 'normal' expected, got '%s'"):format(support.kind))
+    if support.kind ~= "normal" and support.kind ~= "along" and support.kind ~= "fixed" then
+      refuse(self, ("a support 'fixed', 'along' or 'normal' expected, got '%s'"):format(support.kind))
     end
     support.vector = self:list(words, support.kind == "normal" and 0 or 3)
     support.facets, support.nodes = self:indices "facets", self:indices "nodes"

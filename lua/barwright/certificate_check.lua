@@ -6,9 +6,9 @@ local arguments = require "barwright.arguments"
 local certificate = require "barwright.certificate"
 local core = require "barwright.core"
 
--- What two computations of the same stress may differ by, as a share of the upper bound.
+-- What two computations of the same stress may differ by, as a fraction of the upper bound.
 local AGREE = 1e-6
--- Loads keep their limits to this share of the force.
+-- Loads keep their limits to this fraction of the force.
 local ADMISSIBLE = 1e-8
 -- Of the cosine of a triangle's angle.
 local ROUNDING = 2.0 ^ -46
@@ -153,10 +153,10 @@ local function build(stated)
   for _, support in ipairs(stated.supports) do
     local on = selection(mesh, support.facets, support.nodes)
     if not on then reject "a support on nothing" end
-    if support.kind == "held" then
-      local held = {}
-      for k = 1, 3 do held[k] = support.vector[k] ~= 0 and 0 end
-      part:prescribe(#support.facets > 0 and on or on:node_set(), held)
+    if support.kind == "fixed" then
+      local fixed = {}
+      for k = 1, 3 do fixed[k] = support.vector[k] ~= 0 and 0 end
+      part:prescribe(#support.facets > 0 and on or on:node_set(), fixed)
     else
       part:slide(on, support.kind == "along" and support.vector or nil)
     end
@@ -166,7 +166,7 @@ end
 
 -- Work of a unit of each pressure on each rigid-body mode, as columns, and the largest displacement of each.
 local function works(stated, part, basis)
-  local motions, list, reaches = needed("", part:free_motions()), {}, {}
+  local motions, list, reaches = needed("", part:rigid_modes()), {}, {}
   if #motions ~= #stated.motions then
     reject("%d rigid-body modes stated, the supports leave %d", #stated.motions, #motions)
   end
@@ -271,8 +271,8 @@ local function check_leaves(stated, state)
 end
 
 local function prepare(stated)
-  local fine, part = pcall(build, stated) -- raises where what is stated is misuse
-  if not fine then
+  local ok, part = pcall(build, stated) -- raises where what is stated is misuse
+  if not ok then
     if type(part) ~= "string" or part:find "out of memory" or core.interrupted() then error(part, 0) end
     reject("%s", part)
   end
@@ -315,8 +315,8 @@ local module = {}
 function module.check_certificate(path)
   local stated, message, details = certificate.read(path)
   if not stated then return nil, message, details end
-  local fine, result = pcall(check, stated)
-  if fine then return result end
+  local ok, result = pcall(check, stated)
+  if ok then return result end
   if type(result) ~= "table" or not result.message then error(result, 0) end
   if result.details then return nil, ("%s: %s"):format(path, result.message), result.details end
   return nil, ("%s: rejected: %s"):format(path, result.message), {status = "rejected", file = path}

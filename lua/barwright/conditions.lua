@@ -88,7 +88,7 @@ end
 --- `word`: what stands for x and y being 0 ("fixed").
 --- Also returns the conditions by tag.
 function conditions.read(where, given, components, word)
-  local loads, held, keys = {}, {}, {"traction", "pressure"}
+  local loads, fixed, keys = {}, {}, {"traction", "pressure"}
   word = word or "fixed"
   local heat
   for component, name in ipairs(components) do
@@ -113,12 +113,12 @@ function conditions.read(where, given, components, word)
     if heat then add_heat(loads, tag, one, heat, where) end
     for component, key in ipairs(components) do
       if one[key] ~= nil then
-        held[#held + 1] = {tag = tag, kind = "prescribed", component = component, value = one[key],
+        fixed[#fixed + 1] = {tag = tag, kind = "prescribed", component = component, value = one[key],
           order = row.order}
       end
     end
   end
-  return table.move(held, 1, #held, #loads + 1, loads), conditions_by_tag
+  return table.move(fixed, 1, #fixed, #loads + 1, loads), conditions_by_tag
 end
 
 return conditions

@@ -16,7 +16,7 @@ local INNER = 2
 local INTERVALS = 24
 -- Stress intensities are fitted between so many edge lengths of elements.
 local NEAREST, FARTHEST, SAMPLES = 2, 6, 9
--- A point counts as outside of the body beyond this share of the line's length.
+-- A point counts as outside of the body beyond this fraction of the line's length.
 local OUTSIDE = 0.02
 
 local function along(point, direction, r)
@@ -43,11 +43,11 @@ local function stations(place, spacing)
     local a, b = place.points[i], place.points[i + 1]
     local length = distance(a, b)
     while next <= count and (next - 0.5) / count * place.length <= passed + length do
-      local share = length > 0 and ((next - 0.5) / count * place.length - passed) / length or 0
+      local fraction = length > 0 and ((next - 0.5) / count * place.length - passed) / length or 0
       local at, inward, tangent = {}, {}, {}
       for k = 1, 3 do
-        at[k] = (1 - share) * a[k] + share * b[k]
-        inward[k] = (1 - share) * place.inward[i][k] + share * place.inward[i + 1][k]
+        at[k] = (1 - fraction) * a[k] + fraction * b[k]
+        inward[k] = (1 - fraction) * place.inward[i][k] + fraction * place.inward[i + 1][k]
         tangent[k] = b[k] - a[k]
       end
       list[next] = {at = at, inward = unit(inward), tangent = unit(tangent)}
@@ -103,9 +103,9 @@ local function largest(tensor)
   return core.principal(core.array.new {tensor})(1, 1)
 end
 
--- What elements of this share of the line leave open: a rule of thumb.
-local function unresolved(share)
-  return 0.1 * (share + share ^ 2)
+-- What elements of this fraction of the line leave open: a rule of thumb.
+local function unresolved(fraction)
+  return 0.1 * (fraction + fraction ^ 2)
 end
 
 -- Of one station: the judged tensor with what two inner lengths differ by.

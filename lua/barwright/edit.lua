@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Edit sessions: a part is posed and thickened by its skeleton, and solved again after each edit by
--- touching only what the edit changed. docs/theory/edit.md tells how.
+-- touching only what the edit changed. docs/theory/edit.md explains how.
 --
 -- A session is a list of states and the place of the current one. A state is a topology, a pose and
 -- the limits of the joints; it never changes. Everything else (mesh, model, equations) follows from
@@ -31,7 +31,7 @@ local rules = {
   -- of the subdomains; left out: the engine's own
   threshold = {type = "number", above = 0, max = 1},
   thresholds = {type = "table", default = {}}, -- of single bones, by name
-  share = {type = "number", min = 0, max = 1}, -- of what a bone moves most
+  fraction = {type = "number", min = 0, max = 1}, -- of what a bone moves most
   heat = {type = "number", above = 0},
   quality = {type = "number", default = 0.02, min = 0, max = 0.5},
   relax = {type = "boolean", default = true},
@@ -88,7 +88,7 @@ local function make_subdomains(mesh, opts)
   weights, message, details = core.skinning_weights(mesh, skeleton, {heat = opts.heat})
   if not weights then return nil, message, details end
   return core.subdomains(mesh, skeleton, weights, {threshold = opts.threshold,
-    bone_threshold = thresholds, share = opts.share == 0 and -1 or opts.share})
+    bone_threshold = thresholds, fraction = opts.fraction == 0 and -1 or opts.fraction})
 end
 
 --- Begins a session on a part. Returns nil, message, details when it cannot.

@@ -8,7 +8,7 @@ local core = require "barwright.core"
 
 local edit_assign = {}
 
--- The middles of some elements at rest, as {x, y, z} by number.
+-- The centroids of some elements at rest, as {x, y, z} by number.
 local function centroids(mesh, elements)
   local corners = mesh.elements:gather(elements):totable()
   local out = {}
@@ -90,8 +90,8 @@ function edit_assign.subdomains(topology, elements, bone)
     return nil, "assign: no element of the mesh before it was refilled lies where these elements do",
       {status = "geometry"}
   end
-  local fine, subdomains, message, details = pcall(topology.subdomains.assign, topology.subdomains, elements, bone)
-  if not fine then
+  local ok, subdomains, message, details = pcall(topology.subdomains.assign, topology.subdomains, elements, bone)
+  if not ok then
     core.raise("assign, on the mesh as it was before it was refilled: "
       .. subdomains:gsub("^[^\n]-:%d+: ", ""))
   end

@@ -28,7 +28,7 @@ local function check_shape(i, state)
   demand(shape.mesh.node_count == mesh.node_count and shape.mesh.element_count == mesh.element_count,
     "the mesh of state %d has %d nodes and %d elements, its topology %d and %d", i, shape.mesh.node_count,
     shape.mesh.element_count, mesh.node_count, mesh.element_count)
-  local inverted = mesh:judge(shape.mesh.nodes, 0).inverted
+  local inverted = mesh:shape_check(shape.mesh.nodes, 0).inverted
   demand(inverted == 0, "the mesh of state %d has %s elements inverted", i, inverted)
 end
 

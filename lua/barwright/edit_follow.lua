@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The equations of a session. One incremental system follows the edits within a topology; another topology
 -- (a refilled mesh, other subdomains) needs another system, made at the shape it is needed for. What a
--- solve reused is told in words.
+-- solve reused is reported in words.
 local core = require "barwright.core"
 local edit_motion = require "barwright.edit_motion"
 

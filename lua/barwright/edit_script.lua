@@ -105,8 +105,8 @@ local function cut_torn_line(self)
   local text, why = read_all(self.path)
   if not text then return io_failure(self.path, why) end
   if #text > self.size then
-    local fine, message, details = core.write_file(self.path, text:sub(1, self.size))
-    if not fine then return nil, message, details end
+    local ok, message, details = core.write_file(self.path, text:sub(1, self.size))
+    if not ok then return nil, message, details end
   end
   return append(self)
 end
@@ -114,13 +114,13 @@ end
 --- A line that is on its way to the disk before the edit counts.
 function journal:add(script)
   if not self.file then
-    local fine, message, details = cut_torn_line(self)
-    if not fine then return nil, message, details end
+    local ok, message, details = cut_torn_line(self)
+    if not ok then return nil, message, details end
   end
   local line = ("assert(%s)\n"):format(script)
-  local fine, why = self.file:write(line)
-  if fine then fine, why = self.file:flush() end
-  if not fine then
+  local ok, why = self.file:write(line)
+  if ok then ok, why = self.file:flush() end
+  if not ok then
     self.file:close()
     self.file = false
     return io_failure(self.path, why)
@@ -152,8 +152,8 @@ function edit_script.open_journal(path, script)
     if text then kept, why = os.rename(path, path .. "~") end
     if not kept then return io_failure(path, why) end
   end
-  local fine, message, details = core.write_file(path, head(script))
-  if not fine then return nil, message, details end
+  local ok, message, details = core.write_file(path, head(script))
+  if not ok then return nil, message, details end
   return go_on(path)
 end
 
@@ -163,9 +163,9 @@ function edit_script.keep(session, path)
   local record, message, details = edit_script.open_journal(path, session.opts.script)
   if not record then return nil, message, details end
   for i = 2, session.position do
-    local fine
-    fine, message, details = record:add(session.history[i].script)
-    if not fine then return nil, message, details end
+    local ok
+    ok, message, details = record:add(session.history[i].script)
+    if not ok then return nil, message, details end
   end
   if session.record then session.record:close() end
   session.record = record
@@ -284,19 +284,19 @@ function edit_script.load(edit, path, session, given)
   begun, failure = nil, nil
   local before = session and session.position
   loads = loads + 1
-  local fine, result = xpcall(chunk, with_line(path), session)
+  local ok, result = xpcall(chunk, with_line(path), session)
   loads = loads - 1
   local made, why = begun, failure
   begun, failure = nil, nil
-  if not fine then return not_replayed(path, result, why, session and session.position ~= before) end
+  if not ok then return not_replayed(path, result, why, session and session.position ~= before) end
   session = getmetatable(result) == edit.class and result or made or session
   if not session then
     return nil, path .. ": not a script of an edit session", {status = "format", file = path}
   end
   if opts.resume then
     text = text:gsub("return session\n$", "")
-    fine, message, details = core.write_file(path, text)
-    if not fine then return nil, message, details end
+    ok, message, details = core.write_file(path, text)
+    if not ok then return nil, message, details end
     if session.record then session.record:close() end
     session.record = false
     local record

@@ -90,7 +90,7 @@ local function is_far(topology, nodes)
   return false
 end
 
--- What is told of the worst element.
+-- What is reported of the worst element.
 local function refusal(topology, nodes, judged)
   local element, x, y, z = judged.worst, 0, 0, 0
   local corners = topology.mesh.elements:rows(element, element):totable()[1]
@@ -128,10 +128,10 @@ function edit_shape.of(topology, pose, opts)
   end
   local shape = {topology = topology, maps = maps, rotations = rotations, how = "posed",
     relaxed = {}, at_rest = edit_pose.all_at_rest(pose), rotate_material = opts.rotate_material}
-  local judged = topology.mesh:judge(nodes, topology.floor)
+  local judged = topology.mesh:shape_check(nodes, topology.floor)
   local final = nodes
   if judged.inverted > 0 then
-    local inverted = topology.mesh:judge(nodes, 0)
+    local inverted = topology.mesh:shape_check(nodes, 0)
     if opts.relax then
       final, message, details = relaxed_nodes(topology, shape, nodes)
       if not final and details.status ~= "geometry" then return nil, message, details end

@@ -7,7 +7,7 @@ local distance = require("barwright.points").distance
 -- Normals of facets that differ by more than this (radians) are at a sharp edge, which is meant.
 local SHARP = 0.6
 
---- The error of a stress at a point, as a share of it, 0 inside of the body: it changes by about 2/pi of the
+--- The error of a stress at a point, as a fraction of it, 0 inside of the body: it changes by about 2/pi of the
 --- angle of a concave kink each time that the mesh becomes finer by e. The largest kink within the radius counts.
 return function(mesh, at, radius)
   local boundary, kink = mesh.boundary, 0

@@ -3,7 +3,7 @@
 -- an edge.
 local core = require "barwright.core"
 
--- The corners of four triangles in the nodes of a facet with middles.
+-- The corners of four triangles in the nodes of a facet with mid-edge nodes.
 local QUARTERS = {{1, 4, 6}, {4, 2, 5}, {6, 5, 3}, {4, 5, 6}}
 
 --- The surface, and the nodes of the mesh that its points are; or nil, message, details.

@@ -103,7 +103,7 @@ local undo = {}
 
 function undo:__close()
   if not self.committed then
-    assert(self.object.body:return_to(self.state))
+    assert(self.object.body:restore(self.state))
     rawset(self.object, "last", self.last)
     if self.restore then self.restore() end
   end
@@ -114,7 +114,7 @@ end
 --- its class holds beside the engine's body (`keep` gives the function that restores it).
 function followed.attempt(self, change)
   local class = getmetatable(self)
-  local before <close> = setmetatable({object = self, last = self.last, state = self.body:keep(),
+  local before <close> = setmetatable({object = self, last = self.last, state = self.body:save(),
     restore = class.keep and class.keep(self)}, undo)
   local result, message, details = change()
   if not result then return nil, message, details end
@@ -150,9 +150,9 @@ function followed.kept(self)
   local marches = getmetatable(self).marches
   if marches and marches(self) then return nil end
   local body = self.body
-  local state = body:keep()
+  local state = body:save()
   return function()
-    assert(body:return_to(state))
+    assert(body:restore(state))
     rawset(self, "last", new_frame())
     return self
   end

@@ -295,11 +295,11 @@ function form.through(chain, knots)
     for k = 1, count do
       local c, q = d[k], knots[k]
       for axis = 1, 2 do
-        local held = c[3] == "y" and axis == 1 or c[3] == "x" and axis == 2
+        local fixed = c[3] == "y" and axis == 1 or c[3] == "x" and axis == 2
         if chain.closed then
           c[axis] = (6 * q[axis] - d[(k - 2) % count + 1][axis] - d[k % count + 1][axis]) / 4
         elseif k > 1 and k < count then
-          if not held then c[axis] = (6 * q[axis] - d[k - 1][axis] - d[k + 1][axis]) / 4 end
+          if not fixed then c[axis] = (6 * q[axis] - d[k - 1][axis] - d[k + 1][axis]) / 4 end
         elseif (k == 1 and chain.first or chain.last) == "axis" then
           local inner = d[k == 1 and 2 or count - 1]
           c[axis] = axis == 1 and 0 or (6 * q[2] - 2 * inner[2]) / 4

@@ -38,8 +38,8 @@ function json.list(table)
   if table ~= nil and type(table) ~= "table" then
     raise(("json.list: a table expected, got %s"):format(core.got(table)))
   end
-  local fine, list = pcall(setmetatable, table or {}, list_mark)
-  if not fine then raise "json.list: a table whose metatable is not protected expected" end
+  local ok, list = pcall(setmetatable, table or {}, list_mark)
+  if not ok then raise "json.list: a table whose metatable is not protected expected" end
   return list
 end
 
@@ -122,9 +122,9 @@ function json.encode(value, indent)
     raise(("json.encode: indent: a string expected, got %s"):format(core.got(indent)))
   end
   local out = {}
-  local fine, message = pcall(write, value, out, indent, 0, {})
-  if not fine and type(message) ~= "string" then error(message, 0) end -- of a metamethod
-  if not fine then raise(message) end
+  local ok, message = pcall(write, value, out, indent, 0, {})
+  if not ok and type(message) ~= "string" then error(message, 0) end -- of a metamethod
+  if not ok then raise(message) end
   return table.concat(out)
 end
 
@@ -242,8 +242,8 @@ end
 --- The value of a text, or nil and a message with line and byte.
 function json.decode(text)
   if type(text) ~= "string" then raise("json.decode: a string expected") end
-  local fine, value, position = pcall(read, text, skip(text, 1), 0)
-  if fine then
+  local ok, value, position = pcall(read, text, skip(text, 1), 0)
+  if ok then
     position = skip(text, position)
     if position <= #text then
       return nil, ("line %d, byte %d: the end expected"):format(at_line(text, position), position)

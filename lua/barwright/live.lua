@@ -87,7 +87,7 @@ local function serve(controller, server)
   end
 end
 
--- The pages are told before the connections end.
+-- The pages are informed before the connections end.
 local function part_with(controller, server)
   controller:finish()
   for client in pairs(controller.clients) do server:disconnect(client, 1001, "the session has ended") end
@@ -126,13 +126,13 @@ function live.run(served, given)
   end
   live.serve_page(server, message)
   -- Ctrl-C while Lua works is an error; the edits are in the journal by then.
-  local fine, why = pcall(function()
+  local ok, why = pcall(function()
     if opts.ready then opts.ready(server.address) end
     serve(controller, server)
   end)
-  if fine or core.interrupted() then pcall(part_with, controller, server) end
+  if ok or core.interrupted() then pcall(part_with, controller, server) end
   server:close()
-  if not fine and not core.interrupted() then error(why, 0) end
+  if not ok and not core.interrupted() then error(why, 0) end
   return served
 end
 

@@ -1,9 +1,9 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The live view's controller: takes the messages of the pages, edits the session, tells every page how it
+-- The live view's controller: takes the messages of the pages, edits the session, reports to every page how it
 -- stands. docs/live.md has the protocol.
 --
 -- Nothing of a message is believed: live_message checks it whole before anything is done, and what
--- the session refuses is told to the page that asked. The session changes by whole edits only. While
+-- the session refuses is reported to the page that asked. The session changes by whole edits only. While
 -- a handle is dragged, edits are tried on a fork; the end of the drag makes one edit of it. A drag
 -- never lags behind the hand: its solve is given up when a newer move is there.
 --
@@ -57,7 +57,7 @@ local function drag_reported(drag)
 end
 
 -- Solves a session or a fork and puts its state in place of the one before. Where it cannot be
--- solved, the shape is told all the same, and why. The stresses of a drag are left out when a newer
+-- solved, the shape is reported all the same, and why. The stresses of a drag are left out when a newer
 -- move is there first.
 local function publish(self, shown)
   local state, start, drag = state_of(shown), core.seconds(), self.drag
@@ -321,7 +321,7 @@ function controller:handle(list)
   shared.handle(self, list, events)
 end
 
---- The session will not go on: a drag is ended, the pages are told.
+--- The session will not go on: a drag is ended, the pages are informed.
 function controller:finish()
   if self.drag then pcall(finish, self, true) end
   notify_all(self, {type = "bye"})

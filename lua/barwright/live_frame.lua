@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- What the live view's page is told of an edit session: a scene (what stays through edits) and states,
+-- What the live view's page receives of an edit session: a scene (what stays through edits) and states,
 -- binary messages (live_pack). docs/live.md has the fields.
 local json = require "barwright.json"
 local live_pack = require "barwright.live_pack"

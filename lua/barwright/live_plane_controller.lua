@@ -1,11 +1,11 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The controller of the plane's live view: takes the messages of the pages, moves the outline of an object of
--- bw.responsive, lets its time go on, tells every page how it stands. docs/live.md has the protocol.
+-- bw.responsive, lets its time go on, reports to every page how it stands. docs/live.md has the protocol.
 --
 -- The object changes by whole edits: each is an outline and a line of Lua, kept in `history`; a drag,
 -- however long, is one. A move of a drag starts from the outline where the drag began, so that moves
 -- need no order and a newer one takes the place of all that wait. What the outline, the mesh or the
--- solution refuses leaves the last good state, and is told to the page that asked.
+-- solution refuses leaves the last good state, and is reported to the page that asked.
 local core = require "barwright.core"
 local edits = require "barwright.live_plane_edits"
 local followed = require "barwright.followed"
@@ -58,7 +58,7 @@ local function shown(self)
   return keys
 end
 
--- Tells how the object stands. What stays is told again only where it is another one.
+-- Reports how the object stands. What stays is reported again only where it is another one.
 local function publish(self)
   local object = self.object
   if not (self.scene and object.outline:same_topology(self.scene.outline)) then
@@ -101,9 +101,9 @@ end
 -- The object goes over to an outline, by `back` if that is given: true, or nil and why it stays as it is.
 local function become(self, outline, back)
   local since = core.seconds()
-  local fine, why, details
-  if back then fine, why, details = back() else fine, why, details = self.object:become(outline) end
-  if not fine then return nil, why, details end
+  local ok, why, details
+  if back then ok, why, details = back() else ok, why, details = self.object:become(outline) end
+  if not ok then return nil, why, details end
   frame(self, since)
   self.trouble = nil
   return true
@@ -111,11 +111,11 @@ end
 
 -- ---- edits ---------------------------------------------------------------------------------------
 
--- Keeps the lines in the file of edits: before they are told.
+-- Keeps the lines in the file of edits: before they are reported.
 local function keep(self)
   if not self.about.saved then return true end
-  local fine, why = edits.write(self.about.saved, self.about.script, lines(self))
-  if not fine then return nil, "the edits cannot be kept: " .. tostring(why) end
+  local ok, why = edits.write(self.about.saved, self.about.script, lines(self))
+  if not ok then return nil, "the edits cannot be kept: " .. tostring(why) end
   return true
 end
 
@@ -124,16 +124,16 @@ end
 function controller:settle()
   local here = self.history[self.position]
   if self.drag or self.object.outline == here.outline then return end
-  local fine, there = pcall(become, self, here.outline, here.back)
-  self.unsettled = not (fine and there)
+  local ok, there = pcall(become, self, here.outline, here.back)
+  self.unsettled = not (ok and there)
 end
 
 -- The edits up to a place of a history are those that count, where they can be kept.
 local function take(self, history, position)
   local former, place = self.history, self.position
   self.history, self.position = history, position
-  local fine, why = keep(self)
-  if not fine then
+  local ok, why = keep(self)
+  if not ok then
     self.history, self.position = former, place
     self:settle()
     return nil, why
@@ -145,8 +145,8 @@ end
 local function push(self, line)
   local history = table.move(self.history, 1, self.position, 1, {})
   history[#history + 1] = {outline = self.object.outline, line = line, back = followed.kept(self.object)}
-  local fine, why = take(self, history, #history)
-  if not fine then return nil, why end
+  local ok, why = take(self, history, #history)
+  if not ok then return nil, why end
   local older = history[#history - states_kept]
   if older then older.back = nil end
   return true
@@ -154,8 +154,8 @@ end
 
 local function go_to(self, position)
   local to = self.history[position]
-  local fine, why = become(self, to.outline, to.back)
-  if not fine then return nil, why end
+  local ok, why = become(self, to.outline, to.back)
+  if not ok then return nil, why end
   return take(self, self.history, position)
 end
 
@@ -177,9 +177,9 @@ function handlers.move(self, client, message)
   if not drag then return end
   drag.seq = message.seq
   local outline, why, line = edits.dragged(drag.base, drag, message.by)
-  local fine = outline
-  if outline then fine, why = become(self, outline) end
-  if not fine then return refuse(self, client, message, why) end
+  local ok = outline
+  if outline then ok, why = become(self, outline) end
+  if not ok then return refuse(self, client, message, why) end
   drag.line = line
   if message.ends then return end -- the end of the drag is there already
   if self.steps and self.running then return end -- the next step, which is due soon, shows it
@@ -192,13 +192,13 @@ local function finish(self, wanted)
   self.drag = nil
   if not drag.line then return true end
   if wanted then return push(self, drag.line) end
-  local fine, why = become(self, drag.base, drag.back)
-  if not fine then self:settle() end
-  return fine, why
+  local ok, why = become(self, drag.base, drag.back)
+  if not ok then self:settle() end
+  return ok, why
 end
 
-local function done(self, client, message, fine, why)
-  if not fine then refuse(self, client, message, why) end
+local function done(self, client, message, ok, why)
+  if not ok then refuse(self, client, message, why) end
   return publish(self)
 end
 
@@ -210,9 +210,9 @@ end
 function handlers.edit(self, client, message)
   if not no_drag(self, client, message) then return end
   local outline, why, line = edits.make(self.object, message.edit)
-  local fine = outline
-  if outline then fine, why = become(self, outline) end
-  if not fine then return refuse(self, client, message, why) end
+  local ok = outline
+  if outline then ok, why = become(self, outline) end
+  if not ok then return refuse(self, client, message, why) end
   return done(self, client, message, push(self, line))
 end
 
@@ -326,8 +326,8 @@ end
 local function advance(self)
   local since = core.seconds()
   local count = math.max(1, math.min(self.pace, math.floor(step_time / self.a_step)))
-  local fine, why = self.object:step(count)
-  if not fine then return nil, why end
+  local ok, why = self.object:step(count)
+  if not ok then return nil, why end
   self.a_step = math.max(1e-6, (core.seconds() - since) / count)
   frame(self, since)
   return true
@@ -337,10 +337,10 @@ end
 function controller:idle()
   local now = core.seconds()
   if not (self.steps and self.running and next(self.clients)) or now < self.due then return end
-  local fine, stepped, why = pcall(advance, self)
-  if not fine or not stepped then
+  local ok, stepped, why = pcall(advance, self)
+  if not ok or not stepped then
     self.running = false
-    self.trouble = tostring(fine and why or stepped)
+    self.trouble = tostring(ok and why or stepped)
   end
   publish(self)
   self.due = now + frame_time
@@ -365,13 +365,13 @@ function controller.new(object, server, about)
     due = 0, a_step = 1e-3, position = 1,
     history = {{outline = object.outline, back = followed.kept(object)}}}, controller)
   for i, line in ipairs(about.lines) do
-    local fine, why = edits.replay(object, line)
-    if not fine then return nil, ("edit %d, %s: %s"):format(i, line, why), {status = "format"} end
+    local ok, why = edits.replay(object, line)
+    if not ok then return nil, ("edit %d, %s: %s"):format(i, line, why), {status = "format"} end
     self.position = i + 1
     self.history[self.position] = {outline = object.outline, line = line, back = followed.kept(object)}
   end
-  local fine, why = keep(self)
-  if not fine then return nil, why, {status = "io"} end
+  local ok, why = keep(self)
+  if not ok then return nil, why, {status = "io"} end
   publish(self)
   return self
 end
@@ -400,7 +400,7 @@ function controller:handle(list)
   shared.handle(self, list, events)
 end
 
---- The view will not go on: a drag is ended, the pages are told.
+--- The view will not go on: a drag is ended, the pages are informed.
 function controller:finish()
   if self.drag then pcall(finish, self, true) end
   notify_all(self, {type = "bye"})

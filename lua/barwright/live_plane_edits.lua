@@ -139,9 +139,9 @@ end
 function edits.replay(object, line)
   local chunk, why = load(line, "=edit", "t", {object = object, assert = assert, require = require})
   if not chunk then return nil, why end
-  local fine
-  fine, why = pcall(chunk)
-  if fine then return true end
+  local ok
+  ok, why = pcall(chunk)
+  if ok then return true end
   return nil, tostring(why)
 end
 

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- What the page of the plane's live view is told, binary messages (live_pack): a scene (what stays while
+-- What the page of the plane's live view receives: binary messages (live_pack): a scene (what stays while
 -- the outline's topology does), a mesh (its triangles), states. docs/live.md has the fields.
 local json = require "barwright.json"
 local kinds = require "barwright.live_plane_kinds"
@@ -44,7 +44,7 @@ function live_plane_frame.scene(controller, id)
     colours = live_pack.colours(), loops = loops, tags = json.list(outline.tags)}, blocks)
 end
 
---- The triangles, corners and middles; as text, to be compared.
+--- The triangles, corners and mid-edge nodes; as text, to be compared.
 function live_plane_frame.triangles(object)
   return object.elements:tostring("<u4", -1)
 end

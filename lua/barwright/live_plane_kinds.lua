@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The analyses that the plane's live view shows, a table each by the name of its class: what can be
--- coloured, how the shape is drawn bent, whether time goes on by itself, what is told in numbers.
+-- coloured, how the shape is drawn bent, whether time goes on by itself, what is reported in numbers.
 --
 -- A field has `key`, `name`, `unit` with the `scale` that leads to it from SI, `signed` (the colours
 -- are symmetric about zero), `spread` (they go from the lowest to the highest), and `values` of an

@@ -3,7 +3,7 @@
 -- arrive, newest moves first, files to be downloaded.
 --
 -- A controller has `server`, `clients` (set), `later` (what arrived while the engine worked), `drag` or nil
--- (with its `client`), and `telling` while windows are told of progress.
+-- (with its `client`), and `telling` while windows are informed of progress.
 local core = require "barwright.core"
 local json = require "barwright.json"
 local live_check = require "barwright.live_check"
@@ -53,7 +53,7 @@ function shared.meanwhile(self, gives_up, work, ...)
   return table.unpack(results, 2, results.n)
 end
 
---- Long work that every page is told of, and any may stop: the results of `work`.
+--- Long work that every page is informed of, and any may stop: the results of `work`.
 function shared.reported_of(self, what, work, ...)
   local shown = -1
   shared.notify_all(self, {type = "progress", stage = what, fraction = 0})
@@ -77,13 +77,13 @@ end
 
 -- ---- drags ---------------------------------------------------------------------------------------
 
---- The drag of a window; where it has none, it is told so.
+--- The drag of a window; where it has none, it is informed.
 function shared.own_drag(self, client, message)
   if self.drag and self.drag.client == client then return self.drag end
   shared.refuse(self, client, message, "no drag of this window is going on")
 end
 
---- Whether nothing is dragged; a window that asked is told what is: `self:dragged()` names it.
+--- Whether nothing is dragged; a window that asked is informed what is: `self:dragged()` names it.
 function shared.no_drag(self, client, message)
   if not self.drag then return true end
   shared.refuse(self, client, message, self:dragged() .. " is being dragged")
@@ -111,8 +111,8 @@ function shared.written(ending, write)
   local folder <close>, message = core.temporary_folder()
   if not folder then return nil, message end
   local path = folder.path .. "/written" .. ending
-  local fine, why = write(path)
-  local file = fine and io.open(path, "rb")
+  local ok, why = write(path)
+  local file = ok and io.open(path, "rb")
   local bytes = file and file:read "a"
   if file then file:close() end
   return bytes, why or "a temporary file could not be read"
@@ -120,14 +120,14 @@ end
 
 -- ---- what arrives --------------------------------------------------------------------------------
 
---- Runs a handler. What neither a check nor the session caught is told too; the session is then as
+--- Runs a handler. What neither a check nor the session caught is reported too; the session is then as
 -- the last whole edit left it (which `self:settle()` does for a controller that drags the thing itself).
 function shared.protected(self, client, message, handler)
-  local fine, result, why = pcall(handler, self, client, message)
-  if fine and (result ~= nil or not why) then return end
+  local ok, result, why = pcall(handler, self, client, message)
+  if ok and (result ~= nil or not why) then return end
   if self.drag and self.drag.client == client then self.drag = nil end
   if self.settle then self:settle() end
-  shared.refuse(self, client, message, tostring(fine and why or result))
+  shared.refuse(self, client, message, tostring(ok and why or result))
 end
 
 -- Events with their messages read; of moves of one window in a row only the newest counts, and that

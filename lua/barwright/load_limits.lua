@@ -73,7 +73,7 @@ function load_limits.without_friction(mesh, opts, basis)
   return core.pressure_basis(mesh, {forbidden = opts.forbidden, spacing = spacing_of(opts)})
 end
 
---- By how much the pyramid in Coulomb's cone may be narrower than the cone, as a share.
+--- By how much the pyramid in Coulomb's cone may be narrower than the cone, as a fraction.
 function load_limits.friction_error(opts)
   return opts.friction > 0 and 1 - math.cos(math.pi / opts.friction_facets) or 0
 end

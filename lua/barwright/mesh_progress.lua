@@ -1,12 +1,12 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- The progress of work over several meshes as one: which mesh of how many, and a share of the whole that never
+-- The progress of work over several meshes as one: which mesh of how many, and a fraction of the whole that never
 -- goes back. What a mesh takes is known from those before it: the time grows with the number of elements.
 local core = require "barwright.core"
 
 local mesh_progress = {}
 mesh_progress.__index = mesh_progress
 
--- Of the time predicted, a mesh that is not done has taken at most this share; likewise the whole.
+-- Of the time predicted, a mesh that is not done has taken at most this fraction; likewise the whole.
 local MAX = 0.95
 
 -- Seconds that so many elements will take; nil before a mesh is done.

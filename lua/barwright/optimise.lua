@@ -6,7 +6,7 @@
 -- A problem has unknowns (optimise_unknowns), constrained nodes with models of their stresses
 -- (optimise_models), steps (optimise_steps), and a stage on which shapes are tried (optimise_stage).
 local core = require "barwright.core"
-local held = require "barwright.optimise_held"
+local optimise_fixed = require "barwright.optimise_fixed"
 local models = require "barwright.optimise_models"
 local options = require "barwright.options"
 local stages = require "barwright.optimise_stage"
@@ -299,8 +299,8 @@ function optimise.run(session, given)
   local skeleton = session.skeleton
   self.only = opts.bones and unknowns.bones(skeleton, opts.bones, "bones")
   local kept_bones
-  kept_bones, self.held = held.split(session, opts.keep)
-  if not opts.move_supports then held.add_supports(self.held, parts) end
+  kept_bones, self.fixed = optimise_fixed.split(session, opts.keep)
+  if not opts.move_supports then optimise_fixed.add_supports(self.fixed, parts) end
   self.keep = unknowns.set(unknowns.bones(skeleton, kept_bones, "keep"))
   self.tied = unknowns.ties(skeleton, opts.ties)
   if opts.min_factor > opts.max_factor then

@@ -152,7 +152,7 @@ end
 
 --- Which models were at their limit in a step. Where the curvature E predicted that they would do worse
 --- at its end than they do, less of it is kept.
-function models.judge(self, list, multipliers, to, point)
+function models.check(self, list, multipliers, to, point)
   local predicted, seen = 0, 0
   for i, row in ipairs(self.E) do
     for j = 1, #row do

@@ -165,7 +165,7 @@ function steps.take(self, point, t, list, met)
       local got = shape + price * (short - models.shortfall(self, trial))
       if got >= 0.1 * hoped - 1e-9 * (now + price) then
         if got > 0.7 * hoped and not inside then self.radius = math.min(2 * self.radius, 4) end
-        models.judge(self, list, step.multipliers, step.t, trial)
+        models.check(self, list, step.multipliers, step.t, trial)
         if step.violation == 0 then models.remember(self, list, step.multipliers) end
         return {t = step.t, point = trial, step = step, still = step.violation > 0
           and hoped < 1e-7 and inside}

@@ -6,7 +6,7 @@
 --
 -- A problem has groups, t, H and motions (of all nodes by each t), which only grow together.
 local core = require "barwright.core"
-local held = require "barwright.optimise_held"
+local optimise_fixed = require "barwright.optimise_fixed"
 
 local raise = core.raise
 local unknowns = {}
@@ -75,7 +75,7 @@ local function add_group(self, bones, axis)
   self.groups[n], self.t[n] = group, 1
   local fine, message, details = measure(self, n)
   if not fine then return nil, message, details end
-  local blocked = held.moved(self.held, self.stage.topology, self.motions[n])
+  local blocked = optimise_fixed.moved(self.fixed, self.stage.topology, self.motions[n])
   if blocked then
     self.refused = ("%s across %s would move %s%s"):format(
       self.stage.topology.skeleton.bone_names[bones[1]], ("xyz"):sub(axis, axis), blocked.name,

@@ -21,8 +21,8 @@ local function length(value) return #value end
 
 --- Whether a table's length is a count: a metatable may make anything of it.
 function options.countable(value)
-  local fine, count = pcall(length, value)
-  return fine and math.type(count) == "integer" and count >= 0 and count < 1e9
+  local ok, count = pcall(length, value)
+  return ok and math.type(count) == "integer" and count >= 0 and count < 1e9
 end
 
 -- rule: {type = "number" | "integer" | "boolean" | "string" | "table" | a class, default =, min =,

@@ -69,8 +69,8 @@ local function rate(self, numbers)
   if not means then return nil, message, details end
   for k, stress in ipairs(stresses) do
     local mean = means:columns(6 * k - 5, 6 * k)
-    list[k] = self.judge(mean)
-    add_peaks(self, numbers[k], list[k], mean, self.judge(stress):max())
+    list[k] = self.measure(mean)
+    add_peaks(self, numbers[k], list[k], mean, self.measure(stress):max())
   end
   table.sort(self.places, weaker)
   return list
@@ -117,7 +117,7 @@ local function screen(self)
     pressure = limits.pressure, force = limits.force, force_is_max = limits.force_is_max, glpk = limits.glpk,
     radius = self.radius, patches = math.floor(math.max(FEWEST, patches)), targets = RANKED})
   if not screened then return nil, message, details end
-  screened.values, screened.tried, screened.reached = self.judge(screened.stresses), {}, {}
+  screened.values, screened.tried, screened.reached = self.measure(screened.stresses), {}, {}
   self.screened = screened
   screened.order, screened.rows = screened.values:order(), screened.stresses:totable()
   return screened
@@ -158,9 +158,9 @@ local function explore(self, rounds, min)
     local nodes, rows, chosen = choose(self, screened, ratio, min)
     if #nodes == 0 then break end
     local first = self.loads and self.loads.peaks.row_count or 0
-    local fine
-    fine, message, details = add(self, nodes, rows)
-    if not fine then return nil, message, details end
+    local ok
+    ok, message, details = add(self, nodes, rows)
+    if not ok then return nil, message, details end
     local ratios = {}
     for k, i in ipairs(chosen) do ratios[k] = self.own[first + k] / screened.values[i] end
     ratio = math.max(1, median(ratios))
@@ -196,8 +196,8 @@ local function ascend(self)
       place.tried, nodes[k], rows[k] = true, place.node, place.stress:totable()[1]
     end
     local first = self.loads.peaks.row_count
-    local fine, message, details = add(self, nodes, rows)
-    if not fine then return nil, message, details end
+    local ok, message, details = add(self, nodes, rows)
+    if not ok then return nil, message, details end
     for _, place in ipairs(self.places) do
       local from = chosen[place.region - first]
       place.tried = place.tried or from and place.utilisation < (1 + GAIN) * from.utilisation
@@ -221,30 +221,30 @@ local function begin(self)
 end
 
 --- Searches. `problem`: mesh, material, system, basis, screening_basis, limits (of linear programs), radius (m),
---- judge (from rows of tensors to an array), screening (whether to look for other places), and what it begins
+--- measure (from rows of tensors to an array), screening (whether to look for other places), and what it begins
 --- with: loads (results of core.worst_loads) or known (places of another mesh). Returns {places, loads, origins},
 --- places weakest first, or nil, message, details. `extend` continues it.
 function patch_search.run(problem)
   local self = setmetatable({places = {}, origins = {}, own = {}}, {__index = problem})
-  local fine, message, details
+  local ok, message, details
   if problem.known then
-    fine, message, details = add(self, carry_over(self, problem.known))
+    ok, message, details = add(self, carry_over(self, problem.known))
   else
-    fine, message, details = begin(self)
+    ok, message, details = begin(self)
   end
-  if fine and self.screening then
-    fine, message, details = explore(self, problem.known and ROUNDS_OF_KNOWN or ROUNDS)
+  if ok and self.screening then
+    ok, message, details = explore(self, problem.known and ROUNDS_OF_KNOWN or ROUNDS)
   end
-  if fine then fine, message, details = ascend(self) end
-  if not fine then return nil, message, details end
+  if ok then ok, message, details = ascend(self) end
+  if not ok then return nil, message, details end
   return self
 end
 
 --- Continues a search with linear programs for all patches that may reach a utilisation, not the largest only.
 --- Returns it, or nil, message, details.
 function patch_search.extend(self, utilisation)
-  local fine, message, details = explore(self, ROUNDS_OF_ALL, utilisation)
-  if not fine then return nil, message, details end
+  local ok, message, details = explore(self, ROUNDS_OF_ALL, utilisation)
+  if not ok then return nil, message, details end
   return self
 end
 

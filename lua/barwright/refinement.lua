@@ -27,8 +27,8 @@ local MAX_LEVELS = 6
 local GAIN = 7 / 3 * math.log(2)
 -- The rest of an error is at most this many times the last change.
 local MAX_REST = 1.5
--- The value does not converge where each of so many steps changes it by at least this share of the change before,
--- and the last one by more than this share of the value.
+-- The value does not converge where each of so many steps changes it by at least this fraction of the change
+-- before, and the last one by more than this fraction of the value.
 local STEPS, STEADY, LARGE = 3, 0.9, 0.05
 -- On curved edges the angle between facets falls at least like this from mesh to mesh.
 local KEPT = 0.8

@@ -120,9 +120,9 @@ local function data_of(worst, opts, shown)
   local data = report.data(surface)
   data.fields[1] = {name = "weakness (largest principal stress)", unit = "MPa",
     values = floats(worst.mesh:to_nodes(worst.weakness, "max"):gather(nodes) * 1e-6)}
-  local fine, message
-  fine, message, details = add_loads(worst, nodes, data, shown)
-  if not fine then return nil, message, details end
+  local ok, message
+  ok, message, details = add_loads(worst, nodes, data, shown)
+  if not ok then return nil, message, details end
   data.fields[#data.fields + 1] = {name = "pressure of the worst load", unit = "MPa",
     values = floats(worst:pressure():gather(nodes) * 1e-6)}
   -- Many points make a heavy page: fewer modes then.

@@ -86,8 +86,8 @@ function results.open(folder, about)
   if about.seed ~= nil and about.seed ~= json.null and math.type(about.seed) ~= "integer" then
     core.raise "results.open: option 'seed': a whole number, or bw.json.null where there is none, expected"
   end
-  local fine, message = core.make_folder(folder)
-  if not fine then return nil, message, {status = "io", file = folder} end
+  local ok, message = core.make_folder(folder)
+  if not ok then return nil, message, {status = "io", file = folder} end
   -- A folder that nothing can be written into is found now, not after the work.
   local fits, why, details = writable(folder .. "/result.json")
   if not fits then return nil, why, details end
@@ -117,9 +117,9 @@ end
 
 --- Writes result.json and manifest.json.
 function results:write(result)
-  local fine, message, details =
+  local ok, message, details =
     core.write_file(self:path "result.json", json.encode(result, "  ") .. "\n")
-  if not fine then return nil, message, details end
+  if not ok then return nil, message, details end
   return core.write_file(self:path "manifest.json", json.encode(self.manifest, "  ") .. "\n")
 end
 

@@ -20,8 +20,8 @@ local function mm(x)
   return ("(%.4g, %.4g, %.4g) mm"):format(1e3 * x[1], 1e3 * x[2], 1e3 * x[3])
 end
 
--- The share of the way from a to b of the point nearest to x.
-local function share_of(a, b, x)
+-- The fraction of the way from a to b of the point nearest to x.
+local function fraction_of(a, b, x)
   local along, size = 0, 0
   for k = 1, 3 do
     along = along + (b[k] - a[k]) * (x[k] - a[k])
@@ -30,9 +30,9 @@ local function share_of(a, b, x)
   return size > 0 and math.max(0, math.min(1, along / size)) or 0
 end
 
-local function mixed(a, b, share)
+local function mixed(a, b, fraction)
   local out = {}
-  for k = 1, 3 do out[k] = (1 - share) * a[k] + share * b[k] end
+  for k = 1, 3 do out[k] = (1 - fraction) * a[k] + fraction * b[k] end
   return out
 end
 
@@ -46,11 +46,11 @@ local function nearest_on(place, x)
   local min, at, inward = distance(place.points[1], x), place.points[1], place.inward[1]
   for i = 1, #place.points - 1 do
     local a, b = place.points[i], place.points[i + 1]
-    local share = share_of(a, b, x)
-    local point = mixed(a, b, share)
+    local fraction = fraction_of(a, b, x)
+    local point = mixed(a, b, fraction)
     local far = distance(point, x)
     if far < min then
-      min, at, inward = far, point, unit(mixed(place.inward[i], place.inward[i + 1], share))
+      min, at, inward = far, point, unit(mixed(place.inward[i], place.inward[i + 1], fraction))
     end
   end
   return min, at, inward

@@ -54,7 +54,7 @@ end
 --- Whether the stress at a point has no finite value: {by, place, at, expected, measured}, or nil. `places`: of
 --- the model or surface, or nil; one within `radius` counts; `measured`: growth.exponent; `grows`: the stress is
 --- known to grow without end otherwise.
-function growth.judge(places, at, radius, measured, grows)
+function growth.check(places, at, radius, measured, grows)
   local found = places and places:near(at, radius)
   local expected = found and found.place.growth
   grows = grows or measured ~= nil and measured > (found and CONFIRMS * math.min(expected, 1) or growth.ALONE)

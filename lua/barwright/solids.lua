@@ -78,7 +78,7 @@ local function nodes_of(grid, act)
   return grid:nodes(where)
 end
 
--- Errors are told where they are made: `where` is tried at once.
+-- Errors are reported where they are made: `where` is tried at once.
 local function add(self, act, where)
   act.grid, act.where = self.grid, where
   if where ~= nil then
@@ -125,7 +125,7 @@ local function check_where(function_name, where)
   end
 end
 
---- Nodes are held: all components, or moved by {x, y, z} (m at full load), where false leaves a
+--- Nodes are fixed: all components, or moved by {x, y, z} (m at full load), where false leaves a
 --- component free; or by a function of x, y, z that returns three numbers.
 function solid:fix(where, by)
   check_self("fix", self)
@@ -146,22 +146,22 @@ function solid:fix(where, by)
   return add(self, {kind = type(by) == "table" and "fix" or "move", by = by}, where)
 end
 
---- Nodes are held and turned about an axis: {axis =, point =, angle = (degrees), move = {x, y, z}}.
-function solid:turn(where, given)
-  check_self("turn", self)
-  check_where("turn", where)
-  local opts = options.read("turn", given, {
+--- Nodes are fixed and turned about an axis: {axis =, point =, angle = (degrees), move = {x, y, z}}.
+function solid:rotate(where, given)
+  check_self("rotate", self)
+  check_where("rotate", where)
+  local opts = options.read("rotate", given, {
     axis = {type = "any", needed = true},
     point = {type = "any", default = {0, 0, 0}},
     angle = {type = "number", needed = true},
     move = {type = "any", default = {0, 0, 0}},
   })
-  local axis = vector("turn", "axis", opts.axis)
+  local axis = vector("rotate", "axis", opts.axis)
   local length = math.sqrt(axis[1] ^ 2 + axis[2] ^ 2 + axis[3] ^ 2)
-  if length == 0 then raise "turn: axis: a direction expected, got {0, 0, 0}" end
-  return add(self, {kind = "turn", angle = math.rad(opts.angle),
+  if length == 0 then raise "rotate: axis: a direction expected, got {0, 0, 0}" end
+  return add(self, {kind = "rotate", angle = math.rad(opts.angle),
     axis = {axis[1] / length, axis[2] / length, axis[3] / length},
-    point = vector("turn", "point", opts.point), move = vector("turn", "move", opts.move)},
+    point = vector("rotate", "point", opts.point), move = vector("rotate", "move", opts.move)},
     where)
 end
 
@@ -248,7 +248,7 @@ local function prescribe(case, act, grid, displacement)
   return case:fix_each(nodes, rows)
 end
 
--- A function's values at the middles of a surface's triangles.
+-- A function's values at the centroids of a surface's triangles.
 local function middle_values(surface, f)
   local points, values = surface.points:totable(), {}
   for t, corners in ipairs(surface.triangles:totable()) do
@@ -285,7 +285,7 @@ function apply.move(case, act, grid, part)
   end)
 end
 
-function apply.turn(case, act, grid, part)
+function apply.rotate(case, act, grid, part)
   return prescribe(case, act, grid, function(x, y, z) return turned(act, x, y, z, part) end)
 end
 
@@ -368,7 +368,7 @@ end
 local function parts_of(self)
   local parts = 1
   for _, act in ipairs(self.acts) do
-    if act.kind == "turn" then
+    if act.kind == "rotate" then
       parts = math.max(parts, math.ceil(math.abs(act.angle) / (math.pi / 6) - 1e-9))
     end
   end
@@ -481,7 +481,7 @@ end
 
 --- The solid in motion: {scheme = "implicit_euler" | "newmark", step = s, mass_damping =,
 --- stiffness_damping =, beta =, gamma =, tolerance =, iterations =, displacement =, velocity =}. Loads
---- are at full, what is held stays where it is at full load.
+--- are at full, what is fixed stays where it is at full load.
 function solid:transient(given)
   check_self("transient", self)
   if given ~= nil and type(given) ~= "table" then

@@ -34,18 +34,18 @@ local rules = {
 -- at most, and how far beyond its radius, over the radius, a bump may cause one.
 local HALVINGS, DEFECTS, NEAR = 3, 1000, 0.3
 -- Crossings are taken out where they are so many at most: more take long, and bumps that cross so much are too
--- high. The volume may change by this share of what the bumps add; how often it is tried.
+-- high. The volume may change by this fraction of what the bumps add; how often it is tried.
 local CROSSINGS, RESOLVED, ROUNDS = 100, 0.2, 3
 -- The next step aims higher by what the last one fell short of its prediction, at least so much: what it falls
 -- short of the goal alone is less than a new mesh changes. All steps together aim higher by at most so much: a
 -- body that is nearly as weak everywhere falls short in each step, at places that no bump covers.
 local MIN_MORE, MAX_MORE = 1.05, 1.3
--- A step that moves nothing by more than this share of the judged patch's radius has no effect.
+-- A step that moves nothing by more than this fraction of the judged patch's radius has no effect.
 local MIN_OFFSET = 1e-3
--- After a step that makes it worse the next one has half the offsets, down to this share of what was advised.
-local MIN_SHARE = 0.25
--- What the lower end of a trimmed step aims at over the force, and the share of the offsets from which it is not
--- worth an analysis.
+-- After a step that makes it worse the next one has half the offsets, down to this fraction of what was advised.
+local MIN_FRACTION = 0.25
+-- What the lower end of a trimmed step aims at over the force, and the fraction of the offsets from which it is
+-- not worth an analysis.
 local TRIMMED, WORTHWHILE = 1.03, 0.8
 
 local function analyse(self, surface)
@@ -55,9 +55,9 @@ local function analyse(self, surface)
     regions = opts.regions, seed = opts.seed})
 end
 
--- Halves the bumps that reach the defects of a report; those that were halved often enough, from `share`, go.
+-- Halves the bumps that reach the defects of a report; those that were halved often enough, from `fraction`, go.
 -- Returns whether one is left.
-local function lower(places, report, share)
+local function lower(places, report, fraction)
   local hit, left = false, false
   for _, place in ipairs(places) do
     for _, defect in ipairs(report.defects) do
@@ -68,10 +68,10 @@ local function lower(places, report, share)
     end
   end
   for _, place in ipairs(places) do
-    if place.halve or not hit then place.share = place.share / 2 end
-    if place.share < share * 2 ^ -HALVINGS then place.share = 0 end
+    if place.halve or not hit then place.fraction = place.fraction / 2 end
+    if place.fraction < fraction * 2 ^ -HALVINGS then place.fraction = 0 end
     place.halve = nil
-    left = left or place.share > 0
+    left = left or place.fraction > 0
   end
   return left
 end
@@ -97,7 +97,7 @@ local function resolve(self, surface, moved, found)
   end
 end
 
--- The surface with the bumps of a step, at first with a share of their offsets. Where it would cross itself and
+-- The surface with the bumps of a step, at first with a fraction of their offsets. Where it would cross itself and
 -- that cannot be resolved, bumps are halved.
 local function apply(self, from)
   local places, surface = from.advised.places, from.surface
@@ -107,7 +107,7 @@ local function apply(self, from)
     if not from.shape then return nil, message, {status = "limit"} end
     from.units = bumps.units(from.shape, places, self.options.keep)
   end
-  for _, place in ipairs(places) do place.share = from.share end
+  for _, place in ipairs(places) do place.fraction = from.fraction end
   repeat
     if core.interrupted() then return nil, "interrupted", {status = "cancelled"} end
     local moved, message, details = bumps.to_surface(bumps.displaced(from.shape, places, from.units))
@@ -118,7 +118,7 @@ local function apply(self, from)
     if report.sound then return moved end
     moved = resolve(self, surface, moved, report)
     if moved then return moved end
-    local left = lower(places, report, from.share)
+    local left = lower(places, report, from.fraction)
   until not left
   return nil, ("around (%.4g, %.4g, %.4g) mm the surface cannot be thickened further: it would cross itself")
     :format(places[1].at[1] * 1e3, places[1].at[2] * 1e3, places[1].at[3] * 1e3), {status = "geometry"}
@@ -145,7 +145,7 @@ end
 
 -- The next steps begin from a surface, the best one so far.
 local function begin(self, from, surface, breaking)
-  from.surface, from.breaking, from.share = surface, breaking, 1
+  from.surface, from.breaking, from.fraction = surface, breaking, 1
   from.advised, from.shape, from.units = nil, nil, nil
   self.surface, self.breaking = surface, breaking
 end
@@ -163,7 +163,7 @@ local function step_from(self, from, goal)
   end
   local largest = 0
   for _, place in ipairs(from.advised.places) do largest = math.max(largest, place.offset) end
-  if from.share < MIN_SHARE or largest < MIN_OFFSET * self.length then
+  if from.fraction < MIN_FRACTION or largest < MIN_OFFSET * self.length then
     return nil, "thickening around the weak places does not help any more", {status = "infeasible"}
   end
   core.report_progress("thickening", 0)
@@ -171,11 +171,11 @@ local function step_from(self, from, goal)
   moved, message, details = apply(self, from)
   if not moved then return nil, message, details end
   local count, offset = 0, 0
-  from.share = 0
+  from.fraction = 0
   for _, place in ipairs(from.advised.places) do
-    count = count + (place.share > 0 and 1 or 0)
-    offset = math.max(offset, place.share * place.offset)
-    from.share = math.max(from.share, place.share)
+    count = count + (place.fraction > 0 and 1 or 0)
+    offset = math.max(offset, place.fraction * place.offset)
+    from.fraction = math.max(from.fraction, place.fraction)
   end
   return moved, {places = count, offset = offset, predicted = from.advised:predict()}
 end
@@ -194,7 +194,7 @@ end
 -- Whether one of the bumps moves a place. One that became the weakest elsewhere says nothing about predictions.
 local function is_moved(places, at)
   for _, place in ipairs(places) do
-    if place.share > 0 and distance(place.at, at) < place.radius then return true end
+    if place.fraction > 0 and distance(place.at, at) < place.radius then return true end
   end
   return false
 end
@@ -216,9 +216,9 @@ end
 local function trim(self, from, moved, current)
   local opts = self.options
   if from.breaking.low == 0 then return moved, current end
-  local share = math.log(TRIMMED * opts.force / from.breaking.low) / math.log(current.low / from.breaking.low)
-  if share > WORTHWHILE then return moved, current end
-  from.share = math.max(share * from.share, MIN_SHARE)
+  local fraction = math.log(TRIMMED * opts.force / from.breaking.low) / math.log(current.low / from.breaking.low)
+  if fraction > WORTHWHILE then return moved, current end
+  from.fraction = math.max(fraction * from.fraction, MIN_FRACTION)
   local lighter, lesser = take(self, from)
   if not lighter then return moved, current end
   if lesser.low < opts.force then
@@ -250,7 +250,7 @@ local function run(self, breaking, progress)
       return true
     elseif current.low <= from.breaking.low then
       current:close()
-      from.share = from.share / 2
+      from.fraction = from.fraction / 2
     else
       goal = advice.goal(current, opts.force)
       if current.force < goal and is_moved(from.advised.places, current.at) then
@@ -288,9 +288,9 @@ function strengthen.run(surface, given)
   self.length = breaking.length
   self.before, self.breaking = summary(breaking, self.surface, opts.material), breaking
   if breaking.low < opts.force then
-    local fine
-    fine, message, details = run(self, breaking, progress)
-    if not fine then return nil, message, details end
+    local ok
+    ok, message, details = run(self, breaking, progress)
+    if not ok then return nil, message, details end
   end
   breaking:close()
   self.after = summary(self.breaking, self.surface, opts.material)

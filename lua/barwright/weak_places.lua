@@ -5,7 +5,7 @@ local distance = require("barwright.points").distance
 
 local weak_places = {}
 
---- The share of the largest mean stress from which a place that no mesh has refined may be the weakest.
+--- The fraction of the largest mean stress from which a place that no mesh has refined may be the weakest.
 weak_places.NEARLY = 0.6
 -- Once the growth of the mean stress was seen at so many places that a mesh refined, the largest one counts
 -- instead of 1 / NEARLY, but at least this.

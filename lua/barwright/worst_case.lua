@@ -2,7 +2,7 @@
 -- The worst-case analysis: modes -> weak regions -> worst loads -> stresses (Zhou, Panetta, Zorin 2013),
 -- then the search beside the modes (worst_search.lua), from one factorisation. With a length, patch_search.lua
 -- searches the largest mean over surface patches instead.
--- docs/theory/worst_case.md tells why.
+-- docs/theory/worst_case.md explains why.
 local arguments = require "barwright.arguments"
 local certificate = require "barwright.certificate"
 local core = require "barwright.core"
@@ -134,7 +134,7 @@ local function search_patches(self, opts, loads)
   local found
   found, message, details = patch_search.run({mesh = self.mesh, material = self.material, system = self.system,
     basis = self.basis, screening_basis = screening_basis, limits = self.limits, radius = opts.length,
-    judge = criterion_of(self.material, opts.failure), loads = loads, known = opts.places,
+    measure = criterion_of(self.material, opts.failure), loads = loads, known = opts.places,
     screening = opts.screening})
   if not found then return nil, message, details end
   self.seconds.search = core.seconds() - start
@@ -167,10 +167,10 @@ function worst_case.analyse(part, given, view)
   if opts.certificate and not opts.certify then
     raise "worst_case: option 'certificate' is a file that proves the bound of option 'certify'"
   end
-  local fine, message, details
+  local ok, message, details
   if opts.certificate then
-    fine, message, details = writable(opts.certificate)
-    if not fine then return nil, message, details end
+    ok, message, details = writable(opts.certificate)
+    if not ok then return nil, message, details end
   end
   if opts.length and (opts.method or opts.certify or opts.target == "displacement") then
     raise "worst_case: option 'length' has its own search: leave out 'method', 'certify' and 'target'"
@@ -262,8 +262,8 @@ function worst_case.analyse(part, given, view)
   self.limits = limits
   summarise(self, loads, origins)
   if leaves then
-    fine, message, details = certificate.write(self, part, leaves, opts.certificate)
-    if not fine then return nil, message, details end
+    ok, message, details = certificate.write(self, part, leaves, opts.certificate)
+    if not ok then return nil, message, details end
   end
   return self
 end

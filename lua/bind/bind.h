@@ -55,7 +55,7 @@ bw_context *lbw_enter(lua_State *L);
 /* `results` values are on the top of the stack for a success. On failure they are dropped: misuse
  * (BW_INVALID, BW_EMPTY) raises, the rest returns nil, message, details. */
 int lbw_leave(lua_State *L, bw_status status, int results);
-/* The same where only success can be told: every failure raises. */
+/* The same where only success can be reported: every failure raises. */
 void lbw_leave_or_raise(lua_State *L, bw_status status);
 
 /* In a forked child: the engine is at rest, and progress goes to this function alone. */

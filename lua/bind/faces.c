@@ -226,7 +226,7 @@ int lbw_mesh_faces(lua_State *L) {
   return leave_faces(L, status, faces);
 }
 
-/* mesh:curved(surface): mesh, how many middles lie on round faces now */
+/* mesh:curved(surface): mesh, how many mid-edge nodes lie on round faces now */
 int lbw_mesh_curved(lua_State *L) {
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
   const bw_surface *surface = (const bw_surface *)lbw_check(L, 2, &lbw_surface_class);

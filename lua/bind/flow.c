@@ -57,7 +57,7 @@ static const void *keep(const void *flow) {
   return bw_flow_keep((const bw_flow *)flow);
 }
 
-static bw_status return_to(bw_context *context, void *flow, const void *state) {
+static bw_status restore(bw_context *context, void *flow, const void *state) {
   return bw_flow_return(context, (bw_flow *)flow, (const bw_flow_state *)state);
 }
 
@@ -69,19 +69,18 @@ static const bw_plane_mesh *mesh_of(const void *flow) {
   return ((const bw_flow *)flow)->mesh;
 }
 
-static const lbw_followed followed = {&lbw_flow_class, follow_mesh, keep,
-                                      return_to,       check,       mesh_of};
+static const lbw_followed followed = {&lbw_flow_class, follow_mesh, keep, restore, check, mesh_of};
 
 /* flow:follow(frame, outline) */
 static int flow_follow(lua_State *L) {
   return lbw_follow(L, &followed);
 }
 
-/* flow:keep(), flow:return_to(state) */
-static int flow_keep(lua_State *L) {
+/* flow:save(), flow:restore(state) */
+static int flow_save(lua_State *L) {
   return lbw_followed_keep(L, &followed);
 }
-static int flow_return_to(lua_State *L) {
+static int flow_restore(lua_State *L) {
   return lbw_followed_return(L, &followed);
 }
 static int flow_check(lua_State *L) {
@@ -262,7 +261,7 @@ static int flow_frequency(lua_State *L) {
 static const luaL_Reg methods[] = {{"follow", flow_follow}, {"step", flow_step},
                                    {"force", flow_force},   {"heat", flow_heat},
                                    {"at", flow_at},         {"counts", flow_counts},
-                                   {"keep", flow_keep},     {"return_to", flow_return_to},
+                                   {"save", flow_save},     {"restore", flow_restore},
                                    {"check", flow_check},   {NULL, NULL}};
 static const luaL_Reg properties[] = {
     {"velocity", flow_velocity},   {"pressure", flow_pressure}, {"temperature", flow_temperature},

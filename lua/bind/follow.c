@@ -98,7 +98,7 @@ void lbw_read_follow(lua_State *L, int index, const char *function, bw_follow_op
   static const char *const ways[] = {"harmonic", "springs", NULL};
   static const lbw_option list[] = {{"distorted", LBW_REAL, offsetof(bw_follow_options, distorted)},
                                     {"rebuild", LBW_REAL, offsetof(bw_follow_options, rebuild)},
-                                    {"sweeps", LBW_INT, offsetof(bw_follow_options, sweeps)},
+                                    {"rounds", LBW_INT, offsetof(bw_follow_options, rounds)},
                                     {"relocation", LBW_OTHER, 0},
                                     {"level", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
@@ -206,13 +206,13 @@ int lbw_followed_return(lua_State *L, const lbw_followed *followed) {
   lua_settop(L, 2);
   lua_getiuservalue(L, 2, 1);
   if (lua_touserdata(L, -1) != (void *)followed->class)
-    lbw_error(L, "return_to: the state of a %s expected, got that of another analysis",
+    lbw_error(L, "restore: the state of a %s expected, got that of another analysis",
               followed->class->name);
   lua_settop(L, 1);
   bw_context *context = lbw_enter(L);
   const bw_mesh_motion_state *before = bw_mesh_motion_keep(motion);
   BW_TRY(bw_mesh_motion_return(context, motion, (const bw_mesh_motion_state *)state->extra));
-  if ((status = followed->return_to(context, (void *)body->object, state->object)) != BW_OK)
+  if ((status = followed->restore(context, (void *)body->object, state->object)) != BW_OK)
     (void)bw_mesh_motion_return(context, motion, before);
 done:
   bw_release(before);

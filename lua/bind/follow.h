@@ -35,13 +35,13 @@ typedef struct lbw_followed {
   bw_status (*follow)(bw_context *context, void *body, const bw_plane_mesh *mesh,
                       bw_plane_reuse *reuse);
   const void *(*keep)(const void *body);
-  bw_status (*return_to)(bw_context *context, void *body, const void *state);
+  bw_status (*restore)(bw_context *context, void *body, const void *state);
   bw_status (*check)(bw_context *context, const void *body);
   const bw_plane_mesh *(*mesh)(const void *body);
 } lbw_followed;
 /* body:follow(frame, outline): mesh motion and body go over to an outline, both or neither. */
 int lbw_follow(lua_State *L, const lbw_followed *followed);
-/* body:keep(): what mesh motion and body are at; body:return_to(state): both are so again.
+/* body:save(): what mesh motion and body are at; body:restore(state): both are so again.
  * Returning fails only for the state of a body that was made otherwise. */
 int lbw_followed_keep(lua_State *L, const lbw_followed *followed);
 int lbw_followed_return(lua_State *L, const lbw_followed *followed);

@@ -47,7 +47,7 @@ static lbw_field *kept_field(lua_State *L, int box) {
 
 /* plane.mesh_motion(mesh, options) */
 static int plane_mesh_motion(lua_State *L) {
-  static const lbw_option list[] = {{"sweeps", LBW_INT, offsetof(bw_follow_options, sweeps)},
+  static const lbw_option list[] = {{"rounds", LBW_INT, offsetof(bw_follow_options, rounds)},
                                     {"distorted", LBW_REAL, offsetof(bw_follow_options, distorted)},
                                     {"rebuild", LBW_REAL, offsetof(bw_follow_options, rebuild)},
                                     {"relocation", LBW_OTHER, 0},

@@ -96,7 +96,7 @@ static double *numbers(lua_State *L, const char *key, int64_t *n) {
   return data;
 }
 
-/* The middle between the bounds, where there is no start. */
+/* The midpoint between the bounds, where there is no start. */
 static double *start_of(lua_State *L, int64_t n, const double *min, const double *max) {
   double *x = (double *)lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *x, 0);
   if (!min || !max)

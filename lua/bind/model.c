@@ -77,27 +77,27 @@ static int model_slide(lua_State *L) {
 static int model_prescribe(lua_State *L) {
   bw_model *model = self(L);
   const bw_selection *on = check_selection(L, 2);
-  bool held[3] = {true, true, true};
+  bool fixed[3] = {true, true, true};
   double value[3] = {0, 0, 0};
   const bw_array *field = (const bw_array *)lbw_test(L, 3, &lbw_array_class);
   if (field) {
     lbw_argument_check(L, field->rows == model->mesh->node_count && field->columns == 3, 3,
                        "displacement: a row of three for every node of the mesh expected");
-    return leave_self(L, bw_model_prescribe_field(lbw_enter(L), model, on, held, field));
+    return leave_self(L, bw_model_prescribe_field(lbw_enter(L), model, on, fixed, field));
   }
   bool fits = lua_istable(L, 3) && lua_rawlen(L, 3) == 3;
   for (int i = 0; i < 3 && fits; i++) {
     int type = lua_rawgeti(L, 3, i + 1);
-    held[i] = type == LUA_TNUMBER;
-    value[i] = held[i] ? lua_tonumber(L, -1) : 0;
-    fits = held[i] || (type == LUA_TBOOLEAN && !lua_toboolean(L, -1));
+    fixed[i] = type == LUA_TNUMBER;
+    value[i] = fixed[i] ? lua_tonumber(L, -1) : 0;
+    fits = fixed[i] || (type == LUA_TBOOLEAN && !lua_toboolean(L, -1));
     lua_pop(L, 1);
   }
   lbw_argument_check(
       L, fits, 3,
       "displacement: {x, y, z} in metres expected, false where a direction is free, or "
       "an array of a row for every node");
-  return leave_self(L, bw_model_prescribe(lbw_enter(L), model, on, held, value));
+  return leave_self(L, bw_model_prescribe(lbw_enter(L), model, on, fixed, value));
 }
 
 static int model_clear_supports(lua_State *L) {
@@ -241,8 +241,8 @@ static int model_force_vector(lua_State *L) {
 
 static int push_motions(lua_State *L) {
   const bw_dof_map *dof_map = (const bw_dof_map *)lua_touserdata(L, 1);
-  lua_createtable(L, dof_map->motion_count, 0);
-  for (int32_t m = 0; m < dof_map->motion_count; m++) {
+  lua_createtable(L, dof_map->rigid_mode_count, 0);
+  for (int32_t m = 0; m < dof_map->rigid_mode_count; m++) {
     const bw_rigid_mode *motion = &dof_map->motion[m];
     lua_createtable(L, 0, 5);
     lua_pushinteger(L, (lua_Integer)motion->component + 1);
@@ -260,8 +260,8 @@ static int push_motions(lua_State *L) {
   return 1;
 }
 
-/* model:free_motions(): the rigid-body motions that the supports leave */
-static int model_free_motions(lua_State *L) {
+/* model:rigid_modes(): the rigid-body modes that the supports do not prevent */
+static int model_rigid_modes(lua_State *L) {
   bw_model *model = self(L);
   bw_dof_map *dof_map = NULL;
   bw_status status = bw_dof_map_create(lbw_enter(L), model, &dof_map);
@@ -348,7 +348,7 @@ static bool external_ready(lua_State *L) {
   return false;
 }
 
-/* model:solve{inertia_relief, tolerance, with, iterations, memory_limit, method, rtol} */
+/* model:solve{inertia_relief, balance_tolerance, with, iterations, memory_limit, method, rtol} */
 static int model_solve(lua_State *L) {
   struct opts {
     bw_statics_options options;
@@ -356,7 +356,7 @@ static int model_solve(lua_State *L) {
   } opts = {.options = {.tolerance = 1e-6}};
   static const lbw_option list[] = {
       {"inertia_relief", LBW_BOOLEAN, offsetof(struct opts, options.inertia_relief)},
-      {"tolerance", LBW_REAL, offsetof(struct opts, options.tolerance)},
+      {"balance_tolerance", LBW_REAL, offsetof(struct opts, options.tolerance)},
       {"with", LBW_OTHER, 0},
       {"memory_limit", LBW_REAL, offsetof(struct opts, options.memory)},
       {"method", LBW_OTHER, 0},
@@ -521,7 +521,7 @@ static int model_supports(lua_State *L) {
     lua_setfield(L, -2, "slide");
     lua_createtable(L, 3, 0);
     for (int k = 0; k < 3; k++) {
-      if (support->held[k] && !support->slide)
+      if (support->fixed[k] && !support->slide)
         lua_pushnumber(L, support->value[k]);
       else
         lua_pushboolean(L, 0);
@@ -580,7 +580,7 @@ static const luaL_Reg methods[] = {{"fix", model_fix},
                                    {"clear_loads", model_clear_loads},
                                    {"write_inp", model_write_inp},
                                    {"force_vector", model_force_vector},
-                                   {"free_motions", model_free_motions},
+                                   {"rigid_modes", model_rigid_modes},
                                    {"solve", model_solve},
                                    {"modes", model_modes},
                                    {"system", model_system},

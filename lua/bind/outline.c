@@ -19,13 +19,13 @@ static int leave(lua_State *L, lbw_box *box, const bw_outline *outline, bw_statu
 /* ---- arguments ------------------------------------------------------------------------------- */
 
 static void check_pair(lua_State *L, int index, const char *what, double pair[2]) {
-  bool fine = lua_istable(L, index) && lua_rawlen(L, index) == 2;
-  for (int i = 0; i < 2 && fine; i++) {
-    fine = lua_rawgeti(L, index, i + 1) == LUA_TNUMBER && isfinite(lua_tonumber(L, -1));
+  bool ok = lua_istable(L, index) && lua_rawlen(L, index) == 2;
+  for (int i = 0; i < 2 && ok; i++) {
+    ok = lua_rawgeti(L, index, i + 1) == LUA_TNUMBER && isfinite(lua_tonumber(L, -1));
     pair[i] = lua_tonumber(L, -1);
     lua_pop(L, 1);
   }
-  if (!fine)
+  if (!ok)
     lbw_error(L, "%s: two finite numbers {x, y} expected, got %s", what, lbw_got(L, index));
 }
 
@@ -125,10 +125,10 @@ static bw_segment *read_segments(lua_State *L, int index, int64_t *count) {
 
 static lua_Integer integer_field(lua_State *L, int index, const char *key) {
   lua_getfield(L, index, key);
-  int fine;
-  lua_Integer value = lua_tointegerx(L, -1, &fine);
+  int ok;
+  lua_Integer value = lua_tointegerx(L, -1, &ok);
   lua_pop(L, 1);
-  if (!fine || value < 0 || value > INT32_MAX)
+  if (!ok || value < 0 || value > INT32_MAX)
     lbw_error(L, "outline: loop: %s: a whole number expected", key);
   return value;
 }

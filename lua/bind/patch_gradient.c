@@ -111,7 +111,7 @@ static int priced_load(lua_State *L) {
   lua_settop(L, 4);
   lbw_options(L, 4, "priced_load", list, &options);
   const double *objective = check_rows(L, 3, "objective", 1, basis->count);
-  int motions = system->dof_map->motion_count;
+  int motions = system->dof_map->rigid_mode_count;
   int64_t nodes = basis->mesh->node_count;
   double *dual = (double *)lua_newuserdatauv(L, ((size_t)motions + 1) * sizeof *dual, 0);
   double *pressure = (double *)lbw_push_array(L, BW_F64, basis->count, 1)->data, value = 0;

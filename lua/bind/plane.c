@@ -17,14 +17,14 @@ static int leave(lua_State *L, lbw_box *box, const bw_plane_mesh *mesh, bw_statu
 }
 
 static void check_pair(lua_State *L, int index, const char *what, double pair[2]) {
-  bool fine = lua_istable(L, index) && lua_rawlen(L, index) == 2;
+  bool ok = lua_istable(L, index) && lua_rawlen(L, index) == 2;
   index = lua_absindex(L, index);
-  for (int i = 0; i < 2 && fine; i++) {
-    fine = lua_rawgeti(L, index, i + 1) == LUA_TNUMBER && isfinite(lua_tonumber(L, -1));
+  for (int i = 0; i < 2 && ok; i++) {
+    ok = lua_rawgeti(L, index, i + 1) == LUA_TNUMBER && isfinite(lua_tonumber(L, -1));
     pair[i] = lua_tonumber(L, -1);
     lua_pop(L, 1);
   }
-  if (!fine)
+  if (!ok)
     lbw_error(L, "%s: two finite numbers {x, y} expected, got %s", what, lbw_got(L, index));
 }
 

@@ -56,7 +56,7 @@ static const void *keep(const void *plate) {
   return bw_plate_keep((const bw_plate *)plate);
 }
 
-static bw_status return_to(bw_context *context, void *plate, const void *state) {
+static bw_status restore(bw_context *context, void *plate, const void *state) {
   return bw_plate_return(context, (bw_plate *)plate, (const bw_plate_state *)state);
 }
 
@@ -68,19 +68,18 @@ static const bw_plane_mesh *mesh_of(const void *plate) {
   return ((const bw_plate *)plate)->mesh;
 }
 
-static const lbw_followed followed = {&lbw_plate_class, follow_mesh, keep,
-                                      return_to,        check,       mesh_of};
+static const lbw_followed followed = {&lbw_plate_class, follow_mesh, keep, restore, check, mesh_of};
 
 /* plate:follow(frame, outline) */
 static int plate_follow(lua_State *L) {
   return lbw_follow(L, &followed);
 }
 
-/* plate:keep(), plate:return_to(state) */
-static int plate_keep(lua_State *L) {
+/* plate:save(), plate:restore(state) */
+static int plate_save(lua_State *L) {
   return lbw_followed_keep(L, &followed);
 }
-static int plate_return_to(lua_State *L) {
+static int plate_restore(lua_State *L) {
   return lbw_followed_return(L, &followed);
 }
 static int plate_check(lua_State *L) {
@@ -157,7 +156,7 @@ static int plate_nodal_lines(lua_State *L) {
   bw_context *context = lbw_enter(L);
   bw_status status = bw_plate_nodal_lines(context, plate, mode, &count, &lines);
   if (status == BW_OK)
-    status = bw_array_own(context, BW_F64, count, 4, lines, &array);
+    status = bw_array_adopt(context, BW_F64, count, 4, lines, &array);
   if (status != BW_OK)
     bw_free(lines);
   lbw_leave_or_raise(L, status);
@@ -260,8 +259,8 @@ static int wav_write(lua_State *L) {
 }
 
 static const luaL_Reg methods[] = {{"follow", plate_follow},
-                                   {"keep", plate_keep},
-                                   {"return_to", plate_return_to},
+                                   {"save", plate_save},
+                                   {"restore", plate_restore},
                                    {"check", plate_check},
                                    {"solve", plate_solve},
                                    {"mode", plate_mode},

@@ -7,13 +7,13 @@
 /* {point, normal} */
 static void pair_option(lua_State *L, int index, const char *function, const char *key,
                         double point[3], double normal[3]) {
-  bool fine = lua_istable(L, index) && lua_rawlen(L, index) == 2;
-  for (int i = 0; i < 2 && fine; i++) {
+  bool ok = lua_istable(L, index) && lua_rawlen(L, index) == 2;
+  for (int i = 0; i < 2 && ok; i++) {
     lua_rawgeti(L, index, i + 1);
-    fine = lbw_to_vector(L, -1, i ? normal : point);
+    ok = lbw_to_vector(L, -1, i ? normal : point);
     lua_pop(L, 1);
   }
-  if (!fine)
+  if (!ok)
     lbw_option_error(L, function, key, "two places {{x, y, z}, {x, y, z}} expected");
 }
 
@@ -130,7 +130,7 @@ static int leave(lua_State *L, bw_context *context, lbw_box *box, int32_t *list,
   for (int32_t i = 0; i < count && status == BW_OK; i++)
     list[i]++;
   if (status == BW_OK)
-    status = bw_array_own(context, BW_I32, count, 1, list, &array);
+    status = bw_array_adopt(context, BW_I32, count, 1, list, &array);
   if (status != BW_OK)
     bw_free(list);
   lbw_box_fill(L, box, array);

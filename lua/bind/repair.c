@@ -48,7 +48,8 @@ static int mesh_shapes(lua_State *L) {
   return 1;
 }
 
-/* mesh:judge(nodes, floor): how many elements are inverted or poorer than the floor, and the worst
+/* mesh:shape_check(nodes, floor): how many elements are inverted or poorer than the floor, and the
+ * worst
  */
 static int mesh_shape_check(lua_State *L) {
   const bw_mesh *mesh = check_mesh(L);
@@ -96,9 +97,9 @@ static int mesh_refill(lua_State *L) {
     node_from[i]++;
   for (int32_t e = 0; e < refilled->element_count; e++)
     element_from[e] += element_from[e] >= 0;
-  BW_TRY(bw_array_own(context, BW_I32, refilled->node_count, 1, node_from, &node_array));
+  BW_TRY(bw_array_adopt(context, BW_I32, refilled->node_count, 1, node_from, &node_array));
   node_from = NULL;
-  BW_TRY(bw_array_own(context, BW_I32, refilled->element_count, 1, element_from, &element_array));
+  BW_TRY(bw_array_adopt(context, BW_I32, refilled->element_count, 1, element_from, &element_array));
   element_from = NULL;
 done:
   bw_free(node_from);
@@ -152,7 +153,7 @@ static int model_transferred(lua_State *L) {
 
 void lbw_open_repair(lua_State *L) {
   static const luaL_Reg of_mesh[] = {{"shapes", mesh_shapes},
-                                     {"judge", mesh_shape_check},
+                                     {"shape_check", mesh_shape_check},
                                      {"relax", mesh_relax},
                                      {"refill", mesh_refill},
                                      {NULL, NULL}};

@@ -78,7 +78,7 @@ static const void *keep(const void *sheet) {
   return bw_sheet_keep((const bw_sheet *)sheet);
 }
 
-static bw_status return_to(bw_context *context, void *sheet, const void *state) {
+static bw_status restore(bw_context *context, void *sheet, const void *state) {
   return bw_sheet_return(context, (bw_sheet *)sheet, (const bw_sheet_state *)state);
 }
 
@@ -90,19 +90,18 @@ static const bw_plane_mesh *mesh_of(const void *sheet) {
   return ((const bw_sheet *)sheet)->mesh;
 }
 
-static const lbw_followed followed = {&lbw_sheet_class, follow_mesh, keep,
-                                      return_to,        check,       mesh_of};
+static const lbw_followed followed = {&lbw_sheet_class, follow_mesh, keep, restore, check, mesh_of};
 
 /* sheet:follow(frame, outline) */
 static int sheet_follow(lua_State *L) {
   return lbw_follow(L, &followed);
 }
 
-/* sheet:keep(), sheet:return_to(state) */
-static int sheet_keep(lua_State *L) {
+/* sheet:save(), sheet:restore(state) */
+static int sheet_save(lua_State *L) {
   return lbw_followed_keep(L, &followed);
 }
-static int sheet_return_to(lua_State *L) {
+static int sheet_restore(lua_State *L) {
   return lbw_followed_return(L, &followed);
 }
 static int sheet_check(lua_State *L) {
@@ -305,8 +304,8 @@ done:
 static const luaL_Reg methods[] = {
     {"follow", sheet_follow},           {"static", sheet_static},
     {"transient", sheet_transient},     {"large_deflection", sheet_large_deflection},
-    {"stress_norm", sheet_stress_norm}, {"keep", sheet_keep},
-    {"return_to", sheet_return_to},     {"check", sheet_check},
+    {"stress_norm", sheet_stress_norm}, {"save", sheet_save},
+    {"restore", sheet_restore},         {"check", sheet_check},
     {"counts", sheet_counts},           {NULL, NULL}};
 static const luaL_Reg properties[] = {{"displacement", sheet_displacement},
                                       {"velocity", sheet_velocity},

@@ -276,9 +276,9 @@ static int case_pressure(lua_State *L) {
                    0);
 }
 
-/* case:press(nodes, pressure, factor, follower): on free faces; a number, a function of x, y, z or
- * a formula */
-static int case_press(lua_State *L) {
+/* case:surface_pressure(nodes, pressure, factor, follower): on free faces; a number, a function of
+ * x, y, z or a formula */
+static int case_surface_pressure(lua_State *L) {
   bw_load_case *it = self_case(L);
   int64_t count;
   lua_settop(L, 5);
@@ -325,11 +325,11 @@ static const luaL_Reg case_methods[] = {{"fix", case_fix},
                                         {"force", case_force},
                                         {"gravity", case_gravity},
                                         {"pressure", case_pressure},
-                                        {"press", case_press},
+                                        {"surface_pressure", case_surface_pressure},
                                         {"contact_plane", case_contact_plane},
                                         {NULL, NULL}};
 static const luaL_Reg case_properties[] = {{"applied", case_applied}, {NULL, NULL}};
-const lbw_class lbw_load_case_class = {"loading", case_methods, case_properties, no_meta, NULL};
+const lbw_class lbw_load_case_class = {"load_case", case_methods, case_properties, no_meta, NULL};
 
 /* ---- statics --------------------------------------------------------------------------------- */
 

@@ -374,7 +374,7 @@ static int modes_length(lua_State *L) {
   return modes_count(L);
 }
 
-/* The largest estimated error of the frequencies, in cents; false where it cannot be told. */
+/* The largest estimated error of the frequencies, in cents; false where it cannot be reported. */
 static bool largest_error(lua_State *L, const bw_modes *modes, double *cents) {
   double *relative = (double *)lua_newuserdatauv(L, (size_t)modes->count * sizeof *relative, 0);
   bw_status status = bw_modes_error(lbw_enter(L), modes, relative);
@@ -484,7 +484,7 @@ static int system_unknown_count(lua_State *L) {
 
 static int system_motion_count(lua_State *L) {
   const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
-  lua_pushinteger(L, system->dof_map->motion_count);
+  lua_pushinteger(L, system->dof_map->rigid_mode_count);
   return 1;
 }
 
@@ -493,7 +493,7 @@ static int system_tostring(lua_State *L) {
   char text[160];
   snprintf(text, sizeof text,
            "system of %d unknowns, %d unconstrained rigid-body modes, factor of %.3g entries",
-           (int)system->dof_map->unknown_count, (int)system->dof_map->motion_count,
+           (int)system->dof_map->unknown_count, (int)system->dof_map->rigid_mode_count,
            (double)system->times.factor_entries);
   lua_pushstring(L, text);
   return 1;
@@ -521,7 +521,7 @@ static const luaL_Reg system_methods[] = {
     {"solve", system_solve}, {"modes", system_modes}, {NULL, NULL}};
 static const luaL_Reg system_properties[] = {{"times", system_times},
                                              {"unknown_count", system_unknown_count},
-                                             {"motion_count", system_motion_count},
+                                             {"rigid_mode_count", system_motion_count},
                                              {NULL, NULL}};
 static const luaL_Reg system_meta[] = {{"__tostring", system_tostring}, {NULL, NULL}};
 const lbw_class lbw_system_class = {"system", system_methods, system_properties, system_meta, NULL};

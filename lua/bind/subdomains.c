@@ -36,7 +36,7 @@ static int core_skinning_weights(lua_State *L) {
 static int core_subdomains(lua_State *L) {
   static const lbw_option list[] = {
       {"threshold", LBW_REAL, offsetof(bw_subdomains_options, threshold)},
-      {"share", LBW_REAL, offsetof(bw_subdomains_options, share)},
+      {"share", LBW_REAL, offsetof(bw_subdomains_options, fraction)},
       {"bone_threshold", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);

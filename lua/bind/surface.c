@@ -500,7 +500,7 @@ int lbw_push_boundary(lua_State *L, const void *body, lbw_boundary *boundary) {
   BW_TRY(boundary(context, body, &out, &node));
   for (int32_t i = 0; i < out->point_count; i++)
     node[i]++;
-  BW_TRY(bw_array_own(context, BW_I32, out->point_count, 1, node, &array));
+  BW_TRY(bw_array_adopt(context, BW_I32, out->point_count, 1, node, &array));
   node = NULL;
 done:
   bw_free(node);

@@ -381,7 +381,7 @@ static int push_drops(lua_State *L) {
   copy_out(L, 2, "exceedance", out->elements, 1, result->exceedance);
   copy_out(L, 2, "mean_peak", out->elements, 1, result->mean_peak);
   copy_out(L, 2, "contacts", result->drops, 3, result->contact);
-  copy_out(L, 2, "pushes", result->drops, 3, result->push);
+  copy_out(L, 2, "directions", result->drops, 3, result->direction);
   copy_out(L, 2, "resultants", result->drops, 3, result->resultant);
   copy_counts(L, 2, "nodes", result->drops, result->nodes);
   copy_out(L, 2, "forces", result->drops, 1, result->force);

@@ -19,7 +19,7 @@ typedef struct collection {
   int first;        /* regions of earlier runs */
   const bw_weak_regions *regions;
   double *peak, *objective, *seconds, *utilisation, *displacement; /* per region */
-  double *peak_stress, *own_stress;                                /* per region: six */
+  double *peak_stress, *first_stress;                              /* per region: six */
   int32_t *peak_element, *utilised_element, *worst_region;
   uint8_t *flipped;
   double *weakness; /* per element: the largest stress over all regions */
@@ -58,7 +58,7 @@ static bw_status collect(void *data, const bw_worst_case_visit *visit) {
   }
   memcpy(c->peak_stress + 6 * r, visit->stress + 6 * (int64_t)(c->peak_element[r] - 1),
          6 * sizeof(double));
-  memcpy(c->own_stress + 6 * r,
+  memcpy(c->first_stress + 6 * r,
          visit->stress + 6 * (int64_t)c->regions->region[visit->region].element[0],
          6 * sizeof(double));
   double moved = 0;
@@ -77,21 +77,21 @@ static bw_status collect(void *data, const bw_worst_case_visit *visit) {
 }
 
 /* Arrays by region: those of earlier runs come first. */
-typedef struct kept {
+typedef struct arrays {
   lua_State *L;
   int table, after; /* stack places; after: 0 for none */
   int earlier, count;
-} kept;
+} arrays;
 
-static void *kept_array(const kept *k, const char *key, bw_type type, int64_t rows,
-                        int64_t columns) {
+static void *new_array(const arrays *k, const char *key, bw_type type, int64_t rows,
+                       int64_t columns) {
   void *data = lbw_push_array(k->L, type, rows, columns)->data;
   lua_setfield(k->L, k->table, key);
   return data;
 }
 
 /* Field `key` of the earlier results: an array of this type and size. */
-static const void *earlier_array(const kept *k, const char *key, bw_type type, int64_t rows,
+static const void *earlier_array(const arrays *k, const char *key, bw_type type, int64_t rows,
                                  int64_t columns) {
   lua_getfield(k->L, k->after, key);
   const bw_array *array = (const bw_array *)lbw_test(k->L, -1, &lbw_array_class);
@@ -103,16 +103,16 @@ static const void *earlier_array(const kept *k, const char *key, bw_type type, i
   return array->data;
 }
 
-static void *by_region(const kept *k, const char *key, bw_type type, int64_t columns) {
+static void *by_region(const arrays *k, const char *key, bw_type type, int64_t columns) {
   size_t size = (size_t)bw_type_size(type) * (size_t)columns;
-  void *data = kept_array(k, key, type, (int64_t)k->earlier + k->count, columns);
+  void *data = new_array(k, key, type, (int64_t)k->earlier + k->count, columns);
   if (k->after)
     memcpy(data, earlier_array(k, key, type, k->earlier, columns), (size_t)k->earlier * size);
   return data;
 }
 
-static void *by_element(const kept *k, const char *key, bw_type type, int64_t elements) {
-  void *data = kept_array(k, key, type, elements, 1);
+static void *by_element(const arrays *k, const char *key, bw_type type, int64_t elements) {
+  void *data = new_array(k, key, type, elements, 1);
   if (k->after)
     memcpy(data, earlier_array(k, key, type, elements, 1),
            (size_t)elements * (size_t)bw_type_size(type));
@@ -158,7 +158,7 @@ static int worst_loads(lua_State *L) {
   }
   lua_getfield(L, 4, "after"); /* 5 */
   lua_createtable(L, 0, 14);   /* 6 */
-  kept k = {.L = L, .table = 6, .count = regions->count};
+  arrays k = {.L = L, .table = 6, .count = regions->count};
   if (!lua_isnil(L, 5)) {
     lbw_argument_check(L, lua_istable(L, 5), 4, "after: results of worst_loads expected");
     lua_getfield(L, 5, "peaks");
@@ -181,7 +181,7 @@ static int worst_loads(lua_State *L) {
   c.peak = (double *)by_region(&k, "peaks", BW_F64, 1);
   c.peak_element = (int32_t *)by_region(&k, "peak_elements", BW_I32, 1);
   c.peak_stress = (double *)by_region(&k, "peak_stresses", BW_F64, 6);
-  c.own_stress = (double *)by_region(&k, "own_stresses", BW_F64, 6);
+  c.first_stress = (double *)by_region(&k, "first_stresses", BW_F64, 6);
   c.utilisation = (double *)by_region(&k, "utilisations", BW_F64, 1);
   c.utilised_element = (int32_t *)by_region(&k, "utilised_elements", BW_I32, 1);
   c.displacement = (double *)by_region(&k, "displacements", BW_F64, 1);
@@ -217,7 +217,7 @@ static int push_screening(lua_State *L) {
 }
 
 /* worst_screening(system, basis, {pressure, force, force_is_max, glpk, patches, targets, radius}):
- * {targets, stresses}, largest first. Targets are elements, or with a radius nodes in the middles
+ * {targets, stresses}, largest first. Targets are elements, or with a radius nodes in the centres
  * of patches. */
 static int worst_screening(lua_State *L) {
   struct opts {

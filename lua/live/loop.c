@@ -155,15 +155,15 @@ static taken read_head(lbw_live_server *server, live_connection *connection) {
     return took;
   size_t from = before < 3 ? 0 : before - 3;
   char *end = (char *)memmem(connection->in + from, connection->filled - from, "\r\n\r\n", 4);
-  bool fine = true;
+  bool ok = true;
   if (end) {
     size_t length = (size_t)(end + 4 - connection->in);
-    fine = live_answer(server, connection, connection->in, length);
+    ok = live_answer(server, connection, connection->in, length);
     connection->filled -= length;
     memmove(connection->in, connection->in + length, connection->filled);
   } else if (connection->filled >= LIVE_HEAD_BYTES)
-    fine = live_refuse(server, connection, 431, "Request Header Fields Too Large");
-  if (!fine)
+    ok = live_refuse(server, connection, 431, "Request Header Fields Too Large");
+  if (!ok)
     return ENDED;
   if (connection->shown)
     connection->deadline = bw_seconds() + answer_seconds;
@@ -236,16 +236,16 @@ static void serve(lbw_live_server *server, live_connection *connection, int read
            : connection->stage == LIVE_WINDOW ? read_window(server, connection)
            : connection->stage == LIVE_ANSWER ? NOTHING
                                               : read_nothing(connection);
-  bool fine = took != ENDED;
-  if (fine && connection->stage != LIVE_HEAD && connection->stage != LIVE_DRAIN) {
-    fine = write_some(server, connection);
+  bool ok = took != ENDED;
+  if (ok && connection->stage != LIVE_HEAD && connection->stage != LIVE_DRAIN) {
+    ok = write_some(server, connection);
     pthread_mutex_lock(&server->lock);
     bool sent = !connection->sending && !connection->first;
     pthread_mutex_unlock(&server->lock);
-    if (fine && sent && connection->stage != LIVE_WINDOW)
+    if (ok && sent && connection->stage != LIVE_WINDOW)
       begin_drain(server, connection);
   }
-  if (!fine)
+  if (!ok)
     mark_ended(server, connection);
 }
 

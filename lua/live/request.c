@@ -200,11 +200,11 @@ static bool send_page(lbw_live_server *server, live_connection *connection, cons
   live_page *page = live_find_page(server, path);
   if (!page)
     return live_refuse(server, connection, 404, "Not Found");
-  bool fine =
+  bool ok =
       queue_head(server, connection, 200, "OK", page->mime, page->download, page->length, "") &&
       (!body || page->length == 0 || queue_content(server, connection, page));
   bw_release(page);
-  return fine;
+  return ok;
 }
 
 static bool agree(lbw_live_server *server, live_connection *connection, const request *asked) {

@@ -121,11 +121,11 @@ static int run(lua_State *L, const program_command *c) {
   program_catch_interrupt(L);
   if (c->mpi && !program_join_ranks(L))
     return EXIT_FAILURE;
-  bool fine = !(c->statements || prompt) || program_load_module(L);
-  if (fine && c->statements)
-    fine = program_run_statements(L, c->statements);
-  int code = fine ? EXIT_SUCCESS : EXIT_FAILURE;
-  if (fine && c->script)
+  bool ok = !(c->statements || prompt) || program_load_module(L);
+  if (ok && c->statements)
+    ok = program_run_statements(L, c->statements);
+  int code = ok ? EXIT_SUCCESS : EXIT_FAILURE;
+  if (ok && c->script)
     code = program_run_word(L, c);
   if (prompt && !engine->stopping) {
     program_prompt(L);
@@ -166,8 +166,8 @@ static bool threads_can_be_read(void) {
 int main(int argc, char **argv) {
   program_command c;
   keep_freed_memory();
-  /* A file that may not grow further is a failure to write, which can be told. The program says so,
-   * not the library, whose host may want it otherwise. */
+  /* A file that may not grow further is a failure to write, which can be reported. The program says
+   * so, not the library, whose host may want it otherwise. */
   signal(SIGXFSZ, SIG_IGN);
   if (!program_read_command(argc, argv, &c) || !threads_can_be_read())
     return PROGRAM_MISUSED;

@@ -291,9 +291,9 @@ static int do_file(lua_State *L) {
 /* ---- require --------------------------------------------------------------------------------- */
 
 static bool readable(const char *path) {
-  bool fine = bw_may_use(judging, path, BW_TO_READ) == BW_OK && access(path, R_OK) == 0;
+  bool ok = bw_may_use(judging, path, BW_TO_READ) == BW_OK && access(path, R_OK) == 0;
   bw_clear_failure(judging);
-  return fine;
+  return ok;
 }
 
 /* searchpath(name, path, separator, replacement), where nothing outside is so much as looked for */

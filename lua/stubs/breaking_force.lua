@@ -4,7 +4,8 @@
 --
 -- Breaking force
 --
--- The smallest force that breaks a body in the worst admissible way, as an interval, and advice on what to thicken.
+-- The smallest force that breaks a body in the worst admissible way, as an interval, and advice on what to
+-- thicken.
 
 ---@class bw
 local bw = {}
@@ -70,7 +71,7 @@ function bw.breaking_force(body, options) end
 ---@field ties bw.BreakingTie[] other places that are as weak within the error
 ---@field history bw.BreakingMesh[] of every mesh
 ---@field contact number (m2) the area that the force presses on
----@field held_area number? (m2) with `fix`: on the last mesh; nil otherwise
+---@field fixed_area number? (m2) with `fix`: on the last mesh; nil otherwise
 ---@field forbidden_area number? (m2) with `forbidden`: on the last mesh; nil otherwise
 ---@field length number (m) radius of the patch
 ---@field failure "principal"|"von_mises" what is judged

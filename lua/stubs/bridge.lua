@@ -8,7 +8,7 @@
 -- stress are given.
 
 ---A bridge. It is symmetric about the axis x = 0, and its right half is what is meshed, solved and edited. The edges of
----the half have the tags "foot", "pad", "hold" (the middle of the pad), "axis" and "free". Foot and pad stay in their
+---the half have the tags "foot", "pad", "middle" (of the pad), "axis" and "free". Foot and pad stay in their
 ---places. `print(bridge)` gives one line.
 ---
 ---Source: Umetani, Takayama, Mitani, Igarashi, A Responsive Finite Element Method to Aid Interactive Geometric Modeling,
@@ -55,7 +55,7 @@ local Bridge = {}
 ---@field outline? bw.Outline the right half to begin with, where it was given
 ---@field bar number (m) the width of a bar that carries the load at the limit: load / (thickness stress_limit)
 ---@field spacing number (m) distance of the control points of free curves: 2.2 `size`
----@field hold number (m) half the width of the middle part of the pad: 0.02 `pad`
+---@field middle number (m) half the width of the middle part of the pad: 0.02 `pad`
 ---@field member number (m) the width of members to begin with: the larger of 0.75 `bar` and 1.5 `wall`
 
 ---Moves a handle of the outline.
@@ -141,8 +141,8 @@ function Bridge:check(size, order) end
 ---@return bw.Details? details
 function Bridge:uniform_beam() end
 
----Michell's least area of bars for a force in the middle between the middles of the feet: (1 + π/2) F a / (t σ). F is
----the load, a half the distance of these middles, t the thickness and σ the limit.
+---Michell's least area of bars for a force in the middle between the centres of the feet: (1 + π/2) F a / (t σ). F is
+---the load, a half the distance of these centres, t the thickness and σ the limit.
 ---@return number area (m2) for an unlimited plane
 function Bridge:michell_area() end
 

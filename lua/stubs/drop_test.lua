@@ -46,7 +46,7 @@ function bw.drop_test(part, options) end
 ---@field exceedance bw.Array (-, element_count × 1, per element) fraction of drops in which it was stressed beyond the strength
 ---@field mean_peak bw.Array (Pa, element_count × 1, per element) mean over the drops of its largest principal stress
 ---@field contacts bw.Array (m, drops × 3, per drop) where the peg touches
----@field pushes bw.Array (-, drops × 3, per drop) unit vector along the peg's normal, in which the impulse acts on the part
+---@field directions bw.Array (-, drops × 3, per drop) unit vector along the peg's normal, in which the impulse acts on the part
 ---@field resultants bw.Array (N, drops × 3, per drop) sum of the nodal forces
 ---@field nodes bw.Array (count, drops × 1, per drop) nodes that carry the contact
 ---@field forces bw.Array (N, drops × 1, per drop) mean force of the contact

@@ -255,7 +255,7 @@ function Session:solve(options) end
 ---session is as it was, and `details.best` is a `bw.Optimisation` of the best that was found.
 ---
 ---Errors: infeasible (no factors within the bounds meet the limit), convergence (it was not met in time, or the worst load went on
----changing), unsupported (a slide along the surface's own normals, B-bar or curved elements, a body that is held in part and turns
+---changing), unsupported (a slide along the surface's own normals, B-bar or curved elements, a body that is constrained in part and turns
 ---freely), cancelled, those of `solve`.
 ---
 ---Source: Y. Xie and others 2015, section 7; docs/theory/edit.md.

@@ -315,7 +315,7 @@ function FlowBody:heat(tag) end
 
 ---The current state of mesh and flow. It copies nothing.
 ---@return bw.BodyState state the state
-function FlowBody:keep() end
+function FlowBody:save() end
 
 ---Returns to a state, bit for bit. A state of another flow raises.
 ---
@@ -324,7 +324,7 @@ function FlowBody:keep() end
 ---@return bw.FlowBody? flow the same flow
 ---@return string? message
 ---@return bw.Details? details
-function FlowBody:return_to(state) end
+function FlowBody:restore(state) end
 
 ---Checks that all parts of it belong together, for tests and debugging. It raises where they do not.
 ---@return bw.FlowBody self

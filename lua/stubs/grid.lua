@@ -16,7 +16,7 @@
 local grid_module = {}
 
 ---What is chosen by geometry, so that it means the same on a fine grid and on its coarse one. All parts that are given
----must hold; without any it is everywhere. Cells count by their middles, and `inside` by half their volume. In place of
+---must hold; without any it is everywhere. Cells count by their centres, and `inside` by half their volume. In place of
 ---the table a function of x, y, z or a formula (`where`), or a surface (`inside`), may stand.
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {20, 4, 4}})

@@ -307,7 +307,7 @@ function Mesh:shapes(nodes) end
 ---@param nodes bw.Array|number[][] (m, node_count × 3, per node) the positions
 ---@param floor? number (-) elements of a lower shape quality count, too. Default: 0
 ---@return bw.MeshReport report what was found
-function Mesh:judge(nodes, floor) end
+function Mesh:shape_check(nodes, floor) end
 
 ---Inverted elements, and what was done about them. Shape quality is that of `mesh:shapes`.
 ---@class bw.MeshReport

@@ -305,7 +305,7 @@ function Plate:counts() end
 
 ---The current state of mesh and plate. It copies nothing.
 ---@return bw.BodyState state the state
-function Plate:keep() end
+function Plate:save() end
 
 ---Returns to a state, bit for bit. A state of another plate raises.
 ---
@@ -314,7 +314,7 @@ function Plate:keep() end
 ---@return bw.Plate? plate the same plate
 ---@return string? message
 ---@return bw.Details? details
-function Plate:return_to(state) end
+function Plate:restore(state) end
 
 ---Checks that all parts of it belong together, for tests and debugging. It raises where they do not.
 ---@return bw.Plate self

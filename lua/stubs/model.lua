@@ -70,7 +70,7 @@ function Model:fix(selection) end
 
 ---Lets a selection slide along its surface, or across a given normal.
 ---@param selection bw.Selection what slides
----@param normal? bw.Vector (-) the direction that is held, of any length but 0. Default: at each node the normal of its surface
+---@param normal? bw.Vector (-) the direction that is fixed, of any length but 0. Default: at each node the normal of its surface
 ---@return bw.Model self
 function Model:slide(selection, normal) end
 
@@ -150,7 +150,7 @@ function Model:singular_places(options) end
 ---@return bw.FreeMotion[]? motions empty where the supports hold the part
 ---@return string? message
 ---@return bw.Details? details
-function Model:free_motions() end
+function Model:rigid_modes() end
 
 ---A rigid-body motion u(x) = translation + rotation × (x - centre), of unit root mean square (m) over the body.
 ---@class bw.FreeMotion
@@ -186,7 +186,7 @@ function Model:solve(options) end
 ---How a static problem is solved.
 ---@class bw.ModelSolveOptions
 ---@field inertia_relief? boolean balance a load on a free body by inertia. Default: false
----@field tolerance? number (-) a load is balanced when its part along free motions is below this fraction of its size. Default: 1e-6
+---@field balance_tolerance? number (-) a load is balanced when its part along free motions is below this fraction of its size. Default: 1e-6
 ---@field with? "auto"|"factor"|"pcg"|"petsc" the solver. "pcg" (conjugate gradients with the two-level preconditioner) needs elements of order 2 and supports that hold the part; "petsc" runs on all processes that mpirun started (docs/howto_cluster.md). Default: "auto"
 ---@field memory_limit? number (bytes) that a factor may take; with "auto" and "factor". Default: the free memory
 ---@field iterations? integer (count) of conjugate gradients at most; with "pcg" and "petsc". Default: 2000

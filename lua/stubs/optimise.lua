@@ -78,7 +78,7 @@ local bw = {}
 ---for each. What mid-edge nodes contribute is part of their edge's ends; their own rows are zero. Prescribed displacements do not
 ---change. Curved elements raise.
 ---
----Errors: unsupported (a slide along the surface's own normals, B-bar elements, a body that is held in part and turns freely under
+---Errors: unsupported (a slide along the surface's own normals, B-bar elements, a body that is constrained in part and turns freely under
 ---its load), convergence (of iterations).
 ---
 ---Source: docs/theory/edit.md.

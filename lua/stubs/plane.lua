@@ -103,7 +103,7 @@ function plane_module.mesh_motion(mesh, options) end
 ---How a mesh follows its outline.
 ---@class bw.MeshMotionOptions
 ---@field relocation? "harmonic"|"springs" how inner nodes move: by the harmonic extension of the boundary's displacement, or towards the mean of their neighbours. Default: "harmonic"
----@field sweeps? integer (count) rounds of "springs". Range: 0 to 10000. Default: 2
+---@field rounds? integer (count) rounds of "springs". Range: 0 to 10000. Default: 2
 ---@field distorted? number (-) element quality below which edges are flipped. Range: 0 to below 1. Default: 0.35
 ---@field rebuild? number (-) element quality below which, after flips, the outline is filled again. Range: 0 to `distorted`. Default: 0.1
 ---@field force? "none"|"relocation"|"reconnecting"|"reconstruction" the level that is taken at least, each time. Default: "none"

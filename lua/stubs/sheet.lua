@@ -263,7 +263,7 @@ function Sheet:large_deflection(frame, solver, newton) end
 
 ---The current state of mesh and sheet. It copies nothing.
 ---@return bw.BodyState state the state
-function Sheet:keep() end
+function Sheet:save() end
 
 ---Returns to a state, bit for bit. A state of another sheet raises.
 ---
@@ -272,7 +272,7 @@ function Sheet:keep() end
 ---@return bw.Sheet? sheet the same sheet
 ---@return string? message
 ---@return bw.Details? details
-function Sheet:return_to(state) end
+function Sheet:restore(state) end
 
 ---Checks that all parts of it belong together, for tests and debugging. It raises where they do not.
 ---@return bw.Sheet self
@@ -302,8 +302,8 @@ function Sheet:close() end
 ---local options = {outline = outline, material = bw.material.pla, elements = 200}
 ---options.conditions = {left = "fixed", right = {traction = {0, -1e5}}}
 ---local sheet = assert(bw.responsive.steady(options))
----local state = sheet.body:keep()
----assert(sheet.body:return_to(state))
+---local state = sheet.body:save()
+---assert(sheet.body:restore(state))
 ---```
 ---@class bw.BodyState
 local BodyState = {}

@@ -109,7 +109,7 @@ function bw.solid(options) end
 ---```lua
 ---local grid = assert(bw.grid.box {size = {0.1, 0.02, 0.02}, cells = {10, 2, 2}})
 ---local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.45}}})
----solid:fix({side = "min x"}):turn({side = "max x"}, {axis = {1, 0, 0}, point = {0, 0.01, 0.01}, angle = 60})
+---solid:fix({side = "min x"}):rotate({side = "max x"}, {axis = {1, 0, 0}, point = {0, 0.01, 0.01}, angle = 60})
 ---local twisted = assert(solid:solve())
 ---print(twisted, twisted.von_mises:max())
 ---```
@@ -131,12 +131,12 @@ function Solid:fix(where, by) end
 
 ---Prescribes displacements of nodes that turn about an axis, along their arcs.
 ---@param where bw.Region|bw.Surface|string|fun(x: number, y: number, z: number): (boolean|number)|bw.Array|integer[] (index from 1, n × 1) a place, or node numbers
----@param options bw.SolidTurnOptions axis and angle
+---@param options bw.SolidRotateOptions axis and angle
 ---@return bw.Solid self
-function Solid:turn(where, options) end
+function Solid:rotate(where, options) end
 
 ---How nodes turn about an axis.
----@class bw.SolidTurnOptions
+---@class bw.SolidRotateOptions
 ---@field axis bw.Vector (-) direction of the axis, of any length but 0
 ---@field point? bw.Vector (m) on the axis. Default: {0, 0, 0}
 ---@field angle number (degrees) right-handed about the axis

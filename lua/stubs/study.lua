@@ -100,7 +100,7 @@ function StudyModule:__call(options) end
 ---@class bw.OneAtATimeDesign
 ---@field [1] "one_at_a_time" the name
 ---@field levels? integer|table<string, integer|any[]> (count) as of a grid. Default: 5
----@field at? table<string, any> the base point; missing values are defaults or middles. Default: none
+---@field at? table<string, any> the base point; missing values are defaults or midpoints. Default: none
 
 ---Points that fill the space of the variables: independent ones, a Latin hypercube, or Sobol's sequence.
 ---@class bw.SamplingDesign
@@ -108,7 +108,7 @@ function StudyModule:__call(options) end
 ---@field count integer (count) of points. Range: 1 to 10000000
 ---@field seed? integer (seed) Default: that of the study
 ---@field maximin? boolean of "latin_hypercube": spread the points apart, at most 1000 of them. Default: false
----@field centroids? boolean of "latin_hypercube": points in the middles of their slices. Default: false
+---@field centroids? boolean of "latin_hypercube": points in the centres of their slices. Default: false
 ---@field skip? integer (count) of "sobol": points of the sequence that are left out. Range: at least 0. Default: 0
 ---@field scramble? boolean of "sobol": scramble by the seed. Default: true
 
@@ -139,7 +139,7 @@ function StudyModule:__call(options) end
 ---@field [1] "minimise" the name
 ---@field method? "cobyla"|"bobyqa"|"neldermead"|"sbplx"|"direct_l"|"crs2"|"isres"|"mma"|"slsqp"|"lbfgs" constraints: cobyla, isres, mma, slsqp; integers and choices: direct_l, crs2, isres. Default: "bobyqa"; "cobyla" with constraints or one variable
 ---@field starts? integer (count) run side by side. Range: 1 to 10000. Default: 1
----@field start? table<string, any> the first start; the others are spread by a Latin hypercube. Default: defaults or middles of the variables
+---@field start? table<string, any> the first start; the others are spread by a Latin hypercube. Default: defaults or midpoints of the variables
 ---@field evaluations? integer (count) of the objective for each start. Range: at least 1. Default: 200
 ---@field tolerance? number (-) relative, of objective and variables. Range: at least 0. Default: 1e-6
 ---@field gradient? "run"|"differences" of mma, slsqp and lbfgs: those that `run` returns, or finite differences. Default: "differences"

@@ -34,7 +34,7 @@ function bw.subdomains(mesh, skeleton, weights, options) end
 ---Which elements follow one bone.
 ---@class bw.SubdomainsOptions
 ---@field threshold? number (-) mean weight from which an element follows a bone. Range: above 0 to 1. Default: 0.95
----@field share? number (-) thresholds are lowered until each bone has this fraction, by volume, of the elements that it moves most; negative: never. Range: up to 1. Default: 0.35
+---@field fraction? number (-) thresholds are lowered until each bone has this fraction, by volume, of the elements that it moves most; negative: never. Range: up to 1. Default: 0.35
 ---@field bone_threshold? number[]|bw.Array (-, bone_count × 1, per bone) a threshold of its own, 0: none. Default: none
 
 ---The subdomains of a mesh. They do not change: methods give new ones. `#subdomains` is their number, `subdomains[i]` is a `bw.Subdomain`.

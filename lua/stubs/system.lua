@@ -17,7 +17,7 @@
 ---@class bw.System
 ---@field times bw.SolveTimes what its parts took
 ---@field unknown_count integer (count) of degrees of freedom
----@field motion_count integer (count) rigid-body motions that are free
+---@field rigid_mode_count integer (count) rigid-body motions that are free
 local System = {}
 
 ---The displacement under nodal forces, with supports at zero. On a free body inertia balances the force first, and the

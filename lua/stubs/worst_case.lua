@@ -11,7 +11,7 @@
 local bw = {}
 
 ---The largest stress that was found among all pressures up to a limit with a given total force, and the load that causes it. It
----is a lower bound of the largest one; `certify` adds an upper bound. A part with supports is held by them; its own loads do not
+---is a lower bound of the largest one; `certify` adds an upper bound. A part with supports is constrained by them; its own loads do not
 ---count. Loads on a part without supports are in balance.
 ---
 ---Errors: infeasible (no load within the limits is in balance; `details.largest_force`, in N), unsupported (a support prescribes a

@@ -108,7 +108,7 @@ function bw.worst_loads(system, basis, regions, options) end
 ---@field peaks bw.Array (Pa, n × 1, per region) largest principal stress under the load
 ---@field peak_elements bw.Array (index from 1, n × 1, per region) the element with it
 ---@field peak_stresses bw.Array (Pa, n × 6, per region) the tensor in it
----@field own_stresses bw.Array (Pa, n × 6, per region) the tensor in the region's first element
+---@field first_stresses bw.Array (Pa, n × 6, per region) the tensor in the region's first element
 ---@field utilisations bw.Array (-, n × 1, per region) largest stress over strength; 0 where the strength is not known
 ---@field utilised_elements bw.Array (index from 1, n × 1, per region) the element with it
 ---@field displacements bw.Array (m, n × 1, per region) largest displacement

@@ -181,8 +181,8 @@ scenario("Goodier, spherical cavity under tension, tet10", function(t)
     return function(u, v, w)
       local d = {1, tan(pi / 4 * v), tan(pi / 4 * w)}
       local length = math.sqrt(1 + d[2] ^ 2 + d[3] ^ 2)
-      local share = (size ^ u - 1) / (size - 1) -- finer towards the cavity
-      local r = (1 - share) / length + share * size
+      local fraction = (size ^ u - 1) / (size - 1) -- finer towards the cavity
+      local r = (1 - fraction) / length + fraction * size
       local x = {}
       for k = 1, 3 do x[(k - 1 + turn) % 3 + 1] = r * d[k] end
       return x
@@ -207,8 +207,8 @@ scenario("Kirsch, hole in a wide plate, tet10", function(t)
   local grid = grids.mapped({32, 28, 1}, 2, function(u, v, w)
     local a = pi / 2 * v
     local reach = size / math.max(cos(a), sin(a))
-    local share = (size ^ u - 1) / (size - 1)
-    local r = (1 - share) + share * reach
+    local fraction = (size ^ u - 1) / (size - 1)
+    local r = (1 - fraction) + fraction * reach
     return {r * cos(a), r * sin(a), 0.2 * w}
   end)
   local mesh = grid.mesh

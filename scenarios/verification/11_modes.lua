@@ -125,6 +125,6 @@ scenario("NAFEMS FV52, simply supported thick plate, the mode in the plane", fun
       nearest = modes.frequencies[i]
     end
   end
-  expect(nearest, "mode 8 (independent of how the edge is held)", "Hz")
+  expect(nearest, "mode 8 (independent of how the edge is fixed)", "Hz")
     :near(193.59, {relative = 0.005, source = "NAFEMS FV52"})
 end)

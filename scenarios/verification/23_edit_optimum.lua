@@ -19,7 +19,7 @@ local points = 200
 local gain_allowed = 1e-3 -- of the change of shape; the optimisation itself stops at 1e-4
 local rough, precise = 1e-3, 1e-8 -- of solutions; the former tell stresses to about 1e-5
 local doubtful = 5e-4 -- stresses of rough solutions so near to the limit are computed again
-local remembered = 10 -- solutions, at most: one more than unknowns tells how they change at first order
+local remembered = 10 -- solutions, at most: one more than unknowns reports how they change at first order
 
 -- The unknowns of an answer: the axes across each bone or across tied bones; how the corner nodes move
 -- with each, from the start.

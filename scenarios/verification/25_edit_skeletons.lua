@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Skeletons of real models: how many bones are found, that their joints lie inside the surface, and
--- how much of the bones does. Whether a point is inside is told by the solid angle that the surface
+-- how much of the bones does. Whether a point is inside follows from the solid angle that the surface
 -- fills as seen from there, which takes nothing from the extraction.
 local bw = require "barwright"
 local project = require "project"
@@ -33,7 +33,7 @@ local function inside_of(surface)
   end
 end
 
-local function share_inside(skeleton, inside)
+local function fraction_inside(skeleton, inside)
   local joints, within, length = skeleton.joints:totable(), 0, 0
   for _, bone in ipairs(skeleton.bones:totable()) do
     local a, b = joints[bone[1]], joints[bone[2]]
@@ -65,7 +65,7 @@ scenario("Skeletons of real models", {tags = {"slow", "models"}}, function(t)
         end
         outside, joints = outside + out, joints + skeleton.joint_count
         rows[#rows + 1] = {name, surface.triangle_count, skeleton.bone_count, out,
-          ("%.0f %%"):format(100 * share_inside(skeleton, inside))}
+          ("%.0f %%"):format(100 * fraction_inside(skeleton, inside))}
       end
       bw.warnings()
     end

@@ -27,7 +27,7 @@ end)
 local function cook(plane, young, force, start)
   local outline = assert(bw.outline {points = {{0, 0}, {48, 44}, {48, 52}, {48, 60}, {0, 44}},
     tags = {left = 5, right = {2, 3}}})
-  -- fine at the held corner, where stresses have no bound, and at the loaded one, where the traction
+  -- fine at the fixed corner, where stresses have no bound, and at the loaded one, where the traction
   -- ends at a free edge and displacements would converge with h only
   local min = start and 0.4 or 0.02
   local function size(x, y)

@@ -50,15 +50,15 @@ local function solve(s, plane, order)
     elseif tag == "tip" then
       local a, b = points[side[1]], points[side[2]]
       local length = math.sqrt((b[1] - a[1]) ^ 2 + (b[2] - a[2]) ^ 2)
-      local share = order == 1 and {1 / 2, 1 / 2} or {1 / 6, 1 / 6, 2 / 3}
+      local fraction = order == 1 and {1 / 2, 1 / 2} or {1 / 6, 1 / 6, 2 / 3}
       for k, n in ipairs(side) do
-        force[n] = (force[n] or 0) + share[k] * length * THICKNESS
+        force[n] = (force[n] or 0) + fraction[k] * length * THICKNESS
       end
     end
   end
   put "*STEP\n*STATIC\n*CLOAD"
-  for n, share in pairs(force) do
-    for k = 1, 2 do put("%d, %d, %.12g", n, k, share * LOAD[k]) end
+  for n, fraction in pairs(force) do
+    for k = 1, 2 do put("%d, %d, %.12g", n, k, fraction * LOAD[k]) end
   end
   put "*DLOAD\nEALL, GRAV, 9.81, 0.6, -0.8, 0\n*NODE PRINT, NSET=NALL\nU\n*END STEP"
   deck:close()

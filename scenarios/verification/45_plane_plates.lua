@@ -6,7 +6,7 @@ local tools = require "tools"
 
 local scenario, expect = bw.scenario, bw.scenario.expect
 
-scenario.about {title = "Plates that ring",
+scenario.about {title = "Vibrating plates",
   text = [[Free thin plates by the equations of Reissner and Mindlin beside published frequencies and nodal
 lines.]]}
 

@@ -12,7 +12,7 @@ scenario.about {title = "Shapes of least area",
 
 local plastic = bw.material.isotropic {name = "plastic", young = 3e9, poisson = 0.35, density = 1200}
 
--- A strip pulled at its right end, held at x = 0; its upper edge is free, width w at both ends.
+-- A strip pulled at its right end, fixed at x = 0; its upper edge is free, width w at both ends.
 local function strip(width, bulge)
   local top = {}
   for i = 0, 10 do

@@ -37,8 +37,8 @@ local function sizes(at, growth, wake)
   end
 end
 
-local function near(value, quantity, wanted, share, how)
-  expect(value, quantity):near(wanted, {relative = share, source = "FeatFlow", how = how})
+local function near(value, quantity, wanted, fraction, how)
+  expect(value, quantity):near(wanted, {relative = fraction, source = "FeatFlow", how = how})
 end
 
 local function between(value, quantity, low, high, how)
@@ -78,15 +78,15 @@ local function shedding(full)
   end
   local min, max = range(flow.signals.drag)
   local down, up = range(flow.signals.lift)
-  local strouhal, share = flow:frequency("lift", 2) * 0.1, full and 0.003 or 0.01
+  local strouhal, fraction = flow:frequency("lift", 2) * 0.1, full and 0.003 or 0.01
   between(strouhal, "Strouhal number", 0.295, 0.305, how)
   between(max, "largest drag", 3.22, 3.24, how)
   between((up - down) / 2, "largest lift (half its swing)", 0.99, 1.01, how)
   near(strouhal, "Strouhal number", 0.301841, 0.01, how)
   near(min, "least drag", 3.164263, 0.01, how)
-  near(up - down, "swing of the lift", 2.007871, share, how)
-  near(up, "largest lift", 0.9866, share, how)
-  near(down, "least lift", -1.0213, share, how)
+  near(up - down, "swing of the lift", 2.007871, fraction, how)
+  near(up, "largest lift", 0.9866, fraction, how)
+  near(down, "least lift", -1.0213, fraction, how)
 end
 
 scenario("Vortices, Re = 100 (2D-2)", {tags = {"slow", "long"}, seconds = 3600}, function() shedding(false) end)

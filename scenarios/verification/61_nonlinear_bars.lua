@@ -7,7 +7,7 @@ local scenario, expect = bw.scenario, bw.scenario.expect
 local YOUNG, POISSON, RADIUS, LENGTH = 1e6, 0.3, 0.05, 0.4
 
 scenario.about {title = "Nonlinear solids: round bars in cubes", text = ("A cylinder %g times as long as thick, "
-  .. "in cubes that its side cuts; both ends held flat. Sections do not warp under torsion, so its stiffness is "
+  .. "in cubes that its side cuts; both ends fixed flat. Sections do not warp under torsion, so its stiffness is "
   .. "exact in the limit; bending is Timoshenko's, with Cowper's shear factor, and an end that cannot bulge.")
   :format(LENGTH / (2 * RADIUS))}
 
@@ -23,7 +23,7 @@ end
 local function twisted(cells)
   local solid, angle = bar(cells), 0.01
   solid:fix {side = "min z"}
-  solid:turn({side = "max z"}, {axis = {0, 0, 1}, angle = math.deg(angle)})
+  solid:rotate({side = "max z"}, {axis = {0, 0, 1}, angle = math.deg(angle)})
   local result = assert(solid:solve {tolerance = 1e-8})
   local nodes = solid.grid:nodes {side = "max z"}
   local at, by = solid.grid.points:gather(nodes):totable(), result.reaction:gather(nodes):totable()

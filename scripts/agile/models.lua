@@ -40,10 +40,10 @@ function models.make(path, opts)
   local size = distance(low, high)
   local material = opts.material and bw.material.named(opts.material) or scenes.material()
   local part = bw.model {mesh = mesh, material = material}
-  local held = mesh.boundary:below("z", low[3] + 0.04 * (high[3] - low[3]))
-  part:fix(held)
+  local fixed = mesh.boundary:below("z", low[3] + 0.04 * (high[3] - low[3]))
+  part:fix(fixed)
   part:gravity(scenes.gravity)
-  local centre, tips, joints = held.centre, tips_of(skeleton), skeleton.joints:totable()
+  local centre, tips, joints = fixed.centre, tips_of(skeleton), skeleton.joints:totable()
   local best = {far = -1}
   for i, name in ipairs(skeleton.joint_names) do
     local far = distance(joints[i], centre)
@@ -68,7 +68,7 @@ function models.make(path, opts)
   edits[#edits + 1] = {"taken back", function(session) return session:undo() end}
   local name = path:match "([^/]+)%.%w+$" or path
   return {name = name, title = name, surface = surface, mesh = mesh, part = part, skeleton = skeleton,
-    inputs = {path}, held = held, loads = {{what = ("a push at %s"):format(best.joint), on = on,
+    inputs = {path}, fixed = fixed, loads = {{what = ("a push at %s"):format(best.joint), on = on,
       force = across}}, session = {skeleton = skeleton, heat = 10, threshold = 0.65}, edits = edits,
     ties = {}}
 end

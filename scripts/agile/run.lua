@@ -106,10 +106,10 @@ local function replay(session, scene, result, results)
   picture(session, static, results:path "rest.png")
   for _, edit in ipairs(scene.edits) do
     local clock = bw.seconds()
-    local fine, message = edit[2](session)
+    local ok, message = edit[2](session)
     local seconds = bw.seconds() - clock
     if bw.interrupted() then return nil, "interrupted", {status = "cancelled"} end
-    if fine then
+    if ok then
       row, static, why = solved(session, edit[1])
       if not row then return nil, static, why end
       row.seconds_edit = seconds
@@ -183,11 +183,11 @@ local function run(scene, opts, out)
     if done and not opts.no_optimise then done, why, how = strengthen(session, scene, result, results) end
     return done, why, how
   end
-  local fine, done
-  fine, done, message, details = xpcall(work, debug.traceback)
-  if not fine then message, details = done, {} end
+  local ok, done
+  ok, done, message, details = xpcall(work, debug.traceback)
+  if not ok then message, details = done, {} end
   if bw.interrupted() then message, details = "interrupted", {status = "cancelled"} end
-  result.finished = fine and done ~= nil and not bw.interrupted()
+  result.finished = ok and done ~= nil and not bw.interrupted()
   if not result.finished then result.message, result.status = message, details.status end
   warnings_into(result.remarks)
   if session then assert(session:save(results:path "edits.lua")) end
@@ -226,6 +226,6 @@ local function main()
   os.exit(status, true)
 end
 
-local fine, message = xpcall(main, debug.traceback)
+local ok, message = xpcall(main, debug.traceback)
 if bw.interrupted() then stop(INTERRUPTED, "interrupted") end
-if not fine then stop(NOT_MET, message) end
+if not ok then stop(NOT_MET, message) end

@@ -35,7 +35,7 @@ return {
   },
   near = {{{-2, 6, 14}, 7, 0.6}, {{-2, -6, 14}, 7, 0.6}},
   root = "hips",
-  hold = function(boundary) return boundary:box({-8, -13, -1}, {12, -0.5, 2.2}) end,
+  fix = function(boundary) return boundary:box({-8, -13, -1}, {12, -0.5, 2.2}) end,
   loads = {
     {"the left foot is pushed backwards", function(boundary)
       return boundary:box({-8, 0.5, -1}, {12, 13, 2.2})

@@ -48,7 +48,7 @@ return {
   },
   near = {{{-9, 9, 14}, 7, 1}, {{3, -9, 14}, 7, 1}},
   root = "hips",
-  hold = function(boundary) return boundary:below("z", 1.2) end,
+  fix = function(boundary) return boundary:below("z", 1.2) end,
   loads = {
     {"a push against the snout", function(boundary) return boundary:near({54, 0, 70}, 6) end, {-15, 0, 0}},
   },

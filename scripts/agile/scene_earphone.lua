@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- A headset about 60 mm wide, of a doll's size: a band, an arm and a cup on either side, and a
--- microphone on a boom. Its crown is held; the cups are
+-- microphone on a boom. Its crown is fixed; the cups are
 -- pulled apart, the microphone is pressed. Lengths in mm, y from right to left, z up.
 local figure = require "figure"
 
@@ -54,7 +54,7 @@ return {
     {"microphone", "boom end", "microphone"},
   },
   root = "top",
-  hold = function(boundary) return boundary:box({-10, -7, 60}, {10, 7, 80}) end,
+  fix = function(boundary) return boundary:box({-10, -7, 60}, {10, 7, 80}) end,
   loads = {
     {"the left cup is pulled", function(boundary) return boundary:box({-10, 20, -1}, {10, 40, 4}) end,
       {0, 6.3, 0}},

@@ -38,7 +38,7 @@ return {
   },
   near = {{{18, 6, 13}, 7, 0.9}, {{18, -6, 13}, 7, 0.9}, {{-20, 6, 13}, 7, 0.9}, {{-20, -6, 13}, 7, 0.9}},
   root = "back",
-  hold = function(boundary) return boundary:below("z", 0.3) end,
+  fix = function(boundary) return boundary:below("z", 0.3) end,
   loads = {
     {"a push at the chest", function(boundary) return boundary:near({27, 0, 43}, 6) end, {-56, 0, 0}},
   },

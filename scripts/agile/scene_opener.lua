@@ -18,7 +18,7 @@ return {
   joints = {{"end", {-62, 0, 0}}, {"grip", {-5, 0, 0}}, {"throat", {17, 0, 0}}, {"rim", {47, 0, 0}}},
   bones = {{"handle", "grip", "end"}, {"neck", "grip", "throat"}, {"ring", "throat", "rim"}},
   root = "grip",
-  hold = function(boundary)
+  fix = function(boundary)
     local tongue = boundary:box({22.5, -6, -3.5}, {27, 6, 3})
     return tongue:union(boundary:box({42.5, -8, -4}, {48, 8, -2.5}))
   end,

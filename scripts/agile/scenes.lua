@@ -43,7 +43,7 @@ function scenes.surface(name)
   return figure.surface(require("scene_" .. name))
 end
 
---- A scene: {name, title, surface, mesh, log, part, skeleton, held, loads, session, edits, ties,
+--- A scene: {name, title, surface, mesh, log, part, skeleton, fixed, loads, session, edits, ties,
 --- paper}; session: options for bw.edit. elements: another number than the paper's; order: default 2.
 function scenes.make(name, options)
   options = options or {}
@@ -68,8 +68,8 @@ function scenes.make(name, options)
   scene.skeleton = assert(bw.skeleton.create {joints = joints, bones = bones, root = about.root})
   local part = bw.model {mesh = mesh, material = scenes.material()}
   local boundary = in_millimetres(mesh.boundary)
-  scene.held = about.hold(boundary)
-  part:fix(scene.held)
+  scene.fixed = about.fix(boundary)
+  part:fix(scene.fixed)
   part:gravity(scenes.gravity)
   for i, load in ipairs(about.loads) do
     local on = load[2](boundary)

@@ -152,8 +152,8 @@ case("Kirsch hole", function()
   local grid = grids.mapped({5, 6, 1}, 2, function(u, v, w)
     local a = pi / 2 * v
     local reach = size / math.max(cos(a), sin(a))
-    local share = (size ^ u - 1) / (size - 1)
-    local r = (1 - share) + share * reach
+    local fraction = (size ^ u - 1) / (size - 1)
+    local r = (1 - fraction) + fraction * reach
     return {r * cos(a), r * sin(a), w}
   end)
   local part = bw.model {mesh = grid.mesh, material = elastic(1, 0.3)}
@@ -211,9 +211,9 @@ case("spherical cavity", function()
     return function(u, v, w)
       local d = {1, tan(pi / 4 * v), tan(pi / 4 * w)}
       local length = sqrt(1 + d[2] ^ 2 + d[3] ^ 2)
-      local share = (size ^ u - 1) / (size - 1)
+      local fraction = (size ^ u - 1) / (size - 1)
       local x = {}
-      for k = 1, 3 do x[(k - 1 + turn) % 3 + 1] = ((1 - share) / length + share * size) * d[k] end
+      for k = 1, 3 do x[(k - 1 + turn) % 3 + 1] = ((1 - fraction) / length + fraction * size) * d[k] end
       return x
     end
   end

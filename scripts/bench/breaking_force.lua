@@ -29,7 +29,7 @@ local function same_place(found, other)
   return min / found.length
 end
 
--- Elements around a place have edges of this share of the radius; the surface is followed to that share.
+-- Elements around a place have edges of this fraction of the radius; the surface is followed to that share.
 local EDGE, FOLLOWED = 0.2, 0.02
 
 -- The force on a mesh of about opts.overkill unknowns: the background is made finer until there are as many.
@@ -44,9 +44,9 @@ local function overkill(surface, found)
   for _ = 1, 8 do
     mesh = assert(bw.mesh.fill(surface, {edge_length = edge, order = 2, near = near,
       surface_tolerance = FOLLOWED * length}))
-    local share = 3 * mesh.node_count / opts.overkill
-    if share > 0.95 then break end
-    edge = edge * math.max(0.5, share ^ (1 / 2.5))
+    local fraction = 3 * mesh.node_count / opts.overkill
+    if fraction > 0.95 then break end
+    edge = edge * math.max(0.5, fraction ^ (1 / 2.5))
   end
   local one = assert(bw.breaking_force(mesh, {material = bw.material.pla, modes = 2, length = length}))
   print(("%-22s overkill: %.4g N with %d unknowns"):format("", one.force, 3 * mesh.node_count))

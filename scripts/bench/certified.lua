@@ -39,7 +39,7 @@ local function measure(part, path)
   end
   local search <close> = assert(bw.worst_case(model, load))
   local searched = os.clock()
-  load.certify, load.certificate = opts.share, path
+  load.certify, load.certificate = opts.fraction, path
   local worst <close> = assert(bw.worst_case(model, load))
   local row = {part = part.name, elements = mesh.element_count, nodes = mesh.node_count,
     pressures = worst.basis.count, reached_pa = worst.max_principal, upper_bound_pa = worst.upper_bound,

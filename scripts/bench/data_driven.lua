@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- What coarsening by lookup gains, beside tables 1 and 2 and section 6.2 of the paper data-driven: seconds
 -- of an iteration on the fine grid and on coarse ones, how much faster the coarse ones are than our own fine
--- grid and than the paper's coarse one, the share of quadrature, the time to coarsen 100,000 elements and to
+-- grid and than the paper's coarse one, the fraction of quadrature, the time to coarsen 100,000 elements and to
 -- follow an edit, conjugate gradients against factors on the figure with bones, and the coarse solid as a
 -- preconditioner. All in one run, seconds of the processor (all threads together), which is what to trust
 -- on a busy machine.
@@ -47,7 +47,7 @@ local function one_scene(name)
     print(("  %-12s %d %8d | %9.4f (%9s) %6s | %7.1f (%6s) | %4.0f %% | %4d (%3s) | %s"):format(name, row.level,
       row.elements, row.seconds_per_iteration, p and ("%.3f"):format(p.seconds_per_iteration) or "",
       p and ("%.1fx"):format(p.seconds_per_iteration / row.seconds_per_iteration) or "", row.speed_up or 1,
-      p and ("%.1f"):format(p.speed_up) or "", 100 * row.quadrature_share, row.iterations,
+      p and ("%.1f"):format(p.speed_up) or "", 100 * row.quadrature_fraction, row.iterations,
       p and tostring(p.iterations) or "", row.error and ("%.2e"):format(row.error) or ""))
     io.stdout:flush()
   end))

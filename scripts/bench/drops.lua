@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Contacts of the drop test on coarse meshes of parts (scripts/worst_case/machine_parts.lua): how many
--- nodes carry an impact, the share of impacts on two nodes or fewer, the part of the resultant of the nodal forces
--- across the peg's normal, and the contact's area on this mesh over that on one of four times the elements.
+-- nodes carry an impact, the fraction of impacts on two nodes or fewer, the part of the resultant of the nodal
+-- forces across the peg's normal, and the contact's area on this mesh over that on one of four times the elements.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
 package.path = folder .. "/?.lua;" .. folder .. "/../worst_case/?.lua;" .. package.path
@@ -27,9 +27,9 @@ end
 local function measure(part)
   local surface = parts.surface(part)
   local coarse, fine = drop(surface, opts.elements), drop(surface, 4 * opts.elements)
-  local along = bw.array.map("r.x * e.x + r.y * e.y + r.z * e.z", {r = coarse.resultants, e = coarse.pushes})
+  local along = bw.array.map("r.x * e.x + r.y * e.y + r.z * e.z", {r = coarse.resultants, e = coarse.directions})
   local across = bw.array.map("sqrt((r.x - a * e.x)^2 + (r.y - a * e.y)^2 + (r.z - a * e.z)^2) / norm(r)",
-    {r = coarse.resultants, e = coarse.pushes, a = along})
+    {r = coarse.resultants, e = coarse.directions, a = along})
   return {part = part.name, elements = coarse.mesh.element_count,
     facet_m2 = coarse.mesh.boundary.area / coarse.mesh.facet_count,
     nodes_min = coarse.nodes:min(), nodes_median = coarse.nodes:quantile(0.5),

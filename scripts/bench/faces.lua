@@ -85,7 +85,7 @@ local function processor()
   return (tonumber(fields[12]) + tonumber(fields[13]) + tonumber(fields[14]) + tonumber(fields[15])) / 100
 end
 
-local function share(value) return value and ("%.1e"):format(value) or "" end
+local function fraction(value) return value and ("%.1e"):format(value) or "" end
 
 local function measure(name, surface, elements)
   local seconds = processor()
@@ -110,8 +110,8 @@ local function measure(name, surface, elements)
   end
   local p, r, q = groups.plane, groups.round, mesh:quality()
   print(("| %s | %d | %d | %d | %s | %s | %d | %s | %s | %d | %.1f | %.1f |"):format(name, elements,
-    mesh.element_count, p.n, share(p.max), share(p.max and p.sum / p.n), r.n, share(r.max),
-    share(r.max and r.sum / r.n), lost, math.deg(q.dihedral_min), seconds))
+    mesh.element_count, p.n, fraction(p.max), fraction(p.max and p.sum / p.n), r.n, fraction(r.max),
+    fraction(r.max and r.sum / r.n), lost, math.deg(q.dihedral_min), seconds))
 end
 
 print("| body | asked | elements | planes | largest | mean | round | largest | mean | smaller faces | least angle "

@@ -59,8 +59,8 @@ local function contact_at(cells, place, push, area)
     return a.number < b.number
   end)
   for k, near in ipairs(facing) do
-    near.share = math.min(1, left / cells[near.number].area)
-    left = left - near.share * cells[near.number].area
+    near.fraction = math.min(1, left / cells[near.number].area)
+    left = left - near.fraction * cells[near.number].area
     contact[k] = near
     if left <= 0 then return contact end
   end
@@ -70,7 +70,7 @@ end
 local function load_of(basis, contact)
   local pressure = {}
   for i = 1, basis.count do pressure[i] = 0 end
-  for _, cell in ipairs(contact) do pressure[cell.number] = cell.share end
+  for _, cell in ipairs(contact) do pressure[cell.number] = cell.fraction end
   return basis:force(bw.array.new(pressure))
 end
 
@@ -101,8 +101,8 @@ local function inertia_of(body, cells, contact)
     for k = 1, 3 do arm[k] = at[k] - body.centre[k] end
     local turn = cross(arm, push)
     for k = 1, 3 do
-      force[k] = force[k] + cell.share * push[k]
-      moment[k] = moment[k] + cell.share * turn[k]
+      force[k] = force[k] + cell.fraction * push[k]
+      moment[k] = moment[k] + cell.fraction * turn[k]
     end
   end
   local i, volume, spin = body.inertia, body.volume:sum(), {}
@@ -134,7 +134,7 @@ end
 local function impacts_on(found, options)
   local drops = assert(bw.drop_test(bw.model {mesh = found.mesh, material = found.material}, options))
   local basis, body = found.worst.basis, points_of(found.mesh)
-  local cells, places, pushes = cells_of(basis, found.mesh), drops.contacts:totable(), drops.pushes:totable()
+  local cells, places, pushes = cells_of(basis, found.mesh), drops.contacts:totable(), drops.directions:totable()
   local list, batch = {}, {}
   for k, place in ipairs(places) do
     local contact = contact_at(cells, place, pushes[k], found.contact)
@@ -163,8 +163,8 @@ local function column(impacts, name)
   return bw.array.new(values)
 end
 
--- How many of the first impacts break the body where `found` predicts it, as a share.
-local function share_predicted(found, impacts, count)
+-- How many of the first impacts break the body where `found` predicts it, as a fraction.
+local function fraction_predicted(found, impacts, count)
   local sum = 0
   for k = 1, count do sum = sum + (is_predicted(found, impacts[k].at) and 1 or 0) end
   return sum / count
@@ -172,8 +172,8 @@ end
 
 --- `found`: a breaking force that is not closed; options: those of bw.drop_test. Returns a list of impacts, those
 --- of the least contact forces first ({force, with_inertia, at}), with statistics of them: least, median and
---- below (the share below the interval) of both forces, predicted (the share that breaks within a radius of the
---- weakest place or of a tie; of the first tenth as well), and the median area of the pegs' own contacts.
+--- below (the fraction below the interval) of both forces, predicted (the fraction that breaks within a radius of
+--- the weakest place or of a tie; of the first tenth as well), and the median area of the pegs' own contacts.
 return function(found, options)
   local impacts, area = impacts_on(found, options)
   table.sort(impacts, function(a, b) return a.force < b.force end)
@@ -183,7 +183,7 @@ return function(found, options)
     impacts[name] = {min = values:min(), median = values:quantile(0.5),
       below = values:below(found.low):sum() / #impacts}
   end
-  impacts.predicted = share_predicted(found, impacts, #impacts)
-  impacts.predicted_of_tenth = share_predicted(found, impacts, math.ceil(#impacts / 10))
+  impacts.predicted = fraction_predicted(found, impacts, #impacts)
+  impacts.predicted_of_tenth = fraction_predicted(found, impacts, math.ceil(#impacts / 10))
   return impacts
 end

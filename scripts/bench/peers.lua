@@ -39,9 +39,9 @@ local threads = bw.threads()
 
 local function run(command)
   local start = bw.seconds()
-  local fine = os.execute(("OMP_NUM_THREADS=%d CCX_NPROC_EQUATION_SOLVER=%d %s >'%s.log' 2>&1"):format(threads,
+  local ok = os.execute(("OMP_NUM_THREADS=%d CCX_NPROC_EQUATION_SOLVER=%d %s >'%s.log' 2>&1"):format(threads,
     threads, command, stem))
-  return fine and bw.seconds() - start
+  return ok and bw.seconds() - start
 end
 local calculix = assert(run(("ccx -i '%s'"):format(stem)), "ccx failed")
 

@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The drag of the paper responsive (figure 2: a hole taken from left to right, 159 frames) replayed
--- with elastic sheets, a plate that rings, and flow and heat around the hole, beside its tables 2 and 3:
+-- with elastic sheets, a vibrating plate, and flow and heat around the hole, beside its tables 2 and 3:
 -- how often each level of reuse ran, what a frame of each costs and in which part, frames per second with
 -- reuse and without (everything computed again in every frame), median and slowest hundredth. Seconds of the
 -- clock, and of the processor (all threads), which is what to trust on a busy machine.
@@ -71,12 +71,12 @@ local make = {
   end,
 }
 
--- The value below which a share of the list lies.
-local function quantile(list, share)
+-- The value below which a fraction of the list lies.
+local function quantile(list, fraction)
   if #list == 0 then return 0 / 0 end
   local sorted = table.move(list, 1, #list, 1, {})
   table.sort(sorted)
-  return sorted[math.max(1, math.ceil(share * #sorted))]
+  return sorted[math.max(1, math.ceil(fraction * #sorted))]
 end
 
 local parts = {"mesh", "assemble", "factor", "solve"}

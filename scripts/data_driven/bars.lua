@@ -31,7 +31,7 @@ bars.pushing = {
 }
 
 bars.bending = {
-  words = "a bar of layers, held at one end, with a force across the other",
+  words = "a bar of layers, fixed at one end, with a force across the other",
   levels = 2,
   grid = box({8, 32, 8}, layers(2)),
   act = function(solid)
@@ -42,7 +42,7 @@ bars.bending = {
 
 -- A couple: the halves of the end are pushed sideways, each against the other.
 bars.twisting = {
-  words = "a bar of layers, held at one end and twisted by a couple at the other",
+  words = "a bar of layers, fixed at one end and twisted by a couple at the other",
   levels = 2,
   grid = box({8, 32, 8}, layers(2)),
   act = function(solid)

@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The displacement of a coarse grid that is nearest to a fine one: by the mean distance of nodes, supports
--- held. A convex problem: least squares, with weights of one over the distance of the round before.
+-- fixed. A convex problem: least squares, with weights of one over the distance of the round before.
 local core = require "barwright.core"
 local bw = require "barwright"
 
@@ -9,22 +9,22 @@ local best = {}
 local ROUNDS, ITERATIONS, TOLERANCE = 15, 200, 1e-8
 local MIN = 1e-3 -- a weight is bounded by this part of the mean distance
 
--- Rows of a coarse solid's nodes: 1 where a component is free, and the displacement of those held.
+-- Rows of a coarse solid's nodes: 1 where a component is free, and the displacement of those fixed.
 local function supports(coarse)
-  local free, held = {}, {}
-  for n = 1, coarse.node_count do free[n], held[n] = {1, 1, 1}, {0, 0, 0} end
+  local free, fixed = {}, {}
+  for n = 1, coarse.node_count do free[n], fixed[n] = {1, 1, 1}, {0, 0, 0} end
   for _, act in ipairs(rawget(coarse, "acts")) do
     if act.kind == "fix" then
       for _, n in ipairs(assert(coarse.grid:nodes(act.where)):totable()) do
         for c = 1, 3 do
-          if act.by[c] then free[n][c], held[n][c] = 0, act.by[c] end
+          if act.by[c] then free[n][c], fixed[n][c] = 0, act.by[c] end
         end
       end
     elseif act.kind == "move" or act.kind == "turn" then
       core.raise(("best: supports that %s are not known here"):format(act.kind))
     end
   end
-  return bw.array.new(free), bw.array.new(held)
+  return bw.array.new(free), bw.array.new(fixed)
 end
 
 local function distances(a, b)
@@ -54,7 +54,7 @@ local function least_squares(embedding, free, u, weight, x)
   return x
 end
 
---- The field at the nodes of `fine` that a displacement of `coarse`, held as that solid is, can bring
+--- The field at the nodes of `fine` that a displacement of `coarse`, fixed as that solid is, can bring
 --- nearest to u.
 function best.of(fine, coarse, u)
   local embedding = assert(coarse.grid:embed(fine.points))

@@ -14,7 +14,7 @@ local function row_of(method, level, solid, solution, spent)
     seconds = spent.processor, seconds_clock = spent.clock,
     seconds_per_iteration = spent.processor / iterations,
     seconds_clock_per_iteration = spent.clock / iterations,
-    quadrature_share = report.seconds_quadrature / math.max(report.seconds, 1e-9),
+    quadrature_fraction = report.seconds_quadrature / math.max(report.seconds, 1e-9),
     residual = report.residual, energy_j = solution.energy,
     min_det_f = report.shape.min_ratio}
 end

@@ -14,7 +14,7 @@ end
 local function let_go(opts, fine, solution, by)
   local free, message, details = bw.solid {grid = fine.grid, materials = fine.materials}
   if not free then return nil, message, details end
-  opts.held(free)
+  opts.fixed(free)
   if by then
     free, message, details = free:coarsen(by, 1)
     if not free then return nil, message, details end

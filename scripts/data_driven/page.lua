@@ -94,9 +94,9 @@ local function table_2(results)
         local p = published[row.level]
         rows[#rows + 1] = {class = row.level == 0 and "first" or nil,
           ("%s, level %d"):format(result.scene, row.level),
-          seconds(row.quadrature_share * row.seconds_per_iteration), seconds(p[1]),
+          seconds(row.quadrature_fraction * row.seconds_per_iteration), seconds(p[1]),
           seconds(row.seconds_per_iteration), seconds(p[2]),
-          ("%.0f %%"):format(100 * row.quadrature_share), ("%.0f %%"):format(100 * p[1] / p[2])}
+          ("%.0f %%"):format(100 * row.quadrature_fraction), ("%.0f %%"):format(100 * p[1] / p[2])}
       end
     end
   end

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Bars of 32 x 100 x 32 soft cells with hard fibres that wind about the axis, held at one end and pulled.
+-- Bars of 32 x 100 x 32 soft cells with hard fibres that wind about the axis, fixed at one end and pulled.
 local bw = require "barwright"
 
 local H, CELLS = 0.01, {32, 100, 32}
@@ -18,11 +18,11 @@ return function(set)
     end
     return 1
   end
-  local function held(solid) solid:fix {side = "min y"} end
-  return {levels = 2, held = held,
+  local function fixed(solid) solid:fix {side = "min y"} end
+  return {levels = 2, fixed = fixed,
     grid = function() return bw.grid.box {cells = CELLS, spacing = H, material = material} end,
     act = function(solid)
-      held(solid)
+      fixed(solid)
       solid:force({side = "max y"}, {0, 3500, 0})
     end}
 end

@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Reads the annotation stubs in lua/stubs, a file for each module: classes with their fields and functions, in
--- order, with their texts. CONTRIBUTING.md tells how they are written.
+-- order, with their texts. CONTRIBUTING.md says how they are written.
 local stubs = {}
 
 local function read(path)

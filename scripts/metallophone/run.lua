@@ -164,6 +164,6 @@ local function main()
   os.exit(status, true)
 end
 
-local fine, message = xpcall(main, debug.traceback)
+local ok, message = xpcall(main, debug.traceback)
 if bw.interrupted() then stop(INTERRUPTED, "interrupted") end
-if not fine then error(message, 0) end
+if not ok then error(message, 0) end

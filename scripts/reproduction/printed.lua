@@ -247,7 +247,7 @@ for _, line in ipairs {{"bending", 0, 0.11}, {"bending", 1, 0.015}, {"bending", 
   add {what = ("%s (%d)"):format(line[1], line[2]), unit = "s", printed = line[3],
     part = "data_driven_" .. line[1],
     want = "less", pick = of_level(line[2],
-      function(row) return row.quadrature_share * row.seconds_per_iteration end)}
+      function(row) return row.quadrature_fraction * row.seconds_per_iteration end)}
 end
 
 printed.tables = tables

@@ -147,8 +147,8 @@ local function fill_in(states)
       local made = {what = row.what, unit = row.unit, printed = row.printed, part = row.part,
         want = not (state and state.shrunk) and row.want or nil}
       if state and state.result then
-        local fine, ours, note = pcall(row.pick, state.result)
-        if fine and type(ours) == "number" then
+        local ok, ours, note = pcall(row.pick, state.result)
+        if ok and type(ours) == "number" then
           -- what the clock decides has a name that says so
           made[row.timed and "ours_timed" or "ours"], made.note = ours, note
         else

@@ -298,8 +298,8 @@ function formula.mathml(text, display)
   local signs, message = signs_of(text)
   if not signs then return nil, message end
   local own = setmetatable({signs = signs, at = 1}, reader)
-  local fine, result = pcall(own.row, own)
-  if not fine then
+  local ok, result = pcall(own.row, own)
+  if not ok then
     if type(result) ~= "table" then error(result, 0) end
     return nil, result.formula
   end

@@ -35,8 +35,8 @@ function markdown.html(text, link, formulas)
   assert(core.write_file(name, text))
   local pipe = assert(io.popen("cmark-gfm --unsafe -e table -e autolink -e strikethrough " .. quoted(name)))
   local html = pipe:read "a"
-  local fine = pipe:close()
-  if not fine then return nil, "cmark-gfm failed: is the Debian package cmark-gfm installed?" end
+  local ok = pipe:close()
+  if not ok then return nil, "cmark-gfm failed: is the Debian package cmark-gfm installed?" end
   local headings, taken = {}, {}
   html = html:gsub("<h(%d)>(.-)</h%d>", function(level, inner)
     local words = plain(inner)

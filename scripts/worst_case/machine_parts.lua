@@ -108,7 +108,7 @@ local function comb()
   return shapes.join(solid), {-44, -29, -4}, {44, 12, 8}
 end
 
--- Plates with holes, pins and ribs drawn by a seed: nobody chose what they look like.
+-- Plates with holes, pins and ribs drawn by a seed: random test geometries.
 local function drawn_plate(seed)
   local state = seed
   local function draw(low, high)

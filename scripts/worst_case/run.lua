@@ -11,7 +11,7 @@ local stop = script.stop
 
 local PRESSURE = 2e5
 
--- The share of what full pressure could push that the total force may be: with less room the
+-- The fraction of what full pressure could push that the total force may be: with less room the
 -- linear program has few loads to choose from, or none.
 local MAX_PRESSURE_FRACTION = 0.05
 

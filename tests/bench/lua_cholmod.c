@@ -1,9 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* A Lua module for scripts/bench/agile.lua: what the shape of an edit session costs from scratch.
  *   local cholmod = require "cholmod"
- *   times = cholmod.baseline(incremental_system, own_order)
+ *   times = cholmod.baseline(incremental_system, metis_order)
  * The stiffness is assembled from all elements; CHOLMOD factorises and solves once, with the
- * unknowns in the order that was chosen for edits or (own_order) in that of a single solution,
+ * unknowns in the order that was chosen for edits or (metis_order) in that of a single solution,
  * METIS's of the nodes, whose computation counts as analysis. Seconds: stiffness, analysis, factor,
  * solve; flops and entries of the factor. The system needs a factor, and stays as it is. */
 #include <string.h>
@@ -19,7 +19,7 @@ typedef struct baseline_times {
 } baseline_times;
 
 static bw_status measure(bw_context *context, const bw_incremental_system *incremental,
-                         bool own_order, baseline_times *times) {
+                         bool metis_order, baseline_times *times) {
   bw_status status = BW_OK;
   const bwi_incremental *inner = incremental->inner;
   const bw_system *view = incremental->system;
@@ -40,7 +40,7 @@ static bw_status measure(bw_context *context, const bw_incremental_system *incre
   BW_TRY(bw_stiffness(context, view->pattern, view->mesh, inner->model->material, values));
   times->stiffness = bw_seconds() - start;
   start = bw_seconds();
-  if (own_order) {
+  if (metis_order) {
     BW_TRY(bwi_symbolic_for(context, view->pattern, view->dof_map, 0, NULL, NULL, NULL, &own));
     symbolic = own;
   }

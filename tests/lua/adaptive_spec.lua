@@ -24,8 +24,8 @@ local function plate_with_hole(size)
   local moved = {}
   for i, p in ipairs(grid.nodes:totable()) do
     local a = pi / 2 * p[2]
-    local reach, share = size / math.max(cos(a), sin(a)), (size ^ p[1] - 1) / (size - 1)
-    local r = (1 - share) + share * reach
+    local reach, fraction = size / math.max(cos(a), sin(a)), (size ^ p[1] - 1) / (size - 1)
+    local r = (1 - fraction) + fraction * reach
     moved[i] = {r * cos(a), r * sin(a), p[3]}
   end
   local mesh = assert(grid:moved(moved))
@@ -60,7 +60,7 @@ describe("a refined model", function()
     assert.near(1, fine.supports[1].on.area, 1e-12)
     assert.near(1, fine.loads[1].area, 1e-12)
     assert.near(-1e-3, fine.loads[1].resultant[3], 1e-15)
-    -- the nodes held are all those of the face and no others
+    -- the nodes fixed are all those of the face and no others
     assert.equal(fine.mesh.boundary:below(1, 1e-12).node_count, fine.supports[1].on.node_count)
   end)
 

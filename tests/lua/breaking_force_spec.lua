@@ -70,13 +70,13 @@ describe("the breaking force", function()
       return math.max(plate, 0.0055 - math.sqrt((math.abs(x) - 0.012) ^ 2 + (math.abs(y) - 0.008) ^ 2))
     end, {min = {-0.032, -0.01, -0.006}, max = {0.032, 0.01, 0.006}, cells = 24}))
     local found = assert(breaking(body, {elements = 300, modes = 4, regions = 1}))
-    -- The weakest place at each neck, as a share of the weakest one of all.
+    -- The weakest place at each neck, as a fraction of the weakest one of all.
     local function shares(places)
       local left, right = 0, 0
       for _, place in ipairs(places) do
         assert.is_true(math.abs(math.abs(place.at[1]) - 0.012) < 0.004)
-        local share = place.utilisation / places[1].utilisation
-        if place.at[1] < 0 then left = math.max(left, share) else right = math.max(right, share) end
+        local fraction = place.utilisation / places[1].utilisation
+        if place.at[1] < 0 then left = math.max(left, fraction) else right = math.max(right, fraction) end
       end
       return left, right
     end
@@ -138,7 +138,7 @@ describe("the breaking force", function()
     local max = 0
     for _, impact in ipairs(impacts) do max = math.max(max, impact.with_inertia / impact.force) end
     check.near((1 + (3.7 ^ 2 + 1.7 ^ 2) / 10.8) / 2, max, 5e-3)
-    -- The middles of the four sides are ties.
+    -- The centres of the four sides are ties.
     local bent = 0
     for _, impact in ipairs(impacts) do bent = bent + (math.abs(impact.at[1] - 0.05) < 0.006 and 1 or 0) end
     assert.is_true(impacts.predicted > 0 and impacts.predicted <= bent / #impacts)

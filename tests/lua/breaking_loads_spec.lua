@@ -17,14 +17,14 @@ local function breaking(given, on)
   return assert(bw.breaking_force(on or mesh, options))
 end
 
-describe("the breaking force of a held bar", function()
+describe("the breaking force of a fixed bar", function()
   it("is that of a cantilever", function()
     local found <close> = breaking {fix = root, force = 7}
     -- sigma = 6 F L / h^3 with the force on the last 10 mm; a patch's mean is less than the stress at the root.
     local stiffest = bw.material.pla.strength * 0.01 ^ 3 / (6 * 0.095)
     assert.is_true(found.force > 0.8 * stiffest and found.force < 1.6 * stiffest, tostring(found))
     assert.is_true(found.at[1] < 0.011) -- elements of 10 mm
-    check.near(1e-4, found.held_area, 1e-9)
+    check.near(1e-4, found.fixed_area, 1e-9)
     -- All of the force pushes, and nothing pushes back but the supports.
     assert.equal(7, found.worst.options.force)
     check.near(7, found.worst.pressures[1]:dot(found.worst.basis.areas), 1e-9)
@@ -43,7 +43,7 @@ describe("the breaking force of a held bar", function()
     local alone <close> = breaking()
     local rough <close> = breaking {friction = 0.5}
     assert.is_true(rough.force < alone.force)
-    -- The pyramid contains the cone: its edges are longer, the middles of its faces are not.
+    -- The pyramid contains the cone: its edges are longer, the centres of its faces are not.
     check.near(0.5 / math.cos(math.pi / 8), rough.worst.options.friction, 1e-12)
   end)
 
@@ -53,8 +53,8 @@ describe("the breaking force of a held bar", function()
     local two <close> = breaking({hands = 2}, fine)
     assert.is_true(two.force > 2 * alone.force) -- they can only squeeze
     local one <close> = breaking({fix = root, hands = 1}, fine)
-    local held <close> = breaking({fix = root}, fine)
-    assert.is_true(one.force >= held.force * 0.98 and one.force < 1.1 * held.force)
+    local fixed <close> = breaking({fix = root}, fine)
+    assert.is_true(one.force >= fixed.force * 0.98 and one.force < 1.1 * fixed.force)
   end)
 
   it("names what is wrong", function()

@@ -16,7 +16,7 @@ local function small_bridge(more)
   return bw.responsive.bridge(opts)
 end
 
--- A strip pulled at its right end, held at x = 0; its upper edge is free, width w at both ends.
+-- A strip pulled at its right end, fixed at x = 0; its upper edge is free, width w at both ends.
 local function strip(width, bulge)
   local top = {}
   for i = 0, 10 do

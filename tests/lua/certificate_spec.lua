@@ -6,9 +6,9 @@ local check = require "check"
 
 local box = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {5, 2, 1}})
 
-local function part_on(mesh, held, material)
+local function part_on(mesh, fixed, material)
   local part = bw.model {mesh = mesh, material = material or bw.material.pla}
-  if held then part:fix(mesh.boundary:below(1, 0)) end
+  if fixed then part:fix(mesh.boundary:below(1, 0)) end
   return part
 end
 
@@ -50,7 +50,7 @@ describe("a certificate", function()
     local quadratic = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {3, 1, 1}, order = 2})
     local top = box.boundary:facing {0, 0, 1}
     local cases = {
-      free = {part_on(box)}, held = {part_on(box, true)}, slid = {slid}, wood = {part_on(box, true, wood)},
+      free = {part_on(box)}, fixed = {part_on(box, true)}, slid = {slid}, wood = {part_on(box, true, wood)},
       quadratic = {part_on(quadratic)}, force_is_max = {part_on(box), {force_is_max = true}},
       friction = {part_on(box), {friction = 0.4, friction_facets = 3}},
       forbidden = {part_on(box, true), {forbidden = top}}, hands = {part_on(box, true), {hands = 1}},
@@ -157,7 +157,7 @@ describe("a certificate", function()
     assert.equal(2, (check.run(run)))
   end)
 
-  it("belongs to certify, and is told to be impossible before the work", function()
+  it("belongs to certify, and is reported to be impossible before the work", function()
     check.raises("'certificate' is a file that proves", bw.worst_case, part_on(box), {certificate = path})
     check.fails("io", "folder", bw.worst_case(part_on(box), {certify = 0.1, certificate = "/tmp"}))
     assert.is_nil((bw.check_certificate "/tmp"))

@@ -36,8 +36,8 @@ end
 
 --- The call raises a message that holds the text.
 function check.raises(text, f, ...)
-  local fine, message = pcall(f, ...)
-  if fine then error("nothing was raised", 2) end
+  local ok, message = pcall(f, ...)
+  if ok then error("nothing was raised", 2) end
   if not tostring(message):find(text, 1, true) then
     error(("raised \"%s\", which lacks \"%s\""):format(tostring(message), text), 2)
   end

@@ -212,7 +212,7 @@ end)
 
 describe("every command", function()
   for _, name in ipairs(commands.names()) do
-    it(name .. " is sound data and tells how it is used", function()
+    it(name .. " is sound data and reports how it is used", function()
       local command = commands.load(name)
       assert.is_nil(arguments.fault(command))
       local status, out, err = check.run(name .. " --help")
@@ -358,7 +358,7 @@ describe("barwright check", function()
     assert.equal(1, status)
     assert.is_true(object.sound)
     assert.is_false(object.good)
-    assert.truthy(object.thin_share > 0.9)
+    assert.truthy(object.thin_fraction > 0.9)
   end)
 
   it("speaks to people, or not at all", function()
@@ -418,7 +418,7 @@ describe("commands that compute", function()
       '<p class="answer">breaks at [%d.]+ N %([%d.]+ to [%d.]+ N%) at [^<]+; under 2000000 N: it breaks%.'))
     local advised = "--force 2000000N --young 1GPa --strength 10MPa --elements 600 --modes 3 --regions 1 --out"
     assert.truthy(out:find(advised, 1, true), out)
-    -- What cannot be written is told before anything is computed.
+    -- What cannot be written is reported before anything is computed.
     local code, said, fault = check.run("worst " .. folder .. "sound.stl --report " .. folder
       .. "no/such/folder/r.html")
     assert.equal(3, code)
@@ -474,8 +474,8 @@ describe("commands that compute", function()
     local path, meshes = check.folder() .. "/angle.stl", {}
     assert(prism({{0, 0}, {0.04, 0}, {0.04, 0.01}, {0.01, 0.01}, {0.01, 0.04}, {0, 0.04}}, {0.005, 0.005}, 0.02)
       :write(path))
-    for i, share in ipairs {1, 0.1} do
-      local _, object = answer(("worst --elements 300 --modes 3 --regions 1 --error %g %s"):format(share, path))
+    for i, fraction in ipairs {1, 0.1} do
+      local _, object = answer(("worst --elements 300 --modes 3 --regions 1 --error %g %s"):format(fraction, path))
       meshes[i] = #object.history
     end
     assert.is_true(meshes[2] > meshes[1])
@@ -525,7 +525,7 @@ describe("commands that compute", function()
     assert.equal(0, status, err)
     assert.equal("reached", object.verdict)
     assert.is_true(object.after.breaking_force_low_n >= 0.999 * force)
-    assert.is_true(object.added_share < 0.2, object.added_share)
+    assert.is_true(object.added_fraction < 0.2, object.added_fraction)
     -- The file itself, analysed again and finer.
     local strong = assert(bw.surface.read(folder .. "blade.stl"))
     local report, first = strong:check(), assert(bw.surface.read(given))
@@ -899,7 +899,7 @@ describe("commands that compute", function()
     assert.truthy(fault:find("near:0,0,0:1mm: a fixed support acts on area", 1, true), fault)
   end)
 
-  it("statics refuses a part that is held everywhere", function()
+  it("statics refuses a part that is fixed everywhere", function()
     -- All coordinates lie below 2 m.
     local status, out, fault = check.run("statics " .. beam .. " --fix below:z:2m --force max:x=0,0,-100N")
     assert.equal(2, status)
@@ -941,7 +941,7 @@ describe("commands that compute", function()
     check.near(0.01, object.supported_area_m2, 1e-9)
   end)
 
-  it("modes rings as a beam does, free and held", function()
+  it("modes has the frequencies of a beam, free and constrained", function()
     local _, object = answer("modes " .. beam .. " --material steel --count 2 --sure")
     local function bending(root) -- Euler and Bernoulli; shear and rotation lower it by some percent
       return root ^ 2 / (2 * math.pi) * math.sqrt(210e9 * 0.1 ^ 4 / 12 / (7850 * 0.1 ^ 2))

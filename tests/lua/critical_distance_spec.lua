@@ -173,7 +173,7 @@ describe("the theory of critical distances", function()
   end)
 
   it("reproduces linear elastic fracture mechanics at a crack in a wide plate", function()
-    -- a quarter of the plate; the crack of half length 1 ends where the plane of symmetry is held
+    -- a quarter of the plate; the crack of half length 1 ends where the plane of symmetry is fixed
     local n, wide, height = 16, 12, 0.1
     local grid = assert(bw.mesh.box {min = {-n, 0, 0}, max = {n, n, 1}, cells = {2 * n, n, 1}, order = 1})
     local left, right, up, moved = graded(1, n), graded(wide - 1, n), graded(wide, n), {}

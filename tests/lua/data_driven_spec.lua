@@ -62,7 +62,7 @@ describe("the experiments of data-driven", function()
     assert.is_truthy(check.read(folder .. "/grown/report.html"):find("bending, grown 2", 1, true))
   end)
 
-  it("tell of bodies that nobody chose", function()
+  it("tell of random test geometries", function()
     local code, said, complaint = check.run(("scripts/data_driven/blind.lua --bodies 1 --directions 4 "
       .. "--json %s/blind.json"):format(folder))
     assert.message(complaint).are.equal(0, code)
@@ -115,7 +115,7 @@ describe("the experiments of data-driven", function()
 end)
 
 describe("an equilibrium", function()
-  it("tells how far nodes went, and draws it", function()
+  it("reports how far nodes went, and draws it", function()
     local grid = assert(bw.grid.box {size = 0.1, cells = 2})
     local solid = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.3}}})
     solid:fix({side = "min z"}):fix({side = "max z"}, {0.003, 0, 0.004})
@@ -147,7 +147,7 @@ describe("the best field of a coarse grid", function()
     assert.is_true(grid:difference(best.of(grid, coarse_of {0, 0, 0}, u), u) < 1e-9)
   end)
 
-  it("keeps what is held, and has the least mean distance", function()
+  it("keeps what is fixed, and has the least mean distance", function()
     local field = best.of(grid, coarse_of {0, 0, 0.01}, u)
     local low = grid:nodes {side = "min z"}
     check.near(0.01, field:gather(low):column(3):min(), 1e-15)

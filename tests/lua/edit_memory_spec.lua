@@ -71,9 +71,9 @@ describe("a session", function()
     for _, and_later in ipairs {true, false} do
       for n = 1, 1500, os.getenv "BARWRIGHT_FULL" and 1 or 97 do
         core.fail_allocation(n, and_later)
-        local fine, answer = pcall(whole)
+        local ok, answer = pcall(whole)
         core.fail_allocation(0, false)
-        if fine then
+        if ok then
           check.near(highest, answer, 1e-7)
         else
           failures = failures + 1
@@ -92,15 +92,15 @@ describe("a session", function()
     local mesh, n, failures = session.mesh, 1, 0
     while true do
       core.fail_allocation(n, true)
-      local fine, result, message, details = pcall(function() -- luacheck: ignore 331
+      local ok, result, message, details = pcall(function() -- luacheck: ignore 331
         local bone, why, about = session:bone("upper"):scale {1, 1.01, 1.01}
         if not bone then return nil, why, about end
         return session:solve()
       end)
       core.fail_allocation(0, false)
-      if fine and result then break end
+      if ok and result then break end
       failures = failures + 1
-      if fine then assert.equal("memory", details.status, message) end
+      if ok then assert.equal("memory", details.status, message) end
       if #session.edits == 2 then assert(session:undo()) end
       assert.is_true(same_nodes(mesh, session.mesh))
       n = n + 11

@@ -162,8 +162,8 @@ describe("a journal", function()
     session.record.file:close()
     session.record.file = full
     check.write(path, text .. 'assert(session:bone("lo') -- as much as went onto the disk
-    local fine, message, details = session:bone("lower"):rotate {z = 5}
-    check.fails("io", "journal.lua", fine, message, details)
+    local ok, message, details = session:bone("lower"):rotate {z = 5}
+    check.fails("io", "journal.lua", ok, message, details)
     assert.is_true(same_nodes(mesh, session.mesh))
     assert.equal(1, #session.edits)
     assert(session:bone("upper"):scale(1.1)) -- there is room again

@@ -228,20 +228,20 @@ describe("a session", function()
       for _ = 1, 6 do
         local bone = session:bone(names[math.floor(random(1, #names + 1))])
         local kind = math.floor(random(0, 6))
-        local fine, _, details
+        local ok, _, details
         if kind == 0 then
-          fine, _, details = session:undo()
+          ok, _, details = session:undo()
         elseif kind == 1 then
-          fine, _, details = session:redo()
+          ok, _, details = session:redo()
         elseif kind == 2 then
-          fine, _, details = bone:translate {random(-1, 1) * mm, random(-1, 1) * mm, random(-1, 1) * mm}
+          ok, _, details = bone:translate {random(-1, 1) * mm, random(-1, 1) * mm, random(-1, 1) * mm}
         elseif kind == 3 then
-          fine, _, details = bone:scale {random(0.8, 1.3), random(0.8, 1.3), random(0.8, 1.3)}
+          ok, _, details = bone:scale {random(0.8, 1.3), random(0.8, 1.3), random(0.8, 1.3)}
         else
-          fine, _, details = bone:rotate {axis = {random(-1, 1), random(-1, 1), 1.1},
+          ok, _, details = bone:rotate {axis = {random(-1, 1), random(-1, 1), 1.1},
             degrees = random(-50, 50)}
         end
-        if not fine then
+        if not ok then
           refused = refused + 1
           assert.truthy(details.status == "geometry" or details.status == "empty")
         end

@@ -454,8 +454,8 @@ local database_start = [[
     if db then db:close() end
   end
   local function held(path) -- whether it is a database of what there is outside
-    local fine, db = pcall(core.database, path, {read_only = true})
-    return fine and db and pcall(db.rows, db, "SELECT * FROM kept")
+    local ok, db = pcall(core.database, path, {read_only = true})
+    return ok and db and pcall(db.rows, db, "SELECT * FROM kept")
   end
   -- A rollback journal that says that it belongs to `other`, which SQLite removes when it was played back.
   local function hot_journal(path, other)

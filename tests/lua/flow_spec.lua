@@ -246,17 +246,17 @@ describe("a flow in time", function()
     s.opts.tolerance = 1e-8
     assert(s:drag({loop = "body"}, {0.05, 0}))
     assert.not_equal(before, bits())
-    check.raises("state expected", s.body.return_to, s.body, 1)
+    check.raises("state expected", s.body.restore, s.body, 1)
     -- a state outlives its flow; what it was asked to hold there is gone
     local function speed(_, y) return y end
     local moving = {conditions = {inlet = {x = speed, y = 0}, sides = {y = 0}, body = "wall"}, elements = 200}
-    local kept = assert(wind(moving)).body:keep()
+    local kept = assert(wind(moving)).body:save()
     collectgarbage()
     collectgarbage()
     local other = assert(wind(moving))
-    assert(other.body:return_to(kept))
+    assert(other.body:restore(kept))
     assert(other:step(2))
-    check.raises("another flow", s.body.return_to, assert(wind {elements = 200, conditions = {
+    check.raises("another flow", s.body.restore, assert(wind {elements = 200, conditions = {
       inlet = {x = 1, y = 0}}}).body, kept)
   end)
 

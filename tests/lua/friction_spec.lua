@@ -5,8 +5,8 @@ local check = require "check"
 
 local box = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {8, 4, 2}})
 local free = bw.model {mesh = box, material = bw.material.pla}
-local held = bw.model {mesh = box, material = bw.material.pla}
-held:fix(box.boundary:below(1, 0))
+local fixed = bw.model {mesh = box, material = bw.material.pla}
+fixed:fix(box.boundary:below(1, 0))
 
 -- The largest objective of every element, by exact linear programs.
 local function objectives(part, friction, facets)
@@ -32,7 +32,7 @@ describe("the worst case with friction", function()
   end)
 
   it("grows with the friction, and with the facets from below", function()
-    for _, part in ipairs {free, held} do
+    for _, part in ipairs {free, fixed} do
       local former, min = objectives(part, 0), 1e-7
       local first = former
       for _, friction in ipairs {0.1, 0.3, 1} do
@@ -85,7 +85,7 @@ describe("the worst case with friction", function()
 
   it("drags a face by the pressure times the friction", function()
     local top = box.boundary:facing {0, 0, 1}
-    local worst = analyse(held, {friction = 0.5, friction_facets = 16, forbidden = box.boundary:difference(top)})
+    local worst = analyse(fixed, {friction = 0.5, friction_facets = 16, forbidden = box.boundary:difference(top)})
     for i = 1, #worst.regions do
       local f = worst:force(i):column_sums()
       check.near(-5, f[3], 1e-6)

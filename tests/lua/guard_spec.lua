@@ -70,8 +70,8 @@ describe("what is in use", function()
     end
     trap()
     for _ = 1, 200 do
-      local fine, list = pcall(points.totable, points) -- makes 642 tables
-      if not fine then break end -- closed between two calls, which is allowed
+      local ok, list = pcall(points.totable, points) -- makes 642 tables
+      if not ok then break end -- closed between two calls, which is allowed
       assert.equal(642, #list)
     end
     on = false

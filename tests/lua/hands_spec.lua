@@ -5,8 +5,8 @@ local check = require "check"
 
 local box = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {8, 4, 2}})
 local free = bw.model {mesh = box, material = bw.material.pla}
-local held = bw.model {mesh = box, material = bw.material.pla}
-held:fix(box.boundary:below(1, 0))
+local fixed = bw.model {mesh = box, material = bw.material.pla}
+fixed:fix(box.boundary:below(1, 0))
 
 local limits = {force = 5, pressure = 2e5, modes = 3, regions = 2, targets = 4}
 local function analyse(part, more)
@@ -38,7 +38,7 @@ describe("the worst case of few hands", function()
   end)
 
   it("says that the upper bound leaves the hands out", function()
-    local one = assert(analyse(held, {hands = 1, certify = 0.05}))
+    local one = assert(analyse(fixed, {hands = 1, certify = 0.05}))
     local two = assert(analyse(free, {hands = 2, certify = 0.05}))
     local any = assert(analyse(free, {certify = 0.05}))
     assert.equal("for pressure anywhere instead of within hands", two.bounded)
@@ -52,28 +52,28 @@ describe("the worst case of few hands", function()
 
   it("finds nothing for one hand on a free body, and all for one on a cantilever", function()
     check.fails("infeasible", "no load of 1 hands was found", analyse(free, {hands = 1}))
-    local any, one = assert(analyse(held, {})), assert(analyse(held, {hands = 1, hand = 1e-4}))
+    local any, one = assert(analyse(fixed, {})), assert(analyse(fixed, {hands = 1, hand = 1e-4}))
     check.near(any.max_principal, one.max_principal, 1e-6)
     assert.equal(1, #one:arrows(nil, 0.02))
     -- By default each hand has the least contact of the whole force.
-    check.near(5 / 2e5, assert(analyse(held, {hands = 2})).options.hand, 1e-15)
+    check.near(5 / 2e5, assert(analyse(fixed, {hands = 2})).options.hand, 1e-15)
   end)
 
   it("goes together with friction, forbidden surfaces and brute force", function()
     local top = box.boundary:facing {0, 0, 1}
-    local both = assert(analyse(held, {hands = 1, hand = 1e-4, friction = 0.3, friction_facets = 4,
+    local both = assert(analyse(fixed, {hands = 1, hand = 1e-4, friction = 0.3, friction_facets = 4,
       forbidden = top}))
     assert.equal(0, both:pressure():gather(top.nodes):max())
-    local brute = assert(bw.brute_force(held, {force = 5, pressure = 2e5, hands = 1, hand = 1e-4, elements = 10}))
-    local all = assert(bw.brute_force(held, {force = 5, pressure = 2e5, elements = 10}))
+    local brute = assert(bw.brute_force(fixed, {force = 5, pressure = 2e5, hands = 1, hand = 1e-4, elements = 10}))
+    local all = assert(bw.brute_force(fixed, {force = 5, pressure = 2e5, elements = 10}))
     assert.truthy(brute.max_principal > 0 and brute.max_principal <= all.max_principal * (1 + 1e-9))
   end)
 
   it("gives the same bits on any number of threads", function()
     local threads = bw.threads()
-    local one = assert(analyse(held, {hands = 2}))
+    local one = assert(analyse(fixed, {hands = 2}))
     bw.threads(threads == 1 and 3 or 1)
-    local again = assert(analyse(held, {hands = 2}))
+    local again = assert(analyse(fixed, {hands = 2}))
     bw.threads(threads)
     assert.equal(one.pressures:tostring "<f8", again.pressures:tostring "<f8")
   end)

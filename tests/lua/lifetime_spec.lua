@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Objects keep what they depend on, go when they are told or not needed, and a loop over big ones
+-- Objects keep what they depend on, go when they are closed or not needed, and a loop over big ones
 -- does not fill memory.
 local bw = require "barwright"
 local core = require "barwright.core"
@@ -116,7 +116,7 @@ describe("memory", function()
     assert.truthy(max < 300e6, ("%.0f MB at most"):format(max / 1e6))
   end)
 
-  it("that runs out is told as nil, message, details; nothing leaks", function()
+  it("that runs out is reported as nil, message, details; nothing leaks", function()
     local mesh = check.beam({4, 1, 1})
     local part = bw.model {mesh = mesh, material = bw.material.pla}
     assert(bw.worst_case(part, {force = 1, pressure = 1e6, modes = 1, regions = 1}))
@@ -125,18 +125,18 @@ describe("memory", function()
     local n, failures = 1, 0
     while true do
       core.fail_allocation(n, true)
-      local fine, worst, message, details = pcall(function() -- luacheck: ignore 331
+      local ok, worst, message, details = pcall(function() -- luacheck: ignore 331
         local fresh = bw.model {mesh = mesh, material = part.material}
         if type(fresh) == "nil" then return nil, "not enough memory", {status = "memory"} end
         return bw.worst_case(fresh, {force = 1, pressure = 1e6, modes = 1, regions = 1})
       end)
       core.fail_allocation(0, false)
-      if fine and worst then
+      if ok and worst then
         worst:close()
         break
       end
       failures = failures + 1
-      if fine then
+      if ok then
         assert.equal("memory", details.status, message)
       end -- else a property, which can only raise
       local _, after = settle()

@@ -165,7 +165,7 @@ describe("a controller in the plane", function()
     assert.truthy(err:find "edit 1, .*melt")
   end)
 
-  it("keeps the edits in a file before they are told, and the file runs", function()
+  it("keeps the edits in a file before they are reported, and the file runs", function()
     local folder = check.folder()
     local save = folder .. "/kept.lua"
     local talk = controller_on(made "steady", {saved = save,

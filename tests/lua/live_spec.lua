@@ -457,9 +457,9 @@ describe("barwright live", function()
     local beside = require "barwright.beside"
     local find = beside.find
     beside.find = function(name) return name ~= "live.js" and find(name) or nil end
-    local fine, why = pcall(require("barwright.live").serve_page, server)
+    local ok, why = pcall(require("barwright.live").serve_page, server)
     beside.find = find
-    assert(fine, why)
+    assert(ok, why)
     assert.truthy(pages[""][2]:find("nodejs and npm", 1, true))
     assert.is_nil(pages["live.js"])
   end)
@@ -536,7 +536,7 @@ describe("what barwright live is given", function()
       c = {0.1, 0.005, 0.005}}, root = "a", bones = {{"a", "b", name = "one"}, {"b", "c", name = "two"}}}}
   ]]
 
-  it("may be a part with options, and saved edits, kept where it is told", function()
+  it("may be a part with options, and saved edits, kept where asked", function()
     if not has_page then return pending "the page is not bundled" end
     local folder = check.folder()
     os.execute("mkdir " .. folder .. "/kept")

@@ -7,10 +7,10 @@ local check = require "check"
 local box = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {8, 4, 2}})
 local boundary = box.boundary
 
--- A free bar, or one held at x = 0.
-local function bar(held, mesh)
+-- A free bar, or one fixed at x = 0.
+local function bar(fixed, mesh)
   local part = bw.model {mesh = mesh or box, material = bw.material.pla}
-  if held then part:fix(part.mesh.boundary:below(1, 0)) end
+  if fixed then part:fix(part.mesh.boundary:below(1, 0)) end
   return part
 end
 
@@ -33,8 +33,9 @@ describe("a forbidden surface", function()
   local base = {force = 5, pressure = 2e5, modes = 3, regions = 2, targets = 8}
 
   it("carries no pressure, and can only lower the worst stress", function()
-    for _, held in ipairs {false, true} do
-      local all, less, min = objectives(bar(held)), objectives(bar(held), top), objectives(bar(held), top | side)
+    for _, fixed in ipairs {false, true} do
+      local all, less = objectives(bar(fixed)), objectives(bar(fixed), top)
+      local min = objectives(bar(fixed), top | side)
       assert.truthy((less - all):max() <= 1e-7 * all:max())
       assert.truthy((min - less):max() <= 1e-7 * all:max())
       assert.truthy((all - min):max() > 0.01 * all:max())
@@ -82,9 +83,9 @@ describe("a forbidden surface", function()
       with(base, {forbidden = back})))
     local none = assert(bw.worst_case(bar(), with(base, {forbidden = back, force_is_max = true})))
     assert.equal(0, none.max_principal)
-    local held = bw.model {mesh = box, material = bw.material.pla}
-    held:fix(boundary:facing {1, 0, 0})
-    assert.truthy(bw.worst_case(held, with(base, {forbidden = back})).max_principal > 0)
+    local fixed = bw.model {mesh = box, material = bw.material.pla}
+    fixed:fix(boundary:facing {1, 0, 0})
+    assert.truthy(bw.worst_case(fixed, with(base, {forbidden = back})).max_principal > 0)
   end)
 
   it("is a selection of facets of the part's mesh", function()
@@ -107,7 +108,7 @@ describe("a forbidden surface", function()
   end)
 end)
 
-describe("the worst load of a held body", function()
+describe("the worst load of a fixed body", function()
   -- The largest share-weighted sum of gains: no row but that of the total force.
   local function knapsack(gain, areas, pressure, force)
     local order, value, left = gain:order(), 0, force
@@ -191,10 +192,10 @@ describe("the least contact", function()
   end)
 
   it("lowers the worst stress where it is larger", function()
-    for _, held in ipairs {false, true} do
+    for _, fixed in ipairs {false, true} do
       local former
       for _, contact in ipairs {5e-6, 2e-5, 8e-5, 3e-4} do
-        local now = objectives(bar(held), nil, 2 / contact)
+        local now = objectives(bar(fixed), nil, 2 / contact)
         if former then assert.truthy((now - former):max() <= 1e-7 * former:max()) end
         former = now
       end

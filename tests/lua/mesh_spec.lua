@@ -114,7 +114,7 @@ describe("a surface", function()
     assert.equal(threads, bw.threads())
   end)
 
-  it("tells how far points are", function()
+  it("reports how far points are", function()
     local cube = bw.surface.box {min = {0, 0, 0}, max = {1, 1, 1}}
     assert.same({0.25, 0.0, 5.0}, cube:distance {{0.5, 0.5, 0.25}, {1, 0.5, 0.5}, {4, 0.5, 5}}:totable())
     assert.equal(1, cube:distance(bw.surface.box {min = {0, 0, 0}, max = {2, 1, 1}}))
@@ -344,7 +344,8 @@ describe("a filled ball", function()
     local coarse = assert(bw.mesh.fill(ball, {edge_length = length}))
     local fine = assert(bw.mesh.fill(ball, {edge_length = length,
       near = {{at = top, radius = 0.004, length = near}}}))
-    -- The largest distance from the zero set, by its value over its slope of 2 / radius, of the middles of facets.
+    -- The largest distance from the zero set, by its value over its slope of 2 / radius, of the centroids of
+    -- facets.
     local function away(mesh)
       local surface, max = mesh:surface(), 0
       for _, t in ipairs(surface.triangles:totable()) do
@@ -434,7 +435,7 @@ describe("a selection", function()
     check.raises("same mesh", left.union, left, check.beam().boundary)
   end)
 
-  it("raises when it is empty, and tells where the mesh is", function()
+  it("raises when it is empty, and reports where the mesh is", function()
     check.raises("", all.near, all, {5, 5, 5}, 0.1)
     local fine, message = pcall(all.near, all, {5, 5, 5}, 0.1)
     assert.is_false(fine)

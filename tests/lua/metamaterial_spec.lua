@@ -149,7 +149,7 @@ describe("a library", function()
     assert.is_true(error.naive > 3 * error.library)
   end)
 
-  -- A bar of soft cells with hard ones, held below, under a force or a displacement of its upper end.
+  -- A bar of soft cells with hard ones, fixed below, under a force or a displacement of its upper end.
   local function bar(material, load)
     local grid = assert(bw.grid.box {cells = {4, 10, 4}, spacing = 0.01, material = material})
     local solid = assert(bw.solid {grid = grid, materials = materials()}):fix {side = "min y"}

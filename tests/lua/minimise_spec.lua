@@ -46,13 +46,13 @@ describe("a minimiser", function()
     for _, method in ipairs {"cobyla", "bobyqa", "neldermead", "direct_l", "crs2", "isres", "mma", "slsqp",
       "lbfgs"} do
       local calls, mine = 0, {}
-      local fine, raised = pcall(core.minimise, {method = method, start = {0, 0}, min = {-1, -1}, max = {1, 1},
+      local ok, raised = pcall(core.minimise, {method = method, start = {0, 0}, min = {-1, -1}, max = {1, 1},
         objective = function(x)
           calls = calls + 1
           if calls == 3 then error(mine) end
           return valley(x)
         end})
-      assert.is_false(fine)
+      assert.is_false(ok)
       assert.equal(mine, raised)
       assert.equal(3, calls)
     end

@@ -23,7 +23,7 @@ local function says(status, text, words, before)
   assert.equal(1, select(2, said:gsub("\n", "\n")), said)
 end
 
-describe("a newcomer is told", function()
+describe("a newcomer gets", function()
   it("how far work over several meshes is, as one progress that never goes back", function()
     local seen = {}
     local before = bw.progress(function(stage, fraction) seen[#seen + 1] = {stage, fraction} end)

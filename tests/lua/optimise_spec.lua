@@ -161,7 +161,7 @@ describe("the scaling optimisation", function()
     assert.truthy(found.factors["bone 3"] and not found.factors["bone 2"])
   end)
 
-  -- Three bones held at the left: the first one reaches the support, the last one what is loaded.
+  -- Three bones fixed at the left: the first one reaches the support, the last one what is loaded.
   it("does not move supports, nor what is kept", function()
     local session, part = bar(3, {load = tip {0, 0, -100}})
     local before, mesh = max_of(session), session.mesh
@@ -230,7 +230,7 @@ describe("the scaling optimisation", function()
   end)
 
   it("scales tied bones alike", function()
-    -- held in the middle, loaded unequally at both ends
+    -- fixed in the middle, loaded unequally at both ends
     local function load(part, mesh)
       part:fix(mesh.boundary:box({112 * mm, -1, -1}, {188 * mm, 1, 1}))
       part:load {on = mesh.boundary:above(1, 300 * mm), force = {0, 0, -120}}
@@ -285,7 +285,7 @@ describe("the scaling optimisation", function()
     final:close()
   end)
 
-  it("tells how far it is, and leaves the best point when it is stopped", function()
+  it("reports how far it is, and leaves the best point when it is stopped", function()
     local session = bar(3, {load = tip {0, 40, -100}})
     local before = max_of(session)
     local reported, last, rising = 0, 0, true

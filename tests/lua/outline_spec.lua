@@ -230,11 +230,11 @@ describe("an outline", function()
       local _, blocks = core.external()
       for n = 1, 300 do
         core.fail_allocation(n)
-        local fine, value, _, details = pcall(work)
+        local ok, value, _, details = pcall(work)
         core.fail_allocation(0)
-        if fine and value then break end
+        if ok and value then break end
         assert.is_true(n < 300)
-        if fine then assert.equal("memory", details.status) end
+        if ok then assert.equal("memory", details.status) end
       end
       collectgarbage()
       collectgarbage()

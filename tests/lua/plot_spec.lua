@@ -195,7 +195,7 @@ local function count_of(text, part)
 end
 
 describe("a plot of trials", function()
-  it("tells how they went on", function()
+  it("reports how they went on", function()
     local t = trials(40)
     local svg = svg_of(bw.plot.history {values = t.mass, feasible = t.feasible, failed = t.failed,
       notes = t.notes, label = "mass", unit = "kg"})

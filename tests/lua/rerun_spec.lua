@@ -144,7 +144,7 @@ describe("differences", function()
     check.near(1 / 3, found.differences[1].relative, 1e-12)
     for name, timing in pairs {seconds = true, seconds_fill = true, processor_seconds = true,
       peak_memory_bytes = true,
-      frames_per_second = true, speed_up = true, second_moment = false, rounds = false, volume_share = false} do
+      frames_per_second = true, speed_up = true, second_moment = false, rounds = false, volume_fraction = false} do
       assert.equal(timing, differences.is_timing(name), name)
     end
   end)

@@ -75,8 +75,8 @@ local head = [[
   local pcall, tostring, type, stdout, write = pcall, tostring, type, io.stdout, io.stdout.write
   stdout:setvbuf "no"
   local function try(text, attempt)
-    local fine, value = pcall(attempt)
-    write(stdout, (not fine or not value) and "refused\t" or "GOT OUT\t", text, "\t",
+    local ok, value = pcall(attempt)
+    write(stdout, (not ok or not value) and "refused\t" or "GOT OUT\t", text, "\t",
       type(value) == "string" and value or tostring(value), "\n")
   end
 ]]

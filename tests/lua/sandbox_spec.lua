@@ -323,7 +323,7 @@ describe("a limit on memory", function()
 end)
 
 describe("a limit on the size of files", function()
-  it("is told with file and figure, here and in jobs, and nothing half written stays (L5)", function()
+  it("is reported with file and figure, here and in jobs, and nothing half written stays (L5)", function()
     local folder = check.folder()
     check.write(folder .. "/script.lua", [[
       local bw, core = require "barwright", require "barwright.core"

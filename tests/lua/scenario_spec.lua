@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- `barwright test`: what expectations accept and refuse, what is told of them, baselines, modes, selection,
+-- `barwright test`: what expectations accept and refuse, what is reported of them, baselines, modes, selection,
 -- broken files, jobs with limits.
 local check = require "check"
 local core = require "barwright.core"
@@ -19,11 +19,11 @@ local function judge(files, options)
     check.write(folder .. "/" .. name, source)
   end
   local status, out, err = check.run(("test %s --out %s/out %s"):format(folder, folder, options or ""))
-  local fine, result = pcall(check.read, folder .. "/out/result.json")
+  local ok, result = pcall(check.read, folder .. "/out/result.json")
   return {status = status, out = out, err = err, folder = folder, again = function(more)
     local code, tap, errors = check.run(("test %s --out %s/out %s"):format(folder, folder, more or ""))
     return code, tap, errors
-  end, result = fine and json.decode(result) or nil}
+  end, result = ok and json.decode(result) or nil}
 end
 
 local function statuses(run)
@@ -105,7 +105,7 @@ end)]]}
     has(list[8], "value 3 of 3 values is 4, 3 expected")
     has(list[9], "a[2] is 2, 3 expected")
     has(list[10], "0.30000000000000004, 0.29999999999999999 expected")
-    has(list[12], "nothing to judge: /no/where.stl: cannot be read")
+    has(list[12], "nothing to check: /no/where.stl: cannot be read")
     has(list[13], "status io, format expected")
     has(list[15], "it did not fail: 5")
     has(list[16], "it raised an error: ")
@@ -346,7 +346,7 @@ describe("files", function()
   end)
 end)
 
-describe("what is told", function()
+describe("what is reported", function()
   it("is well formed with odd characters", function()
     local run = judge {["a.lua"] = HEAD .. [==[
 scenario("odd \240 # & < > \" ' \\", function()
@@ -473,7 +473,7 @@ end)]]}, "--parallel 2")
     assert.truthy(run.out:find("x.x.x", 1, true), run.out)
   end)
 
-  it("are told in order whatever ends first", function()
+  it("are reported in order whatever ends first", function()
     local source = {HEAD}
     for i = 1, 6 do
       source[#source + 1] = ([[scenario("s%d", function() os.execute "sleep %g" expect(%d):above(0) end)]])

@@ -52,7 +52,7 @@ describe("a grid", function()
     check.raises("at most 2^26 cells expected", bw.grid.box, {size = 1, cells = 1000})
   end)
 
-  it("tells what a material function does wrong", function()
+  it("reports what a material function does wrong", function()
     local grid = assert(bw.grid.box {size = 1, cells = 2})
     for text, f in pairs {["whole numbers"] = function() return 1.5 end,
       ["a number expected as its result"] = function() return "a" end,
@@ -79,7 +79,7 @@ describe("a grid", function()
 end)
 
 describe("what acts on a solid", function()
-  it("is told where it is made", function()
+  it("is reported where it is made", function()
     local solid = column()
     for _, bad in ipairs {{0}, {46}, {nan}, {1.5}, {"x"}} do
       check.raises("a node from 1 to 45 expected", solid.fix, solid, bad)
@@ -96,10 +96,10 @@ describe("what acts on a solid", function()
       check.raises("expected", solid.gravity, solid, {bad, 0, 0})
       check.raises("expected", solid.pressure, solid, top, {pressure = bad})
       check.raises("expected", solid.contact_plane, solid, {point = {bad, 0, 0}, normal = {0, 0, 1}})
-      check.raises("expected", solid.turn, solid, top, {axis = {0, 0, 1}, angle = bad})
+      check.raises("expected", solid.rotate, solid, top, {axis = {0, 0, 1}, angle = bad})
     end
     check.raises("a list goes with a surface only", solid.pressure, solid, top, {pressure = {1, 2}})
-    check.raises("a direction expected, got {0, 0, 0}", solid.turn, solid, top, {axis = {0, 0, 0}, angle = 1})
+    check.raises("a direction expected, got {0, 0, 0}", solid.rotate, solid, top, {axis = {0, 0, 0}, angle = 1})
     assert.equal("solid: 16 elements, 45 nodes, 1 materials; 0 supports and loads", tostring(solid))
   end)
 
@@ -146,7 +146,7 @@ describe("a solid", function()
       end
     end
     check.raises("turns of at most 30000 degrees expected", function()
-      standing():turn(top, {axis = {0, 0, 1}, angle = 1e9}):solve()
+      standing():rotate(top, {axis = {0, 0, 1}, angle = 1e9}):solve()
     end)
   end)
 
@@ -172,7 +172,7 @@ describe("a solid", function()
 
   it("finds the equilibria that there are in odd places", function()
     -- ten turns; a floor that the body crosses at first; nearly incompressible; auxetic
-    local turned = assert(standing():turn(top, {axis = {0, 0, 1}, point = {0.05, 0.05, 0},
+    local turned = assert(standing():rotate(top, {axis = {0, 0, 1}, point = {0.05, 0.05, 0},
       angle = 3600}):solve())
     assert.equal(120, turned.report.load_steps)
     local pushed = assert(standing():contact_plane {point = {0, 0, 0.19}, normal = {0, 0, -1}}:solve())
@@ -213,7 +213,7 @@ describe("a solid", function()
     end)
     assert(run())
     local large = assert(bw.solid {grid = assert(bw.grid.box {size = 0.1, cells = 12}), materials = {rubber()}})
-    large:fix({side = "min z"}):turn(top, {axis = {0, 0, 1}, angle = 170})
+    large:fix({side = "min z"}):rotate(top, {axis = {0, 0, 1}, angle = 170})
     showing(function() return false end, function()
       check.fails("cancelled", "", large:solve())
     end)
@@ -240,7 +240,7 @@ describe("a motion", function()
     check.raises("of at least 0 expected", motion.step, motion, -1)
   end)
 
-  it("that cannot be is told, and stays as it was", function()
+  it("that cannot be is reported, and stays as it was", function()
     local fast = {}
     for i = 1, 45 do fast[i] = {1e30, 0, 0} end
     local motion = assert(standing():transient {velocity = fast})
@@ -326,7 +326,7 @@ describe("a library", function()
 end)
 
 describe("memory", function()
-  it("holds nothing afterwards, and a lack of it is told", function()
+  it("holds nothing afterwards, and a lack of it is reported", function()
     local function work()
       local solid = standing()
       solid:force(top, {0, 0, 10}):pressure({side = "max x"}, {pressure = 10, follower = true})

@@ -12,7 +12,7 @@ local function column(cells, materials)
   return assert(bw.solid {grid = grid, materials = materials or {rubber()}})
 end
 
--- Free to become thinner: held along z below, and just enough in the plane.
+-- Free to become thinner: fixed along z below, and just enough in the plane.
 local function stand(solid)
   solid:fix({side = "min z"}, {false, false, 0})
   solid:fix({side = "min x"}, {0, false, false})
@@ -119,7 +119,7 @@ describe("a solid", function()
   it("goes along the arc of a turn", function()
     local solid = column(3)
     solid:fix {side = "min z"}
-    solid:turn({side = "max z"}, {axis = {0, 0, 2}, point = {0.05, 0.05, 0}, angle = 90})
+    solid:rotate({side = "max z"}, {axis = {0, 0, 2}, point = {0.05, 0.05, 0}, angle = 90})
     local result = assert(solid:solve())
     local nodes = solid.grid:nodes {side = "max z"}
     local at, by = solid.grid.points:gather(nodes):totable(), result.displacement:gather(nodes):totable()

@@ -25,7 +25,7 @@ local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   plane_mesh = "bw.PlaneMesh", ["mesh motion"] = "bw.MeshMotion", flow = "bw.FlowBody", state = "bw.BodyState"}
 
 -- Seen from scripts only through objects written in Lua.
-local inner_class = {locator = true, elastic_solid = true, loading = true, large_static = true,
+local inner_class = {locator = true, elastic_solid = true, load_case = true, large_static = true,
   coarse_grid = true, coarsening = true, newton = true, job = true, database = true, lock = true,
   ["temporary file"] = true}
 
@@ -113,7 +113,7 @@ describe("the stubs", function()
     same(inner(brute), "bw.BruteForce")
     local breaking = assert(bw.breaking_force(bw.surface.box {min = {0, 0, 0}, max = {0.04, 0.01, 0.01}},
       {material = bw.material.pla, elements = 300, modes = 2, regions = 1}))
-    same(inner(breaking), "bw.BreakingForce", {given_mesh = true, held_area = true, forbidden_area = true,
+    same(inner(breaking), "bw.BreakingForce", {given_mesh = true, fixed_area = true, forbidden_area = true,
       singular = true})
     same(inner(drops), "bw.DropTest")
     same(keys(getmetatable(part.mesh:surface():singular_edges())), "bw.SingularPlaces")

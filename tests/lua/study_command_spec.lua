@@ -32,7 +32,7 @@ describe("barwright study", function()
     check.write(folder .. "/hook.lua", script:format(folder))
   end)
 
-  it("tells what there is to do before anything was run", function()
+  it("reports what there is to do before anything was run", function()
     local status, said = run "status @hook.lua"
     assert.equal(0, status)
     assert.truthy(said:find("12 of the design's 12 trials are missing", 1, true))
@@ -42,7 +42,7 @@ describe("barwright study", function()
     assert.truthy(said:find("hook.study", 1, true))
   end)
 
-  it("runs, tells how it went, and has nothing left to do", function()
+  it("runs, reports how it went, and has nothing left to do", function()
     local status, said, complaint = run "run @hook.lua --workers 2 --evaluations 5"
     assert.equal("", complaint)
     assert.equal(0, status)
@@ -104,7 +104,7 @@ describe("barwright study", function()
     assert.equal(without_time(folder .. "/t.csv"), without_time(folder .. "/all.csv"))
   end)
 
-  it("is refused a changed script until it is told to go on", function()
+  it("is refused a changed script until it may go on", function()
     check.write(folder .. "/other.lua", (script:format(folder):gsub("10 %*", "11 *")))
     local status, _, complaint = run "run @other.lua"
     assert.equal(2, status)

@@ -137,20 +137,20 @@ local function read_all(folder, count, whole, expected, path)
   local trials, message, details = s:trials()
   judged("trials", trials, message, details, function(t) return table_of(t) == expected end)
   local out = folder .. "/out"
-  local fine
-  fine, message, details = s:csv(out .. ".csv")
-  judged("csv", fine, message, details, function() return check.read(out .. ".csv") == whole.csv end)
-  fine, message, details = s:status()
-  judged("status", fine, message, details, function(t) return t.done == whole.done and t.missing == 0 end)
-  fine, message, details = s:trial(whole.trials[7].key)
-  judged("trial", fine, message, details, function(t) return t.same end)
+  local ok
+  ok, message, details = s:csv(out .. ".csv")
+  judged("csv", ok, message, details, function() return check.read(out .. ".csv") == whole.csv end)
+  ok, message, details = s:status()
+  judged("status", ok, message, details, function(t) return t.done == whole.done and t.missing == 0 end)
+  ok, message, details = s:trial(whole.trials[7].key)
+  judged("trial", ok, message, details, function(t) return t.same end)
   if trials then
     judged("plot", trials:plot "history", nil, nil, function() return true end)
     judged("report", trials:report(out .. ".html"), nil, nil, function() return true end)
   end
   os.remove(out .. ".study")
-  fine, message, details = study(out .. ".study", count):merge(path, {continue = true})
-  judged("merge", fine, message, details, function(t) return t.taken == count end)
+  ok, message, details = study(out .. ".study", count):merge(path, {continue = true})
+  judged("merge", ok, message, details, function(t) return t.taken == count end)
   return refused
 end
 
@@ -210,7 +210,7 @@ describe("a damaged file", function()
     for i = 1, copies do
       local main, wal, killed = ways[(i - 1) % #ways + 1](text, r, states)
       copy_to(bad, main, wal)
-      local fine, why = xpcall(function()
+      local ok, why = xpcall(function()
         local wrong
         if not killed then wrong = read_all(folder, count, whole, expected, bad) end
         if wrong then
@@ -223,7 +223,7 @@ describe("a damaged file", function()
         copy_to(bad, main, wal)
         run_again(bad, count, whole, expected)
       end, debug.traceback)
-      if not fine then
+      if not ok then
         error(("copy %d (way %d): %s"):format(i, (i - 1) % #ways + 1, tostring(why)))
       end
     end
@@ -365,7 +365,7 @@ describe("a file whose rows were changed", function()
     bw.warnings()
     assert(study(folder .. "/fresh.study", 80):trials())
     assert.same({}, bw.warnings())
-    -- what can be told without them is told: a point that is not its key's, a row that is gone
+    -- what can be reported without them is reported: a point that is not its key's, a row that is gone
     for _, sql in ipairs {"UPDATE points SET x = x / 2 WHERE number = 9", "DELETE FROM points WHERE number = 9",
       "UPDATE trials SET seed = 5 WHERE number = 9", "UPDATE trials SET status = 'dome' WHERE number = 9"} do
       local bad = changed(folder, check.read(old), sql)

@@ -108,10 +108,10 @@ describe("a file", function()
     local mounted = is_root and os.execute(("mount -t tmpfs -o size=300k none '%s' 2>/dev/null"):format(folder))
     if not mounted then return end
     local path = folder .. "/full.study"
-    local fine, message, details = study(path, 3000):run()
+    local ok, message, details = study(path, 3000):run()
     local done = count_done(path)
     os.execute(("cp '%s' '%s.copy' 2>/dev/null; umount -l '%s' 2>/dev/null"):format(path, os.tmpname(), folder))
-    check.fails("full", "the disk is full; what was finished before is kept", fine, message, details)
+    check.fails("full", "the disk is full; what was finished before is kept", ok, message, details)
     assert.is_true(done > 20 or done == 0, done)
   end)
 
@@ -126,9 +126,9 @@ describe("a file", function()
       local bad, new = ("%s/bad%d.study"):format(folder, page), ("%s/new%d.study"):format(folder, page)
       local filling = page == 0 and "\0" or "\xa5"
       check.write(bad, text:sub(1, page * 4096) .. filling:rep(4096) .. text:sub(page * 4096 + 4097))
-      local fine, message, details = study(bad, 100):run()
-      if not fine then
-        check.fails("damaged", "barwright study salvage " .. bad, fine, message, details)
+      local ok, message, details = study(bad, 100):run()
+      if not ok then
+        check.fails("damaged", "barwright study salvage " .. bad, ok, message, details)
         refused = refused + 1
       end
       assert.is_true(assert(bw.study.salvage(bad, new)).rows > 100)

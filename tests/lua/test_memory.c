@@ -44,7 +44,7 @@ static const char script[] =
     "assert(surface:check().sound)\n"
     "local text = tostring(part) .. tostring(surface) .. tostring(a) .. #a:tostring '<f8'\n"
     "part:clear_supports()\n"
-    "assert(#part:free_motions() == 6)\n"
+    "assert(#part:rigid_modes() == 6)\n"
     "local modes = assert(part:modes{count = 2})\n"
     "local weak = assert(bw.weak_regions(mesh, part.material, modes, {regions = 1}))\n"
     "local basis = assert(bw.pressure_basis(mesh))\n"

@@ -331,8 +331,8 @@ enum { BW_MAX_HANDS = 16 /* of bw_worst_load_options.hands */ };
  * the basis is not complete, balance may as well: then the message has the largest total force.
  * BW_CONVERGENCE where no program finds an optimum, BW_UNSUPPORTED for supports that prescribe a
  * displacement other than zero. Every answer fulfils balance to 1e-9 of the force and its duality
- * gap is below 1e-8. dual (any, count x (motion_count + 1)), which may be NULL: multipliers y, so
- * that with reduced costs d_j = f_j - sum_m y_m <motion m, G e_j> - y_last A_j the optimum is
+ * gap is below 1e-8. dual (any, count x (rigid_mode_count + 1)), which may be NULL: multipliers y,
+ * so that with reduced costs d_j = f_j - sum_m y_m <motion m, G e_j> - y_last A_j the optimum is
  * y_last F_tot + p_max sum_j max(0, d_j). */
 BW_API bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
                                 const bw_dof_map *dof_map, const bw_worst_load_options *options,
@@ -362,7 +362,7 @@ BW_API bw_status bw_worst_case_run(bw_context *context, bw_system *system,
 /* Targets that a load can stress; bw_screening_clear releases them. */
 typedef struct bw_screening {
   int32_t count;
-  int32_t *target; /* (index, count) elements, or nodes in the middles of patches */
+  int32_t *target; /* (index, count) elements, or nodes in the centres of patches */
   double *stress;  /* (Pa, count x 6) */
 } bw_screening;
 /* Screening: which targets a load can stress most, estimated for all of them with pressures that
@@ -455,7 +455,7 @@ typedef struct bw_drop_result {
   double *mean_peak;  /* (Pa, element_count) mean over drops of the max principal stress */
   double *contact;    /* (m, drops x 3) place of the contact */
   double *force;      /* (N, drops) */
-  double *push;       /* (-, drops x 3) unit, of the impulse on the body, along the peg's normal */
+  double *direction;  /* (-, drops x 3) unit, of the impulse on the body, along the peg's normal */
   double *resultant;  /* (N, drops x 3) sum of the nodal forces */
   int32_t *nodes;     /* (drops) how many nodes the contact acts on */
   double *area;       /* (m2, drops) of the contact as seen along the force */

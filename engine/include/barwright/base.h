@@ -231,8 +231,8 @@ BW_API bw_status bw_array_create(bw_context *context, bw_type type, int64_t rows
                                  bw_array **array);
 /* An array of `rows` x `columns` numbers that takes over `data`, a block of bw_alloc with them row
  * by row. On failure the data stay the caller's. */
-BW_API bw_status bw_array_own(bw_context *context, bw_type type, int64_t rows, int64_t columns,
-                              void *data, bw_array **array);
+BW_API bw_status bw_array_adopt(bw_context *context, bw_type type, int64_t rows, int64_t columns,
+                                void *data, bw_array **array);
 /* An array on `rows` x `columns` numbers row by row in `data`, which live as long as `owner`, an
  * object that the array retains (not NULL). */
 BW_API bw_status bw_array_borrow(bw_context *context, bw_type type, int64_t rows, int64_t columns,

@@ -29,9 +29,9 @@ BW_API bw_status bw_surface_copy(bw_context *context, int64_t points, const doub
 /* The same of blocks of `points` points, point (m, points x 3), and `triangles` facets, triangle
  * (index, triangles x 3), with group (triangles) or NULL; it takes them over on success only. Those
  * of bw_surface_copy. */
-BW_API bw_status bw_surface_own(bw_context *context, int64_t points, double *point,
-                                int64_t triangles, int32_t *triangle, int32_t *group,
-                                bw_surface **surface);
+BW_API bw_status bw_surface_adopt(bw_context *context, int64_t points, double *point,
+                                  int64_t triangles, int32_t *triangle, int32_t *group,
+                                  bw_surface **surface);
 
 /* The smallest and the largest coordinates; all zero for an empty surface. */
 BW_API void bw_surface_box(const bw_surface *surface, double min[3], double max[3]);
@@ -192,7 +192,7 @@ BW_API bw_status bw_surface_wrap(bw_context *context, const bw_surface *surface,
                                  const bw_wrap_options *options, bw_surface **wrapped,
                                  bw_shape_log *log);
 /* The larger *distance (m) of the two one-sided ones between surfaces, by sampling points, edge and
- * facet middles of both; 0 where it is rounding. BW_EMPTY where one has no facets. */
+ * facet centroids of both; 0 where it is rounding. BW_EMPTY where one has no facets. */
 BW_API bw_status bw_surface_distance(bw_context *context, const bw_surface *a, const bw_surface *b,
                                      double *distance);
 /* How far points, point (m, count x 3), are from a surface: distance (m, count). BW_GEOMETRY where
@@ -209,7 +209,8 @@ BW_API bw_status bw_surface_thickness(bw_context *context, const bw_surface *sur
 /* ---- tetrahedral meshes ---------------------------------------------------------------- */
 
 /* Node order of an element: corners 0 1 2 3 with positive volume det[x1-x0, x2-x0, x3-x0]; tet10
- * adds the middles of the edges 01 12 20 03 13 23 (the order of VTK and of CalculiX's C3D10). */
+ * adds the mid-edge nodes of the edges 01 12 20 03 13 23 (the order of VTK and of CalculiX's
+ * C3D10). */
 BW_API extern const int bw_tet_edge[6][2];
 /* Faces, counter-clockwise seen from outside: opposite corner 3 2 0 1 for k = 0..3:
  * {0,2,1} {0,1,3} {1,2,3} {0,3,2}. */
@@ -229,12 +230,12 @@ typedef struct bw_mesh {
   int32_t *region;  /* (element_count) a tag from the file, or NULL */
   double *volume;   /* (m3, element_count) of the straight-edged element, all positive */
 
-  /* the boundary: facets with one element, outwards; corners abc, then middles ab bc ca */
+  /* the boundary: facets with one element, outwards; corners abc, then mid-edge nodes ab bc ca */
   int32_t facet_count;
   int32_t *facet;         /* (index, facet_count x nodes_per_facet) */
   int32_t *facet_element; /* (index, facet_count) the element it bounds */
   int32_t boundary_node_count;
-  int32_t *boundary_node; /* (index, boundary_node_count) ascending; corners and middles */
+  int32_t *boundary_node; /* (index, boundary_node_count) ascending; corners and mid-edge nodes */
 
   int32_t *neighbour; /* (index, element_count x 4) across face k of bw_tet_face, or -1 */
 
@@ -255,8 +256,8 @@ BW_API bw_status bw_mesh_copy(bw_context *context, int order, int64_t nodes, con
 /* The same of blocks node (m, nodes x 3), element (index, elements x 4 or 10) and region (elements)
  * or NULL for `nodes` nodes and `elements` elements, which it takes over on success only. Those of
  * bw_mesh_copy. */
-BW_API bw_status bw_mesh_own(bw_context *context, int order, int64_t nodes, double *node,
-                             int64_t elements, int32_t *element, int32_t *region, bw_mesh **mesh);
+BW_API bw_status bw_mesh_adopt(bw_context *context, int order, int64_t nodes, double *node,
+                               int64_t elements, int32_t *element, int32_t *region, bw_mesh **mesh);
 /* Same topology, other node positions, node (m, node_count x 3): topology arrays are shared with
  * `mesh`. An inverted element is BW_GEOMETRY, the worst one named, and so is a place that is not
  * finite. */

@@ -21,7 +21,7 @@ typedef struct bw_selection {
   int32_t facet_count, node_count;
   int32_t *facet; /* (index, facet_count) boundary facets */
   int32_t *node;  /* (index, node_count) mesh nodes */
-  bool node_set;  /* chosen as single nodes: supports may hold points and edges */
+  bool node_set;  /* chosen as single nodes: supports may fix points and edges */
   /* (m2) Of a geometric selection: the area of the facets outside of it that lie along the border
    * of the shape asked for, nearer to it than a twentieth of their size. A face that is not quite
    * flat loses such facets: a support or load warns where they are more than a tenth of the whole.
@@ -112,7 +112,7 @@ typedef struct bw_load {
 typedef struct bw_support {
   const bw_selection *on; /* retained */
   bool slide;       /* constrained along `normal` only (zero normal: the facets' own normals) */
-  bool held[3];     /* else: which directions are constrained */
+  bool fixed[3];    /* else: which directions are constrained */
   double normal[3]; /* (-) of a slide */
   double value[3];  /* (m) prescribed displacement */
   const bw_array *field; /* instead: node_count x 3 (m), a copy of the model's own; or NULL */
@@ -154,7 +154,7 @@ BW_API bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_s
 /* Prescribes displacements of value (m), NULL for 0, in the global directions that are `held`.
  * BW_INVALID without one, BW_EMPTY as above. */
 BW_API bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_selection *on,
-                                    const bool held[3], const double value[3]);
+                                    const bool fixed[3], const double value[3]);
 /* Adds an acceleration (m/s2) of the whole body. BW_INVALID for a material without density. */
 BW_API bw_status bw_model_gravity(bw_context *context, bw_model *model,
                                   const double acceleration[3]);
@@ -178,7 +178,7 @@ BW_API bw_status bw_model_nodal_forces(bw_context *context, bw_model *model, con
 /* As bw_model_prescribe in the directions that are `held`, each node with its own value: rows of
  * `field`, node_count x 3 (m), which is copied. BW_EMPTY as above. */
 BW_API bw_status bw_model_prescribe_field(bw_context *context, bw_model *model,
-                                          const bw_selection *on, const bool held[3],
+                                          const bw_selection *on, const bool fixed[3],
                                           const bw_array *field);
 /* Adds a change of temperature at the nodes, an array of node_count x 1 (K), which is copied, of a
  * body with a coefficient of expansion (1/K) alike in all directions. Stresses of such a model:
@@ -261,16 +261,16 @@ typedef struct bw_dof_map {
   uint8_t *state;    /* (node_count x 3) bw_dof_state */
   int32_t *frame_of; /* (index, node_count) row of `frame`, or -1 for the global frame */
   int32_t frame_count;
-  double *frame;         /* (-, frame_count x 9) rows are the frame's directions */
-  double *value;         /* (m, node_count x 3) prescribed value in the frame; 0 elsewhere */
-  bool prescribed;       /* some value is not zero */
-  int32_t motion_count;  /* unconstrained rigid-body modes of all bodies, body by body */
-  bw_rigid_mode *motion; /* motion_count modes */
-  int32_t *motion_start; /* (index, component_count + 1) the modes of each body */
-  int32_t *body_start;   /* (index, component_count + 1) the nodes of each body in body_node */
-  int32_t *body_node;    /* (index, node_count) ascending for each body */
-  double *body_volume;   /* (m3, component_count) */
-  double *body_centre;   /* (m, component_count x 3) centres of volume */
+  double *frame;            /* (-, frame_count x 9) rows are the frame's directions */
+  double *value;            /* (m, node_count x 3) prescribed value in the frame; 0 elsewhere */
+  bool prescribed;          /* some value is not zero */
+  int32_t rigid_mode_count; /* unconstrained rigid-body modes of all bodies, body by body */
+  bw_rigid_mode *motion;    /* rigid_mode_count modes */
+  int32_t *motion_start;    /* (index, component_count + 1) the modes of each body */
+  int32_t *body_start;      /* (index, component_count + 1) the nodes of each body in body_node */
+  int32_t *body_node;       /* (index, node_count) ascending for each body */
+  double *body_volume;      /* (m3, component_count) */
+  double *body_centre;      /* (m, component_count x 3) centres of volume */
   double *weight; /* (any, node_count x 4) integral of the shape function over V (-), and of the
                      shape function times (x - body centre) over V (m): all that W R needs */
 } bw_dof_map;
@@ -300,8 +300,8 @@ BW_API bw_status bw_dof_map_follow(bw_context *context, const bw_model *model,
                                    bw_dof_map **dof_map);
 /* Whether the loads reach the body, before a static solution: BW_INVALID when the supports fix the
  * whole boundary at zero (unless temperatures or nodal forces act), or when a load acts on
- * supports only. A load of which a part of the area lies on supports is a warning with the share;
- * so is any where some prescribed displacement is not zero. */
+ * supports only. A load of which a part of the area lies on supports is a warning with the
+ * fraction; so is any where some prescribed displacement is not zero. */
 BW_API bw_status bw_model_check_absorbed(bw_context *context, const bw_model *model,
                                          const bw_dof_map *dof_map);
 /* The rigid-body modes as *text, for messages: "3 rigid-body modes are unconstrained: ...". Release
@@ -309,16 +309,16 @@ BW_API bw_status bw_model_check_absorbed(bw_context *context, const bw_model *mo
 BW_API bw_status bw_dof_map_describe_rigid_modes(bw_context *context, const bw_dof_map *dof_map,
                                                  char **text);
 
-/* Force and displacement are node_count x 3 in global directions; a has motion_count numbers. These
- * allocate nothing and may run from any thread. */
-/* a (any, motion_count) = R^T f for force (any, node_count x 3), a plain sum over the nodes. */
+/* Force and displacement are node_count x 3 in global directions; a has rigid_mode_count numbers.
+ * These allocate nothing and may run from any thread. */
+/* a (any, rigid_mode_count) = R^T f for force (any, node_count x 3), a plain sum over the nodes. */
 BW_API void bw_rigid_modes_dot(const bw_dof_map *dof_map, const double *force, double *a);
-/* a (any, motion_count) = R^T W u for displacement (m, node_count x 3). */
+/* a (any, rigid_mode_count) = R^T W u for displacement (m, node_count x 3). */
 BW_API void bw_rigid_modes_measure(const bw_dof_map *dof_map, const double *displacement,
                                    double *a);
-/* u += R a for displacement (m, node_count x 3) and a (any, motion_count). */
+/* u += R a for displacement (m, node_count x 3) and a (any, rigid_mode_count). */
 BW_API void bw_rigid_modes_add(const bw_dof_map *dof_map, const double *a, double *displacement);
-/* f = W R a for a (any, motion_count): force (any, node_count x 3), overwritten. */
+/* f = W R a for a (any, rigid_mode_count): force (any, node_count x 3), overwritten. */
 BW_API void bw_rigid_modes_weighted(const bw_dof_map *dof_map, const double *a, double *force);
 /* f -= W R (R^T f): force (N, node_count x 3) balanced by inertia. */
 BW_API void bw_rigid_modes_balance(const bw_dof_map *dof_map, double *force);

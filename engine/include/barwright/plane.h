@@ -84,8 +84,8 @@ BW_API bw_status bw_plane_fill(bw_context *context, const bw_outline *outline,
 /* From `nodes` nodes, point (m, nodes x 2), and `elements` elements, element (index, elements x 3
  * or 6), with their region (elements), NULL: all 0; for tests and bodies by formula. BW_GEOMETRY
  * where indices, the order of corners before mid-edge nodes, orientation or neighbours are wrong.
- * The outline is made of the boundary edges, one segment each (with middles off the chord: the
- * parabola through them), tag "boundary", region 0 inside. */
+ * The outline is made of the boundary edges, one segment each (with mid-edge nodes off the chord:
+ * the parabola through them), tag "boundary", region 0 inside. */
 BW_API bw_status bw_plane_mesh_copy(bw_context *context, int order, int32_t nodes,
                                     const double *point, int32_t elements, const int32_t *element,
                                     const int32_t *region, bw_plane_mesh **mesh);
@@ -146,8 +146,8 @@ BW_API int32_t bw_plane_locate(const bw_plane_locator *locator, const double at[
                                double barycentric[3], double *outside);
 /* Values at the nodes of `from`, value (any, node_count x components), transferred to the nodes of
  * `to`, transferred (any, node_count x components). They are copied where the nodes are the same
- * (middles of flipped edges are read from the field as it was), interpolated at the nodes' places
- * otherwise (the nearest place of `from` where they lie outside). */
+ * (mid-edge nodes of flipped edges are read from the field as it was), interpolated at the nodes'
+ * places otherwise (the nearest place of `from` where they lie outside). */
 BW_API bw_status bw_plane_transfer(bw_context *context, const bw_plane_mesh *from,
                                    const bw_plane_mesh *to, int components, const double *value,
                                    double *transferred);
@@ -166,12 +166,12 @@ typedef enum bw_relocation {
   BW_RELOCATE_HARMONIC, /* inner nodes take the harmonic extension of the boundary's displacement
                            since the topology was new, stiffer near the boundary (one factor per
                            topology; linear in the outline's points): the default */
-  BW_RELOCATE_SPRINGS   /* the paper's: springs of rest length zero, `sweeps` Jacobi rounds */
+  BW_RELOCATE_SPRINGS   /* the paper's: springs of rest length zero, `rounds` Jacobi rounds */
 } bw_relocation;
 /* How a mesh follows its outline. */
 typedef struct bw_follow_options {
   bw_relocation relocation; /* default BW_RELOCATE_HARMONIC */
-  int sweeps;               /* even; default 2, to 10000 */
+  int rounds;               /* even; default 2, to 10000 */
   double distorted;      /* (-) quality below which an element calls for reconnecting; default 0.35,
                             0 or more and below 1 */
   double rebuild;        /* (-) quality below which, after reconnecting, the mesh is reconstructed;

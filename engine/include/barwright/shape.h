@@ -163,10 +163,10 @@ typedef struct bw_subdomains_options {
   double threshold;             /* (-) mean weight from which an element is of type R; 0: 0.95 */
   const double *bone_threshold; /* (-, bone_count) instead of it, where not 0; may be NULL */
   /* (-) Where bones are short for the body's thickness no weight comes near one. So that a bone
-   * still has a subdomain, its threshold is lowered (with a warning) to what this share, by
+   * still has a subdomain, its threshold is lowered (with a warning) to what this fraction, by
    * volume, of the elements that it moves most reach; not below a bone_threshold of its own. 0:
    * 0.35; negative: never, as the paper. */
-  double share;
+  double fraction;
 } bw_subdomains_options;
 /* Region growing through faces from the element of the highest mean weight of each bone; what is
  * left is grouped by faces (and through shared nodes that no type R subdomain has). Type F is

@@ -242,9 +242,9 @@ function arguments.parse(command, words)
       i = i + 1
     end
   end
-  local fine, message = read_places(command, places, opts)
-  if fine then fine, message = fill_in(command, opts) end
-  if not fine then return nil, message end
+  local ok, message = read_places(command, places, opts)
+  if ok then ok, message = fill_in(command, opts) end
+  if not ok then return nil, message end
   opts.given = given
   return opts
 end

@@ -32,9 +32,9 @@ local function size_of(box)
   return size
 end
 
--- The value below which a share of the sorted list lies.
-local function quantile(sorted, share)
-  return sorted[math.max(1, math.ceil(share * #sorted))]
+-- The value below which a fraction of the sorted list lies.
+local function quantile(sorted, fraction)
+  return sorted[math.max(1, math.ceil(fraction * #sorted))]
 end
 
 -- ---- surfaces --------------------------------------------------------------------------------------
@@ -78,10 +78,10 @@ local function report_thickness(surface, opts, out)
   if not opts.thin then return true end
   local below = 0
   for _, value in ipairs(list) do below = below + (value < opts.thin and 1 or 0) end
-  local share = below / #list
-  out:json {thin_share = share}
-  out:say("%.3g %% of the surface has less than the %s mm asked for.", 100 * share, model.mm(opts.thin))
-  return share <= 0.01
+  local fraction = below / #list
+  out:json {thin_fraction = fraction}
+  out:say("%.3g %% of the surface has less than the %s mm asked for.", 100 * fraction, model.mm(opts.thin))
+  return fraction <= 0.01
 end
 
 local function report_repair(surface, opts, out)
@@ -261,8 +261,8 @@ local function check_mesh(read, opts, out)
   if high <= math.pi + 1e-9 then low, high = low * degrees, high * degrees end
   out:say("Angles between faces from %.3g to %.3g degrees; volumes from %.3g to %.3g mm3; %s.", low, high,
     quality.volume_min * 1e9, quality.volume_max * 1e9, model.count(mesh.component_count, "body", "bodies"))
-  out:json {order = mesh.order, dihedral_low_degrees = low, dihedral_high_degrees = high,
-    volume_low_m3 = quality.volume_min, volume_high_m3 = quality.volume_max, sound = true}
+  out:json {order = mesh.order, dihedral_min_degrees = low, dihedral_max_degrees = high,
+    volume_min_m3 = quality.volume_min, volume_max_m3 = quality.volume_max, sound = true}
   local fine, message, details = report_marked(mesh:surface(), opts, out)
   if not fine then return nil, message, details end
   if mesh.component_count > 1 then

@@ -101,9 +101,9 @@ local function run(opts, out)
     end
     if opts.ascii and model.ending(opts.out):match "^[sp][tl][ly]$" then options.ascii = true end
   end
-  local fine
-  fine, message, details = model.try(made.write, made, opts.out, next(options) and options or nil)
-  if not fine then return out:fail(message, details) end
+  local ok
+  ok, message, details = model.try(made.write, made, opts.out, next(options) and options or nil)
+  if not ok then return out:fail(message, details) end
   out:warnings()
   out:say("%s: %s", opts.out, tostring(made):match "^[^\n]*")
   out:json {out = opts.out, text = tostring(made)}

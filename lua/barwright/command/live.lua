@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright live FILE: the live view of what a file makes: a session, a part and the options of bw.edit,
--- or an object of bw.responsive; or of saved edits of one. docs/live.md tells more.
+-- or an object of bw.responsive; or of saved edits of one. docs/live.md has more.
 local core = require "barwright.core"
 local edit = require "barwright.edit"
 local edit_script = require "barwright.edit_script"
@@ -77,9 +77,9 @@ end
 local function open_script(opts)
   local before = rawget(_G, "arg")
   rawset(_G, "arg", {[0] = opts.file}) -- the words of this command are none of the script's
-  local fine, made, about = pcall(dofile, opts.file)
+  local ok, made, about = pcall(dofile, opts.file)
   rawset(_G, "arg", before)
-  if not fine then fail(tostring(made)) end
+  if not ok then fail(tostring(made)) end
   if made == nil and type(about) == "string" then fail(opts.file .. ": " .. about) end
   local save = opts.save or opts.file:gsub("%.lua$", "") .. ".edits.lua"
   local session = made
@@ -157,9 +157,9 @@ local function serve(opts, out)
     io.stdout:flush()
     if not opts.no_open then opened = open_browser(address) end
   end
-  local fine, message, details = live.run(served, given)
+  local ok, message, details = live.run(served, given)
   if opened then opened:close() end
-  if not fine then fail(message, details and details.status) end
+  if not ok then fail(message, details and details.status) end
   local count
   if kinds.of(served) then
     local _, lines = plane_edits.read(read(saved))
@@ -173,10 +173,10 @@ local function serve(opts, out)
 end
 
 local function run(opts, out)
-  local fine, problem = xpcall(serve, function(problem)
+  local ok, problem = xpcall(serve, function(problem)
     return type(problem) == "table" and problem or debug.traceback(problem, 2)
   end, opts, out)
-  if fine then return end
+  if ok then return end
   if type(problem) ~= "table" then error(problem, 0) end
   return out:fail(problem.text, {status = problem.status or "misuse"})
 end

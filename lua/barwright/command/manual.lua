@@ -66,7 +66,7 @@ local function command_page(name, command, lines)
 end
 
 local about = [[
-barwright says where a part breaks, at what pitch it rings, and what changes when its shape does. Its commands
+barwright computes where a part breaks, its natural frequencies, and what changes with its shape. Its commands
 take files: surfaces (STL OBJ OFF PLY), meshes of tetrahedra (MSH VTU MEDIT INP TetGen), drawings (SVG DXF).
 A word that is the name of a command is one; any other is a script in Lua, which finds the engine with
 `require "barwright"`. A script whose file is named like a command is run as `./NAME`. Without either, a prompt
@@ -84,7 +84,7 @@ without a sandbox: a script whose time is over is ended whatever it does.]]
 local function page(commands)
   local lines = {'.\\" Made by `barwright manual` from the commands\' tables.',
     (".TH BARWRIGHT 1 \"\" \"barwright %s\" \"User Commands\""):format(core.version), ".SH NAME",
-    "barwright \\- where a part breaks, at what pitch it rings, and what if its shape changed", ".SH SYNOPSIS",
+    "barwright \\- where a part breaks, its natural frequencies, and changes of its shape", ".SH SYNOPSIS",
     "\\fBbarwright\\fR \\fICOMMAND\\fR ...", ".br",
     "\\fBbarwright\\fR [options] [\\fISCRIPT.lua\\fR [arguments]]", ".SH DESCRIPTION"}
   paragraphs(about, lines)

@@ -134,9 +134,9 @@ function model.shell(word)
   return "'" .. word:gsub("'", "'\\''") .. "'"
 end
 
---- A share in percent: two digits, or whole percents.
-function model.percent(share)
-  return (share < 0.1 and "%.2g" or "%.0f"):format(100 * share)
+--- A fraction in percent: two digits, or whole percents.
+function model.percent(fraction)
+  return (fraction < 0.1 and "%.2g" or "%.0f"):format(100 * fraction)
 end
 
 --- The verdict on a stress that is `used` of the strength, within a relative error, and its words. An error as
@@ -155,7 +155,7 @@ function model.diagonal(box)
   return math.sqrt((high[1] - low[1]) ^ 2 + (high[2] - low[2]) ^ 2 + (high[3] - low[3]) ^ 2)
 end
 
--- Deflections above this share of the longest side are beyond the range of linear theory.
+-- Deflections above this fraction of the longest side are beyond the range of linear theory.
 local LARGE = 0.1
 model.large_deflection = "more than a tenth of the part's length"
 
@@ -352,7 +352,8 @@ local function missing_toughness(opts, material)
     table.concat(known, ", "))
 end
 
--- With --error the first mesh has this share of the elements asked for, the last one at most so many times them.
+-- With --error the first mesh has this fraction of the elements asked for, the last one at most so many times
+-- them.
 local FIRST, MAX_GROWTH = 1 / 4, 10
 
 --- With --error: what is asked of the first mesh.
@@ -380,7 +381,7 @@ function model.report_accuracy(accuracy, out)
     reason = accuracy.reason, steps = steps}
 end
 
--- What the command is to write, told to be impossible before the work and not after it.
+-- What the command is to write, reported as impossible before the work and not after it.
 local function check_outputs(opts)
   for _, name in ipairs {"report", "picture", "vtu"} do
     if opts[name] then
@@ -394,7 +395,7 @@ end
 --- Endings of the files of bodies with fields.
 model.field_endings = {"vtu", "msh", "mesh", "inp", "node", "ele"}
 
---- What is asked about, read and told: what model.read gives, material. A size that is implausible for a part
+--- What is asked about, read and reported: what model.read gives, material. A size that is implausible for a part
 --- is refused unless the unit was given.
 function model.start(opts, out)
   local fine, message, details = check_outputs(opts)
@@ -419,7 +420,7 @@ function model.start(opts, out)
   return read, material
 end
 
---- The body that is asked about, told as it is read and filled: mesh, material, what was read.
+--- The body that is asked about, reported as it is read and filled: mesh, material, what was read.
 function model.body(opts, out)
   local read, material, details = model.start(opts, out)
   if not read then return nil, material, details end

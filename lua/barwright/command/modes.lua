@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- barwright modes MODEL: at what frequencies it rings, free or constrained.
+-- barwright modes MODEL: natural frequencies and modes, free or constrained.
 local bw = require "barwright"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
@@ -12,12 +12,12 @@ local function analyse(opts, out)
   if not mesh then return nil, material, read end
   local message, details
   local part = bw.model {mesh = mesh, material = material}
-  local held = 0
+  local fixed = 0
   for _, place in ipairs(opts.fix) do
     local selection
     selection, message, details = places.select(mesh, place)
     if not selection then return nil, message, details end
-    held = held + selection.area
+    fixed = fixed + selection.area
     local fine
     fine, message = model.try(part.fix, part, selection)
     if not fine then return nil, place .. ": " .. message, {status = "invalid"} end
@@ -31,14 +31,14 @@ local function analyse(opts, out)
   local errors
   errors, message, details = modes:error_estimate()
   if not errors then return nil, message, details end
-  return modes, held, errors:totable(), accuracy
+  return modes, fixed, errors:totable(), accuracy
 end
 
-local function report(modes, held, errors, accuracy, opts, out)
+local function report(modes, fixed, errors, accuracy, opts, out)
   if accuracy then model.report_accuracy(accuracy, out) end
   out:say("")
   if #opts.fix > 0 then
-    out:say("Constrained at %s (%.4g cm2), natural frequencies are:", table.concat(opts.fix, " and "), held * 1e4)
+    out:say("Constrained at %s (%.4g cm2), natural frequencies are:", table.concat(opts.fix, " and "), fixed * 1e4)
   else
     out:say("Without supports, its natural frequencies are (%d rigid-body modes are left out):", modes.rigid_count)
   end
@@ -57,7 +57,7 @@ local function report(modes, held, errors, accuracy, opts, out)
     out:json {estimated_error = accuracy.estimated_error, estimated_error_cents = cents}
   end
   out:json {frequencies_hz = list, error_cents = cents_of, rigid_motions = modes.rigid_count,
-    held = bw.json.list(opts.fix),
+    fix = bw.json.list(opts.fix),
     material = opts.material, counted = modes.counted}
   if opts.sure then
     out:say(modes.counted and "A count of the eigenvalues confirms that none below the last is missing."
@@ -66,7 +66,7 @@ local function report(modes, held, errors, accuracy, opts, out)
 end
 
 return {
-  summary = "at what frequencies a part rings",
+  summary = "natural frequencies and modes of a part",
   about = "The lowest modes of vibration of a part, free or constrained, with the nearest note to each. A "
     .. "surface is repaired where it must be and filled with tetrahedra.\n\n" .. places.help .. "\n\n"
     .. output.codes "done",
@@ -97,9 +97,9 @@ return {
       local fine, message = places.check(place)
       if not fine then return out:misuse("option --fix: " .. message) end
     end
-    local modes, held, errors, accuracy = analyse(opts, out)
-    if not modes then return out:fail(held, errors) end
-    report(modes, held, errors, accuracy, opts, out)
+    local modes, fixed, errors, accuracy = analyse(opts, out)
+    if not modes then return out:fail(fixed, errors) end
+    report(modes, fixed, errors, accuracy, opts, out)
     local written = bw.json.list {}
     for _, how in ipairs {{opts.vtu, function() return modes:write(opts.vtu) end},
       {opts.picture, function() return modes:picture(1, opts.picture) end}} do

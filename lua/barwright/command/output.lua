@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- What a command tells: sentences for people on standard output, or with --json one object and nothing
+-- What a command reports: sentences for people on standard output, or with --json one object and nothing
 -- else there; errors on standard error either way.
 local core = require "barwright.core"
 local json = require "barwright.json"
@@ -28,7 +28,7 @@ function output.create(name, opts)
   return setmetatable({name = name, machine = opts.json, quiet = opts.quiet, object = {}}, output)
 end
 
--- What cannot be written is told once, at the end.
+-- What cannot be written is reported once, at the end.
 local function write(self, text)
   local fine, why = io.stdout:write(text, "\n")
   if not fine then self.unwritten = self.unwritten or why end

@@ -69,14 +69,14 @@ end
 
 -- ---- kinds -----------------------------------------------------------------------------------------
 
-local SHARE = 0.02 -- of the part, that "min" and "max" take
+local FRACTION = 0.02 -- of the part, that "min" and "max" take
 
 local function min_end(box, axis)
-  return box.min[axis] + SHARE * (box.max[axis] - box.min[axis])
+  return box.min[axis] + FRACTION * (box.max[axis] - box.min[axis])
 end
 
 local function max_end(box, axis)
-  return box.max[axis] - SHARE * (box.max[axis] - box.min[axis])
+  return box.max[axis] - FRACTION * (box.max[axis] - box.min[axis])
 end
 
 -- Of each kind: how its parts are read, what it selects of a boundary, and whether a point lies in it.

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- barwright statics MODEL: constrained here, loaded there, does it carry it?
+-- barwright statics MODEL: constrained here, loaded there, does it carry the load?
 local bw = require "barwright"
 local averaging_radius = require "barwright.averaging_radius"
 local facet_error = require "barwright.facet_error"
@@ -89,7 +89,7 @@ local function set_up(part, opts, loads, out)
   return part, area
 end
 
--- The coarser mesh has this share of the elements.
+-- The coarser mesh has this fraction of the elements.
 local COARSER = 1 / 4
 -- Two meshes of quadratic elements show at least this much uncertainty; one alone leaves so much open.
 local MIN_ERROR, ONE_MESH_ERROR = 0.02, 0.5
@@ -140,7 +140,7 @@ end
 local function find_singular(static, part, read, at, found)
   local sound = read.surface and read.surface:check({limit = 1}).sound
   local found_places = model.try(part.singular_places, part, {surface = sound and read.surface or nil})
-  return growth.judge(found_places, at, growth.radius(growth.edge_length(static.mesh, at)),
+  return growth.check(found_places, at, growth.radius(growth.edge_length(static.mesh, at)),
     growth.exponent(sized(found.coarse), sized(found.fine)))
 end
 
@@ -153,7 +153,7 @@ local function effective(static, finding)
 end
 
 -- The largest stress, its error, stress over strength in both measures, and whether it is singular.
-local function judge(static, part, read, loads, opts, accuracy, at)
+local function assess(static, part, read, loads, opts, accuracy, at)
   local mesh, material = static.mesh, static.material
   local radius, mean = opts.radius, static:error_estimate()
   local found = {mean = mean, radius = radius, fine = measure(static, mesh, material, radius)}
@@ -202,7 +202,7 @@ local function report(static, part, read, loads, opts, accuracy, out)
   local node = static.von_mises:argmax()
   local max = static.displacement:map "norm(a)":max()
   local at = {mesh.nodes(node, 1), mesh.nodes(node, 2), mesh.nodes(node, 3)}
-  local found, message, details = judge(static, part, read, loads, opts, accuracy, at)
+  local found, message, details = assess(static, part, read, loads, opts, accuracy, at)
   if not found then return nil, message, details end
   local fine, coarse, radius, mean = found.fine, found.coarse, found.radius, found.mean
   local stress, used, estimated, singular = fine.stress, fine.used, found.estimated, found.singular

@@ -25,14 +25,14 @@ local function report(result, moved, opts, out)
     result.before.mass and "mass" or "volume")
   row("before", result.before, out)
   row("after", result.after, out)
-  local share = result.added_volume / result.before.volume
+  local fraction = result.added_volume / result.before.volume
   local density = result.options.material.density
   if #result.steps == 0 then
     out:say "Nothing was added."
   else
     out:say("Added: %s, %.3g %%, in %s: in all, the surface was moved out by up to %s mm.", density
       and model.mass_text(density * result.added_volume) or ("%.4g cm3"):format(result.added_volume * 1e6),
-      100 * share, model.count(#result.steps, "step"), model.digits(moved:max() * 1e3))
+      100 * fraction, model.count(#result.steps, "step"), model.digits(moved:max() * 1e3))
   end
   if result.reached then
     out:say("%s N is reached: the whole interval lies above.", model.digits(opts.force))
@@ -48,7 +48,7 @@ local function report(result, moved, opts, out)
   out:json {verdict = result.reached and "reached" or "not reached", force_n = opts.force,
     before = fields_of(result.before), after = fields_of(result.after), steps = steps, stopped = result.stopped,
     added_volume_m3 = result.added_volume, added_mass_kg = density and density * result.added_volume or nil,
-    added_share = share, largest_thickness_m = moved:max(), repaired = result.repaired or false}
+    added_fraction = fraction, largest_thickness_m = moved:max(), repaired = result.repaired or false}
 end
 
 -- How far the surface moved, on the surface.
@@ -61,12 +61,12 @@ end
 
 local function write_files(result, moved, read, opts, out)
   local files = bw.json.list {opts.out}
-  local fine, message, details = result.surface:write(opts.out, {unit = model.unit_of(read, opts)})
-  if fine and opts.picture then
+  local ok, message, details = result.surface:write(opts.out, {unit = model.unit_of(read, opts)})
+  if ok and opts.picture then
     files[2] = opts.picture
-    fine, message, details = picture(result, moved, opts.picture)
+    ok, message, details = picture(result, moved, opts.picture)
   end
-  if not fine then return nil, message, details end
+  if not ok then return nil, message, details end
   out:json {files = files}
   out:say("Written: %s.", table.concat(files, ", "))
   return true
@@ -75,11 +75,11 @@ end
 local function strengthen(opts, out)
   local start = bw.seconds()
   if opts.threads then bw.threads(opts.threads) end
-  local fine, message, details = writable(opts.out)
-  if not fine then return nil, message, details end
+  local ok, message, details = writable(opts.out)
+  if not ok then return nil, message, details end
   for _, place in ipairs(opts.keep) do
-    fine, message = places.check(place)
-    if not fine then return nil, "option --keep: " .. message, {status = "misuse"} end
+    ok, message = places.check(place)
+    if not ok then return nil, "option --keep: " .. message, {status = "misuse"} end
   end
   local read, material
   read, material, details = model.start(opts, out)
@@ -108,8 +108,8 @@ local function strengthen(opts, out)
   moved, message, details = result.original:distance(result.surface.points)
   if not moved then return nil, message, details end
   report(result, moved, opts, out)
-  fine, message, details = write_files(result, moved, read, opts, out)
-  if not fine then return nil, message, details end
+  ok, message, details = write_files(result, moved, read, opts, out)
+  if not ok then return nil, message, details end
   out:json {seconds = bw.seconds() - start}
   return result
 end

@@ -54,9 +54,9 @@ local function load_study(path, opts, out)
   end
   local before = rawget(_G, "arg")
   rawset(_G, "arg", {[0] = path})
-  local fine, study = xpcall(chunk, located(path, chunk), path)
+  local ok, study = xpcall(chunk, located(path, chunk), path)
   rawset(_G, "arg", before)
-  if not fine then
+  if not ok then
     return nil, out:fail(study)
   end
   if not is_study(study) then
@@ -176,8 +176,8 @@ local function written(study, opts, out, ending, write)
   trials, code = read_trials(study, out)
   if not trials then return code end
   local path = opts.out or study.file:gsub("%.study$", "") .. ending
-  local fine, message, details = write(trials, path)
-  if not fine then
+  local ok, message, details = write(trials, path)
+  if not ok then
     return out:fail(message, details)
   end
   out:say("%s: %d trials", path, #trials)
@@ -249,9 +249,9 @@ function actions.plot(study, opts, out)
     if type(figure) == "string" and figure:find "^plot" then return out:misuse(figure) end
     error(figure, 0)
   end
-  local fine
-  if figure then fine, message, details = figure:write(path) end
-  if not fine then
+  local ok
+  if figure then ok, message, details = figure:write(path) end
+  if not ok then
     return out:fail(message, details)
   end
   out:say("%s", path)
@@ -278,7 +278,7 @@ local function salvage(opts, out)
     return out:fail(message, details)
   end
   out:say("%s", tostring(report))
-  core.warnings() -- told above
+  core.warnings() -- reported above
   out:json {out = new, rows = report.rows, lost = report.lost, whole = report.whole, log = json.list(report.log)}
   return output.DONE
 end

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- barwright test: scenarios of files and folders, judged, told as TAP, kept as JUnit, JSON and a page.
+-- barwright test: scenarios of files and folders, checked, reported as TAP, kept as JUnit, JSON and a page.
 local core = require "barwright.core"
 local files = require "barwright.scenario.files"
 local json = require "barwright.json"
@@ -134,8 +134,8 @@ local function open(opts, paths)
   return opened
 end
 
--- Runs and tells; the list of results, and why it is not whole.
-local function judge(items, opts, out, options)
+-- Runs and reports; the list of results, and why it is not whole.
+local function run_items(items, opts, out, options)
   io.stdout:setvbuf "line"
   out:say(tap.plan(#items))
   return run.items(items, options, function(i, result)
@@ -197,7 +197,7 @@ local function work(opts, out, scratch)
   local ready, code = prepared(opts, out, scratch)
   if not ready then return code end
   local opened = ready.opened
-  local list, interrupted = judge(ready.items, opts, out, ready.options)
+  local list, interrupted = run_items(ready.items, opts, out, ready.options)
   local summary = summary_of(list, ready.found)
   local manifests, message = add_earlier(opts, summary, opened)
   if not manifests then return out:misuse(message) end
@@ -205,7 +205,7 @@ local function work(opts, out, scratch)
   local fine = true
   if opened then fine, message = keep(opened, summary) end
   if fine and interrupted then
-    return out:fail(("interrupted; %d of %d scenarios are judged"):format(#list, #ready.items),
+    return out:fail(("interrupted; %d of %d scenarios have run"):format(#list, #ready.items),
       {status = "cancelled"})
   end
   if fine then fine, message = write_manual(opts, summary, manifests) end
@@ -216,7 +216,7 @@ local function work(opts, out, scratch)
 end
 
 return {
-  summary = "judge scenarios: scripts that state requirements",
+  summary = "run scenarios: scripts that check requirements",
   about = "Each scenario of the files and folders runs in a process of its own. Results are printed as TAP; with\n"
     .. "--out they are kept as junit.xml, result.json, index.html and pictures of what failed. Files in\n"
     .. "folders named lib are helpers; baselines lie in folders named baselines beside the files.",

@@ -89,8 +89,8 @@ local function read_limits(opts)
   for name, option in pairs {fix = "fix", forbid = "forbidden"} do
     local texts = opts[name]
     for _, place in ipairs(texts) do
-      local fine, message = places.check(place)
-      if not fine then return nil, ("option --%s: %s"):format(name, message) end
+      local ok, message = places.check(place)
+      if not ok then return nil, ("option --%s: %s"):format(name, message) end
     end
     limits[option] = #texts > 0 and function(mesh)
       local list = {}
@@ -110,10 +110,10 @@ local function read_limits(opts)
 end
 
 local function report_limits(breaking, opts, out)
-  local held, forbidden = breaking.held_area, breaking.forbidden_area
-  if held then
+  local fixed, forbidden = breaking.fixed_area, breaking.forbidden_area
+  if fixed then
     out:say("  Constrained at %s (%.4g cm2): the whole force is a load, the supports react.",
-      table.concat(opts.fix, ", "), held * 1e4)
+      table.concat(opts.fix, ", "), fixed * 1e4)
   end
   if forbidden then
     out:say("  No load on %s (%.4g cm2).", table.concat(opts.forbid, ", "), forbidden * 1e4)
@@ -125,14 +125,15 @@ local function report_limits(breaking, opts, out)
     out:say("  Loads act within %s at once; where these are is a heuristic search.",
       model.count(opts.hands, "place"))
   end
-  out:json {held_area_m2 = held, forbidden_area_m2 = forbidden, friction = opts.friction, hands = opts.hands}
+  out:json {held_area_m2 = fixed, forbidden_area_m2 = forbidden, friction = opts.friction, hands = opts.hands}
 end
 
 -- Options of the advised command that must be those of this one.
 local SAME_PART = {"--unit", "--material", "--young", "--poisson", "--strength", "--density", "--toughness",
   "--contact", "--length", "--elements", "--modes", "--regions"}
 
--- What to thicken where the part does not hold for certain. Advice that fails is told; the command does not fail.
+-- What to thicken where the part does not hold for certain. Advice that fails is reported; the command does not
+-- fail.
 local function advise(breaking, verdict, opts, out)
   if verdict == "holds" then return end
   local advice, message = breaking:advice {force = opts.force}
@@ -205,30 +206,30 @@ local function write_files(breaking, verdict, opts, folder, out)
   local vtu, page = file("worst.vtu", opts.vtu), file("report.html", opts.report)
   local title = ("%s breaks at %s; shown under %s"):format(model.name(opts.model),
     model.interval(breaking.force, breaking.low, breaking.high), newtons(opts.force))
-  local load, fine, message, details = {title = title, region = breaking.region}, true, nil, nil
-  if opts.picture then fine, message, details = leave(opts.picture, worst:picture(opts.picture, marked(load))) end
-  if fine and folder then
+  local load, ok, message, details = {title = title, region = breaking.region}, true, nil, nil
+  if opts.picture then ok, message, details = leave(opts.picture, worst:picture(opts.picture, marked(load))) end
+  if ok and folder then
     local path = folder:path "worst_load.png"
-    fine, message, details = leave(path, worst:picture(path, marked(load)))
+    ok, message, details = leave(path, worst:picture(path, marked(load)))
   end
-  if fine and folder then
+  if ok and folder then
     local path, von_mises = folder:path "weakness.png", breaking.failure == "von_mises"
-    fine, message, details = leave(path, worst:picture(path, marked {arrows = {},
+    ok, message, details = leave(path, worst:picture(path, marked {arrows = {},
       title = von_mises and title or "Each place under its own worst load of " .. newtons(opts.force),
       region = von_mises and breaking.region or nil}))
   end
-  if fine and vtu then fine, message, details = leave(vtu, worst:write(vtu)) end
-  if fine and page then
+  if ok and vtu then ok, message, details = leave(vtu, worst:write(vtu)) end
+  if ok and page then
     local force = newtons(opts.force)
     local answer = ("breaks at %s at %s under the worst load, on at least %.3g cm2; under %s: %s.\nShown first: "
       .. "the load that breaks it, with %s on one side. The colours are stresses of elements, without an estimate "
       .. "of their error."):format(model.interval(breaking.force, breaking.low, breaking.high),
       model.place(breaking.at), breaking.contact * 1e4, force, VERDICTS[verdict], force)
-    fine, message, details = leave(page, worst:report(page, marked {manifest = folder and folder.manifest,
+    ok, message, details = leave(page, worst:report(page, marked {manifest = folder and folder.manifest,
       view = view_of(breaking), answer = answer, region = breaking.region,
       title = "Worst case of " .. model.name(opts.model)}))
   end
-  if not fine then return nil, message, details end
+  if not ok then return nil, message, details end
   out:json {files = bw.json.list(written)}
   if #written > 0 then out:say("Written: %s.", table.concat(written, ", ")) end
   return true
@@ -270,13 +271,13 @@ local function analyse(opts, out)
   report(breaking, verdict, large, out.object.mass_kg, opts, out)
   report_limits(breaking, opts, out)
   advise(breaking, verdict, opts, out)
-  local fine
-  fine, message, details = write_files(breaking, verdict, opts, folder, out)
-  if not fine then return nil, message, details end
+  local ok
+  ok, message, details = write_files(breaking, verdict, opts, folder, out)
+  if not ok then return nil, message, details end
   out:json {seconds = bw.seconds() - start}
   if folder then
-    fine, message, details = folder:write(out.object)
-    if not fine then return nil, message, details end
+    ok, message, details = folder:write(out.object)
+    if not ok then return nil, message, details end
   end
   return verdict
 end

@@ -8,7 +8,7 @@ local differences = {}
 
 -- Names of what the clock and the machine decide; everything inside of such a name is of that kind, too.
 local patterns = {"^seconds", "_seconds$", "_seconds_", "^ms$", "_ms$", "^ms_", "memory", "^peak_bytes$",
-  "_per_second", "^speed_up", "^quadrature_share$", "^times_faster$", "ratio_of_seconds", "_timed$",
+  "_per_second", "^speed_up", "^quadrature_fraction$", "^times_faster$", "ratio_of_seconds", "_timed$",
   "^minutes", "_minutes$"}
 
 --- Whether a value of this name says how long or how much memory, not what came out.

@@ -99,13 +99,13 @@ return function(given)
       local box = frame.around(s, {title = opts.title, legend = opts.legend and legend, notes = opts.notes})
       local f = flat and frame.new(s, box, values, across) or frame.new(s, box, across, values)
       if #names == 0 then f:say "no data" end
-      local share = (flat and f.height or f.width) / math.max(1, #names)
-      local thick = math.min(56, share * 0.76 / math.max(1, #all))
+      local fraction = (flat and f.height or f.width) / math.max(1, #names)
+      local thick = math.min(56, fraction * 0.76 / math.max(1, #all))
       f:enter(2)
       for i = 1, #names do
         for n, one in ipairs(all) do
           local shift = (n - (#all + 1) / 2) * thick
-          local at = flat and f.top + (i - 0.5) * share or f.left + (i - 0.5) * share
+          local at = flat and f.top + (i - 0.5) * fraction or f.left + (i - 0.5) * fraction
           draw_bar(s, f, one, i, at + shift, thick * 0.92, flat)
         end
       end

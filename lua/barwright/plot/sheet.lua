@@ -46,8 +46,8 @@ local function draw_picture(s, box, one)
     inner.draw(sketch.within(s, inner.width, inner.height))
     s:leave()
   elseif one.path then
-    local fine, message = s:image(one.path, box[1], box[2], box[3], box[4])
-    if not fine then
+    local ok, message = s:image(one.path, box[1], box[2], box[3], box[4])
+    if not ok then
       local name = one.path:match "[^/]*$"
       draw_missing(s, box, message:find("No such file", 1, true) and "no picture: " .. name
         or message:gsub("^.*/", ""))

@@ -36,9 +36,9 @@ end
 
 --- nil, message where the file is not there or no PNG: for the caller to draw around.
 function Sketch:image(...)
-  local fine, message, details = self.canvas:image(...)
-  if not fine and details.status == "memory" then must(nil, message, details) end
-  return fine, message
+  local ok, message, details = self.canvas:image(...)
+  if not ok and details.status == "memory" then must(nil, message, details) end
+  return ok, message
 end
 
 function Sketch:text_width(text, size, bold)

@@ -172,10 +172,10 @@ function compare(now, kept, opts, at)
 end
 
 local function write(path, snapshot)
-  local fine, message = files.make_folder((path:match "^(.*)/"))
-  if not fine then return message end
-  fine, message = core.write_file(path, json.encode(snapshot, "  ") .. "\n")
-  return not fine and message or nil
+  local ok, message = files.make_folder((path:match "^(.*)/"))
+  if not ok then return message end
+  ok, message = core.write_file(path, json.encode(snapshot, "  ") .. "\n")
+  return not ok and message or nil
 end
 
 --- What is wrong, or nil; whether the baseline was written; how far figures are apart at most.

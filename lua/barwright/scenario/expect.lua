@@ -66,7 +66,7 @@ end
 local function missing(self, form, opts)
   local message = self.failure and self.failure.message
   return judged(self, form, {source = opts.source, how = opts.how}, false, message and
-    ("nothing to judge: %s"):format(tostring(message)) or "nothing to judge: the value is nil")
+    ("nothing to check: %s"):format(tostring(message)) or "nothing to check: the value is nil")
 end
 
 local function number_of(self, form)
@@ -85,7 +85,7 @@ local function checked_bound(form, bound)
   return bound
 end
 
-local function share(value, bound)
+local function fraction(value, bound)
   if bound == 0 or bound ~= bound or math.abs(bound) == math.huge then return "" end
   local off = math.abs(value - bound) / math.abs(bound)
   return off < math.huge and (" (by %s %%)"):format(show(100 * off, 3)) or ""
@@ -100,7 +100,7 @@ function methods:below(bound, given)
   local a, b = numbers.apart(value, bound)
   return judged(self, "below", {figure = plain(value), max = plain(bound), source = opts.source, how = opts.how,
     allowed = "at most " .. show(bound)}, value <= bound,
-    ("%s, at most %s expected%s"):format(with_unit(self, a), with_unit(self, b), share(value, bound)))
+    ("%s, at most %s expected%s"):format(with_unit(self, a), with_unit(self, b), fraction(value, bound)))
 end
 
 --- At least the bound.
@@ -112,7 +112,7 @@ function methods:above(bound, given)
   local a, b = numbers.apart(value, bound)
   return judged(self, "above", {figure = plain(value), min = plain(bound), source = opts.source, how = opts.how,
     allowed = "at least " .. show(bound)}, value >= bound,
-    ("%s, at least %s expected%s"):format(with_unit(self, a), with_unit(self, b), share(value, bound)))
+    ("%s, at least %s expected%s"):format(with_unit(self, a), with_unit(self, b), fraction(value, bound)))
 end
 
 --- From `min` to `max`.
@@ -187,7 +187,7 @@ function methods:near(reference, given)
     allowed = tolerance_text(opts, self.unit)},
     off <= math.max(opts.absolute or 0, (opts.relative or 0) * math.abs(reference)),
     ("%s, %s expected %s%s"):format(with_unit(self, a), with_unit(self, b), tolerance_text(opts, self.unit),
-      share(value, reference):gsub("by", "apart by")))
+      fraction(value, reference):gsub("by", "apart by")))
 end
 
 local function short(value)

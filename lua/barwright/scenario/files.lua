@@ -108,8 +108,8 @@ local function load(path, collection)
     return type(meta) == "table" and meta.__tostring and tostring(message)
       or ("%s: raised a %s"):format(path, type(message))
   end
-  local fine, message = xpcall(chunk, located)
-  if not fine then
+  local ok, message = xpcall(chunk, located)
+  if not ok then
     -- an error of C code or of a helper does not name the file
     if not message:find(path, 1, true) then message = path .. ": " .. message end
     return collection, message

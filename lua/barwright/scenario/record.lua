@@ -72,8 +72,8 @@ end
 function methods.note(_, text, ...)
   if type(text) ~= "string" then raise "note: a text expected" end
   if select("#", ...) > 0 then
-    local fine, filled = pcall(string.format, text, ...)
-    if not fine then
+    local ok, filled = pcall(string.format, text, ...)
+    if not ok then
       raise("note: the values do not fit the text: " .. tostring(filled):gsub("^bad argument ", "argument "))
     end
     text = filled
@@ -120,8 +120,8 @@ end
 -- ---- pictures ----------------------------------------------------------------------------------------------
 
 local function method(object, name)
-  local fine, found = pcall(function() return object[name] end)
-  return fine and type(found) == "function" and found
+  local ok, found = pcall(function() return object[name] end)
+  return ok and type(found) == "function" and found
 end
 
 local function draw_one(picture, stem)
@@ -131,23 +131,23 @@ local function draw_one(picture, stem)
   for key, value in pairs(options) do given[key] = value end
   given.caption, given.mode = nil, nil
   local path = stem .. ".png"
-  local fine, why
+  local ok, why
   if type(object) == "function" then
-    fine, why = object(path)
-    if fine == nil and why == nil then fine = files.kind(path) == "file" end
+    ok, why = object(path)
+    if ok == nil and why == nil then ok = files.kind(path) == "file" end
   elseif method(object, "picture") then
     if method(object, "shape") and method(object, "picture") and object.frequencies then
-      fine, why = object:picture(options.mode or 1, path, given)
+      ok, why = object:picture(options.mode or 1, path, given)
     else
-      fine, why = object:picture(path, given)
+      ok, why = object:picture(path, given)
     end
   elseif method(object, "write") and method(object, "svg") then
     path = stem .. ".svg"
-    fine, why = object:write(path)
+    ok, why = object:write(path)
   else
     why = "this object has no picture"
   end
-  if not fine then return nil, why end
+  if not ok then return nil, why end
   return path, title
 end
 
@@ -188,8 +188,8 @@ local function on_error(message)
   return {text = text, trace = trace(), line = line_of()}
 end
 
-local function ending(fine, raised)
-  if fine then
+local function ending(ok, raised)
+  if ok then
     if running.failed > 0 then return {status = "failed"} end
     if running.expectations == 0 then return {status = "failed", message = "it states no expectation"} end
     return {status = "passed"}
@@ -215,8 +215,8 @@ function record.run(scenario, scenario_file, path, options)
     expectations = 0, failed = 0, pictures = {}, options = options}
   local t = setmetatable({}, Test)
   local start = core.seconds()
-  local fine, raised = xpcall(scenario.work, on_error, t)
-  local last = ending(fine, raised)
+  local ok, raised = xpcall(scenario.work, on_error, t)
+  local last = ending(ok, raised)
   last.kind, last.seconds_run = "end", core.seconds() - start
   if options.pictures and (options.all_pictures or last.status == "failed" or last.status == "error") then
     draw(options.pictures, options.stem)

@@ -19,13 +19,13 @@ local function here(task)
   -- what a file's modules are called, others' may be called, too
   local path, loaded = package.path, {}
   for name in pairs(package.loaded) do loaded[name] = true end
-  local fine, answer, message = pcall(task.work)
+  local ok, answer, message = pcall(task.work)
   package.path = path
   for name in pairs(package.loaded) do
     if not loaded[name] and not name:find "^barwright" then package.loaded[name] = nil end
   end
-  if fine and answer then return {text = answer} end
-  return {status = core.interrupted() and "cancelled" or "failed", message = tostring(fine and message or answer)}
+  if ok and answer then return {text = answer} end
+  return {status = core.interrupted() and "cancelled" or "failed", message = tostring(ok and message or answer)}
 end
 
 local function ended(job)
@@ -124,12 +124,12 @@ function run.read(paths, options)
     tasks[i] = {work = function() return stated(path) end, name = path, seconds = options.seconds,
       bytes = options.bytes, output = options.scratch .. "/load.out"}
   end
-  local fine, why = all(tasks, 1, options.in_process, function(i, ending)
+  local ok, why = all(tasks, 1, options.in_process, function(i, ending)
     local read = ending.text and text.clean_all(json.decode(ending.text)) or {list = {}, message = paths[i] .. ": "
       .. because(ending)}
     read.file, found[i] = paths[i], read
   end)
-  if not fine then return nil, why end
+  if not ok then return nil, why end
   return found
 end
 
@@ -214,7 +214,7 @@ function run.items(items, options, done)
     end
   end
   report()
-  local fine, why = all(tasks, options.parallel, options.in_process, function(k, ending)
+  local ok, why = all(tasks, options.parallel, options.in_process, function(k, ending)
     local i = numbers[k]
     local stem = ("%s/%04d"):format(options.scratch, i)
     results[i] = finish(items[i], ending, stem .. ".lines")
@@ -224,7 +224,7 @@ function run.items(items, options, done)
   -- interrupted: those that ended, in their order
   local ended_ones = {}
   for i = 1, #items do ended_ones[#ended_ones + 1] = results[i] end
-  return ended_ones, not fine and why or nil
+  return ended_ones, not ok and why or nil
 end
 
 return run

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- What trials share and is dear to make (a mesh, a library), kept in files. An entry is named by the
+-- What trials share and is expensive to make (a mesh, a library), kept in files. An entry is named by the
 -- SHA-256 of what it is; who finds it reads it, who does not makes it while others wait for the same.
 --
 -- An entry is one file: a mark, the SHA-256 of the rest, the rest (pack.lua). It is written beside its

@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Checksums of what a study's file holds: SQLite trusts the pages it reads, so a row that was changed, replaced by
--- an older one or lost is told by these alone.
+-- an older one or lost is recognised by these alone.
 --
 -- A checksum is the first 64 bits of the SHA-256 of values in a canonical form, as a signed integer. Damage passes
 -- for sound with a probability of 2^-64. Each trial has one. A set of trials has their number and the sum of their

@@ -15,7 +15,7 @@ executor.__index = executor
 
 -- A trial that fills memory is ended before the machine is: nine tenths of it, shared by the workers. Counted
 -- are addresses, of which libraries take more than they use: no less than 4 GB.
-local function share_of_memory(workers)
+local function fraction_of_memory(workers)
   local file = io.open "/proc/meminfo"
   local kilobytes = file and file:read("a"):match "MemTotal:%s*(%d+)"
   if file then file:close() end
@@ -26,15 +26,15 @@ end
 function executor.new(study, opts)
   local capacity = opts.workers or core.processors()
   return setmetatable({study = study, opts = opts, capacity = capacity,
-    bytes = opts.bytes or share_of_memory(capacity), jobs = {}, records = {}}, executor)
+    bytes = opts.bytes or fraction_of_memory(capacity), jobs = {}, records = {}}, executor)
 end
 
 function executor:start(record)
   local study, output = self.study, nil
   if self.opts.output then
     local path = trial.folder_of(study, record.key)
-    local fine, message, details = core.make_folder(path)
-    if not fine then return nil, message, details end
+    local ok, message, details = core.make_folder(path)
+    if not ok then return nil, message, details end
     output = path .. "/output.txt"
   end
   local job, message, details = core.job(function() return trial.perform(study, record) end, {

@@ -22,7 +22,7 @@ local function spread(variable, count, where)
   end
   local values = {}
   for i = 1, count do
-    if all then -- the middles of even shares, so that the ends are met
+    if all then -- the midpoints of equal intervals, so that the ends are met
       local k = count == 1 and (all - 1) // 2 or (i - 1) * (all - 1) // (count - 1)
       values[i] = variable:value((k + 0.5) / all)
     else

@@ -114,7 +114,7 @@ local function list_of(numbers)
 end
 
 --- true, or nil, a sentence and details where trials are not what was written, or not all that was.
---- tally: the text that tells how many there are and the sum of their checksums; nil where there is none.
+--- tally: the text that says how many there are and the sum of their checksums; nil where there is none.
 function intact.verify(path, read, tally)
   local bad = {}
   for _, trial in ipairs(read.trials) do

@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Several files of one study become one: parts that ran on several machines, or an older file. A trial
--- is its key, so nothing is doubled; where two files have different numbers for one key, that is told.
+-- is its key, so nothing is doubled; where two files have different numbers for one key, that is reported.
 local core = require "barwright.core"
 local options = require "barwright.options"
 local store = require "barwright.study.store"
@@ -90,13 +90,13 @@ local function take_file(self, target, known, out, path, opts)
   list, message, details = source:load()
   if not list then return nil, message, details end
   local add, finish = sort_out(self, out, known, list, path)
-  local fine
-  fine, message, details = target:take(add)
+  local ok
+  ok, message, details = target:take(add)
   for _, record in ipairs(finish) do
-    if not fine then break end
-    fine, message, details = target:finish(record)
+    if not ok then break end
+    ok, message, details = target:finish(record)
   end
-  if not fine then return nil, store.explain(self.file, message, details) end
+  if not ok then return nil, store.explain(self.file, message, details) end
   return true
 end
 
@@ -133,9 +133,9 @@ function merge.into(self, files, given)
   if not known.scripts then return nil, message, details end
   local out = setmetatable({file = self.file, files = #files, taken = 0, duplicates = 0, conflicts = {}}, meta)
   for _, path in ipairs(files) do
-    local fine
-    fine, message, details = take_file(self, target, known, out, path, opts)
-    if not fine then return nil, message, details end
+    local ok
+    ok, message, details = take_file(self, target, known, out, path, opts)
+    if not ok then return nil, message, details end
   end
   return out
 end

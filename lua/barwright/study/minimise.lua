@@ -225,12 +225,12 @@ local function replay(self)
   local low, high, constraints = {}, {}, {}
   for k = 1, search.dimensions do low[k], high[k] = 0.0, 1.0 end
   for i, side in ipairs(search.sides) do constraints[i] = constraint_function(self, side) end
-  local fine, x, value, about = pcall(core.minimise, {method = search.method, start = copy(self.start),
+  local ok, x, value, about = pcall(core.minimise, {method = search.method, start = copy(self.start),
     min = low, max = high, evaluations = search.opts.evaluations, seed = search.opts.seed,
     objective = objective_function(self), constraints = #constraints > 0 and constraints or nil,
     value_tolerance = search.opts.tolerance, tolerance = search.opts.tolerance})
-  if not fine and x ~= GIVE_UP then error(x, 0) end
-  if not fine then return end
+  if not ok and x ~= GIVE_UP then error(x, 0) end
+  if not ok then return end
   if x == nil then
     self.outcome = {why = value, failed = true}
     return

@@ -9,7 +9,7 @@ local pack = require "barwright.study.pack"
 
 local mpi = {}
 
--- Tags. A worker says who it is, then answers each trial with an outcome, until it is told to end.
+-- Tags. A worker says who it is, then answers each trial with an outcome, until it is asked to end.
 local HELLO, TRIAL, OUTCOME, END = 1, 2, 3, 4
 
 -- What must be the same on all ranks: the same name, seed and text of the script.
@@ -40,16 +40,16 @@ end
 --- For study:run {executor = mpi.executor}; to be closed by mpi.finish.
 function mpi.executor(study)
   local self = setmetatable({study = study, capacity = distributed.size() - 1, free = {}, busy = {}}, methods)
-  local fine, message = greet(self)
-  if not fine then return nil, message, {status = "failed"} end
+  local ok, message = greet(self)
+  if not ok then return nil, message, {status = "failed"} end
   return self
 end
 
 function methods:start(record)
   local rank = table.remove(self.free)
-  local fine, message, details = distributed.send(rank, TRIAL,
+  local ok, message, details = distributed.send(rank, TRIAL,
     pack.encode {number = record.number, key = record.key, seed = record.seed, point = record.point})
-  if not fine then return nil, message, details end
+  if not ok then return nil, message, details end
   self.busy[rank] = record
   return true
 end
@@ -74,8 +74,8 @@ end
 -- ---- the others --------------------------------------------------------------------------------------
 
 local function perform(here, record)
-  local fine, message = here:start(record)
-  if not fine then return {status = "failed", message = message} end
+  local ok, message = here:start(record)
+  if not ok then return {status = "failed", message = message} end
   while true do
     local ended, outcome = here:wait(0.25)
     if ended then return outcome end
@@ -103,8 +103,8 @@ end
 --- Runs the study's trials for rank 0 until that one ends. opts: seconds, bytes, output. An error here
 --- ends all ranks: rank 0 would wait for ever.
 function mpi.work(study, opts)
-  local fine, message = xpcall(work, debug.traceback, study, opts)
-  if not fine then distributed.abort(message) end
+  local ok, message = xpcall(work, debug.traceback, study, opts)
+  if not ok then distributed.abort(message) end
 end
 
 --- study:run on all ranks: on rank 0 its results; on the others true when rank 0 has ended.

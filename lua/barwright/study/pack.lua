@@ -32,9 +32,9 @@ local function object_text(value, class, scratch)
   local temporary <close>, why = core.temporary(scratch)
   if not temporary then error(why, 0) end
   local path = temporary.path .. objects[class].ending
-  local fine, message = value:write(path, objects[class].opts)
+  local ok, message = value:write(path, objects[class].opts)
   local text
-  if fine then text, message = file_text(path) end
+  if ok then text, message = file_text(path) end
   if not text then error(message, 0) end
   return text
 end
@@ -43,9 +43,9 @@ local function object_of(text, class, scratch)
   local temporary <close>, why = core.temporary(scratch)
   if not temporary then error(why, 0) end
   local path = temporary.path .. objects[class].ending
-  local fine, message = core.write_file(path, text)
+  local ok, message = core.write_file(path, text)
   local object
-  if fine then object, message = objects[class].read(path) end
+  if ok then object, message = objects[class].read(path) end
   if not object then error(message, 0) end
   return object
 end
@@ -91,8 +91,8 @@ end
 --- the way where there is something that cannot be kept.
 function pack.encode(value, scratch)
   local out = {}
-  local fine, why = pcall(write, value, out, scratch, {})
-  if fine then return table.concat(out) end
+  local ok, why = pcall(write, value, out, scratch, {})
+  if ok then return table.concat(out) end
   return nil, tostring(why)
 end
 
@@ -136,8 +136,8 @@ end
 
 --- The value of the bytes; nil and a message where they are none.
 function pack.decode(text, scratch)
-  local fine, value = pcall(read, text, 1, scratch)
-  if fine then return value end
+  local ok, value = pcall(read, text, 1, scratch)
+  if ok then return value end
   return nil, tostring(value)
 end
 

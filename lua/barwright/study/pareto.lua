@@ -111,7 +111,7 @@ local function beats(a, b)
   return a.violation == 0 and front.dominates(a.costs, b.costs)
 end
 
-local function judge(members)
+local function assess(members)
   local costs = {}
   for i, m in ipairs(members) do costs[i] = m.costs or {} end
   local fronts = front.ranks(#members, function(i, j) return beats(members[i], members[j]) end)
@@ -138,7 +138,7 @@ local function survivors(members, count)
       distinct[#distinct + 1] = m
     end
   end
-  judge(distinct)
+  assess(distinct)
   table.sort(distinct, better)
   for i = #distinct, count + 1, -1 do distinct[i] = nil end
   return distinct
@@ -206,7 +206,7 @@ function design.run(evaluate, problem, opts)
   local source = random.new(opts.seed)
   local search = {evaluate = evaluate, problem = problem, opts = opts, born = 0, feasible = {}}
   local population = members_of(search, sampling.latin(opts.population, #problem.variables, source, true))
-  judge(population)
+  assess(population)
   local counts = {#search.feasible}
   for g = 1, opts.generations do
     local born = members_of(search, children(search, population, source))

@@ -119,7 +119,7 @@ function problem:check(point, where)
   return out
 end
 
---- Where a study begins: defaults, else middles.
+--- Where a study begins: defaults, else midpoints.
 function problem:middle()
   local point = {}
   for _, v in ipairs(self.variables) do point[v.name] = v:middle() end

@@ -303,8 +303,8 @@ local function all_plots(trials)
   local out = {#trials > 0 and '<p class="hint">A point shows its trial where the pointer rests.</p>\n'
     or '<p class="hint">There is nothing to be drawn yet.</p>\n'}
   for _, one in ipairs(fitting(trials)) do
-    local fine, made = pcall(plots.plot, trials, one.kind, one.opts)
-    out[#out + 1] = figure_html(one.title, fine and made, not fine and made or nil)
+    local ok, made = pcall(plots.plot, trials, one.kind, one.opts)
+    out[#out + 1] = figure_html(one.title, ok and made, not ok and made or nil)
   end
   return table.concat(out)
 end

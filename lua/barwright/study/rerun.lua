@@ -89,8 +89,8 @@ end
 local function run_in_job(study, record, opts)
   local own = executor.new(study, {workers = 1, seconds = opts.seconds, bytes = opts.bytes})
   local closing <close> = setmetatable({}, {__close = function() own:close() end})
-  local fine, message, details = own:start(record)
-  if not fine then return nil, message, details end
+  local ok, message, details = own:start(record)
+  if not ok then return nil, message, details end
   local ended, outcome
   repeat ended, outcome = own:wait(60) until ended or outcome
   assert(closing)
@@ -116,9 +116,9 @@ function rerun.trial(study, which, given)
   if not before then return nil, message, details end
   local now = trials.present({number = before.number, key = before.key, seed = before.seed, point = before.point,
     status = "asked"}, study.problem, study)
-  local fine
-  fine, message, details = (opts.inside and run_inside or run_in_job)(study, now, opts)
-  if not fine then return nil, message, details end
+  local ok
+  ok, message, details = (opts.inside and run_inside or run_in_job)(study, now, opts)
+  if not ok then return nil, message, details end
   local out = setmetatable({trial = now, differences = {}, same = false}, meta)
   if before.status == "asked" then return out end
   out.before = trials.present(before, study.problem, study)

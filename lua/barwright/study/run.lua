@@ -71,8 +71,8 @@ local function trial_of(self, point, fresh)
 end
 
 local function save(self, method, what)
-  local fine, message, details = self.store[method](self.store, what)
-  if not fine then
+  local ok, message, details = self.store[method](self.store, what)
+  if not ok then
     give_up(store.explain(self.store.path, message, details))
   end
 end
@@ -139,8 +139,8 @@ local function work_off(self)
   look_at_finished(self)
   while at <= #self.missing or self.running > 0 do
     while at <= #self.missing and self.running < self.executor.capacity do
-      local fine, message, details = self.executor:start(self.missing[at])
-      if not fine then give_up(message, details) end
+      local ok, message, details = self.executor:start(self.missing[at])
+      if not ok then give_up(message, details) end
       self.running = self.running + 1
       at = at + 1
     end
@@ -250,9 +250,9 @@ local function finished_trials(self, summary)
 end
 
 local function run_design(self, design)
-  local fine, summary = pcall(design.run, function(points) return evaluate(self, points) end, self.study.problem,
+  local ok, summary = pcall(design.run, function(points) return evaluate(self, points) end, self.study.problem,
     design.opts)
-  if fine then
+  if ok then
     if type(summary) == "number" or type(summary) == "string" then summary = {value = summary} end
     return finished_trials(self, type(summary) == "table" and summary or {})
   end
@@ -288,9 +288,9 @@ function run.run(study, given)
     order = {}, place = {}, pending = {}, retried = {}, missing = {}, seen = 0, live = trials.new(study),
     running = 0, finished = 0, finished_of_batch = 0, reused = 0, shown = -1, began = core.seconds(),
     total = design.total, stage = "study " .. study.name}, runner)
-  local fine
-  fine, message, details = load(self)
-  if not fine then return nil, message, details end
+  local ok
+  ok, message, details = load(self)
+  if not ok then return nil, message, details end
   local make = opts.executor or executor.new
   local own = make
   if type(make) == "function" then

@@ -163,9 +163,9 @@ local function repair(into, seen, plain, report)
   if plain and not report.whole then
     add_note(report, "the file has no checksums: look at what its rows say")
   end
-  local fine
-  fine, message, details = head(db, seen, plain, list)
-  if not fine then return nil, message, details end
+  local ok
+  ok, message, details = head(db, seen, plain, list)
+  if not ok then return nil, message, details end
   return store.change(db, list, not plain and seen.definition)
 end
 
@@ -201,8 +201,8 @@ function salvage.into(path, into)
   end
   local report, seen, plain = copy(path, into)
   if not report then return nil, seen, plain end
-  local fine, message, details = repair(into, seen, plain, report)
-  if not fine then
+  local ok, message, details = repair(into, seen, plain, report)
+  if not ok then
     os.remove(into)
     return nil, message, details
   end

@@ -41,9 +41,9 @@ function seals.write(db)
   for name in pairs(tables) do
     local sum, message, details = of_table(db, name)
     if not sum then return nil, message, details end
-    local fine
-    fine, message, details = db:change("INSERT OR REPLACE INTO study VALUES (?, ?)", "checksum of " .. name, sum)
-    if not fine then return nil, message, details end
+    local ok
+    ok, message, details = db:change("INSERT OR REPLACE INTO study VALUES (?, ?)", "checksum of " .. name, sum)
+    if not ok then return nil, message, details end
   end
   return true
 end

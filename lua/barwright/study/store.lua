@@ -39,11 +39,11 @@ local MAX_COLUMNS = 1900 -- SQLite's own limit is 2000
 
 -- Runs f in a transaction: all of it or nothing.
 local function transaction(db, f)
-  local fine, message, details = db:execute "BEGIN IMMEDIATE"
-  if not fine then return nil, message, details end
-  fine, message, details = f()
-  if fine then fine, message, details = db:execute "COMMIT" end
-  if not fine then
+  local ok, message, details = db:execute "BEGIN IMMEDIATE"
+  if not ok then return nil, message, details end
+  ok, message, details = f()
+  if ok then ok, message, details = db:execute "COMMIT" end
+  if not ok then
     if db.inside_transaction then db:execute "ROLLBACK" end -- a full disk has done so
     return nil, message, details
   end
@@ -53,13 +53,13 @@ end
 -- Statements until one fails.
 local function all(db, list)
   for _, each in ipairs(list) do
-    local fine, message, details
+    local ok, message, details
     if type(each) == "string" then
-      fine, message, details = db:execute(each)
+      ok, message, details = db:execute(each)
     else
-      fine, message, details = db:change(table.unpack(each, 1, each.n or #each))
+      ok, message, details = db:change(table.unpack(each, 1, each.n or #each))
     end
-    if not fine then return nil, message, details end
+    if not ok then return nil, message, details end
   end
   return true
 end
@@ -70,19 +70,19 @@ local function seal(db)
   if not rows then return nil, message, details end
   local sum = 0
   for _, row in ipairs(rows) do sum = sum + row.checksum end
-  local fine
-  fine, message, details = db:change("INSERT OR REPLACE INTO study VALUES (?, ?)", TALLY,
+  local ok
+  ok, message, details = db:change("INSERT OR REPLACE INTO study VALUES (?, ?)", TALLY,
     checksum.tally_text(#rows, sum))
-  if not fine then return nil, message, details end
+  if not ok then return nil, message, details end
   return seals.write(db)
 end
 
 --- Statements in one transaction, at whose end the file is sealed if it is to be.
 function store.change(db, list, sealed)
   return transaction(db, function()
-    local fine, message, details = all(db, list)
-    if fine and sealed then return seal(db) end
-    return fine, message, details
+    local ok, message, details = all(db, list)
+    if ok and sealed then return seal(db) end
+    return ok, message, details
   end)
 end
 
@@ -95,9 +95,9 @@ local function counted(self, f)
     if not rows then return nil, message, details end
     self.count, self.sum = checksum.read_tally(rows[1] and rows[1].value)
     if not self.count then return intact.damaged(self.path, "the number of its trials is lost") end
-    local fine
-    fine, message, details = f()
-    if not fine then return nil, message, details end
+    local ok
+    ok, message, details = f()
+    if not ok then return nil, message, details end
     return self.db:change("UPDATE study SET value = ? WHERE name = ?",
       checksum.tally_text(self.count, self.sum), TALLY)
   end)
@@ -184,8 +184,8 @@ end
 -- Reads in one state of the file, whatever is written meanwhile.
 local function in_one_state(db, f)
   if db.inside_transaction then return f() end
-  local fine, message, details = db:execute "BEGIN"
-  if not fine then return nil, message, details end
+  local ok, message, details = db:execute "BEGIN"
+  if not ok then return nil, message, details end
   local out
   out, message, details = f()
   if db.inside_transaction then db:execute "COMMIT" end
@@ -261,12 +261,12 @@ function store.open(study, path, opts)
   local db, message, details = core.database(path, {read_only = opts.read_only})
   if not db then return nil, store.explain(path, message, details) end
   self.db = db
-  local fine
-  fine, message, details = compare(self, opts)
-  if not fine then return refuse(self, message, details) end
+  local ok
+  ok, message, details = compare(self, opts)
+  if not ok then return refuse(self, message, details) end
   if not opts.read_only then
-    fine, message, details = ready_to_write(self, study, opts)
-    if not fine then return refuse(self, message, details) end
+    ok, message, details = ready_to_write(self, study, opts)
+    if not ok then return refuse(self, message, details) end
   end
   if self.plain then
     core.warn(("%s: an older version made it without checksums, so that damage may pass unseen; 'barwright "
@@ -298,13 +298,13 @@ function store:remember(study, continue)
   local manifest = json.encode(study:manifest())
   return transaction(self.db, function()
     if not self.script then
-      local fine, why, more = self.db:change("INSERT INTO scripts VALUES (?, ?, ?, ?, ?)", last + 1, sha,
+      local ok, why, more = self.db:change("INSERT INTO scripts VALUES (?, ?, ?, ?, ?)", last + 1, sha,
         script.path, script.text, constraints)
-      if not fine then return nil, why, more end
+      if not ok then return nil, why, more end
       self.script = last + 1
     end
-    local fine, why, more = self.db:change("INSERT OR IGNORE INTO manifests (manifest) VALUES (?)", manifest)
-    if not fine then return nil, why, more end
+    local ok, why, more = self.db:change("INSERT OR IGNORE INTO manifests (manifest) VALUES (?)", manifest)
+    if not ok then return nil, why, more end
     local rows
     rows, why, more = self.db:rows("SELECT number FROM manifests WHERE manifest = ?", manifest)
     if not rows then return nil, why, more end
@@ -345,11 +345,11 @@ local function put_asked(self, trial)
   local point = point_of(self, trial)
   local sum = checksum_of(self, {number = trial.number, key = trial.key, seed = trial.seed, status = "asked",
     attempts = 0}, point)
-  local fine, message, details = self.db:change(
+  local ok, message, details = self.db:change(
     "INSERT INTO trials (number, key, seed, status) VALUES (?, ?, ?, 'asked')", trial.number, trial.key,
     trial.seed)
-  if fine then fine, message, details = put_checksum(self, trial, sum) end
-  if not fine then return nil, message, details end
+  if ok then ok, message, details = put_checksum(self, trial, sum) end
+  if not ok then return nil, message, details end
   self.count, self.sum = self.count + 1, self.sum + sum
   return self.db:change(self.insert_point, trial.number, table.unpack(point, 1, #self.point_columns))
 end
@@ -358,8 +358,8 @@ end
 function store:ask(trials)
   return counted(self, function()
     for _, trial in ipairs(trials) do
-      local fine, message, details = put_asked(self, trial)
-      if not fine then return nil, message, details end
+      local ok, message, details = put_asked(self, trial)
+      if not ok then return nil, message, details end
     end
     return true
   end)
@@ -397,18 +397,18 @@ local function put_outcome(self, trial)
   end
   local row = row_of(self, trial)
   local sum = checksum_of(self, row, point_of(self, trial), results)
-  local fine
-  fine, message, details = self.db:change("UPDATE trials SET status = ?, message = ?, seconds = ?,"
+  local ok
+  ok, message, details = self.db:change("UPDATE trials SET status = ?, message = ?, seconds = ?,"
     .. " processor_seconds = ?, peak_bytes = ?, attempts = ?, gradients = ?, script = ?, manifest = ?"
     .. " WHERE number = ?", row.status, row.message, row.seconds, row.processor_seconds, row.peak_bytes,
     row.attempts, row.gradients, row.script, row.manifest, row.number)
-  if fine then fine, message, details = put_checksum(self, trial, sum) end
+  if ok then ok, message, details = put_checksum(self, trial, sum) end
   self.sum = self.sum - before + sum
-  if fine and results then
-    fine, message, details = self.db:change(self.insert_result, trial.number,
+  if ok and results then
+    ok, message, details = self.db:change(self.insert_result, trial.number,
       table.unpack(results, 1, #self.result_columns))
   end
-  return fine, message, details
+  return ok, message, details
 end
 
 --- Writes how a trial ended, in one transaction.
@@ -420,9 +420,9 @@ end
 function store:take(trials)
   return counted(self, function()
     for _, trial in ipairs(trials) do
-      local fine, message, details = put_asked(self, trial)
-      if fine and trial.status ~= "asked" then fine, message, details = put_outcome(self, trial) end
-      if not fine then return nil, message, details end
+      local ok, message, details = put_asked(self, trial)
+      if ok and trial.status ~= "asked" then ok, message, details = put_outcome(self, trial) end
+      if not ok then return nil, message, details end
     end
     return true
   end)
@@ -454,9 +454,9 @@ function store:load()
       if not tally then return nil, why, more end
       tally = tally[1] and tally[1].value or ""
     end
-    local fine
-    fine, why, more = intact.verify(self.path, read, tally)
-    return fine and read.trials, why, more
+    local ok
+    ok, why, more = intact.verify(self.path, read, tally)
+    return ok and read.trials, why, more
   end)
   if not list then return nil, store.explain(self.path, message, details) end
   for i, trial in ipairs(list) do list[i] = present(self, trial) end

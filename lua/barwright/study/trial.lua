@@ -68,8 +68,8 @@ arguments.methods("trial", methods, meta, {random = "a?: any, b?: any",
 --- The folder for this trial's files, made when it is asked for.
 function getters:folder()
   local path = trial.folder_of(self.study, self.key)
-  local fine, message = core.make_folder(path)
-  if not fine then error(message, 0) end
+  local ok, message = core.make_folder(path)
+  if not ok then error(message, 0) end
   rawset(self, "folder", path)
   return path
 end
@@ -181,8 +181,8 @@ function trial.perform(study, record)
   math.randomseed(record.seed) -- for scripts that use Lua's own
   local point = {}
   for name, value in pairs(record.point) do point[name] = value end
-  local fine, results, extra, details = pcall(study.run_function, point, trial.new(study, record))
-  if not fine then return failure(results) end
+  local ok, results, extra, details = pcall(study.run_function, point, trial.new(study, record))
+  if not ok then return failure(results) end
   if results == nil and extra ~= nil then return failure(extra, details) end
   local values, message = checked(study.problem, results)
   if not values then return failure(message) end

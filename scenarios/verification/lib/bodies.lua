@@ -6,7 +6,7 @@ local bw = require "barwright"
 local bodies = {}
 local mm = 1e-3
 
--- A bar of three bones, held at one end and on a slide at its middle: pressure, a total force, a
+-- A bar of three bones, fixed at one end and on a slide at its middle: pressure, a total force, a
 -- torque, gravity.
 local function bar(order, material)
   local mesh = assert(bw.mesh.box {min = {0, -12 * mm, -8 * mm}, max = {240 * mm, 12 * mm, 8 * mm},
@@ -36,7 +36,7 @@ local figure_bones = {{"hip", "chest", name = "trunk"}, {"chest", "head", name =
   {"left_knee", "left_foot", name = "left_shin"}, {"hip", "right_hip", name = "right_side"},
   {"right_hip", "right_knee", name = "right_thigh"}, {"right_knee", "right_foot", name = "right_shin"}}
 
--- A figure on two legs, filled by TetGen: held at the feet, pushed at the head, heavy.
+-- A figure on two legs, filled by TetGen: fixed at the feet, pushed at the head, heavy.
 local function figure(order, material)
   local limbs = {}
   for _, bone in ipairs(figure_bones) do
@@ -122,9 +122,9 @@ function bodies.edit(session, random)
   for _, kind in ipairs(kinds) do
     pick = pick - kind[1]
     if pick <= 0 then
-      local fine, message, details = kind[2](bone, random)
-      if not fine and details.status ~= "geometry" and details.status ~= "empty" then error(message) end
-      return fine and true or false
+      local ok, message, details = kind[2](bone, random)
+      if not ok and details.status ~= "geometry" and details.status ~= "empty" then error(message) end
+      return ok and true or false
     end
   end
 end

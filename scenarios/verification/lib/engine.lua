@@ -14,11 +14,11 @@ local function judge(line)
   for cell in line:gmatch "[^|]+" do cells[#cells + 1] = cell:match "^%s*(.-)%s*$" end
   local case, quantity, reference, figure, allowed, source = table.unpack(cells)
   local what = expect(tonumber(figure), case .. ": " .. quantity)
-  local share = allowed:match "^(%S+) %%$"
+  local fraction = allowed:match "^(%S+) %%$"
   if allowed == "below" then
     what:below(tonumber(reference), {source = source})
-  elseif share then
-    what:near(tonumber(reference), {relative = tonumber(share) / 100, source = source})
+  elseif fraction then
+    what:near(tonumber(reference), {relative = tonumber(fraction) / 100, source = source})
   else
     what:near(tonumber(reference), {absolute = tonumber(allowed), source = source})
   end

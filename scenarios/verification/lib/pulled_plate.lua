@@ -7,7 +7,7 @@ local pulled_plate = {}
 local plastic = bw.material.isotropic {name = "plastic", young = 3e9, poisson = 0.35, density = 1200}
 
 --- A form and a problem: the right half of a square plate of half width 1, pulled by sx and sy (Pa) along x
---- and y, with a round hole of so large a radius in its middle; what is free is the hole. It is held at the
+--- and y, with a round hole of so large a radius in its middle; what is free is the hole. It is fixed at the
 --- axis, and along y by a short edge that carries nothing, since the forces balance.
 function pulled_plate.with_hole(sx, sy, radius, over)
   local function vertex(x, y) return {controls = {{x, y, "fixed"}}} end

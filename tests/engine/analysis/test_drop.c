@@ -127,8 +127,8 @@ static void contact_does_not_depend_on_the_mesh(void **state) {
     for (int k = 0; k < 2; k++) { /* a patch, however coarse the mesh, and nothing sideways */
       assert_true(result[k].nodes[i] >= 3);
       for (int c = 0; c < 3; c++)
-        check_near(result[k].resultant[3 * i + c], result[k].force[i] * result[k].push[3 * i + c],
-                   1e-9 * result[k].force[i]);
+        check_near(result[k].resultant[3 * i + c],
+                   result[k].force[i] * result[k].direction[3 * i + c], 1e-9 * result[k].force[i]);
     }
   }
   assert_true(difference < 0.1);

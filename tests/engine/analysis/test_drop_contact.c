@@ -41,7 +41,8 @@ static void flat_face(void **state) {
     int cells = kind == 0 ? 1 : kind == 1 ? 3 : 40;
     bw_mesh *mesh =
         make_box(context, 1, length, 1, cells, kind == 2 ? 4 : cells, 2, kind == 1 ? 2 : 1);
-    bwi_peg peg = {.at = {0.47, 0.5, 1}, .push = {0, 0, -1}, .along = {0, 1, 0}, .radius = radius};
+    bwi_peg peg = {
+        .at = {0.47, 0.5, 1}, .direction = {0, 0, -1}, .along = {0, 1, 0}, .radius = radius};
     double depth = 2e-4, force = 4 * modulus * sqrt(2 * length * sqrt(2 * radius) / M_PI) *
                                  pow(depth, 1.25) / 1.25;
     pressed it = press(context, mesh, &peg, force, modulus);
@@ -82,7 +83,7 @@ static void ball_converges(void **state) {
     bw_mesh *mesh = NULL;
     const int cells[3] = {6 << k, 6 << k, 6 << k};
     check_ok(context, bw_mesh_mapped_box(context, cells, 1, a_ball, NULL, &mesh));
-    bwi_peg peg = {.at = {0, 0, 1}, .push = {0, 0, -1}, .along = {0, 1, 0}, .radius = radius};
+    bwi_peg peg = {.at = {0, 0, 1}, .direction = {0, 0, -1}, .along = {0, 1, 0}, .radius = radius};
     pressed it = press(context, mesh, &peg, force, modulus);
     error[k] = fabs(it.patch.area / exact - 1);
     assert_true(fabs(it.patch.centre[0]) < 0.1 && fabs(it.patch.centre[1]) < 0.1);
@@ -99,7 +100,7 @@ static void edge(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_box(context, 1, 1, 1, 4, 4, 4, 1);
   double r = sqrt(0.5), area = 0;
-  bwi_peg peg = {.at = {0, 0.4, 1}, .push = {r, 0, -r}, .along = {r, 0, r}, .radius = 0.1};
+  bwi_peg peg = {.at = {0, 0.4, 1}, .direction = {r, 0, -r}, .along = {r, 0, r}, .radius = 0.1};
   for (double force = 1e3; force < 2e5; force *= 10) {
     pressed it = press(context, mesh, &peg, force, 1e9);
     assert_true(it.patch.area > area);

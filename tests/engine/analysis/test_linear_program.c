@@ -25,7 +25,7 @@ static void free_all(free_body *body, const bw_mesh *mesh) {
         count++;
       }
     for (int m = 0; m < 6; m++) {
-      bw_rigid_mode *motion = &body->motion[body->dof_map.motion_count++];
+      bw_rigid_mode *motion = &body->motion[body->dof_map.rigid_mode_count++];
       motion->component = c;
       for (int k = 0; k < 3; k++)
         motion->centre[k] = centre[k] / count;
@@ -55,7 +55,7 @@ static double imbalance(bw_context *context, const free_body *body, const bw_pre
   const bw_mesh *mesh = basis->mesh;
   double *force = BW_NEW(context, double, 3 * (size_t)mesh->node_count), worst = 0;
   bw_pressure_force(basis, pressure, force);
-  for (int32_t m = 0; m < body->dof_map.motion_count; m++)
+  for (int32_t m = 0; m < body->dof_map.rigid_mode_count; m++)
     worst = fmax(worst, fabs(motion_dot(&body->motion[m], mesh, force)));
   bw_free(force);
   return worst;
@@ -251,7 +251,7 @@ static void agrees_with_enumeration(void **state) {
   check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
   free_body body;
   free_all(&body, mesh);
-  body.dof_map.motion_count = 2; /* forces along x and y only */
+  body.dof_map.rigid_mode_count = 2; /* forces along x and y only */
   bw_random random;
   bw_random_seed(&random, 3);
   double area = 0;

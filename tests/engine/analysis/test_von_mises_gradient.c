@@ -209,7 +209,7 @@ static bw_status gradient_of(bw_context *context, const bw_model *model, const b
                                result->system, count, node, NULL, stress, gradient);
 }
 
-/* Corners on the boundary and inside, and middles. */
+/* Corners on the boundary and inside, and mid-edge nodes. */
 static void choose(const bw_mesh *mesh, int32_t node[NODES]) {
   for (int i = 0; i < NODES; i++)
     node[i] = (int32_t)((int64_t)mesh->node_count * (3 * i + 2) / (3 * NODES));

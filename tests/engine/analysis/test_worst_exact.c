@@ -50,7 +50,7 @@ static void exact_close(exact *x) {
 /* Unknowns: pressures over p_max. Rows: forces, moments (a free body), the total, each node. */
 static void pose(exact *x, const bw_worst_load_options *options) {
   const bw_pressure_basis *b = x->body.basis;
-  int n = b->count, nodes = n / b->directions, balance = x->body.dof_map->motion_count;
+  int n = b->count, nodes = n / b->directions, balance = x->body.dof_map->rigid_mode_count;
   int row[10], last = balance + 1; /* GLPK counts from 1 */
   double value[10];
   assert_true(balance == 0 || balance == 6);
@@ -220,7 +220,7 @@ static void check_dual_bounds(bw_context *context, const exact *x,
                               const bw_worst_load_options *options, const bw_bound_leaves *leaves) {
   const bw_pressure_basis *basis = x->body.basis;
   const bw_dof_map *dof_map = x->body.dof_map;
-  int m = dof_map->motion_count;
+  int m = dof_map->rigid_mode_count;
   size_t numbers = 6 * (size_t)m + 2, count = leaves->count;
   double *work = BW_NEW0(context, double, (size_t)m * x->body.n + 1);
   double *multiplier = BW_NEW0(context, double, count *numbers);

@@ -59,7 +59,7 @@ static void end_traction(const bw_mesh *mesh, double length, const double tracti
     }
     bw_cross(a, b, c);
     double share = bw_norm(c) / 6; /* a third of the area */
-    for (int i = 0; i < 3; i++)    /* all on the corners, or all on the middles */
+    for (int i = 0; i < 3; i++)    /* all on the corners, or all on the mid-edge nodes */
       for (int k = 0; k < 3; k++)
         force[3 * facet[mesh->order == 2 ? 3 + i : i] + k] += share * traction[k];
   }

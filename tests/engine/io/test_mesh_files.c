@@ -230,7 +230,7 @@ static void tetgen_text(void **state) {
   unlink(node);
 }
 
-/* TetGen's order of middles, as its manual and its library have it: 23 03 01 12 13 02. */
+/* TetGen's order of mid-edge nodes, as its manual and its library have it: 23 03 01 12 13 02. */
 static void tetgen_ten_nodes(void **state) {
   bw_context *context = check_context(state);
   char node[300], ele[300];

@@ -43,7 +43,7 @@ static bw_surface *join(bw_context *context, bw_surface **part, int count, unsig
     bw_release(part[i]);
   }
   bw_surface *all;
-  check_ok(context, bw_surface_own(context, points, point, triangles, triangle, NULL, &all));
+  check_ok(context, bw_surface_adopt(context, points, point, triangles, triangle, NULL, &all));
   return all;
 }
 
@@ -538,8 +538,8 @@ static void test_degenerate_is_peeled(void **state) {
     assert_int_equal(result.node_count, inside ? 6 : 5);
     if (!inside) {
       bw_mesh *mesh;
-      check_ok(context, bw_mesh_own(context, 1, result.node_count, result.node,
-                                    result.element_count, result.element, NULL, &mesh));
+      check_ok(context, bw_mesh_adopt(context, 1, result.node_count, result.node,
+                                      result.element_count, result.element, NULL, &mesh));
       check_near(bw_mesh_volume(mesh), 1.0 / 3, 1e-15);
       assert_int_equal(mesh->facet_count, 6);
       bw_release(mesh);

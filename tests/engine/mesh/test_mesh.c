@@ -317,7 +317,8 @@ static void test_mapped(void **state) {
   check_ok(context, bw_mesh_mapped_box(context, cells, 2, bend, NULL, &mesh));
   double exact = 0.75 * acos(-1), h = acos(-1) / 2 / 24; /* chords lose (1 - sin h / h) of it */
   check_near(bw_mesh_volume(mesh), exact * sin(h) / h, 1e-12);
-  for (int32_t i = 0; i < mesh->boundary_node_count; i++) { /* middles lie on the curve too */
+  for (int32_t i = 0; i < mesh->boundary_node_count;
+       i++) { /* mid-edge nodes lie on the curve too */
     const double *x = mesh->node + 3 * mesh->boundary_node[i];
     double r = hypot(x[0], x[1]), angle = atan2(x[1], x[0]) / h * 2;
     check_near(angle, round(angle), 1e-9);
@@ -348,7 +349,7 @@ static void test_hub(void **state) {
   for (int i = 0; i < N; i++)
     memcpy(element + 4 * i, (int32_t[]){0, 2 + i, 3 + i, 1}, 16);
   bw_mesh *mesh;
-  check_ok(context, bw_mesh_own(context, 1, N + 3, node, N, element, NULL, &mesh));
+  check_ok(context, bw_mesh_adopt(context, 1, N + 3, node, N, element, NULL, &mesh));
   assert_int_equal(mesh->facet_count, 2 * N + 2);
   check_near(bw_mesh_volume(mesh), 1, 1e-6);
   bw_release(mesh);

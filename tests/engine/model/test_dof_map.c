@@ -3,7 +3,7 @@
 
 /* R^T W R = 1, R^T W from W R, and the pins tell the motions apart. */
 static void check_motions(const bw_dof_map *dof_map) {
-  int n = dof_map->motion_count;
+  int n = dof_map->rigid_mode_count;
   size_t size = 3 * (size_t)dof_map->mesh->node_count;
   double *r = calloc(size, sizeof *r), *w = calloc(size, sizeof *w);
   double a[64], one[64];
@@ -44,7 +44,7 @@ static void free_box_has_six_motions_about_its_principal_axes(void **state) {
     bw_mesh *mesh = box_mesh(context, 3, 2, 1, 3, 2, 1, order);
     bw_dof_map *dof_map = NULL;
     check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
-    assert_int_equal(dof_map->motion_count, 6);
+    assert_int_equal(dof_map->rigid_mode_count, 6);
     assert_string_equal(dof_map->motion[0].text, "translation along (1, 0, 0)");
     assert_string_equal(dof_map->motion[1].text, "translation along (0, 1, 0)");
     assert_string_equal(dof_map->motion[2].text, "translation along (0, 0, 1)");
@@ -75,7 +75,7 @@ static void moved_and_turned_box_keeps_its_motions_orthonormal(void **state) {
   check_ok(context, bw_mesh_moved(context, mesh, x, &moved));
   bw_dof_map *dof_map = NULL;
   check_ok(context, bw_dof_map_unconstrained(context, moved, &dof_map));
-  assert_int_equal(dof_map->motion_count, 6);
+  assert_int_equal(dof_map->rigid_mode_count, 6);
   double turn = bw_norm(dof_map->motion[3].rotation);
   check_near(dof_map->motion[3].rotation[0] / turn, c, 1e-9);
   check_near(dof_map->motion[3].rotation[1] / turn, s, 1e-9);
@@ -123,7 +123,7 @@ static void three_symmetry_planes_hold_an_octant(void **state) {
   bw_dof_map *dof_map = NULL;
   char *text = NULL;
   check_ok(context, bw_dof_map_create(context, model, &dof_map));
-  assert_int_equal(dof_map->motion_count, 0);
+  assert_int_equal(dof_map->rigid_mode_count, 0);
   assert_int_equal(dof_map->frame_count, 0); /* global directions serve */
   check_ok(context, bw_dof_map_describe_rigid_modes(context, dof_map, &text));
   assert_string_equal(text, "no rigid-body mode is unconstrained");
@@ -171,7 +171,7 @@ static void point_and_line_supports_leave_rotations(void **state) {
   check_ok(context, bw_select_nearest(context, mesh, origin, 1, &corner));
   check_ok(context, bw_model_fix(context, model, corner));
   check_ok(context, bw_dof_map_create(context, model, &dof_map));
-  assert_int_equal(dof_map->motion_count, 3);
+  assert_int_equal(dof_map->rigid_mode_count, 3);
   for (int m = 0; m < 3; m++) { /* all turn about the corner */
     double u[3];
     for (int k = 0; k < 3; k++)
@@ -186,7 +186,7 @@ static void point_and_line_supports_leave_rotations(void **state) {
   check_ok(context, bw_select_nearest(context, mesh, far_end, 1, &edge));
   check_ok(context, bw_model_fix(context, model, edge));
   check_ok(context, bw_dof_map_create(context, model, &dof_map));
-  assert_int_equal(dof_map->motion_count, 1);
+  assert_int_equal(dof_map->rigid_mode_count, 1);
   assert_string_equal(dof_map->motion[0].text,
                       "rotation about the axis through (1, 0, 0) along (1, 0, 0)");
   check_motions(dof_map);
@@ -206,7 +206,7 @@ static void unheld_second_body_is_named(void **state) {
   char *text = NULL;
   check_ok(context, bw_model_fix(context, model, face));
   check_ok(context, bw_dof_map_create(context, model, &dof_map));
-  assert_int_equal(dof_map->motion_count, 6);
+  assert_int_equal(dof_map->rigid_mode_count, 6);
   for (int m = 0; m < 6; m++)
     assert_int_equal(dof_map->motion[m].component, mesh->component[mesh->node_count - 1]);
   check_ok(context, bw_dof_map_describe_rigid_modes(context, dof_map, &text));
@@ -229,7 +229,7 @@ static void oblique_slides_get_frames(void **state) {
   bw_dof_map *dof_map = NULL;
   check_ok(context, bw_dof_map_create(context, model, &dof_map));
   assert_int_equal(dof_map->frame_count, top->node_count);
-  assert_int_equal(dof_map->motion_count, 3);
+  assert_int_equal(dof_map->rigid_mode_count, 3);
   for (int32_t f = 0; f < dof_map->frame_count; f++) {
     const double *frame = dof_map->frame + 9 * (size_t)f;
     double c[3];
@@ -253,7 +253,7 @@ static void oblique_slides_get_frames(void **state) {
     both += held == 2;
   }
   assert_int_equal(both, 3);
-  assert_int_equal(dof_map->motion_count, 1); /* along (0, 4, -3) */
+  assert_int_equal(dof_map->rigid_mode_count, 1); /* along (0, 4, -3) */
   check_near(fabs(dof_map->motion[0].translation[1]), 0.8, 1e-12);
   check_motions(dof_map);
   bw_release(dof_map);
@@ -272,7 +272,7 @@ static void own_normals_hold_both_faces_at_an_edge(void **state) {
   check_ok(context, bw_select_all(context, mesh, &all));
   check_ok(context, bw_model_slide(context, model, all, NULL));
   check_ok(context, bw_dof_map_create(context, model, &dof_map));
-  assert_int_equal(dof_map->motion_count, 0);
+  assert_int_equal(dof_map->rigid_mode_count, 0);
   for (int32_t i = 0; i < mesh->node_count; i++)
     for (int k = 0; k < 3; k++) {
       double x = mesh->node[3 * i + k];
@@ -334,7 +334,7 @@ static void rounding_of_positions_does_not_hold(void **state) {
   check_ok(context, bw_model_slide(context, model, face, normal)); /* the same but for rounding */
   bw_dof_map *dof_map = NULL;
   check_ok(context, bw_dof_map_create(context, model, &dof_map));
-  assert_int_equal(dof_map->motion_count, 3);
+  assert_int_equal(dof_map->rigid_mode_count, 3);
   check_motions(dof_map);
   free(x);
   bw_release(dof_map);

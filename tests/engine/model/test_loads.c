@@ -169,7 +169,7 @@ static void uniform_pressure_on_tet10_loads_only_mid_edge_nodes(void **state) {
   bw_selection *top = face_of(context, mesh, 2, 1);
   check_ok(context, bw_model_pressure(context, model, top, 6));
   double *force = forces_of(context, model);
-  /* two triangles of area 1/2: 4 rim middles take A/3 p = 1, the shared one twice that */
+  /* two triangles of area 1/2: 4 rim mid-edge nodes take A/3 p = 1, the shared one twice that */
   for (int32_t i = 0; i < mesh->node_count; i++) {
     const double *x = mesh->node + 3 * (size_t)i;
     int halves = (x[0] == 0.5) + (x[1] == 0.5);

@@ -354,7 +354,7 @@ static void polygons_keep_their_tolerance(void **state) {
   assert_int_equal(p.start[1] - p.start[0], 4);
   assert_true(p.start[2] - p.start[1] > 100 && p.start[2] - p.start[1] < 400);
   double worst = 0;
-  for (int32_t i = p.start[1]; i < p.start[2]; i++) { /* middles of chords lie that far inside */
+  for (int32_t i = p.start[1]; i < p.start[2]; i++) { /* midpoints of chords lie that far inside */
     const double *a = p.point + 2 * i;
     const double *b = p.point + 2 * (i + 1 < p.start[2] ? i + 1 : p.start[1]);
     worst = fmax(worst, 1 - hypot((a[0] + b[0]) / 2 - 2, (a[1] + b[1]) / 2 - 2));

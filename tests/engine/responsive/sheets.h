@@ -74,7 +74,7 @@ static inline bw_plane_mesh *in_two(bw_context *context, bw_plane_mesh *mesh, do
   return two;
 }
 
-/* The same mesh with the middles of inner sides off their chords. */
+/* The same mesh with the mid-edge nodes of inner sides off their chords. */
 static inline bw_plane_mesh *bowed(bw_context *context, bw_plane_mesh *mesh, double by) {
   const bw_plane_nodes *nodes = mesh->topology->nodes;
   bw_plane_mesh *curved;

@@ -140,7 +140,7 @@ static void test_solid(void **state) {
   bw_release(material);
 }
 
-/* The same nodes elsewhere: inner nodes moved at random, middles not in the middle. */
+/* The same nodes elsewhere: inner nodes moved at random, mid-edge nodes off the midpoints. */
 static bw_plane_mesh *perturbed(bw_context *context, const bw_plane_mesh *mesh, double by,
                                 uint64_t seed) {
   const bw_plane_nodes *nodes = mesh->topology->nodes;

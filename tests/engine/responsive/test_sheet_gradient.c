@@ -49,7 +49,7 @@ static void test_differences(void **state) {
       int32_t size = 2 * mesh->topology->nodes->node_count;
       double *gradient = BW_NEW(context, double, size), *point = BW_NEW(context, double, size);
       double p = strain ? 8 : 3, largest = 0, h = 1e-5;
-      /* inner nodes move with the outline as it is; middles go off their chords */
+      /* inner nodes move with the outline as it is; mid-edge nodes go off their chords */
       const bw_plane_nodes *nodes = mesh->topology->nodes;
       if (order == 2 && kind > 0) {
         mesh = bowed(context, mesh, 0.02);

@@ -89,10 +89,10 @@ static void test_pushed_nodes(void **state) {
     for (int32_t i = 0; i < mesh->boundary_node_count; i++)
       assert_memory_equal(moved->node + 3 * mesh->boundary_node[i],
                           mesh->node + 3 * mesh->boundary_node[i], 24);
-    double *middles = copy_nodes(context, moved);
-    straighten(mesh, middles);
-    assert_memory_equal(middles, moved->node, 24 * (size_t)mesh->node_count);
-    bw_free(middles);
+    double *straight = copy_nodes(context, moved);
+    straighten(mesh, straight);
+    assert_memory_equal(straight, moved->node, 24 * (size_t)mesh->node_count);
+    bw_free(straight);
     bw_free(node);
     free(may), free(kind);
     bw_release(moved);
@@ -294,12 +294,12 @@ static void check_contract(const bw_mesh *mesh, const double *node, const uint8_
     }
   for (; at < made->element_count; at++)
     assert_true(element_from[at] < 0);
-  double *middles = (double *)malloc(24 * (size_t)made->node_count);
-  memcpy(middles, made->node, 24 * (size_t)made->node_count);
-  straighten(made, middles);
+  double *straight = (double *)malloc(24 * (size_t)made->node_count);
+  memcpy(straight, made->node, 24 * (size_t)made->node_count);
+  straighten(made, straight);
   for (int32_t i = 0; i < 3 * made->node_count; i++)
-    check_near(middles[i], made->node[i], 1e-14);
-  free(middles);
+    check_near(straight[i], made->node[i], 1e-14);
+  free(straight);
 }
 
 /* A displacement linear in place, prescribed on the boundary, must come out inside as well. */

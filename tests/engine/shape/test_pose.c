@@ -31,7 +31,7 @@ static void test_rest(void **state) {
   check_ok(context, bw_pose_maps(context, skeleton, pose, map, rotation));
   check_ok(context, bw_pose_nodes(context, d, map, node));
   for (int32_t i = 0; i < 3 * mesh->node_count; i++)
-    check_near(node[i], mesh->node[i], 1e-15); /* corners exactly; grids round their middles */
+    check_near(node[i], mesh->node[i], 1e-15); /* corners exactly; grids round their midpoints */
   bw_pose_joints(skeleton, map, joint);
   assert_memory_equal(joint, skeleton->joint, sizeof joint);
   /* a translated root takes everything along, as a whole */

@@ -148,7 +148,7 @@ static void test_random_weights(void **state) {
     check_ok(context, bw_subdomains_check(context, d));
     for (int32_t i = 0; i < mesh->node_count; i++)
       meetings += d->interface[i];
-    /* every bone below the threshold everywhere is told of */
+    /* every bone below the threshold everywhere is reported */
     int warnings = 0;
     for (int i = 0; bw_warning_at(context, i); i++)
       warnings += strstr(bw_warning_at(context, i), "has no subdomain") != NULL;
@@ -262,7 +262,7 @@ static void test_thresholds(void **state) {
 
 /* Weights that reach 0.95 nowhere: as many elements as asked for become each bone's, the surest
  * first; a bone with a threshold of its own keeps it. */
-static void test_share(void **state) {
+static void test_fraction(void **state) {
   bw_context *context = check_context(state);
   limbs l = limbs_of_bar(context, 1, 4, 3);
   bw_subdomains *none = make(context, l.mesh, l.skeleton, l.weight, 0.95), *d;
@@ -285,7 +285,7 @@ static void test_share(void **state) {
   bw_subdomains_options options = {0.95, own, 0.5};
   check_ok(context, bw_subdomains_create(context, l.mesh, l.skeleton, l.weight, &options, &d));
   assert_int_equal(d->rigid_count, 2);
-  options.share = 1.5;
+  options.fraction = 1.5;
   check_fails(context, BW_INVALID, "a fraction of 1.5",
               bw_subdomains_create(context, l.mesh, l.skeleton, l.weight, &options, &none));
   bw_release(d);
@@ -466,7 +466,7 @@ int main(void) {
       check_test(test_what_no_bone_claims),
       check_test(test_island),
       check_test(test_thresholds),
-      check_test(test_share),
+      check_test(test_fraction),
       check_test(test_assign),
       check_test(test_labels),
       check_test(test_memory),

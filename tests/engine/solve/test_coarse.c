@@ -54,8 +54,8 @@ static void linear_fields_are_solved(void **state) {
     const bw_dof_map *dof_map = incremental->system->dof_map;
     const bw_mesh *mesh = incremental->system->mesh;
     size_t size = 3 * (size_t)mesh->node_count;
-    assert_int_equal(bwi_coarse_fits(mesh, dof_map), dof_map->motion_count == 0);
-    if (dof_map->motion_count == 0) {
+    assert_int_equal(bwi_coarse_fits(mesh, dof_map), dof_map->rigid_mode_count == 0);
+    if (dof_map->rigid_mode_count == 0) {
       bwi_coarse *coarse = NULL;
       bool usable = false;
       double *u = linear_field(context, dof_map, &random);

@@ -12,7 +12,7 @@ static void as_a_factor(void **state) {
     bar_make(context, 2, 2, &b);
     load_bar(context, &b, scene);
     bw_incremental_system *incremental = incremental_of(context, &b);
-    if (incremental->system->dof_map->motion_count > 0) {
+    if (incremental->system->dof_map->rigid_mode_count > 0) {
       bw_static *result = NULL;
       const bw_incremental_options options = {.method = BW_INCREMENTAL_PCG};
       check_fails(
@@ -251,7 +251,7 @@ static void followed_once(void **state) {
     load_bar(context, &b, scene);
     bw_incremental_system *incremental = incremental_of(context, &b);
     const bwi_incremental *inner = incremental->inner;
-    for (int edit = 0; edit < 4 && incremental->system->dof_map->motion_count == 0; edit++) {
+    for (int edit = 0; edit < 4 && incremental->system->dof_map->rigid_mode_count == 0; edit++) {
       if (edit == 1)
         b.now.scale[1][1] *= 1.1;
       if (edit == 3)

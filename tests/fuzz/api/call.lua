@@ -19,10 +19,10 @@ local shares = {{0.66, {"function", "call", "method"}}, {0.8, {"field"}}, {0.85,
 --- The entries by kind, to draw from.
 function call.begin(list)
   call.by_kind = {}
-  for i, share in ipairs(shares) do
+  for i, fraction in ipairs(shares) do
     call.by_kind[i] = {}
     for _, entry in ipairs(list) do
-      for _, kind in ipairs(share[2]) do
+      for _, kind in ipairs(fraction[2]) do
         if entry.kind == kind then table.insert(call.by_kind[i], entry) end
       end
     end
@@ -31,9 +31,9 @@ end
 
 local function draw(random) -- at least one kind has entries: run.lua refuses an empty list
   local x = random:uniform()
-  for i, share in ipairs(shares) do
+  for i, fraction in ipairs(shares) do
     -- With --only some kinds have no entry: the next kind that has one is drawn.
-    if x < share[1] and #call.by_kind[i] > 0 then return random:one_of(call.by_kind[i]) end
+    if x < fraction[1] and #call.by_kind[i] > 0 then return random:one_of(call.by_kind[i]) end
   end
   return draw(random)
 end
@@ -186,7 +186,7 @@ function call.make(seed, number, pool, limit, report)
   debug.sethook(hook, "", 10000)
   local got
   -- The hook may raise between the end of the call and here: that is late too, and no fault of the library.
-  local fine, why = pcall(function()
+  local ok, why = pcall(function()
     if way < 0.1 then
       got = in_thread(f)
     elseif way >= 0.2 and way < 0.23 then
@@ -199,7 +199,7 @@ function call.make(seed, number, pool, limit, report)
     deadline = math.huge
   end)
   core.fail_allocation(0, false)
-  if not fine then got = {n = 2, false, why} end
+  if not ok then got = {n = 2, false, why} end
   deadline = math.huge
   debug.sethook()
   local out = {name = entry.name, text = text, seconds = os.clock() - start}
@@ -214,8 +214,8 @@ function call.make(seed, number, pool, limit, report)
   end
   -- The engine is at rest: it can be entered, and nothing is kept in use.
   bw.progress(nil)
-  fine, why = pcall(engine)
-  if not fine then out.finding, out.message = "leaves the engine busy", tostring(why) end
+  ok, why = pcall(engine)
+  if not ok then out.finding, out.message = "leaves the engine busy", tostring(why) end
   -- A field that a script sets on a plain table of results is the script's own doing.
   if entry.kind == "assignment" and out.outcome == "done" then pool:forget() end
   pool:settle(text:find("close", 1, true) ~= nil)

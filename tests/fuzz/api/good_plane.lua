@@ -119,7 +119,7 @@ add {
     material = bw.material.pla, thickness = 0.004,
     size = 0.02, wall = 0.01, start = r:one_of {"truss", "gable", "beam", "arch"}} end,
   ["Sheet:transient"] = function(_, r) return {}, {}, {step = 0.01, beta = 0.25, gamma = 0.5}, r:integer(3) end,
-  ["Sheet:return_to"] = function(p) return (p.Sheet:keep()) end,
+  ["Sheet:restore"] = function(p) return (p.Sheet:save()) end,
   ["Metallophone:become"] = function(_, r) return (bw.outline.rectangle {min = {0, 0}, max = {0.2,
     0.03 + 0.001 * r:uniform()}}) end,
   ["Metallophone:write_tone"] = function() return "out.wav", {seconds = 0.01, rate = 8000} end,
@@ -138,7 +138,7 @@ add {
   ["Bridge:design"] = function() return {starts = {"beam"}, rounds = 1, holes = 0, polish = 0} end,
   ["Bridge:picture"] = function(_, r) return path {"svg", "png"} (r) end,
   ["FlowBody:step"] = function(_, r) return {}, {}, {step = 0.01, bdf = 1, iterations = 1}, r:integer(2) end,
-  ["FlowBody:return_to"] = function(p) return p.BodyState end,
+  ["FlowBody:restore"] = function(p) return p.BodyState end,
 }
 
 -- ---- plane meshes -------------------------------------------------------------------------------
@@ -153,7 +153,7 @@ add {
     order = r:integer(2),
     diagonal = r:one_of {"left", "right", "union jack"}} end,
   ["bw.plane.mesh_motion"] = function(p, r) return p:variant("bw.PlaneMesh", 2), {
-    relocation = r:one_of {"harmonic", "springs"}, sweeps = 2,
+    relocation = r:one_of {"harmonic", "springs"}, rounds = 2,
     force = r:one_of {"relocation", "reconnecting", "reconstruction"}} end,
   ["PlaneMesh:moved"] = function(p) local m = p:variant("bw.PlaneMesh", 1) return m.outline, m.points end,
   ["PlaneMesh:transfer"] = function(p) return p:variant("bw.PlaneMesh", 2), bw.array.zeros(p.PlaneMesh.node_count,

@@ -95,9 +95,9 @@ local function start(opts, pool, slot, first, last, log_name)
       pool.test = t
       at_rest = at_rest + blocks() - with_objects -- the jobs are the parent's
       bw.threads(1 + first // batch_size % 2)
-      local fine
-      fine, result = xpcall(work, debug.traceback, opts, pool, first, last, log)
-      if not fine then result, why = nil, "the fuzzer's own error: " .. result end
+      local ok
+      ok, result = xpcall(work, debug.traceback, opts, pool, first, last, log)
+      if not ok then result, why = nil, "the fuzzer's own error: " .. result end
     end}, "fuzz.lua", log_name .. ".record", {})
     if not result then return nil, why end
     pool.expect, pool.test = nil, nil

@@ -76,7 +76,7 @@ end
 
 -- ---- a subject -----------------------------------------------------------------------------------
 
--- What can be told of a value, bit for bit.
+-- What can be compared of a value, bit for bit.
 local function text_of(value)
   if type(value) == "number" then return ("%a"):format(value) end
   if type(value) == "userdata" then return value:tostring "<f8" end

@@ -38,7 +38,7 @@ function kind.make()
   return {controller = controller, object = object}
 end
 
-function kind.seen() return "" end -- a message is told of what it did, and has no result
+function kind.seen() return "" end -- a message reports what it did, and has no result
 
 function kind.check(subject)
   local controller, object = subject.controller, subject.object

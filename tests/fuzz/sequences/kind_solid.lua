@@ -60,7 +60,7 @@ kind.operations = {
     return subject.solid:fix(place(), math.random() < 0.5 and {false, 0, 1e-3} or nil)
   end},
   turn = {0.3, function(subject)
-    return subject.solid:turn({side = "max z"}, {axis = vector(1), angle = uniform(-60, 60)})
+    return subject.solid:rotate({side = "max z"}, {axis = vector(1), angle = uniform(-60, 60)})
   end},
   force = {2, function(subject) return subject.solid:force(place(), vector(size())) end},
   gravity = {1, function(subject) return subject.solid:gravity(vector(100)) end},

@@ -109,11 +109,11 @@ function sequence.run(name, seed, number, length, report)
     local before = kind.seen(subject)
     say(("%d %s, %s"):format(step, what, trouble))
     local operation = kind.operations[what][2]
-    local fine, done, message = troubles[trouble](function() return operation(subject, kind) end)
-    local failed = not (fine and done)
+    local ok, done, message = troubles[trouble](function() return operation(subject, kind) end)
+    local failed = not (ok and done)
     result.operations = result.operations + 1
-    say(("  %s"):format(not failed and "done" or fine and tostring(message) or "raised " .. tostring(done)))
-    if not fine and is_slip(done) then found("an error within the library: " .. tostring(done)) end
+    say(("  %s"):format(not failed and "done" or ok and tostring(message) or "raised " .. tostring(done)))
+    if not ok and is_slip(done) then found("an error within the library: " .. tostring(done)) end
     local sound, why = pcall(kind.check, subject)
     if not sound then
       found("the check fails: " .. tostring(why))

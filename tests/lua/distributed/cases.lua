@@ -35,7 +35,7 @@ local function same_static(part, options, tolerance)
   assert(own.solver.with == "factor" and other.times == nil)
 end
 
-local function held(order)
+local function fixed(order)
   local mesh = check.beam({8, 2, 2}, order)
   local part = bw.model {mesh = mesh, material = steel}
   part:fix(mesh.boundary:below(1, 0))
@@ -46,7 +46,7 @@ for _, method in ipairs {"cg", "cholesky"} do
   local options = {with = "petsc", method = method, rtol = 1e-9}
   for order = 1, 2 do
     case(("static tet%d %s"):format(order == 1 and 4 or 10, method), function()
-      same_static(held(order), options, 1e-8)
+      same_static(fixed(order), options, 1e-8)
     end)
     case(("turned supports tet%d %s"):format(order == 1 and 4 or 10, method), function()
       local mesh = check.beam({8, 2, 2}, order)
@@ -85,14 +85,14 @@ end
 
 for order = 1, 2 do
   local name = order == 1 and "tet4" or "tet10"
-  case("modes " .. name, function() same_modes(held(order), {with = "slepc", count = 6}) end)
+  case("modes " .. name, function() same_modes(fixed(order), {with = "slepc", count = 6}) end)
   case("free modes " .. name, function()
     local mesh = check.beam({8, 2, 2}, order)
     same_modes(bw.model {mesh = mesh, material = steel}, {with = "slepc", count = 6})
   end)
 end
 case("modes by conjugate gradients", function()
-  same_modes(held(1), {with = "slepc", method = "cg", count = 4})
+  same_modes(fixed(1), {with = "slepc", method = "cg", count = 4})
 end)
 case("turned modes", function()
   local mesh = check.beam({8, 2, 2}, 1)
@@ -102,7 +102,7 @@ case("turned modes", function()
 end)
 
 case("failures come back, and work goes on", function()
-  local part = held(1)
+  local part = fixed(1)
   check.fails("convergence", "3 iterations", part:solve {with = "petsc", iterations = 3})
   assert(part:solve {with = "petsc"})
   local mesh = check.beam({2, 1, 1})
@@ -147,7 +147,7 @@ case("a body that is nearly a mechanism is refused", function()
 end)
 
 case("misuse", function()
-  local part = held(1)
+  local part = fixed(1)
   check.raises("goes with with = \"petsc\" only", part.solve, part, {rtol = 1e-3})
   check.raises("slepc", part.modes, part, {with = "petsc"})
   check.raises("rtol is 2", part.solve, part, {with = "petsc", rtol = 2})
@@ -156,7 +156,7 @@ end)
 case("a forked job has no ranks", function()
   local core = require "barwright.core"
   local job = core.job(function()
-    local part = held(1)
+    local part = fixed(1)
     local static, message, details = part:solve {with = "petsc"}
     return tostring(static) .. " " .. details.status .. " " .. message
   end, {seconds = 60})
@@ -166,7 +166,7 @@ case("a forked job has no ranks", function()
 end)
 
 case("the same numbers again", function()
-  local part = held(2)
+  local part = fixed(2)
   local a = assert(part:solve {with = "petsc"}).displacement
   local b = assert(part:solve {with = "petsc"}).displacement
   assert(largest(a - b) == 0)

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* What a model's supports hold at each node.
+/* What a model's supports constrain at each node.
  *
  * A support gives conditions d . u = v with unit directions d. At each node they are gathered into
  * an orthonormal set with values, by Gram-Schmidt: a condition that adds a direction extends the
@@ -10,34 +10,34 @@
 #include "model/internal.h"
 
 /* Directions nearer than this (radians) count as the same: normals of one flat face computed from
- * single-precision positions differ by as much, and must not hold the plane they lie in. */
+ * single-precision positions differ by as much, and must not constrain the plane they lie in. */
 #define SAME_DIRECTION 1e-4
 /* Values nearer than this, relative to the larger, agree. */
 #define SAME_VALUE 1e-9
-/* Facets that meet at a larger angle hold a node along both their normals. */
+/* Facets that meet at a larger angle constrain a node along both their normals. */
 #define CREASE_COSINE 0.7660444431189780 /* 40 degrees */
 
 static bw_status add_condition(bw_context *context, const bw_model *model, int support,
-                               bwi_hold *hold, const double d[3], double v) {
+                               bwi_constraint *constraint, const double d[3], double v) {
   double rest[3] = {d[0], d[1], d[2]}, value = v, size = fabs(v);
-  for (int i = 0; i < hold->count; i++) {
-    double part = bw_dot(rest, hold->direction[i]);
+  for (int i = 0; i < constraint->count; i++) {
+    double part = bw_dot(rest, constraint->direction[i]);
     for (int k = 0; k < 3; k++)
-      rest[k] -= part * hold->direction[i][k];
-    value -= part * hold->value[i];
-    size = fmax(size, fabs(hold->value[i]));
+      rest[k] -= part * constraint->direction[i][k];
+    value -= part * constraint->value[i];
+    size = fmax(size, fabs(constraint->value[i]));
   }
   double length = bw_norm(rest);
-  if (length > SAME_DIRECTION && hold->count < 3) {
+  if (length > SAME_DIRECTION && constraint->count < 3) {
     for (int k = 0; k < 3; k++)
-      hold->direction[hold->count][k] = rest[k] / length;
-    hold->value[hold->count++] = value / length;
+      constraint->direction[constraint->count][k] = rest[k] / length;
+    constraint->value[constraint->count++] = value / length;
     return BW_OK;
   }
   if (fabs(value) <= SAME_VALUE * size)
     return BW_OK;
   char at[96], along[96], now[40], before[40];
-  bwi_vector_string(at, sizeof at, model->mesh->node + 3 * (size_t)hold->node, 6, 0);
+  bwi_vector_string(at, sizeof at, model->mesh->node + 3 * (size_t)constraint->node, 6, 0);
   bwi_vector_string(along, sizeof along, d, 4, 1e-9);
   bwi_number_string(now, sizeof now, v, 6, 0);
   bwi_number_string(before, sizeof before, v - value, 6, 0);
@@ -45,8 +45,8 @@ static bw_status add_condition(bw_context *context, const bw_model *model, int s
       bw_fail(context, BW_INVALID,
               "support %d moves node %d at %s m by %s m along %s, but earlier supports move it by "
               "%s m: give one displacement to the nodes where supports meet",
-              support + 1, hold->node + 1, at, now, along, before);
-  bw_detail_number(context, "node", hold->node + 1.0);
+              support + 1, constraint->node + 1, at, now, along, before);
+  bw_detail_number(context, "node", constraint->node + 1.0);
   bw_detail_number(context, "support", support + 1);
   return status;
 }
@@ -118,14 +118,14 @@ static int rank_of(const bw_support *support) {
   return !support->slide ? 0 : bw_norm(support->normal) > 0 ? 1 : 2;
 }
 
-bw_status bwi_holds_of(bw_context *context, const bw_model *model, int32_t *count,
-                       bwi_hold **hold) {
+bw_status bwi_node_constraints(bw_context *context, const bw_model *model, int32_t *count,
+                               bwi_constraint **constraint) {
   const bw_mesh *mesh = model->mesh;
   bw_status status = BW_OK;
   bwi_facet_incidence at = {NULL, NULL};
   uint8_t *flag = NULL;
-  bwi_hold *list = NULL;
-  int32_t held = 0;
+  bwi_constraint *list = NULL;
+  int32_t constrained = 0;
   int32_t *place = BW_NEW0(context, int32_t, mesh->node_count);
   if (!place)
     return BW_MEMORY;
@@ -133,17 +133,17 @@ bw_status bwi_holds_of(bw_context *context, const bw_model *model, int32_t *coun
     for (int32_t i = 0; i < model->support[s].on->node_count; i++)
       place[model->support[s].on->node[i]] = 1;
   for (int32_t i = 0; i < mesh->node_count; i++)
-    held += place[i];
-  list = BW_NEW0(context, bwi_hold, held);
+    constrained += place[i];
+  list = BW_NEW0(context, bwi_constraint, constrained);
   if (!list) {
     status = BW_MEMORY;
     goto done;
   }
-  held = 0;
+  constrained = 0;
   for (int32_t i = 0; i < mesh->node_count; i++)
     if (place[i]) {
-      place[i] = held;
-      list[held++].node = i;
+      place[i] = constrained;
+      list[constrained++].node = i;
     }
   for (int rank = 0; rank < 3; rank++)
     for (int s = 0; s < model->support_count; s++) {
@@ -163,13 +163,13 @@ bw_status bwi_holds_of(bw_context *context, const bw_model *model, int32_t *coun
           flag[support->on->facet[f]] = 1;
       }
       for (int32_t i = 0; i < support->on->node_count; i++) {
-        bwi_hold *node = &list[place[support->on->node[i]]];
+        bwi_constraint *node = &list[place[support->on->node[i]]];
         double normal[CREASES][3] = {{0}};
         int normals = 0;
         if (rank == 0)
           for (int k = 0; k < 3; k++) {
             double axis[3] = {k == 0, k == 1, k == 2};
-            if (support->held[k])
+            if (support->fixed[k])
               BW_TRY(add_condition(context, model, s, node, axis,
                                    support->field ? bw_array_get(support->field, node->node, k)
                                                   : support->value[k]));
@@ -183,13 +183,13 @@ bw_status bwi_holds_of(bw_context *context, const bw_model *model, int32_t *coun
           BW_TRY(add_condition(context, model, s, node, normal[n], 0));
       }
     }
-  /* A support that holds no direction leaves nodes with nothing held. */
+  /* A support that constrains no direction leaves nodes without constraint. */
   int32_t kept = 0;
-  for (int32_t i = 0; i < held; i++)
+  for (int32_t i = 0; i < constrained; i++)
     if (list[i].count > 0)
       list[kept++] = list[i];
   *count = kept;
-  *hold = list;
+  *constraint = list;
   list = NULL;
 done:
   bw_free(place);

@@ -5,13 +5,13 @@ local core = require "barwright.core"
 local options = require "barwright.options"
 
 local raise = core.raise
-local held = {}
+local optimise_fixed = {}
 
 local axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}
 local still = 1e-9 -- of the part's size: what counts as rounding in a motion by a factor of e
 
 --- Splits the option 'keep' into names of bones and selections on the session's mesh.
-function held.split(session, keep)
+function optimise_fixed.split(session, keep)
   local bones, faces = {}, {}
   for i, value in ipairs(keep) do
     if type(value) == "string" then
@@ -32,7 +32,7 @@ function held.split(session, keep)
 end
 
 --- Adds the supports of parts to a list. A support that slides holds along its direction, or the mean normal.
-function held.add_supports(list, parts)
+function optimise_fixed.add_supports(list, parts)
   for _, part in ipairs(parts) do
     for n, support in ipairs(part.supports) do
       local directions = {}
@@ -64,7 +64,7 @@ local function nodes_on(topology, one)
 end
 
 --- The first of a list that a motion of all nodes moves; nil: none.
-function held.moved(list, topology, motion)
+function optimise_fixed.moved(list, topology, motion)
   local low, high, size = topology.box.min, topology.box.max, 0
   for k = 1, 3 do size = math.max(size, high[k] - low[k]) end
   for _, one in ipairs(list) do
@@ -79,4 +79,4 @@ function held.moved(list, topology, motion)
   end
 end
 
-return held
+return optimise_fixed

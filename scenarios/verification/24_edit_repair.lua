@@ -28,8 +28,8 @@ local function turns(t, each)
         local name = names[math.random(#names)]
         local turn = {axis = bodies.random_axis(random),
           degrees = random(band[1], band[2]) * (random(-1, 1) < 0 and -1 or 1)}
-        local fine, message, details = session:bone(name):rotate(turn)
-        if not fine then
+        local ok, message, details = session:bone(name):rotate(turn)
+        if not ok then
           if details.status ~= "geometry" then error(message) end
           seen.refused = seen.refused + 1
           if #session.edits > 0 or (session.mesh.nodes - at_rest):norm() > 0 then wrong = wrong + 1 end
