@@ -151,7 +151,7 @@ BW_API bw_status bw_model_fix(bw_context *context, bw_model *model, const bw_sel
  * facets. BW_EMPTY as above. */
 BW_API bw_status bw_model_slide(bw_context *context, bw_model *model, const bw_selection *on,
                                 const double normal[3]);
-/* Prescribes displacements of value (m), NULL for 0, in the global directions that are `held`.
+/* Prescribes displacements of value (m), NULL for 0, in the global directions that are `fixed`.
  * BW_INVALID without one, BW_EMPTY as above. */
 BW_API bw_status bw_model_prescribe(bw_context *context, bw_model *model, const bw_selection *on,
                                     const bool fixed[3], const double value[3]);
@@ -175,7 +175,7 @@ BW_API bw_status bw_model_torque(bw_context *context, bw_model *model, const bw_
                                  const double torque[3], const double about[3]);
 /* Adds forces at nodes, rows of an array of node_count x 3 (N), which is copied. */
 BW_API bw_status bw_model_nodal_forces(bw_context *context, bw_model *model, const bw_array *force);
-/* As bw_model_prescribe in the directions that are `held`, each node with its own value: rows of
+/* As bw_model_prescribe in the directions that are `fixed`, each node with its own value: rows of
  * `field`, node_count x 3 (m), which is copied. BW_EMPTY as above. */
 BW_API bw_status bw_model_prescribe_field(bw_context *context, bw_model *model,
                                           const bw_selection *on, const bool fixed[3],
