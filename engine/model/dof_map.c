@@ -57,8 +57,9 @@ static void complete(int count, double (*row)[3]) {
   memcpy(row[count], pick, sizeof pick);
 }
 
-/* The frame of a node held along one or two directions, these first. Following an edit, the rest is
- * chosen as seen from the node's subdomain, so that where both turn together, the frame does. */
+/* The frame of a node constrained along one or two directions, these first. Following an edit, the
+ * rest is chosen as seen from the node's subdomain, so that where both turn together, the frame
+ * does. */
 static void support_frame(const bwi_constraint *at, const bwi_follow *follow, double row[3][3]) {
   const double *turn = NULL;
   if (follow && follow->node_subdomain[at->node] >= 0)

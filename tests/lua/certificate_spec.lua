@@ -101,7 +101,7 @@ describe("a certificate", function()
     rejected("amounts to", pattern, load(value * 0.9))
     rejected("less than", "\nreached (%S+)", function(r) return "\nreached " .. r * 1.01 end)
     rejected("amounts to", "\nloads 5 ", "\nloads 6 ")
-    rejected("rigid-body modes stated", "\nsupports 0", "\nsupports 1\nheld 1 1 1\nfacets 1 1\nnodes 0")
+    rejected("rigid-body modes stated", "\nsupports 0", "\nsupports 1\nfixed 1 1 1\nfacets 1 1\nnodes 0")
     rejected("the mesh", "\nelements (%d+)\n(%d+) %d+", "\nelements %1\n%2 %2")
   end)
 
