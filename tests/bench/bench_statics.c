@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Seconds of a Newton iteration: bench_statics NX NY NZ [direct|jacobi|coarse] [iterations]
  *
- * A neo-Hookean block of cubes, one end held, the other pulled sideways. Processor time is that of
+ * A neo-Hookean block of cubes, one end fixed, the other pulled sideways. Processor time is that of
  * all threads, which on a machine with other work says more than what a clock shows. */
 #include <stdio.h>
 #include <stdlib.h>

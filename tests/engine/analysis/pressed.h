@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* A body with the pressures that may act on it, free or held at x = 0, for tests of worst loads. */
+/* A body with the pressures that may act on it, free or fixed at x = 0, for tests of worst loads. */
 #ifndef PRESSED_H
 #define PRESSED_H
 
@@ -16,7 +16,7 @@ typedef struct pressed_body {
   size_t n, nodes;
 } pressed_body;
 
-static inline void pressed_open(bw_context *context, pressed_body *s, bw_mesh *mesh, bool held,
+static inline void pressed_open(bw_context *context, pressed_body *s, bw_mesh *mesh, bool fixed,
                                 double friction, int facets) {
   bw_isotropic constants = {"test", 3e9, 0.3, 1000, 5e6, 0};
   const bw_pressure_options options = {.friction = friction, .friction_facets = facets};
@@ -26,7 +26,7 @@ static inline void pressed_open(bw_context *context, pressed_body *s, bw_mesh *m
   s->mesh = mesh;
   check_ok(context, bw_material_isotropic(context, &constants, &s->material));
   check_ok(context, bw_model_create(context, mesh, s->material, &s->model));
-  if (held) {
+  if (fixed) {
     check_ok(context, bw_select_plane(context, mesh, origin, normal, 1e-9, &foot));
     check_ok(context, bw_model_fix(context, s->model, foot));
   }

@@ -177,7 +177,7 @@ static void reaches_the_best_of_all_sets(void **state) {
                  bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL));
         assert_true(value <= best * (1 + 1e-7));
         if (full)
-          printf("  held %d, %d hands, objective %d: %.4f of the best\n", kind, hands, which,
+          printf("  fixed %d, %d hands, objective %d: %.4f of the best\n", kind, hands, which,
                  value / best);
         sum += value / best;
         min = fmin(min, value / best);

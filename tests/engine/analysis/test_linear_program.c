@@ -203,13 +203,13 @@ static void work_on_a_linear_field(void **state) {
   }
 }
 
-/* A linear program small enough for every basis to be tried: one row (a held body). */
+/* A linear program small enough for every basis to be tried: one row (a constrained body). */
 static void agrees_with_a_sorted_fill(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_box(context, 1, 1, 1, 2, 2, 2, 1);
   bw_pressure_basis *basis = NULL;
   check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
-  bw_dof_map held = {.mesh = mesh};
+  bw_dof_map fixed = {.mesh = mesh};
   bw_random random;
   bw_random_seed(&random, 7);
   double f[26], p[26], value, dual;
@@ -218,7 +218,7 @@ static void agrees_with_a_sorted_fill(void **state) {
     bw_worst_load_options options = {.pressure = 2, .force = 0.4 * (trial + 1)};
     for (int j = 0; j < 26; j++)
       f[j] = bw_random_normal(&random);
-    check_ok(context, bw_worst_loads(context, basis, &held, &options, 1, f, p, &value, &dual));
+    check_ok(context, bw_worst_loads(context, basis, &fixed, &options, 1, f, p, &value, &dual));
     /* Fill up to p_max by falling gain per force. */
     double left = options.force, best = 0;
     bool used[26] = {false};

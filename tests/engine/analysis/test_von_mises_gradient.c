@@ -5,13 +5,13 @@
 
 enum { NODES = 4 };
 
-typedef enum held_by { CLAMPED, PRESCRIBED, ROLLING, ON_A_RAIL, NOTHING } held_by;
+typedef enum fixed_by { CLAMPED, PRESCRIBED, ROLLING, ON_A_RAIL, NOTHING } fixed_by;
 
 typedef struct scene {
   const char *name;
   int order;
   int printed; /* 1: orthotropic, axes oblique; 2: and they turn from element to element */
-  held_by held;
+  fixed_by fixed;
   unsigned loads; /* 1 << bw_load_kind */
   bool relief;
 } scene;
@@ -142,22 +142,22 @@ static bw_model *model_on(bw_context *context, const scene *s, const bar *b, con
   check_ok(context, bw_model_create(context, mesh, b->material, &model));
   if (s->printed == 2)
     rotate_material(context, model);
-  const bool held[3] = {true, true, true}, across[3] = {false, true, true};
+  const bool fixed[3] = {true, true, true}, across[3] = {false, true, true};
   const double value[3] = {1e-3, -2e-3, 5e-4}, zero[3] = {0, 0, 0}, oblique[3] = {0.8, 0.6, 0};
-  if (s->held == CLAMPED || s->held == PRESCRIBED)
+  if (s->fixed == CLAMPED || s->fixed == PRESCRIBED)
     check_ok(context, bw_model_fix(context, model, foot));
-  if (s->held == PRESCRIBED)
-    check_ok(context, bw_model_prescribe(context, model, tip, held, value));
-  if (s->held == ROLLING) { /* an oblique plane */
+  if (s->fixed == PRESCRIBED)
+    check_ok(context, bw_model_prescribe(context, model, tip, fixed, value));
+  if (s->fixed == ROLLING) { /* an oblique plane */
     check_ok(context, bw_model_slide(context, model, foot, oblique));
     check_ok(context, bw_model_prescribe(context, model, tip, across, zero));
   }
-  if (s->held == ON_A_RAIL) /* free to move along x only */
+  if (s->fixed == ON_A_RAIL) /* free to move along x only */
     check_ok(context, bw_model_prescribe(context, model, all, across, zero));
   const double gravity[3] = {500, -3000, 1000}, traction[3] = {2e4, -1e5, 3e4};
   const double force[3] = {300, -1000, 500}, torque[3] = {200, 80, -60}, about[3] = {0.9, 0.2, 0.1};
   if (s->loads >> BW_LOAD_PRESSURE & 1)
-    check_ok(context, bw_model_pressure(context, model, s->held == NOTHING ? all : tip, 1e5));
+    check_ok(context, bw_model_pressure(context, model, s->fixed == NOTHING ? all : tip, 1e5));
   if (s->loads >> BW_LOAD_TRACTION & 1)
     check_ok(context, bw_model_traction(context, model, tip, traction));
   if (s->loads >> BW_LOAD_FORCE & 1)

@@ -375,7 +375,7 @@ static void dumbbell_breaks_at_the_neck(void **state) {
   part_close(&p);
 }
 
-/* A held body takes any pressure: no balance, the best pressures by gain per area. */
+/* A constrained body takes any pressure: no balance, the best pressures by gain per area. */
 static void held_body(void **state) {
   bw_context *context = check_context(state);
   part p;

@@ -20,9 +20,9 @@ typedef struct exact {
   glp_prob *problem;
 } exact;
 
-static void exact_open(bw_context *context, exact *x, bw_mesh *mesh, bool held, double friction) {
+static void exact_open(bw_context *context, exact *x, bw_mesh *mesh, bool fixed, double friction) {
   pressed_body *s = &x->body;
-  pressed_open(context, s, mesh, held, friction, 3);
+  pressed_open(context, s, mesh, fixed, friction, 3);
   x->problem = NULL;
   check_ok(context, bw_system_create(context, mesh, s->material, s->dof_map, NULL, &x->system));
   assert_true(s->n <= MAX);

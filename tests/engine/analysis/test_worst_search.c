@@ -16,7 +16,7 @@ typedef struct part {
 } part;
 
 /* Held at x = 0, or free. */
-static void part_open(bw_context *context, part *p, bw_mesh *mesh, bool held) {
+static void part_open(bw_context *context, part *p, bw_mesh *mesh, bool fixed) {
   bw_isotropic constants = {"test", 3e9, 0.3, 1000, 5e6, 0};
   const double origin[3] = {0, 0, 0}, normal[3] = {1, 0, 0};
   bw_selection *foot = NULL;
@@ -24,7 +24,7 @@ static void part_open(bw_context *context, part *p, bw_mesh *mesh, bool held) {
   p->mesh = mesh;
   check_ok(context, bw_material_isotropic(context, &constants, &p->material));
   check_ok(context, bw_model_create(context, mesh, p->material, &p->model));
-  if (held) {
+  if (fixed) {
     check_ok(context, bw_select_plane(context, mesh, origin, normal, 1e-9, &foot));
     check_ok(context, bw_model_fix(context, p->model, foot));
   }
@@ -70,11 +70,11 @@ static void ascent_never_decreases(void **state) {
   bw_context *context = check_context(state);
   for (int kind = 0; kind < 4; kind++) {
     part p;
-    bool held = kind == 1;
+    bool fixed = kind == 1;
     part_open(context, &p,
               kind < 2 ? make_bar(context, dumbbell_profile, 12, 3, 1)
                        : make_bar(context, dumbbell_profile, 6, 2, 2),
-              held);
+              fixed);
     bw_worst_load_options options = {.pressure = 1e5, .force = 300, .force_is_max = kind == 3};
     bw_screening found;
     check_ok(context, bw_worst_screening(context, p.system, p.basis, &options, 40, 0, 30, &found));
@@ -289,7 +289,7 @@ static void faces_cover_the_half_sphere(void **state) {
 }
 
 /* The bound exceeds every stress of random directions' linear programs, by no more than the
- * tolerance of the best found; free, held, with a smaller force, of one and two threads. */
+ * tolerance of the best found; free, fixed, with a smaller force, of one and two threads. */
 static void bound_is_above_every_linear_program(void **state) {
   bw_context *context = check_context(state);
   for (int kind = 0; kind < 4; kind++) {

@@ -16,8 +16,8 @@ static bool on_boundary(const bw_grid *grid, int32_t node) {
 }
 
 static void hold_at(bw_context *context, bw_load_case *load_case, int32_t node, const double u[3]) {
-  const bool hold[3] = {true, true, true};
-  check_ok(context, bw_load_case_fix(context, load_case, 1, &node, hold, u));
+  const bool fixed[3] = {true, true, true};
+  check_ok(context, bw_load_case_fix(context, load_case, 1, &node, fixed, u));
 }
 
 static void test_patch(void **state) {

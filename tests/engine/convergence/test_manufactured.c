@@ -80,7 +80,7 @@ static void errors(bw_context *context, const bw_material *material, int cells, 
   bw_mesh *mesh = perturbed_grid(context, cells, order);
   bw_model *model;
   check_ok(context, bw_model_create(context, mesh, material, &model));
-  const bool held[3] = {true, true, true};
+  const bool fixed[3] = {true, true, true};
   bw_selection *surface;
   bw_array *field;
   check_ok(context, bw_select_all(context, mesh, &surface));
@@ -89,7 +89,7 @@ static void errors(bw_context *context, const bw_material *material, int cells, 
     double gradient[3][3];
     exact(mesh->node + 3 * (size_t)i, (double *)field->data + 3 * (size_t)i, gradient);
   }
-  check_ok(context, bw_model_prescribe_field(context, model, surface, held, field));
+  check_ok(context, bw_model_prescribe_field(context, model, surface, fixed, field));
   bw_array *force;
   check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 3, &force));
   double *f = (double *)force->data;

@@ -4,7 +4,7 @@
 #include "../solve/bodies.h"
 #include "barwright/distributed.h"
 
-static bw_model *body(bw_context *context, int order, bool held) {
+static bw_model *body(bw_context *context, int order, bool fixed) {
   bw_mesh *mesh = body_box(context, 1, 0.2, 0.1, 4, 2, 1, order);
   bw_material *material = body_material(context);
   bw_model *model = NULL;
@@ -14,7 +14,7 @@ static bw_model *body(bw_context *context, int order, bool held) {
   check_ok(context, bw_select_box(context, mesh, from, to, &right));
   check_ok(context, bw_model_force(context, model, right, (double[3]){100, 20, -9}));
   bw_release(right);
-  if (held) {
+  if (fixed) {
     bw_selection *left = NULL;
     const double low[3] = {-1, -1, -1}, high[3] = {1e-9, 1, 1};
     check_ok(context, bw_select_box(context, mesh, low, high, &left));

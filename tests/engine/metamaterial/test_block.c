@@ -112,7 +112,7 @@ static void between_reuss_and_voigt(void **state) {
 }
 
 /* Energy of x -> g x in a body that repeats a block of 2 x 2 x 2 cubes: eight nodes, of which one
- * is held and the others move besides, by Gauss's elimination of a 21 x 21 system. */
+ * is constrained and the others move besides, by Gauss's elimination of a 21 x 21 system. */
 static double repeated_energy(const double *const child[8], const double g[9]) {
   enum { N = 21 };
   double a[N][N + 1] = {{0}}, sum = 0;
@@ -154,7 +154,7 @@ static double repeated_energy(const double *const child[8], const double g[9]) {
 
 /* What its surroundings let it do makes a block softer than where it repeats; not layers, which
  * repeat either way; where one column of four is soft, and by less than two where stiff columns
- * meet along edges, which would be hinges if nothing held them. */
+ * meet along edges, which would be hinges if nothing fixed them. */
 static void surroundings_give_way(void **state) {
   bw_context *context = check_context(state);
   double own[2][576], block[576], u[24], min = 1, hinged = 1;

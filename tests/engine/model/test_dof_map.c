@@ -20,7 +20,7 @@ static void check_motions(const bw_dof_map *dof_map) {
     bw_rigid_modes_dot(dof_map, w, a);
     for (int k = 0; k < n; k++)
       check_near(a[k], k == m, 1e-12);
-    for (size_t i = 0; i < size; i++) /* no held component moves */
+    for (size_t i = 0; i < size; i++) /* no constrained component moves */
       if (dof_map->state[i] == BW_DOF_PRESCRIBED && dof_map->frame_of[i / 3] < 0)
         check_near(r[i], 0, 1e-9);
   }
@@ -128,7 +128,7 @@ static void three_symmetry_planes_hold_an_octant(void **state) {
   check_ok(context, bw_dof_map_describe_rigid_modes(context, dof_map, &text));
   assert_string_equal(text, "no rigid-body mode is unconstrained");
   bw_free(text);
-  /* the corner at the origin is held in all three directions */
+  /* the corner at the origin is constrained in all three directions */
   for (int32_t i = 0; i < mesh->node_count; i++)
     if (bw_norm(mesh->node + 3 * (size_t)i) == 0)
       for (int k = 0; k < 3; k++)
@@ -242,15 +242,15 @@ static void oblique_slides_get_frames(void **state) {
   }
   check_motions(dof_map);
   bw_release(dof_map);
-  /* where both meet, two directions are held; the third is free */
+  /* where both meet, two directions are constrained; the third is free */
   check_ok(context, bw_model_slide(context, model, side, x));
   check_ok(context, bw_dof_map_create(context, model, &dof_map));
   int both = 0;
   for (int32_t i = 0; i < mesh->node_count; i++) {
-    int held = 0;
+    int fixed = 0;
     for (int k = 0; k < 3; k++)
-      held += dof_map->state[3 * i + k] == BW_DOF_PRESCRIBED;
-    both += held == 2;
+      fixed += dof_map->state[3 * i + k] == BW_DOF_PRESCRIBED;
+    both += fixed == 2;
   }
   assert_int_equal(both, 3);
   assert_int_equal(dof_map->rigid_mode_count, 1); /* along (0, 4, -3) */

@@ -81,17 +81,17 @@ static void supports_go_with_the_surface(void **state) {
   bw_model *model = some_model(context, mesh), *moved = NULL;
   bw_selection *side = face_of(context, mesh, 1, 0), *root = face_of(context, mesh, 0, 0);
   const double given[3] = {0, 0, 1}, by[3] = {0, 0, 0};
-  const bool held[3] = {true, true, false};
+  const bool fixed[3] = {true, true, false};
   check_ok(context, bw_model_slide(context, model, side, NULL));
   check_ok(context, bw_model_slide(context, model, side, given));
-  check_ok(context, bw_model_prescribe(context, model, root, held, by));
+  check_ok(context, bw_model_prescribe(context, model, root, fixed, by));
   double angle = 0.4;
   bw_mesh *other = turned_mesh(context, mesh, angle, 1);
   check_ok(context, bw_model_moved(context, model, other, &moved));
   assert_int_equal(moved->support_count, 3);
   bw_dof_map *dof_map = NULL;
   check_ok(context, bw_dof_map_create(context, moved, &dof_map));
-  /* a node of the side off the root is held along the turned normal and along z */
+  /* a node of the side off the root is constrained along the rotated normal and along z */
   int32_t node = -1;
   for (int32_t i = 0; i < side->node_count; i++)
     if (mesh->node[3 * side->node[i]] > 1.5)
@@ -134,7 +134,7 @@ static void transferred_to_a_refilled_mesh(void **state) {
   check_ok(context, bw_mesh_refill(context, mesh, mesh->node, replace, &refilled, &node_from,
                                    &element_from));
   bw_selection *root = face_of(context, mesh, 0, 0), *top = face_of(context, mesh, 2, 2);
-  const bool held[3] = {true, true, true};
+  const bool fixed[3] = {true, true, true};
   bw_array *field = NULL, *force = NULL, *warm = NULL;
   check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 3, &field));
   check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 3, &force));
@@ -145,7 +145,7 @@ static void transferred_to_a_refilled_mesh(void **state) {
     if (mesh->node[3 * i] > 3.9)
       ((double *)force->data)[3 * i + 2] = 1 + mesh->node[3 * i + 1];
   }
-  check_ok(context, bw_model_prescribe_field(context, model, root, held, field));
+  check_ok(context, bw_model_prescribe_field(context, model, root, fixed, field));
   check_ok(context, bw_model_pressure(context, model, top, 5));
   check_ok(context, bw_model_nodal_forces(context, model, force));
   check_ok(context, bw_model_temperature(context, model, warm, 1e-5));
@@ -253,7 +253,7 @@ static void dof_map_in_frames(void **state) {
   check_fails(context, BW_INVALID, "subdomain 3 of 2",
               bw_dof_map_follow(context, moved, first, 2, subdomain, frame, &same, &next));
   subdomain[0] = 0;
-  /* held in other directions: other unknowns */
+  /* fixed in other directions: other unknowns */
   check_ok(context, bw_model_fix(context, moved, moved->support[1].on));
   check_fails(context, BW_INVALID, "earlier supports",
               bw_dof_map_follow(context, moved, first, 2, subdomain, frame, &same, &next));

@@ -165,13 +165,13 @@ static void supports_need_facets_or_a_node_set(void **state) {
   bw_model *model = some_model(context, mesh);
   bw_selection *on = NULL, *set = NULL, *both = NULL;
   const double top[3] = {0, 0, 1}, z[3] = {0, 0, 1}, force[3] = {1, 0, 0};
-  const bool held[3] = {true, true, true};
+  const bool fixed[3] = {true, true, true};
   check_ok(context, bw_select_plane(context, mesh, top, z, 1e-6, &on));
   check_fails(context, BW_EMPTY, "23 nodes and no whole facet: it covers 0 of the 2 m2",
               bw_model_fix(context, model, on));
   check_fails(context, BW_EMPTY, "make it a node set", bw_model_slide(context, model, on, NULL));
   check_fails(context, BW_EMPTY, "no whole facet",
-              bw_model_prescribe(context, model, on, held, NULL));
+              bw_model_prescribe(context, model, on, fixed, NULL));
   check_fails(context, BW_EMPTY, "forces at nodes", bw_model_force(context, model, on, force));
   assert_int_equal(model->support_count + model->load_count, 0);
   check_ok(context, bw_select_node_set(context, on, &set));

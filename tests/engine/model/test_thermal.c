@@ -90,7 +90,7 @@ static void test_prescribed_field(void **state) {
   bw_selection *all;
   bw_array *field, *wrong;
   bw_static *result;
-  const bool held[3] = {true, true, true};
+  const bool fixed[3] = {true, true, true};
   check_ok(context, bw_model_create(context, mesh, material, &model));
   check_ok(context, bw_select_all(context, mesh, &all));
   check_ok(context, bw_array_create(context, BW_F64, mesh->node_count, 3, &field));
@@ -101,13 +101,13 @@ static void test_prescribed_field(void **state) {
     u[3 * i + 1] = 1e-3 * (x[2] - x[0]);
     u[3 * i + 2] = 1e-3 * (3 * x[1] + x[2]);
   }
-  check_ok(context, bw_model_prescribe_field(context, model, all, held, field));
+  check_ok(context, bw_model_prescribe_field(context, model, all, fixed, field));
   check_ok(context, bw_statics(context, model, NULL, NULL, &result));
   for (int32_t i = 0; i < 3 * mesh->node_count; i++)
     check_near(result->displacement[i], u[i], 1e-15);
   check_ok(context, bw_array_create(context, BW_F64, 3, 3, &wrong));
   check_fails(context, BW_INVALID, "rows",
-              bw_model_prescribe_field(context, model, all, held, wrong));
+              bw_model_prescribe_field(context, model, all, fixed, wrong));
   check_fails(context, BW_INVALID, "columns", bw_model_temperature(context, model, field, 1e-5));
   bw_release(wrong);
   bw_release(result);

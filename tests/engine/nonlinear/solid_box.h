@@ -53,10 +53,10 @@ static inline void box_hold(bw_context *context, box *b, int axis, int high, boo
                             double value) {
   int32_t *node = malloc(sizeof *node * (size_t)b->grid->node_count);
   int64_t count = box_end(b, axis, high, node);
-  bool hold[3] = {x, y, z};
+  bool fixed[3] = {x, y, z};
   double values[3] = {0, 0, 0};
-  values[axis] = hold[axis] ? value : 0;
-  check_ok(context, bw_load_case_fix(context, b->load_case, count, node, hold, values));
+  values[axis] = fixed[axis] ? value : 0;
+  check_ok(context, bw_load_case_fix(context, b->load_case, count, node, fixed, values));
   free(node);
 }
 

@@ -86,13 +86,13 @@ static void test_shear(void **state) {
       check_ok(context, bw_load_case_create(context, b.grid, &load_case));
       for (int32_t i = 0; i < b.nodes; i++) {
         double x[3];
-        const bool hold[3] = {true, true, true};
+        const bool fixed[3] = {true, true, true};
         bw_grid_position(b.grid, i, x);
         bool inside = true;
         for (int d = 0; d < 3; d++)
           inside = inside && x[d] > 1e-9 && x[d] < 1 - 1e-9;
         if (!inside)
-          check_ok(context, bw_load_case_fix(context, load_case, 1, &i, hold,
+          check_ok(context, bw_load_case_fix(context, load_case, 1, &i, fixed,
                                              (const double[3]){gamma * x[1], 0, 0}));
       }
       bw_solid_static *result = solve(context, &b, load_case, 1);

@@ -6,12 +6,12 @@
 static void hold_at(bw_context *context, bw_load_case *load_case, const bw_grid *grid,
                     const double at[3], bool y, bool z) {
   const double zero[3] = {0, 0, 0};
-  const bool hold[3] = {false, y, z};
+  const bool fixed[3] = {false, y, z};
   for (int32_t i = 0; i < grid->node_count; i++) {
     double x[3];
     bw_grid_position(grid, i, x);
     if (fabs(x[0] - at[0]) + fabs(x[1] - at[1]) + fabs(x[2] - at[2]) < 1e-9)
-      check_ok(context, bw_load_case_fix(context, load_case, 1, &i, hold, zero));
+      check_ok(context, bw_load_case_fix(context, load_case, 1, &i, fixed, zero));
   }
 }
 
@@ -72,13 +72,13 @@ static void test_compressible_is_standard(void **state) {
               cantilever(context, 0, 2, true, &warned));
 }
 
-/* A pressed block between plates that hold its ends: stress and reaction agree, and the mean
+/* A pressed block between plates that fix its ends: stress and reaction agree, and the mean
  * pressure of the elements is smooth, the ends apart. */
 static void test_stress_is_that_of_the_reaction(void **state) {
   bw_context *context = check_context(state);
   body b = body_box(context, 4, 4, 4, 1, 1, 1, BW_NEO_HOOKEAN, 1e6, 0.499, 0);
   body_take_b_bar(context, &b, BW_NEO_HOOKEAN, 1e6, 0.499);
-  const bool hold[3] = {true, true, true};
+  const bool fixed[3] = {true, true, true};
   const double zero[3] = {0, 0, 0}, pressed[3] = {0, 0, -0.01};
   bw_load_case *load_case;
   int64_t count;
@@ -86,7 +86,7 @@ static void test_stress_is_that_of_the_reaction(void **state) {
   for (int end = 0; end < 2; end++) {
     int32_t *node = nodes_at(context, b.grid, 2, end, &count);
     check_ok(context,
-             bw_load_case_fix(context, load_case, count, node, hold, end ? pressed : zero));
+             bw_load_case_fix(context, load_case, count, node, fixed, end ? pressed : zero));
     bw_free(node);
   }
   bw_solid_static *result = solve(context, &b, load_case, 1);

@@ -93,9 +93,9 @@ static inline void hold_side(bw_context *context, bw_load_case *load_case, int a
                              int bits, double vx, double vy, double vz) {
   int64_t count;
   int32_t *node = nodes_at(context, load_case->grid, axis, at, &count);
-  const bool hold[3] = {bits & 1, (bits & 2) != 0, (bits & 4) != 0};
+  const bool fixed[3] = {bits & 1, (bits & 2) != 0, (bits & 4) != 0};
   const double value[3] = {vx, vy, vz};
-  check_ok(context, bw_load_case_fix(context, load_case, count, node, hold, value));
+  check_ok(context, bw_load_case_fix(context, load_case, count, node, fixed, value));
   bw_free(node);
 }
 

@@ -34,7 +34,7 @@ static bw_outline *beam(bw_context *context, bool inlay) {
   draft_circle(&d, "hole", -1, 0.6, 0.28, 0.14);
   d.tags = 2;
   strcpy(d.tag[0].text, "edge");
-  strcpy(d.tag[1].text, "held");
+  strcpy(d.tag[1].text, "fixed");
   d.segment[inlay ? 3 : 4].tag = 1;
   return draft_make(context, &d);
 }

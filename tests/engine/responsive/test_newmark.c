@@ -167,13 +167,13 @@ static void test_refused(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = isotropic(context, 1, 0, 0), *heavy = isotropic(context, 1, 0, 1);
   bw_plane_mesh *mesh = rectangle(context, 1, 1, 1, 2, 2);
-  bw_condition hold = {.tag = LEFT, .component = 0};
-  bw_sheet *sheet = sheet_on(context, mesh, material, 1, false, 1, &hold);
+  bw_condition support = {.tag = LEFT, .component = 0};
+  bw_sheet *sheet = sheet_on(context, mesh, material, 1, false, 1, &support);
   bw_newmark newmark;
   bw_newmark_default(&newmark);
   check_fails(context, BW_INVALID, "density", bw_sheet_transient(context, sheet, NULL, NULL, NULL));
   bw_release(sheet);
-  sheet = sheet_on(context, mesh, heavy, 1, false, 1, &hold);
+  sheet = sheet_on(context, mesh, heavy, 1, false, 1, &support);
   newmark.step = 0;
   check_fails(context, BW_INVALID, "time step",
               bw_sheet_transient(context, sheet, &newmark, NULL, NULL));
@@ -194,10 +194,10 @@ static void test_memory(void **state) {
   check_ok(context, bw_set_threads(context, 1));
   bw_material *material = isotropic(context, 1, 0, 1);
   bw_plane_mesh *mesh = rectangle(context, 1, 1, 1, 3, 3);
-  bw_condition hold = {.tag = LEFT, .component = 0};
+  bw_condition support = {.tag = LEFT, .component = 0};
   bw_status status = BW_MEMORY;
   for (int n = 1; status != BW_OK; n++) {
-    bw_sheet *sheet = sheet_on(context, mesh, material, 1, false, 1, &hold);
+    bw_sheet *sheet = sheet_on(context, mesh, material, 1, false, 1, &support);
     bw_fail_allocation(n, true);
     status = bw_sheet_transient(context, sheet, NULL, NULL, NULL);
     bw_fail_allocation(0, false);

@@ -122,8 +122,8 @@ static void test_bounds(void **state) {
   }
   bw_sheet *sheet;
   bw_material *material = isotropic(context, 1, 0, 0);
-  bw_condition hold = {.tag = LEFT};
-  sheet = sheet_on(context, mesh, material, 1, false, 1, &hold);
+  bw_condition support = {.tag = LEFT};
+  sheet = sheet_on(context, mesh, material, 1, false, 1, &support);
   check_fails(context, BW_INVALID, "linear statics",
               bw_sheet_stress_gradient(context, sheet, 4, &before, NULL));
   check_fails(context, BW_INVALID, "exponent",

@@ -33,14 +33,14 @@ static bw_material *turned(bw_context *context) {
 
 static void test_patch(void **state) {
   bw_context *context = check_context(state);
-  bw_condition hold[2] = {{.tag = -1, .component = 0, .function = linear_x},
-                          {.tag = -1, .component = 1, .function = linear_y}};
+  bw_condition support[2] = {{.tag = -1, .component = 0, .function = linear_x},
+                             {.tag = -1, .component = 1, .function = linear_y}};
   for (int order = 1; order <= 2; order++)
     for (int strain = 0; strain < 2; strain++)
       for (int wood = 0; wood < 2; wood++) {
         bw_material *material = wood ? turned(context) : isotropic(context, 2e11, 0.3, 0);
         bw_plane_mesh *mesh = jittered(context, rectangle(context, order, 2, 1, 6, 4), 0.06);
-        bw_sheet *sheet = sheet_on(context, mesh, material, 0.01, strain, 2, hold);
+        bw_sheet *sheet = sheet_on(context, mesh, material, 0.01, strain, 2, support);
         bw_plane_reuse reuse = {0};
         bw_lagged_factor_options options;
         bw_lagged_factor_options_default(&options);
@@ -106,11 +106,11 @@ static void errors(bw_context *context, int order, int n, bool strain, double *o
   double nu = 0.3, young = 5;
   exact x = {young / (2 * (1 + nu)), strain ? 3 - 4 * nu : (3 - nu) / (1 + nu), 0}, y = x;
   y.component = 1;
-  bw_condition hold[2] = {{.tag = -1, .component = 0, .function = exact_value, .data = &x},
-                          {.tag = -1, .component = 1, .function = exact_value, .data = &y}};
+  bw_condition support[2] = {{.tag = -1, .component = 0, .function = exact_value, .data = &x},
+                             {.tag = -1, .component = 1, .function = exact_value, .data = &y}};
   bw_material *material = isotropic(context, young, nu, 0);
   bw_plane_mesh *mesh = jittered(context, rectangle(context, order, 1, 1, n, n), 0.1 / n);
-  bw_sheet *sheet = sheet_on(context, mesh, material, 1, strain, 2, hold);
+  bw_sheet *sheet = sheet_on(context, mesh, material, 1, strain, 2, support);
   bw_lagged_factor_options options;
   bw_lagged_factor_options_default(&options);
   options.tolerance = 1e-11;
@@ -222,24 +222,24 @@ static void test_not_held(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = isotropic(context, 1e9, 0.3, 0);
   bw_plane_mesh *mesh = rectangle(context, 1, 1, 1, 4, 4);
-  bw_condition hold[3] = {{.tag = BOTTOM, .component = 1},
-                          {.tag = LEFT, .kind = BW_PRESSURE, .value = 5},
-                          {.tag = LEFT, .component = 0}};
-  bw_sheet *sheet = sheet_on(context, mesh, material, 1, false, 2, hold);
+  bw_condition support[3] = {{.tag = BOTTOM, .component = 1},
+                             {.tag = LEFT, .kind = BW_PRESSURE, .value = 5},
+                             {.tag = LEFT, .component = 0}};
+  bw_sheet *sheet = sheet_on(context, mesh, material, 1, false, 2, support);
   check_fails(context, BW_UNCONSTRAINED, "move along x",
               bw_sheet_static(context, sheet, NULL, NULL));
   bw_release(sheet);
-  hold[0].component = 0;
-  sheet = sheet_on(context, mesh, material, 1, false, 1, hold);
+  support[0].component = 0;
+  sheet = sheet_on(context, mesh, material, 1, false, 1, support);
   check_fails(context, BW_UNCONSTRAINED, "free to", bw_sheet_static(context, sheet, NULL, NULL));
   bw_release(sheet);
   sheet = sheet_on(context, mesh, material, 1, false, 0, NULL);
   check_fails(context, BW_UNCONSTRAINED, "free to", bw_sheet_static(context, sheet, NULL, NULL));
   bw_release(sheet);
   /* uniform pressure on a square constrained at two sides: uniform stress */
-  hold[0].component = 1;
-  hold[1].tag = RIGHT;
-  sheet = sheet_on(context, mesh, material, 2, false, 3, hold);
+  support[0].component = 1;
+  support[1].tag = RIGHT;
+  sheet = sheet_on(context, mesh, material, 2, false, 3, support);
   check_ok(context, bw_sheet_static(context, sheet, NULL, NULL));
   double stress[4 * 25];
   check_ok(context, bw_sheet_stress(context, sheet, stress, NULL));
@@ -254,8 +254,8 @@ static void test_not_held(void **state) {
               bw_sheet_create(context, mesh, &description, &sheet));
   section.thickness = 1;
   description.condition_count = 1;
-  description.condition = hold;
-  hold[0].tag = 9;
+  description.condition = support;
+  support[0].tag = 9;
   check_fails(context, BW_INVALID, "tag 10", bw_sheet_create(context, mesh, &description, &sheet));
   bw_release(mesh);
   bw_release(material);
@@ -267,12 +267,12 @@ static void test_gravity(void **state) {
   bw_material *material = isotropic(context, 1e9, 0, 1000);
   for (int order = 1; order <= 2; order++) {
     bw_plane_mesh *mesh = jittered(context, rectangle(context, order, 1, 3, 6, 18), 0.04);
-    bw_condition hold[2] = {{.tag = BOTTOM, .component = 0}, {.tag = BOTTOM, .component = 1}};
+    bw_condition support[2] = {{.tag = BOTTOM, .component = 0}, {.tag = BOTTOM, .component = 1}};
     bw_sheet_section section = {material, 0.2, false};
     bw_sheet_description description = {.section_count = 1,
                                         .section = &section,
                                         .condition_count = 2,
-                                        .condition = hold,
+                                        .condition = support,
                                         .gravity = {0, -10}};
     bw_sheet *sheet;
     check_ok(context, bw_sheet_create(context, mesh, &description, &sheet));
@@ -412,10 +412,10 @@ static void test_memory(void **state) {
   check_ok(context, bw_set_threads(context, 1));
   bw_material *material = isotropic(context, 1e9, 0.3, 0);
   bw_plane_mesh *mesh = rectangle(context, 2, 1, 1, 3, 3);
-  bw_condition hold[2] = {{.tag = LEFT, .component = 0}, {.tag = LEFT, .component = 1}};
+  bw_condition support[2] = {{.tag = LEFT, .component = 0}, {.tag = LEFT, .component = 1}};
   bw_sheet_section section = {material, 1, false};
   bw_sheet_description description = {
-      .section_count = 1, .section = &section, .condition_count = 2, .condition = hold};
+      .section_count = 1, .section = &section, .condition_count = 2, .condition = support};
   bw_status status = BW_MEMORY;
   for (int n = 1; status != BW_OK; n++) {
     bw_sheet *sheet = NULL;

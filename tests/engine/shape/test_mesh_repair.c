@@ -321,8 +321,8 @@ static void patch_test(bw_context *context, const bw_mesh *mesh) {
     u[3 * i + 1] = 1e-3 * (0.5 * x[0] + 0.1 * x[1]);
     u[3 * i + 2] = 1e-3 * (-0.2 - 0.4 * x[1] + 0.6 * x[2]);
   }
-  const bool held[3] = {true, true, true};
-  check_ok(context, bw_model_prescribe_field(context, model, all, held, field));
+  const bool fixed[3] = {true, true, true};
+  check_ok(context, bw_model_prescribe_field(context, model, all, fixed, field));
   check_ok(context, bw_statics(context, model, NULL, NULL, &result));
   int inner = 0;
   for (int32_t i = 0; i < 3 * mesh->node_count; i++)

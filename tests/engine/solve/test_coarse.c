@@ -9,22 +9,22 @@
 static double *linear_field(bw_context *context, const bw_dof_map *dof_map, bw_random *random) {
   const bw_mesh *mesh = dof_map->mesh;
   double *u = BW_NEW0(context, double, 3 * (size_t)mesh->node_count);
-  uint8_t *held = BW_NEW0(context, uint8_t, mesh->node_count);
+  uint8_t *fixed = BW_NEW0(context, uint8_t, mesh->node_count);
   assert_non_null(u);
-  assert_non_null(held);
+  assert_non_null(fixed);
   for (int64_t i = 0; i < 3 * (int64_t)mesh->node_count; i++)
     if (dof_map->state[i] != BW_DOF_UNKNOWN)
-      held[i / 3] = 1;
+      fixed[i / 3] = 1;
   for (int64_t e = 0; e < mesh->element_count; e++)
     for (int a = 0; a < 6; a++) {
       const int32_t *node = mesh->element + 10 * e;
-      if (held[node[4 + a]])
-        held[node[bw_tet_edge[a][0]]] = held[node[bw_tet_edge[a][1]]] = 1;
+      if (fixed[node[4 + a]])
+        fixed[node[bw_tet_edge[a][0]]] = fixed[node[bw_tet_edge[a][1]]] = 1;
     }
   for (int64_t e = 0; e < mesh->element_count; e++)
     for (int a = 0; a < 4; a++) {
       int64_t i = mesh->element[10 * e + a];
-      for (int c = 0; c < 3 && !held[i] && u[3 * i + 2] == 0; c++)
+      for (int c = 0; c < 3 && !fixed[i] && u[3 * i + 2] == 0; c++)
         u[3 * i + c] = bw_random_uniform(random) - 0.5;
     }
   for (int64_t e = 0; e < mesh->element_count; e++)
@@ -34,7 +34,7 @@ static double *linear_field(bw_context *context, const bw_dof_map *dof_map, bw_r
         u[3 * node[4 + a] + c] =
             0.5 * (u[3 * node[bw_tet_edge[a][0]] + c] + u[3 * node[bw_tet_edge[a][1]] + c]);
     }
-  bw_free(held);
+  bw_free(fixed);
   return u;
 }
 

@@ -78,7 +78,7 @@ static void fake_close(bw_context *context, bw_external_report *report) {
 
 static const bw_external outside = {fake_open, fake_solve, fake_modes, fake_close};
 
-static bw_model *cantilever(bw_context *context, bool held) {
+static bw_model *cantilever(bw_context *context, bool fixed) {
   bw_mesh *mesh = body_box(context, 1, 0.1, 0.1, 6, 2, 2, 1);
   bw_material *material = body_material(context);
   bw_model *model = NULL;
@@ -89,7 +89,7 @@ static bw_model *cantilever(bw_context *context, bool held) {
     if (mesh->node[3 * i] > 1 - 1e-9)
       ((double *)force->data)[3 * i + 2] = 10;
   check_ok(context, bw_model_nodal_forces(context, model, force));
-  if (held) {
+  if (fixed) {
     bw_selection *left = NULL;
     const double low[3] = {-1, -1, -1}, high[3] = {1e-9, 1, 1};
     check_ok(context, bw_select_box(context, mesh, low, high, &left));
@@ -111,11 +111,11 @@ static void begin(void) {
 static void test_same_answers(void **state) {
   bw_context *context = check_context(state);
   begin();
-  for (int held = 0; held < 2; held++) {
-    bw_model *model = cantilever(context, held);
+  for (int fixed = 0; fixed < 2; fixed++) {
+    bw_model *model = cantilever(context, fixed);
     bw_static *own = NULL, *other = NULL;
     bw_modes *modes = NULL, *others = NULL;
-    const bw_statics_options options = {.inertia_relief = !held};
+    const bw_statics_options options = {.inertia_relief = !fixed};
     const bw_modes_options opts = {.count = 4, .tolerance = 1e-8, .seed = 1};
     check_ok(context, bw_statics(context, model, NULL, &options, &own));
     check_ok(context, bw_statics_external(context, model, &options, NULL, &other));
@@ -129,7 +129,7 @@ static void test_same_answers(void **state) {
     check_ok(context, bw_modes_elastic(context, own->system, &opts, &modes));
     check_ok(context, bw_modes_external(context, model, &opts, NULL, &others));
     assert_int_equal(others->count, 4);
-    assert_int_equal(others->rigid_count, held ? 0 : 6);
+    assert_int_equal(others->rigid_count, fixed ? 0 : 6);
     for (int k = 0; k < 4; k++) {
       check_near(others->frequency[k], modes->frequency[k], 0);
       check_near(others->residual[k], modes->residual[k], 1e-9);

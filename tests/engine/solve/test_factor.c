@@ -21,7 +21,7 @@ typedef struct problem {
   bwi_matrix matrix;
 } problem;
 
-/* A box held on one face. */
+/* A box fixed on one face. */
 static void open_problem(bw_context *context, int nx, int ny, int nz, int order, double shift,
                          problem *p) {
   *p = (problem){.mesh = body_box(context, 0.1 * nx, 0.1 * ny, 0.1 * nz, nx, ny, nz, order)};
@@ -35,10 +35,10 @@ static void open_problem(bw_context *context, int nx, int ny, int nz, int order,
   p->unknown = calloc((size_t)(3 * nodes), sizeof(int32_t));
   uint8_t *take = calloc((size_t)nodes, 1);
   for (int64_t i = 0; i < nodes; i++) {
-    bool held = p->mesh->node[3 * i] < 1e-9;
-    take[i] = !held;
+    bool fixed = p->mesh->node[3 * i] < 1e-9;
+    take[i] = !fixed;
     for (int c = 0; c < 3; c++)
-      p->unknown[3 * i + c] = held ? -1 : p->count++;
+      p->unknown[3 * i + c] = fixed ? -1 : p->count++;
   }
   check_ok(context, bwi_order_create(context, p->pattern, take, &p->order));
   check_ok(context, bwi_symbolic_create(context, p->order, 3, p->unknown, &p->symbolic));

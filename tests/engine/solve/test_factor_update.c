@@ -75,13 +75,13 @@ static void open_problem(bw_context *context, const int cells[3], int order, int
   memcpy(p->node, p->mesh->node, 3 * nodes * sizeof(double));
   int32_t unknowns = 0;
   for (size_t i = 0; i < nodes; i++) {
-    bool held = p->mesh->node[3 * i] < 1e-9;
-    p->take[i] = !held;
+    bool fixed = p->mesh->node[3 * i] < 1e-9;
+    p->take[i] = !fixed;
     p->inner[i] = 1;
     p->subdomain_of[i] = -1;
     for (int c = 0; c < 3; c++)
-      p->unknown[3 * i + (size_t)c] = held ? -1 : unknowns++;
-    if (!held && below(&random, 20) == 0)
+      p->unknown[3 * i + (size_t)c] = fixed ? -1 : unknowns++;
+    if (!fixed && below(&random, 20) == 0)
       p->unknown[3 * i + 1] = -1;
   }
   for (int64_t e = 0; e < p->mesh->element_count; e++)

@@ -191,7 +191,7 @@ static void failures_and_recovery(void **state) {
   bar_clear(&b);
 }
 
-/* The same shape held otherwise: other unknowns, and a whole new factor. */
+/* The same shape constrained otherwise: other unknowns, and a whole new factor. */
 static void supports_become_others(void **state) {
   bw_context *context = check_context(state);
   bar b;

@@ -34,10 +34,10 @@ static void slide(bw_context *context, bw_model *model, double x, double y, doub
 
 static void hold_at(bw_context *context, bw_model *model, const double at[3], bool y, bool z) {
   bw_selection *on;
-  bool held[3] = {false, y, z};
+  bool fixed[3] = {false, y, z};
   double value[3] = {0, 0, 0};
   check_ok(context, bw_select_nearest(context, model->mesh, at, 1, &on));
-  check_ok(context, bw_model_prescribe(context, model, on, held, value));
+  check_ok(context, bw_model_prescribe(context, model, on, fixed, value));
   bw_release(on);
 }
 

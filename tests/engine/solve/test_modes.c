@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Elastic modes: against a dense solver and against ARPACK, of bars, of several equal bodies, of
- * held bodies in any direction; the same bits for any number of threads; failing allocations. */
+ * constrained bodies in any direction; the same bits for any number of threads; failing
+ * allocations. */
 #include "bodies.h"
 
 #include <arpack/arpack.h>
@@ -205,7 +206,7 @@ static void turn(const double rotation[9], const bw_mesh *mesh, double *x) {
       x[3 * i + c] = bw_dot(rotation + 3 * c, mesh->node + 3 * i);
 }
 
-/* Held, partly held (three motions free) and turned: a slide along an oblique plane changes
+/* Fixed, partly fixed (three motions free) and turned: a slide along an oblique plane changes
  * nothing but the frames. */
 static void oblique_slide(void **state) {
   bw_context *context = check_context(state);

@@ -279,7 +279,7 @@ static void not_converged(void **state) {
   clear_block(&b);
 }
 
-/* Two blocks in contact at an edge, one of them held: turning about the edge costs nothing. */
+/* Two blocks in contact at an edge, one of them fixed: turning about the edge costs nothing. */
 static void mechanism(void **state) {
   bw_context *context = check_context(state);
   const double x[8][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, 1, 1}};
@@ -289,16 +289,16 @@ static void mechanism(void **state) {
   check_ok(context, bw_mesh_with_order(context, linear, 2, &mesh));
   bw_material *material = body_material(context);
   bw_model *model = NULL;
-  bw_selection *held = face(context, mesh, 0, 0);
+  bw_selection *fixed = face(context, mesh, 0, 0);
   const double gravity[3] = {1, 2, -9.81};
   check_ok(context, bw_model_create(context, mesh, material, &model));
-  check_ok(context, bw_model_fix(context, model, held));
+  check_ok(context, bw_model_fix(context, model, fixed));
   check_ok(context, bw_model_gravity(context, model, gravity));
   bw_static *result = NULL;
   check_fails(context, BW_SINGULAR, "singular", bw_statics(context, model, NULL, NULL, &result));
   check_fails(context, BW_SINGULAR, "with = \"factor\"",
               bw_statics(context, model, NULL, &by_levels, &result));
-  bw_release(held);
+  bw_release(fixed);
   bw_release(model);
   bw_release(material);
   bw_release(mesh);

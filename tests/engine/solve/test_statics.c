@@ -97,13 +97,13 @@ static void prescribed_stretch(void **state) {
   bw_model *model = NULL;
   bw_selection *left = NULL, *right = NULL;
   const double normal[3] = {1, 0, 0}, origin[3] = {0, 0, 0}, far[3] = {1, 0, 0};
-  const bool held[3] = {true, true, true};
+  const bool fixed[3] = {true, true, true};
   const double value[3] = {1e-3, 0, 0};
   check_ok(context, bw_model_create(context, mesh, material, &model));
   check_ok(context, bw_select_plane(context, mesh, origin, normal, 1e-9, &left));
   check_ok(context, bw_select_plane(context, mesh, far, normal, 1e-9, &right));
   check_ok(context, bw_model_fix(context, model, left));
-  check_ok(context, bw_model_prescribe(context, model, right, held, value));
+  check_ok(context, bw_model_prescribe(context, model, right, fixed, value));
   bw_static *result = NULL;
   check_ok(context, bw_statics(context, model, NULL, NULL, &result));
   double pull[2] = {0, 0};
@@ -165,7 +165,7 @@ static void free_bodies(void **state) {
   bw_release(mesh);
 }
 
-/* Two cubes that touch in one corner are held at one of them: a mechanism. */
+/* Two cubes that touch in one corner are constrained at one of them: a mechanism. */
 static void mechanism_is_refused(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *one = body_box(context, 1, 1, 1, 2, 2, 2, 1), *mesh = NULL;
@@ -213,18 +213,18 @@ static void mechanism_is_refused(void **state) {
   bw_release(one);
 }
 
-/* Everything held: no unknown is left, and no mode. */
+/* Everything fixed: no unknown is left, and no mode. */
 static void nothing_to_solve(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 1, 1, 1, 1, 1, 1, 1);
   bw_material *material = body_material(context);
   bw_model *model = NULL;
   bw_selection *all = NULL;
-  const bool held[3] = {true, true, true};
+  const bool fixed[3] = {true, true, true};
   const double value[3] = {1, 2, 3};
   check_ok(context, bw_model_create(context, mesh, material, &model));
   check_ok(context, bw_select_all(context, mesh, &all));
-  check_ok(context, bw_model_prescribe(context, model, all, held, value));
+  check_ok(context, bw_model_prescribe(context, model, all, fixed, value));
   bw_static *result = NULL;
   bw_modes *modes = NULL;
   check_ok(context, bw_statics(context, model, NULL, NULL, &result));

@@ -8,18 +8,18 @@ enum { BONES = 2, SLOPES = 2 };
 static bw_status make_model(bw_context *context, const bw_mesh *mesh, bw_model **model) {
   bw_material *material = NULL;
   bw_model *made = NULL;
-  bw_selection *held = NULL, *loaded = NULL;
+  bw_selection *fixed = NULL, *loaded = NULL;
   bw_status status;
   const double origin[3] = {0, 0, 0}, end[3] = {1, 0, 0}, left[3] = {1, 0, 0},
                right[3] = {-1, 0, 0}, down[3] = {0, 0, -10};
   BW_TRY(bw_material_named(context, "pla", &material));
   BW_TRY(bw_model_create(context, mesh, material, &made));
-  BW_TRY(bw_select_half_space(context, mesh, origin, left, 1e-9, &held));
+  BW_TRY(bw_select_half_space(context, mesh, origin, left, 1e-9, &fixed));
   BW_TRY(bw_select_half_space(context, mesh, end, right, 1e-9, &loaded));
-  BW_TRY(bw_model_fix(context, made, held));
+  BW_TRY(bw_model_fix(context, made, fixed));
   BW_TRY(bw_model_force(context, made, loaded, down));
 done:
-  bw_release(held);
+  bw_release(fixed);
   bw_release(loaded);
   bw_release(material);
   if (status == BW_OK)
