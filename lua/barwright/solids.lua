@@ -82,7 +82,7 @@ end
 local function add(self, act, where)
   act.grid, act.where = self.grid, where
   if where ~= nil then
-    local name = ({move = "fix", press = "pressure"})[act.kind] or act.kind
+    local name = ({move = "fix", surface_pressure = "pressure"})[act.kind] or act.kind
     local numbers = is_array(where) or type(where) == "table" and #where > 0
     if numbers then
       check_numbers(name, where, self.node_count)
@@ -203,7 +203,7 @@ function solid:pressure(on, given)
     if kind ~= "number" and kind ~= "function" then
       raise "pressure: a number or a function of x, y, z expected; a list goes with a surface only"
     end
-    return add(self, {kind = "press", pressure = opts.pressure, follower = opts.follower}, on)
+    return add(self, {kind = "surface_pressure", pressure = opts.pressure, follower = opts.follower}, on)
   end
   return add(self, {kind = "pressure", surface = on, pressure = opts.pressure, follower = opts.follower})
 end
@@ -301,10 +301,10 @@ function apply.gravity(case, act, _, part)
   return case:gravity {a[1] * part, a[2] * part, a[3] * part}
 end
 
-function apply.press(case, act, grid, part)
+function apply.surface_pressure(case, act, grid, part)
   local nodes, message, details = nodes_of(grid, act)
   if not nodes then return nil, message, details end
-  return case:press(nodes, act.pressure, part, act.follower)
+  return case:surface_pressure(nodes, act.pressure, part, act.follower)
 end
 
 function apply.pressure(case, act, grid, part)

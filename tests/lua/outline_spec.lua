@@ -151,7 +151,7 @@ describe("an outline", function()
     local tagged = assert(o:tag("wall", {1, 2}))
     assert.equal("wall", tagged:edge(2).tag)
     assert.equal("fixed", tagged:edge(4).tag)
-    check.raises("no edge is there", o.tag, o, "x", {box = {{5, 5}, {6, 6}}})
+    check.raises("no edge lies in the selection", o.tag, o, "x", {box = {{5, 5}, {6, 6}}})
     check.raises("did you mean 'near'", o.tag, o, "x", {nera = {0, 0}})
     check.raises("numbers from 1 to 16", o.tag, o, "x", {99})
     local at = o:nearest {0.2, -0.1}
