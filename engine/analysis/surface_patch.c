@@ -2,6 +2,8 @@
 /* Patches of the boundary. See surface_patch.h. */
 #include "analysis/surface_patch.h"
 
+#include "barwright/analysis.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -34,6 +36,41 @@ static bool is_constrained(const bw_dof_map *dof_map, int nodes, const int32_t *
     if (dof_map->state[3 * (size_t)node[k / 3] + (size_t)(k % 3)] != BW_DOF_PRESCRIBED)
       return false;
   return true;
+}
+
+bw_status bw_nearest_patch_nodes(bw_context *context, const bw_mesh *mesh,
+                                 const bw_dof_map *dof_map, int64_t count, const double *point,
+                                 int32_t *node) {
+  if (dof_map && dof_map->mesh != mesh)
+    return bw_fail(context, BW_INVALID, "supports of another mesh");
+  double *distance = BW_NEW(context, double, count);
+  if (!distance)
+    return BW_MEMORY;
+  for (int64_t i = 0; i < count; i++) {
+    node[i] = -1;
+    distance[i] = INFINITY;
+  }
+  for (int32_t f = 0; f < mesh->facet_count; f++) {
+    const int32_t *corner = mesh->facet + (size_t)f * (size_t)mesh->nodes_per_facet;
+    if (!(bwi_facet_area(mesh, f) > 0) ||
+        (dof_map && is_constrained(dof_map, mesh->nodes_per_facet, corner)))
+      continue;
+    for (int a = 0; a < mesh->nodes_per_facet; a++)
+      for (int64_t i = 0; i < count; i++) {
+        double to[3], d;
+        for (int k = 0; k < 3; k++)
+          to[k] = mesh->node[3 * (size_t)corner[a] + (size_t)k] - point[3 * i + k];
+        d = bw_dot(to, to);
+        if (d < distance[i] || (d == distance[i] && corner[a] < node[i])) {
+          distance[i] = d;
+          node[i] = corner[a];
+        }
+      }
+  }
+  bw_free(distance);
+  if (count > 0 && node[0] < 0)
+    return bw_fail(context, BW_EMPTY, "supports constrain the whole boundary: no stress is judged");
+  return BW_OK;
 }
 
 bw_status bwi_surface_patches_begin(bw_context *context, const bw_mesh *mesh,

@@ -168,14 +168,13 @@ local function explore(self, rounds, min)
   return true
 end
 
--- Nodes and mean stresses of places that are known from another mesh.
-local function carry_over(self, known)
-  local nodes, rows = {}, {}
-  for k, place in ipairs(known) do
-    nodes[k] = self.mesh.boundary:nearest(place.at, 1).nodes[1]
-    rows[k] = place.stress:totable()[1]
-  end
-  return nodes, rows
+-- Loads for places that are known from another mesh, where a node of this one may lie within a support.
+local function add_known(self, known)
+  local at, rows = {}, {}
+  for k, place in ipairs(known) do at[k], rows[k] = place.at, place.stress:totable()[1] end
+  local nodes, message, details = core.nearest_patch_nodes(self.system, core.array.new(at))
+  if not nodes then return nil, message, details end
+  return add(self, nodes:totable(), rows)
 end
 
 -- Places near the largest mean that have not ascended, no two of them in one patch.
@@ -228,7 +227,7 @@ function patch_search.run(problem)
   local self = setmetatable({places = {}, origins = {}, own = {}}, {__index = problem})
   local ok, message, details
   if problem.known then
-    ok, message, details = add(self, carry_over(self, problem.known))
+    ok, message, details = add_known(self, problem.known)
   else
     ok, message, details = begin(self)
   end

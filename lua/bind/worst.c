@@ -76,6 +76,20 @@ static int directed_regions(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
+/* nearest_patch_nodes(system, points): array of node indices */
+static int nearest_patch_nodes(lua_State *L) {
+  const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
+  int64_t count;
+  lua_settop(L, 2);
+  const double *point = lbw_to_doubles(L, 2, "points", 3, &count);
+  int32_t *node = (int32_t *)lbw_push_array(L, BW_I32, count, 1)->data;
+  bw_status status =
+      bw_nearest_patch_nodes(lbw_enter(L), system->mesh, system->dof_map, count, point, node);
+  for (int64_t i = 0; i < count; i++)
+    node[i]++;
+  return lbw_leave(L, status, 1);
+}
+
 /* patch_regions(system, radius, nodes, stresses) */
 static int patch_regions(lua_State *L) {
   const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
@@ -439,11 +453,15 @@ static int rank_correlation(lua_State *L) {
 }
 
 void lbw_open_worst(lua_State *L) {
-  static const luaL_Reg functions[] = {
-      {"weak_regions", weak_regions_find},    {"single_regions", single_regions},
-      {"pressure_basis", pressure_basis},     {"directed_regions", directed_regions},
-      {"patch_regions", patch_regions},       {"drops", drops},
-      {"rank_correlation", rank_correlation}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"weak_regions", weak_regions_find},
+                                       {"single_regions", single_regions},
+                                       {"pressure_basis", pressure_basis},
+                                       {"directed_regions", directed_regions},
+                                       {"patch_regions", patch_regions},
+                                       {"nearest_patch_nodes", nearest_patch_nodes},
+                                       {"drops", drops},
+                                       {"rank_correlation", rank_correlation},
+                                       {NULL, NULL}};
   lbw_class_register(L, &lbw_weak_regions_class);
   lbw_class_register(L, &lbw_pressure_basis_class);
   luaL_setfuncs(L, functions, 0);

@@ -48,6 +48,15 @@ describe("the breaking force", function()
     assert.is_true(assert(breaking(mesh, {contact = 2e-5})).force < one.force)
   end)
 
+  it("is refined at the edge of a support, where the nearest node of the next mesh may lie within it", function()
+    local box = assert(bw.surface.box {min = {-0.01, -0.01, 0}, max = {0.052, 0.01, 0.022}})
+    local found = assert(breaking(box, {elements = 4000, fix = function(mesh)
+      return mesh.boundary:below(1, -0.01)
+    end}))
+    assert.is_true(#found.history > 1)
+    check.near(-0.01, found.at[1], 1e-6)
+  end)
+
   it("is refined where the body is weakest, and agrees from a coarse and a fine start", function()
     -- A stub on a plate: the edge between them is re-entrant.
     local stub = assert(bw.surface.implicit(function(x, y, z)

@@ -37,8 +37,7 @@ local function describe_page(page, min_blocks, prepare)
     -- Words of a command line; where they are not run as printed, small and on a mesh.
     local function command(line)
       line = line:gsub("%s+#.*", "")
-      -- On the box a place of the finer meshes lies within the support, which `worst --fix` refuses (status 3).
-      if full and not line:find("--forbid", 1, true) then return line end
+      if full then return line end
       return line:gsub("out/demo/foal%.stl", "part.vtu"):gsub("part%.stl", "part.vtu") .. " "
         .. small_options[line:match "^%l+"]
         .. (line:find("bracket.stl", 1, true) and " --elements " .. small or "")

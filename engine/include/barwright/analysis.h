@@ -238,6 +238,12 @@ BW_API bw_status bw_weak_regions_single(bw_context *context, const bw_mesh *mesh
 BW_API bw_status bw_weak_regions_directed(bw_context *context, const bw_mesh *mesh, int64_t count,
                                           const int32_t *element, const double *stress,
                                           bw_weak_regions **regions);
+/* The boundary nodes nearest to points, point (m, count x 3), that have a patch: those that are not
+ * in the inside of a support. node (index, count), the lowest of equally near ones. `dof_map` may
+ * be NULL: nothing is constrained. BW_EMPTY where supports constrain the whole boundary. */
+BW_API bw_status bw_nearest_patch_nodes(bw_context *context, const bw_mesh *mesh,
+                                        const bw_dof_map *dof_map, int64_t count,
+                                        const double *point, int32_t *node);
 /* Patches of the boundary as regions: those of bw_surface_mean around boundary nodes, node (index,
  * count). The objective is s n . m n, m the bw_surface_mean of bw_surface_stress, n and s of stress
  * (Pa, count x 6) as bw_weak_regions_directed. Their elements are those behind the corners of

@@ -163,7 +163,32 @@ static void test_supports(void **state) {
   check_near(mean[node_near(mesh, 0, 0, 0.4)], 3 + 0.5 * 16 / (15 * acos(-1)), 0.02);
   assert_true(mean[node_near(mesh, -0.5, 0, 0.4)] == 0);
   check_near(mean[node_near(mesh, 0.5, 0, 0.4)], 3.5, 1e-12);
+  /* Nearest nodes with a patch: those with a mean, as a search of all finds them. */
+  const double point[4][3] = {{-0.5, 0, 0.4}, {-0.9, -0.6, 0}, {0.5, 0.01, 0.41}, {0.02, 0.3, 0.2}};
+  int32_t found[4];
+  check_ok(context, bw_nearest_patch_nodes(context, mesh, dof_map, 4, point[0], found));
+  for (int k = 0; k < 4; k++) {
+    double least = INFINITY;
+    for (int32_t i = 0; i < mesh->node_count; i++) {
+      const double *x = mesh->node + 3 * i;
+      double d[3] = {x[0] - point[k][0], x[1] - point[k][1], x[2] - point[k][2]};
+      least = mean[i] != 0 ? fmin(least, bw_norm(d)) : least;
+    }
+    const double *x = mesh->node + 3 * found[k];
+    double d[3] = {x[0] - point[k][0], x[1] - point[k][1], x[2] - point[k][2]};
+    assert_true(mean[found[k]] != 0);
+    check_near(bw_norm(d), least, 1e-14);
+  }
+  assert_int_equal(found[0], node_near(mesh, 0, 0, 0.4));
   free(value), free(mean);
+  bw_release(fixed), bw_release(dof_map);
+  check_ok(context, bw_nearest_patch_nodes(context, mesh, NULL, 1, point[0], found));
+  assert_int_equal(found[0], node_near(mesh, -0.5, 0, 0.4));
+  check_ok(context, bw_select_all(context, mesh, &fixed));
+  check_ok(context, bw_model_fix(context, model, fixed));
+  check_ok(context, bw_dof_map_create(context, model, &dof_map));
+  check_fails(context, BW_EMPTY, "whole boundary",
+              bw_nearest_patch_nodes(context, mesh, dof_map, 1, point[0], found));
   bw_release(dof_map), bw_release(fixed), bw_release(model), bw_release(material);
   bw_release(mesh);
 }
