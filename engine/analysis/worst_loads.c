@@ -54,7 +54,7 @@ static bw_status scratch_fill(const loads_work *work, loads_scratch *scratch) {
   if (!scratch->cost || !scratch->fraction || !scratch->multiplier || !scratch->dual ||
       !scratch->vertex.basic || !scratch->vertex.at_upper)
     return BW_MEMORY;
-  if (work->loads->options.solver != BW_LP_OWN || scratch->simplex)
+  if (work->loads->options.solver != BW_LP_DUAL_SIMPLEX || scratch->simplex)
     return BW_OK;
   return bwi_simplex_create(context, work->loads->program, &scratch->simplex);
 }
@@ -130,7 +130,7 @@ static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scr
   bw_status status = BW_OK;
   bwi_solution solution = {scratch->fraction, scratch->multiplier, 0, INFINITY, INFINITY};
   double scale;
-  bool own = work->loads->options.solver == BW_LP_OWN;
+  bool own = work->loads->options.solver == BW_LP_DUAL_SIMPLEX;
   BW_TRY(bw_check_cancel(work->context));
   BW_TRY(gains(work, i, scratch->cost, &scale));
   for (int attempt = own ? 0 : OWN_ATTEMPTS; attempt < OWN_ATTEMPTS + GLPK_ATTEMPTS; attempt++) {
@@ -184,8 +184,8 @@ done:
 }
 
 /* Uniform pressure is in balance. Where the basis does not hold it, the largest total force in
- * balance is a linear program of its own, which no pressure at all fulfils: it is always feasible.
- */
+ * balance is a linear program of its own, which no pressure at all fulfils: it is always
+ * feasible. */
 static bw_status check_balance(bw_context *context, const bw_pressure_basis *basis,
                                const bw_dof_map *dof_map, const bw_worst_load_options *options) {
   bw_worst_load_options less = *options;

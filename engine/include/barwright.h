@@ -62,8 +62,7 @@
  *              read freely, from any thread, and must not be written.
  * Threads      A context serves one thread at a time. Objects may be shared between threads
  *              that only read them. Results have the same bits for any number of threads.
- * Cancelling   Long work asks bw_cancelled now and then and returns BW_CANCELLED.
- */
+ * Cancelling   Long work asks bw_cancelled now and then and returns BW_CANCELLED. */
 #ifndef BARWRIGHT_H
 #define BARWRIGHT_H
 

@@ -80,19 +80,19 @@ bw_status bwi_load_case_check_finite(bw_context *context, const char *what,
 }
 
 bw_status bw_load_case_fix(bw_context *context, bw_load_case *it, int64_t count,
-                           const int32_t *node, const bool hold[3], const double value[3]) {
+                           const int32_t *node, const bool fixed[3], const double value[3]) {
   static const char axis[] = "xyz";
   bw_status status = BW_OK;
   static const double rest[3] = {0, 0, 0};
   value = value ? value : rest;
   BW_TRY(bwi_load_case_check_nodes(context, it->grid, count, node, "a support"));
   BW_TRY(bwi_load_case_check_finite(context, "the prescribed displacement", value));
-  if (!hold[0] && !hold[1] && !hold[2])
-    return bw_fail(context, BW_EMPTY, "a support that constrains no direction");
+  if (!fixed[0] && !fixed[1] && !fixed[2])
+    return bw_fail(context, BW_EMPTY, "a support constrains no direction: give at least one");
   for (int64_t k = 0; k < count; k++)
     for (int c = 0; c < 3; c++) {
       int64_t i = 3 * (int64_t)node[k] + c;
-      if (hold[c] && it->constrained[i] && it->value[i] != value[c]) {
+      if (fixed[c] && it->constrained[i] && it->value[i] != value[c]) {
         double at[3];
         bw_grid_position(it->grid, node[k], at);
         status = bw_fail(context, BW_INVALID,
@@ -105,7 +105,7 @@ bw_status bw_load_case_fix(bw_context *context, bw_load_case *it, int64_t count,
     }
   for (int64_t k = 0; k < count; k++)
     for (int c = 0; c < 3; c++)
-      if (hold[c]) {
+      if (fixed[c]) {
         it->constrained[3 * (int64_t)node[k] + c] = 1;
         it->value[3 * (int64_t)node[k] + c] = value[c];
       }

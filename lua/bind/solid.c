@@ -210,17 +210,17 @@ static int32_t *read_nodes(lua_State *L, int index, const bw_grid *grid, int64_t
 static int case_fix(lua_State *L) {
   bw_load_case *it = self_case(L);
   int64_t count;
-  bool hold[3];
+  bool fixed[3];
   double value[3];
   const int32_t *node = read_nodes(L, 2, it->grid, &count);
   lbw_check_type(L, 3, LUA_TTABLE);
   for (int d = 0; d < 3; d++) {
     lua_rawgeti(L, 3, d + 1);
-    hold[d] = lua_isnumber(L, -1);
-    value[d] = hold[d] ? lua_tonumber(L, -1) : 0;
+    fixed[d] = lua_isnumber(L, -1);
+    value[d] = fixed[d] ? lua_tonumber(L, -1) : 0;
     lua_pop(L, 1);
   }
-  return lbw_leave(L, bw_load_case_fix(lbw_enter(L), it, count, node, hold, value), 0);
+  return lbw_leave(L, bw_load_case_fix(lbw_enter(L), it, count, node, fixed, value), 0);
 }
 
 /* case:fix_each(nodes, values): every node has displacements of its own, rows of three */
@@ -228,7 +228,7 @@ static int case_fix_each(lua_State *L) {
   bw_status status = BW_OK;
   bw_load_case *it = self_case(L);
   int64_t count, rows;
-  const bool hold[3] = {true, true, true};
+  const bool fixed[3] = {true, true, true};
   const int32_t *node = read_nodes(L, 2, it->grid, &count);
   const double *value = lbw_to_doubles(L, 3, "displacements", 3, &rows);
   if (rows != count)
@@ -236,7 +236,7 @@ static int case_fix_each(lua_State *L) {
                      (int)rows);
   bw_context *context = lbw_enter(L);
   for (int64_t i = 0; i < count; i++)
-    BW_TRY(bw_load_case_fix(context, it, 1, node + i, hold, value + 3 * i));
+    BW_TRY(bw_load_case_fix(context, it, 1, node + i, fixed, value + 3 * i));
 done:
   return lbw_leave(L, status, 0);
 }

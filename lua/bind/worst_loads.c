@@ -148,7 +148,7 @@ static int worst_loads(lua_State *L) {
   opts.keep_pressures = true;
   lua_settop(L, 4);
   lbw_options(L, 4, "worst_loads", list, &opts);
-  opts.options.solver = opts.glpk ? BW_LP_GLPK : BW_LP_OWN;
+  opts.options.solver = opts.glpk ? BW_LP_GLPK : BW_LP_DUAL_SIMPLEX;
   const bw_mesh *mesh = system->mesh;
   lbw_argument_check(L, basis->mesh == mesh, 2, "a pressure basis of the same mesh expected");
   lbw_argument_check(L, regions->mesh == mesh, 3, "regions of the same mesh expected");
@@ -243,7 +243,7 @@ static int worst_screening(lua_State *L) {
   opts.targets = 512;
   lua_settop(L, 3);
   lbw_options(L, 3, "worst_screening", list, &opts);
-  opts.options.solver = opts.glpk ? BW_LP_GLPK : BW_LP_OWN;
+  opts.options.solver = opts.glpk ? BW_LP_GLPK : BW_LP_DUAL_SIMPLEX;
   lbw_argument_check(L, basis->mesh == system->mesh, 2,
                      "a pressure basis of the same mesh expected");
   bw_screening found;
@@ -313,7 +313,7 @@ static int worst_bound(lua_State *L) {
   memset(&opts, 0, sizeof opts);
   lua_settop(L, 3);
   lbw_options(L, 3, "worst_bound", list, &opts);
-  opts.options.solver = opts.glpk ? BW_LP_GLPK : BW_LP_OWN;
+  opts.options.solver = opts.glpk ? BW_LP_GLPK : BW_LP_DUAL_SIMPLEX;
   lbw_argument_check(L, basis->mesh == system->mesh, 2,
                      "a pressure basis of the same mesh expected");
   lua_createtable(L, 0, 5);

@@ -6,7 +6,7 @@ local statuses = require "statuses"
 
 local header_gaps = {}
 
-header_gaps.kinds = {"comment", "parameter", "unit", "shape", "default", "ownership", "status"}
+header_gaps.kinds = {"comment", "parameter", "unit", "shape", "default", "range", "ownership", "status"}
 
 -- Statuses that the contract names for every function; and BW_IO for those that have a path.
 local CONTRACT = {BW_OK = true, BW_INVALID = true, BW_MEMORY = true, BW_CANCELLED = true, BW_INTERNAL = true}
@@ -202,6 +202,19 @@ local function add_function(list, context, f, callback)
   end
 end
 
+-- Types of numbers of options that have a range, and the words by which a comment states it. Numbers whose unit
+-- the caller decides have none.
+local RANGED = {double = true, float = true, int = true, int32_t = true, int64_t = true}
+local RANGES = {" or more", "> 0", "above %S", "below %S", "not 0", "finite", "or %d",
+  "to %-?[%d`(]", "to BW_", "from %d", "negative", "^%(any%)"}
+
+local function states_range(comment)
+  for _, pattern in ipairs(RANGES) do
+    if comment:find(pattern) then return true end
+  end
+  return false
+end
+
 local function add_field(list, context, struct, field, has_default)
   local where = ("%s: %s"):format(struct.name, field.name)
   local comment = field.comment
@@ -227,6 +240,10 @@ local function add_field(list, context, struct, field, has_default)
   if has_default and field.stars == 0 and not field.calls and not comment:find "[Dd]efault"
     and (numeric(field.type) or context.enums[field.type]) and not field.name:find "count$" then
     add(list, "default", field.line, where .. ": no default")
+  end
+  if has_default and field.stars == 0 and field.dimensions == "" and not field.calls and RANGED[field.type]
+    and comment ~= "" and not field.name:find "count$" and not states_range(comment) then
+    add(list, "range", field.line, where .. ": no range")
   end
 end
 

@@ -30,7 +30,7 @@ typedef enum bw_test_form {
 /* How bw_test works. */
 typedef struct bw_test_options {
   double min[3], max[3]; /* default: everywhere */
-  double size, *sizes;    /* (m, count) default 0: chosen */
+  double size, *sizes;    /* (m, count) default 0: chosen; 0 or more */
   bw_test_form form;      /* default BW_TEST_ROUND */
 } bw_test_options;
 BW_API void bw_test_options_default(bw_test_options *options);
@@ -68,12 +68,13 @@ local broken = {
   {"/%* with corners %*/", "", "comment: BW_TEST_SQUARE: no comment"},
   {"/%* A form of a thing%. %*/", "", "comment: bw_test_form: no comment"},
   {"/%* How bw_test works%. %*/", "", "comment: bw_test_options: no comment"},
-  {"/%* %(m, count%) default 0: chosen %*/", "",
+  {"/%* %(m, count%) default 0: chosen; 0 or more %*/", "",
     "comment: bw_test_options: size: no comment\ncomment: bw_test_options: sizes: no comment"},
   {"%(m, count%) default", "default", "unit: bw_test_options: size: its comment does not begin with a unit\n"
     .. "unit: bw_test_options: sizes: its comment does not begin with a unit\n"
     .. "shape: bw_test_options: sizes: its comment does not begin with unit and shape"},
   {"default 0: chosen", "", "default: bw_test_options: size: no default"},
+  {"; 0 or more", "", "range: bw_test_options: size: no range"},
   {"/%* default BW_TEST_ROUND %*/", "/* its form */", "default: bw_test_options: form: no default"},
   {"/%* An object that tests hold%. %*/", "/* What tests hold. */",
     "ownership: bw_test: an object, or what releases it?"},

@@ -24,8 +24,8 @@ BW_API bw_status bw_nodal_stress(bw_context *context, const bw_mesh *mesh,
  * bw_nodal_stress with on_nodes, else (element_count x 6) as bw_element_stress. */
 BW_API bw_status bw_static_stress(bw_context *context, const bw_static *result, bool on_nodes,
                                   double *stress);
-/* Strain energy of every element under displacement (m, node_count x 3): energy (J, element_count).
- */
+/* Strain energy of every element under displacement (m, node_count x 3): energy (J,
+ * element_count). */
 BW_API bw_status bw_element_energy(bw_context *context, const bw_mesh *mesh,
                                    const bw_material *material, const double *displacement,
                                    double *energy);
@@ -312,8 +312,8 @@ BW_API void bw_pressure_gradient(const bw_pressure_basis *basis, const double *q
 
 /* Which program solves linear programs. */
 typedef enum bw_lp_solver {
-  BW_LP_OWN, /* dual simplex of our own, every answer checked; GLPK where it fails */
-  BW_LP_GLPK /* GLPK: dual simplex with the bound-flipping ratio test, then others */
+  BW_LP_DUAL_SIMPLEX, /* the dual simplex of the engine; GLPK where its answer fails a check */
+  BW_LP_GLPK          /* GLPK: dual simplex with the bound-flipping ratio test, then others */
 } bw_lp_solver;
 /* Which loads are admissible, and how the worst is found. */
 typedef struct bw_worst_load_options {
@@ -447,9 +447,9 @@ BW_API bw_status bw_resultant_arrows(bw_context *context, const bw_pressure_basi
 typedef struct bw_drop_options {
   int64_t drops;     /* default 2000, 1 to 1e8 */
   double height;     /* (m) default 1, > 0 */
-  double peg_radius; /* (m) of the peg; 0 (default): 2 % of the box diagonal */
+  double peg_radius; /* (m) of the peg, 0 or more; 0 (default): 2 % of the box diagonal */
   double duration;   /* (s) of the contact; the mean force is 2 m_e v / duration with the effective
-                        mass m_e of the body at the contact; default 1e-3 */
+                        mass m_e of the body at the contact; default 1e-3, > 0 */
   uint64_t seed;     /* of attitudes and places; default 0 */
 } bw_drop_options;
 BW_API void bw_drop_options_default(bw_drop_options *options);

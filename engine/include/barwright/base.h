@@ -242,8 +242,8 @@ BW_API bw_status bw_array_borrow(bw_context *context, bw_type type, int64_t rows
 BW_API bw_status bw_array_view(bw_context *context, const bw_array *array, int64_t first_row,
                                int64_t rows, int64_t row_step, int64_t first_column,
                                int64_t columns, int64_t column_step, bw_array **view);
-/* The number in a row and a column, as a double (any). Both must be inside: they are not checked.
- */
+/* The number in a row and a column, as a double (any). Both must be inside: they are not
+ * checked. */
 BW_API double bw_array_get(const bw_array *array, int64_t row, int64_t column);
 
 /* ---- threads -------------------------------------------------------------------------- */

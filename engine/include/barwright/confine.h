@@ -1,8 +1,8 @@
 /* confine: limits the files of a process that runs untrusted scripts. After bw_confine, for the
  * whole process and those that it forks, the engine opens files only in the folder, and reads those
  * that bw_confine_read_also named before (a file, or a folder with its content). This cannot be
- * undone. The program that runs a script disables what the script's language could open by itself.
- */
+ * undone. The program that runs a script disables what the script's language could open by
+ * itself. */
 #ifndef BARWRIGHT_CONFINE_H
 #define BARWRIGHT_CONFINE_H
 

@@ -27,13 +27,13 @@ typedef struct bw_flow_description {
 
 /* How a step is done. */
 typedef struct bw_flow_options {
-  double step;      /* (s) default 0: steady */
-  int bdf;          /* 1: implicit Euler, 2: second order (default; 1 in the first step and after a
-                       reconstruction's carry-over) */
+  double step;      /* (s) default 0: steady; 0 or more */
+  int bdf;          /* 1: implicit Euler, or 2: second order (default; 1 in the first step and after
+                       a reconstruction) */
   int iterations;   /* of Picard/Newton per step; default 1 for time steps (velocity extrapolated),
-                       30 for steady */
+                       30 for steady, which 0 stands for; 0 or more */
   double tolerance; /* (-) relative change of the solution at which a steady or iterated step is
-                     done; default 1e-8 */
+                     done; default 1e-8, > 0 */
   bool ale; /* nodes that moved since the last step carry a mesh velocity; default false: the
                shape is changed between steps, as in the paper */
   bw_lagged_factor_options linear; /* default tolerance 1e-6 */

@@ -39,14 +39,14 @@ BW_API bw_status bw_grid_create(bw_context *context, const double origin[3],
 
 /* How a surface becomes a grid. */
 typedef struct bw_voxel_options {
-  double spacing; /* (m) side of the cubes; default 0: from `cells` */
+  double spacing; /* (m) side of the cubes, 0 or more; default 0: from `cells` */
   int32_t cells;  /* along the longest side, when spacing is 0 (rounded up to a multiple); default
-                     32 */
+                     32, 1 or more */
   double min_fraction; /* (-) cells with a smaller part inside are void; default 0.05, 0 to 1 */
   bool whole;       /* cells count as full or void, by min_fraction: no fractions. Default false */
-  int32_t material; /* of all elements, 1 or above; default 1 */
+  int32_t material; /* of all elements, 1 or more; default 1 */
   int32_t multiple; /* cells in each direction are a multiple of this, so that so many cells
-                       become one; default 1 */
+                       become one; default 1, 1 or more */
 } bw_voxel_options;
 BW_API void bw_voxel_options_default(bw_voxel_options *options);
 /* The cells that a closed surface cuts or holds, with the fraction of each inside it. BW_GEOMETRY
@@ -69,8 +69,8 @@ BW_API bw_status bw_grid_fractions(bw_context *context, const bw_surface *surfac
  * where no element comes or goes. BW_EMPTY where no element is left. */
 BW_API bw_status bw_grid_edited(bw_context *context, const bw_grid *grid, int64_t count,
                                 const int32_t *cell, const int32_t *material, bw_grid **edited);
-/* The grid with other materials, material (element_count), 1 and above; it shares all other lists.
- */
+/* The grid with other materials, material (element_count), 1 and above; it shares all other
+ * lists. */
 BW_API bw_status bw_grid_with_materials(bw_context *context, const bw_grid *grid,
                                         const int32_t *material, bw_grid **out);
 /* The same elements on the same nodes: graph and order of one serve the other. */
@@ -165,8 +165,8 @@ typedef struct bw_embedding {
  * BW_GEOMETRY for a point beyond it. */
 BW_API bw_status bw_embedding_create(bw_context *context, const bw_grid *grid, int64_t points,
                                      const double *point, double reach, bw_embedding **embedding);
-/* Interpolates values (any, node_count x components) to at_points (any, point_count x components).
- */
+/* Interpolates values (any, node_count x components) to at_points (any, point_count x
+ * components). */
 BW_API void bw_embedding_values(const bw_embedding *embedding, int components, const double *values,
                                 double *at_points);
 /* The transpose: adds forces at_points (any, point_count x components) to those of nodes, values

@@ -52,13 +52,13 @@ struct bw_material {
   /* with scatter and source, where they are known (the library's materials) */
   bw_value young_value[3], poisson_value[3], strength_value[3], density_value, toughness_value;
   /* Of a material rotated by element (bw_material_rotated_by_element), else NULL. Axes and matrices
-   * above are then those of the unrotated material; the functions below give those of an element.
-   */
+   * above are then those of the unrotated material; the functions below give those of an
+   * element. */
   const bw_material *unrotated;           /* retained */
   bw_material_orientations *orientations; /* owned */
 };
-/* The elasticity matrix, 36 numbers (Pa), in an element of the mesh; lives as long as the material.
- */
+/* The elasticity matrix, 36 numbers (Pa), in an element of the mesh; lives as long as the
+ * material. */
 static inline const double *bw_material_elasticity(const bw_material *material, int64_t element) {
   const bw_material_orientations *t = material->orientations;
   return t ? t->elasticity + 36 * (int64_t)t->of_element[element] : material->elasticity;

@@ -127,8 +127,8 @@ typedef struct bw_repair_options {
   bool wrap;           /* alpha wrap as the last resort; default true */
   double wrap_alpha;   /* (-) of the box diagonal; default 1/100, > 0 */
   double wrap_offset;  /* (-) of the box diagonal; default 1/1000, > 0 */
-  double time_limit;   /* (s) for the whole repair; default 120 */
-  double memory_limit; /* (bytes) of one step; default 6e9 */
+  double time_limit;   /* (s) for the whole repair; default 120, > 0 */
+  double memory_limit; /* (bytes) of one step; default 6e9, > 0 */
 } bw_repair_options;
 BW_API void bw_repair_options_default(bw_repair_options *options);
 /* Welds, drops duplicates and degenerates, orients, fills holes, resolves intersections, wraps:
@@ -157,15 +157,15 @@ typedef struct bw_size_field {
 
 /* How a surface is remeshed. */
 typedef struct bw_remesh_options {
-  double edge_length; /* (m) wanted; default 0: from the number of triangles */
-  int64_t
-      triangles; /* wanted number, when edge_length is 0; default 0: about as many as there are */
-  double sharp_angle; /* (rad) between normals from which an edge is kept; default 40 degrees */
-  int iterations;     /* rounds of collapses, splits, flips and relaxation; default 5 */
-  double tolerance;   /* (m) largest distance allowed; default 0: a quarter of edge_length */
+  double edge_length; /* (m) wanted, 0 or more; default 0: from the number of triangles */
+  int64_t triangles; /* wanted number, 0 or more, when edge_length is 0; default 0: about as many as
+                        before */
+  double sharp_angle; /* (rad) between normals where an edge is kept; default 40 degrees, > 0 */
+  int iterations;     /* rounds of collapses, splits, flips and relaxation; default 5, 1 to 100 */
+  double tolerance;   /* (m) largest distance, 0 or more; default 0: a quarter of edge_length */
   const bw_size_field *sizes; /* where edges are shorter; NULL: nowhere */
-  double time_limit;          /* (s) of computing, BW_LIMIT beyond; default 300 */
-  double memory_limit;        /* (bytes) BW_LIMIT beyond; default 6e9 */
+  double time_limit;          /* (s) of computing, BW_LIMIT beyond; default 300, > 0 */
+  double memory_limit;        /* (bytes) BW_LIMIT beyond; default 6e9, > 0 */
 } bw_remesh_options;
 BW_API void bw_remesh_options_default(bw_remesh_options *options);
 /* Isotropic remeshing of a closed manifold surface. Sharp edges stay; where a feature is smaller
@@ -179,10 +179,10 @@ BW_API bw_status bw_surface_remesh(bw_context *context, const bw_surface *surfac
 
 /* How a surface is wrapped. */
 typedef struct bw_wrap_options {
-  double alpha;        /* (m) largest hole that is bridged; default 0: 1/50 of the box's diagonal */
-  double offset;       /* (m) of the wrap from the surface; default 0: alpha / 12 */
-  double time_limit;   /* (s) of computing, BW_LIMIT beyond; default 300 */
-  double memory_limit; /* (bytes) BW_LIMIT beyond; default 6e9 */
+  double alpha;  /* (m) largest hole that is bridged, 0 or more; default 0: 1/50 of the diagonal */
+  double offset; /* (m) of the wrap from the surface, 0 or more; default 0: alpha / 12 */
+  double time_limit;   /* (s) of computing, BW_LIMIT beyond; default 300, > 0 */
+  double memory_limit; /* (bytes) BW_LIMIT beyond; default 6e9, > 0 */
 } bw_wrap_options;
 BW_API void bw_wrap_options_default(bw_wrap_options *options);
 /* Alpha wrap (CGAL, in a child process): a closed manifold around anything, holes up to alpha
@@ -329,27 +329,27 @@ BW_API void bw_refinement_clear(bw_refinement *refinement);
 
 /* How a surface is filled; all pointers are borrowed. */
 typedef struct bw_fill_options {
-  int order;        /* 1 (default) or 2 */
-  int64_t elements; /* wanted number; default 0: what quality and volume ask for; to 2^29 - 1 */
-  double
-      edge_length; /* (m) of the surface, without a wanted number; default 0: by quality, volume */
-  double surface_tolerance; /* (m) that remeshing may leave the surface by; default 0: by edge
-                               length */
-  double max_volume;        /* (m3) of an element; default 0: none */
+  int order;          /* 1 (default) or 2 */
+  int64_t elements;   /* wanted number; default 0: what quality and volume ask for; to 2^29 - 1 */
+  double edge_length; /* (m) of the surface, 0 or more, without a wanted number; default 0: by
+                         quality, volume */
+  double surface_tolerance; /* (m) that remeshing may leave the surface by, 0 or more; default 0: by
+                               edge length */
+  double max_volume;        /* (m3) of an element, 0 or more; default 0: none */
   double radius_edge; /* (-) largest circumradius over shortest edge; default 1.4, 1 or more; 0:
                          none */
   double dihedral;    /* (rad) smallest dihedral angle asked for; default 0 (none), to 0.35 */
   bool keep_surface;  /* no points added on the surface; default false */
   bool remesh;        /* remesh the surface to a fitting size first; default true */
   bool repair;        /* repair when the surface is not sound; default true */
-  double sharp_angle; /* (rad) for remeshing; default 40 degrees */
+  double sharp_angle; /* (rad) for remeshing, > 0; default 40 degrees */
   int64_t size_point_count;
   const bw_size_point *size_point; /* size_point_count of them: sizes by distance to features */
   double (*size)(void *data, const double at[3]); /* (m) edge length, or 0 for no bound; NULL: none.
                                                      Also called in child processes */
   void *size_data;                                /* the first argument of `size` */
-  double time_limit;                              /* (s) of one attempt; default 300 */
-  double memory_limit;                            /* (bytes) of one attempt; default 6e9 */
+  double time_limit;                              /* (s) of one attempt; default 300, > 0 */
+  double memory_limit;                            /* (bytes) of one attempt; default 6e9, > 0 */
   double tolerance; /* (-) on the wanted number of elements, relative; default 0.15, 0 to 1 */
 } bw_fill_options;
 BW_API void bw_fill_options_default(bw_fill_options *options);

@@ -20,10 +20,10 @@ typedef struct bw_library_options {
   int levels;     /* 1 (default) or 2; 0: no block is fitted beforehand, the library is to be
                      grown */
   bool voids;     /* blocks with void too; default true. Without, they are coarsened naively */
-  int directions; /* of force, for each block; default 500 */
-  int magnitudes; /* along each; default 5 */
+  int directions; /* of force, for each block; default 500, 1 to 1e6 */
+  int magnitudes; /* along each; default 5, 1 to 1000 */
   int stretches;  /* directions in which a block without symmetry is stretched to find axes
-                     beside those of the cube; default 500 */
+                     beside those of the cube; default 500, 0 to 1e6 */
   int fibres;     /* axes of anisotropy at a point: 0 to 3, default 3 */
   double strain;  /* (-) the largest deformation sampled, roughly; default 0.1, 1e-5 to 10 */
   double ridge;   /* (-) lambda of formula (4): changing a constant by its own size costs as much
@@ -75,8 +75,8 @@ BW_API bw_status bw_library_build(bw_context *context, const bw_material_table *
 BW_API bw_status bw_library_grow(bw_context *context, const bw_library *library,
                                  const bw_material_table *material_table, const bw_grid *fine,
                                  int levels, const char *checkpoint, bw_library **grown);
-/* One file (.bwm): version, material table, options, fits, errors, tables; zlib, with a checksum.
- */
+/* One file (.bwm): version, material table, options, fits, errors, tables; zlib, with a
+ * checksum. */
 BW_API bw_status bw_library_write(bw_context *context, const bw_library *library, const char *path);
 /* Reads such a file. One that is damaged, foreign or of another version is BW_FORMAT with the
  * reason, one too large BW_LIMIT. */

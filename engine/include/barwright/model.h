@@ -24,8 +24,8 @@ typedef struct bw_selection {
   bool node_set;  /* chosen as single nodes: supports may fix points and edges */
   /* (m2) Of a geometric selection: the area of the facets outside of it that lie along the border
    * of the shape asked for, nearer to it than a twentieth of their size. A face that is not quite
-   * flat loses such facets: a support or load warns where they are more than a tenth of the whole.
-   */
+   * flat loses such facets: a support or load warns where they are more than a tenth of the
+   * whole. */
   double missed_area;
 } bw_selection;
 

@@ -228,11 +228,11 @@ typedef struct bw_load_case {
 } bw_load_case;
 /* A case without supports and loads. */
 BW_API bw_status bw_load_case_create(bw_context *context, const bw_grid *grid, bw_load_case **it);
-/* Prescribes displacements of value (m) in the components with hold[c] of nodes, node (index,
+/* Prescribes displacements of value (m) in the components with fixed[c] of nodes, node (index,
  * count). A contradiction with an earlier call is BW_INVALID and names the node; BW_EMPTY without
  * nodes or components. */
 BW_API bw_status bw_load_case_fix(bw_context *context, bw_load_case *it, int64_t count,
-                                  const int32_t *node, const bool hold[3], const double value[3]);
+                                  const int32_t *node, const bool fixed[3], const double value[3]);
 /* Adds a total (N) force on the boundary faces all of whose nodes are among node (index, count), by
  * area; where there is no such face, in equal parts on the nodes. BW_EMPTY without nodes. */
 BW_API bw_status bw_load_case_force(bw_context *context, bw_load_case *it, int64_t count,
@@ -276,12 +276,12 @@ typedef enum bw_newton_linear {
 typedef struct bw_newton_options {
   bw_newton_linear linear; /* default BW_NEWTON_DIRECT */
   double tolerance;    /* (-) |residual| over the norms of applied forces, reactions and pushes of
-                          contact planes, added up; default 1e-6 */
+                          contact planes, added up; default 1e-6, above 0, below 1 */
   int iterations;      /* Newton iterations in a load step; default 100, 1 or more */
-  int max_iterations;  /* in all load steps together, failed ones included, where every 100 of
+  int max_iterations;  /* 0 or more, in all load steps, failed ones included, where every 100 of
                            conjugate gradients count as one more; default 0: 500, and 20 more for
                            each load step to begin with beyond the first */
-  int steps;           /* load steps to begin with; default 1; made smaller where one fails */
+  int steps;           /* to begin with; default 1, 1 or more; made smaller where one fails */
   double min_step;     /* (-) smallest step of the load factor; default 1/256, above 0, to 1 */
   double cg_tolerance; /* (-) relative; default 0: by Eisenstat and Walker; below 1 */
   int cg_iterations;   /* of conjugate gradients in an iteration; default 10000, 1 or more */
@@ -374,12 +374,13 @@ typedef enum bw_transient_scheme {
 typedef struct bw_transient_options {
   bw_transient_scheme scheme; /* default BW_IMPLICIT_EULER */
   double step;                /* (s) default 0.01, > 0 */
-  double mass_damping;        /* (1/s) Rayleigh; default 0 */
-  double stiffness_damping;   /* (s) Rayleigh, of the stiffness at the step's start; default 0 */
-  double beta;                /* (-) Newmark; default 1/4, gamma / 2 or more */
-  double gamma;               /* (-) Newmark; default 1/2, to 2 */
-  double tolerance;           /* (-) as in bw_newton_options; default 1e-6 */
-  int iterations;             /* 1: linearly implicit; default 30 */
+  double mass_damping;        /* (1/s) Rayleigh; default 0, 0 or more */
+  double stiffness_damping;   /* (s) Rayleigh, of the stiffness at the step's start; default 0, 0 or
+                                 more */
+  double beta;                /* (-) Newmark; default 1/4, gamma / 2 to 2 */
+  double gamma;               /* (-) Newmark; default 1/2, 1/2 to 2 */
+  double tolerance;           /* (-) as in bw_newton_options; default 1e-6, above 0, below 1 */
+  int iterations;             /* 1: linearly implicit; default 30, 1 or more */
   bool allow_inverted;        /* as in bw_newton_options; default false */
   bw_newton_linear linear;    /* BW_NEWTON_DIRECT (default), or _JACOBI: without a matrix, for large
                                  solids */

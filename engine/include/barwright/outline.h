@@ -134,8 +134,8 @@ BW_API bw_status bw_outline_split(bw_context *context, const bw_outline *outline
                                   double t, bw_outline **finer);
 /* A `vertex` between two segments taken out: one segment remains of the two, with the tag of the
  * first; two lines give a line, else a cubic with the same directions at its ends, which undoes a
- * split exactly. Points behind those that go move up. BW_GEOMETRY where the result crosses itself.
- */
+ * split exactly. Points behind those that go move up. BW_GEOMETRY where the result crosses
+ * itself. */
 BW_API bw_status bw_outline_joined(bw_context *context, const bw_outline *outline, int32_t vertex,
                                    bw_outline **coarser);
 

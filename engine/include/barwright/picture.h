@@ -24,7 +24,7 @@ typedef struct bw_picture_label {
 
 /* How a surface is drawn; all pointers are borrowed. */
 typedef struct bw_picture_options {
-  int width, height;   /* pixels, default 1200 x 900 */
+  int width, height;   /* pixels, default 1200 x 900, 64 to 16384 */
   double direction[3]; /* from the object to the viewer; zero (default): from the front right and
                         * above, turned about `up` until the largest value and the arrows show */
   double up[3];        /* (-) default (0, 0, 1) */
@@ -44,7 +44,7 @@ typedef struct bw_picture_options {
   const char *line_name; /* what they are, for the legend; may be NULL */
   int label_count;
   const bw_picture_label *label; /* left out where the body is in front, and over labels before */
-  double deformation; /* (-) factor on the displacement; default 0: chosen so that the largest is a
+  double deformation; /* (-) factor on the displacement, finite; default 0: so that the largest is a
                        twentieth of the box */
   const double *displacement; /* (m, point_count x 3) or NULL */
   bool ghost;                 /* draw the undeformed outline behind in grey; default false */
@@ -83,17 +83,17 @@ typedef struct bw_grid_panel {
 } bw_grid_panel;
 /* How grids are drawn; all pointers are borrowed. */
 typedef struct bw_grid_picture_options {
-  int width, height;          /* pixels of a panel, default 640 x 560 */
-  int columns;                /* panels in a row; 0 (default): all, four at most */
+  int width, height;          /* pixels of a panel, default 640 x 560, 64 or more */
+  int columns;                /* panels in a row, 0 or more; 0 (default): all, four at most */
   double direction[3], up[3]; /* (-) and their defaults as in bw_picture_options */
   double zoom;                /* (-) default 1: the largest panel fills its frame; to 10000 */
   double view_min[3],
       view_max[3]; /* (m) the box that is to be seen, so that the pictures of a sequence fit
                   each other; default both zero: that of all panels' displaced elements */
   const char *title, *unit; /* may be NULL */
-  double scale;             /* (-) values are multiplied by this for the bar's labels; default 1 */
+  double scale;             /* (-) factor on values for the bar's labels; default 1, not 0 */
   double min, max;          /* (any) colour range; default both 0: from all panels' values */
-  double deformation;       /* (-) factor on displacements; default 1 */
+  double deformation;       /* (-) factor on displacements, finite; default 1 */
   bool edges;               /* of elements; default true */
   bool ghost;               /* the undeformed outline behind; default false */
   int name_count;           /* of materials, for the legend: name[m - 1], or NULL: its number */

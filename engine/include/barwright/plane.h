@@ -62,16 +62,16 @@ typedef struct bw_plane_mesh {
 typedef double bw_size_function(void *data, const double at[2]);
 /* How an outline is filled. */
 typedef struct bw_plane_options {
-  int order;            /* 1 or 2; default 1 */
-  double size;          /* (m) wanted edge length; default 0: from `elements` */
-  int32_t elements;     /* wanted number of triangles (within 10 %) where size is 0; default 2000 */
+  int order;        /* 1 or 2; default 1 */
+  double size;      /* (m) wanted edge length, 0 or more; default 0: from `elements` */
+  int32_t elements; /* wanted triangles (within 10 %) where size is 0; default 2000, 1 or more */
   double minimum_angle; /* (degrees) of an element; default 25, 0 to 30 */
   double curvature;     /* (degrees) largest turn of a boundary edge; default 20, above 0, to 90 */
   bw_size_function *field; /* may be NULL; the smaller of it and `size` counts (of it and 0: it) */
   void *field_data;        /* the first argument of `field` */
-  int32_t limit;           /* of elements, BW_LIMIT beyond; default 5,000,000 */
-  double time_limit;       /* (s) of computing, BW_LIMIT beyond; default 300 */
-  double memory_limit;     /* (bytes) BW_LIMIT beyond; default 6e9 */
+  int32_t limit;           /* of elements, BW_LIMIT beyond; default 5,000,000, 1 or more */
+  double time_limit;       /* (s) of computing, BW_LIMIT beyond; default 300, > 0 */
+  double memory_limit;     /* (bytes) BW_LIMIT beyond; default 6e9, > 0 */
 } bw_plane_options;
 BW_API void bw_plane_options_default(bw_plane_options *options);
 /* Boundary nodes are placed along the segments first (vertices of the outline always are nodes),

@@ -55,8 +55,7 @@ BW_API bw_status bw_plane_prescribe(bw_context *context, const bw_plane_pattern 
                                     int components, const uint8_t *is_prescribed,
                                     const double *prescribed, double *values, double *rhs);
 
-/* ---- lagged factors (responsive, sections 3.2 and 3.3)
- * --------------------------------------------
+/* ---- lagged factors (responsive, sections 3.2 and 3.3) ----------------------------------------
  *
  * Solves A x = b with what is left of an earlier factorisation: conjugate gradients on a Cholesky
  * factor for symmetric positive definite matrices, BiCGSTAB on an LU factor for others. The
@@ -90,8 +89,8 @@ typedef struct bw_plane_reuse {
   double seconds_mesh, seconds_assemble, seconds_factor, seconds_solve; /* (s) of the parts */
 } bw_plane_reuse;
 
-/* A factor of a former matrix. Mutable; one thread at a time. bw_lagged_factor_destroy releases it.
- */
+/* A factor of a former matrix. Mutable; one thread at a time. bw_lagged_factor_destroy releases
+ * it. */
 typedef struct bw_lagged_factor bw_lagged_factor;
 /* For 1 to 4 components at a node, 1 to 3 where `symmetric`. */
 BW_API bw_status bw_lagged_factor_create(bw_context *context, bool symmetric, int components,
@@ -211,8 +210,8 @@ typedef struct bw_newmark {
   double step;              /* (s) default 1e-3, > 0 */
   double beta;              /* (-) default 1/4, gamma / 2 or more */
   double gamma;             /* (-) default 1/2 or more */
-  double damping_mass;      /* (1/s) of the mass; default 0 */
-  double damping_stiffness; /* (s) of the stiffness; default 0 */
+  double damping_mass;      /* (1/s) of the mass; default 0, 0 or more */
+  double damping_stiffness; /* (s) of the stiffness; default 0, 0 or more */
 } bw_newmark;
 BW_API void bw_newmark_default(bw_newmark *newmark);
 /* (a) One Newmark step of rho u'' + c = div sigma (eqs. 1, 2). Prescribed displacements are of the
@@ -263,8 +262,7 @@ BW_API bw_status bw_sheet_stress_gradient(bw_context *context, bw_sheet *sheet, 
 
 /* The outline extruded to a plate, as Reissner-Mindlin triangles that do not lock: deflection and
  * two rotations at each node. Mutable; holds factor, modes and rigid-body motions from frame to
- * frame.
- */
+ * frame. */
 typedef struct bw_plate {
   bw_object object;
   const bw_material *material; /* retained */
@@ -288,8 +286,8 @@ BW_API bw_status bw_plate_create(bw_context *context, const bw_plane_mesh *mesh,
 BW_API bw_status bw_plate_follow(bw_context *context, bw_plate *plate, const bw_plane_mesh *mesh,
                                  bw_plane_reuse *reuse);
 /* The state of a plate, an immutable object. Returning to it restores mesh and modes bit for bit.
- * The operations of a plate replace its present state at their end: those that fail change nothing.
- */
+ * The operations of a plate replace its present state at their end: those that fail change
+ * nothing. */
 typedef struct bw_plate_state bw_plate_state;
 /* The state of a plate, one reference to be released. */
 BW_API const bw_plate_state *bw_plate_keep(const bw_plate *plate);
@@ -298,7 +296,7 @@ BW_API bw_status bw_plate_return(bw_context *context, bw_plate *plate, const bw_
 BW_API bw_status bw_plate_check(bw_context *context, const bw_plate *plate);
 /* How modes are found. */
 typedef struct bw_plate_options {
-  int modes;        /* default 1 */
+  int modes;        /* default 1, 1 or more, fewer than the unknowns */
   double tolerance; /* (-) of `residual`; the frequency's error is its square; default 1e-6, > 0 */
   bool full;        /* random start, new factor: for checks and baselines; default false */
 } bw_plate_options;
@@ -317,7 +315,7 @@ typedef struct bw_tone {
   double at[2];   /* of the stroke; default nan: where the lowest mode deflects most */
   double loss;    /* (-) loss factor of material and mounting; default 0.002, > 0 */
   double contact; /* (s) of the mallet; default 0.3e-3, 0 or more */
-  double seconds; /* default 2 */
+  double seconds; /* default 2, > 0 */
   int32_t rate;   /* samples per second; default 44100, 1000 or more */
 } bw_tone;
 BW_API void bw_tone_default(bw_tone *tone);

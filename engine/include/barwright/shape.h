@@ -40,7 +40,7 @@ BW_API int32_t bw_skeleton_find_bone(const bw_skeleton *skeleton, const char *na
 
 /* How a skeleton is extracted. */
 typedef struct bw_skeleton_options {
-  int bones;    /* wanted; default 0: by the shape's branches and bends */
+  int bones;    /* wanted, 0 to 500; default 0: by the shape's branches and bends */
   double prune; /* (-) a branch that reaches no farther out of its junction than this many times the
                    junction's local radius is left out; default 1.5, 0 or more */
   double bend;  /* (-) largest distance of a bone from the curve in local radii; default 0.5, > 0 */
@@ -95,7 +95,7 @@ BW_API void bw_skeleton_frames(const bw_skeleton *skeleton, double *frame);
 /* How weights fall off; all zeros are the defaults. */
 typedef struct bw_weights_options {
   /* (-) of the exchange with the bones: along the surface a weight falls from 0.95 to 0.05 in 4.6 /
-   * sqrt(heat) distances to the bone; 0: 20, one such distance (Pinocchio: 1) */
+   * sqrt(heat) distances to the bone, 0 or more; 0: 20, one such distance (Pinocchio: 1) */
   double heat;
 } bw_weights_options;
 /* How much each bone moves each node: weight (-, node_count x bone_count), non-negative, each row
@@ -200,8 +200,8 @@ BW_API bw_status bw_subdomains_check(bw_context *context, const bw_subdomains *s
  * node_count) and element_from (index, element_count). Kept nodes keep their places at rest and
  * what moves them; a new one gets weights from Laplace on `mesh` and the place at rest that its own
  * blended map, of these maps, takes to where it is. The rest mesh of these subdomains
- * carries positions: elements in it may be inverted. BW_GEOMETRY where the blended map is singular.
- */
+ * carries positions: elements in it may be inverted. BW_GEOMETRY where the blended map is
+ * singular. */
 BW_API bw_status bw_subdomains_refilled(bw_context *context, const bw_subdomains *subdomains,
                                         const double *map, const uint8_t *replace,
                                         const bw_mesh *mesh, const int32_t *node_from,

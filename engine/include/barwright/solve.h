@@ -79,9 +79,9 @@ typedef enum bw_statics_method {
 typedef struct bw_statics_report {
   bw_statics_method method; /* BW_STATICS_FACTOR or BW_STATICS_PCG; BW_STATICS_AUTO: by an edit
                                session or an external solver */
-  int iterations; /* by two-level PCG; where the method is the factor: those that did not converge
-                   */
-  int32_t coarse_unknowns; /* of the linear elements that were factored; 0 by factor */
+  int iterations;           /* by two-level PCG; where the method is the factor: those that did not
+                               converge */
+  int32_t coarse_unknowns;  /* of the linear elements that were factored; 0 by factor */
   double factor_flops; /* (-) operations of the factor: counted, or where there is none predicted
                           from those of the linear elements */
   double factor_bytes; /* (bytes) of the factor, likewise */
@@ -110,8 +110,8 @@ typedef struct bw_statics_options {
   double tolerance;   /* (-) a load is balanced when its part along rigid-body modes is below this
                        fraction of its size; default 1e-6, > 0 */
   bw_statics_method method; /* of bw_statics alone, like what follows; default BW_STATICS_AUTO */
-  int iterations;           /* by two-level PCG, at most; default 2000 */
-  double memory; /* (bytes) that a factor may take; default: what is free (bw_free_memory) */
+  int iterations;           /* by two-level PCG, at most; default 2000, 1 or more */
+  double memory; /* (bytes) that a factor may take, 0 or more; default 0: bw_free_memory */
 } bw_statics_options;
 /* The static solution of a model. `options` may be NULL. BW_UNCONSTRAINED names the unconstrained
  * rigid-body modes when the load is not balanced against them; BW_SINGULAR when the stiffness is
@@ -169,23 +169,23 @@ typedef struct bw_reuse {
 /* How the equations of an edited shape are to be solved. */
 typedef struct bw_incremental_options {
   bw_incremental_method method; /* default BW_INCREMENTAL_AUTO */
-  double tolerance; /* (-) of conjugate gradients, relative residual; default 1e-10, below 1 */
+  double tolerance; /* (-) of conjugate gradients, relative residual; default 1e-10, above 0, below
+                       1 */
   int precision;    /* of the factor: 32 or 64 bits; default 0: by predicted cost. Solutions are in
                        double precision in any case: with a factor in single precision, which takes
                        half the time and half the memory, by conjugate gradients on the matrix in
                        double precision. Where it breaks down or iterations are many, the factor is
                        made in double precision, and stays so */
-  bool check;       /* compare stiffness and solution with those from scratch: BW_INTERNAL when they
-                     differ (1e-12, 1e-8); default false */
+  bool check; /* compare stiffness and solution with those of a full refactorisation: BW_INTERNAL
+               when they differ (1e-12, 1e-8); default false */
   int guess_count;
   /* (m, guess_count pointers to node_count x 3) Fields near the solutions (of shapes near this
      one), borrowed: iterating begins at the combination of them that is nearest in energy. A direct
      solution in double precision ignores them. */
   const double *const *guess;
-  int further; /* for the choice by cost: right-hand sides still to come for this shape; default 0
-                */
+  int further; /* for the choice by cost: right-hand sides to come, 0 or more; default 0 */
   double max_iteration_ratio; /* (-) for the choice by cost: the largest iteration ratio that is
-                                 assumed; default 0: that of recent solutions */
+                                 assumed, 0 or more; default 0: that of recent solutions */
   /* Iterations end when the error in energy alone is below the tolerance, relative to the
      solution's: for values that are means over many elements. Residuals, which single elements may
      dominate, do not count. Default false. */
@@ -314,7 +314,7 @@ typedef enum bw_external_method {
 typedef struct bw_external_options {
   bw_external_method method; /* default BW_EXTERNAL_AUTO */
   double rtol;    /* (-) |K u - f| / |f| to be reached; default 1e-10, above 0 and below 1 */
-  int iterations; /* of conjugate gradients, at most; default 2000 */
+  int iterations; /* of conjugate gradients, at most; default 2000, 1 or more */
 } bw_external_options;
 BW_API void bw_external_options_default(bw_external_options *options);
 

@@ -36,7 +36,7 @@ enum { BW_DATABASE_FORMAT = 1 /* of files: one of a higher number is refused as 
 /* How a database is opened. */
 typedef struct bw_database_options {
   bool read_only;      /* the file must exist; default false */
-  double busy_seconds; /* (s) to wait for another process; default 20 */
+  double busy_seconds; /* (s) to wait for another process; default 20, 0 or more */
 } bw_database_options;
 BW_API void bw_database_options_default(bw_database_options *options);
 
@@ -65,8 +65,8 @@ BW_API bw_status bw_database_prepare(bw_context *context, bw_database *database,
                                      bw_statement **statement);
 /* How many parameters it has. */
 BW_API int bw_statement_parameters(const bw_statement *statement);
-/* Gives the i-th parameter, counted from 0, a value; BW_INVALID where there is none of this number.
- */
+/* Gives the i-th parameter, counted from 0, a value; BW_INVALID where there is none of this
+ * number. */
 BW_API bw_status bw_statement_bind_integer(bw_context *context, bw_statement *s, int i,
                                            int64_t value);
 /* Gives the i-th parameter a value (any). NaN, which SQL does not know, becomes NULL. */
@@ -172,13 +172,13 @@ typedef bw_status bw_minimised(bw_context *context, void *data, int which, const
 
 /* By which method, and when to stop. */
 typedef struct bw_minimise_options {
-  bw_minimiser method;         /* default BW_COBYLA */
-  double tolerance;            /* (-) steps of x, relative; default 1e-6; 0: not asked */
-  double value_tolerance;      /* (-) changes of the objective, relative; default 0: not asked */
+  bw_minimiser method;    /* default BW_COBYLA */
+  double tolerance;       /* (-) steps of x, relative, 0 or more; default 1e-6; 0: not tested */
+  double value_tolerance; /* (-) changes of the objective, 0 or more; default 0: not tested */
   double constraint_tolerance; /* (any) a constraint's value that passes; default 1e-6, 0 or more */
   double good_enough;          /* (any) objective at which to stop; default -INFINITY: none */
   int64_t evaluations;         /* of the objective, at most; default 10000, 1 to 2^31 - 1 */
-  int population;              /* of crs2 and isres; default 0: NLopt's */
+  int population;              /* of crs2 and isres, 0 or more; default 0: NLopt's */
   const double *step;          /* (any, n) first steps without gradients, > 0; NULL: NLopt's */
   uint64_t seed;               /* of crs2 and isres; default 1 */
 } bw_minimise_options;

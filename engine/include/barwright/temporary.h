@@ -4,8 +4,8 @@
  * eight hexadecimal digits; names of files that accompany it begin so and continue with "." or "-".
  * Its process has a lock (flock) on it, which ends with the process. A file of such a name without
  * a lock is that of a process that was killed: the next process of the same user that makes one in
- * the folder removes it. Where locks do not work (some network file systems), nothing is removed.
- */
+ * the folder removes it. Where locks do not work (some network file systems), nothing is
+ * removed. */
 #ifndef BARWRIGHT_TEMPORARY_H
 #define BARWRIGHT_TEMPORARY_H
 

@@ -96,8 +96,7 @@ static void test_cook(void **state) {
   assert_true(locked > 1 && locked < 6.5);
 }
 
-/* ---- a hollow sphere -------------------------------------------------------------------------
- */
+/* ---- a hollow sphere ----------------------------------------------------------------------- */
 
 static const double young = 1e6, poisson = 0.3, inner = 0.5, outer = 1;
 
