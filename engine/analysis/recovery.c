@@ -8,6 +8,7 @@
  * ENOUGH elements. Invariant: a stress that is a polynomial of that order is recovered exactly
  * wherever the fit is regular; elsewhere the order of the fit falls to 1 and to 0, the mean. */
 #include "analysis/strain.h"
+#include "base/dense.h"
 
 #include "barwright/analysis.h"
 
@@ -34,33 +35,20 @@ static void monomials(const double y[3], double p[TERMS]) {
   memcpy(p, all, sizeof all);
 }
 
-/* Solve A X = B for six right-hand sides by Cholesky in place; false where A is nearly singular. */
-static bool solve_normal(int n, double a[TERMS][TERMS], double b[TERMS][6]) {
-  for (int j = 0; j < n; j++) {
-    double pivot = a[j][j], before = a[j][j];
-    for (int k = 0; k < j; k++)
-      pivot -= a[j][k] * a[j][k];
-    if (!(pivot > 1e-8 * before))
-      return false;
-    a[j][j] = sqrt(pivot);
-    for (int i = j + 1; i < n; i++) {
-      double sum = a[i][j];
-      for (int k = 0; k < j; k++)
-        sum -= a[i][k] * a[j][k];
-      a[i][j] = sum / a[j][j];
-    }
-  }
+/* Solves A X = B for six right-hand sides and n terms; false where A is nearly singular. */
+static bool solve_normal(int n, double a[TERMS][TERMS], double b[TERMS][6], double (*x)[6]) {
+  double factor[TERMS * TERMS], column[TERMS];
+  for (int i = 0; i < n; i++)
+    memcpy(factor + (size_t)i * (size_t)n, a[i], (size_t)n * sizeof *factor);
+  if (!bwi_cholesky(n, factor, 1e-8))
+    return false;
   for (int c = 0; c < 6; c++) {
-    for (int i = 0; i < n; i++) {
-      for (int k = 0; k < i; k++)
-        b[i][c] -= a[i][k] * b[k][c];
-      b[i][c] /= a[i][i];
-    }
-    for (int i = n - 1; i >= 0; i--) {
-      for (int k = i + 1; k < n; k++)
-        b[i][c] -= a[k][i] * b[k][c];
-      b[i][c] /= a[i][i];
-    }
+    for (int i = 0; i < n; i++)
+      column[i] = b[i][c];
+    bwi_lower_solve(n, factor, column);
+    bwi_upper_solve(n, factor, column);
+    for (int i = 0; i < n; i++)
+      x[i][c] = column[i];
   }
   return true;
 }
@@ -130,17 +118,13 @@ static bw_status fit_corners(void *data, int64_t begin, int64_t end, int worker)
       add_element(r, patch[k], centre, scale, &s);
     memset(fit, 0, 6 * TERMS * sizeof(double));
     bool fitted = false;
-    for (int degree = r->mesh->order == 2 ? 0 : 1; degree < 3 && !fitted; degree++) {
-      sums t = s;
-      fitted = solve_normal(terms[degree], t.a, t.b);
-      if (fitted)
-        memcpy(fit, t.b, (size_t)terms[degree] * 6 * sizeof(double));
-    }
+    for (int degree = r->mesh->order == 2 ? 0 : 1; degree < 3 && !fitted; degree++)
+      fitted = solve_normal(terms[degree], s.a, s.b, fit);
   }
   return BW_OK;
 }
 
-/* stress += share of the polynomial of corner i at x */
+/* stress += fraction of the polynomial of corner i at x */
 static void add_fit(const recovery *r, int64_t i, const double x[3], double fraction,
                     double *stress) {
   const double *centre = r->mesh->node + 3 * (int64_t)r->corner[i], *fit = r->fit + 6 * TERMS * i;

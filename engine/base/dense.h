@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* a = L L^T in the lower triangle. False where a pivot is not above `least` of its diagonal. */
+/* a = L L^T in the lower triangle. False where a pivot is not above `min` times its diagonal. */
 static inline bool bwi_cholesky(int n, double *a, double min) {
   for (int j = 0; j < n; j++) {
     double *row = a + (size_t)j * (size_t)n, whole = row[j], pivot = whole;

@@ -124,7 +124,7 @@ bw_status bwi_material_check_rotation(bw_context *context, const char *what, dou
     bw_detail_number(context, "off", worst);
     return status;
   }
-  /* What is left is rounding in the caller's numbers; without it, turning a material keeps its
+  /* What is left is rounding in the caller's numbers; without it, rotating a material keeps its
    * constants. Exact axes stay exact. */
   if (worst > 1e-15) {
     double length = bw_norm(axes);
@@ -177,18 +177,18 @@ double bw_material_mean_shear(const bw_material *material) {
 }
 
 /* Times the shear modulus: the bulk modulus that quadratic tetrahedra tolerate without locking. */
-static const double kept_bulk = 3;
+static const double projected_limit = 3;
 
 double bw_material_projected_bulk(const bw_material *material) {
   if (material->formulation != BW_B_BAR)
     return 0;
-  return fmax(0, bw_material_bulk(material) - kept_bulk * bw_material_mean_shear(material));
+  return fmax(0, bw_material_bulk(material) - projected_limit * bw_material_mean_shear(material));
 }
 
-void bwi_material_rotate_axes(const double axes[9], const double rotation[9], double turned[9]) {
+void bwi_material_rotate_axes(const double axes[9], const double rotation[9], double rotated[9]) {
   for (int i = 0; i < 3; i++)
     for (int k = 0; k < 3; k++)
-      turned[3 * i + k] = bw_dot(rotation + 3 * k, axes + 3 * i);
+      rotated[3 * i + k] = bw_dot(rotation + 3 * k, axes + 3 * i);
 }
 
 double bw_material_strength(const bw_material *material, const double direction[3]) {

@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Materials whose axes differ from element to element, as where parts of a body were bent or turned
- * together with their grain. Invariant: `unrotated` has no turns itself, and is not isotropic. */
+/* Materials whose axes differ from element to element, as where parts of a body were bent or
+ * rotated together with their grain. Invariant: `unrotated` has no orientations itself, and is not
+ * isotropic. */
 #include "material/internal.h"
 
 #include <string.h>
@@ -47,12 +48,12 @@ static bw_material_orientations *orientations_create(bw_context *context, int32_
 bw_status bw_material_rotated_by_element(bw_context *context, const bw_material *material,
                                          int32_t element_count, int32_t group_count,
                                          const int32_t *of_element, const double *rotation,
-                                         bw_material **turned) {
+                                         bw_material **rotated) {
   bw_status status = BW_OK;
   bw_material *made = NULL, *one = NULL;
   BW_TRY(check_groups(context, material, element_count, group_count, of_element));
   if (material->isotropic) {
-    *turned = (bw_material *)bw_retain(material);
+    *rotated = (bw_material *)bw_retain(material);
     return BW_OK;
   }
   made = bwi_material_copy(context, material);
@@ -78,7 +79,7 @@ bw_status bw_material_rotated_by_element(bw_context *context, const bw_material 
     memcpy(t->elasticity + 36 * g, one->elasticity, sizeof one->elasticity);
     memcpy(t->compliance + 36 * g, one->compliance, sizeof one->compliance);
   }
-  *turned = made;
+  *rotated = made;
   made = NULL;
 done:
   bw_release(one);
@@ -86,9 +87,9 @@ done:
   return status;
 }
 
-/* A material that is rotated by element, turned once more as a whole. */
-static bw_status turned_on(bw_context *context, const bw_material *material,
-                           const double rotation[9], bw_material **rotated) {
+/* A material that is rotated by element, rotated once more as a whole. */
+static bw_status rotated_again(bw_context *context, const bw_material *material,
+                               const double rotation[9], bw_material **rotated) {
   const bw_material_orientations *t = material->orientations;
   double *both = BW_NEW(context, double, 9 * (int64_t)t->count);
   if (!both)
@@ -113,18 +114,18 @@ bw_status bw_material_rotated(bw_context *context, const bw_material *material,
   memcpy(r, rotation, sizeof r);
   BW_TRY(bwi_material_check_rotation(context, "the rotation of a material", r));
   if (material->orientations)
-    return turned_on(context, material, r, rotated);
-  bw_material *turned = bwi_material_copy(context, material);
-  if (!turned)
+    return rotated_again(context, material, r, rotated);
+  bw_material *made = bwi_material_copy(context, material);
+  if (!made)
     return BW_MEMORY;
-  bwi_material_rotate_axes(material->axes, r, turned->axes);
-  if (!turned->isotropic)
-    status = bwi_material_orthotropic_matrices(context, turned);
+  bwi_material_rotate_axes(material->axes, r, made->axes);
+  if (!made->isotropic)
+    status = bwi_material_orthotropic_matrices(context, made);
   if (status != BW_OK) {
-    bw_free(turned);
+    bw_free(made);
     return status;
   }
-  *rotated = turned;
+  *rotated = made;
 done:
   return status;
 }

@@ -4,7 +4,8 @@
  * In the material axes the compliance is
  *     S_ii = 1/Y_i,   S_ij = -nu_ij/Y_i = -nu_ji/Y_j,   S_44 = 1/G23, S_55 = 1/G31, S_66 = 1/G12,
  * where nu_ij is the contraction along j for a load along i. It must be positive definite; its
- * inverse, turned from the material axes to the global ones, is the elasticity. */
+ * inverse, rotated from the material axes to the global ones, is the elasticity. */
+#include "base/dense.h"
 #include "material/internal.h"
 
 #include <math.h>
@@ -13,46 +14,24 @@
 /* The pairs in the order of the constants: 23 31 12. */
 static const int pair[3][2] = {{1, 2}, {2, 0}, {0, 1}};
 
-/* Cholesky of the 3x3 normal part, scaled to a unit diagonal so that the answer does not depend on
- * how different the moduli are. False when it is not positive definite. */
+/* The inverse of the 3x3 normal part, which is scaled to a unit diagonal so that the answer does
+ * not depend on how different the moduli are. False when it is not positive definite. */
 static bool normal_compliance_inverse(const bw_material *m, double inverse[9]) {
-  double scale[3], a[3][3], l[3][3] = {{0}};
-  for (int i = 0; i < 3; i++) {
+  double scale[3], a[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  for (int i = 0; i < 3; i++)
     scale[i] = sqrt(m->young[i]);
-    a[i][i] = 1;
-  }
   for (int p = 0; p < 3; p++) {
     int i = pair[p][0], j = pair[p][1];
-    a[i][j] = a[j][i] = -m->poisson[p] / m->young[i] * scale[i] * scale[j];
+    a[3 * i + j] = a[3 * j + i] = -m->poisson[p] / m->young[i] * scale[i] * scale[j];
   }
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j <= i; j++) {
-      double sum = a[i][j];
-      for (int k = 0; k < j; k++)
-        sum -= l[i][k] * l[j][k];
-      if (i == j) {
-        if (!(sum > 1e-12))
-          return false;
-        l[i][i] = sqrt(sum);
-      } else
-        l[i][j] = sum / l[j][j];
-    }
-  /* columns of the inverse by forward and back substitution */
+  if (!bwi_cholesky(3, a, 1e-12))
+    return false;
   for (int c = 0; c < 3; c++) {
-    double y[3];
-    for (int i = 0; i < 3; i++) {
-      y[i] = i == c;
-      for (int k = 0; k < i; k++)
-        y[i] -= l[i][k] * y[k];
-      y[i] /= l[i][i];
-    }
-    for (int i = 2; i >= 0; i--) {
-      for (int k = i + 1; k < 3; k++)
-        y[i] -= l[k][i] * y[k];
-      y[i] /= l[i][i];
-    }
+    double column[3] = {c == 0, c == 1, c == 2};
+    bwi_lower_solve(3, a, column);
+    bwi_upper_solve(3, a, column);
     for (int i = 0; i < 3; i++)
-      inverse[3 * i + c] = y[i] * scale[i] * scale[c];
+      inverse[3 * i + c] = column[i] * scale[i] * scale[c];
   }
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < i; j++)
@@ -69,7 +48,7 @@ static void unpack(const double v[6], double shear, double t[3][3]) {
 }
 
 /* out = a t a^T, or a^T t a when transposed. */
-static void turn(const double a[9], bool transposed, double t[3][3], double out[3][3]) {
+static void rotate(const double a[9], bool transposed, double t[3][3], double out[3][3]) {
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
       double sum = 0;
@@ -80,31 +59,31 @@ static void turn(const double a[9], bool transposed, double t[3][3], double out[
     }
 }
 
-/* A 6x6 matrix given in material axes, in global ones: column by column, unit tensor in, turned to
- * the material axes, the law, and turned back. `in` and `out` are the factors between the shear
+/* A 6x6 matrix given in material axes, in global ones: column by column, unit tensor in, rotated to
+ * the material axes, the law, and rotated back. `in` and `out` are the factors between the shear
  * numbers and the tensor's components on either side. */
 static void to_global(const double axes[9], const double local[36], double in, double out,
                       double global[36]) {
   for (int c = 0; c < 6; c++) {
-    double unit[6] = {0}, t[3][3], turned[3][3], v[6], w[6];
+    double unit[6] = {0}, t[3][3], rotated[3][3], v[6], w[6];
     unit[c] = 1;
     unpack(unit, in, t);
-    turn(axes, false, t, turned);
+    rotate(axes, false, t, rotated);
     for (int i = 0; i < 3; i++)
-      v[i] = turned[i][i];
+      v[i] = rotated[i][i];
     for (int p = 0; p < 3; p++)
-      v[3 + p] = turned[pair[p][0]][pair[p][1]] / in;
+      v[3 + p] = rotated[pair[p][0]][pair[p][1]] / in;
     for (int i = 0; i < 6; i++) {
       w[i] = 0;
       for (int j = 0; j < 6; j++)
         w[i] += local[6 * i + j] * v[j];
     }
     unpack(w, out, t);
-    turn(axes, true, t, turned);
+    rotate(axes, true, t, rotated);
     for (int i = 0; i < 3; i++)
-      global[6 * i + c] = turned[i][i];
+      global[6 * i + c] = rotated[i][i];
     for (int p = 0; p < 3; p++)
-      global[6 * (3 + p) + c] = turned[pair[p][0]][pair[p][1]] / out;
+      global[6 * (3 + p) + c] = rotated[pair[p][0]][pair[p][1]] / out;
   }
   for (int i = 0; i < 6; i++)
     for (int j = 0; j < i; j++)
