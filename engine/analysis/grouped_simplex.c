@@ -20,10 +20,36 @@
  * key; rest = b - sum of u_g A_key. The basis is refactorised in every iteration: it is small. */
 #include "analysis/simplex.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
 enum { NONE = -1, NO_GROUP = -1 };
+
+#ifndef NDEBUG
+static bool is_in_group(const bwi_simplex *s, int32_t g, int32_t j) {
+  return j == NONE || (j >= s->program->group_start[g] && j < s->program->group_start[g + 1]);
+}
+
+/* Keys and basic columns are of their groups, no basic column is a key, and ties counts them. */
+static bool is_consistent(const bwi_simplex *s) {
+  int32_t m = s->program->rows, tied = 0, basic = 0;
+  for (int32_t i = 0; i < m; i++) {
+    int32_t g = s->group[i];
+    if (g == NO_GROUP ? s->member[i] != NONE
+                      : g < 0 || g >= s->groups || !is_in_group(s, g, s->member[i]) ||
+                            s->member[i] == s->key[g])
+      return false;
+    basic += g != NO_GROUP;
+  }
+  for (int32_t g = 0; g < s->groups; g++) {
+    if (!is_in_group(s, g, s->key[g]) || s->ties[g] < 0)
+      return false;
+    tied += s->ties[g];
+  }
+  return tied == basic;
+}
+#endif
 
 static double upper(const bwi_simplex *s, int32_t g) {
   return s->stretch * s->program->upper[s->program->group_start[g]];
@@ -114,7 +140,7 @@ static bool overtaken(bwi_simplex *s) {
   return found;
 }
 
-/* Everything afresh from the basic columns and their keys. */
+/* Everything recomputed from the basic columns and their keys. */
 static void restart(bwi_simplex *s) {
   int32_t m = s->program->rows;
   do {
@@ -128,13 +154,14 @@ static void restart(bwi_simplex *s) {
     price(s);
   } while (overtaken(s));
   bwi_basic_values(s);
+  assert(is_consistent(s));
 }
 
 /* A key that is negative changes places with the largest basic column of its group. Returns
  * whether any did. */
-static bool turn_keys(bwi_simplex *s) {
+static bool exchange_keys(bwi_simplex *s) {
   int32_t m = s->program->rows;
-  bool turned = false;
+  bool exchanged = false;
   for (int32_t i = 0; i < m; i++) {
     int32_t g = s->group[i], largest = i;
     if (g == NO_GROUP)
@@ -151,9 +178,9 @@ static bool turn_keys(bwi_simplex *s) {
     set_key(s, g, s->member[largest]);
     s->member[largest] = former;
     s->x[largest] = left;
-    turned = true;
+    exchanged = true;
   }
-  return turned;
+  return exchanged;
 }
 
 /* The row to leave the basis, or -1 at the optimum. */
@@ -237,7 +264,7 @@ static bwi_simplex_result iterate(bwi_simplex *s) {
     if (!bwi_invert(s))
       return BWI_SIMPLEX_UNSTABLE;
     bwi_basic_values(s);
-  } while (turn_keys(s));
+  } while (exchange_keys(s));
   int32_t r = leaving_row(s, &length);
   if (r < 0)
     return BWI_SIMPLEX_OPTIMAL;
@@ -281,6 +308,7 @@ static bwi_simplex_result iterate(bwi_simplex *s) {
   s->group[r] = last.group;
   s->member[r] = last.column;
   s->ties[last.group]++;
+  assert(is_consistent(s));
   return BWI_SIMPLEX_PIVOTED;
 }
 
@@ -301,5 +329,5 @@ static void hand_over(bwi_simplex *s, bwi_vertex *vertex) {
 }
 
 /* The columns of a node lie in a space of three dimensions: where three of them are tied, all are,
- * and the method would go round in circles, so the first attempt perturbs them as well. */
+ * and the method would cycle, so the first attempt perturbs them as well. */
 const bwi_method bwi_grouped = {1e-10, start, basis_row, restart, iterate, hand_over};

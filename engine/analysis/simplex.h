@@ -1,8 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* What the two dual simplex methods share: a basis and its inverse, products with all columns, the
  * loop over iterations, nested samples of the columns. boxed_simplex.c has the iteration for
- * columns with a bound each, grouped_simplex.c the one for columns in groups with a common bound.
- */
+ * columns with a bound each, grouped_simplex.c the one for columns in groups with a common
+ * bound. */
 #ifndef BARWRIGHT_ANALYSIS_SIMPLEX_H
 #define BARWRIGHT_ANALYSIS_SIMPLEX_H
 
@@ -23,10 +23,10 @@ typedef struct bwi_key_change {
 
 /* One of the two methods. */
 typedef struct bwi_method {
-  double scatter;                /* added to the costs in the first attempt, see simplex.c */
+  double scatter;                /* added to the costs in the first attempt, see simplex_basis.c */
   void (*start)(bwi_simplex *s); /* a basis of unit columns */
   void (*basis_row)(const bwi_simplex *s, int32_t i, double *row); /* row += basic column i */
-  void (*restart)(bwi_simplex *s);                                 /* all afresh from the basis */
+  void (*restart)(bwi_simplex *s);                                 /* recomputed from the basis */
   bwi_simplex_result (*iterate)(bwi_simplex *s);
   void (*hand_over)(bwi_simplex *s, bwi_vertex *vertex);
 } bwi_method;
