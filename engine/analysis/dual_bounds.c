@@ -127,8 +127,7 @@ static bw_status claim_body(void *data, int64_t begin, int64_t end, int worker) 
   return BW_OK;
 }
 
-/* ---- the pressures, block by block ------------------------------------------------------------
- */
+/* ---- the pressures, block by block --------------------------------------------------------- */
 
 typedef struct block {
   const bw_system *system;

@@ -164,10 +164,9 @@ bw_status bw_internal_force(bw_context *context, const bw_mesh *mesh, const bw_m
   return BW_OK;
 }
 
-/* ---- kinks of the boundary ---------------------------------------------------------------------
- */
+/* ---- kinks of the boundary ----------------------------------------------------------------- */
 
-/* Facets with a node for a corner or middle, by number: at most `most`. */
+/* Facets with a node for a corner or mid-edge node, by number: at most `max`. */
 static int facets_at(const bw_mesh *mesh, int32_t node, int max, int32_t *facet) {
   int count = 0;
   for (int32_t f = 0; f < mesh->facet_count && count < max; f++)

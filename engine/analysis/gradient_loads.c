@@ -113,7 +113,7 @@ static bw_status prepare(bw_context *context, const bw_mesh *mesh, const bw_load
   }
   if (bw_inverse3(inertia, inverse) == 0)
     return bw_fail(context, BW_GEOMETRY,
-                   "the %d facets that a torque acts on have no lever about its point",
+                   "the %d facets that a torque acts on have no lever arm about its point",
                    load->on->facet_count);
   for (int k = 0; k < 3; k++) {
     r->centre[k] /= r->area;

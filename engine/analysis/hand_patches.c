@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The patches that hands can reach: around each node with a pressure the nodes within a radius that
- * face the same way. Nodes are sorted along x: those of a patch lie in a slab of twice the radius.
- */
+ * face the same way. Nodes are sorted along x: those of a patch lie in a slab of twice the
+ * radius. */
 #include "analysis/linear_program.h"
 
 #include <stdlib.h>

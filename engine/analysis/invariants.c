@@ -15,8 +15,8 @@ typedef struct field {
 
 /* Eigenvalues in descending order by Cardano's formula: with the deviator s, p^2 = s:s/6 and
  * r = det(s/p)/2, they are m + 2 p cos(phi + 2 pi k/3), phi = arccos(r)/3. Where two of them nearly
- * coincide, |r| near one, the arc cosine has lost half its digits and Jacobi rotations take over.
- */
+ * coincide, |r| near one, the arc cosine has lost half its digits and Jacobi rotations take
+ * over. */
 static void eigenvalues(const double t[6], double value[3]) {
   const double third = 2.0943951023931954923; /* 2 pi / 3 */
   double m = (t[0] + t[1] + t[2]) / 3;

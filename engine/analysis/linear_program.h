@@ -132,8 +132,8 @@ bool bwi_sooner(const bwi_breakpoint *a, const bwi_breakpoint *b);
 int32_t bwi_select_breakpoints(bwi_breakpoint *list, int32_t count, double wanted);
 
 /* Loads of few hands (hands.c): for an objective with the best pressure of the linear program and
- * its multipliers, the best pressure that was found within `options->hands` patches, and its value.
- */
+ * its multipliers, the best pressure that was found within `options->hands` patches, and its
+ * value. */
 typedef struct bwi_hands bwi_hands;
 /* The patch around each node: its nodes ascending in member[start[g]] to start[g + 1], *member to
  * be freed also on failure; and the nodes' mean normals. */

@@ -186,8 +186,8 @@ static bw_status min_violation(const program *q, double unit, double *t) {
   }
   if (!found)
     status = bw_fail(q->context, BW_CONVERGENCE,
-                     "a quadratic program of %d unknowns and %d rows: the least violation of its "
-                     "rows was not found (NLopt: %s)",
+                     "a quadratic program of %d unknowns and %d rows: the smallest violation of "
+                     "its rows was not found (NLopt: %s)",
                      q->n, q->m, word);
   *t = unit * fmax(last, min);
 done:

@@ -17,8 +17,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The modes' tolerance is far smaller than the fraction of the lowest eigenvalue that is left out.
- */
+/* The modes' tolerance is far smaller than the fraction of the lowest eigenvalue that is left
+ * out. */
 static const double LOWEST_FRACTION = 0.99;
 /* Of the balance of a load, as a fraction of its largest force. */
 static const double BALANCE_ROUNDING = 512 * DBL_EPSILON;

@@ -24,7 +24,7 @@ double bwi_triangle_centre(const bwi_triangle *triangle, double centre[3]);
 void bwi_divide_triangle(const bwi_triangle *triangle, bwi_triangle part[4]);
 
 /* The mean stresses of elements under a unit of each pressure, from one solve for each pressure.
- * Displacements are kept for a slab of elements at a time, as many as fit into `most` bytes. */
+ * Displacements are kept for a slab of elements at a time, as many as fit into `max` bytes. */
 typedef struct bwi_responses {
   bw_context *context;
   bw_system *system;

@@ -1,7 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The closed forms of one block (gather.h), in the one place where they are written: for all blocks
- * of a mesh (gather.c) and for those of a subdomain (subdomain_write.c). Inlined into their loops.
- */
+ * of a mesh (gather.c) and for those of a subdomain (subdomain_write.c). Inlined into loops. */
 #ifndef BARWRIGHT_BLOCK_H
 #define BARWRIGHT_BLOCK_H
 
@@ -98,8 +97,7 @@ static inline void bwi_sum_contributions(const bwi_block_source *source,
 }
 
 /* What the same contributions make of the tensor of mean gradients, V mean(grad N_i) (x)
- * mean(grad N_j): on a straight tet10 those of corners vanish, and those of mid-edge nodes are s_m.
- */
+ * mean(grad N_j): on a straight tet10 those of corners vanish, and those of mid-edge nodes s_m. */
 static inline void bwi_sum_means(const bwi_block_source *source, int64_t begin, int64_t end,
                                  double t[3][4]) {
   const bwi_frames *frames = source->frames;

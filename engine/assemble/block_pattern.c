@@ -83,7 +83,7 @@ typedef struct builder {
   const int32_t *element; /* elements x nodes_per_element */
   bwi_incidence incidence;
   bw_block_pattern *pattern;
-  int32_t *mark;       /* threads x node_count, see find_or_add */
+  int32_t *mark;       /* threads x node_count: see count_rows and fill_rows */
   int64_t *row_gather; /* node_count + 1: contributions of the rows before */
 } builder;
 

@@ -105,7 +105,8 @@ static bw_status name_inverted(bw_context *context, const bwi_frames *f, const c
         return bwi_fail_inverted(context, f->mesh, e, determinant);
     }
   }
-  return bw_fail(context, BW_GEOMETRY, "an element has no positive volume");
+  return bw_fail(context, BW_GEOMETRY,
+                 "an element has no positive volume: move its nodes, or mesh again");
 }
 
 bw_status bwi_frames_create(bw_context *context, const bw_mesh *mesh, bwi_frames *frames) {

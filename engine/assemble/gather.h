@@ -6,7 +6,7 @@
  * stiffness is a fixed linear map of it, given by the material, and the Laplacian its trace. On a
  * straight element all gradients are combinations of the four barycentric ones g_0..g_3, and T_ij
  * of two nodes is a sum of at most two products of the vectors h_i = sqrt(V) g_i (corners)   and
- * h_a + h_b (middle of edge ab), with factors that depend on the local numbers alone
+ * h_a + h_b (mid-edge node ab), with factors that depend on the local numbers alone
  * (docs/theory/elements.md). So an element is a frame of 4 or 10 vectors, small enough to stay in
  * cache while a row of blocks is summed, and no element matrix is ever stored. Curved elements have
  * their products from quadrature instead. */

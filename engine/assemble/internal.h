@@ -33,7 +33,7 @@ static inline void bwi_element_nodes(const bw_mesh *mesh, int64_t element, doubl
       x[a][k] = mesh->node[3 * (int64_t)node[a] + k];
 }
 
-/* Barycentric coordinates of local node a: of a corner, or of the middle of an edge. */
+/* Barycentric coordinates of local node a: of a corner, or of the midpoint of an edge. */
 static inline void bwi_node_barycentric(int a, double l[4]) {
   l[0] = l[1] = l[2] = l[3] = 0;
   if (a < 4)
@@ -58,11 +58,11 @@ bw_status bwi_block_pattern_fits(bw_context *context, const bw_block_pattern *pa
  * gradients is symmetric (docs/theory/edit.md). */
 void bwi_block_pattern_mark_surface(const bw_block_pattern *pattern, const bw_mesh *mesh,
                                     uint8_t *surface);
-/* BW_GEOMETRY: the element has no positive volume (or Jacobian) at a place. */
+/* BW_GEOMETRY: the element has no positive volume (or Jacobian) at a point. */
 bw_status bwi_fail_inverted(bw_context *context, const bw_mesh *mesh, int64_t element,
                             double determinant);
 
-/* Which elements are curved: *number has an entry per element, its place among the curved ones or
+/* Which elements are curved: *number has an entry per element, its index among the curved ones or
  * -1; NULL when all are straight (always for tet4). */
 bw_status bwi_find_curved(bw_context *context, const bw_mesh *mesh, int32_t **number,
                           int64_t *count);

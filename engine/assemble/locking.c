@@ -1,7 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Volumetric locking recognised. Above this Poisson's ratio displacements of standard elements come
- * out too small by more than a few per cent on usual meshes: docs/theory/elements.md has figures.
- */
+/* Detection of volumetric locking. Above this Poisson's ratio displacements of standard elements
+ * come out too small by more than a few per cent on usual meshes: docs/theory/elements.md. */
 #include "assemble/internal.h"
 
 static const double locking_ratio = 0.48;

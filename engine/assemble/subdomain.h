@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The stiffness kept subdomain by subdomain: lists, coefficients and shapes.
  *
- * Pairs are sorted into sections by the set of subdomains that their elements lie in: two sections
+ * Blocks are sorted into sections by the set of subdomains that their elements lie in: two sections
  * for the inside of each subdomain, then one for each set of several subdomains that share blocks.
  * For each of its subdomains a block has coefficients, T of that subdomain's elements at rest;
  * entries are the sum over the subdomains, ascending, of the subdomains' maps of T. They depend on
@@ -43,15 +43,15 @@ static inline int64_t bwi_next_four(int64_t n) {
 typedef struct bwi_subdomain_coefficients {
   /* elements and nodes, subdomain by subdomain */
   int32_t *element_start, *element; /* subdomain_count + 1 */
-  int32_t *number;                  /* element_count: its place in `element` */
+  int32_t *number;                  /* element_count: its index in `element` */
   int64_t *node_start; /* subdomain_count + 1: of all nodes of its elements, ascending */
   int32_t *node;
 
   /* sections: subdomain_count insides without skew halves, as many with them, then sets */
   int64_t section_count, inside_count;
-  int64_t *section_size;    /* section_count: blocks */
-  int64_t *block_start;     /* section_count + 1, into block_subdomain */
-  int32_t *block_subdomain; /* the subdomains of each section, ascending */
+  int64_t *section_size;      /* section_count: blocks */
+  int64_t *section_start;     /* section_count + 1, into section_subdomain */
+  int32_t *section_subdomain; /* the subdomains of each section, ascending */
   /* segments: tile by tile, in each by ascending sections */
   int64_t segment_count, code_count, item_count, present_count;
   bwi_subdomain_segment *segment;
@@ -71,9 +71,9 @@ typedef struct bwi_subdomain_coefficients {
   int32_t *frame_start; /* subdomain_count + 1 */
   int32_t *frame_subdomain;
 
-  /* `written` is the shape that the values have, `reported` that at which a subdomain was last said
-     to have changed, with the frames of frame_subdomain then; positions (3 per entry of `node`) are
-     kept where reshaped. */
+  /* `written` is the shape that the values have, `reported` that at which a change of the subdomain
+     was last reported, with the frames of frame_subdomain then; positions (3 per entry of `node`)
+     are kept where reshaped. */
   bwi_subdomain_shape *written, *reported;
   double *written_position, *reported_position;
   double *reported_frame; /* 9 frame_start[subdomain_count] */
@@ -99,10 +99,10 @@ void bwi_subdomain_map_derivative(const double elasticity[81], const double line
                                   const double direction[9], double map[BWI_SUBDOMAIN_MAP]);
 /* The entries of one block, whose halves, 6 or 9 numbers, are at tensor[4 m]. */
 void bwi_subdomain_entries(const double *map, const double *tensor, int numbers, double block[9]);
-/* C of a material turned by the rotation: C'_ijkl = R_ia R_jb R_kc R_ld C_abcd. */
+/* C of a rotated material: C'_ijkl = R_ia R_jb R_kc R_ld C_abcd. */
 void bwi_rotate_elasticity(const double elasticity[81], const double rotation[9],
-                           double turned[81]);
-/* C of a subdomain, whose material may have turned with its frame. */
+                           double rotated[81]);
+/* C of a subdomain, whose material may have rotated with its frame. */
 void bwi_subdomain_elasticity(const bw_subdomain_stiffness *stiffness, int32_t subdomain,
                               const double frame[9], double elasticity[81]);
 /* T of a segment's j-th subdomain: at rest, or as it counts now. */

@@ -74,35 +74,35 @@ void bwi_subdomain_map_derivative(const double elasticity[81], const double line
 }
 
 void bwi_rotate_elasticity(const double elasticity[81], const double rotation[9],
-                           double turned[81]) {
-  /* each pass turns the last index and moves it to the front; four passes turn all and restore the
-   * order, which is i k j l here */
+                           double rotated[81]) {
+  /* each pass rotates the last index and moves it to the front; four passes rotate all and restore
+   * the order, which is i k j l here */
   double now[81], next[81];
   memcpy(now, elasticity, sizeof now);
   for (int pass = 0; pass < 4; pass++) {
-    for (int rest = 0; rest < 27; rest++)
+    for (int other = 0; other < 27; other++)
       for (int r = 0; r < 3; r++)
-        next[27 * r + rest] = now[3 * rest] * rotation[3 * r] +
-                              now[3 * rest + 1] * rotation[3 * r + 1] +
-                              now[3 * rest + 2] * rotation[3 * r + 2];
+        next[27 * r + other] = now[3 * other] * rotation[3 * r] +
+                               now[3 * other + 1] * rotation[3 * r + 1] +
+                               now[3 * other + 2] * rotation[3 * r + 2];
     memcpy(now, next, sizeof now);
   }
-  memcpy(turned, now, sizeof now);
+  memcpy(rotated, now, sizeof now);
 }
 
 void bwi_subdomain_elasticity(const bw_subdomain_stiffness *stiffness, int32_t subdomain,
                               const double frame[9], double elasticity[81]) {
   const bwi_subdomain_coefficients *c = stiffness->coefficients;
   const double *rest = c->rest_orientation ? c->rest_orientation + 9 * (int64_t)subdomain : NULL;
-  bool turns = c->orientation_matters && stiffness->rotate_material;
+  bool rotates = c->orientation_matters && stiffness->rotate_material;
   double rotation[9];
-  if (!turns && !rest) {
+  if (!rotates && !rest) {
     memcpy(elasticity, c->elasticity, sizeof c->elasticity);
     return;
   }
   for (int r = 0; r < 3; r++)
     for (int s = 0; s < 3; s++) {
-      if (!turns)
+      if (!rotates)
         rotation[3 * r + s] = rest[3 * r + s];
       else if (!rest)
         rotation[3 * r + s] = frame[3 * s + r];
@@ -192,7 +192,7 @@ INLINED void store(const bwi_vector half[9], int numbers, const uint32_t *code, 
 static const double *map_of(const bwi_subdomain_coefficients *c,
                             const bwi_subdomain_segment *segment, int64_t j,
                             const double **tensor) {
-  int32_t subdomain = c->block_subdomain[c->block_start[segment->section] + j];
+  int32_t subdomain = c->section_subdomain[c->section_start[segment->section] + j];
   *tensor = c->written[subdomain].reshaped && segment->section >= c->inside_count
                 ? bwi_subdomain_present(c, segment, j)
                 : bwi_subdomain_rest(c, segment, j);
@@ -218,7 +218,7 @@ INLINED void evaluate_inside(const double *map, const double *tensor, int number
 void bwi_subdomain_evaluate(const bwi_subdomain_coefficients *c,
                             const bwi_subdomain_segment *segment, double *out) {
   const uint32_t *code = c->block_code + segment->first;
-  int64_t subdomains = c->block_start[segment->section + 1] - c->block_start[segment->section];
+  int64_t subdomains = c->section_start[segment->section + 1] - c->section_start[segment->section];
   const double *tensor, *map = map_of(c, segment, 0, &tensor);
   if (subdomains > 1)
     for (int64_t k = 0; k < segment->size; k += 4) {

@@ -199,22 +199,22 @@ static int32_t subdomains_of(const bw_block_pattern *pattern, const int32_t *ele
 }
 
 /* The subdomains of each section. */
-static bw_status list_blocks(bw_context *context, int32_t subdomain_count, const set_table *sets,
-                             bwi_subdomain_coefficients *c) {
+static bw_status list_section_subdomains(bw_context *context, int32_t subdomain_count,
+                                         const set_table *sets, bwi_subdomain_coefficients *c) {
   int64_t members = sets->count ? sets->start[sets->count] : 0, inside = c->inside_count;
-  c->block_start = BW_NEW(context, int64_t, c->section_count + 1);
-  c->block_subdomain = BW_NEW(context, int32_t, inside + members);
-  if (!c->block_start || !c->block_subdomain)
+  c->section_start = BW_NEW(context, int64_t, c->section_count + 1);
+  c->section_subdomain = BW_NEW(context, int32_t, inside + members);
+  if (!c->section_start || !c->section_subdomain)
     return BW_MEMORY;
   for (int64_t s = 0; s < inside; s++) {
-    c->block_start[s] = s;
-    c->block_subdomain[s] = (int32_t)(s % subdomain_count);
+    c->section_start[s] = s;
+    c->section_subdomain[s] = (int32_t)(s % subdomain_count);
   }
   for (int64_t set = 0; set < sets->count; set++)
-    c->block_start[inside + set] = inside + sets->start[set];
-  c->block_start[c->section_count] = inside + members;
+    c->section_start[inside + set] = inside + sets->start[set];
+  c->section_start[c->section_count] = inside + members;
   if (members)
-    memcpy(c->block_subdomain + inside, sets->member, (size_t)members * sizeof *sets->member);
+    memcpy(c->section_subdomain + inside, sets->member, (size_t)members * sizeof *sets->member);
   return BW_OK;
 }
 
@@ -259,7 +259,7 @@ static bw_status list_segments(bw_context *context, const bw_block_pattern *patt
       bwi_subdomain_segment *segment = &c->segment[p];
       int64_t size = bwi_next_four(segment->size);
       int64_t all = segment->numbers * size *
-                    (c->block_start[segment->section + 1] - c->block_start[segment->section]);
+                    (c->section_start[segment->section + 1] - c->section_start[segment->section]);
       segment->first = c->code_count;
       segment->item = c->item_count;
       segment->present = c->present_count;
@@ -332,7 +332,7 @@ static bw_status list_sections(bw_context *context, const bw_block_pattern *patt
     section[block] = (int32_t)number;
     c->section_size[number]++;
   }
-  BW_TRY(list_blocks(context, subdomain_count, &sets, c));
+  BW_TRY(list_section_subdomains(context, subdomain_count, &sets, c));
   BW_TRY(list_segments(context, pattern, subdomain_count, section, c));
 done:
   set_table_clear(&sets);

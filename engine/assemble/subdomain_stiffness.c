@@ -20,8 +20,8 @@ static void destroy(void *object) {
     bw_free(c->node_start);
     bw_free(c->node);
     bw_free(c->section_size);
-    bw_free(c->block_start);
-    bw_free(c->block_subdomain);
+    bw_free(c->section_start);
+    bw_free(c->section_subdomain);
     bw_free(c->segment);
     bw_free(c->block_code);
     bw_free(c->tensor);
@@ -54,7 +54,7 @@ static size_t bytes(const void *object) {
   return sizeof *stiffness + sizeof *c + numbers * sizeof *c->tensor +
          (size_t)c->code_count * sizeof *c->block_code +
          (size_t)c->segment_count * sizeof *c->segment + sections * 2 * sizeof(int64_t) +
-         (size_t)c->block_start[sections] * sizeof *c->block_subdomain +
+         (size_t)c->section_start[sections] * sizeof *c->section_subdomain +
          elements * 2 * sizeof(int32_t) +
          nodes * (sizeof *c->node + 6 * sizeof *c->written_position) +
          frames * (sizeof *c->frame_subdomain + 9 * sizeof *c->reported_frame) +
@@ -269,9 +269,9 @@ bw_status bw_subdomain_stiffness_derivative(bw_context *context,
   bwi_subdomain_map_derivative(elasticity, c->written[subdomain].linear, direction, map);
   for (int64_t p = 0; p < c->segment_count; p++) {
     const bwi_subdomain_segment *segment = &c->segment[p];
-    int64_t first = c->block_start[segment->section];
-    for (int64_t b = first; b < c->block_start[segment->section + 1]; b++)
-      if (c->block_subdomain[b] == subdomain)
+    int64_t first = c->section_start[segment->section];
+    for (int64_t b = first; b < c->section_start[segment->section + 1]; b++)
+      if (c->section_subdomain[b] == subdomain)
         add_product(pattern, map, bwi_subdomain_rest(c, segment, b - first),
                     c->block_code + segment->first, segment, x, y);
   }

@@ -3,11 +3,11 @@
  * nodes (docs/theory/edit.md).
  *
  * In frame F, where a subdomain lies by x -> A x, the entries are a function of F A alone when the
- * material is isotropic: K turns with the body. A node's entries with another are so for both their
- * frames; hence entries are unchanged when F A is, for every frame F that occurs on the subdomain's
- * nodes. A material that is not isotropic is one more frame: its own where it turns with the
- * subdomain, the global one where it stays. For a reshaped subdomain F (x - x_0) of its nodes takes
- * the place of F A. */
+ * material is isotropic: K rotates with the body. A node's entries with another are so for both
+ * their frames; hence entries are unchanged when F A is, for every frame F that occurs on the
+ * subdomain's nodes. A material that is not isotropic is one more frame: its own where it rotates
+ * with the subdomain, the global one where it stays. For a reshaped subdomain F (x - x_0) of its
+ * nodes takes the place of F A. */
 #include "assemble/subdomain.h"
 
 #include <math.h>
@@ -119,8 +119,7 @@ static bool must_write(const bw_subdomain_stiffness *stiffness, const bw_mesh *m
                           : !same_map(motion->linear, was->linear);
 }
 
-/* Whether any entry of a subdomain changed in the frames of its nodes since that was last reported.
- */
+/* Whether any entry of a subdomain changed in the frames of its nodes since the last report. */
 static bool has_changed(const bw_subdomain_stiffness *stiffness, const bw_mesh *mesh, int32_t d,
                         const bw_subdomain_motion *motion) {
   const bwi_subdomain_coefficients *c = stiffness->coefficients;
@@ -128,21 +127,21 @@ static bool has_changed(const bw_subdomain_stiffness *stiffness, const bw_mesh *
   const bw_subdomain_motion *own = &motion[d];
   if (own->reshaped != was->reshaped)
     return true;
-  double turned[9], now[9], before[9];
+  double rotated[9], now[9], before[9];
   if (own->reshaped) {
     if (!same_positions(mesh, c, d, own->frame, c->reported_position, was->frame))
       return true;
-    /* the shape turned by own->frame^T was->frame: its rotation since */
+    /* the shape times own->frame^T was->frame: its rotation since */
     double back[9];
     for (int r = 0; r < 3; r++)
       for (int s = 0; s < 3; s++)
         back[3 * r + s] = own->frame[3 * s + r];
-    product(back, was->frame, turned);
+    product(back, was->frame, rotated);
   }
   for (int32_t k = c->frame_start[d]; k < c->frame_start[d + 1]; k++) {
     const double *f_now = frame_of(motion, c->frame_subdomain[k]);
     const double *f_before = c->reported_frame + 9 * (int64_t)k;
-    product(f_now, own->reshaped ? turned : own->linear, now);
+    product(f_now, own->reshaped ? rotated : own->linear, now);
     if (own->reshaped)
       memcpy(before, f_before, sizeof before);
     else

@@ -28,9 +28,9 @@ void bwi_subdomain_work_clear(bwi_subdomain_work *work) {
 static void list_touched(bwi_subdomain_work *work) {
   const bwi_subdomain_coefficients *c = work->stiffness->coefficients;
   for (int64_t s = 0; s < c->section_count; s++) {
-    for (int64_t b = c->block_start[s]; b < c->block_start[s + 1]; b++)
+    for (int64_t b = c->section_start[s]; b < c->section_start[s + 1]; b++)
       work->touched[s] =
-          work->touched[s] || work->action[c->block_subdomain[b]] != BWI_SUBDOMAIN_KEEP;
+          work->touched[s] || work->action[c->section_subdomain[b]] != BWI_SUBDOMAIN_KEEP;
     if (work->touched[s])
       work->blocks += c->section_size[s];
   }
@@ -86,7 +86,7 @@ static bw_status name_refused(bw_context *context, const bw_mesh *mesh,
       return bwi_fail_inverted(context, mesh, e, determinant);
   }
   return bw_fail(context, BW_INTERNAL, "an element of subdomain %d was refused and not found again",
-                 subdomain);
+                 subdomain + 1);
 }
 
 bw_status bwi_subdomain_work_prepare(bw_context *context, const bw_mesh *mesh,
@@ -162,9 +162,9 @@ static bw_status gather_rest(void *data, int64_t begin, int64_t end, int worker)
   (void)worker;
   for (const bwi_subdomain_segment *segment = c->segment + begin; segment < c->segment + end;
        segment++) {
-    int64_t first = c->block_start[segment->section];
-    for (int64_t b = first; b < c->block_start[segment->section + 1]; b++)
-      gather_tensors(work, segment, c->block_subdomain[b],
+    int64_t first = c->section_start[segment->section];
+    for (int64_t b = first; b < c->section_start[segment->section + 1]; b++)
+      gather_tensors(work, segment, c->section_subdomain[b],
                      bwi_subdomain_rest(c, segment, b - first));
   }
   return BW_OK;
@@ -207,8 +207,9 @@ static bw_status write_segments(void *data, int64_t begin, int64_t end, int work
        segment++) {
     if (!work->touched[segment->section])
       continue;
-    const int32_t *subdomain = c->block_subdomain + c->block_start[segment->section];
-    int64_t subdomains = c->block_start[segment->section + 1] - c->block_start[segment->section];
+    const int32_t *subdomain = c->section_subdomain + c->section_start[segment->section];
+    int64_t subdomains =
+        c->section_start[segment->section + 1] - c->section_start[segment->section];
     if (subdomains == 1 && work->action[*subdomain] == BWI_SUBDOMAIN_GATHER) {
       gather_inside(work, segment, *subdomain);
       continue;

@@ -39,8 +39,10 @@ static bw_status check_shape(bw_context *context, bw_type type, int64_t rows, in
   int64_t count;
   if (rows < 0 || columns < 0 || __builtin_mul_overflow(rows, columns, &count) ||
       count > PTRDIFF_MAX / 8 || columns > PTRDIFF_MAX / 8)
-    return bw_fail(context, BW_INVALID, "an array of %lld x %lld: sizes must be 0 or more, and fit",
-                   (long long)rows, (long long)columns);
+    return bw_fail(
+        context, BW_INVALID,
+        "an array of %lld x %lld: sizes must be 0 or more, and its bytes must fit into memory",
+        (long long)rows, (long long)columns);
   if (bw_type_size(type) == 0)
     return bw_fail(context, BW_INVALID, "array type %d is not known", (int)type);
   return BW_OK;
@@ -111,8 +113,8 @@ bw_status bw_array_view(bw_context *context, const bw_array *array, int64_t firs
     return bw_fail(context, BW_INVALID,
                    "a view of %lld rows from %lld and %lld columns from %lld does not fit an array "
                    "of %lld x %lld",
-                   (long long)rows, (long long)first_row, (long long)columns,
-                   (long long)first_column, (long long)array->rows, (long long)array->columns);
+                   (long long)rows, (long long)first_row + 1, (long long)columns,
+                   (long long)first_column + 1, (long long)array->rows, (long long)array->columns);
   char *data = (char *)array->data;
   if (rows > 0 && columns > 0)
     data += first_row * array->row_stride + first_column * array->column_stride;

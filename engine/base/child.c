@@ -34,14 +34,14 @@ bw_status bwi_child_write(bwi_child_stream *out, const void *bytes, size_t count
   return bw_job_write(out->out, bytes, count);
 }
 
-/* A library that breaks off does so over the shape it was given. */
-static bw_status broke_off(bw_context *context, const char *what, int number) {
+/* A library that ends its process does so because of the shape it was given. */
+static bw_status fail_broken(bw_context *context, const char *what, int number) {
   bw_status status;
   if (number)
-    status = bw_fail(context, BW_GEOMETRY, "%s broke off: the library stopped with signal %d (%s)",
+    status = bw_fail(context, BW_GEOMETRY, "%s failed: the library stopped with signal %d (%s)",
                      what, number, strsignal(number));
   else
-    status = bw_fail(context, BW_GEOMETRY, "%s broke off: the library ended the process", what);
+    status = bw_fail(context, BW_GEOMETRY, "%s failed: the library ended the process", what);
   bw_detail_number(context, "signal", number);
   return status;
 }
@@ -69,7 +69,7 @@ bw_status bwi_child_run(bw_context *context, const char *what, const bwi_child_l
   bw_job_usage usage;
   bw_job_read_usage(job, &usage);
   if (usage.state == BW_JOB_CRASHED) {
-    status = broke_off(context, what, usage.signal);
+    status = fail_broken(context, what, usage.signal);
     goto done;
   }
   BW_TRY(bw_job_result(context, job, &result, &length));

@@ -45,7 +45,8 @@ bw_status bw_confine_read_also(bw_context *context, const char *path) {
     if (strcmp(gate.root[i], real) == 0)
       return BW_OK;
   if (gate.roots == ROOTS)
-    return bw_fail(context, BW_LIMIT, "%s: more than %d places to read from", path, (int)ROOTS);
+    return bw_fail(context, BW_LIMIT, "%s: more than %d folders or files to read from", path,
+                   (int)ROOTS);
   memcpy(gate.root[gate.roots++], real, sizeof real);
   return BW_OK;
 }
@@ -70,7 +71,7 @@ static bool lies_in(const char *path, const char *root) {
 }
 
 /* Where the path leads: all links followed. Of the last name only where `follow`, and where it is
- * there at all: a new file, or a link to be renamed or removed, is judged by its folder. */
+ * there at all: a new file, or a link to be renamed or removed, is checked by its folder. */
 static bool resolve(const char *path, bool follow, char real[PATH_MAX]) {
   struct stat link;
   size_t length = strlen(path);

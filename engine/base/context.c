@@ -190,8 +190,8 @@ bw_status bw_check_cancel(bw_context *context) {
   return bw_cancelled(context) ? bw_fail(context, BW_CANCELLED, "cancelled") : BW_OK;
 }
 
-/* What is known already is not said again. A warning is a courtesy: without memory or room it is
- * left out, and no failure is recorded. */
+/* A warning that is recorded already is not recorded again. Where the memory or the list is
+ * exhausted a warning is left out, and no failure is recorded. */
 static void add_warning(bw_context *context, const char *format, double value, const char *text) {
   int at = 0;
   pthread_mutex_lock(&context->lock);

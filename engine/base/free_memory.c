@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* How much memory a process may still take. Three bounds, the least of which counts: what the
+/* How much memory a process may still take. Three bounds, the smallest of which counts: what the
  * machine has free (pages of files that it can drop included, and swap), what the limit on address
  * space leaves (ulimit -v, a job's memory), and what the control group leaves that containers live
  * in. A file that cannot be read is no bound. */

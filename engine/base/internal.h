@@ -9,8 +9,7 @@
 typedef struct bwi_pool bwi_pool;
 bwi_pool *bwi_pool_create(int extra_threads); /* NULL: no memory, work runs serially */
 void bwi_pool_destroy(bwi_pool *pool);
-/* In a forked child, where the threads are not: frees what the pool holds without waiting for them.
- */
+/* In a forked child, which has no threads: frees what the pool holds without waiting for them. */
 void bwi_pool_forget(bwi_pool *pool);
 bwi_pool *bwi_context_pool(bw_context *context);
 bool bwi_on_pool_thread(void);
@@ -34,8 +33,8 @@ void bwi_failure_aside(bw_context *context, bwi_failure *failure);
 /* What was recorded aside becomes the context's. */
 void bwi_failure_adopt(bw_context *context, const bwi_failure *failure);
 
-/* Each thread that calls BLAS takes a buffer of 128 MB of OpenBLAS, which has room for few and
- * waits for ever when it gets none. */
+/* Each thread that calls BLAS takes a buffer of 128 MB of OpenBLAS, which has a limited
+ * number of them and waits for ever when none is free. */
 enum { BWI_MAX_THREADS = 64 };
 int bwi_default_threads(void);
 

@@ -124,11 +124,11 @@ static void settle_libraries(void) {
   bwi_blas_enter(); /* in the child OpenBLAS would start its threads again */
   /* CHOLMOD comes with OpenMP, whose sleeping threads a child would wait for. */
   static int (*pause_threads)(int);
-  static bool looked;
-  if (!looked) {
+  static bool searched;
+  if (!searched) {
     void *symbol = dlsym(RTLD_DEFAULT, "omp_pause_resource_all");
     memcpy(&pause_threads, &symbol, sizeof symbol);
-    looked = true;
+    searched = true;
   }
   enum { PAUSE_HARD = 2 };
   if (pause_threads)

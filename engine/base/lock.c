@@ -143,7 +143,7 @@ bw_status bw_lock_take(bw_context *context, const char *path, double seconds, bw
       break;
     }
     if (bw_seconds() - start >= seconds) {
-      status = bw_fail(context, BW_LIMIT, "%s is held by %s", path, holder);
+      status = bw_fail(context, BW_LIMIT, "%s is locked by %s", path, holder);
       bw_detail_text(context, "limit", "lock");
       bw_detail_text(context, "holder", holder);
       break;

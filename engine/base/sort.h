@@ -1,13 +1,12 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The columns of a row of a graph: sorting them, and finding one again. */
+/* The columns of a row of a sparsity pattern: sorting them, and finding one again. */
 #ifndef BWI_BASE_SORT_H
 #define BWI_BASE_SORT_H
 
 #include <stdint.h>
 
 /* Ascending, in place, without memory or calls. Rows are short; that of a node with very many
- * neighbours (a star of elements) must not cost the square of them: insertion with shrinking gaps.
- */
+ * neighbours (a star of elements) must not cost the square of them: Shell sort. */
 static inline void bwi_sort_columns(int32_t *list, int64_t count) {
   int64_t gap = 1;
   while (gap < count / 9)
@@ -22,7 +21,7 @@ static inline void bwi_sort_columns(int32_t *list, int64_t count) {
     }
 }
 
-/* The place of a column in list[begin, end), which ascends and has it. */
+/* The index of a column in list[begin, end), which ascends and has it. */
 static inline int64_t bwi_sorted_index(const int32_t *list, int64_t begin, int64_t end,
                                        int32_t column) {
   while (end - begin > 1) {

@@ -84,7 +84,7 @@ static bool folder_of(path_text folder, const char *path) {
 }
 
 /* The length of the part of a name that is a temporary file's, by the last word in it; 0: none. */
-static size_t own_part(const char *name) {
+static size_t temporary_prefix(const char *name) {
   const char *at = NULL;
   for (const char *next = name; (next = strstr(next, word)); next++)
     at = next;
@@ -145,7 +145,7 @@ static void remove_if_left(const char *path) {
 }
 
 static void sweep_files(void *data, const char *path, const char *name) {
-  size_t length = own_part(name);
+  size_t length = temporary_prefix(name);
   bool *others = (bool *)data;
   if (length > 0 && name[length] == 0)
     remove_if_left(path);
@@ -154,7 +154,7 @@ static void sweep_files(void *data, const char *path, const char *name) {
 
 /* What belongs to a file that is not there. */
 static void sweep_others(void *data, const char *path, const char *name) {
-  size_t length = own_part(name);
+  size_t length = temporary_prefix(name);
   struct stat about;
   path_text first;
   if (length == 0 || !name[length] || lstat(path, &about) != 0 || about.st_uid != geteuid())

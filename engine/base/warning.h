@@ -6,7 +6,7 @@
 #include "barwright/base.h"
 
 /* As bw_warn, but of all warnings with one format (a literal) only that of the largest value is
- * kept, at the place of the first: three meshes of one command say once how far they moved the
+ * kept, at the index of the first: three meshes of one command say once how far they moved the
  * surface. */
 void bwi_warn_largest(bw_context *context, double value, const char *format, ...) BW_PRINTF(3, 4);
 

@@ -78,7 +78,8 @@ static bw_status make_plan(bw_context *context, bwd_system *system, int32_t **ow
   const bw_external_matrix *m = system->matrix;
   system->nodes = m->pattern->node_count;
   if (system->nodes > INT32_MAX / 3 - 1)
-    return bw_fail(context, BW_LIMIT, "%d nodes are more than PETSc's 32-bit numbers take",
+    return bw_fail(context, BW_LIMIT,
+                   "%d nodes: PETSc's 32-bit numbers allow fewer; take larger elements",
                    (int)system->nodes);
   system->row_of = BW_NEW(context, int32_t, system->nodes);
   system->field = BW_NEW(context, double, 3 * (int64_t)system->nodes);

@@ -39,14 +39,14 @@ typedef struct bwd_backoff {
 } bwd_backoff;
 void bwd_pause(bwd_backoff *backoff);
 
-/* A PETSc call inside a function with `status`, `context` and a `done` label. */
+/* A PETSc call inside a function with `status`, `context` and a label done. */
 bw_status bwd_petsc_status(bw_context *context, PetscErrorCode code);
 #define BWD_TRY(call) BW_TRY(bwd_petsc_status(context, (call)))
 
 /* ---- a system spread over the ranks ---------------------------------------------------------- */
 
 /* Unknowns: three at each node, in the node's frame; nodes are renumbered, those of a rank next to
- * each other. Held components stay in K as decoupled equations with K's own diagonal (so that
+ * each other. Prescribed components stay in K as decoupled equations with K's own diagonal (so that
  * blocks are 3 x 3 throughout, which multigrid wants) and are zero in M; isostatic
  * ones are ordinary. */
 typedef struct bwd_system {
@@ -70,7 +70,7 @@ typedef struct bwd_system {
   int32_t *row_of;     /* nodes: the row of each */
   int32_t *start;      /* ranks + 1: first row of each rank; on every rank */
   int *counts, *where; /* ranks: numbers of a field and where they begin */
-  double *field;       /* 3 x nodes: a field in frames and places */
+  double *field;       /* 3 x nodes: a field in frames, by row */
 } bwd_system;
 
 /* partition.c: nodes to ranks by METIS, few neighbours across; within a rank, neighbours near each
@@ -80,7 +80,7 @@ bw_status bwd_partition(bw_context *context, const bw_block_pattern *pattern, in
 
 /* distribute.c: sizes, K, M, mask, motions, to all ranks. Collective, as all below. */
 bw_status bwd_distribute(bw_context *context, bwd_system *system);
-/* rows.c: the entries of K and M; `most` is the largest number of blocks in a row. */
+/* rows.c: the entries of K and M; `max` is the largest number of blocks in a row. */
 bw_status bwd_send_rows(bw_context *context, bwd_system *system, int32_t max);
 
 /* fields.c: a field in global directions of rank 0 to a vector, and back. */

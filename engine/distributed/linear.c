@@ -5,8 +5,8 @@
  * Multigrid by smoothed aggregation needs to know what elements cannot feel: the six rigid-body
  * motions at all nodes, zero at prescribed components. A body that moves freely is solved as it is,
  * without isostatic constraints: K is singular, its null space is given, the force is balanced, and
- * conjugate gradients stay in the complement. (With pins the matrix is regular, but the pins make
- * one to six eigenvalues very small, and each costs iterations.) A factor needs the pins. */
+ * conjugate gradients stay in the complement. (Isostatic constraints make the matrix regular, but
+ * one to six eigenvalues very small, and each costs iterations.) A factor needs them. */
 #include <math.h>
 #include <string.h>
 
@@ -14,8 +14,7 @@
 
 enum { CANCEL_EVERY = 8 };
 
-/* The rigid-body motions of the whole about the origin, as six fields of rank 0, for the multigrid.
- */
+/* The rigid-body motions of the whole about the origin, as six fields of rank 0, for multigrid. */
 static void rigid_field(const bwd_system *system, int which, double *field) {
   const bw_mesh *mesh = system->matrix->dof_map->mesh;
   double middle[3] = {0, 0, 0}, axis[3] = {0, 0, 0};
@@ -94,7 +93,7 @@ done:
 }
 
 /* K with the isostatic components decoupled. */
-static bw_status pin(bw_context *context, bwd_system *system) {
+static bw_status decouple_isostatic(bw_context *context, bwd_system *system) {
   bw_status status = BW_OK;
   PetscInt *row = BW_NEW(context, PetscInt, 3 * (int64_t)system->local);
   PetscInt count = 0;
@@ -135,7 +134,7 @@ static PetscErrorCode watch_destroy(void *data) {
   return code;
 }
 
-/* PETSc's own test; now and then a look whether somebody wants to stop, and a word of progress. */
+/* PETSc's own test; now and then it asks for cancelling and reports progress. */
 static PetscErrorCode converged(KSP solver, PetscInt iteration, PetscReal norm,
                                 KSPConvergedReason *reason, void *data) {
   watch *w = data;
@@ -208,7 +207,7 @@ static bw_status with_factor(bw_context *context, bwd_system *system, int percen
   PC pc;
   Mat factor;
   if (system->motions > 0 && !system->isostatic)
-    BW_TRY(pin(context, system));
+    BW_TRY(decouple_isostatic(context, system));
   Mat matrix = system->isostatic ? system->isostatic : system->K;
   BWD_TRY(MatSetOption(matrix, MAT_SPD, PETSC_TRUE));
   BWD_TRY(KSPSetOperators(system->solver, matrix, matrix));
@@ -234,12 +233,11 @@ static bw_status factor_failed(bw_context *context, const bwd_system *system) {
                    system->ranks);
   if (reason == PC_NOERROR)
     return BW_OK;
-  return bw_fail(
-      context, BW_SINGULAR,
-      "the stiffness is singular, or so nearly that double precision cannot tell, "
-      "although the body cannot move freely: parts that touch only in a node or an edge "
-      "turn there. Join the parts properly, or mesh again; the engine's own solver names "
-      "the node");
+  return bw_fail(context, BW_SINGULAR,
+                 "the stiffness is singular, or so nearly that double precision cannot tell, "
+                 "although the body cannot move freely: parts that touch only in a node or an edge "
+                 "rotate there. Join the parts properly, or mesh again; without an external solver "
+                 "the message names the node");
 }
 
 /* MUMPS plans its memory before it factors, and with several ranks it may need more: percent of

@@ -202,7 +202,9 @@ static bw_status orthonormalise(elastic *e, int count, Vec *vector) {
       }
       BWD_TRY(VecDot(vector[k], e->work, &norm));
       if (!(norm > 0)) {
-        status = bw_fail(context, BW_CONVERGENCE, "the modes found are not independent");
+        status = bw_fail(
+            context, BW_CONVERGENCE,
+            "the modes found are linearly dependent: ask for fewer modes, or a smaller tolerance");
         goto done;
       }
       BWD_TRY(VecScale(vector[k], 1 / sqrt(norm)));
@@ -246,8 +248,9 @@ static bw_status refine(elastic *e, set *s) {
   MPI_Bcast(theta, count, MPI_DOUBLE, 0, bwd_comm());
   MPI_Bcast(&info, 1, MPI_INT, 0, bwd_comm());
   if (info != 0) {
-    status = bw_fail(context, BW_CONVERGENCE, "LAPACK could not turn %d modes: dsyev says %d",
-                     count, info);
+    status = bw_fail(context, BW_CONVERGENCE,
+                     "the Rayleigh-Ritz step on %d modes failed: LAPACK's dsyev returned %d", count,
+                     info);
     goto done;
   }
   for (int k = 0; k < count; k++) {
@@ -266,7 +269,7 @@ done:
 
 /* ---- none missing? --------------------------------------------------------------------------- */
 
-/* The place after the cluster of the last wanted mode, and a shift in the gap there; 0: no gap
+/* The index after the cluster of the last wanted mode, and a shift in the gap there; 0: no gap
  * among those known. */
 static int find_gap(const set *s, int wanted, double fraction, double *shift) {
   for (int n = wanted; n < s->count; n++) {
@@ -279,8 +282,7 @@ static int find_gap(const set *s, int wanted, double fraction, double *shift) {
   return 0;
 }
 
-/* As the engine's own: a count of eigenvalues below a gap, and a search for what it shows missing.
- */
+/* As the engine's own: a count of eigenvalues below a gap, and a search for what is missing. */
 static bw_status check_count(elastic *e, const bw_modes_options *options, int wanted,
                              double tolerance, set *s, int *recovered, bool *counted) {
   bw_status status = BW_OK;

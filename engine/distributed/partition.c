@@ -98,7 +98,7 @@ bw_status bwd_partition(bw_context *context, const bw_block_pattern *pattern, in
                                    NULL, NULL, options, &cut, rank_of);
     if (code != METIS_OK) {
       status = bw_fail(context, code == METIS_ERROR_MEMORY ? BW_MEMORY : BW_INTERNAL,
-                       "METIS could not distribute %d nodes among %d ranks", (int)nodes, ranks);
+                       "METIS failed to distribute %d nodes among %d ranks", (int)nodes, ranks);
       goto done;
     }
   }

@@ -30,8 +30,7 @@ static void lay_out(const bwd_system *system, void *buffer, int64_t capacity, pi
   p->column = p->length + capacity;
 }
 
-/* A place and the block it stands for, seen from the row: `transposed` when it is stored as (k, i).
- */
+/* An index and the block it stands for, seen from the row: `transposed` when stored as (k, i). */
 typedef struct neighbour {
   int32_t column, node;
   int64_t index;
@@ -67,18 +66,18 @@ static void stiffness_block(const bwd_system *system, int32_t i, const neighbour
     for (int c = 0; c < 3; c++)
       k[3 * r + c] = n->transposed ? value[3 * c + r] : value[3 * r + c];
   if (right) {
-    double turned[9];
+    double rotated[9];
     for (int r = 0; r < 3; r++)
-      bwd_into_frame(right, k + 3 * r, turned + 3 * r);
-    memcpy(k, turned, sizeof k);
+      bwd_into_frame(right, k + 3 * r, rotated + 3 * r);
+    memcpy(k, rotated, sizeof k);
   }
   if (left) {
-    double turned[9];
+    double rotated[9];
     for (int r = 0; r < 3; r++)
       for (int c = 0; c < 3; c++)
-        turned[3 * r + c] =
+        rotated[3 * r + c] =
             left[3 * r] * k[c] + left[3 * r + 1] * k[3 + c] + left[3 * r + 2] * k[6 + c];
-    memcpy(k, turned, sizeof k);
+    memcpy(k, rotated, sizeof k);
   }
   const uint8_t *row = dof_map->state + 3 * (int64_t)i;
   const uint8_t *column = dof_map->state + 3 * (int64_t)n->node;
@@ -168,7 +167,8 @@ static bw_status insert(bw_context *context, bwd_system *system, const piece *p,
   for (int32_t i = 0; i < p->rows; i++, row++) {
     int32_t count = p->length[i];
     if (count > max)
-      return bw_fail(context, BW_INTERNAL, "a row of %d blocks came; at most %d", count, max);
+      return bw_fail(context, BW_INTERNAL, "a row of %d blocks was received; at most %d expected",
+                     count, max);
     BWD_TRY(MatSetValuesBlocked(system->K, 1, &row, count, p->column + block,
                                 p->stiffness + 9 * block, INSERT_VALUES));
     if (system->mass_width)

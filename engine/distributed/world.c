@@ -49,7 +49,9 @@ static bw_status need_world(bw_context *context) {
   if (ours())
     return BW_OK;
   if (world.process <= 0)
-    return bw_fail(context, BW_INVALID, "this process has not joined the others: start() first");
+    return bw_fail(context, BW_INVALID,
+                   "MPI is not started in this process: call "
+                   "require(\"barwright.distributed\").start() first");
   return bw_fail(context, BW_UNSUPPORTED,
                  "a forked job cannot use MPI: it belongs to no rank. Solve with the engine's own "
                  "factor in trials, or run one trial at a time outside of jobs");
@@ -225,7 +227,7 @@ bw_status bw_world_serve(bw_context *context) {
     }
     MPI_Recv(&operation, 1, MPI_INT, 0, COMMAND_TAG, world.work, MPI_STATUS_IGNORE);
     bw_clear_failure(context);
-    /* Failures are agreed upon: rank 0 has the same one, and tells. */
+    /* Failures are agreed upon: rank 0 has the same one, and reports it. */
     if (operation == BWD_OPEN)
       bwd_run_open(context, NULL, NULL);
     else if (operation == BWD_SOLVE)
@@ -290,8 +292,8 @@ bw_status bw_world_send(bw_context *context, int rank, int tag, const void *byte
   if (status != BW_OK)
     return status;
   if (rank < 0 || rank >= world.size || rank == world.rank)
-    return bw_fail(context, BW_INVALID, "there is no other rank %d; there are %d, from 0", rank,
-                   world.size);
+    return bw_fail(context, BW_INVALID,
+                   "rank %d is not another rank: there are %d, numbered from 0", rank, world.size);
   if (tag < 0 || tag > MAX_TAG)
     return bw_fail(context, BW_INVALID, "the tag is %d; it must lie between 0 and %d", tag,
                    MAX_TAG);
@@ -309,8 +311,7 @@ bw_status bw_world_send(bw_context *context, int rank, int tag, const void *byte
   return BW_OK;
 }
 
-/* Who waits for strings must not wait for ever when rank 0 ends before its time: it says so to all.
- */
+/* Whoever waits for strings must not wait for ever when rank 0 ends: it sends a command to all. */
 static bool rank_0_left(void) {
   int there = 0;
   if (world.rank > 0)
@@ -335,7 +336,7 @@ bw_status bw_world_receive(bw_context *context, double seconds, int *rank, int *
     if (seconds >= 0 && bw_seconds() >= until)
       return BW_OK;
     if (rank_0_left())
-      return bw_fail(context, BW_IO, "rank 0 has left");
+      return bw_fail(context, BW_IO, "rank 0 has ended: no message can arrive");
     if ((status = bw_check_cancel(context)) != BW_OK)
       return status;
     bwd_pause(&backoff);

@@ -6,8 +6,8 @@
 
 #include "flow/internal.h"
 
-/* Sum of a component of the reactions over the nodes of a tag, each node once: those of its sides.
- */
+/* Sum of a component of the reactions over the nodes of a tag, each node once: those of its
+ * sides. */
 static bw_status sum_reactions(bw_context *context, const bw_flow *flow, int32_t tag, int component,
                                double *sum) {
   const bw_plane_topology *topology = flow->mesh->topology;

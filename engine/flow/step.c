@@ -31,7 +31,7 @@ typedef struct assembly {
 static bw_status fail_inverted(const assembly *a, int32_t element) {
   const bw_plane_mesh *mesh = a->linear->mesh;
   const double *x = mesh->point + 2 * (int64_t)mesh->topology->element[3 * (int64_t)element];
-  bw_status status = bw_fail(a->context, BW_GEOMETRY, "element %d near (%g, %g) is inverted",
+  bw_status status = bw_fail(a->context, BW_GEOMETRY, "element %d near (%g, %g) m is inverted",
                              element + 1, x[0], x[1]);
   bw_detail_number(a->context, "element", element + 1);
   return status;

@@ -259,7 +259,7 @@ done:
 static bw_status closed_surface(bw_context *context, const bw_surface *surface, bw_surface **closed,
                                 bool *oriented) {
   bw_status status = BW_OK;
-  bw_surface *turned = NULL;
+  bw_surface *oriented_surface = NULL;
   int64_t edges, unmatched;
   double at[3];
   *oriented = false;
@@ -268,8 +268,8 @@ static bw_status closed_surface(bw_context *context, const bw_surface *surface, 
   BW_TRY(count_unmatched(context, surface, &edges, &unmatched, at));
   if (unmatched > 0) {
     *oriented = true;
-    BW_TRY(bw_surface_orient(context, surface, &turned, NULL));
-    BW_TRY(count_unmatched(context, turned, &edges, &unmatched, at));
+    BW_TRY(bw_surface_orient(context, surface, &oriented_surface, NULL));
+    BW_TRY(count_unmatched(context, oriented_surface, &edges, &unmatched, at));
   }
   if (unmatched > 0) {
     status = bw_fail(context, BW_GEOMETRY,
@@ -279,10 +279,10 @@ static bw_status closed_surface(bw_context *context, const bw_surface *surface, 
     bw_detail_number(context, "edges", (double)unmatched);
     goto done;
   }
-  *closed = turned ? turned : (bw_surface *)bw_retain(surface);
-  turned = NULL;
+  *closed = oriented_surface ? oriented_surface : (bw_surface *)bw_retain(surface);
+  oriented_surface = NULL;
 done:
-  bw_release(turned);
+  bw_release(oriented_surface);
   return status;
 }
 
@@ -297,15 +297,15 @@ static int64_t count_odd(const double *fraction, int64_t cells) {
 bw_status bw_grid_fractions(bw_context *context, const bw_surface *surface, const double origin[3],
                             const double spacing[3], const int32_t cells[3], double *fraction) {
   bw_status status = BW_OK;
-  bw_surface *closed = NULL, *turned = NULL;
+  bw_surface *closed = NULL, *oriented_surface = NULL;
   bool oriented;
   int64_t count = bwi_grid_cells(cells), odd;
   BW_TRY(closed_surface(context, surface, &closed, &oriented));
   BW_TRY(raw_fractions(context, closed, origin, spacing, cells, fraction));
   odd = count_odd(fraction, count);
   if (odd > 0 && !oriented) {
-    BW_TRY(bw_surface_orient(context, closed, &turned, NULL));
-    BW_TRY(raw_fractions(context, turned, origin, spacing, cells, fraction));
+    BW_TRY(bw_surface_orient(context, closed, &oriented_surface, NULL));
+    BW_TRY(raw_fractions(context, oriented_surface, origin, spacing, cells, fraction));
     odd = count_odd(fraction, count);
   }
   if (odd > 0)
@@ -319,6 +319,6 @@ bw_status bw_grid_fractions(bw_context *context, const bw_surface *surface, cons
   }
 done:
   bw_release(closed);
-  bw_release(turned);
+  bw_release(oriented_surface);
   return status;
 }

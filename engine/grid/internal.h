@@ -47,8 +47,8 @@ static inline bool bwi_grid_same_places(const bw_grid *a, const bw_grid *b) {
   return same && bw_grid_same_elements(a, b);
 }
 
-/* Corners of side 0..5 (min x, max x, min y, ...) of a cell, counter-clockwise seen from outside.
- */
+/* Corners of side 0..5 (min x, max x, min y, ...) of a cell, counter-clockwise seen from
+ * outside. */
 extern const int bwi_grid_side_corner[6][4];
 /* Whether an element has no neighbour on a side. */
 bool bwi_grid_side_is_free(const bw_grid *grid, int32_t element, int side);

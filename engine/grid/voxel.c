@@ -1,6 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Grids of what a closed surface holds: a lattice around its box, and the cells with enough inside.
- */
+/* Grids of what a closed surface holds: a lattice around its box, and the cells inside. */
 #include "grid/internal.h"
 
 #include <math.h>
@@ -73,8 +72,8 @@ static bw_status lattice(bw_context *context, const bw_surface *surface, const b
   return BW_OK;
 }
 
-/* Parts of a body that thin places have cut off float: said, as nothing holds them. */
-static bw_status warning_parts(bw_context *context, const bw_grid *grid) {
+/* Warns of parts that thin places have cut off: nothing constrains them. */
+static bw_status warn_of_parts(bw_context *context, const bw_grid *grid) {
   bw_status status = BW_OK;
   int32_t *size = NULL, parts, min = INT32_MAX, max = 0;
   int32_t *group = BW_NEW(context, int32_t, grid->element_count);
@@ -147,7 +146,7 @@ bw_status bw_grid_of_surface(bw_context *context, const bw_surface *surface,
   }
   BW_TRY(bw_grid_create(context, origin, spacing, cells, material, options->whole ? NULL : fraction,
                         &grid));
-  BW_TRY(warning_parts(context, grid));
+  BW_TRY(warn_of_parts(context, grid));
   *out = grid;
   grid = NULL;
 done:

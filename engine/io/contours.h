@@ -77,7 +77,7 @@ bw_status bwi_svg_transform(bwi_cursor *cursor, double matrix[6]);
 void bwi_matrix_multiply(double matrix[6], const double right[6]);
 
 /* A B-spline of degree 1 to 3 as lines and cubics from where the contours are; its first point is
- * put in *start before anything is added when `begin` is NULL (dxf_spline.c). */
+ * put in *start before anything is added (dxf_spline.c). */
 typedef struct bwi_spline {
   int degree;
   size_t knots, points;

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Pieces of a drawing become the loops of an outline: what is drawn twice is dropped, open pieces
  * are put together, loops divided into material and holes. Matching takes ends two by two: one that
- * finds no other within the tolerance, or more than one, is reported with its place. */
+ * finds no other within the tolerance, or more than one, is reported with its position. */
 #include "io/contours.h"
 
 #include <float.h>
@@ -106,7 +106,7 @@ static bw_status drop_doubles(bwi_contours *c, double min, bool *used) {
     }
   bw_free(order);
   if (dropped > 0)
-    bw_warn(c->context, "%s: %lld curves lie on others and were ignored", c->name,
+    bw_warn(c->context, "%s: %lld curves coincide with others and were ignored", c->name,
             (long long)dropped);
   return BW_OK;
 }

@@ -59,7 +59,7 @@ bw_status bwi_read_real(bwi_cursor *cursor, double *value, const char *what);
 bw_status bwi_read_integer(bwi_cursor *cursor, int64_t *value, const char *what);
 /* The same with NaN and infinities let through, which fields may hold. */
 bw_status bwi_read_any_real(bwi_cursor *cursor, double *value, const char *what);
-/* A count, which `least` bytes each of the rest of the file must be able to hold. */
+/* A count, which `min` bytes each of the rest of the file must be able to hold. */
 bw_status bwi_read_count(bwi_cursor *cursor, size_t min, int64_t *value, const char *what);
 /* The same test for a count that was read otherwise. */
 bw_status bwi_check_count(const bwi_cursor *cursor, uint64_t count, size_t min, const char *what);

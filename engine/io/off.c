@@ -48,7 +48,7 @@ static bw_status read_vertices(bwi_cursor *cursor, int64_t count, bwi_soup *soup
   bwi_cursor line;
   for (int64_t i = 0; i < count; i++) {
     if (!next_record(cursor, &line))
-      BW_TRY(bwi_fail_line(cursor, "the file ends behind vertex %lld of %lld", (long long)i,
+      BW_TRY(bwi_fail_line(cursor, "the file ends after %lld of %lld vertices", (long long)i,
                            (long long)count));
     double x[3];
     for (int k = 0; k < 3; k++)
@@ -68,9 +68,9 @@ static bw_status read_facets(bwi_cursor *cursor, int64_t count, bwi_soup *soup) 
   size_t capacity = 0;
   for (int64_t i = 0; i < count; i++) {
     if (!next_record(cursor, &line))
-      BW_TRY(bwi_fail_line(cursor, "the file ends behind facet %lld of %lld", (long long)i,
+      BW_TRY(bwi_fail_line(cursor, "the file ends after %lld of %lld facets", (long long)i,
                            (long long)count));
-    int64_t corners, place;
+    int64_t corners, vertex;
     BW_TRY(bwi_read_count(&line, 2, &corners, "the number of corners of a facet"));
     if (corners > BWI_POLYGON_CORNERS)
       BW_TRY(bwi_fail_line(&line, "a facet of more than %d corners", BWI_POLYGON_CORNERS));
@@ -80,13 +80,13 @@ static bw_status read_facets(bwi_cursor *cursor, int64_t count, bwi_soup *soup) 
       goto done;
     }
     for (int64_t k = 0; k < corners; k++) {
-      BW_TRY(bwi_read_integer(&line, &place, "a corner of a facet"));
-      if (place < 0 || place >= (int64_t)soup->point_count)
+      BW_TRY(bwi_read_integer(&line, &vertex, "a corner of a facet"));
+      if (vertex < 0 || vertex >= (int64_t)soup->point_count)
         BW_TRY(bwi_fail_line(&line,
                              "facet %lld names vertex %lld, but there are %zu vertices, numbered "
                              "from 0",
-                             (long long)i, (long long)place, soup->point_count));
-      corner[k] = (int32_t)place;
+                             (long long)i + 1, (long long)vertex, soup->point_count));
+      corner[k] = (int32_t)vertex;
     }
     if (corners >= 3)
       BW_TRY(bwi_soup_polygon(soup, corner, (size_t)corners));

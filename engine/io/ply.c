@@ -290,15 +290,15 @@ done:
 }
 
 static bw_status add_strips(bwi_soup *soup, const ply *file) {
-  size_t start = 0; /* of the present strip: every other triangle from there is turned */
+  size_t start = 0; /* of the present strip: every other triangle from there is reversed */
   for (size_t i = 0; i < file->list_count; i++) {
     const int32_t *v = file->list + i;
     if (v[0] < 0)
       start = i + 1;
     if (i + 1 < start + 3 || v[0] == v[-1] || v[0] == v[-2] || v[-1] == v[-2])
       continue;
-    bool turned = (i - start) % 2 == 1;
-    bw_status status = bwi_soup_triangle(soup, v[turned ? -1 : -2], v[turned ? -2 : -1], v[0]);
+    bool reversed = (i - start) % 2 == 1;
+    bw_status status = bwi_soup_triangle(soup, v[reversed ? -1 : -2], v[reversed ? -2 : -1], v[0]);
     if (status != BW_OK)
       return status;
   }

@@ -48,7 +48,7 @@ bw_status bwi_raw_tet(bwi_raw *raw, int width, const int32_t *node, int32_t regi
 bw_status bwi_raw_facet(bwi_raw *raw, size_t corners, const int32_t *corner, int32_t group);
 /* Takes the array over, also on failure. */
 bw_status bwi_raw_add_field(bwi_raw *raw, bwi_word name, bw_field_place place, bw_array *array);
-/* The set of this name and kind, made when it is not there; *set is its place in raw->set. */
+/* The set of this name and kind, made when it is not there; *set is its index in raw->set. */
 bw_status bwi_raw_find_set(bwi_raw *raw, bwi_word name, bool of_elements, size_t *set);
 bw_status bwi_raw_member(bwi_raw *raw, size_t set, int32_t member);
 
@@ -63,7 +63,7 @@ bw_status bwi_raw_surface(bwi_raw *raw, const char *format, bw_surface **surface
 typedef struct bwi_ids {
   size_t count;
   int64_t *id;    /* ascending */
-  int32_t *place; /* of id[i]; NULL: id[i] = id[0] + i and place i */
+  int32_t *place; /* of id[i]; NULL: id[i] = id[0] + i and index i */
 } bwi_ids;
 /* Takes `id` (a block of count numbers in file order) over, also on failure. *twice is a number
  * that occurs twice, with BW_FORMAT returned and no message recorded. */

@@ -57,9 +57,9 @@ static bw_status parse_binary(bwi_cursor *cursor, bwi_soup *soup) {
         if (!isfinite(x[j])) {
           cursor->at = bytes + 12 + 12 * k + 4 * j;
           status = bwi_fail_byte(cursor,
-                                 "corner %d of facet %u (counted from 0) has the coordinate %g: a "
+                                 "corner %d of facet %u has the coordinate %g: a "
                                  "finite number was expected",
-                                 k, i, x[j]);
+                                 k + 1, i + 1, x[j]);
           bw_detail_number(cursor->context, "facet", i);
           goto done;
         }

@@ -5,8 +5,8 @@
  * "attribute_1", ...; the first attribute of elements, where whole, the region; point markers a
  * field "marker". '#' begins a comment.
  *
- * TetGen's order of the mid-edge nodes of a ten-node element is 23 03 01 12 13 02 (corners from 0).
- */
+ * TetGen's order of the mid-edge nodes of a ten-node element is 23 03 01 12 13 02 (corners from
+ * 0). */
 #include "io/raw.h"
 
 #include <math.h>

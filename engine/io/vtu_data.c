@@ -256,7 +256,7 @@ static bw_status fail_not_finite(const bwi_cursor *cursor, const bwi_vtu_array *
   bwi_cursor place = *cursor;
   place.line = array->line;
   return bwi_fail_line(&place, "number %llu of the array '%s' is %g: a finite one was expected",
-                       (unsigned long long)i, bwi_show(array->name), value);
+                       (unsigned long long)i + 1, bwi_show(array->name), value);
 }
 
 static bw_status text_cursor(const bwi_cursor *cursor, const bwi_vtu_array *array, uint64_t count,

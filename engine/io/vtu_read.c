@@ -293,7 +293,7 @@ static bw_status read_cells(const bwi_cursor *cursor, const vtu *file, size_t nu
     int64_t start = i ? end[i - 1] : 0;
     if (end[i] < start)
       BW_TRY(bwi_fail_line(&place, "the offsets of cells must grow, but number %lld is %lld",
-                           (long long)i, (long long)end[i]));
+                           (long long)i + 1, (long long)end[i]));
     longest = end[i] - start > longest ? end[i] - start : longest;
   }
   BW_TRY(find_array(cursor, file, number, IN_CELLS, "connectivity", &array));

@@ -8,7 +8,7 @@
  * makes the worse of the two facets better.
  *
  * A collapsed edge's point goes where the squared distances from the planes of all the facets that
- * ended up in it are least (Garland and Heckbert), drawn a little to the middle of the edge: flat
+ * ended up in it are minimal (Garland and Heckbert), drawn a little to the middle of the edge: flat
  * parts stay flat and creases stay in place. */
 #include "mesh/coarsen.h"
 
@@ -94,7 +94,7 @@ static bw_status fresh_grid(bwi_coarsening *c) {
   return BW_OK;
 }
 
-/* Collapse to this length. Where shapes bring that to a halt, worse ones are let pass for a while:
+/* Collapse to this length. Where shapes bring that to a halt, worse ones are accepted for a while:
  * exchanges and moves repair them afterwards. */
 static bw_status coarsen_to(bwi_coarsening *c, double length, double shorter) {
   static const double contact_planes[] = {0.45, 0.3, 0.15};

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The state of a surface that is being coarsened (coarsen.c), and what its steps share.
  *
- * Between steps every point has the list of its corners (corner 3 t + k is place k of triangle t),
+ * Between steps every point has the list of its corners (corner 3 t + k is corner k of triangle t),
  * and every living triangle is entered in all cells of the grid that its box meets. Entries of
  * triangles that have changed since stay behind; boxes are compared before anything else. */
 #ifndef BWI_COARSEN_H
@@ -118,7 +118,7 @@ bool bwi_coarsen_is_free(bwi_coarsening *c, bwi_coarsen_change *now);
 
 /* coarsen_collapse.c: remove points and short edges; move points to where their planes ask for. */
 bool bwi_coarsen_ring(bwi_coarsening *c, int32_t point, int32_t *ring, int *count);
-bw_status bwi_coarsen_look_up(bwi_coarsening *c, size_t step);
+bw_status bwi_coarsen_check(bwi_coarsening *c, size_t step);
 bw_status bwi_coarsen_collapse(bwi_coarsening *c, int64_t *collapsed);
 bw_status bwi_coarsen_move(bwi_coarsening *c);
 

@@ -40,9 +40,9 @@ static bool planes_near(const bwi_coarsening *c, const double q[10], const doubl
   return square <= error * error * (q[0] + q[3] + q[5]);
 }
 
-/* Where a point of that quadric goes that would like to be at m, which is given in `at`: the least
- * of q(x) + w |x - m|^2. False where the planes are too far from there. */
-static bool best_place(const bwi_coarsening *c, const double q[10], double at[3]) {
+/* Where a point of that quadric goes that would like to be at m, which is given in `at`: the
+ * minimum of q(x) + w |x - m|^2. False where the planes are too far from there. */
+static bool best_point(const bwi_coarsening *c, const double q[10], double at[3]) {
   double matrix[9], inverse[9], right[3];
   double weight = 0.01 * (q[0] + q[3] + q[5]) + 1e-300;
   memcpy(
@@ -139,7 +139,7 @@ static bw_status collapse(bwi_coarsening *c, int32_t a, int32_t b, bool *done) {
   for (int try = 0; try < 3 && !*done; try++) {
     for (int k = 0; k < 3; k++)
       now.at[k] = try == 0 ? (place(c, a)[k] + place(c, b)[k]) / 2 : place(c, try == 1 ? a : b)[k];
-    *done = (try == 0 ? best_place(c, q, now.at) : planes_near(c, q, now.at)) &&
+    *done = (try == 0 ? best_point(c, q, now.at) : planes_near(c, q, now.at)) &&
             plan(c, &now, ring, count_a + count_b) && bwi_coarsen_is_free(c, &now);
   }
   if (!*done)
@@ -249,7 +249,7 @@ static bw_status move(bwi_coarsening *c, int32_t point) {
     return BW_OK;
   for (int k = 0; k < 3; k++)
     now.at[k] = sum[k] / weight;
-  if (!best_place(c, c->quadric[point], now.at))
+  if (!best_point(c, c->quadric[point], now.at))
     return BW_OK;
   /* A step in the plane of the normals' sum changes no volume. */
   for (int k = 0; k < 3; k++)
@@ -270,7 +270,7 @@ static bw_status move(bwi_coarsening *c, int32_t point) {
 }
 
 /* Every thousand steps of a loop: has the caller cancelled, is it too late? */
-bw_status bwi_coarsen_look_up(bwi_coarsening *c, size_t step) {
+bw_status bwi_coarsen_check(bwi_coarsening *c, size_t step) {
   if (step % 1024 != 0)
     return BW_OK;
   c->late |= c->deadline > 0 && bw_seconds() > c->deadline;
@@ -280,7 +280,7 @@ bw_status bwi_coarsen_look_up(bwi_coarsening *c, size_t step) {
 bw_status bwi_coarsen_move(bwi_coarsening *c) {
   bw_status status = BW_OK;
   for (int32_t i = 0; i < c->points && !c->late; i++) {
-    BW_TRY(bwi_coarsen_look_up(c, (size_t)i));
+    BW_TRY(bwi_coarsen_check(c, (size_t)i));
     BW_TRY(move(c, i));
   }
 done:
@@ -303,7 +303,7 @@ bw_status bwi_coarsen_collapse(bwi_coarsening *c, int64_t *collapsed) {
   *collapsed = 0;
   for (int32_t i = 0; i < c->points; i++) {
     bool yes;
-    BW_TRY(bwi_coarsen_look_up(c, (size_t)i));
+    BW_TRY(bwi_coarsen_check(c, (size_t)i));
     BW_TRY(remove_point(c, i, &yes));
     *collapsed += yes;
   }
@@ -328,7 +328,7 @@ bw_status bwi_coarsen_collapse(bwi_coarsening *c, int64_t *collapsed) {
   for (size_t i = 0; i < count && !c->late; i++) {
     int32_t a = edge[i].item, b = edge[i].part;
     bool yes;
-    BW_TRY(bwi_coarsen_look_up(c, i));
+    BW_TRY(bwi_coarsen_check(c, i));
     if (c->first[a] < 0 || c->first[b] < 0)
       continue;
     if (!is_short(c, a, b, distance_of(place(c, a), place(c, b)))) /* its ends may have moved */

@@ -1,6 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Exchanging the diagonals of nearly flat pairs of facets, where the worse of the two gets better.
- */
+/* Exchanging the diagonals of nearly flat pairs of facets, where the worse one improves. */
 #include "mesh/coarsen.h"
 
 /* The other living triangle with the directed side b a, or -1; *opposite its third corner. */
@@ -102,7 +101,7 @@ bw_status bwi_coarsen_exchange(bwi_coarsening *c) {
   bw_status status = BW_OK;
   for (int32_t t = 0; t < c->triangles && !c->late; t++) {
     bool done = false;
-    BW_TRY(bwi_coarsen_look_up(c, (size_t)t));
+    BW_TRY(bwi_coarsen_check(c, (size_t)t));
     if (c->corner[3 * (size_t)t] < 0)
       continue;
     int longest = 0; /* the diagonal whose exchange does most good */

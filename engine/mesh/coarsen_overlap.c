@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Room for the changes of coarsening: a grid of the living triangles, and whether new ones would
+/* What limits the changes of coarsening: a grid of the living triangles, and whether new ones would
  * meet any of them. */
 #include "mesh/coarsen.h"
 #include "mesh/predicates.h"

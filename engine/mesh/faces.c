@@ -19,10 +19,10 @@
 
 static const double strip_width = 0.15; /* a smooth neighbour of a plane is narrower than this */
 /* Corners may be as far from a round primitive: the larger of the first fraction of the diagonal,
- * and the smaller of shares of diagonal and radius. */
+ * and the smaller of fractions of diagonal and radius. */
 static const double near_rounding = 2e-6, near_diagonal = 1e-4, near_radius = 0.01;
-/* ... and of the distance from the best plane: any small piece of a smooth surface is nearly round
- */
+/* ... and of the distance from the best plane: any small piece of a smooth surface is nearly
+ * round */
 static const double near_plane = 0.03;
 static const double largest_radius = 5; /* of the diagonal */
 enum { MIN_STRIPS = 4 };                /* in a face that is grown */

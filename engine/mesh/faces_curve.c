@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Curved tetrahedra: the nodes of boundary facets of quadratic elements on the primitives of the
  * surface's faces. Corners of a filled mesh are there already; those of a refined one may be
- * mid-edge nodes that a coarser element had no room for. */
+ * mid-edge nodes that a coarser element did not have. */
 #include "mesh/faces_internal.h"
 
 #include <math.h>
@@ -35,7 +35,7 @@ static double jacobian(const double *node, const int32_t *element, const double 
   return bw_dot(n, c);
 }
 
-/* The least Jacobian at corners, mid-edge nodes and centre, which bounds it well, against the
+/* The smallest Jacobian at corners, mid-edge nodes and centre, which bounds it well, against the
  * straight element's. */
 static bool is_distorted(const bw_mesh *mesh, const double *node, int32_t e) {
   const int32_t *element = mesh->element + 10 * (size_t)e;

@@ -51,7 +51,7 @@ bw_status bwi_link_regions(bwi_face_finder *f);
 
 /* ---- fits and projection --------------------------------------------------------------------- */
 
-/* faces_fit.c: the primitive of a kind with the least squares of distances; false where there is
+/* faces_fit.c: the primitive of a kind by least squares of distances; false where there is
  * none. Fills kind, point, axis, radius, slope, residual. */
 bool bwi_face_fit(const bwi_cloud *cloud, bw_face_kind kind, bw_face *face);
 

@@ -115,8 +115,8 @@ bw_status bw_faces_on_mesh(bw_context *context, const bw_surface *surface, const
 }
 
 /* The faces at each point, and the longest move that its edges allow. */
-static void look_around(const bw_faces *faces, const bw_surface *surface, const int32_t *label,
-                        bwi_faces_around *at, double *max_move) {
+static void find_faces_around(const bw_faces *faces, const bw_surface *surface,
+                              const int32_t *label, bwi_faces_around *at, double *max_move) {
   for (int32_t i = 0; i < surface->point_count; i++)
     max_move[i] = HUGE_VAL;
   for (int32_t t = 0; t < surface->triangle_count; t++) {
@@ -232,7 +232,7 @@ bw_status bwi_faces_project(bw_context *context, const bw_surface *base, const b
     memcpy(label, surface->group, (size_t)surface->triangle_count * sizeof *label);
   else
     BW_TRY(bwi_faces_label(context, base, faces, surface, label));
-  look_around(faces, surface, label, at, max_move);
+  find_faces_around(faces, surface, label, at, max_move);
   memcpy(p.point, surface->point, 3 * points * sizeof *p.point);
   /* Planes first, by hair's breadths: what the longer moves onto round faces give up stays flat. */
   BW_TRY(move_onto(context, &p, BW_FACE_PLANE));

@@ -32,7 +32,7 @@ static bw_status check_volumes(bw_context *context, const bwi_tetgen_result *res
     double error, volume = bwi_tet_determinant(x[0], x[1], x[2], x[3], &error);
     if (!(fabs(volume) > error))
       return bw_fail(context, BW_GEOMETRY,
-                     "TetGen left an element without volume near (%g, %g, %g)", x[0][0], x[0][1],
+                     "TetGen left an element without volume near (%g, %g, %g) m", x[0][0], x[0][1],
                      x[0][2]);
   }
   return BW_OK;
@@ -173,7 +173,7 @@ static bw_status tune_volume(bwi_filler *f, double wanted, double volume, int64_
     if (f->best_miss <= log1p(f->options->tolerance) * 0.999)
       break;
     double inverse = last_inverse + (wanted - last_count) / slope;
-    if (!(inverse > 1e-3 / f->volume)) { /* no bound at all is the least there is */
+    if (!(inverse > 1e-3 / f->volume)) { /* no bound at all gives the smallest count */
       if (last_inverse == 0)
         break;
       inverse = 0;

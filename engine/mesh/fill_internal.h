@@ -42,14 +42,14 @@ bw_status bwi_peel_flat(bw_context *context, bw_mesh **mesh, double angle, doubl
                         int64_t *gone, double *moved);
 
 /* Take elements without volume off the boundary of what TetGen made, as bwi_peel_flat does. Those
- * inside, and those whose removal moves the boundary by more than `most`, stay. */
+ * inside, and those whose removal moves the boundary by more than `max`, stay. */
 bw_status bwi_peel_degenerate(bw_context *context, bwi_tetgen_result *result, double max);
 
 /* How the surface for TetGen is made from the base, from the mildest to the last resort. */
 typedef enum bwi_fill_way {
-  WAY_AS_IS, /* the base itself */
-  WAY_FACES, /* remeshed with the borders of faces as they are, and round faces as fine as they need
-              */
+  WAY_AS_IS,   /* the base itself */
+  WAY_FACES,   /* remeshed with the borders of faces as they are, and round faces as fine as they
+                  need */
   WAY_BORDERS, /* with the borders as they are */
   WAY_CURVES,  /* with the borders as sharp edges, of fewer points */
   WAY_REMESH,  /* remeshed to the edge length */

@@ -157,7 +157,7 @@ static bool may_go(const bw_mesh *mesh, int32_t element, unsigned faces, const u
 }
 
 /* Which elements to keep. Those that go have no angle above sine_limit, no larger height than
- * `highest`, and move the boundary by MAX_HEIGHTS of them or by `most`. */
+ * `highest`, and move the boundary by MAX_HEIGHTS of them or by `max`. */
 static bw_status choose(bw_context *context, const bw_mesh *mesh, double sine_limit, double highest,
                         double max, uint8_t *keep, int64_t *gone, double *moved) {
   bw_status status = BW_OK;

@@ -121,10 +121,11 @@ static bw_status mark(bw_context *context, pass *p, const bw_size_field *field, 
     p->square[e] = bw_dot(d, d);
     double wanted = bwi_size_at(field, middle);
     if (wanted < 0)
-      return bw_fail(context, BW_INVALID,
-                     "the size function returned no length at (%g, %g, %g): it must return an edge "
-                     "length in m, or 0 for no bound",
-                     middle[0], middle[1], middle[2]);
+      return bw_fail(
+          context, BW_INVALID,
+          "the size function returned no length at (%g, %g, %g) m: it must return an edge "
+          "length in m, or 0 for no bound",
+          middle[0], middle[1], middle[2]);
     p->marked[e] = wanted > 0 && p->square[e] > slack * slack * wanted * wanted;
     *cuts += p->marked[e];
   }

@@ -116,8 +116,8 @@ static void measure_shell(const shells *all, shell *one) {
   }
 }
 
-/* Is p inside the shell? The sum of the solid angles of its triangles, by van Oosterom's formula.
- */
+/* Is p inside the shell? The sum of the solid angles of its triangles, by van Oosterom's
+ * formula. */
 static bool holds(const shells *all, const shell *one, const double p[3]) {
   for (int k = 0; k < 3; k++)
     if (p[k] < one->low[k] || p[k] > one->high[k])
@@ -197,7 +197,7 @@ static bw_status point_inside(bw_context *context, const shells *all, const shel
   double centre[3], normal[3];
   normal_of(all->surface, one->largest, centre, normal);
   return bw_fail(context, BW_GEOMETRY,
-                 "no point was found inside the cavity of %lld facets near (%g, %g, %g)",
+                 "no point was found inside the cavity of %lld facets near (%g, %g, %g) m",
                  (long long)one->count, centre[0], centre[1], centre[2]);
 }
 

@@ -7,20 +7,20 @@
 #include <math.h>
 #include <string.h>
 
-/* Points of borders this near to straight lines, in shares of the diagonal, may go. */
+/* Points of borders this near to straight lines, as a fraction of the diagonal, may go. */
 static const double straight = 1e-6;
 /* ... of the edge length where the count has no room for more. */
 static const double nearly_straight = 0.03;
-/* Faces are kept where planes and round faces of at least the second share of the area have the
+/* Faces are kept where planes and round faces of at least the second fraction of the area have the
  * first fraction of it: scans have many small ones by chance. */
 static const double fraction_of_area = 0.5, min_area = 1e-3;
-/* Edges on round faces turn by no more: a facet's area is short by a twenty-fourth of the square.
- */
+/* Edges on round faces turn by no more: a facet's area is short by a twenty-fourth of the
+ * square. */
 static const double round_angle = 0.25;
-/* Where there is a tolerance, coarsening leaves the surface by these shares of the edge length at
- * most: when it takes out what is tiny, and afterwards. */
+/* Where there is a tolerance, coarsening leaves the surface by these fractions of the edge length
+ * at most: when it takes out what is tiny, and afterwards. */
 static const double small_step = 0.05, large_step = 0.15;
-/* Shares of the tolerance: of either step, and what is left to putting points back onto faces. */
+/* Fractions of the tolerance: of either step, and what is left for points to return to faces. */
 static const double fraction_of_step = 0.3, fraction_of_projection = 0.4;
 
 /* Remeshing runs in a child process with a limit on its time: some surfaces of thousands of needles

@@ -121,10 +121,11 @@ bw_status bw_mesh_box_grid(bw_context *context, const double min[3], const doubl
                            const int cells[3], int order, bw_mesh **mesh) {
   for (int k = 0; k < 3; k++)
     if (!(max[k] > min[k]) || !isfinite(max[k] - min[k]))
-      return bw_fail(context, BW_INVALID,
-                     "a box from (%g, %g, %g) to (%g, %g, %g): every max coordinate must be above "
-                     "the min one",
-                     min[0], min[1], min[2], max[0], max[1], max[2]);
+      return bw_fail(
+          context, BW_INVALID,
+          "a box from (%g, %g, %g) to (%g, %g, %g) m: every max coordinate must be above "
+          "the min one",
+          min[0], min[1], min[2], max[0], max[1], max[2]);
   box to = {min, max};
   return bw_mesh_mapped_box(context, cells, order, map_to_box, &to, mesh);
 }

@@ -147,7 +147,7 @@ static bw_status check_numbers(bw_context *context, int per_element, int64_t nod
   for (int64_t i = 0; i < 3 * nodes; i++)
     if (!isfinite(node[i])) {
       bw_fail(context, BW_GEOMETRY,
-              "node %lld has the coordinates %g %g %g: every one must be a finite number",
+              "node %lld has the coordinates (%g, %g, %g) m: every one must be a finite number",
               (long long)(i / 3) + 1, node[i / 3 * 3], node[i / 3 * 3 + 1], node[i / 3 * 3 + 2]);
       bw_detail_number(context, "node", (double)(i / 3 + 1));
       return BW_GEOMETRY;
@@ -163,8 +163,8 @@ static bw_status check_numbers(bw_context *context, int per_element, int64_t nod
   return BW_OK;
 }
 
-/* Exchange corners 1 and 2, and the mid-edge nodes that go with them: the orientation is turned. */
-static void turn_element(int32_t *e, int order) {
+/* Exchange corners 1 and 2 and their mid-edge nodes: the orientation is reversed. */
+static void reverse_element(int32_t *e, int order) {
   static const int pair[3][2] = {{1, 2}, {4, 6}, {8, 9}};
   for (int i = 0; i < (order == 2 ? 3 : 1); i++) {
     int32_t kept = e[pair[i][0]];
@@ -186,15 +186,16 @@ static bw_status find_volumes(bw_context *context, bw_mesh *mesh, bool flat) {
       continue;
     }
     if (!(fabs(determinant) > error) || !isfinite(determinant)) {
-      bw_fail(context, BW_GEOMETRY,
-              "element %d (nodes %d %d %d %d) near (%g, %g, %g) has no volume: its corners lie in "
-              "one plane to within rounding",
-              i + 1, e[0] + 1, e[1] + 1, e[2] + 1, e[3] + 1, x[0][0], x[0][1], x[0][2]);
+      bw_fail(
+          context, BW_GEOMETRY,
+          "element %d (nodes %d %d %d %d) near (%g, %g, %g) m has no volume: its corners lie in "
+          "one plane to within rounding",
+          i + 1, e[0] + 1, e[1] + 1, e[2] + 1, e[3] + 1, x[0][0], x[0][1], x[0][2]);
       bw_detail_number(context, "element", i + 1.0);
       return BW_GEOMETRY;
     }
     if (determinant < 0)
-      turn_element(e, mesh->order);
+      reverse_element(e, mesh->order);
     mesh->volume[i] = fabs(determinant) / 6;
   }
   return BW_OK;
@@ -243,7 +244,7 @@ static bw_status fail_pair(bw_context *context, const bw_mesh *mesh, const bwi_k
   face_corners(mesh, a->item, a->part, c);
   const double *x = mesh->node + 3 * (size_t)c[0];
   bw_fail(context, BW_GEOMETRY,
-          "elements %d and %d share the face of nodes %d %d %d near (%g, %g, %g) but %s",
+          "elements %d and %d share the face of nodes %d %d %d near (%g, %g, %g) m but %s",
           a->item + 1, b->item + 1, c[0] + 1, c[1] + 1, c[2] + 1, x[0], x[1], x[2], what);
   bw_detail_number(context, "element", a->item + 1.0);
   bw_detail_number(context, "other", b->item + 1.0);
@@ -258,7 +259,7 @@ static bw_status join_faces(bw_context *context, bw_mesh *mesh, const bwi_keyed 
   const int32_t *ea = mesh->element + (size_t)a->item * width;
   const int32_t *eb = mesh->element + (size_t)b->item * width;
   const int *fa = bw_tet_face[a->part], *fb = bw_tet_face[b->part];
-  int shift = 0; /* the place in face b of corner 0 of face a */
+  int shift = 0; /* the index in face b of corner 0 of face a */
   while (shift < 2 && eb[fb[shift]] != ea[fa[0]])
     shift++;
   const bool solid = mesh->volume[a->item] > 0 && mesh->volume[b->item] > 0;

@@ -13,8 +13,8 @@ bw_status bw_mesh_moved(bw_context *context, const bw_mesh *mesh, const double *
   size_t numbers = 3 * (size_t)mesh->node_count;
   for (size_t i = 0; i < numbers; i++)
     if (!isfinite(node[i])) {
-      bw_fail(context, BW_GEOMETRY, "node %zu moves to a place whose coordinates are not finite",
-              i / 3 + 1);
+      bw_fail(context, BW_GEOMETRY,
+              "the new position of node %zu has coordinates that are not finite", i / 3 + 1);
       bw_detail_number(context, "node", (double)(i / 3 + 1));
       return BW_GEOMETRY;
     }
@@ -58,7 +58,7 @@ bw_status bw_mesh_moved(bw_context *context, const bw_mesh *mesh, const double *
         made->node + 3 * (size_t)made->element[(size_t)worst * (size_t)made->nodes_per_element];
     status = bw_fail(context, BW_GEOMETRY,
                      "%d elements are flat or inverted at the new positions; the worst is element "
-                     "%d near (%g, %g, %g), whose volume goes from %g to %g m3",
+                     "%d near (%g, %g, %g) m, whose volume goes from %g to %g m3",
                      inverted, worst + 1, at[0], at[1], at[2], mesh->volume[worst],
                      worst_ratio * mesh->volume[worst]);
     bw_detail_number(context, "element", worst + 1.0);
@@ -197,7 +197,9 @@ bw_status bw_mesh_subset(bw_context *context, const bw_mesh *mesh, const uint8_t
   for (int32_t i = 0; i < mesh->element_count; i++)
     kept += keep[i] != 0;
   if (kept == 0)
-    return bw_fail(context, BW_EMPTY, "none of the %d elements is to be kept", mesh->element_count);
+    return bw_fail(context, BW_EMPTY,
+                   "none of the %d elements is to be kept: a mesh needs at least one",
+                   mesh->element_count);
   int32_t *element = BW_NEW(context, int32_t, width * kept);
   int32_t *region = mesh->region ? BW_NEW(context, int32_t, kept) : NULL;
   double *node = BW_NEW(context, double, 3 * (size_t)mesh->node_count);

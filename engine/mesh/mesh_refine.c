@@ -223,8 +223,7 @@ static bw_status begin(refining *r, const uint8_t *levels) {
   return make_slots(r, 4096);
 }
 
-/* ---- the mesh that comes of it -----------------------------------------------------------------
- */
+/* ---- the mesh that comes of it ------------------------------------------------------------- */
 
 /* The straight mesh of the order that is wanted; *cell_of: the cell of every element. */
 static bw_status make_mesh(refining *r, int order, bw_mesh **out, int32_t **cell_of) {

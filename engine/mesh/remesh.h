@@ -16,10 +16,10 @@ static const double chord = 2;    /* chords of round faces may be so much longer
 static const double growth = 0.5; /* of the wanted length, per distance */
 static const double turn = 0.5;   /* cosine of the largest turn of a facet in one change */
 
-/* A place where edges must be finer than asked for. */
-typedef struct bwi_fine_place {
+/* A point where edges must be finer than asked for. */
+typedef struct bwi_fine_point {
   double at[3], size;
-} bwi_fine_place;
+} bwi_fine_point;
 
 typedef struct bwi_remesher {
   bw_context *context;
@@ -30,17 +30,17 @@ typedef struct bwi_remesher {
   bwi_tree *tree, *creases;
   int32_t *crease; /* sharp edges of the original as triangles a b b */
   double length, tolerance;
-  double finest;             /* of the edge length asked for: where features are small */
-  double tiny;               /* edges so short go even where they are features */
-  double max_facets;         /* no more edges are split beyond */
-  double memory;             /* bytes allowed */
-  int64_t *looks, max_looks; /* how often loops looked up, and may (0: no limit) */
+  double finest;               /* of the edge length asked for: where features are small */
+  double tiny;                 /* edges so short go even where they are features */
+  double max_facets;           /* no more edges are split beyond */
+  double memory;               /* bytes allowed */
+  int64_t *checks, max_checks; /* how often loops checked their limits, and may (0: no limit) */
   bwi_time_limit time;
   double fraction;            /* done of the whole, for progress */
   const bw_size_field *sizes; /* NULL: none */
   double
       *clearance; /* per facet of the original: how far what lies opposite is, inside or outside */
-  bwi_fine_place *fine;
+  bwi_fine_point *fine_points;
   size_t fine_count, fine_capacity;
 } bwi_remesher;
 
@@ -81,16 +81,15 @@ static inline bool turned_over(const double before[3], const double after[3]) {
 /* What a facet takes while it is remeshed: measured, with what its points and the search take. */
 #define BWI_REMESH_BYTES_OF_FACET 300.0
 
-/* Long loops look up now and then: cancelled, out of steps, time or memory? */
-enum { BWI_REMESH_LOOK = 10 }; /* every 2^10 steps */
+/* Long loops check their limits now and then: cancelled, out of steps, time or memory? */
+enum { BWI_REMESH_CHECK_BITS = 10 }; /* every 2^10 steps */
 bw_status bwi_remesh_check(const bwi_remesher *r);
-static inline bw_status look_up(const bwi_remesher *r, size_t step) {
-  return step % ((size_t)1 << BWI_REMESH_LOOK) == 0 ? bwi_remesh_check(r) : BW_OK;
+static inline bw_status check_limits(const bwi_remesher *r, size_t step) {
+  return step % ((size_t)1 << BWI_REMESH_CHECK_BITS) == 0 ? bwi_remesh_check(r) : BW_OK;
 }
 
 /* remesh_guard.c: how far the surface may be left near a point; whether a point, a side and a facet
- * stay near enough; the size wanted at a point; the clearance up to what lies opposite each facet.
- */
+ * stay near enough; the size wanted at a point; the clearance of each facet. */
 double bwi_remesh_slack(const bwi_remesher *r, double size);
 bool bwi_remesh_near_surface(const bwi_remesher *r, const double x[3], double limit);
 bool bwi_remesh_near_crease(const bwi_remesher *r, const double a[3], const double b[3],

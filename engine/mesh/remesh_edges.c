@@ -28,7 +28,7 @@ bw_status bwi_remesh_split_long(bwi_remesher *r) {
     if ((double)mesh->facet_count > r->max_facets)
       break; /* needles that come out of needles: better too long than without end */
     for (int32_t s = 0; s < sides; s++) {
-      BW_TRY(look_up(r, (size_t)s));
+      BW_TRY(check_limits(r, (size_t)s));
       if (mesh->corner[s] < 0 || s > mesh->opposite[s])
         continue;
       double ratio = side_length(mesh, s) / wanted(mesh, s);
@@ -146,7 +146,7 @@ bw_status bwi_remesh_collapse_short(bwi_remesher *r, bool coarse, bool learn) {
     BW_TRY(bw_check_cancel(r->context));
     for (size_t i = 0; i < count; i++) {
       int32_t s = list[i].side;
-      BW_TRY(look_up(r, i));
+      BW_TRY(check_limits(r, i));
       if (mesh->corner[s] != list[i].from || bwi_to(mesh, s) != list[i].to ||
           side_length(mesh, s) >= shortest * wanted(mesh, s))
         continue;

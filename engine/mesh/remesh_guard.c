@@ -14,11 +14,11 @@ bw_status bwi_remesh_check(const bwi_remesher *r) {
     bw_detail_text(r->context, "limit", "memory");
     return BW_LIMIT;
   }
-  if (r->max_looks > 0 && ++*r->looks > r->max_looks) {
+  if (r->max_checks > 0 && ++*r->checks > r->max_checks) {
     bw_fail(r->context, BW_LIMIT,
             "remeshing with edges of %g m took more than the %lld steps it may use: ask for longer "
             "edges",
-            r->length, (long long)r->max_looks << BWI_REMESH_LOOK);
+            r->length, (long long)r->max_checks << BWI_REMESH_CHECK_BITS);
     bw_detail_text(r->context, "limit", "steps");
     return BW_LIMIT;
   }
@@ -74,7 +74,7 @@ bool bwi_remesh_facet_near_surface(const bwi_remesher *r, const double a[3], con
 double bwi_remesh_size_near(const bwi_remesher *r, const double x[3]) {
   double size = r->length;
   for (size_t i = 0; i < r->fine_count; i++)
-    size = fmin(size, r->fine[i].size + growth * distance(x, r->fine[i].at));
+    size = fmin(size, r->fine_points[i].size + growth * distance(x, r->fine_points[i].at));
   double bound = r->sizes ? bwi_size_at(r->sizes, x) : 0;
   return bound > 0 ? fmin(size, bound) : size;
 }

@@ -66,7 +66,7 @@ bw_status bwi_remesh_flip_edges(bwi_remesher *r, int passes) {
     if (status != BW_OK)
       return status;
     for (int32_t s = 0; s < 3 * (int32_t)mesh->facet_count; s++) {
-      if ((status = look_up(r, (size_t)s)) != BW_OK)
+      if ((status = check_limits(r, (size_t)s)) != BW_OK)
         return status;
       if (mesh->corner[s] >= 0 && s < mesh->opposite[s] && flip_helps(r, s)) {
         bwi_flip(mesh, s);

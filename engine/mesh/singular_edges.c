@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Re-entrant edges of a surface, found between its faces (docs/theory/singular.md). The normals at
- * an edge are those of the fitted primitives, so facets that stand for a round face make no edge.
- */
+ * an edge are those of the fitted primitives, so facets that stand for a round face make no
+ * edge. */
 #include "mesh/singular_internal.h"
 
 #include <math.h>

@@ -30,7 +30,8 @@ static const bw_kind surface_kind = {"surface", surface_destroy, surface_bytes};
 static bw_status check_arrays(bw_context *context, int64_t points, const double *point,
                               int64_t triangles, const int32_t *triangle) {
   if (points < 0 || triangles < 0)
-    return bw_fail(context, BW_INVALID, "a surface of %lld points and %lld facets",
+    return bw_fail(context, BW_INVALID,
+                   "a surface of %lld points and %lld facets: 0 or more of each expected",
                    (long long)points, (long long)triangles);
   if (points > INT32_MAX || triangles > INT32_MAX)
     return bw_fail(context, BW_LIMIT,
@@ -40,7 +41,7 @@ static bw_status check_arrays(bw_context *context, int64_t points, const double 
     if (!isfinite(point[3 * i]) || !isfinite(point[3 * i + 1]) || !isfinite(point[3 * i + 2])) {
       bw_status status =
           bw_fail(context, BW_GEOMETRY,
-                  "point %lld of the surface is (%g, %g, %g): every coordinate "
+                  "point %lld of the surface is (%g, %g, %g) m: every coordinate "
                   "must be a finite number",
                   (long long)i + 1, point[3 * i], point[3 * i + 1], point[3 * i + 2]);
       bw_detail_number(context, "point", (double)i + 1);

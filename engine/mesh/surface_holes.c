@@ -35,15 +35,15 @@ static bw_status find_loops(bw_context *context, const bwi_topology *topology, l
   int32_t *head = BW_NEW(context, int32_t, topology->points);
   int32_t *next = BW_NEW(context, int32_t, edges), *to = BW_NEW(context, int32_t, edges);
   int32_t *path = BW_NEW(context, int32_t, edges + 1);
-  int32_t *place = BW_NEW(context, int32_t, topology->points); /* on the path, or -1 */
+  int32_t *index = BW_NEW(context, int32_t, topology->points); /* on the path, or -1 */
   rim->start = BW_NEW(context, int64_t, edges + 1);
   rim->of = BW_NEW(context, int32_t, edges + 1);
-  if (!head || !next || !to || !path || !place || !rim->start || !rim->of) {
+  if (!head || !next || !to || !path || !index || !rim->start || !rim->of) {
     status = BW_MEMORY;
     goto done;
   }
   memset(head, 0xff, (size_t)topology->points * sizeof *head);
-  memset(place, 0xff, (size_t)topology->points * sizeof *place);
+  memset(index, 0xff, (size_t)topology->points * sizeof *index);
   int32_t list = 0;
   for (int64_t e = 0; e < topology->edges; e++) {
     if (topology->start[e + 1] - topology->start[e] != 1)
@@ -60,28 +60,28 @@ static bw_status find_loops(bw_context *context, const bwi_topology *topology, l
       int64_t length = 0;
       int32_t at = seed;
       path[length] = at;
-      place[at] = 0;
+      index[at] = 0;
       length = 1;
       while (head[at] >= 0) {
         int32_t edge = head[at];
         head[at] = next[edge];
         at = to[edge];
-        if (place[at] >= 0) { /* a loop: from that place to the end of the path */
-          int64_t from = place[at], end = rim->start[rim->count];
+        if (index[at] >= 0) { /* a loop: from that index to the end of the path */
+          int64_t from = index[at], end = rim->start[rim->count];
           for (int64_t i = from; i < length; i++) {
             rim->of[end++] = path[i];
             if (i > from)
-              place[path[i]] = -1;
+              index[path[i]] = -1;
           }
           length = from + 1;
           rim->start[++rim->count] = end;
         } else {
-          place[at] = (int32_t)length;
+          index[at] = (int32_t)length;
           path[length++] = at;
         }
       }
       for (int64_t i = 0; i < length; i++)
-        place[path[i]] = -1;
+        index[path[i]] = -1;
     }
   rim->used = rim->start[rim->count];
 done:
@@ -89,7 +89,7 @@ done:
   bw_free(next);
   bw_free(to);
   bw_free(path);
-  bw_free(place);
+  bw_free(index);
   return status;
 }
 

@@ -48,13 +48,13 @@ static bw_status evaluate_layer(march *m, int z) {
       node_at(m, node, at);
       double v = m->f(m->data, at);
       if (isnan(v))
-        return bw_fail(m->context, BW_GEOMETRY, "the function is not a number at (%g, %g, %g)",
+        return bw_fail(m->context, BW_GEOMETRY, "the function is not a number at (%g, %g, %g) m",
                        at[0], at[1], at[2]);
       bool rim = x == 0 || y == 0 || z == 0 || x == m->nodes[0] - 1 || y == m->nodes[1] - 1 ||
                  z == m->nodes[2] - 1;
       if (rim && v < 0)
         return bw_fail(m->context, BW_GEOMETRY,
-                       "the function is %g at (%g, %g, %g) on the surface of the box: it must be "
+                       "the function is %g at (%g, %g, %g) m on the surface of the box: it must be "
                        "positive there, or the shape is cut open; take a larger box",
                        v, at[0], at[1], at[2]);
       value[slot(m, node)] = v;

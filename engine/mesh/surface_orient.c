@@ -1,12 +1,12 @@
-/* Turning facets so that neighbours agree and shells face the right way.
+/* Orienting facets so that neighbours agree and shells face the right way.
  *
  * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
  *
- * Facets joined by edges of exactly two facets form a patch; within it the turn of one facet
- * decides that of all. A patch is then turned by its volume: outwards where it lies inside an even
- * number of other shells, inwards (a cavity) where odd. A patch with holes is measured as if each
- * hole were closed by a fan from the middle of all its open edges; one that is nearly flat keeps
- * the side that most of its facets had. */
+ * Facets joined by edges of exactly two facets form a patch; within it the orientation of one facet
+ * decides that of all. A patch is then oriented by its volume: outwards where it lies inside an
+ * even number of other shells, inwards (a cavity) where odd. A patch with holes is measured as if
+ * each hole were closed by a fan from the middle of all its open edges; one that is nearly flat
+ * keeps the side that most of its facets had. */
 #include <math.h>
 #include <string.h>
 
@@ -16,17 +16,17 @@
 
 typedef struct patches {
   int32_t count;
-  int32_t *of;     /* per facet, -1 for degenerate ones */
-  uint8_t *turned; /* per facet: against the way it was given */
+  int32_t *of;       /* per facet, -1 for degenerate ones */
+  uint8_t *reversed; /* per facet: against the way it was given */
 } patches;
 
-/* Spread the turn of one facet over its patch. */
+/* Spread the orientation of one facet over its patch. */
 static bw_status spread(bw_context *context, const bwi_topology *topology, int32_t seed,
                         patches *patch, int32_t *queue) {
   int64_t head = 0, tail = 0;
   queue[tail++] = seed;
   patch->of[seed] = patch->count;
-  patch->turned[seed] = 0;
+  patch->reversed[seed] = 0;
   while (head < tail) {
     int32_t t = queue[head++];
     for (int k = 0; k < 3; k++) {
@@ -36,12 +36,12 @@ static bw_status spread(bw_context *context, const bwi_topology *topology, int32
       int64_t o = topology->side[first] == s ? topology->side[first + 1] : topology->side[first];
       int32_t other = (int32_t)(o / 3);
       bool against = bwi_side_from(topology, s) == bwi_side_from(topology, o);
-      uint8_t turned = patch->turned[t] ^ (uint8_t)against;
+      uint8_t reversed = patch->reversed[t] ^ (uint8_t)against;
       if (patch->of[other] < 0) {
         patch->of[other] = patch->count;
-        patch->turned[other] = turned;
+        patch->reversed[other] = reversed;
         queue[tail++] = other;
-      } else if (patch->turned[other] != turned) {
+      } else if (patch->reversed[other] != reversed) {
         const double *x = topology->point + 3 * (int64_t)topology->corner[s];
         bw_status status =
             bw_fail(context, BW_GEOMETRY,
@@ -61,7 +61,7 @@ typedef struct patch_sum {
   double middle[3]; /* of its open edges, or a corner when it has none */
   int64_t open;
   double volume, area;
-  int64_t facets, turned;
+  int64_t facets, reversed;
   int32_t shell;
 } patch_sum;
 
@@ -92,10 +92,10 @@ static void sum_up(const bwi_topology *topology, const patches *patch, patch_sum
     double normal[3],
         volume = bwi_facet_volume(topology->point, topology->corner + 3 * t, sum[p].middle);
     bwi_facet_normal(topology->point, topology->corner + 3 * t, normal);
-    sum[p].volume += patch->turned[t] ? -volume : volume;
+    sum[p].volume += patch->reversed[t] ? -volume : volume;
     sum[p].area += 0.5 * bw_norm(normal);
     sum[p].facets++;
-    sum[p].turned += patch->turned[t];
+    sum[p].reversed += patch->reversed[t];
   }
 }
 
@@ -119,8 +119,8 @@ bw_status bw_surface_orient(bw_context *context, const bw_surface *surface, bw_s
   patches patch = {0};
   int32_t *queue = BW_NEW(context, int32_t, surface->triangle_count);
   patch.of = BW_NEW(context, int32_t, surface->triangle_count);
-  patch.turned = BW_NEW0(context, uint8_t, surface->triangle_count);
-  if (!queue || !patch.of || !patch.turned) {
+  patch.reversed = BW_NEW0(context, uint8_t, surface->triangle_count);
+  if (!queue || !patch.of || !patch.reversed) {
     status = BW_MEMORY;
     goto done;
   }
@@ -152,8 +152,9 @@ bw_status bw_surface_orient(bw_context *context, const bw_surface *surface, bw_s
     bool inwards = depth[sum[p].shell] % 2 == 1;
     bool decided = fabs(sum[p].volume) > 1e-6 * sum[p].area * sqrt(sum[p].area) ||
                    (sum[p].open == 0 && sum[p].volume != 0);
-    bool turn_patch = decided ? (sum[p].volume < 0) != inwards : 2 * sum[p].turned > sum[p].facets;
-    if (patch.turned[t] == (uint8_t)turn_patch)
+    bool reverse_patch =
+        decided ? (sum[p].volume < 0) != inwards : 2 * sum[p].reversed > sum[p].facets;
+    if (patch.reversed[t] == (uint8_t)reverse_patch)
       continue;
     int32_t keep = made->triangle[3 * t + 1];
     made->triangle[3 * t + 1] = made->triangle[3 * t + 2];
@@ -169,7 +170,7 @@ done:
   bwi_topology_destroy(topology);
   bw_free(queue);
   bw_free(patch.of);
-  bw_free(patch.turned);
+  bw_free(patch.reversed);
   bw_free(sum);
   bw_free(closed);
   bw_free(flat);

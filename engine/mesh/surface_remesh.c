@@ -85,17 +85,17 @@ done:
   return status;
 }
 
-/* Ask for finer edges where the result cuts itself. */
+/* Requests finer edges where the result cuts itself. */
 static bw_status refine_cuts(bwi_remesher *r, const bw_surface *made,
                              const bw_surface_report *report) {
   for (int64_t i = 0; i < report->defect_count; i++) {
     const bw_defect *defect = &report->defect[i];
     if (defect->kind != BW_DEFECT_SELF_INTERSECTION)
       continue;
-    if (!bw_grow(r->context, (void **)&r->fine, &r->fine_capacity, r->fine_count, 1,
-                 sizeof *r->fine))
+    if (!bw_grow(r->context, (void **)&r->fine_points, &r->fine_capacity, r->fine_count, 1,
+                 sizeof *r->fine_points))
       return BW_MEMORY;
-    bwi_fine_place *place = &r->fine[r->fine_count++];
+    bwi_fine_point *place = &r->fine_points[r->fine_count++];
     const int32_t *corner = made->triangle + 3 * (int64_t)defect->facet;
     double size = 0;
     for (int k = 0; k < 3; k++)
@@ -140,7 +140,7 @@ bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
                              const bw_remesh_options *given, const bwi_face_borders *borders,
                              int64_t max_steps, bw_surface **remeshed, bw_shape_log *log) {
   bw_status status = BW_OK;
-  int64_t looks = 0;
+  int64_t checks = 0;
   bw_remesh_options options;
   bw_surface *welded = NULL, *made = NULL;
   bw_surface_report report = {0};
@@ -152,8 +152,8 @@ bw_status bwi_surface_remesh(bw_context *context, const bw_surface *surface,
   bwi_remesher r = {.context = context,
                     .memory = options.memory_limit,
                     .sizes = options.sizes,
-                    .looks = &looks,
-                    .max_looks = max_steps >> BWI_REMESH_LOOK,
+                    .checks = &checks,
+                    .max_checks = max_steps >> BWI_REMESH_CHECK_BITS,
                     .time = bwi_time_limit_begin("remeshing", options.time_limit)};
   if (!(options.edge_length >= 0) || options.triangles < 0 || !(options.sharp_angle > 0) ||
       options.iterations < 1 || options.iterations > 100 || !(options.tolerance >= 0) ||
@@ -246,7 +246,7 @@ done:
   bwi_tree_destroy(r.tree);
   bwi_tree_destroy(r.creases);
   bw_free(r.crease);
-  bw_free(r.fine);
+  bw_free(r.fine_points);
   bw_free(r.clearance);
   return status;
 }

@@ -23,8 +23,8 @@ bw_status bwi_drop_duplicates(bw_context *context, const bw_surface *surface, bw
  * corner and the facet goes. */
 bw_status bwi_split_flat(bw_context *context, const bw_surface *surface, bw_surface **out,
                          int64_t *changed);
-/* Facets that stick out: with an open side and a side of three facets or more, one after another.
- */
+/* Facets that stick out: with an open side and a side of three facets or more, one after
+ * another. */
 bw_status bwi_drop_fins(bw_context *context, const bw_surface *surface, bw_surface **out,
                         int64_t *changed);
 /* Sheets that hang on the rest along edges of three facets: those that lie inside (baffles), and

@@ -3,9 +3,9 @@
  *
  * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
  *
- * The samples have equal shares of the area: sample k lies in the facet where the running sum of
+ * The samples have equal parts of the area: sample k lies in the facet where the running sum of
  * areas passes (k + 1/2) / samples, at a place in it that a low-discrepancy sequence gives, so that
- * quantiles of the thicknesses are shares of the area, and the same ones every time. */
+ * quantiles of the thicknesses are fractions of the area, and the same ones every time. */
 #include <math.h>
 #include <string.h>
 
@@ -13,9 +13,7 @@
 #include "mesh/surface_internal.h"
 #include "mesh/surface_tree.h"
 
-/* A segment from inside the surface, and the nearest wall on it so far, as a fraction of its
- * length.
- */
+/* A segment from inside the surface, and the nearest wall on it so far (fraction of its length). */
 typedef struct probe {
   const bw_surface *surface;
   double from[3], way[3];

@@ -54,7 +54,7 @@ static bool before(const builder *build, int axis, int32_t a, int32_t b) {
   return x < y || (x == y && a < b);
 }
 
-/* Arrange list so that list[nth] is in its sorted place, smaller ones before, larger ones after. */
+/* Arrange list so that list[nth] is in its sorted position, smaller ones before, larger after. */
 static void select_nth(const builder *build, int axis, int32_t *list, int64_t count, int64_t nth) {
   int64_t low = 0, high = count - 1;
   while (low < high) {
@@ -176,17 +176,17 @@ static bool boxes_meet(const double low[3], const double high[3], const double o
 void bwi_tree_in_box(const bwi_tree *tree, const double low[3], const double high[3],
                      bwi_tree_visit *visit, void *data) {
   int32_t stack[DEPTH];
-  int held = 0;
+  int depth = 0;
   if (tree->facet_count)
-    stack[held++] = 0;
-  while (held > 0) {
-    int32_t at = stack[--held];
+    stack[depth++] = 0;
+  while (depth > 0) {
+    int32_t at = stack[--depth];
     const node *n = &tree->node[at];
     if (!boxes_meet(low, high, n->low, n->high))
       continue;
     if (n->second) {
-      stack[held++] = n->second;
-      stack[held++] = at + 1;
+      stack[depth++] = n->second;
+      stack[depth++] = at + 1;
       continue;
     }
     for (int32_t i = 0; i < n->count; i++) {
@@ -226,17 +226,17 @@ static bool segment_meets_box(const double p[3], const double q[3], const node *
 void bwi_tree_on_segment(const bwi_tree *tree, const double p[3], const double q[3],
                          bwi_tree_visit *visit, void *data) {
   int32_t stack[DEPTH];
-  int held = 0;
+  int depth = 0;
   if (tree->facet_count)
-    stack[held++] = 0;
-  while (held > 0) {
-    int32_t at = stack[--held];
+    stack[depth++] = 0;
+  while (depth > 0) {
+    int32_t at = stack[--depth];
     const node *n = &tree->node[at];
     if (!segment_meets_box(p, q, n))
       continue;
     if (n->second) {
-      stack[held++] = n->second;
-      stack[held++] = at + 1;
+      stack[depth++] = n->second;
+      stack[depth++] = at + 1;
       continue;
     }
     for (int32_t i = 0; i < n->count; i++)
@@ -319,16 +319,16 @@ static double search_below(const bwi_tree *tree, const double x[3], double best,
     int32_t at;
     double far;
   } stack[DEPTH];
-  int held = 0;
+  int depth = 0;
   if (tree->facet_count) {
     stack[0].at = 0;
-    stack[held++].far = box_distance(x, &tree->node[0]);
+    stack[depth++].far = box_distance(x, &tree->node[0]);
   }
-  while (held > 0 && best > enough) {
-    held--;
-    if (stack[held].far >= best)
+  while (depth > 0 && best > enough) {
+    depth--;
+    if (stack[depth].far >= best)
       continue;
-    int32_t at = stack[held].at;
+    int32_t at = stack[depth].at;
     const node *n = &tree->node[at];
     if (n->second) {
       int32_t near = at + 1, away = n->second;
@@ -343,12 +343,12 @@ static double search_below(const bwi_tree *tree, const double x[3], double best,
         away_far = keep_far;
       }
       if (away_far < best) {
-        stack[held].at = away;
-        stack[held++].far = away_far;
+        stack[depth].at = away;
+        stack[depth++].far = away_far;
       }
       if (near_far < best) {
-        stack[held].at = near;
-        stack[held++].far = near_far;
+        stack[depth].at = near;
+        stack[depth++].far = near_far;
       }
       continue;
     }

@@ -27,7 +27,7 @@ void bwi_tree_on_segment(const bwi_tree *tree, const double p[3], const double q
 
 /* The facet nearest to x and the place on it; returns the squared distance. `hint`: a facet that is
  * likely near, or -1. The search ends early once a facet lies within sqrt(enough) of x: what comes
- * back then is at most `enough`, not the least. An empty tree gives facet -1 and HUGE_VAL. */
+ * back then is at most `enough`, not the minimum. An empty tree gives facet -1 and HUGE_VAL. */
 double bwi_tree_nearest(const bwi_tree *tree, const double x[3], int32_t hint, double enough,
                         double place[3], int32_t *facet);
 

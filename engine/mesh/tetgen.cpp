@@ -109,7 +109,7 @@ bw_status run(bw_context *context, const bwi_tetgen_job *job, bwi_child_stream *
   tetrahedralize(behavior, in, made);
   if (wrong_size)
     return bw_fail(context, BW_INVALID,
-                   "the size function returned no length at (%g, %g, %g): it must return an edge "
+                   "the size function returned no length at (%g, %g, %g) m: it must return an edge "
                    "length in m, or 0 for no bound",
                    wrong_at[0], wrong_at[1], wrong_at[2]);
   int64_t count[2] = {made->numberofpoints, made->numberoftetrahedra};
@@ -139,6 +139,8 @@ bw_status bwi_tetgen_child(bw_context *context, void *job, bwi_child_stream *out
   } catch (const std::bad_alloc &) {
     return bw_fail(context, BW_MEMORY, "memory ran out while TetGen filled the surface");
   } catch (...) {
-    return bw_fail(context, BW_GEOMETRY, "TetGen broke off");
+    return bw_fail(
+        context, BW_GEOMETRY,
+        "TetGen stopped with an unknown error: repair the surface, or try another edge length");
   }
 }

@@ -87,7 +87,7 @@ void bwi_octant_point(int octant, double spread, double at[3]);
  * first order: T = R^(-1/4), with small eigenvalues bounded. */
 void bwi_metric(const double response[BWI_SHAPES * BWI_SHAPES],
                 double metric[BWI_SHAPES * BWI_SHAPES]);
-/* What moving a constant by `change` of its own size costs: added to gram and side. */
+/* What changing constants relative to their size costs, by `ridge`: added to gram and side. */
 void bwi_ridge(const bwi_base *base, double ridge, int count, double *gram, double *side);
 /* Minimum of x^T gram x / 2 - side^T x over constants that are tied, are what they must be at
  * least, and have no more than `limit` fibres at a point; into work->x. gram and side (of all

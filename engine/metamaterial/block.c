@@ -235,8 +235,8 @@ static double shear_energy(const scratch *s, const double *stiffness, const doub
 
 /* The shapes of affine displacements. The surroundings of a block are taken to be as stiff in shear
  * as the block is itself when it repeats; but more, by the fourth power of the factor by which it
- * would be softer if nothing held it: what only hangs together at edges is held by its neighbours.
- */
+ * would be softer if nothing held it: what only hangs together at edges is held by its
+ * neighbours. */
 static bool relax_affine(scratch *s, int periodic, double *shape) {
   double own, loose;
   if (!relax(s, 0, periodic, 0, shape))

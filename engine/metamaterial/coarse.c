@@ -319,8 +319,7 @@ done:
   return status;
 }
 
-/* ---- displacements ----------------------------------------------------------------------------
- */
+/* ---- displacements ------------------------------------------------------------------------- */
 
 /* A coarse element that holds the lattice point `at` of the fine grid. */
 static int32_t holder(const bw_coarse *it, const int32_t at[3], int32_t low[3]) {

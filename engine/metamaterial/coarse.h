@@ -15,8 +15,7 @@ typedef struct bwi_coarse_maker {
 } bwi_coarse_maker;
 
 /* A block's 8 or 64 fine elements: their materials (0: void), child by child, and the parts of
- * their cells that are inside. At level 2 element 8 c + d is child d of child c.
- */
+ * their cells that are inside. At level 2 element 8 c + d is child d of child c. */
 typedef struct bwi_fine_block {
   int32_t key[64];
   double fraction[64];

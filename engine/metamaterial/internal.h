@@ -10,8 +10,8 @@
 /* ---- fitting --------------------------------------------------------------------------------- */
 
 /* One to eight equal cubes side by side. The child at (i, j, k) is number
- * i + size[0] (j + size[1] k), so that in a 2 x 2 x 2 block child c is in octant c. NULL is void.
- */
+ * i + size[0] (j + size[1] k), so that in a 2 x 2 x 2 block child c is in octant c. NULL is
+ * void. */
 typedef struct bwi_block {
   int32_t size[3]; /* 1 or 2 each */
   const bw_solid_material *child[8];

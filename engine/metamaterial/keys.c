@@ -70,7 +70,7 @@ bw_status bwi_material_transformed(bw_context *context, const bw_solid_material 
   bw_rule *rule = NULL;
   if (count != 8 && count != 64)
     return bw_fail(context, BW_INVALID,
-                   "material %s has %d points; those of 8 and 64 can be turned", m->name,
+                   "material %s has %d points; those of 8 and 64 can be rotated", m->name,
                    (int)count);
   if (s == 0) {
     *turned = (bw_solid_material *)bw_retain(m);

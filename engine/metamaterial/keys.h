@@ -23,8 +23,8 @@ static inline int bwi_symmetry_octant(bwi_symmetry s, int c) {
 }
 /* Where a vector goes. */
 void bwi_symmetry_vector(bwi_symmetry s, const double from[3], double to[3]);
-/* to[image of c] = from[c]: the key of the turned block. `count` is 8, or 64 (octants of octants).
- */
+/* to[image of c] = from[c]: the key of the turned block. `count` is 8, or 64 (octants of
+ * octants). */
 void bwi_symmetry_key(int s, int count, const int32_t *from, int32_t *to);
 /* A 24 x 24 stiffness of a cube, turned with it. */
 void bwi_symmetry_stiffness(int s, const double from[576], double to[576]);

@@ -166,8 +166,8 @@ static uint64_t image_mask(const chooser *it, uint64_t mask, int s, int32_t code
 }
 
 /* An item becomes chosen, and its images representatives. At stage 0 the images are those of its
- * key, found in the same order as bwi_levels_expand_cells finds them; at others those of its pair.
- */
+ * key, found in the same order as bwi_levels_expand_cells finds them; at others those of its
+ * pair. */
 static bw_status choose(chooser *it, int32_t i) {
   bw_status status = BW_OK;
   bwi_levels *levels = it->levels;

@@ -88,8 +88,8 @@ void bwi_cover_clear(bwi_cover *cover);
 bw_status bwi_cover_add(bwi_cover *cover, const float coordinate[BWI_FEATURES], uint64_t mask,
                         int32_t representative);
 /* The item farthest from all representatives among those that have the bits of `mask` and at most
- * `room` images (may be NULL: any number); -1 when all such are at distance 0. Ties go to the lower
- * number. */
+ * `available` images (`images` may be NULL: any number); -1 when all such are at distance 0. Ties
+ * go to the lower number. */
 int32_t bwi_cover_farthest(const bwi_cover *cover, uint64_t mask, const uint8_t *images,
                            int32_t available);
 /* Root mean square and largest distance, over the number of features. */

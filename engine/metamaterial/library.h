@@ -91,8 +91,7 @@ void bwi_pack_fit(bwi_pack *pack, const bw_solid_material *fit, const bw_fit_err
 bw_status bwi_unpack_fit(bwi_unpack *from, int level, int32_t number, bw_solid_material **fit,
                          bw_fit_error *error);
 
-/* ---- checkpoints
- * ---------------------------------------------------------------------------------
+/* ---- checkpoints ------------------------------------------------------------------------------
  *
  * A head with material table and options, then finished fits in any order, each with a checksum.
  * What follows the last sound record is cut off on opening: a kill may leave part of one. */
@@ -105,15 +104,14 @@ bw_status bwi_checkpoint_open(bw_context *context, const char *path,
                               const bw_material_table *material_table,
                               const bw_library_options *options, bwi_checkpoint_fit *fit,
                               void *data, double *seconds, bwi_checkpoint **checkpoint);
-/* From any thread. `packed` is what bwi_pack_fit made. Grown fits have a key, the others a number.
- */
+/* From any thread. `packed` is what bwi_pack_fit made. Grown fits have a key, the others a
+ * number. */
 bw_status bwi_checkpoint_add(bw_context *context, bwi_checkpoint *checkpoint, int level,
                              int32_t fit, const uint8_t *key, double seconds,
                              const bwi_pack *packed);
 void bwi_checkpoint_close(bwi_checkpoint *checkpoint); /* flushed to the disk */
 
-/* ---- files
- * ---------------------------------------------------------------------------------------
+/* ---- files ------------------------------------------------------------------------------------
  *
  * The contents of the sections, unpacked; for the fuzzer too. */
 enum { BWI_SECTIONS = 5 };

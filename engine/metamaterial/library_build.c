@@ -50,8 +50,7 @@ static bw_status fit_level(builder *it, int level) {
                       library->inner->fit[level - 1], library->inner->error[level - 1]);
 }
 
-/* ---- checkpoints ------------------------------------------------------------------------------
- */
+/* ---- checkpoints --------------------------------------------------------------------------- */
 
 /* Fits of level 2 are kept aside until it is known how many there are. */
 typedef struct later {

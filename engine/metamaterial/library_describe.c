@@ -27,8 +27,8 @@ static double young_of(const bw_solid_material *m) {
   return mu + lambda > 0 ? mu * (3 * lambda + 2 * mu) / (lambda + mu) : 0;
 }
 
-/* Classes: how many materials, with void or not, and decades between the stiffest and the softest.
- */
+/* Classes: how many materials, with void or not, and decades between the stiffest and the
+ * softest. */
 typedef struct class_of {
   int materials, decades;
   bool empty;

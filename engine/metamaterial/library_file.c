@@ -38,8 +38,7 @@ static uint32_t sum_of(uint32_t sum, const unsigned char *bytes, size_t count) {
   return (uint32_t)crc32_z(sum, bytes, count);
 }
 
-/* ---- writing ----------------------------------------------------------------------------------
- */
+/* ---- writing ------------------------------------------------------------------------------- */
 
 static void pack_stage(bwi_pack *pack, const bwi_levels *it, int s) {
   bwi_pack_u32(pack, (uint32_t)it->chosen_count[s]);
@@ -150,8 +149,7 @@ done:
   return status;
 }
 
-/* ---- sections -----------------------------------------------------------------------------------
- */
+/* ---- sections ------------------------------------------------------------------------------ */
 
 static bw_status unpack_fits(bw_context *context, const char *name, const bwi_file_section *section,
                              bw_library *it, int level) {
@@ -350,8 +348,7 @@ done:
   return status;
 }
 
-/* ---- reading
- * -------------------------------------------------------------------------------------- */
+/* ---- reading ------------------------------------------------------------------------------- */
 
 typedef struct packed_section {
   uint64_t raw, packed;

@@ -118,8 +118,7 @@ bw_status bwi_unpack_end(bwi_unpack *from) {
   return BW_OK;
 }
 
-/* ---- material table and options
- * ------------------------------------------------------------------ */
+/* ---- material table and options ------------------------------------------------------------ */
 
 void bwi_pack_head(bwi_pack *pack, const bw_material_table *material_table,
                    const bw_library_options *o) {

@@ -25,8 +25,8 @@ static double free_part(const bw_dof_map *dof_map, int32_t node, const double fo
   return sqrt(sum);
 }
 
-/* Does every unit force on this node go into the supports? */
-static bool fully_held(const bw_dof_map *dof_map, int32_t node) {
+/* Whether every unit force on this node goes into the supports. */
+static bool is_fixed(const bw_dof_map *dof_map, int32_t node) {
   const uint8_t *state = dof_map->state + 3 * (size_t)node;
   return state[0] == BW_DOF_PRESCRIBED && state[1] == BW_DOF_PRESCRIBED &&
          state[2] == BW_DOF_PRESCRIBED;
@@ -59,7 +59,7 @@ static double fraction_of(const bw_dof_map *dof_map, const bw_load *load, const 
       const double *at_node = force + 3 * (size_t)node[a];
       all = all && (bw_norm(at_node) > 0 ? free_part(dof_map, node[a], at_node) <=
                                                absorbed_fraction * bw_norm(at_node)
-                                         : fully_held(dof_map, node[a]));
+                                         : is_fixed(dof_map, node[a]));
     }
     whole += size;
     absorbed += all ? size : 0;
@@ -83,13 +83,12 @@ static bw_status check_boundary(bw_context *context, const bw_model *model,
     if (model->load[i].kind == BW_LOAD_TEMPERATURE || model->load[i].kind == BW_LOAD_NODAL)
       return BW_OK;
   for (int32_t i = 0; i < mesh->boundary_node_count; i++)
-    if (!fully_held(dof_map, mesh->boundary_node[i]))
+    if (!is_fixed(dof_map, mesh->boundary_node[i]))
       return BW_OK;
-  bw_status status =
-      bw_fail(context, BW_INVALID,
-              "the supports fix all %d boundary nodes: no load reaches the body. Fix less of it; "
-              "coordinates and tolerances are in metres",
-              mesh->boundary_node_count);
+  bw_status status = bw_fail(context, BW_INVALID,
+                             "the supports fix all %d boundary nodes: no load reaches the body. "
+                             "Fix a smaller part; coordinates and tolerances are in metres",
+                             mesh->boundary_node_count);
   bw_detail_number(context, "unknowns", dof_map->unknown_count);
   return status;
 }

@@ -58,7 +58,7 @@ static void describe_material(bwi_text *out, const bw_material *material) {
   bwi_text_add(out, "\n");
 }
 
-static void describe_place(bwi_text *out, const bw_selection *on, double size) {
+static void describe_selection(bwi_text *out, const bw_selection *on, double size) {
   double centre[3];
   bw_selection_centre(on, centre);
   bwi_text_integer(out, on->node_count);
@@ -104,28 +104,28 @@ static void describe_support(bwi_text *out, const bw_support *support, int numbe
       }
   }
   bwi_text_add(out, "; ");
-  describe_place(out, support->on, size);
+  describe_selection(out, support->on, size);
   bwi_text_add(out, "\n");
 }
 
 static void describe_resultant(bwi_text *out, const double resultant[3], const double moment[3],
-                               double force, double turn) {
+                               double force, double moment_size) {
   bwi_text_add(out, "resultant ");
   bwi_text_vector(out, resultant, 5, 1e-10 * force);
   bwi_text_add(out, " N, moment about the origin ");
-  bwi_text_vector(out, moment, 5, 1e-10 * turn);
+  bwi_text_vector(out, moment, 5, 1e-10 * moment_size);
   bwi_text_add(out, " N m\n");
 }
 
 /* What counts as rounding in a resultant: forces that cancel leave about 1e-16 of their size. */
-static void sizes_of(const bw_load *load, double size, double *force, double *turn) {
+static void sizes_of(const bw_load *load, double size, double *force, double *moment_size) {
   double max = bw_norm(load->vector);
   *force = bw_norm(load->resultant);
   if (load->kind == BW_LOAD_PRESSURE || load->kind == BW_LOAD_TRACTION)
     *force = fmax(*force, max * load->area);
   else if (load->kind == BW_LOAD_TORQUE)
     *force = fmax(*force, size > 0 ? max / size : 0);
-  *turn = fmax(bw_norm(load->moment), *force * size);
+  *moment_size = fmax(bw_norm(load->moment), *force * size);
 }
 
 static void describe_load(bwi_text *out, const bw_load *load, int number, double size) {
@@ -137,7 +137,7 @@ static void describe_load(bwi_text *out, const bw_load *load, int number, double
                                      ": forces at nodes",
                                      ": change of temperature"};
   static const char *const unit[] = {" Pa", " Pa", " N", " N m", " m/s2", "", ""};
-  double force, turn;
+  double force, moment_size;
   bwi_text_add(out, "load ");
   bwi_text_integer(out, number);
   bwi_text_add(out, name[load->kind]);
@@ -153,14 +153,14 @@ static void describe_load(bwi_text *out, const bw_load *load, int number, double
   }
   bwi_text_add(out, "; ");
   if (load->on) {
-    describe_place(out, load->on, size);
+    describe_selection(out, load->on, size);
     bwi_text_add(out, "; ");
   }
-  sizes_of(load, size, &force, &turn);
-  describe_resultant(out, load->resultant, load->moment, force, turn);
+  sizes_of(load, size, &force, &moment_size);
+  describe_resultant(out, load->resultant, load->moment, force, moment_size);
 }
 
-/* Which rigid-body motions the supports leave free, or why that cannot be said. */
+/* Which rigid-body motions the supports leave free, or why that is unknown. */
 static bw_status describe_free(bw_context *context, bwi_text *out, const bw_model *model) {
   bw_dof_map *dof_map = NULL;
   char *text = NULL;
@@ -189,7 +189,7 @@ done:
 bw_status bw_model_describe(bw_context *context, const bw_model *model, char **text) {
   bwi_text out = {.context = context};
   double low[3], high[3], diagonal[3], total[3] = {0, 0, 0}, moment[3] = {0, 0, 0};
-  double all_force = 0, all_turn = 0;
+  double all_force = 0, all_moment = 0;
   bw_mesh_box(model->mesh, low, high);
   for (int k = 0; k < 3; k++)
     diagonal[k] = high[k] - low[k];
@@ -204,11 +204,11 @@ bw_status bw_model_describe(bw_context *context, const bw_model *model, char **t
     bwi_text_add(&out, "no load\n");
   for (int i = 0; i < model->load_count; i++) {
     const bw_load *load = &model->load[i];
-    double force, turn;
+    double force, moment_size;
     describe_load(&out, load, i + 1, size);
-    sizes_of(load, size, &force, &turn);
+    sizes_of(load, size, &force, &moment_size);
     all_force += force;
-    all_turn += turn;
+    all_moment += moment_size;
     for (int k = 0; k < 3; k++) {
       total[k] += load->resultant[k];
       moment[k] += load->moment[k];
@@ -216,7 +216,7 @@ bw_status bw_model_describe(bw_context *context, const bw_model *model, char **t
   }
   if (model->load_count > 1) {
     bwi_text_add(&out, "all loads: ");
-    describe_resultant(&out, total, moment, all_force, all_turn);
+    describe_resultant(&out, total, moment, all_force, all_moment);
   }
   bw_status status = describe_free(context, &out, model);
   if (status == BW_OK && out.failed)

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Which displacement components are unknowns, prescribed or isostatic constraints: states, values
- * and frames from what the supports constrain; the rigid-body modes of every body; the pins are
- * chosen in isostatic.c. */
+ * and frames from what the supports constrain; the rigid-body modes of every body; the isostatic
+ * constraints are chosen in isostatic.c. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -57,29 +57,30 @@ static void complete(int count, double (*row)[3]) {
   memcpy(row[count], pick, sizeof pick);
 }
 
-/* The frame of a node constrained along one or two directions, these first. Following an edit, the
- * rest is chosen as seen from the node's subdomain, so that where both turn together, the frame
- * does. */
+/* The frame of a node that is constrained along one or two directions, these first. Following an
+ * edit, the rest is chosen as seen from the node's subdomain, so that where both rotate together,
+ * the frame does. */
 static void support_frame(const bwi_constraint *at, const bwi_follow *follow, double row[3][3]) {
-  const double *turn = NULL;
+  const double *rotation = NULL;
   if (follow && follow->node_subdomain[at->node] >= 0)
-    turn = follow->frame + 9 * (size_t)follow->node_subdomain[at->node];
+    rotation = follow->frame + 9 * (size_t)follow->node_subdomain[at->node];
   memcpy(row, at->direction, 3 * sizeof *row);
-  if (at->count == 1 && turn) {
+  if (at->count == 1 && rotation) {
     double seen[3][3];
     for (int k = 0; k < 3; k++)
-      seen[0][k] = bw_dot(turn + 3 * k, row[0]);
+      seen[0][k] = bw_dot(rotation + 3 * k, row[0]);
     complete(1, seen);
     for (int k = 0; k < 3; k++)
-      row[1][k] = turn[k] * seen[1][0] + turn[3 + k] * seen[1][1] + turn[6 + k] * seen[1][2];
+      row[1][k] =
+          rotation[k] * seen[1][0] + rotation[3 + k] * seen[1][1] + rotation[6 + k] * seen[1][2];
   } else if (at->count == 1)
     complete(1, row);
   bw_cross(row[0], row[1], row[2]);
 }
 
-/* Turn what is held at nodes into states, values and frames. Following an edit, every node that is
- * held in part has a frame of its own, along the global axes or not: so its state does not depend
- * on how the surface lies just now. */
+/* Turns what is constrained at nodes into states, values and frames. Following an edit, every node
+ * that is constrained in part has a frame of its own, along the global axes or not: so its state
+ * does not depend on how the surface lies just now. */
 static bw_status apply_constraints(bw_context *context, bw_dof_map *dof_map, int32_t count,
                                    const bwi_constraint *constraint, const bwi_follow *follow) {
   int32_t frames = 0;
@@ -94,8 +95,8 @@ static bw_status apply_constraints(bw_context *context, bw_dof_map *dof_map, int
     for (int32_t h = 0; h < count; h++) {
       const bwi_constraint *at = &constraint[h];
       size_t base = 3 * (size_t)at->node;
-      /* Global components serve when every global axis is either held or free. */
-      bool global = !follow, held[3];
+      /* Global components serve when every global axis is either constrained or free. */
+      bool global = !follow, constrained[3];
       double value[3] = {0, 0, 0};
       for (int k = 0; k < 3; k++) {
         double part = 0;
@@ -103,13 +104,13 @@ static bw_status apply_constraints(bw_context *context, bw_dof_map *dof_map, int
           part += at->direction[i][k] * at->direction[i][k];
           value[k] += at->direction[i][k] * at->value[i];
         }
-        held[k] = part > 0.5;
+        constrained[k] = part > 0.5;
         if (part > 1e-18 && part < 1 - 1e-9) /* squares: an angle of 1e-9 */
           global = false;
       }
       if (global || at->count == 3) {
         for (int k = 0; pass == 1 && k < 3; k++)
-          if (held[k]) {
+          if (constrained[k]) {
             dof_map->state[base + (size_t)k] = BW_DOF_PRESCRIBED;
             dof_map->value[base + (size_t)k] = value[k];
           }
@@ -134,7 +135,7 @@ static bw_status apply_constraints(bw_context *context, bw_dof_map *dof_map, int
   return BW_OK;
 }
 
-/* The rigid-body modes of every body, and their pins. */
+/* The rigid-body modes of every body, and their isostatic constraints. */
 static bw_status free_bodies(bw_context *context, bw_dof_map *dof_map, int32_t constraint_count,
                              const bwi_constraint *constraint, const double *inertia,
                              const bw_dof_map *previous) {
@@ -207,7 +208,10 @@ done:
 static bw_status take_frames(bw_context *context, bw_dof_map *dof_map, const bwi_follow *follow) {
   int32_t first = dof_map->frame_count, subdomains = follow->subdomain_count;
   if ((int64_t)first + subdomains > INT32_MAX)
-    return bw_fail(context, BW_LIMIT, "%d subdomains are too many", subdomains);
+    return bw_fail(
+        context, BW_LIMIT,
+        "%d subdomains: the frames of supports and subdomains are more than the limit of 2^31 - 1",
+        subdomains);
   double *all = (double *)bw_resize(context, dof_map->frame,
                                     9 * ((size_t)first + (size_t)subdomains), sizeof *all);
   if (!all)
@@ -221,8 +225,8 @@ static bw_status take_frames(bw_context *context, bw_dof_map *dof_map, const bwi
     if (subdomain < 0 || state[0] != state[1] || state[1] != state[2])
       continue;
     if (subdomain >= subdomains)
-      return bw_fail(context, BW_INVALID, "node %d goes with subdomain %d of %d", i + 1,
-                     subdomain + 1, subdomains);
+      return bw_fail(context, BW_INVALID, "node %d is in subdomain %d: the subdomains are 1 to %d",
+                     i + 1, subdomain + 1, subdomains);
     dof_map->frame_of[i] = first + subdomain;
     double *value = dof_map->value + 3 * (size_t)i, global[3];
     memcpy(global, value, sizeof global);
@@ -233,8 +237,8 @@ static bw_status take_frames(bw_context *context, bw_dof_map *dof_map, const bwi
 }
 
 #ifndef NDEBUG
-/* Numbers ascend over the unknowns and nothing else, every node belongs to one body,
- * and pinned components are as many as unconstrained rigid-body modes. */
+/* Numbers ascend over the unknowns and nothing else, every node belongs to one body, and there
+ * are as many isostatic constraints as unconstrained rigid-body modes. */
 static bool is_consistent(const bw_dof_map *dof_map) {
   const bw_mesh *mesh = dof_map->mesh;
   int32_t count = 0, isostatic = 0;

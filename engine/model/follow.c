@@ -5,7 +5,7 @@
  * those of the subdomains, whether a node uses them or not. A node takes the frame of its subdomain
  * when its three components are all constrained or none is: then any frame serves. A node where
  * some are constrained keeps these directions. Isostatic constraints are chosen after that, so that
- * one of a body that turns turns with it. */
+ * one of a body that rotates rotates with it. */
 #include <string.h>
 
 #include "model/internal.h"

@@ -144,7 +144,8 @@ bw_status bw_model_write_inp(bw_context *context, const bw_model *model, const c
     status = BW_MEMORY;
     goto done;
   }
-  /* Modes of a free body are free; a static step needs the pins, which carry no load. */
+  /* Modes of a free body are free; a static step needs the isostatic constraints, which carry no
+   * load. */
   for (size_t i = 0; modes > 0 && i < 3 * (size_t)mesh->node_count; i++)
     if (dof_map->state[i] == BW_DOF_ISOSTATIC)
       dof_map->state[i] = BW_DOF_UNKNOWN;

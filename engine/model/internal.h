@@ -23,8 +23,7 @@ bw_status bwi_refined_array(bw_context *context, const bw_refinement *refinement
                             const bw_mesh *from, const bw_mesh *mesh, const bw_array *array,
                             bool interpolated, bw_array **refined);
 
-/* ---- constraint.c
- * ---------------------------------------------------------------------------------- */
+/* ---- constraint.c -------------------------------------------------------------------------- */
 
 /* What the supports constrain at each node: an orthonormal set of directions with values. */
 typedef struct bwi_constraint {
@@ -37,7 +36,7 @@ typedef struct bwi_constraint {
 bw_status bwi_node_constraints(bw_context *context, const bw_model *model, int32_t *count,
                                bwi_constraint **constraint);
 
-/* ---- moments.c, rigid.c, motions.c ----------------------------------------------------------- */
+/* ---- moments.c, rigid.c, rigid_modes.c ----------------------------------------------------- */
 
 /* The volume's moments of every body: fills body_volume, body_centre and weight (which must have
  * room) and inertia, component_count x 9: 1/V integral of |y|^2 1 - y y^T, y = x - centre. */
@@ -94,7 +93,7 @@ typedef struct bwi_boundary_point {
 int bwi_boundary_points(const bw_mesh *mesh, int32_t facet, bwi_boundary_point *point);
 
 /* The boundary facets at each mesh node: list[start[i]] .. list[start[i + 1] - 1] are
- * facet * 8 + place of the node in the facet, ascending. */
+ * facet * 8 + index of the node in the facet, ascending. */
 typedef struct bwi_facet_incidence {
   int64_t *start, *list;
 } bwi_facet_incidence;

@@ -11,18 +11,18 @@
 
 #include "model/internal.h"
 
-/* They are looked for within this many radii of gyration: the far tips of thin limbs are soft and
+/* They are chosen within this many radii of gyration: the far tips of thin limbs are soft and
  * would make the matrix ill-conditioned. */
-#define PIN_REACH 1.5
-/* A constraint this weak (relative to the first) calls for looking at all nodes. */
-#define PIN_WEAK 0.1
-/* So many nodes of a body, evenly spread over their numbers, are looked at before that. */
-enum { PIN_CANDIDATES = 4096 };
+#define MAX_REACH 1.5
+/* Where a constraint is this weak (relative to the first), all nodes are tried. */
+#define WEAK 0.1
+/* So many nodes of a body, evenly spread over their numbers, are tried before that. */
+enum { CANDIDATES = 4096 };
 
 /* Constraints of a shape before it was edited stay as long as none is weaker than this, relative to
- * the first, and all lie within PIN_STAYS radii of gyration. */
-#define PIN_POOR 0.03
-#define PIN_STAYS 3.0
+ * the first, and all lie within KEPT_REACH radii of gyration. */
+#define MIN_KEPT_STRENGTH 0.03
+#define KEPT_REACH 3.0
 
 /* The displacement direction of component k at a node. */
 static void direction_of(const bw_dof_map *dof_map, int32_t node, int k, double d[3]) {
@@ -34,9 +34,10 @@ static void direction_of(const bw_dof_map *dof_map, int32_t node, int k, double 
 /* Constrain `count` components of a body whose first motion is `motion`; false when the rigid-body
  * modes cannot be told apart at the candidates: every stride-th node within `reach` of the centre,
  * and of those (with `among`) only the isostatic constraints of that DOF map. */
-static bool pick_pins(const bw_dof_map *dof_map, int32_t body, int count,
-                      const bw_rigid_mode *motion, double reach, int32_t stride, double weakest,
-                      const bw_dof_map *among, int32_t *chosen_node, int *chosen_direction) {
+static bool choose_constraints(const bw_dof_map *dof_map, int32_t body, int count,
+                               const bw_rigid_mode *motion, double reach, int32_t stride,
+                               double weakest, const bw_dof_map *among, int32_t *chosen_node,
+                               int *chosen_direction) {
   const bw_mesh *mesh = dof_map->mesh;
   const double *centre = dof_map->body_centre + 3 * (size_t)body;
   double done[6][6], first = 0;
@@ -96,12 +97,13 @@ bw_status bwi_add_isostatic(bw_context *context, bw_dof_map *dof_map, int32_t bo
   int32_t nodes = dof_map->body_start[body + 1] - dof_map->body_start[body];
   if (previous && previous->motion_start[body + 1] - previous->motion_start[body] != count)
     previous = NULL;
-  if (!(previous && pick_pins(dof_map, body, count, motion, PIN_STAYS * length, 1, PIN_POOR,
-                              previous, chosen_node, chosen_direction)) &&
-      !pick_pins(dof_map, body, count, motion, PIN_REACH * length, nodes / PIN_CANDIDATES + 1,
-                 PIN_WEAK, NULL, chosen_node, chosen_direction) &&
-      !pick_pins(dof_map, body, count, motion, HUGE_VAL, 1, 1e-9, NULL, chosen_node,
-                 chosen_direction))
+  if (!(previous &&
+        choose_constraints(dof_map, body, count, motion, KEPT_REACH * length, 1, MIN_KEPT_STRENGTH,
+                           previous, chosen_node, chosen_direction)) &&
+      !choose_constraints(dof_map, body, count, motion, MAX_REACH * length, nodes / CANDIDATES + 1,
+                          WEAK, NULL, chosen_node, chosen_direction) &&
+      !choose_constraints(dof_map, body, count, motion, HUGE_VAL, 1, 1e-9, NULL, chosen_node,
+                          chosen_direction))
     return bw_fail(
         context, BW_INTERNAL,
         "body %d has %d unconstrained rigid-body modes that its nodes cannot distinguish", body + 1,

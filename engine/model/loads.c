@@ -59,10 +59,11 @@ static bw_status prepare(bw_context *context, const bw_load *load, surface_load 
     area_moments(load->on, load->about, &area, inertia);
     double trace = inertia[0] + inertia[4] + inertia[8];
     if (!(trace > 0) || !(bw_inverse3(inertia, inverse) > 1e-12 * trace * trace * trace))
-      return bw_fail(context, BW_GEOMETRY,
-                     "the %d facets that a torque acts on have no lever about its point: choose a "
-                     "wider selection",
-                     load->on->facet_count);
+      return bw_fail(
+          context, BW_GEOMETRY,
+          "the %d facets that a torque acts on have no lever arm about its point: choose a "
+          "wider selection",
+          load->on->facet_count);
     for (int k = 0; k < 3; k++)
       surface->spin[k] = bw_dot(inverse + 3 * k, load->vector);
     break;
@@ -78,7 +79,7 @@ static void facet_force(const bw_mesh *mesh, const surface_load *load, int32_t f
                         double (*force)[3]) {
   memset(force, 0, (size_t)mesh->nodes_per_facet * sizeof *force);
   if (!load->varies && bwi_boundary_is_straight(mesh, facet)) {
-    /* Integral N: a third of the area at each corner (order 1), at each middle (order 2). */
+    /* Integral N: a third of the area at each corner (order 1), at each mid-edge node (order 2). */
     double normal[3], middle[3] = {1. / 3, 1. / 3, 1. / 3};
     bwi_boundary_normal(mesh, facet, middle, normal);
     double area = bw_norm(normal) / 2;
@@ -103,7 +104,7 @@ static void facet_force(const bw_mesh *mesh, const surface_load *load, int32_t f
   }
 }
 
-/* Calls `add` with every node's share of a load, facet by facet or element by element. */
+/* Calls `add` with the part of a load at every node, facet by facet or element by element. */
 typedef void add_force(void *data, int32_t node, const double force[3]);
 
 static bw_status spread(bw_context *context, const bw_model *model, const bw_load *load,
@@ -169,11 +170,11 @@ typedef struct sums {
 
 static void add_sums(void *data, int32_t node, const double force[3]) {
   sums *s = (sums *)data;
-  double turn[3];
-  bw_cross(s->mesh->node + 3 * (size_t)node, force, turn);
+  double moment[3];
+  bw_cross(s->mesh->node + 3 * (size_t)node, force, moment);
   for (int k = 0; k < 3; k++) {
     s->resultant[k] += force[k];
-    s->moment[k] += turn[k];
+    s->moment[k] += moment[k];
   }
 }
 

@@ -55,14 +55,14 @@ bw_status bw_model_create(bw_context *context, const bw_mesh *mesh, const bw_mat
 
 bw_status bw_model_rotate_material(bw_context *context, bw_model *model, int32_t group_count,
                                    const int32_t *of_element, const double *rotation) {
-  bw_material *turned = NULL;
+  bw_material *rotated = NULL;
   bw_status status =
       bw_material_rotated_by_element(context, model->material, model->mesh->element_count,
-                                     group_count, of_element, rotation, &turned);
+                                     group_count, of_element, rotation, &rotated);
   if (status != BW_OK)
     return status;
   bw_release(model->material);
-  model->material = turned;
+  model->material = rotated;
   model->object.revision++;
   return BW_OK;
 }

@@ -53,7 +53,7 @@ static int compare_numbers(const void *a, const void *b) {
 }
 
 /* The selection's facets and nodes on the new mesh; NULL stays NULL. Retained by the transfer. */
-static bw_status carry_selection(transfer *t, const bw_selection *on, const bw_selection **out) {
+static bw_status transfer_selection(transfer *t, const bw_selection *on, const bw_selection **out) {
   bw_status status = BW_OK;
   int32_t *node = NULL;
   bw_selection *made = NULL;
@@ -77,7 +77,8 @@ static bw_status carry_selection(transfer *t, const bw_selection *on, const bw_s
       node[i] = t->node_to[on->node[i]];
       if (node[i] < 0) {
         status = bw_fail(t->context, BW_INVALID,
-                         "node %d, which a support or load is given on, is gone from the new mesh",
+                         "node %d, which a support or load acts on, is not in the new mesh: give "
+                         "the support or load on the new mesh",
                          on->node[i] + 1);
         goto done;
       }
@@ -98,8 +99,8 @@ done:
 
 /* Values at nodes on a mesh with other nodes; new nodes get `fill`, or on a refined mesh what lies
  * between. The caller's reference. */
-static bw_status carry_array(transfer *t, const bw_array *array, bool forces, double fill,
-                             bw_array **out) {
+static bw_status transfer_array(transfer *t, const bw_array *array, bool forces, double fill,
+                                bw_array **out) {
   bw_array *made = NULL;
   if (array && t->refinement)
     return bwi_refined_array(t->context, t->refinement, t->from->mesh, t->to->mesh, array, !forces,
@@ -121,12 +122,12 @@ static bw_status carry_array(transfer *t, const bw_array *array, bool forces, do
   return BW_OK;
 }
 
-static bw_status carry_support(transfer *t, const bw_support *support) {
+static bw_status transfer_support(transfer *t, const bw_support *support) {
   bw_status status = BW_OK;
   bw_support made = *support;
   bw_array *field = NULL;
-  BW_TRY(carry_selection(t, support->on, &made.on));
-  BW_TRY(carry_array(t, support->field, false, 0, &field));
+  BW_TRY(transfer_selection(t, support->on, &made.on));
+  BW_TRY(transfer_array(t, support->field, false, 0, &field));
   made.field = field;
   BW_TRY(bwi_model_add_support(t->context, t->to, &made));
 done:
@@ -134,7 +135,7 @@ done:
   return status;
 }
 
-/* Whether a load at nodes can be said on the new nodes: forces where no loaded node is gone, a
+/* Whether a load at nodes can be expressed at the new nodes: forces where no loaded node is gone, a
  * change of temperature that is the same everywhere. */
 static bw_status check_nodal(const transfer *t, int number, const bw_load *load) {
   int32_t nodes = t->from->mesh->node_count;
@@ -144,7 +145,7 @@ static bw_status check_nodal(const transfer *t, int number, const bw_load *load)
         if (t->node_to[i] < 0 && bw_array_get(load->nodal, i, k) != 0) {
           bw_fail(t->context, BW_UNSUPPORTED,
                   "load %d is a force at node %d, which is inside the part that was filled again "
-                  "and is gone: give it on the surface",
+                  "and is not in the new mesh: give it on the surface",
                   number + 1, i + 1);
           bw_detail_number(t->context, "node", i + 1.0);
           return BW_UNSUPPORTED;
@@ -161,17 +162,17 @@ static bw_status check_nodal(const transfer *t, int number, const bw_load *load)
   return BW_OK;
 }
 
-static bw_status carry_load(transfer *t, int number) {
+static bw_status transfer_load(transfer *t, int number) {
   bw_status status = BW_OK;
   const bw_load *load = &t->from->load[number];
   bw_load made = *load;
   bw_array *nodal = NULL;
   if (t->node_from && load->nodal)
     BW_TRY(check_nodal(t, number, load));
-  BW_TRY(carry_selection(t, load->on, &made.on));
-  BW_TRY(carry_array(t, load->nodal, load->kind == BW_LOAD_NODAL,
-                     load->kind == BW_LOAD_TEMPERATURE ? bw_array_get(load->nodal, 0, 0) : 0,
-                     &nodal));
+  BW_TRY(transfer_selection(t, load->on, &made.on));
+  BW_TRY(transfer_array(t, load->nodal, load->kind == BW_LOAD_NODAL,
+                        load->kind == BW_LOAD_TEMPERATURE ? bw_array_get(load->nodal, 0, 0) : 0,
+                        &nodal));
   made.nodal = nodal;
   if (load->kind == BW_LOAD_TORQUE) {
     double before[3], after[3];
@@ -187,10 +188,10 @@ done:
 }
 
 /* `also`: further selections, after those of supports and loads. */
-static bw_status carry(bw_context *context, const bw_model *model, const bw_mesh *mesh,
-                       const int32_t *node_from, const bw_refinement *refinement, int also_count,
-                       const bw_selection *const *also, bw_selection **also_carried,
-                       bw_model **out) {
+static bw_status transfer_model(bw_context *context, const bw_model *model, const bw_mesh *mesh,
+                                const int32_t *node_from, const bw_refinement *refinement,
+                                int also_count, const bw_selection *const *also,
+                                bw_selection **also_transferred, bw_model **out) {
   bw_status status = BW_OK;
   transfer t = {
       .context = context, .from = model, .node_from = node_from, .refinement = refinement};
@@ -205,20 +206,20 @@ static bw_status carry(bw_context *context, const bw_model *model, const bw_mesh
   if (node_from)
     BW_TRY(invert(&t));
   for (int i = 0; i < model->support_count; i++)
-    BW_TRY(carry_support(&t, &model->support[i]));
+    BW_TRY(transfer_support(&t, &model->support[i]));
   for (int i = 0; i < model->load_count; i++)
-    BW_TRY(carry_load(&t, i));
+    BW_TRY(transfer_load(&t, i));
   for (int i = 0; i < also_count; i++) {
     const bw_selection *made;
     if (also[i]->mesh != model->mesh) {
       status = bw_fail(context, BW_INVALID, "selection %d is not of the model's mesh", i + 1);
       goto done;
     }
-    BW_TRY(carry_selection(&t, also[i], &made));
-    also_carried[i] = (bw_selection *)made;
+    BW_TRY(transfer_selection(&t, also[i], &made));
+    also_transferred[i] = (bw_selection *)made;
   }
   for (int i = 0; i < also_count; i++)
-    bw_retain(also_carried[i]);
+    bw_retain(also_transferred[i]);
 done:
   for (int i = 0; i < t.count; i++)
     bw_release(t.after[i]);
@@ -226,7 +227,7 @@ done:
   bw_free(t.after);
   bw_free(t.node_to);
   for (int i = 0; i < also_count && status != BW_OK; i++)
-    also_carried[i] = NULL; /* released with the others */
+    also_transferred[i] = NULL; /* released with the others */
   if (status == BW_OK)
     *out = t.to;
   else
@@ -251,7 +252,7 @@ bw_status bw_model_moved(bw_context *context, const bw_model *model, const bw_me
                    "the mesh has %d nodes and %d elements, the model's mesh %d and %d: a model can "
                    "be moved only to a mesh with the same elements at other positions",
                    mesh->node_count, mesh->element_count, old->node_count, old->element_count);
-  return carry(context, model, mesh, NULL, NULL, 0, NULL, NULL, moved);
+  return transfer_model(context, model, mesh, NULL, NULL, 0, NULL, NULL, moved);
 }
 
 bw_status bw_model_transferred(bw_context *context, const bw_model *model, const bw_mesh *mesh,
@@ -271,7 +272,7 @@ bw_status bw_model_transferred(bw_context *context, const bw_model *model, const
                    "material %s has axes by element, and the mesh has other elements: transfer the "
                    "model with the material before the rotation, and rotate it on the new mesh",
                    model->material->name);
-  return carry(context, model, mesh, node_from, NULL, 0, NULL, NULL, transferred);
+  return transfer_model(context, model, mesh, node_from, NULL, 0, NULL, NULL, transferred);
 }
 
 bw_status bw_model_refined(bw_context *context, const bw_model *model,
@@ -290,5 +291,6 @@ bw_status bw_model_refined(bw_context *context, const bw_model *model,
     return bw_fail(context, BW_UNSUPPORTED,
                    "material %s has axes by element: such a model cannot be refined",
                    model->material->name);
-  return carry(context, model, mesh, NULL, refinement, also_count, also, also_refined, refined);
+  return transfer_model(context, model, mesh, NULL, refinement, also_count, also, also_refined,
+                        refined);
 }

@@ -14,7 +14,7 @@
 
 /* A component is constrained when what is left of its row (size about 1) is above this. Positions
  * from single-precision files carry relative noise of 1e-7, which must not count as a support. */
-#define HELD_TOLERANCE 1e-6
+#define CONSTRAINED_TOLERANCE 1e-6
 /* Principal moments that agree to this are taken as equal, and their axes along x, y, z. */
 #define EQUAL_MOMENTS 1e-7
 
@@ -105,7 +105,7 @@ static int free_space(int64_t row_count, const double (*row)[6], double (*basis)
   double constrained[6][6];
   int rank = 0;
   for (; rank < 6; rank++) { /* the row that adds most: rank by pivoting, whatever their number */
-    double best = HELD_TOLERANCE;
+    double best = CONSTRAINED_TOLERANCE;
     bool found = false;
     for (int64_t r = 0; r < row_count; r++) {
       double a[6];
@@ -153,16 +153,16 @@ static void largest_positive(double *v, double *with) {
 }
 
 static void name_motion(bw_rigid_mode *motion, double length) {
-  double turn = bw_norm(motion->rotation), slip = bw_norm(motion->translation);
+  double size = bw_norm(motion->rotation), slip = bw_norm(motion->translation);
   char along[64], through[96];
-  if (turn == 0) {
+  if (size == 0) {
     bwi_vector_string(along, sizeof along, motion->translation, 4, 1e-6);
     snprintf(motion->text, sizeof motion->text, "translation along %s", along);
     return;
   }
   double axis[3];
   for (int k = 0; k < 3; k++)
-    axis[k] = motion->rotation[k] / turn;
+    axis[k] = motion->rotation[k] / size;
   bwi_vector_string(along, sizeof along, axis, 4, 1e-6);
   bwi_vector_string(through, sizeof through, motion->centre, 4, 1e-6 * length);
   if (slip == 0)
@@ -170,7 +170,7 @@ static void name_motion(bw_rigid_mode *motion, double length) {
              through, along);
   else {
     char pitch[32];
-    bwi_number_string(pitch, sizeof pitch, bw_dot(motion->translation, axis) / turn, 3, 0);
+    bwi_number_string(pitch, sizeof pitch, bw_dot(motion->translation, axis) / size, 3, 0);
     snprintf(motion->text, sizeof motion->text,
              "screw motion about the axis through %s along %s, %s m per radian", through, along,
              pitch);
@@ -178,15 +178,15 @@ static void name_motion(bw_rigid_mode *motion, double length) {
 }
 
 /* Fills a rotation or screw from (t, w) about the body's centre, of unit size. */
-static void set_turn(bw_rigid_mode *motion, const double centre[3], const double t[3],
-                     const double w[3], double length) {
-  double turn = bw_dot(w, w), slip = bw_dot(t, w) / turn, arm[3];
+static void set_rotation(bw_rigid_mode *motion, const double centre[3], const double t[3],
+                         const double w[3], double length) {
+  double square = bw_dot(w, w), slip = bw_dot(t, w) / square, arm[3];
   bw_cross(w, t, arm);
   memcpy(motion->rotation, w, sizeof motion->rotation);
   if (fabs(slip) <= 1e-9 * length) /* m per radian */
     slip = 0;
   for (int k = 0; k < 3; k++) {
-    motion->centre[k] = centre[k] + arm[k] / turn;
+    motion->centre[k] = centre[k] + arm[k] / square;
     motion->translation[k] = slip * w[k];
   }
 }
@@ -207,8 +207,8 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
       gram[i][j] = bwi_dot(3, basis[i] + 3, basis[j] + 3);
   jacobi(count, gram, value, vector);
   int shifts = 0;
-  double shift[3][3], turn_t[3][3], turn_w[3][3];
-  int turns = 0;
+  double shift[3][3], rotation_t[3][3], rotation_w[3][3];
+  int rotation_count = 0;
   for (int i = 0; i < count; i++) {
     double t[3] = {0, 0, 0}, w[3] = {0, 0, 0};
     for (int j = 0; j < count; j++)
@@ -217,7 +217,7 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
         w[k] += vector[i][j] * basis[j][3 + k];
       }
     double size = bw_norm(w);
-    if (size <= HELD_TOLERANCE && shifts < 3) {
+    if (size <= CONSTRAINED_TOLERANCE && shifts < 3) {
       for (int s = 0; s < shifts; s++) {
         double part = bw_dot(t, shift[s]);
         for (int k = 0; k < 3; k++)
@@ -227,15 +227,15 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
       for (int k = 0; k < 3; k++)
         shift[shifts][k] = t[k] / length_t;
       shifts++;
-    } else if (turns < 3) { /* unit rotations, orthogonal to each other */
+    } else if (rotation_count < 3) { /* unit rotations, orthogonal to each other */
       for (int k = 0; k < 3; k++) {
-        turn_t[turns][k] = t[k] / size;
-        turn_w[turns][k] = w[k] / size;
+        rotation_t[rotation_count][k] = t[k] / size;
+        rotation_w[rotation_count][k] = w[k] / size;
       }
-      turns++;
+      rotation_count++;
     }
   }
-  count = shifts + turns;
+  count = shifts + rotation_count;
   double coefficient[6][6];
   align(shifts, (const double(*)[3])shift, coefficient);
   for (int i = 0; i < shifts; i++) {
@@ -251,29 +251,32 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
 
   /* The rotations, orthogonal to the translations: principal axes of
    * <r, s> = t . t' + w . J w' among them (w here is L times the angular velocity). */
-  for (int i = 0; i < turns; i++)
+  for (int i = 0; i < rotation_count; i++)
     for (int s = 0; s < shifts; s++) {
-      double part = bw_dot(turn_t[i], shift[s]);
+      double part = bw_dot(rotation_t[i], shift[s]);
       for (int k = 0; k < 3; k++)
-        turn_t[i][k] -= part * shift[s][k];
+        rotation_t[i][k] -= part * shift[s][k];
     }
-  for (int i = 0; i < turns; i++)
-    for (int j = 0; j < turns; j++) {
-      gram[i][j] = bw_dot(turn_t[i], turn_t[j]);
+  for (int i = 0; i < rotation_count; i++)
+    for (int j = 0; j < rotation_count; j++) {
+      gram[i][j] = bw_dot(rotation_t[i], rotation_t[j]);
       for (int k = 0; k < 3; k++)
-        gram[i][j] += turn_w[i][k] * bwi_dot(3, inertia + 3 * k, turn_w[j]) / (length * length);
+        gram[i][j] +=
+            rotation_w[i][k] * bwi_dot(3, inertia + 3 * k, rotation_w[j]) / (length * length);
     }
-  jacobi(turns, gram, value, vector);
-  for (int first = 0; first < turns;) { /* equal moments: any axes are principal, so take x, y, z */
+  jacobi(rotation_count, gram, value, vector);
+  for (int first = 0;
+       first < rotation_count;) { /* equal moments: any axes are principal, so take x, y, z */
     int next = first + 1;
-    while (next < turns && value[next] - value[first] <= EQUAL_MOMENTS * value[turns - 1])
+    while (next < rotation_count &&
+           value[next] - value[first] <= EQUAL_MOMENTS * value[rotation_count - 1])
       next++;
     double t[3][3] = {{0}}, w[3][3] = {{0}};
     for (int i = first; i < next; i++)
-      for (int j = 0; j < turns; j++)
+      for (int j = 0; j < rotation_count; j++)
         for (int k = 0; k < 3; k++) {
-          t[i - first][k] += vector[i][j] * turn_t[j][k];
-          w[i - first][k] += vector[i][j] * turn_w[j][k];
+          t[i - first][k] += vector[i][j] * rotation_t[j][k];
+          w[i - first][k] += vector[i][j] * rotation_w[j][k];
         }
     align(next - first, (const double(*)[3])w, coefficient);
     for (int i = first; i < next; i++) {
@@ -293,7 +296,7 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
       }
       largest_positive(wi, ti);
       motion[shifts + i].component = component;
-      set_turn(&motion[shifts + i], centre, ti, wi, length);
+      set_rotation(&motion[shifts + i], centre, ti, wi, length);
       name_motion(&motion[shifts + i], length);
     }
     first = next;

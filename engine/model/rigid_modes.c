@@ -49,11 +49,11 @@ static void dot_body(const bw_dof_map *dof_map, int32_t body, const double *forc
   for (int32_t j = dof_map->body_start[body]; j < dof_map->body_start[body + 1]; j++) {
     size_t i = (size_t)dof_map->body_node[j];
     const double *x = dof_map->mesh->node + 3 * i, *f = force + 3 * i;
-    double y[3] = {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]}, turn[3];
-    bw_cross(y, f, turn);
+    double y[3] = {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]}, cross[3];
+    bw_cross(y, f, cross);
     for (int k = 0; k < 3; k++) {
       sum[k] += f[k];
-      moment[k] += turn[k];
+      moment[k] += cross[k];
     }
   }
   along_motions(dof_map, body, sum, moment, a);
@@ -65,11 +65,11 @@ static void measure_body(const bw_dof_map *dof_map, int32_t body, const double *
   for (int32_t j = dof_map->body_start[body]; j < dof_map->body_start[body + 1]; j++) {
     size_t i = (size_t)dof_map->body_node[j];
     const double *u = displacement + 3 * i, *weight = dof_map->weight + 4 * i;
-    double turn[3];
-    bw_cross(weight + 1, u, turn); /* u . (w x q) = w . (q x u) */
+    double cross[3];
+    bw_cross(weight + 1, u, cross); /* u . (w x q) = w . (q x u) */
     for (int k = 0; k < 3; k++) {
       sum[k] += weight[0] * u[k];
-      moment[k] += turn[k];
+      moment[k] += cross[k];
     }
   }
   along_motions(dof_map, body, sum, moment, a);
@@ -83,10 +83,10 @@ static void add_body(const bw_dof_map *dof_map, int32_t body, double factor, con
   for (int32_t j = dof_map->body_start[body]; j < dof_map->body_start[body + 1]; j++) {
     size_t i = (size_t)dof_map->body_node[j];
     const double *x = dof_map->mesh->node + 3 * i;
-    double y[3] = {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]}, turn[3];
-    bw_cross(w, y, turn);
+    double y[3] = {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]}, cross[3];
+    bw_cross(w, y, cross);
     for (size_t k = 0; k < 3; k++)
-      u[3 * i + k] += factor * (t[k] + turn[k]);
+      u[3 * i + k] += factor * (t[k] + cross[k]);
   }
 }
 
@@ -97,10 +97,10 @@ static void add_weighted_body(const bw_dof_map *dof_map, int32_t body, double fa
   for (int32_t j = dof_map->body_start[body]; j < dof_map->body_start[body + 1]; j++) {
     size_t i = (size_t)dof_map->body_node[j];
     const double *weight = dof_map->weight + 4 * i;
-    double turn[3];
-    bw_cross(w, weight + 1, turn);
+    double cross[3];
+    bw_cross(w, weight + 1, cross);
     for (size_t k = 0; k < 3; k++)
-      f[3 * i + k] += factor * (t[k] * weight[0] + turn[k]);
+      f[3 * i + k] += factor * (t[k] * weight[0] + cross[k]);
   }
 }
 

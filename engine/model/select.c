@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Selections: how they are made, combined and measured. The geometric ones are in select_shape.c,
- * those that walk over facets in select_facets.c.
+ * those that traverse facets in select_facets.c.
  *
  * Invariants: facets and nodes ascend without repetition, every node of a chosen facet is chosen,
  * and there is at least one node. */

@@ -160,7 +160,7 @@ static void unmark_areas(const bw_mesh *mesh, uint8_t *mark) {
   for (int32_t t = 0; t < mesh->facet_count; t++) {
     const int32_t *node = mesh->facet + (size_t)t * mesh->nodes_per_facet;
     int marked = 0;
-    bool line = false; /* an edge with its middle is no area */
+    bool line = false; /* an edge with its mid-edge node is no area */
     for (int a = 0; a < mesh->nodes_per_facet; a++)
       marked += mark[node[a]] != 0;
     for (int a = 0; a < 3 && marked == 3 && mesh->order == 2; a++)

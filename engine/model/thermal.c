@@ -135,9 +135,9 @@ bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bo
   int32_t count = on_nodes ? mesh->node_count : mesh->element_count;
   double unit[6], point[BW_QUADRATURE_POINTS][4], weight[BW_QUADRATURE_POINTS];
   double *by_node = NULL; /* where the material is rotated by element */
-  bool turned = model->material->orientations != NULL;
+  bool rotated = model->material->orientations != NULL;
   bw_status status = BW_OK;
-  if (turned && on_nodes)
+  if (rotated && on_nodes)
     BW_TRY(nodal_units(context, model, &by_node));
   unit_stress(model->material, 0, unit);
   int points = points_of(mesh->order, point, weight);
@@ -152,9 +152,9 @@ bw_status bw_model_thermal_stress(bw_context *context, const bw_model *model, bo
       double change = 0;
       if (i % 65536 == 0)
         BW_TRY(bw_check_cancel(context));
-      if (turned && on_nodes)
+      if (rotated && on_nodes)
         memcpy(unit, by_node + 6 * (size_t)i, sizeof unit);
-      else if (turned)
+      else if (rotated)
         unit_stress(model->material, i, unit);
       if (on_nodes)
         change = bw_array_get(load->nodal, i, 0);

@@ -24,8 +24,8 @@ void bwi_embedding_rest(const bw_embedding *embedding, double *rest) {
   }
 }
 
-/* Positions of a patch's points, moved by u (NULL: at rest), in x; v there in y where it is given.
- */
+/* Positions of a patch's points, moved by u (NULL: at rest), in x; v there in y where it is
+ * given. */
 static bw_status patch_points(bw_context *context, const bw_pressure_patch *patch, const double *u,
                               const double *v, double **x, double **y, double **force) {
   const bw_embedding *embedding = patch->embedding;

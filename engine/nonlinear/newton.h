@@ -136,8 +136,7 @@ typedef struct bwi_newton_state {
 } bwi_newton_state;
 
 /* BW_INVALID for a case of another grid and for options out of range, BW_UNCONSTRAINED where
- * nothing holds.
- */
+ * nothing holds. */
 bw_status bwi_newton_check(bw_context *context, const bw_solid *solid,
                            const bw_load_case *load_case, const bw_newton_options *options);
 /* Room for a Newton state whose context, solid, case, newton, options and report are set; it begins

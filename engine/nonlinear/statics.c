@@ -120,8 +120,8 @@ bw_status bwi_newton_check(bw_context *context, const bw_solid *solid,
     return bw_fail(context, BW_INVALID, "%d iterations in each of %d load steps; at least one",
                    o->iterations, o->steps);
   if (!(o->min_step > 0 && o->min_step <= 1))
-    return bw_fail(context, BW_INVALID, "the least load step is %g; it must lie above 0, up to 1",
-                   o->min_step);
+    return bw_fail(context, BW_INVALID,
+                   "the smallest load step is %g; it must lie above 0, up to 1", o->min_step);
   for (int64_t i = 0; o->start && i < 3 * (int64_t)solid->grid->node_count; i++)
     if (!isfinite(o->start[i]))
       return bw_fail(context, BW_INVALID, "the initial guess is %g at node %lld: it must be finite",
@@ -202,7 +202,7 @@ static bw_status say_failure(bwi_newton_state *state, double reached, const fail
       : f->obstacle == BWI_STIFFNESS ? BW_UNCONSTRAINED
                                      : BW_CONVERGENCE,
       "no %sequilibrium found beyond load factor %.6g: at %.6g %s (residual %.2g, tolerance %.2g; "
-      "element %d at (%.4g, %.4g, %.4g) m is worst, its least det F %.3g, %lld inverted; %d "
+      "element %d at (%.4g, %.4g, %.4g) m is worst, its smallest det F %.3g, %lld inverted; %d "
       "iterations in %d load steps, %d of which failed). The load may be more than the solid "
       "carries; otherwise take smaller or more load steps, %s",
       inverted ? "regular " : "", reached, f->load, bwi_obstacle_text(f->obstacle), f->residual,

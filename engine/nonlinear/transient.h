@@ -36,8 +36,7 @@ double bwi_transient_kinetic(const bw_solid *solid, const double *v);
 /* Of loads that do not follow. */
 double bwi_transient_work(const bw_solid_transient *motion, const double *u);
 /* The projected tangent K at the motion's displacements, kept as damping or damping_linear; y = K
- * x.
- */
+ * x. */
 bw_status bwi_transient_tangent(bw_context *context, bw_solid_transient *motion, const double *x,
                                 double *y);
 

@@ -263,24 +263,25 @@ static bw_status fail_contact(bw_context *context, const contact *c, const bw_lo
   const char *name = loop[a->loop].name.text, *other = loop[b->loop].name.text;
   int first = a->segment + 1, second = b->segment + 1;
   if (a->segment == b->segment && c->kind == TURNS_BACK)
-    bw_fail(context, BW_GEOMETRY, "segment %d of loop '%s' has a cusp at (%g, %g)", first, name, x,
-            y);
-  else if (a->segment == b->segment)
-    bw_fail(context, BW_GEOMETRY, "segment %d of loop '%s' crosses itself at (%g, %g)", first, name,
+    bw_fail(context, BW_GEOMETRY, "segment %d of loop '%s' has a cusp at (%g, %g) m", first, name,
             x, y);
+  else if (a->segment == b->segment)
+    bw_fail(context, BW_GEOMETRY, "segment %d of loop '%s' crosses itself at (%g, %g) m", first,
+            name, x, y);
   else if (c->kind == TURNS_BACK)
     bw_fail(context, BW_GEOMETRY,
-            "segment %d of loop '%s' turns back on segment %d at (%g, %g): there is no angle "
+            "segment %d of loop '%s' turns back on segment %d at (%g, %g) m: there is no angle "
             "between them",
             first, name, second, x, y);
   else if (c->kind == TOUCHES)
-    bw_fail(context, BW_GEOMETRY,
-            "segment %d of loop '%s' touches segment %d of loop '%s' at (%g, %g): at least %.3g m "
-            "apart expected",
-            first, name, second, other, x, y, c->gap);
+    bw_fail(
+        context, BW_GEOMETRY,
+        "segment %d of loop '%s' touches segment %d of loop '%s' at (%g, %g) m: at least %.3g m "
+        "apart expected",
+        first, name, second, other, x, y, c->gap);
   else
     bw_fail(context, BW_GEOMETRY,
-            "segment %d of loop '%s' crosses segment %d of loop '%s' at (%g, %g)", first, name,
+            "segment %d of loop '%s' crosses segment %d of loop '%s' at (%g, %g) m", first, name,
             second, other, x, y);
   bw_detail_number(context, "segment", first);
   bw_detail_number(context, "other_segment", second);
@@ -298,7 +299,7 @@ static bw_status check_length(bw_context *context, const piece *p, const bw_loop
   const double *at = p->curve.point[0];
   const char *name = loop[p->loop].name.text;
   bw_fail(context, BW_GEOMETRY,
-          "segment %d of loop '%s' has no length: its points all lie at (%g, %g), within %.3g",
+          "segment %d of loop '%s' has no length: its points all lie at (%g, %g) m, within %.3g m",
           p->segment + 1, name, at[0], at[1], gap);
   bw_detail_number(context, "segment", p->segment + 1);
   bw_detail_text(context, "loop", name);

@@ -98,8 +98,8 @@ bw_outline_place bw_segment_nearest(const bw_outline *outline, int32_t segment,
   return nearest_on(outline, segment, at, DBL_MAX);
 }
 
-/* Chords are off by their sag, so that each segment gets a little more room than the best so far.
- */
+/* Chords are off by their sag, so that each segment gets a little more room than the best so
+ * far. */
 bw_outline_place bw_outline_nearest(const bw_outline *outline, const double at[2]) {
   bw_outline_place best = {0, 0, DBL_MAX};
   for (int32_t s = 0; s < outline->segment_count; s++) {

@@ -21,7 +21,7 @@ static int passes(const bwi_outline_curve *curve, const double at[2]) {
     double turn = (q[0] - p[0]) * (at[1] - p[1]) - (q[1] - p[1]) * (at[0] - p[0]);
     return from == to ? 0 : to ? turn > 0 : -(turn < 0);
   }
-  /* As straight as its coordinates can tell: the gap between segments is far larger. */
+  /* As straight as its coordinates can express: the gap between segments is far larger. */
   double far = fmax(fmax(fabs(low[0]), fabs(high[0])), fmax(fabs(low[1]), fabs(high[1])));
   if (bwi_curve_sag(curve) <= 1e-14 * far) {
     bwi_outline_curve line = {2, {{0, 0}}};

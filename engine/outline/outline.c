@@ -52,7 +52,7 @@ static bw_status check_points(bw_context *context, int32_t count, const double *
   for (int64_t i = 0; i < 2 * (int64_t)count; i++)
     if (!(fabs(point[i]) <= farthest)) {
       bw_fail(context, BW_INVALID,
-              "point %lld is (%g, %g): finite coordinates of at most %g m are needed",
+              "point %lld is (%g, %g) m: finite coordinates of at most %g m are needed",
               (long long)(i / 2) + 1, point[i - i % 2], point[i - i % 2 + 1], farthest);
       bw_detail_number(context, "point", (double)(i / 2 + 1));
       return BW_INVALID;
@@ -219,7 +219,7 @@ static void turn_loop(const bw_loop *loop, bw_segment *segment) {
 static bw_status fail_loop(bw_context *context, const double *point, const bw_loop *loop,
                            const bw_segment *segment, const char *what) {
   const double *at = point + 2 * (int64_t)segment[loop->first].point[0];
-  bw_fail(context, BW_GEOMETRY, "loop '%s' at (%g, %g) %s", loop->name.text, at[0], at[1], what);
+  bw_fail(context, BW_GEOMETRY, "loop '%s' at (%g, %g) m %s", loop->name.text, at[0], at[1], what);
   bw_detail_text(context, "loop", loop->name.text);
   bw_detail_number(context, "x", at[0]);
   bw_detail_number(context, "y", at[1]);

@@ -5,9 +5,9 @@
  *
  * On a curve both steps have closed forms. With points and edges as complex numbers, edge d_i
  * becomes z_i d_i, where z_i turns and scales it. Step one makes z as even along the curve as it
- * can be: min sum w_i |z_{i+1} - z_i|^2, w_i one over the distance of the mid-edge nodes, with z =
- * 1 in the curve beyond the ends of the chain where that stays, subject to sum of z_i d_i from the
- * left end to the vertex = the way between them as pulled, and the same from the vertex to the
+ * can be: min sum w_i |z_{i+1} - z_i|^2, w_i one over the distance of the edges' midpoints, with z
+ * = 1 in the curve beyond the ends of the chain where that stays, subject to sum of z_i d_i from
+ * the left end to the vertex = the way between them as pulled, and the same from the vertex to the
  * right end. That is a real tridiagonal matrix with two complex constraints. Step two gives each
  * edge its length, in the direction of z_i d_i, and spreads what is then missing between the fixed
  * points over the edges by length, which is the least-squares fit. */
@@ -30,11 +30,11 @@ static complex2 conjugate(complex2 a) {
 
 /* The points from one fixed vertex over the pulled one to the next fixed one. */
 typedef struct chain {
-  int32_t count;  /* of points: edges are one fewer */
-  int32_t pulled; /* place of the vertex in the chain */
-  bool held;      /* the curve beyond the ends stays: the ends are not hinges */
-  int32_t *point; /* count */
-  complex2 *edge; /* count - 1 */
+  int32_t count;   /* of points: edges are one fewer */
+  int32_t pulled;  /* index of the vertex in the chain */
+  bool ends_fixed; /* the curve beyond the ends stays: the ends are not hinges */
+  int32_t *point;  /* count */
+  complex2 *edge;  /* count - 1 */
   double *length;
 } chain;
 
@@ -66,10 +66,10 @@ static int32_t count_side(const bw_outline *outline, const bw_loop *loop, int32_
 
 /* Both sides of a loop of `count` segments. Where they would overlap, or one has no end, the chain
  * goes once around: from the end that there is, or from the vertex farthest off, to itself. */
-static void settle_sides(int32_t count, int32_t *left, int32_t *right, bool *held) {
-  if (*left == count && *right == count) /* nothing holds the loop */
+static void choose_sides(int32_t count, int32_t *left, int32_t *right, bool *ends_fixed) {
+  if (*left == count && *right == count) /* nothing fixes the loop */
     return;
-  *held = *left + *right < count;
+  *ends_fixed = *left + *right < count;
   if (*left + *right <= count)
     return;
   if (*left == count)
@@ -153,14 +153,14 @@ static void even_factors(const chain *c, const complex2 extra[2], complex2 *z, c
     total += c->length[i];
   double min = 1e-9 * total;
   for (int32_t i = 0; i < n; i++)
-    diagonal[i] = 1e-6 / total; /* a chain of hinges has no other hold on its turning */
+    diagonal[i] = 1e-6 / total; /* a chain of hinges does not fix its rotation otherwise */
   for (int32_t i = 0; i + 1 < n; i++) {
     double w = 2 / fmax(c->length[i] + c->length[i + 1], min);
     diagonal[i] += w;
     diagonal[i + 1] += w;
     off[i] = -w;
   }
-  if (c->held) {
+  if (c->ends_fixed) {
     diagonal[0] += 2 / fmax(c->length[0], min);
     diagonal[n - 1] += 2 / fmax(c->length[n - 1], min);
   }
@@ -201,13 +201,13 @@ static void lay_out(const chain *c, const complex2 *z, int32_t from, int32_t to,
     complex2 missing = {end.x - at.x, end.y - at.y}; /* in the second pass */
     at = start;
     for (int32_t i = from; i < to; i++) {
-      complex2 turned = times(z[i], c->edge[i]);
-      double size = hypot(turned.x, turned.y);
+      complex2 rotated = times(z[i], c->edge[i]);
+      double size = hypot(rotated.x, rotated.y);
       double scale = size > 0 ? c->length[i] / size : 0;
       if (pass == 0)
         total += c->length[i];
-      at.x += scale * turned.x;
-      at.y += scale * turned.y;
+      at.x += scale * rotated.x;
+      at.y += scale * rotated.y;
       way += pass == 1 ? c->length[i] : 0;
       if (pass == 1 && i + 1 < to) {
         double *p = point + 2 * (int64_t)c->point[i + 1];
@@ -273,9 +273,9 @@ bw_status bw_outline_pulled(bw_context *context, const bw_outline *outline, int3
   const bw_loop *loop = &outline->loop[l];
   int32_t left = count_side(outline, loop, segment, false, pins, pin, reach);
   int32_t right = count_side(outline, loop, segment, true, pins, pin, reach);
-  settle_sides(loop->count, &left, &right, &c.held);
+  choose_sides(loop->count, &left, &right, &c.ends_fixed);
   if (left == loop->count && right == loop->count) {
-    /* Nothing holds the loop: it goes along as it is. */
+    /* Nothing fixes the loop: it moves as a rigid body. */
     const double *at = outline->point + 2 * (int64_t)vertex;
     for (int32_t s = loop->first; s < loop->first + loop->count; s++)
       for (int i = 0; i < 3; i++)

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Tags changed: a new outline, since who looks at tags must see it in the topology. */
+/* Tags changed: a new outline, since the topology includes the tags. */
 #include <string.h>
 
 #include "outline/internal.h"

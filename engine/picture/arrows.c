@@ -147,7 +147,7 @@ bw_status bwi_arrows_solid(bw_context *context, int count, const bw_arrow *arrow
     if (!(force > 0))
       continue;
     double length = size * fmax(SHORTEST, force / largest);
-    bool pushes = (bw_dot(arrow[i].force, normal + 3 * (size_t)i) < 0) != body->turned;
+    bool pushes = (bw_dot(arrow[i].force, normal + 3 * (size_t)i) < 0) != body->inverted;
     double out[3];
     for (int k = 0; k < 3; k++) {
       direction[k] = arrow[i].force[k] / force;

@@ -75,7 +75,7 @@ static bw_status add(bw_context *context, bw_canvas *canvas, bwi_ink *ink) {
 
 /* ---- checks ---------------------------------------------------------------------------------- */
 
-static double held(double x) {
+static double clamped(double x) {
   return fmin(fmax(x, -far_away), far_away);
 }
 
@@ -108,22 +108,23 @@ done:
 static bw_status check_box(bw_context *context, const double box[4]) {
   if (!(isfinite(box[0]) && isfinite(box[1]) && box[2] >= 0 && box[3] >= 0 && isfinite(box[2]) &&
         isfinite(box[3])))
-    return bw_fail(context, BW_INVALID,
-                   "a box from %g, %g of %g x %g pixels: finite numbers, no negative size", box[0],
-                   box[1], box[2], box[3]);
+    return bw_fail(
+        context, BW_INVALID,
+        "a box from %g, %g of %g x %g pixels: finite numbers and sizes of 0 or more expected",
+        box[0], box[1], box[2], box[3]);
   return BW_OK;
 }
 
 static void hold_box(const double box[4], double out[4]) {
   for (int k = 0; k < 4; k++)
-    out[k] = held(box[k]);
+    out[k] = clamped(box[k]);
 }
 
-/* Points copied and held within reach; those that are not finite become nan. */
+/* Points copied and clamped to the reach; those that are not finite become nan. */
 static bw_status copy_points(bw_context *context, int64_t count, const double *point,
                              bwi_ink *ink) {
   if (count < 0)
-    return bw_fail(context, BW_INVALID, "%lld points", (long long)count);
+    return bw_fail(context, BW_INVALID, "%lld points: 0 or more expected", (long long)count);
   ink->point = (double *)bw_alloc(context, (size_t)count, 2 * sizeof *ink->point);
   if (!ink->point)
     return BW_MEMORY;
@@ -131,7 +132,7 @@ static bw_status copy_points(bw_context *context, int64_t count, const double *p
   for (int64_t i = 0; i < count; i++) {
     bool finite = isfinite(point[2 * i]) && isfinite(point[2 * i + 1]);
     for (int k = 0; k < 2; k++)
-      ink->point[2 * i + k] = finite ? held(point[2 * i + k]) : NAN;
+      ink->point[2 * i + k] = finite ? clamped(point[2 * i + k]) : NAN;
   }
   return BW_OK;
 }
@@ -211,10 +212,11 @@ bw_status bw_canvas_text(bw_context *context, bw_canvas *canvas, const bw_label 
   BW_TRY(check_length(context, "a font", label->size));
   if (!(isfinite(label->x) && isfinite(label->y) && isfinite(label->align) &&
         isfinite(label->angle)))
-    return bw_fail(context, BW_INVALID, "a text at %g, %g, align %g, angle %g: finite numbers",
-                   label->x, label->y, label->align, label->angle);
-  ink.label.x = held(label->x);
-  ink.label.y = held(label->y);
+    return bw_fail(context, BW_INVALID,
+                   "a text at %g, %g, align %g, angle %g: finite numbers expected", label->x,
+                   label->y, label->align, label->angle);
+  ink.label.x = clamped(label->x);
+  ink.label.y = clamped(label->y);
   ink.label.angle = fmod(label->angle, 360);
   ink.text = bwi_clean_text(context, text);
   if (!ink.text)
@@ -338,10 +340,10 @@ bw_status bw_canvas_image(bw_context *context, bw_canvas *canvas, const double b
   double width = cairo_image_surface_get_width(image);
   double height = cairo_image_surface_get_height(image);
   double scale = fmin(box[2] / width, box[3] / height);
-  ink.box[2] = held(scale * width);
-  ink.box[3] = held(scale * height);
-  ink.box[0] = held(box[0] + (box[2] - ink.box[2]) / 2);
-  ink.box[1] = held(box[1] + (box[3] - ink.box[3]) / 2);
+  ink.box[2] = clamped(scale * width);
+  ink.box[3] = clamped(scale * height);
+  ink.box[0] = clamped(box[0] + (box[2] - ink.box[2]) / 2);
+  ink.box[1] = clamped(box[1] + (box[3] - ink.box[3]) / 2);
   if (scale < 0.4) {
     BW_TRY(reduce(context, &image, (int)fmax(1, ceil(2 * ink.box[2] - 1e-9)),
                   (int)fmax(1, ceil(2 * ink.box[3] - 1e-9))));

@@ -20,8 +20,8 @@ typedef struct bwi_view {
 /* BW_INVALID when the direction has no length; an up along it is replaced. */
 bw_status bwi_view_axes(bw_context *context, const double direction[3], const double up[3],
                         bwi_view *view);
-/* The usual direction (1, -1.4, 0.8 where z is up), turned about `up` by `turn`, from below when so
- * asked. */
+/* The usual direction (1, -1.4, 0.8 where z is up), rotated about `up` by `turn`, from below when
+ * so asked. */
 void bwi_view_usual(const double up[3], double turn, bool below, double direction[3]);
 /* Grow bounds (low and high along axis 0 and 1) by points. */
 void bwi_view_bound(const bwi_view *view, int64_t count, const double *point, double bounds[4]);
@@ -49,7 +49,7 @@ typedef struct bwi_solid {
   bool quads; /* facets 2 q and 2 q + 1 are halves of one: their common edge, from corner 2 to 0 of
                  the first, is not drawn */
   const int32_t *category; /* triangle_count, or NULL: colours of categories, without values */
-  bool turned;             /* a closed surface that faces inwards: its inside is what is seen */
+  bool inverted;           /* a closed surface that faces inwards: its inside is what is seen */
 } bwi_solid;
 /* Normals averaged over the facets around each corner that make less than `crease` with its own,
  * sharp edges, and pixels. The view must be fitted. `push` is added to the depth. */
@@ -112,7 +112,7 @@ bw_status bwi_write_png(bw_context *context, cairo_surface_t *canvas, const char
 /* For the text that follows, and for measuring it: the same letters in every process. */
 void bwi_choose_font(cairo_t *cairo, double size, bool bold);
 
-/* Round numbers between low and high, at most `most`; returns their count and the number of
+/* Round numbers between low and high, at most `max`; returns their count and the number of
  * decimals that shows them. */
 enum { BWI_TICKS = 12 };
 int bwi_ticks(double low, double high, int max, double tick[BWI_TICKS], int *decimals);

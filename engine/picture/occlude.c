@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Soft shadow in hollows: how much of the half space above a pixel is shut in by what the picture
- * shows around it. Each pixel looks at places on a spiral, turned from pixel to pixel in a pattern
+ * shows around it. Each pixel looks at places on a spiral, rotated from pixel to pixel in a pattern
  * of 4 x 4; averaging over 4 x 4 neighbours of like depth then removes the pattern. */
 #include <math.h>
 #include <string.h>

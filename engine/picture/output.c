@@ -4,8 +4,8 @@
 
 #include "picture/internal.h"
 
-/* How much of an outline runs through a pixel of the ghost: where its neighbours show background.
- */
+/* How much of an outline runs through a pixel of the ghost: where its neighbours show
+ * background. */
 static double outline_at(const bwi_image *image, int x, int y) {
   size_t at = (size_t)y * (size_t)image->width + (size_t)x;
   int min = image->colour[4 * at + 3];

@@ -54,8 +54,8 @@ static bw_status check(bwi_panel_sheet *s) {
 /* One range for all. Values inside count too: they are what the panels compare. */
 static void find_range(bwi_panel_sheet *s) {
   const bw_grid_picture_options *o = s->options;
-  s->min = INFINITY;
-  s->largest = -INFINITY;
+  s->value_min = INFINITY;
+  s->value_max = -INFINITY;
   for (int i = 0; i < s->count; i++) {
     const bw_grid_panel *panel = &s->panel[i];
     int64_t n = panel->on_elements ? panel->grid->element_count : panel->grid->node_count;
@@ -64,19 +64,19 @@ static void find_range(bwi_panel_sheet *s) {
         s->missing = true;
         continue;
       }
-      s->min = fmin(s->min, panel->value[k]);
-      s->largest = fmax(s->largest, panel->value[k]);
+      s->value_min = fmin(s->value_min, panel->value[k]);
+      s->value_max = fmax(s->value_max, panel->value[k]);
     }
   }
-  s->valued = s->min <= s->largest;
+  s->valued = s->value_min <= s->value_max;
   bool given = o->min != 0 || o->max != 0;
-  s->low = given ? o->min : s->valued ? s->min : 0;
-  s->high = given ? o->max : s->valued ? s->largest : 1;
+  s->min = given ? o->min : s->valued ? s->value_min : 0;
+  s->max = given ? o->max : s->valued ? s->value_max : 1;
   for (int i = 0; i < s->count; i++) {
     bwi_solid *body = &s->solid[i][0];
-    bool wide = s->high > s->low; /* one value only: the middle of the colours */
-    body->low = wide ? s->low : s->low - 1;
-    body->high = wide ? s->high : s->low + 1;
+    bool wide = s->max > s->min; /* one value only: the middle of the colours */
+    body->low = wide ? s->min : s->min - 1;
+    body->high = wide ? s->max : s->min + 1;
   }
 }
 
@@ -220,14 +220,14 @@ static bw_status draw(bwi_panel_sheet *s, cairo_t *cairo) {
     char *unit = o->unit ? bwi_clean_text(s->context, o->unit) : NULL;
     if (o->unit && !unit)
       return BW_MEMORY;
-    double a = o->scale * s->low, b = o->scale * s->high;
+    double a = o->scale * s->min, b = o->scale * s->max;
     bwi_bar bar = {.low = fmin(a, b),
                    .high = fmax(a, b),
                    .largest = NAN,
                    .unit = unit,
                    .missing = s->missing,
-                   .below = (o->scale > 0 ? s->min < s->low : s->largest > s->high),
-                   .beyond = (o->scale > 0 ? s->largest > s->high : s->min < s->low)};
+                   .below = (o->scale > 0 ? s->value_min < s->min : s->value_max > s->max),
+                   .beyond = (o->scale > 0 ? s->value_max > s->max : s->value_min < s->min)};
     double h = s->high_pixels;
     bwi_bar_draw(cairo, &bar, s->wide - 0.72 * s->bar, 0.26 * h, 0.84 * h, s->wide - 16 * s->u,
                  s->u);

@@ -15,7 +15,7 @@ typedef struct bwi_panel_sheet {
   double **value;        /* of facets, where values are of elements; owned here */
   int32_t max_material;
   bool valued, missing;
-  double low, high, min, largest; /* of the colours, of the values */
+  double min, max, value_min, value_max; /* of the colours, of the values */
   bwi_view view;
   int wide, high_pixels;     /* of the canvas */
   double u, head, foot, bar; /* a pixel of a 640 x 560 panel; strips above, below, to the right */

@@ -47,7 +47,7 @@ static bw_status fill_surface(bwi_panel_sheet *s, int which, double factor, bwi_
     return BW_MEMORY;
   solid->point_count = surface->point_count;
   solid->triangle_count = surface->triangle_count;
-  solid->turned = bw_surface_volume(surface) < 0;
+  solid->inverted = bw_surface_volume(surface) < 0;
   memcpy(solid->triangle, surface->triangle, corners * sizeof *solid->triangle);
   if (panel->displacement && factor != 0)
     bw_embedding_values(panel->embedding, 3, panel->displacement, solid->point);

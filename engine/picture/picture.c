@@ -66,30 +66,30 @@ static bw_status check_options(bw_context *context, const bw_picture_options *op
 /* ---- the values ------------------------------------------------------------------------------ */
 
 typedef struct range {
-  double low, high;    /* of the colours */
-  double min, largest; /* of the values, nan when there is none */
-  int64_t largest_at;  /* its point or facet, or -1 */
+  double min, max;             /* of the colours */
+  double value_min, value_max; /* of the values, nan when there is none */
+  int64_t largest_at;          /* its point or facet, or -1 */
   bool any, missing;
 } range;
 
-static range range_of(const double *value, int64_t count, double low, double high) {
-  range r = {low, high, NAN, NAN, -1, false, false};
+static range range_of(const double *value, int64_t count, double min, double max) {
+  range r = {min, max, NAN, NAN, -1, false, false};
   for (int64_t i = 0; i < count; i++) {
     if (!isfinite(value[i])) {
       r.missing = true;
       continue;
     }
-    if (!r.any || value[i] > r.largest) {
-      r.largest = value[i];
+    if (!r.any || value[i] > r.value_max) {
+      r.value_max = value[i];
       r.largest_at = i;
     }
-    if (!r.any || value[i] < r.min)
-      r.min = value[i];
+    if (!r.any || value[i] < r.value_min)
+      r.value_min = value[i];
     r.any = true;
   }
-  if (low == 0 && high == 0 && r.any) {
-    r.low = r.min;
-    r.high = r.largest;
+  if (min == 0 && max == 0 && r.any) {
+    r.min = r.value_min;
+    r.max = r.value_max;
   }
   return r;
 }
@@ -130,7 +130,7 @@ static void largest_place(const stage *s, double at[3], double normal[3]) {
     }
     bw_cross(a, b, n);
     for (int k = 0; k < 3; k++)
-      normal[k] += body->turned ? -n[k] : n[k];
+      normal[k] += body->inverted ? -n[k] : n[k];
   }
   if (!body->on_facets)
     memcpy(at, body->point + 3 * which, 3 * sizeof *at);
@@ -236,7 +236,7 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
   arrows->finish = BWI_ARROW;
   lines->finish = BWI_TUBE;
   ghost->finish = BWI_GHOST;
-  body->turned = ghost->turned = bw_surface_volume(surface) < 0;
+  body->inverted = ghost->inverted = bw_surface_volume(surface) < 0;
   bw_surface_box(surface, low, high);
   for (int k = 0; k < 3; k++)
     size[k] = high[k] - low[k];
@@ -254,8 +254,8 @@ static bw_status set_stage(bw_context *context, const bw_surface *surface, const
     s->range = range_of(value, count, options->min, options->max);
     body->value = value;
     body->on_facets = on_facets;
-    body->low = s->range.low;
-    body->high = s->range.high;
+    body->low = s->range.min;
+    body->high = s->range.max;
     if (!(body->high > body->low)) /* one value only: the middle of the colours */
       body->high = (body->low -= 1) + 2;
   }
@@ -338,7 +338,7 @@ static void label_largest(const stage *s, cairo_t *cairo, const char *unit) {
     return; /* zoomed out of the picture */
   bool hidden = is_hidden(s, pixel, 6 * s->u);
   const char *comma = unit ? strrchr(unit, ',') : NULL;
-  short_number(number, sizeof number, s->range.largest * s->options->scale);
+  short_number(number, sizeof number, s->range.value_max * s->options->scale);
   snprintf(label, sizeof label, "max %s%s%.60s%s", number, comma ? " " : "",
            comma ? comma + 1 + strspn(comma + 1, " ") : "", hidden ? " (behind)" : "");
   double frame[4] = {12 * s->u, s->frame[1] - 30 * s->u, s->frame[2] + 10 * s->u, h - 12 * s->u};
@@ -367,8 +367,8 @@ static void label_arrows(const stage *s, cairo_t *cairo) {
   bwi_draw_text(cairo, pixel[0], pixel[1] + off, 0.5, 14 * s->u, true, true, label);
 }
 
-/* Labels that are in sight, each with a dot at its place, above the dot and clear of those before.
- */
+/* Labels that are in sight, each with a dot at its place, above the dot and clear of those
+ * before. */
 static bw_status label_places(bw_context *context, const stage *s, cairo_t *cairo) {
   const bw_picture_options *options = s->options;
   double u = s->u, size = 14 * u, w = s->image.width, h = s->image.height;
@@ -425,12 +425,13 @@ static bw_status annotate(bw_context *context, const stage *s, cairo_t *cairo) {
   }
   if (s->solid[0].value && s->range.any) {
     double scale = options->scale;
-    bwi_bar bar = {.low = scale * fmin(s->range.low, s->range.high),
-                   .high = scale * fmax(s->range.low, s->range.high),
-                   .largest = scale * s->range.largest,
+    bwi_bar bar = {.low = scale * fmin(s->range.min, s->range.max),
+                   .high = scale * fmax(s->range.min, s->range.max),
+                   .largest = scale * s->range.value_max,
                    .unit = unit,
                    .missing = s->range.missing,
-                   .below = s->range.min<s->range.low, .beyond = s->range.largest> s->range.high};
+                   .below =
+                       s->range.value_min<s->range.min, .beyond = s->range.value_max> s->range.max};
     if (scale < 0) { /* the bar runs upwards in labels all the same */
       double swap = bar.low;
       bar.low = bar.high;

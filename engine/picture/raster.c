@@ -169,7 +169,7 @@ static void shade(const scene *s, int64_t number, float x, float y, unsigned cha
   for (int k = 0; k < 3; k++)
     n[k] = w[0] * corner[k] + w[1] * corner[3 + k] + w[2] * corner[6 + k];
   /* pixels run downwards: a facet that faces the viewer has a negative area there */
-  bool inside = (area > 0) != solid->turned;
+  bool inside = (area > 0) != solid->inverted;
   float size = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
   float by = (area > 0 ? -1 : 1) / (size > 0 ? size : 1);
   for (int k = 0; k < 3; k++)

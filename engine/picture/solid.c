@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Preparing a solid for drawing: its pixels, the normals that shade it smoothly, its sharp edges.
- */
+/* Preparing a solid for drawing: its pixels, the normals that shade it smoothly, its sharp
+ * edges. */
 #include <math.h>
 #include <string.h>
 

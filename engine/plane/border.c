@@ -141,8 +141,7 @@ static bw_status border_outline(bw_context *context, int32_t nodes, const double
   BW_TRY(bw_outline_create(context, points, place, segments, list, loops, loop, 1, &tag, outline));
   for (int32_t s = 0; s < segments; s++) /* the order is that of the loops given */
     if (memcmp((*outline)->segment[s].point, list[s].point, sizeof list[s].point)) {
-      status =
-          bw_fail(context, BW_INTERNAL, "segment %d of a mesh's boundary was turned round", s + 1);
+      status = bw_fail(context, BW_INTERNAL, "segment %d of a mesh's boundary was reversed", s + 1);
       goto done;
     }
 done:
@@ -174,10 +173,11 @@ bw_status bw_plane_mesh_copy(bw_context *context, int order, int32_t nodes, cons
     if (bwi_plane_quality(point, n, order) > 0)
       continue;
     const double *a = point + 2 * (size_t)n[0];
-    bw_fail(context, BW_GEOMETRY,
-            "element %d (corners %d %d %d) near (%g, %g) is flat or inverted: its corners must run "
-            "counter-clockwise",
-            e + 1, n[0] + 1, n[1] + 1, n[2] + 1, a[0], a[1]);
+    bw_fail(
+        context, BW_GEOMETRY,
+        "element %d (corners %d %d %d) near (%g, %g) m is flat or inverted: its corners must run "
+        "counter-clockwise",
+        e + 1, n[0] + 1, n[1] + 1, n[2] + 1, a[0], a[1]);
     bw_detail_number(context, "element", e + 1.0);
     status = BW_GEOMETRY;
     goto done;

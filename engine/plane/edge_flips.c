@@ -78,8 +78,7 @@ static int edge_with(const bwi_edge_flips *flipping, int32_t e, int32_t from) {
 }
 
 /* Corners a, b of edge k of element e, c opposite in e, d opposite in its neighbour f, there edge
- * m.
- */
+ * m. */
 typedef struct quad {
   int32_t e, f;
   int k, m;

@@ -58,8 +58,8 @@ static bw_status check_options(bw_context *context, const bw_plane_options *o) {
 
 /* ---- limits ---------------------------------------------------------------------------------- */
 
-/* What a mesh takes while it is made, with CGAL's queues: measured at 2,000 to 5,000,000 elements.
- */
+/* What a mesh takes while it is made, with CGAL's queues: measured at 2,000 to 5,000,000
+ * elements. */
 static const double BYTES_OF_ELEMENT = 250;
 
 /* More elements than the limit, or than memory has room for. */
@@ -112,8 +112,8 @@ static double across_of(const bw_outline_measures *measures) {
 }
 
 /* One filling with a size; `turn` is halved while boundary edges cross. Where refinement towards
- * the angle finds no end, a smaller one will do, then none, and at last boundary edges stay whole.
- */
+ * the angle finds no end, a smaller one will do, then none, and at last boundary edges stay
+ * whole. */
 static bw_status fill_once(bw_context *context, const bw_outline *outline,
                            const bw_plane_options *options, const bw_outline_measures *measures,
                            const bwi_time_limit *time, bwi_plane_size_field *field, double *turn,
@@ -233,10 +233,11 @@ bw_status bwi_plane_fill(bw_context *context, const bw_outline *outline,
           made->point +
           2 * (size_t)made->topology
                   ->element[(size_t)bwi_plane_width(made->topology->nodes) * (size_t)which];
-      status = bw_fail(context, BW_GEOMETRY,
-                       "no element fits between the outline's curves near (%g, %g): the wall there "
-                       "is too thin",
-                       at[0], at[1]);
+      status =
+          bw_fail(context, BW_GEOMETRY,
+                  "no element fits between the outline's curves near (%g, %g) m: the wall there "
+                  "is too thin",
+                  at[0], at[1]);
       bw_detail_number(context, "x", at[0]);
       bw_detail_number(context, "y", at[1]);
       goto done;

@@ -16,8 +16,7 @@ static const double SMALLEST_TURN = 0.02;
 enum { MAX_SAMPLES = 2048 };
 static const double COARSE = 2;
 
-/* ---- the size field -----------------------------------------------------------------------------
- */
+/* ---- the size field ------------------------------------------------------------------------ */
 
 double bwi_plane_size_at(bwi_plane_size_field *field, double x, double y) {
   if (!field->function || field->failed)
@@ -44,9 +43,7 @@ bw_status bwi_size_check(bw_context *context, const bwi_plane_size_field *field)
   return BW_INVALID;
 }
 
-/* ---- samples along a loop
- * ------------------------------------------------------------------------
- */
+/* ---- samples along a loop ------------------------------------------------------------------ */
 
 typedef struct sample {
   double t, step; /* parameter; length to the next sample */

@@ -20,8 +20,8 @@
 static const double MIN_WEIGHT = 1e-9;
 
 /* Stiffness: layers of elements from the boundary to this power, inverted; measured on the paper's
- * drag (figure 2), where 0 makes 106 of 159 frames reconnect, 1 makes 61, 1.5 makes 26, 3 makes 47.
- */
+ * drag (figure 2), where 0 makes 106 of 159 frames reconnect, 1 makes 61, 1.5 makes 26, 3 makes
+ * 47. */
 static const double FALL = 1.5;
 enum { MAX_LAYERS = 100 };
 

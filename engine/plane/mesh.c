@@ -146,10 +146,11 @@ static bw_status check_elements(bw_context *context, const bw_plane_topology *to
     bool folded = order == 2 &&
                   bwi_triangle_quality(a, point + 2 * (size_t)n[1], point + 2 * (size_t)n[2]) > 0;
     bw_fail(context, BW_GEOMETRY,
-            folded ? "element %d (corners %d %d %d) near (%g, %g) is folded: a mid-edge node lies "
-                     "too far from the middle of its edge"
-                   : "element %d (corners %d %d %d) near (%g, %g) is flat or inverted: its corners "
-                     "must run counter-clockwise",
+            folded
+                ? "element %d (corners %d %d %d) near (%g, %g) m is folded: a mid-edge node lies "
+                  "too far from the middle of its edge"
+                : "element %d (corners %d %d %d) near (%g, %g) m is flat or inverted: its corners "
+                  "must run counter-clockwise",
             e + 1, n[0] + 1, n[1] + 1, n[2] + 1, a[0], a[1]);
     bw_detail_number(context, "element", e + 1.0);
     bw_detail_number(context, "x", a[0]);

@@ -96,8 +96,8 @@ bw_status bwi_condition_value(bw_context *context, const bw_condition *condition
   return BW_OK;
 }
 
-/* What tags ask for one component of a node. They ask for one value, except where their edges meet.
- */
+/* What tags ask for one component of a node. They ask for one value, except where their edges
+ * meet. */
 typedef struct request {
   int32_t order;    /* the highest so far; below it a request does not count */
   double low, high; /* of that order */

@@ -65,8 +65,8 @@ bw_status bwi_conditions_copy(bw_context *context, int32_t count, const bw_condi
 bool bwi_conditions_alike(int32_t count, const bw_condition *a, const bw_condition *b);
 /* The tags of one list into another, which stays its own otherwise. */
 void bwi_conditions_take_tags(int32_t count, const bw_condition *from, bw_condition *to);
-/* Whether a condition's tag is that of a side, and its value at a place (BW_INVALID: not finite).
- */
+/* Whether a condition's tag is that of a side, and its value at a place (BW_INVALID: not
+ * finite). */
 bool bwi_condition_applies(const bw_plane_mesh *mesh, const bw_condition *condition, int32_t side);
 bw_status bwi_condition_value(bw_context *context, const bw_condition *condition,
                               const double at[2], double time, double *value);

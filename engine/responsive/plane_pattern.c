@@ -59,8 +59,8 @@ static bw_status list_elements(bw_context *context, builder *b) {
   return BW_OK;
 }
 
-/* Columns of each row, counted into start[i + 1]. mark[j] is one more than the last row that saw j.
- */
+/* Columns of each row, counted into start[i + 1]. mark[j] is one more than the last row that saw
+ * j. */
 static bw_status count_rows(void *data, int64_t begin, int64_t end, int worker) {
   const builder *b = data;
   int32_t *mark = b->mark + (int64_t)worker * b->pattern->node_count;

@@ -48,7 +48,7 @@ static bw_status stiffness_of(void *data, int32_t element, double *matrix) {
   double jacobian = bwi_plate_stiffness(&a->inner->reference, &a->inner->law, x, matrix, NULL);
   if (jacobian > 0)
     return BW_OK;
-  bw_status status = bw_fail(a->context, BW_GEOMETRY, "element %d near (%g, %g) is inverted",
+  bw_status status = bw_fail(a->context, BW_GEOMETRY, "element %d near (%g, %g) m is inverted",
                              element + 1, x[0][0], x[0][1]);
   bw_detail_number(a->context, "element", element + 1);
   return status;

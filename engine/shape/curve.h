@@ -49,8 +49,8 @@ bw_status bwi_curve_create(bw_context *context, const bwi_curve_graph *graph, bw
 void bwi_curve_clear(bwi_curve *curve);
 
 /* Leave out branches that reach no farther out of their junction than `prune` of its radii, and
- * contract those between junctions that lie in each other's ball. With `most` > 0 go on with the
- * least that reach out until no more than so many branches are left. (curve_prune.c) */
+ * contract those between junctions that lie in each other's ball. With `max` > 0 go on with those
+ * that reach out least until no more than so many branches are left. (curve_prune.c) */
 bw_status bwi_curve_prune(bw_context *context, bwi_curve *curve, double prune, int32_t max);
 double bwi_branches_length(const bwi_curve *curve);
 

@@ -42,7 +42,7 @@ static bool hit(void *data, int32_t facet) {
   return true;
 }
 
-/* How far the wall is along a unit direction; `most` where none is nearer. */
+/* How far the wall is along a unit direction; `max` where none is nearer. */
 static double to_wall(const walls *w, const double *from, const double *direction, double max) {
   ray r = {.surface = w->surface, .t = 1};
   double to[3];

@@ -63,7 +63,7 @@ static bw_status check_kept(const bwi_refiller *r) {
     if (r->component_of[e] >= 0 || bwi_checked_quality(x) > 0)
       continue;
     bw_fail(r->context, BW_GEOMETRY,
-            "element %d near (%g, %g, %g) is inverted and not among those to be replaced", e + 1,
+            "element %d near (%g, %g, %g) m is inverted and not among those to be replaced", e + 1,
             x[0][0], x[0][1], x[0][2]);
     bw_detail_number(r->context, "element", e + 1.0);
     return BW_GEOMETRY;
@@ -230,7 +230,7 @@ static bw_status check_boundary(const bwi_refiller *r, int32_t number, const bw_
   if (!(report.volume > 0)) {
     status = bw_fail(r->context, BW_GEOMETRY,
                      "the boundary of the %d elements to be replaced has inward normals: it "
-                     "encloses %g m3 near (%g, %g, %g)",
+                     "encloses %g m3 near (%g, %g, %g) m",
                      p->element_count, report.volume, surface->point[0], surface->point[1],
                      surface->point[2]);
     bw_detail_number(r->context, "component", number + 1.0);

@@ -46,8 +46,8 @@ static const char *name_fault(const bw_name *name) {
   return NULL;
 }
 
-/* What a message calls joint or bone i: by its name where it has one, else by its number, from 1.
- */
+/* What a message calls joint or bone i: by its name where it has one, else by its number, from
+ * 1. */
 typedef struct label {
   char text[BW_NAME + 40];
 } label;

@@ -50,8 +50,8 @@ static bw_status draft_finish(bw_context *context, const draft *d, bw_skeleton *
                             d->bone_name, d->root, out);
 }
 
-/* Leave out joints with drop[j] and bones with cut[b] (which must hold all bones at such joints).
- */
+/* Leave out joints with drop[j] and bones with cut[b] (which must hold all bones at such
+ * joints). */
 static bw_status draft_drop(bw_context *context, draft *d) {
   int32_t joints = 0, bones = 0;
   int32_t *to = BW_NEW(context, int32_t, d->joints);

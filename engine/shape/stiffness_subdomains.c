@@ -120,8 +120,8 @@ static int32_t best_neighbour(partition *p, int32_t first) {
   return best;
 }
 
-/* Smallest parts first; what they become part of is larger, and comes later if it is still small.
- */
+/* Smallest parts first; what they become part of is larger, and comes later if it is still
+ * small. */
 static void join_small(partition *p) {
   const bw_subdomains *d = p->subdomains;
   for (int32_t size = 1; size < fewest; size++)

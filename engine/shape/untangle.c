@@ -188,7 +188,7 @@ static void find_direction(workspace *w, size_t n, int pairs, int newest) {
   }
 }
 
-/* Descend from patch->x for at most `most` steps, or until the smallest D exceeds `enough`. */
+/* Descend from patch->x for at most `max` steps, or until the smallest D exceeds `enough`. */
 static bw_status descend(bw_context *context, minimiser *m, workspace *w, int max, double enough,
                          double *reached) {
   bwi_patch *p = m->patch;

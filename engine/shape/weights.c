@@ -10,8 +10,8 @@
  *
  * L is positive semi-definite and H is positive everywhere, so that the matrix can be factored
  * whatever the surface; L 1 = 0 makes the w_b sum to one. Both sides have no unit: weights do not
- * depend on the scale. Inside, L w_b = 0 on straight tetrahedra with the surface's weights given.
- */
+ * depend on the scale. Inside, L w_b = 0 on straight tetrahedra with the surface's weights
+ * given. */
 #include <math.h>
 #include <string.h>
 
@@ -282,8 +282,8 @@ static bw_status check_rows(const bwi_skinning *s, const double *weight) {
     }
     if (!(fabs(sum - 1) <= 1e-12) || min < 0) {
       bw_status status =
-          bw_fail(s->context, BW_INTERNAL, "the weights of node %d sum to %.17g, the least is %g",
-                  i + 1, sum, min);
+          bw_fail(s->context, BW_INTERNAL,
+                  "the weights of node %d sum to %.17g, the smallest is %g", i + 1, sum, min);
       bw_detail_number(s->context, "node", i + 1.0);
       return status;
     }

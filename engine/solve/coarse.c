@@ -18,7 +18,7 @@ struct bwi_coarse {
   bw_dof_map dof_map; /* of the corners: what the factor and its fields read of one */
   int32_t *unknown;   /* count x 3: 0 where there is one, else -1 */
   bwi_symbolic *symbolic;
-  bwi_elimination_reach *reach; /* the whole of it: factors are made again in place */
+  bwi_elimination_reach *reach; /* the whole of it: refactorised in place */
   bwi_factor *factor;
 };
 
@@ -173,7 +173,7 @@ static void number_corners(bwi_coarse *c, const bw_dof_map *dof_map) {
   }
 }
 
-static bw_status bring_symbolic(bw_context *context, bwi_coarse *c) {
+static bw_status update_symbolic(bw_context *context, bwi_coarse *c) {
   bw_status status = BW_OK;
   bwi_order *order = NULL;
   uint8_t *take = NULL;
@@ -201,11 +201,11 @@ done:
 
 bw_status bwi_coarse_count(bw_context *context, bwi_coarse *c, const bw_dof_map *dof_map) {
   number_corners(c, dof_map);
-  return bring_symbolic(context, c);
+  return update_symbolic(context, c);
 }
 
 /* In floats, which is as good for a preconditioner, unless they lack the digits for a pivot. */
-static bw_status bring_factor(bw_context *context, bwi_coarse *c, const bwi_matrix *matrix) {
+static bw_status update_factor(bw_context *context, bwi_coarse *c, const bwi_matrix *matrix) {
   bw_status status = BW_OK;
   if (c->factor)
     status = bwi_factor_update(context, c->factor, matrix, NULL, NULL, NULL);
@@ -243,7 +243,7 @@ bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *c, const bw_model *
   BW_TRY(bwi_coarse_count(context, c, dof_map));
   BW_TRY(bw_stiffness(context, c->pattern, c->mesh, model->material, c->stiffness));
   bwi_matrix matrix = {.pattern = c->pattern, .stiffness = c->stiffness, .dof_map = &c->dof_map};
-  status = bring_factor(context, c, &matrix);
+  status = update_factor(context, c, &matrix);
   *usable = status == BW_OK;
   if (status == BW_SINGULAR) {
     bw_clear_failure(context);

@@ -4,9 +4,8 @@
  * elements; it has an eighth of the unknowns and is factored in a hundredth of the time.
  *
  * With P from corners to all nodes, A = P^T K P is exact because elements are straight and because
- * a corner takes part only with unknowns that the supports leave to the mid-edge nodes around it
- * too.
- */
+ * a corner takes part only with unknowns that the supports leave to the mid-edge nodes around
+ * it. */
 #ifndef BWI_SOLVE_COARSE_H
 #define BWI_SOLVE_COARSE_H
 
@@ -14,7 +13,7 @@
 
 typedef struct bwi_coarse bwi_coarse;
 
-/* Whether bodies have one: quadratic elements, none free to move (pins at single nodes, which make
+/* Whether bodies have one: quadratic elements, none free to move (isostatic constraints, which make
  * those definite, would not let linear fields pass). */
 bool bwi_coarse_fits(const bw_mesh *mesh, const bw_dof_map *dof_map);
 /* Of a mesh of quadratic elements. Release with bw_release. */

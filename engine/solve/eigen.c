@@ -47,7 +47,8 @@ static bw_status take_out(bwi_lanczos *l, int count, double tolerance, bwi_eigen
   bw_context *context = l->context;
   const bwi_eigen_problem *problem = l->problem;
   int64_t size = l->size;
-  double *x = NULL, *kx = NULL, *mx = NULL, *gram = NULL, *turn = NULL, *work = NULL, *next = NULL;
+  double *x = NULL, *kx = NULL, *mx = NULL, *gram = NULL, *coefficients = NULL, *work = NULL,
+         *next = NULL;
   bw_free(result->value);
   bw_free(result->vector);
   bw_free(result->residual);
@@ -59,9 +60,9 @@ static bw_status take_out(bwi_lanczos *l, int count, double tolerance, bwi_eigen
   mx = BW_NEW(context, double, count *size);
   int length = 8 * count + 64;
   gram = BW_NEW(context, double, (int64_t)count *count);
-  turn = BW_NEW(context, double, (int64_t)count *count);
+  coefficients = BW_NEW(context, double, (int64_t)count *count);
   work = BW_NEW(context, double, length);
-  if (!result->value || !result->residual || !x || !kx || !mx || !gram || !turn || !work) {
+  if (!result->value || !result->residual || !x || !kx || !mx || !gram || !coefficients || !work) {
     status = BW_MEMORY;
     goto done;
   }
@@ -87,7 +88,7 @@ static bw_status take_out(bwi_lanczos *l, int count, double tolerance, bwi_eigen
         next[i] *= result->value[k];
     BW_TRY(problem->stiffness(context, problem->data, count, next, kx));
     BW_TRY(problem->mass(context, problem->data, count, next, mx));
-    BW_TRY(bwi_multi_dot(context, size, count, next, count, kx, turn));
+    BW_TRY(bwi_multi_dot(context, size, count, next, count, kx, coefficients));
     BW_TRY(bwi_multi_dot(context, size, count, next, count, mx, gram));
     int info = 0, kind = 1;
     double *value = work, *space = BW_NEW(context, double, length);
@@ -95,11 +96,12 @@ static bw_status take_out(bwi_lanczos *l, int count, double tolerance, bwi_eigen
       status = BW_MEMORY;
       goto done;
     }
-    dsygv_(&kind, "V", "L", &count, turn, &count, gram, &count, value, space, &length, &info);
+    dsygv_(&kind, "V", "L", &count, coefficients, &count, gram, &count, value, space, &length,
+           &info);
     bw_free(space);
     if (info != 0)
       break;
-    BW_TRY(bwi_multi_combine(context, size, count, next, count, turn, count, 1, 0, kx));
+    BW_TRY(bwi_multi_combine(context, size, count, next, count, coefficients, count, 1, 0, kx));
     memcpy(next, kx, (size_t)count * (size_t)size * sizeof(double));
     double *recomputed = gram; /* count numbers of workspace */
     BW_TRY(true_residuals(context, problem, count, value, next, recomputed, kx, mx));
@@ -127,7 +129,7 @@ done:
   bw_free(kx);
   bw_free(mx);
   bw_free(gram);
-  bw_free(turn);
+  bw_free(coefficients);
   bw_free(work);
   return status;
 }

@@ -58,7 +58,8 @@ bw_status bwi_elimination_reach_create(bw_context *context, bwi_symbolic *symbol
   for (int64_t e = 0; e < mesh->element_count; e++) {
     int32_t subdomain = element_subdomain[e];
     if (subdomain < 0 || subdomain >= subdomain_count) {
-      status = bw_fail(context, BW_INVALID, "element %lld is of subdomain %d, there are %d",
+      status = bw_fail(context, BW_INVALID,
+                       "element %lld is in subdomain %d: the subdomains are 1 to %d",
                        (long long)(e + 1), subdomain + 1, subdomain_count);
       goto done;
     }

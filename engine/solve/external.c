@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Static solutions and modes by a external solver. The engine assembles, hands over,
+/* Static solutions and modes by an external solver. The engine assembles, hands over,
  * and checks: residuals are computed here, with its own matrices, whatever the solver says. */
 #include <math.h>
 #include <string.h>
@@ -116,25 +116,25 @@ static bw_status check(bw_context *context, const equations *e, double rtol,
                        const bw_static *result) {
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)e->pattern->node_count;
-  double *rest = BW_NEW(context, double, size);
+  double *residual = BW_NEW(context, double, size);
   double *product = BW_NEW(context, double, size);
-  if (!rest || !product) {
+  if (!residual || !product) {
     status = BW_MEMORY;
     goto done;
   }
-  memcpy(rest, result->force, (size_t)size * sizeof *rest);
+  memcpy(residual, result->force, (size_t)size * sizeof *residual);
   if (e->dof_map->rigid_mode_count > 0)
-    bw_rigid_modes_balance(e->dof_map, rest);
+    bw_rigid_modes_balance(e->dof_map, residual);
   BW_TRY(
       bw_block_multiply(context, e->pattern, e->stiffness, 9, 3, 1, result->displacement, product));
   for (int64_t i = 0; i < size; i++)
-    rest[i] -= product[i];
-  bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, rest);
-  double left = norm(rest, size);
+    residual[i] -= product[i];
+  bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, residual);
+  double remaining = norm(residual, size);
   bool product_rounding =
       result->residual < 1e-6 &&
-      left < 10 * bwi_residual_noise(e->pattern, e->stiffness, result->displacement);
-  bool nothing_to_solve = left < 1e-13 * norm(result->force, size);
+      remaining < 10 * bwi_residual_noise(e->pattern, e->stiffness, result->displacement);
+  bool nothing_to_solve = remaining < 1e-13 * norm(result->force, size);
   if (!product_rounding && !nothing_to_solve) {
     status = bw_fail(context, BW_CONVERGENCE,
                      "the residual of the solution is %.2e of the load; %.2e was requested. Give a "
@@ -143,7 +143,7 @@ static bw_status check(bw_context *context, const equations *e, double rtol,
     bw_detail_number(context, "residual", result->residual);
   }
 done:
-  bw_free(rest);
+  bw_free(residual);
   bw_free(product);
   return status;
 }

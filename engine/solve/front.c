@@ -8,11 +8,11 @@
  * nearly every one) costs what Cholesky costs, and the few negative columns are put right by a
  * product of their own.
  *
- * Two two_level, both left-looking: blocks of TILE columns take all columns before them at once, in
- * products large enough for the BLAS to run at full speed; within a block, panels of WIDTH columns
- * take the columns of the block before them. Rows, and the update matrix, are cut into tiles whose
- * borders depend on the sizes only; strips of rows are fine enough that a front of a thousand rows
- * occupies several threads. No pivoting: the caller checks `weak`. */
+ * Two levels of blocking, both left-looking: blocks of TILE columns take all columns before them at
+ * once, in products large enough for the BLAS to run at full speed; within a block, panels of WIDTH
+ * columns take the columns of the block before them. Rows, and the update matrix, are cut into
+ * tiles whose borders depend on the sizes only; strips of rows are fine enough that a front of a
+ * thousand rows occupies several threads. No pivoting: the caller checks `weak`. */
 #include <math.h>
 #include <string.h>
 

@@ -137,19 +137,20 @@ static bw_status check_subdomains(bw_context *context, const bw_mesh *mesh, int3
                                   const int32_t *element_subdomain, const int32_t *node_subdomain,
                                   const bw_edits *edits) {
   if (subdomain_count < 1)
-    return bw_fail(context, BW_INVALID, "a body is cut into at least one subdomain, not %d",
-                   subdomain_count);
+    return bw_fail(context, BW_INVALID, "%d subdomains: at least one expected", subdomain_count);
   for (int32_t e = 0; e < mesh->element_count; e++)
     if (element_subdomain[e] < 0 || element_subdomain[e] >= subdomain_count)
-      return bw_fail(context, BW_INVALID, "element %d is in subdomain %d of %d", e + 1,
+      return bw_fail(context, BW_INVALID,
+                     "element %d is in subdomain %d: the subdomains are 1 to %d", e + 1,
                      element_subdomain[e] + 1, subdomain_count);
   for (int32_t i = 0; i < mesh->node_count; i++)
     if (node_subdomain[i] < -1 || node_subdomain[i] >= subdomain_count)
-      return bw_fail(context, BW_INVALID, "node %d goes with subdomain %d of %d", i + 1,
-                     node_subdomain[i] + 1, subdomain_count);
+      return bw_fail(context, BW_INVALID, "node %d is in subdomain %d: the subdomains are 1 to %d",
+                     i + 1, node_subdomain[i] + 1, subdomain_count);
   for (int32_t k = 0; edits && k < edits->start[subdomain_count]; k++)
     if (edits->edit[k] < 0 || edits->edit[k] >= edits->count)
-      return bw_fail(context, BW_INVALID, "edit %d of the list is %d, there are %d", k + 1,
+      return bw_fail(context, BW_INVALID,
+                     "entry %d of the list names edit %d: the edits are 1 to %d", k + 1,
                      edits->edit[k] + 1, edits->count);
   return BW_OK;
 }

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* What the files incremental*.c and pcg.c share: the inside of a system that follows edits.
  *
- * Invariants. Numbering and stiffness are of the model last synchronised. The factor, where there
+ * Invariants. DOF map and stiffness are of the model last synchronised. The factor, where there
  * is one, fits the present unknowns. It is that of the stiffness when it was last updated; since
  * then the subdomains marked in `touched` have changed in the frames of their nodes, and no others:
  * with no mark it is the factor of the present stiffness, whatever has turned. It is always applied
@@ -25,7 +25,7 @@ typedef struct bwi_incremental {
   double *supports;             /* rows of the DOF map that are supports' x 9: as last reported */
   bwi_factor *factor;           /* or NULL */
   int wanted_bits;              /* of its numbers, asked for: 32, 64; 0: as is cheaper */
-  bool lost;                    /* single precision did not serve this body: no more of it */
+  bool double_only;             /* single precision failed for this body */
   double refinements;           /* iterations with a factor in single precision, when last solved */
   bwi_elimination_reach *reach; /* of the factor's symbolic; or NULL */
   uint8_t *touched;             /* subdomain_count */
@@ -66,9 +66,9 @@ bw_status bwi_incremental_supports(bw_context *context, const bw_incremental_sys
 bw_status bwi_incremental_factor(bw_context *context, bw_incremental_system *incremental, bool full,
                                  bw_reuse *reuse);
 
-/* Single precision did not serve: the factor in double precision instead, from now on. */
-bw_status bwi_incremental_lose_single(bw_context *context, bw_incremental_system *incremental,
-                                      bw_reuse *reuse);
+/* Single precision failed: the factor is in double precision from now on. */
+bw_status bwi_incremental_use_double(bw_context *context, bw_incremental_system *incremental,
+                                     bw_reuse *reuse);
 
 /* ---- incremental_precision.c ----------------------------------------------------------------- */
 
@@ -96,7 +96,7 @@ typedef struct bwi_incremental_cost {
   double again;  /* refactor, had the factor been current before the last edit */
   bool near;     /* a guess has done a part of it */
   double pcg;    /* by two-level PCG, for all right-hand sides; INFINITY: there are none */
-  double one_level_iteration, level_iterations;
+  double one_pcg_iteration, pcg_iterations;
 } bwi_incremental_cost;
 void bwi_incremental_predict(bw_incremental_system *incremental,
                              const bw_incremental_options *options, double tolerance, int64_t count,
@@ -120,8 +120,8 @@ typedef struct bwi_pcg {
   /* out */
   int iterations;              /* of the right-hand side that took most */
   double predicted_iterations; /* iterations in all, where it was given up */
-  bool converged; /* false: given up, the limit was reached, or the matrix is not positive definite
-                   */
+  bool converged; /* false: given up, the limit was reached, or the matrix is not positive
+                     definite */
 } bwi_pcg;
 /* K u = f at the unknowns for fields in global directions; u is 0 elsewhere. Not converged is no
  * failure; `displacement` is then what was reached. The two may not be the same block. */

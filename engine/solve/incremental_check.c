@@ -93,7 +93,7 @@ bw_status bwi_incremental_check(bw_context *context, const bw_incremental_system
   BW_TRY(bwi_symbolic_for(context, system->pattern, dof_map, 0, NULL, NULL, NULL, &symbolic));
   status = bwi_factor_create(context, symbolic, &matrix, &factor, &bad);
   if (status == BW_SINGULAR)
-    status = bwi_say_singular(context, system->mesh, bad);
+    status = bwi_fail_singular(context, system->mesh, bad);
   if (status != BW_OK)
     goto done;
   memcpy(reference, force, (size_t)(count * size) * sizeof *reference);

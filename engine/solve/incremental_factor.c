@@ -91,12 +91,12 @@ static bw_status update_or_make(bw_context *context, bw_incremental_system *incr
   } else
     status = refactor_full(context, incremental, &matrix, &wanted, reuse, &bad);
   if (status == BW_SINGULAR && wanted == 32) { /* perhaps for want of digits only */
-    inner->lost = true;
+    inner->double_only = true;
     wanted = 64;
     *kept = 0;
     status = refactor_full(context, incremental, &matrix, &wanted, reuse, &bad);
     if (status == BW_SINGULAR)
-      inner->lost = false;
+      inner->double_only = false;
     if (status == BW_OK) {
       bw_clear_failure(context);
       bw_warn(context,
@@ -106,7 +106,7 @@ static bw_status update_or_make(bw_context *context, bw_incremental_system *incr
     }
   }
   if (status == BW_SINGULAR)
-    status = bwi_say_singular(context, view->mesh, bad);
+    status = bwi_fail_singular(context, view->mesh, bad);
 done:
   return status;
 }
@@ -117,7 +117,7 @@ bw_status bwi_incremental_factor(bw_context *context, bw_incremental_system *inc
   bwi_incremental *inner = incremental->inner;
   double start = bw_seconds(), kept = 0;
   bool whole = full || !bwi_incremental_usable(incremental);
-  bool other = inner->factor && inner->wanted_bits && !inner->lost &&
+  bool other = inner->factor && inner->wanted_bits && !inner->double_only &&
                inner->factor->kernels->bits != inner->wanted_bits;
   if (bwi_incremental_current(incremental) && !full && !other) {
     if (reuse &&
@@ -143,11 +143,11 @@ done:
   return status;
 }
 
-bw_status bwi_incremental_lose_single(bw_context *context, bw_incremental_system *incremental,
-                                      bw_reuse *reuse) {
+bw_status bwi_incremental_use_double(bw_context *context, bw_incremental_system *incremental,
+                                     bw_reuse *reuse) {
   bw_status status = BW_OK;
   double start = bw_seconds(), kept = 0;
-  incremental->inner->lost = true;
+  incremental->inner->double_only = true;
   bw_warn(context, "solutions with the factor in single precision do not converge: these equations "
                    "are solved in double precision from now on");
   BW_TRY(update_or_make(context, incremental, true, reuse, &kept));

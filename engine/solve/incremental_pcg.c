@@ -11,7 +11,7 @@ bool bwi_incremental_has_two_level(const bw_incremental_system *incremental) {
   return bwi_coarse_fits(incremental->inner->rest->mesh, incremental->system->dof_map);
 }
 
-static bw_status bring_levels(bw_context *context, const bw_incremental_system *incremental) {
+static bw_status update_two_level(bw_context *context, const bw_incremental_system *incremental) {
   bw_status status = BW_OK;
   bwi_incremental *inner = incremental->inner;
   const bw_system *system = incremental->system;
@@ -42,7 +42,7 @@ bw_status bwi_incremental_by_two_level(bw_context *context, bw_incremental_syste
                                    .energy_alone = options->energy,
                                    .limit = limit};
   *converged = false;
-  BW_TRY(bring_levels(context, incremental));
+  BW_TRY(update_two_level(context, incremental));
   if (!inner->two_level_usable)
     goto done;
   solution = BW_NEW(context, double, size);

@@ -51,8 +51,8 @@ bw_status bwi_incremental_choose_bits(bw_context *context, const bw_incremental_
   const bw_edits *edits = &inner->edits;
   int32_t count = edits->count > 0 ? edits->count : inner->subdomain_count;
   double flops = 0;
-  if (inner->wanted_bits || inner->lost || *bits == 64) {
-    *bits = inner->lost || inner->wanted_bits == 0 ? 64 : inner->wanted_bits;
+  if (inner->wanted_bits || inner->double_only || *bits == 64) {
+    *bits = inner->double_only || inner->wanted_bits == 0 ? 64 : inner->wanted_bits;
     return BW_OK;
   }
   uint8_t *touched = BW_NEW(context, uint8_t, inner->subdomain_count);

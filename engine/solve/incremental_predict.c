@@ -18,9 +18,9 @@
  * the other, by as much as it turns, so that their stiffnesses have no ratio. What a prediction
  * misses, the rate of convergence shows after a few iterations (pcg.c).
  *
- * Levels leave the factor behind, and what its update would cost grows with every edit. So they
- * are not compared with that alone: where they cost less than the last edit's own refactoring they
- * are better in the long run too. Where not, what they cost more is summed up, and the factor is
+ * Two-level PCG leaves the factor behind, and what its update would cost grows with every edit. So
+ * it is not compared with that alone: where it costs less than the last edit's own refactoring it
+ * is better in the long run too. Where not, what it costs more is summed up, and the factor is
  * updated when the sum has reached what its update costs: as far as predictions hold,
  * never more than twice what the better way would have cost over all edits. */
 #include <math.h>
@@ -85,7 +85,7 @@ static void predict_levels(const bw_incremental_system *incremental, double tole
   const bwi_incremental *inner = incremental->inner;
   const bw_block_pattern *pattern = incremental->system->pattern;
   cost->pcg = INFINITY;
-  cost->one_level_iteration = cost->level_iterations = 0;
+  cost->one_pcg_iteration = cost->pcg_iterations = 0;
   if (!bwi_incremental_has_two_level(incremental) ||
       (inner->two_level_known && !inner->two_level_usable))
     return;
@@ -100,10 +100,10 @@ static void predict_levels(const bw_incremental_system *incremental, double tole
              (216 + 6 * 72.0) * (double)pattern->block_count / BWI_COST_BYTES_PER_SECOND;
   double seen = inner->two_level_ratio[cost->near];
   double factor = seen > 0 ? seen : cost->near ? NEAR : 1;
-  cost->level_iterations = 1 + factor * BWI_TWO_LEVEL_RATE * log(2 / tolerance);
-  cost->one_level_iteration = one * passes * (many ? BWI_TWO_LEVEL_SIDES : 1);
-  cost->pcg = follow + cost->level_iterations *
-                           (cost->one_level_iteration + later * one * BWI_TWO_LEVEL_SIDES);
+  cost->pcg_iterations = 1 + factor * BWI_TWO_LEVEL_RATE * log(2 / tolerance);
+  cost->one_pcg_iteration = one * passes * (many ? BWI_TWO_LEVEL_SIDES : 1);
+  cost->pcg =
+      follow + cost->pcg_iterations * (cost->one_pcg_iteration + later * one * BWI_TWO_LEVEL_SIDES);
 }
 
 static double refactoring(const bwi_incremental *inner, const uint8_t *touched,

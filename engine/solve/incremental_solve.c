@@ -92,7 +92,7 @@ static bw_status solve_directly(bw_context *context, bw_incremental_system *incr
     if (reuse)
       reuse->refinements += problem.iterations;
     if (!solved)
-      BW_TRY(bwi_incremental_lose_single(context, incremental, reuse));
+      BW_TRY(bwi_incremental_use_double(context, incremental, reuse));
     else if (problem.iterations > 0 && !left->force && !options->energy) /* else it tells nothing */
       inner->refinements = problem.iterations * log(1e-10) / log(options->tolerance);
   }
@@ -154,8 +154,8 @@ static limits break_even_iterations(const bw_incremental_system *incremental,
   limits max = {0};
   double more = cost->pcg - cost->again; /* than with a factor that is always current */
   if ((more <= 0 || incremental->inner->excess_seconds + more < cost->refactor - cost->again) &&
-      within(budget, cost->pcg, cost->one_level_iteration) > 0)
-    max.pcg = (int)(2 * cost->level_iterations) + 8; /* what is close to its end is not given up */
+      within(budget, cost->pcg, cost->one_pcg_iteration) > 0)
+    max.pcg = (int)(2 * cost->pcg_iterations) + 8; /* what is close to its end is not given up */
   if (max.pcg > 0)
     budget = fmin(budget, cost->pcg);
   max.iterate = within(budget, cost->iterate, cost->one_iteration);
@@ -237,8 +237,8 @@ static bw_status solve_by_iterations(bw_context *context, bw_incremental_system 
     BW_TRY(bwi_incremental_by_two_level(context, incremental, options, max.pcg, left, count,
                                         displacement, &iterations, solved));
     int needed = iterations - before;
-    inner->spent += needed * cost.one_level_iteration;
-    if (needed > 1 && cost.level_iterations > 0) {
+    inner->spent += needed * cost.one_pcg_iteration;
+    if (needed > 1 && cost.pcg_iterations > 0) {
       double fair = 1 + BWI_TWO_LEVEL_RATE * log(2 / left->tolerance);
       inner->two_level_ratio[cost.near] = fmin(fmax((needed - 1) / (fair - 1), 0.2), 5);
     }
@@ -326,7 +326,7 @@ bw_status bw_incremental_system_refactor(bw_context *context, bw_incremental_sys
     int32_t bad = 0;
     status = bwi_factor_create(context, own->symbolic, &matrix, &system->factor, &bad);
     if (status == BW_SINGULAR)
-      status = bwi_say_singular(context, system->mesh, bad);
+      status = bwi_fail_singular(context, system->mesh, bad);
   }
 done:
   return status;

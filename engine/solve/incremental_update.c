@@ -1,13 +1,13 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* A system that follows edits is brought to another shape: dof_map, stiffness, and which subdomains
- * the factor no longer knows. All that can fail is done before anything is changed. */
+/* A system that follows edits is brought to another shape: the DOF map, the stiffness, and which
+ * subdomains the factor no longer knows. All that can fail is done before anything is changed. */
 #include <math.h>
 #include <string.h>
 
 #include "solve/incremental.h"
 
-/* Frames of supports this near are the same: what rounding makes of a turned surface's normals. The
- * factor is off by as much, the stiffness not at all. */
+/* Frames of supports this near are the same: what rounding makes of a rotated surface's normals.
+ * The factor is off by as much, the stiffness not at all. */
 #define SAME_FRAME 1e-12
 
 /* ---- frames of supports -------------------------------------------------------------------- */
@@ -44,12 +44,12 @@ bw_status bwi_incremental_supports(bw_context *context, const bw_incremental_sys
   return BW_OK;
 }
 
-/* Mark the subdomains of the elements around nodes whose support has turned against their
- * subdomain: entries change there although the subdomains' own frames know nothing of it. `now`
+/* Mark the subdomains of the elements around nodes whose support has rotated against their
+ * subdomain: entries change there although the subdomains' own frames do not change. `now`
  * receives what was reported, renewed where it changed. */
-static void touch_turned_supports(const bw_incremental_system *incremental,
-                                  const bw_dof_map *dof_map, const double *frame, double *now,
-                                  uint8_t *touched) {
+static void touch_rotated_supports(const bw_incremental_system *incremental,
+                                   const bw_dof_map *dof_map, const double *frame, double *now,
+                                   uint8_t *touched) {
   const bwi_incremental *inner = incremental->inner;
   const bw_mesh *mesh = dof_map->mesh;
   int32_t supports = dof_map->frame_count - inner->subdomain_count;
@@ -84,13 +84,13 @@ static bw_status check_model(bw_context *context, const bw_incremental_system *i
   return BW_OK;
 }
 
-static const bw_material *before_turns(const bw_material *material) {
+static const bw_material *unrotated_of(const bw_material *material) {
   return material->orientations ? material->unrotated : material;
 }
 
-/* How far the turn of an element's material is from that of its subdomain since rest. */
-static double off_turn(const bw_material *rest, const bw_material *now, int64_t element,
-                       const double frame[9]) {
+/* How far the rotation of an element's material is from that of its subdomain since rest. */
+static double orientation_error(const bw_material *rest, const bw_material *now, int64_t element,
+                                const double frame[9]) {
   static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   const bw_material_orientations *t = rest->orientations, *u = now->orientations;
   const double *before = t ? t->rotation + 9 * (int64_t)t->of_element[element] : identity;
@@ -103,25 +103,25 @@ static double off_turn(const bw_material *rest, const bw_material *now, int64_t 
   return off;
 }
 
-/* The model's material is the system's; where that turns with the subdomains, it has to be turned
- * by element as they lie now, since stresses are taken from it. */
+/* The model's material is the system's; where that rotates with the subdomains, it has to be
+ * rotated by element as they lie now, since stresses are taken from it. */
 static bw_status check_material(bw_context *context, const bw_incremental_system *incremental,
                                 const bw_model *model, const bw_subdomain_motion *motion) {
   const bwi_incremental *inner = incremental->inner;
   const bw_material *rest = inner->rest->material, *now = model->material;
-  bool turns = inner->rotate_material && !rest->isotropic;
-  if (turns ? before_turns(now) != before_turns(rest) : now != rest)
+  bool rotates = inner->rotate_material && !rest->isotropic;
+  if (rotates ? unrotated_of(now) != unrotated_of(rest) : now != rest)
     return bw_fail(context, BW_INVALID,
                    "the edited model has another material than the incremental system");
   int32_t subdomain = -1, group = -1; /* of the element before */
-  for (int32_t e = 0; turns && e < model->mesh->element_count; e++) {
+  for (int32_t e = 0; rotates && e < model->mesh->element_count; e++) {
     int32_t of = now->orientations ? now->orientations->of_element[e] : 0,
             d = inner->element_subdomain[e];
     if (d == subdomain && of == group)
       continue;
     subdomain = d;
     group = of;
-    double off = off_turn(rest, now, e, motion[d].frame);
+    double off = orientation_error(rest, now, e, motion[d].frame);
     if (!(off <= 1e-9)) {
       bw_fail(
           context, BW_INVALID,
@@ -202,7 +202,7 @@ bw_status bw_incremental_system_update(bw_context *context, bw_incremental_syste
   if (same) {
     size_t count = 9 * (size_t)(dof_map->frame_count - inner->subdomain_count);
     memcpy(supports, inner->supports, count * sizeof *supports);
-    touch_turned_supports(incremental, dof_map, frame, supports, touched);
+    touch_rotated_supports(incremental, dof_map, frame, supports, touched);
   } else { /* the factor is of other unknowns */
     bw_release(inner->factor);
     inner->factor = NULL;

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Where an iteration begins: at the combination of given fields (solutions of nearby shapes,
  * mostly) that is nearest to the solution in energy. With V the fields and g = V c, V^T K V c = V^T
- * f,     g . K g = g . f,     |u - g|_K least, for every right-hand side by itself, all from the
+ * f,     g . K g = g . f,     |u - g|_K minimal, for every right-hand side by itself, all from the
  * same K V.
  *
  * Solutions of shapes that hardly differ are nearly parallel. Fields are taken in turn, by a
@@ -14,7 +14,8 @@
 #include "solve/incremental.h"
 #include "solve/multivector.h"
 
-/* The least part of a field's energy that is not rounding once those before it are taken out. */
+/* The smallest fraction of a field's energy that is not rounding once those before it are taken
+ * out. */
 #define INDEPENDENT 1e-11
 
 /* Cholesky of the n x n matrix `a` (column-major, unit diagonal) in place, rows of fields left out
@@ -119,11 +120,11 @@ done:
   return status;
 }
 
-void bwi_initial_guess_clear(bwi_initial_guess *rest) {
-  bw_free(rest->guess);
-  bw_free(rest->force);
-  bw_free(rest->load);
-  bw_free(rest->energy);
+void bwi_initial_guess_clear(bwi_initial_guess *left) {
+  bw_free(left->guess);
+  bw_free(left->force);
+  bw_free(left->load);
+  bw_free(left->energy);
 }
 
 /* |a| over the unknowns; `work` has room for a field */
@@ -139,34 +140,34 @@ static double norm(const bw_dof_map *dof_map, const double *a, double *work) {
 
 bw_status bwi_initial_guess_make(bw_context *context, const bw_incremental_system *incremental,
                                  const bw_incremental_options *options, int64_t count,
-                                 const double *force, bwi_initial_guess *rest) {
+                                 const double *force, bwi_initial_guess *left) {
   bw_status status = BW_OK;
   const bw_dof_map *dof_map = incremental->system->dof_map;
   int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
   double *work = NULL;
-  rest->tolerance = options->tolerance;
+  left->tolerance = options->tolerance;
   if (options->guess_count <= 0)
     return BW_OK;
-  rest->guess = BW_NEW(context, double, count *size);
-  rest->force = BW_NEW(context, double, count *size);
-  rest->load = BW_NEW(context, double, count);
-  rest->energy = BW_NEW(context, double, count);
+  left->guess = BW_NEW(context, double, count *size);
+  left->force = BW_NEW(context, double, count *size);
+  left->load = BW_NEW(context, double, count);
+  left->energy = BW_NEW(context, double, count);
   work = BW_NEW(context, double, size);
-  if (!rest->guess || !rest->force || !rest->load || !rest->energy || !work) {
+  if (!left->guess || !left->force || !left->load || !left->energy || !work) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(combine(context, incremental->system, options->guess_count, options->guess, count, force,
-                 rest->guess, rest->force, rest->energy));
+                 left->guess, left->force, left->energy));
   double max = 0;
   for (int64_t k = 0; k < count; k++) {
-    rest->load[k] = norm(dof_map, force + k * size, work);
-    if (rest->load[k] > 0)
-      max = fmax(max, norm(dof_map, rest->force + k * size, work) / rest->load[k]);
+    left->load[k] = norm(dof_map, force + k * size, work);
+    if (left->load[k] > 0)
+      max = fmax(max, norm(dof_map, left->force + k * size, work) / left->load[k]);
   }
   if (options->energy)
     max = fmin(max, 1); /* it is the best combination in energy, 0 among them */
-  rest->tolerance = max > 2 * options->tolerance ? fmin(options->tolerance / max, 0.5) : 0.5;
+  left->tolerance = max > 2 * options->tolerance ? fmin(options->tolerance / max, 0.5) : 0.5;
 done:
   bw_free(work);
   return status;

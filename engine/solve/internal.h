@@ -119,8 +119,8 @@ bw_status bwi_elimination_reach_create(bw_context *context, bwi_symbolic *symbol
 /* Of one subdomain that is everything: for factors made again as a whole, in place. */
 bw_status bwi_elimination_reach_create_whole(bw_context *context, bwi_symbolic *symbolic,
                                              bwi_elimination_reach **reach);
-/* wanted: super_count, 1 where the set meets touched_subdomain (subdomain_count). Returns the work.
- */
+/* wanted: super_count, 1 where the set meets touched_subdomain (subdomain_count). Returns the
+ * work. */
 double bwi_elimination_reach_supernodes(const bwi_elimination_reach *reach,
                                         const uint8_t *touched_subdomain, uint8_t *wanted);
 /* The work that refactoring for these subdomains would take. */
@@ -170,9 +170,9 @@ bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
                                const struct bwi_kernels *kernels, bwi_factor **factor,
                                int32_t *bad_node);
 /* Factor again, in place, what entries of the touched subdomains (NULL: all) reach: the same bits
- * as from scratch, when only entries of theirs have changed since. *flops (may be NULL): work done.
- * On failure, BW_CANCELLED included, the factor is broken: solves refuse it, an
- * update of all subdomains (NULL) repairs it. *bad_node as above. */
+ * as a full refactorisation, when only entries of theirs have changed since. *flops (may be NULL):
+ * work done. On failure, BW_CANCELLED included, the factor is broken: solves refuse it, an update
+ * of all subdomains (NULL) repairs it. *bad_node as above. */
 bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_matrix *matrix,
                             const uint8_t *touched_subdomain, double *flops, int32_t *bad_node);
 /* Bytes of L. */
@@ -191,8 +191,8 @@ enum { BWI_MAX_WIDTH = 16 };
 /* ---- dense kernels (front.c) --------------------------------------------------------------- */
 
 /* An update matrix is a lower triangle kept as columns of tiles: block column c holds the rows from
- * its diagonal tile down, column-major. That is half of a square, and each tile is a plain matrix.
- */
+ * its diagonal tile down, column-major. That is half of a square, and each tile is a plain
+ * matrix. */
 enum { BWI_TILE = 512 };
 /* Numbers in the update matrix of `outer` rows. */
 static inline int64_t bwi_update_size(int64_t outer) {
@@ -295,8 +295,8 @@ bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor, const 
 
 /* ---- systems (system.c) -------------------------------------------------------------------- */
 
-/* Graph and stiffness: no mass, no factor yet. `previous` as in bw_system_create, and of the same
- * topology. */
+/* Block sparsity pattern and stiffness: no mass, no factor yet. `previous` as in bw_system_create,
+ * and of the same topology. */
 bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                            const bw_dof_map *dof_map, const bw_system *previous,
                            bw_system **system);
@@ -316,7 +316,7 @@ bool bwi_system_serves(const bw_system *system, const bw_model *model, const bw_
 /* The same elements on the same nodes. */
 bool bwi_same_topology(const bw_mesh *a, const bw_mesh *b);
 /* Nodes that take part in the order: all those of bodies with rigid-body modes (so that the order
- * also serves the matrix without pins), and elsewhere those with an unknown. */
+ * also serves the matrix without isostatic constraints), and elsewhere those with an unknown. */
 void bwi_nodes_taking_part(const bw_dof_map *dof_map, uint8_t *take);
 /* The expanded order for a DOF map's unknowns, with what of `old` (may be NULL) fits. With
  * element_subdomain (may be NULL) a new order is made for edits by subdomains. */
@@ -334,7 +334,7 @@ bw_status bwi_steady_fields(bw_context *context, const bw_dof_map *dof_map, int6
 /* BW_INVALID for the view of an incremental system whose factor is not current. */
 bw_status bwi_need_factor(bw_context *context, const bw_system *system);
 /* BW_SINGULAR at a node, in words for the user. */
-bw_status bwi_say_singular(bw_context *context, const bw_mesh *mesh, int32_t node);
+bw_status bwi_fail_singular(bw_context *context, const bw_mesh *mesh, int32_t node);
 
 /* The size to which rounding lets the residual f - K u fall: what doubles leave of the terms of
  * K u, taken from its diagonal blocks. */
@@ -344,8 +344,8 @@ double bwi_residual_noise(const bw_block_pattern *pattern, const double *stiffne
 
 /* ---- statics (statics.c) ------------------------------------------------------------------- */
 
-/* Refinement of a static solution stops below this relative residual, or when it no longer helps.
- */
+/* Refinement of a static solution stops below this relative residual, or when it no longer
+ * helps. */
 extern const double bwi_refine_to;
 /* displacement = K^-1 force as bw_system_solve does for one right-hand side. */
 typedef struct bwi_static_solver {

@@ -91,7 +91,7 @@ static bw_status open_laplacian(bw_context *context, const bw_mesh *mesh,
   BW_TRY(bw_mass(context, pattern, mesh, l->mass));
   BW_TRY(bwi_order_create(context, pattern, NULL, &order));
   BW_TRY(bwi_symbolic_create(context, order, 1, unknown, &l->unpinned));
-  /* pin the node that comes last in the order of each body */
+  /* constrain the node that comes last in the order of each body */
   for (int32_t p = order->size - 1, found = 0; p >= 0 && found < mesh->component_count; p--) {
     int32_t body = mesh->component[order->node_at[p]];
     if (l->sum[body] == 0) {

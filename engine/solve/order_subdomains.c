@@ -351,7 +351,8 @@ bw_status bwi_order_create_subdomains(bw_context *context, const bw_block_patter
               .edits = edits};
   for (int64_t e = 0; e < mesh->element_count; e++)
     if (element_subdomain[e] < 0 || element_subdomain[e] >= subdomain_count)
-      return bw_fail(context, BW_INVALID, "element %lld is of subdomain %d, there are %d",
+      return bw_fail(context, BW_INVALID,
+                     "element %lld is in subdomain %d: the subdomains are 1 to %d",
                      (long long)(e + 1), element_subdomain[e] + 1, subdomain_count);
   if (subdomain_count < 2 || subdomain_count > MAX_SUBDOMAINS)
     return bwi_order_create(context, pattern, take, order);

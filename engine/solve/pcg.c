@@ -52,8 +52,8 @@ typedef struct iteration {
   double *r, *z, *p, *q;
   column column[WIDTH];
   int active;
-  double level[REMEMBERED]; /* r . z over the energy, of the worst column, by iteration: the least
-                               until then */
+  double history[REMEMBERED]; /* r . z over the energy, of the worst column, by iteration: the
+                                 smallest until then */
 } iteration;
 
 static void keep_unknowns(const iteration *it, double *field) {
@@ -164,11 +164,11 @@ static bool beyond_bound(iteration *it, int made) {
     return false;
   for (int k = 0; k < it->active; k++)
     worst = fmax(worst, it->column[k].r_dot_z / it->column[k].energy);
-  it->level[made] = made > 1 ? fmin(worst, it->level[made - 1]) : worst;
-  if (made < CHECKED_FROM || it->active == 0 || !(it->level[made] > wanted))
+  it->history[made] = made > 1 ? fmin(worst, it->history[made - 1]) : worst;
+  if (made < CHECKED_FROM || it->active == 0 || !(it->history[made] > wanted))
     return false;
-  double fallen = log(it->level[made / 2] / it->level[made]) / (made - made / 2);
-  double left = 0.5 * log(it->level[made] / wanted) / fallen;
+  double fallen = log(it->history[made / 2] / it->history[made]) / (made - made / 2);
+  double left = 0.5 * log(it->history[made] / wanted) / fallen;
   if (left <= problem->max_remaining)
     return false;
   problem->predicted_iterations = made + left;

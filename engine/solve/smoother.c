@@ -130,40 +130,40 @@ typedef struct sweep {
   const bwi_smoother *s;
   int width;
   const float *r;
-  float *z, *rest;
+  float *z, *residual;
 } sweep;
 
-/* z of row k so that its equation holds, the rows before it as they are; `rest` of these then
- * loses what it does to them. Backwards, `rest` of the row is what rows behind it did. */
+/* z of row k so that its equation holds, the rows before it as they are; `residual` of these then
+ * loses what it does to them. Backwards, `residual` of the row is what rows behind it did. */
 static inline void satisfy(const sweep *w, int64_t k, bool backwards) {
   const bwi_smoother *s = w->s;
   const float *a = s->inverse + 9 * k;
   if (w->width == 1) {
     const float *r = w->r + 3 * k;
-    float *z = w->z + 3 * k, *rest = w->rest + 3 * k;
+    float *z = w->z + 3 * k, *residual = w->residual + 3 * k;
     quad sum = row_times_f(FLOATS(s), k, w->z, (quad){0, 0, 0, 0});
     for (int d = 0; d < 3; d++) {
-      sum[d] = r[d] - sum[d] - (backwards ? rest[d] : 0);
-      rest[d] = 0;
+      sum[d] = r[d] - sum[d] - (backwards ? residual[d] : 0);
+      residual[d] = 0;
     }
     sum = *(const quad *)a * sum[0] + *(const quad *)(a + 3) * sum[1] +
           *(const quad *)(a + 6) * sum[2];
     for (int d = 0; d < 3; d++)
       z[d] = sum[d];
-    row_across_f(FLOATS(s), k, sum, w->rest);
+    row_across_f(FLOATS(s), k, sum, w->residual);
   } else {
     const eight *r = (const eight *)w->r + 3 * k;
-    eight *z = (eight *)w->z + 3 * k, *rest = (eight *)w->rest + 3 * k, sum[3];
+    eight *z = (eight *)w->z + 3 * k, *residual = (eight *)w->residual + 3 * k, sum[3];
     memset(sum, 0, sizeof sum);
     rows_times_f(FLOATS(s), k, (const eight *)w->z, sum);
     for (int d = 0; d < 3; d++) {
-      sum[d] = backwards ? r[d] - sum[d] - rest[d] : r[d] - sum[d];
-      rest[d] = (eight){0};
+      sum[d] = backwards ? r[d] - sum[d] - residual[d] : r[d] - sum[d];
+      residual[d] = (eight){0};
     }
     eight own[3];
     for (int d = 0; d < 3; d++)
       z[d] = own[d] = a[d] * sum[0] + a[3 + d] * sum[1] + a[6 + d] * sum[2];
-    rows_across_f(FLOATS(s), k, own, (eight *)w->rest);
+    rows_across_f(FLOATS(s), k, own, (eight *)w->residual);
   }
 }
 
@@ -183,19 +183,19 @@ static bw_status chunk_backward(void *data, int64_t begin, int64_t end, int work
   return BW_OK;
 }
 
-/* rest = - rest */
+/* residual = - residual */
 static bw_status leave(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const sweep *w = data;
   for (int64_t i = 3 * begin * w->width; i < 3 * end * w->width; i++)
-    w->rest[i] = -w->rest[i];
+    w->residual[i] = -w->residual[i];
   return BW_OK;
 }
 
 bw_status bwi_smoother_forward(bw_context *context, const bwi_smoother *s, int width,
-                               const float *r, float *z, float *rest) {
+                               const float *r, float *z, float *residual) {
   bw_status status = BW_OK;
-  sweep w = {s, width, r, z, rest};
+  sweep w = {s, width, r, z, residual};
   BW_TRY(bw_parallel(context, s->chunk_count, 1, chunk_forward, &w));
   for (int64_t k = s->chunk_start[s->chunk_count]; k < s->count; k++)
     satisfy(&w, k, false);

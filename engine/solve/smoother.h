@@ -57,9 +57,10 @@ bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
  * a node's own block is not positive definite. */
 bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *smoother, const double *stiffness,
                               const bw_dof_map *dof_map, bool *usable);
-/* z = (D + L)^-1 r and rest = r - K z, where z is 0 off the unknowns and rest of no meaning. */
+/* z = (D + L)^-1 r and residual = r - K z, where z is 0 off the unknowns and residual of no
+ * meaning. */
 bw_status bwi_smoother_forward(bw_context *context, const bwi_smoother *smoother, int width,
-                               const float *r, float *z, float *rest);
+                               const float *r, float *z, float *residual);
 /* z += (D + U)^-1 (r - K z); `work` has room for a field. */
 bw_status bwi_smoother_backward(bw_context *context, const bwi_smoother *smoother, int width,
                                 const float *r, float *z, float *work);

@@ -75,7 +75,7 @@ static bw_status gather(bw_context *context, int64_t entries, const bwi_entry *e
     }
     sort_row(r->pattern.column + begin, r->value + begin, count - begin);
     if (count == begin || r->pattern.column[count - 1] != row) {
-      status = bw_fail(context, BW_INTERNAL, "row %d of a sparse system has no diagonal", row);
+      status = bw_fail(context, BW_INTERNAL, "row %d of a sparse system has no diagonal", row + 1);
       goto done;
     }
   }

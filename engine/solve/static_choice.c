@@ -2,9 +2,9 @@
 /* Static solutions of a model: by the factor of its system, or by two-level PCG without one.
  *
  * A factor serves whatever comes next: other loads, modes, the worst case. So it is left alone
- * where it costs little. Where it costs much, PCG is taken, which serve one solution; those
+ * where it costs little. Where it costs much, PCG is taken, which serves one solution; those
  * that follow are counted, and when they would come to more than the factor, that is made: whatever
- * comes, no more than twice the better way. */
+ * comes, the cost is no more than twice that of the better way. */
 #include <math.h>
 
 #include "barwright/job.h"
@@ -13,7 +13,7 @@
 
 enum {
   ITERATIONS = 2000, /* no way to solve */
-  SMALL = 30000      /* unknowns: the factor, without a thought */
+  SMALL = 30000      /* unknowns: always the factor */
 };
 /* Seconds of the model's machine that a factor may take, and bytes: there are machines with less
  * memory than this, but few. */
@@ -43,13 +43,14 @@ static bw_status check_options(bw_context *context, const bw_statics_options *gi
   if (opts->iterations < 1)
     return bw_fail(context, BW_INVALID, "%d iterations: at least 1 expected", opts->iterations);
   if (!(opts->memory >= 0))
-    return bw_fail(context, BW_INVALID, "%g bytes of memory are allowed; a positive number",
+    return bw_fail(context, BW_INVALID,
+                   "memory %g bytes: a positive number expected, or 0 for what is free",
                    opts->memory);
   return BW_OK;
 }
 
 /* The equations: those given where they fit, else new ones that reuse what they can. */
-static bw_status bring_system(statics *s, const bw_dof_map *dof_map, bw_system *given) {
+static bw_status prepare_system(statics *s, const bw_dof_map *dof_map, bw_system *given) {
   const bw_model *model = s->model;
   if (given && !bwi_same_topology(given->mesh, model->mesh))
     given = NULL;
@@ -263,7 +264,7 @@ bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *syst
   BW_TRY(check_options(context, options, &s.opts));
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
   BW_TRY(bwi_static_begin(context, model, options, dof_map, &s.result));
-  BW_TRY(bring_system(&s, dof_map, system));
+  BW_TRY(prepare_system(&s, dof_map, system));
   s.available = s.opts.memory > 0 ? s.opts.memory : bw_free_memory();
   BW_TRY(solve(&s));
 done:

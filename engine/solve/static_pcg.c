@@ -1,10 +1,10 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Levels of elements of a plain system (static_pcg.h).
+/* Two-level PCG of a system (static_pcg.h), and its predicted cost.
  *
  * What a factor costs is known when its order is, and making that takes seconds where it matters.
  * The linear elements on the same corners have to be ordered in any case, have a seventh of the
- * unknowns, and tell it too, since nested dissection cuts both bodies alike. Let the quadratic ones
- * have w times as many unknowns. Along the length of a body there are twice as many, so that a
+ * unknowns, and predict it too, since nested dissection cuts both bodies alike. Let the quadratic
+ * ones have w times as many unknowns. Along the length of a body there are twice as many, so that a
  * separator has w / 2 times as many. Fronts are dense: entries go with the square of that,
  * operations with its cube, for blocks, bars and plates alike, whose w differ. What is left over
  * was measured on these. */

@@ -26,7 +26,7 @@ typedef struct bwi_two_level_solver {
 bool bwi_two_level_applies(const bw_system *system);
 /* Gives the system its `two_level`, with the prediction alone. */
 bw_status bwi_two_level_predict(bw_context *context, bw_system *system);
-/* And what solves over them. *usable is false where the equations are singular. */
+/* And the preconditioner. *usable is false where the equations are singular. */
 bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_system *system,
                              bool *usable);
 

@@ -53,13 +53,13 @@ static bw_status check_balance(bw_context *context, const bw_dof_map *dof_map, c
     for (int64_t i = 0; i < nodes; i++) {
       if (dof_map->mesh->component[i] != motion->component)
         continue;
-      double arm[3], turn[3];
+      double arm[3], shift[3];
       for (int c = 0; c < 3; c++)
         arm[c] = dof_map->mesh->node[3 * i + c] - motion->centre[c];
-      bw_cross(motion->rotation, arm, turn);
+      bw_cross(motion->rotation, arm, shift);
       for (int c = 0; c < 3; c++)
-        turn[c] += motion->translation[c];
-      size += bw_norm(turn) * bw_norm(force + 3 * i);
+        shift[c] += motion->translation[c];
+      size += bw_norm(shift) * bw_norm(force + 3 * i);
     }
     if (size > 0 && fabs(part[m]) / size > excess) {
       excess = fabs(part[m]) / size;

@@ -89,13 +89,13 @@ done:
   return status;
 }
 
-bw_status bwi_say_singular(bw_context *context, const bw_mesh *mesh, int32_t node) {
+bw_status bwi_fail_singular(bw_context *context, const bw_mesh *mesh, int32_t node) {
   const double *x = mesh->node + 3 * (int64_t)node;
   bw_fail(
       context, BW_SINGULAR,
       "the stiffness is singular, or so nearly that double precision cannot tell, at node %d, "
-      "(%g, %g, %g) m, although the body cannot move freely: parts that touch only in a node or "
-      "an edge turn there, elements almost without volume have almost no stiffness, and a body "
+      "(%g, %g, %g) m, although the body cannot move freely: parts that touch only in a node or an "
+      "edge rotate there, elements almost without volume have almost no stiffness, and a body "
       "ten thousand times longer than thick is nearly a mechanism. Join the parts properly, or "
       "mesh again",
       node + 1, x[0], x[1], x[2]);
@@ -147,7 +147,7 @@ done:
   return status;
 }
 
-static bw_status bring_mass(bw_context *context, bw_system *system) {
+static bw_status ensure_mass(bw_context *context, bw_system *system) {
   int64_t blocks = system->pattern->block_count;
   if (system->mass)
     return BW_OK;
@@ -180,12 +180,13 @@ static bw_status check_memory(bw_context *context, const bwi_symbolic *symbolic,
   double wanted = bwi_factor_peak_bytes(symbolic, bw_threads(context));
   if (wanted <= available)
     return BW_OK;
-  bw_fail(context, BW_MEMORY,
-          "the factor of %d unknowns takes %.3g GB of memory, more than the %.3g GB that there are "
-          "for it. Take fewer elements; or a machine with more memory; a static solution on "
-          "quadratic elements that supports hold needs no factor (with = \"pcg\"), and several "
-          "machines can share one (with = \"petsc\")",
-          (int)symbolic->unknowns, wanted / 1e9, available / 1e9);
+  bw_fail(
+      context, BW_MEMORY,
+      "the factor of %d unknowns takes %.3g GB of memory, more than the %.3g GB available. Use "
+      "fewer elements, or a machine with more memory; a static solution on quadratic elements "
+      "whose supports constrain all rigid-body modes needs no factor (with = \"pcg\"), and several "
+      "machines can share one (with = \"petsc\")",
+      (int)symbolic->unknowns, wanted / 1e9, available / 1e9);
   bw_detail_number(context, "bytes", wanted);
   bw_detail_number(context, "free_bytes", available);
   return BW_MEMORY;
@@ -202,7 +203,7 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic
   BW_TRY(
       bwi_symbolic_for(context, system->pattern, system->dof_map, 0, NULL, NULL, old, &symbolic));
   BW_TRY(check_memory(context, symbolic, available));
-  BW_TRY(bring_mass(context, system));
+  BW_TRY(ensure_mass(context, system));
   system->times.order += bw_seconds() - start;
 
   start = bw_seconds();
@@ -212,7 +213,7 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic
   int32_t bad = 0;
   status = bwi_factor_create(context, symbolic, &matrix, &system->factor, &bad);
   if (status == BW_SINGULAR)
-    status = bwi_say_singular(context, system->mesh, bad);
+    status = bwi_fail_singular(context, system->mesh, bad);
   if (status != BW_OK)
     goto done;
   system->times.factor_entries = symbolic->panel[symbolic->order->super_count];

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Two levels of elements and what goes between them (two_level.h). */
+/* The two-level preconditioner: restriction and prolongation (two_level.h). */
 #include "solve/two_level.h"
 
 #include <string.h>
@@ -13,11 +13,11 @@ static void free_vectors(bwi_two_level *l) {
   bw_free(l->q);
   bw_free(l->ku);
   bw_free(l->z);
-  bw_free(l->rest);
+  bw_free(l->residual);
   bw_free(l->floats);
   bw_free(l->corner);
   l->u = l->r = l->p = l->q = l->ku = l->corner = NULL;
-  l->z = l->rest = l->floats = NULL;
+  l->z = l->residual = l->floats = NULL;
   l->width = 0;
 }
 
@@ -84,16 +84,16 @@ typedef struct passage {
 } passage;
 
 /* Half of what each child has left; a corner is its own child twice. */
-static bw_status restrict_rest(void *data, int64_t begin, int64_t end, int worker) {
+static bw_status restrict_residual(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const passage *m = data;
   const bwi_two_level *l = m->l;
   for (int64_t c = begin; c < end; c++) {
     double sum[3 * BWI_SMOOTHER_SIDES] = {0};
     for (int64_t k = l->child_start[c]; k < l->child_start[c + 1]; k++) {
-      const float *rest = l->rest + 3 * (int64_t)m->width * l->child[k];
+      const float *residual = l->residual + 3 * (int64_t)m->width * l->child[k];
       for (int i = 0; i < 3 * m->width; i++)
-        sum[i] += (double)rest[i];
+        sum[i] += (double)residual[i];
     }
     for (int f = 0; f < m->used; f++)
       for (int d = 0; d < 3; d++)
@@ -120,11 +120,11 @@ static bw_status prolong(void *data, int64_t begin, int64_t end, int worker) {
 bw_status bwi_two_level_precondition(bw_context *context, bwi_two_level *l, int width, int used) {
   bw_status status = BW_OK;
   passage m = {l, width, used, bwi_coarse_corners(l->coarse), 1 / l->smoother->unit};
-  BW_TRY(bwi_smoother_forward(context, l->smoother, width, l->floats, l->z, l->rest));
-  BW_TRY(bw_parallel(context, m.corners, ROWS, restrict_rest, &m));
+  BW_TRY(bwi_smoother_forward(context, l->smoother, width, l->floats, l->z, l->residual));
+  BW_TRY(bw_parallel(context, m.corners, ROWS, restrict_residual, &m));
   BW_TRY(bwi_coarse_solve(context, l->coarse, used, l->corner));
   BW_TRY(bw_parallel(context, l->smoother->count, ROWS, prolong, &m));
-  BW_TRY(bwi_smoother_backward(context, l->smoother, width, l->floats, l->z, l->rest));
+  BW_TRY(bwi_smoother_backward(context, l->smoother, width, l->floats, l->z, l->residual));
 done:
   return status;
 }
@@ -191,10 +191,11 @@ bw_status bwi_two_level_reserve(bw_context *context, bwi_two_level *l, int width
   l->q = BW_NEW(context, double, numbers);
   l->ku = BW_NEW(context, double, numbers);
   l->z = BW_NEW0(context, float, numbers);
-  l->rest = BW_NEW(context, float, numbers);
+  l->residual = BW_NEW(context, float, numbers);
   l->floats = BW_NEW(context, float, numbers);
   l->corner = BW_NEW(context, double, 3 * (size_t)bwi_coarse_corners(l->coarse) * (size_t)width);
-  if (!l->u || !l->r || !l->p || !l->q || !l->ku || !l->z || !l->rest || !l->floats || !l->corner) {
+  if (!l->u || !l->r || !l->p || !l->q || !l->ku || !l->z || !l->residual || !l->floats ||
+      !l->corner) {
     free_vectors(l);
     return BW_MEMORY;
   }

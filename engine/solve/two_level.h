@@ -22,15 +22,15 @@ typedef struct bwi_two_level {
   /* room for `width` fields */
   int width;
   double *u, *r, *p, *q, *ku; /* ku: K u, where residuals are recomputed */
-  float *z, *rest, *floats;
+  float *z, *residual, *floats;
   double *corner; /* SIDES x 3 corners */
 } bwi_two_level;
 
 /* What counting says of a solution, on the model's machine (incremental.h). Iterations do not
  * depend on the shape, but on the mesh; these good ones have: an iteration halves the error. */
 #define BWI_TWO_LEVEL_RATE 1.45
-/* Beside reading matrices: sums over fields, rows between chunks, one after the other (measured).
- */
+/* Beside reading matrices: sums over fields, rows between chunks, one after the other
+ * (measured). */
 #define BWI_TWO_LEVEL_PASS 2.0
 /* Of eight right-hand sides side by side over one (measured); of following a shape over an
  * iteration, where there is no preconditioner yet to count. */
@@ -64,7 +64,7 @@ bw_status bwi_two_level_precondition(bw_context *context, bwi_two_level *two_lev
 
 typedef struct bwi_two_level_problem {
   double tolerance;
-  /* as in bwi_pcg: what the tolerance is relative to where the force is a rest; or NULL */
+  /* as in bwi_pcg: what the tolerance is relative to where the force is a residual; or NULL */
   const double *load, *energy;
   bool energy_alone;
   int limit; /* on iterations */

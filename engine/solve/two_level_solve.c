@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Conjugate gradients over a coarse space (two_level.h), for one right-hand side or up to eight
- * side by side, each with its own coefficients.
+/* Conjugate gradients with the two-level preconditioner (two_level.h), for one right-hand side or
+ * up to eight side by side, each with its own coefficients.
  *
  * The equations are taken times a power of two for the matrix and one for each right-hand side, so
  * that floats hold what the preconditioner works on. The next direction is made conjugate to the
@@ -132,11 +132,11 @@ static bw_status set_residual(iteration *it, int64_t begin, int64_t end, bool re
     for (int f = 0; f < width; f++) {
       double value[3] = {0, 0, 0};
       if (f < it->used && recomputed) {
-        double rest[3];
+        double residual[3];
         for (int d = 0; d < 3; d++)
-          rest[d] = it->column[f].unit * it->force[f * size + 3 * node + d] -
-                    l->ku[(3 * k + d) * width + f];
-        project_unknowns(l->dof_map, node, rest, value);
+          residual[d] = it->column[f].unit * it->force[f * size + 3 * node + d] -
+                        l->ku[(3 * k + d) * width + f];
+        project_unknowns(l->dof_map, node, residual, value);
       } else if (f < it->used)
         project_unknowns(l->dof_map, node, it->force + f * size + 3 * node, value);
       for (int d = 0; d < 3; d++) {
@@ -231,7 +231,8 @@ static bw_status update_direction(void *data, int64_t begin, int64_t end, int wo
   return BW_OK;
 }
 
-/* That, projected onto the unknowns: the floats of z leave a rest along constrained directions. */
+/* That, projected onto the unknowns: the floats of z leave a remainder along constrained
+ * directions. */
 static bw_status update_directions(iteration *it) {
   bw_status status = BW_OK;
   BW_TRY(bw_parallel(it->context, it->l->smoother->count, ROWS, update_direction, it));

@@ -1,4 +1,4 @@
-/* Files of results on SQLite: opening, judging, closing. See study.h; statement.c uses them.
+/* Files of results on SQLite: opening, checking, closing. See study.h; statement.c uses them.
  *
  * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 #include <errno.h>
@@ -92,17 +92,17 @@ void bwi_database_note_changes(bw_database *d) {
   d->total = total;
 }
 
-/* ---- judging --------------------------------------------------------------------------------- */
+/* ---- checking -------------------------------------------------------------------------------- */
 
 int32_t bwi_big_endian(const unsigned char *at) {
   return (int32_t)((uint32_t)at[0] << 24 | (uint32_t)at[1] << 16 | (uint32_t)at[2] << 8 | at[3]);
 }
 
 static bw_status newer(bw_context *context, const char *path, int32_t version) {
-  bw_status status = bwi_database_say(context, BW_FORMAT, "newer", path,
-                                      "written by a newer version of barwright (its format is %d, "
-                                      "this version knows %d): use that one",
-                                      version, BW_DATABASE_FORMAT);
+  bw_status status = bwi_database_fail(context, BW_FORMAT, "newer", path,
+                                       "written by a newer version of barwright (its format is %d, "
+                                       "this version knows %d): open it with that version",
+                                       version, BW_DATABASE_FORMAT);
   bw_detail_number(context, "format", version);
   return status;
 }
@@ -119,15 +119,15 @@ static bw_status check_head(bw_context *context, const char *path, const unsigne
   bool ours = bwi_big_endian(head + BWI_MARK_AT) == bwi_mark;
   if (memcmp(head, bwi_magic, sizeof bwi_magic) != 0) {
     if (ours || only_zeros(head)) /* no program's files begin with nothing */
-      return bwi_database_say(context, BW_FORMAT, "damaged", path,
-                              "the file is damaged: its first bytes are not those of a database; "
-                              "what is readable can be copied to a new one (salvage)");
-    return bwi_database_say(context, BW_FORMAT, "foreign", path,
-                            "not a database of barwright: it begins as something else");
+      return bwi_database_fail(context, BW_FORMAT, "damaged", path,
+                               "the file is damaged: its first bytes are not those of a database; "
+                               "what is readable can be copied to a new one (salvage)");
+    return bwi_database_fail(context, BW_FORMAT, "foreign", path,
+                             "not a database of barwright: it begins as something else");
   }
   if (got < BWI_HEADER)
-    return bwi_database_say(context, BW_FORMAT, "damaged", path,
-                            "the file is damaged: it ends after %d bytes", (int)got);
+    return bwi_database_fail(context, BW_FORMAT, "damaged", path,
+                             "the file is damaged: it ends after %d bytes", (int)got);
   if (ours && bwi_big_endian(head + BWI_VERSION_AT) > BW_DATABASE_FORMAT)
     return newer(context, path, bwi_big_endian(head + BWI_VERSION_AT));
   return BW_OK;
@@ -156,15 +156,15 @@ static bw_status check_file(bw_context *context, const char *path, bool read_onl
   if (stat(path, &about) != 0) {
     if (errno == ENOENT && !read_only)
       return BW_OK;
-    return bwi_database_say(context, BW_IO, NULL, path, "%s", strerror(errno));
+    return bwi_database_fail(context, BW_IO, NULL, path, "%s", strerror(errno));
   }
   if (!S_ISREG(about.st_mode))
-    return bwi_database_say(context, BW_IO, NULL, path, "a file expected, this is %s",
-                            S_ISDIR(about.st_mode) ? "a folder" : "none");
+    return bwi_database_fail(context, BW_IO, NULL, path, "a file expected, this is %s",
+                             S_ISDIR(about.st_mode) ? "a folder" : "a device or a pipe");
   if (about.st_size == 0 && !read_only)
     return BW_OK;
   if (about.st_size == 0)
-    return bwi_database_say(context, BW_FORMAT, "foreign", path, "the file is empty");
+    return bwi_database_fail(context, BW_FORMAT, "foreign", path, "the file is empty");
   ino_t ahead = bwi_changes_ahead(path);
   int file = bw_open(path, O_RDONLY, 0);
   ssize_t got = file >= 0 ? read(file, head, sizeof head) : -1;
@@ -172,12 +172,12 @@ static bw_status check_file(bw_context *context, const char *path, bool read_onl
   if (file >= 0)
     close(file);
   if (got < 0)
-    return bwi_database_say(context, BW_IO, NULL, path, "%s", strerror(error));
+    return bwi_database_fail(context, BW_IO, NULL, path, "%s", strerror(error));
   bw_status status = check_head(context, path, head, got);
   /* The same before and after the head was read: nobody ended the mode meanwhile. */
   if (status == BW_OK && !bwi_expects_changes(head) && ahead != 0 &&
       bwi_changes_ahead(path) == ahead)
-    return bwi_database_say(
+    return bwi_database_fail(
         context, BW_FORMAT, "damaged", path,
         "the file is damaged: %s-wal is beside it, which is of another state of "
         "the file; move that one away if the file itself is the right one",
@@ -245,15 +245,16 @@ static bw_status set_up(bw_context *context, bw_database *d, bool read_only) {
   if (code == SQLITE_OK && mark == 0 && tables != 0)
     code = read_number(d->connection, "PRAGMA application_id", &mark);
   if ((code & 0xff) == SQLITE_ERROR) /* nothing is wrong with what was asked */
-    return bwi_database_say(context, BW_FORMAT, "damaged", d->path,
-                            "the file is damaged (%s); what is readable can be copied to a new one "
-                            "(salvage)",
-                            sqlite3_errmsg(d->connection));
+    return bwi_database_fail(
+        context, BW_FORMAT, "damaged", d->path,
+        "the file is damaged (%s); what is readable can be copied to a new one "
+        "(salvage)",
+        sqlite3_errmsg(d->connection));
   if (code != SQLITE_OK)
     return bwi_database_failure(context, d, code);
   if (mark != bwi_mark && (mark != 0 || tables != 0 || read_only))
-    return bwi_database_say(context, BW_FORMAT, "foreign", d->path,
-                            "a SQLite file of another program, which is left alone");
+    return bwi_database_fail(context, BW_FORMAT, "foreign", d->path,
+                             "a SQLite file of another program, which is left alone");
   if (version > BW_DATABASE_FORMAT)
     return newer(context, d->path, (int32_t)version);
   if (read_only)

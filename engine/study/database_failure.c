@@ -11,8 +11,8 @@
 #include "base/words.h"
 #include "study/internal.h"
 
-bw_status bwi_database_say(bw_context *context, bw_status status, const char *reason,
-                           const char *path, const char *format, ...) {
+bw_status bwi_database_fail(bw_context *context, bw_status status, const char *reason,
+                            const char *path, const char *format, ...) {
   char text[1024];
   va_list arguments;
   va_start(arguments, format);
@@ -28,13 +28,12 @@ bw_status bwi_database_say(bw_context *context, bw_status status, const char *re
 static bw_status full_disk(bw_context *context, const char *path, int error) {
   char words[BWI_WORDS];
   if (error == EFBIG)
-    return bwi_database_say(context, BW_LIMIT, "full", path,
-                            "%s; what was committed before is kept",
-                            bwi_system_words(error, words));
-  bw_status status =
-      bwi_database_say(context, BW_LIMIT, "full", path,
-                       "no room is left on its disk; what was committed before is kept. Make room "
-                       "and go on");
+    return bwi_database_fail(context, BW_LIMIT, "full", path,
+                             "%s; what was committed before is kept",
+                             bwi_system_words(error, words));
+  bw_status status = bwi_database_fail(
+      context, BW_LIMIT, "full", path,
+      "no room is left on its disk; what was committed before is kept. Free some space and go on");
   char folder[BWI_LONGEST_PATH];
   snprintf(folder, sizeof folder, "%s", path);
   char *slash = strrchr(folder, '/');
@@ -67,8 +66,8 @@ static int why_not_written(const char *path) {
 }
 
 static bw_status refused(bw_context *context, const char *path, const char *words, int error) {
-  return bwi_database_say(context, BW_IO, NULL, path, "%s%s%s", words, error ? ": " : "",
-                          error ? strerror(error) : "");
+  return bwi_database_fail(context, BW_IO, NULL, path, "%s%s%s", words, error ? ": " : "",
+                           error ? strerror(error) : "");
 }
 
 static bw_status describe(bw_context *context, sqlite3 *connection, int code, const char *path) {
@@ -79,24 +78,25 @@ static bw_status describe(bw_context *context, sqlite3 *connection, int code, co
     return bw_fail(context, BW_MEMORY, "%s: out of memory", path);
   case SQLITE_CORRUPT:
   case SQLITE_NOTADB:
-    return bwi_database_say(context, BW_FORMAT, "damaged", path,
-                            "the file is damaged (%s); what is readable can be copied to a new one "
-                            "(salvage)",
-                            words);
+    return bwi_database_fail(
+        context, BW_FORMAT, "damaged", path,
+        "the file is damaged (%s); what is readable can be copied to a new one "
+        "(salvage)",
+        words);
   case SQLITE_FULL:
     return full_disk(context, path, error);
   case SQLITE_BUSY:
   case SQLITE_LOCKED:
   case SQLITE_PROTOCOL:
-    return bwi_database_say(context, BW_LIMIT, "busy", path,
-                            "another process is writing it, for longer than was waited (%s)",
-                            words);
+    return bwi_database_fail(context, BW_LIMIT, "busy", path,
+                             "another process is writing it, for longer than was waited (%s)",
+                             words);
   case SQLITE_INTERRUPT:
     return bw_fail(context, BW_CANCELLED, "cancelled");
   case SQLITE_CONSTRAINT:
-    return bwi_database_say(context, BW_INFEASIBLE, "constraint", path, "%s", words);
+    return bwi_database_fail(context, BW_INFEASIBLE, "constraint", path, "%s", words);
   case SQLITE_TOOBIG:
-    return bwi_database_say(context, BW_LIMIT, "size", path, "%s", words);
+    return bwi_database_fail(context, BW_LIMIT, "size", path, "%s", words);
   case SQLITE_IOERR:
     if (error == 0 && (code == SQLITE_IOERR_WRITE || code == SQLITE_IOERR_SHMSIZE ||
                        code == SQLITE_IOERR_TRUNCATE))
@@ -110,10 +110,10 @@ static bw_status describe(bw_context *context, sqlite3 *connection, int code, co
   case SQLITE_NOLFS:
     return refused(context, path, words, error);
   case SQLITE_AUTH:
-    return bwi_database_say(context, BW_INVALID, "sql", path,
-                            "%s: only statements that studies need work on it", words);
+    return bwi_database_fail(context, BW_INVALID, "sql", path,
+                             "%s: only statements that studies need work on it", words);
   default:
-    return bwi_database_say(context, BW_INVALID, "sql", path, "%s", words);
+    return bwi_database_fail(context, BW_INVALID, "sql", path, "%s", words);
   }
 }
 

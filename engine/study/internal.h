@@ -47,8 +47,8 @@ void bwi_database_note_changes(bw_database *database);
  * after it is rolled back. */
 bw_status bwi_database_failure(bw_context *context, bw_database *database, int code);
 /* Records "path: sentence" with the details "file" and (unless NULL) "reason". */
-bw_status bwi_database_say(bw_context *context, bw_status status, const char *reason,
-                           const char *path, const char *format, ...) BW_PRINTF(5, 6);
+bw_status bwi_database_fail(bw_context *context, bw_status status, const char *reason,
+                            const char *path, const char *format, ...) BW_PRINTF(5, 6);
 
 /* In the first bytes of every file: magic, and at its place the mark of barwright
  * (SQLite's application_id) and the version of the format (user_version), big-endian. */

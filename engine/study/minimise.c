@@ -1,4 +1,4 @@
-/* NLopt's minimisers behind one face. See study.h.
+/* NLopt's minimisers behind one interface. See study.h.
  *
  * Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
  *
@@ -67,10 +67,10 @@ void bw_minimise_options_default(bw_minimise_options *options) {
 /* ---- calling back ---------------------------------------------------------------------------- */
 
 struct run;
-typedef struct face { /* one function, as NLopt sees it */
+typedef struct callback { /* one function, as NLopt sees it */
   struct run *run;
   int which;
-} face;
+} callback;
 
 typedef struct run {
   bw_context *context;
@@ -80,8 +80,8 @@ typedef struct run {
   nlopt_opt nlopt;
   int n;
   bw_status failure;
-  bool lost;  /* NLopt asked for a value at a point that is none */
-  bool spent; /* NLopt asked for more evaluations than it may have */
+  bool wrong_point; /* NLopt asked for a value at a point that is not finite */
+  bool over_limit;  /* NLopt asked for more evaluations than it may have */
   int64_t evaluations, max_evaluations;
   int constraints;
   double tolerance;
@@ -119,12 +119,13 @@ static bw_status check_solution(run *r, int which, const double *x, double value
   bool ok = r->method->models ? isfinite(value) : !isnan(value) && value != -INFINITY;
   if (!ok)
     return bw_fail(r->context, BW_CONVERGENCE,
-                   "%s is %g at (%s): %s wants a %s; give a large number where there is no value",
+                   "%s is %g at (%s): %s expects a %s; give a large number where there is no value",
                    name_of(which, name), value, point_text(r, x, at), r->method->word,
                    r->method->models ? "finite number" : "number");
   for (int i = 0; gradient && i < r->n; i++)
     if (!isfinite(gradient[i]))
-      return bw_fail(r->context, BW_CONVERGENCE, "the gradient of %s by variable %d is %g at (%s)",
+      return bw_fail(r->context, BW_CONVERGENCE,
+                     "the gradient of %s by variable %d is %g at (%s): a finite number expected",
                      name_of(which, name), i + 1, gradient[i], point_text(r, x, at));
   return BW_OK;
 }
@@ -151,17 +152,17 @@ static void remember(run *r, int which, const double *x, double value) {
 }
 
 static double ask(unsigned n, const double *x, double *gradient, void *data) {
-  const face *f = (const face *)data;
+  const callback *f = (const callback *)data;
   run *r = f->run;
   double value = 0;
   if (gradient)
     memset(gradient, 0, n * sizeof *gradient);
-  if (r->failure != BW_OK || r->lost || r->spent)
+  if (r->failure != BW_OK || r->wrong_point || r->over_limit)
     return 0;
   for (unsigned i = 0; i < n; i++)
-    r->lost = r->lost || !isfinite(x[i]);
-  r->spent = f->which == 0 && r->evaluations == r->max_evaluations;
-  if (!r->lost && !r->spent) {
+    r->wrong_point = r->wrong_point || !isfinite(x[i]);
+  r->over_limit = f->which == 0 && r->evaluations == r->max_evaluations;
+  if (!r->wrong_point && !r->over_limit) {
     r->failure = bw_check_cancel(r->context);
     if (r->failure == BW_OK)
       r->failure = r->function(r->context, r->data, f->which, x, &value, gradient);
@@ -169,7 +170,7 @@ static double ask(unsigned n, const double *x, double *gradient, void *data) {
       r->failure = check_solution(r, f->which, x, value, gradient);
     r->evaluations += f->which == 0;
   }
-  if (r->failure != BW_OK || r->lost || r->spent) {
+  if (r->failure != BW_OK || r->wrong_point || r->over_limit) {
     nlopt_force_stop(r->nlopt);
     return 0;
   }
@@ -198,43 +199,54 @@ static bw_status check(bw_context *context, const method *m, int n, const double
     return bw_fail(context, BW_INVALID, "bobyqa works on 2 or more variables: use cobyla for one");
   list_methods(true, false, others);
   if (constraints > 0 && !m->constraints)
-    return bw_fail(context, BW_INVALID, "%s takes no constraints; these do: %s", m->word, others);
+    return bw_fail(context, BW_INVALID, "%s takes no constraints; these methods do: %s", m->word,
+                   others);
   list_methods(false, true, others);
   for (int i = 0; i < n; i++) {
     double low = min ? min[i] : -INFINITY, high = max ? max[i] : INFINITY;
     if (m->global && !(isfinite(low) && isfinite(high)))
-      return bw_fail(context, BW_INVALID,
-                     "%s searches between bounds, and variable %d lacks one; these go without: %s",
-                     m->word, i + 1, others);
+      return bw_fail(
+          context, BW_INVALID,
+          "%s searches between bounds, and variable %d lacks one; these methods need none: %s",
+          m->word, i + 1, others);
     if (!(low <= high))
-      return bw_fail(context, BW_INVALID, "variable %d: bounds from %g to %g", i + 1, low, high);
+      return bw_fail(
+          context, BW_INVALID,
+          "variable %d: bounds from %g to %g: the lower one must not exceed the upper one", i + 1,
+          low, high);
     if (!(x[i] >= low && x[i] <= high))
       return bw_fail(context, BW_INVALID, "variable %d starts at %g, outside of %g to %g", i + 1,
                      x[i], low, high);
     if (o->step && !(isfinite(o->step[i]) && o->step[i] > 0))
-      return bw_fail(context, BW_INVALID, "variable %d: a first step of %g", i + 1, o->step[i]);
+      return bw_fail(context, BW_INVALID,
+                     "variable %d: a first step of %g: a positive number expected", i + 1,
+                     o->step[i]);
   }
   if (!(o->tolerance >= 0) || !(o->value_tolerance >= 0) || !(o->constraint_tolerance >= 0))
-    return bw_fail(context, BW_INVALID, "tolerances are 0 or positive");
+    return bw_fail(context, BW_INVALID,
+                   "tolerance %g, value_tolerance %g, constraint_tolerance %g: 0 or more expected",
+                   o->tolerance, o->value_tolerance, o->constraint_tolerance);
   if (o->evaluations < 1 || o->evaluations > INT32_MAX)
     return bw_fail(context, BW_INVALID, "%lld evaluations: 1 to 2147483647 expected",
                    (long long)o->evaluations);
   if (o->population < 0)
-    return bw_fail(context, BW_INVALID, "a population of %d", o->population);
+    return bw_fail(context, BW_INVALID,
+                   "a population of %d: 0 for the method's default, or more, expected",
+                   o->population);
   return BW_OK;
 }
 
 /* ---- a run ----------------------------------------------------------------------------------- */
 
 static nlopt_result prepare(nlopt_opt nlopt, const double *min, const double *max, int constraints,
-                            face *faces, const bw_minimise_options *o) {
-  nlopt_result got = nlopt_set_min_objective(nlopt, ask, &faces[0]);
+                            callback *callbacks, const bw_minimise_options *o) {
+  nlopt_result got = nlopt_set_min_objective(nlopt, ask, &callbacks[0]);
   if (got > 0 && min)
     got = nlopt_set_lower_bounds(nlopt, min);
   if (got > 0 && max)
     got = nlopt_set_upper_bounds(nlopt, max);
   for (int i = 1; i <= constraints && got > 0; i++)
-    got = nlopt_add_inequality_constraint(nlopt, ask, &faces[i], o->constraint_tolerance);
+    got = nlopt_add_inequality_constraint(nlopt, ask, &callbacks[i], o->constraint_tolerance);
   if (got > 0 && o->tolerance > 0)
     got = nlopt_set_xtol_rel(nlopt, o->tolerance);
   if (got > 0 && o->value_tolerance > 0)
@@ -254,7 +266,7 @@ static nlopt_result prepare(nlopt_opt nlopt, const double *min, const double *ma
 static bw_status outcome(run *r, nlopt_result got, bw_minimise_result *result) {
   if (r->failure != BW_OK)
     return r->failure;
-  if (r->spent)
+  if (r->over_limit)
     got = NLOPT_MAXEVAL_REACHED;
   switch (got) {
   case NLOPT_SUCCESS:
@@ -279,7 +291,7 @@ static bw_status outcome(run *r, nlopt_result got, bw_minimise_result *result) {
     return bw_fail(r->context, BW_INVALID, "%s does not take these arguments%s%s", r->method->word,
                    nlopt_get_errmsg(r->nlopt) ? ": " : "",
                    nlopt_get_errmsg(r->nlopt) ? nlopt_get_errmsg(r->nlopt) : "");
-  default: /* NLOPT_FAILURE, or stopped because it was lost */
+  default: /* NLOPT_FAILURE, or stopped because it was wrong_point */
     result->end = BW_END_STUCK;
     return r->evaluations > 0 ? BW_OK
                               : bw_fail(r->context, BW_CONVERGENCE,
@@ -321,21 +333,21 @@ bw_status bw_minimise(bw_context *context, int n, double *x, const double *min, 
            .max_evaluations = options->evaluations,
            .best_value = INFINITY};
   bw_minimise_result found = {.value = INFINITY};
-  face *faces = BW_NEW(context, face, constraints + 1);
+  callback *callbacks = BW_NEW(context, callback, constraints + 1);
   double *at = BW_NEW(context, double, n);
   r.best = BW_NEW(context, double, n);
   r.here = BW_NEW(context, double, n);
   r.seen = BW_NEW(context, uint8_t, constraints + 1);
-  if (!faces || !at || !r.best || !r.here || !r.seen) {
+  if (!callbacks || !at || !r.best || !r.here || !r.seen) {
     status = BW_MEMORY;
     goto done;
   }
   memcpy(at, x, (size_t)n * sizeof *at);
   for (int i = 0; i <= constraints; i++)
-    faces[i] = (face){&r, i};
+    callbacks[i] = (callback){&r, i};
   r.nlopt = nlopt_create(m->algorithm, (unsigned)n);
   nlopt_result got =
-      r.nlopt ? prepare(r.nlopt, min, max, constraints, faces, options) : NLOPT_OUT_OF_MEMORY;
+      r.nlopt ? prepare(r.nlopt, min, max, constraints, callbacks, options) : NLOPT_OUT_OF_MEMORY;
   if (got > 0)
     got = nlopt_optimize(r.nlopt, at, &found.value);
   BW_TRY(outcome(&r, got, &found));
@@ -349,17 +361,17 @@ bw_status bw_minimise(bw_context *context, int n, double *x, const double *min, 
   memcpy(x, at, (size_t)n * sizeof *x);
   *result = found;
   if (!(found.violation <= options->constraint_tolerance)) {
-    status = bw_fail(context, BW_INFEASIBLE,
-                     "%s found no point that fulfils the constraints: the largest is %g at the end "
-                     "(%lld evaluations; %s)",
-                     m->word, found.violation, (long long)found.evaluations,
-                     bw_minimise_end_word(found.end));
+    status = bw_fail(
+        context, BW_INFEASIBLE,
+        "%s found no point that satisfies the constraints: the largest is %g at the end "
+        "(%lld evaluations; %s)",
+        m->word, found.violation, (long long)found.evaluations, bw_minimise_end_word(found.end));
     bw_detail_number(context, "violation", found.violation);
     bw_detail_number(context, "evaluations", (double)found.evaluations);
   }
 done:
   nlopt_destroy(r.nlopt);
-  bw_free(faces);
+  bw_free(callbacks);
   bw_free(at);
   bw_free(r.best);
   bw_free(r.here);

@@ -37,8 +37,8 @@ typedef struct salvage {
 
 static bw_status io_failure(bw_context *context, const char *path) {
   char words[BWI_WORDS];
-  return bwi_database_say(context, BW_IO, errno == ENOSPC || errno == EFBIG ? "full" : NULL, path,
-                          "%s", bwi_system_words(errno, words));
+  return bwi_database_fail(context, BW_IO, errno == ENOSPC || errno == EFBIG ? "full" : NULL, path,
+                           "%s", bwi_system_words(errno, words));
 }
 
 /* Opened without waiting for the other end of a pipe. A device or a pipe has no end. */
@@ -53,8 +53,8 @@ static bw_status open_regular(bw_context *context, const char *path, int *file, 
   *bytes = about.st_size;
   if (S_ISREG(about.st_mode))
     return BW_OK;
-  return bwi_database_say(context, BW_IO, NULL, path, "a file expected, this is a %s",
-                          S_ISDIR(about.st_mode) ? "folder" : "device or a pipe");
+  return bwi_database_fail(context, BW_IO, NULL, path, "a file expected, this is a %s",
+                           S_ISDIR(about.st_mode) ? "folder" : "device or a pipe");
 }
 
 /* False with errno. */
@@ -137,9 +137,9 @@ static bw_status repair_head(salvage *s) {
   if (file < 0 || fstat(file, &about) != 0 || pread(file, head, sizeof head, 0) < 0)
     status = io_failure(s->context, s->copy);
   else if (about.st_size < 512)
-    status = bwi_database_say(s->context, BW_FORMAT, "damaged", s->damaged,
-                              "only %lld bytes are left of the file: nothing can be saved",
-                              (long long)about.st_size);
+    status = bwi_database_fail(s->context, BW_FORMAT, "damaged", s->damaged,
+                               "only %lld bytes are left of the file: nothing can be saved",
+                               (long long)about.st_size);
   else if (!head_is_sound(head, about.st_size)) {
     write_head(head);
     bw_warn(s->context, "the header of the file is damaged; the usual header is assumed");
@@ -198,8 +198,8 @@ static bool is_damage(int code) {
 static bw_status read_failure(salvage *s, int code) {
   if ((code & 0xff) == SQLITE_NOMEM)
     return no_memory(s);
-  return bwi_database_say(s->context, BW_FORMAT, "damaged", s->damaged, "%s",
-                          sqlite3_errmsg(s->from));
+  return bwi_database_fail(s->context, BW_FORMAT, "damaged", s->damaged, "%s",
+                           sqlite3_errmsg(s->from));
 }
 
 static bw_status insert(salvage *s, const char *sql, sqlite3_stmt *row, int64_t *saved) {
@@ -423,9 +423,9 @@ static bw_status copy_schema(salvage *s, part what) {
   }
   if (status == BW_OK && code != SQLITE_DONE && code != SQLITE_OK) {
     if (!is_damage(code) || (tables && count == 0))
-      status = bwi_database_say(s->context, BW_FORMAT, "damaged", s->damaged,
-                                "the list of its tables is damaged (%s): nothing can be saved",
-                                sqlite3_errmsg(s->from));
+      status = bwi_database_fail(s->context, BW_FORMAT, "damaged", s->damaged,
+                                 "the list of its tables is damaged (%s): nothing can be saved",
+                                 sqlite3_errmsg(s->from));
     else
       s->report.whole = false;
   }
@@ -475,8 +475,8 @@ bw_status bw_database_salvage(bw_context *context, const char *damaged, const ch
   if (allowed != BW_OK)
     return allowed;
   if (lstat(to, &about) == 0)
-    return bwi_database_say(context, BW_IO, NULL, to,
-                            "there is a file already: name one that is to be made");
+    return bwi_database_fail(context, BW_IO, NULL, to,
+                             "there is a file already: name one that is to be made");
   salvage s = {.context = context, .damaged = damaged, .report = {.whole = true}};
   bw_temporary *temporary = NULL;
   char made[SIDE];
@@ -495,9 +495,9 @@ bw_status bw_database_salvage(bw_context *context, const char *damaged, const ch
   BW_TRY(bw_database_execute(context, s.to, "COMMIT"));
   if (s.report.relisted && s.report.rows == 0) {
     status =
-        bwi_database_say(context, BW_FORMAT, "damaged", damaged,
-                         "the list of its tables is damaged, and no row is where one would be: "
-                         "nothing can be saved");
+        bwi_database_fail(context, BW_FORMAT, "damaged", damaged,
+                          "the list of its tables is damaged, and no row is where one would be: "
+                          "nothing can be saved");
     goto done;
   }
   *report = s.report;

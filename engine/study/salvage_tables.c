@@ -102,8 +102,8 @@ static bw_status take_first_page(bw_context *context, const char *from, const ch
     }
   }
   if (status == BW_OK && failed)
-    status = bwi_database_say(context, BW_IO, errno == ENOSPC ? "full" : NULL, failed, "%s",
-                              strerror(errno));
+    status = bwi_database_fail(context, BW_IO, errno == ENOSPC ? "full" : NULL, failed, "%s",
+                               strerror(errno));
   if (in >= 0)
     close(in);
   if (out >= 0)
@@ -124,8 +124,8 @@ bw_status bwi_salvage_tables(bw_context *context, sqlite3 *from, const char *sch
   if (code != SQLITE_OK)
     status = (code & 0xff) == SQLITE_NOMEM
                  ? bw_fail(context, BW_MEMORY, "%s: out of memory", scratch)
-                 : bwi_database_say(context, BW_IO, (code & 0xff) == SQLITE_FULL ? "full" : NULL,
-                                    scratch, "%s", sqlite3_errmsg(empty));
+                 : bwi_database_fail(context, BW_IO, (code & 0xff) == SQLITE_FULL ? "full" : NULL,
+                                     scratch, "%s", sqlite3_errmsg(empty));
   sqlite3_close_v2(empty);
   if (status == BW_OK && *rebuilt)
     status = take_first_page(context, scratch, copy);

@@ -76,8 +76,9 @@ bw_status bw_database_prepare(bw_context *context, bw_database *d, const char *s
   BW_TRY(bwi_database_enter(context, d));
   bw_statement *place = look_up(d, sql, &found);
   if (!place) {
-    status = bw_fail(context, BW_LIMIT, "%s: %d statements are in use at the same time", d->path,
-                     BWI_STATEMENTS_KEPT);
+    status = bw_fail(context, BW_LIMIT,
+                     "%s: %d statements are in use at the same time: finish some of them first",
+                     d->path, BWI_STATEMENTS_KEPT);
     goto done;
   }
   if (!found) {

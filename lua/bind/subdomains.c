@@ -95,7 +95,7 @@ static int subdomains_assign(lua_State *L) {
   return leave(L, box, out, status);
 }
 
-/* Numbers as mesh:refill gives them, from 1 to `most` or (0 and below) as they are, in a userdata
+/* Numbers as mesh:refill gives them, from 1 to `max` or (0 and below) as they are, in a userdata
  * that is pushed. */
 static int32_t *origins(lua_State *L, int argument, const char *what, int64_t rows, int32_t max) {
   const bw_array *array = lbw_check_array(L, argument, what);

@@ -2,8 +2,8 @@
 /* Coarsening 100,000 fine elements by lookup, and following an edit, beside the same without a
  * library. Three grids: helical fibres in a matrix (few different blocks), a body with void and cut
  * cells, and random materials in every cell (as many different blocks as there can be).
- *   build/tests/bench_coarsen library.bwm      a library of three materials (or other), with void
- */
+ *   build/tests/bench_coarsen library.bwm      a library of three materials (or other), with
+ * void */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -17,7 +17,7 @@ static int ascending(const void *a, const void *b) {
   return x < y ? -1 : x > y;
 }
 
-/* Processor seconds of all threads: on a busy machine they tell more than the clock does. */
+/* Processor seconds of all threads: on a busy machine they are more reliable than the clock. */
 static double processor(void) {
   return (double)clock() / CLOCKS_PER_SEC;
 }
@@ -52,7 +52,7 @@ typedef struct scene {
   int32_t *unknown, *subdomain, subdomains;
 } scene;
 
-/* Held where it is lowest. */
+/* Fixed where it is lowest. */
 static bw_status open_scene(bw_context *context, const limbs *body, int64_t elements,
                             const char *folder, scene *s) {
   bw_status status = BW_OK;

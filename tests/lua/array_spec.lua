@@ -43,7 +43,7 @@ describe("an array", function()
     assert.same({{1, 2}}, m:rows(1, 3, math.maxinteger):totable())
     assert.same({{5, 6}}, m:rows(3, 1, math.mininteger):totable())
     check.raises("rows or columns from 1 to 3 expected, got 1 to 4", a.rows, a, 1, 4)
-    check.raises("sizes must be 0 or more, and fit", bw.array.zeros, 0, 1 << 62, "i32")
+    check.raises("sizes must be 0 or more, and its bytes must fit", bw.array.zeros, 0, 1 << 62, "i32")
     check.raises("from 1 to 2 expected", m.columns, m, math.mininteger, math.maxinteger)
   end)
 

@@ -38,7 +38,7 @@ describe("a minimiser", function()
     assert.truthy(report.violation <= 1e-6)
     local none, message, details = core.minimise {start = {0}, min = {-1}, max = {1},
       objective = function(at) return at[1] end, constraints = {function(at) return 2 + at[1] end}}
-    check.fails("infeasible", "fulfils the constraints", none, message, details)
+    check.fails("infeasible", "satisfies the constraints", none, message, details)
     check.near(1, details.violation, 1e-6)
   end)
 

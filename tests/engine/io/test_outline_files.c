@@ -480,7 +480,7 @@ static void what_is_drawn_twice_is_dropped(void **state) {
                         &o));
   assert_int_equal(o->loop_count, 2);
   check_near(measure(context, o).area, 4.5 - PI / 4, 1e-4);
-  assert_non_null(strstr(bw_warning_at(context, 0), "3 curves lie on others"));
+  assert_non_null(strstr(bw_warning_at(context, 0), "3 curves coincide with others"));
   bw_clear_warnings(context);
   bw_release(o);
 }

@@ -67,7 +67,7 @@ static void binary_stl_refusals(void **state) {
               bw_surface_parse(context, "b.stl", bytes, sizeof bytes, &surface, NULL));
   memcpy(bytes + 80, "\2\0\0\0", 4);
   memcpy(bytes + 84 + 50 + 12, "\0\0\xC0\x7F", 4);
-  check_fails(context, BW_FORMAT, "byte 146: corner 0 of facet 1",
+  check_fails(context, BW_FORMAT, "byte 146: corner 1 of facet 2",
               bw_surface_parse(context, "b.stl", bytes, sizeof bytes, &surface, NULL));
   memcpy(bytes + 80, "\0\0\0\0", 4);
   check_fails(context, BW_FORMAT, "holds no facet",
@@ -134,13 +134,13 @@ static void off_variants(void **state) {
 
 static void off_refusals(void **state) {
   refuse(state, "a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
-         "a.off:6: facet 0 names vertex 3, but there are 3");
+         "a.off:6: facet 1 names vertex 3, but there are 3");
   refuse(state, "a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 nan\n3 0 1 2\n", "a.off:5:");
   refuse(state, "a.off", "OFF\n3000000000 1 0\n0 0 0\n", "the number of vertices is 3000000000");
   refuse(state, "a.off", "OFF\n3 4294967295 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
          "the number of facets is 4294967295");
   refuse(state, "a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
-         "the file ends behind facet 1 of 2");
+         "the file ends after 1 of 2 facets");
   refuse(state, "a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n999999 0 1 2\n", "999999");
   refuse(state, "a.off", "OFF\n-3 1 0\n", "cannot be negative");
   refuse(state, "a.off", "OFF BINARY\n", "binary OFF is not read");

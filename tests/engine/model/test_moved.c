@@ -250,7 +250,7 @@ static void dof_map_in_frames(void **state) {
                       3 * sizeof(int32_t) * (size_t)mesh->node_count);
   bw_release(next);
   subdomain[0] = 2;
-  check_fails(context, BW_INVALID, "subdomain 3 of 2",
+  check_fails(context, BW_INVALID, "subdomain 3: the subdomains are 1 to 2",
               bw_dof_map_follow(context, moved, first, 2, subdomain, frame, &same, &next));
   subdomain[0] = 0;
   /* fixed in other directions: other unknowns */

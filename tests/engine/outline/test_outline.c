@@ -197,7 +197,7 @@ static void nesting_is_checked(void **state) {
   draft d = {0};
   draft_rectangle(&d, "body", 0, 0, 0, 4, 3);
   draft_rectangle(&d, "hole", -1, 5, 1, 6, 2);
-  refused(context, &d, BW_GEOMETRY, "loop 'hole' at (5, 1) is a hole and lies in no other loop");
+  refused(context, &d, BW_GEOMETRY, "loop 'hole' at (5, 1) m is a hole and lies in no other loop");
   d = (draft){0};
   draft_rectangle(&d, "body", 0, 0, 0, 4, 3);
   draft_rectangle(&d, "hole", -1, 1, 1, 3, 2);

@@ -101,7 +101,7 @@ static void choice_of_precision(void **state) {
   for (int k = 0; k < 4; k++) {
     int bits = k == 3 ? 64 : 0;
     inner->refinements = k == 1 ? 200 : 0.01;
-    inner->lost = k == 2;
+    inner->double_only = k == 2;
     check_ok(context, bwi_incremental_choose_bits(context, incremental, inner->reach, &bits));
     assert_int_equal(bits, k == 0 ? 32 : 64);
   }

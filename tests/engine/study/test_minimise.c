@@ -276,16 +276,16 @@ static void test_misuse(void **state) {
   bw_minimise_options_default(&options);
   static const problem none = {"none", 2, 2, {0, 0}, {-9, -9}, {9, 9}, 0, impossible};
   asked a = {&none, 0, 0, 0};
-  check_fails(context, BW_INFEASIBLE, "fulfils the constraints",
+  check_fails(context, BW_INFEASIBLE, "satisfies the constraints",
               solve(context, &a, &options, x, &result));
   options.method = BW_BOBYQA;
   check_fails(context, BW_INVALID,
-              "bobyqa takes no constraints; these do: cobyla, isres, mma, slsqp",
+              "bobyqa takes no constraints; these methods do: cobyla, isres, mma, slsqp",
               solve(context, &a, &options, x, &result));
   a.problem = &valley;
   options.method = BW_CRS2;
   x[0] = x[1] = 0;
-  check_fails(context, BW_INVALID, "variable 1 lacks one; these go without: cobyla, bobyqa",
+  check_fails(context, BW_INVALID, "variable 1 lacks one; these methods need none: cobyla, bobyqa",
               bw_minimise(context, 2, x, NULL, NULL, 0, ask, &a, &options, &result));
   options.method = BW_COBYLA;
   double low[2] = {1, 1}, high[2] = {2, 2};
