@@ -2,6 +2,7 @@
 -- Certificates of the worst case's upper bound: writing and reading them. docs/formats.md has the format,
 -- certificate_check.lua the check.
 local core = require "barwright.core"
+local read_file = require "barwright.read_file"
 
 local certificate = {}
 
@@ -275,11 +276,8 @@ end
 
 --- What a file states, or nil, message, details.
 function certificate.read(path)
-  local file <close>, why = io.open(path, "rb")
-  if not file then return nil, why, {status = "io", file = path} end
-  local text
-  text, why = file:read "a"
-  if not text then return nil, ("%s: %s"):format(path, why), {status = "io", file = path} end
+  local text, why = read_file(path)
+  if not text then return nil, why, {status = "io", file = path} end
   local self = setmetatable({path = path, line = 0, lines = text:gmatch "([^\n]*)\n"}, reader)
   local fine, found = pcall(parse, self)
   if fine then return found end

@@ -10,6 +10,7 @@
 -- and bw.edit.load("edits.lua", session) replays into a session at hand. Numbers are written so that
 -- they read back with the same bits.
 local core = require "barwright.core"
+local read_file = require "barwright.read_file"
 
 local raise = core.raise
 
@@ -84,26 +85,18 @@ local function io_failure(path, why)
   return nil, ("%s: %s"):format(path, why), {status = "io", file = path}
 end
 
-local function read_all(path)
-  local file, why = io.open(path, "rb")
-  if not file then return nil, why end
-  local text = file:read "a"
-  file:close()
-  return text, "cannot be read"
-end
-
 -- Opens the file for more lines; `size` bytes of it are good.
 local function append(self)
   local file, why = io.open(self.path, "ab")
-  if not file then return io_failure(self.path, why) end
+  if not file then return nil, why, {status = "io", file = self.path} end
   self.file, self.size = file, file:seek "end"
   return self
 end
 
 -- After a line that could not be written (a full disk): what came of it is cut off.
 local function cut_torn_line(self)
-  local text, why = read_all(self.path)
-  if not text then return io_failure(self.path, why) end
+  local text, why = read_file(self.path)
+  if not text then return nil, why, {status = "io", file = self.path} end
   if #text > self.size then
     local ok, message, details = core.write_file(self.path, text:sub(1, self.size))
     if not ok then return nil, message, details end
@@ -150,7 +143,7 @@ function edit_script.open_journal(path, script)
     end
     local kept = not text -- nothing to keep of an empty file
     if text then kept, why = os.rename(path, path .. "~") end
-    if not kept then return io_failure(path, why) end
+    if not kept then return nil, why, {status = "io", file = path} end
   end
   local ok, message, details = core.write_file(path, head(script))
   if not ok then return nil, message, details end
@@ -234,8 +227,8 @@ end
 
 -- The lines of a script; what stands after the last line end was cut off in the middle.
 local function read_whole_lines(path)
-  local text, why = read_all(path)
-  if not text then return io_failure(path, why) end
+  local text, why = read_file(path)
+  if not text then return nil, why, {status = "io", file = path} end
   local whole = text:match "^(.*\n)" or ""
   return whole, whole ~= text
 end

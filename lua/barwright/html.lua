@@ -1,8 +1,8 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- HTML pages: escaped text, tables, embedded pictures, templates, and the frame and style that pages share.
-local beside = require "barwright.beside"
 local core = require "barwright.core"
 local clean = require "barwright.text".clean
+local read_file = require "barwright.read_file"
 
 local html = {}
 
@@ -61,7 +61,7 @@ local kinds = {png = "image/png", svg = "image/svg+xml", gif = "image/gif"}
 
 --- An <img> that contains the picture in the file; an empty text where there is no such file.
 function html.image(path, alternative)
-  local bytes = beside.read(path)
+  local bytes = read_file(path)
   if not bytes then return "" end
   return ('<img alt="%s" src="data:%s;base64,%s">'):format(escape(alternative),
     kinds[path:match "%.(%l+)$"] or "image/png", core.base64(bytes))

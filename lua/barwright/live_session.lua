@@ -7,6 +7,7 @@
 local core = require "barwright.core"
 local json = require "barwright.json"
 local live_check = require "barwright.live_check"
+local read_file = require "barwright.read_file"
 
 local shared = {}
 
@@ -112,10 +113,8 @@ function shared.written(ending, write)
   if not folder then return nil, message end
   local path = folder.path .. "/written" .. ending
   local ok, why = write(path)
-  local file = ok and io.open(path, "rb")
-  local bytes = file and file:read "a"
-  if file then file:close() end
-  return bytes, why or "a temporary file could not be read"
+  if not ok then return nil, why end
+  return read_file(path)
 end
 
 -- ---- what arrives --------------------------------------------------------------------------------

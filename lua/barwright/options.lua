@@ -25,6 +25,11 @@ function options.countable(value)
   return ok and math.type(count) == "integer" and count >= 0 and count < 1e9
 end
 
+-- What a rule expects, in words.
+local function expected(rule)
+  return rule.type == "integer" and "a whole number" or core.spoken(rule.type)
+end
+
 -- rule: {type = "number" | "integer" | "boolean" | "string" | "table" | a class, default =, min =,
 -- max =, one_of = {...}, above = }; type "any" is checked by the caller
 local function check(where, key, value, rule)
@@ -34,21 +39,20 @@ local function check(where, key, value, rule)
   if rule.type == "any" then return end
   local kind = kind_of(value)
   if rule.type == "number" and kind == "integer" then kind = "number" end
-  local wanted = rule.type == "integer" and "a whole number" or core.spoken(rule.type)
   if kind ~= rule.type then
-    fail(where, key, ("%s expected, got %s"):format(wanted, core.got(value)))
+    fail(where, key, ("%s expected, got %s"):format(expected(rule), core.got(value)))
   end
   if rule.type == "number" and (value ~= value or value == math.huge or value == -math.huge) then
     fail(where, key, ("a finite number expected, got %s"):format(core.got(value)))
   end
   if rule.above and value <= rule.above then
-    fail(where, key, ("%s above %g expected, got %s"):format(wanted, rule.above, core.got(value)))
+    fail(where, key, ("%s above %g expected, got %s"):format(expected(rule), rule.above, core.got(value)))
   end
   if rule.min and value < rule.min then
-    fail(where, key, ("%s of at least %g expected, got %s"):format(wanted, rule.min, core.got(value)))
+    fail(where, key, ("%s of at least %g expected, got %s"):format(expected(rule), rule.min, core.got(value)))
   end
   if rule.max and value > rule.max then
-    fail(where, key, ("%s of at most %g expected, got %s"):format(wanted, rule.max, core.got(value)))
+    fail(where, key, ("%s of at most %g expected, got %s"):format(expected(rule), rule.max, core.got(value)))
   end
   if rule.one_of then
     for _, word in ipairs(rule.one_of) do

@@ -25,4 +25,5 @@ program("nonlinear_test_beams", "Slender solids", "Rods that are one row of cell
 program("nonlinear_test_embedded", "Cut cells", "Cook's membrane at finite strain, plane strain by holding z, "
   .. "beside quadratic elements along its sides; and a hollow sphere under a pressure inside that follows, beside "
   .. "the solution of its equation. Their sides are not the grid's.")
-program("nonlinear_test_transient", "Motion", "Implicit Euler's method and Newmark's average acceleration.")
+program("nonlinear_test_transient", "Transient dynamics",
+  "Implicit Euler's method and Newmark's average acceleration.")

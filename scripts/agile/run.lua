@@ -11,8 +11,7 @@ local page = require "page"
 local scenes = require "scenes"
 local script = require "barwright.command.script"
 
-local MET, REFUSED, NOT_MET, INTERRUPTED = 0, script.REFUSED, 3, 130
-local stop = script.stop
+local MET, NOT_MET = 0, 3
 
 local function read_arguments()
   local names = table.move(scenes.names, 1, #scenes.names, 2, {"all"})
@@ -161,8 +160,8 @@ end
 -- Everything about one scene; returns its result, or nil, message, details with what was done kept.
 local function run(scene, opts, out)
   local start = bw.seconds()
-  local results, message, details = bw.results.open(out, {script = "scripts/agile/run.lua",
-    inputs = scene.inputs or {}, options = opts, seed = bw.json.null})
+  local results, message, details = script.results(out, opts, {script = "scripts/agile/run.lua",
+    inputs = scene.inputs, seed = bw.json.null})
   if not results then return nil, message, details end
   local mesh = scene.mesh
   local result = {scene = scene.name, finished = false, elements = mesh.element_count,
@@ -201,7 +200,6 @@ local function run(scene, opts, out)
 end
 
 local function main()
-  io.stdout:setvbuf "line"
   local opts, model = read_arguments()
   local names = model and {model} or opts.scene == "all" and scenes.names or {opts.scene}
   local status = MET
@@ -213,19 +211,15 @@ local function main()
     else
       scene = scenes.make(name, {elements = opts.elements, order = opts.order})
     end
-    if not scene then stop(REFUSED, message) end
+    if not scene then script.refuse(message) end
     scene.seconds_mesh = bw.seconds() - start
     local out = #names > 1 and opts.out .. "/" .. name or opts.out
     local result, details
     result, message, details = run(scene, opts, out)
-    if not result then
-      stop(details and details.status == "cancelled" and INTERRUPTED or NOT_MET, message)
-    end
+    if not result then script.fail(NOT_MET, message, details) end
     if result.met == false then status = NOT_MET end
   end
-  os.exit(status, true)
+  return status
 end
 
-local ok, message = xpcall(main, debug.traceback)
-if bw.interrupted() then stop(INTERRUPTED, "interrupted") end
-if not ok then stop(NOT_MET, message) end
+script.run(main, NOT_MET)

@@ -5,8 +5,7 @@ local core = require "barwright.core"
 local html = require "barwright.html"
 local script = require "barwright.command.script"
 
-local PASSES, REFUSED, FAILS = 0, script.REFUSED, 3
-local stop = script.stop
+local PASSES, FAILS = 0, 3
 
 local function read_arguments()
   return script.read {
@@ -15,7 +14,8 @@ local function read_arguments()
       .. "limit. Ctrl-C ends the search; what is best so far is written.\n\n"
       .. "DIR gets result.json, manifest.json, bridge.svg (coloured by stress), bridge_cut.svg and bridge_cut.dxf "
       .. "(outlines to cut, mm), bridge.stl and report.html.\n\n"
-      .. "Exit status: 0 a bridge that passes; 2 the input was refused; 3 none that passes was found.",
+      .. "Exit status: 0 a bridge that passes; 2 the input was refused; 3 none that passes was found; 130 "
+      .. "interrupted.",
     options = {script.option.needed_out,
       {name = "span", value = "LENGTH", type = "number", unit = "m", default = 0.2, above = 0,
         what = "distance of the supports"},
@@ -48,11 +48,13 @@ local function read_arguments()
   }
 end
 
-local function checked(f, ...)
-  local values = table.pack(pcall(f, ...))
-  if not values[1] then stop(REFUSED, (tostring(values[2]):gsub("^[^:]+:%d+: ", ""))) end
-  if values[2] == nil then stop(REFUSED, values[3]) end
-  return table.unpack(values, 2, values.n)
+local function given(value, message, ...)
+  if value == nil then script.fail(script.REFUSED, message, ...) end
+  return value, message, ...
+end
+
+local function checked(...)
+  return given(script.checked(...))
 end
 
 local function page(result, opts, picture)
@@ -75,7 +77,7 @@ local function main()
   local begin = bw.seconds()
   local material = opts.material and checked(bw.material.named, opts.material) or checked(
     bw.material.isotropic, {name = "given", young = opts.young, poisson = opts.poisson, density = 1000})
-  local results = checked(bw.results.open, opts.out, {script = "scripts/bridge/run.lua", options = opts})
+  local results = checked(script.results, opts.out, opts, {script = "scripts/bridge/run.lua"})
   local bridge = checked(bw.responsive.bridge, {span = opts.span, load = opts.load,
     stress_limit = opts.limit, material = material, thickness = opts.thickness, depth = opts.depth,
     wall = opts.wall, size = opts.size})
@@ -114,7 +116,7 @@ local function main()
     bridge.area * 1e6, 100 * bridge.area / beam, bridge.area / result.michell_area_m2,
     result.seconds_total))
   if found.message then print(found.message) end
-  os.exit(found.passes and PASSES or FAILS, true)
+  return found.passes and PASSES or FAILS
 end
 
-main()
+script.run(main, FAILS)

@@ -5,6 +5,7 @@ local folder = arg[0]:match "^(.*)/[^/]*$" or "."
 package.path = folder .. "/?.lua;" .. package.path
 local bw = require "barwright"
 local compare = require "compare"
+local core = require "barwright.core"
 local scenes = require "scenes"
 local script = require "barwright.command.script"
 
@@ -14,16 +15,12 @@ local MOVEMENT = 0.03             -- mean, over the length
 local opts = script.read {
   summary = "coarse solids of bars of random materials, holes and loads",
   about = "Prints a line for each body and level; then the median and the worst of naive errors over those of "
-    .. "lookup.\n\nExit status: 0 done; 1 a body has no fine solution; 2 the input was refused.",
+    .. "lookup. Without a library the grown one begins from nothing.\n\n"
+    .. "Exit status: 0 done; 1 a body has no fine solution; 2 the input was refused.",
   options = {
     {name = "bodies", value = "N", type = "integer", default = 12, min = 1, what = "number of bodies"},
     {name = "first", value = "SEED", type = "integer", default = 1, min = 1, what = "seed of the first one"},
-    {name = "library", value = "FILE.bwm", type = "file",
-      what = "the library of materials (default: the grown one begins from nothing)"},
-    {name = "directions", value = "N", type = "integer", default = 40, min = 1,
-      what = "directions of deformation that are sampled, without a library"},
-    {name = "json", value = "FILE", type = "file", what = "where the figures go, too"},
-    script.option.threads,
+    scenes.option.library, scenes.option.directions(40), script.option.json, script.option.threads,
   },
 }
 
@@ -184,8 +181,6 @@ end
 print(("fine solutions took %.1f s of the processor, growing %.1f s for %d blocks"):format(spent.fine,
   spent.growing, spent.blocks))
 if opts.json then
-  local file = assert(io.open(opts.json, "w"))
-  file:write(bw.json.encode {rows = rows, summary = summary, seconds = spent})
-  file:close()
+  assert(core.write_file(opts.json, bw.json.encode {rows = rows, summary = summary, seconds = spent}))
 end
 os.exit(status, true)

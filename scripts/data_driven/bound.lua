@@ -17,14 +17,10 @@ local opts = script.read {
   about = "Without a library only naive and grown (from nothing).\n\n"
     .. "Exit status: 0 done; 1 a scene has no fine solution; 2 the input was refused.",
   options = {
-    {name = "scene", value = "NAME,...", list = true, one_of = scenes.order, word = "all", needed = true,
-      what = "which scenes, or all"},
-    {name = "library", value = "FILE.bwm", type = "file", what = "the library of materials to look up in"},
-    {name = "methods", value = "NAME,...", list = true, one_of = {"naive", "lookup", "grown"},
-      default = {"naive", "lookup", "grown"}, what = "how coarse materials are found"},
-    {name = "levels", value = "N", type = "integer", default = 2, min = 1, max = 2, what = "levels of coarsening"},
-    {name = "json", value = "FILE", type = "file", what = "where the figures go, too"},
-    script.option.threads,
+    scenes.option.scene, scenes.option.library,
+    scenes.option.methods {"naive", "lookup", "grown"},
+    scenes.option.levels(2),
+    script.option.json, script.option.threads,
   },
 }
 
@@ -84,11 +80,6 @@ for _, name in ipairs(names) do
   end
 end
 if opts.json then
-  local written
-  written, message = core.write_file(opts.json, bw.json.encode {rows = rows})
-  if not written then
-    io.stderr:write("bound: ", message, "\n")
-    status = 1
-  end
+  assert(core.write_file(opts.json, bw.json.encode {rows = rows}))
 end
 os.exit(status, true)

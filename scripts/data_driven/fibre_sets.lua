@@ -23,8 +23,7 @@ local opts = script.read {
   about = "About a minute of the processor for each set.",
   options = {
     {name = "only", value = "NUMBER", type = "integer", min = 1, max = #sets, what = "this set alone, from 1"},
-    {name = "directions", value = "N", type = "integer", default = 20, min = 1, max = 5000,
-      what = "directions of deformation that are sampled"},
+    scenes.option.directions(20),
     script.option.threads,
   },
 }

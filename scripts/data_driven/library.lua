@@ -2,13 +2,9 @@
 -- The library that experiments look up materials in: read, or built once and kept; and the paper's
 -- numbers.
 local bw = require "barwright"
+local files = require "barwright.scenario.files"
 
 local library = {}
-
-local function exists(path)
-  local file = io.open(path, "rb")
-  return file and file:close()
-end
 
 --- The library of `opts.library`, or of `opts.out`/three.bwm, built there when it is missing.
 function library.get(opts, materials, levels)
@@ -16,7 +12,7 @@ function library.get(opts, materials, levels)
   local path = opts.out .. "/three.bwm"
   local checkpoint = path .. ".checkpoint"
   opts.library = path
-  if exists(path) then
+  if files.kind(path) then
     local found = bw.metamaterial.read(path)
     if found and found.levels >= levels then
       os.remove(checkpoint) -- of a run that was killed when it had written the library

@@ -2,9 +2,9 @@
 -- Pictures and HTML reports of the experiments: one for each scene, and one over all that were run into
 -- the same folder.
 local bw = require "barwright"
-local beside = require "barwright.beside"
 local core = require "barwright.core"
 local html = require "barwright.html"
+local read_file = require "barwright.read_file"
 
 local page = {}
 
@@ -168,8 +168,8 @@ local function scene_part(folder, result)
   for i = 1, #(result.edits or {}) do
     parts[#parts + 1] = html.figure(("%s/edit_%d.png"):format(folder, i), result.edits[i].words)
   end
-  if result.motion then
-    parts[#parts + 1] = html.figure(folder .. "/motion.png", result.motion.words)
+  if result.transient then
+    parts[#parts + 1] = html.figure(folder .. "/transient.png", result.transient.words)
   end
   return table.concat(parts)
 end
@@ -180,7 +180,7 @@ function page.write(folder, result)
     TABLE_1_WORDS, edits_of(result)}
   local second = table_2 {result}
   if second then body[#body + 1] = "<h2>Beside table 2</h2>" .. second end
-  if result.motion then body[#body + 1] = "<h2>Energies in motion</h2>" .. energies_of(result.motion) end
+  if result.transient then body[#body + 1] = "<h2>Energies in motion</h2>" .. energies_of(result.transient) end
   return core.write_file(folder .. "/report.html",
     document(("Data-driven: %s"):format(result.scene), table.concat(body)))
 end
@@ -189,7 +189,7 @@ end
 function page.overall(out, order)
   local results = {}
   for _, name in ipairs(order) do
-    local text = beside.read(("%s/%s/result.json"):format(out, name))
+    local text = read_file(("%s/%s/result.json"):format(out, name))
     local result = text and bw.json.decode(text)
     if type(result) == "table" and result.rows and #result.rows > 0 then results[#results + 1] = result end
   end
@@ -200,7 +200,7 @@ function page.overall(out, order)
     body[#body + 1] = ("<h2>%s</h2>"):format(escape(result.scene))
     body[#body + 1] = scene_part(out .. "/" .. result.scene, result)
     body[#body + 1] = edits_of(result)
-    if result.motion then body[#body + 1] = energies_of(result.motion) end
+    if result.transient then body[#body + 1] = energies_of(result.transient) end
   end
   return core.write_file(out .. "/report.html",
     document("Data-driven finite elements: the experiments", table.concat(body)))

@@ -6,13 +6,12 @@ package.path = folder .. "/?.lua;" .. package.path
 local bw = require "barwright"
 local compare = require "compare"
 local library_of = require "library"
-local motion = require "motion"
+local transient = require "transient"
 local page = require "page"
 local scenes = require "scenes"
 local script = require "barwright.command.script"
 
-local SOLVED, NOT_SOLVED, REFUSED, INTERRUPTED = 0, 1, script.REFUSED, 130
-local stop = script.stop
+local SOLVED, NOT_SOLVED = 0, 1
 
 local function read_arguments()
   local opts = script.read {
@@ -26,15 +25,11 @@ local function read_arguments()
       .. "Exit status: 0 all solved; 1 something did not solve; 2 the input was refused; 130 interrupted, what is "
       .. "done is kept.",
     options = {script.option.needed_out,
-      {name = "scene", value = "NAME,...", list = true, one_of = scenes.order, word = "all", needed = true,
-        what = "which scenes, or all"},
-      {name = "library", value = "FILE.bwm", type = "file", what = "the library of materials to look up in"},
-      {name = "methods", value = "NAME,...", list = true, one_of = {"lookup", "grown", "naive", "average"},
-        default = {"lookup", "grown", "naive", "average"}, what = "how coarse materials are found"},
-      {name = "levels", value = "N", type = "integer", min = 1, max = 2, what = "levels of coarsening (default: "
-        .. "all)"},
+      scenes.option.scene, scenes.option.library,
+      scenes.option.methods {"lookup", "grown", "naive", "average"},
+      scenes.option.levels(),
       script.option.threads,
-      {name = "no-motion", type = "flag", what = "leave out the scene that is let go"},
+      {name = "no-transient", type = "flag", what = "leave out the transient dynamics of scenes that are let go"},
     },
   }
   if opts.scene == "all" then opts.scene = scenes.order end
@@ -103,19 +98,19 @@ local function move(scene, fine, by, solutions, result, out)
     local method, level = done.row.method, done.row.level
     if done.solution and level == 1 and by[method] and method ~= "average" then
       list[#list + 1] = {title = method .. ", level 1", by = by[method], solution = done.solution}
-    elseif method == "fine" and scene.motion.fine then
+    elseif method == "fine" and scene.transient.fine then
       list[#list + 1] = {title = "fine", solution = done.solution}
     end
   end
   if #list == 0 then return true end
   local opts = {direction = scene.direction}
-  for key, value in pairs(scene.motion) do opts[key] = value end
+  for key, value in pairs(scene.transient) do opts[key] = value end
   local message, details
-  result.motion, message, details = motion.run(out, opts, fine, list)
-  if not result.motion then return nil, message, details end
-  for _, each in ipairs(result.motion.solids) do
+  result.transient, message, details = transient.run(out, opts, fine, list)
+  if not result.transient then return nil, message, details end
+  for _, each in ipairs(result.transient.solids) do
     print(("   in motion, %s: %.3f s a step of %g ms"):format(each.title, each.seconds_per_step,
-      1e3 * result.motion.step_s))
+      1e3 * result.transient.step_s))
   end
   return true
 end
@@ -145,7 +140,7 @@ local function run(name, opts, library)
   local out = opts.out .. "/" .. name
   local results, message = bw.results.open(out, {script = "scripts/data_driven/run.lua",
     options = {scene = name, methods = opts.methods, levels = scene.levels}, inputs = {opts.library}})
-  if not results then stop(REFUSED, message) end
+  if not results then script.refuse(message) end
   local fine, rows, reference, partial, _
   fine, message = scenes.solid(scene, scenes.materials())
   local result = {scene = name, words = scene.words, paper = library_of.paper(name), finished = false,
@@ -167,7 +162,7 @@ local function run(name, opts, library)
   if rows then
     drawn, message = page.pictures(out, scene, fine, solutions)
     if drawn and scene.edits then drawn, message = edit(scene, fine, library, result, out) end
-    if drawn and scene.motion and not opts.no_motion then
+    if drawn and scene.transient and not opts.no_transient then
       drawn, message = move(scene, fine, by, solutions, result, out)
     end
   end
@@ -192,12 +187,12 @@ for _, method in ipairs(opts.methods) do
     end
     local message
     library, message = library_of.get(opts, scenes.materials(), levels)
-    if not library then stop(bw.interrupted() and INTERRUPTED or REFUSED, message) end
+    if not library then script.fail(script.REFUSED, message) end
   end
 end
 local all = true
 for _, name in ipairs(opts.scene) do
   all = run(name, opts, library) and all
-  if bw.interrupted() then stop(INTERRUPTED, "interrupted; what is done is kept") end
+  if bw.interrupted() then script.stop(script.INTERRUPTED, "interrupted; what is done is kept") end
 end
 os.exit(all and SOLVED or NOT_SOLVED, true)

@@ -11,6 +11,30 @@ for _, file in ipairs {"bars", "slab", "fibres", "bridges", "character", "sole"}
   for name, scene in pairs(require(file)) do scenes[name] = scene end
 end
 
+--- Options that several scripts have, as rules of lua/barwright/command/arguments.lua.
+scenes.option = {
+  scene = {name = "scene", value = "NAME,...", list = true, one_of = scenes.order, word = "all", needed = true,
+    what = "which scenes, or all"},
+  library = {name = "library", value = "FILE.bwm", type = "file", what = "the library of materials to look up in"},
+}
+
+--- How coarse materials are found, all of them by default.
+function scenes.option.methods(names)
+  return {name = "methods", value = "NAME,...", list = true, one_of = names, default = names,
+    what = "how coarse materials are found"}
+end
+
+--- Levels of coarsening, all of them without a default.
+function scenes.option.levels(default)
+  return {name = "levels", value = "N", type = "integer", default = default, min = 1, max = 2,
+    what = "levels of coarsening" .. (default and "" or " (default: all)")}
+end
+
+function scenes.option.directions(default)
+  return {name = "directions", value = "N", type = "integer", default = default, min = 1, max = 5000,
+    what = "directions of deformation that are sampled, where a library is built"}
+end
+
 --- Three rubbers, each ten times as stiff as the one before (data-driven, section 6).
 function scenes.materials()
   local list = {}

@@ -2,6 +2,7 @@
 -- What the comments of the public C headers lack, by the rules of CONTRIBUTING.md ("The C headers").
 local gaps = require "gaps"
 local headers = require "headers"
+local read_file = require "barwright.read_file"
 local statuses = require "statuses"
 
 local header_gaps = {}
@@ -14,13 +15,6 @@ local OWNERS = {"free", "release", "retain", "owned", "owns", "borrow", "cop[iy]
   "lives?%f[^%a]", "clear", "caller's"}
 local REALS = {double = true, float = true}
 
-local function read(path)
-  local file = assert(io.open(path, "rb"))
-  local text = file:read "a"
-  file:close()
-  return text
-end
-
 -- The names that the contract explains once, from the lines "(unit)  name, name" of its paragraph "Words".
 local function vocabulary(contract)
   local words = {}
@@ -32,11 +26,11 @@ end
 
 --- What headers share: names of the contract, types that are objects, functions that free, statuses of functions.
 function header_gaps.context(folder, sources)
-  local context = {words = vocabulary(read(folder .. "/barwright.h")), objects = {}, functions = {},
+  local context = {words = vocabulary(assert(read_file(folder .. "/barwright.h"))), objects = {}, functions = {},
     enums = {}, statuses = {}, sources = statuses.read(sources), headers = {}}
   local listing = assert(io.popen(("ls '%s'/barwright/*.h"):format(folder)))
   for path in listing:lines() do
-    local header = headers.parse(read(path))
+    local header = headers.parse(assert(read_file(path)))
     header.name = path:match "([^/]+)%.h$"
     context.headers[#context.headers + 1] = header
     header_gaps.learn(context, header)

@@ -96,16 +96,16 @@ local function draw(canvas, x0, y0, title, selection, direction)
   local points, facets, is_chosen = mesh.nodes:totable(), mesh.facets:totable(), {}
   for _, facet in ipairs(selection.facets:totable()) do is_chosen[facet] = true end
   local right, up, to = axes_of(direction)
-  local low, high = {math.huge, math.huge}, {-math.huge, -math.huge}
+  local min, max = {math.huge, math.huge}, {-math.huge, -math.huge}
   local function flat(p) return {dot(p, right), -dot(p, up)} end
   for _, p in ipairs(points) do
-    for k, value in ipairs(flat(p)) do low[k], high[k] = math.min(low[k], value), math.max(high[k], value) end
+    for k, value in ipairs(flat(p)) do min[k], max[k] = math.min(min[k], value), math.max(max[k], value) end
   end
-  local scale = math.min((WIDTH - 40) / (high[1] - low[1]), (HEIGHT - 60) / (high[2] - low[2]))
+  local scale = math.min((WIDTH - 40) / (max[1] - min[1]), (HEIGHT - 60) / (max[2] - min[2]))
   local function place(p)
     local at = flat(p)
-    return x0 + WIDTH / 2 + scale * (at[1] - (low[1] + high[1]) / 2),
-      y0 + (HEIGHT - 24) / 2 + scale * (at[2] - (low[2] + high[2]) / 2)
+    return x0 + WIDTH / 2 + scale * (at[1] - (min[1] + max[1]) / 2),
+      y0 + (HEIGHT - 24) / 2 + scale * (at[2] - (min[2] + max[2]) / 2)
   end
   for _, one in ipairs(visible(points, facets, right, up, to)) do
     local colour, rgb = is_chosen[one.number] and CHOSEN or GREY, {}

@@ -2,6 +2,8 @@
 -- Which statuses the functions of the engine can return, from their sources: those that a function, or what it
 -- mentions, passes to bw_fail, returns or assigns. Two answers frame the truth: `near` follows only functions of
 -- the same file (all of them are possible), `far` follows every function (some of them may not be).
+local read_file = require "barwright.read_file"
+
 local statuses = {}
 
 -- C text without comments and strings.
@@ -46,9 +48,7 @@ function statuses.read(folder)
   local all = {}
   local listing = assert(io.popen(("find '%s' -name '*.c' -o -name '*.cpp' | LC_ALL=C sort"):format(folder)))
   for path in listing:lines() do
-    local file = assert(io.open(path, "rb"))
-    definitions(bare(file:read "a"), path, all)
-    file:close()
+    definitions(bare(assert(read_file(path))), path, all)
   end
   listing:close()
   return all

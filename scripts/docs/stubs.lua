@@ -1,14 +1,9 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Reads the annotation stubs in lua/stubs, a file for each module: classes with their fields and functions, in
 -- order, with their texts. CONTRIBUTING.md says how they are written.
-local stubs = {}
+local read_file = require "barwright.read_file"
 
-local function read(path)
-  local file = assert(io.open(path, "rb"))
-  local text = file:read "a"
-  file:close()
-  return text
-end
+local stubs = {}
 
 --- A type ends at the first blank outside brackets and quotes that is not in "fun(...): x"; a text follows.
 function stubs.split(kind)
@@ -142,7 +137,7 @@ function stubs.read(folder)
   end)
   local all = {files = {}, classes = {}, by_name = {}}
   for _, name in ipairs(names) do
-    local file = stubs.parse(read(folder .. "/" .. name .. ".lua"), name)
+    local file = stubs.parse(assert(read_file(folder .. "/" .. name .. ".lua")), name)
     all.files[#all.files + 1] = file
     for _, class in ipairs(file.classes) do
       local whole = all.by_name[class.name]

@@ -35,7 +35,7 @@ local function arrow(canvas, x0, y0, x1, y1, colour)
     {fill = colour or INK})
 end
 
--- A frame with axes: {x, y} turn values into pixels.
+-- A frame with axes: x and y map values to pixels.
 local function frame(canvas, box, x_axis, y_axis)
   local self = {}
   function self.x(value) return box[1] + box[3] * (value - x_axis.min) / (x_axis.max - x_axis.min) end
@@ -68,19 +68,19 @@ local function deflection(a)
     local steps, angle, height = 400, 0, 0
     local h = 1 / steps
     for _ = 1, steps do
-      local middle_angle = angle + h / 2 * curvature
-      local middle_curvature = curvature - h / 2 * a * math.cos(angle)
-      height = height + h * math.sin(middle_angle)
-      angle, curvature = angle + h * middle_curvature, curvature - h * a * math.cos(middle_angle)
+      local mid_angle = angle + h / 2 * curvature
+      local mid_curvature = curvature - h / 2 * a * math.cos(angle)
+      height = height + h * math.sin(mid_angle)
+      angle, curvature = angle + h * mid_curvature, curvature - h * a * math.cos(mid_angle)
     end
     return curvature, height
   end
-  local low, high = 0, a
-  for _ = 1, 60 do
-    local middle = (low + high) / 2
-    if shoot(middle) < 0 then low = middle else high = middle end
+  local min, max = 0, a
+  for _ = 1, 60 do -- bisection
+    local midpoint = (min + max) / 2
+    if shoot(midpoint) < 0 then min = midpoint else max = midpoint end
   end
-  return select(2, shoot((low + high) / 2))
+  return select(2, shoot((min + max) / 2))
 end
 
 do
@@ -272,15 +272,15 @@ do
     for direction = 1, 3 do
       local source = bw.material[name].sources["young_" .. direction]
       place = place + 1
-      local middle, value, scatter = place - 0.5, source.mean / 1e9, (source.scatter or 0) / 1e9
-      canvas:rectangle(f.x(middle - 0.3), f.y(value), f.x(0.6) - f.x(0), f.y(0) - f.y(value), {fill = "#9ecae1"})
+      local x, value, scatter = place - 0.5, source.mean / 1e9, (source.scatter or 0) / 1e9
+      canvas:rectangle(f.x(x - 0.3), f.y(value), f.x(0.6) - f.x(0), f.y(0) - f.y(value), {fill = "#9ecae1"})
       if scatter > 0 then
-        f.curve({{middle, value - scatter}, {middle, value + scatter}}, {stroke = INK, width = 2})
+        f.curve({{x, value - scatter}, {x, value + scatter}}, {stroke = INK, width = 2})
         for _, y in ipairs {value - scatter, value + scatter} do
-          f.curve({{middle - 0.1, y}, {middle + 0.1, y}}, {stroke = INK, width = 2})
+          f.curve({{x - 0.1, y}, {x + 0.1, y}}, {stroke = INK, width = 2})
         end
       end
-      text(canvas, ("%s %d"):format(name == "zp150" and name or "PA2200", direction), f.x(middle), f.y(0) + 17,
+      text(canvas, ("%s %d"):format(name == "zp150" and name or "PA2200", direction), f.x(x), f.y(0) + 17,
         {align = 0.5, size = 12})
     end
   end

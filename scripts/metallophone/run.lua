@@ -10,8 +10,7 @@ local script = require "barwright.command.script"
 local shapes = require "shapes"
 local tune = require "barwright.tune"
 
-local MET, NOT_MET, REFUSED, INTERRUPTED = 0, 1, script.REFUSED, 130
-local stop = script.stop
+local MET, NOT_MET = 0, 1
 
 -- Table 4 of the paper, Hz.
 local paper = {
@@ -48,7 +47,7 @@ local opts = script.read {
 local function read_outline()
   if shapes[opts.shape] then return assert(shapes[opts.shape]()), 0.2 end
   local outline, message = bw.outline.read(opts.shape)
-  if not outline then stop(REFUSED, message) end
+  if not outline then script.refuse(message) end
   return outline
 end
 
@@ -122,18 +121,17 @@ local function make(note, base, material, results)
 end
 
 local function main()
-  io.stdout:setvbuf "line"
   local material, message = bw.material.named(opts.material)
-  if not material then stop(REFUSED, message) end
+  if not material then script.refuse(message) end
   for _, note in ipairs(opts.notes) do
-    if not pitch.frequency(note) then stop(REFUSED, ("'%s' is no note: C5, F#4, Bb3"):format(note)) end
+    if not pitch.frequency(note) then script.refuse(("'%s' is no note: C5, F#4, Bb3"):format(note)) end
   end
   local base, length = read_outline()
   if length then base = assert(base:scaled(length)) end
   local results
-  results, message = bw.results.open(opts.out, {script = "scripts/metallophone/run.lua",
-    inputs = shapes[opts.shape] and {} or {opts.shape}, options = opts, seed = bw.json.null})
-  if not results then stop(REFUSED, message) end
+  results, message = script.results(opts.out, opts, {script = "scripts/metallophone/run.lua",
+    inputs = shapes[opts.shape] and {} or {opts.shape}, seed = bw.json.null})
+  if not results then script.refuse(message) end
   local result = {shape = opts.shape, thickness_m = opts.thickness, material = opts.material,
     bars = bw.json.list {}, finished = false}
   local pictures, status = {}, MET
@@ -141,7 +139,7 @@ local function main()
   for _, note in ipairs(opts.notes) do
     local made, bar = make(note, base, material, results)
     if bw.interrupted() then
-      status = INTERRUPTED
+      status = script.INTERRUPTED
       break
     end
     if not made then
@@ -157,13 +155,11 @@ local function main()
         made.paper and made.paper.simulated or ""))
     end
   end
-  result.finished = status ~= INTERRUPTED
+  result.finished = status ~= script.INTERRUPTED
   assert(results:write(result))
   assert(page.write(results:path "report.html", result, pictures))
   print("written: " .. opts.out)
-  os.exit(status, true)
+  return status
 end
 
-local ok, message = xpcall(main, debug.traceback)
-if bw.interrupted() then stop(INTERRUPTED, "interrupted") end
-if not ok then error(message, 0) end
+script.run(main, NOT_MET)

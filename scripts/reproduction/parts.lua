@@ -59,8 +59,8 @@ end
 local function data_driven(list, scale)
   if scale == "tiny" then
     list[#list + 1] = {name = "data_driven_pushing", result = "pushing/result.json", seconds = hour,
-      words = {"scripts/data_driven/run.lua", "--scene", "pushing", "--methods", "naive", "--no-motion", "--out",
-        "OUT"}, smaller = "one scene, and no lookup"}
+      words = {"scripts/data_driven/run.lua", "--scene", "pushing", "--methods", "naive", "--no-transient",
+        "--out", "OUT"}, smaller = "one scene, and no lookup"}
     return
   end
   local quick = scale == "quick"
@@ -74,7 +74,7 @@ local function data_driven(list, scale)
   for i, scene in ipairs(scenes) do
     list[#list + 1] = {name = "data_driven_" .. scene, after = "data_driven_library", result = scene
       .. "/result.json", seconds = 6 * hour, words = {"scripts/data_driven/run.lua", "--scene", scene, "--methods",
-      "lookup", "--no-motion", "--library", "LIBRARY", "--out", "OUT"}, smaller = quick and i == 1
+      "lookup", "--no-transient", "--library", "LIBRARY", "--out", "OUT"}, smaller = quick and i == 1
       and "five of nine scenes" or nil}
   end
 end

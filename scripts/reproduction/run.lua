@@ -9,10 +9,10 @@ local files = require "barwright.scenario.files"
 local page = require "page"
 local parts = require "parts"
 local printed = require "printed"
+local read_file = require "barwright.read_file"
 local script = require "barwright.command.script"
 
-local DONE, NOT_DONE, REFUSED, INTERRUPTED = 0, 1, script.REFUSED, 130
-local stop = script.stop
+local DONE, NOT_DONE = 0, 1
 
 local function read_arguments()
   local opts = script.read {
@@ -38,7 +38,7 @@ local function read_arguments()
 end
 
 local function read_json(path)
-  local text = files.read(path)
+  local text = read_file(path)
   local value = text and bw.json.decode(text)
   return type(value) == "table" and value or nil
 end
@@ -102,7 +102,7 @@ local function run(part, words, out)
   if how == "exit" and code == "0" then
     return {status = "done", seconds = job.seconds, seconds_processor = job.processor_seconds}
   end
-  local text = files.read(out .. "/printed.txt") or ""
+  local text = read_file(out .. "/printed.txt") or ""
   local last = text:match ".*\nbarwright: ([^\n]+)" or text:match "([^\n]+)\n*$"
   return {status = "failed", message = ("%s status %s: %s"):format(how, code, last or "it printed nothing"),
     seconds = job.seconds, exit_status = tonumber(code)}
@@ -175,16 +175,16 @@ local function main()
   end
   local out = opts.out .. "/" .. opts.scale
   local results, message = bw.results.open(out, {script = "scripts/reproduce", options = {scale = opts.scale}})
-  if not results then stop(REFUSED, message) end
+  if not results then script.refuse(message) end
   local states, order, start, status = {}, bw.json.list {}, bw.seconds(), DONE
   local selected = 0
   for i, part in ipairs(list) do
-    if status ~= INTERRUPTED then
+    if status ~= script.INTERRUPTED then
       if not opts.only or part.name:find(opts.only, 1, true) then selected = selected + 1 end
       local state = see_to(part, opts, out, states)
       state.shrunk = part.shrunk
       states[part.name] = state
-      if state.status == "interrupted" or bw.interrupted() then status = INTERRUPTED
+      if state.status == "interrupted" or bw.interrupted() then status = script.INTERRUPTED
       elseif state.status ~= "done" and state.status ~= "not asked for" then status = NOT_DONE end
       print(("%2d of %d  %-26s %-9s %s"):format(i, #list, part.name, state.kept and "kept" or state.status,
         state.message or state.seconds and ("%.1f s, processor %.1f s"):format(state.seconds,
@@ -198,7 +198,7 @@ local function main()
       seconds_processor = state.seconds_processor, smaller = part.smaller,
       words = bw.json.list(words_of(part, out))}
   end
-  if selected == 0 and opts.only then stop(REFUSED, ("no part's name holds '%s'"):format(opts.only)) end
+  if selected == 0 and opts.only then script.refuse(("no part's name holds '%s'"):format(opts.only)) end
   local tables = fill_in(states)
   assert(results:write {scale = opts.scale, parts = order, tables = tables, seconds_total = bw.seconds() - start})
   assert(core.write_file(results:path "index.html", page.document {scale = opts.scale, parts = order,
@@ -207,4 +207,4 @@ local function main()
   return status
 end
 
-os.exit(main(), true)
+script.run(main, NOT_DONE)

@@ -25,7 +25,7 @@ local kept = {
   ["validity_mean.svg"] = {"scripts/docs/validity_picture.lua", "Stress near a re-entrant edge, and its mean"},
 }
 
-local function quoted(path) return "'" .. path:gsub("'", "'\\''") .. "'" end
+local quoted = require "barwright.scenario.files".quoted
 
 local function files(folder)
   local out, pipe = {}, assert(io.popen("ls " .. quoted(folder) .. " 2>/dev/null"))

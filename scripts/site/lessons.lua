@@ -2,14 +2,13 @@
 -- Each lesson and design study of examples/ as a page: what its head says, how to run it, the whole program.
 local escape = require "barwright.html".escape
 local markdown = require "markdown"
+local read_file = require "barwright.read_file"
 
 local lessons = {}
 
 --- What a lesson's source says of itself: {number, title, run, text, source}.
 function lessons.read(path)
-  local file = assert(io.open(path, "rb"))
-  local source = file:read "a"
-  file:close()
+  local source = assert(read_file(path))
   local number, title = source:match "\n%-%- Lesson (%d+): ([^\n]*)\n"
   title = title or source:match "\n%-%- Study: ([^\n]*)\n"
   if not title then return nil, path .. ": its head has no line '-- Lesson N: title' or '-- Study: title'" end

@@ -1,6 +1,8 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Links of the sources as links of the site. A file without a page of its own (a script, a list of packages)
 -- gets one that shows it.
+local read_file = require "barwright.read_file"
+
 local links = {}
 
 local function folder_of(path) return path:match "^(.*/)" or "" end
@@ -38,20 +40,12 @@ function links.from(page, by_source, shown)
   end
 end
 
-local function read(path)
-  local file = io.open(path, "rb")
-  if not file then return nil end
-  local text = file:read "a"
-  file:close()
-  return text
-end
-
 --- Sentences about links of the pages in `folder` that lead nowhere.
 function links.check(folder, pages)
   local problems, names = {}, {}
   local function anchors(address)
     if names[address] == nil then
-      local text = read(folder .. "/" .. address)
+      local text = read_file(folder .. "/" .. address)
       names[address] = false
       if text then
         names[address] = {}
@@ -61,7 +55,7 @@ function links.check(folder, pages)
     return names[address]
   end
   for _, page in ipairs(pages) do
-    local html = page.there and read(folder .. "/" .. page.address)
+    local html = page.there and read_file(folder .. "/" .. page.address)
     for target in (html or ""):gmatch '[ ][hs]r[ec]f?="([^"]*)"' do
       if not target:match "^%a+:" then
         local path, part = target:match "^([^#]*)#?(.*)$"

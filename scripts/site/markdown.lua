@@ -8,7 +8,7 @@ local formula = require "formula"
 
 local markdown = {}
 
-local function quoted(path) return "'" .. path:gsub("'", "'\\''") .. "'" end
+local quoted = require "barwright.scenario.files".quoted
 
 local function plain(html)
   return (html:gsub("<[^>]*>", ""):gsub("&lt;", "<"):gsub("&gt;", ">"):gsub("&quot;", '"'):gsub("&amp;", "&"))

@@ -7,10 +7,12 @@ local bw = require "barwright"
 local contents = require "contents"
 local core = require "barwright.core"
 local escape = require "barwright.html".escape
+local files = require "barwright.scenario.files"
 local gallery = require "gallery"
 local lessons = require "lessons"
 local links = require "links"
 local markdown = require "markdown"
+local read_file = require "barwright.read_file"
 local script = require "barwright.command.script"
 
 local opts = script.read {
@@ -23,19 +25,14 @@ local opts = script.read {
   },
 }
 
-local function read(path)
-  local file = assert(io.open(path, "rb"))
-  local text = file:read "a"
-  file:close()
-  return text
-end
+local function read(path) return assert(read_file(path)) end
 
 -- Beside its target and renamed: an older site stays whole until the new page is.
 local function write(path, text)
   assert(core.write_file(path, text))
 end
 
-local function quoted(path) return "'" .. path:gsub("'", "'\\''") .. "'" end
+local quoted = files.quoted
 
 local function list(pattern)
   local out, pipe = {}, assert(io.popen("cd " .. quoted(root) .. " && ls " .. pattern))
@@ -158,10 +155,8 @@ end
 
 local shown = {} -- files that pages lead to and that have no page
 for _, page in ipairs(pages) do
-  local file = page.source:match "%.md$" and io.open(root .. "/" .. page.source, "rb")
-  if file then
-    local text = file:read "a"
-    file:close()
+  local text = page.source:match "%.md$" and read_file(root .. "/" .. page.source)
+  if text then
     page.there = true
     local wrong
     page.html, page.headings, wrong = markdown.html(text, links.from(page, by_source, shown),
@@ -191,10 +186,8 @@ for _, lesson in ipairs(all_lessons) do
 end
 
 for source in pairs(shown) do
-  local file = io.open(root .. "/" .. source, "rb")
-  local text = file and file:read "a"
-  if file then file:close() end
-  if file and not text then text = table.concat(list(quoted(source)), "\n") end -- a folder
+  local path = root .. "/" .. source
+  local text = read_file(path) or files.kind(path) == "folder" and table.concat(list(quoted(source)), "\n")
   if text then
     local page = add(source, source, "source/" .. source:gsub("/", "_") .. ".html")
     page.there = true

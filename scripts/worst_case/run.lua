@@ -6,8 +6,8 @@ local model = require "barwright.command.model"
 local places = require "barwright.command.places"
 local script = require "barwright.command.script"
 
-local ANSWERED, REFUSED, UNFINISHED, INTERRUPTED = 0, script.REFUSED, 3, 130
-local stop = script.stop
+local UNFINISHED = 3
+local checked = script.checked
 
 local PRESSURE = 2e5
 
@@ -83,16 +83,6 @@ local function read_arguments()
   return opts.model, opts
 end
 
--- Everything that can raise is misuse: of the options given on the command line, in this script.
-local function checked(status, f, ...)
-  local values = table.pack(pcall(f, ...))
-  if not values[1] then
-    if bw.interrupted() then stop(INTERRUPTED, "interrupted") end
-    stop(status, (tostring(values[2]):gsub("^[^:]+:%d+: ", "")))
-  end
-  return table.unpack(values, 2, values.n)
-end
-
 local warnings = bw.json.list {}
 
 local function report_warnings()
@@ -109,23 +99,22 @@ local refusals = {format = true, geometry = true, io = true, unsupported = true,
 local function prepared(value, message, details, path)
   if value then return value, message end
   report_warnings()
-  if details and details.status == "cancelled" then stop(INTERRUPTED, message) end
   if path and not message:find(path, 1, true) then message = path .. ": " .. message end
-  stop(details and refusals[details.status] and REFUSED or UNFINISHED, message)
+  script.fail(details and refusals[details.status] and script.REFUSED or UNFINISHED, message, details)
 end
 
 local function main()
   local model_path, opts = read_arguments()
   local start = bw.seconds()
 
-  local material = checked(REFUSED, bw.material.named, opts.material)
+  local material = checked(bw.material.named, opts.material)
 
   -- ---- the model: a mesh, or a surface that is filled ----
 
   local function filled(path, surface, info, result)
     print(("read %s (%s): %s"):format(path, info.format, surface))
     result.input_triangles = surface.triangle_count
-    local mesh, log, details = checked(REFUSED, bw.mesh.fill, surface,
+    local mesh, log, details = checked(bw.mesh.fill, surface,
       {elements = opts.elements, order = opts.order})
     prepared(mesh, log, details, path)
     report_warnings()
@@ -149,13 +138,13 @@ local function main()
     local ending = (path:match "%.(%w+)$" or ""):lower()
     local may_be_mesh = ({msh = 1, vtu = 1, mesh = 1, inp = 1, node = 1, ele = 1})[ending]
     local function surface()
-      return checked(REFUSED, bw.surface.read, path, {unit = opts.unit})
+      return checked(bw.surface.read, path, {unit = opts.unit})
     end
     if not may_be_mesh then
       local found, info = prepared(surface())
       return filled(path, found, info, result)
     end
-    local mesh, message, details = checked(REFUSED, bw.mesh.read, path, {unit = opts.unit})
+    local mesh, message, details = checked(bw.mesh.read, path, {unit = opts.unit})
     if not mesh then
       -- These two also hold surfaces. What the reader of meshes says tells more when they do not.
       if (ending == "msh" or ending == "vtu") and details.status == "format" then
@@ -172,8 +161,8 @@ local function main()
   end
 
   local result = {finished = false, material = opts.material}
-  local results = prepared(bw.results.open(opts.out, {script = "scripts/worst_case/run.lua",
-    inputs = {model_path}, options = opts, seed = 1}))
+  local results = prepared(script.results(opts.out, opts, {script = "scripts/worst_case/run.lua",
+    inputs = {model_path}, seed = 1}))
   local mesh = load_mesh(model_path, result)
   print(mesh)
   result.elements, result.nodes = mesh.element_count, mesh.node_count
@@ -191,7 +180,7 @@ local function main()
     local area = 0
     for _, place in ipairs(list or {}) do
       local selection = prepared(places.select(mesh, place))
-      checked(REFUSED, use, selection)
+      checked(use, selection)
       area = area + selection.area
       print(("  %s at %s (%.4g mm2)"):format(what, place, selection.area * 1e6))
     end
@@ -224,10 +213,10 @@ local function main()
     result.remarks = warnings
     result.seconds_total = bw.seconds() - start
     results:write(result)
-    stop(details and details.status == "cancelled" and INTERRUPTED or UNFINISHED, message)
+    script.fail(UNFINISHED, message, details)
   end
 
-  local worst, message, details = checked(REFUSED, bw.worst_case, part, {force = force,
+  local worst, message, details = checked(bw.worst_case, part, {force = force,
     pressure = opts.pressure, forbidden = forbidden, friction = opts.friction,
     friction_facets = opts.friction_facets, hands = opts.hands, hand = opts.hand, certify = opts.certify,
     certificate = opts.certificate,
@@ -291,8 +280,4 @@ local function main()
     result.elements, worst.modes.count, #worst.regions, result.seconds_total, result.seconds_fill))
 end
 
--- What is raised here is neither the input's fault nor the world's.
-local fine, message = xpcall(main, debug.traceback)
-if bw.interrupted() then stop(INTERRUPTED, "interrupted") end
-if not fine then stop(UNFINISHED, message) end
-os.exit(ANSWERED, true)
+script.run(main, UNFINISHED)

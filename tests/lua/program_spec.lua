@@ -230,6 +230,7 @@ describe("scripts/worst_case/run.lua", function()
     local manifest = assert(bw.json.decode(check.read(folder .. "/out/manifest.json")))
     assert.equal(path, manifest.inputs[1].file)
     assert.equal(4, manifest.options.modes)
+    assert.same({}, {manifest.options.model, manifest.options.out})
   end)
 
   it("takes a mesh as it is, and lowers a force that the surface cannot take", function()

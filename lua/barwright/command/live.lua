@@ -7,6 +7,7 @@ local edit_script = require "barwright.edit_script"
 local kinds = require "barwright.live_plane_kinds"
 local live = require "barwright.live"
 local plane_edits = require "barwright.live_plane_edits"
+local read_file = require "barwright.read_file"
 local script_file = require "barwright.script_file"
 
 -- One sentence that ends the command: caught where it is run.
@@ -19,11 +20,8 @@ end
 local function read(path)
   local refusal = script_file.refusal(path)
   if refusal then fail(refusal) end
-  local file, why = io.open(path, "rb")
-  if not file then fail(why, "io") end
-  local text = file:read "a"
-  file:close()
-  return text or fail(path .. ": cannot be read", "io")
+  local text, why = read_file(path)
+  return text or fail(why, "io")
 end
 
 local function exists(path)

@@ -6,13 +6,14 @@ local differences = require "barwright.experiment.differences"
 local files = require "barwright.scenario.files"
 local json = require "barwright.json"
 local output = require "barwright.command.output"
+local read_file = require "barwright.read_file"
 local results = require "barwright.results"
 
 local max_listed = 40
 
 -- nil, message where a file cannot be read as a JSON object.
 local function read_json(path)
-  local text, why = files.read(path)
+  local text, why = read_file(path)
   if not text then return nil, why end
   local value, message = json.decode(text)
   if type(value) ~= "table" then return nil, ("%s: %s"):format(path, message or "an object expected") end

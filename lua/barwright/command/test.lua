@@ -7,6 +7,7 @@ local junit = require "barwright.scenario.junit"
 local manual = require "barwright.scenario.manual"
 local output = require "barwright.command.output"
 local page = require "barwright.scenario.page"
+local read_file = require "barwright.read_file"
 local results = require "barwright.results"
 local run = require "barwright.scenario.run"
 local tap = require "barwright.scenario.tap"
@@ -72,7 +73,7 @@ end
 
 -- What of an earlier run is taken where this one leaves scenarios out.
 local function earlier(path, list, about)
-  local text, why = files.read(path)
+  local text, why = read_file(path)
   local read = text and json.decode(text)
   if type(read) ~= "table" or type(read.scenarios) ~= "table" or type(read.files) ~= "table" then
     return nil, why or path .. ": not the result.json of `barwright test`"
@@ -98,7 +99,7 @@ local function earlier(path, list, about)
     return order[a] < order[b]
   end)
   local folder = files.split(path)
-  local manifest = files.read(folder .. "/manifest.json")
+  local manifest = read_file(folder .. "/manifest.json")
   return manifest and json.decode(manifest) or {version = "unknown"}
 end
 
@@ -122,7 +123,7 @@ local function open(opts, paths)
   local opened, message = results.open(opts.out, {inputs = paths, options = options_of(opts)})
   if not opened then return nil, message end
   -- pictures of the run before, and nothing else
-  local before = files.read(opened:path "result.json")
+  local before = read_file(opened:path "result.json")
   for _, result in ipairs(before and (json.decode(before) or {}).scenarios or {}) do
     for _, entry in ipairs(result.entries) do
       if entry.kind == "picture" then os.remove(opened:path("pictures/" .. entry.file)) end

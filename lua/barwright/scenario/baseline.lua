@@ -7,6 +7,7 @@ local files = require "barwright.scenario.files"
 local json = require "barwright.json"
 local modes = require "barwright.scenario.modes"
 local numbers = require "barwright.scenario.numbers"
+local read_file = require "barwright.read_file"
 
 local baseline = {}
 
@@ -181,7 +182,7 @@ end
 --- What is wrong, or nil; whether the baseline was written; how far figures are apart at most.
 function baseline.compare(path, value, opts, update)
   local snapshot = baseline.snapshot(value)
-  local text = files.read(path)
+  local text = read_file(path)
   if not text then
     if update then return write(path, snapshot), true, 0 end
     return ("there is no %s: `barwright test --update` writes it"):format(path), false, nil

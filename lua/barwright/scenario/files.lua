@@ -9,16 +9,6 @@ local function quoted(path)
 end
 files.quoted = quoted
 
---- The text of a file, or nil and why not.
-function files.read(path)
-  local file, why = io.open(path, "rb")
-  if not file then return nil, why end
-  local text, reason = file:read "a"
-  file:close()
-  if not text then return nil, ("%s: %s"):format(path, reason) end
-  return text
-end
-
 --- "file", "folder" or nil.
 function files.kind(path)
   local file = io.open(path, "rb")

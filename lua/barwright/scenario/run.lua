@@ -5,6 +5,7 @@
 local core = require "barwright.core"
 local files = require "barwright.scenario.files"
 local json = require "barwright.json"
+local read_file = require "barwright.read_file"
 local record = require "barwright.scenario.record"
 local text = require "barwright.text"
 
@@ -105,7 +106,7 @@ local function stated(path)
 end
 
 local function read_output(path)
-  local output = files.read(path)
+  local output = read_file(path)
   if not output or output == "" then return nil end
   if #output > max_output then output = output:sub(1, max_output) .. "\n(the rest was left out)" end
   return text.clean(output)
@@ -151,7 +152,7 @@ end
 -- The lines that were written, as far as they are whole.
 local function lines_of(path)
   local list = {}
-  for line in (files.read(path) or ""):gmatch "([^\n]*)\n" do
+  for line in (read_file(path) or ""):gmatch "([^\n]*)\n" do
     local entry = json.decode(line)
     if type(entry) == "table" then list[#list + 1] = text.clean_all(entry) end
   end

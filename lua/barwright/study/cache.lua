@@ -9,6 +9,7 @@ local core = require "barwright.core"
 local key = require "barwright.study.key"
 local options = require "barwright.options"
 local pack = require "barwright.study.pack"
+local read_file = require "barwright.read_file"
 
 local raise = core.raise
 
@@ -37,10 +38,7 @@ function cache.check(where, given)
 end
 
 local function read_entry(path)
-  local file = io.open(path, "rb")
-  if not file then return false end
-  local text = file:read "a"
-  file:close()
+  local text = read_file(path)
   if not text or text:sub(1, #MARK) ~= MARK then return false end
   local body = text:sub(#MARK + 65)
   if core.sha256_of(body) ~= text:sub(#MARK + 1, #MARK + 64) then return false end

@@ -14,6 +14,7 @@ local results = require "barwright.results"
 local run = require "barwright.study.run"
 local salvage = require "barwright.study.salvage"
 local merge = require "barwright.study.merge"
+local read_file = require "barwright.read_file"
 local status = require "barwright.study.status"
 local store = require "barwright.study.store"
 local trials = require "barwright.study.trials"
@@ -44,11 +45,7 @@ local function script_of(f)
   local source = debug.getinfo(f, "S").source
   local path = source:match "^@(.*)"
   if not path then return {text = source} end
-  local file = io.open(path, "rb")
-  if not file then return {path = path, text = ""} end
-  local text = file:read "a"
-  file:close()
-  return {path = path, text = text or ""}
+  return {path = path, text = read_file(path) or ""}
 end
 
 --- A study of the given options; raises where they are not one.

@@ -3,6 +3,7 @@
 -- meshes, surfaces, libraries of metamaterials. Objects of the engine travel in their own formats (VTU,
 -- PLY, BWM), all of which return the bits that were written.
 local core = require "barwright.core"
+local read_file = require "barwright.read_file"
 
 local pack = {}
 
@@ -19,14 +20,6 @@ local objects = {
   library = {ending = ".bwm", read = function(path) return core.metamaterial.read(path) end},
 }
 
-local function file_text(path)
-  local file, why = io.open(path, "rb")
-  if not file then return nil, why end
-  local text = file:read "a"
-  file:close()
-  return text
-end
-
 -- What is written through a file beside the cache's own.
 local function object_text(value, class, scratch)
   local temporary <close>, why = core.temporary(scratch)
@@ -34,7 +27,7 @@ local function object_text(value, class, scratch)
   local path = temporary.path .. objects[class].ending
   local ok, message = value:write(path, objects[class].opts)
   local text
-  if ok then text, message = file_text(path) end
+  if ok then text, message = read_file(path) end
   if not text then error(message, 0) end
   return text
 end

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- A solid in motion.
+-- Transient dynamics of a solid.
 local bw = require "barwright"
 local followed_kinds = require "followed_kinds"
 
@@ -16,34 +16,34 @@ function kind.make()
     assert(solid:contact_plane {point = {0, 0, 0.205}, normal = {0, 0, -1}})
   end
   local newmark = math.random() < 0.5
-  return {motion = assert(solid:transient {scheme = newmark and "newmark" or "implicit_euler",
+  return {transient = assert(solid:transient {scheme = newmark and "newmark" or "implicit_euler",
     step = 10 ^ uniform(-4, -1), stiffness_damping = math.random() < 0.5 and 1e-4 or 0, mass_damping = 0.1,
     linear = math.random() < 0.5 and "jacobi" or "direct", iterations = math.random(3, 12)})}
 end
 
 function kind.seen(subject)
-  local motion = subject.motion
+  local transient = subject.transient
   local parts = {}
   for _, name in ipairs {"displacement", "velocity", "acceleration", "time", "steps", "kinetic", "strain",
     "potential", "dissipated"} do
-    parts[#parts + 1] = text_of(motion[name])
+    parts[#parts + 1] = text_of(transient[name])
   end
-  parts[#parts + 1] = text_of(motion.report.residual)
+  parts[#parts + 1] = text_of(transient.report.residual)
   return table.concat(parts, "|")
 end
 
-function kind.check(subject) subject.motion:check() end
+function kind.check(subject) subject.transient:check() end
 
 function kind.close(subject)
-  subject.motion:close()
-  subject.motion:close()
-  if pcall(function() return subject.motion.time end) then error "a closed motion answers" end
+  subject.transient:close()
+  subject.transient:close()
+  if pcall(function() return subject.transient.time end) then error "a closed transient answers" end
 end
 
 kind.operations = {
-  step = {5, function(subject) return subject.motion:step(math.random(6)) end},
-  ["no step"] = {0.2, function(subject) return subject.motion:step(0) end},
-  misuse = {0.2, function(subject) return subject.motion:step(-1) end},
+  step = {5, function(subject) return subject.transient:step(math.random(6)) end},
+  ["no step"] = {0.2, function(subject) return subject.transient:step(0) end},
+  misuse = {0.2, function(subject) return subject.transient:step(-1) end},
 }
 
 return kind

@@ -1,17 +1,17 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- A scene let go from its loaded shape: fine and coarse side by side as an animation, with its energies.
+-- A scene released from its loaded shape: fine and coarse side by side as an animation, with its energies.
 local bw = require "barwright"
 local compare = require "compare"
 
-local motion = {}
+local transient = {}
 
 local function energies(m)
   return {time_s = m.time, kinetic_j = m.kinetic, strain_j = m.strain, potential_j = m.potential,
     dissipated_j = m.dissipated}
 end
 
--- A solid in motion from the shape of a solution, with what holds it and nothing that loads it.
-local function let_go(opts, fine, solution, by)
+-- The transient dynamics of a solid released from the shape of a solution, with its supports and without loads.
+local function released(opts, fine, solution, by)
   local free, message, details = bw.solid {grid = fine.grid, materials = fine.materials}
   if not free then return nil, message, details end
   opts.fixed(free)
@@ -26,20 +26,20 @@ local function let_go(opts, fine, solution, by)
 end
 
 --- Goes `opts.steps` steps of `opts.step` seconds with the linearly implicit scheme, and draws
---- motion.png into a folder. solutions: {{title =, by = library, "naive" or nil: fine, solution =}, ...}.
+--- transient.png into a folder. solutions: {{title =, by = library, "naive" or nil: fine, solution =}, ...}.
 --- Returns what goes into result.json; nil, message, details.
-function motion.run(out, opts, fine, solutions)
+function transient.run(out, opts, fine, solutions)
   local parts = {}
   for i, each in ipairs(solutions) do
-    local moving, message, details, solid = let_go(opts, fine, each.solution, each.by)
+    local moving, message, details, solid = released(opts, fine, each.solution, each.by)
     if not moving then return nil, message, details end
     parts[i] = {title = each.title, moving = moving, solid = solid, seconds = 0}
   end
   local box = fine.grid.box
-  local low, high = {}, {}
+  local view = {{}, {}}
   for k = 1, 3 do
     local margin = 0.12 * (box.max[2] - box.min[2])
-    low[k], high[k] = box.min[k] - margin, box.max[k] + margin
+    view[1][k], view[2][k] = box.min[k] - margin, box.max[k] + margin
   end
   local names, rows, max = {}, bw.json.list {}, 0
   for _, each in ipairs(solutions) do max = math.max(max, each.solution.movement:max()) end
@@ -53,7 +53,7 @@ function motion.run(out, opts, fine, solutions)
     names[#names + 1] = ("%s/frame_%03d.png"):format(out, frame)
     return bw.grid.picture(names[#names], panels, {direction = opts.direction, up = {0, 0, 1}, width = 380,
       height = 380, columns = #panels, unit = "movement, mm", scale = 1e3, min = 0, max = max,
-      view = {low, high}})
+      view = view})
   end
   local function remove()
     for _, name in ipairs(names) do os.remove(name) end
@@ -74,7 +74,7 @@ function motion.run(out, opts, fine, solutions)
     end
   end
   if drawn then
-    drawn, message, details = bw.animation(out .. "/motion.png", names, {seconds = opts.each * opts.step * 4})
+    drawn, message, details = bw.animation(out .. "/transient.png", names, {seconds = opts.each * opts.step * 4})
   end
   remove()
   local result = {words = opts.words, step_s = opts.step, steps = opts.steps, energies = rows,
@@ -88,4 +88,4 @@ function motion.run(out, opts, fine, solutions)
   return result
 end
 
-return motion
+return transient

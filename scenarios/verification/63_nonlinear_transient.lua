@@ -1,10 +1,10 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Motions with a period that is known: a pendulum that swings far, a cantilever that vibrates.
+-- Transient dynamics with a known period: a pendulum that swings far, a cantilever that vibrates.
 local bw = require "barwright"
 
 local scenario, expect = bw.scenario, bw.scenario.expect
 
-scenario.about {title = "Nonlinear solids: motions with a period that is known",
+scenario.about {title = "Nonlinear solids: transient dynamics with a known period",
   text = [[A pendulum that swings far, a cantilever that vibrates.]]}
 
 -- Complete elliptic integral of the first kind by the arithmetic-geometric mean.

@@ -5,10 +5,9 @@ local tools = require "tools"
 
 local scenario, expect = bw.scenario, bw.scenario.expect
 
-scenario.about {title = "Sheets: motion",
-  text = [[Newmark's method: a cantilever fifty times as long as thick, let go under gravity or shaken at its
-root, and a plate with a hole (sides straight: integrals are exact) whose energy is summed up outside the
-engine.]]}
+scenario.about {title = "Sheets: transient dynamics",
+  text = [[Newmark's method: a cantilever fifty times as long as thick, released under gravity or with its support
+moved, and a plate with a hole (sides straight: integrals are exact) whose energy is summed outside the engine.]]}
 
 local LENGTH, HEIGHT, YOUNG, DENSITY = 1, 0.02, 1e7, 1000
 -- omega of the lowest bending mode (Euler-Bernoulli)
