@@ -279,8 +279,8 @@ function certificate.read(path)
   local text, why = read_file(path)
   if not text then return nil, why, {status = "io", file = path} end
   local self = setmetatable({path = path, line = 0, lines = text:gmatch "([^\n]*)\n"}, reader)
-  local fine, found = pcall(parse, self)
-  if fine then return found end
+  local ok, found = pcall(parse, self)
+  if ok then return found end
   if type(found) ~= "table" then error(found, 0) end
   return nil, found.message, {status = "format", file = path, line = found.line}
 end

@@ -172,8 +172,8 @@ local function commit(self, edit)
     state.shape = before.shape
   end
   if self.record then
-    local fine, message, details = self.record:add(state.script)
-    if not fine then return nil, message, details end
+    local ok, message, details = self.record:add(state.script)
+    if not ok then return nil, message, details end
   end
   for i = #self.history, self.position + 1, -1 do self.history[i] = nil end
   self.position = self.position + 1
@@ -219,9 +219,9 @@ local function go_to(self, position, word)
   local shape, message, details = ensure_shape(self, state)
   if not shape then return nil, message, details end
   if self.record then
-    local fine
-    fine, message, details = self.record:add(("session:%s()"):format(word))
-    if not fine then return nil, message, details end
+    local ok
+    ok, message, details = self.record:add(("session:%s()"):format(word))
+    if not ok then return nil, message, details end
   end
   self.position = position
   forget_far_shapes(self)
@@ -276,20 +276,20 @@ function class:assign(elements, bone)
   if type(elements) == "userdata" then elements = elements:totable() end
   local subdomains, message, details = edit_assign.subdomains(state.topology, elements, bone)
   if not subdomains then return nil, message, details end
-  local fine
-  fine, message, details = commit(self, {topology = edit_shape.topology(subdomains, state.topology.floor),
+  local ok
+  ok, message, details = commit(self, {topology = edit_shape.topology(subdomains, state.topology.floor),
     script = ("session:assign(%s, %s)"):format(edit_script.list(elements),
       edit_script.value(bone))})
-  if not fine then return nil, message, details end
+  if not ok then return nil, message, details end
   return self
 end
 
 --- Back to rest, as an edit that can be undone.
 function class:reset()
   local state = current(self)
-  local fine, message, details = commit(self, {script = "session:reset()",
+  local ok, message, details = commit(self, {script = "session:reset()",
     pose = edit_pose.rest(#state.pose)})
-  if not fine then return nil, message, details end
+  if not ok then return nil, message, details end
   return self
 end
 

@@ -32,10 +32,10 @@ end
 -- Commits a change of one bone and gives the handle back, for the next call.
 local function change(self, call, rotation, scale, translation)
   local state = state_of(self.session)
-  local fine, message, details = self.session:commit {
+  local ok, message, details = self.session:commit {
     script = ("session:bone(%s):%s"):format(edit_script.value(self.name), call),
     pose = edit_pose.with(state.pose, self.index, rotation, scale, translation)}
-  if not fine then return nil, message, details end
+  if not ok then return nil, message, details end
   return self
 end
 
@@ -192,9 +192,9 @@ function edit_bone.set_pose(session, changes)
     list[#list + 1] = ("[%s] = %s"):format(edit_script.value(bone.name), text)
   end
   table.sort(list)
-  local fine, message, details = session:commit {pose = pose,
+  local ok, message, details = session:commit {pose = pose,
     script = ("session:pose {%s}"):format(table.concat(list, ", "))}
-  if not fine then return nil, message, details end
+  if not ok then return nil, message, details end
   return session
 end
 
@@ -297,10 +297,10 @@ function edit_bone.reach(session, target, at, given)
   end
   local reached, report, details = skeleton:reach(state.pose, targets, rows, opts.tolerance)
   if not reached then return nil, report, details end
-  local fine, message
-  fine, message, details = session:commit {pose = reached:totable(),
+  local ok, message
+  ok, message, details = session:commit {pose = reached:totable(),
     script = ("session:reach(%s)"):format(table.concat(arguments, ", "))}
-  if not fine then return nil, message, details end
+  if not ok then return nil, message, details end
   return report
 end
 
@@ -342,9 +342,9 @@ function edit_bone.limit(session, name, given)
       if bone.head == joint.name then limits[bone.index] = limit end
     end
   end
-  local fine, message, details = session:commit {limits = limits,
+  local ok, message, details = session:commit {limits = limits,
     script = ("session:limit(%s, %s)"):format(edit_script.value(name), edit_script.value(given))}
-  if not fine then return nil, message, details end
+  if not ok then return nil, message, details end
   return session
 end
 

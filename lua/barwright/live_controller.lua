@@ -124,8 +124,8 @@ local function try(drag, change)
   local fork = drag.fork
   if fork.position > 1 then assert(fork:undo()) end
   drag.wanted = change
-  local fine, why = apply(fork, drag, change)
-  if fine then
+  local ok, why = apply(fork, drag, change)
+  if ok then
     drag.good, drag.refused = change, false
     return true
   end
@@ -155,8 +155,8 @@ function handlers.move(self, client, message)
   if drag.joint and not message.change.reach then
     return refuse(self, client, message, "a joint is moved by 'reach'")
   end
-  local fine, why = try(drag, message.change)
-  if not fine then return refuse(self, client, message, why) end
+  local ok, why = try(drag, message.change)
+  if not ok then return refuse(self, client, message, why) end
   if message.ends then return end -- the end of the drag is there already
   return publish(self, drag.fork)
 end
@@ -168,9 +168,9 @@ local function finish(self, keep)
   self.drag = nil
   local why
   if keep and drag.refused then
-    local fine
-    fine, why = apply(self.session, drag, drag.wanted)
-    keep = not fine
+    local ok
+    ok, why = apply(self.session, drag, drag.wanted)
+    keep = not ok
   end
   if keep and drag.good then assert(apply(self.session, drag, drag.good)) end
   return why
@@ -241,10 +241,10 @@ end
 function handlers.loads(self, client, message)
   if not no_drag(self, client, message) then return end
   if message.loads == "worst" then
-    local fine, why, details = shared.reported_of(self, "looking for the worst load", live_loads.find, self)
-    if not fine and shared.stopped(details) then why = "stopped: the loads are what they were" end
-    notify_all(self, {type = "optimised", met = fine ~= nil, message = fine and live_loads.words(self) or why})
-    if not fine then return publish(self, self.session) end
+    local ok, why, details = shared.reported_of(self, "looking for the worst load", live_loads.find, self)
+    if not ok and shared.stopped(details) then why = "stopped: the loads are what they were" end
+    notify_all(self, {type = "optimised", met = ok ~= nil, message = ok and live_loads.words(self) or why})
+    if not ok then return publish(self, self.session) end
   else
     live_loads.own(self)
   end
@@ -293,9 +293,9 @@ function controller.new(session, server, about)
   local scene, why, details = live_frame.scene(state, 1, about)
   if not scene then return nil, why, details end
   self.scene = scene
-  local fine
-  fine, why = publish(self, session)
-  if not fine then return nil, why, {status = "geometry"} end
+  local ok
+  ok, why = publish(self, session)
+  if not ok then return nil, why, {status = "geometry"} end
   return self
 end
 

@@ -63,8 +63,8 @@ local function refill(self)
   for _, t in ipairs(self.blocked) do
     if self.stage:refill(unknowns.scales(self, t)) then
       self.corners = core.corner_nodes(self.stage.topology.mesh)
-      local fine, message, details = unknowns.measure(self)
-      if not fine then return nil, message, details end
+      local ok, message, details = unknowns.measure(self)
+      if not ok then return nil, message, details end
       self.constraints, self.constrained, self.memory, self.best = {}, {}, nil, nil
       self.t, self.E, self.radius = t, {}, self.opts.step
       local point
@@ -80,8 +80,8 @@ end
 -- Whether no node is above the limit at a point, now that it comes to that: nil, message, details where
 -- that cannot be said.
 local function holds(self, point, entry)
-  local fine, message, details = self.stage:sharpen(point)
-  if not fine then return nil, message, details end
+  local ok, message, details = self.stage:sharpen(point)
+  if not ok then return nil, message, details end
   entry.max, entry.node, entry.case = point.max, point.node, point.case
   return point.max <= self.opts.von_mises
 end
@@ -91,8 +91,8 @@ end
 local function descend(self, point)
   local last
   while true do
-    local fine, message, details = unknowns.choose(self, point)
-    if not fine then return nil, message, details end
+    local ok, message, details = unknowns.choose(self, point)
+    if not ok then return nil, message, details end
     local new = models.constrain_peaks(self, point)
     if point.many and #self.groups > 0 then models.watch(self, point) end
     local entry = note(self, point, self.t)
@@ -276,9 +276,9 @@ local function with_progress(self, work)
     if before then return before(stage, fraction) end
     core.report_progress(stage, fraction)
   end)
-  local fine, word, message, details = pcall(work, self)
+  local ok, word, message, details = pcall(work, self)
   core.progress(before)
-  if not fine then error(word, 0) end
+  if not ok then error(word, 0) end
   return word, message, details
 end
 
@@ -332,9 +332,9 @@ function optimise.run(session, given)
   local found = answer(self, self.point, self.t, true)
   local scales = unknowns.scales(self, self.t)
   if next(scales) then
-    local fine
-    fine, message, details = self.stage:commit(scales)
-    if not fine then return nil, message, details end
+    local ok
+    ok, message, details = self.stage:commit(scales)
+    if not ok then return nil, message, details end
   end
   return found
 end

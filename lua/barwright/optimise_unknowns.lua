@@ -73,8 +73,8 @@ local function add_group(self, bones, axis)
   end
   local n = #self.groups + 1
   self.groups[n], self.t[n] = group, 1
-  local fine, message, details = measure(self, n)
-  if not fine then return nil, message, details end
+  local ok, message, details = measure(self, n)
+  if not ok then return nil, message, details end
   local blocked = optimise_fixed.moved(self.fixed, self.stage.topology, self.motions[n])
   if blocked then
     self.refused = ("%s across %s would move %s%s"):format(
@@ -91,8 +91,8 @@ end
 --- All of them again, on another mesh.
 function unknowns.measure(self)
   for n = 1, #self.groups do
-    local fine, message, details = measure(self, n)
-    if not fine then return nil, message, details end
+    local ok, message, details = measure(self, n)
+    if not ok then return nil, message, details end
   end
   return true
 end
@@ -105,8 +105,8 @@ local function add_bone(self, bone)
     self.chosen[other] = true
   end
   for axis = 2, 3 do
-    local fine, message, details = add_group(self, bones, axis)
-    if not fine then return nil, message, details end
+    local ok, message, details = add_group(self, bones, axis)
+    if not ok then return nil, message, details end
   end
   return true
 end
@@ -115,8 +115,8 @@ end
 --- that has; where the bones were named, all these and no others. The set only grows.
 function unknowns.choose(self, point)
   for _, bone in ipairs(self.only or {}) do
-    local fine, message, details = add_bone(self, bone)
-    if not fine then return nil, message, details end
+    local ok, message, details = add_bone(self, bone)
+    if not ok then return nil, message, details end
   end
   if self.only then return true end
   local subdomains = self.stage.topology.subdomains
@@ -127,8 +127,8 @@ function unknowns.choose(self, point)
       for _, other in ipairs(near) do
         local bone = subdomains[other].bone
         if bone then
-          local fine, message, details = add_bone(self, self.stage.topology.skeleton:bone(bone).index)
-          if not fine then return nil, message, details end
+          local ok, message, details = add_bone(self, self.stage.topology.skeleton:bone(bone).index)
+          if not ok then return nil, message, details end
         end
       end
     end

@@ -27,9 +27,9 @@ local function solve(model)
   deck = assert(io.open(stem .. ".inp", "w"))
   deck:write(text)
   deck:close()
-  local fine = os.execute(("OMP_NUM_THREADS=1 ccx -i '%s' >'%s.log' 2>&1"):format(stem, stem))
+  local ok = os.execute(("OMP_NUM_THREADS=1 ccx -i '%s' >'%s.log' 2>&1"):format(stem, stem))
   local u, stress = {}, {}
-  local file = fine and io.open(stem .. ".dat")
+  local file = ok and io.open(stem .. ".dat")
   if file then
     for line in file:lines() do
       local n = {}

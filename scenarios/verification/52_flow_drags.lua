@@ -46,8 +46,8 @@ local function same_answers(name, make, drags)
   local random, worst, levels = random_of(5), 0, {}
   for _ = 1, drags do
     local by = {0.15 * (random() - 0.5), 0.15 * (random() - 0.5)}
-    local fine = kept:drag({loop = "body"}, by)
-    assert((rebuilt:drag({loop = "body"}, by) ~= nil) == (fine ~= nil))
+    local ok = kept:drag({loop = "body"}, by)
+    assert((rebuilt:drag({loop = "body"}, by) ~= nil) == (ok ~= nil))
     assert(kept:step())
     assert(rebuilt:step())
     levels[kept.reused.level] = (levels[kept.reused.level] or 0) + 1
@@ -87,8 +87,8 @@ local function breaks(name, make, drags)
       or {vertex = 1 + math.floor(random() * flow.outline.edge_count)}
     local reach = random() < 0.1 and 3 or 0.1
     local before = flow.velocity:max()
-    local fine, message = flow:drag(handle, {reach * (random() - 0.5), reach * (random() - 0.5)})
-    if fine then
+    local ok, message = flow:drag(handle, {reach * (random() - 0.5), reach * (random() - 0.5)})
+    if ok then
       done = done + 1
       quality = math.min(quality, flow.reused.quality or 1)
     else

@@ -68,8 +68,8 @@ local function read_arguments()
   }
   for _, name in ipairs {"fix", "forbid"} do
     for _, place in ipairs(opts[name]) do
-      local fine, message = places.check(place)
-      if not fine then script.refuse(("option --%s: %s"):format(name, message)) end
+      local ok, message = places.check(place)
+      if not ok then script.refuse(("option --%s: %s"):format(name, message)) end
     end
   end
   if opts.pressure and opts.contact then

@@ -46,9 +46,9 @@ describe("a refined model", function()
   it("keeps nothing of selections where one is of another mesh", function()
     local part, other = cantilever(), cantilever()
     local own, foreign = part.mesh.boundary:below(1, 0), other.mesh.boundary:below(1, 0)
-    local fine, text = pcall(part.refined, part, levels(part.mesh, function() return 1 end),
+    local ok, text = pcall(part.refined, part, levels(part.mesh, function() return 1 end),
       {also = {own, own, foreign}})
-    assert.is_false(fine)
+    assert.is_false(ok)
     assert.matches("selection 3 is not of the model's mesh", text)
   end)
 
@@ -357,8 +357,8 @@ describe("solve with an error", function()
   it("names what it does not know", function()
     local part = cantilever()
     local function message(options)
-      local fine, text = pcall(part.solve, part, options)
-      assert.is_false(fine)
+      local ok, text = pcall(part.solve, part, options)
+      assert.is_false(ok)
       return text
     end
     assert.matches("von_mises", message {error = 0.01, of = "von_misses"})

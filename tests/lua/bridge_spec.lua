@@ -333,9 +333,9 @@ describe("a bridge", function()
   it("whose image has no memory says so at the script's line", function()
     local bridge = assert(small_bridge {size = 0.02})
     require("barwright.core").fail_allocation(1, false)
-    local fine, why = pcall(function() return bridge.whole end)
+    local ok, why = pcall(function() return bridge.whole end)
     require("barwright.core").fail_allocation(0, false)
-    assert.is_false(fine)
+    assert.is_false(ok)
     assert.truthy(why:find "^[^\n]*bridge_spec%.lua:%d+: out of memory", why)
   end)
 
@@ -356,10 +356,10 @@ describe("a bridge", function()
     local bridge, core, path = assert(small_bridge {size = 0.02}), require "barwright.core", os.tmpname()
     for n = 1, 60 do
       core.fail_allocation(n, false)
-      local fine, written, why = pcall(bridge.picture, bridge, path .. ".svg")
+      local ok, written, why = pcall(bridge.picture, bridge, path .. ".svg")
       core.fail_allocation(0, false)
-      if not (fine and written) then
-        assert.truthy(tostring(fine and why or written):find "memory", tostring(fine and why or written))
+      if not (ok and written) then
+        assert.truthy(tostring(ok and why or written):find "memory", tostring(ok and why or written))
       end
     end
     os.remove(path)

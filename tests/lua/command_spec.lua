@@ -131,8 +131,8 @@ describe("a place on the command line", function()
       ["below:z:1kg"] = "a number with one of the units",
       ["near:x,0,0:1mm"] = "got 'x'",
     } do
-      local fine, message = places.check(text)
-      assert.is_nil(fine, text)
+      local ok, message = places.check(text)
+      assert.is_nil(ok, text)
       assert.truthy(message:find(what, 1, true), message)
     end
   end)

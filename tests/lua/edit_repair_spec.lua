@@ -11,10 +11,10 @@ local body, same_nodes, compare = edit_bodies.body, edit_bodies.same_nodes, edit
 local function turn_until(session, axis, ending)
   for step = 0, 47 do
     local degrees = (60 + 5 * (step % 24)) * (step < 24 and 1 or -1)
-    local fine, message, details = session:bone("neck"):set {rotation = {[axis] = degrees}}
-    if fine and session.edits[#session.edits].mesh == ending then return degrees end
-    if not fine and ending == "refused" then return degrees, message, details end
-    if fine then assert(session:undo()) end
+    local ok, message, details = session:bone("neck"):set {rotation = {[axis] = degrees}}
+    if ok and session.edits[#session.edits].mesh == ending then return degrees end
+    if not ok and ending == "refused" then return degrees, message, details end
+    if ok then assert(session:undo()) end
   end
   error("no turn ended " .. ending)
 end
@@ -44,10 +44,10 @@ describe("an edit that inverts elements", function()
     compare(session, assert(session:solve()))
     local strict = body {relax = false, refill = false}
     local message, details
-    local fine = strict:bone("neck"):set {rotation = {z = degrees}}
-    if not fine then
-      fine, message, details = strict:bone("neck"):set {rotation = {z = degrees}}
-      check.fails("geometry", "the worst is element", fine, message, details)
+    local ok = strict:bone("neck"):set {rotation = {z = degrees}}
+    if not ok then
+      ok, message, details = strict:bone("neck"):set {rotation = {z = degrees}}
+      check.fails("geometry", "the worst is element", ok, message, details)
     end
   end)
 
@@ -122,8 +122,8 @@ describe("an edit that inverts elements", function()
     -- the first that leaves the neck's subdomain in one piece
     local function assign_one(list, bone)
       for _, e in ipairs(list) do
-        local fine, edited = pcall(session.assign, session, {e}, bone)
-        if fine and edited then return true end
+        local ok, edited = pcall(session.assign, session, {e}, bone)
+        if ok and edited then return true end
       end
     end
     assert.is_true(assign_one(following))
@@ -146,8 +146,8 @@ describe("an edit that inverts elements", function()
     local degrees = turn_until(session, "x", "refilled")
     assert(session:undo())
     part:load {nodal = core.array.map("a * 0 + 1e-3", {a = part.mesh.nodes})}
-    local fine, message, details = session:bone("neck"):set {rotation = {x = degrees}}
-    check.fails("unsupported", "node", fine, message, details)
+    local ok, message, details = session:bone("neck"):set {rotation = {x = degrees}}
+    check.fails("unsupported", "node", ok, message, details)
     assert.equal(0, #session.edits)
   end)
 

@@ -296,8 +296,8 @@ describe("random drags", function()
           local handle = random() < 0.5 and {loop = "body"}
             or {vertex = 1 + math.floor(random() * s.outline.edge_count)}
           local reach = random() < 0.1 and 3 or 0.1
-          local fine, message, details = s:drag(handle, {reach * (random() - 0.5), reach * (random() - 0.5)})
-          if fine then
+          local ok, message, details = s:drag(handle, {reach * (random() - 0.5), reach * (random() - 0.5)})
+          if ok then
             done = done + 1
             assert.is_true(s.reused.level == "none" or s.reused.quality > 0)
           else

@@ -155,9 +155,9 @@ describe("a large-deflection sheet", function()
     local before, points = s.displacement, s.points:totable()
     local refused
     for _ = 1, 60 do -- ever longer: at last it falls too far for one load step
-      local fine, message, details = s:drag({edge = 2}, {0.25, 0})
-      if not fine then
-        check.fails("convergence", "", fine, message, details)
+      local ok, message, details = s:drag({edge = 2}, {0.25, 0})
+      if not ok then
+        check.fails("convergence", "", ok, message, details)
         refused = true
         break
       end
@@ -243,9 +243,9 @@ describe("random drags", function()
         local handle = random() < 0.5 and {loop = "hole"}
           or {vertex = 1 + math.floor(random() * sheet.outline.edge_count)}
         local reach = random() < 0.1 and 3 or 0.1
-        local fine, message, details = sheet:drag(handle,
+        local ok, message, details = sheet:drag(handle,
           {reach * (random() - 0.5), reach * (random() - 0.5)})
-        if fine then
+        if ok then
           done = done + 1
         else
           refused = refused + 1

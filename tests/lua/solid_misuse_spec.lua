@@ -32,9 +32,9 @@ local function two() return {rubber(1e5, 0.4), rubber(1e7, 0.4)} end
 -- With this progress function, which is taken back.
 local function showing(progress, f)
   bw.progress(progress)
-  local fine, message = pcall(f)
+  local ok, message = pcall(f)
   bw.progress(nil)
-  if not fine then error(message, 0) end
+  if not ok then error(message, 0) end
 end
 
 describe("a grid", function()
@@ -140,8 +140,8 @@ describe("a solid", function()
       cg_tolerance = {-1, 1, nan}, cg_iterations = {0, -1}, path = {0, -1, 1001},
       linear = {"x", 5}, start = {5, {}, {{1, 2, 3}}}, coarse = {5, {}, solid}} do
       for _, bad in ipairs(list) do
-        local fine, message = pcall(solid.solve, solid, {[key] = bad})
-        assert.is_false(fine, key .. " = " .. tostring(bad))
+        local ok, message = pcall(solid.solve, solid, {[key] = bad})
+        assert.is_false(ok, key .. " = " .. tostring(bad))
         assert.is_string(message)
       end
     end
@@ -342,11 +342,11 @@ describe("memory", function()
     local step = os.getenv "BARWRIGHT_FULL" and 1 or 13
     while true do
       core.fail_allocation(n, true)
-      local fine, result, message, details = pcall(work)
+      local ok, result, message, details = pcall(work)
       core.fail_allocation(0, false)
-      if fine and result then break end
+      if ok and result then break end
       failures = failures + 1
-      if fine then assert.equal("memory", details.status, message) end
+      if ok then assert.equal("memory", details.status, message) end
       result, details = nil, nil -- luacheck: ignore 311
       collectgarbage()
       collectgarbage()

@@ -123,10 +123,10 @@ for _, kind in ipairs(kinds) do
         local object = ready()
         local before = seen(kind, object)
         local former = bw.progress(function() return false end)
-        local fine, said = pcall(operation, object, kind)
+        local ok, said = pcall(operation, object, kind)
         bw.progress(former)
         -- what tells no progress cannot be cancelled by it
-        if not (fine and said) then assert.equal(before, seen(kind, object)) end
+        if not (ok and said) then assert.equal(before, seen(kind, object)) end
       end)
 
       it("out of memory: " .. name, function()
@@ -134,9 +134,9 @@ for _, kind in ipairs(kinds) do
         local before = seen(kind, object)
         for n = 1, 400, 7 do
           core.fail_allocation(n, true)
-          local fine, said = pcall(operation, object, kind)
+          local ok, said = pcall(operation, object, kind)
           core.fail_allocation(0)
-          if fine and said then break end
+          if ok and said then break end
           assert.equal(before, seen(kind, object))
         end
       end)
@@ -147,9 +147,9 @@ for _, kind in ipairs(kinds) do
           local before = seen(kind, object)
           for calls = 0, 60, 6 do
             left = calls
-            local fine, said = pcall(operation, object, kind)
+            local ok, said = pcall(operation, object, kind)
             left = math.huge
-            if fine then break end
+            if ok then break end
             assert.truthy(tostring(said):find "fuse")
             assert.equal(before, seen(kind, object))
           end
@@ -196,9 +196,9 @@ describe("a bar that is tuned without memory", function()
     local wanted = 1.02 * bar.frequency
     for n = 1, 30 do
       core.fail_allocation(n, true)
-      local fine, tuned, _, details = pcall(bar.tune, bar, wanted)
+      local ok, tuned, _, details = pcall(bar.tune, bar, wanted)
       core.fail_allocation(0)
-      assert.truthy(not fine and tostring(tuned):find "memory" or details and details.status == "memory")
+      assert.truthy(not ok and tostring(tuned):find "memory" or details and details.status == "memory")
     end
   end)
 end)

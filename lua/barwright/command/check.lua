@@ -203,12 +203,12 @@ end
 local function report_marked(surface, opts, out)
   local shown = {title = model.name(opts.model)}
   report_edges(surface, opts, shown, out)
-  local fine, message, details = report_faces(surface, opts, out)
-  if not fine then return nil, message, details end
+  local ok, message, details = report_faces(surface, opts, out)
+  if not ok then return nil, message, details end
   if not opts.picture then return true end
   if opts.faces then shown.labels = face_labels(surface, shown) end
-  fine, message, details = surface:picture(opts.picture, shown)
-  if not fine then return nil, message, details end
+  ok, message, details = surface:picture(opts.picture, shown)
+  if not ok then return nil, message, details end
   out:json {files = bw.json.list {opts.picture}}
   out:say("Written: %s.", opts.picture)
   return true
@@ -228,8 +228,8 @@ local function check_surface(read, opts, out)
     out:say("Sound: closed, facing outwards, not crossing itself; %s, %.4g cm3, surface %.4g cm2.",
       model.count(report.shells, "shell"), report.volume * 1e6, report.area * 1e4)
     good = report_thickness(surface, opts, out)
-    local fine, message, details = report_marked(surface, opts, out)
-    if not fine then return nil, message, details end
+    local ok, message, details = report_marked(surface, opts, out)
+    if not ok then return nil, message, details end
   else
     local text = {}
     text[#text + 1] = report.closed and "closed" or ("open, with %s"):format(model.count(report.holes, "hole"))
@@ -239,8 +239,8 @@ local function check_surface(read, opts, out)
     local repaired = report_repair(surface, opts, out)
     if repaired then
       report_thickness(repaired, opts, out)
-      local fine, message, details = report_marked(repaired, opts, out)
-      if not fine then return nil, message, details end
+      local ok, message, details = report_marked(repaired, opts, out)
+      if not ok then return nil, message, details end
     end
     good = false
   end
@@ -263,8 +263,8 @@ local function check_mesh(read, opts, out)
     quality.volume_min * 1e9, quality.volume_max * 1e9, model.count(mesh.component_count, "body", "bodies"))
   out:json {order = mesh.order, dihedral_min_degrees = low, dihedral_max_degrees = high,
     volume_min_m3 = quality.volume_min, volume_max_m3 = quality.volume_max, sound = true}
-  local fine, message, details = report_marked(mesh:surface(), opts, out)
-  if not fine then return nil, message, details end
+  local ok, message, details = report_marked(mesh:surface(), opts, out)
+  if not ok then return nil, message, details end
   if mesh.component_count > 1 then
     out:say("The bodies are not connected: a load on one has no effect on the others.")
   end
@@ -322,9 +322,9 @@ return {
     if opts.picture and not (opts.edges or opts.faces) then
       return out:misuse "option --picture: it shows edges or faces: give --edges yes or --faces yes as well"
     end
-    local fine, message, details = true, nil, nil
-    if opts.picture then fine, message, details = writable(opts.picture) end
-    if not fine then return out:fail(message, details) end
+    local ok, message, details = true, nil, nil
+    if opts.picture then ok, message, details = writable(opts.picture) end
+    if not ok then return out:fail(message, details) end
     local read
     read, message, details = model.open(opts.model, opts.unit, out)
     if not read then

@@ -143,8 +143,8 @@ function commands.run(name, ...)
       io.stderr:write(table.concat(texts, "\t"), "\n")
     end)
   end
-  local fine, code = xpcall(command.run, trace, opts, out)
-  if not fine then
+  local ok, code = xpcall(command.run, trace, opts, out)
+  if not ok then
     if core.interrupted() then
       code = out:fail("interrupted", {status = "cancelled"})
     elseif tostring(code):find("not enough memory", 1, true) then

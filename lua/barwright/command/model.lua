@@ -385,8 +385,8 @@ end
 local function check_outputs(opts)
   for _, name in ipairs {"report", "picture", "vtu"} do
     if opts[name] then
-      local fine, message, details = writable(opts[name])
-      if not fine then return nil, message, details end
+      local ok, message, details = writable(opts[name])
+      if not ok then return nil, message, details end
     end
   end
   return true
@@ -398,8 +398,8 @@ model.field_endings = {"vtu", "msh", "mesh", "inp", "node", "ele"}
 --- What is asked about, read and reported: what model.read gives, material. A size that is implausible for a part
 --- is refused unless the unit was given.
 function model.start(opts, out)
-  local fine, message, details = check_outputs(opts)
-  if not fine then return nil, message, details end
+  local ok, message, details = check_outputs(opts)
+  if not ok then return nil, message, details end
   local read, material
   material, message, details = material_of(opts)
   if not material then return nil, message, details end

@@ -18,9 +18,9 @@ local function analyse(opts, out)
     selection, message, details = places.select(mesh, place)
     if not selection then return nil, message, details end
     fixed = fixed + selection.area
-    local fine
-    fine, message = model.try(part.fix, part, selection)
-    if not fine then return nil, place .. ": " .. message, {status = "invalid"} end
+    local ok
+    ok, message = model.try(part.fix, part, selection)
+    if not ok then return nil, place .. ": " .. message, {status = "invalid"} end
   end
   local modes, accuracy
   local how = {count = opts.count, sturm = opts.sure}
@@ -94,8 +94,8 @@ return {
       "constrained at its foot and at a point"}},
   run = function(opts, out)
     for _, place in ipairs(opts.fix) do
-      local fine, message = places.check(place)
-      if not fine then return out:misuse("option --fix: " .. message) end
+      local ok, message = places.check(place)
+      if not ok then return out:misuse("option --fix: " .. message) end
     end
     local modes, fixed, errors, accuracy = analyse(opts, out)
     if not modes then return out:fail(fixed, errors) end
@@ -104,8 +104,8 @@ return {
     for _, how in ipairs {{opts.vtu, function() return modes:write(opts.vtu) end},
       {opts.picture, function() return modes:picture(1, opts.picture) end}} do
       if how[1] then
-        local fine, message, more = how[2]()
-        if not fine then return out:fail(message, more) end
+        local ok, message, more = how[2]()
+        if not ok then return out:fail(message, more) end
         written[#written + 1] = how[1]
       end
     end

@@ -30,8 +30,8 @@ end
 
 -- What cannot be written is reported once, at the end.
 local function write(self, text)
-  local fine, why = io.stdout:write(text, "\n")
-  if not fine then self.unwritten = self.unwritten or why end
+  local ok, why = io.stdout:write(text, "\n")
+  if not ok then self.unwritten = self.unwritten or why end
 end
 
 --- A line for people; with more arguments a format and its values.
@@ -94,15 +94,15 @@ end
 function output:finish(code)
   if self.machine then
     self.object.command, self.object.exit_code = self.name, code
-    local fine, text = pcall(json.encode, self.object, "  ")
-    if not fine then
+    local ok, text = pcall(json.encode, self.object, "  ")
+    if not ok then
       io.stderr:write("barwright ", self.name, ": ", tostring(text), "\n")
       return output.FAILED
     end
     write(self, text)
   end
-  local fine, why = io.stdout:flush()
-  if self.unwritten or not fine then
+  local ok, why = io.stdout:flush()
+  if self.unwritten or not ok then
     io.stderr:write("barwright ", self.name, ": standard output: ", tostring(self.unwritten or why), "\n")
     return output.FAILED
   end

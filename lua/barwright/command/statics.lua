@@ -14,8 +14,8 @@ local static_picture = require "barwright.command.static_picture"
 local function split(text)
   local place, value = text:match "^(.*)=([^=]*)$"
   if not place then return nil, ("PLACE=VALUE expected, got '%s'"):format(text) end
-  local fine, message = places.check(place)
-  if not fine then return nil, message end
+  local ok, message = places.check(place)
+  if not ok then return nil, message end
   return place, value
 end
 
@@ -44,8 +44,8 @@ local function read_loads(opts)
     loads.gravity = gravity
   end
   for _, place in ipairs(opts.fix) do
-    local fine, message = places.check(place)
-    if not fine then return nil, "option --fix: " .. message end
+    local ok, message = places.check(place)
+    if not ok then return nil, "option --fix: " .. message end
   end
   if #opts.fix == 0 then return nil, "option --fix PLACE is missing: a part without supports moves freely" end
   if #loads == 0 and not loads.gravity then
@@ -59,18 +59,18 @@ local function set_up(part, opts, loads, out)
   for _, place in ipairs(opts.fix) do
     local selection, message, details = places.select(mesh, place)
     if not selection then return nil, message, details end
-    local fine
-    fine, message = model.try(part.fix, part, selection)
-    if not fine then return nil, place .. ": " .. message, {status = "invalid"} end
+    local ok
+    ok, message = model.try(part.fix, part, selection)
+    if not ok then return nil, place .. ": " .. message, {status = "invalid"} end
     area = area + selection.area
     out:say("Constrained at %s (%.4g cm2).", place, selection.area * 1e4)
   end
   for _, load in ipairs(loads) do
     local selection, message, details = places.select(mesh, load.place)
     if not selection then return nil, message, details end
-    local fine
-    fine, message = model.try(part.load, part, {on = selection, force = load.force, pressure = load.pressure})
-    if not fine then return nil, load.place .. ": " .. message, {status = "invalid"} end
+    local ok
+    ok, message = model.try(part.load, part, {on = selection, force = load.force, pressure = load.pressure})
+    if not ok then return nil, load.place .. ": " .. message, {status = "invalid"} end
     if load.force then
       out:say("Load applied at %s (%.4g cm2): force (%.4g, %.4g, %.4g) N.", load.place, selection.area * 1e4,
         table.unpack(load.force))
@@ -352,8 +352,8 @@ return {
         return static_picture.report(static, opts.report, shown, answer.text)
       end}} do
       if how[1] then
-        local fine, why, more = how[2]()
-        if not fine then return out:fail(why, more) end
+        local ok, why, more = how[2]()
+        if not ok then return out:fail(why, more) end
         written[#written + 1] = how[1]
       end
     end

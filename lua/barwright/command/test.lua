@@ -105,10 +105,10 @@ end
 
 -- The files of the output folder.
 local function keep(opened, summary)
-  local fine, message = opened:write(summary)
-  if not fine then return nil, message end
-  fine, message = core.write_file(opened:path "junit.xml", junit.document(summary.scenarios))
-  if not fine then return nil, message end
+  local ok, message = opened:write(summary)
+  if not ok then return nil, message end
+  ok, message = core.write_file(opened:path "junit.xml", junit.document(summary.scenarios))
+  if not ok then return nil, message end
   return core.write_file(opened:path "index.html", page.document(summary, opened.manifest,
     opened:path "pictures"))
 end
@@ -129,9 +129,9 @@ local function open(opts, paths)
       if entry.kind == "picture" then os.remove(opened:path("pictures/" .. entry.file)) end
     end
   end
-  local fine
-  fine, message = files.make_folder(opened:path "pictures")
-  if not fine then return nil, message end
+  local ok
+  ok, message = files.make_folder(opened:path "pictures")
+  if not ok then return nil, message end
   return opened
 end
 
@@ -203,14 +203,14 @@ local function work(opts, out, scratch)
   local manifests, message = add_earlier(opts, summary, opened)
   if not manifests then return out:misuse(message) end
   out:json(summary)
-  local fine = true
-  if opened then fine, message = keep(opened, summary) end
-  if fine and interrupted then
+  local ok = true
+  if opened then ok, message = keep(opened, summary) end
+  if ok and interrupted then
     return out:fail(("interrupted; %d of %d scenarios have run"):format(#list, #ready.items),
       {status = "cancelled"})
   end
-  if fine then fine, message = write_manual(opts, summary, manifests) end
-  if not fine then return out:fail(message) end
+  if ok then ok, message = write_manual(opts, summary, manifests) end
+  if not ok then return out:fail(message) end
   out:say(("# %d passed, %d failed, %d skipped%s"):format(summary.passed, summary.failed, summary.skipped,
     opened and (": " .. opened:path "index.html") or ""))
   return summary.failed > 0 and output.NO or output.DONE
@@ -244,9 +244,9 @@ return {
     "barwright test scenarios/bracket.lua --update"},
   run = function(opts, out)
     local scratch = files.scratch()
-    local fine, code = xpcall(work, debug.traceback, opts, out, scratch)
+    local ok, code = xpcall(work, debug.traceback, opts, out, scratch)
     files.remove_scratch(scratch)
-    if not fine then error(code, 0) end
+    if not ok then error(code, 0) end
     return code
   end,
 }

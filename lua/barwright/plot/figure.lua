@@ -29,8 +29,8 @@ end
 local function drawn(self)
   local canvas, message, details = core.canvas(self.width, self.height, {name = self.name})
   if not canvas then return nil, message, details end
-  local fine, result = pcall(self.draw, sketch.new(canvas))
-  if fine then return canvas, result end
+  local ok, result = pcall(self.draw, sketch.new(canvas))
+  if ok then return canvas, result end
   local refusal = sketch.refusal(result)
   if not refusal then error(result, 0) end
   return nil, refusal.message, refusal.details

@@ -261,8 +261,8 @@ function Pool:variant(class, n)
   local made = self.made[name] or {}
   self.made[name] = made
   if made[n] == nil then
-    local fine, object = pcall(makers[name][n], self)
-    if not fine or object == nil then -- a call closed what it is made of
+    local ok, object = pcall(makers[name][n], self)
+    if not ok or object == nil then -- a call closed what it is made of
       self:forget()
       made = {}
       self.made[name] = made
@@ -309,8 +309,8 @@ end
 
 function Pool:closed_one(name)
   if not self.dead[name] then
-    local fine, object = pcall(makers[name][1], self)
-    if not fine then
+    local ok, object = pcall(makers[name][1], self)
+    if not ok then
       self:forget()
       object = makers[name][1](self)
     end
@@ -381,8 +381,8 @@ local function maker_of(class, list)
       if entry.returns == class and entry.kind == "method" and makers[short(entry.class)] then
         local given = good[entry.name] and table.pack(good[entry.name](pool, new_random(1, 1))) or {n = 0}
         local self = pool:variant(entry.class, 1)
-        local fine, object = pcall(self[entry.member], self, table.unpack(given, 1, given.n))
-        if fine and object then return object end
+        local ok, object = pcall(self[entry.member], self, table.unpack(given, 1, given.n))
+        if ok and object then return object end
       end
     end
     error("the fuzzer has no object of " .. class .. ": tests/fuzz/api/fixtures.lua needs a line for it", 0)

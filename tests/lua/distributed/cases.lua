@@ -9,8 +9,8 @@ local ranks = require("barwright.distributed").size()
 local steel = bw.material.isotropic {young = 200e9, poisson = 0.3, density = 8000}
 
 local function case(name, run)
-  local fine, message = xpcall(run, debug.traceback)
-  print(("case %s: %s"):format(name, fine and "fine" or message))
+  local ok, message = xpcall(run, debug.traceback)
+  print(("case %s: %s"):format(name, ok and "fine" or message))
 end
 
 local function largest(array) return math.max(array:max(), -array:min()) end
