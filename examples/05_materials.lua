@@ -34,5 +34,5 @@ for axis = 1, 3 do
 end
 
 -- Turned by 90 degrees about Z, X and Y change places.
-local turned = gypsum:rotated {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}
-print(turned)
+local rotated = gypsum:rotated {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}
+print(rotated)

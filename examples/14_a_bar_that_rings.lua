@@ -24,9 +24,9 @@ local tuned = assert(bar:tune "C5")
 print(("%.2f Hz, %+.2f cents, outline moved by %.2f mm"):format(tuned.frequency, tuned.cents,
   1e3 * tuned.moved))
 
--- Where to hold it, what it sounds like, how to cut it.
+-- Where to support it, what it sounds like, how to cut it.
 for _, at in ipairs(assert(bar:holes())) do
-  print(("hold it at %.1f, %.1f mm"):format(1e3 * at[1], 1e3 * at[2]))
+  print(("support it at %.1f, %.1f mm"):format(1e3 * at[1], 1e3 * at[2]))
 end
 local folder = arg[1] or "."
 assert(bar:write_tone(folder .. "/c5.wav"))

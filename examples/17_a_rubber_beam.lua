@@ -37,8 +37,8 @@ for i, force in ipairs {0.5, 2, 6} do
 end
 assert(sag(last) < 0.2 / mm) -- a beam cannot sag more than it is long
 
--- 3. What holds it pushes back with as much as hangs there.
-print(("held up by %.3f N; least volume ratio %.3f"):format(
+-- 3. The reaction of the support equals the load.
+print(("reaction %.3f N; smallest volume ratio %.3f"):format(
   last:total_reaction({side = "min x"})[3], last.report.shape.min_ratio))
 
 -- 4. Side by side, with the stress that the materials carry.

@@ -104,9 +104,9 @@ const heard = {
     readouts();
     const drag = state.drag;
     if (drag && drag.client === me) handles.handled(drag.seq);
-    if (kept > 0 && !state.trouble) kept--;
-    else say(state.trouble || (drag && drag.client !== me ? `another window drags ${drag.bone || drag.joint}` : ""),
-      !!state.trouble);
+    if (kept > 0 && !state.failure) kept--;
+    else say(state.failure || (drag && drag.client !== me ? `another window drags ${drag.bone || drag.joint}` : ""),
+      !!state.failure);
   },
 
   // The stresses of a larger body come later than its shape.
@@ -122,9 +122,9 @@ const heard = {
   },
 
   refused(message) {
-    say(message.message, true, message.asked === "end" ? 1 : 0);
-    if (message.asked === "begin") handles.drop();
-    else if (message.asked === "move") handles.handled(message.seq);
+    say(message.message, true, message.request === "end" ? 1 : 0);
+    if (message.request === "begin") handles.drop();
+    else if (message.request === "move") handles.handled(message.seq);
   },
 
   error(message) {
@@ -255,8 +255,8 @@ function showLoads() {
   byId("worst").hidden = loads.kind === "own";
   if (loads.kind === "own") return;
   byId("worst_words").textContent = `${number(loads.force)} N in all, spread as it hurts most` +
-    (loads.aged ? "; found for an earlier shape." : ".");
-  byId("again").hidden = !loads.aged;
+    (loads.outdated ? "; found for an earlier shape." : ".");
+  byId("again").hidden = !loads.outdated;
 }
 
 // Bones that the optimiser changes alike: those of the chosen bone can be added to, all be undone.
@@ -278,10 +278,10 @@ function showTies() {
 }
 
 function showBend() {
-  byId("bent").textContent = scene.bones[bone].name;
-  const bend = state?.bends[bone];
+  byId("rotated-bone").textContent = scene.bones[bone].name;
+  const limits = state?.joint_limits[bone];
   const text = (x) => (x === undefined || x === null ? "" : Number(x.toPrecision(6)));
-  for (const [id, value] of [["swing", bend?.swing], ["twist_min", bend?.twist?.[0]], ["twist_max", bend?.twist?.[1]]])
+  for (const [id, value] of [["swing", limits?.swing], ["twist_min", limits?.twist?.[0]], ["twist_max", limits?.twist?.[1]]])
     if (document.activeElement !== byId(id) || document.activeElement.dataset.of !== scene.bones[bone].name) {
       byId(id).value = text(value);
       byId(id).dataset.of = scene.bones[bone].name;
@@ -303,7 +303,7 @@ function listBones() {
     const button = document.createElement("button");
     button.type = "button";
     button.textContent = name;
-    button.title = name === scene.root ? "the root: it takes everything along" : "bones turn so that it gets there";
+    button.title = name === scene.root ? "the root: it takes everything along" : "bones rotate so that it gets there";
     button.addEventListener("click", () => pickJoint(i));
     return button;
   }));
@@ -416,7 +416,7 @@ for (const id of ["swing", "twist_min", "twist_max"])
     const [swing, low, high] = ["swing", "twist_min", "twist_max"].map((field) => byId(field).value)
       .map((text) => (text === "" ? null : Number(text)));
     if ((low === null) !== (high === null)) return; // the other one is still to come
-    send({ type: "bend", bone: scene.bones[bone].name, swing, twist: low === null ? null : [low, high] });
+    send({ type: "joint_limits", bone: scene.bones[bone].name, swing, twist: low === null ? null : [low, high] });
   });
 byId("deflection").addEventListener("input", () => state && deform());
 byId("range").addEventListener("change", () => state && recolour());
@@ -459,7 +459,7 @@ window.barwright = {
     box: body && [...body.geometry.boundingBox.min, ...body.geometry.boundingBox.max],
     positions: state && Array.from(state.positions),
     rate: arrivals.length, ...heardOf,
-    joint: scene?.joints[joint], loads: state?.loads, ties: state?.ties, bends: state?.bends, factors: state?.factors, seconds: state?.seconds,
+    joint: scene?.joints[joint], loads: state?.loads, ties: state?.ties, joint_limits: state?.joint_limits, factors: state?.factors, seconds: state?.seconds,
     joints: state && Object.fromEntries(scene.joints.map((name, i) => [name, state.joints[i]])),
     arrows: arrows.count,
   }),

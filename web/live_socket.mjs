@@ -31,7 +31,7 @@ export function connect(heard, status) {
     };
     socket.onmessage = (event) => {
       const message = typeof event.data === "string" ? JSON.parse(event.data) : unpack(event.data);
-      if (message.type === "bye") ended = true;
+      if (message.type === "closing") ended = true;
       heard(message);
     };
     socket.onclose = (event) => {

@@ -28,14 +28,14 @@ let busy = false;
 let aimed = false;
 let arrivals = [];
 let highest = 0; // of the field so far
-let bend = { states: 0, most: 0 }; // what deformations are measured by
+let deflection = { states: 0, most: 0 }; // what deformations are measured by
 let arrowCount = 0;
 let painted = null; // the map of the bar
 const heardOf = { states: 0, refused: 0 };
 
 // ---- saying ----------------------------------------------------------------------------------------
 
-// What is said stays for so many milliseconds, then the trouble of the state is shown.
+// What is said stays for so many milliseconds, then the failure of the state is shown.
 let keptUntil = 0;
 
 function say(text, bad = false, stay = 4000) {
@@ -63,7 +63,7 @@ const link = connect(
 const send = (message) => link.send(message);
 const tools = new Tools(plane, outline, send, say);
 
-// ---- what is reported --------------------------------------------------------------------------------------
+// ---- readouts --------------------------------------------------------------------------------------
 
 const heard = {
   welcome(message) {
@@ -100,7 +100,7 @@ const heard = {
     readouts(scene, state);
   enable();
     if (state.drag && state.drag.client === me) tools.drag.handled(state.drag.seq);
-    if (state.trouble) say(state.trouble, true);
+    if (state.failure) say(state.failure, true);
     else if (performance.now() > keptUntil)
       say(state.drag && state.drag.client !== me ? "another window drags the outline" : "", false, 0);
     if (state.tone) beep(before);
@@ -109,8 +109,8 @@ const heard = {
   refused(message) {
     heardOf.refused++;
     say(message.message, true);
-    if (message.asked === "begin") tools.drop();
-    else if (message.asked === "move") tools.drag.handled(message.seq);
+    if (message.request === "begin") tools.drop();
+    else if (message.request === "move") tools.drag.handled(message.seq);
   },
 
   error(message) {
@@ -142,9 +142,9 @@ function prepare() {
   byId("stress").hidden = !scene.stress;
   byId("ring").hidden = !scene.tune;
   byId("time_tools").hidden = !scene.steps;
-  byId("bent").hidden = !scene.deform;
+  byId("deformed").hidden = !scene.deform;
   byId("deflection").value = scene.true_size || scene.tune ? 0 : 0.4;
-  byId("range").value = scene.steps ? "held" : "largest";
+  byId("range").value = scene.steps ? "history" : "largest";
   byId("range").querySelector("[value=limit]").hidden = !scene.stress;
   byId("field").replaceChildren(...scene.fields.map((f) => Object.assign(document.createElement("option"),
     { value: f.key, textContent: f.name })));
@@ -163,9 +163,9 @@ function deform() {
   const slider = Number(byId("deflection").value);
   let factor = scene.true_size ? 1 : 0;
   if (state.deform && !scene.true_size && slider > 0) {
-    if (!scene.steps) bend.most = largest(state.deform, mesh.nodes);
-    else if (bend.states++ < 60) bend.most = Math.max(bend.most, largest(state.deform, mesh.nodes));
-    if (bend.most > 0) factor = (slider * 0.1 * scene.size) / bend.most;
+    if (!scene.steps) deflection.most = largest(state.deform, mesh.nodes);
+    else if (deflection.states++ < 60) deflection.most = Math.max(deflection.most, largest(state.deform, mesh.nodes));
+    if (deflection.most > 0) factor = (slider * 0.1 * scene.size) / deflection.most;
   } else if (scene.true_size && slider > 0) factor = 1 + 9 * slider;
   field.place(state.positions, state.deform, scene.tune ? factor * Math.cos(performance.now() / 160) : factor);
   byId("times").textContent = factor > 0 ? number(factor) : "0";
@@ -185,9 +185,9 @@ function recolour() {
   const map = f.signed ? diverging : colour;
   if (painted !== map) drawBar(byId("bar"), map);
   painted = map;
-  const end = limited ? state.limit : wanted === "held" ? highest : most;
-  const from = f.signed ? -end : f.spread ? low : 0;
-  const to = f.spread && !f.signed ? high : end;
+  const end = limited ? state.limit : wanted === "history" ? highest : most;
+  const from = f.signed ? -end : f.full_range ? low : 0;
+  const to = f.full_range && !f.signed ? high : end;
   field.paint(values, from, to > from ? to : from + 1, map);
   const [unit, scale] = unitOf(f, Math.max(Math.abs(from), Math.abs(to)));
   byId("low").textContent = number(from * scale);
@@ -196,7 +196,7 @@ function recolour() {
   plane.touch();
 }
 
-// A mode swings, slowly, where it is drawn bent.
+// A mode swings, slowly, where it is drawn deformed.
 const swings = () => scene?.tune && state?.deform && Number(byId("deflection").value) > 0;
 
 function draw(pen) {
@@ -233,7 +233,7 @@ function drawGoal(pen) {
   pen.stroke();
 }
 
-// Nodal lines, and where the bar may be held.
+// Nodal lines, and where the bar may be supported.
 function drawLines(pen) {
   pen.beginPath();
   for (let i = 0; i < state.lines.length; i += 4) {
@@ -255,7 +255,7 @@ function drawLines(pen) {
   }
 }
 
-// All that is drawn: outline, bent shape, goal.
+// All that is drawn: outline, deformed shape, goal.
 function fit() {
   if (!outline.points) return;
   const low = [Infinity, Infinity];
@@ -280,7 +280,7 @@ function fit() {
 // Frames of the last second; a rest shows no rate. What was said long enough ago goes.
 function rate() {
   const now = performance.now();
-  if (now > keptUntil && byId("said").textContent && !state?.trouble && !busy) say("", false, 0);
+  if (now > keptUntil && byId("said").textContent && !state?.failure && !busy) say("", false, 0);
   const recent = arrivals.filter((t) => now - t < 1000);
   byId("fps").textContent = recent.length > 1
     ? ((1000 * (recent.length - 1)) / Math.max(1, recent[recent.length - 1] - recent[0])).toFixed(0) : "–";
@@ -340,7 +340,7 @@ byId("range").addEventListener("change", () => {
   if (state) recolour();
 });
 byId("deflection").addEventListener("input", () => {
-  bend = { states: 0, most: 0 };
+  deflection = { states: 0, most: 0 };
   if (state) deform();
 });
 byId("mesh").addEventListener("change", (event) => {
@@ -415,7 +415,7 @@ window.barwright = {
       levels: state.levels, reused: state.reused, iterations: state.iterations, edits: state.edits, drag: state.drag,
       canUndo: state.can_undo, canRedo: state.can_redo, script: state.script, time: state.time, running: state.running,
       frequency: state.frequency, note: state.note, cents: state.cents, holes: state.holes, seconds: state.seconds,
-      limit: state.limit, fields: state.fields, trouble: state.trouble, points: Array.from(state.outline),
+      limit: state.limit, fields: state.fields, failure: state.failure, points: Array.from(state.outline),
       lines: state.lines?.length || 0, goal: scene.goal?.length || 0, elements: state.elements }),
     field: chosen, arrows: arrowCount, pins: [...outline.pins], sound: sound.state(),
     loops: scene?.loops.map((loop) => loop.name),

@@ -1,5 +1,5 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
-// The coloured field: triangles of the mesh whose nodes have colours, drawn bent by the displacements as
+// The coloured field: triangles of the mesh whose nodes have colours, deformed by the displacements as
 // far as is asked, with the mesh's lines if wanted; arrows of a vector field.
 import * as THREE from "three";
 import { makeBody, paint } from "./stage.mjs";
@@ -17,7 +17,7 @@ function trianglesOf(elements, corners) {
 }
 
 function edgesOf(elements, corners) {
-  const middle = corners === 6;
+  const quadratic = corners === 6;
   const out = [];
   const seen = new Set();
   for (let e = 0; e < elements.length; e += corners)
@@ -26,7 +26,7 @@ function edgesOf(elements, corners) {
       const key = a < b ? a * 4194304 + b : b * 4194304 + a;
       if (seen.has(key)) continue;
       seen.add(key);
-      if (middle) out.push(a, elements[e + 3 + k], elements[e + 3 + k], b);
+      if (quadratic) out.push(a, elements[e + 3 + k], elements[e + 3 + k], b);
       else out.push(a, b);
     }
   return new Uint32Array(out);
@@ -67,7 +67,7 @@ export class Field {
     this.plane.scene.add(this.image);
   }
 
-  // Nodes at x, y; bent by `factor` times displacements x, y, or, where there is one number a node, by
+  // Nodes at x, y; deformed by `factor` times displacements x, y, or, where there is one number a node, by
   // that number upwards, as a view from the side shows a deflection out of the plane.
   place(positions, deform, factor) {
     const array = this.body.geometry.getAttribute("position").array;

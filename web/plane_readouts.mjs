@@ -20,7 +20,7 @@ function withUnit(element, text, unit) {
   element.append(Object.assign(document.createElement("small"), { textContent: unit }));
 }
 
-// All that is told of a state in numbers.
+// The numbers of a state.
 export function readouts(scene, state) {
   byId("level").textContent = state.level === "none" ? "same mesh" : state.level;
   byId("level").className = state.level;
@@ -44,7 +44,7 @@ export function readouts(scene, state) {
   }
   if (state.frequency)
     withUnit(byId("tone"), `${state.frequency.toFixed(1)} Hz`, `${state.note} ${state.cents >= 0 ? "+" : "−"}${Math.abs(state.cents).toFixed(1)} cents`);
-  rows("results", [...(state.time === undefined ? [] : [["time", `${number(state.time)} s`]]), ...state.reported]);
+  rows("results", [...(state.time === undefined ? [] : [["time", `${number(state.time)} s`]]), ...state.readouts]);
   if (scene.steps) {
     byId("pause").textContent = state.running ? "Pause" : "Go on";
     if (document.activeElement !== byId("pace")) byId("pace").value = state.pace;

@@ -33,11 +33,11 @@ export function makePlane(view, frame) {
   plane.toWorld = (x, y) => [plane.centre[0] + (x - plane.width / 2) / plane.scale,
     plane.centre[1] - (y - plane.height / 2) / plane.scale];
 
-  // Shows a box {low, high} with a margin.
-  plane.fit = (low, high) => {
-    plane.centre = [0, 1].map((k) => 0.5 * (low[k] + high[k]));
-    plane.scale = 0.8 * Math.min(plane.width / Math.max(high[0] - low[0], 1e-9),
-      plane.height / Math.max(high[1] - low[1], 1e-9));
+  // Shows a box {min, max} with a margin.
+  plane.fit = (min, max) => {
+    plane.centre = [0, 1].map((k) => 0.5 * (min[k] + max[k]));
+    plane.scale = 0.8 * Math.min(plane.width / Math.max(max[0] - min[0], 1e-9),
+      plane.height / Math.max(max[1] - min[1], 1e-9));
     place();
   };
   plane.zoom = (factor, x = plane.width / 2, y = plane.height / 2) => {

@@ -67,7 +67,7 @@ local utilisations = trials:column "utilisation"
 table.sort(utilisations)
 print(("worst orientation tried: %.0f %% of the strength, median %.0f %%, best found %.0f %%"):format(
   100 * utilisations[#utilisations], 100 * utilisations[(#utilisations + 1) // 2], 100 * best.results.utilisation))
-print(("print it tilted by %.0f and turned by %.0f degrees"):format(math.deg(best.point.tilt),
+print(("print it tilted by %.0f and rotated by %.0f degrees"):format(math.deg(best.point.tilt),
   math.deg(best.point.turn)))
 assert(best.results.utilisation <= utilisations[1])
 assert(trials:report(results:path "orientation.html"))

@@ -65,7 +65,7 @@ local function quantiles(name, scale, unit)
   print(("%-10s 5 %%: %.4g, median %.4g, 95 %%: %.4g %s"):format(name, at(0.05), at(0.5), at(0.95), unit))
   return at(0.05), at(0.5), at(0.95)
 end
-local low, middle, high = quantiles("sag", 1 / mm, "mm")
+local low, median, high = quantiles("sag", 1 / mm, "mm")
 quantiles("frequency", 1, "Hz")
 quantiles("stress", 1e-6, "MPa")
 
@@ -75,8 +75,8 @@ for _, trial in ipairs(trials) do
   local product = trial.results.sag * trial.results.young_x
   min, max = math.min(min, product), math.max(max, product)
 end
-assert(max / min < 1.1 and low < middle and middle < high)
+assert(max / min < 1.1 and low < median and median < high)
 assert(trials:plot("scatter_matrix"):write(results:path "scatter.svg"))
 assert(trials:report(results:path "scatter.html"))
-assert(results:write {parts = #trials, sag_5_percent_m = low * mm, sag_median_m = middle * mm,
+assert(results:write {parts = #trials, sag_5_percent_m = low * mm, sag_median_m = median * mm,
   sag_95_percent_m = high * mm})

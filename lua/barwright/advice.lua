@@ -218,18 +218,18 @@ end
 -- The least offsets of some places with which the logarithms of all fall to that of the limit, where that can be,
 -- each at most a fraction of its radius and of the thickness. In radii, so that the numbers are of order one.
 local function offsets(places, moved, matrix, limit, max)
-  local H, A, b, low, high, g = {}, {}, {}, {}, {}, {}
+  local H, A, b, lower, upper, g = {}, {}, {}, {}, {}, {}
   for j, place in ipairs(moved) do
-    H[j], low[j], g[j] = {}, 0, 0
+    H[j], lower[j], g[j] = {}, 0, 0
     for k = 1, #moved do H[j][k] = j == k and 1 or 0 end
-    high[j] = math.min(max, MAX_THICKNESS_FRACTION * place.thickness / place.radius)
+    upper[j] = math.min(max, MAX_THICKNESS_FRACTION * place.thickness / place.radius)
   end
   for i, place in ipairs(places) do
     A[i], b[i] = {}, math.log(limit / place.used)
     for j, other in ipairs(moved) do A[i][j] = matrix[i][j] * other.radius end
   end
   local x, violation, details = core.quadratic_program {H = core.array.new(H), g = core.array.new(g),
-    A = core.array.new(A), b = core.array.new(b), min = core.array.new(low), max = core.array.new(high)}
+    A = core.array.new(A), b = core.array.new(b), min = core.array.new(lower), max = core.array.new(upper)}
   if not x then return nil, violation, details end
   for j, place in ipairs(moved) do place.offset = math.max(0, x[j]) * place.radius end
   return true

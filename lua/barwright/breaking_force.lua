@@ -82,7 +82,7 @@ local MIN_ERROR, ALONE = 0.02, 0.5
 -- The least fraction by which the force may be higher: meshes of the same numbers scatter by a few percent.
 local HIGHER = 0.045
 -- Backgrounds hide weak places of walls that are thinner than their edges are long: the force may be lower by this
--- share for each thickness that the edges are longer. The thickness is this quantile, from so many rays.
+-- fraction for each thickness that the edges are longer. The thickness is this quantile, from so many rays.
 local THIN, WALL, RAYS = 0.025, 0.25, 2000
 -- At re-entrant edges meshes of the sizes in use overestimate the mean by up to EXCESS, at those of EXCESS_FROM
 -- inside the material or less not at all: the table of docs/theory/breaking_force.md.

@@ -54,7 +54,7 @@ end
 function breaking_loads.part(self, mesh)
   local opts = self.options
   local part = core.model {mesh = mesh, material = self.material}
-  -- Nothing pushes back where supports hold: the whole force pushes.
+  -- Supports carry the reaction: the whole force is pressure.
   local sides = opts.fix and 1 or 2
   local limits = {force = sides * opts.force, pressure = opts.force / self.contact}
   if opts.fix then

@@ -390,7 +390,7 @@ local function cut_to(shape, places, fraction)
   local points, triangles = table.move(shape.points, 1, #shape.points, 1, {}), shape.triangles
   for _ = 1, ROUNDS do
     local centroids, known, cut, changed = {}, {}, {}, false
-    local function middle(a, b)
+    local function mid_edge(a, b)
       if a > b then a, b = b, a end
       local key = a * 4294967296 + b
       if known[key] == nil then
@@ -404,7 +404,7 @@ local function cut_to(shape, places, fraction)
       return centroids[key] or false
     end
     for _, t in ipairs(triangles) do
-      local m = {middle(t[1], t[2]), middle(t[2], t[3]), middle(t[3], t[1])}
+      local m = {mid_edge(t[1], t[2]), mid_edge(t[2], t[3]), mid_edge(t[3], t[1])}
       if m[1] or m[2] or m[3] then changed = true end
       for _, piece in ipairs(pieces(points, t, m)) do cut[#cut + 1] = piece end
     end

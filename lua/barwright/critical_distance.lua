@@ -198,8 +198,8 @@ local function shear_exponent(angle)
   local function value(l) return math.sin(l * angle) - l * math.sin(angle) end
   if value(low) * value(high) > 0 then return 1 end
   for _ = 1, 60 do
-    local middle = (low + high) / 2
-    if value(low) * value(middle) > 0 then low = middle else high = middle end
+    local midpoint = (low + high) / 2
+    if value(low) * value(midpoint) > 0 then low = midpoint else high = midpoint end
   end
   return low
 end

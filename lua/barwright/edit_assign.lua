@@ -33,10 +33,10 @@ local function by_subdomain(topology, elements)
   return lists
 end
 
-local function nearest(place, elements, middle)
+local function nearest(place, elements, centroid)
   local best, min = nil, math.huge
   for _, e in ipairs(elements) do
-    local at = middle[e]
+    local at = centroid[e]
     local far = (at[1] - place[1]) ^ 2 + (at[2] - place[2]) ^ 2 + (at[3] - place[3]) ^ 2
     if far < min then best, min = e, far end
   end

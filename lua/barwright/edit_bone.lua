@@ -149,7 +149,7 @@ function class:__tostring()
   end
   local axis, angle = edit_pose.axis_and_angle(edit_pose.rotation(row))
   if angle ~= 0 then
-    parts[#parts + 1] = ("turned by %.4g degrees about (%.3g, %.3g, %.3g)"):format(math.deg(angle),
+    parts[#parts + 1] = ("rotated by %.4g degrees about (%.3g, %.3g, %.3g)"):format(math.deg(angle),
       axis[1], axis[2], axis[3])
   end
   if row[13] ~= 0 or row[14] ~= 0 or row[15] ~= 0 then
@@ -315,9 +315,9 @@ local function read_limit(given)
   if given == nil then return nil end
   local opts = options.read("limit", given, limit_rules)
   if opts.twist then
-    local low, high = opts.twist[1], opts.twist[2]
-    local fits = #opts.twist == 2 and type(low) == "number" and type(high) == "number"
-      and -math.huge < low and low <= high and high < math.huge
+    local min, max = opts.twist[1], opts.twist[2]
+    local fits = #opts.twist == 2 and type(min) == "number" and type(max) == "number"
+      and -math.huge < min and min <= max and max < math.huge
     if not fits then
       raise("limit: option 'twist': {lowest, highest} expected, two numbers in degrees, the lower one first")
     end

@@ -52,11 +52,11 @@ function edit_motion.begin(shape)
   if shape.at_rest then return {relaxed = {}} end
   local motion, message, details = shape.topology.subdomains:motion(shape.maps, shape.rotations)
   if not motion then return nil, message, details end
-  local turned = {}
+  local rotated = {}
   for p, row in ipairs(motion:totable()) do
-    turned[p] = edit_pose.transpose {table.unpack(row, 10, 18)}
+    rotated[p] = edit_pose.transpose {table.unpack(row, 10, 18)}
   end
-  return {maps = shape.maps:totable(), turned = turned, relaxed = shape.relaxed,
+  return {maps = shape.maps:totable(), rotated = rotated, relaxed = shape.relaxed,
     size = largest_coordinate(shape.mesh)}
 end
 
@@ -71,7 +71,7 @@ function edit_motion.rows(memory, shape)
   for p, row in ipairs(motion) do
     if now then
       local linear = common_map(topology.stiffness_subdomain_bones[p], memory.maps, now, memory.size)
-      local frame = edit_pose.multiply(memory.turned[p], {table.unpack(row, 10, 18)})
+      local frame = edit_pose.multiply(memory.rotated[p], {table.unpack(row, 10, 18)})
       table.move(linear or edit_pose.identity, 1, 9, 1, row)
       table.move(frame, 1, 9, 10, row)
       row[19] = linear and 0 or 1

@@ -35,7 +35,7 @@ function edit_shape.is_topology(value)
   return topologies[value] == true
 end
 
---- The quality asked for; a mesh that is poor at rest is not held against the edits.
+--- The quality asked for; a mesh that is poor at rest does not forbid edits.
 function edit_shape.floor(mesh, quality)
   return math.max(0, math.min(quality, mesh:shapes():min() / 2))
 end
@@ -80,12 +80,12 @@ local farthest = 1e6 -- sizes of the part at rest: beyond it, coordinates have n
 
 -- Whether nodes left the part's surroundings, or the numbers.
 local function is_far(topology, nodes)
-  local low, high, size = topology.box.min, topology.box.max, 0
-  for k = 1, 3 do size = math.max(size, high[k] - low[k]) end
+  local min, max, size = topology.box.min, topology.box.max, 0
+  for k = 1, 3 do size = math.max(size, max[k] - min[k]) end
   for k = 1, 3 do
     local column, reach = nodes:column(k), farthest * size
     local mean = column:mean() -- the least and the largest pass over what is no number
-    if mean ~= mean or column:min() < low[k] - reach or column:max() > high[k] + reach then return true end
+    if mean ~= mean or column:min() < min[k] - reach or column:max() > max[k] + reach then return true end
   end
   return false
 end

@@ -97,7 +97,7 @@ function modes:picture(i, path, given)
   local frequencies = self.frequencies
   if self.components == 3 then
     opts.values = core.array.map("norm(a)", {a = shape}):gather(nodes)
-    opts.unit, opts.scale = opts.unit or "movement, share of the largest", opts.scale or 1 / opts.values:max()
+    opts.unit, opts.scale = opts.unit or "movement / largest movement", opts.scale or 1 / opts.values:max()
     opts.displacement = shape:gather(nodes)
   else
     opts.values = shape:gather(nodes)

@@ -145,7 +145,7 @@ function followed.become(self, outline)
 end
 
 --- A function that brings the object back to how it is now, bit for bit; nil where time goes on.
-function followed.kept(self)
+function followed.saved(self)
   if type(self) ~= "table" or not rawget(self, "body") then return nil end
   local marches = getmetatable(self).marches
   if marches and marches(self) then return nil end

@@ -159,10 +159,10 @@ local ends = {{1, 2}, {2, 3}, {3, 1}, {1, 4}, {2, 4}, {3, 4}}
 -- Nodes and weights that interpolate at a point: the node itself where there is one.
 local function at_point(mesh, point)
   local node = mesh.boundary:nearest(point, 1).nodes[1]
-  local low, high, apart, size = mesh.box.min, mesh.box.max, 0, 0
+  local min, max, apart, size = mesh.box.min, mesh.box.max, 0, 0
   for k = 1, 3 do
     apart = apart + (mesh.nodes(node, k) - point[k]) ^ 2
-    size = size + (high[k] - low[k]) ^ 2
+    size = size + (max[k] - min[k]) ^ 2
   end
   if apart <= 1e-12 * size then return {node}, {1} end
   local element, l, inside = mesh:locate(point)

@@ -16,10 +16,10 @@ end
 
 -- Each check returns the value to use, or nil and what is expected.
 
-function live_check.number_between(low, high)
+function live_check.number_between(min, max)
   return function(value)
-    if type(value) == "number" and value >= low and value <= high then return value end -- NaN fails
-    return nil, ("a number from %g to %g"):format(low, high)
+    if type(value) == "number" and value >= min and value <= max then return value end -- NaN fails
+    return nil, ("a number from %g to %g"):format(min, max)
   end
 end
 

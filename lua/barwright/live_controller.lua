@@ -26,7 +26,7 @@ local function state_of(session)
   return session.history[session.position]
 end
 
--- ---- telling -------------------------------------------------------------------------------------
+-- ---- reports -------------------------------------------------------------------------------------
 
 local function history(session)
   local list = json.list {}
@@ -44,7 +44,7 @@ local longest = 2
 -- Whether what arrived makes the stresses of a drag's move obsolete: its end does, and for a while
 -- whatever else is of the same window.
 local function overtakes(self)
-  local drag, since = self.drag, self.reported
+  local drag, since = self.drag, self.reported_at
   return function(client, kind, text)
     if client ~= drag.client then return false end
     return kind == "close" or live_message.is(text, "end")
@@ -52,7 +52,7 @@ local function overtakes(self)
   end
 end
 
-local function drag_reported(drag)
+local function drag_of(drag)
   return drag and {client = drag.client, bone = drag.bone, joint = drag.joint, seq = drag.seq} or nil
 end
 
@@ -68,7 +68,7 @@ local function publish(self, shown)
     send_all(self, scene.bytes, "scene")
   end
   if self.seconds > patience then
-    send_all(self, live_frame.shape(self.scene, state, drag_reported(drag)), "shape")
+    send_all(self, live_frame.shape(self.scene, state, drag_of(drag)), "shape")
   end
   local result, why, details
   if drag and self.seconds > patience then
@@ -77,15 +77,15 @@ local function publish(self, shown)
     result, why, details = live_loads.solve(self, shown)
   end
   if not result and drag and details and details.status == "cancelled" then return true end
-  self.reported = core.seconds()
-  self.seconds = self.reported - start
+  self.reported_at = core.seconds()
+  self.seconds = self.reported_at - start
   self.revision = self.revision + 1
   local bytes = live_frame.state(self.scene, state, result, {
     revision = self.revision, seconds = self.seconds, limit = self.limit,
-    trouble = not result and why or nil, edits = self.session.position - 1,
+    failure = not result and why or nil, edits = self.session.position - 1,
     can_undo = self.session.position > 1, can_redo = #self.session.history > self.session.position,
-    script = history(self.session), loads = live_loads.reported(self), ties = self.ties,
-    drag = drag_reported(drag)})
+    script = history(self.session), loads = live_loads.shown(self), ties = self.ties,
+    drag = drag_of(drag)})
   self.state = bytes
   send_all(self, bytes, "state")
   return true
@@ -145,7 +145,7 @@ function handlers.begin(self, client, message)
   if not shared.may_begin(self, client, message) then return end
   self.drag = {client = client, bone = message.bone, joint = message.joint, seq = message.seq,
     good = false, fork = self.session:fork {refill = false}}
-  self.reported = core.seconds() -- what was told before is no hurry
+  self.reported_at = core.seconds() -- what was reported before is no hurry
 end
 
 function handlers.move(self, client, message)
@@ -183,8 +183,8 @@ handlers["end"] = function(self, client, message)
   return publish(self, self.session)
 end
 
-local function edit(self, client, message, fine, why)
-  if not fine then return refuse(self, client, message, why) end
+local function edit(self, client, message, ok, why)
+  if not ok then return refuse(self, client, message, why) end
   return publish(self, self.session)
 end
 
@@ -197,7 +197,7 @@ function handlers.edit(self, client, message)
 end
 
 -- How far a bone may turn when a joint is reached for.
-function handlers.bend(self, client, message)
+function handlers.joint_limits(self, client, message)
   if not no_drag(self, client, message) then return end
   local limit = {swing = message.swing or nil, twist = message.twist or nil}
   return edit(self, client, message,
@@ -227,7 +227,7 @@ end
 function handlers.optimise(self, client, message)
   if not no_drag(self, client, message) then return end
   self.limit = message.von_mises
-  local report, why, details = shared.reported_of(self, "optimising", self.session.optimise, self.session,
+  local report, why, details = shared.with_progress(self, "optimising", self.session.optimise, self.session,
     {von_mises = message.von_mises, min_factor = message.min_factor, max_factor = message.max_factor,
       bones = message.bones,
       ties = self.ties, loads = self.loads.kind, worst = self.about.worst,
@@ -241,7 +241,7 @@ end
 function handlers.loads(self, client, message)
   if not no_drag(self, client, message) then return end
   if message.loads == "worst" then
-    local ok, why, details = shared.reported_of(self, "looking for the worst load", live_loads.find, self)
+    local ok, why, details = shared.with_progress(self, "looking for the worst load", live_loads.find, self)
     if not ok and shared.stopped(details) then why = "stopped: the loads are what they were" end
     notify_all(self, {type = "optimised", met = ok ~= nil, message = ok and live_loads.words(self) or why})
     if not ok then return publish(self, self.session) end
@@ -288,7 +288,7 @@ function controller.new(session, server, about)
     solve = about.solve or (#session.source.supports == 0 and {inertia_relief = true} or nil),
     limit = about.limit, worst = about.worst, ties = about.ties}
   local self = setmetatable({session = session, server = server, about = about, clients = {},
-    revision = 0, seconds = 0, reported = 0, later = {}, limit = about.limit or strength,
+    revision = 0, seconds = 0, reported_at = 0, later = {}, limit = about.limit or strength,
     loads = {kind = "own"}, ties = json.list(about.ties or {}), drag = nil}, controller)
   local scene, why, details = live_frame.scene(state, 1, about)
   if not scene then return nil, why, details end
@@ -324,7 +324,7 @@ end
 --- The session will not go on: a drag is ended, the pages are informed.
 function controller:finish()
   if self.drag then pcall(finish, self, true) end
-  notify_all(self, {type = "bye"})
+  notify_all(self, {type = "closing"})
 end
 
 return controller

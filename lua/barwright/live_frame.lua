@@ -36,10 +36,10 @@ end
 
 -- The axes of every bone where it stands now, by rows: x along the bone.
 local function axes(state)
-  local rest, turned = state.topology.skeleton.frames:totable(), state.shape.rotations:totable()
+  local rest, rotated = state.topology.skeleton.frames:totable(), state.shape.rotations:totable()
   local out = json.list {}
   for b, frame in ipairs(rest) do
-    local r, row = turned[b], {}
+    local r, row = rotated[b], {}
     for i = 0, 6, 3 do
       for j = 1, 3 do
         row[i + j] = r[3 * j - 2] * frame[i + 1] + r[3 * j - 1] * frame[i + 2] + r[3 * j] * frame[i + 3]
@@ -57,7 +57,7 @@ local function factors(state)
 end
 
 -- How far bones may turn when a joint is reached for, in degrees.
-local function bends(state)
+local function joint_limits(state)
   local out = json.list {}
   for b = 1, #state.pose do
     local limit = state.limits[b]
@@ -91,7 +91,7 @@ function live_frame.state(scene, state, result, header)
   header.type = "state"
   place(header, scene, state)
   header.factors, header.mesh = factors(state), state.note or "posed"
-  header.bends = bends(state)
+  header.joint_limits = joint_limits(state)
   local blocks = {positions(scene, state)}
   if result then
     local stress = result.von_mises

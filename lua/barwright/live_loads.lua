@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Which loads a controller shows the stresses of: the part's own, or the worst load (bw.worst_case) of the
--- shape at which it was looked for. That load stays with the nodes through edits; `aged` says that the
+-- shape at which it was looked for. That load stays with the nodes through edits; `outdated` says that the
 -- shape is another one by now.
 local core = require "barwright.core"
 local json = require "barwright.json"
@@ -57,11 +57,11 @@ function live_loads.words(controller)
 end
 
 --- For the pages.
-function live_loads.reported(controller)
+function live_loads.shown(controller)
   local worst = controller.loads.worst
   if not worst then return {kind = "own"} end
   return {kind = "worst", arrows = worst.arrows, max_principal = worst.max_principal,
-    force = worst.force, aged = state_of(controller.session).shape ~= worst.shape}
+    force = worst.force, outdated = state_of(controller.session).shape ~= worst.shape}
 end
 
 return live_loads

@@ -110,10 +110,10 @@ end
 local stress = number_between(1e-3, 1e15)
 
 local function twist(value)
-  local low, high
-  if is_object(value) then low, high = value[1], value[2] end
+  local min, max
+  if is_object(value) then min, max = value[1], value[2] end
   local angle = number_between(-360, 360)
-  if angle(low) and angle(high) and low <= high and #value == 2 then return {low, high} end
+  if angle(min) and angle(max) and min <= max and #value == 2 then return {min, max} end
   return nil, "two angles from -360 to 360 degrees, the lower one first"
 end
 
@@ -123,7 +123,7 @@ local types = {
   move = {seq = {whole, true}, change = {change, true}},
   ["end"] = {seq = {whole}, cancel = {flag}},
   edit = {bone = {bone}, joint = {joint}, change = {change, true}, seq = {whole}},
-  bend = {bone = {bone, true}, swing = {or_null(number_between(0, 180))}, twist = {or_null(twist)}},
+  joint_limits = {bone = {bone, true}, swing = {or_null(number_between(0, 180))}, twist = {or_null(twist)}},
   ties = {ties = {ties, true}},
   loads = {loads = {one_of("own", "worst"), true}},
   undo = nothing,

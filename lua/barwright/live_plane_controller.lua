@@ -27,14 +27,14 @@ local frame_time, step_time = 1 / 60, 0.05
 -- Edits that are taken back to the very state they left; earlier ones are solved for again.
 local states_kept = 50
 
--- ---- telling -------------------------------------------------------------------------------------
+-- ---- reports -------------------------------------------------------------------------------------
 
 local function size_of(outline)
   local box = outline.box
   return math.sqrt((box.max[1] - box.min[1]) ^ 2 + (box.max[2] - box.min[2]) ^ 2)
 end
 
-local function drag_reported(drag)
+local function drag_of(drag)
   return drag and {client = drag.client, seq = drag.seq} or nil
 end
 
@@ -84,7 +84,7 @@ local function publish(self)
   local header = {level = level, scene = self.scene.id, mesh = self.mesh.id, revision = self.revision,
     seconds = self.seconds, levels = self.levels, limit = self.limit, edits = self.position - 1,
     can_undo = self.position > 1, can_redo = #self.history > self.position,
-    script = last_lines(self), drag = drag_reported(self.drag), trouble = self.trouble}
+    script = last_lines(self), drag = drag_of(self.drag), failure = self.failure}
   if self.steps then header.running, header.pace = self.running, self.pace end
   self.state = live_plane_frame.state(object, self.kind, shown(self), header)
   send_all(self, self.state, "state")
@@ -105,7 +105,7 @@ local function become(self, outline, back)
   if back then ok, why, details = back() else ok, why, details = self.object:become(outline) end
   if not ok then return nil, why, details end
   frame(self, since)
-  self.trouble = nil
+  self.failure = nil
   return true
 end
 
@@ -144,7 +144,7 @@ end
 -- What the object is now, as an edit.
 local function push(self, line)
   local history = table.move(self.history, 1, self.position, 1, {})
-  history[#history + 1] = {outline = self.object.outline, line = line, back = followed.kept(self.object)}
+  history[#history + 1] = {outline = self.object.outline, line = line, back = followed.saved(self.object)}
   local ok, why = take(self, history, #history)
   if not ok then return nil, why end
   local older = history[#history - states_kept]
@@ -169,7 +169,7 @@ local handlers = {}
 function handlers.begin(self, client, message)
   if not shared.may_begin(self, client, message) then return end
   self.drag = {client = client, seq = message.seq, handle = message.handle, pins = message.pins,
-    reach = message.reach, base = self.object.outline, back = followed.kept(self.object)}
+    reach = message.reach, base = self.object.outline, back = followed.saved(self.object)}
 end
 
 function handlers.move(self, client, message)
@@ -248,7 +248,7 @@ function handlers.pace(self, client, message)
   if not self.steps then return refuse(self, client, message, "time does not go on here") end
   if message.running ~= nil then self.running = message.running end
   if message.steps then self.pace = math.floor(message.steps) end
-  self.trouble = nil
+  self.failure = nil
   return publish(self)
 end
 
@@ -340,7 +340,7 @@ function controller:idle()
   local ok, stepped, why = pcall(advance, self)
   if not ok or not stepped then
     self.running = false
-    self.trouble = tostring(ok and why or stepped)
+    self.failure = tostring(ok and why or stepped)
   end
   publish(self)
   self.due = now + frame_time
@@ -363,12 +363,12 @@ function controller.new(object, server, about)
     limit = about.limit or kind.limit and kind.limit(object),
     steps = steps or false, running = not about.paused, pace = about.pace or 1,
     due = 0, a_step = 1e-3, position = 1,
-    history = {{outline = object.outline, back = followed.kept(object)}}}, controller)
+    history = {{outline = object.outline, back = followed.saved(object)}}}, controller)
   for i, line in ipairs(about.lines) do
     local ok, why = edits.replay(object, line)
     if not ok then return nil, ("edit %d, %s: %s"):format(i, line, why), {status = "format"} end
     self.position = i + 1
-    self.history[self.position] = {outline = object.outline, line = line, back = followed.kept(object)}
+    self.history[self.position] = {outline = object.outline, line = line, back = followed.saved(object)}
   end
   local ok, why = keep(self)
   if not ok then return nil, why, {status = "io"} end
@@ -403,7 +403,7 @@ end
 --- The view will not go on: a drag is ended, the pages are informed.
 function controller:finish()
   if self.drag then pcall(finish, self, true) end
-  notify_all(self, {type = "bye"})
+  notify_all(self, {type = "closing"})
 end
 
 return controller

@@ -63,10 +63,10 @@ end
 --- A state: the outline, where the nodes are, the fields that windows look at. `header` has what the
 --- controller adds, `shown` is a set of keys of fields.
 function live_plane_frame.state(object, kind, shown, header)
-  local outline, kept = object.outline, object.reused
+  local outline, reuse = object.outline, object.reused
   header.type = "state"
-  header.level, header.reused = header.level or kept.level, tostring(kept)
-  header.iterations, header.quality = kept.iterations, kept.quality
+  header.level, header.reused = header.level or reuse.level, tostring(reuse)
+  header.iterations, header.quality = reuse.iterations, reuse.quality
   header.area, header.elements = outline.area, object.element_count
   local blocks = {{"outline", "f4", outline.points:tostring "<f4"},
     {"positions", "f4", object.points:tostring "<f4"}}
@@ -93,7 +93,7 @@ function live_plane_frame.state(object, kind, shown, header)
   if lines then blocks[#blocks + 1] = {"lines", "f4", lines:tostring "<f4"} end
   if kind.steps then header.time = object.time end
   if kind.header then kind.header(object, header) end
-  header.reported = as_list(kind.reported(object))
+  header.readouts = as_list(kind.readouts(object))
   return live_pack.pack(header, blocks)
 end
 

@@ -1,9 +1,9 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The analyses that the plane's live view shows, a table each by the name of its class: what can be
--- coloured, how the shape is drawn bent, whether time goes on by itself, what is reported in numbers.
+-- coloured, how the deformed shape is drawn, whether time goes on by itself, which numbers are shown.
 --
 -- A field has `key`, `name`, `unit` with the `scale` that leads to it from SI, `signed` (the colours
--- are symmetric about zero), `spread` (they go from the lowest to the highest), and `values` of an
+-- are symmetric about zero), `full_range` (they go from the lowest to the highest), and `values` of an
 -- object: an array of a number a node, or nil while there are none. `arrows`: rows x, y.
 -- `deform`: displacements (rows x, y) or deflections out of the plane (a number each). `limit` of
 -- stress, where none is asked for; `hole_tag` of new holes; `mirror`: what is shown is the right half.
@@ -49,7 +49,7 @@ kinds["steady sheet"] = {
   fields = {von_mises, displacement, table.unpack(stresses)},
   deform = property "displacement",
   stress = true,
-  reported = function(object) return {moved(object)} end,
+  readouts = function(object) return {moved(object)} end,
 }
 
 kinds["bridge"] = {
@@ -60,7 +60,7 @@ kinds["bridge"] = {
   limit = property "stress_limit",
   hole_tag = "free",
   mirror = true,
-  reported = function(object)
+  readouts = function(object)
     return {{"area of both halves", ("%.5g mm2"):format(object.area * 1e6)},
       {"largest stress", ("%.1f %% of %.4g MPa: %s"):format(100 * object.utilisation,
         object.stress_limit / 1e6, object.passes and "passes" or "fails")}, moved(object)}
@@ -71,9 +71,9 @@ kinds["large-deflection sheet"] = {
   title = "Large-deflection sheet",
   fields = {von_mises, displacement, table.unpack(stresses)},
   deform = property "displacement",
-  true_size = true, -- drawn as bent as it is
+  true_size = true, -- drawn with its true displacements
   stress = true,
-  reported = function(object)
+  readouts = function(object)
     return {moved(object), {"Newton iterations", tostring(object.reused.newton_iterations or 0)}}
   end,
 }
@@ -85,7 +85,7 @@ kinds["transient sheet"] = {
   deform = property "displacement",
   stress = true,
   steps = true,
-  reported = function(object) return {moved(object)} end,
+  readouts = function(object) return {moved(object)} end,
 }
 
 -- How a stroke sounds where the lowest mode deflects most: as in the bar's :tone.
@@ -109,7 +109,7 @@ kinds["metallophone bar"] = {
     local holes = object:holes()
     header.holes = holes or nil
   end,
-  reported = function(object)
+  readouts = function(object)
     local list = {}
     local frequencies = object.frequencies:totable()
     for k = 2, math.min(6, #frequencies) do
@@ -121,7 +121,7 @@ kinds["metallophone bar"] = {
 }
 
 local speed = {key = "speed", name = "speed", unit = "m/s", scale = 1, values = length_of "velocity"}
-local pressure = {key = "pressure", name = "pressure", unit = "Pa", scale = 1, spread = true,
+local pressure = {key = "pressure", name = "pressure", unit = "Pa", scale = 1, full_range = true,
   values = property "pressure"}
 local vorticity = {key = "vorticity", name = "vorticity", unit = "1/s", scale = 1, signed = true,
   values = property "vorticity"}
@@ -168,16 +168,16 @@ kinds["flow"] = {
   fields = {pressure, speed, vorticity},
   arrows = property "velocity",
   steps = flow_steps,
-  reported = forces,
+  readouts = forces,
 }
 
 kinds["thermal flow"] = {
   title = "Flow with heat",
-  fields = {{key = "temperature", name = "temperature", unit = "K", scale = 1, spread = true,
+  fields = {{key = "temperature", name = "temperature", unit = "K", scale = 1, full_range = true,
     values = property "temperature"}, speed, pressure, vorticity},
   arrows = property "velocity",
   steps = flow_steps,
-  reported = heats,
+  readouts = heats,
 }
 
 --- What is known of an object's class, or nil.
@@ -193,7 +193,7 @@ local function fields(kind)
   local out = {}
   for i, field in ipairs(kind.fields) do
     out[i] = {key = field.key, name = field.name, unit = field.unit, scale = field.scale,
-      signed = field.signed or false, spread = field.spread or false}
+      signed = field.signed or false, full_range = field.full_range or false}
   end
   return out
 end

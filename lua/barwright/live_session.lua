@@ -3,7 +3,7 @@
 -- arrive, newest moves first, files to be downloaded.
 --
 -- A controller has `server`, `clients` (set), `later` (what arrived while the engine worked), `drag` or nil
--- (with its `client`), and `telling` while windows are informed of progress.
+-- (with its `client`), and `on_progress` while windows are informed of progress.
 local core = require "barwright.core"
 local json = require "barwright.json"
 local live_check = require "barwright.live_check"
@@ -11,7 +11,7 @@ local read_file = require "barwright.read_file"
 
 local shared = {}
 
--- ---- telling -------------------------------------------------------------------------------------
+-- ---- reports -------------------------------------------------------------------------------------
 
 --- A browser closes a socket on text that is not UTF-8; names of bones come from files.
 function shared.notify(self, client, message)
@@ -24,7 +24,7 @@ function shared.notify_all(self, message)
 end
 
 function shared.refuse(self, client, message, why)
-  shared.notify(self, client, {type = "refused", asked = message.type, seq = message.seq, message = why})
+  shared.notify(self, client, {type = "refused", request = message.type, seq = message.seq, message = why})
 end
 
 function shared.send_all(self, bytes, key)
@@ -45,7 +45,7 @@ function shared.meanwhile(self, gives_up, work, ...)
       if wanted then going = false end
       if not wanted or keep then self.later[#self.later + 1] = {client, kind, text} end
     end
-    if self.telling then self.telling(stage, fraction) end
+    if self.on_progress then self.on_progress(stage, fraction) end
     return going
   end)
   local results = table.pack(pcall(work, ...))
@@ -55,10 +55,10 @@ function shared.meanwhile(self, gives_up, work, ...)
 end
 
 --- Long work that every page is informed of, and any may stop: the results of `work`.
-function shared.reported_of(self, what, work, ...)
+function shared.with_progress(self, what, work, ...)
   local shown = -1
   shared.notify_all(self, {type = "progress", stage = what, fraction = 0})
-  self.telling = function(stage, fraction)
+  self.on_progress = function(stage, fraction)
     local now = core.seconds()
     if now - shown < 0.2 then return end
     shown = now
@@ -67,7 +67,7 @@ function shared.reported_of(self, what, work, ...)
   local results = table.pack(pcall(shared.meanwhile, self, function(_, kind, text)
     return kind == "message" and live_check.is(text, "stop")
   end, work, ...))
-  self.telling = nil
+  self.on_progress = nil
   if not results[1] then return nil, tostring(results[2]) end
   return table.unpack(results, 2, results.n)
 end

@@ -76,21 +76,21 @@ end
 
 -- ---- holding -------------------------------------------------------------------------------------
 
---- Two places to hold the bar where the lowest mode is at rest, one on either side of the centroid, as
+--- Two places to support the bar where the lowest mode is at rest, one on either side of the centroid, as
 --- near the long axis as the nodal lines come.
 function bar:holes()
   local outline = self.outline
-  local axis, middle = mode_kinds.long_axis(outline), outline.centroid
+  local axis, centroid = mode_kinds.long_axis(outline), outline.centroid
   local best = {}
   for _, line in ipairs(self.nodal_lines:totable()) do
     for part = 0, 4 do
       local t = part / 4
-      local x = line[1] + t * (line[3] - line[1]) - middle[1]
-      local y = line[2] + t * (line[4] - line[2]) - middle[2]
+      local x = line[1] + t * (line[3] - line[1]) - centroid[1]
+      local y = line[2] + t * (line[4] - line[2]) - centroid[2]
       local along, across = x * axis[1] + y * axis[2], math.abs(y * axis[1] - x * axis[2])
       local side = along < 0 and 1 or 2
       if not best[side] or across < best[side].across then
-        best[side] = {across = across, x + middle[1], y + middle[2]}
+        best[side] = {across = across, x + centroid[1], y + centroid[2]}
       end
     end
   end

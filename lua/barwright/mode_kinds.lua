@@ -23,13 +23,13 @@ end
 
 -- The slice that each node is in.
 local function slices(points, axis)
-  local along, low, high, slice = {}, math.huge, -math.huge, {}
+  local along, min, max, slice = {}, math.huge, -math.huge, {}
   for i, p in ipairs(points) do
     along[i] = p[1] * axis[1] + p[2] * axis[2]
-    low, high = math.min(low, along[i]), math.max(high, along[i])
+    min, max = math.min(min, along[i]), math.max(max, along[i])
   end
   for i, s in ipairs(along) do
-    slice[i] = math.min(SLICES, 1 + math.floor(SLICES * (s - low) / (high - low)))
+    slice[i] = math.min(SLICES, 1 + math.floor(SLICES * (s - min) / (max - min)))
   end
   return slice
 end

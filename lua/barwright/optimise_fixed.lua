@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- What the scaling optimisation may not move: nodes of supports, in the directions that they hold, and
+-- What the scaling optimisation may not move: nodes of supports, in the directions that they fix, and
 -- of selections that the user keeps. An unknown whose motion moves them is none.
 local core = require "barwright.core"
 local options = require "barwright.options"
@@ -65,8 +65,8 @@ end
 
 --- The first of a list that a motion of all nodes moves; nil: none.
 function optimise_fixed.moved(list, topology, motion)
-  local low, high, size = topology.box.min, topology.box.max, 0
-  for k = 1, 3 do size = math.max(size, high[k] - low[k]) end
+  local min, max, size = topology.box.min, topology.box.max, 0
+  for k = 1, 3 do size = math.max(size, max[k] - min[k]) end
   for _, one in ipairs(list) do
     local nodes = nodes_on(topology, one)
     if #nodes > 0 then

@@ -9,7 +9,7 @@ local models = {margin = 1e-6} -- of the limit: aimed at lower by this fraction,
 local considered = 0.5 -- stresses below this part of the limit are not modelled
 local power = 3
 local keep_exponents = 0.02 -- relative change of the factors up to which exponents are kept
-local nearly = 0.98 -- part of the limit from which a constraint counts as one that may hold
+local nearly = 0.98 -- part of the limit from which a constraint counts as active
 local peaks_at_once = 4 -- of a load case
 local watched = 0.9 -- part of the limit from which nodes are modelled before they exceed it
 local watched_at_once, apart = 8, 0.4 -- of a load case; element sizes between them
@@ -30,13 +30,13 @@ end
 function models.constrain_peaks(self, point)
   local node_subdomain, new = self.stage.topology.subdomains.node_subdomain, false
   for i, case in ipairs(point.cases) do
-    local high = case.von_mises:above(self.limit * (1 + margin)):where()
-    if #high > 0 then
-      local values = case.von_mises:gather(high)
+    local above = case.von_mises:above(self.limit * (1 + margin)):where()
+    if #above > 0 then
+      local values = case.von_mises:gather(above)
       local seen, count = {}, 0
       local rank = values:order()
-      for k = #high, 1, -1 do
-        local node = math.tointeger(high[rank[k]])
+      for k = #above, 1, -1 do
+        local node = math.tointeger(above[rank[k]])
         local subdomain = node_subdomain[node]
         if not seen[subdomain] then
           seen[subdomain], count = true, count + 1
@@ -198,7 +198,7 @@ local function learn(self)
   local s, r, rs, rr, ss = {}, {}, 0, 0, 0
   for i = 1, n do s[i], r[i] = self.t[i] - memory.t[i], 0 end
   for _, old in ipairs(memory) do
-    if not old.of.fresh then return end
+    if not old.of.new then return end
     local h = models.predict(old, self.t)
     for i = 1, n do
       r[i] = r[i] - old.multiplier * (old.of.h * old.of[i] - h * old[i]) / self.t[i]
@@ -234,7 +234,7 @@ function models.update(self, point)
       if constraint.case == i and stress > considered * self.limit then
         local holds = exponents_hold(constraint, self.t) or slack(self, constraint, stress)
         if holds then correct(self, constraint, h) end
-        constraint.h, constraint.t, constraint.fresh = h, self.t, not holds
+        constraint.h, constraint.t, constraint.new = h, self.t, not holds
         known[#known + 1] = constraint
         if not holds then
           nodes[#nodes + 1], list[#list + 1] = constraint.node, constraint

@@ -74,8 +74,8 @@ local function solve(self, state, part, i, tolerance, further, known)
   if current and reuse.iterations > 0 then self.max_iteration_ratio = nil end -- in vain
   if not known then remember_displacement(self.near[i], result.displacement) end
   if current then
-    local kept = record.reuse and reuse.factor_reused or 0
-    if kept < 1 then self.counts.factorisations = self.counts.factorisations + 1 - kept end
+    local reused = record.reuse and reuse.factor_reused or 0
+    if reused < 1 then self.counts.factorisations = self.counts.factorisations + 1 - reused end
   end
   self.counts.solves = self.counts.solves + 1
   return {result = result, model = record.model, system = record.system, von_mises = result.von_mises,

@@ -280,9 +280,9 @@ local selections = {
   loop = {type = "any"},
 }
 
-local function within(box, low, high)
+local function within(box, min, max)
   for k = 1, 2 do
-    if box.min[k] < low[k] or box.max[k] > high[k] then return false end
+    if box.min[k] < min[k] or box.max[k] > max[k] then return false end
   end
   return true
 end
@@ -298,12 +298,12 @@ local function one_selection(self, opts, edges)
       if self:edge_distance(edge, opts.near) <= opts.radius then edges[#edges + 1] = edge end
     end
   elseif opts.box then
-    local low, high = opts.box[1] or opts.box.min, opts.box[2] or opts.box.max
-    if not (is_pair(low) and is_pair(high)) then
+    local min, max = opts.box[1] or opts.box.min, opts.box[2] or opts.box.max
+    if not (is_pair(min) and is_pair(max)) then
       raise "tag: box: {{x, y}, {x, y}}, its corners with the smallest and the largest coordinates, expected"
     end
     for edge = 1, self.edge_count do
-      if within(self:edge(edge).box, low, high) then edges[#edges + 1] = edge end
+      if within(self:edge(edge).box, min, max) then edges[#edges + 1] = edge end
     end
   elseif opts.loop then
     local name = opts.loop

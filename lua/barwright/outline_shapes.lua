@@ -63,16 +63,16 @@ function shapes.ellipse(given)
     raise(("outline.ellipse: radii above 0 expected, got %g and %g"):format(r[1], r[2]))
   end
   local cos, sin = math.cos(math.rad(opts.angle)), math.sin(math.rad(opts.angle))
-  local function turned(x, y)
+  local function rotated(x, y)
     return {cos * x - sin * y, sin * x + cos * y}
   end
   local function place(a)
-    local p = turned(r[1] * math.cos(a), r[2] * math.sin(a))
+    local p = rotated(r[1] * math.cos(a), r[2] * math.sin(a))
     return {c[1] + p[1], c[2] + p[2]}
   end
   local list = {}
   add_arc(list, 0, 2 * math.pi, place, function(a)
-    return turned(-r[1] * math.sin(a), r[2] * math.cos(a))
+    return rotated(-r[1] * math.sin(a), r[2] * math.cos(a))
   end)
   -- the curve that closes the loop leads to its first vertex
   table.insert(list, 1, table.remove(list))

@@ -53,8 +53,8 @@ local function levels_of(parts, growth)
   end
   local low, high = top - 60, top
   for _ = 1, 40 do
-    local middle = (low + high) / 2
-    if assign(middle) > growth * #parts then low = middle else high = middle end
+    local midpoint = (low + high) / 2
+    if assign(midpoint) > growth * #parts then low = midpoint else high = midpoint end
   end
   assign(high)
   return levels

@@ -63,7 +63,7 @@ end
 
 -- Bounds of every control's move: the trust radius, and the box.
 local function bounds(problem, form, directions, radius)
-  local low, high = {}, {}
+  local lower, upper = {}, {}
   local box = problem.box
   for c, control in ipairs(form.controls) do
     local d = directions[c]
@@ -79,9 +79,9 @@ local function bounds(problem, form, directions, radius)
       end
     end
     if l > h then l, h = math.min(l, h), math.min(l, h) end
-    low[c], high[c] = l, h
+    lower[c], upper[c] = l, h
   end
-  return low, high
+  return lower, upper
 end
 
 -- The moves: {s}, and the multiplier of the stress constraint.
@@ -127,28 +127,28 @@ local function program(problem, state, form, here, radius)
       H[i][j], H[j][i] = H[i][j] - weight, H[j][i] - weight
     end
   end
-  local low, high = bounds(problem, form, directions, radius)
+  local lower, upper = bounds(problem, form, directions, radius)
   -- Of a large excess no more is to go in one round than a part of what all moves together could do: what
   -- helps little then stays where it is.
   local rows, right = {g, norms[2]}, {}
   for i, row in ipairs(rows) do
     local can = 0
-    for c = 1, n do can = can + math.max(row[c] * low[c], row[c] * high[c], -row[c] * low[c], 0) end
+    for c = 1, n do can = can + math.max(row[c] * lower[c], row[c] * upper[c], -row[c] * lower[c], 0) end
     right[i] = math.max(-math.log(here.max / problem.limit) - problem.margin, -0.25, -0.7 * can)
   end
   for k = 1, #A do rows[k + 2], right[k + 2] = A[k], b[k] end
   -- unknowns in units of the radius
   for i = 1, n do
     for k = 1, n do H[i][k] = H[i][k] * radius * radius end
-    a[i], low[i], high[i] = a[i] * radius, low[i] / radius, high[i] / radius
+    a[i], lower[i], upper[i] = a[i] * radius, lower[i] / radius, upper[i] / radius
     for k = 1, #rows do rows[k][i] = rows[k][i] * radius end
   end
   for k = 3, #rows do
     for i = 1, n do rows[k][i] = rows[k][i] / problem.wall end
     right[k] = right[k] / problem.wall
   end
-  local x, _, prices = core.quadratic_program {H = H, g = a, A = rows, b = right, min = low,
-    max = high}
+  local x, _, prices = core.quadratic_program {H = H, g = a, A = rows, b = right, min = lower,
+    max = upper}
   if not x then return nil, _, prices end
   local s = x:totable()
   for c = 1, n do s[c] = s[c] * radius end

@@ -31,9 +31,9 @@ function shapes.limb(a, b, ra, rb)
   end
 end
 
-function shapes.box(low, high)
-  local cx, cy, cz = (low[1] + high[1]) / 2, (low[2] + high[2]) / 2, (low[3] + high[3]) / 2
-  local hx, hy, hz = (high[1] - low[1]) / 2, (high[2] - low[2]) / 2, (high[3] - low[3]) / 2
+function shapes.box(lower, upper)
+  local cx, cy, cz = (lower[1] + upper[1]) / 2, (lower[2] + upper[2]) / 2, (lower[3] + upper[3]) / 2
+  local hx, hy, hz = (upper[1] - lower[1]) / 2, (upper[2] - lower[2]) / 2, (upper[3] - lower[3]) / 2
   return function(x, y, z)
     local dx, dy, dz = abs(x - cx) - hx, abs(y - cy) - hy, abs(z - cz) - hz
     local ox, oy, oz = max(dx, 0), max(dy, 0), max(dz, 0)

@@ -7,7 +7,7 @@ local members = require "barwright.members"
 
 local result = {}
 
-local function kept(name, make)
+local function cached(name, make)
   return function(self)
     local cache = rawget(self, "cache")
     if cache[name] == nil then cache[name] = make(self) end
@@ -34,20 +34,20 @@ local properties = {
   energy = function(self) return rawget(self, "inner").energy end,
   complete = function(self) return rawget(self, "inner").complete end,
   grid = function(self) return rawget(self, "solid").grid end,
-  report = kept("report", function(self) return sum_reports(self.all) end),
-  stress = kept("stress", function(self)
+  report = cached("report", function(self) return sum_reports(self.all) end),
+  stress = cached("stress", function(self)
     return self.solid.body:stress(self.displacement, true)
   end),
-  element_stress = kept("element_stress", function(self)
+  element_stress = cached("element_stress", function(self)
     return self.solid.body:stress(self.displacement, false)
   end),
-  von_mises = kept("von_mises", function(self) return core.von_mises(self.stress) end),
-  movement = kept("movement", function(self)
+  von_mises = cached("von_mises", function(self) return core.von_mises(self.stress) end),
+  movement = cached("movement", function(self)
     return self.displacement:map "sqrt(a.x*a.x + a.y*a.y + a.z*a.z)"
   end),
-  estimated_error = kept("estimated_error", function(self) return (estimate.of(self)) end),
+  estimated_error = cached("estimated_error", function(self) return (estimate.of(self)) end),
   choice = function(self) return rawget(self, "cache").choice end,
-  fine_displacement = kept("fine_displacement", function(self)
+  fine_displacement = cached("fine_displacement", function(self)
     local coarse = self.solid.coarse
     return coarse and coarse:to_fine(self.displacement) or self.displacement
   end),

@@ -146,7 +146,7 @@ function solid:fix(where, by)
   return add(self, {kind = type(by) == "table" and "fix" or "move", by = by}, where)
 end
 
---- Nodes are fixed and turned about an axis: {axis =, point =, angle = (degrees), move = {x, y, z}}.
+--- Nodes are fixed and rotated about an axis: {axis =, point =, angle = (degrees), move = {x, y, z}}.
 function solid:rotate(where, given)
   check_self("rotate", self)
   check_where("rotate", where)
@@ -178,7 +178,7 @@ function solid:gravity(acceleration)
 end
 
 --- Pressure (Pa, positive pushes inwards) on the free faces of cells between nodes by place, or on a
---- surface that goes with the solid: {pressure = a number, a function of the middle's x, y, z, or for a
+--- surface that goes with the solid: {pressure = a number, a function of the centroid's x, y, z, or for a
 --- surface a list with one for each triangle; follower = along the normals of the deformed shape}.
 function solid:pressure(on, given)
   check_self("pressure", self)
@@ -226,8 +226,8 @@ end
 
 -- ---- cases ---------------------------------------------------------------------------------------
 
--- Where a point goes when it is turned by `part` of the angle.
-local function turned(act, x, y, z, part)
+-- Where a point goes when it is rotated by `part` of the angle.
+local function rotated(act, x, y, z, part)
   local n, p = act.axis, act.point
   local c, s = math.cos(act.angle * part), math.sin(act.angle * part)
   local rx, ry, rz = x - p[1], y - p[2], z - p[3]
@@ -286,7 +286,7 @@ function apply.move(case, act, grid, part)
 end
 
 function apply.rotate(case, act, grid, part)
-  return prescribe(case, act, grid, function(x, y, z) return turned(act, x, y, z, part) end)
+  return prescribe(case, act, grid, function(x, y, z) return rotated(act, x, y, z, part) end)
 end
 
 function apply.force(case, act, grid, part)

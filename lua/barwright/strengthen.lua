@@ -150,7 +150,7 @@ local function begin(self, from, surface, breaking)
   self.surface, self.breaking = surface, breaking
 end
 
--- A step from a surface, {surface, breaking, share}, or why there is none. Its advice is kept: a further
+-- A step from a surface, {surface, breaking, fraction}, or why there is none. Its advice is kept: a further
 -- step from there has smaller offsets.
 local function step_from(self, from, goal)
   local message, details

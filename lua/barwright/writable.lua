@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Whether a file can be written at a path, told before the work and not after it.
+-- Whether a file can be written at a path, known before the work and not after it.
 local core = require "barwright.core"
 
 local IS_A_FOLDER = 21 -- EISDIR

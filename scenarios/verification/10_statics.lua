@@ -177,14 +177,14 @@ end)
 
 scenario("Goodier, spherical cavity under tension, tet10", function(t)
   local size = 10
-  local function patch(turn)
+  local function patch(shift)
     return function(u, v, w)
       local d = {1, tan(pi / 4 * v), tan(pi / 4 * w)}
       local length = math.sqrt(1 + d[2] ^ 2 + d[3] ^ 2)
       local fraction = (size ^ u - 1) / (size - 1) -- finer towards the cavity
       local r = (1 - fraction) / length + fraction * size
       local x = {}
-      for k = 1, 3 do x[(k - 1 + turn) % 3 + 1] = r * d[k] end
+      for k = 1, 3 do x[(k - 1 + shift) % 3 + 1] = r * d[k] end
       return x
     end
   end

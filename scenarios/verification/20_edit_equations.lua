@@ -38,11 +38,11 @@ local function sequence(body, random, seen)
       seen.refilled = seen.refilled + (reused.mesh == "refilled" and 1 or 0)
       seen.stiffness = math.max(seen.stiffness, reused.difference_stiffness)
       seen.solution = math.max(seen.solution, reused.difference_solution)
-      local fresh = assert(session.part:solve())
-      local u, s = fresh.displacement, fresh.von_mises
+      local direct = assert(session.part:solve())
+      local u, s = direct.displacement, direct.von_mises
       seen.displacement = math.max(seen.displacement, (u - result.displacement):norm() / u:norm())
       seen.stress = math.max(seen.stress, (s - result.von_mises):norm() / s:norm())
-      fresh:close()
+      direct:close()
       result:close()
     end
   end

@@ -26,7 +26,7 @@ local function edited(body, random)
   return session
 end
 
--- Two nodes of every subdomain: that of the highest stress, and the middle one by rank.
+-- Two nodes of every subdomain: that of the highest stress, and the median.
 local function nodes_of(session, von_mises)
   local subdomains, list, about = session.subdomains, {}, {}
   for d = 1, subdomains.count do

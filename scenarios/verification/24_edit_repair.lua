@@ -23,7 +23,7 @@ local function turns(t, each)
     local at_rest = session.mesh.nodes
     for _, band in ipairs(bands) do
       local seen = {posed = 0, relaxed = 0, refilled = 0, refused = 0}
-      local low, high, worst = math.huge, 0, 1
+      local min, max, worst = math.huge, 0, 1
       for _ = 1, each do
         local name = names[math.random(#names)]
         local turn = {axis = bodies.random_axis(random),
@@ -37,7 +37,7 @@ local function turns(t, each)
           local how, mesh = session.edits[1].mesh, session.mesh
           seen[how] = seen[how] + 1
           local quality, ratio = mesh:shapes():min(), mesh.volume / rest
-          worst, low, high = math.min(worst, quality), math.min(low, ratio), math.max(high, ratio)
+          worst, min, max = math.min(worst, quality), math.min(min, ratio), math.max(max, ratio)
           if how ~= "posed" then
             repaired = repaired + 1
             if how == "relaxed" then -- the boundary stays where it was posed, and with it the volume
@@ -58,7 +58,7 @@ local function turns(t, each)
       poorest = math.min(poorest, worst)
       rows[#rows + 1] = {body.name, ("%d to %d"):format(band[1], band[2]), seen.posed,
         seen.relaxed, seen.refilled, seen.refused, ("%.3f"):format(worst),
-        ("%.3f to %.3f"):format(low, high)}
+        ("%.3f to %.3f"):format(min, max)}
     end
     expect(poorest, body.name .. ": poorest element of any mesh made")
       :above(1e-4, {how = "mean ratio; positive: not inverted"})

@@ -69,9 +69,9 @@ end)
 -- An angle of two legs without a fillet: cells of 4 mm make its edges sharp.
 local function angle()
   local block = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.04, 0.024, 0.04}, cells = {10, 6, 10}})
-  local middle = block.nodes:gather(block.elements:column(1))
-  for corner = 2, 4 do middle = middle + block.nodes:gather(block.elements:column(corner)) end
-  return assert(assert(block:subset((middle / 4):map "a.x < 0.008 or a.z < 0.008")):surface())
+  local centroid = block.nodes:gather(block.elements:column(1))
+  for corner = 2, 4 do centroid = centroid + block.nodes:gather(block.elements:column(corner)) end
+  return assert(assert(block:subset((centroid / 4):map "a.x < 0.008 or a.z < 0.008")):surface())
 end
 
 scenario("sharp angle: re-entrant edge, interval", function(t)

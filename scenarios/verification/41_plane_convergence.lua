@@ -38,10 +38,10 @@ local function errors(plane, order, size)
   local function part(i) return function(x, y) return (select(i, at(x, y))) end end
   local outline = assert(bw.outline.rectangle {min = {0, 0}, max = {1, 1}, tags = {right = 2},
     holes = {bw.outline.circle {centre = {0.45, 0.5}, radius = 0.2, name = "hole"}}})
-  local held = {x = part(1), y = part(2)}
+  local exact_u = {x = part(1), y = part(2)}
   local s = assert(bw.responsive.steady {outline = outline, order = order, size = size, plane = plane,
     material = tools.elastic(YOUNG, POISSON), solver = {tolerance = 1e-12},
-    conditions = {boundary = held, hole = held, right = {traction = {part(3), part(5)}}}})
+    conditions = {boundary = exact_u, hole = exact_u, right = {traction = {part(3), part(5)}}}})
   -- constants of plane stress, in plane strain those that make it so
   local e, nu = YOUNG, POISSON
   if plane == "strain" then e, nu = YOUNG / (1 - POISSON ^ 2), POISSON / (1 - POISSON) end

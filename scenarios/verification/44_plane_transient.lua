@@ -27,13 +27,13 @@ end
 local function period(step, periods)
   local g = 1e-3
   local s, tip = beam {step = step, gravity = {0, -g}}
-  local middle = -g * 1.5 * DENSITY * LENGTH ^ 4 / (YOUNG * HEIGHT ^ 2) -- q L^4 / 8 E I
+  local static = -g * 1.5 * DENSITY * LENGTH ^ 4 / (YOUNG * HEIGHT ^ 2) -- q L^4 / 8 E I
   local times, last = {}, 0
   while #times < 2 * periods + 1 do
     assert(s:step())
     local now = s.displacement(tip, 2)
-    if (now < middle) ~= (last < middle) then
-      times[#times + 1] = s.time - step * (now - middle) / (now - last)
+    if (now < static) ~= (last < static) then
+      times[#times + 1] = s.time - step * (now - static) / (now - last)
     end
     last = now
   end
@@ -80,7 +80,7 @@ scenario("Resonance of a cantilever", {tags = {"slow"}}, function(t)
     :near(1.56598 / (2 * ratio), {relative = 0.01, source = "modal analysis, first mode"})
 end)
 
-local function kept(t, rounds)
+local function energy(t, rounds)
   for order = 1, 2 do
     local gravity = {1, -2}
     local plate = t:require(bw.responsive.vibration {outline = assert(bw.outline.rectangle {width = 2, height = 1,
@@ -98,6 +98,6 @@ local function kept(t, rounds)
   end
 end
 
-scenario("Energy of a plate", function(t) kept(t, 25) end)
+scenario("Energy of a plate", function(t) energy(t, 25) end)
 
-scenario("Energy of a plate, longer", {tags = {"slow"}}, function(t) kept(t, 100) end)
+scenario("Energy of a plate, longer", {tags = {"slow"}}, function(t) energy(t, 100) end)

@@ -5,14 +5,14 @@ local bw = require "barwright"
 local scenario, expect = bw.scenario, bw.scenario.expect
 
 scenario.about {title = "Flow and heat: squares",
-  text = [[The lid: velocities on the middle lines beside the tables of Ghia, Ghia and Shin (1982), whose own
+  text = [[The lid: velocities on the centre lines beside the tables of Ghia, Ghia and Shin (1982), whose own
 deviation from later spectral computations is up to 3 % of an extreme (their v at Re = 100, and the min v at
 Re = 1000, 2 % of it; one misprint at Re = 400, x = 0.9063, is left out), and the extremes beside those (Botella
 and Peyret 1998; Bruneau and Saad 2006). Nodes in the corners are at rest. The heated side: de Vahl Davis
 (1983), at Ra = 1e6 the spectral value 8.825; Prandtl number 0.71, top and bottom without heat. Heat that goes
 in and does not come out is what the velocity has left of divergence inside elements.]]}
 
--- x or y, then u on the vertical and v on the horizontal middle line at Re = 100, 400, 1000
+-- x or y, then u on the vertical and v on the horizontal centre line at Re = 100, 400, 1000
 local ghia_u = {
   {0.9766, 0.84123, 0.75837, 0.65928}, {0.9531, 0.68717, 0.55892, 0.46604},
   {0.8516, 0.23151, 0.29093, 0.33304}, {0.7344, 0.00332, 0.16256, 0.18719},

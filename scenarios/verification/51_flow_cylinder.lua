@@ -9,7 +9,7 @@ scenario.about {title = "Flow and heat: a cylinder in a channel (DFG 2D-1, 2D-2)
 and 100, shedding vortices. References: the finest values published with FeatFlow, and for 2D-2 the bands of
 Schaefer and Turek (1996). Drag and lift are reactions. The mean of the lift is not zero: the finest
 computations have it between -1.0213 and 0.9866, neither of which has a size in the band of 1996, 0.99 to 1.01:
-computations were coarser then. So each extreme is held against the finest one, and the band against half of
+computations were coarser then. So each extreme is compared with the finest one, and the band against half of
 what the lift swings by. Elements of 0.0025 m at the cylinder leave the swing 1 % low, of 0.0014 m it is right
 to a thousandth; those of the wake decide the Strouhal number: with elements that grow to 0.03 m there it comes
 out 3 % low. Steps are long (0.01 s) until the vortices are there, and shorter towards the end; steps of 0.005 s

@@ -41,17 +41,17 @@ local function random_of(seed)
 end
 
 local function same_answers(name, make, drags)
-  local kept = make {solver = {tolerance = 1e-10}}
+  local followed = make {solver = {tolerance = 1e-10}}
   local rebuilt = make {solver = {tolerance = 1e-10, method = "full"}}
   local random, worst, levels = random_of(5), 0, {}
   for _ = 1, drags do
     local by = {0.15 * (random() - 0.5), 0.15 * (random() - 0.5)}
-    local ok = kept:drag({loop = "body"}, by)
+    local ok = followed:drag({loop = "body"}, by)
     assert((rebuilt:drag({loop = "body"}, by) ~= nil) == (ok ~= nil))
-    assert(kept:step())
+    assert(followed:step())
     assert(rebuilt:step())
-    levels[kept.reused.level] = (levels[kept.reused.level] or 0) + 1
-    local difference = (kept.velocity - rebuilt.velocity):map "abs(a)"
+    levels[followed.reused.level] = (levels[followed.reused.level] or 0) + 1
+    local difference = (followed.velocity - rebuilt.velocity):map "abs(a)"
     worst = math.max(worst, difference:max() / rebuilt.velocity:map("abs(a)"):max())
   end
   expect(worst, name .. ": reused beside from scratch")
@@ -80,7 +80,7 @@ end
 
 local function breaks(name, make, drags)
   local flow = make {elements = 250}
-  local fresh = flow.outline
+  local initial = flow.outline
   local random, done, refused, broken, quality = random_of(77), 0, 0, 0, 1
   for i = 1, drags do
     local handle = random() < 0.5 and {loop = "body"}
@@ -98,7 +98,7 @@ local function breaks(name, make, drags)
     local stepped = flow:step()
     local max = flow.velocity:max()
     if not stepped or max ~= max or max > 1e4 then broken = broken + 1 end
-    if i % 40 == 0 then assert(flow:become(fresh)) end
+    if i % 40 == 0 then assert(flow:become(initial)) end
   end
   local how = ("%d drags done, %d refused"):format(done, refused)
   expect(broken, name .. ": states broken by random drags"):below(0, {how = how})

@@ -11,7 +11,7 @@ check more than can be a row. Grids are the only meshes of nonlinear solids: bod
 cells that count by the part inside.]]}
 
 local function program(name, title, about)
-  scenario(title, {about = about, tags = {"slow"}, seconds = 1800}, function(t) engine.judge(t, name) end)
+  scenario(title, {about = about, tags = {"slow"}, seconds = 1800}, function(t) engine.run(t, name) end)
 end
 
 program("convergence_test_hex8", "Elements", "Hexahedra with eight nodes and 2 × 2 × 2 points at finite strain: "

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- A round bar in a grid across which it lies as it may, twisted and bent a little: Saint-Venant, Euler.
+-- A round bar in a grid across which it lies as it may, twisted and deflection a little: Saint-Venant, Euler.
 local bw = require "barwright"
 
 local scenario, expect = bw.scenario, bw.scenario.expect
@@ -34,7 +34,7 @@ local function twisted(cells)
   return torque / (shear * math.pi / 2 * RADIUS ^ 4 * angle / height)
 end
 
-local function bent(cells)
+local function deflection(cells)
   local solid, force = bar(cells), 1e-3
   solid:fix {side = "min z"}
   solid:force({side = "max z"}, {force, 0, 0})
@@ -48,16 +48,16 @@ local function bent(cells)
   return tip / (force * height ^ 3 / (3 * YOUNG * inertia) + force * height / (factor * shear * area))
 end
 
-local function judge(cells, allowed)
+local function check(cells, allowed)
   expect(twisted(cells), ("torque over Saint-Venant's, %d cells along the radius"):format(cells))
     :near(1, {relative = allowed, source = "Saint-Venant"})
-  expect(bent(cells), ("deflection over Timoshenko's, %d cells along the radius"):format(cells))
+  expect(deflection(cells), ("deflection over Timoshenko's, %d cells along the radius"):format(cells))
     :near(1, {relative = allowed, source = "Timoshenko, Cowper"})
 end
 
 scenario("Round bars in cubes", {tags = {"slow"}}, function()
-  judge(3, 0.25)
-  judge(6, 0.08)
+  check(3, 0.25)
+  check(6, 0.08)
 end)
 
-scenario("Round bars in smaller cubes", {tags = {"slow", "long"}, seconds = 3600}, function() judge(9, 0.05) end)
+scenario("Round bars in smaller cubes", {tags = {"slow", "long"}, seconds = 3600}, function() check(9, 0.05) end)

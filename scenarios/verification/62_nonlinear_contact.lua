@@ -61,15 +61,15 @@ local function theory(depth)
   return low
 end
 
-local function judge(cells, allowed)
+local function check(cells, allowed)
   local depth = 0.05 * RADIUS
   expect(squeezed(cells, depth) / theory(depth), ("force over theory, %d cells along the radius"):format(cells))
     :near(1, {relative = allowed, source = "Hertz, Tatara"})
 end
 
 scenario("A ball between plates", {tags = {"slow"}, seconds = 1800}, function()
-  judge(8, 0.1)
-  judge(16, 0.03)
+  check(8, 0.1)
+  check(16, 0.03)
 end)
 
-scenario("A ball between plates, finer", {tags = {"slow", "long"}, seconds = 7200}, function() judge(24, 0.03) end)
+scenario("A ball between plates, finer", {tags = {"slow", "long"}, seconds = 7200}, function() check(24, 0.03) end)

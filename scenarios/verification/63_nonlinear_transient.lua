@@ -44,14 +44,14 @@ local function pendulum(scheme, parts)
     first = {first[1] + mi * p[1], first[2] + mi * p[3]}
   end
   local arm = math.sqrt(first[1] ^ 2 + first[2] ^ 2) -- times the mass
-  local rise = math.atan(first[2], first[1])         -- of the middle of mass over the horizontal
+  local rise = math.atan(first[2], first[1])         -- of the centre of mass over the horizontal
   local amplitude = math.pi / 2 + rise
   local period = 4 * math.sqrt(second / (g * arm)) * elliptic(math.sin(amplitude / 2))
   solid:gravity {0, 0, -g}
   local step = period / parts
   local motion = assert(solid:transient {scheme = scheme, step = step, tolerance = 1e-9})
   local tip = grid:nodes {where = function(x, _, z) return x > 1 - 1e-9 and z < 1e-9 end}
-  -- the angle of the bar's lower edge under the horizontal, past that at which its middle hangs below
+  -- the angle of the bar's lower edge under the horizontal, past that at which its centre of mass hangs below
   local function angle()
     local u = motion.displacement:gather(tip):totable()[1]
     local below = math.atan(-u[3], 1 + u[1])
@@ -72,7 +72,7 @@ local function cantilever(cells, parts)
     materials = {bw.hyperelastic {law = "corotated", young = young, poisson = 0, density = density}}})
   solid:fix {side = "min x"}
   solid:force({side = "max x"}, {0, 0, 1e-4})
-  local bent = assert(solid:solve {tolerance = 1e-10})
+  local deflected = assert(solid:solve {tolerance = 1e-10})
   local free = assert(bw.solid {grid = grid, materials = solid.materials})
   free:fix {side = "min x"}
   -- Euler's frequency with what the elements add to the stiffness, and Timoshenko's correction by
@@ -81,7 +81,7 @@ local function cantilever(cells, parts)
   local omega = 1.8751040687 ^ 2 * math.sqrt(young * (1 + cell ^ 2 / 2) * side ^ 2 / (12 * density)) / length ^ 2
   local period = 2 * math.pi / omega
   local step = period / parts
-  local motion = assert(free:transient {scheme = "newmark", step = step, displacement = bent.displacement,
+  local motion = assert(free:transient {scheme = "newmark", step = step, displacement = deflected.displacement,
     tolerance = 1e-9})
   local tip = grid:nodes {side = "max x"}
   local times = crossings(motion, step, 5, function()

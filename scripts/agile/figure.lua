@@ -81,18 +81,18 @@ local function part_of(p)
     or {{p.from[1], p.from[2], p.from[3], p.r}, {(p.to or p.from)[1], (p.to or p.from)[2],
       (p.to or p.from)[3], p.r_to or p.r}}
   if #knots > 2 then knots = refined(knots) end
-  local low, high, thick = {huge, huge, huge}, {-huge, -huge, -huge}, 0
+  local lower, upper, thick = {huge, huge, huge}, {-huge, -huge, -huge}, 0
   for _, knot in ipairs(knots) do
     for k = 1, 3 do
-      low[k], high[k] = min(low[k], knot[k]), max(high[k], knot[k])
+      lower[k], upper[k] = min(lower[k], knot[k]), max(upper[k], knot[k])
     end
     thick = max(thick, knot[4])
   end
-  local mx, my, mz = (low[1] + high[1]) / 2, (low[2] + high[2]) / 2, (low[3] + high[3]) / 2
+  local mx, my, mz = (lower[1] + upper[1]) / 2, (lower[2] + upper[2]) / 2, (lower[3] + upper[3]) / 2
   local pieces = {}
   for i = 1, #knots - 1 do pieces[i] = limb_of(knots[i], knots[i + 1], mx, my, mz, sx, sy, sz) end
   return {pieces = pieces, x = mx, y = my, z = mz, sx = sx, sy = sy, sz = sz, scale = thinnest,
-    min = low, max = high, reach = thick * widest}
+    min = lower, max = upper, reach = thick * widest}
 end
 
 local BLOCK = 6 -- mm
@@ -161,18 +161,18 @@ end
 --- A figure as a surface. about: parts; rounding, mm; cell, that of the grid, mm; cuts: parts taken
 --- away; more: parts added after that.
 function figure.surface(about)
-  local low, high = {huge, huge, huge}, {-huge, -huge, -huge}
+  local lower, upper = {huge, huge, huge}, {-huge, -huge, -huge}
   local f, bodies = joined(about.parts, about.rounding or 0)
   for _, body in ipairs(bodies) do
     for k = 1, 3 do
-      low[k] = min(low[k], body.min[k] - body.reach)
-      high[k] = max(high[k], body.max[k] + body.reach)
+      lower[k] = min(lower[k], body.min[k] - body.reach)
+      upper[k] = max(upper[k], body.max[k] + body.reach)
     end
   end
   local longest = 0
   for k = 1, 3 do
-    low[k], high[k] = low[k] - 1.5, high[k] + 1.5
-    longest = max(longest, high[k] - low[k])
+    lower[k], upper[k] = lower[k] - 1.5, upper[k] + 1.5
+    longest = max(longest, upper[k] - lower[k])
   end
   if about.cuts then
     local whole, tools = f, {}
@@ -184,9 +184,9 @@ function figure.surface(about)
     end
   end
   if about.more then f = joined(about.more, about.rounding or 0, f) end
-  for k = 1, 3 do low[k], high[k] = low[k] * 1e-3, high[k] * 1e-3 end
+  for k = 1, 3 do lower[k], upper[k] = lower[k] * 1e-3, upper[k] * 1e-3 end
   return bw.surface.implicit(function(x, y, z) return 1e-3 * f(1e3 * x, 1e3 * y, 1e3 * z) end,
-    {min = low, max = high, cells = math.ceil(longest / about.cell)})
+    {min = lower, max = upper, cells = math.ceil(longest / about.cell)})
 end
 
 --- The parts with those that are named a pair twice: as they are and mirrored in y.

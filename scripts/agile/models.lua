@@ -36,11 +36,11 @@ function models.make(path, opts)
   skeleton, message, details = bw.skeleton.extract(boundary, {bones = opts.bones or 0})
   if not skeleton then return nil, message, details end
 
-  local low, high = mesh.box.min, mesh.box.max
-  local size = distance(low, high)
+  local min, max = mesh.box.min, mesh.box.max
+  local size = distance(min, max)
   local material = opts.material and bw.material.named(opts.material) or scenes.material()
   local part = bw.model {mesh = mesh, material = material}
-  local fixed = mesh.boundary:below("z", low[3] + 0.04 * (high[3] - low[3]))
+  local fixed = mesh.boundary:below("z", min[3] + 0.04 * (max[3] - min[3]))
   part:fix(fixed)
   part:gravity(scenes.gravity)
   local centre, tips, joints = fixed.centre, tips_of(skeleton), skeleton.joints:totable()
@@ -49,7 +49,7 @@ function models.make(path, opts)
     local far = distance(joints[i], centre)
     if far > best.far then best = {far = far, at = joints[i], joint = name} end
   end
-  local across = (high[1] - low[1] < high[2] - low[2]) and {opts.force or 5, 0, 0}
+  local across = (max[1] - min[1] < max[2] - min[2]) and {opts.force or 5, 0, 0}
     or {0, opts.force or 5, 0}
   local nearest = mesh.boundary:nearest(best.at, 1).centre
   local on = mesh.boundary:near(nearest, 0.04 * size)

@@ -66,7 +66,7 @@ end
 case("L-domain, stress 0.05 from the edge", function()
   local s, young, poisson, r = sqrt(0.5), 1, 0.3, 0.05
   local shear = young / (2 * (1 + poisson))
-  local maps = {} -- three squares around the corner, with (a, b) along their sides, turned by 45 degrees
+  local maps = {} -- three squares around the corner, with (a, b) along their sides, rotated by 45 degrees
   for i, low in ipairs {{0, 0}, {-1, 0}, {0, -1}} do
     maps[i] = function(u, v, w)
       local a, b = low[1] + u, low[2] + v
@@ -207,13 +207,13 @@ end)
 
 case("spherical cavity", function()
   local size = 20
-  local function patch(turn)
+  local function patch(shift)
     return function(u, v, w)
       local d = {1, tan(pi / 4 * v), tan(pi / 4 * w)}
       local length = sqrt(1 + d[2] ^ 2 + d[3] ^ 2)
       local fraction = (size ^ u - 1) / (size - 1)
       local x = {}
-      for k = 1, 3 do x[(k - 1 + turn) % 3 + 1] = ((1 - fraction) / length + fraction * size) * d[k] end
+      for k = 1, 3 do x[(k - 1 + shift) % 3 + 1] = ((1 - fraction) / length + fraction * size) * d[k] end
       return x
     end
   end
@@ -281,7 +281,7 @@ local function measure(name)
     uniform_reached = reached, uniform_error = left, steps = rows}
 end
 
-print("| case | reference | value | error | estimated | unknowns | uniform | share "
+print("| case | reference | value | error | estimated | unknowns | uniform | ratio "
   .. "| steps: estimated / true error |")
 print "|---|---|---|---|---|---|---|---|---|"
 local all = bw.json.list {}

@@ -53,7 +53,8 @@ local function timed(session, edit)
   local max = result.von_mises:max()
   local reused = result.reused
   return {seconds = bw.seconds() - start, seconds_stiffness = reused.seconds_stiffness,
-    seconds_factor = reused.seconds_factor, seconds_solve = reused.seconds_solve, kept = reused.factor_reused,
+    seconds_factor = reused.seconds_factor, seconds_solve = reused.seconds_solve,
+    factor_reused = reused.factor_reused,
     method = reused.method, iterations = reused.iterations, precision = reused.precision,
     refinements = reused.refinements, max = max,
     relaxed = reused.mesh ~= "posed"}

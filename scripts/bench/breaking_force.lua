@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Breaking forces from coarse, middle and fine starts: largest over smallest force, whether each interval contains
+-- Breaking forces from coarse, medium and fine starts: largest over smallest force, whether each interval contains
 -- the force of the finest start, how far the places lie apart in radii of the patch, and processor seconds.
 local bw = require "barwright"
 local folder = arg[0]:match "^(.*)/" or "."
@@ -10,7 +10,7 @@ local options = require "options"
 local script = require "barwright.command.script"
 
 local opts = script.read {
-  summary = "breaking forces from coarse, middle and fine first meshes",
+  summary = "breaking forces from coarse, medium and fine first meshes",
   about = "Prints a line for each start and body. scripts/bench/bodies.lua lists the bodies.",
   options = {options.models, options.unseen, options.containing, options.each_of_elements {2500, 5000, 10000},
     {name = "overkill", value = "N", type = "integer", default = 0, min = 0,
@@ -29,7 +29,7 @@ local function same_place(found, other)
   return min / found.length
 end
 
--- Elements around a place have edges of this fraction of the radius; the surface is followed to that share.
+-- Elements around a place have edges of this fraction of the radius; the surface is followed to that fraction.
 local EDGE, FOLLOWED = 0.2, 0.02
 
 -- The force on a mesh of about opts.overkill unknowns: the background is made finer until there are as many.
@@ -58,19 +58,19 @@ print(("%-22s %-8s %-30s %-8s %-8s %s"):format("body", "largest/", "force, N (in
   "CPU, s"))
 local max, covered, all = 1, 0, 0
 for _, body in ipairs(bodies(opts)) do
-  local found, low, high = {}, math.huge, 0
+  local found, min, max_force = {}, math.huge, 0
   for k, elements in ipairs(starts) do
     local clock = os.clock()
     local one, message = bw.breaking_force(body.surface(), {material = bw.material.pla, elements = elements})
     if one then
       found[#found + 1] = one
       one.start, one.cpu, one.count = elements, os.clock() - clock, one.mesh.element_count
-      low, high = math.min(low, one.force), math.max(high, one.force)
+      min, max_force = math.min(min, one.force), math.max(max_force, one.force)
       one:close()
     else
       print(("%-22s start %d: %s"):format(body.name, elements, message))
     end
-    if k == #starts and #found > 0 then max = math.max(max, high / low) end
+    if k == #starts and #found > 0 then max = math.max(max, max_force / min) end
   end
   local finest = found[#found]
   local truth = opts.overkill > 0 and finest and overkill(body.surface(), found)
@@ -85,7 +85,7 @@ for _, body in ipairs(bodies(opts)) do
     if truth or k < #found then covered, all = covered + (inside and 1 or 0), all + 1 end
     local interval = ("%.4g (%.4g to %.4g)%s"):format(one.force, one.low, one.high, inside and "" or " misses")
     print(("%-22s %-8s %-30s %-8d %-8.1f %.0f"):format(k == 1 and body.name or "",
-      k == 1 and ("%.3f"):format(high / low) or "", interval, one.count, same_place(one, finest), one.cpu))
+      k == 1 and ("%.3f"):format(max_force / min) or "", interval, one.count, same_place(one, finest), one.cpu))
   end
   io.stdout:flush()
 end

@@ -15,7 +15,7 @@ local FORCE, PRESSURE = 20, 2e5
 local opts = script.read {
   summary = "certified upper bounds of the worst case on machine parts",
   options = {script.option.out, options.unseen, options.only, options.elements(40000),
-    {name = "share", value = "FRACTION", type = "number", default = 0.05, min = 0.001, max = 0.5,
+    {name = "gap", value = "FRACTION", type = "number", default = 0.05, min = 0.001, max = 0.5,
       what = "the largest gap between bound and load that is asked for"},
     {name = "check", type = "flag", what = "check the certificate as well"},
     {name = "brute", type = "flag", what = "the processor seconds of brute force on the same mesh, too"},
@@ -39,7 +39,7 @@ local function measure(part, path)
   end
   local search <close> = assert(bw.worst_case(model, load))
   local searched = os.clock()
-  load.certify, load.certificate = opts.fraction, path
+  load.certify, load.certificate = opts.gap, path
   local worst <close> = assert(bw.worst_case(model, load))
   local row = {part = part.name, elements = mesh.element_count, nodes = mesh.node_count,
     pressures = worst.basis.count, reached_pa = worst.max_principal, upper_bound_pa = worst.upper_bound,

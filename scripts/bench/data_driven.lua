@@ -64,8 +64,8 @@ end
 
 -- ---- coarsening ----------------------------------------------------------------------------------
 
--- The middle one of several runs of the clock, ms: coarsening is short.
-local function middle(count, f)
+-- The median of several runs of the clock, ms: coarsening is short.
+local function median(count, f)
   local list = {}
   for i = 1, count do
     collectgarbage()
@@ -84,7 +84,7 @@ if wanted "coarsening" then
   out.coarsening = {elements = grid.element_count, ms = {}}
   for level = 1, library.levels do
     local inside = {}
-    local all = middle(7, function(i) inside[i] = 1e3 * assert(fine:coarsen(library, level)).coarse.seconds end)
+    local all = median(7, function(i) inside[i] = 1e3 * assert(fine:coarsen(library, level)).coarse.seconds end)
     table.sort(inside)
     out.coarsening.ms[level] = {coarsening = inside[4], with_the_solid = all}
     print(("coarsening %d elements, %d level%s: %.1f ms (paper's time of George, 46152 elements: 200 ms); "
@@ -93,7 +93,7 @@ if wanted "coarsening" then
   end
   local edited = assert(grid:set({min = {0.1, 0.1, 0.1}, max = {0.2, 0.2, 0.2}}, 1))
   local coarse, looked_up = assert(fine:coarsen(library, 1)), 0
-  out.coarsening.edit_ms = middle(7, function() looked_up = assert(coarse:with(edited)).coarse.looked_up end)
+  out.coarsening.edit_ms = median(7, function() looked_up = assert(coarse:with(edited)).coarse.looked_up end)
   out.coarsening.edit_looked_up = looked_up
   print(("an edit of 1000 elements: %d blocks looked up, %.1f ms"):format(looked_up, out.coarsening.edit_ms))
 end

@@ -30,7 +30,7 @@ local function integrals(basis, points, weight)
   return list
 end
 
--- Area, push and middle of every cell.
+-- Area, force direction and centroid of every cell.
 local function cells_of(basis, mesh)
   local points, areas, cells, moments = mesh.nodes:totable(), basis.areas, {}, {}
   local push = integrals(basis, points, function() return 1 end)
@@ -99,10 +99,10 @@ local function inertia_of(body, cells, contact)
   for _, cell in ipairs(contact) do
     local push, at, arm = cells[cell.number].push, cells[cell.number].at, {}
     for k = 1, 3 do arm[k] = at[k] - body.centre[k] end
-    local turn = cross(arm, push)
+    local torque = cross(arm, push)
     for k = 1, 3 do
       force[k] = force[k] + cell.fraction * push[k]
-      moment[k] = moment[k] + cell.fraction * turn[k]
+      moment[k] = moment[k] + cell.fraction * torque[k]
     end
   end
   local i, volume, spin = body.inertia, body.volume:sum(), {}
@@ -115,9 +115,9 @@ local function inertia_of(body, cells, contact)
     a = force[1] / volume, b = force[2] / volume, c = force[3] / volume}):sum()
 end
 
--- Completes a list of impacts with loads: the contact force that breaks the body, the place where it does, as
--- `found` judges, and the mean of the contact force and the sum of the inertia forces.
-local function judge(found, impacts)
+-- Completes a list of impacts with loads: the contact force that breaks the body, the place where it does, by
+-- the criterion of `found`, and the mean of the contact force and the sum of the inertia forces.
+local function complete(found, impacts)
   local system, loads = found.worst.system, {}
   for k, impact in ipairs(impacts) do loads[k] = impact.load end
   for k, u in ipairs(assert(system:solve(loads))) do
@@ -134,15 +134,16 @@ end
 local function impacts_on(found, options)
   local drops = assert(bw.drop_test(bw.model {mesh = found.mesh, material = found.material}, options))
   local basis, body = found.worst.basis, points_of(found.mesh)
-  local cells, places, pushes = cells_of(basis, found.mesh), drops.contacts:totable(), drops.directions:totable()
+  local cells = cells_of(basis, found.mesh)
+  local places, directions = drops.contacts:totable(), drops.directions:totable()
   local list, batch = {}, {}
   for k, place in ipairs(places) do
-    local contact = contact_at(cells, place, pushes[k], found.contact)
+    local contact = contact_at(cells, place, directions[k], found.contact)
     if contact then
       batch[#batch + 1] = {load = load_of(basis, contact), inertia = inertia_of(body, cells, contact)}
     end
     if #batch == BATCH or k == #places and #batch > 0 then
-      judge(found, batch)
+      complete(found, batch)
       table.move(batch, 1, #batch, #list + 1, list)
       batch = {}
     end

@@ -1,7 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The search of the breaking force against brute force on the last mesh: a linear program for every corner on the
--- boundary in three directions along the surface, then ascents from the largest means. Both judge all places under
--- each load.
+-- boundary in three directions along the surface, then ascents from the largest means. Both evaluate all places
+-- under each load.
 local bw = require "barwright"
 local core = require "barwright.core"
 local folder = arg[0]:match "^(.*)/" or "."

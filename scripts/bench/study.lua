@@ -75,8 +75,8 @@ function here:wait()
   return self.record, {text = trial.perform(books, self.record), seconds = 0, processor_seconds = 0}
 end
 function here.close() end
-local _, kept = timed(function() assert(books:run {executor = here}) end)
-result.bookkeeping = {trials = 10000, processor_seconds_of_trial = kept / 10000,
+local _, spent = timed(function() assert(books:run {executor = here}) end)
+result.bookkeeping = {trials = 10000, processor_seconds_of_trial = spent / 10000,
   memory_bytes_after = bw.results.peak_memory()}
 
 -- ---- two workers beside one ----------------------------------------------------------------------------

@@ -30,8 +30,8 @@ local surface
 if model then
   surface = assert(bw.surface.read(model))
 else
-  local f, low, high = bw.shapes.foal()
-  surface = assert(bw.surface.implicit(f, {min = low, max = high, cells = 110}))
+  local f, min, max = bw.shapes.foal()
+  surface = assert(bw.surface.implicit(f, {min = min, max = max, cells = 110}))
 end
 
 local function peak_gb()

@@ -29,8 +29,8 @@ local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts
   options = opts}))
 
 local function scaled(surface)
-  local low, high = surface.box.min, surface.box.max
-  local diagonal = math.sqrt((high[1] - low[1]) ^ 2 + (high[2] - low[2]) ^ 2 + (high[3] - low[3]) ^ 2)
+  local min, max = surface.box.min, surface.box.max
+  local diagonal = math.sqrt((max[1] - min[1]) ^ 2 + (max[2] - min[2]) ^ 2 + (max[3] - min[3]) ^ 2)
   return surface:scale(DIAGONAL / diagonal)
 end
 

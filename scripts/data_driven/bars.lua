@@ -46,12 +46,12 @@ bars.twisting = {
   levels = 2,
   grid = box({8, 32, 8}, layers(2)),
   act = function(solid)
-    local middle, force = 4 * H, 60
+    local centre, force = 4 * H, 60
     solid:fix {side = "min y"}
-    solid:force({side = "max y", max = {middle, 1, 1}}, {0, 0, force})
-    solid:force({side = "max y", min = {middle, 0, 0}}, {0, 0, -force})
-    solid:force({side = "max y", max = {1, 1, middle}}, {-force, 0, 0})
-    solid:force({side = "max y", min = {0, 0, middle}}, {force, 0, 0})
+    solid:force({side = "max y", max = {centre, 1, 1}}, {0, 0, force})
+    solid:force({side = "max y", min = {centre, 0, 0}}, {0, 0, -force})
+    solid:force({side = "max y", max = {1, 1, centre}}, {-force, 0, 0})
+    solid:force({side = "max y", min = {0, 0, centre}}, {force, 0, 0})
   end,
 }
 

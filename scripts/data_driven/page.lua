@@ -101,7 +101,7 @@ local function table_2(results)
     end
   end
   return #rows > 0 and table_of({"example", "quadrature, s / iteration", "paper", "whole, s / iteration",
-    "paper", "quadrature's share", "paper"}, rows) or nil
+    "paper", "quadrature / whole", "paper"}, rows) or nil
 end
 
 local function edits_of(result)

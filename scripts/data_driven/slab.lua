@@ -16,7 +16,7 @@ local function grid(skin, material)
   end
 end
 
-local function hold(solid)
+local function fix(solid)
   solid:fix({side = "min y"}, {false, 0, 0})
   solid:fix {side = "min x"}
 end
@@ -28,7 +28,7 @@ return {
     levels = 2, up = {0, 1, 0}, direction = {-0.5, 0.6, 1},
     grid = grid(2, function(piece, skin) return skin and 3 - piece or piece + 1 end),
     act = function(solid)
-      hold(solid)
+      fix(solid)
       solid:force({side = "max x"}, {-1400, 0, 0})
     end,
   },
@@ -37,7 +37,7 @@ return {
     levels = 2, up = {0, 1, 0}, direction = {-0.5, 0.6, 1},
     grid = grid(4, function(_, skin) return skin and 3 or 1 end),
     act = function(solid)
-      hold(solid)
+      fix(solid)
       solid:fix({side = "max x"}, {-0.1, false, false})
     end,
   },

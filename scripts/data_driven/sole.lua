@@ -7,7 +7,7 @@ local H = 0.0035
 local CELLS = {32, 84, 10}
 local LENGTH = CELLS[2] * H
 
--- Half the width, and the middle line, along the foot (0 heel to 1 toe).
+-- Half the width, and the centre line, along the foot (0 heel to 1 toe).
 local function half_width(t)
   local heel = math.sqrt(math.max(0, 1 - ((t - 0.14) / 0.16) ^ 2))
   local ball = math.sqrt(math.max(0, 1 - ((t - 0.72) / 0.29) ^ 2))
@@ -15,19 +15,19 @@ local function half_width(t)
   return 0.052 * math.max(0.72 * heel, ball, waist * 0.98)
 end
 
-local function middle(t)
+local function centre_line(t)
   return CELLS[1] * H / 2 + 0.006 * math.sin(2.6 * t - 0.4)
 end
 
 local function inside(x, y, z)
   local t = y / LENGTH
   local profile = z > 6 * H and 0.9 or 1 -- the upper layers stand back a little
-  return math.abs(x - middle(t)) < half_width(t) * profile
+  return math.abs(x - centre_line(t)) < half_width(t) * profile
 end
 
 -- Pressure of a standing foot: heel, ball, outer edge.
 local function pressure(x, y)
-  local t, side = y / LENGTH, (x - middle(y / LENGTH)) / 0.05
+  local t, side = y / LENGTH, (x - centre_line(y / LENGTH)) / 0.05
   local function spot(at, across, wide, high)
     return high * math.exp(-((t - at) / wide) ^ 2 - ((side - across) / 0.5) ^ 2)
   end
@@ -84,7 +84,7 @@ local edits = {
   {words = "a medium rim around the ball", material = 2,
     region = function(x, y)
       local t = y / LENGTH
-      return t > 0.55 and math.abs(x - middle(t)) > 0.8 * half_width(t)
+      return t > 0.55 and math.abs(x - centre_line(t)) > 0.8 * half_width(t)
     end},
 }
 

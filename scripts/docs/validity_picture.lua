@@ -219,14 +219,14 @@ do
   for _, one in ipairs {{84, 12}, {90, 20}, {96, 5}} do push(canvas, x, y, rx, ry, one[1], 48, one[2], RED) end
 
   x, y = panel(4, "--hands 2", {"pressure within few patches at once"})
-  for _, middle in ipairs {55, 200} do
+  for _, angle in ipairs {55, 200} do
     local patch = {}
-    for degrees = middle - 13, middle + 13, 2 do
+    for degrees = angle - 13, angle + 13, 2 do
       local qx, qy = at(x, y, rx, ry, degrees)
       patch[#patch + 1], patch[#patch + 2] = qx, qy
     end
     canvas:line(patch, {stroke = RED, width = 6})
-    for d = -10, 10, 10 do push(canvas, x, y, rx, ry, middle + d, 46, 0, RED) end
+    for d = -10, 10, 10 do push(canvas, x, y, rx, ry, angle + d, 46, 0, RED) end
   end
   write(canvas, "loads")
 end

@@ -64,7 +64,7 @@ local function edit_solve(result)
   return median(list)
 end
 
-local add = new("agile", "Table 2", "What an edit costs", "Ours: the middle one of edits that scale or turn one "
+local add = new("agile", "Table 2", "What an edit costs", "Ours: the median of edits that scale or turn one "
   .. "bone; quadratic tetrahedra as in the paper. The begin of a session is all that is done before the first "
   .. "edit, the first solution with it.")
 for _, line in ipairs(agile) do

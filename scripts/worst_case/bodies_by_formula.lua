@@ -46,8 +46,8 @@ bodies.list = {
 --- The worst case of a body by the paper's weak regions and by brute force: {seconds (of weak regions), weak,
 --- brute, both, elements}.
 function bodies.compare(body, elements)
-  local f, low, high = body.make()
-  local surface = assert(bw.surface.implicit(f, {min = low, max = high, cells = body.cells}))
+  local f, min, max = body.make()
+  local surface = assert(bw.surface.implicit(f, {min = min, max = max, cells = body.cells}))
   local mesh = assert(bw.mesh.fill(surface, {elements = elements or body.elements, tolerance = 0.05}))
   local part = bw.model {mesh = mesh, material = bw.material.green_state_stainless_steel}
   local load = {force = math.min(20, 0.05 * 2e5 * mesh.boundary.area), pressure = 2e5}

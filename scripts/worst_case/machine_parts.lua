@@ -4,7 +4,7 @@
 local bw = require "barwright"
 local tool = require "part_tools"
 local shapes = bw.shapes
-local box, cylinder, turned, cut, bolt_circle = tool.box, tool.cylinder, tool.turned, tool.cut, tool.bolt_circle
+local box, cylinder, rotated, cut, bolt_circle = tool.box, tool.cylinder, tool.rotated, tool.cut, tool.bolt_circle
 
 local parts = {}
 
@@ -50,7 +50,7 @@ end
 
 local function gear()
   local solid = {cylinder("z", 0, 0, 20, 0, 8), cylinder("z", 0, 0, 9, 0, 18)}
-  for i = 1, 16 do solid[#solid + 1] = turned(box(18, -2, 0, 25, 2, 8), 2 * pi * i / 16) end
+  for i = 1, 16 do solid[#solid + 1] = rotated(box(18, -2, 0, 25, 2, 8), 2 * pi * i / 16) end
   local tools = bolt_circle(5, 14, 3, -1, 10)
   tools[#tools + 1] = cylinder("z", 0, 0, 5, -1, 20)
   tools[#tools + 1] = box(0, -1.5, -1, 6.8, 1.5, 20)
@@ -86,7 +86,7 @@ local function turbine()
   local solid = {cylinder("z", 0, 0, 12, 0, 14)}
   for i = 1, 9 do
     local a = 2 * pi * i / 9
-    solid[#solid + 1] = turned(function(x, y, z)
+    solid[#solid + 1] = rotated(function(x, y, z)
       local off = y - 0.35 * (z - 7) -- a blade set at an angle
       return max(abs(off) - 1.2, abs(x - 21) - 11, abs(z - 7) - 6)
     end, a)
@@ -111,9 +111,9 @@ end
 -- Plates with holes, pins and ribs drawn by a seed: random test geometries.
 local function drawn_plate(seed)
   local state = seed
-  local function draw(low, high)
+  local function draw(from, to)
     state = (state * 1103515245 + 12345) % 2147483648
-    return low + (high - low) * (state / 2147483648)
+    return from + (to - from) * (state / 2147483648)
   end
   local thick = draw(2, 6)
   local solid, tools = {box(-35, -25, 0, 35, 25, thick)}, {}

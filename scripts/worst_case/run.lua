@@ -146,7 +146,7 @@ local function main()
     end
     local mesh, message, details = checked(bw.mesh.read, path, {unit = opts.unit})
     if not mesh then
-      -- These two also hold surfaces. What the reader of meshes says tells more when they do not.
+      -- These two formats also contain surfaces. What the reader of meshes says tells more when they do not.
       if (ending == "msh" or ending == "vtu") and details.status == "format" then
         local found, info = surface()
         if found then return filled(path, found, info, result) end
@@ -186,7 +186,7 @@ local function main()
     end
     return area
   end
-  result.held_area_m2 = selections(opts.fix, "held", function(selection) part:fix(selection) end)
+  result.held_area_m2 = selections(opts.fix, "fixed", function(selection) part:fix(selection) end)
   result.forbidden_area_m2 = selections(opts.forbid, "no pressure", function(selection)
     forbidden = forbidden or {}
     forbidden[#forbidden + 1] = selection

@@ -4,7 +4,7 @@
 local bw = require "barwright"
 local tool = require "part_tools"
 local shapes = bw.shapes
-local box, cylinder, turned, cut, bolt_circle = tool.box, tool.cylinder, tool.turned, tool.cut, tool.bolt_circle
+local box, cylinder, rotated, cut, bolt_circle = tool.box, tool.cylinder, tool.rotated, tool.cut, tool.bolt_circle
 
 local parts = {}
 
@@ -31,7 +31,7 @@ local function webbed_gear()
   local solid = {cut(cylinder("z", 0, 0, 26, 0, 10), {cylinder("z", 0, 0, 22, -1, 11)}),
     cylinder("z", 0, 0, 24, 3.5, 6.5), cylinder("z", 0, 0, 8, 0, 14)}
   for i = 1, 20 do
-    solid[#solid + 1] = turned(function(x, y, z)
+    solid[#solid + 1] = rotated(function(x, y, z)
       return max(abs(y) + 0.35 * (x - 25) - 2.2, abs(x - 27.5) - 3, abs(z - 5) - 5)
     end, 2 * pi * i / 20)
   end
@@ -114,7 +114,7 @@ local function spoked_pulley()
     return max(abs(z - 6) - 3.5, 27.5 - sqrt(x * x + y * y)) -- the belt's groove
   end})
   local solid = {rim, cylinder("z", 0, 0, 8, 0, 16)}
-  for i = 1, 5 do solid[#solid + 1] = turned(box(6, -2.2, 3.5, 27, 2.2, 8.5), 2 * pi * i / 5) end
+  for i = 1, 5 do solid[#solid + 1] = rotated(box(6, -2.2, 3.5, 27, 2.2, 8.5), 2 * pi * i / 5) end
   return cut(shapes.join(solid), {cylinder("z", 0, 0, 4, -1, 20), cylinder("x", 0, 13.5, 1.2, 0, 12)}),
     {-34, -34, -4}, {34, 34, 20}
 end

@@ -266,9 +266,9 @@ describe("a search that is extended", function()
   -- A comb with a long tooth: the loads of the search bend this one.
   local radius = 2e-3
   local block = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.066, 0.006, 0.03}, cells = {22, 2, 10}})
-  local middle = block.nodes:gather(block.elements:column(1))
-  for corner = 2, 4 do middle = middle + block.nodes:gather(block.elements:column(corner)) end
-  local comb = assert(block:subset((middle / 4):map(
+  local centroid = block.nodes:gather(block.elements:column(1))
+  for corner = 2, 4 do centroid = centroid + block.nodes:gather(block.elements:column(corner)) end
+  local comb = assert(block:subset((centroid / 4):map(
     "a.z < 0.006 or a.x - 0.012 * floor(a.x / 0.012) < 0.006 and (a.x < 0.012 or a.z < 0.012)"))):with_order(2)
   local part = bw.model {mesh = comb, material = bw.material.pla}
 

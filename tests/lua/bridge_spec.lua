@@ -177,13 +177,13 @@ describe("a beam of uniform strength", function()
     top[1] = {L + foot / 2, 0.03, "fixed"}
     top[11][3] = "y"
     local function vertex(x) return {controls = {{x, 0, "fixed"}}} end
-    local form = form_of.create {{name = "beam", vertex(0), {line = true, tag = "hold"}, vertex(0.004),
+    local form = form_of.create {{name = "beam", vertex(0), {line = true, tag = "fixed"}, vertex(0.004),
       {line = true, tag = "pad"}, vertex(pad), {line = true, tag = "under"}, vertex(L - foot / 2),
       {line = true, tag = "foot"}, vertex(L + foot / 2), {line = true, tag = "end"},
       {controls = top, first = "clamped", last = "axis"}, {line = true, tag = "axis"}}}
     local found = assert(shape_design.search({material = plastic, thickness = 1, limit = limit,
       wall = 0.02, gap = 0.02, size = 0.02, spacing = 0.1, smooth = 0.3, margin = 0.003, idle = 0.3,
-      holes = 0, rounds = 40, conditions = {axis = {x = 0}, hold = {y = 0},
+      holes = 0, rounds = 40, conditions = {axis = {x = 0}, fixed = {y = 0},
         pad = {traction = {0, -R / pad}}, foot = {traction = {0, R / foot}}}}, form))
     assert.is_true(found.passes)
     local outline = found.form:outline()

@@ -58,8 +58,8 @@ end
 local function graded(reach, n)
   local low, high = 1.0001, 4
   for _ = 1, 60 do
-    local middle = (low + high) / 2
-    if 0.02 * (middle ^ n - 1) / (middle - 1) > reach then high = middle else low = middle end
+    local midpoint = (low + high) / 2
+    if 0.02 * (midpoint ^ n - 1) / (midpoint - 1) > reach then high = midpoint else low = midpoint end
   end
   return function(i) return 0.02 * (low ^ i - 1) / (low - 1) end
 end
@@ -224,12 +224,12 @@ end)
 local function notched(radius)
   local height, profile, tip = 0.1, {{-3, -2}, {3, -2}, {3, 1}, {1, 1}}, {0, 0, 0.05}
   if radius then
-    local middle = radius * sqrt(2)
+    local centre = radius * sqrt(2)
     for i = 0, 12 do
       local t = -pi / 4 - pi / 2 * i / 12
-      profile[#profile + 1] = {radius * cos(t), middle + radius * sin(t)}
+      profile[#profile + 1] = {radius * cos(t), centre + radius * sin(t)}
     end
-    tip[2] = middle - radius
+    tip[2] = centre - radius
   else
     profile[5] = {0, 0}
   end

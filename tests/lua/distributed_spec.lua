@@ -2,7 +2,7 @@
 -- Several processes, started by mpirun. Skipped where barwright was built without MPI.
 local check = require "check"
 
--- Open MPI refuses to run as root and to start more ranks than processors unless told so.
+-- Open MPI refuses to run as root and to start more ranks than processors without options that allow it.
 local MPIRUN = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 BARWRIGHT_QUIET=1 BARWRIGHT_THREADS=1 "
   .. "LUA_PATH='" .. check.root .. "/tests/lua/?.lua;;' timeout %d mpirun --oversubscribe --bind-to none -n %d "
 
@@ -32,10 +32,10 @@ if missing then
 end
 
 local CASES = {"static tet4 cg", "static tet10 cg", "static tet4 cholesky", "static tet10 cholesky",
-  "turned supports tet4 cg", "turned supports tet10 cg", "turned supports tet4 cholesky",
-  "turned supports tet10 cholesky", "free tet4 cg", "free tet10 cg", "free tet4 cholesky", "free tet10 cholesky",
+  "rotated supports tet4 cg", "rotated supports tet10 cg", "rotated supports tet4 cholesky",
+  "rotated supports tet10 cholesky", "free tet4 cg", "free tet10 cg", "free tet4 cholesky", "free tet10 cholesky",
   "modes tet4", "modes tet10", "free modes tet4", "free modes tet10", "modes by conjugate gradients",
-  "turned modes", "failures come back, and work goes on", "a body that is nearly a mechanism is refused",
+  "rotated modes", "failures come back, and work goes on", "a body that is nearly a mechanism is refused",
   "misuse", "a forked job has no ranks", "the same numbers again"}
 
 for _, ranks in ipairs {2, 1} do

@@ -75,7 +75,7 @@ describe("a solve", function()
     end
   end)
 
-  it("of a part turned as a whole keeps every subdomain and the factor", function()
+  it("of a part rotated as a whole keeps every subdomain and the factor", function()
     local session = beam()
     assert(session:bone("lower"):rotate {y = 20})
     assert(session:solve())
@@ -99,8 +99,8 @@ describe("a solve", function()
     other:fix(part.mesh.boundary:below(1, 0))
     assert.equal(session.mesh, assert(session:moved(other)).mesh)
     local sideways = assert(session:solve {part = other, method = "refactor"})
-    local fresh = assert(assert(session:moved(other)):solve())
-    assert.truthy((fresh.displacement - sideways.displacement):norm() < 1e-8 * fresh.displacement:norm())
+    local direct = assert(assert(session:moved(other)):solve())
+    assert.truthy((direct.displacement - sideways.displacement):norm() < 1e-8 * direct.displacement:norm())
     assert.equal(1, sideways.reused.factor_reused)
     compare(session, assert(session:solve()))
     check.raises("a model expected, got mesh", session.solve, session, {part = part.mesh})
@@ -135,18 +135,18 @@ describe("a solve", function()
     assert.is_false(session.part.material.rotated_by_element)
     compare(session, assert(session:solve()))
 
-    -- as a whole: the stress of a part whose material was given turned from the start
+    -- as a whole: the stress of a part whose material was given rotated from the start
     assert(session:bone("upper"):rotate {z = 90})
     local result = assert(session:solve {check = true})
     assert.equal(1, result.reused.factor_reused)
     assert.is_true(session.part.material.rotated_by_element)
-    local turned = print:rotated {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}
-    local fresh = assert(assert(part_of(turned):moved(session.mesh)):solve())
+    local rotated = print:rotated {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}
+    local direct = assert(assert(part_of(rotated):moved(session.mesh)):solve())
     for _, field in ipairs {"stress", "von_mises", "utilisation"} do
-      local want = fresh[field]
+      local want = direct[field]
       assert.truthy((want - result[field]):norm() < 1e-8 * want:norm())
     end
-    check.near(fresh:error_estimate(), result:error_estimate(), 1e-8)
+    check.near(direct:error_estimate(), result:error_estimate(), 1e-8)
     local stays = assert(assert(part:moved(session.mesh)):solve())
     assert.truthy((stays.displacement - result.displacement):norm() > 0.1 * result.displacement:norm())
 
@@ -179,7 +179,7 @@ describe("a solve", function()
     assert.is_nil(assert(session:solve()).times)
     assert(session:report(folder .. "/now.html", {title = "A bent beam"}))
     local page = check.read(folder .. "/now.html")
-    assert.truthy(page:find("A bent beam", 1, true) and page:find("turned by 30 degrees", 1, true))
+    assert.truthy(page:find("A bent beam", 1, true) and page:find("rotated by 30 degrees", 1, true))
     assert.truthy(page:find("session:bone(&quot;lower&quot;):rotate{z = 30}", 1, true))
   end)
 end)

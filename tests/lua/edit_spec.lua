@@ -23,7 +23,7 @@ describe("an edit", function()
     assert.equal(3, #session.edits)
     assert.truthy(tostring(session):find 'session:bone%("upper"%):translate{0.0, 0.0, 0.1}'
       or tostring(session):find 'session:bone%("upper"%):translate{0, 0, 0.1}')
-    assert.truthy(tostring(session:bone "lower"):find "scaled by %(1.2, 1, 1%), turned by 30 degrees")
+    assert.truthy(tostring(session:bone "lower"):find "scaled by %(1.2, 1, 1%), rotated by 30 degrees")
   end)
 
   it("turns in the directions of space, whatever the parent does", function()
@@ -78,7 +78,7 @@ describe("an edit", function()
     assert.equal(0, #session.edits)
   end)
 
-  it("called without a colon, or assigned to, is told apart", function()
+  it("called without a colon, or assigned to, is recognised", function()
     local session = beam()
     local bone = session:bone "lower"
     check.raises("with a colon", session.bone, "lower")
@@ -142,9 +142,9 @@ describe("reaching", function()
     assert(session:undo())
     assert(session:limit("left_knee", {swing = 5, twist = {-10, 10}}))
     assert(session:limit("left_thigh", {swing = 5}))
-    local held = assert(session:reach("left_foot", {30 * mm, 0, -30 * mm}))
-    assert.truthy(held.distance > free.distance)
-    assert.is_false(held.reached)
+    local fixed = assert(session:reach("left_foot", {30 * mm, 0, -30 * mm}))
+    assert.truthy(fixed.distance > free.distance)
+    assert.is_false(fixed.reached)
     check.raises("twist", session.limit, session, "left_knee", {twist = {1}})
     check.raises("no joint 'left_kne'", session.limit, session, "left_kne", {swing = 1})
   end)
@@ -182,9 +182,9 @@ describe("a session", function()
   local function check_edits(part, opts, solve)
     local session = assert(bw.edit(part, opts))
     local function compare_with_fresh()
-      local now, fresh = assert(session:solve(solve)), assert(session.part:solve(solve and
+      local now, direct = assert(session:solve(solve)), assert(session.part:solve(solve and
         {inertia_relief = solve.inertia_relief}))
-      local difference = (fresh.displacement - now.displacement):norm() / fresh.displacement:norm()
+      local difference = (direct.displacement - now.displacement):norm() / direct.displacement:norm()
       assert.truthy(difference < 1e-8, ("differs by %g"):format(difference))
     end
     compare_with_fresh()
@@ -217,9 +217,9 @@ describe("a session", function()
   it("comes through random edits, undos and redos with the equations of a new part", function()
     local runs = os.getenv "BARWRIGHT_FULL" and 40 or 3
     local seed = 12345
-    local function random(low, high)
+    local function random(min, max)
       seed = (seed * 1103515245 + 12345) % 2147483648
-      return low + (high - low) * (seed // 65536 / 32768)
+      return min + (max - min) * (seed // 65536 / 32768)
     end
     local refused = 0
     for _ = 1, runs do

@@ -381,10 +381,10 @@ local database = [[
   core.database(named)
   core.database(IN .. "/x.db\0")
   core.database("file:" .. OUT .. "/secret.db") and io.open(OUT .. "/secret.db")
-  held("file:" .. OUT .. "/secret.db?mode=ro")
+  contains_outside("file:" .. OUT .. "/secret.db?mode=ro")
   core.database("file:" .. OUT .. "/new.db?mode=rwc") and false
   core.database("file:../new.db") and false
-  core.database("file:%2e%2e/secret.db") and held "file:%2e%2e/secret.db"
+  core.database("file:%2e%2e/secret.db") and contains_outside "file:%2e%2e/secret.db"
   core.database("file://localhost" .. OUT .. "/new.db") and false
   core.database("file:x.db?vfs=unix-none&mode=memory&cache=shared") and false
   core.salvage(OUT .. "/secret.db", IN .. "/new.db")
@@ -453,7 +453,7 @@ local database_start = [[
     local db = use(path)
     if db then db:close() end
   end
-  local function held(path) -- whether it is a database of what there is outside
+  local function contains_outside(path) -- whether it is a database of what there is outside
     local ok, db = pcall(core.database, path, {read_only = true})
     return ok and db and pcall(db.rows, db, "SELECT * FROM kept")
   end

@@ -68,7 +68,7 @@ describe("conditions that meet at a corner", function()
     end
   end)
 
-  it("take the middle of temperatures, and what one of them leaves free from the other", function()
+  it("take the mean of temperatures, and what one of them leaves free from the other", function()
     for _, lid in ipairs {"ceiling", "top"} do
       local s = cavity(lid, function(name)
         return {[name] = {y = 0, temperature = 30}, left = {x = 0, y = 0, temperature = 10}, right = "wall",
@@ -131,14 +131,14 @@ describe("a steady flow", function()
         steady = true, conditions = conditions}
     end
     local s = assert(wall())
-    local _, _, _, middle = s:at(1, 0.5)
-    check.near(5 + 0.7 / 2 + 0.7 / 0.5, middle, 1e-6)
+    local _, _, _, temperature = s:at(1, 0.5)
+    check.near(5 + 0.7 / 2 + 0.7 / 0.5, temperature, 1e-6)
     check.near(0.7, s:heat "inlet", 1e-9)
     check.near(-0.7, s:heat "outlet", 1e-6)
     assert.equal(0, s:heat "top")
     assert(s:drag({edge = 2}, {1, 0})) -- 3 m long
-    _, _, _, middle = s:at(0, 0.5)
-    check.near(5 + 0.7 / 2 + 3 * 0.7 / 0.5, middle, 1e-6)
+    _, _, _, temperature = s:at(0, 0.5)
+    check.near(5 + 0.7 / 2 + 3 * 0.7 / 0.5, temperature, 1e-6)
     local function by_height(_, y) return 1.4 * y end
     local by_function = assert(wall {inlet = {x = 0, y = 0, heat_flux = by_height}})
     check.near(0.7, by_function:heat "inlet", 1e-9)
@@ -205,7 +205,7 @@ describe("a flow in time", function()
     check.raises("no signal 'speed'", s.frequency, s, "speed")
     s:record("speed", function(flow) return (flow:at(0.05, 0.5)) end)
     assert(s:step(2))
-    assert(s:pace(0.005):step(200)) -- which has a fresh signal
+    assert(s:pace(0.005):step(200)) -- which has a new signal
     assert.equal(200, #s.signals.speed)
     check.near(2 + 0.04 + 1, s.time, 1e-9)
     check.near(20 / (2 * math.pi), s:frequency("speed", 2), 0.05)

@@ -126,9 +126,9 @@ describe("memory", function()
     while true do
       core.fail_allocation(n, true)
       local ok, worst, message, details = pcall(function() -- luacheck: ignore 331
-        local fresh = bw.model {mesh = mesh, material = part.material}
-        if type(fresh) == "nil" then return nil, "not enough memory", {status = "memory"} end
-        return bw.worst_case(fresh, {force = 1, pressure = 1e6, modes = 1, regions = 1})
+        local part_again = bw.model {mesh = mesh, material = part.material}
+        if type(part_again) == "nil" then return nil, "not enough memory", {status = "memory"} end
+        return bw.worst_case(part_again, {force = 1, pressure = 1e6, modes = 1, regions = 1})
       end)
       core.fail_allocation(0, false)
       if ok and worst then

@@ -270,7 +270,7 @@ describe("a controller in the plane", function()
     rawset(object, "step", function() return nil, "the house fell down" end)
     talk.controller:idle()
     local got = talk.server.got[1]
-    assert.equal("the house fell down", got[#got].trouble)
+    assert.equal("the house fell down", got[#got].failure)
     assert.is_false(got[#got].running)
   end)
 
@@ -341,10 +341,10 @@ describe("a controller in the plane", function()
       talk.controller:idle()
       local got = talk.server.got[1]
       local state = got[#got]
-      assert.is_nil(state.trouble)
+      assert.is_nil(state.failure)
       assert.equal(8 * talk.object.node_count, #talk.server.blocks.state.arrows)
       assert.is_true(state.time > 0)
-      assert.truthy(state.reported[1][1]:find(name == "flow" and "force on cylinder" or "heat in at bottom"))
+      assert.truthy(state.readouts[1][1]:find(name == "flow" and "force on cylinder" or "heat in at bottom"))
     end
     -- a hole in a stream is a wall
     local stream = controller_on(made "flow")

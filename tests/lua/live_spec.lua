@@ -146,10 +146,10 @@ describe("a controller", function()
       end
     end
     local tip, wall = place "tip", place "wall"
-    local state = talk.say(1, {type = "bend", bone = "nose", swing = 3, twist = bw.json.null})
-    check.near(3, state.bends[2].swing, 1e-12)
-    assert.is_nil(state.bends[2].twist)
-    assert.equal(bw.json.null, state.bends[1])
+    local state = talk.say(1, {type = "joint_limits", bone = "nose", swing = 3, twist = bw.json.null})
+    check.near(3, state.joint_limits[2].swing, 1e-12)
+    assert.is_nil(state.joint_limits[2].twist)
+    assert.equal(bw.json.null, state.joint_limits[1])
     talk.say(1, {type = "begin", joint = "tip", seq = 1})
     state = talk.say(1, {type = "move", seq = 2, change = {reach = {0.03, 0, 0.05}}})
     assert.equal("tip", state.drag.joint)
@@ -166,8 +166,8 @@ describe("a controller", function()
     local at = state.joints[wall]
     local moved = talk.say(1, {type = "edit", joint = "wall", change = {reach = {at[1], at[2], at[3] + 1e-3}}})
     for j, now in ipairs(moved.joints) do check.near(1e-3, now[3] - state.joints[j][3], 1e-9) end
-    state = talk.say(1, {type = "bend", bone = "nose"})
-    assert.equal(bw.json.null, state.bends[2])
+    state = talk.say(1, {type = "joint_limits", bone = "nose"})
+    assert.equal(bw.json.null, state.joint_limits[2])
   end)
 
   it("ties bones for the optimiser", function()
@@ -190,7 +190,7 @@ describe("a controller", function()
     local state, got = talk.say(1, {type = "loads", loads = "worst"})
     assert.equal("progress", got[1].type)
     assert.equal("worst", state.loads.kind)
-    assert.is_false(state.loads.aged)
+    assert.is_false(state.loads.outdated)
     assert.is_true(#state.loads.arrows >= 2)
     local force, twist = {0, 0, 0}, 0
     for _, arrow in ipairs(state.loads.arrows) do
@@ -203,12 +203,12 @@ describe("a controller", function()
     part:load {nodal = worst:force()}
     check.near(assert(part:solve {inertia_relief = true}).von_mises:max(), state.maximum, 1e-6)
     state = talk.say(1, {type = "edit", bone = "nose", change = scaled(1.1)})
-    assert.is_true(state.loads.aged)
+    assert.is_true(state.loads.outdated)
     -- a stop that arrives while it is looked for: what was found before stays
     talk.server.waiting = {{1, "message", '{"type":"stop"}'}}
     state, got = talk.say(1, {type = "loads", loads = "worst"})
     assert.truthy(last_of(got, "optimised").message:find("stopped", 1, true))
-    assert.is_true(state.loads.aged)
+    assert.is_true(state.loads.outdated)
     state = talk.say(1, {type = "loads", loads = "own"})
     assert.equal("own", state.loads.kind)
     assert.equal(0, #(state.loads.arrows or {}))
@@ -237,7 +237,7 @@ describe("a controller", function()
     talk.controller.seconds, talk.server.waiting = 1, {{2, "message", '{"type":"undo"}'}}
     _, got = talk.say(1, move(4, 1.3))
     assert.equal("shape4 state4", kinds(got))
-    talk.controller.seconds, talk.controller.reported = 1, -100
+    talk.controller.seconds, talk.controller.reported_at = 1, -100
     talk.server.waiting = {{1, "message", move(6, 1.4)}}
     _, got = talk.say(1, move(5, 1.35))
     assert.equal("shape5 state5 state6", (kinds(got):gsub("shape6 ", ""))) -- shape6: on a busy machine
@@ -317,11 +317,11 @@ describe("a message that is none", function()
       ['{"type":"begin","bone":"arm","joint":"tip","seq":1}'] = "one of 'bone' and 'joint'",
       ['{"type":"begin","joint":"arm","seq":1}'] = "the name of a joint expected",
       ['{"type":"edit","joint":{},"change":{"reset":true}}'] = "the name of a joint expected",
-      ['{"type":"bend","swing":1}'] = "'bone' is missing",
-      ['{"type":"bend","bone":"arm","swing":181}'] = "a number from 0 to 180",
-      ['{"type":"bend","bone":"arm","twist":[5,-5]}'] = "two angles",
-      ['{"type":"bend","bone":"arm","twist":[1,2,3]}'] = "two angles",
-      ['{"type":"bend","bone":"arm","twist":{"1":2}}'] = "two angles",
+      ['{"type":"joint_limits","swing":1}'] = "'bone' is missing",
+      ['{"type":"joint_limits","bone":"arm","swing":181}'] = "a number from 0 to 180",
+      ['{"type":"joint_limits","bone":"arm","twist":[5,-5]}'] = "two angles",
+      ['{"type":"joint_limits","bone":"arm","twist":[1,2,3]}'] = "two angles",
+      ['{"type":"joint_limits","bone":"arm","twist":{"1":2}}'] = "two angles",
       ['{"type":"ties"}'] = "'ties' is missing",
       ['{"type":"ties","ties":["arm","nose"]}'] = "lists of names of bones",
       ['{"type":"ties","ties":[["arm"]]}'] = "lists of names of bones",

@@ -77,7 +77,7 @@ describe("a forbidden surface", function()
       forbidden = strip}))
     assert.truthy(message:find("are in equilibrium up to a total of", 1, true))
     assert.truthy(details.largest_force < 2 * 2e5 * (uneven.areas:sum() - low) * (1 + 1e-9))
-    -- Nothing pushes back: no force at all, or what supports take.
+    -- Without inertia: no force at all, or what supports take.
     local back = jaws | boundary:facing {1, 0, 0}
     check.fails("infeasible", "are in equilibrium up to a total of 0 N only", bw.worst_case(bar(),
       with(base, {forbidden = back})))
@@ -109,7 +109,7 @@ describe("a forbidden surface", function()
 end)
 
 describe("the worst load of a fixed body", function()
-  -- The largest share-weighted sum of gains: no row but that of the total force.
+  -- The largest weighted sum of gains: no row but that of the total force.
   local function knapsack(gain, areas, pressure, force)
     local order, value, left = gain:order(), 0, force
     for k = order.row_count, 1, -1 do
@@ -169,7 +169,7 @@ describe("the worst load of a fixed body", function()
     assert.truthy(arrow.at[1] > 0.085 and math.abs(arrow.force[3]) > 0.9, arrow.at[1])
   end)
 
-  it("needs supports that hold still", function()
+  it("needs supports that leave no rigid-body mode", function()
     local part = bar(true)
     part:prescribe(boundary:above(1, 0.1), {1e-5, false, false})
     check.fails("unsupported", "prescribes a displacement", bw.worst_case(part, {modes = 2}))

@@ -47,9 +47,9 @@ describe("a metallophone bar", function()
     check.near(1, bar.frequency / (beam * (0.2 / 0.21) ^ 2), 0.005)
     assert.truthy(tostring(bar):find("Hz", 1, true))
     assert.truthy(tostring(bar.reused):find("relocation", 1, true))
-    local fresh = assert(bw.responsive.metallophone {outline = bar.outline, thickness = 0.004,
+    local direct = assert(bw.responsive.metallophone {outline = bar.outline, thickness = 0.004,
       material = m, elements = 60})
-    check.near(1, bar.frequency / fresh.frequency, 5e-4)
+    check.near(1, bar.frequency / direct.frequency, 5e-4)
   end)
 
   it("has a gradient that is that of differences", function()
@@ -90,8 +90,8 @@ describe("a metallophone bar", function()
   -- width in the place of the thickness.
   it("names its modes", function()
     local length, width, thick, nu = 0.3, 0.03, 0.004, 0.33
-    local turned = assert(bw.outline.rectangle {min = {0, 0}, max = {length, width}}):rotated(30)
-    local bar = assert(bw.responsive.metallophone {outline = turned, thickness = thick, elements = 200, modes = 7,
+    local rotated = assert(bw.outline.rectangle {min = {0, 0}, max = {length, width}}):rotated(30)
+    local bar = assert(bw.responsive.metallophone {outline = rotated, thickness = thick, elements = 200, modes = 7,
       material = bw.material.isotropic {name = "alloy", young = 70e9, poisson = nu, density = 2700}})
     local first = {}
     local last = 0
@@ -108,7 +108,7 @@ describe("a metallophone bar", function()
     end
     check.near(math.sqrt(1 / (2 * (1 + nu))) * speed * thick / width / length, first["torsion 1"], 0.05)
     check.near(first["torsion 1"] * 2, first["torsion 2"], 0.05)
-    -- sheared and turned, a deep beam is softer
+    -- sheared and rotated, a deep beam is softer
     check.near(4.73 ^ 2 / (2 * math.pi * length ^ 2) * speed * width / math.sqrt(12), first["in-plane 1"], 0.06)
   end)
 
@@ -219,7 +219,7 @@ describe("a metallophone bar", function()
     end
   end)
 
-  it("says where to hold and where to trim it", function()
+  it("says where to support and where to trim it", function()
     local bar = bar_of(0.2, 0.02, 120)
     local holes = assert(bar:holes())
     table.sort(holes, function(a, b) return a[1] < b[1] end)

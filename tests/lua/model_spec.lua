@@ -34,9 +34,9 @@ describe("a material", function()
     local wood = bw.material.orthotropic {young = {10e9, 1e9, 0.5e9}, poisson = {0.3, 0.02, 0.3},
       strength = {80e6, 8e6, 4e6}, name = "wood"}
     assert.same({10e9, 1e9, 0.5e9}, wood.young)
-    local turned = wood:rotated {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}
-    check.near(wood.elasticity(1, 1), turned.elasticity(2, 2), 1e-12)
-    check.near(80e6, turned:strength_along {0, 3, 0}, 1e-12)
+    local rotated = wood:rotated {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}
+    check.near(wood.elasticity(1, 1), rotated.elasticity(2, 2), 1e-12)
+    check.near(80e6, rotated:strength_along {0, 3, 0}, 1e-12)
     check.raises("rotation", wood.rotated, wood, {{2, 0, 0}, {0, 1, 0}, {0, 0, 1}})
   end)
 
@@ -126,15 +126,15 @@ describe("a model", function()
     part:load {on = tip, torque = {100, 20, 0}, about = about}
     part:load {on = tip, torque = {100, 20, 0}}
     part:load {on = tip, torque = {100, 20, 0}, about = about, net_force = true}
-    local couple, same, turned = table.unpack(part.loads)
+    local couple, same, rotated = table.unpack(part.loads)
     for k, moment in ipairs {100, 20, 0} do
       assert.is_true(math.abs(couple.resultant[k]) < 1e-9)
       assert.is_true(math.abs(moment - couple.moment[k]) < 1e-9)
       assert.equal(same.moment[k], couple.moment[k])
     end
-    local force = turned.resultant
+    local force = rotated.resultant
     assert.is_true(math.abs(force[2]) + math.abs(force[3]) > 10)
-    check.near(100, turned.moment[1] - (about[2] * force[3] - about[3] * force[2]), 1e-9)
+    check.near(100, rotated.moment[1] - (about[2] * force[3] - about[3] * force[2]), 1e-9)
     check.raises("'net_force' needs the point", part.load, part, {on = tip, torque = {1, 0, 0}, net_force = true})
     check.raises("'net_force' goes with 'torque' only", part.load, part,
       {on = tip, force = {1, 0, 0}, net_force = true})

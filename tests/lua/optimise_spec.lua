@@ -149,7 +149,7 @@ describe("the scaling optimisation", function()
     assert.truthy(tried > 40)
   end)
 
-  it("chooses bones by stress, keeps and adds as told", function()
+  it("chooses bones by stress, keeps and adds as asked", function()
     local session = bar(3, {load = tip {0, 0, -100}})
     local before = max_of(session)
     local found = assert(session:optimise {von_mises = 0.9 * before, move_supports = true})

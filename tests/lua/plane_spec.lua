@@ -87,29 +87,29 @@ describe("a plane mesh", function()
     local outline = block()
     for order = 1, 2 do
       local mesh = assert(bw.plane.fill(outline, {elements = 500, order = order}))
-      local mover = assert(bw.plane.mesh_motion(mesh))
+      local motion = assert(bw.plane.mesh_motion(mesh))
       local seen, now = {}, outline
       local field = mesh.points
       for i = 1, 30 do
         now = assert(outline:moved({loop = "hole"}, {0.05 * i, 0}))
-        local before = mover.mesh
-        local report = assert(mover:follow(now))
+        local before = motion.mesh
+        local report = assert(motion:follow(now))
         seen[report.level] = (seen[report.level] or 0) + 1
         local shares = {relocation = "topology", reconnecting = "nodes"}
-        assert.equal(shares[report.level], mover.mesh:shares(before))
+        assert.equal(shares[report.level], motion.mesh:shares(before))
         assert.equal(report.level == "reconnecting", report.flips > 0)
-        check.near(report.worst, mover.mesh.quality.worst, 0)
-        assert.equal(0, mover.mesh.quality.inverted)
-        field = assert(before:transfer(mover.mesh, field))
-        assert.equal(mover.mesh.node_count, #field)
+        check.near(report.worst, motion.mesh.quality.worst, 0)
+        assert.equal(0, motion.mesh.quality.inverted)
+        field = assert(before:transfer(motion.mesh, field))
+        assert.equal(motion.mesh.node_count, #field)
       end
       assert.is_true(seen.relocation > 5 and (seen.reconnecting or 0) > 0)
-      assert.equal("none", mover:follow(now).level)
+      assert.equal("none", motion:follow(now).level)
       -- another topology: all new
-      local report = assert(mover:follow(assert(now:without "hole")))
+      local report = assert(motion:follow(assert(now:without "hole")))
       assert.equal("reconstruction", report.level)
-      assert.equal(1, #mover.outline.loops)
-      assert.is_nil(mover.mesh:shares(mesh))
+      assert.equal(1, #motion.outline.loops)
+      assert.is_nil(motion.mesh:shares(mesh))
     end
   end)
 
@@ -118,22 +118,22 @@ describe("a plane mesh", function()
       return assert(bw.outline {{0, 0}, {2 * size, 0}, {2 * size, size}, {size, 1.2 * size}, {0, size}})
     end
     local mesh = assert(bw.plane.fill(block(), {elements = 200}))
-    local mover = assert(bw.plane.mesh_motion(mesh, {fill = {elements = 200}}))
+    local motion = assert(bw.plane.mesh_motion(mesh, {fill = {elements = 200}}))
     for _, outline in ipairs {house(1), assert(bw.outline.rectangle {width = 2e-6, height = 1e-6}), house(1e6),
       assert(bw.outline.rectangle {width = 2e-6, height = 1e-6}), house(1)} do
-      assert(mover:follow(outline))
-      check.near(200, mover.mesh.element_count, 0.1)
+      assert(motion:follow(outline))
+      check.near(200, motion.mesh.element_count, 0.1)
     end
   end)
 
   it("pulls gradients back to the outline", function()
     local outline = block()
     local mesh = assert(bw.plane.fill(outline, {elements = 200}))
-    local mover = assert(bw.plane.mesh_motion(mesh))
+    local motion = assert(bw.plane.mesh_motion(mesh))
     -- J = sum of x of all nodes: moving everything to the right by 1 gains the number of nodes
     local ones = {}
     for i = 1, mesh.node_count do ones[i] = {1, 0} end
-    local gradient = assert(mover:pull_back(ones)):totable()
+    local gradient = assert(motion:pull_back(ones)):totable()
     local sum = 0
     for _, g in ipairs(gradient) do
       sum = sum + g[1]
@@ -147,14 +147,14 @@ describe("a plane mesh", function()
     local calls = 0
     local field = function(x) calls = calls + 1 return 0.05 + 0.1 * x end
     local mesh = assert(bw.plane.fill(outline, {field = field}))
-    local mover = assert(bw.plane.mesh_motion(mesh, {force = "reconstruction", fill = {field = field}}))
+    local motion = assert(bw.plane.mesh_motion(mesh, {force = "reconstruction", fill = {field = field}}))
     field = nil -- luacheck: ignore 311
     collectgarbage()
     calls = 0
-    local report = assert(mover:follow(assert(outline:moved({loop = "hole"}, {0.1, 0}))))
+    local report = assert(motion:follow(assert(outline:moved({loop = "hole"}, {0.1, 0}))))
     assert.equal("reconstruction", report.level)
     assert.is_true(calls > 0)
-    check.near(1, mover.mesh.element_count / mesh.element_count, 0.2)
+    check.near(1, motion.mesh.element_count / mesh.element_count, 0.2)
   end)
 
   it("knows where a place is", function()

@@ -11,7 +11,7 @@ local scenario, expect = bw.scenario, bw.scenario.expect
 ]]
 
 -- Runs scenario files {name = text} in a new folder: exit status, TAP, result.json, the folder, errors.
-local function judge(files, options)
+local function tested(files, options)
   local folder = check.folder()
   for name, source in pairs(files) do
     local inner = name:match "^(.*)/"
@@ -46,7 +46,7 @@ end
 
 describe("expectations", function()
   it("that are met", function()
-    local run = judge {["a.lua"] = HEAD .. [[
+    local run = tested {["a.lua"] = HEAD .. [[
 scenario("all forms", function(t)
   expect(3, "three", "Pa"):below(3)
   expect(3):above(3)
@@ -74,7 +74,7 @@ end)]]}
   end)
 
   it("that are not are all listed, with what they saw, and t:require stops", function()
-    local run = judge {["a.lua"] = HEAD .. [[
+    local run = tested {["a.lua"] = HEAD .. [[
 scenario("none is met", function(t)
   expect(3, "three", "Pa"):below(2)
   expect(0 / 0, "not a number"):below(2)
@@ -115,7 +115,7 @@ end)]]}
   end)
 
   it("that are misused are errors of the script's line, and the others go on", function()
-    local run = judge {["a.lua"] = HEAD .. [[
+    local run = tested {["a.lua"] = HEAD .. [[
 scenario("a", function() expect(1):near(2) end)
 scenario("b", function() expect(1):near(0, {relative = 1}) end)
 scenario("c", function() expect(1):belo(0) end)
@@ -141,7 +141,7 @@ end)
 
 describe("a scenario", function()
   it("may be skipped, with the reason, before and while it runs", function()
-    local run = judge {["a.lua"] = HEAD .. [[
+    local run = tested {["a.lua"] = HEAD .. [[
 scenario("a", {skip = "no #licence"}, function() error "x" end)
 scenario("b", {skip = true}, function() error "x" end)
 scenario("c", {skip = false}, function(t) t:skip "no program" end)]]}
@@ -152,7 +152,7 @@ scenario("c", {skip = false}, function(t) t:skip "no program" end)]]}
   end)
 
   it("has notes, tables, a scratch folder, and pictures where it fails", function()
-    local run = judge {["a.lua"] = HEAD .. [[
+    local run = tested {["a.lua"] = HEAD .. [[
 scenario("a", {about = "about it"}, function(t)
   t:note("%d pieces", 3)
   t:table {heads = {"a", "b"}, rows = {{1, "x"}, {2}}, text = "T"}
@@ -184,7 +184,7 @@ end)]]}
   end)
 
   it("is named once, and stated nowhere but in a scenario file", function()
-    local run = judge {["a.lua"] = HEAD .. 'scenario("a", print)\nscenario("a", print)',
+    local run = tested {["a.lua"] = HEAD .. 'scenario("a", print)\nscenario("a", print)',
       ["b.lua"] = HEAD .. 'scenario("", print)', ["c.lua"] = HEAD .. 'scenario("c", {tag = "x"}, print)',
       ["d.lua"] = HEAD .. 'scenario("d", function() scenario("e", print) end)',
       ["e.lua"] = HEAD .. 'scenario("e", {tags = "slow"}, print)'}
@@ -211,7 +211,7 @@ local function bar(turned)
 end
 ]]
   it("are the same whatever their signs and the mix of a pair", function()
-    local run = judge {["a.lua"] = source .. [[
+    local run = tested {["a.lua"] = source .. [[
 scenario("same", function()
   expect(bar()):same_modes(bar(), {relative = 0})
   expect(bar()):same_modes(bar(1), {relative = 1e-6, last = false})
@@ -272,7 +272,7 @@ end)]]):format(value)
   end
 
   it("are written by --update, and only where they are missing or do not fit", function()
-    local run = judge {["deep/a.lua"] =
+    local run = tested {["deep/a.lua"] =
       file "{mass = 2.5, list = {1, 2}, field = bw.array.new {{1, 2}, {3, 4}}, s = 'x'}"}
     assert.equal(1, run.status)
     has(run.out, "`barwright test --update` writes it")
@@ -305,7 +305,7 @@ end)]]):format(value)
   end)
 
   it("that are damaged, and values that cannot be kept, are said", function()
-    local run = judge {["a.lua"] = file "1", ["b.lua"] = file "bw.material.pla", ["baselines/a/kept.json"] = "{"}
+    local run = tested {["a.lua"] = file "1", ["b.lua"] = file "bw.material.pla", ["baselines/a/kept.json"] = "{"}
     assert.equal("failed error", statuses(run))
     has(messages(run.result.scenarios[1])[1], "kept.json: line 1")
     has(run.result.scenarios[2].message, "a material cannot be kept")
@@ -314,7 +314,7 @@ end)
 
 describe("files", function()
   it("with faults fail by file and line, and the others go on", function()
-    local run = judge {["a.lua"] = "local x = = 3\n", ["b.lua"] = HEAD .. '\nerror "at load"',
+    local run = tested {["a.lua"] = "local x = = 3\n", ["b.lua"] = HEAD .. '\nerror "at load"',
       ["c.lua"] = "x = 1", ["d.lua"] = HEAD .. 'scenario("good", function() expect(1):above(0) end)',
       ["e.lua"] = 'require "nothing_there"', ["lib/help.lua"] = "return 5", ["f.lua"] = HEAD
         .. 'local five = require "help"\nscenario("helped", function() expect(five):equals(5) end)'}
@@ -328,7 +328,7 @@ describe("files", function()
   end)
 
   it("and an empty selection are refused", function()
-    local run = judge({["a.lua"] = HEAD .. 'scenario("a", {tags = {"slow"}}, function() expect(1):above(0) end)'},
+    local run = tested({["a.lua"] = HEAD .. 'scenario("a", {tags = {"slow"}}, function() expect(1):above(0) end)'},
       "--skip-tag slow")
     assert.equal(2, run.status)
     has(run.err, "none of 1 scenarios is asked for by --skip-tag slow (tags: slow)")
@@ -348,7 +348,7 @@ end)
 
 describe("what is reported", function()
   it("is well formed with odd characters", function()
-    local run = judge {["a.lua"] = HEAD .. [==[
+    local run = tested {["a.lua"] = HEAD .. [==[
 scenario("odd \240 # & < > \" ' \\", function()
   print "\1\2 ]]> & \255 \u{FFFE} \u{1F600}"
   expect("a\0b<&\n\r\27\195\40"):equals "]]>"
@@ -377,7 +377,7 @@ scenario("error", function() error "<&\1\200>" end)]==]}
   end)
 
   it("is a manual, also from results of several runs", function()
-    local run = judge({["a.lua"] = HEAD .. [[
+    local run = tested({["a.lua"] = HEAD .. [[
 scenario.about {title = "Bars", text = "About bars."}
 scenario("quick | one", function(t)
   expect(440.4, "f", "Hz"):near(440, {relative = 0.001, source = "a fork"})
@@ -417,7 +417,7 @@ end)
 
 describe("jobs", function()
   it("fail alone where they crash, hang, fill memory or leave things behind", function()
-    local run = judge({["a.lua"] = HEAD .. [[
+    local run = tested({["a.lua"] = HEAD .. [[
 scenario("before", function() left = 1; package.loaded.left = 1; expect(1):above(0) end)
 scenario("crash", function()
   expect(1, "one"):above(0)
@@ -443,7 +443,7 @@ end)]]}, "--parallel 2")
   end)
 
   it("say what is wrong with a note or a table", function()
-    local run = judge({["a.lua"] = HEAD .. [[scenario("s", function(t)
+    local run = tested({["a.lua"] = HEAD .. [[scenario("s", function(t)
       local _, note = pcall(t.note, t, "%d pieces", "x")
       expect(note:find("a.lua:%d+: note: the values do not fit the text") ~= nil):is_true()
       local _, table = pcall(t.table, t, {heads = {"a"}, rows = {{1}, 2}})
@@ -453,7 +453,7 @@ end)]]}, "--parallel 2")
   end)
 
   it("compare modes of the Laplacian, and refuse lists that contain themselves", function()
-    local run = judge({["a.lua"] = HEAD .. [[scenario("s", function(t)
+    local run = tested({["a.lua"] = HEAD .. [[scenario("s", function(t)
       local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {3, 1, 1}}
       local part = bw.model {mesh = mesh, material = bw.material.pla}
       local modes = t:require(part:modes {count = 1, laplacian = true})
@@ -479,7 +479,7 @@ end)]]}, "--parallel 2")
       source[#source + 1] = ([[scenario("s%d", function() os.execute "sleep %g" expect(%d):above(0) end)]])
         :format(i, 0.3 - 0.05 * i, i)
     end
-    local run = judge({["a.lua"] = table.concat(source, "\n")}, "--parallel 4")
+    local run = tested({["a.lua"] = table.concat(source, "\n")}, "--parallel 4")
     assert.equal(0, run.status, run.out)
     local order = {}
     for n in run.out:gmatch "ok %d+ %- [^\n]*: s(%d)" do order[#order + 1] = n end

@@ -172,9 +172,9 @@ describe("a solid", function()
 
   it("finds the equilibria that there are in odd places", function()
     -- ten turns; a floor that the body crosses at first; nearly incompressible; auxetic
-    local turned = assert(standing():rotate(top, {axis = {0, 0, 1}, point = {0.05, 0.05, 0},
+    local rotated = assert(standing():rotate(top, {axis = {0, 0, 1}, point = {0.05, 0.05, 0},
       angle = 3600}):solve())
-    assert.equal(120, turned.report.load_steps)
+    assert.equal(120, rotated.report.load_steps)
     local pushed = assert(standing():contact_plane {point = {0, 0, 0.19}, normal = {0, 0, -1}}:solve())
     assert.is_true(pushed.displacement:gather(pushed.grid:nodes(top)):column(3):max() < -0.01 + 1e-9)
     for _, poisson in ipairs {0.4999, -0.5} do

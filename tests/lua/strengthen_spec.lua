@@ -404,12 +404,12 @@ describe("strengthening", function()
 
   it("takes the lighter surface where a step goes further than the force needs", function()
     -- The first step ends at 270 N, the lower end. 130 N with a margin of 3 % need less of it.
-    local share = math.log(1.03 * 130 / 90) / math.log(270 / 90)
+    local fraction = math.log(1.03 * 130 / 90) / math.log(270 / 90)
     local lighter = assert(strengthening_by(scripted({100, 300, 160}, top, {}))(bar,
       with {elements = 200, force = 130}))
     assert.is_true(lighter.reached)
     assert.equal(2, #lighter.steps)
-    check.near(share * 1e-4, lighter.steps[2].offset, 1e-9)
+    check.near(fraction * 1e-4, lighter.steps[2].offset, 1e-9)
     assert.equal(160, lighter.after.force)
     -- Where the lighter one does not carry the force, or no step is left, it is the first.
     for _, case in ipairs {{{100, 300, 120}, 8}, {{100, 300, 160}, 1}, {{100, 300, false}, 8}} do

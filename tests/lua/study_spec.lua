@@ -196,7 +196,7 @@ describe("a run", function()
     assert.equal(1, repaired[1].attempts)
   end)
 
-  it("goes on with a changed script when told to, and remembers both", function()
+  it("goes on with a changed script when asked to, and remembers both", function()
     local folder = check.folder()
     local text = [[
       local bw, file, factor = require "barwright", ...
@@ -295,7 +295,7 @@ describe("a run", function()
   it("lets a function be the design", function()
     local rounds = 0
     local one = study {objectives = {"mass"}, design = function(evaluate, problem)
-      local point = problem:middle()
+      local point = problem:initial()
       while true do
         rounds = rounds + 1
         local other = {height = point.height / 1.2, holes = point.holes, stiff = point.stiff}
@@ -339,7 +339,7 @@ describe("a run", function()
     local inner
     local design = function(evaluate, problem)
       inner = table.pack(bw.study(options(folder, {file = folder .. "/lock.study"})):run())
-      return evaluate {problem:middle()} and {} or {}
+      return evaluate {problem:initial()} and {} or {}
     end
     outer.design = design
     local locked = bw.study(outer)
@@ -386,9 +386,9 @@ describe("one trial again", function()
     check.fails("empty", "has no trial 99", one:trial(99))
     check.fails("empty", "no trial whose key begins with ffffffffffff", one:trial "ffffffffffff")
     check.raises("four or more digits", one.trial, one, "x")
-    local fresh = assert(one:trial {height = 0.05, holes = 1, stiff = true})
-    assert.is_nil(fresh.before)
-    assert.equal("done", fresh.trial.status)
+    local added = assert(one:trial {height = 0.05, holes = 1, stiff = true})
+    assert.is_nil(added.before)
+    assert.equal("done", added.trial.status)
   end)
 end)
 

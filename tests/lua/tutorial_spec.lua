@@ -122,9 +122,9 @@ describe("docs/tutorial.md", function()
 end)
 
 describe_page("tutorial.md", 3, function(folder)
-  local low, high = {-0.01, -0.01, 0}, {0.052, 0.01, 0.022}
-  assert(assert(bw.mesh.box {min = low, max = high, cells = {12, 4, 4}}):write(folder .. "/part.vtu"))
-  local part = assert(bw.mesh.box {min = low, max = high, cells = {31, 10, 11}})
+  local min, max = {-0.01, -0.01, 0}, {0.052, 0.01, 0.022}
+  assert(assert(bw.mesh.box {min = min, max = max, cells = {12, 4, 4}}):write(folder .. "/part.vtu"))
+  local part = assert(bw.mesh.box {min = min, max = max, cells = {31, 10, 11}})
   assert(part:surface():write(folder .. "/part.stl", {unit = "mm"}))
   local model = ("'%s/scripts/demo_model/foal.lua' %s/out/demo/foal.stl"):format(check.root, folder)
   assert.equal(0, (check.run(model)))

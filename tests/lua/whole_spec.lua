@@ -241,14 +241,14 @@ describe("a progress function", function()
     assert(bw.plane.fill(outline(), {elements = 20}))
   end)
 
-  it("that raises where a mesh is rebuilt leaves the mover where it was", function()
-    local mover = assert(bw.plane.mesh_motion(assert(bw.plane.fill(outline(), {elements = 20}))))
-    local mesh = mover.mesh
+  it("that raises where a mesh is rebuilt leaves the motion where it was", function()
+    local motion = assert(bw.plane.mesh_motion(assert(bw.plane.fill(outline(), {elements = 20}))))
+    local mesh = motion.mesh
     for last = 0, 1 do
       local former = bw.progress(function(_, fraction) return fraction < last or error "no" end)
-      check.raises("no", mover.follow, mover, assert(bw.outline {points = {{0, 0}, {2, 0}, {1, 1}}}))
+      check.raises("no", motion.follow, motion, assert(bw.outline {points = {{0, 0}, {2, 0}, {1, 1}}}))
       bw.progress(former)
-      assert.is_true(mesh == mover.mesh)
+      assert.is_true(mesh == motion.mesh)
     end
   end)
 end)

@@ -45,14 +45,14 @@ export async function live({ browser, root, folder, test, assert, pictures }) {
     assert(difference((await state(page)).positions, after.positions) === 0, "redo makes another shape");
   });
 
-  await test("a bone is turned, moved and reached for with the mouse", async () => {
+  await test("a bone is rotated, moved and reached for with the mouse", async () => {
     await pick(page, "nose");
     await page.keyboard.press("r");
-    const [, turned] = await drag(page, "Y", 25, 25);
+    const [, rotated] = await drag(page, "Y", 25, 25);
     await picture(page, "live_turned");
     await page.click("[data-mode=translate]");
     const [, moved] = await drag(page, "X", 15, 8);
-    assert(difference(turned.positions, moved.positions) > 1e-4, "the part stayed");
+    assert(difference(rotated.positions, moved.positions) > 1e-4, "the part stayed");
     await page.click("[data-mode=reach]");
     const [, reached] = await drag(page, "XYZ", -10, -25);
     assert(difference(moved.positions, reached.positions) > 1e-4, "the part stayed");

@@ -53,25 +53,25 @@ export async function liveMore({ browser, root, folder, test, assert, pictures }
     await page.click("#reset");
     await until(page, () => window.barwright.state().edits === 2);
     await pick(page, "nose");
-    await page.click("#bend summary");
+    await page.click("#joint-limits summary");
     await page.fill("#swing", "2");
     await page.keyboard.press("Tab");
-    await until(page, () => window.barwright.state().bends[1]?.swing === 2);
+    await until(page, () => window.barwright.state().joint_limits[1]?.swing === 2);
     await page.fill("#twist_min", "-5");
     await page.fill("#twist_max", "10");
     await page.keyboard.press("Tab");
-    await until(page, () => window.barwright.state().bends[1]?.twist?.join() === "-5,10");
+    await until(page, () => window.barwright.state().joint_limits[1]?.twist?.join() === "-5,10");
     await picture(page, "live_bend");
     await pickJoint("tip");
     const [before, after] = await drag(page, "XYZ", -40, -20);
     const angle = (Math.abs(Math.acos(bend(after)) - Math.acos(bend(before))) * 180) / Math.PI;
-    assert(angle < 2.001, `the nose turned by ${angle} degrees`);
+    assert(angle < 2.001, `the nose rotated by ${angle} degrees`);
     assert(difference(before.joints.tip, after.joints.tip) > 1e-3, "the joint stayed");
     await page.fill("#swing", "");
     await page.fill("#twist_min", "");
     await page.fill("#twist_max", "");
     await page.keyboard.press("Tab");
-    await until(page, () => window.barwright.state().bends[1] === null);
+    await until(page, () => window.barwright.state().joint_limits[1] === null);
     await page.click("#reset");
     await until(page, () => !document.getElementById("reset").disabled && window.barwright.state().joints.bend[2] === 0);
   });
@@ -94,21 +94,21 @@ export async function liveMore({ browser, root, folder, test, assert, pictures }
     await until(page, () => window.barwright.state().ties.length === 0);
   });
 
-  await test("the worst load is found, shown, and told to be of an earlier shape after an edit", async () => {
+  await test("the worst load is found, shown, and marked as that of an earlier shape after an edit", async () => {
     const own = await state(page);
     await page.selectOption("#loads", "worst");
     await until(page, () => window.barwright.state().loads.kind === "worst" && !window.barwright.state().busy);
     const worst = await state(page);
     assert(worst.arrows >= 2, `${worst.arrows} arrows: a balanced load needs two or more`);
     assert(Math.abs(worst.maximum / own.maximum - 1) > 0.1, `${own.maximum} Pa, then ${worst.maximum}`);
-    assert(!worst.loads.aged && (await page.isHidden("#again")), "it is new");
+    assert(!worst.loads.outdated && (await page.isHidden("#again")), "it is new");
     await picture(page, "live_worst");
     await pick(page, "nose");
     await page.keyboard.press("s");
     const [, edited] = await drag(page, "Z", 0, -25);
-    assert(edited.loads.aged && (await page.isVisible("#again")), "it is of an earlier shape");
+    assert(edited.loads.outdated && (await page.isVisible("#again")), "it is of an earlier shape");
     await page.click("#again");
-    await until(page, () => !window.barwright.state().loads.aged && !window.barwright.state().busy);
+    await until(page, () => !window.barwright.state().loads.outdated && !window.barwright.state().busy);
     await page.selectOption("#loads", "own");
     await until(page, () => window.barwright.state().loads.kind === "own");
     const back = await state(page);

@@ -52,7 +52,7 @@ async function steady(all) {
   });
 
   await test("the field is drawn in colours", async () => {
-    const share = await page.evaluate(() => {
+    const fraction = await page.evaluate(() => {
       const source = document.querySelector("#view canvas");
       const pen = Object.assign(document.createElement("canvas"), { width: source.width, height: source.height }).getContext("2d");
       pen.drawImage(source, 0, 0);
@@ -62,7 +62,7 @@ async function steady(all) {
         if (Math.max(pixels[i], pixels[i + 1], pixels[i + 2]) - Math.min(pixels[i], pixels[i + 1], pixels[i + 2]) > 30) coloured++;
       return coloured / (pixels.length / 4);
     });
-    assert(share > 0.15, `${share} of the view is coloured`);
+    assert(fraction > 0.15, `${fraction} of the view is coloured`);
   });
 
   await test("a hole dragged with the mouse takes mesh and stress along, level and rate are shown", async () => {
@@ -249,10 +249,10 @@ async function vibration(all) {
     const first = await v.state();
     await v.until((t) => window.barwright.state().time > t + 0.1, first.time);
     const [before, after] = await v.drag(await v.place("place", 0.05, 0.145), 0, 60, 30);
-    assert(after.time > before.time && after.time > 0.1, "the drag held the time up");
+    assert(after.time > before.time && after.time > 0.1, "the drag stopped the time");
     assert(Math.abs(after.area - before.area) < 1e-9 && after.points[9] !== before.points[9], "the window moved");
-    await v.picture("shaken");
-    console.log(`# shaken: ${await v.page.textContent("#fps")} frames a second, ${JSON.stringify(after.levels)}`);
+    await v.picture("transient");
+    console.log(`# transient: ${await v.page.textContent("#fps")} frames a second, ${JSON.stringify(after.levels)}`);
     await v.page.click("#pause");
     await v.until(() => !window.barwright.state().running);
     const { time } = await v.state();
@@ -290,11 +290,11 @@ async function bar(all) {
   const { test, assert } = all;
   const v = await view(all, "bar");
   const { page } = v;
-  await test("a bar shows its pitch, nodal lines and where to hold it", async () => {
+  await test("a bar shows its pitch, nodal lines and where to support it", async () => {
     const now = await v.state();
     assert(now.frequency > 500 && now.frequency < 550 && now.note === "C5", `${now.frequency} Hz, ${now.note}`);
     assert(now.lines > 20 && now.holes.length === 2, `${now.lines} numbers of lines`);
-    assert(Math.abs(now.holes[0][0] / 0.2 - 0.224) < 0.01, `held at ${now.holes[0][0] / 0.2} of the length`);
+    assert(Math.abs(now.holes[0][0] / 0.2 - 0.224) < 0.01, `supported at ${now.holes[0][0] / 0.2} of the length`);
     await v.picture("start");
   });
 
@@ -323,7 +323,7 @@ async function bar(all) {
     await v.picture("dragged");
   });
 
-  await test("its mode swings where it is drawn bent", async () => {
+  await test("its mode swings where it is drawn deformed", async () => {
     const pixels = () => page.evaluate(() => document.querySelector("#view canvas").toDataURL());
     await page.$eval("#deflection", (input) => {
       input.value = 0.5;
@@ -418,12 +418,12 @@ async function flows(all) {
       await v.page.selectOption("#field", field);
       await v.until((key) => window.barwright.state().fields[key], field);
       const [before, after] = await v.drag(await (from ? v.place("place", ...from) : v.place("edge", 3)), 10, 25, 12);
-      assert(after.time > before.time, "the drag held the time up");
+      assert(after.time > before.time, "the drag stopped the time");
       assert(difference(before.points, after.points) > 0.01, "the shape stayed");
       await v.page.waitForTimeout(500);
       await v.picture("dragged");
       console.log(`# ${name}: ${await v.page.textContent("#fps")} frames a second, ${JSON.stringify(after.levels)}`);
-      assert(!after.trouble && v.problems.length === 0, `${after.trouble} ${v.problems.join("; ")}`);
+      assert(!after.failure && v.problems.length === 0, `${after.failure} ${v.problems.join("; ")}`);
     });
     await v.end();
   }

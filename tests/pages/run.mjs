@@ -93,9 +93,9 @@ await test("the view shows the body in colours", async () => {
       if (Math.max(r, g, b) - Math.min(r, g, b) > 30) body++;
       seen.add((r >> 4) * 256 + (g >> 4) * 16 + (b >> 4));
     }
-    return { share: body / (pixels.length / 4), count: seen.size };
+    return { fraction: body / (pixels.length / 4), count: seen.size };
   });
-  assert(colours.share > 0.02, `only ${colours.share} of the view is coloured`);
+  assert(colours.fraction > 0.02, `only ${colours.fraction} of the view is coloured`);
   assert(colours.count > 20, `only ${colours.count} colours`);
 });
 
@@ -114,8 +114,8 @@ await test("the deformation slider moves the shape", async () => {
   await slide("scale", 0);
   const rest = await state();
   await slide("scale", 2);
-  const bent = await state();
-  assert(distance(rest.first, bent.first) > 0, "the first point stayed");
+  const deformed = await state();
+  assert(distance(rest.first, deformed.first) > 0, "the first point stayed");
 });
 
 await test("the field selector and the colour range recolour", async () => {

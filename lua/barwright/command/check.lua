@@ -151,28 +151,29 @@ local function face_labels(surface, shown)
   for i = 1, #faces do seen[i] = {0, 0, 0, area = 0, centroids = {}} end
   for t, corners in ipairs(surface.triangles:totable()) do
     local a, b, c = points[corners[1]], points[corners[2]], points[corners[3]]
-    local normal, middle = {}, {}
+    local normal, centroid = {}, {}
     for k = 1, 3 do
       local i, j = k % 3 + 1, (k + 1) % 3 + 1
       normal[k] = (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i])
-      middle[k] = (a[k] + b[k] + c[k]) / 3
+      centroid[k] = (a[k] + b[k] + c[k]) / 3
     end
     local towards = (normal[1] * view[1] + normal[2] * view[2] + normal[3] * view[3]) / length
     local size = math.sqrt(normal[1] ^ 2 + normal[2] ^ 2 + normal[3] ^ 2)
     if towards > TOWARDS * size then
-      middle.clearance = WIDE * inner_radius(a, b, c, size)
+      centroid.clearance = WIDE * inner_radius(a, b, c, size)
       local sum = seen[of(t, 1)]
-      for k = 1, 3 do sum[k] = sum[k] + towards * middle[k] end
+      for k = 1, 3 do sum[k] = sum[k] + towards * centroid[k] end
       sum.area = sum.area + towards
-      sum.centroids[#sum.centroids + 1] = middle
+      sum.centroids[#sum.centroids + 1] = centroid
     end
   end
   local labels = {}
   for i = 1, math.min(#seen, MAX_FACES) do
     local sum, best, min = seen[i], nil, nil
-    for _, middle in ipairs(sum.centroids) do
-      local away = distance(middle, {sum[1] / sum.area, sum[2] / sum.area, sum[3] / sum.area}) - middle.clearance
-      if not min or away < min then best, min = middle, away end
+    for _, centroid in ipairs(sum.centroids) do
+      local away = distance(centroid, {sum[1] / sum.area, sum[2] / sum.area, sum[3] / sum.area})
+        - centroid.clearance
+      if not min or away < min then best, min = centroid, away end
     end
     if best then labels[#labels + 1] = {at = best, text = faces[i].name} end
   end
@@ -257,19 +258,19 @@ local function check_mesh(read, opts, out)
   report_unit(read, out)
   local quality = mesh:quality()
   local degrees = 180 / math.pi
-  local low, high = quality.dihedral_min, quality.dihedral_max
-  if high <= math.pi + 1e-9 then low, high = low * degrees, high * degrees end
-  out:say("Angles between faces from %.3g to %.3g degrees; volumes from %.3g to %.3g mm3; %s.", low, high,
+  local min, max = quality.dihedral_min, quality.dihedral_max
+  if max <= math.pi + 1e-9 then min, max = min * degrees, max * degrees end
+  out:say("Angles between faces from %.3g to %.3g degrees; volumes from %.3g to %.3g mm3; %s.", min, max,
     quality.volume_min * 1e9, quality.volume_max * 1e9, model.count(mesh.component_count, "body", "bodies"))
-  out:json {order = mesh.order, dihedral_min_degrees = low, dihedral_max_degrees = high,
+  out:json {order = mesh.order, dihedral_min_degrees = min, dihedral_max_degrees = max,
     volume_min_m3 = quality.volume_min, volume_max_m3 = quality.volume_max, sound = true}
   local ok, message, details = report_marked(mesh:surface(), opts, out)
   if not ok then return nil, message, details end
   if mesh.component_count > 1 then
     out:say("The bodies are not connected: a load on one has no effect on the others.")
   end
-  if low < 1 then
-    out:say("Its flattest element has an angle of %.2g degrees: stresses there are not to be trusted.", low)
+  if min < 1 then
+    out:say("Its flattest element has an angle of %.2g degrees: stresses there are not to be trusted.", min)
     out:json {sound = false}
     return false
   end

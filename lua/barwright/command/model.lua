@@ -151,8 +151,8 @@ end
 
 --- The length of a box's diagonal.
 function model.diagonal(box)
-  local low, high = box.min, box.max
-  return math.sqrt((high[1] - low[1]) ^ 2 + (high[2] - low[2]) ^ 2 + (high[3] - low[3]) ^ 2)
+  local min, max = box.min, box.max
+  return math.sqrt((max[1] - min[1]) ^ 2 + (max[2] - min[2]) ^ 2 + (max[3] - min[3]) ^ 2)
 end
 
 -- Deflections above this fraction of the longest side are beyond the range of linear theory.

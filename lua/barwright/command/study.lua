@@ -313,7 +313,7 @@ A run that was ended at any moment goes on where it was when it is run again.
       what = "trials side by side (default: one for each processor)"},
     {name = "seconds", value = "SECONDS", type = "number", above = 0, unit = "s", what = "limit of one trial"},
     {name = "memory", value = "SIZE", type = "number", unit = "bytes", above = 0,
-      what = "limit of one trial (default: its worker's share of the machine's)"},
+      what = "limit of one trial (default: its worker's part of the machine's)"},
     {name = "evaluations", value = "COUNT", type = "integer", min = 1, what = "end after so many trials"},
     {name = "seconds-total", value = "SECONDS", type = "number", above = 0, unit = "s",
       what = "end after so long"},

@@ -69,9 +69,9 @@ function Sketch:shortened(text, size, width, bold, midst)
   if self:text_width(text, size, bold) <= width then return text end
   local low, high = 0, utf8.len(text) or #text
   while low < high do
-    local middle = (low + high + 1) // 2
-    if self:text_width(cut(text, middle, midst), size, bold) <= width then low = middle
-    else high = middle - 1 end
+    local midpoint = (low + high + 1) // 2
+    if self:text_width(cut(text, midpoint, midst), size, bold) <= width then low = midpoint
+    else high = midpoint - 1 end
   end
   return cut(text, low, midst)
 end

@@ -57,7 +57,7 @@ function thin.line(list)
 end
 
 --- The pieces of a line within a box {left, top, right, bottom}: what is far outside would lose its
---- slope where numbers are held within reach.
+--- slope where numbers are limited.
 function thin.clipped(list, left, top, right, bottom)
   local far = false
   for i = 1, #list, 2 do

@@ -93,24 +93,25 @@ local function flat(array)
   return out
 end
 
-local function as_modes(kept)
+local function as_modes(before)
   local function array(a)
     local rows = {}
     for i, row in ipairs(a.values) do rows[i] = row end
     return core.array.new(rows)
   end
-  local frequencies = flat(kept.frequencies)
-  return {count = #frequencies, frequencies = frequencies, shape = function(_, i) return array(kept.shapes[i]) end}
+  local frequencies = flat(before.frequencies)
+  return {count = #frequencies, frequencies = frequencies,
+    shape = function(_, i) return array(before.shapes[i]) end}
 end
 
 local compare
 
-local function compare_arrays(now, kept, opts, at)
-  if now.rows ~= kept.rows or now.columns ~= kept.columns then
-    return ("%s%d x %d values, %s x %s expected"):format(at, now.rows, now.columns, tostring(kept.rows),
-      tostring(kept.columns)), math.huge
+local function compare_arrays(now, before, opts, at)
+  if now.rows ~= before.rows or now.columns ~= before.columns then
+    return ("%s%d x %d values, %s x %s expected"):format(at, now.rows, now.columns, tostring(before.rows),
+      tostring(before.columns)), math.huge
   end
-  local a, b = flat(now), flat(kept)
+  local a, b = flat(now), flat(before)
   local max, size, place = numbers.largest(a, b)
   local figure = size > 0 and max / size or max
   if max <= math.max(opts.absolute or 0, (opts.relative or 0) * size) then return nil, figure end
@@ -119,8 +120,8 @@ local function compare_arrays(now, kept, opts, at)
     numbers.show(figure, 3)), figure
 end
 
-local function compare_modes(now, kept, opts, at)
-  local found = modes.compare(as_modes(now), as_modes(kept), opts)
+local function compare_modes(now, before, opts, at)
+  local found = modes.compare(as_modes(now), as_modes(before), opts)
   if found.message then return at .. found.message, math.huge end
   if numbers.over(found.frequency, opts.relative or math.huge) then
     return ("%sthe frequency of mode %d is apart by %s"):format(at, found.at, numbers.show(found.frequency, 3)),
@@ -133,16 +134,16 @@ local function compare_modes(now, kept, opts, at)
   return nil, found.frequency
 end
 
-local function compare_tables(now, kept, opts, at)
+local function compare_tables(now, before, opts, at)
   local keys, worst = {}, 0
   for key in pairs(now) do keys[#keys + 1] = key end
-  for key in pairs(kept) do if now[key] == nil then keys[#keys + 1] = key end end
+  for key in pairs(before) do if now[key] == nil then keys[#keys + 1] = key end end
   table.sort(keys, function(a, b)
     if type(a) == type(b) then return a < b end
     return tostring(a) < tostring(b)
   end)
   for _, key in ipairs(keys) do
-    local fault, figure = compare(now[key], kept[key], opts, at .. tostring(key) .. ": ")
+    local fault, figure = compare(now[key], before[key], opts, at .. tostring(key) .. ": ")
     worst = math.max(worst, figure or 0)
     if fault then return fault, worst end
   end
@@ -150,26 +151,26 @@ local function compare_tables(now, kept, opts, at)
 end
 
 -- What is wrong, or nil; and by how much numbers are apart at most, relative.
-function compare(now, kept, opts, at)
+function compare(now, before, opts, at)
   if now == nil then return at .. "is not there any more", math.huge end
-  if kept == nil then return at .. "is not in the baseline", math.huge end
-  if type(now) == "number" and type(kept) == "number" then
-    local off = math.abs(now - kept)
-    local figure = now == kept and 0 or off / math.abs(kept)
-    if now == kept or off <= math.max(opts.absolute or 0, (opts.relative or 0) * math.abs(kept)) then
+  if before == nil then return at .. "is not in the baseline", math.huge end
+  if type(now) == "number" and type(before) == "number" then
+    local off = math.abs(now - before)
+    local figure = now == before and 0 or off / math.abs(before)
+    if now == before or off <= math.max(opts.absolute or 0, (opts.relative or 0) * math.abs(before)) then
       return nil, figure
     end
-    local a, b = numbers.apart(now, kept)
+    local a, b = numbers.apart(now, before)
     return ("%s%s, %s expected: apart by %s"):format(at, a, b, numbers.show(figure, 3)), figure
   end
-  if type(now) == "table" and type(kept) == "table" then
-    if now.barwright ~= kept.barwright then return at .. "another kind of value", math.huge end
-    if now.barwright == "array" then return compare_arrays(now, kept, opts, at) end
-    if now.barwright == "modes" then return compare_modes(now, kept, opts, at) end
-    return compare_tables(now, kept, opts, at)
+  if type(now) == "table" and type(before) == "table" then
+    if now.barwright ~= before.barwright then return at .. "another kind of value", math.huge end
+    if now.barwright == "array" then return compare_arrays(now, before, opts, at) end
+    if now.barwright == "modes" then return compare_modes(now, before, opts, at) end
+    return compare_tables(now, before, opts, at)
   end
-  if now == kept then return nil, 0 end
-  return ("%s%s, %s expected"):format(at, tostring(now), tostring(kept)), math.huge
+  if now == before then return nil, 0 end
+  return ("%s%s, %s expected"):format(at, tostring(now), tostring(before)), math.huge
 end
 
 local function write(path, snapshot)
@@ -187,12 +188,12 @@ function baseline.compare(path, value, opts, update)
     if update then return write(path, snapshot), true, 0 end
     return ("there is no %s: `barwright test --update` writes it"):format(path), false, nil
   end
-  local kept, why = json.decode(text)
-  if kept == nil then
+  local before, why = json.decode(text)
+  if before == nil then
     if update then return write(path, snapshot), true, 0 end
     return ("%s: %s"):format(path, tostring(why)), false, nil
   end
-  local fault, figure = compare(snapshot, kept, opts, "")
+  local fault, figure = compare(snapshot, before, opts, "")
   if fault and update then return write(path, snapshot), true, 0 end
   return fault and ("%s (%s)"):format(fault, path), false, figure
 end

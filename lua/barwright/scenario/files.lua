@@ -27,19 +27,19 @@ function files.make_folder(path)
 end
 
 -- Folders for passing files, by their paths.
-local held = {}
+local open_folders = {}
 
 --- A new folder for passing files; one that a killed process left is removed by the next run.
 function files.scratch()
   local folder, message = core.temporary_folder()
   if not folder then core.raise(message) end
-  held[folder.path] = folder
+  open_folders[folder.path] = folder
   return folder.path
 end
 
 function files.remove_scratch(path)
-  held[path]:close()
-  held[path] = nil
+  open_folders[path]:close()
+  open_folders[path] = nil
 end
 
 --- The folder of a path ("." where it has none), and its name without ".lua".

@@ -123,7 +123,7 @@ grid.one_at_a_time = {
 -- The base first; then for each variable its levels, without the base's own.
 local function star(problem, opts)
   local where = "design one_at_a_time"
-  local base = problem:middle()
+  local base = problem:initial()
   for name, value in pairs(options.read(where .. ": at", opts.at, (function()
     local rules = {}
     for _, v in ipairs(problem.variables) do rules[v.name] = {type = "any"} end

@@ -40,7 +40,7 @@ local rules = {
   what = {type = "string"},
 }
 
--- The text that the function stands in: the script, or what the prompt was told.
+-- The text that the function stands in: the script, or what was entered at the prompt.
 local function script_of(f)
   local source = debug.getinfo(f, "S").source
   local path = source:match "^@(.*)"

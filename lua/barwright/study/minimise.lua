@@ -247,7 +247,7 @@ end
 local function starts_of(search)
   local opts, problem = search.opts, search.problem
   local first = problem:place(opts.start and problem:check(opts.start, "design minimise: start")
-    or problem:middle())
+    or problem:initial())
   local list = {first}
   if opts.starts > 1 then
     local places = sampling.latin(opts.starts - 1, search.dimensions, random.new(opts.seed), true)

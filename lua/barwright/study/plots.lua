@@ -162,14 +162,14 @@ end
 
 -- The measure at the base and at both ends of each variable.
 local function spans(list, base)
-  local low, high, middle = {}, {}, nil
+  local low, high, at_base = {}, {}, nil
   for i, item in ipairs(list) do
     low[i], high[i] = item.results[1] or 0 / 0, item.results[#item.results] or 0 / 0
     for k, value in ipairs(item.values) do
-      if base and value == base[item.name] then middle = item.results[k] end
+      if base and value == base[item.name] then at_base = item.results[k] end
     end
   end
-  return low, high, middle
+  return low, high, at_base
 end
 
 kinds.sensitivity = {

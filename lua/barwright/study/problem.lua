@@ -120,9 +120,9 @@ function problem:check(point, where)
 end
 
 --- Where a study begins: defaults, else midpoints.
-function problem:middle()
+function problem:initial()
   local point = {}
-  for _, v in ipairs(self.variables) do point[v.name] = v:middle() end
+  for _, v in ipairs(self.variables) do point[v.name] = v:initial() end
   return point
 end
 

@@ -55,7 +55,7 @@ local function load(self)
 end
 
 -- The trial of a point, a new one where the file has none.
-local function trial_of(self, point, fresh)
+local function trial_of(self, point, new)
   local study = self.study
   local name = key.of(study.name, study.seed, study.problem.sorted, point)
   local record = self.by_key[name]
@@ -65,7 +65,7 @@ local function trial_of(self, point, fresh)
     self.taken[self.next] = true
     to_next_free(self)
     self.by_key[name] = record
-    fresh[#fresh + 1] = record
+    new[#new + 1] = record
   end
   return record
 end
@@ -172,15 +172,15 @@ end
 
 -- The trials of a list of points, written down; cut: the limit on evaluations was met.
 local function ask(self, points)
-  local asked, fresh, cut = {}, {}, false
+  local asked, new, cut = {}, {}, false
   for i, given in ipairs(points) do
     local point = self.study.problem:check(given, ("study %s: point %d"):format(self.study.name, i))
-    local record = trial_of(self, point, fresh)
+    local record = trial_of(self, point, new)
     if not self.place[record] then
       if self.opts.evaluations and #self.order >= self.opts.evaluations then
         cut = true
-        if fresh[#fresh] == record then -- it was not asked for
-          fresh[#fresh], self.by_key[record.key] = nil, nil
+        if new[#new] == record then -- it was not asked for
+          new[#new], self.by_key[record.key] = nil, nil
           self.taken[record.number], self.next = nil, record.number
         end
         break
@@ -191,7 +191,7 @@ local function ask(self, points)
     end
     asked[i] = record
   end
-  if #fresh > 0 then save(self, "ask", fresh) end
+  if #new > 0 then save(self, "ask", new) end
   return asked, cut
 end
 

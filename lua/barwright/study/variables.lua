@@ -155,7 +155,7 @@ function class:check(value, where)
 end
 
 --- Where a study begins when nothing else is said: the default, else the middle.
-function class:middle()
+function class:initial()
   if self.default ~= nil then return self.default end
   return self:value(0.5)
 end

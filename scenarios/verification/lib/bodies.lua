@@ -79,7 +79,7 @@ end
 --- Numbers that are the same on every machine: xoshiro256** of Lua, seeded.
 function bodies.random(seed)
   math.randomseed(seed)
-  return function(low, high) return low + (high - low) * math.random() end
+  return function(min, max) return min + (max - min) * math.random() end
 end
 
 function bodies.random_axis(random)

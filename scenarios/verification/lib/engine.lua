@@ -1,15 +1,15 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- What the engine's tests print of themselves, as expectations: lines
 --   VERIFY | case | quantity | reference | figure | allowed | source
--- of programs that fail when a figure is not within what is allowed. Allowed is a difference ("0.15"), a
--- share ("2 %") or "below": less than the reference.
+-- of programs that fail when a figure is not within what is allowed. Allowed is a difference ("0.15"),
+-- a relative difference ("2 %") or "below": less than the reference.
 local bw = require "barwright"
 local project = require "project"
 
 local expect = bw.scenario.expect
 local engine = {}
 
-local function judge(line)
+local function check(line)
   local cells = {}
   for cell in line:gmatch "[^|]+" do cells[#cells + 1] = cell:match "^%s*(.-)%s*$" end
   local case, quantity, reference, figure, allowed, source = table.unpack(cells)
@@ -25,7 +25,7 @@ local function judge(line)
 end
 
 --- Runs a test program of the build with its slow checks.
-function engine.judge(t, program)
+function engine.run(t, program)
   local path = project.root .. "/build/tests/" .. program
   local there = io.open(path)
   if not there then t:skip("build/tests/" .. program .. " is not built") end
@@ -33,7 +33,7 @@ function engine.judge(t, program)
   local pipe, failed = assert(io.popen(("BARWRIGHT_FULL=1 '%s' 2>&1"):format(path))), {}
   for line in pipe:lines() do
     local verified = line:match "^VERIFY | (.*)$"
-    if verified then judge(verified) end
+    if verified then check(verified) end
     if line:match "^%[  FAILED  %] test" or line:match "^%[  ERROR   %] test" then failed[#failed + 1] = line end
   end
   if not pipe:close() and #failed == 0 then failed[1] = "the program failed" end

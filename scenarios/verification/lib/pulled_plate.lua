@@ -18,13 +18,13 @@ function pulled_plate.with_hole(sx, sy, radius, over)
   end
   for _, last in ipairs {hole[1], hole[count + 1]} do last[1], last[3] = 0, "y" end
   local form = form_of.create {{name = "plate", vertex(0, -1), {line = true, tag = "bottom"}, vertex(0.98, -1),
-    {line = true, tag = "hold"}, vertex(1, -1), {line = true, tag = "right"}, vertex(1, 1),
+    {line = true, tag = "fixed"}, vertex(1, -1), {line = true, tag = "right"}, vertex(1, 1),
     {line = true, tag = "top"}, vertex(0, 1), {line = true, tag = "axis"},
     {controls = hole, first = "axis", last = "axis"}, {line = true, tag = "axis"}}}
   return form, {material = plastic, thickness = 1, limit = over * (sx + sy), wall = 0.04, gap = 0.04,
     axis = true, size = "0.008 + 0.15*max(0, sqrt(x^2 + y^2) - 0.2)", spacing = 0.035, smooth = 0.3,
     margin = 0.003, idle = 0.3, holes = 0, rounds = 90,
-    conditions = {axis = {x = 0}, hold = {y = 0}, right = {traction = {sx, 0}}, top = {traction = {0, sy}},
+    conditions = {axis = {x = 0}, fixed = {y = 0}, right = {traction = {sx, 0}}, top = {traction = {0, sy}},
       bottom = {traction = {0, -sy}}}}
 end
 

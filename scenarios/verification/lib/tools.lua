@@ -111,9 +111,9 @@ end
 function tools.root(f, low, high)
   local at_low = f(low)
   for _ = 1, 200 do
-    local middle = (low + high) / 2
-    if middle == low or middle == high then break end
-    if (f(middle) > 0) == (at_low > 0) then low = middle else high = middle end
+    local midpoint = (low + high) / 2
+    if midpoint == low or midpoint == high then break end
+    if (f(midpoint) > 0) == (at_low > 0) then low = midpoint else high = midpoint end
   end
   return (low + high) / 2
 end

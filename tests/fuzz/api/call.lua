@@ -10,7 +10,7 @@ local values = require "values"
 
 local call = {}
 
--- Why a call is ended: raised by a hook, as Ctrl-C is, and told to the engine's progress.
+-- Why a call is ended: raised by a hook, as Ctrl-C is, and reported to the engine's progress.
 local late = "fuzz: too late"
 
 local shares = {{0.66, {"function", "call", "method"}}, {0.8, {"field"}}, {0.85, {"assignment"}},

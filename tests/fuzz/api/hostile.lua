@@ -122,7 +122,7 @@ hostile.others = {
   function() return false end,
   function() return io.stderr end,
   function() return named("<closed file>", closed_file()) end,
-  function() return named("<fresh thread>", coroutine.create(function() end)) end,
+  function() return named("<new thread>", coroutine.create(function() end)) end,
   function()
     local thread = coroutine.create(function() end)
     coroutine.resume(thread)

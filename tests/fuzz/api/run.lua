@@ -23,25 +23,25 @@ local function blocks()
   bw.warnings()
   bw.threads(1)
   wipe(8)
-  local held, same = -1, 0
+  local allocated, same = -1, 0
   repeat -- an object that only another one holds goes a cycle after it
     collectgarbage()
     local now = select(2, core.external())
-    same = now == held and same + 1 or 0
-    held = now
+    same = now == allocated and same + 1 or 0
+    allocated = now
   until same == 3
-  return held
+  return allocated
 end
 
 local at_rest, with_objects -- without objects, and with those that the parent made
 
--- Whether more are held once all objects are let go.
+-- Whether more are allocated once all objects are let go.
 local function leak(pool, what)
   pool:drop()
-  local held = blocks()
-  if held <= at_rest then return nil end
-  local more = held - at_rest
-  at_rest = held
+  local allocated = blocks()
+  if allocated <= at_rest then return nil end
+  local more = allocated - at_rest
+  at_rest = allocated
   return {name = "memory", finding = "leaves memory behind", text = what,
     message = ("%d blocks; --leaks names the call"):format(more)}
 end

@@ -5,7 +5,7 @@ local followed = require "barwright.followed"
 
 local kinds = {}
 
-local function uniform(low, high) return low + (high - low) * math.random() end
+local function uniform(min, max) return min + (max - min) * math.random() end
 kinds.uniform = uniform
 
 -- ---- outlines, most of which serve ----------------------------------------------------------------
@@ -158,7 +158,7 @@ function kinds.new(about)
       return subject.object:become(wrong[math.random(5)])
     end},
     keep = {1, function(subject)
-      local back = followed.kept(subject.object)
+      local back = followed.saved(subject.object)
       if not back then return nil, "time goes on" end
       subject.kept[#subject.kept + 1] = {back = back, fields = fields(subject.object, about.fields)}
       if #subject.kept > 4 then table.remove(subject.kept, 1) end

@@ -56,10 +56,10 @@ local function vector(size) return {uniform(-size, size), uniform(-size, size), 
 local function size() return 10 ^ uniform(-2, 2.5) end
 
 kind.operations = {
-  hold = {0.7, function(subject)
+  fix = {0.7, function(subject)
     return subject.solid:fix(place(), math.random() < 0.5 and {false, 0, 1e-3} or nil)
   end},
-  turn = {0.3, function(subject)
+  rotate = {0.3, function(subject)
     return subject.solid:rotate({side = "max z"}, {axis = vector(1), angle = uniform(-60, 60)})
   end},
   force = {2, function(subject) return subject.solid:force(place(), vector(size())) end},
@@ -68,7 +68,7 @@ kind.operations = {
     return subject.solid:pressure(place(), {follower = math.random() < 0.5,
       pressure = fuse.around(function() return 1e3 end)})
   end},
-  floor = {0.5, function(subject)
+  ["contact plane"] = {0.5, function(subject)
     return subject.solid:contact_plane {point = {0, 0, uniform(0.19, 0.25)}, normal = {0, 0, -1}}
   end},
   ["forget what acts"] = {1, function(subject)

@@ -48,7 +48,7 @@ for _, method in ipairs {"cg", "cholesky"} do
     case(("static tet%d %s"):format(order == 1 and 4 or 10, method), function()
       same_static(fixed(order), options, 1e-8)
     end)
-    case(("turned supports tet%d %s"):format(order == 1 and 4 or 10, method), function()
+    case(("rotated supports tet%d %s"):format(order == 1 and 4 or 10, method), function()
       local mesh = check.beam({8, 2, 2}, order)
       local part = bw.model {mesh = mesh, material = steel}
       part:slide(mesh.boundary:below(1, 0), {1, 0.4, 0.2}):slide(mesh.boundary:below(2, 0), {0, 1, 0})
@@ -72,7 +72,7 @@ local function same_modes(part, options)
   for i = 1, #own do check.near(own.eigenvalues[i], other.eigenvalues[i], 1e-8) end
   assert(other.residuals:max() < 1e-7, other.residuals:max())
   assert(other.counted == (options.method ~= "cg"))
-  -- Single eigenvalues have the same shapes; a pair of the square section may lie turned.
+  -- Single eigenvalues have the same shapes; a pair of the square section may be rotated.
   for i = 1, #own do
     local low, high = i > 1 and own.eigenvalues[i - 1] or 0, i < #own and own.eigenvalues[i + 1] or math.huge
     local value = own.eigenvalues[i]
@@ -94,7 +94,7 @@ end
 case("modes by conjugate gradients", function()
   same_modes(fixed(1), {with = "slepc", method = "cg", count = 4})
 end)
-case("turned modes", function()
+case("rotated modes", function()
   local mesh = check.beam({8, 2, 2}, 1)
   local part = bw.model {mesh = mesh, material = steel}
   part:slide(mesh.boundary:below(1, 0), {1, 0.4, 0.2})
