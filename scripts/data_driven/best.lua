@@ -20,7 +20,7 @@ local function supports(coarse)
           if act.by[c] then free[n][c], fixed[n][c] = 0, act.by[c] end
         end
       end
-    elseif act.kind == "rotate" then
+    elseif act.kind == "move" or act.kind == "rotate" then
       core.raise(("best: supports that %s are not known here"):format(act.kind))
     end
   end
