@@ -146,6 +146,21 @@ describe_page("tutorial_responsive.md", 8, function(folder)
   check.write(folder .. "/whale.svg", page:match "```svg\n(.-)```")
 end)
 
+describe("the scripts of", function()
+  for name, count in pairs {["live.md"] = 2, ["loads_and_supports.md"] = 1} do
+    it("docs/" .. name .. " run by themselves", function()
+      local folder, found = check.folder(), 0
+      for block in check.read(check.root .. "/docs/" .. name):gmatch "```lua\n(.-)```" do
+        found = found + 1
+        check.write(folder .. "/script.lua", block)
+        local code, out, complaint = run_in(folder, program .. " script.lua")
+        assert.message(block .. "\n" .. out .. complaint).equal(0, code)
+      end
+      assert.equal(count, found)
+    end)
+  end
+end)
+
 describe("README.md", function()
   local text = check.read(check.root .. "/README.md")
   local folder = check.folder()

@@ -123,7 +123,7 @@ async function steady(all) {
     assert(difference((await v.state()).points, before.points) === 0, "undo after a refusal");
   });
 
-  await test("Escape takes a drag back", async () => {
+  await test("Escape cancels a drag", async () => {
     const before = await v.state();
     await v.grab(await v.place("edge", 2), 40, 0);
     await v.until(() => window.barwright.state().drag);
