@@ -5,19 +5,12 @@ local check = require "check"
 
 local RUN = "scripts/agile/run.lua"
 
-local function read(path)
-  local file = assert(io.open(path, "rb"))
-  local text = file:read "a"
-  file:close()
-  return text
-end
-
 describe("scripts/agile/run.lua", function()
   it("replays a scene, strengthens it and reports", function()
     local folder = check.folder()
     local code, _, complaint = check.run(RUN .. " --scene opener --elements 3000 --out " .. folder)
     assert.message(complaint).are.equal(0, code)
-    local result = bw.json.decode(read(folder .. "/result.json"))
+    local result = bw.json.decode(check.read(folder .. "/result.json"))
     assert.is_true(result.finished and result.met)
     assert.are.equal(3, result.subdomains.type_r)
     assert.are.equal(6, #result.edits)
@@ -26,9 +19,9 @@ describe("scripts/agile/run.lua", function()
     -- what was taken back is gone; solved for another way, perhaps, by iterating to 1e-10
     check.near(result.edits[4].max_von_mises_pa, result.edits[6].max_von_mises_pa, 1e-9)
     for _, name in ipairs {"manifest.json", "edits.lua", "before.png", "after.png", "after.stl"} do
-      assert.is_true(#read(folder .. "/" .. name) > 100)
+      assert.is_true(#check.read(folder .. "/" .. name) > 100)
     end
-    local page = read(folder .. "/report.html")
+    local page = check.read(folder .. "/report.html")
     assert.truthy(page:find("The limit is met", 1, true))
     assert.truthy(page:find("data:image/png;base64", 1, true))
   end)
@@ -39,14 +32,14 @@ describe("scripts/agile/run.lua", function()
       >'%s/out' 2>'%s/err' & pid=$!
       until grep -q 'wider ring' '%s/out' || ! kill -0 $pid; do sleep 0.02; done
       kill -INT $pid; wait $pid; }]]):format(check.program, RUN, folder, folder, folder, folder))
-    assert.message(read(folder .. "/err")).are.equal(130, code)
-    assert.are.equal("agile: interrupted\n", read(folder .. "/err"))
-    local result = bw.json.decode(read(folder .. "/result.json"))
+    assert.message(check.read(folder .. "/err")).are.equal(130, code)
+    assert.are.equal("agile: interrupted\n", check.read(folder .. "/err"))
+    local result = bw.json.decode(check.read(folder .. "/result.json"))
     assert.is_false(result.finished)
     assert.are.equal("cancelled", result.status)
     assert.is_nil(result.after_max_von_mises_pa)
     assert.is_true(#result.edits >= 3 and result.edits[3].max_von_mises_pa > 0)
-    assert.truthy(read(folder .. "/edits.lua"):find('session:bone("ring"):scale', 1, true))
+    assert.truthy(check.read(folder .. "/edits.lua"):find('session:bone("ring"):scale', 1, true))
   end)
 
   it("makes the same mesh every time, of about the number asked for", function()

@@ -12,16 +12,7 @@ local function part_on(mesh, fixed, material)
   return part
 end
 
-local function read(path)
-  local file <close> = assert(io.open(path, "rb"))
-  return file:read "a"
-end
-
-local function write(path, text)
-  local file <close> = assert(io.open(path, "wb"))
-  assert(file:write(text))
-  return path
-end
+local read, write = check.read, check.write
 
 local path = os.tmpname()
 

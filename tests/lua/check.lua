@@ -18,6 +18,13 @@ function check.beam(cells, order)
     order = order})
 end
 
+--- A bar of PLA along x, 0.1 m x 0.02 m x 0.01 m: its mesh, the model without supports, and with one end fixed.
+function check.bar()
+  local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {8, 4, 2}})
+  return mesh, bw.model {mesh = mesh, material = bw.material.pla},
+    bw.model {mesh = mesh, material = bw.material.pla}:fix(mesh.boundary:below(1, 0))
+end
+
 --- |value - expected| <= tolerance * |expected|
 function check.near(expected, value, tolerance)
   local error_of = math.abs(value - expected)
@@ -63,11 +70,16 @@ function check.read(path)
   return text
 end
 
+--- Writes a text; returns the path.
 function check.write(path, text)
   local file = assert(io.open(path, "wb"))
   file:write(text)
   file:close()
+  return path
 end
+
+--- A word of the shell.
+check.quoted = require "barwright.scenario.files".quoted
 
 --- A folder that is removed at the end of the process.
 local folders = setmetatable({}, {__gc = function(self)
@@ -79,6 +91,11 @@ function check.folder()
   assert(os.execute("mkdir -p '" .. path .. "'"))
   folders[#folders + 1] = path
   return path
+end
+
+--- The path of a script with a text.
+function check.script(text)
+  return check.write(check.folder() .. "/script.lua", text)
 end
 
 --- Runs the program, or another one; returns exit status, standard output, standard error.

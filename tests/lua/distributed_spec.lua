@@ -20,12 +20,6 @@ local function run(ranks, seconds, command)
   return status, text
 end
 
-local function script(text)
-  local path = check.folder() .. "/script.lua"
-  check.write(path, text)
-  return path
-end
-
 if missing then
   describe("several ranks", function() pending(missing) end)
   return
@@ -57,13 +51,13 @@ end
 describe("ranks", function()
   it("run the script once, and end with it", function()
     local status, text = run(3, 600, check.program .. " --mpi "
-      .. script "print(require('barwright.distributed').size()) os.exit(3)")
+      .. check.script "print(require('barwright.distributed').size()) os.exit(3)")
     assert.equal(3, status)
     assert.equal("3\n", text:match "^[^\n]*\n")
   end)
 
   it("are refused without --mpi", function()
-    local _, text = run(2, 600, check.program .. " " .. script [[
+    local _, text = run(2, 600, check.program .. " " .. check.script [[
       local bw = require "barwright"
       local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {1, 1, 1}}
       local part = bw.model {mesh = mesh, material = bw.material.steel}
@@ -73,7 +67,7 @@ describe("ranks", function()
   end)
 
   it("end when one of them dies", function()
-    local status = run(2, 600, check.program .. " " .. script [[
+    local status = run(2, 600, check.program .. " " .. check.script [[
       local d = require "barwright.distributed"
       local rank = d.join()
       if rank == 1 then os.execute "kill -9 $PPID" end
@@ -82,7 +76,7 @@ describe("ranks", function()
   end)
 
   it("send each other strings of bytes", function()
-    local _, text = run(3, 600, check.program .. " " .. script [[
+    local _, text = run(3, 600, check.program .. " " .. check.script [[
       local d = require "barwright.distributed"
       local rank = d.join()
       if rank == 0 then
@@ -105,7 +99,7 @@ describe("ranks", function()
 
   it("work with the stock interpreter", function()
     local _, text = run(2, 600, ("env LUA_PATH='%s/build/lua/?.lua;%s/build/lua/?/init.lua;;' "
-      .. "LUA_CPATH='%s/build/lua/?.so;;' lua5.4 "):format(check.root, check.root, check.root) .. script [[
+      .. "LUA_CPATH='%s/build/lua/?.so;;' lua5.4 "):format(check.root, check.root, check.root) .. check.script [[
       print(require("barwright.distributed").start())
       local bw = require "barwright"
       local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {2, 2, 2}}
@@ -118,7 +112,7 @@ end)
 
 describe("MPI", function()
   it("is loaded only when asked for", function()
-    local _, out = check.run(script [[
+    local _, out = check.run(check.script [[
       local bw = require "barwright"
       local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {1, 1, 1}}
       local part = bw.model {mesh = mesh, material = bw.material.steel}

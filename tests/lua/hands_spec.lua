@@ -3,10 +3,7 @@
 local bw = require "barwright"
 local check = require "check"
 
-local box = assert(bw.mesh.box {min = {0, 0, 0}, max = {0.1, 0.02, 0.01}, cells = {8, 4, 2}})
-local free = bw.model {mesh = box, material = bw.material.pla}
-local fixed = bw.model {mesh = box, material = bw.material.pla}
-fixed:fix(box.boundary:below(1, 0))
+local box, free, fixed = check.bar()
 
 local limits = {force = 5, pressure = 2e5, modes = 3, regions = 2, targets = 4}
 local function analyse(part, more)

@@ -2,15 +2,7 @@
 local bw = require "barwright"
 local check = require "check"
 
-local function quoted(text)
-  return "'" .. text:gsub("'", "'\\''") .. "'"
-end
-
-local function script(text)
-  local path = check.folder() .. "/script.lua"
-  check.write(path, text)
-  return path
-end
+local quoted, script = check.quoted, check.script
 
 -- Starts the program on a script, interrupts it as soon as the script has written the file "ready"
 -- (and `times` times in all), returns exit status, output, errors and the folder.

@@ -6,9 +6,7 @@ local check = require "check"
 
 local run = check.root .. "/scripts/worst_case/run.lua"
 
-local function quoted(text)
-  return "'" .. text:gsub("'", "'\\''") .. "'"
-end
+local quoted = check.quoted
 
 local function files_of(folder)
   local list = {}

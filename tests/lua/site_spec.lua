@@ -1,13 +1,7 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- The documentation's site: every page has its place, every link leads somewhere.
 package.path = "scripts/site/?.lua;" .. package.path
-
-local function read(path)
-  local file = assert(io.open(path, "rb"))
-  local text = file:read "a"
-  file:close()
-  return text
-end
+local check = require "check"
 
 describe("site", function()
   it("is made whole: no page left out, no link to nowhere", function()
@@ -19,17 +13,17 @@ describe("site", function()
     local ok = pipe:close()
     assert.is_true(ok, said)
     assert.truthy(said:find("0 problems", 1, true), said)
-    local index = read(folder .. "/index.html")
+    local index = check.read(folder .. "/index.html")
     assert.truthy(index:find('<a href="docs/tutorial.html"', 1, true))
     assert.falsy(index:find("@%u+@"))
-    local search = read(folder .. "/search.js")
+    local search = check.read(folder .. "/search.js")
     assert.truthy(search:find("Weak regions", 1, true) or search:find("weak regions", 1, true))
     assert.truthy(search:find("comes on top", 1, true), "search has whole sections")
-    local theory = read(folder .. "/docs/theory/data_driven.html")
+    local theory = check.read(folder .. "/docs/theory/data_driven.html")
     assert.truthy(theory:find('<div class="formula"><math display="block">', 1, true))
     assert.falsy(theory:find("<pre><code>", 1, true))
     assert.truthy(theory:find("<msub><mi>J</mi><mi>i</mi></msub>", 1, true))
-    local lesson = read(folder .. "/examples/01_where_will_it_break.html")
+    local lesson = check.read(folder .. "/examples/01_where_will_it_break.html")
     assert.truthy(lesson:find('<span class="word">local</span>', 1, true))
     os.execute(("rm -rf '%s'"):format(folder))
   end)

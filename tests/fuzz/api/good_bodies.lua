@@ -266,7 +266,7 @@ add {
   ["bw.live"] = function(p, r) return p.Outline, {port = r:integer(70000)} end,
   ["LiveServer:serve"] = function() return "a.html", "text/html", "bytes", "a.html" end,
   ["LiveServer:send"] = function(_, r) return r:integer(3), "bytes", {binary = true, replace = "key"} end,
-  ["LiveServer:disconnect"] = function() return 1, 1000, "bye" end,
+  ["LiveServer:disconnect"] = function() return 1, 1000, "session over" end,
   ["LiveServer:receive"] = function() return 0 end,
 }
 
