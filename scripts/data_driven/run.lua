@@ -29,7 +29,7 @@ local function read_arguments()
       scenes.option.methods {"lookup", "grown", "naive", "average"},
       scenes.option.levels(),
       script.option.threads,
-      {name = "no-transient", type = "flag", what = "leave out the transient dynamics of scenes that are let go"},
+      {name = "no-transient", type = "flag", what = "leave out the transient dynamics after the release"},
     },
   }
   if opts.scene == "all" then opts.scene = scenes.order end
