@@ -7,6 +7,7 @@ local goal = require "barwright.goal"
 local options = require "barwright.options"
 local growth = require "barwright.singular_growth"
 local refinement = require "barwright.refinement"
+local shown = require "barwright.shown"
 
 local methods = core.classes.model.methods
 local solve, modes_of = methods.solve, methods.modes -- on the mesh as it is
@@ -175,7 +176,11 @@ function methods.solve(part, given)
   if asks(part, given, "error") or asks(part, given, "of") then
     local opts = options.read("solve", given, static_rules)
     local static, accuracy, details = refinement.run(part, opts, static_analysis(opts, part.mesh))
-    if static then accuracy.singular = find_singular(part, accuracy) end
+    if static then
+      accuracy.singular = find_singular(part, accuracy)
+      core.note_error(static, ("estimated error %s of the %s"):format(shown.error(accuracy.estimated_error),
+        accuracy.quantity))
+    end
     return static, accuracy, details
   end
   return solve(part, given)

@@ -6,6 +6,7 @@ local bumps = require "barwright.bumps"
 local core = require "barwright.core"
 local options = require "barwright.options"
 local distance = require("barwright.points").distance
+local shown = require "barwright.shown"
 
 local advice = {}
 advice.__index = advice
@@ -314,16 +315,18 @@ end
 --- One line for each place, and what is predicted.
 function advice:lines()
   if #self.places == 0 then
-    return {self.low >= self.required and ("It holds %.3g N: nothing to thicken."):format(self.required)
-      or ("No thickening was found that helps against %.3g N."):format(self.required)}
+    return {(self.low >= self.required and "It carries %s: nothing to thicken."
+      or "No thickening was found that helps against %s."):format(core.quantity(self.required, "N"))}
   end
   local list = {}
   for i, place in ipairs(self.places) do
-    list[i] = ("Thicken by %.2g mm within %.3g mm of (%.4g, %.4g, %.4g) mm."):format(place.offset * 1e3,
-      place.radius * 1e3, place.at[1] * 1e3, place.at[2] * 1e3, place.at[3] * 1e3)
+    list[i] = ("Thicken by %s within %s of %s."):format(core.quantity(place.offset, "m"),
+      core.quantity(place.radius, "m"), core.point(place.at))
   end
-  list[#list + 1] = ("Predicted: breaks at %.3g N (%.3g to %.3g N)%s."):format(self.force, self.low, self.high,
-    self.force < self.required and (", still less than %.3g N: repeat"):format(self.required) or "")
+  local rest = self.force < self.required and (", still less than %s: repeat"):format(
+    core.quantity(self.required, "N")) or ""
+  local force = shown.interval(self.force, self.low, self.high, "N")
+  list[#list + 1] = ("Predicted: breaks at %s%s."):format(force, rest)
   return list
 end
 

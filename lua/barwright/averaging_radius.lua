@@ -23,8 +23,9 @@ local function of_material(material, box)
       {status = "unsupported"}
   end
   if 2 * L > thinnest(box) then
-    return nil, ("length 'critical': the mean over twice the critical distance, %.4g mm, does not fit into a part "
-      .. "that is %.4g mm thick: give a length"):format(2e3 * L, 1e3 * thinnest(box)), {status = "unsupported"}
+    return nil, ("length 'critical': the mean over twice the critical distance, %s, does not fit into a part "
+      .. "that is %s thick: give a length"):format(core.quantity(2 * L, "m"), core.quantity(thinnest(box), "m")),
+      {status = "unsupported"}
   end
   return CRITICAL * L
 end

@@ -16,6 +16,7 @@ local singular = require "barwright.singular"
 local weak_places = require "barwright.weak_places"
 local distance = points.distance
 local worst_case = require "barwright.worst_case"
+local shown = require "barwright.shown"
 
 local breaking_force = {}
 breaking_force.__index = breaking_force
@@ -417,8 +418,8 @@ end
 breaking_force.__close = breaking_force.close
 
 function breaking_force:__tostring()
-  return ("breaks at %.3g N (%.3g to %.3g N) at (%.4g, %.4g, %.4g) mm, pushed over at least %.3g cm2%s"):format(
-    self.force, self.low, self.high, self.at[1] * 1e3, self.at[2] * 1e3, self.at[3] * 1e3, self.contact * 1e4,
+  return ("breaks at %s at %s, pushed over at least %s%s"):format(
+    shown.interval(self.force, self.low, self.high, "N"), core.point(self.at), core.quantity(self.contact, "m2"),
     self.singular and "; the stress there has no finite value" or "")
 end
 

@@ -13,8 +13,9 @@ local shapes = require "barwright.outline_shapes"
 local shape_design = require "barwright.shape_design"
 local sheets = require "barwright.sheets"
 local starts = require "barwright.bridge_starts"
+local shown = require "barwright.shown"
 
-local raise = core.raise
+local raise, quantity = core.raise, core.quantity
 
 local rules = {
   span = {type = "number", needed = true, above = 0}, -- between the banks, m
@@ -55,16 +56,17 @@ local function complete(opts)
   opts.member = math.max(0.75 * bar, 1.5 * opts.wall)
   local pressed = opts.load / (opts.thickness * math.min(opts.pad, 2 * opts.bearing))
   if pressed > opts.stress_limit then
-    raise(("bridge: %.4g N on a pad of %.4g m and two bearings of %.4g m press with %.4g Pa: more than"
-      .. " the limit of %.4g Pa. Make them wider, or the bridge thicker"):format(opts.load, opts.pad,
-      opts.bearing, pressed, opts.stress_limit))
+    raise(("bridge: %s on a pad of %s and two bearings of %s press with %s, more than the limit of %s: make "
+      .. "them wider, or the bridge thicker"):format(quantity(opts.load, "N"), quantity(opts.pad, "m"),
+      quantity(opts.bearing, "m"), quantity(pressed, "Pa"), quantity(opts.stress_limit, "Pa")))
   end
   if opts.pad >= opts.span then
-    raise(("bridge: a pad of %.4g m is as long as the span of %.4g m"):format(opts.pad, opts.span))
+    raise(("bridge: option 'pad': a pad shorter than the span of %s expected, got %s"):format(
+      quantity(opts.span, "m"), quantity(opts.pad, "m")))
   end
   if opts.deck < 4 * opts.wall then
-    raise(("bridge: a depth of %.4g m has no room for walls of %.4g m: four of them expected"):format(
-      opts.deck, opts.wall))
+    raise(("bridge: a depth of at least four walls of %s expected, got %s"):format(
+      quantity(opts.wall, "m"), quantity(opts.deck, "m")))
   end
   return opts
 end
@@ -106,8 +108,8 @@ class.__index = members("bridge", class, properties)
 class.__name = "barwright.bridge"
 
 function class:__tostring()
-  return ("bridge of %.4g mm: %.5g mm2, %.3g %% of %.4g MPa: %s; %s"):format(self.options.span * 1e3,
-    self.area * 1e6, self.utilisation * 100, self.stress_limit / 1e6,
+  return ("bridge of %s: %s, %s of %s: %s; %s"):format(quantity(self.options.span, "m"),
+    quantity(self.area, "m2"), shown.percent(self.utilisation), quantity(self.stress_limit, "Pa"),
     self.passes and "passes" or "fails", tostring(self.reused))
 end
 
@@ -148,7 +150,8 @@ local function check_supports(opts, outline)
     middle = {{opts.middle, H}, {0, H}}}
   local left = outline:measure().box.min[1]
   if left < -1e-9 * opts.span then
-    return nil, ("the outline reaches x = %.4g m, across the axis at x = 0 into its own image"):format(left),
+    return nil, ("the outline reaches x = %s, across the axis at x = 0 into its own image"):format(
+      quantity(left, "m")),
       {status = "geometry", x = left}
   end
   local found = {}
@@ -288,7 +291,7 @@ local design_rules = {
 local function reported(self, opts, name, first, count, report_total)
   return function(round, here, best)
     local fraction = (first + round / count) / report_total
-    core.report_progress(("bridge: %s, %.4g mm2"):format(name, 2e6 * best.area), math.min(fraction, 1))
+    core.report_progress(("bridge: %s, %s"):format(name, quantity(2 * best.area, "m2")), math.min(fraction, 1))
     if core.interrupted() then return false end
     if opts.report then
       return opts.report {start = name, round = round, rounds = count, area = 2 * here.area,
@@ -353,10 +356,10 @@ end
 -- Stress goes as load over thickness: what the shape carries, and which thickness would do.
 local function failing(self, utilisation)
   local opts = self.opts
-  return ("no shape was found that passes: the best is stressed to %.1f %% of the limit. It carries %.4g N, or "
-    .. "%.4g N with a thickness of %.4g m. The bending moment in the middle is %.2f of what the depth can carry "
-    .. "(a solid beam carries 0.67)"):format(100 * utilisation, opts.load / utilisation, opts.load,
-    opts.thickness * utilisation, self:moment_fraction())
+  return ("no shape was found that passes: the best is stressed to %s of the limit. It carries %s, or "
+    .. "%s with a thickness of %s. The bending moment in the middle is %.2f of what the depth can carry "
+    .. "(a solid beam carries 0.67)"):format(shown.percent(utilisation), quantity(opts.load / utilisation, "N"),
+    quantity(opts.load, "N"), quantity(opts.thickness * utilisation, "m"), self:moment_fraction())
 end
 
 -- The form to begin with; holes that were put in by hand stay in it. nil and why where they do not fit.
@@ -384,8 +387,8 @@ local function warning_of(self, last, max)
   if max > 1 then return failing(self, max) end
   if last.converged then return nil end
   if not last.falling then return "the search has not converged: more rounds are needed" end
-  return ("the search has not converged: the area fell by %.1f %% in the last %d rounds; more rounds are needed")
-    :format(100 * last.falling, last.falling_rounds)
+  return ("the search has not converged: the area fell by %s in the last %d rounds; more rounds are "
+    .. "needed"):format(shown.percent(last.falling), last.falling_rounds)
 end
 
 --- Finds the shape of least area that passes, from the current outline or several starts, and becomes it; holes
@@ -396,10 +399,12 @@ function class.design(self, given)
   local fraction = self:moment_fraction()
   if fraction > 2 / math.sqrt(3) then
     return nil, ("no bridge of this depth can pass: the bending moment in the middle is %.2f times the one of a "
-      .. "section %.4g m deep with the stress limit everywhere. At least %.4g m of depth, or %.4g m of "
+      .. "section %s deep with the stress limit everywhere. At least %s of depth, or %s of "
       .. "thickness, or less load is needed")
-      :format(fraction, self.opts.deck, self.opts.deck * math.sqrt(fraction * math.sqrt(3) / 2),
-        self.opts.thickness * fraction * math.sqrt(3) / 2), {status = "infeasible", moment_fraction = fraction}
+      :format(fraction, quantity(self.opts.deck, "m"),
+        quantity(self.opts.deck * math.sqrt(fraction * math.sqrt(3) / 2), "m"),
+        quantity(self.opts.thickness * fraction * math.sqrt(3) / 2, "m")),
+      {status = "infeasible", moment_fraction = fraction}
   end
   local results, best = {}, nil
   opts.starts = opts.starts or self.edited and {"current"} or order_of_starts

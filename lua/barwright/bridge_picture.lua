@@ -2,6 +2,7 @@
 -- Pictures of bridges: the whole, coloured by stress, with load and supports.
 local core = require "barwright.core"
 local mirror = require "barwright.mirror"
+local shown = require "barwright.shown"
 
 local picture = {}
 
@@ -56,7 +57,8 @@ function picture.write(bridge, path)
   local opts = bridge.options
   local scale = 900 / (opts.span + 2 * opts.bearing)
   local high = opts.deck * scale
-  local canvas, message, details = core.canvas(1000, high + 150, {name = ("bridge for %.4g N"):format(opts.load)})
+  local canvas, message, details = core.canvas(1000, high + 150, {
+    name = "bridge for " .. core.quantity(opts.load, "N")})
   if not canvas then return nil, message, details end
   local polygons
   polygons, message, details = bridge.whole:polygons()
@@ -70,14 +72,14 @@ function picture.write(bridge, path)
   for _, x in ipairs {a, -a - b} do canvas:rectangle(500 + x, ground + 1, b, 14, {fill = "#999999"}) end
   canvas:line({{500, 30}, {500, 65}}, {stroke = INK, width = 2})
   canvas:polygon({{495, 61}, {505, 61}, {500, 73}}, {fill = INK})
-  canvas:text(("%.4g N"):format(opts.load), 512, 45, {size = 15, colour = INK})
+  canvas:text(core.quantity(opts.load, "N"), 512, 45, {size = 15, colour = INK})
   for n = 0, SHADES do
     canvas:rectangle(336 + 8 * n, ground + 34, 8.5, 12, {fill = colour(n / SHADES)})
   end
   canvas:text("von Mises 0", 318, ground + 46, {size = 15, align = 1, colour = INK})
-  canvas:text(("%.4g MPa"):format(opts.stress_limit / 1e6), 672, ground + 46, {size = 15, colour = INK})
-  canvas:text(("area %.5g mm2, largest stress %.1f %% of the limit"):format(bridge.area * 1e6,
-    100 * bridge.utilisation), 500, ground + 67, {size = 15, align = 0.5, colour = INK})
+  canvas:text(core.quantity(opts.stress_limit, "Pa"), 672, ground + 46, {size = 15, colour = INK})
+  canvas:text(("area %s, largest stress %s of the limit"):format(core.quantity(bridge.area, "m2"),
+    shown.percent(bridge.utilisation)), 500, ground + 67, {size = 15, align = 0.5, colour = INK})
   return canvas:write(path)
 end
 

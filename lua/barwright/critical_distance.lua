@@ -65,8 +65,8 @@ local function line(static, station, radii)
   local values, outside = static.mesh:sample(static.stress, core.array.new(points))
   if not values then return nil, outside end
   if outside:max() > OUTSIDE * radii[#radii] then
-    return nil, ("the line of %.4g mm from the edge leaves the body: the wall is too thin for this length"):format(
-      1e3 * radii[#radii])
+    return nil, ("the line of %s from the edge leaves the body: the wall is too thin for this length"):format(
+      core.quantity(radii[#radii], "m"))
   end
   return values:totable()
 end

@@ -4,6 +4,7 @@
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local options = require "barwright.options"
+local shown = require "barwright.shown"
 
 local drop_test = {}
 drop_test.__index = drop_test
@@ -66,8 +67,8 @@ function drop_test:picture(path, given)
 end
 
 function drop_test:__tostring()
-  return ("%d drops: the weakest place is overloaded in %.3g %% of them; %s"):format(self.drops,
-    100 * self:failures(), core.error_unknown)
+  return ("%d drops: the weakest place is overloaded in %s of them; %s"):format(self.drops,
+    shown.percent(self:failures()), core.error_unknown)
 end
 
 arguments.methods("drop test", drop_test, drop_test, {correlation = "other: worst_case|brute_force|array",

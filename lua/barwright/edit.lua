@@ -68,8 +68,8 @@ local function misplaced(skeleton, mesh)
     if out <= size then inside = inside + 1 end
   end
   if 2 * inside >= #joints then return nil end
-  return ("%d of the skeleton's %d joints are farther from the part than it is long (%.4g mm): is its "
-    .. "unit that of the part?"):format(#joints - inside, #joints, size * 1e3)
+  return ("%d of the skeleton's %d joints are farther from the part than it is long (%s): is its "
+    .. "unit that of the part?"):format(#joints - inside, #joints, core.quantity(size, "m"))
 end
 
 local function make_subdomains(mesh, opts)

@@ -149,16 +149,13 @@ function class:__tostring()
   end
   local axis, angle = edit_pose.axis_and_angle(edit_pose.rotation(row))
   if angle ~= 0 then
-    parts[#parts + 1] = ("rotated by %.4g degrees about (%.3g, %.3g, %.3g)"):format(math.deg(angle),
+    parts[#parts + 1] = ("rotated by %.4g degrees about (%.4g, %.4g, %.4g)"):format(math.deg(angle),
       axis[1], axis[2], axis[3])
   end
   if row[13] ~= 0 or row[14] ~= 0 or row[15] ~= 0 then
-    parts[#parts + 1] = ("moved by (%.4g, %.4g, %.4g) mm"):format(row[13] * 1e3, row[14] * 1e3,
-      row[15] * 1e3)
+    parts[#parts + 1] = "moved by " .. core.point {row[13], row[14], row[15]}
   end
-  local from, to = self.from, self.to
-  return ("bone %s from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) mm, %s"):format(self.name,
-    from[1] * 1e3, from[2] * 1e3, from[3] * 1e3, to[1] * 1e3, to[2] * 1e3, to[3] * 1e3,
+  return ("bone %s from %s to %s, %s"):format(self.name, core.point(self.from), core.point(self.to),
     #parts > 0 and table.concat(parts, ", ") or "at rest")
     .. (self.subdomain and "" or "; no subdomain follows it alone")
 end

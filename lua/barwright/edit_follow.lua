@@ -4,6 +4,7 @@
 -- solve reused is reported in words.
 local core = require "barwright.core"
 local edit_motion = require "barwright.edit_motion"
+local shown = require "barwright.shown"
 
 local edit_follow = {}
 
@@ -72,7 +73,7 @@ local reused = setmetatable({}, {__mode = "k"})
 core.classes.static.properties.reused = function(static) return reused[static] end
 
 local methods = {
-  refactor = function(reuse) return ("%.0f %% of the factor"):format(100 * reuse.factor_reused) end,
+  refactor = function(reuse) return shown.percent(reuse.factor_reused) .. " of the factor" end,
   iterate = function(reuse) return ("the factor as it was, %d iterations"):format(reuse.iterations) end,
   pcg = function(reuse) return ("two-level PCG in place of a factor, %d iterations"):format(reuse.iterations) end,
   full = function() return "nothing of the factor" end,

@@ -6,6 +6,7 @@ local html = require "barwright.html"
 local json = require "barwright.json"
 local options = require "barwright.options"
 local report = require "barwright.report"
+local shown = require "barwright.shown"
 
 local edit_report = {}
 
@@ -56,9 +57,9 @@ end
 local function answer(session, result)
   local highest, node = result.von_mises:max(), result.von_mises:argmax()
   local nodes = result.mesh.nodes
-  return ("%.4g MPa von Mises at (%.4g, %.4g, %.4g) mm, estimated error %.2g %%; %d edit%s"):format(
-    highest / 1e6, nodes(node, 1) * 1e3, nodes(node, 2) * 1e3, nodes(node, 3) * 1e3,
-    100 * result:error_estimate(), #session.edits, #session.edits == 1 and "" or "s")
+  return ("%s von Mises at %s, estimated error %s; %d edit%s"):format(core.quantity(highest, "Pa"),
+    core.point {nodes(node, 1), nodes(node, 2), nodes(node, 3)}, shown.error(result:error_estimate()),
+    #session.edits, #session.edits == 1 and "" or "s")
 end
 
 --- Writes the report to a path. Options: title, manifest.

@@ -98,8 +98,8 @@ local function refusal(topology, nodes, judged)
     x, y, z = x + nodes(corners[k], 1), y + nodes(corners[k], 2), z + nodes(corners[k], 3)
   end
   local subdomain = topology.subdomains[topology.subdomains.element_subdomain[element]]
-  return ("the edit inverts %d element%s; the worst is element %d at (%.4g, %.4g, %.4g) mm, between %s")
-    :format(judged.inverted, judged.inverted == 1 and "" or "s", element, x * 250, y * 250, z * 250,
+  return ("the edit inverts %d element%s; the worst is element %d at %s, between %s")
+    :format(judged.inverted, judged.inverted == 1 and "" or "s", element, core.point {x / 4, y / 4, z / 4},
       table.concat(subdomain.bones, ", "))
 end
 

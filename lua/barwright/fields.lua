@@ -2,6 +2,7 @@
 -- Methods of static results, modes and surfaces that put engine calls together: files and pictures.
 local arguments = require "barwright.arguments"
 local core = require "barwright.core"
+local shown = require "barwright.shown"
 local fine_boundary = require "barwright.fine_boundary"
 local options = require "barwright.options"
 
@@ -17,7 +18,7 @@ local function copied(given)
 end
 
 -- name -> what it is called, unit on the bar, factor
-local shown = {
+local pictured = {
   von_mises = {"von Mises stress, MPa", 1e-6},
   max_principal = {"largest principal stress, MPa", 1e-6},
   element_von_mises = {"von Mises stress, MPa", 1e-6},
@@ -50,10 +51,10 @@ function static:picture(path, given)
   opts.field = nil
   local values = field
   if type(field) == "string" then
-    local about = shown[field]
+    local about = pictured[field]
     if not about then
       local names = {}
-      for name in pairs(shown) do names[#names + 1] = name end
+      for name in pairs(pictured) do names[#names + 1] = name end
       raise(("picture: unknown field '%s': %s"):format(field,
         core.suggestion(field, names)))
     end
@@ -97,7 +98,7 @@ function modes:picture(i, path, given)
   local frequencies = self.frequencies
   if self.components == 3 then
     opts.values = core.array.map("norm(a)", {a = shape}):gather(nodes)
-    opts.unit, opts.scale = opts.unit or "movement / largest movement", opts.scale or 1 / opts.values:max()
+    opts.unit, opts.scale = opts.unit or "displacement over the largest", opts.scale or 1 / opts.values:max()
     opts.displacement = shape:gather(nodes)
   else
     opts.values = shape:gather(nodes)
@@ -106,8 +107,8 @@ function modes:picture(i, path, given)
   if frequencies then
     local cents = self:error_estimate()
     cents = cents and cents[i]
-    title = ("%s: %.4g Hz%s"):format(title, frequencies[i], cents
-      and (cents < 10 and ", about %.2g cents too high" or ", about %.0f cents too high"):format(cents)
+    title = ("%s: %s%s"):format(title, core.quantity(frequencies[i], "Hz"), cents
+      and (", about %s too high"):format(shown.cents(cents))
       or "; " .. core.error_unknown)
   end
   opts.title = opts.title or title
@@ -130,8 +131,8 @@ function core.tables.surface_report:__tostring()
   for _, line in ipairs(kinds) do lines[#lines + 1] = line end
   for i = 1, math.min(5, #self.defects) do
     local d = self.defects[i]
-    lines[#lines + 1] = ("  %s at facet %d, (%.4g, %.4g, %.4g) mm"):format(d.kind, d.facet,
-      1e3 * d.at[1], 1e3 * d.at[2], 1e3 * d.at[3])
+    lines[#lines + 1] = ("  %s at facet %d, %s"):format(d.kind, d.facet,
+      core.point(d.at))
   end
   return table.concat(lines, "\n")
 end

@@ -6,6 +6,9 @@ local options = require "barwright.options"
 
 local goal = {}
 
+-- What the fields are called.
+local names = {von_mises = "von Mises stress", max_principal = "principal stress"}
+
 -- Columns of a stress (xx yy zz yz zx xy) and of a displacement.
 local stress_columns = {xx = 1, yy = 2, zz = 3, yz = 4, zx = 5, xy = 6}
 local displacement_columns = {ux = 1, uy = 2, uz = 3}
@@ -297,7 +300,7 @@ local function of_table(of, mesh)
   local field = opts.field or "von_mises"
   known(field, fields, "field")
   return {measure = at_place(opts.at, field), selections = {}, unit = unit_of(field),
-    name = field .. " at a point"}
+    name = (names[field] or field) .. " at a point"}
 end
 
 --- What is asked: {measure = function(part, static, selections), selections, name, unit}. measure gives {value,
@@ -307,7 +310,7 @@ function goal.read(of, mesh)
   if type(of) == "string" then
     known(of, {"von_mises", "max_principal", "displacement"}, "quantity")
     return {measure = of == "displacement" and largest_displacement or largest_stress(of), selections = {},
-      unit = unit_of(of), name = "largest " .. of}
+      unit = unit_of(of), name = "largest " .. (names[of] or of)}
   end
   if type(of) == "function" then
     return {measure = by_function(of), selections = {}, unit = "", name = "function"}

@@ -52,8 +52,8 @@ end
 --- In words.
 function live_loads.words(controller)
   local worst = controller.loads.worst
-  return ("the worst load of %.4g N: a principal stress of %.4g MPa"):format(worst.force,
-    worst.max_principal / 1e6)
+  return ("the worst load of %s: a principal stress of %s"):format(core.quantity(worst.force, "N"),
+    core.quantity(worst.max_principal, "Pa"))
 end
 
 --- For the pages.

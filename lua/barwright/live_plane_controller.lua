@@ -270,8 +270,9 @@ local function asked_to_stop(self)
 end
 
 local function tuned_words(report)
-  return ("tuned to %.2f Hz (%+.2f cents) by moving the outline by %.3g mm at most; this mesh is %.1f "
-    .. "cents off a finer one"):format(report.frequency, report.cents, 1e3 * report.moved, report.mesh_cents)
+  return ("tuned to %.2f Hz (%+.2f cents) by moving the outline by %s at most; this mesh is %.1f "
+    .. "cents off a finer one"):format(report.frequency, report.cents,
+    core.quantity(report.moved, "m"), report.mesh_cents)
 end
 
 function handlers.tune(self, client, message)

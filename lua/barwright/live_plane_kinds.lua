@@ -8,6 +8,8 @@
 -- `deform`: displacements (rows x, y) or deflections out of the plane (a number each). `limit` of
 -- stress, where none is asked for; `hole_tag` of new holes; `mirror`: what is shown is the right half.
 local pitch = require "barwright.pitch"
+local core = require "barwright.core"
+local shown = require "barwright.shown"
 
 local kinds = {}
 
@@ -41,7 +43,7 @@ local function largest(array)
 end
 
 local function moved(object)
-  return {"largest displacement", ("%.4g mm"):format(1e3 * largest(length_of "displacement"(object)))}
+  return {"largest displacement", core.quantity(largest(length_of "displacement"(object)), "m")}
 end
 
 kinds["steady sheet"] = {
@@ -61,9 +63,9 @@ kinds["bridge"] = {
   hole_tag = "free",
   mirror = true,
   readouts = function(object)
-    return {{"area of both halves", ("%.5g mm2"):format(object.area * 1e6)},
-      {"largest stress", ("%.1f %% of %.4g MPa: %s"):format(100 * object.utilisation,
-        object.stress_limit / 1e6, object.passes and "passes" or "fails")}, moved(object)}
+    return {{"area of both halves", core.quantity(object.area, "m2")},
+      {"largest stress", ("%s of %s: %s"):format(shown.percent(object.utilisation),
+        core.quantity(object.stress_limit, "Pa"), object.passes and "passes" or "fails")}, moved(object)}
   end,
 }
 
@@ -113,7 +115,7 @@ kinds["metallophone bar"] = {
     local list = {}
     local frequencies = object.frequencies:totable()
     for k = 2, math.min(6, #frequencies) do
-      list[#list + 1] = {("mode %d"):format(k), ("%.1f Hz, %.3f times"):format(frequencies[k],
+      list[#list + 1] = {("mode %d"):format(k), ("%s, %.3f times"):format(core.quantity(frequencies[k], "Hz"),
         frequencies[k] / frequencies[1])}
     end
     return list
@@ -146,7 +148,7 @@ local function forces(object)
   if not (object.time > 0 or object.opts.steady) then return list end
   for _, tag in ipairs(tags_where(object, function(c) return c == "wall" end)) do
     local x, y = object:force(tag)
-    list[#list + 1] = {"force on " .. tag, ("%.4g, %.4g N/m"):format(x, y)}
+    list[#list + 1] = {"force on " .. tag, shown.vector({x, y}, "N/m")}
   end
   return list
 end
@@ -158,7 +160,7 @@ local function heats(object)
   for _, tag in ipairs(tags_where(object, function(c)
     return type(c) == "table" and (c.temperature or c.heat_flux or c.convection)
   end)) do
-    list[#list + 1] = {"heat in at " .. tag, ("%.4g K m²/s"):format(object:heat(tag))}
+    list[#list + 1] = {"heat in at " .. tag, core.quantity(object:heat(tag), "K m2/s")}
   end
   return list
 end

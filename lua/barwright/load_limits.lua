@@ -3,6 +3,7 @@
 -- docs/theory/worst_case.md, section 15, has the mathematics.
 local core = require "barwright.core"
 local options = require "barwright.options"
+local shown = require "barwright.shown"
 
 local raise = core.raise
 
@@ -80,11 +81,11 @@ end
 
 --- What of the admissible loads belongs into a sentence about the answer; "" for pressure alone.
 function load_limits.describe(opts)
-  local hands = opts.hands and ("; %d hand%s of %.3g cm2"):format(opts.hands, opts.hands == 1 and "" or "s",
-    opts.hand * 1e4) or ""
+  local hands = opts.hands and ("; %d hand%s of %s"):format(opts.hands, opts.hands == 1 and "" or "s",
+    core.quantity(opts.hand, "m2")) or ""
   if opts.friction == 0 then return hands end
-  return ("%s; friction %.3g, the cone by %d facets (%.2g %% narrower at most)"):format(hands, opts.friction,
-    opts.friction_facets, 100 * load_limits.friction_error(opts))
+  return ("%s; friction %s, the cone by %d facets (%s narrower at most)"):format(hands,
+    shown.number(opts.friction), opts.friction_facets, shown.error(load_limits.friction_error(opts)))
 end
 
 --- What the upper bound bounds where that is not the largest stress of the loads asked for, or nil. Hands are left
@@ -93,8 +94,8 @@ function load_limits.bounded(opts)
   local words = {}
   if opts.hands then words[#words + 1] = "for pressure anywhere instead of within hands" end
   if opts.friction > 0 then
-    words[#words + 1] = ("for friction of the pyramid, %.2g %% less than Coulomb's at most"):format(
-      100 * load_limits.friction_error(opts))
+    words[#words + 1] = ("for friction of the pyramid, %s less than Coulomb's at most"):format(
+      shown.error(load_limits.friction_error(opts)))
   end
   return #words > 0 and table.concat(words, ", ") or nil
 end

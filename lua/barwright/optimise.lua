@@ -206,13 +206,13 @@ local function answer(self, point, t, met)
 end
 
 local reasons = {
-  infeasible = "no factors within the bounds meet the limit of %.4g MPa: the best has %.4g MPa at node %d",
-  stuck = "no step from where it is brings the stresses nearer to the limit of %.4g MPa: the best has"
-    .. " %.4g MPa at node %d",
-  cancelled = "stopped on the way to the limit of %.4g MPa: the best has %.4g MPa at node %d",
-  slow = "the limit of %.4g MPa was not met in time: the best has %.4g MPa at node %d",
-  rounds = "the worst load went on changing; under the last one the limit of %.4g MPa was met up to"
-    .. " %.4g MPa at node %d",
+  infeasible = "no factors within the bounds meet the limit of %s: the best has %s at node %d",
+  stuck = "no step from where it is brings the stresses nearer to the limit of %s: the best has"
+    .. " %s at node %d",
+  cancelled = "stopped on the way to the limit of %s: the best has %s at node %d",
+  slow = "the limit of %s was not met in time: the best has %s at node %d",
+  rounds = "the worst load went on changing; under the last one the limit of %s was met up to"
+    .. " %s at node %d",
 }
 local statuses = {infeasible = "infeasible", stuck = "convergence", slow = "convergence",
   rounds = "convergence", cancelled = "cancelled"}
@@ -221,7 +221,8 @@ local function refuse(self, word)
   local best = self.best
   for i = #best.t + 1, #self.groups do best.t[i] = 1 end
   local found = answer(self, best.point, best.t, false)
-  local text = reasons[word]:format(self.limit / 1e6, best.point.max / 1e6, best.point.node or 0)
+  local text = reasons[word]:format(core.quantity(self.limit, "Pa"),
+    core.quantity(best.point.max, "Pa"), best.point.node or 0)
   local active = {}
   for i, group in ipairs(self.groups) do
     local t = best.t[i] or 1

@@ -9,6 +9,7 @@ local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local options = require "barwright.options"
 local shapes = require "barwright.outline_shapes"
+local shown = require "barwright.shown"
 
 local raise = core.raise
 
@@ -392,10 +393,10 @@ arguments.methods("outline", methods, nil, {loop = "loop: string|integer", hole 
 
 --- Size, area and the loops, a line each.
 function core.classes.outline.tostring(self)
-  local about, mm = self:measure(), 1e3
+  local about = self:measure()
   local size = {about.box.max[1] - about.box.min[1], about.box.max[2] - about.box.min[2]}
-  local lines = {("outline, %.4g x %.4g mm: area %.4g mm2, perimeter %.4g mm, %d edges"):format(
-    size[1] * mm, size[2] * mm, about.area * mm * mm, about.perimeter * mm, self.edge_count)}
+  local lines = {("outline, %s: area %s, perimeter %s, %d edges"):format(shown.size(size),
+    core.quantity(about.area, "m2"), core.quantity(about.perimeter, "m"), self.edge_count)}
   for i, loop in ipairs(self.loops) do
     local tags, seen = {}, {}
     for edge = loop.first, loop.first + loop.count - 1 do

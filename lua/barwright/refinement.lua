@@ -2,6 +2,7 @@
 -- The loop of adaptive refinement: analyse, estimate, bisect where the error comes from, until the estimated error
 -- is small enough or a limit is reached. docs/theory/error_control.md.
 local core = require "barwright.core"
+local shown = require "barwright.shown"
 
 local refinement = {}
 
@@ -194,12 +195,12 @@ local reasons = {
 }
 
 function accuracy:__tostring()
-  local function shown(value) return core.quantity(value, self.unit) end
-  local lines = {("%s: %s, estimated error %.2g %%, %s: %s"):format(self.quantity, shown(self.value),
-    100 * self.estimated_error, self.converged and "converged" or "not converged", reasons[self.reason])}
+  local function text(value) return core.quantity(value, self.unit) end
+  local lines = {("%s: %s, estimated error %s, %s: %s"):format(self.quantity, text(self.value),
+    shown.error(self.estimated_error), self.converged and "converged" or "not converged", reasons[self.reason])}
   for _, row in ipairs(self.history) do
-    lines[#lines + 1] = ("  %8d elements  %8d unknowns  %12s  %6.2f %%"):format(row.elements, row.unknowns,
-      shown(row.value), 100 * row.estimated_error)
+    lines[#lines + 1] = ("  %8d elements  %8d unknowns  %12s  %7s"):format(row.elements, row.unknowns,
+      text(row.value), shown.error(row.estimated_error))
   end
   if self.singular then lines[#lines + 1] = tostring(self.singular) end
   return table.concat(lines, "\n")

@@ -7,6 +7,7 @@ local html = require "barwright.html"
 local json = require "barwright.json"
 local judged_stress = require "barwright.judged_stress"
 local options = require "barwright.options"
+local shown = require "barwright.shown"
 
 local report = {}
 
@@ -62,9 +63,9 @@ local function chosen_regions(worst, count, first)
   return out
 end
 
-local function add_loads(worst, nodes, data, shown)
+local function add_loads(worst, nodes, data, drawn)
   local mesh, judged = worst.mesh, judged_stress(worst.options.failure)
-  for k, region in ipairs(shown) do
+  for k, region in ipairs(drawn) do
     local u, message, details = worst:displacement(region)
     if not u then return nil, message, details end
     local stress
@@ -87,25 +88,23 @@ local function add_modes(worst, nodes, data, count)
   local frequencies = modes.frequencies
   for i = 1, math.min(count, modes.count) do
     data.displacements[#data.displacements + 1] = {
-      name = frequencies and ("mode %d: %.4g Hz"):format(i, frequencies[i]) or ("mode %d"):format(i),
+      name = ("mode %d"):format(i) .. (frequencies and ": " .. core.quantity(frequencies[i], "Hz") or ""),
       kind = "mode", values = floats(modes:shape(i):gather(nodes)), field = json.null,
       arrows = json.list {}}
   end
 end
 
-local function table_of_regions(worst, shown)
+local function table_of_regions(worst, drawn)
   local motion = {}
-  for k, region in ipairs(shown) do motion[region] = k - 1 end
+  for k, region in ipairs(drawn) do motion[region] = k - 1 end
   local rows = {}
   for i, region in ipairs(worst.regions) do
-    rows[i] = {["data-motion"] = motion[i], region.label, ("%.3g"):format(100 * region.volume_fraction),
-      ("%.4g"):format(region.max_principal / 1e6),
-      region.utilisation and ("%.3g"):format(100 * region.utilisation) or "",
-      ("%.4g, %.4g, %.4g"):format(region.at[1] * 1e3, region.at[2] * 1e3, region.at[3] * 1e3),
-      ("%.4g"):format(region.displacement * 1e3)}
+    rows[i] = {["data-motion"] = motion[i], region.label, shown.percent(region.volume_fraction),
+      core.quantity(region.max_principal, "Pa"), region.utilisation and shown.percent(region.utilisation) or "",
+      core.point(region.at), core.quantity(region.displacement, "m")}
   end
-  return "<h2>Weak regions</h2>\n" .. html.table({"found from", "volume, %", "stress, MPa", "of strength, %",
-    "at, mm", "largest motion, mm"}, rows)
+  return "<h2>Weak regions</h2>\n" .. html.table({"found from", "volume", "stress", "of strength", "at",
+    "largest displacement"}, rows)
 end
 
 --- What the lines in the view stand for, as HTML.
@@ -114,14 +113,14 @@ function report.legend(opts)
   return ('<p><span style="color:#6014d6">&#9473;&#9473;</span> %s</p>\n'):format(html.escape(opts.line_name))
 end
 
-local function data_of(worst, opts, shown)
+local function data_of(worst, opts, drawn)
   local surface, nodes, details = worst.mesh:surface()
   if not surface then return nil, nodes, details end
   local data = report.data(surface)
   data.fields[1] = {name = "weakness (largest principal stress)", unit = "MPa",
     values = floats(worst.mesh:to_nodes(worst.weakness, "max"):gather(nodes) * 1e-6)}
   local ok, message
-  ok, message, details = add_loads(worst, nodes, data, shown)
+  ok, message, details = add_loads(worst, nodes, data, drawn)
   if not ok then return nil, message, details end
   data.fields[#data.fields + 1] = {name = "pressure of the worst load", unit = "MPa",
     values = floats(worst:pressure():gather(nodes) * 1e-6)}
@@ -196,8 +195,8 @@ function report.write(worst, path, given)
   if opts.region and opts.region > #worst.regions then
     core.raise(("report: option 'region': 1 to %d expected, got %d"):format(#worst.regions, opts.region))
   end
-  local shown = chosen_regions(worst, opts.loads, opts.region or worst.region)
-  local data, message, details = data_of(worst, opts, shown)
+  local drawn = chosen_regions(worst, opts.loads, opts.region or worst.region)
+  local data, message, details = data_of(worst, opts, drawn)
   if not data then return nil, message, details end
   data.view = opts.view and vector_of("view", opts.view) or data.view
   data.lines = report.lines(opts.lines)
@@ -205,7 +204,7 @@ function report.write(worst, path, given)
     title = opts.title or "Worst-case analysis",
     answer = opts.answer or tostring(worst),
     manifest = opts.manifest or {version = core.version, options = plain(worst.options)},
-    body = report.legend(opts) .. table_of_regions(worst, shown),
+    body = report.legend(opts) .. table_of_regions(worst, drawn),
     data = data,
     picture = function(name) return worst:picture(name, {lines = opts.lines, line_name = opts.line_name}) end,
   })

@@ -16,10 +16,6 @@ local function degrees(angle)
   return 180 / math.pi * angle
 end
 
-local function mm(x)
-  return ("(%.4g, %.4g, %.4g) mm"):format(1e3 * x[1], 1e3 * x[2], 1e3 * x[3])
-end
-
 -- The fraction of the way from a to b of the point nearest to x.
 local function fraction_of(a, b, x)
   local along, size = 0, 0
@@ -83,10 +79,11 @@ end
 
 local function line_of(place)
   local a, b = place.points[1], place.points[#place.points]
-  if place.length == 0 then return ("%s at %s: stress like h^%.3g"):format(place.kind, mm(a), -place.growth) end
-  local where = distance(a, b) == 0 and "ring through " .. mm(a) or mm(a) .. " to " .. mm(b)
+  local from = core.point(a)
+  if place.length == 0 then return ("%s at %s: stress like h^%.4g"):format(place.kind, from, -place.growth) end
+  local where = distance(a, b) == 0 and "ring through " .. from or from .. " to " .. core.point(b)
   local angle = place.angle and (", %.4g degrees inside the material"):format(degrees(place.angle)) or ""
-  return ("%s, %.4g mm, %s%s: stress like h^%.3g"):format(place.kind, 1e3 * place.length, where, angle,
+  return ("%s, %s, %s%s: stress like h^%.4g"):format(place.kind, core.quantity(place.length, "m"), where, angle,
     -place.growth)
 end
 

@@ -1,7 +1,8 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Whether the place of the largest stress is singular: by geometry, by the growth of the stress under refinement,
 -- or by both. docs/theory/singular.md.
-require "barwright.singular"
+require "barwright.singular"local core = require "barwright.core"
+
 
 local growth = {}
 
@@ -67,15 +68,13 @@ end
 local function describe(self)
   local place = self.place
   if not place then return "no re-entrant edge, support border or point load is known there" end
-  local x = self.at
   local angle = place.angle and (" of %.4g degrees inside the material"):format(180 / math.pi * place.angle)
-  return ("it is at a %s%s at (%.4g, %.4g, %.4g) mm"):format(place.kind, angle or "", 1e3 * x[1], 1e3 * x[2],
-    1e3 * x[3])
+  return ("it is at a %s%s at %s"):format(place.kind, angle or "", core.point(self.at))
 end
 
 function finding:__tostring()
   local rates = {}
-  if self.expected then rates[1] = ("h^%.2g expected"):format(-self.expected) end
+  if self.expected then rates[1] = ("h^%.4g expected"):format(-self.expected) end
   if self.measured then rates[#rates + 1] = ("h^%.2g measured"):format(-self.measured) end
   return ("the largest stress has no finite value: %s (by %s%s)"):format(describe(self), self.by,
     #rates > 0 and "; " .. table.concat(rates, ", ") or "")

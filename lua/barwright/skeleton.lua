@@ -79,8 +79,8 @@ end
 local function add_bones(self, lines, list, indent)
   for _, name in ipairs(list) do
     local bone = self:bone(name)
-    lines[#lines + 1] = ("%s%s: %s to %s, %.4g mm"):format(indent, name, bone.head, bone.tail,
-      bone.length * 1e3)
+    lines[#lines + 1] = ("%s%s: %s to %s, %s"):format(indent, name, bone.head, bone.tail,
+      core.quantity(bone.length, "m"))
     add_bones(self, lines, bone.children, indent .. "  ")
   end
 end

@@ -122,7 +122,7 @@ end
 function result:__tostring()
   local r = self.report
   return ("equilibrium%s: strain energy %s, %d iterations in %d load steps, residual %.1e, smallest det F "
-    .. "%.3g"):format(self.complete and "" or (" at load factor %.3g"):format(r.load),
+    .. "%.4g"):format(self.complete and "" or (" at load factor %.4g"):format(r.load),
     core.quantity(self.energy, "J"), r.iterations, r.load_steps, r.residual, r.shape.min_ratio)
 end
 

@@ -9,6 +9,7 @@ local core = require "barwright.core"
 local mesh_progress = require "barwright.mesh_progress"
 local options = require "barwright.options"
 local distance = require("barwright.points").distance
+local shown = require "barwright.shown"
 
 local strengthen = {}
 strengthen.__index = strengthen
@@ -120,8 +121,8 @@ local function apply(self, from)
     if moved then return moved end
     local left = lower(places, report, from.fraction)
   until not left
-  return nil, ("around (%.4g, %.4g, %.4g) mm the surface cannot be thickened further: it would cross itself")
-    :format(places[1].at[1] * 1e3, places[1].at[2] * 1e3, places[1].at[3] * 1e3), {status = "geometry"}
+  return nil, ("around %s the surface cannot be thickened further: it would cross itself")
+    :format(core.point(places[1].at)), {status = "geometry"}
 end
 
 local function summary(breaking, surface, material)
@@ -301,10 +302,12 @@ function strengthen.run(surface, given)
 end
 
 function strengthen:__tostring()
-  local head = ("breaking force from %.3g N (%.3g to %.3g N) to %.3g N (%.3g to %.3g N)"):format(self.before.force,
-    self.before.low, self.before.high, self.after.force, self.after.low, self.after.high)
-  return ("%s in %d steps, %.3g %% more volume; %.3g N %s"):format(head, #self.steps,
-    100 * self.added_volume / self.before.volume, self.options.force, self.reached and "is reached"
+  local before, after = self.before, self.after
+  return ("breaking force from %s to %s in %d steps, %s more volume; %s %s"):format(
+    shown.interval(before.force, before.low, before.high, "N"),
+    shown.interval(after.force, after.low, after.high, "N"),
+    #self.steps, shown.percent(self.added_volume / before.volume), core.quantity(self.options.force, "N"),
+    self.reached and "is reached"
       or "is not reached")
 end
 

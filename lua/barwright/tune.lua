@@ -288,7 +288,7 @@ end
 -- "348.1 Hz, 960.2 Hz"
 local function hertz(list)
   local words = {}
-  for k, frequency in ipairs(list) do words[k] = ("%.6g Hz"):format(frequency) end
+  for k, frequency in ipairs(list) do words[k] = ("%.2f Hz"):format(frequency) end
   return table.concat(words, ", ")
 end
 
@@ -336,7 +336,7 @@ function tune.search(bar, wanted, outline, opts)
       take(bar, outline, origin, best)
       return bar.outline, round
     elseif not correction then
-      return nil, ("the outline reaches %s, not %s, with points that move by at most %.3g of the local width: "
+      return nil, ("the outline reaches %s, not %s, with points that move by at most %.4g of the local width: "
         .. "give a larger move_limit or more stages"):format(hertz(frequencies), hertz(wanted), opts.move_limit),
         {status = "infeasible", frequency = frequencies[1], frequencies = frequencies}
     end

@@ -12,6 +12,7 @@ local options = require "barwright.options"
 local patch_search = require "barwright.patch_search"
 local worst_search = require "barwright.worst_search"
 local writable = require "barwright.writable"
+local shown = require "barwright.shown"
 
 local raise = core.raise
 
@@ -342,22 +343,18 @@ end
 
 -- ---- showing ------------------------------------------------------------------------------------------
 
-local function place(at)
-  return ("(%.4g, %.4g, %.4g) mm"):format(at[1] * 1e3, at[2] * 1e3, at[3] * 1e3)
-end
-
 --- The answer in one line. It is of one mesh: bw.breaking_force has an error.
 function worst_case:__tostring()
   if not self.regions then return "worst case (closed)" end
   local head
   if self.options.target == "displacement" then
     head = ("%s of displacement, %s at %s"):format(core.quantity(self.regions[self.region].displacement, "m"),
-      core.quantity(self.max_principal, "Pa"), place(self.at))
+      core.quantity(self.max_principal, "Pa"), core.point(self.at))
   else
-    head = ("%s at %s"):format(core.quantity(self.max_principal, "Pa"), place(self.at))
+    head = ("%s at %s"):format(core.quantity(self.max_principal, "Pa"), core.point(self.at))
   end
-  local tail = self.utilisation and ("%.3g %% of strength"):format(100 * self.utilisation)
-    or "strength not known"
+  local tail = self.utilisation and shown.percent(self.utilisation) .. " of the strength"
+    or "the strength is not known"
   if self.upper_bound then
     tail = ("%s; at most %s on this mesh%s"):format(tail, core.quantity(self.upper_bound, "Pa"),
       self.bounded and " " .. self.bounded or "")

@@ -299,8 +299,8 @@ static int array_from_string(lua_State *L) {
                      "a number of columns, 1 or more, expected");
   size_t row = (size_t)columns * (size_t)format.size;
   if (length % row != 0)
-    return lbw_error(L, "from_string: %I bytes are no whole number of rows of %I bytes",
-                     (LUAI_UACINT)length, (LUAI_UACINT)row);
+    return lbw_error(L, "from_string: whole rows of %I bytes expected, got %I bytes",
+                     (LUAI_UACINT)row, (LUAI_UACINT)length);
   bw_type type = format.kind == 'f' || format.size == 8   ? BW_F64
                  : format.kind == 'u' && format.size == 1 ? BW_U8
                  : format.kind == 'u' && format.size == 4 ? BW_I64

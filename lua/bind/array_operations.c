@@ -91,8 +91,10 @@ static int array_sum(lua_State *L) {
 static const bw_array *check_weights(lua_State *L, int argument, const bw_array *array) {
   const bw_array *weight = lbw_check_array(L, argument, "weights");
   if (weight->rows != array->rows || weight->columns != 1 || array->columns != 1)
-    lbw_argument_error(L, argument,
-                       "weights: one column with as many rows as the array's one column");
+    lbw_argument_error(
+        L, argument,
+        lua_pushfstring(L, "weights: an array of %I x 1 expected, as the array has, got %s",
+                        (LUAI_UACINT)array->rows, lbw_got(L, argument)));
   return weight;
 }
 

@@ -145,9 +145,15 @@ const char *lbw_type_name(lua_State *L, int index);
 const char *lbw_got(lua_State *L, int index);
 /* "12.35 mm", "3.448 MPa": a quantity in a SI unit as print shows it. */
 typedef struct lbw_text {
-  char text[48];
+  char text[56];
 } lbw_text;
 lbw_text lbw_quantity(double value, const char *unit);
+/* The unit in which a value in a SI unit is shown; *scale: how large it is in that SI unit. */
+const char *lbw_shown_unit(double value, const char *unit, double *scale);
+/* "(1.5, 0, 30) mm" */
+lbw_text lbw_point(const double at[3]);
+/* "(0, 0, -1)" */
+lbw_text lbw_direction(const double direction[3]);
 /* Runs `compute` once per box and key; the value is kept with the box. Called from a property. */
 int lbw_cached(lua_State *L, const char *key, lua_CFunction compute);
 
@@ -172,6 +178,9 @@ const char *lbw_spoken(lua_State *L, const char *name);
 /* Raises unless the argument `what` has as many rows as there are of `each`. */
 void lbw_check_rows(lua_State *L, int argument, const char *what, int64_t rows, int64_t expected,
                     const char *each);
+/* The same of what no argument holds alone; `what` names the function as well. */
+void lbw_require_rows(lua_State *L, const char *what, int64_t rows, int64_t expected,
+                      const char *each);
 /* As lbw_argument_error, with what was found where the text ends with "expected". */
 int lbw_argument_refused(lua_State *L, int argument, const char *text);
 #define lbw_argument_check(L, condition, argument, text)                                           \

@@ -61,7 +61,7 @@ static void read_value(lua_State *L, const char *what, lbw_conditions *all, int3
   case LUA_TNUMBER:
     c->value = lua_tonumber(L, -1);
     if (!isfinite(c->value))
-      lbw_error(L, "%s: a finite number expected", what);
+      lbw_error(L, "%s: a finite number expected, got %s", what, lbw_got(L, -1));
     break;
   case LUA_TSTRING:
     if (!lbw_expression_compile(lua_tostring(L, -1), place_and_time, 3, &v->formula, error,

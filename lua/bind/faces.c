@@ -253,18 +253,16 @@ static int add_lines(lua_State *L) {
     const bw_face *face = &faces->face[i];
     char line[240], name[40];
     name_of(faces, i, name, sizeof name);
-    snprintf(line, sizeof line, "\n  %-12s %s at (%.4g, %.4g, %.4g) mm", name,
-             lbw_quantity(face->area, "m2").text, 1e3 * face->centre[0], 1e3 * face->centre[1],
-             1e3 * face->centre[2]);
+    snprintf(line, sizeof line, "\n  %-12s %s at %s", name, lbw_quantity(face->area, "m2").text,
+             lbw_point(face->centre).text);
     luaL_addstring(&buffer, line);
     if (face->kind == BW_FACE_PLANE)
-      snprintf(line, sizeof line, ", normal (%.3g, %.3g, %.3g)", face->axis[0], face->axis[1],
-               face->axis[2]);
+      snprintf(line, sizeof line, ", normal %s", lbw_direction(face->axis).text);
     else if (face->kind == BW_FACE_SPHERE)
       snprintf(line, sizeof line, ", radius %s", lbw_quantity(face->radius, "m").text);
     else if (face->kind != BW_FACE_FREE)
-      snprintf(line, sizeof line, ", radius %s, axis (%.3g, %.3g, %.3g)",
-               lbw_quantity(face->radius, "m").text, face->axis[0], face->axis[1], face->axis[2]);
+      snprintf(line, sizeof line, ", radius %s, axis %s", lbw_quantity(face->radius, "m").text,
+               lbw_direction(face->axis).text);
     else
       line[0] = 0;
     luaL_addstring(&buffer, line);

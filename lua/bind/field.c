@@ -141,13 +141,12 @@ void lbw_push_box(lua_State *L, const double min[3], const double max[3]) {
 }
 
 void lbw_push_box_text(lua_State *L, const double min[3], const double max[3]) {
-  double longest = fmax(max[0] - min[0], fmax(max[1] - min[1], max[2] - min[2]));
-  double factor = longest >= 1 ? 1 : longest >= 1e-3 ? 1e3 : 1e6;
-  const char *unit = longest >= 1 ? "m" : longest >= 1e-3 ? "mm" : "um";
+  double longest = fmax(max[0] - min[0], fmax(max[1] - min[1], max[2] - min[2])), scale;
+  const char *unit = lbw_shown_unit(longest, "m", &scale);
   char text[200];
-  snprintf(text, sizeof text, "%.4g x %.4g x %.4g %s from (%.4g, %.4g, %.4g)",
-           (max[0] - min[0]) * factor, (max[1] - min[1]) * factor, (max[2] - min[2]) * factor, unit,
-           min[0] * factor, min[1] * factor, min[2] * factor);
+  snprintf(text, sizeof text, "%.4g x %.4g x %.4g %s from (%.4g, %.4g, %.4g) %s",
+           (max[0] - min[0]) / scale, (max[1] - min[1]) / scale, (max[2] - min[2]) / scale, unit,
+           min[0] / scale, min[1] / scale, min[2] / scale, unit);
   lua_pushstring(L, text);
 }
 

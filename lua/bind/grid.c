@@ -41,11 +41,13 @@ static source read_source(lua_State *L, int index, const char *what, int64_t cou
   int64_t rows;
   double *value = lbw_to_doubles(L, index, what, 1, &rows);
   if (count < 0)
-    lbw_error(L,
-              "%s: a number, a function of x, y, z or a formula expected: a list has no order here",
-              what);
+    lbw_error(
+        L,
+        "%s: a number, a function of x, y, z or a formula expected, got a list, whose order is "
+        "not known here",
+        what);
   if (rows != count)
-    lbw_error(L, "%s: one for each of %I cells expected, got %I", what, (LUAI_UACINT)count,
+    lbw_error(L, "%s: %I entries expected, one for each cell, got %I", what, (LUAI_UACINT)count,
               (LUAI_UACINT)rows);
   s.list = (int32_t *)lua_newuserdatauv(L, (size_t)(count + 1) * sizeof *s.list, 0);
   for (int64_t i = 0; i < count; i++) {
@@ -117,14 +119,15 @@ static int grid_box(lua_State *L) {
     if (!counted)
       counts[d] = round(size[d] / spacing[d]);
     if (!counted && !(fabs(size[d] / spacing[d] - counts[d]) < 1e-6))
-      return lbw_error(L,
-                       "grid.box: a whole number of cells expected along %s, got %f m in cells of "
-                       "%f m",
-                       axis[d], size[d], spacing[d]);
+      return lbw_error(
+          L, "grid.box: a whole number of cells expected along %s, got %s in cells of %s", axis[d],
+          lbw_quantity(size[d], "m").text, lbw_quantity(spacing[d], "m").text);
     if (!(counts[d] >= 1 && counts[d] <= 1e9 && counts[d] == floor(counts[d])))
-      return lbw_option_error(L, "grid.box", "cells", "whole numbers, 1 or more, expected");
+      return lbw_error(L, "grid.box: a whole number of cells from 1 expected along %s, got %s",
+                       axis[d], lbw_quantity(counts[d], "").text);
     if (sized && !(size[d] > 0))
-      return lbw_error(L, "grid.box: a size above 0 expected along %s, got %f m", axis[d], size[d]);
+      return lbw_error(L, "grid.box: a size above 0 expected along %s, got %s", axis[d],
+                       lbw_quantity(size[d], "m").text);
     if (sized)
       spacing[d] = size[d] / counts[d];
     cells[d] = (int32_t)counts[d];
@@ -232,8 +235,8 @@ static int grid_set(lua_State *L) {
     lbw_read_region(L, 2, "set", &region);
   if (lua_isnil(L, 3))
     return lbw_argument_error(L, 3,
-                              "a material expected: a number (0: void), a function of x, y, z, "
-                              "a formula, or with cells a list");
+                              "a number of a material (0: void), a function of x, y, z, a formula, "
+                              "or with cells a list expected, got nil");
   source s = read_source(L, 3, "set: material", count);
   lbw_box *box = lbw_box_new(L, &lbw_grid_class);
   bw_grid *out = NULL;
@@ -317,7 +320,7 @@ static int grid_write(lua_State *L) {
   lua_settop(L, 3);
   lbw_options(L, 3, "write", list, NULL);
   if (length < 4 || strcasecmp(path + length - 4, ".vtu") != 0)
-    return lbw_argument_error(L, 2, "a path that ends in .vtu expected");
+    return lbw_argument_refused(L, 2, "a path that ends in .vtu expected");
   lbw_option_get(L, 3, "fields");
   int count;
   bw_field *field = lbw_fields(L, -1, "write", grid->node_count, grid->element_count, &count);
@@ -333,9 +336,7 @@ static int grid_difference(lua_State *L) {
   for (int i = 0; i < 2; i++) {
     int64_t rows;
     field[i] = lbw_to_doubles(L, i + 2, "displacements", 3, &rows);
-    if (rows != grid->node_count)
-      return lbw_error(L, "difference: %d rows expected, one for each node, got %I",
-                       (int)grid->node_count, (LUAI_UACINT)rows);
+    lbw_check_rows(L, i + 2, "displacements", rows, grid->node_count, "node");
   }
   lua_pushnumber(L, bw_grid_difference(grid, field[0], field[1]));
   return 1;

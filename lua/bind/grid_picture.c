@@ -25,9 +25,9 @@ static void read_panel(lua_State *L, int index, const char *function, bw_grid_pa
   }
   if (lbw_option_get(L, index, "displacement") != LUA_TNIL) {
     panel->displacement = lbw_to_doubles(L, -1, "displacement", 3, &rows);
-    if (rows != grid->node_count)
-      lbw_error(L, "%s: displacement: %d rows expected, one for each node, got %I", function,
-                (int)grid->node_count, (LUAI_UACINT)rows);
+    lbw_require_rows(L, lua_pushfstring(L, "%s: displacement", function), rows, grid->node_count,
+                     "node");
+    lua_pop(L, 1);
   }
   if (lbw_option_get(L, index, "values") != LUA_TNIL) {
     panel->value = lbw_to_doubles(L, -1, "values", 1, &rows);
@@ -44,13 +44,13 @@ static void read_names(lua_State *L, int index, const char *function,
   if (lbw_option_get(L, index, "names") == LUA_TNIL)
     return;
   if (!lua_istable(L, -1))
-    lbw_option_error(L, function, "names", "a list of the materials' names expected");
+    lbw_option_refused(L, function, "names", "a list of the materials' names");
   int from = lua_gettop(L);
   int count = (int)lua_rawlen(L, from);
   const char **name = (const char **)lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *name, 0);
   for (int i = 0; i < count; i++) {
     if (lua_rawgeti(L, from, i + 1) != LUA_TSTRING)
-      lbw_option_error(L, function, "names", "a list of the materials' names expected");
+      lbw_option_refused(L, function, "names", "a list of the materials' names");
     name[i] = lua_tostring(L, -1); /* held by the list */
     lua_pop(L, 1);
   }
@@ -90,7 +90,7 @@ static void read_others(lua_State *L, int index, const char *function,
       lua_pop(L, 1);
     }
     if (!fine)
-      lbw_option_error(L, function, "view", "two corners {{x, y, z}, {x, y, z}} expected");
+      lbw_option_refused(L, function, "view", "two corners {{x, y, z}, {x, y, z}}");
   }
 }
 
@@ -135,8 +135,8 @@ static int picture_grids(lua_State *L) {
   memset(panel, 0, sizeof panel);
   size_t count = lua_rawlen(L, 2);
   if (count < 1 || count > MAX_PANELS)
-    return lbw_error(L, "grid.picture: a list of 1 to %d panels {grid =, title =} expected",
-                     MAX_PANELS);
+    return lbw_error(L, "grid.picture: a list of 1 to %d panels {grid =, title =} expected, got %I",
+                     MAX_PANELS, (LUAI_UACINT)count);
   for (size_t i = 0; i < count; i++) {
     if (lua_rawgeti(L, 2, (lua_Integer)i + 1) != LUA_TTABLE)
       return lbw_error(L, "grid.picture: panel %d: {grid =, title =} expected, got %s", (int)i + 1,
@@ -146,7 +146,7 @@ static int picture_grids(lua_State *L) {
     lbw_option_get(L, index, "grid");
     panel[i].grid = (const bw_grid *)lbw_test(L, -1, &lbw_grid_class);
     if (!panel[i].grid)
-      return lbw_option_error(L, "grid.picture: panel", "grid", "a grid expected");
+      return lbw_option_refused(L, "grid.picture: panel", "grid", "a grid");
     panel[i].title = text_option(L, index, "grid.picture: panel", "title");
     read_panel(L, index, "grid.picture: panel", &panel[i]);
   }

@@ -159,7 +159,7 @@ void lbw_read_guess(lua_State *L, int index, const char *function, int64_t nodes
     return;
   lua_Integer count = type == LUA_TTABLE ? (lua_Integer)lua_rawlen(L, list) : MAX_COUNT + 1;
   if (count > MAX_COUNT)
-    lbw_option_error(L, function, "guess", "a list of at most 64 fields expected");
+    lbw_option_refused(L, function, "guess", "a list of at most 64 fields");
   luaL_checkstack(L, (int)count + 10, "too many values");
   const double **field =
       (const double **)lua_newuserdatauv(L, (size_t)(count + 1) * sizeof *field, 0);
@@ -167,8 +167,9 @@ void lbw_read_guess(lua_State *L, int index, const char *function, int64_t nodes
     int64_t rows;
     lua_rawgeti(L, list, k + 1);
     field[k] = lbw_to_doubles(L, -1, "guess", 3, &rows);
-    if (rows != nodes)
-      lbw_option_error(L, function, "guess", "fields with a row for every node expected");
+    lbw_require_rows(L, lua_pushfstring(L, "%s: guess: field %I", function, (LUAI_UACINT)k + 1),
+                     rows, nodes, "node");
+    lua_pop(L, 1);
     lua_remove(L, -2);
   }
   options->guess_count = (int)count;
@@ -297,11 +298,11 @@ static int incremental_tostring(lua_State *L) {
   bw_incremental_system_memory(incremental, &factor, &updates);
   char text[200];
   snprintf(text, sizeof text,
-           "incremental system of %d unknowns in %d subdomains, factor of %.3g MB, %.3g MB kept "
+           "incremental system of %d unknowns in %d subdomains, factor of %s, %s kept "
            "for updates",
            (int)incremental->system->dof_map->unknown_count,
-           (int)incremental->stiffness->subdomain_count, (double)factor / 1e6,
-           (double)updates / 1e6);
+           (int)incremental->stiffness->subdomain_count, lbw_quantity((double)factor, "B").text,
+           lbw_quantity((double)updates, "B").text);
   lua_pushstring(L, text);
   return 1;
 }

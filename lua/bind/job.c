@@ -121,7 +121,7 @@ static bw_status child_work(bw_context *context, void *data, bw_job_stream *out)
 static const char *text_option(lua_State *L, const char *key) {
   int type = lbw_option_get(L, 2, key); /* the table keeps it alive */
   if (type != LUA_TSTRING && type != LUA_TNIL)
-    lbw_option_error(L, "job", key, "a string expected");
+    lbw_option_refused(L, "job", key, "a string");
   const char *text = lua_tostring(L, -1);
   lua_pop(L, 1);
   return text;
@@ -143,7 +143,10 @@ static int core_job(lua_State *L) {
   options.name = text_option(L, "name");
   options.output = text_option(L, "output");
   if (options.seconds < 0 || options.processor_seconds < 0 || options.bytes < 0)
-    return lbw_error(L, "job: limits of at least 0 expected; leave one out, or give 0, for none");
+    return lbw_error(
+        L, "job: limits of at least 0 expected, got %s: leave one out, or give 0, for none",
+        lbw_quantity(fmin(options.seconds, fmin(options.processor_seconds, options.bytes)), "")
+            .text);
   luaL_checkstack(L, 20, "too many values");
   lbw_box *box = lbw_box_new(L, &lbw_job_class);
   child c = {L, 1};
@@ -276,11 +279,12 @@ static int job_tostring(lua_State *L) {
   bw_job_usage usage = usage_of(L);
   char text[240];
   if (usage.state == BW_JOB_RUNNING && usage.stage[0])
-    snprintf(text, sizeof text, "job: %s, running for %.3g s: %s, %d %%", bw_job_name(self(L)),
-             usage.seconds, usage.stage, (int)(100 * usage.fraction));
+    snprintf(text, sizeof text, "job: %s, running for %s: %s, %d %%", bw_job_name(self(L)),
+             lbw_quantity(usage.seconds, "s").text, usage.stage, (int)(100 * usage.fraction));
   else
-    snprintf(text, sizeof text, "job: %s, %s%s %.3g s", bw_job_name(self(L)), word_of(usage.state),
-             usage.state == BW_JOB_RUNNING ? " for" : " after", usage.seconds);
+    snprintf(text, sizeof text, "job: %s, %s%s %s", bw_job_name(self(L)), word_of(usage.state),
+             usage.state == BW_JOB_RUNNING ? " for" : " after",
+             lbw_quantity(usage.seconds, "s").text);
   lua_pushstring(L, text);
   return 1;
 }

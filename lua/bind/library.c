@@ -66,7 +66,7 @@ static int library_grow(lua_State *L) {
     levels = options.levels;
   }
   if (levels < 1 || levels > 2)
-    return lbw_option_error(L, function, "levels", "1 or 2 expected");
+    return lbw_error(L, "%s: option 'levels': 1 or 2 expected, got %d", function, levels);
   options.levels = 0;
   const char *checkpoint = checkpoint_of(L, 3, function);
   const bw_material_table *material_table =
@@ -247,7 +247,8 @@ static int coarse_to_fine(lua_State *L) {
   const bw_coarse *coarse = self_coarse(L);
   const double *u = lbw_read_displacement(L, 2, "displacement", coarse->grid);
   if (!u)
-    return lbw_error(L, "to_fine: displacements expected");
+    return lbw_error(L, "to_fine: displacement: an array of %d x 3 expected, got nil",
+                     (int)coarse->grid->node_count);
   bw_array *fine = lbw_push_array(L, BW_F64, coarse->fine->node_count, 3);
   bw_coarse_to_fine(coarse, u, (double *)fine->data);
   return 1;

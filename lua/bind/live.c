@@ -25,9 +25,11 @@ static int core_live_server(lua_State *L) {
   lbw_live_defaults(&options);
   lbw_options(L, 1, "live_server", list, &options);
   if (options.port < 0 || options.port > 65535)
-    return lbw_option_error(L, "live_server", "port", "a port from 0 to 65535 expected");
+    return lbw_error(L, "live_server: option 'port': a port from 0 to 65535 expected, got %d",
+                     options.port);
   if (options.clients < 1 || options.clients > 64)
-    return lbw_option_error(L, "live_server", "clients", "a number from 1 to 64 expected");
+    return lbw_error(L, "live_server: option 'clients': a number from 1 to 64 expected, got %d",
+                     options.clients);
   if (options.message_bytes < 1 || options.queue_bytes < 1 || options.queue_messages < 1)
     return lbw_error(L, "live_server: limits of at least 1 expected");
   lua_settop(L, 1);
@@ -85,7 +87,7 @@ static int server_send(lua_State *L) {
   lbw_options(L, 4, "send", list, &sending);
   const char *key = lbw_option_get(L, 4, "replace") == LUA_TNIL ? NULL : lbw_check_text(L, 5, NULL);
   lbw_argument_check(L, !key || lua_rawlen(L, 5) < LBW_LIVE_KEY_BYTES, 4,
-                     "replace: a shorter key expected");
+                     "replace: a key of fewer bytes expected");
   bool sent;
   no_memory(L, lbw_live_send(NULL, server, client, bytes, length, sending.binary, key, &sent));
   lua_pushboolean(L, sent);

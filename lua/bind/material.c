@@ -257,58 +257,60 @@ static int material_sources(lua_State *L) {
 }
 
 static void add_source(luaL_Buffer *buffer, const char *what, const char *axis,
-                       const bw_value *value, double unit, const char *unit_name) {
-  char text[600];
+                       const bw_value *value, const char *unit) {
+  char text[600], scatter[40] = "";
+  double scale;
   if (!value->source)
     return;
-  snprintf(text, sizeof text, "\n  %s%s %.4g", what, axis, value->mean / unit);
+  const char *name = lbw_shown_unit(value->mean, unit, &scale);
+  if (value->scatter > 0)
+    snprintf(scatter, sizeof scatter, " +- %.2g %.16s", value->scatter / scale, name);
+  snprintf(text, sizeof text, "\n  %s%s %s%s: %s", what, axis, lbw_quantity(value->mean, unit).text,
+           scatter, value->source);
   luaL_addstring(buffer, text);
-  if (value->scatter > 0) {
-    snprintf(text, sizeof text, " +- %.3g", value->scatter / unit);
-    luaL_addstring(buffer, text);
+}
+
+/* ", strength 47 MPa", ", strengths 6.5 MPa, 4 MPa, 2 MPa" */
+static void add_constants(luaL_Buffer *buffer, const char *one, const char *three, bool isotropic,
+                          const double constant[3]) {
+  luaL_addstring(buffer, isotropic ? one : three);
+  for (int i = 0; i < (isotropic ? 1 : 3); i++) {
+    luaL_addstring(buffer, i ? ", " : " ");
+    luaL_addstring(buffer, lbw_quantity(constant[i], "Pa").text);
   }
-  snprintf(text, sizeof text, " %s: %s", unit_name, value->source);
-  luaL_addstring(buffer, text);
 }
 
 static int material_tostring(lua_State *L) {
   const bw_material *material = (const bw_material *)lbw_check(L, 1, &lbw_material_class);
-  char text[400];
-  const double *y = material->young, *s = material->strength;
-  int used = snprintf(text, sizeof text, "material %s, ",
-                      material->name[0] ? material->name : "(unnamed)");
-  if (material->isotropic)
-    used += snprintf(text + used, sizeof text - (size_t)used,
-                     "isotropic: Young's modulus %.4g GPa, Poisson's ratio %.4g", y[0] / 1e9,
-                     material->poisson[0]);
-  else
-    used += snprintf(text + used, sizeof text - (size_t)used,
-                     "orthotropic: Young's moduli %.4g, %.4g, %.4g GPa", y[0] / 1e9, y[1] / 1e9,
-                     y[2] / 1e9);
-  if (material->orientations)
-    used += snprintf(text + used, sizeof text - (size_t)used, ", axes differ by element");
-  if (material->density > 0)
-    used += snprintf(text + used, sizeof text - (size_t)used, ", density %.4g kg/m3",
-                     material->density);
-  if (s[0] > 0 && material->isotropic)
-    snprintf(text + used, sizeof text - (size_t)used, ", strength %.4g MPa", s[0] / 1e6);
-  else if (s[0] > 0)
-    snprintf(text + used, sizeof text - (size_t)used, ", strengths %.4g, %.4g, %.4g MPa",
-             s[0] / 1e6, s[1] / 1e6, s[2] / 1e6);
   luaL_Buffer buffer;
   luaL_buffinit(L, &buffer);
-  luaL_addstring(&buffer, text);
+  luaL_addstring(&buffer, "material ");
+  luaL_addstring(&buffer, material->name[0] ? material->name : "(unnamed)");
+  add_constants(&buffer, ", isotropic: Young's modulus", ", orthotropic: Young's moduli",
+                material->isotropic, material->young);
+  if (material->isotropic) {
+    luaL_addstring(&buffer, ", Poisson's ratio ");
+    luaL_addstring(&buffer, lbw_quantity(material->poisson[0], "").text);
+  }
+  if (material->orientations)
+    luaL_addstring(&buffer, ", axes differ by element");
+  if (material->density > 0) {
+    luaL_addstring(&buffer, ", density ");
+    luaL_addstring(&buffer, lbw_quantity(material->density, "kg/m3").text);
+  }
+  if (material->strength[0] > 0)
+    add_constants(&buffer, ", strength", ", strengths", material->isotropic, material->strength);
   for (int i = 0; i < (material->isotropic ? 1 : 3); i++) {
     char axis[16] = "";
     if (!material->isotropic)
       snprintf(axis, sizeof axis, " %d", i + 1);
-    add_source(&buffer, "Young's modulus", axis, &material->young_value[i], 1e9, "GPa");
-    add_source(&buffer, "strength", axis, &material->strength_value[i], 1e6, "MPa");
+    add_source(&buffer, "Young's modulus", axis, &material->young_value[i], "Pa");
+    add_source(&buffer, "strength", axis, &material->strength_value[i], "Pa");
   }
-  add_source(&buffer, "density", "", &material->density_value, 1, "kg/m3");
-  add_source(&buffer, "fracture toughness", "", &material->toughness_value, 1e6, "MPa m^0.5");
+  add_source(&buffer, "density", "", &material->density_value, "kg/m3");
+  add_source(&buffer, "fracture toughness", "", &material->toughness_value, "Pa m^0.5");
   const bw_value critical = bw_material_critical_distance_value(material);
-  add_source(&buffer, "critical distance", "", &critical, 1e-3, "mm");
+  add_source(&buffer, "critical distance", "", &critical, "m");
   luaL_pushresult(&buffer);
   return 1;
 }

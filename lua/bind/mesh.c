@@ -42,7 +42,8 @@ static bw_size_point *read_size_points(lua_State *L, int index, int64_t *count) 
                                     {"length", LBW_REAL, offsetof(bw_size_point, length)},
                                     {NULL, LBW_OTHER, 0}};
   if (!lua_istable(L, index))
-    lbw_error(L, "mesh.fill: option 'near': a list of {at =, radius =, length =} expected");
+    lbw_error(L, "mesh.fill: option 'near': a list of {at =, radius =, length =} expected, got %s",
+              lbw_got(L, index));
   *count = (int64_t)lua_rawlen(L, index);
   bw_size_point *point =
       (bw_size_point *)lua_newuserdatauv(L, (size_t)(*count + 1) * sizeof *point, 0);
@@ -52,7 +53,8 @@ static bw_size_point *read_size_points(lua_State *L, int index, int64_t *count) 
     lbw_options(L, -1, "mesh.fill: near", list, &point[i]);
     lua_pop(L, 1);
     if (!(point[i].length > 0))
-      lbw_error(L, "mesh.fill: near: point %d: a length greater than 0 expected", (int)i + 1);
+      lbw_error(L, "mesh.fill: near: point %d: a length above 0 expected, got %s", (int)i + 1,
+                lbw_quantity(point[i].length, "m").text);
   }
   return point;
 }
@@ -221,7 +223,7 @@ static int mesh_new(lua_State *L) {
   int order = 1;
   lbw_options(L, 1, "mesh.new", list, &order);
   if (order != 1 && order != 2)
-    return lbw_option_error(L, "mesh.new", "order", "1 or 2 expected");
+    return lbw_error(L, "mesh.new: option 'order': 1 or 2 expected, got %d", order);
   int64_t nodes, elements, regions;
   lbw_option_get(L, 1, "nodes");
   double *node = lbw_to_doubles(L, -1, "mesh.new: nodes", 3, &nodes);
@@ -230,8 +232,7 @@ static int mesh_new(lua_State *L) {
   int32_t *region = NULL;
   if (lbw_option_get(L, 1, "regions") != LUA_TNIL) {
     region = lbw_to_indices(L, -1, "mesh.new: regions", 1, &regions);
-    if (regions != elements)
-      return lbw_error(L, "mesh.new: regions: one for every element expected");
+    lbw_require_rows(L, "mesh.new: regions", regions, elements, "element");
   }
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
   bw_mesh *out = NULL;
@@ -256,7 +257,8 @@ static int mesh_box_grid(lua_State *L) {
   int cells[3];
   for (int i = 0; i < 3; i++) {
     if (grid.cells[i] != floor(grid.cells[i]) || grid.cells[i] < 1 || grid.cells[i] > 1e6)
-      return lbw_option_error(L, "mesh.box", "cells", "three whole numbers, 1 or more, expected");
+      return lbw_error(L, "mesh.box: option 'cells': three whole numbers from 1 expected, got %s",
+                       lbw_quantity(grid.cells[i], "").text);
     cells[i] = (int)grid.cells[i];
   }
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
@@ -367,8 +369,7 @@ static int mesh_sample(lua_State *L) {
   const bw_mesh *mesh = self(L);
   const bw_array *values = (const bw_array *)lbw_check(L, 2, &lbw_array_class);
   int64_t rows, count;
-  lbw_argument_check(L, values->rows == mesh->node_count, 2,
-                     "values: a row for every node of the mesh expected");
+  lbw_check_rows(L, 2, "values", values->rows, mesh->node_count, "node");
   const double *value = lbw_to_doubles(L, 2, "values", (int)values->columns, &rows);
   const double *point = lbw_to_doubles(L, 3, "points", 3, &count);
   lbw_cached(L, "locator", make_locator);
@@ -409,8 +410,7 @@ static int mesh_to_nodes(lua_State *L) {
   const bw_mesh *mesh = self(L);
   const bw_array *value = lbw_check_array(L, 2, "values");
   bool mean = lbw_check_word(L, 3, hows) == 0;
-  lbw_argument_check(L, value->rows == mesh->element_count, 2,
-                     "values: a row for every element expected");
+  lbw_check_rows(L, 2, "values", value->rows, mesh->element_count, "element");
   double *weight = (double *)lua_newuserdatauv(L, (size_t)mesh->node_count * sizeof *weight + 1, 0);
   memset(weight, 0, (size_t)mesh->node_count * sizeof *weight);
   int64_t columns = value->columns;
@@ -536,7 +536,7 @@ static int mesh_tostring(lua_State *L) {
   const char *bodies = mesh->component_count > 1
                            ? lua_pushfstring(L, ", %d bodies", (int)mesh->component_count)
                            : "";
-  char moved[80] = "";
+  char moved[96] = "";
   if (mesh->surface_moved > 0)
     snprintf(moved, sizeof moved, ", surface moved by up to %s",
              lbw_quantity(mesh->surface_moved, "m").text);

@@ -66,8 +66,7 @@ static int plane_mesh_motion(lua_State *L) {
   lbw_field *field = NULL;
   int kind = lbw_option_get(L, 2, "fill");
   if (kind != LUA_TNIL && kind != LUA_TTABLE)
-    return lbw_option_error(L, "plane.mesh_motion", "fill",
-                            "a table of options of plane.fill expected");
+    return lbw_option_refused(L, "plane.mesh_motion", "fill", "a table of options of plane.fill");
   int fill = lua_gettop(L);
   lbw_read_plane_options(L, fill, "plane.mesh_motion: fill", &options.fill, &field);
   lbw_box *box = lbw_box_new(L, &lbw_mesh_motion_class);

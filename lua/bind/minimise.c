@@ -175,7 +175,8 @@ static int core_minimise(lua_State *L) {
   double *start = numbers(L, "start", &n);
   options.step = numbers(L, "step", &n);
   if (n < 1 || n > 100000)
-    return lbw_error(L, "minimise: option 'start': a list of numbers expected");
+    return lbw_error(L, "minimise: option 'start': a list of 1 to 100000 numbers expected, got %I",
+                     (LUAI_UACINT)(n < 0 ? 0 : n));
   double *x = start ? start : start_of(L, n, min, max);
   lua_pushnil(L);
   request r = {.L = L, .error = lua_gettop(L), .n = (int)n};

@@ -81,8 +81,9 @@ static int model_prescribe(lua_State *L) {
   double value[3] = {0, 0, 0};
   const bw_array *field = (const bw_array *)lbw_test(L, 3, &lbw_array_class);
   if (field) {
-    lbw_argument_check(L, field->rows == model->mesh->node_count && field->columns == 3, 3,
-                       "displacement: a row of three for every node of the mesh expected");
+    lbw_argument_check(L, field->columns == 3, 3,
+                       "displacement: an array of three columns expected");
+    lbw_check_rows(L, 3, "displacement", field->rows, model->mesh->node_count, "node");
     return leave_self(L, bw_model_prescribe_field(lbw_enter(L), model, on, fixed, field));
   }
   bool fits = lua_istable(L, 3) && lua_rawlen(L, 3) == 3;
@@ -95,8 +96,8 @@ static int model_prescribe(lua_State *L) {
   }
   lbw_argument_check(
       L, fits, 3,
-      "displacement: {x, y, z} in metres expected, false where a direction is free, or "
-      "an array of a row for every node");
+      "displacement: {x, y, z} in metres, false where a direction is free, or an array of three "
+      "columns expected");
   return leave_self(L, bw_model_prescribe(lbw_enter(L), model, on, fixed, value));
 }
 
@@ -208,8 +209,8 @@ static int model_temperature(lua_State *L) {
     lua_replace(L, 2);
   }
   const bw_array *change = lbw_check_array(L, 2, "change");
-  lbw_argument_check(L, change->rows == model->mesh->node_count && change->columns == 1, 2,
-                     "change: a number, or an array of one for every node expected");
+  lbw_check_rows(L, 2, "change", change->rows, model->mesh->node_count, "node");
+  lbw_argument_check(L, change->columns == 1, 2, "change: an array of one column expected");
   return leave_self(L, bw_model_temperature(lbw_enter(L), model, change, expansion));
 }
 

@@ -105,7 +105,7 @@ static int core_slopes(lua_State *L) {
   for (int m = 0; m < motions; m++) {
     lua_rawgeti(L, 5, m + 1);
     motion[m] = lbw_to_doubles(L, -1, "motions", 3, &rows);
-    lbw_argument_check(L, 3 * rows == all, 5, "motions: a row for every node expected");
+    lbw_check_rows(L, 5, "motions", rows, all / 3, "node");
     lua_remove(L, -2);
   }
   double *value = (double *)lbw_push_array(L, BW_F64, r.count, 1)->data;
@@ -195,8 +195,12 @@ static int core_program(lua_State *L) {
   luaL_checkstack(L, 20, "too many values");
   lbw_options(L, 1, "quadratic_program", list, NULL);
   int64_t n = length_of(L, "g"), m = length_of(L, "b");
-  lbw_argument_check(L, n >= 1 && n <= 1000 && m <= 10000, 1,
-                     "1 to 1000 unknowns (g) and at most 10000 rows (b) expected");
+  if (n < 1 || n > 1000 || m > 10000)
+    return lbw_error(
+        L,
+        "quadratic_program: 1 to 1000 unknowns (g) and at most 10000 rows (b) expected, "
+        "got %I and %I",
+        (LUAI_UACINT)n, (LUAI_UACINT)m);
   double *H = numbers(L, "H", n, n, NAN), *g = numbers(L, "g", n, 1, NAN);
   double *A = numbers(L, "A", m, n, NAN), *b = numbers(L, "b", m, 1, NAN);
   double *min = numbers(L, "min", n, 1, -INFINITY), *max = numbers(L, "max", n, 1, INFINITY);

@@ -81,7 +81,8 @@ static bw_handle_kind check_handle(lua_State *L, int index, const bw_outline *ou
   bool edge = lbw_option_get(L, index, "edge") != LUA_TNIL;
   bool loop = lbw_option_get(L, index, "loop") != LUA_TNIL;
   if ((vertex && edge) || !(vertex || edge || loop))
-    lbw_error(L, "handle: {vertex = n}, {edge = n} or {loop = name} expected");
+    lbw_error(L, "handle: {vertex = n}, {edge = n} or {loop = name} expected, got %s",
+              vertex && edge ? "a vertex and an edge" : "none of them");
   int32_t l = loop ? check_loop(L, -1, outline) : -1;
   if (!vertex && !edge) {
     *number = l;
@@ -95,7 +96,8 @@ static bw_handle_kind check_handle(lua_State *L, int index, const bw_outline *ou
   if (lbw_option_get(L, index, "control") != LUA_TNIL) {
     int which = 1 + (int)lbw_check_index(L, lua_gettop(L), "control", 2);
     if (vertex || outline->segment[n].point[1] < 0)
-      lbw_error(L, "handle: a control point of an edge that is a curve expected");
+      lbw_error(L, "handle: option 'control': an edge that is a curve expected, got %s",
+                vertex ? "a vertex" : "a straight edge");
     *number = outline->segment[n].point[which];
     return BW_HANDLE_POINT;
   }
@@ -114,7 +116,8 @@ static bw_segment *read_segments(lua_State *L, int index, int64_t *count) {
     for (int k = 0; k < 5; k++) {
       double number = row[5 * i + k];
       if (!(number >= 0 && number < INT32_MAX && number == floor(number)))
-        lbw_error(L, "outline: segment %I: whole numbers expected", (LUAI_UACINT)(i + 1));
+        lbw_error(L, "outline: segment %I: a whole number of at least 0 expected, got %s",
+                  (LUAI_UACINT)(i + 1), lbw_quantity(number, "").text);
       value[k] = (int32_t)number - 1;
     }
     segment[i] = (bw_segment){{value[0], value[1], value[2], value[3]}, value[4]};
@@ -127,9 +130,10 @@ static lua_Integer integer_field(lua_State *L, int index, const char *key) {
   lua_getfield(L, index, key);
   int ok;
   lua_Integer value = lua_tointegerx(L, -1, &ok);
-  lua_pop(L, 1);
   if (!ok || value < 0 || value > INT32_MAX)
-    lbw_error(L, "outline: loop: %s: a whole number expected", key);
+    lbw_error(L, "outline: loop: %s: a whole number of at least 0 expected, got %s", key,
+              lbw_got(L, -1));
+  lua_pop(L, 1);
   return value;
 }
 
@@ -353,7 +357,8 @@ static int outline_pull(lua_State *L) {
     pin = lbw_to_indices(L, -1, "pull: pins", 1, &pins);
   for (int64_t i = 0; i < pins; i++) {
     if (pin[i] < 0 || pin[i] >= outline->segment_count)
-      return lbw_error(L, "pull: pins: vertices from 1 to %d expected", outline->segment_count);
+      return lbw_error(L, "pull: pins: vertices from 1 to %d expected, got %d",
+                       outline->segment_count, (int)pin[i] + 1);
     pin[i] = vertex_of(outline, pin[i]);
   }
   lbw_box *box = lbw_box_new(L, &lbw_outline_class);

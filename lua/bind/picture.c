@@ -32,7 +32,7 @@ static const lbw_option list[] = {{"width", LBW_INT, offsetof(opts, options.widt
 static const char *text_option(lua_State *L, const char *key) {
   int type = lbw_option_get(L, 3, key);
   if (type != LUA_TSTRING && type != LUA_TNIL)
-    lbw_option_error(L, "picture", key, "a string expected");
+    lbw_option_refused(L, "picture", key, "a string");
   return lua_tostring(L, -1); /* stays on the stack */
 }
 
@@ -42,7 +42,7 @@ static bw_arrow *read_arrows(lua_State *L, int *count) {
                                     {"area", LBW_REAL, offsetof(bw_arrow, area)},
                                     {NULL, LBW_OTHER, 0}};
   if (!lua_istable(L, -1))
-    lbw_option_error(L, "picture", "arrows", "a list of {at =, force =} expected");
+    lbw_option_refused(L, "picture", "arrows", "a list of {at =, force =}");
   size_t length = lua_rawlen(L, -1);
   *count = length < 10000 ? (int)length : 10000;
   int from = lua_gettop(L);
@@ -59,10 +59,11 @@ static bw_arrow *read_arrows(lua_State *L, int *count) {
 /* A list of lists of points, on top of the stack; what is read stays there. */
 static bw_picture_line *read_lines(lua_State *L, int *count) {
   if (!lua_istable(L, -1))
-    lbw_option_error(L, "picture", "lines", "a list of lists of points expected");
+    lbw_option_refused(L, "picture", "lines", "a list of lists of points");
   size_t length = lua_rawlen(L, -1);
   if (length > 100000)
-    lbw_option_error(L, "picture", "lines", "at most 100000 lines expected");
+    lbw_error(L, "picture: option 'lines': at most 100000 lines expected, got %I",
+              (LUAI_UACINT)length);
   *count = (int)length;
   int from = lua_gettop(L);
   bw_picture_line *line =
@@ -86,7 +87,7 @@ static bw_picture_label *read_labels(lua_State *L, int *count) {
                                     {NULL, LBW_OTHER, 0}};
   size_t length = lua_istable(L, -1) ? lua_rawlen(L, -1) : SIZE_MAX;
   if (length > 10000)
-    lbw_option_error(L, "picture", "labels", "a list of at most 10000 {at =, text =} expected");
+    lbw_option_refused(L, "picture", "labels", "a list of at most 10000 {at =, text =}");
   *count = (int)length;
   int from = lua_gettop(L);
   bw_picture_label *label =
@@ -96,7 +97,8 @@ static bw_picture_label *read_labels(lua_State *L, int *count) {
     lua_rawgeti(L, from, i + 1);
     lbw_options(L, -1, "picture: labels", keys, &label[i]);
     if (lbw_option_get(L, -1, "text") != LUA_TSTRING)
-      lbw_option_error(L, "picture", "labels", "a string 'text' of each expected");
+      lbw_error(L, "picture: option 'labels': label %d: a string 'text' expected, got %s", i + 1,
+                lbw_got(L, -1));
     label[i].text = lua_tostring(L, -1);
     lua_rawseti(L, -3, i + 1);
     lua_pop(L, 1);
@@ -136,9 +138,7 @@ static void read_drawn(lua_State *L, drawn *d) {
   }
   if (lbw_option_get(L, 3, "displacement") != LUA_TNIL) {
     options->displacement = lbw_to_doubles(L, -1, "picture: displacement", 3, &rows);
-    if (rows != surface->point_count)
-      lbw_error(L, "picture: displacement: %d rows expected, one for each point, got %I",
-                (int)surface->point_count, (LUAI_UACINT)rows);
+    lbw_require_rows(L, "picture: displacement", rows, surface->point_count, "point");
   }
   if (lbw_option_get(L, 3, "arrows") != LUA_TNIL)
     options->arrow = read_arrows(L, &options->arrow_count);

@@ -92,7 +92,7 @@ static int plane_new(lua_State *L) {
   int order = 1;
   lbw_options(L, 1, "plane.new", list, &order);
   if (order != 1 && order != 2)
-    return lbw_option_error(L, "plane.new", "order", "1 or 2 expected");
+    return lbw_error(L, "plane.new: option 'order': 1 or 2 expected, got %d", order);
   int64_t nodes, elements, rows;
   lbw_option_get(L, 1, "points");
   double *point = lbw_to_doubles(L, -1, "plane.new: points", 2, &nodes);
@@ -104,29 +104,27 @@ static int plane_new(lua_State *L) {
     return lbw_error(L, "plane.new: too many nodes or elements");
   if (lbw_option_get(L, 1, "regions") != LUA_TNIL) {
     region = lbw_to_indices(L, -1, "plane.new: regions", 1, &rows);
-    if (rows != elements)
-      return lbw_error(L, "plane.new: regions: one for every element expected");
+    lbw_require_rows(L, "plane.new: regions", rows, elements, "element");
   }
   const bw_outline *outline = NULL;
   if (lbw_option_get(L, 1, "outline") != LUA_TNIL) {
     outline = (const bw_outline *)lbw_test(L, -1, &lbw_outline_class);
     if (!outline)
-      return lbw_option_error(L, "plane.new", "outline", "an outline expected");
+      return lbw_option_refused(L, "plane.new", "outline", "an outline");
     lbw_option_get(L, 1, "edges");
     double *edge = lbw_to_doubles(L, -1, "plane.new: edges", 1, &rows);
-    if (rows != nodes)
-      return lbw_error(L, "plane.new: edges: one for every point expected (0: inside)");
+    lbw_require_rows(L, "plane.new: edges", rows, nodes, "point");
     segment = (int32_t *)lua_newuserdatauv(L, (size_t)(nodes + 1) * sizeof *segment, 0);
     for (int64_t i = 0; i < nodes; i++) {
       if (!(edge[i] >= 0 && edge[i] <= outline->segment_count && edge[i] == floor(edge[i])))
-        return lbw_error(L, "plane.new: edges: numbers from 0 (inside) to %d expected",
-                         (int)outline->segment_count);
+        return lbw_error(
+            L, "plane.new: edges: point %d: a number from 0 (inside) to %d expected, got %s",
+            (int)i + 1, (int)outline->segment_count, lbw_quantity(edge[i], "").text);
       segment[i] = (int32_t)edge[i] - 1;
     }
     lbw_option_get(L, 1, "parameters");
     parameter = lbw_to_doubles(L, -1, "plane.new: parameters", 1, &rows);
-    if (rows != nodes)
-      return lbw_error(L, "plane.new: parameters: one for every point expected");
+    lbw_require_rows(L, "plane.new: parameters", rows, nodes, "point");
   }
   lbw_box *box = lbw_box_new(L, &lbw_plane_mesh_class);
   bw_plane_mesh *out = NULL;
@@ -155,7 +153,9 @@ static int plane_rectangle(lua_State *L) {
       check_pair(L, -1, list[i].key, pair[i]);
   for (int i = 0; i < 2; i++)
     if (cells[i] != floor(cells[i]) || cells[i] < 1 || cells[i] > 1e6)
-      return lbw_option_error(L, "plane.rectangle", "cells", "two whole numbers above 0 expected");
+      return lbw_error(
+          L, "plane.rectangle: option 'cells': two whole numbers above 0 expected, got %s",
+          lbw_quantity(cells[i], "").text);
   int diagonal = lbw_word_option(L, 1, "plane.rectangle", "diagonal", diagonals, 0);
   lbw_box *box = lbw_box_new(L, &lbw_plane_mesh_class);
   bw_plane_mesh *out = NULL;
@@ -185,8 +185,7 @@ static int plane_transfer(lua_State *L) {
   const bw_plane_mesh *to = (const bw_plane_mesh *)lbw_check(L, 2, &lbw_plane_mesh_class);
   int64_t rows;
   const bw_array *given = lbw_check_array(L, 3, "values");
-  lbw_argument_check(L, given->rows == from->topology->nodes->node_count && given->columns > 0, 3,
-                     "values: a row for every node expected");
+  lbw_check_rows(L, 3, "values", given->rows, from->topology->nodes->node_count, "node");
   int components = (int)given->columns;
   double *value = lbw_to_doubles(L, 3, "values", 0, &rows);
   bw_array *carried = lbw_push_array(L, BW_F64, to->topology->nodes->node_count, components);
@@ -246,7 +245,7 @@ static int plane_write(lua_State *L) {
   const char *path = lbw_check_text(L, 2, NULL);
   size_t length = strlen(path);
   lbw_argument_check(L, length > 4 && !strcmp(path + length - 4, ".vtu"), 2,
-                     "plane meshes are written as .vtu");
+                     "a path that ends in .vtu expected");
   lua_settop(L, 3);
   lbw_options(L, 3, "write", list, NULL);
   lbw_option_get(L, 3, "fields");

@@ -193,7 +193,8 @@ static int plate_tone(lua_State *L) {
   bw_tone tone;
   read_tone(L, &tone);
   if (!(tone.seconds > 0) || !(tone.seconds <= 600))
-    return lbw_option_error(L, "tone", "seconds", "seconds above 0 and at most 600 expected");
+    return lbw_error(L, "tone: option 'seconds': a time above 0 and at most 600 s expected, got %s",
+                     lbw_quantity(tone.seconds, "s").text);
   bw_array *array = lbw_push_array(L, BW_F64, (int64_t)(tone.seconds * tone.rate), 1);
   bw_status status = bw_plate_tone(lbw_enter(L), plate, &tone, (double *)array->data);
   return lbw_leave(L, status, 1);
@@ -214,7 +215,7 @@ static int plate_inplane(lua_State *L) {
   const bw_plate *plate = self(L);
   int count = (int)lbw_integer_or(L, 2, 1);
   if (count < 1 || count > 1000)
-    return lbw_argument_error(L, 2, "a number of modes from 1 to 1000 expected");
+    return lbw_argument_refused(L, 2, "a number of modes from 1 to 1000 expected");
   bw_array *array = lbw_push_array(L, BW_F64, count, 1);
   bw_status status = bw_plate_inplane(lbw_enter(L), plate, count, (double *)array->data);
   return lbw_leave(L, status, 1);

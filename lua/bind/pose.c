@@ -24,9 +24,7 @@ static double *bone_rows(lua_State *L, int argument, const char *what, int32_t b
                          int64_t columns) {
   int64_t rows;
   double *data = lbw_to_doubles(L, argument, what, columns, &rows);
-  if (rows != bones)
-    lbw_error(L, "%s: %d rows expected, one for each bone, got %I", what, (int)bones,
-              (LUAI_UACINT)rows);
+  lbw_check_rows(L, argument, what, rows, bones, "bone");
   return data;
 }
 
@@ -123,9 +121,7 @@ static int subdomains_motion(lua_State *L) {
 bw_subdomain_motion *lbw_read_motion(lua_State *L, int argument, int32_t count) {
   int64_t rows;
   double *row = lbw_to_doubles(L, argument, "motion", MOTION, &rows);
-  if (rows != count)
-    lbw_error(L, "motion: %d rows expected, one for each stiffness subdomain, got %I", (int)count,
-              (LUAI_UACINT)rows);
+  lbw_check_rows(L, argument, "motion", rows, count, "stiffness subdomain");
   bw_subdomain_motion *motion =
       (bw_subdomain_motion *)lua_newuserdatauv(L, ((size_t)count + 1) * sizeof *motion, 0);
   for (int32_t d = 0; d < count; d++, row += MOTION) {
@@ -149,7 +145,8 @@ static bw_reach_target *read_targets(lua_State *L, int index, const bw_skeleton 
                                     {NULL, LBW_OTHER, 0}};
   lbw_check_type(L, index, LUA_TTABLE);
   size_t length = lua_rawlen(L, index);
-  lbw_argument_check(L, length >= 1 && length <= 10000, index, "a list of targets expected");
+  if (length < 1 || length > 10000)
+    lbw_error(L, "reach: a list of 1 to 10000 targets expected, got %I", (LUAI_UACINT)length);
   bw_reach_target *target = (bw_reach_target *)lua_newuserdatauv(L, length * sizeof *target, 0);
   for (size_t i = 0; i < length; i++) {
     target[i] = (bw_reach_target){.along = 1, .weight = 1, .chain_from = -1};
@@ -177,8 +174,7 @@ static bw_joint_limit *read_limits(lua_State *L, int index, const bw_skeleton *s
                                     {"twist_max", LBW_REAL, offsetof(bw_joint_limit, twist_max)},
                                     {NULL, LBW_OTHER, 0}};
   lbw_check_type(L, index, LUA_TTABLE);
-  lbw_argument_check(L, lua_rawlen(L, index) == (size_t)skeleton->bone_count, index,
-                     "limits: one, or false, for every bone expected");
+  lbw_check_rows(L, index, "limits", (int64_t)lua_rawlen(L, index), skeleton->bone_count, "bone");
   bw_joint_limit *limit =
       (bw_joint_limit *)lua_newuserdatauv(L, ((size_t)skeleton->bone_count + 1) * sizeof *limit, 0);
   for (int32_t b = 0; b < skeleton->bone_count; b++) {

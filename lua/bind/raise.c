@@ -97,12 +97,22 @@ const char *lbw_spoken(lua_State *L, const char *name) {
   return lua_pushfstring(L, "%s%s", article, luaL_gsub(L, name, "_", " "));
 }
 
+static const char *rows_text(lua_State *L, const char *what, int64_t rows, int64_t expected,
+                             const char *each) {
+  return lua_pushfstring(L, "%s: %I rows expected, one for each %s, got %I", what,
+                         (LUAI_UACINT)expected, each, (LUAI_UACINT)rows);
+}
+
 void lbw_check_rows(lua_State *L, int argument, const char *what, int64_t rows, int64_t expected,
                     const char *each) {
   if (rows != expected)
-    lbw_argument_error(L, argument,
-                       lua_pushfstring(L, "%s: %I rows expected, one for each %s, got %I", what,
-                                       (LUAI_UACINT)expected, each, (LUAI_UACINT)rows));
+    lbw_argument_error(L, argument, rows_text(L, what, rows, expected, each));
+}
+
+void lbw_require_rows(lua_State *L, const char *what, int64_t rows, int64_t expected,
+                      const char *each) {
+  if (rows != expected)
+    lbw_error(L, "%s", rows_text(L, what, rows, expected, each));
 }
 
 static const char *got_string(lua_State *L, int index) {

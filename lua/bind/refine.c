@@ -12,7 +12,9 @@ enum { MAX_LEVELS = 30, MAX_ALSO = 64 };
 static const bw_selection **read_selections(lua_State *L, int index, int *count) {
   lua_Integer length = lua_istable(L, index) ? (lua_Integer)lua_rawlen(L, index) : -1;
   if (length < 0 || length > MAX_ALSO)
-    lbw_error(L, "refined: option 'also': a list of at most %d selections expected", MAX_ALSO);
+    lbw_error(L, "refined: option 'also': a list of at most %d selections expected, got %s",
+              MAX_ALSO,
+              length < 0 ? lbw_got(L, index) : lua_pushfstring(L, "%I", (LUAI_UACINT)length));
   *count = (int)length;
   const bw_selection **list =
       (const bw_selection **)lua_newuserdatauv(L, ((size_t)length + 1) * sizeof *list, 0);

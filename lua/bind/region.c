@@ -14,7 +14,7 @@ static void pair_option(lua_State *L, int index, const char *function, const cha
     lua_pop(L, 1);
   }
   if (!ok)
-    lbw_option_error(L, function, key, "two places {{x, y, z}, {x, y, z}} expected");
+    lbw_option_refused(L, function, key, "a point and a normal {{x, y, z}, {x, y, z}}");
 }
 
 static void read_where(lua_State *L, int index, const char *function, lbw_region *out) {
@@ -27,7 +27,7 @@ static void read_where(lua_State *L, int index, const char *function, lbw_region
 static void read_inside(lua_State *L, int index, const char *function, lbw_region *out) {
   out->region.surface = (const bw_surface *)lbw_test(L, index, &lbw_surface_class);
   if (!out->region.surface)
-    lbw_option_error(L, function, "inside", "a surface expected");
+    lbw_option_refused(L, function, "inside", "a surface");
   out->region.parts |= BW_IN_SURFACE;
 }
 
@@ -77,7 +77,7 @@ static void read_table(lua_State *L, int index, const char *function, lbw_region
   r->parts |= r->side >= 0 ? BW_ON_SIDE : 0;
   if (lbw_option_get(L, index, "boundary") != LUA_TNIL) {
     if (!lua_isboolean(L, -1))
-      lbw_option_error(L, function, "boundary", "true or false expected");
+      lbw_option_refused(L, function, "boundary", "true or false");
     r->parts |= lua_toboolean(L, -1) ? BW_ON_BOUNDARY : 0;
   }
   if (lbw_option_get(L, index, "inside") != LUA_TNIL)

@@ -134,8 +134,8 @@ static int model_transferred(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 2, &lbw_mesh_class);
   const bw_array *from = lbw_check_array(L, 3, "node_from");
-  lbw_argument_check(L, from->rows == mesh->node_count && from->columns == 1, 3,
-                     "node_from: one for every node expected");
+  lbw_check_rows(L, 3, "node_from", from->rows, mesh->node_count, "node");
+  lbw_argument_check(L, from->columns == 1, 3, "node_from: an array of one column expected");
   int32_t *node_from =
       (int32_t *)lua_newuserdatauv(L, ((size_t)from->rows + 1) * sizeof *node_from, 0);
   for (int64_t i = 0; i < from->rows; i++) {

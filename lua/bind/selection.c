@@ -351,10 +351,9 @@ static int selection_tostring(lua_State *L) {
   double centre[3];
   bw_selection_centre(selection, centre);
   char text[160];
-  snprintf(text, sizeof text, "selection of %d facets and %d nodes, %s about (%.4g, %.4g, %.4g) mm",
+  snprintf(text, sizeof text, "selection of %d facets and %d nodes, %s about %s",
            (int)selection->facet_count, (int)selection->node_count,
-           lbw_quantity(bw_selection_area(selection), "m2").text, 1e3 * centre[0], 1e3 * centre[1],
-           1e3 * centre[2]);
+           lbw_quantity(bw_selection_area(selection), "m2").text, lbw_point(centre).text);
   lua_pushstring(L, text);
   return 1;
 }

@@ -47,8 +47,8 @@ static void copy_name(lua_State *L, int index, const char *what, bw_name *name) 
   if (!text)
     lbw_error(L, "%s: a name expected, got %s", what, lbw_got(L, index));
   if (length >= sizeof name->text || strlen(text) != length)
-    lbw_error(L, "%s: a name of at most %d bytes, without zeros, expected", what,
-              (int)sizeof name->text - 1);
+    lbw_error(L, "%s: a name of at most %d bytes, without zeros, expected, got %s", what,
+              (int)sizeof name->text - 1, lbw_got(L, index));
   memset(name, 0, sizeof *name);
   memcpy(name->text, text, length);
 }

@@ -26,9 +26,7 @@ double *lbw_read_displacement(lua_State *L, int index, const char *what, const b
     return NULL;
   }
   double *u = lbw_to_doubles(L, index, what, 3, &rows);
-  if (rows != grid->node_count)
-    lbw_error(L, "%s: %d rows expected, one for each node, got %I", what, (int)grid->node_count,
-              (LUAI_UACINT)rows);
+  lbw_require_rows(L, what, rows, grid->node_count, "node");
   return u;
 }
 
@@ -111,7 +109,8 @@ static int solid_evaluate(lua_State *L) {
   double energy = 0;
   bw_solid_shape shape;
   if (!u)
-    return lbw_error(L, "evaluate: displacements expected");
+    return lbw_error(L, "evaluate: displacement: an array of %d x 3 expected, got nil",
+                     (int)solid->grid->node_count);
   bw_array *gradient = lbw_push_array(L, BW_F64, solid->grid->node_count, 3);
   int place = lua_gettop(L);
   bw_status status = bw_solid_evaluate(lbw_enter(L), solid, u, false, &energy,
@@ -135,7 +134,8 @@ static int solid_stress(lua_State *L) {
   const double *u = lbw_read_displacement(L, 2, "displacement", solid->grid);
   bool nodes = lua_toboolean(L, 3);
   if (!u)
-    return lbw_error(L, "stress: displacements expected");
+    return lbw_error(L, "stress: displacement: an array of %d x 3 expected, got nil",
+                     (int)solid->grid->node_count);
   int64_t rows = nodes ? solid->grid->node_count : solid->grid->element_count;
   double *out = (double *)lbw_push_array(L, BW_F64, rows, 6)->data;
   bw_status status =
@@ -231,9 +231,7 @@ static int case_fix_each(lua_State *L) {
   const bool fixed[3] = {true, true, true};
   const int32_t *node = read_nodes(L, 2, it->grid, &count);
   const double *value = lbw_to_doubles(L, 3, "displacements", 3, &rows);
-  if (rows != count)
-    return lbw_error(L, "fix: %d displacements expected, one for each node, got %d", (int)count,
-                     (int)rows);
+  lbw_require_rows(L, "fix: displacements", rows, count, "node");
   bw_context *context = lbw_enter(L);
   for (int64_t i = 0; i < count; i++)
     BW_TRY(bw_load_case_fix(context, it, 1, node + i, fixed, value + 3 * i));
@@ -267,9 +265,7 @@ static int case_pressure(lua_State *L) {
   const bw_embedding *embedding = (const bw_embedding *)lbw_check(L, 2, &lbw_embedding_class);
   const int32_t *triangle = lbw_to_indices(L, 3, "triangles", 3, &triangles);
   const double *pressure = lbw_to_doubles(L, 4, "pressures", 1, &rows);
-  if (rows != triangles)
-    return lbw_error(L, "pressure: %d pressures expected, one for each triangle, got %d",
-                     (int)triangles, (int)rows);
+  lbw_require_rows(L, "pressure", rows, triangles, "triangle");
   return lbw_leave(L,
                    bw_load_case_pressure(lbw_enter(L), it, embedding, triangles, triangle, pressure,
                                          lua_toboolean(L, 5)),
@@ -307,9 +303,7 @@ static int case_contact_plane(lua_State *L) {
   if (!lua_isnil(L, 5)) {
     embedding = (const bw_embedding *)lbw_check(L, 5, &lbw_embedding_class);
     rest = lbw_to_doubles(L, 6, "points", 3, &rows);
-    if (rows != embedding->point_count)
-      return lbw_error(L, "contact_plane: %d positions expected, one for each point, got %d",
-                       (int)embedding->point_count, (int)rows);
+    lbw_require_rows(L, "contact_plane: points", rows, embedding->point_count, "point");
   }
   return lbw_leave(
       L, bw_load_case_contact_plane(lbw_enter(L), it, point, normal, move, embedding, rest), 0);
@@ -354,7 +348,7 @@ static int read_coarse(lua_State *L, int index, const bw_coarsening **coarsening
   if (lbw_option_get(L, index, "coarse") == LUA_TTABLE) {
     count = (int)lua_rawlen(L, -1);
     if (count > MAX_LEVELS)
-      lbw_error(L, "solve: at most %d coarse solids", MAX_LEVELS);
+      lbw_error(L, "solve: option 'coarse': at most %d pairs expected, got %d", MAX_LEVELS, count);
     for (int i = 0; i < count; i++) {
       lua_rawgeti(L, -1, i + 1);
       lua_rawgeti(L, -1, 1);
@@ -362,7 +356,9 @@ static int read_coarse(lua_State *L, int index, const bw_coarsening **coarsening
       coarsening[i] = (const bw_coarsening *)lbw_test(L, -2, &lbw_coarsening_class);
       solid[i] = (const bw_solid *)lbw_test(L, -1, &lbw_solid_class);
       if (!coarsening[i] || !solid[i])
-        lbw_error(L, "solve: option 'coarse': pairs of a coarsening and a solid expected");
+        lbw_error(
+            L, "solve: option 'coarse': pair %d: a coarsening and a solid expected, got %s and %s",
+            i + 1, lbw_got(L, -2), lbw_got(L, -2));
       lua_pop(L, 3);
     }
   }

@@ -259,6 +259,22 @@ static int static_solver(lua_State *L) {
   return 1;
 }
 
+static int unknown_error(lua_State *L) {
+  lua_pushliteral(L, LBW_ERROR_UNKNOWN);
+  return 1;
+}
+
+/* note_error(static, text): what print says of its error, where meshes were compared */
+static int core_note_error(lua_State *L) {
+  lbw_check(L, 1, &lbw_static_class);
+  lbw_check_text(L, 2, NULL);
+  lua_settop(L, 2);
+  lbw_cached(L, "error", unknown_error); /* makes the table of what is kept, 3 */
+  lua_pushvalue(L, 2);
+  lua_setfield(L, 3, "error");
+  return 0;
+}
+
 static int static_tostring(lua_State *L) {
   const bw_static *result = (const bw_static *)lbw_check(L, 1, &lbw_static_class);
   double largest = 0;
@@ -266,14 +282,16 @@ static int static_tostring(lua_State *L) {
     double length = bw_norm(result->displacement + 3 * i);
     largest = length > largest ? length : largest;
   }
-  char text[280], how[60] = "";
+  char text[360], how[60] = "";
+  lua_settop(L, 1);
+  lbw_cached(L, "error", unknown_error);
   if (result->report.method == BW_STATICS_PCG)
     snprintf(how, sizeof how, ", in %d iterations by two-level PCG", result->report.iterations);
   snprintf(text, sizeof text,
            "static solution on %d nodes: largest displacement %s, strain energy %s, residual "
-           "%.1e%s; " LBW_ERROR_UNKNOWN,
+           "%.1e%s; %.80s",
            (int)result->model->mesh->node_count, lbw_quantity(largest, "m").text,
-           lbw_quantity(result->energy, "J").text, result->residual, how);
+           lbw_quantity(result->energy, "J").text, result->residual, how, lua_tostring(L, -1));
   lua_pushstring(L, text);
   return 1;
 }
@@ -398,9 +416,9 @@ static int modes_tostring(lua_State *L) {
                cents < 10 ? "about %.2g cents too high at most"
                           : "about %.0f cents too high at most",
                cents);
-    snprintf(text, sizeof text,
-             "%d elastic modes, %.4g to %.4g Hz, %d rigid-body motions left out%s; %s",
-             modes->count, modes->frequency[0], modes->frequency[last], modes->rigid_count,
+    snprintf(text, sizeof text, "%d elastic modes, %s to %s, %d rigid-body motions left out%s; %s",
+             modes->count, lbw_quantity(modes->frequency[0], "Hz").text,
+             lbw_quantity(modes->frequency[last], "Hz").text, modes->rigid_count,
              modes->counted ? ", none missing" : "", error);
   } else
     snprintf(text, sizeof text, "%d %s modes, eigenvalues %.4g to %.4g; %s", modes->count,
@@ -429,13 +447,14 @@ static int solve_list(lua_State *L, bw_system *system) {
   int64_t nodes = system->mesh->node_count, count = (int64_t)lua_rawlen(L, 2), rows;
   size_t size = 3 * (size_t)nodes * sizeof(double);
   lua_settop(L, 2);
-  lbw_argument_check(L, (double)count * (double)size < 0.5 * (double)INT64_MAX, 2,
-                     "fewer forces expected");
+  if (!((double)count * (double)size < 0.5 * (double)INT64_MAX))
+    return lbw_error(L, "solve: forces: fewer than %I entries expected", (LUAI_UACINT)count);
   char *block = (char *)lua_newuserdatauv(L, (size_t)count * size + 1, 0); /* 3 */
   for (int64_t i = 0; i < count; i++) {
     lua_rawgeti(L, 2, i + 1);
     const double *force = lbw_to_doubles(L, 4, "force", 3, &rows);
-    lbw_argument_check(L, rows == nodes, 2, "forces: a row for every node expected in each");
+    lbw_check_rows(L, 2, lua_pushfstring(L, "forces: entry %I", (LUAI_UACINT)i + 1), rows, nodes,
+                   "node");
     memcpy(block + (size_t)i * size, force, size);
     lua_settop(L, 3);
   }
@@ -492,9 +511,9 @@ static int system_tostring(lua_State *L) {
   const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
   char text[160];
   snprintf(text, sizeof text,
-           "system of %d unknowns, %d unconstrained rigid-body modes, factor of %.3g entries",
+           "system of %d unknowns, %d unconstrained rigid-body modes, factor of %s entries",
            (int)system->dof_map->unknown_count, (int)system->dof_map->rigid_mode_count,
-           (double)system->times.factor_entries);
+           lbw_quantity((double)system->times.factor_entries, "").text);
   lua_pushstring(L, text);
   return 1;
 }
@@ -597,8 +616,7 @@ static int core_surface_mean(lua_State *L) {
   const bw_array *array = (const bw_array *)lbw_check(L, 2, &lbw_array_class);
   int64_t rows, columns = array->columns;
   const double *value = lbw_to_doubles(L, 2, "values", (int)columns, &rows);
-  lbw_argument_check(L, rows == 3 * (int64_t)mesh->facet_count, 2,
-                     "values: three rows for every facet expected, as surface_stress returns");
+  lbw_check_rows(L, 2, "values", rows, 3 * (int64_t)mesh->facet_count, "corner of a facet");
   return push_means(L, mesh, lbw_number_or(L, 3, 0), columns, value);
 }
 
@@ -650,15 +668,12 @@ static int core_max_principal(lua_State *L) {
 }
 
 void lbw_open_solve(lua_State *L) {
-  static const luaL_Reg functions[] = {{"element_stress", core_element_stress},
-                                       {"nodal_stress", core_nodal_stress},
-                                       {"surface_stress", core_surface_stress},
-                                       {"surface_mean", core_surface_mean},
-                                       {"surface_means", core_surface_means},
-                                       {"von_mises", core_von_mises},
-                                       {"principal", core_principal},
-                                       {"max_principal", core_max_principal},
-                                       {NULL, NULL}};
+  static const luaL_Reg functions[] = {
+      {"element_stress", core_element_stress}, {"nodal_stress", core_nodal_stress},
+      {"surface_stress", core_surface_stress}, {"surface_mean", core_surface_mean},
+      {"surface_means", core_surface_means},   {"von_mises", core_von_mises},
+      {"principal", core_principal},           {"max_principal", core_max_principal},
+      {"note_error", core_note_error},         {NULL, NULL}};
   lbw_class_register(L, &lbw_static_class);
   lbw_class_register(L, &lbw_modes_class);
   lbw_class_register(L, &lbw_system_class);

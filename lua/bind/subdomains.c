@@ -49,8 +49,7 @@ static int core_subdomains(lua_State *L) {
   lbw_options(L, 4, "subdomains", list, &options);
   if (lbw_option_get(L, 4, "bone_threshold") != LUA_TNIL) {
     options.bone_threshold = lbw_to_doubles(L, -1, "bone_threshold", 1, &rows);
-    if (rows != skeleton->bone_count)
-      return lbw_option_error(L, "subdomains", "bone_threshold", "one for every bone expected");
+    lbw_require_rows(L, "subdomains: bone_threshold", rows, skeleton->bone_count, "bone");
   }
   lbw_box *box = lbw_box_new(L, &lbw_subdomains_class);
   bw_subdomains *out = NULL;
@@ -66,7 +65,7 @@ static int core_subdomains_from_labels(lua_State *L) {
   int64_t subdomains, labels;
   lua_settop(L, 4);
   double *given = lbw_to_doubles(L, 3, "bones", 1, &subdomains);
-  lbw_argument_check(L, subdomains >= 1, 3, "bones: one for every subdomain expected");
+  lbw_argument_check(L, subdomains >= 1, 3, "bones: an entry for each subdomain expected");
   int32_t *bone_of = (int32_t *)lua_newuserdatauv(L, (size_t)subdomains * sizeof *bone_of, 0);
   for (int64_t i = 0; i < subdomains; i++) {
     lbw_argument_check(L, given[i] >= 0 && given[i] <= skeleton->bone_count, 3,
@@ -74,7 +73,7 @@ static int core_subdomains_from_labels(lua_State *L) {
     bone_of[i] = (int32_t)given[i] - 1;
   }
   int32_t *label = lbw_to_indices(L, 4, "labels", 1, &labels);
-  lbw_argument_check(L, labels == mesh->element_count, 4, "labels: one for every element expected");
+  lbw_check_rows(L, 4, "labels", labels, mesh->element_count, "element");
   lbw_box *box = lbw_box_new(L, &lbw_subdomains_class);
   bw_subdomains *out = NULL;
   bw_status status = bw_subdomains_from_labels(lbw_enter(L), mesh, skeleton, (int32_t)subdomains,

@@ -71,7 +71,7 @@ static int surface_write(lua_State *L) {
   size_t length = strlen(path);
   bool vtu = length > 4 && strcmp(path + length - 4, ".vtu") == 0;
   if (count > 0 && !vtu)
-    return lbw_error(L, "write: option 'fields': a path that ends in .vtu expected");
+    return lbw_error(L, "write: option 'fields': fields are written to .vtu only, got '%s'", path);
   bw_surface *scaled = NULL;
   bw_status status;
   bw_context *context = lbw_enter(L);
@@ -105,8 +105,7 @@ static int surface_new(lua_State *L) {
   int32_t *group = NULL;
   if (lbw_option_get(L, 1, "groups") != LUA_TNIL) {
     group = lbw_to_indices(L, -1, "surface.new: groups", 1, &groups);
-    if (groups != triangles)
-      return lbw_error(L, "surface.new: groups: one for each triangle expected");
+    lbw_require_rows(L, "surface.new: groups", groups, triangles, "triangle");
   }
   lbw_box *box = lbw_box_new(L, &lbw_surface_class);
   bw_surface *out = NULL;

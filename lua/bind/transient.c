@@ -106,7 +106,7 @@ static int motion_report(lua_State *L) {
 
 static int motion_tostring(lua_State *L) {
   const bw_solid_transient *m = self(L);
-  char text[200];
+  char text[260];
   snprintf(text, sizeof text, "motion at %s after %lld steps: kinetic energy %s, strain energy %s",
            lbw_quantity(m->time, "s").text, (long long)m->steps, lbw_quantity(m->kinetic, "J").text,
            lbw_quantity(m->strain, "J").text);

@@ -206,7 +206,7 @@ static int pressure_basis(lua_State *L) {
   if (lbw_option_get(L, 2, "forbidden") != LUA_TNIL) {
     options.forbidden = (const bw_selection *)lbw_test(L, -1, &lbw_selection_class);
     if (!options.forbidden)
-      return lbw_option_error(L, "pressure_basis", "forbidden", "a selection expected");
+      return lbw_option_refused(L, "pressure_basis", "forbidden", "a selection");
     lbw_argument_check(L, options.forbidden->mesh == mesh, 2,
                        "forbidden: a selection on the same mesh expected");
   }
@@ -440,10 +440,10 @@ static int rank_correlation(lua_State *L) {
   lua_settop(L, 3);
   double *a = lbw_to_doubles(L, 1, "a", 1, &count);
   double *b = lbw_to_doubles(L, 2, "b", 1, &other), *weight = NULL, rho = 0;
-  lbw_argument_check(L, other == count, 2, "b: as many numbers as in a expected");
+  lbw_check_rows(L, 2, "b", other, count, "row of a");
   if (!lua_isnoneornil(L, 3)) {
     weight = lbw_to_doubles(L, 3, "weights", 1, &other);
-    lbw_argument_check(L, other == count, 3, "weights: as many numbers as in a expected");
+    lbw_check_rows(L, 3, "weights", other, count, "row of a");
   }
   bw_context *context = lbw_enter(L);
   bw_status status = weight ? bw_weighted_rank_correlation(context, count, a, b, weight, &rho)

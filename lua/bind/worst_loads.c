@@ -160,11 +160,12 @@ static int worst_loads(lua_State *L) {
   lua_createtable(L, 0, 14);   /* 6 */
   arrays k = {.L = L, .table = 6, .count = regions->count};
   if (!lua_isnil(L, 5)) {
-    lbw_argument_check(L, lua_istable(L, 5), 4, "after: results of worst_loads expected");
+    lbw_argument_check(L, lua_istable(L, 5), 4,
+                       "after: a table of results of worst_loads expected");
     lua_getfield(L, 5, "peaks");
     const bw_array *peaks = (const bw_array *)lbw_test(L, -1, &lbw_array_class);
     lbw_argument_check(L, peaks && peaks->rows < INT32_MAX - regions->count, 4,
-                       "after: results of worst_loads expected");
+                       "after: a table of results of worst_loads expected");
     k.after = 5;
     k.earlier = (int)peaks->rows;
     lua_pop(L, 1);
@@ -376,9 +377,9 @@ static int dual_bounds(lua_State *L) {
   claims.motions = (int32_t)motions;
   claims.element = lbw_to_indices(L, 5, "elements", 1, &claims.count);
   claims.direction = lbw_to_doubles(L, 6, "directions", 3, &rows);
-  lbw_argument_check(L, rows == claims.count, 6, "directions: one for each element expected");
+  lbw_check_rows(L, 6, "directions", rows, claims.count, "element");
   claims.multiplier = lbw_to_doubles(L, 7, "multipliers", 6 * motions + 2, &rows);
-  lbw_argument_check(L, rows == claims.count, 7, "multipliers: a row for each element expected");
+  lbw_check_rows(L, 7, "multipliers", rows, claims.count, "element");
   double *bound = (double *)lbw_push_array(L, BW_F64, rows, 1)->data;
   double *solve_error = (double *)lbw_push_array(L, BW_F64, rows, 1)->data;
   return lbw_leave(L, bw_dual_bounds(lbw_enter(L), system, basis, &claims, bound, solve_error), 2);

@@ -218,6 +218,7 @@ describe("solve with an error", function()
 
   it("reaches the stress at a hole", function()
     local static, accuracy = assert(plate_with_hole(60):solve {error = 0.01, of = {at = {0, 1, 0}, field = "xx"}})
+    assert.truthy(tostring(static):find "; estimated error [%d.]+ %% of the xx at a point$", tostring(static))
     assert.is_true(accuracy.converged)
     assert.equal("tolerance", accuracy.reason)
     assert.near(3, accuracy.value, 0.04) -- the plate is not infinite

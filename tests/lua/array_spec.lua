@@ -116,7 +116,7 @@ describe("an array", function()
     assert.same({-2}, bw.array.from_string("<i2", "\254\255"):totable())
     check.raises("does not fit", a.tostring, bw.array {300}, "<u1")
     check.raises("byte format", a.tostring, a, "double")
-    check.raises("no whole number of rows", bw.array.from_string, "<f8", "abc")
+    check.raises("whole rows of 8 bytes expected", bw.array.from_string, "<f8", "abc")
   end)
 
   it("says what is wrong with a table", function()

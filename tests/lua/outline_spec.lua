@@ -245,7 +245,7 @@ describe("an outline", function()
 
   it("says in words what it is", function()
     local text = tostring(plate())
-    assert.truthy(text:find("outline, 400 x 300 mm: area 1.121e+05 mm2", 1, true))
+    assert.truthy(text:find("outline, 400 x 300 mm: area 1121 cm2", 1, true))
     assert.truthy(text:find("bore in outline: hole, edges 5 to 12, tags bore", 1, true))
     local o <close> = plate()
     o:close()

@@ -2,7 +2,9 @@
 -- Plots: marks and units on axes, numbers in their place, well-formed SVG, and data of every kind.
 local bw = require "barwright"
 local check = require "check"
+local core = require "barwright.core"
 local numbers = require "barwright.plot.numbers"
+local quantity = require "barwright.command.quantity"
 
 -- Every element is closed by its own name, attributes are quoted, no stray < or &.
 local function assert_well_formed(svg)
@@ -62,14 +64,19 @@ describe("marks", function()
     assert.equal("g", unit("kg", 0.012))
     assert.equal("kg", unit("kg", 3))
     assert.equal("cm³", unit("m3", 1e-4))
-    assert.equal("mm²", unit("m²", 3e-5))
+    assert.equal("cm²", unit("m²", 3e-5))
+    assert.equal("kN", unit("N", 5e4))
     assert.equal("µs", unit("s", 3e-5))
     assert.equal("s", unit("s", 5e4))
     assert.equal("mm/s", unit("m/s", 0.02))
     assert.equal("10⁻⁹", unit("", 3e-7 / 100))
     assert.equal("inch", unit("inch", 5))
     assert.near(1000, numbers.unit("kg", 0.012), 1e-9)
-    assert.equal("55 MPa", numbers.quantity(55e6, "Pa"))
+    for unit_name, value in pairs {Pa = 55e6, m = 0.0025, N = 123400, kg = 0.012, m3 = 2e-6, Hz = 440} do
+      local text = core.quantity(value, unit_name) -- as print shows it
+      assert.equal((text:gsub("m3$", "m³")), numbers.quantity(value, unit_name))
+      assert.equal(text, quantity.text(value, unit_name))
+    end
     assert.equal("−1.5·10⁻⁷", numbers.quantity(-1.5e-7, ""))
   end)
 end)

@@ -137,7 +137,7 @@ describe("awkward input", function()
   it("may be far away, or several bodies", function()
     answered(cubes {{1e7, 1e7, 1e7, 10}})
     local output = answered(cubes {{0, 0, 0, 10}, {30, 0, 0, 10}})
-    assert.truthy(output:find("mm from (0, 0, 0), 2 bodies\n", 1, true), output)
+    assert.truthy(output:find("mm from (0, 0, 0) mm, 2 bodies\n", 1, true), output)
   end)
 
   it("may touch along an edge, at a corner, or lack a facet", function()

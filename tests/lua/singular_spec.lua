@@ -23,7 +23,7 @@ describe("the singular edges of a surface", function()
     assert.near(-math.sqrt(0.5), edge.inward[1][1], 1e-9)
     local text = tostring(edges)
     assert.truthy(text:find("1 singular place\n", 1, true))
-    assert.truthy(text:find("270 degrees inside the material: stress like h^-0.456", 1, true), text)
+    assert.truthy(text:find("270 degrees inside the material: stress like h^-0.4555", 1, true), text)
   end)
 
   it("are found near a point", function()

@@ -65,12 +65,19 @@ describe("barwright study", function()
   it("writes tables, figures and a page", function()
     for name, words in pairs {["t.csv"] = "csv @hook.lua --out @t.csv",
       ["p.svg"] = "plot @hook.lua history --out @p.svg",
+      ["xy.svg"] = "plot @hook.lua scatter --x thickness --y stress --colour mass --out @xy.svg",
       ["p.png"] = "plot @hook.lua scatter_matrix --out @p.png", ["r.html"] = "report @hook.lua --out @r.html"} do
       local status, _, complaint = run(words)
       assert.equal("", complaint)
       assert.equal(0, status)
       assert.is_true(#check.read(folder .. "/" .. name) > 500)
     end
+    local status, _, complaint = run "plot @hook.lua scatter --x thickness"
+    assert.equal(2, status)
+    assert.truthy(complaint:find("option 'y': is missing", 1, true), complaint)
+    status, _, complaint = run "plot @hook.lua history --x thickness"
+    assert.equal(2, status)
+    assert.truthy(complaint:find("plot history: unknown option 'x'", 1, true), complaint)
     local _, lines = check.read(folder .. "/t.csv"):gsub("\r\n", "")
     assert.equal(13, lines)
   end)

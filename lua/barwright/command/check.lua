@@ -6,6 +6,7 @@ local distance = require("barwright.points").distance
 local lengths = require "barwright.command.lengths"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
+local shown = require "barwright.shown"
 local writable = require "barwright.writable"
 
 -- Each kind of defect in words: one, many, what it means.
@@ -59,7 +60,7 @@ local function report_defects(report, out)
       counts[kind:gsub("[ -]", "_")] = count
       local where = first[kind]
       out:say("  %s: %s; the first at %s, facet %d", model.count(count, words[1], words[2]), words[3],
-        model.place(where.at), where.facet)
+        core.point(where.at), where.facet)
     end
   end
   out:json {defects = counts, holes = report.holes}
@@ -72,15 +73,16 @@ local function report_thickness(surface, opts, out)
   table.sort(list)
   local thin, median = quantile(list, 0.01), quantile(list, 0.5)
   if median == math.huge then return true end
-  out:say("Walls: 1 %% of the surface has less than %s mm of material under it, half of it less than %s mm.",
-    model.mm(thin), model.mm(median))
+  out:say("Walls: 1 %% of the surface has less than %s of material under it, half of it less than %s.",
+    core.quantity(thin, "m"), core.quantity(median, "m"))
   out:json {thickness_1_percent_m = thin, thickness_median_m = median}
   if not opts.thin then return true end
   local below = 0
   for _, value in ipairs(list) do below = below + (value < opts.thin and 1 or 0) end
   local fraction = below / #list
   out:json {thin_fraction = fraction}
-  out:say("%.3g %% of the surface has less than the %s mm asked for.", 100 * fraction, model.mm(opts.thin))
+  out:say("%s of the surface has less than the %s asked for.",
+    shown.percent(fraction), core.quantity(opts.thin, "m"))
   return fraction <= 0.01
 end
 
@@ -102,14 +104,15 @@ local function report_repair(surface, opts, out)
     steps[i] = {name = step.name, count = step.count, moved_m = step.moved, text = step.text}
     out:say("  %s: %s", step.name, lengths(step.text))
   end
-  out:say("  Then its volume is %.4g cm3, and it lies %s.", repaired.volume * 1e6, model.moved_text(log.moved))
+  out:say("  Then its volume is %s, and it lies %s.",
+    core.quantity(repaired.volume, "m3"), model.moved_text(log.moved))
   out:json {repairable = true, repair_steps = steps, repair_moved_m = log.moved,
     repaired_volume_m3 = repaired.volume}
   return repaired
 end
 
 -- With --edges: the re-entrant edges without a fillet, where a stress has no finite value.
-local function report_edges(surface, opts, shown, out)
+local function report_edges(surface, opts, picture, out)
   if not opts.edges then return end
   local edges, message = surface:singular_edges()
   if not edges then
@@ -126,8 +129,8 @@ local function report_edges(surface, opts, shown, out)
   out:json {singular_edges = list}
   local lines = {}
   for i, edge in ipairs(edges) do lines[i] = edge.points end
-  shown.lines, shown.direction = lines, model.view_of(edges)
-  shown.line_name = model.count(#edges, "re-entrant edge") .. " without a fillet"
+  picture.lines, picture.direction = lines, model.view_of(edges)
+  picture.line_name = model.count(#edges, "re-entrant edge") .. " without a fillet"
 end
 
 -- So many faces are listed and drawn.
@@ -143,9 +146,9 @@ local function inner_radius(a, b, c, twice_area)
 end
 
 -- Of every face a label in the middle of a triangle: near the middle of what faces the viewer, and a wide one.
-local function face_labels(surface, shown)
+local function face_labels(surface, picture)
   local faces, of = surface:faces()
-  local view = core.picture_direction(surface, nil, shown)
+  local view = core.picture_direction(surface, nil, picture)
   local length = math.sqrt(view[1] ^ 2 + view[2] ^ 2 + view[3] ^ 2)
   local points, seen = surface.points:totable(), {}
   for i = 1, #faces do seen[i] = {0, 0, 0, area = 0, centroids = {}} end
@@ -191,8 +194,8 @@ local function report_faces(surface, opts, out)
     list[i] = {name = face.name, kind = face.kind, area_m2 = face.area, centre_m = face.centre,
       radius_m = face.radius}
     if i <= MAX_FACES then
-      out:say("  %-12s %.4g mm2%s", face.name, face.area * 1e6,
-        face.radius and (", radius %s mm"):format(model.mm(face.radius)) or "")
+      out:say("  %-12s %s%s", face.name, core.quantity(face.area, "m2"),
+        face.radius and ", radius " .. core.quantity(face.radius, "m") or "")
     end
   end
   if #faces > MAX_FACES then out:say("  and %d smaller ones.", #faces - MAX_FACES) end
@@ -202,13 +205,13 @@ end
 
 -- What --edges and --faces ask for, listed and drawn.
 local function report_marked(surface, opts, out)
-  local shown = {title = model.name(opts.model)}
-  report_edges(surface, opts, shown, out)
+  local picture = {title = model.name(opts.model)}
+  report_edges(surface, opts, picture, out)
   local ok, message, details = report_faces(surface, opts, out)
   if not ok then return nil, message, details end
   if not opts.picture then return true end
-  if opts.faces then shown.labels = face_labels(surface, shown) end
-  ok, message, details = surface:picture(opts.picture, shown)
+  if opts.faces then picture.labels = face_labels(surface, picture) end
+  ok, message, details = surface:picture(opts.picture, picture)
   if not ok then return nil, message, details end
   out:json {files = bw.json.list {opts.picture}}
   out:say("Written: %s.", opts.picture)
@@ -218,16 +221,16 @@ end
 local function check_surface(read, opts, out)
   local surface = read.surface
   local report = surface:check {limit = 1}
-  out:say("%s: %s, %s, %s mm.", model.name(read.path), read.format,
-    model.count(surface.triangle_count, "triangle"), model.size_text(size_of(read.box)))
+  out:say("%s: %s, %s, %s.", model.name(read.path), read.format,
+    model.count(surface.triangle_count, "triangle"), shown.size(size_of(read.box)))
   report_unit(read, out)
   out:json {triangles = surface.triangle_count, points = surface.point_count, sound = report.sound,
     closed = report.closed, oriented = report.oriented, shells = report.shells, area_m2 = report.area,
     volume_m3 = report.volume}
   local good
   if report.sound then
-    out:say("Sound: closed, facing outwards, not crossing itself; %s, %.4g cm3, surface %.4g cm2.",
-      model.count(report.shells, "shell"), report.volume * 1e6, report.area * 1e4)
+    out:say("Sound: closed, facing outwards, not crossing itself; %s, %s, surface %s.",
+      model.count(report.shells, "shell"), core.quantity(report.volume, "m3"), core.quantity(report.area, "m2"))
     good = report_thickness(surface, opts, out)
     local ok, message, details = report_marked(surface, opts, out)
     if not ok then return nil, message, details end
@@ -260,8 +263,10 @@ local function check_mesh(read, opts, out)
   local degrees = 180 / math.pi
   local min, max = quality.dihedral_min, quality.dihedral_max
   if max <= math.pi + 1e-9 then min, max = min * degrees, max * degrees end
-  out:say("Angles between faces from %.3g to %.3g degrees; volumes from %.3g to %.3g mm3; %s.", min, max,
-    quality.volume_min * 1e9, quality.volume_max * 1e9, model.count(mesh.component_count, "body", "bodies"))
+  out:say("Angles between faces from %s to %s degrees; volumes from %s to %s; %s.",
+    shown.number(min), shown.number(max),
+    core.quantity(quality.volume_min, "m3"), core.quantity(quality.volume_max, "m3"),
+    model.count(mesh.component_count, "body", "bodies"))
   out:json {order = mesh.order, dihedral_min_degrees = min, dihedral_max_degrees = max,
     volume_min_m3 = quality.volume_min, volume_max_m3 = quality.volume_max, sound = true}
   local ok, message, details = report_marked(mesh:surface(), opts, out)
@@ -270,7 +275,8 @@ local function check_mesh(read, opts, out)
     out:say("The bodies are not connected: a load on one has no effect on the others.")
   end
   if min < 1 then
-    out:say("Its flattest element has an angle of %.2g degrees: stresses there are not to be trusted.", min)
+    out:say("Its flattest element has an angle of %s degrees: stresses there are not to be trusted.",
+      shown.number(min))
     out:json {sound = false}
     return false
   end
@@ -283,10 +289,10 @@ local function check_outline(read, _, out)
   local outline, holes = read.outline, 0
   for _, loop in ipairs(outline.loops) do holes = holes + (loop.hole and 1 or 0) end
   local size = size_of(read.box)
-  out:say("%s: %s, %s mm.", model.name(read.path), read.format, model.size_text(size))
-  out:say("Sound: %s closed and without crossings, of which %s; %s; area %.4g mm2, length of the cuts %.4g mm.",
+  out:say("%s: %s, %s.", model.name(read.path), read.format, shown.size(size))
+  out:say("Sound: %s closed and without crossings, of which %s; %s; area %s, length of the cuts %s.",
     model.count(#outline.loops, "loop"), model.count(holes, "hole"), model.count(outline.edge_count, "edge"),
-    outline.area * 1e6, outline.perimeter * 1e3)
+    core.quantity(outline.area, "m2"), core.quantity(outline.perimeter, "m"))
   out:json {size_m = size, sound = true, loops = #outline.loops, holes = holes, edges = outline.edge_count,
     regions = outline.region_count, area_m2 = outline.area, perimeter_m = outline.perimeter}
   return true

@@ -1,13 +1,18 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright materials: the library, with where its numbers come from.
 local bw = require "barwright"
+local core = require "barwright.core"
+local shown = require "barwright.shown"
+
+-- Of the constants that have a source.
+local units = {young = "Pa", strength = "Pa", density = "kg/m3", toughness = "Pa m^0.5", critical_distance = "m"}
 
 -- "3.6" or "1.22 0.68 0.234": one number, or one for each axis.
 local function numbers(value, scale)
   if not value then return "-" end
-  if type(value) == "number" then return ("%.4g"):format(value * scale) end
+  if type(value) == "number" then return shown.number(value * scale) end
   local texts = {}
-  for i, x in ipairs(value) do texts[i] = ("%.4g"):format(x * scale) end
+  for i, x in ipairs(value) do texts[i] = shown.number(x * scale) end
   return table.concat(texts, " ")
 end
 
@@ -27,7 +32,7 @@ end
 -- "3 +- 0.4", "-" where the value is not known.
 local function scattered(value, scatter, scale)
   if not value then return "-" end
-  return ("%.3g"):format(value * scale) .. (scatter and (" +- %.2g"):format(scatter * scale) or "")
+  return shown.number(value * scale) .. (scatter and (" +- %.2g"):format(scatter * scale) or "")
 end
 
 local function report_one(entry, out)
@@ -40,8 +45,9 @@ local function report_one(entry, out)
     local name = entry.isotropic and key:gsub("_%d+$", "") or key
     if not said[name] then
       said[name] = true
-      out:say("  %-17s %.6g%s  %s", name, from.value, from.scatter and (" +- %.3g"):format(from.scatter) or "",
-        from.source or "")
+      local unit, scale = core.shown_unit(from.value, units[key:gsub("_%d+$", "")] or "")
+      out:say("  %-17s %s%s  %s", name, core.quantity(from.value, units[key:gsub("_%d+$", "")] or ""),
+        from.scatter and (" +- %.2g %s"):format(from.scatter / scale, unit) or "", from.source or "")
     end
   end
 end
@@ -49,7 +55,7 @@ end
 return {
   summary = "the materials that are known, with where their numbers come from",
   about = "Without a name: a table; where a material has axes, three numbers stand for the three. With a name: "
-    .. "every number with its source, in SI units.",
+    .. "every number with its unit and source.",
   arguments = {{name = "material", optional = true, one_of = bw.material.names(), what = "one of them"}},
   examples = {"barwright materials", "barwright materials zp150"},
   run = function(opts, out)

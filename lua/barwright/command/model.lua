@@ -2,7 +2,9 @@
 -- What the commands share: reading a MODEL, whatever it is, making a mesh of it, and telling in sentences how
 -- large it is. Failures are nil, message, details, the message beginning with the file.
 local bw = require "barwright"
+local core = require "barwright.core"
 local lengths = require "barwright.command.lengths"
+local shown = require "barwright.shown"
 local writable = require "barwright.writable"
 
 local model = {}
@@ -33,6 +35,9 @@ model.value_options = {
   {name = "toughness", value = "K_IC", type = "number", above = 0,
     what = "the fracture toughness in Pa m^0.5, instead of the material's: 2e6 for instance"},
 }
+
+local value_names = {young = "Young's modulus", poisson = "Poisson's ratio", strength = "strength",
+  density = "density", toughness = "fracture toughness"}
 
 -- The named material with what was given by value: {young, poisson, strength, density, toughness}.
 local function material_of(opts)
@@ -76,52 +81,9 @@ model.order_option = {name = "order", value = "1|2", type = "integer", default =
 model.threads_option = {name = "threads", value = "N", type = "integer", min = 1, max = 64,
   what = "number of threads; the numbers do not depend on it"}
 
---- Millimetres with the digits that matter: "12.5".
-function model.mm(length)
-  return ("%.4g"):format(length * 1e3)
-end
-
---- A number with so many digits that matter (3), without an exponent where it is neither tiny nor huge: "3560".
-function model.digits(value, count)
-  local text = ("%%.%dg"):format(count or 3):format(value)
-  if text:find("e+", 1, true) and math.abs(value) < 1e9 then text = ("%.0f"):format(tonumber(text)) end
-  return text
-end
-
---- "25.8 N (21.3 to 30.9 N)" of a breaking force with its interval.
-function model.interval(force, low, high)
-  return ("%s N (%s to %s N)"):format(model.digits(force), model.digits(low), model.digits(high))
-end
-
--- Of the largest coordinate of a place: single precision, as of STL files.
-local ROUNDING = 1e-7
-
 --- Where a surface lies that a step moved by a length.
 function model.moved_text(moved)
-  return moved > 0 and ("at most %s mm from the input"):format(model.mm(moved)) or "on the input"
-end
-
---- "(1.5, 0, 30) mm"; what rounding may have left beside the largest coordinate is 0.
-function model.place(at)
-  local texts, largest = {}, 0
-  for _, x in ipairs(at) do largest = math.max(largest, math.abs(x)) end
-  for i, x in ipairs(at) do
-    texts[i] = ("%.4g"):format(math.abs(x) < 1e-15 + ROUNDING * largest and 0 or x * 1e3)
-  end
-  return "(" .. table.concat(texts, ", ") .. ") mm"
-end
-
---- "45 x 64.94 x 13"
-function model.size_text(size, scale)
-  local texts = {}
-  for i, x in ipairs(size) do texts[i] = model.digits(x * (scale or 1e3), 4) end
-  return table.concat(texts, " x ")
-end
-
-function model.mass_text(mass)
-  if mass >= 1 then return ("%.4g kg"):format(mass) end
-  if mass >= 1e-3 then return ("%.4g g"):format(mass * 1e3) end
-  return ("%.4g mg"):format(mass * 1e6)
+  return moved > 0 and ("at most %s from the input"):format(core.quantity(moved, "m")) or "on the input"
 end
 
 function model.name(path)
@@ -132,11 +94,6 @@ end
 function model.shell(word)
   if word:find "^[%w%._/+-]+$" then return word end
   return "'" .. word:gsub("'", "'\\''") .. "'"
-end
-
---- A fraction in percent: two digits, or whole percents.
-function model.percent(fraction)
-  return (fraction < 0.1 and "%.2g" or "%.0f"):format(100 * fraction)
 end
 
 --- The verdict on a stress that is `used` of the strength, within a relative error, and its words. An error as
@@ -195,14 +152,17 @@ function model.guess_unit(size, metres, asked)
       likely[#likely + 1] = unit
     end
   end
-  local head = ("The numbers were taken as %s, which makes it %s mm: %s for a part."):format(
+  local head = ("The numbers were taken as %s, which makes it %s: %s for a part."):format(
     metres == 1 and "metres" or metres == 1e-3 and "millimetres" or ("%g m"):format(metres),
-    model.size_text(size), longest < SMALLEST and "small" or "large")
+    shown.size(size), longest < SMALLEST and "small" or "large")
   if #likely == 0 then return head .. " Is that what is meant? (--unit)", {} end
   local texts, names = {}, {}
+  local function scaled(by)
+    return {by * size[1], by * size[2], by * size[3]}
+  end
   for i, unit in ipairs(likely) do
     names[i] = unit[1]
-    texts[i] = ("--unit %s makes it %s mm"):format(unit[1], model.size_text(size, unit[2] / metres * 1e3))
+    texts[i] = ("--unit %s makes it %s"):format(unit[1], shown.size(scaled(unit[2] / metres)))
   end
   return head .. " " .. table.concat(texts, ", ") .. ".", names
 end
@@ -331,9 +291,9 @@ end
 function model.report_mesh(mesh, material, out)
   local size = {}
   for i = 1, 3 do size[i] = mesh.box.max[i] - mesh.box.min[i] end
-  out:say("%s, %s, %s mm, %.4g cm3%s.", model.count(mesh.element_count, "element"),
-    model.count(mesh.node_count, "node"), model.size_text(size), mesh.volume * 1e6,
-    material and material.density and ", " .. model.mass_text(material.density * mesh.volume) or "")
+  out:say("%s, %s, %s, %s%s.", model.count(mesh.element_count, "element"), model.count(mesh.node_count, "node"),
+    shown.size(size), core.quantity(mesh.volume, "m3"),
+    material and material.density and ", " .. core.quantity(material.density * mesh.volume, "kg") or "")
   out:json {elements = mesh.element_count, nodes = mesh.node_count, bodies = mesh.component_count,
     box_low_m = mesh.box.min, box_high_m = mesh.box.max, volume_m3 = mesh.volume,
     area_m2 = mesh.boundary.area,
@@ -394,6 +354,18 @@ end
 
 --- Endings of the files of bodies with fields.
 model.field_endings = {"vtu", "msh", "mesh", "inp", "node", "ele"}
+
+--- What a part is made of, in words: "pla", "pla with the given strength".
+function model.material_text(opts)
+  local given = {}
+  for _, option in ipairs(model.value_options) do
+    if opts[option.name] then given[#given + 1] = value_names[option.name] end
+  end
+  if #given == 0 then return opts.material end
+  local last = table.remove(given)
+  return ("%s with the given %s"):format(opts.material, #given > 0
+    and table.concat(given, ", ") .. " and " .. last or last)
+end
 
 --- What is asked about, read and reported: what model.read gives, material. A size that is implausible for a part
 --- is refused unless the unit was given.

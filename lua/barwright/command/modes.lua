@@ -1,10 +1,12 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright modes MODEL: natural frequencies and modes, free or constrained.
 local bw = require "barwright"
+local core = require "barwright.core"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
-local places = require "barwright.command.places"
 local pitch = require "barwright.pitch"
+local places = require "barwright.command.places"
+local shown = require "barwright.shown"
 
 local function analyse(opts, out)
   if opts.threads then bw.threads(opts.threads) end
@@ -38,7 +40,8 @@ local function report(modes, fixed, errors, accuracy, opts, out)
   if accuracy then model.report_accuracy(accuracy, out) end
   out:say("")
   if #opts.fix > 0 then
-    out:say("Constrained at %s (%.4g cm2), natural frequencies are:", table.concat(opts.fix, " and "), fixed * 1e4)
+    out:say("Constrained at %s (%s), natural frequencies are:", table.concat(opts.fix, " and "),
+      core.quantity(fixed, "m2"))
   else
     out:say("Without supports, its natural frequencies are (%d rigid-body modes are left out):", modes.rigid_count)
   end
@@ -46,14 +49,13 @@ local function report(modes, fixed, errors, accuracy, opts, out)
   for i, frequency in ipairs(modes.frequencies:totable()) do
     local note, cents = pitch.note(frequency)
     list[i] = frequency
-    out:say(frequency < 10 and "  %2d  %10.4f Hz   %-4s %+3.0f cents, about %s too high"
-      or "  %2d  %10.1f Hz   %-4s %+3.0f cents, about %s too high", i, frequency, note, cents,
-      model.digits(errors[i], 2))
+    out:say("  %2d  %10s Hz   %-4s %+3.0f cents, about %s too high", i, shown.number(frequency), note, cents,
+      shown.cents(errors[i]))
   end
   out:say("The mesh makes frequencies too high; the estimate is in cents, a hundredth of a semitone.")
   if accuracy then
     local cents = 1200 * math.log(1 + accuracy.estimated_error, 2)
-    out:say("With what the last refinement changed, every frequency is within %s cents.", model.digits(cents, 2))
+    out:say("With what the last refinement changed, every frequency is within %s.", shown.cents(cents))
     out:json {estimated_error = accuracy.estimated_error, estimated_error_cents = cents}
   end
   out:json {frequencies_hz = list, error_cents = cents_of, rigid_motions = modes.rigid_count,

@@ -2,6 +2,8 @@
 -- Numbers with a unit, as people write them on a command line: 20, 20N, 0.2MPa, 30mm, 5min, 2G. A number
 -- alone is in the SI unit that the option names. Lengths and areas of a command line need a unit, since whoever
 -- draws in millimetres means those.
+local core = require "barwright.core"
+
 local quantity = {}
 
 -- For each unit that an option can name: what else may stand there, and how many of it that is.
@@ -55,17 +57,12 @@ function quantity.needed(unit)
   return proposed[unit] ~= nil
 end
 
--- The units that a value is written in, smallest first.
-local written = {m = proposed.m, m2 = proposed.m2, Pa = {"Pa", "kPa", "MPa", "GPa"}}
-
---- A number in the unit: "20 N", "1 cm2", "30 MPa": in the largest of the written units that it reaches.
+--- A number in the unit that print shows it in, with all of its digits, since it can be given again: "20 N",
+--- "1 cm2", "30 MPa".
 function quantity.text(value, unit)
-  local name, scale = unit, 1
-  for _, one in ipairs(written[unit] or {}) do
-    if value >= units[unit][one] then name, scale = one, units[unit][one] end
-  end
-  local text = scale == 1 and math.type(value) == "integer" and tostring(value) or ("%.14g"):format(value / scale)
-  return name and text .. " " .. name or text
+  if not unit then return math.type(value) == "integer" and tostring(value) or ("%.14g"):format(value) end
+  local name, scale = core.shown_unit(value, unit)
+  return ("%.14g %s"):format(value / scale, name)
 end
 
 --- A sentence where a number other than 0 needs a unit and has none; nil elsewhere. text: what to repeat with a

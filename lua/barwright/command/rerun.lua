@@ -8,6 +8,7 @@ local json = require "barwright.json"
 local output = require "barwright.command.output"
 local read_file = require "barwright.read_file"
 local results = require "barwright.results"
+local shown = require "barwright.shown"
 
 local max_listed = 40
 
@@ -132,7 +133,7 @@ local function report(out, title, list, max)
       break
     end
     out:say("  %s: %s, was %s%s", entry.path, differences.show(entry.after), differences.show(entry.before),
-      entry.relative and (", apart by %.3g %%"):format(100 * entry.relative) or "")
+      entry.relative and ", apart by " .. shown.percent(entry.relative) or "")
   end
 end
 

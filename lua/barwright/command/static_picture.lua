@@ -3,11 +3,12 @@
 -- edge of a finding, and a title with the answer.
 local bw = require "barwright"
 local core = require "barwright.core"
+local distance = require("barwright.points").distance
 local fine_boundary = require "barwright.fine_boundary"
 local model = require "barwright.command.model"
 local places = require "barwright.command.places"
-local distance = require("barwright.points").distance
 local report = require "barwright.report"
+local shown = require "barwright.shown"
 
 local static_picture = {}
 
@@ -94,17 +95,17 @@ end
 --- The title for {stress =, error =, verdict = words}: the largest von Mises stress, or where that has no finite
 --- value what is judged, `judged` = {used = over the strength, error =, strength =}.
 function static_picture.title(name, about)
-  local value, error = ("largest von Mises stress %.4g MPa"):format(about.stress / 1e6), about.error
+  local value, error = "largest von Mises stress " .. core.quantity(about.stress, "Pa"), about.error
   local judged = about.judged
   if judged and not judged.used then return name .. ": the largest stress has no finite value" end
   if judged then
     error = judged.error
     value = type(judged.strength) == "number"
-      and ("judged mean stress %.4g MPa"):format(judged.used * judged.strength / 1e6)
-      or ("judged mean stress %s %% of the strength"):format(model.digits(100 * judged.used))
+      and "judged mean stress " .. core.quantity(judged.used * judged.strength, "Pa")
+      or ("judged mean stress %s of the strength"):format(shown.percent(judged.used))
   end
   local verdict = about.verdict and "; " .. about.verdict or ""
-  return ("%s: %s ± %s %%%s"):format(name, value, model.percent(error), verdict)
+  return ("%s: %s ± %s%s"):format(name, value, shown.error(error), verdict)
 end
 
 --- Options of static:picture for a title, loads, places of supports, and a finding.

@@ -1,12 +1,15 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright statics MODEL: constrained here, loaded there, does it carry the load?
-local bw = require "barwright"
 local averaging_radius = require "barwright.averaging_radius"
+local bw = require "barwright"
+local core = require "barwright.core"
 local facet_error = require "barwright.facet_error"
 local growth = require "barwright.singular_growth"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
+local quantity = require "barwright.command.quantity"
+local shown = require "barwright.shown"
 local singular_places = require "barwright.singular"
 local static_picture = require "barwright.command.static_picture"
 
@@ -18,8 +21,6 @@ local function split(text)
   if not ok then return nil, message end
   return place, value
 end
-
-local quantity = require "barwright.command.quantity"
 
 -- Loads, before anything is read: {place =, force = | pressure =}.
 local function read_loads(opts)
@@ -63,7 +64,7 @@ local function set_up(part, opts, loads, out)
     ok, message = model.try(part.fix, part, selection)
     if not ok then return nil, place .. ": " .. message, {status = "invalid"} end
     area = area + selection.area
-    out:say("Constrained at %s (%.4g cm2).", place, selection.area * 1e4)
+    out:say("Constrained at %s (%s).", place, core.quantity(selection.area, "m2"))
   end
   for _, load in ipairs(loads) do
     local selection, message, details = places.select(mesh, load.place)
@@ -72,11 +73,11 @@ local function set_up(part, opts, loads, out)
     ok, message = model.try(part.load, part, {on = selection, force = load.force, pressure = load.pressure})
     if not ok then return nil, load.place .. ": " .. message, {status = "invalid"} end
     if load.force then
-      out:say("Load applied at %s (%.4g cm2): force (%.4g, %.4g, %.4g) N.", load.place, selection.area * 1e4,
-        table.unpack(load.force))
+      out:say("Load applied at %s (%s): force %s.", load.place, core.quantity(selection.area, "m2"),
+        shown.vector(load.force, "N"))
     else
-      out:say("Load applied at %s (%.4g cm2): pressure %.4g MPa.", load.place, selection.area * 1e4,
-        load.pressure / 1e6)
+      out:say("Load applied at %s (%s): pressure %s.", load.place, core.quantity(selection.area, "m2"),
+        core.quantity(load.pressure, "Pa"))
     end
   end
   if loads.gravity then
@@ -84,7 +85,7 @@ local function set_up(part, opts, loads, out)
       return nil, "the density of the material is not known", {status = "invalid"}
     end
     part:gravity(loads.gravity)
-    out:say("Load applied to the whole part: gravity (%.4g, %.4g, %.4g) m/s2.", table.unpack(loads.gravity))
+    out:say("Load applied to the whole part: gravity %s.", shown.vector(loads.gravity, "m/s2"))
   end
   return part, area
 end
@@ -189,10 +190,10 @@ local function report_fillet(static, read, opts, say, out)
     return
   end
   local strength = static.material.strength
-  local used = type(strength) == "number" and (": %.3g %% of the strength"):format(100 * found.value / strength)
-  say("With a fillet of %s mm the re-entrant edge at %s has a largest principal stress of %.4g MPa (estimated "
-    .. "error %s %%)%s.", model.mm(opts.fillet), model.place(found.at), found.value / 1e6,
-    model.percent(found.estimated_error), used or "")
+  local used = type(strength) == "number" and ": " .. shown.percent(found.value / strength) .. " of the strength"
+  say("With a fillet of %s the re-entrant edge at %s has a largest principal stress of %s (estimated error %s)%s.",
+    core.quantity(opts.fillet, "m"), core.point(found.at), core.quantity(found.value, "Pa"),
+    shown.error(found.estimated_error), used or "")
   out:json {fillet_radius_m = opts.fillet, fillet_stress_pa = found.value,
     fillet_stress_error = found.estimated_error, fillet_at_m = found.at}
 end
@@ -220,32 +221,34 @@ local function report(static, part, read, loads, opts, accuracy, out)
     text[#text + 1] = string.format(...)
     out:say(text[#text])
   end
-  say("The largest displacement is %s mm. The von Mises stress is largest at %s: %.4g MPa (estimated error "
-    .. "%s %%%s).", model.mm(max), model.place(at), stress / 1e6, model.percent(estimated),
+  say("The largest displacement is %s. The von Mises stress is largest at %s: %s (estimated error %s%s).",
+    core.quantity(max, "m"), core.point(at), core.quantity(stress, "Pa"), shown.error(estimated),
     (coarse or accuracy) and "" or ", one mesh only")
   local large = model.beyond_linear(max, mesh.box)
   if large then say("Displacements are beyond the range of linear theory: %s.", model.large_deflection) end
   if singular then
-    say("%s. The mean over a surface patch of radius %s mm is judged.",
-      (tostring(singular):gsub("^%l", string.upper)), model.mm(radius))
+    say("%s. The mean over a surface patch of radius %s is judged.",
+      (tostring(singular):gsub("^%l", string.upper)), core.quantity(radius, "m"))
     if critical then
-      say("The effective stress of the theory of critical distances, the mean over %s mm from the edge, is "
-        .. "%.4g MPa (estimated error %s %%): %.3g %% of the strength.", model.mm(2 * critical.length),
-        critical.value / 1e6, model.percent(critical.estimated_error), 100 * critical.utilisation)
+      say("The effective stress of the theory of critical distances, the mean over %s from the edge, is "
+        .. "%s (estimated error %s): %s of the strength.", core.quantity(2 * critical.length, "m"),
+        core.quantity(critical.value, "Pa"), shown.error(critical.estimated_error),
+        shown.percent(critical.utilisation))
     end
   end
   report_fillet(static, read, opts, say, out)
   if not used then
     say("The strength of %s is not known.", opts.material)
   else
-    say("The judged stress is %s%s %% of the strength of %s (estimated error %s %%): %s.",
-      type(material.strength) == "number" and ("%.4g MPa, "):format(used * material.strength / 1e6) or "",
-      model.digits(100 * used), opts.material, model.percent(judged_error), words)
+    say("The judged stress is %s%s of %s (estimated error %s): %s.", type(material.strength) == "number"
+      and core.quantity(used * material.strength, "Pa") .. ", " or "", shown.percent(used),
+      opts.strength and "the given strength" or "the strength of " .. opts.material,
+      shown.error(judged_error), words)
   end
   local solver = static.solver
   if solver.with == "pcg" then
-    out:say("Solved by two-level PCG in %d iterations; a factor would have taken about %.2g GB.",
-      solver.iterations, solver.factor_bytes / 1e9)
+    out:say("Solved by two-level PCG in %d iterations; a factor would have taken about %s.",
+      solver.iterations, core.quantity(solver.factor_bytes, "B"))
   end
   out:json {verdict = verdict, value = stress, quantity = "largest von Mises stress, Pa",
     estimated_error = estimated, at_m = at, singular = singular ~= nil,
@@ -342,14 +345,14 @@ return {
     if not loads then return out:misuse(message) end
     local static, answer, details = analyse(opts, loads, out)
     if not static then return out:fail(answer, details) end -- a message
-    local written, shown = bw.json.list {}, nil
+    local written, picture = bw.json.list {}, nil
     if opts.picture or opts.report then
-      shown = static_picture.options(static, answer.title, loads, opts.fix, answer.singular)
+      picture = static_picture.options(static, answer.title, loads, opts.fix, answer.singular)
     end
     for _, how in ipairs {{opts.vtu, function() return static:write(opts.vtu) end},
-      {opts.picture, function() return static:picture(opts.picture, shown) end},
+      {opts.picture, function() return static:picture(opts.picture, picture) end},
       {opts.report, function()
-        return static_picture.report(static, opts.report, shown, answer.text)
+        return static_picture.report(static, opts.report, picture, answer.text)
       end}} do
       if how[1] then
         local ok, why, more = how[2]()

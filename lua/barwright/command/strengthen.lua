@@ -1,9 +1,11 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright strengthen MODEL: thicken it around its weak places until it carries a force.
 local bw = require "barwright"
+local core = require "barwright.core"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
+local shown = require "barwright.shown"
 local writable = require "barwright.writable"
 
 -- Fields of the object for one of before and after.
@@ -14,9 +16,9 @@ local function fields_of(one)
 end
 
 local function row(name, one, out)
-  out:say("  %-8s%9s N%10s to%9s N%14s   %s", name, model.digits(one.force), model.digits(one.low),
-    model.digits(one.high), one.mass
-    and model.mass_text(one.mass) or ("%.4g cm3"):format(one.volume * 1e6), model.place(one.at))
+  out:say("  %-8s%9s N%10s to%9s N%14s   %s", name, shown.number(one.force), shown.number(one.low),
+    shown.number(one.high), one.mass and core.quantity(one.mass, "kg") or core.quantity(one.volume, "m3"),
+    core.point(one.at))
 end
 
 local function report(result, moved, opts, out)
@@ -30,14 +32,14 @@ local function report(result, moved, opts, out)
   if #result.steps == 0 then
     out:say "Nothing was added."
   else
-    out:say("Added: %s, %.3g %%, in %s: in all, the surface was moved out by up to %s mm.", density
-      and model.mass_text(density * result.added_volume) or ("%.4g cm3"):format(result.added_volume * 1e6),
-      100 * fraction, model.count(#result.steps, "step"), model.digits(moved:max() * 1e3))
+    out:say("Added: %s, %s, in %s: in all, the surface was moved out by up to %s.", density
+      and core.quantity(density * result.added_volume, "kg") or core.quantity(result.added_volume, "m3"),
+      shown.percent(fraction), model.count(#result.steps, "step"), core.quantity(moved:max(), "m"))
   end
   if result.reached then
-    out:say("%s N is reached: the whole interval lies above.", model.digits(opts.force))
+    out:say("%s is reached: the whole interval lies above.", core.quantity(opts.force, "N"))
   else
-    out:say("%s N is not reached: the interval begins below%s.", model.digits(opts.force), result.stopped
+    out:say("%s is not reached: the interval begins below%s.", core.quantity(opts.force, "N"), result.stopped
       and "; " .. result.stopped or ("; --steps allows %d"):format(opts.steps))
   end
   local steps = bw.json.list {}
@@ -55,8 +57,8 @@ end
 local function picture(result, moved, path)
   local before, after = result.before, result.after
   return bw.picture(result.surface, path, {values = moved, scale = 1e3, unit = "thickened by, mm",
-    title = ("breaks at %s, before: %s"):format(model.interval(after.force, after.low, after.high),
-      model.interval(before.force, before.low, before.high))})
+    title = ("breaks at %s, before: %s"):format(shown.interval(after.force, after.low, after.high, "N"),
+      shown.interval(before.force, before.low, before.high, "N"))})
 end
 
 local function write_files(result, moved, read, opts, out)
@@ -97,9 +99,9 @@ local function strengthen(opts, out)
     steps = opts.steps, keep = #opts.keep > 0 and places.test(opts.keep, read.box) or nil,
     progress = function(step)
       steps = steps + 1
-      out:say("  step %d: %s thickened by up to %s mm in this step; now it breaks at %s", steps,
-        model.count(step.places, "place"), model.digits(step.offset * 1e3, 2),
-        model.interval(step.force, step.low, step.high))
+      out:say("  step %d: %s thickened by up to %s in this step; now it breaks at %s", steps,
+        model.count(step.places, "place"), core.quantity(step.offset, "m"),
+        shown.interval(step.force, step.low, step.high, "N"))
     end})
   out:warnings()
   if not result then return nil, opts.model .. ": " .. message, details end

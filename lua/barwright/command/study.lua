@@ -244,7 +244,8 @@ function actions.plot(study, opts, out)
   if not trials then return code end
   local path = opts.out or ("%s_%s.svg"):format(study.file:gsub("%.study$", ""), kind)
   -- a kind that there is not, or that says nothing of this design, is raised: misuse of the command line here
-  local drawn, figure, message, details = pcall(trials.plot, trials, kind)
+  local drawn, figure, message, details = pcall(trials.plot, trials, kind, {x = opts.x, y = opts.y,
+    colour = opts.colour})
   if not drawn then
     if type(figure) == "string" and figure:find "^plot" then return out:misuse(figure) end
     error(figure, 0)
@@ -297,8 +298,8 @@ A run that was ended at any moment goes on where it was when it is run again.
   merge FILE PART ...   take over the trials of other files of the same study
   trial FILE WHICH      run one trial again, by its number or key, and compare
   plot FILE KIND        a figure (--out x.svg or x.png): history, pareto,
-                        convergence, scatter, scatter_matrix, contact_sheet,
-                        parallel_coordinates, sensitivity
+                        convergence, scatter (--x, --y), scatter_matrix,
+                        contact_sheet, parallel_coordinates, sensitivity
   report FILE           one HTML page (--out)
   slurm FILE            a job script for Slurm
   salvage OLD NEW       save what can be read of a damaged file]],
@@ -322,6 +323,10 @@ A run that was ended at any moment goes on where it was when it is run again.
     {name = "output", type = "flag", what = "keep what trials print in their folders"},
     {name = "inside", type = "flag", what = "trial: in this process, so that what it prints is seen"},
     {name = "mpi", type = "flag", what = "run, under mpirun: rank 0 hands out trials, the other ranks run them"},
+    {name = "x", value = "COLUMN", what = "plot scatter: the variable or measure along x"},
+    {name = "y", value = "COLUMN", what = "plot scatter: the one along y"},
+    {name = "colour", value = "COLUMN",
+      what = "plot scatter, scatter_matrix and parallel_coordinates: the one that colours show"},
     {name = "jobs", value = "COUNT", type = "integer", min = 1, max = 100000,
       what = "slurm: jobs of the array (10)"},
     {name = "time", value = "LIMIT", what = "slurm: of one job, as sbatch takes it (2:00:00)"},
@@ -335,6 +340,7 @@ A run that was ended at any moment goes on where it was when it is run again.
   examples = {
     "barwright study run hook.lua --workers 2",
     "barwright study status hook.lua",
+    "barwright study plot hook.lua scatter --x thickness --y stress",
     "barwright study trial hook.lua 17 --inside",
     "barwright study run hook.lua --shard 1/2 --file one.study",
     "barwright study merge hook.lua one.study two.study",

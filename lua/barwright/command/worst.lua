@@ -1,15 +1,17 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- barwright worst MODEL: the least force that breaks it.
 local bw = require "barwright"
+local core = require "barwright.core"
 local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 local places = require "barwright.command.places"
+local shown = require "barwright.shown"
 
 -- With --error the last mesh may have so many.
 local MAX_ELEMENTS = 200000
 
 local function newtons(force)
-  return model.digits(force) .. " N"
+  return core.quantity(force, "N")
 end
 
 local function keep(breaking, verdict, large, opts, out)
@@ -53,32 +55,33 @@ local sentences = {
 local function report(breaking, verdict, large, mass, opts, out)
   local singular = breaking.singular
   out:say("")
-  out:say("%s breaks at %s under the worst load, on at least %.3g cm2, at %s; %s%s.",
-    model.name(opts.model), model.interval(breaking.force, breaking.low, breaking.high), breaking.contact * 1e4,
-    model.place(breaking.at), opts.material, mass and ", " .. model.mass_text(mass) or "")
+  out:say("%s breaks at %s under the worst load, on at least %s, at %s; %s%s.", model.name(opts.model),
+    shown.interval(breaking.force, breaking.low, breaking.high, "N"), core.quantity(breaking.contact, "m2"),
+    core.point(breaking.at), model.material_text(opts), mass and ", " .. core.quantity(mass, "kg") or "")
   out:say(sentences[verdict], newtons(opts.force))
   local others = {}
   for i, place in ipairs(breaking.ties) do
-    others[i] = ("%s at %s"):format(newtons(1 / place.utilisation), model.place(place.at))
+    others[i] = ("%s at %s"):format(newtons(1 / place.utilisation), core.point(place.at))
   end
   if #others > 0 then
     out:say("  Other places whose breaking force is within the error: %s.", table.concat(others, "; "))
   end
   if singular then
     out:say("  %s. The mean over the patch has one%s.", (tostring(singular):gsub("^%l", string.upper)),
-      breaking.excess > 0 and ("; meshes overestimate it by up to %.2g %%, which the interval contains")
-        :format(100 * breaking.excess) or "")
+      breaking.excess > 0 and ("; meshes overestimate it by up to %s, which the interval contains")
+        :format(shown.error(breaking.excess)) or "")
   end
   if breaking.contact < opts.contact then
-    out:say("  The contact is %.3g cm2 instead of %.3g cm2, a twentieth of the surface.", breaking.contact * 1e4,
-      opts.contact * 1e4)
+    out:say("  The contact is %s instead of %s, a twentieth of the surface.",
+      core.quantity(breaking.contact, "m2"),
+      core.quantity(opts.contact, "m2"))
   end
   if large then
     out:say("  Deflections there are beyond the range of linear theory: %s.", model.large_deflection)
   end
-  out:say("  Estimated from %s; the stress is the mean over a surface patch of radius %s mm%s, judged by %s. The "
+  out:say("  Estimated from %s; the stress is the mean over a surface patch of radius %s%s, judged by %s. The "
     .. "search for the worst load is heuristic.", model.count(#breaking.history, "mesh", "meshes"),
-    model.mm(breaking.length), opts.length == "critical" and ", half the critical distance" or "",
+    core.quantity(breaking.length, "m"), opts.length == "critical" and ", half the critical distance" or "",
     breaking.failure == "von_mises" and "von Mises against yield"
       or "the largest principal stress")
 end
@@ -112,14 +115,14 @@ end
 local function report_limits(breaking, opts, out)
   local fixed, forbidden = breaking.fixed_area, breaking.forbidden_area
   if fixed then
-    out:say("  Constrained at %s (%.4g cm2): the whole force is a load, the supports react.",
-      table.concat(opts.fix, ", "), fixed * 1e4)
+    out:say("  Constrained at %s (%s): the whole force is a load, the supports react.",
+      table.concat(opts.fix, ", "), core.quantity(fixed, "m2"))
   end
   if forbidden then
-    out:say("  No load on %s (%.4g cm2).", table.concat(opts.forbid, ", "), forbidden * 1e4)
+    out:say("  No load on %s (%s).", table.concat(opts.forbid, ", "), core.quantity(forbidden, "m2"))
   end
   if opts.friction > 0 then
-    out:say("  Coefficient of friction %.4g: loads have tangential parts too.", opts.friction)
+    out:say("  Coefficient of friction %s: loads have tangential parts too.", shown.number(opts.friction))
   end
   if opts.hands then
     out:say("  Loads act within %s at once; where these are is a heuristic search.",
@@ -150,9 +153,9 @@ local function advise(breaking, verdict, opts, out)
   out:json {advice = {force_n = opts.force, places = thickened, predicted_breaking_force_n = advice.force,
     predicted_breaking_force_low_n = advice.low, predicted_breaking_force_high_n = advice.high}}
   if not first then return out:say("Advice: no thickening was found that helps.") end
-  out:say("Advice: thicken %s, most by %s mm within %s mm of %s; predicted: breaks at %s.",
-    model.count(#thickened, "place"), ("%.2g"):format(first.offset * 1e3), ("%.3g"):format(first.radius * 1e3),
-    model.place(first.at), model.interval(advice.force, advice.low, advice.high))
+  out:say("Advice: thicken %s, most by %s within %s of %s; predicted: breaks at %s.",
+    model.count(#thickened, "place"), core.quantity(first.offset, "m"), core.quantity(first.radius, "m"),
+    core.point(first.at), shown.interval(advice.force, advice.low, advice.high, "N"))
   if #opts.fix + #opts.forbid > 0 then return end -- strengthening takes free parts only
   local same = {}
   for _, name in ipairs(SAME_PART) do
@@ -205,7 +208,7 @@ local function write_files(breaking, verdict, opts, folder, out)
   end
   local vtu, page = file("worst.vtu", opts.vtu), file("report.html", opts.report)
   local title = ("%s breaks at %s; shown under %s"):format(model.name(opts.model),
-    model.interval(breaking.force, breaking.low, breaking.high), newtons(opts.force))
+    shown.interval(breaking.force, breaking.low, breaking.high, "N"), newtons(opts.force))
   local load, ok, message, details = {title = title, region = breaking.region}, true, nil, nil
   if opts.picture then ok, message, details = leave(opts.picture, worst:picture(opts.picture, marked(load))) end
   if ok and folder then
@@ -221,10 +224,10 @@ local function write_files(breaking, verdict, opts, folder, out)
   if ok and vtu then ok, message, details = leave(vtu, worst:write(vtu)) end
   if ok and page then
     local force = newtons(opts.force)
-    local answer = ("breaks at %s at %s under the worst load, on at least %.3g cm2; under %s: %s.\nShown first: "
+    local answer = ("breaks at %s at %s under the worst load, on at least %s; under %s: %s.\nShown first: "
       .. "the load that breaks it, with %s on one side. The colours are stresses of elements, without an estimate "
-      .. "of their error."):format(model.interval(breaking.force, breaking.low, breaking.high),
-      model.place(breaking.at), breaking.contact * 1e4, force, VERDICTS[verdict], force)
+      .. "of their error."):format(shown.interval(breaking.force, breaking.low, breaking.high, "N"),
+      core.point(breaking.at), core.quantity(breaking.contact, "m2"), force, VERDICTS[verdict], force)
     ok, message, details = leave(page, worst:report(page, marked {manifest = folder and folder.manifest,
       view = view_of(breaking), answer = answer, region = breaking.region,
       title = "Worst case of " .. model.name(opts.model)}))

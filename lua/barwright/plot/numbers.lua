@@ -1,5 +1,8 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Numbers on axes: round steps, labels, SI prefixes.
+-- Numbers on axes: round steps, labels, units. A unit is the one that print shows (core.shown_unit) where its
+-- labels are short, otherwise one with an SI prefix.
+local core = require "barwright.core"
+
 local numbers = {}
 
 local raised = {["-"] = "⁻", ["0"] = "⁰", ["1"] = "¹", ["2"] = "²", ["3"] = "³", ["4"] = "⁴", ["5"] = "⁵",
@@ -18,12 +21,12 @@ function numbers.fixed(value, decimals)
   return (text:gsub("^%-", "−"))
 end
 
---- A number for captions: so many significant digits, without zeros at the end.
-function numbers.short(value, digits)
+--- A number for captions: four significant digits, without zeros at the end; counts with all of them.
+function numbers.short(value)
   if value ~= value then return "nan" end
   if value == math.huge or value == -math.huge then return value > 0 and "∞" or "−∞" end
   if value == math.floor(value) and math.abs(value) < 1e6 then return numbers.fixed(value, 0) end
-  local text = ("%." .. (digits or 4) .. "g"):format(value):gsub(",", ".")
+  local text = core.quantity(value, ""):gsub(",", ".")
   local mantissa, exponent = text:match "^(.-)e(.+)$"
   if mantissa then
     text = ("%s·%s"):format(mantissa, numbers.power(math.tointeger(tonumber(exponent))))
@@ -109,29 +112,30 @@ end
 
 -- ---- units -------------------------------------------------------------------------------------
 
-local prefixes = {{1e-12, "p"}, {1e-9, "n"}, {1e-6, "µ"}, {1e-3, "m"}, {1e-2, "c"}, {1, ""}, {1e3, "k"},
-  {1e6, "M"}, {1e9, "G"}, {1e12, "T"}}
+local prefixes = {{1e-12, "p"}, {1e-9, "n"}, {1e-6, "µ"}, {1e-3, "m"}, {1, ""}, {1e3, "k"}, {1e6, "M"},
+  {1e9, "G"}, {1e12, "T"}}
 -- The base units that take prefixes, from which to which.
 local range = {m = {1e-9, 1e3}, g = {1e-6, 1e3}, s = {1e-9, 1}, N = {1e-6, 1e9}, Pa = {1e-3, 1e12},
   Hz = {1e-3, 1e12}, J = {1e-9, 1e12}, W = {1e-9, 1e12}, V = {1e-6, 1e6}, A = {1e-6, 1e6}}
-local powers = {["²"] = 2, ["2"] = 2, ["^2"] = 2, ["³"] = 3, ["3"] = 3, ["^3"] = 3}
-local superscript = {[2] = "²", [3] = "³"}
 
--- base, rest, power, factor into the base
-local function taken_apart(unit)
-  local factor = 1
-  if unit:match "^kg" then unit, factor = unit:sub(2), 1000 end
-  local base, rest = unit:match "^(%a+)(.*)$"
-  if not base or not range[base] then return nil end
-  local power = 1
-  local mark = rest:match "^%^?[23]" or rest:match "^²" or rest:match "^³"
-  if mark then power, rest = powers[mark], rest:sub(#mark + 1) end
-  if factor ~= 1 and rest ~= "" or power > 1 and base ~= "m" then return nil end
-  return base, rest, power, factor
+-- A unit as print knows it, and its text as figures show it.
+local function plain(unit) return (unit:gsub("²", "2"):gsub("³", "3"):gsub("%^([23])$", "%1")) end
+local function typeset(unit)
+  return (unit:gsub("^um", "µm"):gsub("^(%a*m)2$", "%1²"):gsub("^(%a*m)3$", "%1³"))
 end
 
+-- base, rest, factor into the base
+local function taken_apart(unit)
+  if unit == "kg" then return "g", "", 1000 end
+  local base, rest = unit:match "^(%a+)(.*)$"
+  if not base or not range[base] or rest:find "^[%^23]" then return nil end
+  return base, rest, 1
+end
+
+local function short_labels(size) return size >= 1e-2 and size < 1e5 end
+
 local function powers_of_ten(size)
-  if size == 0 or size >= 1e-2 and size < 1e5 then return 1, "" end
+  if size == 0 or short_labels(size) then return 1, "" end
   local e = 3 * (magnitude(size) // 3)
   return 10.0 ^ -e, numbers.power(e)
 end
@@ -139,35 +143,31 @@ end
 --- For values up to `size` in a unit: the factor to what is shown, and the unit to be written, so
 --- that labels are short: 5.5e7, "Pa" -> 1e-6, "MPa"; 3e-6, "" -> 1e6, "10⁻⁶".
 function numbers.unit(unit, size, whole)
-  local base, rest, power, factor = taken_apart(unit)
+  if unit ~= "" and size > 0 then
+    local name, scale = core.shown_unit(size, plain(unit))
+    if scale ~= 1 and short_labels(size / scale) then return 1 / scale, typeset(name) end
+  end
+  local base, rest, factor = taken_apart(plain(unit))
   if base and size > 0 then
     local chosen, name
     for _, p in ipairs(prefixes) do
-      local worth = p[1] ^ power
       local fits = p[1] >= range[base][1] and p[1] <= range[base][2]
-      if power > 1 then fits = fits and p[1] <= 1 else fits = fits and p[2] ~= "c" end
-      if fits and (not chosen or size * factor >= worth * (1 - 1e-9)) then chosen, name = worth, p[2] end
+      if fits and (not chosen or size * factor >= p[1] * (1 - 1e-9)) then chosen, name = p[1], p[2] end
     end
-    local shown = size * factor / chosen
-    if shown >= 1e-2 and shown < 1e5 then
-      return factor / chosen, name .. base .. (superscript[power] or "") .. rest
-    end
+    if short_labels(size * factor / chosen) then return factor / chosen, name .. base .. rest end
   end
+  unit = typeset(plain(unit))
   if whole and size < 1e6 then return 1, unit end
   local times, text = powers_of_ten(size)
   return times, text == "" and unit or unit == "" and text or text .. " " .. unit
 end
 
---- A value with its unit for people: "55 MPa", "0.012", "zp150".
+--- A value with its unit, in the one that print shows it in: "55 MPa", "0.012", "zp150".
 function numbers.quantity(value, unit)
   if math.type(value) == nil then return tostring(value) end
-  unit = unit or ""
-  if value ~= value or math.abs(value) == math.huge or value == 0 or unit == "" then
-    return numbers.short(value) .. (unit ~= "" and " " .. unit or "")
-  end
-  local factor, shown = numbers.unit(unit, math.abs(value))
-  if shown:match "^10" then factor, shown = 1, unit end
-  return numbers.short(value * factor) .. (shown == "%" and "" or " ") .. shown
+  if not unit or unit == "" then return numbers.short(value) end
+  local name, scale = core.shown_unit(value, plain(unit))
+  return numbers.short(value / scale) .. " " .. typeset(name)
 end
 
 return numbers

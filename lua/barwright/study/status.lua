@@ -17,7 +17,8 @@ function meta.__tostring(self)
     lines[#lines + 1] = ("%d trials were begun or asked for and have not ended"):format(self.asked)
   end
   if self.mean_seconds then
-    lines[#lines + 1] = ("%.3g s for each trial, %.3g s in all"):format(self.mean_seconds, self.seconds)
+    lines[#lines + 1] = ("%s for each trial, %s in all"):format(
+      core.quantity(self.mean_seconds, "s"), core.quantity(self.seconds, "s"))
   end
   if self.running then lines[#lines + 1] = "it is being run by " .. self.running end
   for _, problem in ipairs(self.messages) do

@@ -1,0 +1,48 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Numbers in sentences: four significant digits in the units of core.quantity; estimated errors have two.
+local core = require "barwright.core"
+
+local shown = {}
+
+--- "3560", "0.00123"
+function shown.number(value)
+  return core.quantity(value, "")
+end
+
+--- A fraction: "37.12 %"
+function shown.percent(fraction)
+  return core.quantity(100 * fraction, "%")
+end
+
+--- An estimated error, a fraction: "2.1 %", whole percents from 10 on.
+function shown.error(fraction)
+  return (fraction < 0.1 and "%.2g %%" or "%.0f %%"):format(100 * fraction)
+end
+
+--- An estimated error of a frequency: "3.1 cents", whole ones from 10 on.
+function shown.cents(cents)
+  return (cents < 10 and "%.2g cents" or "%.0f cents"):format(cents)
+end
+
+--- "(0, 0, -10) N"
+function shown.vector(vector, unit)
+  local texts = {}
+  for i, x in ipairs(vector) do texts[i] = shown.number(x) end
+  return "(" .. table.concat(texts, ", ") .. ") " .. unit
+end
+
+--- Lengths along the axes: "45 x 64.94 x 13 mm"
+function shown.size(size)
+  local texts = {}
+  for i, x in ipairs(size) do texts[i] = shown.number(1e3 * x) end
+  return table.concat(texts, " x ") .. " mm"
+end
+
+--- A value with its interval, in one unit: "25.83 N (21.34 to 30.9 N)"
+function shown.interval(value, low, high, unit)
+  local name, scale = core.shown_unit(value, unit)
+  local function number(x) return shown.number(x / scale) end
+  return ("%s %s (%s to %s %s)"):format(number(value), name, number(low), number(high), name)
+end
+
+return shown
