@@ -419,10 +419,10 @@ bw_status bw_drop_test(bw_context *context, bw_system *system, const bw_drop_opt
   }
   for (test.first = 0; test.first < result.drops; test.first += BATCH) {
     int64_t left = result.drops - test.first;
-    bw_progress(context, "drops", (double)test.first / (double)result.drops);
+    bw_progress(context, "drop tests", (double)test.first / (double)result.drops);
     BW_TRY(run_drops(&test, system, left < BATCH ? left : BATCH, NULL, &result));
   }
-  bw_progress(context, "drops", 1);
+  bw_progress(context, "drop tests", 1);
   for (size_t e = 0; e < elements; e++) {
     result.exceedance[e] /= (double)result.drops;
     result.mean_peak[e] /= (double)result.drops;

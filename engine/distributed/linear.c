@@ -271,7 +271,7 @@ bw_status bwd_solver_create(bw_context *context, bwd_system *system, double rtol
   bw_status status = BW_OK;
   double begin = bw_seconds();
   if (system->rank == 0)
-    bw_progress(context, system->direct ? "factor" : "multigrid", 0);
+    bw_progress(context, system->direct ? "factorisation" : "multigrid", 0);
   BW_TRY(set_up(context, system, rtol, memory_percent[0]));
   for (int k = 1; k < TRIES && system->direct; k++) {
     PC pc;

@@ -197,9 +197,9 @@ bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
   f.field = (bw_size_field){f.options->size_point_count, f.options->size_point, f.options->size,
                             f.options->size_data};
   f.start = bw_seconds();
-  bw_progress(context, "fill", 0);
+  bw_progress(context, "filling", 0);
   BW_TRY(prepare_base(&f, surface));
-  bw_progress(context, "fill", 0.1);
+  bw_progress(context, "filling", 0.1);
   if (f.options->elements > 0)
     BW_TRY(bwi_fill_meet_count(&f));
   else
@@ -228,7 +228,7 @@ bw_status bw_mesh_fill(bw_context *context, const bw_surface *surface,
   bw_release(made);
   made = other;
   BW_TRY(report(&f, made, log));
-  bw_progress(context, "fill", 1);
+  bw_progress(context, "filling", 1);
   *mesh = made;
   made = NULL;
 done:

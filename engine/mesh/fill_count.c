@@ -66,7 +66,7 @@ static bw_status attempt(bwi_filler *f, double max_volume, int64_t *count) {
   f->attempts++;
   bw_status status = bwi_tetgen_run(f->context, &job, &result);
   f->seconds_fill += bw_seconds() - start;
-  bw_progress(f->context, "fill", 0.1 + 0.85 * (1 - pow(0.6, f->attempts)));
+  bw_progress(f->context, "filling", 0.1 + 0.85 * (1 - pow(0.6, f->attempts)));
   if (status != BW_OK)
     return status;
   status = check_volumes(f->context, &result);

@@ -291,7 +291,7 @@ static bw_status in_steps(newton *n) {
       share *= 1.5;
     } else
       share *= 0.4;
-    bw_progress(n->context, "load", n->reached);
+    bw_progress(n->context, "load steps", n->reached);
   }
   status = BW_OK;
 done:

@@ -49,7 +49,7 @@ typedef struct equations {
 
 static bw_status assemble(bw_context *context, const bw_model *model, bool mass, equations *e) {
   bw_status status = BW_OK;
-  bw_progress(context, "assemble", 0);
+  bw_progress(context, "assembly", 0);
   BW_TRY(bw_block_pattern_create(context, model->mesh, &e->pattern));
   int64_t blocks = e->pattern->block_count;
   e->stiffness = BW_NEW(context, double, 9 * blocks);

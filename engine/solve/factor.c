@@ -179,7 +179,7 @@ static bw_status do_tasks(void *data, int64_t begin, int64_t end, int worker) {
   for (int64_t t = begin; t < end; t++) {
     const bwi_task *task = &f->plan->task[t];
     if (worker == 0) /* the caller's thread */
-      bw_progress(f->context, "factor", 0);
+      bw_progress(f->context, "factorisation", 0);
     BW_TRY(reserve(f, task->stack, &space->stack, &space->stack_size));
     space->fill = 0;
     for (int32_t s = task->first; s <= task->root; s++) {
@@ -295,7 +295,7 @@ static bw_status factorise(factorisation *f) {
   space->fill = 0;
   for (int32_t k = 0; k < plan->top_count; k++) {
     BW_TRY(bw_check_cancel(context));
-    bw_progress(context, "factor", (double)k / plan->top_count);
+    bw_progress(context, "factorisation", (double)k / plan->top_count);
     BW_TRY(do_front(f, plan->top[k], saved_update(f, plan->top[k]), space));
   }
 done:

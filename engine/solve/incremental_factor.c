@@ -31,7 +31,7 @@ static bw_status refactor_full(bw_context *context, bw_incremental_system *incre
   double start = bw_seconds();
   bw_release(inner->factor);
   inner->factor = NULL;
-  bw_progress(context, "order", 0);
+  bw_progress(context, "ordering", 0);
   BW_TRY(bwi_symbolic_for(context, matrix->pattern, matrix->dof_map, inner->subdomain_count,
                           inner->element_subdomain, inner->edits.count ? &inner->edits : NULL,
                           (bwi_symbolic *)old, &symbolic));
@@ -45,7 +45,7 @@ static bw_status refactor_full(bw_context *context, bw_incremental_system *incre
   times->factor_entries = symbolic->panel[symbolic->order->super_count];
   times->factor_flops = symbolic->flops;
   BW_TRY(bwi_incremental_choose_bits(context, incremental, reach, bits));
-  bw_progress(context, "factor", 0);
+  bw_progress(context, "factorisation", 0);
   BW_TRY(bwi_factor_create_in(context, symbolic, matrix, reach,
                               *bits == 32 ? &bwi_kernels_single : &bwi_kernels_double,
                               &inner->factor, bad));
@@ -83,7 +83,7 @@ static bw_status update_or_make(bw_context *context, bw_incremental_system *incr
   if (inner->factor)
     BW_TRY(bwi_incremental_choose_bits(context, incremental, inner->reach, &wanted));
   if (inner->factor && bits == wanted) {
-    bw_progress(context, "factor", 0);
+    bw_progress(context, "factorisation", 0);
     status = bwi_factor_update(context, inner->factor, &matrix, whole ? NULL : inner->touched,
                                &flops, &bad);
     if (inner->factor->symbolic->flops > 0)

@@ -287,7 +287,7 @@ static bw_status search_whole(search *s) {
   const bwi_adjacency *near = s->near;
   double cost;
   for (int trial = 1; trial <= TRIALS; trial++) {
-    bw_progress(context, "order", 0.5 * (trial - 1) / TRIALS);
+    bw_progress(context, "ordering", 0.5 * (trial - 1) / TRIALS);
     BW_TRY(bw_check_cancel(context));
     BW_TRY(bwi_dissect_trial(context, near->size, near->start, near->neighbour, NULL, trial,
                              s->permutation));
@@ -321,7 +321,7 @@ static bw_status search_groups(search *s) {
         (count > 0 && groups == wanted[count - 1]))
       continue;
     wanted[count] = groups;
-    bw_progress(context, "order", 0.5 + 0.5 * k / (FRACTIONS + 2));
+    bw_progress(context, "ordering", 0.5 + 0.5 * k / (FRACTIONS + 2));
     BW_TRY(consider_groups(s, &of_subdomains, groups, &cost[count]));
     if (cost[count] < cost[best])
       best = count;

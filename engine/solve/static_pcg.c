@@ -64,7 +64,7 @@ bw_status bwi_two_level_predict(bw_context *context, bw_system *system) {
   if (!l)
     return BW_MEMORY;
   bw_object_init(l, &two_level_solver_kind);
-  bw_progress(context, "order", 0);
+  bw_progress(context, "ordering", 0);
   BW_TRY(bwi_coarse_create(context, system->mesh, &l->coarse));
   BW_TRY(bwi_coarse_count(context, l->coarse, system->dof_map));
   l->prediction = predict(system, l->coarse);
@@ -96,7 +96,7 @@ bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_syst
   *usable = true;
   if (l->preconditioner)
     return BW_OK;
-  bw_progress(context, "factor", 0);
+  bw_progress(context, "factorisation", 0);
   BW_TRY(find_even(context, system, &even));
   BW_TRY(bwi_two_level_create_over(context, l->coarse, system->mesh, system->pattern, even, &made));
   BW_TRY(bwi_two_level_follow(context, made, model, system->dof_map, system->stiffness, usable));

@@ -121,7 +121,7 @@ bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_ma
   system->density = material->density > 0 ? material->density : 1;
 
   double start = bw_seconds();
-  bw_progress(context, "assemble", 0);
+  bw_progress(context, "assembly", 0);
   const char *locking = bw_locking(mesh, material);
   if (locking && (!previous || previous->material != material)) /* once, not edit after edit */
     bw_warn(context, "%s", locking);
@@ -199,7 +199,7 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic
   double start = bw_seconds();
   if (system->factor)
     return BW_OK;
-  bw_progress(context, "order", 0);
+  bw_progress(context, "ordering", 0);
   BW_TRY(
       bwi_symbolic_for(context, system->pattern, system->dof_map, 0, NULL, NULL, old, &symbolic));
   BW_TRY(check_memory(context, symbolic, available));
@@ -207,7 +207,7 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic
   system->times.order += bw_seconds() - start;
 
   start = bw_seconds();
-  bw_progress(context, "factor", 0);
+  bw_progress(context, "factorisation", 0);
   bwi_matrix matrix = {
       .pattern = system->pattern, .stiffness = system->stiffness, .dof_map = system->dof_map};
   int32_t bad = 0;

@@ -457,7 +457,7 @@ static bw_status run(iteration *it) {
     }
     iterations++;
     BW_TRY(bw_check_cancel(it->context));
-    bw_progress(it->context, "iterate", fraction_done(it));
+    bw_progress(it->context, "conjugate gradients", fraction_done(it));
     BW_TRY(step(it, before, &definite));
     if (!definite) {
       problem->converged = false;

@@ -8,7 +8,7 @@ local conditions = {}
 
 local function add_pair(list, tag, kind, pair, where)
   if type(pair) ~= "table" or #pair ~= 2 then
-    raise(("%s: %s of '%s': two values {x, y} expected"):format(where, kind, tag))
+    raise(("%s: %s of '%s': two values {x, y} expected, got %s"):format(where, kind, tag, core.got(pair)))
   end
   for component = 1, 2 do
     if pair[component] ~= 0 or kind == "prescribed" then
@@ -33,8 +33,9 @@ local function add_heat(list, tag, one, component, where)
   local coefficient = type(c) == "table" and c.coefficient
   if type(coefficient) ~= "number" or coefficient ~= coefficient or coefficient < 0
     or coefficient == math.huge or c.temperature == nil then
-    raise(("%s: convection of '%s': {coefficient = m/s, of 0 or more, temperature = of what is around} expected")
-      :format(where, tag))
+    raise(("%s: convection of '%s': {coefficient = m/s, at least 0, temperature = of what is around} expected, "
+      .. "got %s"):format(where, tag, type(c) == "table" and "coefficient = " .. core.got(c.coefficient)
+      .. ", temperature = " .. core.got(c.temperature) or core.got(c)))
   end
   if one.temperature ~= nil then
     raise(("%s: condition of '%s': a prescribed temperature excludes convection: "

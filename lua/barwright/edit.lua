@@ -101,7 +101,7 @@ local function begin(part, given)
   local mesh = part.mesh
   local subdomains, message, details = opts.subdomains
   if subdomains and subdomains.mesh ~= mesh then
-    raise("edit: option 'subdomains': subdomains of the part's own mesh expected")
+    raise("edit: option 'subdomains': subdomains of the part's mesh expected, got those of another")
   end
   if not subdomains then
     subdomains, message, details = make_subdomains(mesh, opts)

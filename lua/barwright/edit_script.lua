@@ -264,9 +264,9 @@ end
 --- Replays a script into a session, or into the one it begins. {resume = true} goes on with the file
 --- as the session's journal.
 function edit_script.load(edit, path, session, given)
-  if type(path) ~= "string" then raise("edit.load: the path of a script expected") end
+  if type(path) ~= "string" then raise("edit.load: path: a string expected, got " .. core.got(path)) end
   if session ~= nil and getmetatable(session) ~= edit.class then
-    raise("edit.load: a session expected, to replay the edits into")
+    raise("edit.load: session: a session expected, got " .. core.got(session))
   end
   local opts = require "barwright.options".read("edit.load", given,
     {resume = {type = "boolean", default = false}})

@@ -193,7 +193,7 @@ local function create(where, made, given, rules, components)
   local opts = options.read(where, given, rules)
   for i = 1, 2 do
     if #opts.gravity ~= 2 or type(opts.gravity[i]) ~= "number" then
-      raise(("%s: option 'gravity': {x, y} expected"):format(where))
+      raise(("%s: option 'gravity': {x, y} expected, got %s"):format(where, core.got(opts.gravity)))
     end
   end
   local list

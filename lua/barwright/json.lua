@@ -241,7 +241,7 @@ end
 
 --- The value of a text, or nil and a message with line and byte.
 function json.decode(text)
-  if type(text) ~= "string" then raise("json.decode: a string expected") end
+  if type(text) ~= "string" then raise("json.decode: a string expected, got " .. core.got(text)) end
   local ok, value, position = pcall(read, text, skip(text, 1), 0)
   if ok then
     position = skip(text, position)

@@ -31,7 +31,8 @@ end
 local function selection_of(where, given, mesh)
   local list = options.kind(given) == "table" and given or {given}
   if not options.countable(list) or #list == 0 then
-    raise(("%s: option 'forbidden': a selection or a list of selections expected"):format(where))
+    raise(("%s: option 'forbidden': a selection or a list of selections expected, got %s"):format(where,
+      core.got(given)))
   end
   local whole
   for i = 1, #list do
@@ -40,7 +41,8 @@ local function selection_of(where, given, mesh)
       raise(("%s: option 'forbidden': a selection or a list of selections expected, got %s"):format(where, kind))
     end
     if list[i].mesh ~= mesh then
-      raise(("%s: option 'forbidden': a selection on the mesh of the part expected"):format(where))
+      raise(("%s: option 'forbidden': a selection on the mesh of the part expected, got one on another "
+        .. "mesh"):format(where))
     end
     whole = whole and whole:union(list[i]) or list[i]
   end

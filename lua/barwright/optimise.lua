@@ -305,7 +305,7 @@ function optimise.run(session, given)
   self.keep = unknowns.set(unknowns.bones(skeleton, kept_bones, "keep"))
   self.tied = unknowns.ties(skeleton, opts.ties)
   if opts.min_factor > opts.max_factor then
-    raise(("optimise: option 'min_factor' (%g) is above 'max_factor' (%g)"):format(opts.min_factor,
+    raise(("optimise: option 'min_factor': at most max_factor expected, got %s above %s"):format(opts.min_factor,
       opts.max_factor))
   end
   local relief = opts.inertia_relief

@@ -35,7 +35,8 @@ local function read_entry(where, entry, place)
     and is_pair(entry[3]) then
     return entry[3], entry[1], entry[2]
   end
-  raise(("%s: point %d: {x, y} or a curve {{x, y}, {x, y}, {x, y}} expected"):format(where, place))
+  raise(("%s: point %d: {x, y} or a curve {{x, y}, {x, y}, {x, y}} expected, got %s"):format(where, place,
+    core.got(entry)))
 end
 
 -- name of every edge by {tag = edge numbers or one number}
@@ -189,7 +190,7 @@ local function create(given)
   end
   if rawlen(given) > 0 then given = {points = given} end
   local opts = options.read("outline", given, rules)
-  if #opts.points == 0 then raise "outline: points: a list of points expected" end
+  if #opts.points == 0 then raise "outline: points: a list of points expected, got an empty table" end
   local draft, names = new_draft(), {}
   add_loop(draft, "outline", {points = opts.points, tags = opts.tags, tag = opts.tag or
     (given.name and given.name or "boundary"), name = opts.name}, 1)
@@ -293,7 +294,7 @@ local function one_selection(self, opts, edges)
     return type(opts.edges) == "table" and opts.edges or {opts.edges}
   end
   if opts.near then
-    if not is_pair(opts.near) then raise "tag: near: {x, y} expected" end
+    if not is_pair(opts.near) then raise("edges: option 'near': {x, y} expected, got " .. core.got(opts.near)) end
     if not opts.radius then return {self:nearest(opts.near).edge} end
     for edge = 1, self.edge_count do
       if self:edge_distance(edge, opts.near) <= opts.radius then edges[#edges + 1] = edge end
@@ -301,7 +302,7 @@ local function one_selection(self, opts, edges)
   elseif opts.box then
     local min, max = opts.box[1] or opts.box.min, opts.box[2] or opts.box.max
     if not (is_pair(min) and is_pair(max)) then
-      raise "tag: box: {{x, y}, {x, y}}, its corners with the smallest and the largest coordinates, expected"
+      raise("edges: option 'box': {min = {x, y}, max = {x, y}} expected, got " .. core.got(opts.box))
     end
     for edge = 1, self.edge_count do
       if within(self:edge(edge).box, min, max) then edges[#edges + 1] = edge end
@@ -316,7 +317,7 @@ local function one_selection(self, opts, edges)
     end
     self:loop(name) -- raises and names the nearest
   else
-    raise "tag: edges, near, box or loop expected"
+    raise "edges: one of the options edges, near, box and loop expected, got none"
   end
   return edges
 end
@@ -347,7 +348,7 @@ end
 
 local function check_pair(where, value, default)
   if value == nil then return default end
-  if not is_pair(value) then raise(where .. ": {x, y} expected") end
+  if not is_pair(value) then raise(("%s: {x, y} expected, got %s"):format(where, core.got(value))) end
   return value
 end
 

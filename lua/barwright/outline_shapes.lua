@@ -18,7 +18,7 @@ end
 
 local function pair(where, value, default)
   if value == nil and default then return default end
-  if not is_pair(value) then raise(where .. ": {x, y} expected") end
+  if not is_pair(value) then raise(("%s: {x, y} expected, got %s"):format(where, core.got(value))) end
   return value
 end
 
@@ -117,8 +117,9 @@ local function round_corner(list, a, b, c, radius, number)
   end
   local max = math.min(before, after) * (1 + 1e-12)
   if cut > max then
-    raise(("outline.rounded: corner %d: an arc of radius %g m takes %g m of its edges, which are %g m and %g m "
-      .. "long: a smaller radius expected"):format(number, radius, cut, before, after))
+    raise(("outline.rounded: corner %d: a smaller radius expected, got %s: the arc takes %s of its edges, "
+      .. "which are %s and %s long"):format(number, core.quantity(radius, "m"), core.quantity(cut, "m"),
+      core.quantity(before, "m"), core.quantity(after, "m")))
   end
   local side = turn > 0 and 1 or -1
   local start = {b[1] - cut * u[1], b[2] - cut * u[2]}
@@ -141,13 +142,14 @@ function shapes.rounded(given)
   })
   local points, list, cut = opts.points, {}, {}
   local count = rawlen(points)
-  if count < 3 then raise "outline.rounded: points: three or more expected" end
+  if count < 3 then raise(("outline.rounded: points: three or more expected, got %d"):format(count)) end
   for i = 1, count do pair(("outline.rounded: point %d"):format(i), rawget(points, i)) end
   for i, p in ipairs(points) do
     local radius = opts.radius
     if type(radius) == "table" then radius = radius[i] end
     if type(radius) ~= "number" or radius < 0 then
-      raise "outline.rounded: radius: a length, or a list of one for each corner, expected"
+      raise(("outline.rounded: radius: corner %d: a length of at least 0 m expected, got %s"):format(i,
+        core.got(radius)))
     end
     cut[i] = round_corner(list, points[(i - 2) % count + 1], p, points[i % count + 1], radius, i)
   end
@@ -163,8 +165,8 @@ function shapes.rounded(given)
     local length = math.sqrt((q[1] - p[1]) ^ 2 + (q[2] - p[2]) ^ 2)
     local taken = cut[i] + cut[i % count + 1]
     if taken > length * (1 + 1e-12) then
-      raise(("outline.rounded: edge %d is %g m long, and the arcs at its ends take %g m: smaller radii expected")
-        :format(i, length, taken))
+      raise(("outline.rounded: smaller radii expected at the ends of edge %d: its arcs take %s, and it is %s "
+        .. "long"):format(i, core.quantity(taken, "m"), core.quantity(length, "m")))
     end
   end
   return make(list, opts)
@@ -196,11 +198,11 @@ function shapes.rectangle(given)
     min = pair("outline.rectangle: min", opts.min)
     max = pair("outline.rectangle: max", opts.max)
     if opts.width or opts.height or opts.centre then
-      raise "outline.rectangle: either min and max, or width, height and centre, expected"
+      raise "outline.rectangle: either min and max, or width, height and centre, expected, got both"
     end
   else
     if not (opts.width and opts.height) then
-      raise "outline.rectangle: min and max, or width and height, expected"
+      raise "outline.rectangle: min and max, or width and height, expected, got neither"
     end
     local c = pair("outline.rectangle: centre", opts.centre, {opts.width / 2, opts.height / 2})
     min = {c[1] - opts.width / 2, c[2] - opts.height / 2}

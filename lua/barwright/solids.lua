@@ -120,8 +120,8 @@ local function check_where(function_name, where)
     raise(("%s: a place expected first, got a table without a length"):format(function_name))
   end
   if where == nil then
-    raise(("%s: a place expected first: {side = \"min z\"}, a function of x, y, z, numbers of nodes"):format(
-      function_name))
+    raise(("%s: a place expected first, got nil: {side = \"min z\"}, a function of x, y, z, or numbers of "
+      .. "nodes"):format(function_name))
   end
 end
 
@@ -201,7 +201,8 @@ function solid:pressure(on, given)
   end
   if not surface then
     if kind ~= "number" and kind ~= "function" then
-      raise "pressure: a number or a function of x, y, z expected; a list goes with a surface only"
+      raise(("pressure: a number or a function of x, y, z expected, got %s: a list goes with a surface"):format(
+        core.got(opts.pressure)))
     end
     return add(self, {kind = "surface_pressure", pressure = opts.pressure, follower = opts.follower}, on)
   end
@@ -256,8 +257,8 @@ local function middle_values(surface, f)
     local x, y, z = (a[1] + b[1] + c[1]) / 3, (a[2] + b[2] + c[2]) / 3, (a[3] + b[3] + c[3]) / 3
     values[t] = f(x, y, z)
     if not finite(values[t]) then
-      raise(("pressure: the function returned %s at (%g, %g, %g) m: a finite number expected"):format(
-        values[t], x, y, z))
+      raise(("pressure: a finite number expected of the function, got %s at %s"):format(core.got(values[t]),
+        core.point {x, y, z}))
     end
   end
   return values
@@ -278,8 +279,8 @@ function apply.move(case, act, grid, part)
   return prescribe(case, act, grid, function(x, y, z)
     local u, v, w = act.by(x, y, z)
     if not (finite(u) and finite(v) and finite(w)) then
-      raise(("fix: the function returned %s, %s, %s at (%g, %g, %g) m: three finite numbers expected"):format(
-        u, v, w, x, y, z))
+      raise(("fix: three finite numbers expected of the function, got %s, %s, %s at %s"):format(core.got(u),
+        core.got(v), core.got(w), core.point {x, y, z}))
     end
     return u * part, v * part, w * part
   end)
@@ -321,7 +322,7 @@ function apply.pressure(case, act, grid, part)
   local scaled = {}
   for t, value in ipairs(values) do
     if not finite(value) then
-      raise(("pressure: number %d of the list is %s: a finite number expected"):format(t, value))
+      raise(("pressure: entry %d: a finite number expected, got %s"):format(t, core.got(value)))
     end
     scaled[t] = value * part
   end
@@ -382,7 +383,8 @@ end
 -- The pair that preconditions on a coarse solid of one level.
 local function coarse_of(given)
   if getmetatable(given) ~= solid or not given.coarse or given.levels ~= 1 then
-    raise "solve: option 'coarse': a solid expected that was made coarse once from this one"
+    raise("solve: option 'coarse': a solid expected that was made coarse once from this one, got "
+      .. core.got(given))
   end
   return {{given.coarse:coarsening(1), given.body}}
 end

@@ -77,3 +77,21 @@ describe("the glossary", function()
     assert.same({}, wrong)
   end)
 end)
+
+describe("stages of progress", function()
+  it("are nouns or present participles", function()
+    local verbs = {"fill", "order", "factor", "assemble", "iterate", "load", "solve", "refine", "search", "tune",
+      "thicken", "remesh", "refill"}
+    local bare, count = {}, 0
+    for _, verb in ipairs(verbs) do bare[verb] = true end
+    local list <close> = assert(io.popen(("grep -rhE 'bw_progress\\(|report_progress\\(' "
+      .. "'%s/engine' '%s/lua'"):format(check.root, check.root)))
+    for line in list:lines() do
+      for stage in line:gmatch '"([^"]+)"' do
+        count = count + 1
+        assert.is_nil(bare[stage], line)
+      end
+    end
+    assert.is_true(count > 30)
+  end)
+end)

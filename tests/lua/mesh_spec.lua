@@ -381,7 +381,7 @@ describe("a filled ball", function()
   it("stops filling with very many elements while TetGen works", function()
     local box, reports = assert(bw.surface.box {min = {0, 0, 0}, max = {0.1, 0.05, 0.05}}), 0
     bw.progress(function(stage)
-      if stage == "fill" then reports = reports + 1 end
+      if stage == "filling" then reports = reports + 1 end
       return reports < 4 -- the fourth comes while TetGen works
     end)
     check.fails("cancelled", "", bw.mesh.fill(box, {remesh = false, max_volume = 1e-11}))

@@ -30,14 +30,14 @@ describe("a newcomer gets", function()
     do
       local progress <close> = mesh_progress.open "work"
       progress:mesh(100, {200, 300}, true)
-      core.report_progress("fill", 0.9)
+      core.report_progress("filling", 0.9)
       local start = bw.seconds()
       while bw.seconds() < start + 0.02 do end
       progress:mesh(200, {300}, true)
-      core.report_progress("fill", 0.1)
-      core.report_progress("factor", 0)
+      core.report_progress("filling", 0.1)
+      core.report_progress("factorisation", 0)
       progress:mesh(300, {}, false)
-      core.report_progress("fill", 0)
+      core.report_progress("filling", 0)
     end
     core.report_progress("other", 0.5)
     local stages, last = {}, 0
@@ -46,8 +46,8 @@ describe("a newcomer gets", function()
       assert.is_true(i == #seen or one[2] >= last and one[2] < 1)
       last = one[2]
     end
-    assert.same({"work; mesh 1 of at least 3, fill", "work; mesh 2 of at least 3, fill",
-      "work; mesh 2 of at least 3, factor", "work; mesh 3 of 3, fill", "other"}, stages)
+    assert.same({"work; mesh 1 of at least 3, filling", "work; mesh 2 of at least 3, filling",
+      "work; mesh 2 of at least 3, factorisation", "work; mesh 3 of 3, filling", "other"}, stages)
     assert.is_true(seen[1][2] == 0 and seen[2][2] > 0)
     -- The breaking force is such work.
     seen = {}

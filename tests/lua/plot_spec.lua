@@ -139,7 +139,7 @@ describe("a plot", function()
       :find("1 point without a finite number", 1, true))
     assert.truthy(svg_of(bw.plot.lines {series = {{y = {1, -2, 3}}}, y = {scale = "log"}})
       :find("1 point of 0 or less has no place on a log axis", 1, true))
-    check.raises("a log axis shows numbers above 0, and there is none", bw.plot.lines,
+    check.raises("numbers above 0 expected for scale 'log'", bw.plot.lines,
       {series = {{y = {-1, -2}}}, y = {scale = "log"}})
     svg_of(bw.plot.lines {series = {{name = "bad \xff \1 bytes", y = {1, 2}}}})
   end)
@@ -165,7 +165,7 @@ describe("a plot", function()
   it("takes arrays, and names what it does not know", function()
     svg_of(bw.plot.lines {series = {{y = bw.array.new {1, 2, 3}}}})
     check.raises("unknown option 'serie': did you mean 'series'", bw.plot.lines, {serie = {}})
-    check.raises("series 1: x has 2 numbers, y has 3", bw.plot.lines, {series = {{x = {1, 2}, y = {1, 2, 3}}}})
+    check.raises("series 1: y: 2 numbers expected, as x has, got 3", bw.plot.lines, {series = {{x = {1, 2}, y = {1, 2, 3}}}})
     check.raises("series 2: unknown option 'color': did you mean 'colour'", bw.plot.lines,
       {series = {{y = {1}}, {y = {1}, color = "red"}}})
     check.raises("entry 2: a number expected, got string", bw.plot.lines, {series = {{y = {1, "2"}}}})
@@ -175,7 +175,8 @@ describe("a plot", function()
     check.raises("a table with a length", bw.plot.sensitivity,
       {base = 1, high = endless, low = {1}, names = {"a"}})
     check.raises("'logarithmic' is not known", bw.plot.lines, {series = {{y = {1}}}, x = {scale = "logarithmic"}})
-    check.raises("min 3 must be below max 2", bw.plot.lines, {series = {}, x = {min = 3, max = 2}})
+    check.raises("min below max expected, got min = 3 and max = 2",
+      bw.plot.lines, {series = {}, x = {min = 3, max = 2}})
     check.raises("#rrggbb", bw.plot.lines, {series = {{y = {1}, colour = "red"}}})
   end)
 end)
@@ -246,7 +247,7 @@ describe("a plot of trials", function()
       svg_of(bw.plot.pareto {objectives = {{name = "a", values = values}, {name = "b", values = values}}})
     end
     check.raises("2 to 6 columns", bw.plot.pareto, {objectives = {{name = "a", values = {1}}}})
-    check.raises("3 values; the first column has 2", bw.plot.pareto,
+    check.raises("2 values expected, as the first column has, got 3", bw.plot.pareto,
       {objectives = {{name = "a", values = {1, 2}}, {name = "b", values = {1, 2, 3}}}})
   end)
 
@@ -261,9 +262,9 @@ describe("a plot of trials", function()
         chosen = count > 0 and {1} or nil, faint = t.failed, notes = t.notes})
       svg_of(bw.plot.parallel_coordinates {columns = columns, values = t.mass, goal = "max"})
     end
-    check.raises("'steel' is none of its names", bw.plot.scatter_matrix, {columns = {
+    check.raises("one of its names expected, got 'steel'", bw.plot.scatter_matrix, {columns = {
       {name = "a", values = {"steel"}, of = {"pla"}}, {name = "b", values = {1}}}})
-    local wrong = {["a list of names expected, got string"] = "steel", ["is beyond"] = {[1 << 40] = "pla"}}
+    local wrong = {["a list of names expected, got string"] = "steel", ["entries expected, got entry"] = {[1 << 40] = "pla"}}
     for said, values in pairs(wrong) do
       check.raises(said, bw.plot.parallel_coordinates, {values = {1}, columns = {
         {name = "a", values = {1}}, {name = "b", of = {"pla", "steel"}, values = values}}})
@@ -315,7 +316,7 @@ describe("a plot of trials", function()
     assert.truthy(svg:find("no picture: none.png", 1, true))
     assert.truthy(svg:find("this is no PNG file", 1, true))
     svg_of(bw.plot.contact_sheet {pictures = {}})
-    check.raises("fewer, or smaller", bw.plot.contact_sheet, {pictures = {{}, {}, {}}, cell = 2000, ratio = 10,
+    check.raises("fewer or smaller", bw.plot.contact_sheet, {pictures = {{}, {}, {}}, cell = 2000, ratio = 10,
       columns = 1})
   end)
 

@@ -20,7 +20,7 @@ describe("the worst case", function()
   it("breaks in the neck", function()
     assert.truthy(worst.at[1] > 0.025 and worst.at[1] < 0.065)
     assert.truthy(tostring(worst):find "MPa at %(")
-    assert.truthy(tostring(worst):find "of strength; error unknown: one mesh$")
+    assert.truthy(tostring(worst):find "of the strength; error unknown: one mesh$")
     assert.equal(worst.max_principal, worst.regions[worst.region].max_principal)
     assert.truthy(worst.utilisation > 0)
     local max = 0

@@ -67,10 +67,12 @@ local function read(where, given)
   if type(given) == "string" then given = {label = given} end
   local opts = options.read(where, given, rules)
   if opts.min and opts.max and opts.min >= opts.max then
-    raise(("%s: min %g must be below max %g"):format(where, opts.min, opts.max))
+    raise(("%s: min below max expected, got min = %s and max = %s"):format(where, core.got(opts.min),
+      core.got(opts.max)))
   end
   if opts.scale == "log" and (opts.min and opts.min <= 0 or opts.max and opts.max <= 0) then
-    raise(("%s: a log axis shows numbers above 0: min, max"):format(where))
+    raise(("%s: min and max above 0 expected for scale 'log', got %s and %s"):format(where,
+      core.got(opts.min), core.got(opts.max)))
   end
   return opts
 end
@@ -83,7 +85,7 @@ function axis.new(where, given, lists, how)
   local min, max = data.range(lists, log)
   local any = data.range(lists)
   if log and any and not min and not (opts.min and opts.max) then
-    raise(("%s: a log axis shows numbers above 0, and there is none (from %s to %s)"):format(where,
+    raise(("%s: numbers above 0 expected for scale 'log', got %s to %s"):format(where,
       numbers.short(any), numbers.short(select(2, data.range(lists)))))
   end
   local self = setmetatable({log = log, whole = opts.whole, empty = min == nil}, Axis)

@@ -34,7 +34,9 @@ local function read_bars(where, opts)
       one[key] = one[key] and data.numbers(at, key, one[key], count)
       lists[#lists + 1] = one[key]
     end
-    if (one.low == nil) ~= (one.high == nil) then raise(at .. ": low and high go together") end
+    if (one.low == nil) ~= (one.high == nil) then
+      raise(at .. ": low and high, or neither of them, expected, got one")
+    end
     all[n] = one
   end
   return all, lists

@@ -44,12 +44,13 @@ local function numbered(where, given)
   for i in pairs(given.values) do
     if math.type(i) == "integer" and i > count then count = i end
   end
-  if count > LONGEST then raise(("%s: values: entry %d is beyond %d"):format(where, count, LONGEST)) end
+  if count > LONGEST then raise(("%s: values: at most %d entries expected, got entry %d"):format(where,
+        LONGEST, count)) end
   for i = 1, count do
     local value = given.values[i]
     local name = value ~= nil and tostring(value) or nil
     if name and not number[name] then
-      if given.of then raise(("%s: '%s' is none of its names"):format(where, name)) end
+      if given.of then raise(("%s: one of its names expected, got '%s'"):format(where, name)) end
       names[#names + 1] = name
       number[name] = #names
     end
@@ -67,7 +68,7 @@ function columns.read(where, given, count)
     one.numbers = data.numbers(where, "values", one.values)
   end
   if count and #one.numbers ~= count then
-    raise(("%s: %d values; the first column has %d"):format(where, #one.numbers, count))
+    raise(("%s: %d values expected, as the first column has, got %d"):format(where, count, #one.numbers))
   end
   return one
 end

@@ -53,7 +53,7 @@ local function read(given, n)
   local at = ("%s: series %d"):format(where, n)
   local one = options.read(at, given, one_rules)
   one.x, one.y = data.numbers(at, "x", one.x), data.numbers(at, "y", one.y)
-  if #one.x ~= #one.y then raise(("%s: x has %d numbers, y has %d"):format(at, #one.x, #one.y)) end
+  if #one.x ~= #one.y then raise(("%s: y: %d numbers expected, as x has, got %d"):format(at, #one.x, #one.y)) end
   one.notes = data.texts(at, "notes", one.notes, #one.x)
   data.colour(at, one.colour)
   local colour, marker, dash = palette.series(n)

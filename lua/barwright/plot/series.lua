@@ -61,12 +61,14 @@ local function read_series(where, given, n)
     opts.x = data.numbers(at, "x", opts.x)
   end
   if #opts.x ~= #opts.y then
-    raise(("%s: x has %d numbers, y has %d"):format(at, #opts.x, #opts.y))
+    raise(("%s: y: %d numbers expected, as x has, got %d"):format(at, #opts.x, #opts.y))
   end
   for _, key in ipairs {"low", "high", "values"} do
     opts[key] = opts[key] and data.numbers(at, key, opts[key], #opts.y)
   end
-  if (opts.low == nil) ~= (opts.high == nil) then raise(at .. ": low and high go together") end
+  if (opts.low == nil) ~= (opts.high == nil) then
+    raise(at .. ": low and high, or neither of them, expected, got one")
+  end
   opts.notes = data.texts(at, "notes", opts.notes, #opts.y)
   data.colour(at, opts.colour)
   local colour, marker, dash = palette.series(n)
@@ -235,7 +237,7 @@ local function axes_of(where, opts, all)
   end
   for _, mark in ipairs(opts.marks) do
     if type(mark) ~= "table" or (data.finite(mark.x) == data.finite(mark.y)) then
-      raise(("%s: marks: {x = number} or {y = number}, and a name, expected"):format(where))
+      raise(("%s: marks: {x = number, name =} or {y = number, name =} expected"):format(where))
     end
     if mark.x then xs[#xs + 1] = {mark.x} else ys[#ys + 1] = {mark.y} end
   end

@@ -29,7 +29,7 @@ local function read(given, i)
   local at = ("%s: picture %d"):format(where, i)
   local one = options.read(at, given, one_rules)
   if one.figure and not figure.is(one.figure) then raise(at .. ": figure: a figure of bw.plot expected") end
-  if one.figure and one.path then raise(at .. ": path or figure, not both") end
+  if one.figure and one.path then raise(at .. ": path or figure expected, got both") end
   return one
 end
 
@@ -87,7 +87,7 @@ return function(given)
   local top = opts.title and 44 or 12
   local height = top + rows * cell_height + (rows - 1) * gap + 12
   if height > 20000 or width > 20000 then
-    raise(("%s: %d pictures make %d x %d pixels: fewer, or smaller ones (cell)"):format(where, #all,
+    raise(("%s: fewer or smaller pictures (cell) expected, got %d that make %d x %d pixels"):format(where, #all,
       math.ceil(width), math.ceil(height)))
   end
   return figure.new {kind = where, width = width, height = height, name = opts.title or "contact sheet",

@@ -87,8 +87,8 @@ end
 local function write_entry(opts, path, value)
   local body, why = pack.encode(value, path)
   if not body then
-    raise(("cached: what was made holds %s; kept are numbers, strings, tables of them, arrays, meshes, surfaces "
-      .. "and libraries"):format(why))
+    raise(("cached: numbers, strings, tables of them, arrays, meshes, surfaces and libraries expected of the "
+      .. "function, got %s"):format(why))
   end
   if #body > opts.bytes then return end
   if core.write_file(path, MARK .. core.sha256_of(body) .. body) then trim(opts, path) end
@@ -99,7 +99,7 @@ end
 local function name_of(what, opts)
   local text, why = key.text(what)
   if not text or what == nil then
-    raise(("cached: the first argument says what it is, in strings, numbers and tables of them; got a %s")
+    raise(("cached: argument 1: what is kept, in strings, numbers and tables of them, expected, got a %s")
       :format(why or "nil"))
   end
   local parts = {MARK, core.version, core.commit, text}
@@ -120,7 +120,7 @@ local get_rules = {files = {type = "table"}}
 --- folder cannot be used it is made every time.
 function cache.get(opts, what, make, given)
   local own = options.read("cached", given, get_rules)
-  if type(make) ~= "function" then raise "cached: a function that makes it expected" end
+  if type(make) ~= "function" then raise("cached: argument 2: a function expected, got " .. core.got(make)) end
   local name, why, more = name_of(what, own)
   if not name then return nil, why, more end
   if not opts.folder then return make() end
@@ -129,7 +129,7 @@ function cache.get(opts, what, make, given)
   local there, value = read_entry(path)
   if there then return value end
   if making[path] then
-    raise "cached: the function that makes this asks for the same again"
+    raise "cached: another first argument expected within the function, got that of the entry that it makes"
   end
   local usable = core.make_folder(folder)
   local lock <close> = usable and core.lock(path .. ".lock", WAIT) or nil

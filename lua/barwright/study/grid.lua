@@ -18,7 +18,7 @@ local function spread(variable, count, where)
     raise(("%s: option 'levels': the number of levels of '%s' is missing"):format(where, variable.name))
   end
   if all and all > MAX_POINTS then
-    raise(("%s: '%s' has %d values: option 'levels' expected"):format(where, variable.name, all))
+    raise(("%s: option 'levels' is missing: '%s' has %d values"):format(where, variable.name, all))
   end
   local values = {}
   for i = 1, count do

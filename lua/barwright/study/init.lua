@@ -56,7 +56,9 @@ function study.create(given)
   if opts.name == "" or opts.name:find "[%c/]" then
     raise("study: name: a name without slashes and control characters expected")
   end
-  if type(opts.run) ~= "function" then raise(where .. ": run: a function (point, trial) expected") end
+  if type(opts.run) ~= "function" then
+    raise(where .. ": run: a function (point, trial) expected, got " .. core.got(opts.run))
+  end
   local self = {name = opts.name, seed = opts.seed, run_function = opts.run, what = opts.what}
   self.file = opts.file or opts.name:gsub("%s+", "_") .. ".study"
   self.problem = problem.read(where, opts)

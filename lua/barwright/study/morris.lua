@@ -19,7 +19,9 @@ morris.morris = {
 }
 
 function morris.morris.check(_, opts)
-  if opts.levels % 2 ~= 0 then core.raise "design morris: levels: an even number expected" end
+  if opts.levels % 2 ~= 0 then
+    core.raise("design morris: levels: an even number expected, got " .. core.got(opts.levels))
+  end
 end
 
 local function walks(problem, opts)

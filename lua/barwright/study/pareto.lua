@@ -27,7 +27,7 @@ pareto.pareto = {
 local design = pareto.pareto
 
 function design.check(problem)
-  if #problem.objectives == 0 then core.raise "design pareto: the study has no objectives" end
+  if #problem.objectives == 0 then core.raise "design pareto: objectives expected, the study has none" end
 end
 
 function design.total(_, opts)

@@ -24,7 +24,9 @@ end
 local function directive(lines, name, value)
   if value == nil then return end
   value = tostring(value)
-  if value:find "[%c]" then core.raise(("study slurm: %s: one line expected"):format(name)) end
+  if value:find "[%c]" then
+    core.raise(("study slurm: %s: text of one line expected, got %s"):format(name, core.got(value)))
+  end
   lines[#lines + 1] = ("#SBATCH --%s=%s"):format(name, value:find "%s" and '"' .. value .. '"' or value)
 end
 

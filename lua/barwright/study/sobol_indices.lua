@@ -159,7 +159,7 @@ end
 
 function design.check(problem)
   if #problem.variables > 500 then
-    core.raise "design sobol_indices: more than 500 variables: screen them with morris first"
+    core.raise "design sobol_indices: at most 500 variables expected: screen them with morris first"
   end
 end
 

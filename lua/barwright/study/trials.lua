@@ -116,7 +116,7 @@ end
 local function objective_of(self, name)
   local problem = self.problem
   if name == nil then
-    if #problem.objectives == 0 then raise "best: the study has no objectives: name a measure" end
+    if #problem.objectives == 0 then raise "best: a measure expected, since the study has no objectives" end
     return problem.objectives[1]
   end
   for _, objective in ipairs(problem.objectives) do
@@ -145,7 +145,7 @@ end
 --- The trials that no other one beats in every objective, of those that keep the constraints, by the
 --- first objective.
 function methods:front()
-  if #self.problem.objectives == 0 then raise "front: the study has no objectives" end
+  if #self.problem.objectives == 0 then raise "front: a study with objectives expected, got one without" end
   local list, costs = {}, {}
   for _, trial in ipairs(self) do
     if self.problem:feasible(trial) then

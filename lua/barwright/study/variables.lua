@@ -47,9 +47,12 @@ local function check_bounds(where, v)
   if not v.min or not v.max then raise(where .. ": min and max are missing") end
   if v.kind == "integer" then
     local min, max = math.tointeger(v.min), math.tointeger(v.max)
-    if not min or not max then raise(where .. ": min and max of an integer are whole numbers") end
+    if not min or not max then
+      raise(("%s: whole numbers expected as min and max of an integer, got %s and %s"):format(where,
+        core.got(v.min), core.got(v.max)))
+    end
     v.min, v.max = min, max
-    if v.scale == "log" then raise(where .. ": scale 'log' is for reals") end
+    if v.scale == "log" then raise(where .. ": scale 'log' expected of reals only, got it of an integer") end
   else
     v.min, v.max = v.min + 0.0, v.max + 0.0
     if v.scale == "log" and v.min <= 0 then
