@@ -165,7 +165,8 @@ describe("a plot", function()
   it("takes arrays, and names what it does not know", function()
     svg_of(bw.plot.lines {series = {{y = bw.array.new {1, 2, 3}}}})
     check.raises("unknown option 'serie': did you mean 'series'", bw.plot.lines, {serie = {}})
-    check.raises("series 1: y: 2 numbers expected, as x has, got 3", bw.plot.lines, {series = {{x = {1, 2}, y = {1, 2, 3}}}})
+    check.raises("series 1: y: 2 numbers expected, as x has, got 3",
+      bw.plot.lines, {series = {{x = {1, 2}, y = {1, 2, 3}}}})
     check.raises("series 2: unknown option 'color': did you mean 'colour'", bw.plot.lines,
       {series = {{y = {1}}, {y = {1}, color = "red"}}})
     check.raises("entry 2: a number expected, got string", bw.plot.lines, {series = {{y = {1, "2"}}}})
@@ -264,7 +265,8 @@ describe("a plot of trials", function()
     end
     check.raises("one of its names expected, got 'steel'", bw.plot.scatter_matrix, {columns = {
       {name = "a", values = {"steel"}, of = {"pla"}}, {name = "b", values = {1}}}})
-    local wrong = {["a list of names expected, got string"] = "steel", ["entries expected, got entry"] = {[1 << 40] = "pla"}}
+    local wrong = {["a list of names expected, got string"] = "steel",
+      ["entries expected, got entry"] = {[1 << 40] = "pla"}}
     for said, values in pairs(wrong) do
       check.raises(said, bw.plot.parallel_coordinates, {values = {1}, columns = {
         {name = "a", values = {1}}, {name = "b", of = {"pla", "steel"}, values = values}}})
