@@ -427,7 +427,7 @@ function Study:manifest() end
 ---The problem of a study, checked. Designs that are functions get it.
 ---```lua
 ---local function design(evaluate, problem)
----  local results = evaluate {problem:middle(), problem:point {0}}
+---  local results = evaluate {problem:initial(), problem:point {0}}
 ---  return {change = results[2] and results[1].y - results[2].y}
 ---end
 ---print(bw.study({name = "line", variables = {{name = "x", min = 0, max = 1}}, measures = {"y"}, design = design,

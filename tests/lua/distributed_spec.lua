@@ -92,9 +92,8 @@ describe("ranks", function()
         if rank == 2 then d.receive(0.2) end
         d.send(0, rank, from .. " " .. tag .. " " .. #bytes .. " " .. bytes:sub(-3))
       end]])
-    assert.equal("1\t1\t0 7 100004 end\n2\t2\t0 7 200004 end\nnil\nthere is no other rank 3; there are 3, "
-      .. "from 0\n",
-      text)
+    assert.equal("1\t1\t0 7 100004 end\n2\t2\t0 7 200004 end\nnil\n"
+      .. "rank 3 is not another rank: there are 3, numbered from 0\n", text)
   end)
 
   it("work with the stock interpreter", function()

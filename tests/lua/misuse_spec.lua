@@ -62,7 +62,7 @@ local function calls(session, part)
     ["json.encode: indent: a string expected"] = function() bw.json.encode({}, 2) end,
     ["more than 200 deep"] = function() local t = {} for _ = 1, 1000 do t = {t} end bw.json.encode(t) end,
     ["live: served: "] = function() bw.live(5) end,
-    ["edit.load: the path"] = function() bw.edit.load(5) end,
+    ["edit.load: path: a string expected, got 5"] = function() bw.edit.load(5) end,
     ["report: "] = function() session:report("x.html", {titel = ""}) end,
     ["unknown field 'stress'"] = function() solved:picture("x.png", {field = "stress"}) end,
     ["joint 1: {x, y, z}"] = function() bw.skeleton.create {joints = {1}, bones = {}} end,

@@ -33,7 +33,7 @@ describe("the cache", function()
     local one = study(check.folder())
     local again
     again = function() return one:cached("same", again) end
-    check.raises("asks for the same again", one.cached, one, "same", again)
+    check.raises("asks for the entry that it computes", one.cached, one, "same", again)
     assert.equal(5, one:cached("same", function() return 5 end))
   end)
 
@@ -100,13 +100,13 @@ describe("the cache", function()
     assert.equal(check.read(folder .. "/a.bwm"), check.read(folder .. "/b.bwm"))
     local alone = assert(one:cached("mesh", function() return made.mesh end))
     same_array(alone.nodes, one:cached("mesh", error).nodes)
-    check.raises("what was made holds a function", one.cached, one, "f", function() return {print} end)
-    check.raises("what was made holds a table that contains itself", one.cached, one, "t", function()
+    check.raises("expected of the function, got a function", one.cached, one, "f", function() return {print} end)
+    check.raises("got a table that contains itself", one.cached, one, "t", function()
       local t = {}
       t[1] = t
       return t
     end)
-    check.raises("says what it is", one.cached, one, {print}, function() return 1 end)
+    check.raises("a key of strings, numbers and tables of them expected, got a function", one.cached, one, {print}, function() return 1 end)
   end)
 
   it("knows the contents of files by which something was made", function()

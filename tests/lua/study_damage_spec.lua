@@ -359,11 +359,11 @@ describe("a file whose rows were changed", function()
     assert.truthy(bw.warnings()[1]:find("an older version made it without checksums", 1, true))
     assert.equal(80, #assert(study(old, 80):run()))
     assert.equal(80, #assert(study(old, 80):trials()))
-    assert.equal(80, assert(study(folder .. "/new.study", 80):merge(old)).taken)
+    assert.equal(80, assert(study(folder .. "/sealed.study", 80):merge(old)).taken)
     assert.equal(table_of(assert(study(old, 80):trials())),
-      table_of(assert(study(folder .. "/new.study", 80):trials())))
+      table_of(assert(study(folder .. "/sealed.study", 80):trials())))
     bw.warnings()
-    assert(study(folder .. "/new.study", 80):trials())
+    assert(study(folder .. "/sealed.study", 80):trials())
     assert.same({}, bw.warnings())
     -- what can be reported without them is reported: a point that is not its key's, a row that is gone
     for _, sql in ipairs {"UPDATE points SET x = x / 2 WHERE number = 9", "DELETE FROM points WHERE number = 9",

@@ -99,7 +99,7 @@ end
 local function name_of(what, opts)
   local text, why = key.text(what)
   if not text or what == nil then
-    raise(("cached: argument 1: what is kept, in strings, numbers and tables of them, expected, got a %s")
+    raise(("cached: argument 1: a key of strings, numbers and tables of them expected, got a %s")
       :format(why or "nil"))
   end
   local parts = {MARK, core.version, core.commit, text}
@@ -129,7 +129,7 @@ function cache.get(opts, what, make, given)
   local there, value = read_entry(path)
   if there then return value end
   if making[path] then
-    raise "cached: another first argument expected within the function, got that of the entry that it makes"
+    raise "cached: the function asks for the entry that it computes: give the inner call another first argument"
   end
   local usable = core.make_folder(folder)
   local lock <close> = usable and core.lock(path .. ".lock", WAIT) or nil
