@@ -36,7 +36,7 @@ const heardOf = { states: 0, shapes: 0 };
 
 // ---- saying ----------------------------------------------------------------------------------------
 
-// What is said stays through so many of the states that follow.
+// A message stays through so many of the states that follow.
 let kept = 0;
 
 function say(text, bad = false, states = 0) {

@@ -35,7 +35,7 @@ const heardOf = { states: 0, refused: 0 };
 
 // ---- saying ----------------------------------------------------------------------------------------
 
-// What is said stays for so many milliseconds, then the failure of the state is shown.
+// A message stays for so many milliseconds, then the failure of the state is shown.
 let keptUntil = 0;
 
 function say(text, bad = false, stay = 4000) {

@@ -39,7 +39,7 @@ static void basis_row(const bwi_simplex *s, int32_t i, double *row) {
     bwi_add_column(s, s->basic[i], 1, row);
 }
 
-/* Everything afresh from the basic columns. */
+/* Everything recomputed from the basic columns. */
 static void restart(bwi_simplex *s) {
   int32_t m = s->program->rows;
   if (!bwi_invert(s)) {

@@ -89,7 +89,7 @@ static double scatter(int32_t j) {
   return (double)((uint32_t)(j + 1) * 2654435761u >> 16) / 65536;
 }
 
-/* To the optimum of one level. The last word is had by a basis and costs computed afresh. */
+/* To the optimum of one level. The last iteration uses a recomputed basis and costs. */
 static bwi_simplex_result optimise(bwi_simplex *s) {
   int limit = 400 + 120 * s->program->rows, since = 0, unstable = 0;
   s->method->restart(s);

@@ -420,9 +420,9 @@ bw_status bwi_hands_solve(bw_context *context, const bwi_hands *h, const double 
   }
   for (size_t j = 0; j < n; j++)
     largest = fmax(largest, fabs(objective[j] / h->basis->area[j]));
-  double worth = h->options.force_is_max ? 0 : reward * largest;
+  double bonus = h->options.force_is_max ? 0 : reward * largest;
   for (size_t j = 0; j < n; j++)
-    rewarded[j] = objective[j] + worth * h->basis->area[j];
+    rewarded[j] = objective[j] + bonus * h->basis->area[j];
   BW_TRY(bench_open(context, h, rewarded, &b));
   choose_by_force(&b, pressure, &start[0]);
   memset(b.taken, 0, (size_t)h->nodes);

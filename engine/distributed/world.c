@@ -227,7 +227,7 @@ bw_status bw_world_serve(bw_context *context) {
     }
     MPI_Recv(&operation, 1, MPI_INT, 0, COMMAND_TAG, world.work, MPI_STATUS_IGNORE);
     bw_clear_failure(context);
-    /* Failures are agreed upon: rank 0 has the same one, and reports it. */
+    /* All ranks have the same failure: rank 0 reports it. */
     if (operation == BWD_OPEN)
       bwd_run_open(context, NULL, NULL);
     else if (operation == BWD_SOLVE)

@@ -90,7 +90,7 @@ static bool cross(const int32_t a[3], const double *const xa[3], const int32_t b
   return false; /* neighbours: folds are refused by their angle */
 }
 
-/* Do two triangles with a common side lie upon each other? */
+/* Whether two triangles with a common side overlap. */
 static bool folded(const double m[3], const double n[3]) {
   return bw_dot(m, n) <= -0.98 * bw_norm(m) * bw_norm(n);
 }

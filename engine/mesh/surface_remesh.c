@@ -116,7 +116,7 @@ static bw_status resolve(const bwi_remesher *r, bw_surface **made, bw_surface_re
   bw_status status = bwi_cgal_surface(r->context, "taking out self-intersections", &limits,
                                       bwi_cgal_resolve, *made, &next);
   if (status != BW_OK && status != BW_MEMORY && status != BW_CANCELLED) {
-    bw_clear_failure(r->context); /* it was worth a try */
+    bw_clear_failure(r->context); /* the surface stays as it is */
     return BW_OK;
   }
   if (status != BW_OK)

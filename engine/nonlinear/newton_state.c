@@ -11,7 +11,7 @@
 /* Rounding in the forces of an element, over its stiffness times its size. */
 #define NOISE (8 * DBL_EPSILON)
 enum { MAX_ITERATIONS = 500, MAX_ITERATIONS_PER_STEP = 20 };
-#define CG ((int64_t)100) /* iterations that are worth one of Newton's */
+#define CG ((int64_t)100) /* iterations that cost as much as one of Newton's */
 
 const char *bwi_obstacle_text(bwi_obstacle obstacle) {
   static const char *const why[] = {

@@ -114,7 +114,7 @@ static void put_colour(page *out, const char *name, const double colour[4]) {
 static void put_pen(page *out, const bw_pen *pen) {
   put_colour(out, "fill", pen->fill);
   if (!(pen->stroke[3] > 0 && pen->width > 0))
-    return; /* none is what SVG takes when nothing is said */
+    return; /* SVG takes none where the attribute is missing */
   put_colour(out, "stroke", pen->stroke);
   put_attribute(out, "stroke-width", pen->width);
   if (pen->round)

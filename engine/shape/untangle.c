@@ -253,7 +253,7 @@ done:
 }
 
 bw_status bwi_patch_untangle(bw_context *context, bwi_patch *patch, bool *done) {
-  enum { ROUNDS = 60, PATIENCE = 8 };
+  enum { ROUNDS = 60, MAX_IDLE = 8 };
   minimiser m = {.patch = patch};
   workspace w;
   bw_status status = workspace_create(context, 3 * (size_t)patch->free_count, &w);
@@ -272,7 +272,7 @@ bw_status bwi_patch_untangle(bw_context *context, bwi_patch *patch, bool *done) 
     if (m.lowest > best + 1e-3 * fabs(best)) {
       best = m.lowest;
       idle = 0;
-    } else if (++idle == PATIENCE) {
+    } else if (++idle == MAX_IDLE) {
       break;
     }
   }

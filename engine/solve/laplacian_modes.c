@@ -14,7 +14,7 @@ typedef struct laplacian {
   double *weight;           /* node_count: integral of each shape function over its body's volume */
   double *sum;              /* component_count */
   bwi_factor *factor;
-  bwi_symbolic *unpinned;
+  bwi_symbolic *unconstrained;
 } laplacian;
 
 static bw_status laplacian_mass(bw_context *context, void *data, int64_t count, const double *x,
@@ -65,7 +65,7 @@ static bw_status laplacian_below(bw_context *context, void *data, double sigma, 
   bwi_matrix matrix = {
       .pattern = l->pattern, .stiffness = l->stiffness, .mass = l->mass, .shift = -sigma};
   int64_t negative = 0;
-  bw_status status = bwi_count_negative(context, l->unpinned, &matrix, &negative, trusted);
+  bw_status status = bwi_count_negative(context, l->unconstrained, &matrix, &negative, trusted);
   if (status == BW_OK)
     *count = negative - l->mesh->component_count;
   return status;
@@ -90,7 +90,7 @@ static bw_status open_laplacian(bw_context *context, const bw_mesh *mesh,
   BW_TRY(bw_laplacian(context, pattern, mesh, l->stiffness));
   BW_TRY(bw_mass(context, pattern, mesh, l->mass));
   BW_TRY(bwi_order_create(context, pattern, NULL, &order));
-  BW_TRY(bwi_symbolic_create(context, order, 1, unknown, &l->unpinned));
+  BW_TRY(bwi_symbolic_create(context, order, 1, unknown, &l->unconstrained));
   /* constrain the node that comes last in the order of each body */
   for (int32_t p = order->size - 1, found = 0; p >= 0 && found < mesh->component_count; p--) {
     int32_t body = mesh->component[order->node_at[p]];
@@ -152,7 +152,7 @@ done:
   bw_free(l.weight);
   bw_free(l.sum);
   bw_release(l.factor);
-  bw_release(l.unpinned);
+  bw_release(l.unconstrained);
   bwi_eigen_result_clear(&result);
   return status;
 }

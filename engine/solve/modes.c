@@ -103,7 +103,7 @@ bw_status bwi_modes_from(bw_context *context, const bw_mesh *mesh, const bw_mate
 typedef struct elastic {
   bw_system *system;
   bool constrained; /* some component is prescribed */
-  bwi_symbolic *unpinned;
+  bwi_symbolic *unconstrained;
 } elastic;
 
 static bw_status elastic_solve(bw_context *context, void *data, int64_t count, const double *f,
@@ -160,20 +160,20 @@ static bw_status elastic_below(bw_context *context, void *data, double sigma, in
                        .shift = -sigma,
                        .dof_map = dof_map};
   int64_t negative = 0;
-  if (dof_map->rigid_mode_count > 0 && !problem->unpinned) {
+  if (dof_map->rigid_mode_count > 0 && !problem->unconstrained) {
     int64_t entries = 3 * (int64_t)system->mesh->node_count;
     int32_t *unknown = BW_NEW(context, int32_t, entries);
     if (!unknown)
       return BW_MEMORY;
     for (int64_t i = 0; i < entries; i++)
       unknown[i] = dof_map->state[i] == BW_DOF_PRESCRIBED ? -1 : 0;
-    status = bwi_symbolic_create(context, symbolic->order, 3, unknown, &problem->unpinned);
+    status = bwi_symbolic_create(context, symbolic->order, 3, unknown, &problem->unconstrained);
     bw_free(unknown);
     if (status != BW_OK)
       return status;
   }
-  if (problem->unpinned)
-    symbolic = problem->unpinned;
+  if (problem->unconstrained)
+    symbolic = problem->unconstrained;
   BW_TRY(bwi_count_negative(context, symbolic, &matrix, &negative, trusted));
   *count = negative - dof_map->rigid_mode_count;
 done:
@@ -203,7 +203,7 @@ bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_mode
   BW_TRY(bwi_modes_from(context, system->mesh, system->material, dof_map->rigid_mode_count, &result,
                         modes));
 done:
-  bw_release(problem.unpinned);
+  bw_release(problem.unconstrained);
   bwi_eigen_result_clear(&result);
   return status;
 }

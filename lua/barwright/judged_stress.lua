@@ -7,7 +7,7 @@ local measures = {
   von_mises = {name = "von Mises stress", of = core.von_mises},
 }
 
---- {name =, of = function(stress)} of "von_mises" or "principal"; the latter where nothing is said.
+--- {name =, of = function(stress)} of "von_mises" or "principal"; the latter by default.
 return function(failure)
   return measures[failure or "principal"]
 end

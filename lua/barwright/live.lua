@@ -49,7 +49,7 @@ session goes on with the edits that it has. Until then it can be edited by Lua s
 (<code>bw.edit</code>).</p>
 ]]}
 
---- The page `name` ("live", "plane"), or what is said in its place. As for the report: beside this file
+--- The page `name` ("live", "plane"), or a message in its place. As for the report: beside this file
 --- when installed, else in the tree that was built.
 function live.serve_page(server, name)
   name = name or "live"

@@ -37,7 +37,7 @@ local function history(session)
 end
 
 -- Seconds that a solve may take before the shape is shown without waiting for it.
-local patience = 0.1
+local time_limit = 0.1
 -- Seconds that a drag may go without new stresses: then a solve is seen through however the hand moves.
 local longest = 2
 
@@ -67,11 +67,11 @@ local function publish(self, shown)
     self.scene = scene
     send_all(self, scene.bytes, "scene")
   end
-  if self.seconds > patience then
+  if self.seconds > time_limit then
     send_all(self, live_frame.shape(self.scene, state, drag_of(drag)), "shape")
   end
   local result, why, details
-  if drag and self.seconds > patience then
+  if drag and self.seconds > time_limit then
     result, why, details = shared.meanwhile(self, overtakes(self), live_loads.solve, self, shown)
   else
     result, why, details = live_loads.solve(self, shown)

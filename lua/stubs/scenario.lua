@@ -73,7 +73,7 @@ function scenario_module.expect(figure, what, unit) end
 ---@class bw.Expectation
 local Expectation = {}
 
----What is said of an expectation in reports.
+---The message of an expectation in reports.
 ---@class bw.ExpectationOptions
 ---@field source? string where the expected value comes from. Default: none
 ---@field how? string how it was found. Default: none
@@ -185,7 +185,7 @@ local Test = {}
 ---Goes on with values only: where the first is nil or false the scenario ends here as failed, with the message. It also takes what
 ---an expectation returns.
 ---@param value any what must be there
----@param message? string what is said where it is not
+---@param message? string the message where it is not
 ---@return any value the first value; the others follow
 function Test:require(value, message) end
 

@@ -148,7 +148,7 @@ describe("a metallophone bar", function()
     local kinds = {}
     for _, mode in ipairs(assert(three:spectrum())) do kinds[mode.kind .. mode.number] = mode.frequency end
     check.near(3, kinds.bending2 / kinds.bending1, 0.01)
-    -- what the outline cannot do is said, and nothing has changed
+    -- what the outline cannot do is reported, and nothing has changed
     local none = bar_of_modes(0.006)
     local before = none.outline
     local nothing, message, details = none:tune(350, {ratios = {1, 4, 10}, finer = 1})

@@ -304,7 +304,7 @@ end)]]):format(value)
     assert.equal(0, (run.again()))
   end)
 
-  it("that are damaged, and values that cannot be kept, are said", function()
+  it("that are damaged, and values that cannot be kept, are reported", function()
     local run = tested {["a.lua"] = file "1", ["b.lua"] = file "bw.material.pla", ["baselines/a/kept.json"] = "{"}
     assert.equal("failed error", statuses(run))
     has(messages(run.result.scenarios[1])[1], "kept.json: line 1")

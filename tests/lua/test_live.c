@@ -15,7 +15,7 @@
 #include "live/internal.h"
 
 /* How long a condition is waited for: it comes at once, but the machine may be busy. */
-enum { PATIENCE = 60 };
+enum { TIME_LIMIT = 60 };
 
 /* ---- a client -------------------------------------------------------------------------------- */
 
@@ -49,7 +49,7 @@ static bool readable(int s, int milliseconds) {
 /* Bytes until `length` are there or the end came; their number. */
 static size_t get(int s, void *into, size_t length) {
   size_t got = 0;
-  while (got < length && readable(s, 1000 * PATIENCE)) {
+  while (got < length && readable(s, 1000 * TIME_LIMIT)) {
     ssize_t n = recv(s, (char *)into + got, length - got, 0);
     if (n <= 0)
       break;
@@ -166,7 +166,7 @@ static lbw_live_server *start(void **state, void (*change)(lbw_live_options *)) 
 }
 
 static int64_t expect(lbw_live_server *server, lbw_live_kind kind, const char *text) {
-  lbw_live_event *event = lbw_live_receive(server, PATIENCE);
+  lbw_live_event *event = lbw_live_receive(server, TIME_LIMIT);
   assert_non_null(event);
   assert_int_equal(event->kind, kind);
   if (text) {
@@ -703,7 +703,8 @@ static void test_noise_does_no_harm(void **state) {
   assert_int_equal(code, 0x8a);
   put_frame(s, 0x81, "\"sane\"", 6);
   bool sane = false;
-  for (lbw_live_event *event; !sane && (event = lbw_live_receive(server, PATIENCE)); bw_free(event))
+  for (lbw_live_event *event; !sane && (event = lbw_live_receive(server, TIME_LIMIT));
+       bw_free(event))
     sane = event->kind == LBW_LIVE_MESSAGE && event->length == 6 &&
            memcmp(event->text, "\"sane\"", 6) == 0;
   assert_true(sane);

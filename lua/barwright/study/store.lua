@@ -278,7 +278,7 @@ function store.open(study, path, opts)
 end
 
 --- The script and the manifest of this run are written down; a script that the file does not know yet is
---- refused unless `continue` is said.
+--- refused without `continue`.
 function store:remember(study, continue)
   local script = study.script
   local constraints = definition.constraints_of(study)

@@ -157,7 +157,7 @@ function class:check(value, where)
   return value
 end
 
---- Where a study begins when nothing else is said: the default, else the middle.
+--- The default start of a study: the default of each variable, else its midpoint.
 function class:initial()
   if self.default ~= nil then return self.default end
   return self:value(0.5)

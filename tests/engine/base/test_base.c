@@ -31,7 +31,7 @@ static void test_messages(void **state) {
   bw_warn(context, "one");
   bw_warn(context, "two");
   assert_string_equal(bw_warning_at(context, 1), "two");
-  /* Nothing is said twice, and of warnings alike only that of the largest value. */
+  /* No warning is given twice, and of equal ones only that of the largest value. */
   static const double moved[] = {2, 5, 3};
   for (int i = 0; i < 3; i++)
     bwi_warn_largest(context, moved[i], "moved by %g m", moved[i]);

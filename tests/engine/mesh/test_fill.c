@@ -373,8 +373,8 @@ static void test_marching(void **state) {
   }
 }
 
-/* A wall thinner than the grid comes out full of tunnels: the count cannot be met, which is said,
- * and the body stays what it was. */
+/* A wall thinner than the grid comes out full of tunnels: the count cannot be met, which is
+ * reported, and the body stays what it was. */
 static void test_tunnels(void **state) {
   bw_context *context = check_context(state);
   wall = 0.05;

@@ -52,8 +52,8 @@ static void test_goes_towards_equilibrium(void **state) {
   body_release(&b);
 }
 
-/* Where there is no energy at the start that is said, and nothing is written; what is no correction
- * is refused. */
+/* Where there is no energy at the start that is reported, and nothing is written; what is no
+ * correction is refused. */
 static void test_refusals(void **state) {
   bw_context *context = check_context(state);
   body b = body_box(context, 2, 2, 2, 1, 1, 1, BW_NEO_HOOKEAN, 1e6, 0.4, 0);

@@ -152,7 +152,7 @@ static void test_kept(void **state) {
   bw_release(newton);
 }
 
-/* Loads that the stiffest elements' rounding hides are not balanced, and that is said. */
+/* Loads that the stiffest elements' rounding hides are not balanced, and that is reported. */
 static void test_hidden_loads(void **state) {
   bw_context *context = check_context(state);
   for (int k = 0; k < 2; k++) {

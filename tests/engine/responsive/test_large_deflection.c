@@ -228,7 +228,7 @@ static void test_small_load(void **state) {
 }
 
 /* St. Venant-Kirchhoff's material softens under compression: beyond sqrt(1/3) of its height no
- * equilibrium is left, which is said and not shown as one. */
+ * equilibrium is left, which is reported and not shown as one. */
 static void test_crushed(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = isotropic(context, 1000, 0, 0);

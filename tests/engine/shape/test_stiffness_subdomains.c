@@ -164,8 +164,8 @@ static void test_local(void **state) {
   release_comb(&c);
 }
 
-/* Random poses of some bones, the others following their parents: parts that are said to move as a
- * whole do, to rounding, and the stiffness kept part by part is that from scratch. */
+/* Random poses of some bones, the others following their parents: parts that are reported to move
+ * as a whole do, to rounding, and the stiffness kept part by part is that from scratch. */
 static void test_random_edits(void **state) {
   bw_context *context = check_context(state);
   bw_random random;

@@ -143,7 +143,7 @@ static void iteration_ratio_too_small(void **state) {
   bar_clear(&b);
 }
 
-/* A factor of a quite other shape is no help: that is said, and the other way still works. */
+/* A factor of a quite other shape is no help: that is reported, and the other way still works. */
 static void no_convergence(void **state) {
   bw_context *context = check_context(state);
   bar b;

@@ -37,7 +37,7 @@ static void precisions(void **state) {
 
 /* A waist of a third still does; one of a tenth, where elements are ten times as long as thick both
  * ways, is too much for seven digits: the factor in single precision breaks down, the one in double
- * precision serves, from then on, and that is said. */
+ * precision serves, from then on, and that is reported. */
 static void too_thin_for_single(void **state) {
   bw_context *context = check_context(state);
   for (int k = 0; k < 2; k++) {

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Static solutions by two-level PCG: the same as by a factor, under every kind of support,
- * of straight and of curved elements; when they are chosen, what is kept, and what is said where
- * they do not serve. */
+ * of straight and of curved elements; when they are chosen, what is kept, and what is reported
+ * where they do not serve. */
 #include "incremental_bar.h"
 #include "solve/static_pcg.h"
 
@@ -138,7 +138,7 @@ static void factor_is_predicted(void **state) {
   }
 }
 
-/* Small bodies: the factor, in the bits that it has always had; also where nothing is said. Without
+/* Small bodies: the factor, in the bits that it has always had; also by default. Without
  * room for it, two_level; and said so where these do not serve. */
 static void small_bodies(void **state) {
   bw_context *context = check_context(state);

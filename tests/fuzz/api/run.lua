@@ -283,15 +283,15 @@ return function(opts, stubs_folder)
   for name, reason in pairs(entries.left_out) do print(("left out: %s: %s"):format(name, reason)) end
   local unused = never(list, sum.counts)
   print(("never with success (%d): %s"):format(#unused, table.concat(unused, " ")))
-  local outcome, dear = {done = 0, failed = 0, raised = 0, late = 0, seconds = 0}, {}
+  local outcome, slowest = {done = 0, failed = 0, raised = 0, late = 0, seconds = 0}, {}
   for name, count in pairs(sum.counts) do
-    dear[#dear + 1] = {name = name, seconds = count.seconds}
+    slowest[#slowest + 1] = {name = name, seconds = count.seconds}
     for key, n in pairs(count) do outcome[key] = outcome[key] + n end
   end
-  table.sort(dear, function(a, b) return a.seconds > b.seconds end)
-  for i = 1, math.min(12, #dear) do dear[i] = ("%s %.2f s"):format(dear[i].name, dear[i].seconds) end
+  table.sort(slowest, function(a, b) return a.seconds > b.seconds end)
+  for i = 1, math.min(12, #slowest) do slowest[i] = ("%s %.2f s"):format(slowest[i].name, slowest[i].seconds) end
   print(("dearest, of %.2f s in calls: %s"):format(outcome.seconds,
-    table.concat(dear, ", ", 1, math.min(12, #dear))))
+    table.concat(slowest, ", ", 1, math.min(12, #slowest))))
   local distinct = 0
   for _ in pairs(seen) do distinct = distinct + 1 end
   print(("longest: %.2f s, call %s: %s"):format(sum.longest.seconds, sum.longest.number, sum.longest.text))

@@ -13,7 +13,7 @@ local sequence = {}
 -- ---- trouble -------------------------------------------------------------------------------------
 
 local troubles = {}
-local patience = 2 -- seconds of processor time, after which an operation is asked to end
+local time_limit = 2 -- seconds of processor time, after which an operation is asked to end
 
 -- Calls `work` with a progress function; that which was there before is back when it returns.
 local function with_progress(progress, work)
@@ -25,7 +25,7 @@ end
 
 function troubles.none(work)
   local begin = os.clock()
-  return with_progress(function() return os.clock() - begin < patience end, work)
+  return with_progress(function() return os.clock() - begin < time_limit end, work)
 end
 
 -- Allocation n of the engine fails, or all from there on.

@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Run as `mpirun -n 2 barwright --mpi tests/lua/distributed/cases.lua` by distributed_spec.lua: each case is
--- a line "case NAME: fine" or what was wrong. The oracle is the engine's own factor, which the C tests
+-- a line "case NAME: ok" or what was wrong. The reference is the engine's own factor, which the C tests
 -- compare with CHOLMOD.
 local bw = require "barwright"
 local check = require "check"
@@ -10,7 +10,7 @@ local steel = bw.material.isotropic {young = 200e9, poisson = 0.3, density = 800
 
 local function case(name, run)
   local ok, message = xpcall(run, debug.traceback)
-  print(("case %s: %s"):format(name, ok and "fine" or message))
+  print(("case %s: %s"):format(name, ok and "ok" or message))
 end
 
 local function largest(array) return math.max(array:max(), -array:min()) end
