@@ -82,12 +82,12 @@ local function main()
     stress_limit = opts.limit, material = material, thickness = opts.thickness, depth = opts.depth,
     wall = opts.wall, size = opts.size})
   local height, beam = checked(bridge.uniform_beam, bridge)
-  print(("beam of one height: %.4g mm high, %.5g mm2"):format(height * 1e3, beam * 1e6))
+  print(("beam of one height: %s high, %s"):format(core.quantity(height, "m"), core.quantity(beam, "m2")))
   local found = checked(bridge.design, bridge, {starts = opts.starts, rounds = opts.rounds, holes = opts.holes,
     polish = opts.polish, report = function(now)
       if now.round % 20 == 0 then
-        print(("%-6s round %3d: %.5g mm2, stress %.1f %%; best %.5g mm2"):format(now.start, now.round,
-          now.area * 1e6, 100 * now.utilisation, now.best_area * 1e6))
+        print(("%-6s round %3d: %s, stress %.1f %%; best %s"):format(now.start, now.round,
+          core.quantity(now.area, "m2"), 100 * now.utilisation, core.quantity(now.best_area, "m2")))
       end
     end})
   local result = {finished = not found.interrupted, passes = found.passes, converged = found.converged,
@@ -112,9 +112,8 @@ local function main()
   result.peak_memory_bytes = bw.results.peak_memory()
   checked(results.write, results, result)
   print(("%s, from '%s'"):format(bridge, found.start))
-  print(("%.5g mm2: %.1f %% of the beam of one height, %.2f times Michell's bars; %.1f s"):format(
-    bridge.area * 1e6, 100 * bridge.area / beam, bridge.area / result.michell_area_m2,
-    result.seconds_total))
+  print(("%.1f %% of the area of the beam of one height, %.2f times Michell's bars; %.1f s"):format(
+    100 * bridge.area / beam, bridge.area / result.michell_area_m2, result.seconds_total))
   if found.message then print(found.message) end
   return found.passes and PASSES or FAILS
 end
