@@ -36,8 +36,9 @@ local function selections(name, make, mesh)
   if #list == 0 then return nil, ("option '%s' selects nothing"):format(name), {status = "empty"} end
   for i = 1, #list do
     if options.kind(list[i]) ~= "selection" or list[i].mesh ~= mesh then
-      raise(("breaking_force: option '%s': a function of the mesh that returns selections on it expected")
-        :format(name))
+      raise(("breaking_force: option '%s': a function of the mesh that returns selections on it expected, "
+        .. "got %s"):format(name, options.kind(list[i]) == "selection" and "a selection on another mesh"
+        or core.got(list[i])))
     end
   end
   return list

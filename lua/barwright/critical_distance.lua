@@ -136,7 +136,8 @@ local function read_places(where, static, given)
     return surface:singular_edges()
   end
   if type(given) ~= "table" or getmetatable(given) ~= singular then
-    core.raise(where .. ": option 'places': singular places expected, as part:singular_places() gives them")
+    core.raise(("%s: option 'places': singular places, as part:singular_places() returns them, expected, got %s")
+      :format(where, core.got(given)))
   end
   return given
 end

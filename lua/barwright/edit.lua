@@ -185,23 +185,30 @@ end
 -- A pose has a row of fifteen finite numbers for each bone; a topology is one of edit_shape's.
 local function check_change(self, change)
   local count = current(self).topology.skeleton.bone_count
-  local function expected(what) raise("commit: " .. what .. " expected") end
-  if type(change.script) ~= "string" then expected "script: the line that makes this edit" end
-  if change.limits ~= nil and type(change.limits) ~= "table" then expected "limits: a table by bones' numbers" end
+  local function expected(what, value) raise(("commit: %s expected, got %s"):format(what, core.got(value))) end
+  if type(change.script) ~= "string" then expected("script: the line that makes this edit", change.script) end
+  if change.limits ~= nil and type(change.limits) ~= "table" then
+    expected("limits: a table by bones' numbers", change.limits)
+  end
   if change.topology ~= nil and not edit_shape.is_topology(change.topology) then
-    expected "topology: one that barwright.edit_shape made"
+    expected("topology: one that barwright.edit_shape made", change.topology)
   end
   local pose = change.pose
   if pose == nil then return end
-  if type(pose) ~= "table" or rawlen(pose) ~= count then expected(("pose: a list of %d rows"):format(count)) end
+  if type(pose) ~= "table" or rawlen(pose) ~= count then
+    expected(("pose: a list of %d rows"):format(count), type(pose) == "table" and rawlen(pose) or pose)
+  end
   for i = 1, count do
     local row = rawget(pose, i)
-    local good = type(row) == "table" and rawlen(row) == 15
-    for k = 1, 15 do
-      local number = good and rawget(row, k)
-      good = type(number) == "number" and number - number == 0
+    if type(row) ~= "table" or rawlen(row) ~= 15 then
+      expected(("pose: fifteen finite numbers in row %d"):format(i), type(row) == "table" and rawlen(row) or row)
     end
-    if not good then expected(("pose: fifteen finite numbers in row %d"):format(i)) end
+    for k = 1, 15 do
+      local number = rawget(row, k)
+      if type(number) ~= "number" or number - number ~= 0 then
+        expected(("pose: a finite number at %d of row %d"):format(k, i), number)
+      end
+    end
   end
 end
 

@@ -316,7 +316,8 @@ local function read_limit(given)
     local fits = #opts.twist == 2 and type(min) == "number" and type(max) == "number"
       and -math.huge < min and min <= max and max < math.huge
     if not fits then
-      raise("limit: option 'twist': {lowest, highest} expected, two numbers in degrees, the lower one first")
+      raise(("limit: option 'twist': {lowest, highest}, two numbers in degrees, the lower one first, expected, "
+        .. "got {%s, %s}"):format(core.got(min), core.got(max)))
     end
   end
   return {swing = opts.swing and math.rad(opts.swing),

@@ -8,17 +8,19 @@ end
 
 local function check_pose(i, state)
   local bones = state.topology.skeleton.bone_count
-  demand(#state.pose == bones, "state %d has %d bones posed of %d", i, #state.pose, bones)
+  demand(#state.pose == bones, "state %d: %d bones expected, got %d", i, bones, #state.pose)
   for b, row in ipairs(state.pose) do
-    demand(#row == 15, "state %d: bone %d has %d numbers", i, b, #row)
+    demand(#row == 15, "state %d: bone %d has %d numbers, 15 expected", i, b, #row)
     for k, value in ipairs(row) do
-      demand(value == value and math.abs(value) < math.huge, "state %d: number %d of bone %d is %s", i, k, b,
-        value)
-      demand(k < 10 or k > 12 or value > 0, "state %d: factor %d of bone %d is %s", i, k - 9, b, value)
+      demand(value == value and math.abs(value) < math.huge,
+        "state %d: number %d of bone %d: a finite number expected, got %s", i, k, b, value)
+      demand(k < 10 or k > 12 or value > 0,
+        "state %d: factor %d of bone %d: a number above 0 expected, got %s", i, k - 9, b, value)
     end
   end
   for b in pairs(state.limits) do
-    demand(math.type(b) == "integer" and b >= 1 and b <= bones, "state %d limits bone %s", i, b)
+    demand(math.type(b) == "integer" and b >= 1 and b <= bones,
+      "state %d: limits of a bone from 1 to %d expected, got %s", i, bones, b)
   end
 end
 

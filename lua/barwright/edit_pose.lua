@@ -175,13 +175,14 @@ local function read_matrix(where, value)
     for j = 0, 6, 3 do
       local product = out[i + 1] * out[j + 1] + out[i + 2] * out[j + 2] + out[i + 3] * out[j + 3]
       if math.abs(product - (i == j and 1 or 0)) > 1e-6 then
-        raise(("%s: a rotation expected: rows of length 1 at right angles"):format(where))
+        raise(("%s: a rotation with rows of length 1 at right angles expected, got rows %d and %d with the "
+          .. "product %.7g"):format(where, i // 3 + 1, j // 3 + 1, product))
       end
     end
   end
   local out2 = orthonormal(out)
   if out[7] * out2[7] + out[8] * out2[8] + out[9] * out2[9] < 0 then
-    raise(("%s: a rotation expected, not a reflection"):format(where))
+    raise(("%s: a rotation expected, got a reflection"):format(where))
   end
   return out2
 end
@@ -204,8 +205,10 @@ function edit_pose.read_rotation(where, value)
       raise(where .. ": an axis expected, got {0, 0, 0}, which has no direction")
     end
     local angle = value.radians or value.degrees
-    if not finite(angle) or value.radians and value.degrees or value.x or value.y or value.z then
-      raise(where .. ": axis, and one of degrees and radians, expected")
+    if value.x or value.y or value.z then raise(where .. ": axis, or x, y and z, expected, got both") end
+    if not finite(angle) or value.radians and value.degrees then
+      raise(("%s: axis, and one of degrees and radians, expected, got degrees = %s and radians = %s"):format(where,
+        core.got(value.degrees), core.got(value.radians)))
     end
     return edit_pose.about(axis, value.radians or math.rad(angle))
   end
@@ -220,7 +223,8 @@ function edit_pose.read_rotation(where, value)
     end
   end
   if value.degrees or value.radians or next(value) == nil then
-    raise(where .. ": {axis =, degrees =}, {x =, y =, z =} or three rows expected")
+    raise(("%s: {axis =, degrees =}, {x =, y =, z =} or three rows expected, got %s"):format(where,
+      next(value) == nil and "an empty table" or "an angle without an axis"))
   end
   return out
 end

@@ -282,7 +282,7 @@ local function known(name, list, what)
 end
 
 local function of_selection(selection, axis, mesh)
-  if selection.mesh ~= mesh then raise "the selection is not of the model's mesh" end
+  if selection.mesh ~= mesh then raise "a selection on the model's mesh expected, got one on another mesh" end
   if axis ~= nil then known(axis, {"x", "y", "z"}, "axis") end
   return {measure = reaction(axes[axis]), selections = {selection}, unit = "N",
     name = axis and "reaction along " .. axis or "reaction"}
@@ -295,7 +295,12 @@ local function of_table(of, mesh)
     return of_selection(opts.reaction, opts.axis, mesh)
   end
   if not is_point(opts.at) or opts.reaction or opts.axis then
-    raise "{at = {x, y, z}, field = ...} or {reaction = selection, axis = ...} expected"
+    local found = {}
+    for _, key in ipairs {"at", "field", "reaction", "axis"} do
+      if opts[key] ~= nil then found[#found + 1] = key end
+    end
+    raise(("{at = {x, y, z}, field = ...} or {reaction = selection, axis = ...} expected, got %s"):format(
+      #found > 0 and table.concat(found, " and ") or "neither"))
   end
   local field = opts.field or "von_mises"
   known(field, fields, "field")

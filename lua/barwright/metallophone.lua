@@ -169,7 +169,7 @@ local function wanted_of(first, ratios)
     end
     wanted[k] = first * ratio / ratios[1]
   end
-  if #wanted == 0 then raise "tune: option 'ratios': at least one number expected" end
+  if #wanted == 0 then raise "tune: option 'ratios': at least one number expected, got none" end
   return wanted
 end
 

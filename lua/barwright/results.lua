@@ -84,7 +84,8 @@ local rules = {script = {type = "string"}, inputs = {type = "table", default = {
 function results.open(folder, about)
   about = options.read("results.open", about, rules)
   if about.seed ~= nil and about.seed ~= json.null and math.type(about.seed) ~= "integer" then
-    core.raise "results.open: option 'seed': a whole number, or bw.json.null where there is none, expected"
+    core.raise("results.open: option 'seed': a whole number, or bw.json.null where there is none, expected, got "
+      .. core.got(about.seed))
   end
   local ok, message = core.make_folder(folder)
   if not ok then return nil, message, {status = "io", file = folder} end

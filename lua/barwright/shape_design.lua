@@ -410,9 +410,9 @@ end
 
 --- Moves a form to least area under the problem's limit.
 --- problem: material, thickness, conditions, limit (Pa), wall, gap, size (of elements), spacing (of controls),
---- box = {min, max}, axis (x = 0 mirrors), holes (most), idle (part of the limit), rounds, smooth, margin,
+--- box = {min, max}, axis (x = 0 mirrors), holes (at most), idle (part of the limit), rounds, smooth, margin,
 --- polish (the form is nearly there). report(round, here, best) may return false to stop.
---- Returns {form, area, most, passes, rounds, history, converged, falling}: the smallest that passes, or that
+--- Returns {form, area, max, passes, rounds, history, converged, falling}: the smallest that passes, or that
 --- of the least excess; `falling`: the part by which its area fell in the last rounds.
 function design.search(problem, form, report)
   local self = {problem = problem, form = form, state = {p = 8}, recent = {}, stalled = 0, refusals = 0,

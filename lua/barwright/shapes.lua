@@ -2,7 +2,9 @@
 -- Bodies by formula: signed distance functions f(x, y, z), negative inside, to put together and hand
 -- to bw.surface.implicit. Lengths in metres.
 local arguments = require "barwright.arguments"
-local raise = require("barwright.core").raise
+local core = require "barwright.core"
+
+local raise = core.raise
 
 local shapes = {}
 
@@ -47,7 +49,7 @@ function shapes.join(bodies, rounding)
   if count == 0 then raise "shapes.join: bodies: a list of one function or more expected, got an empty list" end
   for i = 1, count do
     if type(bodies[i]) ~= "function" then
-      raise(("shapes.join: bodies: a list of functions expected, entry %d is a %s"):format(i, type(bodies[i])))
+      raise(("shapes.join: bodies: entry %d: a function expected, got %s"):format(i, core.got(bodies[i])))
     end
   end
   rounding = rounding or 0

@@ -68,7 +68,8 @@ function skeleton.create(given)
     bone_names[i] = bone.name or false
   end
   if #joints == 0 or #bones == 0 then
-    raise("skeleton.create: at least one bone with its two joints expected")
+    raise(("skeleton.create: at least one bone with its two joints expected, got %d bones and %d joints"):format(
+      #bones, #joints))
   end
   local root = opts.root and joint_number(opts.root, joints, names, number, "root")
   return core.skeleton.make(joints, bones, names, bone_names, root)

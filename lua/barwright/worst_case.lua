@@ -182,8 +182,10 @@ function worst_case.analyse(part, given, view)
   if opts.failure == "von_mises" and part.material.strength and type(part.material.strength) ~= "number" then
     raise "worst_case: failure 'von_mises' needs one strength; the material's differs with the direction"
   end
-  if opts.places and not (opts.length and are_places(opts.places)) then
-    raise "worst_case: option 'places': places of another worst case of the same 'length' expected"
+  if opts.places and not opts.length then raise "worst_case: option 'length' expected with 'places', got nil" end
+  if opts.places and not are_places(opts.places) then
+    raise("worst_case: option 'places': places of another worst case of the same 'length' expected, got "
+      .. core.got(opts.places))
   end
   if not opts.screening and not opts.places then
     raise "worst_case: option 'screening' can be false where 'places' are given"
@@ -288,7 +290,7 @@ end
 --- numbers; new ones follow. Returns the worst case, or nil, message, details.
 function worst_case:extend(utilisation)
   check_open(self, "extend")
-  if not self.search then raise "extend: a worst case with the option 'length' expected" end
+  if not self.search then raise "extend: a worst case with the option 'length' expected, got one without" end
   if type(utilisation) ~= "number" or utilisation <= 0 then
     raise(("extend: utilisation: a number above 0 expected, got %s"):format(core.got(utilisation)))
   end

@@ -137,7 +137,7 @@ describe("a method written in Lua", function()
       ["at: a flow expected, got 1: call it with a colon, as in flow:at(...)"] = function() flow.at(1,
         2) end,
       ["use_file: path: a string expected"] = function() study:use_file(setmetatable({}, {__index = print})) end,
-      ["study:run: option 'executor': a function"] = function() study:run {executor = {}} end,
+      ["a function that returns it, expected, got table"] = function() study:run {executor = {}} end,
       ["study:merge: file 1: a path expected"] = function() study:merge {{}} end,
       ["column: options: a table of options expected"] = function() trials:column("m", 5) end,
       ["where: which: a string or a function expected"] = function() trials:where(5) end,
@@ -146,5 +146,25 @@ describe("a method written in Lua", function()
     worst:close()
     check.raises("pressure: this worst case is closed", worst.pressure, worst)
     check.raises("surface_weakness: this worst case is closed", worst.surface_weakness, worst)
+  end)
+end)
+
+-- Functions of all modules, each with a value of a wrong type.
+describe("a message about a wrong type", function()
+  it("says what was expected and what was found", function()
+    local mesh = check.beam({4, 1, 1})
+    local part = bw.model {mesh = mesh, material = bw.material.pla}
+    for _, call in ipairs {
+      {bw.array, print}, {bw.surface.read, print}, {bw.mesh.fill, print}, {bw.material.isotropic, print},
+      {part.fix, part, print}, {mesh.boundary.below, mesh.boundary, "x", print}, {part.solve, part, print},
+      {bw.worst_case, part, print}, {bw.breaking_force, mesh, print}, {bw.strengthen, print},
+      {bw.skeleton.create, print}, {bw.edit, print}, {bw.outline.polygon, print}, {bw.responsive.flow, print},
+      {bw.shapes.sphere, print}, {bw.study, print}, {bw.study.salvage, "a.study", print}, {bw.plot.lines, print},
+      {bw.canvas, print}, {bw.json.decode, print}, {bw.results.open, print}, {bw.live, print},
+    } do
+      local raised, message = pcall(table.unpack(call))
+      assert.is_false(raised)
+      assert.message(message).truthy(message:find "expected, got .*function$")
+    end
   end)
 end)

@@ -129,7 +129,7 @@ scenario("j", function() end)
 scenario("k", function() expect(1):below(2) end)]]}
     assert.equal(1, run.status)
     assert.equal("error error error error error error error error error failed passed", statuses(run))
-    for i, part in ipairs {"how near is near?", "absolute", "did you mean 'below'?",
+    for i, part in ipairs {"{absolute = ...} expected, got neither", "absolute", "did you mean 'below'?",
       "a number expected, got table",
       "take its max()", "a number as the bound", "did you mean 'source'?", "did you mean 'require'?",
       "raised a table", "states no expectation"} do

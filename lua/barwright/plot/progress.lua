@@ -89,7 +89,10 @@ local function trial_numbers(opts, count)
   if opts.numbers then
     local xs = data.numbers("plot.history", "numbers", opts.numbers, count)
     for i = 1, count do
-      if xs[i] ~= xs[i] then raise "plot.history: numbers: finite numbers expected" end
+      if xs[i] ~= xs[i] then
+        raise(("plot.history: numbers: entry %d: a finite number expected, got %s"):format(i,
+          core.got(opts.numbers[i])))
+      end
     end
     return xs
   end
@@ -274,7 +277,7 @@ function progress.pareto(given)
   local objectives = columns.list(where, opts.objectives, 2, 6)
   local n, count = #objectives, #objectives[1].numbers
   for _, one in ipairs(objectives) do
-    if one.names then raise(("%s: objective '%s': numbers expected"):format(where, one.name)) end
+    if one.names then raise(("%s: objective '%s': numbers expected, got names"):format(where, one.name)) end
     one.goal = one.goal or "min"
   end
   local rows = {able = columns.flags(where, "feasible", opts.feasible, count, true),

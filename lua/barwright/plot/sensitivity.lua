@@ -188,12 +188,15 @@ end
 return function(given)
   local opts = options.read(where, given, rules)
   opts.names = names_of(data.list(where, "names", opts.names))
+  local found = {}
   for _, key in ipairs {"first", "first_low", "first_high", "total", "total_low", "total_high", "mu_star",
     "mu_star_low", "mu_star_high", "sigma", "low", "high"} do
     opts[key] = opts[key] and data.numbers(where, key, opts[key], #opts.names)
+    if opts[key] then found[#found + 1] = key end
   end
   if opts.mu_star and opts.sigma then return morris(opts) end
   if opts.low and opts.high then return tornado(opts, given) end
   if opts.first or opts.total then return sobol(opts, given) end
-  raise(where .. ": first or total (Sobol), mu_star and sigma (Morris), or low and high expected")
+  raise(("%s: first or total (Sobol), mu_star and sigma (Morris), or low and high expected, got %s"):format(where,
+    #found > 0 and table.concat(found, " and ") or "none"))
 end

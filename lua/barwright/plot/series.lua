@@ -237,7 +237,9 @@ local function axes_of(where, opts, all)
   end
   for _, mark in ipairs(opts.marks) do
     if type(mark) ~= "table" or (data.finite(mark.x) == data.finite(mark.y)) then
-      raise(("%s: marks: {x = number, name =} or {y = number, name =} expected"):format(where))
+      raise(("%s: marks: {x = number, name =} or {y = number, name =} expected, got %s"):format(where,
+        type(mark) == "table" and ("x = %s and y = %s"):format(core.got(mark.x), core.got(mark.y))
+        or core.got(mark)))
     end
     if mark.x then xs[#xs + 1] = {mark.x} else ys[#ys + 1] = {mark.y} end
   end

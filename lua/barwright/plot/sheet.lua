@@ -28,7 +28,9 @@ local one_rules = {
 local function read(given, i)
   local at = ("%s: picture %d"):format(where, i)
   local one = options.read(at, given, one_rules)
-  if one.figure and not figure.is(one.figure) then raise(at .. ": figure: a figure of bw.plot expected") end
+  if one.figure and not figure.is(one.figure) then
+    raise(at .. ": figure: a figure of bw.plot expected, got " .. core.got(one.figure))
+  end
   if one.figure and one.path then raise(at .. ": path or figure expected, got both") end
   return one
 end

@@ -73,7 +73,8 @@ function baseline.snapshot(value, where)
   local is_list, out = #value > 0, {}
   for key, item in pairs(value) do
     if is_list and math.type(key) ~= "integer" or not is_list and type(key) ~= "string" then
-      core.raise "matches_baseline: tables with names, or lists, expected"
+      core.raise(("matches_baseline: %sa table with names, or a list, expected, got the key %s"):format(
+        where and where .. ": " or "", core.got(key)))
     end
     out[key] = baseline.snapshot(item, where and ("%s.%s"):format(where, key) or tostring(key))
   end

@@ -120,7 +120,9 @@ function methods:between(min, max, given)
   local opts = read("between", given)
   checked_bound("between", min)
   checked_bound("between", max)
-  if min > max then raise(("between: %s is above %s"):format(show(min), show(max))) end
+  if min > max then
+    raise(("between: min at most max expected, got %s and %s"):format(core.got(min), core.got(max)))
+  end
   if self.value == nil then return missing(self, "between", opts) end
   local value = number_of(self, "between")
   local a, b = numbers.apart(value, value < min and min or max)
@@ -141,7 +143,7 @@ local function near_list(self, reference, opts)
   local b, shape = numbers.flat(reference)
   local a, own = numbers.flat(self.value)
   if not a then
-    raise("near: a number, an array or a list of numbers expected")
+    raise("near: a number, an array or a list of numbers expected, got " .. core.got(self.value))
   end
   local entry = {source = opts.source, how = opts.how, absolute = opts.absolute, relative = opts.relative,
     allowed = tolerance_text(opts, self.unit)}
@@ -164,7 +166,7 @@ function methods:near(reference, given)
   local opts = read("near", given, {relative = {type = "number", min = 0},
     absolute = {type = "number", min = 0}})
   if not opts.relative and not opts.absolute then
-    raise "near: {relative = ...} or {absolute = ...} expected: how near is near?"
+    raise "near: {relative = ...} or {absolute = ...} expected, got neither"
   end
   if self.value == nil then return missing(self, "near", opts) end
   if type(reference) ~= "number" then
@@ -174,9 +176,11 @@ function methods:near(reference, given)
     end
     return near_list(self, reference, opts)
   end
-  if reference - reference ~= 0 then raise "near: a finite number as the reference expected" end
+  if reference - reference ~= 0 then
+    raise("near: a finite number as the reference expected, got " .. core.got(reference))
+  end
   if reference == 0 and not opts.absolute then
-    raise "near: beside 0 a relative tolerance means nothing: {absolute = ...} expected"
+    raise "near: {absolute = ...} expected with the reference 0, got {relative = ...} alone"
   end
   local value = number_of(self, "near")
   local off = math.abs(value - reference)
@@ -308,13 +312,15 @@ function methods:same_modes(other, given)
     degenerate = {type = "number", min = 0, default = 1e-4}, shapes = {type = "any", default = 1e-3},
     last = {type = "boolean", default = true}})
   if opts.shapes ~= false and type(opts.shapes) ~= "number" then
-    raise "same_modes: option 'shapes': a number or false expected"
+    raise("same_modes: option 'shapes': a number or false expected, got " .. core.got(opts.shapes))
   end
   if self.value == nil then return missing(self, "same_modes", opts) end
   for _, object in ipairs {self.value, other} do
-    if core.class_name(object) ~= "modes" then raise "same_modes: modes expected (part:modes)" end
+    if core.class_name(object) ~= "modes" then
+      raise("same_modes: modes, as part:modes() returns them, expected, got " .. core.got(object))
+    end
   end
-  if other == nil then raise "same_modes: the modes to compare with are missing" end
+  if other == nil then raise "same_modes: modes to compare with expected, got nil" end
   local found = modes.compare(self.value, other, opts)
   return checked_modes(self, found, opts)
 end
@@ -326,7 +332,7 @@ function methods:matches_baseline(name, given)
     absolute = {type = "number", min = 0}, degenerate = {type = "number", min = 0, default = 1e-4},
     shapes = {type = "number", min = 0, default = 1e-3}, last = {type = "boolean", default = true}})
   if type(name) ~= "string" or not name:match "^[%w_][%w_. -]*$" then
-    raise "matches_baseline: a name of letters, digits, '_', '-', '.' and spaces expected"
+    raise("matches_baseline: a name of letters, digits, '_', '-', '.' and spaces expected, got " .. core.got(name))
   end
   if not opts.relative and not opts.absolute then opts.relative = 1e-9 end
   if self.value == nil then return missing(self, "matches_baseline", opts) end

@@ -18,12 +18,14 @@ local rules = {
 }
 
 local function checked_tags(tags)
-  local function fail()
-    raise("scenario: option 'tags': a list of words of letters, digits, '_', '-' and '.' expected, {\"slow\"}")
+  local function fail(got)
+    raise("scenario: option 'tags': a list of words of letters, digits, '_', '-' and '.', such as {\"slow\"}, "
+      .. "expected, got " .. got)
   end
-  if type(tags) ~= "table" then fail() end
+  if type(tags) ~= "table" then fail(core.got(tags)) end
   for key, tag in pairs(tags) do
-    if math.type(key) ~= "integer" or type(tag) ~= "string" or not tag:match "^[%w_.-]+$" then fail() end
+    if math.type(key) ~= "integer" then fail("the key " .. core.got(key)) end
+    if type(tag) ~= "string" or not tag:match "^[%w_.-]+$" then fail(core.got(tag)) end
   end
   return tags
 end
@@ -41,14 +43,17 @@ local function state(title, given, work)
   local collection = files.loading or raise("scenario: only in a scenario file, outside of other scenarios; run "
     .. "it by `barwright test FILE`")
   if work == nil and type(given) == "function" then given, work = nil, given end
-  if type(title) ~= "string" or not title:find "%S" then raise("scenario: a title expected") end
-  if title:find "[%c]" then raise("scenario: a title of one line expected") end
+  if type(title) ~= "string" or not title:find "%S" then
+    raise("scenario: a title expected, got " .. core.got(title))
+  end
+  if title:find "[%c]" then raise("scenario: a title of one line expected, got " .. core.got(title)) end
   if type(work) ~= "function" then
     raise(("scenario '%s': a function expected, got %s"):format(title, core.got(work)))
   end
   local opts = options.read("scenario", given, rules)
   if opts.skip ~= nil and type(opts.skip) ~= "boolean" and type(opts.skip) ~= "string" then
-    raise(("scenario '%s': option 'skip': false, true or the reason expected"):format(title))
+    raise(("scenario '%s': option 'skip': false, true or the reason expected, got %s"):format(title,
+      core.got(opts.skip)))
   end
   local line = debug.getinfo(3, "l").currentline
   if collection.titles[title] then

@@ -64,13 +64,13 @@ end
 
 --- Leaves the scenario without judging it: what it needs is not there.
 function methods.skip(_, reason)
-  if type(reason) ~= "string" then raise "skip: the reason expected" end
+  if type(reason) ~= "string" then raise("skip: the reason expected, got " .. core.got(reason)) end
   error(setmetatable({skip = reason}, Stop), 0)
 end
 
 --- A sentence for the report and the manual.
 function methods.note(_, text, ...)
-  if type(text) ~= "string" then raise "note: a text expected" end
+  if type(text) ~= "string" then raise("note: a text expected, got " .. core.got(text)) end
   if select("#", ...) > 0 then
     local ok, filled = pcall(string.format, text, ...)
     if not ok then
@@ -84,7 +84,8 @@ end
 --- A plain table for the report and the manual: {heads = {...}, rows = {{...}, ...}, text = "..."}.
 function methods.table(_, given)
   if type(given) ~= "table" or type(given.heads) ~= "table" or type(given.rows) ~= "table" then
-    raise "table: {heads = {...}, rows = {{...}, ...}} expected"
+    raise("table: {heads = {...}, rows = {{...}, ...}} expected, got " .. (type(given) == "table"
+      and ("heads = %s and rows = %s"):format(core.got(given.heads), core.got(given.rows)) or core.got(given)))
   end
   local rows = json.list {}
   for i, row in ipairs(given.rows) do

@@ -129,7 +129,8 @@ end
 
 local function check_costs(where, list, count)
   if type(list) ~= "table" or rawlen(list) ~= count or count == 0 then
-    raise(("hypervolume: %s: a list of %d numbers expected"):format(where, math.max(1, count)))
+    raise(("hypervolume: %s: a list of %d numbers expected, got %s"):format(where, math.max(1, count),
+      type(list) == "table" and rawlen(list) or core.got(list)))
   end
   for k = 1, count do
     local cost = rawget(list, k)
@@ -141,7 +142,9 @@ end
 
 --- The volume that is dominated by the vectors, below a reference.
 function front.hypervolume(costs, reference)
-  if type(costs) ~= "table" then raise "hypervolume: costs: a list of lists of numbers expected" end
+  if type(costs) ~= "table" then
+    raise("hypervolume: costs: a list of lists of numbers expected, got " .. core.got(costs))
+  end
   check_costs("reference", reference, type(reference) == "table" and rawlen(reference) or 1)
   for i = 1, rawlen(costs) do check_costs(("costs %d"):format(i), rawget(costs, i), rawlen(reference)) end
   local inside = {}

@@ -54,7 +54,7 @@ function study.create(given)
   if type(given) == "table" and type(given.name) == "string" then where = "study " .. given.name end
   local opts = options.read(where, given, rules)
   if opts.name == "" or opts.name:find "[%c/]" then
-    raise("study: name: a name without slashes and control characters expected")
+    raise("study: name: a name without slashes and control characters expected, got " .. core.got(opts.name))
   end
   if type(opts.run) ~= "function" then
     raise(where .. ": run: a function (point, trial) expected, got " .. core.got(opts.run))

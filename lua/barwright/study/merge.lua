@@ -105,7 +105,10 @@ end
 function merge.into(self, files, given)
   local opts = options.read("study:merge", given, rules)
   if type(files) == "string" then files = {files} end
-  if type(files) ~= "table" or #files == 0 then core.raise "study:merge: a list of files expected" end
+  if type(files) ~= "table" or #files == 0 then
+    core.raise("study:merge: a list of files expected, got "
+      .. (type(files) == "table" and "none" or core.got(files)))
+  end
   for i, path in ipairs(files) do
     if type(path) ~= "string" then
       core.raise(("study:merge: file %d: a path expected, got %s"):format(i, core.got(path)))

@@ -38,7 +38,7 @@ local function read_list(where, what, list, rules)
   end
   for key in pairs(list) do
     if math.type(key) ~= "integer" then
-      raise(("%s: %ss is a list: {{name = ...}, ...}, found '%s'"):format(where, what, tostring(key)))
+      raise(("%s: %ss: a list {{name = ...}, ...} expected, got the key %s"):format(where, what, core.got(key)))
     end
   end
   return out, named
@@ -65,7 +65,7 @@ function problem.read(where, given)
   self.sorted = names_of(self.variables)
   table.sort(self.sorted)
   self.measures, self.measure = read_list(where, "measure", given.measures, measure_rules)
-  if #self.measures == 0 then raise(where .. ": measures = {{name = ...}, ...} expected: what run returns") end
+  if #self.measures == 0 then raise(where .. ": measures = {{name = ...}, ...} expected, got none") end
   local seen = {}
   for _, item in ipairs(self.measures) do
     if seen[item.name] then raise(("%s: measure '%s' occurs twice"):format(where, item.name)) end
@@ -80,7 +80,7 @@ function problem.read(where, given)
   for _, item in ipairs(self.constraints) do
     known_measure(self, where, "constraint", item.name)
     if not item.min and not item.max then
-      raise(("%s: constraint '%s': min or max expected"):format(where, item.name))
+      raise(("%s: constraint '%s': min or max expected, got neither"):format(where, item.name))
     end
   end
   return self
@@ -102,7 +102,9 @@ end
 
 --- A copy of the point with checked values; missing ones are the variables' defaults where these have one.
 function problem:check(point, where)
-  if type(point) ~= "table" then raise(("%s: a point {name = value, ...} expected"):format(where)) end
+  if type(point) ~= "table" then
+    raise(("%s: a point {name = value, ...} expected, got %s"):format(where, core.got(point)))
+  end
   local out = {}
   for name in pairs(point) do
     if not self.variable[name] then

@@ -62,7 +62,8 @@ local function find(study, list, which)
       #list > 0 and list[#list].number or 0), {status = "empty"}
   end
   if type(which) ~= "string" or not which:match "^%x%x%x%x%x*$" then
-    core.raise "study:trial: a number, four or more digits that a key begins with, or a point expected"
+    core.raise("study:trial: a number, four or more digits that a key begins with, or a point expected, got "
+      .. core.got(which))
   end
   local found
   for _, record in ipairs(list) do

@@ -212,7 +212,9 @@ local function shard_of(opts)
   if opts == nil then return function() return true end end
   local i, n = type(opts) == "table" and opts[1], type(opts) == "table" and opts[2]
   if math.type(i) ~= "integer" or math.type(n) ~= "integer" or i < 1 or i > n then
-    core.raise "study:run: option 'shard': two whole numbers {which, of how many} expected, such as {2, 10}"
+    local got = type(opts) == "table" and ("{%s, %s}"):format(core.got(i), core.got(n)) or core.got(opts)
+    core.raise(("study:run: option 'shard': two whole numbers {which, of how many}, such as {2, 10}, expected, "
+      .. "got %s"):format(got))
   end
   return function(place) return (place - 1) % n == i - 1 end
 end
@@ -222,15 +224,16 @@ local function check_executor(own)
   local good = type(own) == "table" and math.type(own.capacity) == "integer" and own.capacity > 0
   for _, name in ipairs {"start", "wait", "close"} do good = good and type(own[name]) == "function" end
   if not good then
-    core.raise("study:run: option 'executor': a function that gives {capacity, start, wait, close}, or that, "
-      .. "expected")
+    core.raise("study:run: option 'executor': {capacity, start, wait, close}, or a function that returns it, "
+      .. "expected, got " .. core.got(own))
   end
 end
 
 local function read_options(given)
   local opts = options.read("study:run", given, rules)
   if opts.stop_when ~= nil and type(opts.stop_when) ~= "function" then
-    core.raise "study:run: option 'stop_when': a function of the trials so far expected"
+    core.raise("study:run: option 'stop_when': a function of the trials so far expected, got "
+      .. core.got(opts.stop_when))
   end
   return opts
 end

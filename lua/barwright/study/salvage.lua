@@ -197,7 +197,8 @@ end
 --- Saves what can be read of a damaged file into a new one: {tables, rows, lost, whole, relisted, log}.
 function salvage.into(path, into)
   if type(path) ~= "string" or type(into) ~= "string" then
-    core.raise "study.salvage: the damaged file and the new one expected"
+    core.raise(("study.salvage: the paths of the damaged file and of the new one expected, got %s and %s"):format(
+      core.got(path), core.got(into)))
   end
   local report, seen, plain = copy(path, into)
   if not report then return nil, seen, plain end

@@ -144,7 +144,7 @@ local function header(self, tables)
   local about = {}
   for _, row in ipairs(rows) do about[tostring(row.name)] = row.value end
   if about.format ~= FORMAT and about.format ~= PLAIN then
-    return nil, ("%s: written as '%s', this is '%s'"):format(path, tostring(about.format), FORMAT),
+    return nil, ("%s: the format '%s' expected, got '%s'"):format(path, FORMAT, tostring(about.format)),
       {status = "format", file = path}
   end
   if self.plain ~= (about.format == PLAIN) then return intact.damaged(path, "its format is lost") end
@@ -252,7 +252,8 @@ end
 function store.open(study, path, opts)
   opts = opts or {}
   if #study.problem.variables > MAX_COLUMNS or #study.problem.measures > MAX_COLUMNS then
-    core.raise(("study '%s': more than %d variables or measures"):format(study.name, MAX_COLUMNS))
+    core.raise(("study '%s': at most %d variables and as many measures expected, got %d and %d"):format(study.name,
+      MAX_COLUMNS, #study.problem.variables, #study.problem.measures))
   end
   local about = definition.of(study)
   local self = setmetatable({path = path, problem = study.problem, about = about}, store)

@@ -46,7 +46,8 @@ function methods:random(a, b)
   if a == nil then return source(self):uniform() end
   local min, max = b and a or 1, b or a
   if math.type(min) ~= "integer" or math.type(max) ~= "integer" or min > max then
-    raise "trial:random: whole numbers, the lesser first, expected"
+    raise(("trial:random: whole numbers, the lesser first, expected, got %s and %s"):format(core.got(min),
+      core.got(max)))
   end
   return source(self):integer(min, max)
 end
@@ -124,7 +125,9 @@ end
 -- gradients[measure][variable] in units of both, complete for the measures that are there.
 local function checked_gradients(problem, gradients)
   if gradients == nil then return nil end
-  if type(gradients) ~= "table" then return nil, "run's second result: a table of gradients expected" end
+  if type(gradients) ~= "table" then
+    return nil, "run's second result: a table of gradients expected, got " .. core.got(gradients)
+  end
   local out = {}
   for name, gradient in pairs(gradients) do
     if not problem.measure[name] then

@@ -29,12 +29,15 @@ function variables.choice_text(value)
 end
 
 local function check_choices(where, v)
-  if not v.of or #v.of == 0 then raise(where .. ": of = {...} with the choices is missing") end
+  if not v.of or #v.of == 0 then
+    raise(("%s: of = {...}, a list of choices, expected, got %s"):format(where, v.of and "no choice" or "nil"))
+  end
   v.min, v.max, v.index = nil, nil, {}
   for i, value in ipairs(v.of) do
     local kind = type(value)
     if kind ~= "string" and kind ~= "boolean" and not (kind == "number" and finite(value)) then
-      raise(("%s: choice %d is a %s: strings, numbers, true and false expected"):format(where, i, kind))
+      raise(("%s: choice %d: a string, a finite number, true or false expected, got %s"):format(where, i,
+        core.got(value)))
     end
     local text = variables.choice_text(value)
     if v.index[text] then raise(("%s: the choice %s occurs twice"):format(where, text)) end
@@ -44,7 +47,9 @@ end
 
 local function check_bounds(where, v)
   if v.of then raise(where .. ": 'of' is for choices; a number has min and max") end
-  if not v.min or not v.max then raise(where .. ": min and max are missing") end
+  if not v.min or not v.max then
+    raise(("%s: min and max expected, got min = %s and max = %s"):format(where, core.got(v.min), core.got(v.max)))
+  end
   if v.kind == "integer" then
     local min, max = math.tointeger(v.min), math.tointeger(v.max)
     if not min or not max then
@@ -56,7 +61,7 @@ local function check_bounds(where, v)
   else
     v.min, v.max = v.min + 0.0, v.max + 0.0
     if v.scale == "log" and v.min <= 0 then
-      raise(("%s: scale 'log' needs min above 0, got %.14g"):format(where, v.min))
+      raise(("%s: min above 0 expected with scale 'log', got %.14g"):format(where, v.min))
     end
   end
   if v.min >= v.max then
@@ -75,14 +80,18 @@ end
 --- The list as given, checked and completed.
 function variables.read(where, list)
   if type(list) ~= "table" or #list == 0 then
-    raise(where .. ": variables = {{name = ..., min = ..., max = ...}, ...} expected")
+    raise(("%s: variables = {{name = ..., min = ..., max = ...}, ...} expected, got %s"):format(where,
+      type(list) == "table" and "none" or core.got(list)))
   end
   local out, seen = {}, {}
   for i, given in ipairs(list) do
     local place = ("%s: variable %d"):format(where, i)
     local v = options.read(place, given, rules)
     place = ("%s: variable '%s'"):format(where, v.name)
-    if v.name == "" or v.name:find "[%c]" then raise(place .. ": a name without control characters expected") end
+    if v.name == "" or v.name:find "[%c]" then
+      raise(("%s: variable %d: a name without control characters expected, got %s"):format(where, i,
+        core.got(v.name)))
+    end
     if seen[v.name] then raise(place .. " occurs twice") end
     seen[v.name] = true
     v.kind = kind_of(v)
