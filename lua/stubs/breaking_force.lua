@@ -18,7 +18,8 @@ local bw = {}
 ---judged by its mean over a surface patch, which has a limit under refinement also at re-entrant edges.
 ---
 ---Errors: unsupported (the strength of the material is not known; `length = "critical"` without a toughness, or in a part that is
----too thin), empty (`fix` or `forbidden` select nothing), those of `bw.mesh.fill` and of `bw.worst_case`.
+---too thin), empty (`fix` or `forbidden` returns no selection), those of `bw.mesh.fill` and of `bw.worst_case`. A selection method
+---that finds nothing raises an error. What `fix` or `forbidden` returns after nil is returned.
 ---
 ---Source: docs/theory/breaking_force.md.
 ---```lua

@@ -5,6 +5,7 @@ local core = require "barwright.core"
 local model = require "barwright.command.model"
 local places = require "barwright.command.places"
 local script = require "barwright.command.script"
+local shown = require "barwright.shown"
 
 local UNFINISHED = 3
 local checked = script.checked
@@ -129,7 +130,8 @@ local function main()
       print(("  %s: %s"):format(step.name, step.text))
     end
     if log.repaired then
-      print(("  the surface was repaired; it moved by at most %.3g mm"):format(log.surface_moved * 1e3))
+      print(("  the surface was repaired; it moved by at most %s"):format(
+        core.quantity(log.surface_moved, "m")))
     end
     return mesh
   end
@@ -182,7 +184,7 @@ local function main()
       local selection = prepared(places.select(mesh, place))
       checked(use, selection)
       area = area + selection.area
-      print(("  %s at %s (%.4g mm2)"):format(what, place, selection.area * 1e6))
+      print(("  %s at %s (%s)"):format(what, place, core.quantity(selection.area, "m2")))
     end
     return area
   end
@@ -197,9 +199,9 @@ local function main()
   local force = opts.force
   local allowed = MAX_PRESSURE_FRACTION * opts.pressure * result.area_m2
   if force > allowed then
-    print(("  %.4g N would press the whole surface (%.4g mm2) too much of the way to %.4g MPa: the total"
-      .. " force is lowered to %.4g N, %g %% of pressure times area"):format(force,
-      result.area_m2 * 1e6, opts.pressure / 1e6, allowed, 100 * MAX_PRESSURE_FRACTION))
+    print(("  %s on a surface of %s is more than %s of the pressure %s times the area: the force is lowered to %s")
+      :format(core.quantity(force, "N"), core.quantity(result.area_m2, "m2"), shown.percent(MAX_PRESSURE_FRACTION),
+      core.quantity(opts.pressure, "Pa"), core.quantity(allowed, "N")))
     force = allowed
   end
   result.force_n, result.force_asked_n, result.force_lowered = force, opts.force, force < opts.force
@@ -266,18 +268,18 @@ local function main()
 
   local used = worst.utilisation
   print(("\n%s"):format(worst))
-  print(("Pushed by %.4g N in the worst way that pressures up to %.4g MPa allow, %s is stressed most at"
-    .. " (%.4g, %.4g, %.4g) mm: %.4g MPa."):format(force, opts.pressure / 1e6,
-    model_path:match "[^/]+$", worst.at[1] * 1e3, worst.at[2] * 1e3, worst.at[3] * 1e3,
-    worst.max_principal / 1e6))
+  print(("The worst load of %s with pressures up to %s causes the largest stress of %s at %s: %s."):format(
+    core.quantity(force, "N"), core.quantity(opts.pressure, "Pa"), model_path:match "[^/]+$",
+    core.point(worst.at), core.quantity(worst.max_principal, "Pa")))
   if used then
-    print(("On this mesh that is %.3g %% of the strength of %s; %s. `barwright worst` gives an interval and a "
-      .. "verdict."):format(100 * used, opts.material, core.error_unknown))
+    print(("On this mesh that is %s of the strength of %s; %s. `barwright worst` gives an interval and a "
+      .. "verdict."):format(shown.percent(used), opts.material, core.error_unknown))
   else
     print(("The strength of %s is not known."):format(opts.material))
   end
-  print(("%d elements, %d modes, %d regions; %.1f s, of which filling %.1f s."):format(
-    result.elements, worst.modes.count, #worst.regions, result.seconds_total, result.seconds_fill))
+  print(("%d elements, %d modes, %d regions; %s, of which filling %s."):format(
+    result.elements, worst.modes.count, #worst.regions,
+    core.quantity(result.seconds_total, "s"), core.quantity(result.seconds_fill, "s")))
 end
 
 script.run(main, UNFINISHED)
