@@ -169,7 +169,7 @@ done:
 }
 
 /* With a total force that may be smaller: what a set is worth to the search. */
-static bw_status appraise(bench *b, set *s) {
+static bw_status evaluate_set(bench *b, set *s) {
   bw_worst_load_options options = b->hands->options;
   options.force_is_max = true;
   return solve(b, &options, b->objective, s);
@@ -262,7 +262,7 @@ static int candidates(bench *b, const set *s, int32_t *list) {
 static bw_status improve(bench *b, set *s) {
   bw_status status = BW_OK;
   int32_t list[CANDIDATES + BW_MAX_HANDS];
-  BW_TRY(appraise(b, s));
+  BW_TRY(evaluate_set(b, s));
   for (int step = 0; step < STEPS; step++) {
     set best = *s;
     int count = candidates(b, s, list);
@@ -277,7 +277,7 @@ static bw_status improve(bench *b, set *s) {
         set tried = *s;
         tried.centre[k] = list[i];
         tried.size = s->size > k ? s->size : k + 1;
-        BW_TRY(appraise(b, &tried));
+        BW_TRY(evaluate_set(b, &tried));
         if (tried.value > best.value)
           best = tried;
       }
@@ -285,7 +285,7 @@ static bw_status improve(bench *b, set *s) {
     if (!(best.value > s->value + gain * fabs(s->value)))
       break;
     *s = best;
-    BW_TRY(appraise(b, s)); /* its multipliers */
+    BW_TRY(evaluate_set(b, s)); /* its multipliers */
   }
 done:
   return status;

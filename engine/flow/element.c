@@ -51,8 +51,8 @@ bool bwi_flow_element_make(const bwi_linear *linear, int32_t element, bwi_flow_e
     metric[1] += 2 * g[1] * g[1];
     metric[2] += 2 * g[0] * g[1];
     for (int d = 0; d < 2; d++) {
-      made->carry[i][d] = linear->convect[2 * (int64_t)node[i] + d];
-      made->mean[d] += made->carry[i][d] / 3;
+      made->convection[i][d] = linear->convect[2 * (int64_t)node[i] + d];
+      made->mean[d] += made->convection[i][d] / 3;
     }
   }
   made->tau = intrinsic_time(metric, made->mean, about->viscosity / about->density);
@@ -81,7 +81,7 @@ static products make_products(const bwi_flow_element *e) {
   products p;
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
-      double sum[2] = {3 * e->mean[0] + e->carry[j][0], 3 * e->mean[1] + e->carry[j][1]};
+      double sum[2] = {3 * e->mean[0] + e->convection[j][0], 3 * e->mean[1] + e->convection[j][1]};
       p.mass[i][j] = e->area / 12 * (i == j ? 2 : 1);
       p.along[i][j] = e->area / 12 * dot2(sum, e->gradient[i]);
     }
@@ -101,7 +101,7 @@ fill_matrix(const bwi_linear *linear, const bwi_flow_element *e, int c, double *
     for (int s = 0; s < 2; s++) {
       square[r][s] = 9 * e->mean[r] * e->mean[s];
       for (int k = 0; k < 3; k++)
-        square[r][s] += e->carry[k][r] * e->carry[k][s];
+        square[r][s] += e->convection[k][r] * e->convection[k][s];
       square[r][s] *= area / 12;
     }
   memset(matrix, 0, (size_t)(n * n) * sizeof *matrix);

@@ -24,7 +24,7 @@ typedef struct bwi_linear {
 
 typedef struct bwi_flow_element {
   double area, gradient[3][2];
-  double carry[3][2], mean[2];      /* the convecting velocity at the corners, and its mean */
+  double convection[3][2], mean[2]; /* the convecting velocity at the corners, and its mean */
   double tau, tau_heat, divergence; /* stabilisation: momentum and mass, heat, incompressibility */
   double velocity_slope[2][2], heat_slope[2]; /* with Newton: of the state linearised about */
 } bwi_flow_element;

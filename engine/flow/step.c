@@ -211,7 +211,7 @@ typedef struct scheme {
 
 /* What carries is the velocity less that of the nodes, by the same scheme: then a field that is
  * steady and linear in space stays what it is however the nodes move through it. */
-static void carried_by(const bw_flow *flow, const double *state, const scheme *moving) {
+static void set_convection(const bw_flow *flow, const double *state, const scheme *moving) {
   const struct bwi_flow *in = flow->inner;
   int c = flow->components;
   const double *now = flow->mesh->point, *old = in->now->old_point ? in->now->old_point : now,
@@ -255,7 +255,7 @@ static bw_status march(bw_context *context, bw_flow *flow, const bw_flow_options
   if (!last)
     return BW_MEMORY;
   for (int k = 0; k < rounds; k++) {
-    carried_by(flow, x, options->ale ? &s : NULL);
+    set_convection(flow, x, options->ale ? &s : NULL);
     memcpy(last, x, unknowns * sizeof *x);
     BW_TRY(solve(context, flow, &linear, flow->time + dt, options, reuse));
     if (k > 0 && change(flow, last, x) <= options->tolerance)
@@ -300,7 +300,7 @@ static bw_status search(bw_context *context, bw_flow *flow, const bw_flow_option
   *reached = INFINITY;
   for (int k = 0; k < rounds; k++) {
     BW_TRY(bw_check_cancel(context));
-    carried_by(flow, x, NULL);
+    set_convection(flow, x, NULL);
     memcpy(last, x, unknowns * sizeof *x);
     for (size_t i = 0; i < unknowns; i++)
       in->workspace.history[i] = rate * x[i];
@@ -367,7 +367,7 @@ static bw_status settle(bw_context *context, bw_flow *flow, const bw_flow_option
   BW_TRY(search(context, flow, options, 0, rounds, &reached, last, reuse));
   if (!(reached <= options->tolerance)) {
     memcpy(x, flow->state, unknowns * sizeof *x);
-    carried_by(flow, x, NULL);
+    set_convection(flow, x, NULL);
     bwi_linear linear = {.mesh = flow->mesh,
                          .about = &in->about,
                          .components = flow->components,

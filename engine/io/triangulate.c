@@ -17,7 +17,7 @@ typedef struct corner2 {
   bool reflex;
 } corner2;
 
-static double turn(const corner2 *a, const corner2 *b, const corner2 *c) {
+static double doubled_area(const corner2 *a, const corner2 *b, const corner2 *c) {
   return (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
 }
 
@@ -65,7 +65,7 @@ static bool flatten(const double *point, const int32_t *corner, size_t count, co
 static void check(corner2 *ring, int32_t i) {
   corner2 *b = ring + i;
   const corner2 *a = ring + b->before, *c = ring + b->after;
-  double area = turn(a, b, c);
+  double area = doubled_area(a, b, c);
   b->reflex = !(area > 0);
   b->shape = -1;
   if (b->reflex)
@@ -74,7 +74,7 @@ static void check(corner2 *ring, int32_t i) {
     const corner2 *p = ring + j;
     if (!p->reflex || same(p, a) || same(p, b) || same(p, c))
       continue;
-    if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0)
+    if (doubled_area(a, b, p) >= 0 && doubled_area(b, c, p) >= 0 && doubled_area(c, a, p) >= 0)
       return;
   }
   double longest = fmax(square(a, b), fmax(square(b, c), square(c, a)));
@@ -90,7 +90,7 @@ static void emit(int32_t **triangle, int32_t a, int32_t b, int32_t c) {
 static bw_status clip(bw_context *context, corner2 *ring, const int32_t *corner, size_t count,
                       int32_t *triangle) {
   for (size_t i = 0; i < count; i++) /* the ear test asks who is reflex */
-    ring[i].reflex = !(turn(ring + ring[i].before, ring + i, ring + ring[i].after) > 0);
+    ring[i].reflex = !(doubled_area(ring + ring[i].before, ring + i, ring + ring[i].after) > 0);
   for (size_t i = 0; i < count; i++)
     check(ring, (int32_t)i);
   int32_t at = 0;

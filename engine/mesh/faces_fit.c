@@ -57,7 +57,7 @@ static void add_row(int n, const double *row, double right, double a[MAX_TERMS][
   }
 }
 
-static void middle_of(const bwi_cloud *cloud, double middle[3], double *size) {
+static void centroid_of(const bwi_cloud *cloud, double middle[3], double *size) {
   memset(middle, 0, 3 * sizeof *middle);
   for (int64_t i = 0; i < 3 * cloud->points; i++)
     middle[i % 3] += cloud->point[i] / (double)cloud->points;
@@ -93,7 +93,7 @@ double bw_face_distance(const bw_face *face, const double x[3], double gradient[
 
 static bool fit_plane(const bwi_cloud *cloud, bw_face *face) {
   double mean[3] = {0}, spread[6] = {0}, value[3], vector[9], size, out[3] = {0};
-  middle_of(cloud, mean, &size);
+  centroid_of(cloud, mean, &size);
   for (int64_t i = 0; i < cloud->points; i++) {
     double d[3];
     for (int k = 0; k < 3; k++)
@@ -117,7 +117,7 @@ static bool fit_plane(const bwi_cloud *cloud, bw_face *face) {
 
 static bool fit_sphere(const bwi_cloud *cloud, bw_face *face) {
   double a[MAX_TERMS][MAX_TERMS] = {{0}}, b[MAX_TERMS] = {0}, mean[3], size;
-  middle_of(cloud, mean, &size);
+  centroid_of(cloud, mean, &size);
   for (int64_t i = 0; i < cloud->points; i++) { /* |y|^2 = 2 c . y + k, y in units of the size */
     double row[4];
     for (int k = 0; k < 3; k++)
@@ -162,7 +162,7 @@ static void axis_of(const bwi_cloud *cloud, bool centred, double axis[3]) {
 static bool start_round(const bwi_cloud *cloud, bw_face *face, double slope) {
   double a[MAX_TERMS][MAX_TERMS] = {{0}}, b[MAX_TERMS] = {0}, mean[3], size, u[3], v[3];
   int n = slope == 0 ? 3 : 4;
-  middle_of(cloud, mean, &size);
+  centroid_of(cloud, mean, &size);
   bw_across(face->axis, u, v);
   for (int64_t i = 0; i < cloud->points; i++) {
     double y[3];

@@ -65,7 +65,7 @@ static slot *find_slot(const refining *r, int32_t low, int32_t high) {
   return &r->slots[at];
 }
 
-static int32_t middle_of(const refining *r, int32_t a, int32_t b) {
+static int32_t mid_edge_node_of(const refining *r, int32_t a, int32_t b) {
   return find_slot(r, a < b ? a : b, a < b ? b : a)->middle;
 }
 
@@ -146,7 +146,7 @@ static int longest_edge(const refining *r, const cell *c) {
 
 static bool is_hanging(const refining *r, const cell *c) {
   for (int e = 0; e < 6; e++)
-    if (middle_of(r, c->node[bw_tet_edge[e][0]], c->node[bw_tet_edge[e][1]]) >= 0)
+    if (mid_edge_node_of(r, c->node[bw_tet_edge[e][0]], c->node[bw_tet_edge[e][1]]) >= 0)
       return true;
   return false;
 }

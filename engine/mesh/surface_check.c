@@ -49,14 +49,14 @@ static const double *corner_at(const bwi_topology *topology, int64_t side) {
   return topology->point + 3 * (int64_t)topology->corner[side];
 }
 
-static void facet_middle(const bwi_topology *topology, int64_t t, double at[3]) {
+static void facet_centroid(const bwi_topology *topology, int64_t t, double at[3]) {
   for (int k = 0; k < 3; k++)
     at[k] = (corner_at(topology, 3 * t)[k] + corner_at(topology, 3 * t + 1)[k] +
              corner_at(topology, 3 * t + 2)[k]) /
             3;
 }
 
-static void side_middle(const bwi_topology *topology, int64_t side, double at[3]) {
+static void side_midpoint(const bwi_topology *topology, int64_t side, double at[3]) {
   const double *a = topology->point + 3 * (int64_t)bwi_side_from(topology, side),
                *b = topology->point + 3 * (int64_t)bwi_side_to(topology, side);
   for (int k = 0; k < 3; k++)
@@ -92,7 +92,7 @@ static bw_status check_edges(checker *check) {
         open[bwi_side_from(topology, s)] = open[bwi_side_to(topology, s)] = 1;
         bwi_set_join(parent, bwi_side_from(topology, s), bwi_side_to(topology, s));
       }
-      side_middle(topology, s, at);
+      side_midpoint(topology, s, at);
       BW_TRY(add(check, kind, (int32_t)(s / 3), t < 0 ? -1 : (int32_t)(t / 3), at));
     }
   }
@@ -193,12 +193,12 @@ static bw_status check_facets(checker *check, const uint8_t *flat) {
   BW_TRY(bwi_same_facets(check->context, topology, same));
   for (int32_t t = 0; t < topology->facets; t++)
     if (same[t] != t) {
-      facet_middle(topology, t, at);
+      facet_centroid(topology, t, at);
       BW_TRY(add(check, BW_DEFECT_DUPLICATE_FACET, t, same[t], at));
     }
   for (int32_t t = 0; t < topology->facets; t++)
     if (flat[t]) {
-      facet_middle(topology, t, at);
+      facet_centroid(topology, t, at);
       BW_TRY(add(check, BW_DEFECT_ZERO_AREA, t, -1, at));
     }
 done:
@@ -246,7 +246,7 @@ static bw_status check_shells(checker *check, const uint8_t *flat) {
   for (int32_t s = 0; s < shells; s++)
     if (closed[s] && agrees[s] && volume[s] != 0 && (volume[s] < 0) != (depth[s] % 2 == 1)) {
       double at[3];
-      facet_middle(topology, first[s], at);
+      facet_centroid(topology, first[s], at);
       BW_TRY(add(check, BW_DEFECT_FLIPPED_SHELL, first[s], -1, at));
     }
 done:

@@ -56,7 +56,7 @@ static bool is_final(bw_status status) {
   return status == BW_MEMORY || status == BW_CANCELLED || status == BW_INTERNAL;
 }
 
-static bw_status look(repairer *r) {
+static bw_status inspect(repairer *r) {
   bw_status status = check_time(r);
   if (status != BW_OK)
     return status;
@@ -181,7 +181,7 @@ static bw_status fill(repairer *r) {
     next = NULL;
     BW_TRY(take(r, taken, "fill holes", filled, "holes filled"));
     BW_TRY(orient(r));
-    BW_TRY(look(r));
+    BW_TRY(inspect(r));
   }
 done:
   bw_release(next);
@@ -331,13 +331,13 @@ static bw_status repair(repairer *r) {
   for (int round = 0; round < 2; round++) {
     for (size_t i = 0; i < sizeof steps / sizeof *steps; i++)
       BW_TRY(step(r, steps[i].function, steps[i].name, steps[i].text));
-    BW_TRY(look(r));
+    BW_TRY(inspect(r));
     if (r->report.count[BW_DEFECT_OPEN_EDGE] == 0 || round > 0)
       break;
     BW_TRY(stitch(r));
   }
   BW_TRY(orient(r));
-  BW_TRY(look(r));
+  BW_TRY(inspect(r));
   if (r->report.count[BW_DEFECT_OPEN_EDGE] > 0 && r->options.fill_holes)
     BW_TRY(fill(r));
   if (!r->report.sound && r->report.count[BW_DEFECT_NONMANIFOLD_POINT] > 0)
@@ -350,7 +350,7 @@ static bw_status repair(repairer *r) {
     if (r->report.count[BW_DEFECT_SELF_INTERSECTION] == cuts)
       break;
     BW_TRY(orient(r));
-    BW_TRY(look(r));
+    BW_TRY(inspect(r));
   }
 done:
   bw_release(next);
@@ -380,7 +380,7 @@ static bw_status wrap(repairer *r, const bw_surface *original) {
   snprintf(why, sizeof why,
            "facets wrapped around it, since it could not be repaired in place (%s)", text);
   BW_TRY(take(r, taken, "wrap", taken->triangle_count, why));
-  BW_TRY(look(r));
+  BW_TRY(inspect(r));
 done:
   bw_release(wrapped);
   return status;
@@ -418,7 +418,7 @@ bw_status bw_surface_repair(bw_context *context, const bw_surface *surface,
                      r.diagonal);
     goto done;
   }
-  BW_TRY(look(&r));
+  BW_TRY(inspect(&r));
   if (!r.report.sound) {
     BW_TRY(repair(&r));
     if (!r.report.sound && r.options.wrap)

@@ -79,7 +79,7 @@ static bw_status count_crossings(crossing *c, const bwi_tree *tree, const double
   return c->status;
 }
 
-static void facet_middle(const double *point, const int32_t *corner, double middle[3]) {
+static void facet_centroid(const double *point, const int32_t *corner, double middle[3]) {
   for (int i = 0; i < 3; i++)
     middle[i] = (point[3 * (int64_t)corner[0] + i] + point[3 * (int64_t)corner[1] + i] +
                  point[3 * (int64_t)corner[2] + i]) /
@@ -142,7 +142,7 @@ bw_status bwi_shell_depths(bw_context *context, const bwi_topology *topology, co
     for (int k = 0; k < SAMPLES; k++) {
       double middle[3];
       int64_t facet = sample[SAMPLES * (int64_t)s + k];
-      facet_middle(topology->point, topology->corner + 3 * facet, middle);
+      facet_centroid(topology->point, topology->corner + 3 * facet, middle);
       BW_TRY(count_crossings(&c, tree, middle, size));
       if (c.unclear)
         continue; /* the sample touches another shell whatever the direction: it says nothing */
@@ -214,7 +214,7 @@ bw_status bwi_moved_outside(bw_context *context, const bw_surface *before, const
       BW_TRY(bw_check_cancel(context));
     for (int s = 0; s < 4; s++) { /* the middle, and points near the corners */
       double x[3], place[3];
-      facet_middle(before->point, corner, x);
+      facet_centroid(before->point, corner, x);
       for (int k = 0; k < 3 && s > 0; k++)
         x[k] += 0.99 * (before->point[3 * (int64_t)corner[s - 1] + k] - x[k]);
       double far = bwi_tree_nearest(tree, x, hint, worst * worst, place, &hint);

@@ -71,8 +71,8 @@ static void add_row(group *g, const double x[3], const double direction[3]) {
       g->gram[i][j] += row[i] * row[j];
 }
 
-static bw_status say_free(bw_context *context, const bw_grid *grid, const group *g, int groups,
-                          const double motion[6]) {
+static bw_status fail_unconstrained(bw_context *context, const bw_grid *grid, const group *g,
+                                    int groups, const double motion[6]) {
   double turn = bw_norm(motion + 3), move = bw_norm(motion);
   int32_t node = grid->element[8 * (int64_t)g->first];
   double at[3];
@@ -173,7 +173,7 @@ bw_status bwi_load_case_check_constraints(bw_context *context, const bw_load_cas
       continue;
     for (int i = 0; i < 6; i++)
       motion[i] = vector[i][min];
-    status = say_free(context, grid, &g[k], count, motion);
+    status = fail_unconstrained(context, grid, &g[k], count, motion);
     goto done;
   }
 done:

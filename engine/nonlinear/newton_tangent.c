@@ -170,14 +170,14 @@ done:
   return status;
 }
 
-/* After a whole step, shifts begin well below the last that was enough, so that they end where none
- * is needed; after a short one above it, as where to go is seen no further than that. */
+/* After a whole step, shifts begin well below the last one that sufficed, so that they end where
+ * none is needed. After a short step they begin above it: the tangent was valid no further. */
 #define FIRST_SHIFT 1e-3
 #define MIN_SHIFT 1e-7
-/* Projected tangents with followers, or of a solid that contact planes alone hold, may need one
- * too. */
-#define MIN_LIFT 1e-9
-#define LIFT_GROWTH 30
+/* Projected tangents with follower loads, or of a solid whose only supports are contact planes, may
+ * need one too. */
+#define MIN_PROJECTED_SHIFT 1e-9
+#define PROJECTED_SHIFT_GROWTH 30
 
 bw_status bwi_tangent_set(bwi_newton_state *state, bwi_tangent kind, bool *definite) {
   bw_status status = BW_OK;
@@ -219,12 +219,14 @@ bw_status bwi_tangent_set(bwi_newton_state *state, bwi_tangent kind, bool *defin
     BW_TRY(factor_shifted(state, shift, GROWTH, definite));
     goto done;
   }
-  double projected_shift = kind == BWI_PROJECTED ? state->projected_shift / LIFT_GROWTH : 0;
-  if (projected_shift < MIN_LIFT)
+  double projected_shift =
+      kind == BWI_PROJECTED ? state->projected_shift / PROJECTED_SHIFT_GROWTH : 0;
+  if (projected_shift < MIN_PROJECTED_SHIFT)
     BW_TRY(factor(state, definite));
   state->projected_shift = 0;
   if (kind == BWI_PROJECTED && !*definite) {
-    BW_TRY(factor_shifted(state, fmax(projected_shift, MIN_LIFT), LIFT_GROWTH, definite));
+    BW_TRY(factor_shifted(state, fmax(projected_shift, MIN_PROJECTED_SHIFT), PROJECTED_SHIFT_GROWTH,
+                          definite));
     state->projected_shift = state->shift;
   }
   if (kind == BWI_PROJECTED)

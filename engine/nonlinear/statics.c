@@ -131,7 +131,7 @@ done:
   return status;
 }
 
-static bw_status say_undefined(bwi_newton_state *state) {
+static bw_status fail_undefined(bwi_newton_state *state) {
   int32_t e = state->now.shape.worst;
   double at[3];
   const bw_grid *grid = state->solid->grid;
@@ -161,7 +161,7 @@ static bw_status newton_begin(bwi_newton_state *state) {
     memcpy(state->now.u, start, (size_t)n * sizeof *start);
     BW_TRY(bwi_newton_state_balance(state, &state->now));
     if (!state->now.shape.defined)
-      return say_undefined(state);
+      return fail_undefined(state);
     for (int64_t i = 0; i < n; i++)
       state->initial_residual[i] =
           state->load_case->constrained[i] ? 0 : state->now.internal[i] - state->now.load[i];
@@ -187,7 +187,7 @@ typedef struct failure {
   bw_solid_shape shape;
 } failure;
 
-static bw_status say_failure(bwi_newton_state *state, double reached, const failure *f) {
+static bw_status fail_equilibrium(bwi_newton_state *state, double reached, const failure *f) {
   bw_context *context = state->context;
   const bw_grid *grid = state->solid->grid;
   double at[3];
@@ -378,7 +378,7 @@ bw_status bw_solid_statics(bw_context *context, const bw_solid *solid,
   BW_TRY(finish(&state, reached, result));
   result->report.seconds = bw_seconds() - before;
   if (reached < 1)
-    status = say_failure(&state, reached, &failed);
+    status = fail_equilibrium(&state, reached, &failed);
   *out = result;
   result = NULL;
 done:

@@ -115,8 +115,8 @@ done:
   return status;
 }
 
-static bw_status say_failed(bw_context *context, const bw_solid_transient *motion,
-                            const bwi_newton_state *state) {
+static bw_status fail_step(bw_context *context, const bw_solid_transient *motion,
+                           const bwi_newton_state *state) {
   const bw_transient_options *o = &motion->options;
   const bw_solid_shape *shape = &state->now.shape;
   double at[3];
@@ -221,7 +221,7 @@ bw_status bw_solid_transient_step(bw_context *context, bw_solid_transient *motio
   BW_TRY(bwi_newton_equilibrium(&state, 1, &found));
   bool went = report.history_count > 0 && report.history[report.history_count - 1].step > 0;
   if (!found && !(o->iterations == 1 && state.obstacle == BWI_ITERATIONS && went)) {
-    status = say_failed(context, motion, &state);
+    status = fail_step(context, motion, &state);
     goto done;
   }
   if (state.follows) { /* by the trapezoidal rule */

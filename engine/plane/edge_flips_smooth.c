@@ -59,8 +59,8 @@ static void put(bwi_edge_flips *flipping, int32_t node, int count, const int32_t
 
 /* Mean of the centroids of the elements around, which is two thirds of the way to the mean of the
  * ring: it keeps a grading that is there, as weights by area would not. */
-static void middle_of(const bwi_edge_flips *flipping, int count, const int32_t *element,
-                      const int *corner, double target[2]) {
+static void centroid_of(const bwi_edge_flips *flipping, int count, const int32_t *element,
+                        const int *corner, double target[2]) {
   size_t width = flipping->order == 2 ? 6 : 3;
   target[0] = target[1] = 0;
   for (int i = 0; i < count; i++) {
@@ -83,7 +83,7 @@ static bool smooth_node(bwi_edge_flips *flipping, int32_t node, double below, do
   if (before >= below)
     return false;
   memcpy(old, flipping->point + 2 * (size_t)node, sizeof old);
-  middle_of(flipping, count, element, corner, target);
+  centroid_of(flipping, count, element, corner, target);
   for (int tries = 0; tries < 4; tries++, part /= 2) {
     double at[2] = {old[0] + part * (target[0] - old[0]), old[1] + part * (target[1] - old[1])};
     put(flipping, node, count, element, corner, at);

@@ -259,7 +259,7 @@ done:
   return status;
 }
 
-static bool gave_up(bw_status status) {
+static bool is_not_converged(bw_status status) {
   return status == BW_CONVERGENCE || status == BW_SINGULAR;
 }
 
@@ -283,7 +283,7 @@ static bw_status in_steps(newton *n) {
     memcpy(n->u, good, n->size * sizeof(double));
     n->report->load_steps++;
     status = equilibrium(n, load, false);
-    if (status != BW_OK && !gave_up(status))
+    if (status != BW_OK && !is_not_converged(status))
       goto done;
     if (status == BW_OK) {
       memcpy(good, n->u, n->size * sizeof(double));
@@ -360,7 +360,7 @@ bw_status bw_sheet_large_deflection(bw_context *context, bw_sheet *sheet,
   memcpy(n.u, sheet->displacement, n.size * sizeof(double));
   n.report->load_steps = 1;
   status = equilibrium(&n, 1, n.next->before && n.next->solved && n.next->large);
-  if (gave_up(status)) {
+  if (is_not_converged(status)) {
     n.report->load_steps = 0;
     status = in_steps(&n);
   }

@@ -2,12 +2,14 @@
 /* A sheet goes over to another mesh. */
 #include "responsive/sheet.h"
 
-static bw_status carry(bw_context *context, const bw_sheet *sheet, const bw_plane_mesh *mesh,
-                       const double *value, double **carried) {
+static bw_status transfer_field(bw_context *context, const bw_sheet *sheet,
+                                const bw_plane_mesh *mesh, const double *value,
+                                double **transferred) {
   if (!value)
     return BW_OK;
-  *carried = BW_NEW(context, double, 2 * (size_t)mesh->topology->nodes->node_count);
-  return *carried ? bw_plane_transfer(context, sheet->mesh, mesh, 2, value, *carried) : BW_MEMORY;
+  *transferred = BW_NEW(context, double, 2 * (size_t)mesh->topology->nodes->node_count);
+  return *transferred ? bw_plane_transfer(context, sheet->mesh, mesh, 2, value, *transferred)
+                      : BW_MEMORY;
 }
 
 /* Conditions by the names of tags on the outline of a new mesh, which must have a section for each
@@ -56,9 +58,9 @@ bw_status bw_sheet_follow(bw_context *context, bw_sheet *sheet, const bw_plane_m
     if (level == BW_LEVEL_RECONSTRUCTION)
       BW_TRY(rename_conditions(context, sheet, mesh, next->condition));
     if (!stays) {
-      BW_TRY(carry(context, sheet, mesh, sheet->displacement, &next->displacement));
-      BW_TRY(carry(context, sheet, mesh, sheet->velocity, &next->velocity));
-      BW_TRY(carry(context, sheet, mesh, sheet->acceleration, &next->acceleration));
+      BW_TRY(transfer_field(context, sheet, mesh, sheet->displacement, &next->displacement));
+      BW_TRY(transfer_field(context, sheet, mesh, sheet->velocity, &next->velocity));
+      BW_TRY(transfer_field(context, sheet, mesh, sheet->acceleration, &next->acceleration));
     }
     next->statics = false;
     BW_TRY(bwi_sheet_commit(context, sheet, next));

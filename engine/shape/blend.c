@@ -40,13 +40,13 @@ typedef struct blend {
   const bwi_guide *guide;
   int32_t *element_start, *element; /* elements of each subdomain */
   int32_t *local;                   /* node -> number in the subdomain at hand, or -1 */
-  int32_t *held_bone;               /* node -> the bone of its type R subdomain, or -1 */
+  int32_t *constrained_bone;        /* node -> the bone of its type R subdomain, or -1 */
   influence *list;                  /* of all free nodes, in any order of nodes */
   size_t count, capacity;
   int32_t *bone; /* the lists of bones of the subdomains, one after the other */
   size_t bone_count, bone_capacity;
   /* the subdomain at hand */
-  int32_t *node; /* free ones, then held ones */
+  int32_t *node; /* free ones, then constrained ones */
   int32_t free_count, node_count;
   edge *edges;
   size_t edge_count;
@@ -61,16 +61,16 @@ static bw_status collect_nodes(blend *b, int32_t subdomain) {
   b->node = BW_NEW(b->context, int32_t, 4 * ((int64_t)end - first));
   if (!b->node)
     return BW_MEMORY;
-  for (int held = 0; held < 2; held++) {
+  for (int constrained = 0; constrained < 2; constrained++) {
     for (int32_t at = first; at < end; at++)
       for (int k = 0; k < 4; k++) {
         int32_t i = bwi_nodes_of(d->mesh, b->element[at])[k];
-        if (b->local[i] >= 0 || (b->held_bone[i] >= 0) != held)
+        if (b->local[i] >= 0 || (b->constrained_bone[i] >= 0) != constrained)
           continue;
         b->local[i] = b->node_count;
         b->node[b->node_count++] = i;
       }
-    if (!held)
+    if (!constrained)
       b->free_count = b->node_count;
   }
   return BW_OK;
@@ -132,7 +132,7 @@ static bw_status collect_edges(blend *b, int32_t subdomain) {
   return BW_OK;
 }
 
-/* y = (Laplacian of free nodes) x, the held ones being zero. */
+/* y = (Laplacian of free nodes) x, the constrained ones being zero. */
 static void multiply(const blend *b, const double *x, double *y) {
   memset(y, 0, (size_t)b->free_count * sizeof *y);
   for (size_t k = 0; k < b->edge_count; k++) {
@@ -152,7 +152,7 @@ static bw_status solve(blend *b, int32_t subdomain, int32_t bone, double *x) {
   memset(b->r, 0, (size_t)n * sizeof *b->r);
   for (size_t k = 0; k < b->edge_count; k++) {
     const edge *e = b->edges + k;
-    if (e->j >= n && b->held_bone[b->node[e->j]] == bone)
+    if (e->j >= n && b->constrained_bone[b->node[e->j]] == bone)
       b->r[e->i] += e->weight;
   }
   double rho = 0, start = 0, min = INFINITY;
@@ -215,7 +215,7 @@ static int compare_numbers(const void *a, const void *b) {
 static bw_status touched_bones(blend *b, int32_t *count) {
   size_t first = b->bone_count;
   for (int32_t k = b->free_count; k < b->node_count; k++) {
-    int32_t bone = b->held_bone[b->node[k]];
+    int32_t bone = b->constrained_bone[b->node[k]];
     bool known = false;
     for (size_t i = first; i < b->bone_count && !known; i++)
       known = b->bone[i] == bone;
@@ -248,15 +248,16 @@ static bw_status follow_guide(blend *b, int32_t subdomain) {
   return BW_OK;
 }
 
-/* Free nodes that no chain of edges joins to a held one (in a subdomain of several parts) have no
- * equation of their own: they take the bone of the nearest constrained node. lost[i] says which. */
+/* Free nodes that no chain of edges joins to a constrained one (in a subdomain of several parts)
+ * have no equation of their own: they take the bone of the nearest constrained node. lost[i] says
+ * which. */
 static bw_status find_lost(blend *b, int32_t *lost, int32_t *lost_count) {
   int32_t n = b->node_count;
   int32_t *group = BW_NEW(b->context, int32_t, n);
-  uint8_t *held = BW_NEW0(b->context, uint8_t, n);
-  if (!group || !held) {
+  uint8_t *constrained = BW_NEW0(b->context, uint8_t, n);
+  if (!group || !constrained) {
     bw_free(group);
-    bw_free(held);
+    bw_free(constrained);
     return BW_MEMORY;
   }
   for (int32_t i = 0; i < n; i++)
@@ -264,16 +265,16 @@ static bw_status find_lost(blend *b, int32_t *lost, int32_t *lost_count) {
   for (size_t k = 0; k < b->edge_count; k++)
     bwi_set_join(group, b->edges[k].i, b->edges[k].j);
   for (int32_t i = b->free_count; i < n; i++)
-    held[bwi_set_root(group, i)] = 1;
+    constrained[bwi_set_root(group, i)] = 1;
   for (int32_t i = 0; i < b->free_count; i++)
-    if (!held[bwi_set_root(group, i)])
+    if (!constrained[bwi_set_root(group, i)])
       lost[(*lost_count)++] = i;
   bw_free(group);
-  bw_free(held);
+  bw_free(constrained);
   return BW_OK;
 }
 
-static int32_t nearest_held(const blend *b, int32_t i) {
+static int32_t nearest_constrained(const blend *b, int32_t i) {
   const double *x = b->subdomains->mesh->node, *at = x + 3 * (size_t)b->node[i];
   double min = INFINITY;
   int32_t bone = -1;
@@ -282,7 +283,7 @@ static int32_t nearest_held(const blend *b, int32_t i) {
     double d[3] = {to[0] - at[0], to[1] - at[1], to[2] - at[2]}, square = bw_dot(d, d);
     if (square < min) {
       min = square;
-      bone = b->held_bone[b->node[k]];
+      bone = b->constrained_bone[b->node[k]];
     }
   }
   return bone;
@@ -332,7 +333,7 @@ static bw_status blend_several(blend *b, int32_t subdomain, size_t first_bone, i
   for (int32_t i = 0; i < n; i++) {
     if (at < lost_count && lost[at] == i) {
       at++;
-      BW_TRY(add_influence(b, b->node[i], nearest_held(b, i), 1));
+      BW_TRY(add_influence(b, b->node[i], nearest_constrained(b, i), 1));
       continue;
     }
     weight[bones - 1] = 1;
@@ -397,16 +398,16 @@ static bw_status sort_elements(blend *b) {
   return BW_OK;
 }
 
-static bw_status find_held(blend *b) {
+static bw_status find_constrained(blend *b) {
   const bw_subdomains *d = b->subdomains;
   int32_t nodes = d->mesh->node_count;
   b->local = BW_NEW(b->context, int32_t, nodes);
-  b->held_bone = BW_NEW(b->context, int32_t, nodes);
-  if (!b->local || !b->held_bone)
+  b->constrained_bone = BW_NEW(b->context, int32_t, nodes);
+  if (!b->local || !b->constrained_bone)
     return BW_MEMORY;
   for (int32_t i = 0; i < nodes; i++) {
     b->local[i] = -1;
-    b->held_bone[i] = d->bone_of[d->node_subdomain[i]];
+    b->constrained_bone[i] = d->bone_of[d->node_subdomain[i]];
   }
   return BW_OK;
 }
@@ -427,7 +428,7 @@ static bw_status sort_influences(blend *b) {
   for (size_t k = 0; k < b->count; k++)
     start[b->list[k].node + 1]++;
   for (int32_t i = 0; i < nodes; i++) {
-    if (corner[i] && b->held_bone[i] >= 0)
+    if (corner[i] && b->constrained_bone[i] >= 0)
       start[i + 1] = 1;
     start[i + 1] += start[i];
   }
@@ -436,8 +437,8 @@ static bw_status sort_influences(blend *b) {
   if (!d->influence_bone || !d->influence_weight)
     goto done;
   for (int32_t i = 0; i < nodes; i++)
-    if (corner[i] && b->held_bone[i] >= 0) {
-      d->influence_bone[start[i]] = b->held_bone[i];
+    if (corner[i] && b->constrained_bone[i] >= 0) {
+      d->influence_bone[start[i]] = b->constrained_bone[i];
       d->influence_weight[start[i]] = 1;
     }
   for (size_t k = 0, first = 0; k < b->count; k++) {
@@ -461,7 +462,7 @@ bw_status bwi_subdomains_blend(bw_context *context, bw_subdomains *subdomains,
   if (!subdomains->bone_start)
     goto done;
   BW_TRY(sort_elements(&b));
-  BW_TRY(find_held(&b));
+  BW_TRY(find_constrained(&b));
   for (int32_t i = 0; i < subdomains->count; i++) {
     if (subdomains->bone_of[i] < 0) {
       BW_TRY(blend_subdomain(&b, i));
@@ -482,7 +483,7 @@ done:
   bw_free(b.element_start);
   bw_free(b.element);
   bw_free(b.local);
-  bw_free(b.held_bone);
+  bw_free(b.constrained_bone);
   bw_free(b.list);
   bw_free(b.bone);
   return status;

@@ -223,21 +223,21 @@ static bw_status refuse(const relaxer *r, int32_t left, const double *before) {
   bw_mesh_shape_check(r->mesh, r->node, 0, &now);
   const int32_t *c = bwi_nodes_of(r->mesh, now.worst);
   const double *x = before + 3 * (size_t)c[0];
-  int held = 0;
+  int constrained = 0;
   for (int k = 0; k < 4; k++)
-    held += !r->is_free[c[k]];
+    constrained += !r->is_free[c[k]];
   bw_fail(r->context, BW_GEOMETRY,
           "moving inner nodes leaves %d of %d elements inverted; the worst is element %d "
           "near (%g, %g, %g) m with shape quality %.3g, %d of whose corners are on the boundary or "
           "must stay: undo the edit, make it smaller, or remesh there",
-          left, r->report.inverted, now.worst + 1, x[0], x[1], x[2], now.worst_before, held);
+          left, r->report.inverted, now.worst + 1, x[0], x[1], x[2], now.worst_before, constrained);
   bw_detail_number(r->context, "element", now.worst + 1.0);
   bw_detail_number(r->context, "inverted", left);
   return BW_GEOMETRY;
 }
 
-/* An inverted element of which no corner may move cannot be helped. */
-static bool hopeless(const relaxer *r) {
+/* Whether an inverted element has no corner that may move: no relaxation repairs it. */
+static bool has_constrained_inverted(const relaxer *r) {
   for (int32_t e = 0; e < r->mesh->element_count; e++) {
     const int32_t *c = bwi_nodes_of(r->mesh, e);
     if (r->quality[e] <= 0 &&
@@ -295,7 +295,7 @@ bw_status bw_mesh_relax(bw_context *context, const bw_mesh *mesh, const uint8_t 
   BW_TRY(prepare(&r, may_move));
   left = r.report.inverted;
   for (int i = 0; i < (int)(sizeof rings / sizeof *rings) && (i == 0 || left > 0); i++) {
-    if (hopeless(&r))
+    if (has_constrained_inverted(&r))
       break;
     int32_t left_before = left, nodes_before = nodes;
     BW_TRY(repair_with(&r, rings[i], place, &left, &nodes));

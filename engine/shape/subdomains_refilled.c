@@ -218,7 +218,7 @@ static bw_status rest_places(bw_context *context, const bw_subdomains *old, bw_s
 /* A shape whose blended map folds over is what refilling is for; elements between the places that
  * the map's inverse gives may then be inverted. So this mesh is made from the posed one, whose
  * elements are sound, and carries positions; only meshes posed from it are checked. */
-static bw_status carry(bw_context *context, bw_subdomains *d, const double *rest) {
+static bw_status transfer_shapes(bw_context *context, bw_subdomains *d, const double *rest) {
   bw_mesh *carrier = NULL;
   bw_status status = bw_mesh_moved(context, d->mesh, d->mesh->node, &carrier);
   if (status != BW_OK)
@@ -262,7 +262,7 @@ bw_status bw_subdomains_refilled(bw_context *context, const bw_subdomains *subdo
   /* what moves the nodes is not what they were made with */
   BW_TRY(bwi_stiffness_subdomains_create(context, d));
   BW_TRY(rest_places(context, subdomains, d, map, node_from, rest));
-  BW_TRY(carry(context, d, rest));
+  BW_TRY(transfer_shapes(context, d, rest));
   *refilled = d;
   d = NULL;
 done:

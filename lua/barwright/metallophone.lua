@@ -310,7 +310,7 @@ end
 
 -- ---- trimming ------------------------------------------------------------------------------------
 
-local MOST_CUT = 0.5 -- of the width of the bar: the change is linear for shallow cuts only
+local MAX_CUT = 0.5 -- of the width of the bar: the change is linear for shallow cuts only
 
 local trim_rules = {
   places = {type = "integer", default = 3, min = 1},
@@ -394,7 +394,7 @@ function bar:trim(measured, target, given)
         end
       end
       local per_m = 1200 / math.log(2) * change / polygonal_bar.frequency
-      local reached = MOST_CUT * across[ring[i]] * math.abs(per_m)
+      local reached = MAX_CUT * across[ring[i]] * math.abs(per_m)
       if per_m * needed > 0 and reached > most then most, where = reached, here end
       if per_m * needed > 0 and reached >= math.abs(needed) then
         places[#places + 1] = {at = {here[1], here[2]}, depth = needed / per_m, cents = needed,

@@ -161,14 +161,14 @@ function steps.take(self, point, t, list, met)
       if step.violation == 0 then self.price = math.max(self.price, 1.5 * step.price) end
       local price, shape = self.price, now - objective(self, step.t)
       if step.violation > 0 then price, shape = 1, 0 end -- nearer to the limits, whatever it costs
-      local hoped = shape + price * (short - predicted(list, step.t))
+      local expected = shape + price * (short - predicted(list, step.t))
       local got = shape + price * (short - models.shortfall(self, trial))
-      if got >= 0.1 * hoped - 1e-9 * (now + price) then
-        if got > 0.7 * hoped and not inside then self.radius = math.min(2 * self.radius, 4) end
+      if got >= 0.1 * expected - 1e-9 * (now + price) then
+        if got > 0.7 * expected and not inside then self.radius = math.min(2 * self.radius, 4) end
         models.check(self, list, step.multipliers, step.t, trial)
         if step.violation == 0 then models.remember(self, list, step.multipliers) end
         return {t = step.t, point = trial, step = step, still = step.violation > 0
-          and hoped < 1e-7 and inside}
+          and expected < 1e-7 and inside}
       end
     elseif details.status ~= "geometry" then
       return nil, message, details

@@ -72,9 +72,9 @@ static int patch_gradient(lua_State *L) {
   return lbw_leave(L, status, 2);
 }
 
-typedef bw_status carry(bw_context *context, const bw_mesh *mesh, double *values);
+typedef bw_status transfer(bw_context *context, const bw_mesh *mesh, double *values);
 
-static int carried(lua_State *L, carry *function) {
+static int transferred(lua_State *L, transfer *function) {
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
   const double *given = check_rows(L, 2, "values", 3, mesh->node_count);
   size_t size = 3 * (size_t)mesh->node_count * sizeof *given;
@@ -83,14 +83,14 @@ static int carried(lua_State *L, carry *function) {
   return lbw_leave(L, function(lbw_enter(L), mesh, out), 1);
 }
 
-/* boundary_extend(mesh, motion): that of the boundary nodes, carried into the body */
+/* boundary_extend(mesh, motion): that of the boundary nodes, extended into the body */
 static int boundary_extend(lua_State *L) {
-  return carried(L, bw_boundary_extend);
+  return transferred(L, bw_boundary_extend);
 }
 
 /* boundary_gather(mesh, gradient): by the boundary nodes, which inner nodes follow */
 static int boundary_gather(lua_State *L) {
-  return carried(L, bw_boundary_gather);
+  return transferred(L, bw_boundary_gather);
 }
 
 /* priced_load(system, basis, objective, {pressure, force, force_is_max}): the pressure of

@@ -188,9 +188,9 @@ static int plane_transfer(lua_State *L) {
   lbw_check_rows(L, 3, "values", given->rows, from->topology->nodes->node_count, "node");
   int components = (int)given->columns;
   double *value = lbw_to_doubles(L, 3, "values", 0, &rows);
-  bw_array *carried = lbw_push_array(L, BW_F64, to->topology->nodes->node_count, components);
+  bw_array *transferred = lbw_push_array(L, BW_F64, to->topology->nodes->node_count, components);
   bw_status status =
-      bw_plane_transfer(lbw_enter(L), from, to, components, value, (double *)carried->data);
+      bw_plane_transfer(lbw_enter(L), from, to, components, value, (double *)transferred->data);
   return lbw_leave(L, status, 1);
 }
 
@@ -389,7 +389,7 @@ static int plane_tostring(lua_State *L) {
   return 1;
 }
 
-/* With what it stands on: movers' meshes share it, so that it is counted more than once. */
+/* With topology and nodes, which the meshes of a mesh motion share: they count more than once. */
 static size_t plane_bytes(const void *object) {
   const bw_plane_mesh *mesh = (const bw_plane_mesh *)object;
   return bw_bytes(mesh) + bw_bytes(mesh->topology) + bw_bytes(mesh->topology->nodes);

@@ -10,7 +10,7 @@ static bw_plate *self(lua_State *L) {
   return (bw_plate *)lbw_check(L, 1, &lbw_plate_class);
 }
 
-static const bw_mesh_motion *mover_of(lua_State *L) {
+static const bw_mesh_motion *mesh_motion_of(lua_State *L) {
   return (const bw_mesh_motion *)lbw_check_box(L, 1, &lbw_plate_class)->extra;
 }
 
@@ -139,7 +139,7 @@ static int plate_gradient(lua_State *L) {
   bw_array *points = lbw_push_array(L, BW_F64, plate->mesh->outline->point_count, 2);
   bw_context *context = lbw_enter(L);
   BW_TRY(bw_plate_gradient(context, plate, mode, (double *)nodes->data));
-  BW_TRY(bw_mesh_motion_pull_back(context, (bw_mesh_motion *)mover_of(L), plate->mesh,
+  BW_TRY(bw_mesh_motion_pull_back(context, (bw_mesh_motion *)mesh_motion_of(L), plate->mesh,
                                   (const double *)nodes->data, (double *)points->data));
 done:
   lua_settop(L, 3);

@@ -56,8 +56,8 @@ static int model_refined(lua_State *L) {
   const bw_model *model = (const bw_model *)lbw_check(L, 1, &lbw_model_class);
   const bw_surface *surface = NULL;
   const bw_selection **also = NULL;
-  bw_selection *carried[MAX_ALSO] = {NULL};
-  lbw_box *carried_box[MAX_ALSO];
+  bw_selection *transferred[MAX_ALSO] = {NULL};
+  lbw_box *transferred_box[MAX_ALSO];
   int also_count = 0;
   lua_settop(L, 3);
   lbw_options(L, 3, "refined", list, &opts);
@@ -74,7 +74,7 @@ static int model_refined(lua_State *L) {
   lbw_box *box = lbw_box_new(L, &lbw_model_class);
   lua_createtable(L, also_count, 0);
   for (int i = 0; i < also_count; i++) {
-    carried_box[i] = lbw_box_new(L, &lbw_selection_class);
+    transferred_box[i] = lbw_box_new(L, &lbw_selection_class);
     lua_rawseti(L, -2, i + 1);
   }
   bw_refinement refinement = {.mesh = NULL};
@@ -87,13 +87,13 @@ static int model_refined(lua_State *L) {
   if (surface)
     BW_TRY(bw_mesh_curved(context, refinement.mesh, surface, &curved, NULL));
   BW_TRY(bw_model_refined(context, model, &refinement, curved ? curved : refinement.mesh,
-                          also_count, also, carried, &refined));
+                          also_count, also, transferred, &refined));
 done:
   bw_refinement_clear(&refinement);
   bw_release(curved);
   lbw_box_fill(L, box, refined);
   for (int i = 0; i < also_count; i++)
-    lbw_box_fill(L, carried_box[i], carried[i]);
+    lbw_box_fill(L, transferred_box[i], transferred[i]);
   return lbw_leave(L, status, 2);
 }
 

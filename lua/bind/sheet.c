@@ -12,7 +12,7 @@ static bw_sheet *self(lua_State *L) {
   return (bw_sheet *)lbw_check(L, 1, &lbw_sheet_class);
 }
 
-static bw_mesh_motion *mover_of(lua_State *L) {
+static bw_mesh_motion *mesh_motion_of(lua_State *L) {
   return (bw_mesh_motion *)lbw_check_box(L, 1, &lbw_sheet_class)->extra;
 }
 
@@ -284,7 +284,7 @@ static int sheet_mesh(lua_State *L) {
 static int sheet_stress_norm(lua_State *L) {
   bw_status status = BW_OK;
   bw_sheet *sheet = self(L);
-  bw_mesh_motion *motion = mover_of(L);
+  bw_mesh_motion *motion = mesh_motion_of(L);
   double p = lbw_check_number(L, 2), norm = 0;
   lua_settop(L, 2);
   bw_array *nodes = lbw_push_array(L, BW_F64, nodes_of(sheet), 2);

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Hyperelastic solids on grids: energies, what acts on them, static solutions. Selections, and what
- * is carried over to coarse grids, are Lua (lua/barwright/solids.lua). */
+ * is transferred to coarse grids, are Lua (lua/barwright/solids.lua). */
 #include "solid.h"
 
 #include <stdio.h>
