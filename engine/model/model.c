@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Models: a mesh and a material with supports and loads, each checked when it is added. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "model/internal.h"
@@ -123,14 +124,17 @@ static bw_status check_selection(bw_context *context, const bw_model *model, con
   if (on->node_count == 0)
     return bw_fail(context, BW_EMPTY, "%s is given on an empty selection", what);
   if (on->facet_count == 0 && !(points && on->node_set)) {
-    char meant[40];
-    bwi_number_string(meant, sizeof meant, on->missed_area, 4, 0);
+    char missed[96] = "";
+    if (on->missed_area > 0) {
+      char area[40];
+      bwi_number_string(area, sizeof area, on->missed_area, 4, 0);
+      snprintf(missed, sizeof missed, ": it covers 0 of the %s m2 that lie along its border", area);
+    }
     bw_status status = bw_fail(
         context, BW_EMPTY,
-        "%s acts on area, but the selection has %d node%s and no whole facet: it covers 0 of the "
-        "%s "
-        "m2 that lie along its border. Give a larger tolerance, select the face, or %s",
-        what, on->node_count, on->node_count == 1 ? "" : "s", meant,
+        "%s acts on area, but the selection has %d node%s and no whole facet%s. Give a larger "
+        "tolerance, select the face, or %s",
+        what, on->node_count, on->node_count == 1 ? "" : "s", missed,
         points ? "make it a node set if points or edges are meant" : "give forces at nodes");
     bw_detail_number(context, "nodes", on->node_count);
     bw_detail_number(context, "missed_area", on->missed_area);

@@ -212,7 +212,7 @@ static void unusable_loads_are_refused(void **state) {
   bool none[3] = {false, false, false};
   uint64_t revision = model->object.revision;
   check_ok(context, bw_select_nearest(context, mesh, origin, 1, &corner));
-  check_fails(context, BW_EMPTY, "no whole facet", bw_model_force(context, model, corner, f));
+  check_fails(context, BW_EMPTY, "no whole facet. Give", bw_model_force(context, model, corner, f));
   check_fails(context, BW_INVALID, "another mesh", bw_model_fix(context, model, elsewhere));
   check_fails(context, BW_INVALID, "not a finite", bw_model_gravity(context, model, bad));
   check_fails(context, BW_INVALID, "normal is (0, 0, 0)",
