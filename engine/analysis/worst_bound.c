@@ -402,7 +402,7 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
                      ? basis->area[(size_t)g * (size_t)basis->directions] *
                            (options->pressure / options->force)
                      : 1; /* the slack */
-  double available = fmax(MIN_BYTES, fmin(MAX_BYTES, bw_free_memory() / 4));
+  double available = fmax(MIN_BYTES, fmin(MAX_BYTES, bw_available_memory() / 4));
   BW_TRY(bwi_responses_open(context, system, basis, (size_t)available, &s.responses));
   BW_TRY(bwi_responses_next(&s.responses, BATCH));
   while (s.responses.count > 0) {

@@ -265,7 +265,7 @@ bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *syst
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
   BW_TRY(bwi_static_begin(context, model, options, dof_map, &s.result));
   BW_TRY(prepare_system(&s, dof_map, system));
-  s.available = s.opts.memory > 0 ? s.opts.memory : bw_free_memory();
+  s.available = s.opts.memory > 0 ? s.opts.memory : bw_available_memory();
   BW_TRY(solve(&s));
 done:
   bw_release(dof_map);

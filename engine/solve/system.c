@@ -227,7 +227,7 @@ done:
 }
 
 bw_status bw_system_factor(bw_context *context, bw_system *system) {
-  return bwi_system_factor(context, system, NULL, bw_free_memory());
+  return bwi_system_factor(context, system, NULL, bw_available_memory());
 }
 
 bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
@@ -239,7 +239,7 @@ bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_ma
   BW_TRY(bwi_system_begin(context, mesh, material, dof_map, previous, &system));
   BW_TRY(bwi_system_factor(context, system,
                            previous && previous->factor ? previous->factor->symbolic : NULL,
-                           bw_free_memory()));
+                           bw_available_memory()));
 done:
   if (status == BW_OK)
     *out = system;

@@ -98,7 +98,7 @@ BW_API void bw_job_cancel(bw_job *job);
  * of what a job's limit, one on address space and one on the control group leave; INFINITY where
  * none of these is known. The system provides memory only once it is touched, so that asking for
  * more than this succeeds, and ends the process later. */
-BW_API double bw_free_memory(void);
+BW_API double bw_available_memory(void);
 
 #ifdef __cplusplus
 }

@@ -52,7 +52,7 @@ BW_API bw_status bw_system_of_model(bw_context *context, const bw_model *model, 
                                     bw_system **system);
 /* Mass and factor, where the system has none yet: then it is one as bw_system_create makes it. On
  * failure it is as it was. BW_MEMORY, before any is allocated, where the factor is larger than what
- * is free (bw_free_memory); BW_SINGULAR and BW_LIMIT as bw_system_create. */
+ * is free (bw_available_memory); BW_SINGULAR and BW_LIMIT as bw_system_create. */
 BW_API bw_status bw_system_factor(bw_context *context, bw_system *system);
 /* u = K^-1 f for homogeneous supports, `count` right-hand sides at once: force (N, count x
  * node_count x 3), displacement (m, count x node_count x 3), which may be the same block. Changes
@@ -111,7 +111,7 @@ typedef struct bw_statics_options {
                        fraction of its size; default 1e-6, > 0 */
   bw_statics_method method; /* of bw_statics alone, like what follows; default BW_STATICS_AUTO */
   int iterations;           /* by two-level PCG, at most; default 2000, 1 or more */
-  double memory; /* (bytes) that a factor may take, 0 or more; default 0: bw_free_memory */
+  double memory; /* (bytes) that a factor may take, 0 or more; default 0: bw_available_memory */
 } bw_statics_options;
 /* The static solution of a model. `options` may be NULL. BW_UNCONSTRAINED names the unconstrained
  * rigid-body modes when the load is not balanced against them; BW_SINGULAR when the stiffness is

@@ -355,18 +355,18 @@ static void no_memory(void **state) {
 }
 
 /* The machine has some memory, and not more than there are addresses. */
-static void free_memory(void **state) {
+static void available_memory(void **state) {
   (void)state;
-  double available = bw_free_memory();
-  assert_true(available > 1e6 && available < 1e18);
+  double bytes = bw_available_memory();
+  assert_true(bytes > 1e6 && bytes < 1e18);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(as_a_factor),  check_test(curved_elements),  check_test(factor_is_predicted),
-      check_test(small_bodies), check_test(large_bodies),     check_test(not_converged),
-      check_test(mechanism),    check_test(same_bits),        check_test(no_memory),
-      check_test(free_memory),  check_test(block_in_tension),
+      check_test(as_a_factor),      check_test(curved_elements),  check_test(factor_is_predicted),
+      check_test(small_bodies),     check_test(large_bodies),     check_test(not_converged),
+      check_test(mechanism),        check_test(same_bits),        check_test(no_memory),
+      check_test(available_memory), check_test(block_in_tension),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

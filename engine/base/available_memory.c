@@ -77,7 +77,7 @@ static double of_group(const char *limit, const char *used, const char *parts, c
   return fmax(0, max - now + files);
 }
 
-double bw_free_memory(void) {
+double bw_available_memory(void) {
   char text[TEXT];
   double available = fmin(of_machine(text), bwi_address_space_left());
   available = fmin(available, of_group("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current",
