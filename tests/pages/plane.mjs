@@ -114,7 +114,7 @@ async function steady(all) {
     const [x, y] = await v.place("vertex", 4);
     await page.mouse.move(x - 300, y - 60, { steps: 3 });
     await v.until((n) => window.barwright.state().refused > n, before.refused);
-    assert(/cross|touch|inverted|outside|lie in/.test((await v.state()).said), (await v.state()).said);
+    assert(/cross|touch|inverted|outside|lies? in/.test((await v.state()).said), (await v.state()).said);
     await v.picture("refused");
     await page.mouse.up();
     await v.until((n) => window.barwright.state().edits === n + 1 && !window.barwright.state().drag, before.edits);
