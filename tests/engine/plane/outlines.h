@@ -72,4 +72,43 @@ static inline void block_with_hole(shape *s, double x) {
   add_ellipse(s, -1, "hole", x, 0.5, 0.2, 0.2);
 }
 
+static inline bw_outline *block_outline(bw_context *context, double x) {
+  shape s;
+  block_with_hole(&s, x);
+  return outline_of(context, &s);
+}
+
+/* A box `width` x 1 with a rectangular hole from x0 to x1 and from 0.3 to 0.7. */
+static inline bw_outline *box_outline(bw_context *context, double width, double x0, double x1) {
+  shape s = {.points = 0};
+  add_box(&s, 0, "body", 0, 0, width, 1);
+  add_box(&s, -1, "hole", x0, 0.3, x1, 0.7);
+  return outline_of(context, &s);
+}
+
+/* A mesh of about so many elements, with default options otherwise. */
+static inline bw_plane_mesh *mesh_on(bw_context *context, const bw_outline *outline, int order,
+                                     int elements) {
+  bw_plane_options options;
+  bw_plane_options_default(&options);
+  options.elements = elements;
+  options.order = order;
+  bw_plane_mesh *mesh = NULL;
+  check_ok(context, bw_plane_fill(context, outline, &options, &mesh));
+  return mesh;
+}
+
+static inline bw_plane_mesh *mesh_of(bw_context *context, const shape *s, int order, int elements) {
+  bw_outline *outline = outline_of(context, s);
+  bw_plane_mesh *mesh = mesh_on(context, outline, order, elements);
+  bw_release(outline);
+  return mesh;
+}
+
+static inline bw_plane_mesh *block_mesh(bw_context *context, double x, int order, int elements) {
+  shape s;
+  block_with_hole(&s, x);
+  return mesh_of(context, &s, order, elements);
+}
+
 #endif

@@ -2,17 +2,6 @@
 /* Point location and fields transferred from mesh to mesh. */
 #include "outlines.h"
 
-static bw_plane_mesh *filled(bw_context *context, const bw_outline *outline, int order,
-                             int elements) {
-  bw_plane_options options;
-  bw_plane_options_default(&options);
-  options.elements = elements;
-  options.order = order;
-  bw_plane_mesh *mesh = NULL;
-  check_ok(context, bw_plane_fill(context, outline, &options, &mesh));
-  return mesh;
-}
-
 static double distance_to(const double p[2], const double a[2], const double b[2]) {
   double u[2] = {b[0] - a[0], b[1] - a[1]}, v[2] = {p[0] - a[0], p[1] - a[1]};
   double t = fmin(fmax((u[0] * v[0] + u[1] * v[1]) / (u[0] * u[0] + u[1] * u[1]), 0), 1);
@@ -22,10 +11,7 @@ static double distance_to(const double p[2], const double a[2], const double b[2
 /* Against a search through all elements. */
 static void locating(void **state) {
   bw_context *context = check_context(state);
-  shape s;
-  block_with_hole(&s, 1);
-  bw_outline *outline = outline_of(context, &s);
-  bw_plane_mesh *mesh = filled(context, outline, 1, 300);
+  bw_plane_mesh *mesh = block_mesh(context, 1, 1, 300);
   bw_plane_locator *locator = NULL;
   check_ok(context, bw_plane_locator_create(context, mesh, &locator));
   bw_random random;
@@ -57,7 +43,6 @@ static void locating(void **state) {
   assert_int_equal(bw_plane_locate(locator, (double[]){NAN, 0}, weight, NULL), 0);
   bw_plane_locator_destroy(locator);
   bw_release(mesh);
-  bw_release(outline);
 }
 
 static double field(int order, const double x[2]) {
@@ -65,30 +50,27 @@ static double field(int order, const double x[2]) {
                     : 1 + x[0] - x[1] + 0.5 * x[0] * x[0] - x[0] * x[1] + 2 * x[1] * x[1];
 }
 
-/* Polynomials of the mesh's order are carried exactly from a straight-edged mesh. */
+/* Polynomials of the mesh's order are transferred exactly from a straight-edged mesh. */
 static void polynomials(void **state) {
   bw_context *context = check_context(state);
   for (int order = 1; order <= 2; order++) {
-    shape s = {.points = 0};
-    add_box(&s, 0, "body", 0, 0, 2, 1);
-    add_box(&s, -1, "hole", 0.5, 0.3, 1, 0.7);
-    bw_outline *outline = outline_of(context, &s);
-    bw_plane_mesh *from = filled(context, outline, order, 300);
-    bw_plane_mesh *to = filled(context, outline, order, 500);
+    bw_outline *outline = box_outline(context, 2, 0.5, 1);
+    bw_plane_mesh *from = mesh_on(context, outline, order, 300);
+    bw_plane_mesh *to = mesh_on(context, outline, order, 500);
     int32_t n = from->topology->nodes->node_count, m = to->topology->nodes->node_count;
     double *value = malloc(sizeof(double) * 2 * (size_t)n);
-    double *carried = malloc(sizeof(double) * 2 * (size_t)m);
+    double *transferred = malloc(sizeof(double) * 2 * (size_t)m);
     for (int32_t i = 0; i < n; i++) {
       value[2 * i] = field(order, from->point + 2 * i);
       value[2 * i + 1] = -field(order, from->point + 2 * i);
     }
-    check_ok(context, bw_plane_transfer(context, from, to, 2, value, carried));
+    check_ok(context, bw_plane_transfer(context, from, to, 2, value, transferred));
     for (int32_t i = 0; i < m; i++) {
-      check_near(carried[2 * i], field(order, to->point + 2 * i), 1e-12);
-      check_near(carried[2 * i + 1], -field(order, to->point + 2 * i), 1e-12);
+      check_near(transferred[2 * i], field(order, to->point + 2 * i), 1e-12);
+      check_near(transferred[2 * i + 1], -field(order, to->point + 2 * i), 1e-12);
     }
     free(value);
-    free(carried);
+    free(transferred);
     bw_release(from);
     bw_release(to);
     bw_release(outline);
@@ -98,11 +80,8 @@ static void polynomials(void **state) {
 /* Six-node triangles with flips: a quadratic field before a hole is moved. */
 static void flipped_mid_edge_nodes(void **state) {
   bw_context *context = check_context(state);
-  shape s = {.points = 0};
-  add_box(&s, 0, "body", 0, 0, 3, 1);
-  add_box(&s, -1, "hole", 1, 0.3, 1.4, 0.7);
-  bw_outline *first = outline_of(context, &s), *outline = NULL;
-  bw_plane_mesh *mesh = filled(context, first, 2, 600);
+  bw_outline *first = box_outline(context, 3, 1, 1.4), *outline = NULL;
+  bw_plane_mesh *mesh = mesh_on(context, first, 2, 600);
   double place[16];
   memcpy(place, first->point, sizeof place);
   for (int i = 0; i < 8; i++)
@@ -120,23 +99,24 @@ static void flipped_mid_edge_nodes(void **state) {
   assert_true(report.flips > 5);
   assert_ptr_equal(motion->mesh->topology->nodes, mesh->topology->nodes);
   int32_t n = mesh->topology->nodes->node_count;
-  double *value = malloc(sizeof(double) * (size_t)n), *carried = malloc(sizeof(double) * (size_t)n);
+  double *value = malloc(sizeof(double) * (size_t)n),
+         *transferred = malloc(sizeof(double) * (size_t)n);
   for (int32_t i = 0; i < n; i++)
     value[i] = field(2, mesh->point + 2 * i);
-  check_ok(context, bw_plane_transfer(context, mesh, motion->mesh, 1, value, carried));
-  /* on the old mesh's places of corners, the carried field is the same quadratic one */
+  check_ok(context, bw_plane_transfer(context, mesh, motion->mesh, 1, value, transferred));
+  /* on the old mesh's places of corners, the transferred field is the same quadratic one */
   const bw_plane_topology *t = motion->mesh->topology;
   int changed = 0;
   for (int32_t h = 0; h < 3 * t->element_count; h++) {
     const int32_t *e = t->element + h / 3 * 6;
     const double *a = mesh->point + 2 * e[h % 3], *b = mesh->point + 2 * e[(h % 3 + 1) % 3];
     double middle[2] = {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2};
-    check_near(carried[e[3 + h % 3]], field(2, middle), 1e-12);
-    changed += carried[e[3 + h % 3]] != value[e[3 + h % 3]];
+    check_near(transferred[e[3 + h % 3]], field(2, middle), 1e-12);
+    changed += transferred[e[3 + h % 3]] != value[e[3 + h % 3]];
   }
   assert_true(changed > 0);
   free(value);
-  free(carried);
+  free(transferred);
   bw_release(motion);
   bw_release(outline);
   bw_release(first);
@@ -148,8 +128,7 @@ static void curved_sides(void **state) {
   bw_context *context = check_context(state);
   shape s = {.points = 0};
   add_ellipse(&s, 0, "disc", 0, 0, 1, 1);
-  bw_outline *outline = outline_of(context, &s);
-  bw_plane_mesh *mesh = filled(context, outline, 2, 60);
+  bw_plane_mesh *mesh = mesh_of(context, &s, 2, 60);
   bw_plane_locator *locator = NULL;
   check_ok(context, bw_plane_locator_create(context, mesh, &locator));
   for (int i = 0; i < 360; i++) {
@@ -164,30 +143,27 @@ static void curved_sides(void **state) {
   }
   bw_plane_locator_destroy(locator);
   bw_release(mesh);
-  bw_release(outline);
 }
 
 static void memory_failures(void **state) {
   bw_context *context = check_context(state);
-  shape s;
-  block_with_hole(&s, 1);
-  bw_outline *outline = outline_of(context, &s);
-  bw_plane_mesh *from = filled(context, outline, 2, 60), *to = filled(context, outline, 2, 90);
+  bw_outline *outline = block_outline(context, 1);
+  bw_plane_mesh *from = mesh_on(context, outline, 2, 60), *to = mesh_on(context, outline, 2, 90);
   double *value = calloc((size_t)from->topology->nodes->node_count, sizeof(double));
-  double *carried = calloc((size_t)to->topology->nodes->node_count, sizeof(double));
+  double *transferred = calloc((size_t)to->topology->nodes->node_count, sizeof(double));
   bw_status status = BW_MEMORY;
   for (int n = 1; status != BW_OK && n < 100; n++) {
     bw_fail_allocation(n, true);
-    status = bw_plane_transfer(context, from, to, 1, value, carried);
+    status = bw_plane_transfer(context, from, to, 1, value, transferred);
     bw_fail_allocation(0, false);
     if (status != BW_OK)
       assert_int_equal(status, BW_MEMORY);
   }
   assert_int_equal(status, BW_OK);
   check_fails(context, BW_INVALID, "components",
-              bw_plane_transfer(context, from, to, 0, value, carried));
+              bw_plane_transfer(context, from, to, 0, value, transferred));
   free(value);
-  free(carried);
+  free(transferred);
   bw_release(from);
   bw_release(to);
   bw_release(outline);

@@ -249,9 +249,7 @@ static double cancelling(void *data, const double at[2]) {
 
 static void limits(void **state) {
   bw_context *context = check_context(state);
-  shape s;
-  block_with_hole(&s, 1);
-  bw_outline *outline = outline_of(context, &s);
+  bw_outline *outline = block_outline(context, 1);
   bw_plane_options options;
   bw_plane_mesh *mesh = NULL;
   const char *key, *text;
@@ -285,7 +283,7 @@ static void limits(void **state) {
   bw_clear_cancel(context);
   bw_release(outline);
   /* more nodes along it than elements are allowed */
-  s = (shape){.points = 0};
+  shape s = {.points = 0};
   add_box(&s, 0, "strip", 0, 0, 1e5, 1e-3);
   outline = outline_of(context, &s);
   bw_plane_options_default(&options);
@@ -317,9 +315,7 @@ static void same_every_time(void **state) {
 
 static void refusals(void **state) {
   bw_context *context = check_context(state);
-  shape s;
-  block_with_hole(&s, 1);
-  bw_outline *outline = outline_of(context, &s);
+  bw_outline *outline = block_outline(context, 1);
   bw_plane_options options;
   bw_plane_mesh *mesh = NULL;
   bw_plane_options_default(&options);
@@ -347,9 +343,7 @@ static void refusals(void **state) {
 
 static void memory_failures(void **state) {
   bw_context *context = check_context(state);
-  shape s;
-  block_with_hole(&s, 1);
-  bw_outline *outline = outline_of(context, &s);
+  bw_outline *outline = block_outline(context, 1);
   bw_plane_options options;
   bw_plane_options_default(&options);
   options.elements = 60;

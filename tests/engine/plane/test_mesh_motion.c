@@ -1,19 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Meshes that follow their outlines: the three levels, random drags, the adjoint, the paper's drag.
- */
+/* Meshes that follow outlines: the three levels, random drags, the adjoint, the paper's drag. */
 #include "outlines.h"
-
-static bw_plane_mesh *filled(bw_context *context, const shape *s, int order, int elements) {
-  bw_outline *outline = outline_of(context, s);
-  bw_plane_options options;
-  bw_plane_options_default(&options);
-  options.elements = elements;
-  options.order = order;
-  bw_plane_mesh *mesh = NULL;
-  check_ok(context, bw_plane_fill(context, outline, &options, &mesh));
-  bw_release(outline);
-  return mesh;
-}
 
 /* The mesh fills its outline: no element inverted, nodes on the outline, the area that of the
  * polygon along the sides (order 1), sides and neighbours right. */
@@ -77,9 +64,7 @@ static bw_outline *loop_at(bw_context *context, const bw_outline *outline, int32
 static void relocation(void **state) {
   bw_context *context = check_context(state);
   for (int order = 1; order <= 2; order++) {
-    shape s;
-    block_with_hole(&s, 1);
-    bw_plane_mesh *mesh = filled(context, &s, order, 800);
+    bw_plane_mesh *mesh = block_mesh(context, 1, order, 800);
     bw_mesh_motion *motion = NULL;
     bw_follow_report report;
     check_ok(context, bw_mesh_motion_create(context, mesh, NULL, &motion));
@@ -114,9 +99,7 @@ static void relocation(void **state) {
 static void translation(void **state) {
   bw_context *context = check_context(state);
   for (int order = 1; order <= 2; order++) {
-    shape s;
-    block_with_hole(&s, 1.4);
-    bw_plane_mesh *mesh = filled(context, &s, order, 600);
+    bw_plane_mesh *mesh = block_mesh(context, 1.4, order, 600);
     bw_mesh_motion *motion = NULL;
     check_ok(context, bw_mesh_motion_create(context, mesh, NULL, &motion));
     bw_outline *moved = loop_at(context, mesh->outline, 0, 5, -3);
@@ -135,9 +118,7 @@ static void translation(void **state) {
 static void adjoint(void **state) {
   bw_context *context = check_context(state);
   for (int order = 1; order <= 2; order++) {
-    shape s;
-    block_with_hole(&s, 1.2);
-    bw_plane_mesh *mesh = filled(context, &s, order, 300);
+    bw_plane_mesh *mesh = block_mesh(context, 1.2, order, 300);
     bw_mesh_motion *motion = NULL;
     check_ok(context, bw_mesh_motion_create(context, mesh, NULL, &motion));
     int32_t nodes = mesh->topology->nodes->node_count, points = mesh->outline->point_count;
@@ -179,9 +160,7 @@ static void the_papers_drag(void **state) {
   bw_context *context = check_context(state);
   for (int order = 1; order <= 2; order++)
     for (int springs = 0; springs < 2; springs++) {
-      shape s;
-      block_with_hole(&s, 0.4);
-      bw_plane_mesh *mesh = filled(context, &s, order, 1952);
+      bw_plane_mesh *mesh = block_mesh(context, 0.4, order, 1952);
       bw_follow_options options;
       bw_follow_options_default(&options);
       options.relocation = springs ? BW_RELOCATE_SPRINGS : BW_RELOCATE_HARMONIC;
@@ -225,7 +204,7 @@ static void random_drags(void **state) {
     add_ellipse(&s, 1, "inlay", 1, 1, 0.6, 0.6);
     add_ellipse(&s, -1, "hole", 1, 1, 0.25, 0.25);
     add_box(&s, -1, "window", 2.5, 0.5, 3.5, 1.5);
-    bw_plane_mesh *mesh = filled(context, &s, order, 400);
+    bw_plane_mesh *mesh = mesh_of(context, &s, order, 400);
     bw_mesh_motion *motion = NULL;
     check_ok(context, bw_mesh_motion_create(context, mesh, NULL, &motion));
     bw_random random;
@@ -283,9 +262,7 @@ static void random_drags(void **state) {
 
 static void forced_levels(void **state) {
   bw_context *context = check_context(state);
-  shape s;
-  block_with_hole(&s, 1);
-  bw_plane_mesh *mesh = filled(context, &s, 2, 500);
+  bw_plane_mesh *mesh = block_mesh(context, 1, 2, 500);
   for (int level = BW_LEVEL_RELOCATION; level <= BW_LEVEL_RECONSTRUCTION; level++) {
     bw_follow_options options;
     bw_follow_options_default(&options);
@@ -311,7 +288,7 @@ static void pulled_far(void **state) {
   bw_context *context = check_context(state);
   shape s = {.points = 0};
   add_box(&s, 0, "bar", 0, 0, 0.2, 0.03);
-  bw_plane_mesh *mesh = filled(context, &s, 1, 60);
+  bw_plane_mesh *mesh = mesh_of(context, &s, 1, 60);
   bw_follow_options options;
   bw_follow_options_default(&options);
   options.force = BW_LEVEL_RECONSTRUCTION;
@@ -334,9 +311,7 @@ static void pulled_far(void **state) {
 
 static void memory_failures(void **state) {
   bw_context *context = check_context(state);
-  shape s;
-  block_with_hole(&s, 1);
-  bw_plane_mesh *mesh = filled(context, &s, 2, 100);
+  bw_plane_mesh *mesh = block_mesh(context, 1, 2, 100);
   static const double step[3] = {0.02, 0.35, 1.5};
   for (int i = 0; i < 3; i++) {
     bw_outline *moved = loop_at(context, mesh->outline, 1, step[i], 0);
@@ -369,9 +344,7 @@ static void budgets(void **state) {
   if (!getenv("BARWRIGHT_FULL"))
     return;
   for (int order = 1; order <= 2; order++) {
-    shape s;
-    block_with_hole(&s, 0.4);
-    bw_plane_mesh *mesh = filled(context, &s, order, 20000);
+    bw_plane_mesh *mesh = block_mesh(context, 0.4, order, 20000);
     bw_mesh_motion *motion = NULL;
     check_ok(context, bw_mesh_motion_create(context, mesh, NULL, &motion));
     bw_outline *start = bw_retain(mesh->outline);
