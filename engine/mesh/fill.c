@@ -61,6 +61,9 @@ static bw_status check_options(bw_context *context, const bw_fill_options *o) {
   if (!(o->tolerance > 0 && o->tolerance < 1))
     return bw_fail(context, BW_INVALID, "tolerance %g: give a fraction between 0 and 1",
                    o->tolerance);
+  if (!(o->sharp_angle > 0))
+    return bw_fail(context, BW_INVALID, "sharp_angle %g: give an angle above 0 in radians",
+                   o->sharp_angle);
   if (!(o->time_limit > 0) || !(o->memory_limit > 0))
     return bw_fail(context, BW_INVALID, "limits of %g seconds and %g bytes: both must be positive",
                    o->time_limit, o->memory_limit);

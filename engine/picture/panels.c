@@ -25,6 +25,8 @@ static bw_status check(bwi_panel_sheet *s) {
   const bw_grid_picture_options *o = s->options;
   if (s->count < 1 || s->count > MAX_PANELS)
     return bw_fail(s->context, BW_INVALID, "%d panels: 1 to %d can be drawn", s->count, MAX_PANELS);
+  if (o->columns < 0)
+    return bw_fail(s->context, BW_INVALID, "%d panels in a row: 0 or more expected", o->columns);
   s->columns = o->columns > 0 ? o->columns : s->count < 4 ? s->count : 4;
   s->columns = s->columns < s->count ? s->columns : s->count;
   s->rows = (s->count + s->columns - 1) / s->columns;

@@ -89,9 +89,8 @@ bw_status bw_plate_inplane(bw_context *context, const bw_plate *plate, int count
   if (count < 1 || block + RIGID >= n)
     return bw_fail(
         context, BW_INVALID,
-        "%d modes requested of a plate with %lld unknowns in its plane: fewer than these and at "
-        "least 1 expected",
-        count, (long long)n);
+        "%d modes requested of a plate with %lld unknowns in its plane: from 1 to %lld expected",
+        count, (long long)n, (long long)(n - GUARDS - RIGID - 1));
   BW_TRY(bw_sheet_create(context, plate->mesh, &description, &sheet));
   BW_TRY(bwi_sheet_prepare(context, sheet, &made));
   BW_TRY(bwi_sheet_stiffness(context, sheet));

@@ -227,9 +227,8 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   reuse = reuse ? reuse : &none;
   if (options.modes < 1 || options.modes >= n - GUARDS - RIGID)
     return bw_fail(context, BW_INVALID,
-                   "%d modes requested of a plate with %lld unknowns: fewer than these and at "
-                   "least 1 expected",
-                   options.modes, (long long)n);
+                   "%d modes requested of a plate with %lld unknowns: from 1 to %lld expected",
+                   options.modes, (long long)n, (long long)(n - GUARDS - RIGID - 1));
   if (!(options.tolerance > 0))
     return bw_fail(context, BW_INVALID, "the tolerance is %g: it must be above 0",
                    options.tolerance);

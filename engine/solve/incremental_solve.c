@@ -32,6 +32,11 @@ static bw_status options_of(bw_context *context, const bw_incremental_options *g
     return bw_fail(context, BW_INVALID,
                    "the tolerance of the iteration is %g; it must be between 0 and 1",
                    options->tolerance);
+  if (options->further < 0 || !(options->max_iteration_ratio >= 0))
+    return bw_fail(
+        context, BW_INVALID,
+        "%d further right-hand sides, max_iteration_ratio %g: 0 or more of both expected",
+        options->further, options->max_iteration_ratio);
   if (options->precision != 0 && options->precision != 32 && options->precision != 64)
     return bw_fail(context, BW_INVALID, "the factor's precision is 32 or 64 bits, not %d",
                    options->precision);

@@ -283,6 +283,9 @@ bw_status bw_database_open(bw_context *context, const char *path,
   if (!path[0] || strlen(path) + 8 >= BWI_LONGEST_PATH)
     return bw_fail(context, BW_INVALID, "a path of %zu bytes: 1 to %d expected", strlen(path),
                    BWI_LONGEST_PATH - 8);
+  if (!(options->busy_seconds >= 0))
+    return bw_fail(context, BW_INVALID, "busy_seconds %g: 0 or more expected",
+                   options->busy_seconds);
   bw_status status = bw_may_use(context, path, options->read_only ? BW_TO_READ : BW_TO_WRITE);
   if (status == BW_OK)
     status = check_file(context, path, options->read_only);

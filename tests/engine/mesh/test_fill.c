@@ -424,6 +424,10 @@ static void test_refusals(void **state) {
   options.elements = -5;
   check_fails(context, BW_INVALID, "-5 elements",
               bw_mesh_fill(context, cube, &options, &mesh, NULL));
+  bw_fill_options_default(&options);
+  options.sharp_angle = 0;
+  check_fails(context, BW_INVALID, "sharp_angle 0",
+              bw_mesh_fill(context, cube, &options, &mesh, NULL));
 
   /* Limits: some hundred thousand elements in a fifth of a second or twenty megabytes. */
   bw_fill_options_default(&options);

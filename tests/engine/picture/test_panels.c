@@ -118,6 +118,10 @@ static void refusals(void **state) {
               bw_picture_grids(context, 1, &panel, &options, path));
   u[4] = 0;
   check_fails(context, BW_INVALID, "0 panels", bw_picture_grids(context, 0, &panel, NULL, path));
+  options.columns = -1;
+  check_fails(context, BW_INVALID, "-1 panels in a row",
+              bw_picture_grids(context, 1, &panel, &options, path));
+  options.columns = 0;
   options.width = 20000;
   check_fails(context, BW_INVALID, "20000 x 100 pixels",
               bw_picture_grids(context, 1, &panel, &options, path));

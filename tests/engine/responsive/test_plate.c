@@ -323,6 +323,11 @@ static void test_inplane(void **state) {
   check_fails(context, BW_INVALID, "0 modes", bw_plate_inplane(context, plate, 0, frequency));
   const bw_plate_options many = {.modes = INT32_MAX, .tolerance = 1e-6};
   check_fails(context, BW_INVALID, "2147483647 modes", bw_plate_solve(context, plate, &many, NULL));
+  /* 3 rigid-body modes and 2 more vectors of the iteration, one less than all unknowns */
+  char largest[32];
+  int last = 2 * mesh->topology->nodes->node_count - 6;
+  snprintf(largest, sizeof largest, "from 1 to %d expected", last);
+  check_fails(context, BW_INVALID, largest, bw_plate_inplane(context, plate, last + 1, frequency));
   bw_release(plate);
   bw_release(mesh);
   bw_release(material);

@@ -140,6 +140,10 @@ static void failures_and_recovery(void **state) {
   check_fails(context, BW_INVALID, "between 0 and 1",
               bw_incremental_system_solve(context, incremental, &options, 1, u, u, NULL));
   options.tolerance = 1e-10;
+  options.further = -1;
+  check_fails(context, BW_INVALID, "-1 further right-hand sides",
+              bw_incremental_system_solve(context, incremental, &options, 1, u, u, NULL));
+  options.further = 0;
 
   /* a waist so thin that the stiffness is singular: said when it is factored, and repaired after */
   pose before = b.now;

@@ -151,6 +151,9 @@ static void test_opening(void **state) {
   path = path_of("a");
   bw_database_options options = {true, 1};
   bw_database *d = NULL;
+  options.busy_seconds = NAN;
+  check_fails(context, BW_INVALID, "busy_seconds", bw_database_open(context, path, &options, &d));
+  options.busy_seconds = 1;
   check_ok(context, bw_database_open(context, path, &options, &d));
   assert_int_equal(count_rows(context, d), 100);
   check_fails(context, BW_IO, "readonly", bw_database_execute(context, d, "DELETE FROM trial"));
