@@ -34,9 +34,9 @@ typedef struct bwi_contact_patch {
 
 /* Room for parts that never runs out at the start. */
 int64_t bwi_contact_capacity(const bw_mesh *mesh);
-/* The patch under a force; `modulus`: of plane strain, E/(1 - nu^2). Shares of nodes are added to
- * `fraction` (node_count), which then sum to 1 more, but where count is 0 (nothing faces the
- * peg). */
+/* The patch under a force; `modulus`: of plane strain, E/(1 - nu^2). The fractions of the force at
+ * the nodes are added to `fraction` (node_count): 1 in all, or 0 where count is 0 (nothing faces
+ * the peg). */
 void bwi_contact_press(const bw_mesh *mesh, const bwi_peg *peg, double force, double modulus,
                        bwi_contact_part *part, double *fraction, bwi_contact_patch *patch);
 

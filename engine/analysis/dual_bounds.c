@@ -33,8 +33,8 @@ typedef struct claims {
   const double *stress; /* width x elements x 6 */
   total *total;         /* 2 for each claim */
   double *size;         /* claim: of its stresses */
-  double fraction[WIDTH],
-      max[WIDTH]; /* of the block: force over area, largest share of the force */
+  /* of the block: the whole force over the area, the largest fraction of the force */
+  double pressure[WIDTH], max[WIDTH];
 } claims;
 
 static void add(total *t, double term) {
@@ -74,7 +74,7 @@ static void add_everywhere(const claims *c, const double *y, double (*response)[
       gain[j] += (r < 3 ? 1 : 2) * response[r][j] * response[r][j];
   }
   for (int32_t j = 0; j < c->width; j++)
-    gain[j] = c->fraction[j] * sqrt(gain[j]);
+    gain[j] = c->pressure[j] * sqrt(gain[j]);
   add_block(c, gain, y[6 * motions], t);
 }
 
@@ -92,7 +92,7 @@ static void add_direction(const claims *c, const double n[3], const double *y,
       gain[j] = sign ? -along[j] : along[j];
     take_off(c, y, gain);
     for (int32_t j = 0; j < c->width; j++)
-      gain[j] *= c->fraction[j];
+      gain[j] *= c->pressure[j];
     add_block(c, gain, y[motions], &t[sign]);
   }
 }
@@ -114,7 +114,7 @@ static bw_status claim_body(void *data, int64_t begin, int64_t end, int worker) 
         response[r][j] = from[r];
         sum += fabs(from[r]);
       }
-      size += c->fraction[j] * c->max[j] * sum;
+      size += c->pressure[j] * c->max[j] * sum;
     }
     c->size[i] += size;
     const double *y = c->stated->multiplier + (size_t)i * numbers;
@@ -166,7 +166,7 @@ static bw_status solve_block(bw_context *context, bw_system *system, claims *c, 
     for (int64_t k = basis->start[c->first + j]; k < basis->start[c->first + j + 1]; k++)
       for (int d = 0; d < 3; d++)
         force[3 * (size_t)basis->row[k] + (size_t)d] += basis->coefficient[3 * k + d];
-    c->fraction[j] = c->stated->force / basis->area[c->first + j];
+    c->pressure[j] = c->stated->force / basis->area[c->first + j];
     c->max[j] = basis->area[c->first + j] * (c->stated->pressure / c->stated->force);
   }
   BW_TRY(bw_system_solve(context, system, c->width, b->force, b->displacement));
@@ -262,7 +262,7 @@ bw_status bw_dual_bounds(bw_context *context, bw_system *system, const bw_pressu
     BW_TRY(bw_parallel(context, stated->count, CLAIMS_PER_TASK, claim_body, &c));
     for (int32_t j = 0; j < c.width; j++) {
       energy = fmax(energy, b.energy[j] / basis->area[c.first + j]);
-      double full = c.fraction[j] * c.max[j]; /* the largest pressure */
+      double full = c.pressure[j] * c.max[j]; /* the largest pressure */
       shares += c.max[j];
       for (int32_t k = 0; k < stated->motions; k++)
         work_size[k] +=

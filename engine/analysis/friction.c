@@ -106,10 +106,10 @@ static void add_facet(friction_work *w, int32_t f) {
       rotate(mean, unit, e1, e2, t2);
       for (int a = 0; a < nodes; a++) {
         double *to = w->tangent + 6 * find_entry(plain, j, node[a]);
-        double fraction = 0.5 * rule->weight[q] * size * rule->value[i] * shape[a];
+        double weight = 0.5 * rule->weight[q] * size * rule->value[i] * shape[a];
         for (int k = 0; k < 3; k++) {
-          to[k] += fraction * t1[k];
-          to[3 + k] += fraction * t2[k];
+          to[k] += weight * t1[k];
+          to[3 + k] += weight * t2[k];
         }
       }
     }

@@ -83,7 +83,7 @@ typedef struct bwi_vertex {
 
 /* The exact solution at a vertex: basic values and multipliers by a dense factor of the basis.
  * `fraction` has `columns` entries, `multiplier` has `rows`. Says how far the vertex is from being
- * optimal: violation of bounds and rows (shares), and the duality gap over |c| . t. */
+ * optimal: violation of bounds and rows (fractions), and the duality gap over |c| . t. */
 typedef struct bwi_solution {
   double *fraction, *multiplier;
   double value, violation, gap;

@@ -234,14 +234,14 @@ static void add_weights(const patch *p, const double *value, double mean, double
   double square = p->patches.radius * p->patches.radius;
   for (size_t f = 0; f < p->facets; f++) {
     const int32_t *node = mesh->facet + (size_t)p->facet[f] * (size_t)mesh->nodes_per_facet;
-    double by_area = 0, area = p->patches.area[p->facet[f]], fraction[BWI_PATCH_SAMPLES];
+    double by_area = 0, area = p->patches.area[p->facet[f]], sample[BWI_PATCH_SAMPLES];
     for (int a = 0; a < 3; a++)
       by_area += p->weight[3 * f + a] * (value[3 * f + a] - mean) / (p->total * area);
-    bwi_surface_patch_fractions(&p->patches, p->facet[f], p->centre, fraction);
+    bwi_surface_patch_weights(&p->patches, p->facet[f], p->centre, sample);
     for (int k = 0; k < BWI_PATCH_SAMPLES; k++) {
       const double *at = p->patches.at[k];
       double off = -mean, arm[3];
-      if (!(fraction[k] > 0))
+      if (!(sample[k] > 0))
         continue;
       for (int c = 0; c < 3; c++)
         arm[c] = -centre[c];

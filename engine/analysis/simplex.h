@@ -23,7 +23,7 @@ typedef struct bwi_key_change {
 
 /* One of the two methods. */
 typedef struct bwi_method {
-  double scatter;                /* added to the costs in the first attempt, see simplex_basis.c */
+  double scatter;                /* added to the costs in the first attempt, see dual_simplex.c */
   void (*start)(bwi_simplex *s); /* a basis of unit columns */
   void (*basis_row)(const bwi_simplex *s, int32_t i, double *row); /* row += basic column i */
   void (*restart)(bwi_simplex *s);                                 /* recomputed from the basis */

@@ -118,16 +118,16 @@ void bwi_surface_patches_clear(bwi_surface_patches *patches) {
   bw_free(patches->queue);
 }
 
-bool bwi_surface_patch_fractions(const bwi_surface_patches *p, int32_t facet, int32_t node,
-                                 double fraction[BWI_PATCH_SAMPLES]) {
+bool bwi_surface_patch_weights(const bwi_surface_patches *p, int32_t facet, int32_t node,
+                               double weight[BWI_PATCH_SAMPLES]) {
   const double *x = p->sample + (size_t)facet * BWI_PATCH_SAMPLES * 3;
   const double *centre = p->mesh->node + 3 * (size_t)node;
   double area = p->area[facet] / BWI_PATCH_SAMPLES, scale = 1 / (p->radius * p->radius);
   bool any = false;
   for (int k = 0; k < BWI_PATCH_SAMPLES; k++, x += 3) {
     double d[3] = {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]};
-    fraction[k] = fmax(0, area * (1 - scale * bw_dot(d, d)));
-    any = any || fraction[k] > 0;
+    weight[k] = fmax(0, area * (1 - scale * bw_dot(d, d)));
+    any = any || weight[k] > 0;
   }
   return any;
 }
@@ -171,12 +171,12 @@ void bwi_surface_patch_visit(const bwi_surface_patches *p, int32_t node, int32_t
   }
   while (first < last) {
     int32_t facet = queue[first++];
-    double fraction[BWI_PATCH_SAMPLES], weight[3] = {0};
-    if (!bwi_surface_patch_fractions(p, facet, node, fraction))
+    double sample[BWI_PATCH_SAMPLES], weight[3] = {0};
+    if (!bwi_surface_patch_weights(p, facet, node, sample))
       continue;
     for (int k = 0; k < BWI_PATCH_SAMPLES; k++)
       for (int a = 0; a < 3; a++)
-        weight[a] += fraction[k] * p->at[k][a];
+        weight[a] += sample[k] * p->at[k][a];
     add(data, facet, weight);
     any = true;
     for (int a = 0; a < 3; a++) {

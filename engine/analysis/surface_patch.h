@@ -31,22 +31,22 @@ bw_status bwi_surface_patches_begin(bw_context *context, const bw_mesh *mesh,
                                     bwi_surface_patches *patches);
 void bwi_surface_patches_clear(bwi_surface_patches *patches);
 
-/* The shares of a facet's samples in the patch around a node: 0 beyond the radius. Whether one is
- * not 0. */
-bool bwi_surface_patch_fractions(const bwi_surface_patches *patches, int32_t facet, int32_t node,
-                                 double fraction[BWI_PATCH_SAMPLES]);
+/* The weights (m2) of a facet's samples in the patch around a node: 0 beyond the radius. Returns
+ * whether one is not 0. */
+bool bwi_surface_patch_weights(const bwi_surface_patches *patches, int32_t facet, int32_t node,
+                               double weight[BWI_PATCH_SAMPLES]);
 
 /* Of the flat triangle of a facet's corners, m2. */
 double bwi_facet_area(const bw_mesh *mesh, int32_t facet);
 
-/* Whether a node is the middle of a patch: on the boundary, and not in the inside of a support. */
+/* Whether a node is the centre of a patch: on the boundary, and not in the inside of a support. */
 bool bwi_surface_patch_exists(const bwi_surface_patches *patches, int32_t node);
 
-/* Calls `add` for each facet of the patch around a boundary node with the weights of its corners,
- * their fractions not divided by the total. Where no sample lies within the radius, the weight is
- * the area of the facets around the node at that corner, or half of it at both ends of a mid-edge
- * node's edge. So the sum of the weights is 0 where there is no patch only. `mark`: greater than 0,
- * another one for each patch of a worker. */
+/* Calls `add` for each facet of the patch around a boundary node with the weights (m2) of its
+ * corners, which are not divided by their sum. Where no sample lies within the radius, the weight
+ * is the area of the facets around the node at that corner, or half of it at both ends of a
+ * mid-edge node's edge. So the sum of the weights is 0 where there is no patch only. `mark`:
+ * greater than 0, another one for each patch of a worker. */
 void bwi_surface_patch_visit(const bwi_surface_patches *patches, int32_t node, int32_t mark,
                              int worker,
                              void (*add)(void *data, int32_t facet, const double weight[3]),

@@ -117,7 +117,7 @@ static bw_status run_batch(run *r, bwi_loads *loads,
     /* A single one is called outside bw_parallel, so that its own loops may use all threads. */
     BW_TRY(r->group_count == 1 ? stress_body(r, 0, 1, 0)
                                : bw_parallel(context, r->group_count, 1, stress_body, r));
-    double fraction = each + (bw_seconds() - start) / r->group_count;
+    double seconds = each + (bw_seconds() - start) / r->group_count;
     for (int g = 0; g < r->group_count; g++) {
       int i = first + g;
       int flipped = chosen(r, i);
@@ -128,7 +128,7 @@ static bw_status run_batch(run *r, bwi_loads *loads,
                                .max_principal = r->principal + g * elements,
                                .objective = r->value[i * r->signs + flipped],
                                .flipped = flipped == 1,
-                               .seconds = fraction};
+                               .seconds = seconds};
       BW_TRY(visit(data, &v));
     }
   }

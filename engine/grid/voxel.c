@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Grids of what a closed surface holds: a lattice around its box, and the cells inside. */
+/* Grids of what a closed surface holds: a lattice around its box; cells with enough inside. */
 #include "grid/internal.h"
 
 #include <math.h>

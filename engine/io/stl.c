@@ -57,10 +57,10 @@ static bw_status parse_binary(bwi_cursor *cursor, bwi_soup *soup) {
         if (!isfinite(x[j])) {
           cursor->at = bytes + 12 + 12 * k + 4 * j;
           status = bwi_fail_byte(cursor,
-                                 "corner %d of facet %u has the coordinate %g: a "
-                                 "finite number was expected",
+                                 "corner %d of facet %u has the coordinate %g: a finite number was "
+                                 "expected",
                                  k + 1, i + 1, x[j]);
-          bw_detail_number(cursor->context, "facet", i);
+          bw_detail_number(cursor->context, "facet", i + 1.0);
           goto done;
         }
       }

@@ -8,10 +8,10 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Elements per facet of the surface and per volume of an edge length, for the first guess. */
-static const double facet_fraction = 1.7, volume_fraction = 1.6;
+/* Elements per facet of the surface and per cube of an edge length, for the first guess. */
+static const double per_facet = 1.7, per_cube = 1.6;
 /* ... per point that bends a border of faces, where those are kept. */
-static const double bend_fraction = 12;
+static const double per_bend = 12;
 /* The volume bound that goes with an edge length, in cubes of it: the edges inside may be about
  * half as long again as those on the surface. */
 static const double volume_of_length = 0.5;
@@ -141,14 +141,14 @@ static bw_status fill_at(bwi_filler *f, bwi_fill_way *how, double length, double
 
 /* Elements that the faces take at any edge length. */
 static double min_count(const bwi_filler *f, bwi_fill_way how) {
-  return (how <= WAY_BORDERS ? bend_fraction * (double)f->bends : 0) +
-         (how <= WAY_FACES ? facet_fraction * f->round_facets : 0);
+  return (how <= WAY_BORDERS ? per_bend * (double)f->bends : 0) +
+         (how <= WAY_FACES ? per_facet * f->round_facets : 0);
 }
 
 static double expected_count(const bwi_filler *f, double length) {
   double facets = f->area / (0.4330127 * length * length) * 1.15;
   double cube = length * length * length;
-  return facet_fraction * facets + volume_fraction * f->volume / cube;
+  return per_facet * facets + per_cube * f->volume / cube;
 }
 
 static double first_length(const bwi_filler *f, double count) {

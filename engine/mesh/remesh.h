@@ -74,7 +74,7 @@ static inline double quality(const double a[3], const double b[3], const double 
   return sum > 0 ? 3.4641016151377544 * bw_norm(n) / sum : 0;
 }
 
-static inline bool is_inverted_facet(const double before[3], const double after[3]) {
+static inline bool turns_too_far(const double before[3], const double after[3]) {
   return bw_dot(before, after) <= turn * bw_norm(before) * bw_norm(after);
 }
 

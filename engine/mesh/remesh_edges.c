@@ -87,7 +87,7 @@ static verdict check_collapse(const bwi_remesher *r, int32_t side, bool coarse) 
     worst_after = fmin(worst_after, quality_after);
     normal_of(xa, xq, xp, before);
     normal_of(xb, xq, xp, after);
-    if (quality_before > 1e-6 && is_inverted_facet(before, after))
+    if (quality_before > 1e-6 && turns_too_far(before, after))
       return FEATURE;
     double reach = distance(xb, xq);
     if (reach > max * 0.5 * (mesh->size[b] + mesh->size[q]) && reach > distance(xa, xq))

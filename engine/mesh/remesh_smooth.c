@@ -44,7 +44,7 @@ static bool flip_helps(const bwi_remesher *r, int32_t side) {
                   quality(b, a, d) < 1e-6}; /* direction not to be trusted */
   for (int i = 0; i < 2; i++)
     for (int k = 0; k < 2; k++)
-      if (!flat[i] && is_inverted_facet(old[i], made[k]))
+      if (!flat[i] && turns_too_far(old[i], made[k]))
         return false;
   if ((flat[0] && flat[1]) || bw_dot(made[0], made[1]) <= 0)
     return false;
@@ -126,7 +126,7 @@ static bool move_is_fine(const bwi_remesher *r, int32_t p, const double to[3]) {
     double before[3], after[3], quality_before = quality(from, b, c);
     normal_of(from, b, c, before);
     normal_of(to, b, c, after);
-    if (quality_before > 1e-6 && is_inverted_facet(before, after))
+    if (quality_before > 1e-6 && turns_too_far(before, after))
       return false;
     worst_before = fmin(worst_before, quality_before);
     worst_after = fmin(worst_after, quality(to, b, c));

@@ -53,8 +53,7 @@ bw_status bw_surface_sphere_shape(bw_context *context, const double centre[3], d
   for (int cut = 0; cut < subdivisions; cut++) {
     for (size_t t = 0; t < count; t++) {
       const double *x = corner + 9 * t;
-      double m[3]
-              [3]; /* midpoints of the sides 01 12 20, on the sphere; the same from both facets */
+      double m[3][3]; /* midpoints of 01 12 20, on the sphere; the same from both facets */
       for (int k = 0; k < 3; k++) {
         const double *a = x + 3 * k, *b = x + 3 * ((k + 1) % 3);
         for (int i = 0; i < 3; i++)

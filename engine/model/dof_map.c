@@ -157,8 +157,8 @@ static bw_status free_bodies(bw_context *context, bw_dof_map *dof_map, int32_t c
     max = start[body + 1] > max ? start[body + 1] : max;
     start[body + 1] += start[body];
   }
-  for (int32_t h = constraint_count - 1; h >= 0;
-       h--) /* backwards, with ends as cursors, then restored */
+  /* backwards, with ends as cursors, then restored */
+  for (int32_t h = constraint_count - 1; h >= 0; h--)
     order[--start[mesh->component[constraint[h].node] + 1]] = h;
   for (size_t body = 0; body < bodies; body++)
     start[body] = start[body + 1];

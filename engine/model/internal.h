@@ -58,8 +58,8 @@ void bwi_motion_at(const bw_rigid_mode *motion, const double x[3], double u[3]);
 
 /* What a DOF map of an edited shape follows. */
 typedef struct bwi_follow {
-  const bw_dof_map *
-      previous; /* of the same topology, or NULL: its isostatic constraints stay where they serve */
+  /* of the same topology, or NULL: its isostatic constraints stay where they serve */
+  const bw_dof_map *previous;
   int32_t subdomain_count;
   const int32_t *node_subdomain;
   const double *frame; /* subdomain_count x 9 */

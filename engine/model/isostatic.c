@@ -11,8 +11,8 @@
 
 #include "model/internal.h"
 
-/* They are chosen within this many radii of gyration: the far tips of thin limbs are soft and
- * would make the matrix ill-conditioned. */
+/* The constraints are chosen within this many radii of gyration: the far tips of thin limbs are
+ * soft and would make the matrix ill-conditioned. */
 #define MAX_REACH 1.5
 /* Where a constraint is this weak (relative to the first), all nodes are tried. */
 #define WEAK 0.1
@@ -32,8 +32,8 @@ static void direction_of(const bw_dof_map *dof_map, int32_t node, int k, double 
 }
 
 /* Constrain `count` components of a body whose first motion is `motion`; false when the rigid-body
- * modes cannot be told apart at the candidates: every stride-th node within `reach` of the centre,
- * and of those (with `among`) only the isostatic constraints of that DOF map. */
+ * modes cannot be distinguished at the candidates: every stride-th node within `reach` of the
+ * centre, and of those (with `among`) only the isostatic constraints of that DOF map. */
 static bool choose_constraints(const bw_dof_map *dof_map, int32_t body, int count,
                                const bw_rigid_mode *motion, double reach, int32_t stride,
                                double weakest, const bw_dof_map *among, int32_t *chosen_node,

@@ -265,8 +265,8 @@ int bwi_rigid_modes(const bw_dof_map *dof_map, int32_t component, const double i
             rotation_w[i][k] * bwi_dot(3, inertia + 3 * k, rotation_w[j]) / (length * length);
     }
   jacobi(rotation_count, gram, value, vector);
-  for (int first = 0;
-       first < rotation_count;) { /* equal moments: any axes are principal, so take x, y, z */
+  /* equal moments: any axes are principal, so take x, y, z */
+  for (int first = 0; first < rotation_count;) {
     int next = first + 1;
     while (next < rotation_count &&
            value[next] - value[first] <= EQUAL_MOMENTS * value[rotation_count - 1])

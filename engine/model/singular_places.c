@@ -101,8 +101,8 @@ static bw_status find_borders(finder *f, const bwi_topology *top, const bw_faces
                     f->normal + 3 * (size_t)t1, f->normal + 3 * (size_t)t2, seam.inward);
     if (corner == BW_CORNER_SLIDING && 2 * seam.angle - pi <= facet_margin)
       continue;
-    if (corner ==
-        BW_CORNER_SLIDING) /* the bisector of the whole wedge lies in the constrained face */
+    /* the bisector of the whole wedge lies in the constrained face */
+    if (corner == BW_CORNER_SLIDING)
       along_face(&seam, top, side[first ? 0 : 1], f->normal);
     bw_status status = bwi_seams_add(f->context, &f->seams, &seam);
     if (status != BW_OK)

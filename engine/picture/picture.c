@@ -430,8 +430,8 @@ static bw_status annotate(bw_context *context, const stage *s, cairo_t *cairo) {
                    .largest = scale * s->range.value_max,
                    .unit = unit,
                    .missing = s->range.missing,
-                   .below =
-                       s->range.value_min<s->range.min, .beyond = s->range.value_max> s->range.max};
+                   .below = (s->range.value_min < s->range.min),
+                   .beyond = (s->range.value_max > s->range.max)};
     if (scale < 0) { /* the bar runs upwards in labels all the same */
       double swap = bar.low;
       bar.low = bar.high;

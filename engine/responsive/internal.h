@@ -58,12 +58,12 @@ bw_status bwi_conditions_check(bw_context *context, const bw_plane_mesh *mesh, i
  * none of a name. */
 bw_status bwi_conditions_renamed(bw_context *context, const bw_outline *from, const bw_outline *to,
                                  int32_t count, const bw_condition *condition, bw_condition **out);
-/* A copy as they are. */
+/* A copy without changes. */
 bw_status bwi_conditions_copy(bw_context *context, int32_t count, const bw_condition *condition,
                               bw_condition **out);
 /* Whether two lists have the same kinds and components. */
 bool bwi_conditions_alike(int32_t count, const bw_condition *a, const bw_condition *b);
-/* The tags of one list into another, which stays its own otherwise. */
+/* Copies the tags of one list to another; kinds, components and values there stay. */
 void bwi_conditions_take_tags(int32_t count, const bw_condition *from, bw_condition *to);
 /* Whether a condition's tag is that of a side, and its value at a place (BW_INVALID: not
  * finite). */

@@ -28,8 +28,8 @@ void bwi_rules_create(int order, bwi_rules *rules) {
   bwi_rule_create(order, order == 1 ? 1 : 4, &rules->curved);
 }
 
-/* Mid-edge nodes within 1e-10 of the side's length of the midpoint count as there: what that leaves
- * out is below rounding errors of the stiffness. */
+/* A side counts as straight where its mid-edge node is within 1e-10 of its length from the
+ * midpoint: what that leaves out is below rounding errors of the stiffness. */
 const bwi_triangle_rule *bwi_rules_for(const bwi_rules *rules, const double (*x)[2]) {
   for (int a = 0; a < 3 && rules->straight.order == 2; a++) {
     const double *p = x[a], *q = x[(a + 1) % 3], *m = x[3 + a];

@@ -139,8 +139,8 @@ typedef struct bwi_initial_guess {
 } bwi_initial_guess;
 bw_status bwi_initial_guess_make(bw_context *context, const bw_incremental_system *incremental,
                                  const bw_incremental_options *options, int64_t count,
-                                 const double *force, bwi_initial_guess *rest);
-void bwi_initial_guess_clear(bwi_initial_guess *rest);
+                                 const double *force, bwi_initial_guess *left);
+void bwi_initial_guess_clear(bwi_initial_guess *left);
 
 /* ---- incremental_pcg.c ----------------------------------------------------------------------- */
 

@@ -4,7 +4,7 @@
  *
  * The operator is P K_c^-1 P^T M: symmetric in M, zero on rigid-body motions, so no rigid mode
  * appears and none has to be separated from an elastic one. The Sturm count takes the unconstrained
- * K - sigma M, which is regular for sigma > 0; rigid-body motions are subtracted. */
+ * K - sigma M, which is regular for sigma > 0; the rigid-body modes are subtracted from it. */
 #include <math.h>
 #include <string.h>
 

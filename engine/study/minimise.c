@@ -291,7 +291,7 @@ static bw_status outcome(run *r, nlopt_result got, bw_minimise_result *result) {
     return bw_fail(r->context, BW_INVALID, "%s does not take these arguments%s%s", r->method->word,
                    nlopt_get_errmsg(r->nlopt) ? ": " : "",
                    nlopt_get_errmsg(r->nlopt) ? nlopt_get_errmsg(r->nlopt) : "");
-  default: /* NLOPT_FAILURE, or stopped because it was wrong_point */
+  default: /* NLOPT_FAILURE, or stopped at a wrong point */
     result->end = BW_END_STUCK;
     return r->evaluations > 0 ? BW_OK
                               : bw_fail(r->context, BW_CONVERGENCE,

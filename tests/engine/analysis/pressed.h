@@ -1,6 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* A body with the pressures that may act on it, free or fixed at x = 0, for tests of worst loads.
- */
+/* A body with the pressures that may act on it, free or fixed at x = 0: tests of worst loads. */
 #ifndef PRESSED_H
 #define PRESSED_H
 

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Grids: dof_map, edits, boundary, what is embedded, coarse counterparts. */
+/* Grids: numbering, edits, boundary, what is embedded, coarse counterparts. */
 #include "check.h"
 
 #include "grid/internal.h"

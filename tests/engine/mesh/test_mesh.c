@@ -317,8 +317,8 @@ static void test_mapped(void **state) {
   check_ok(context, bw_mesh_mapped_box(context, cells, 2, bend, NULL, &mesh));
   double exact = 0.75 * acos(-1), h = acos(-1) / 2 / 24; /* chords lose (1 - sin h / h) of it */
   check_near(bw_mesh_volume(mesh), exact * sin(h) / h, 1e-12);
-  for (int32_t i = 0; i < mesh->boundary_node_count;
-       i++) { /* mid-edge nodes lie on the curve too */
+  /* mid-edge nodes lie on the curve too */
+  for (int32_t i = 0; i < mesh->boundary_node_count; i++) {
     const double *x = mesh->node + 3 * mesh->boundary_node[i];
     double r = hypot(x[0], x[1]), angle = atan2(x[1], x[0]) / h * 2;
     check_near(angle, round(angle), 1e-9);

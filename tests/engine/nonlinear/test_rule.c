@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Rules integrate what 2 x 2 x 2 Gauss points in every small cube must, and their dof_map is that
+/* Rules integrate what 2 x 2 x 2 Gauss points in every small cube must, and their numbering is that
  * of children within children. */
 #include "check.h"
 

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Random drags of vertices, edges and loops, small ones and ones that fold the outline, for each of
- * the four elastic applications: every drag ends either in the answer that a body fresh on the
+ * the four elastic applications: every drag ends either in the answer that a fresh body on the
  * same mesh gives, or in a refusal with the last good state kept. No element is ever inverted, and
  * memory does not grow. BARWRIGHT_FULL=1: 10,000 drags for each application and a figure of each
  * run; BARWRIGHT_DRAGS: another number. */

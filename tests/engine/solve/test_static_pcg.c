@@ -139,7 +139,7 @@ static void factor_is_predicted(void **state) {
 }
 
 /* Small bodies: the factor, in the bits that it has always had; also by default. Without
- * room for it, two_level; and said so where these do not serve. */
+ * memory for it, two-level PCG; and a message where that does not apply. */
 static void small_bodies(void **state) {
   bw_context *context = check_context(state);
   bw_static *result = NULL, *same = NULL;

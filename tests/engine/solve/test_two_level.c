@@ -48,8 +48,7 @@ static void linear_elements_are_refused(void **state) {
   bar_clear(&b);
 }
 
-/* A block of cubes, nx by n by n of them, in one subdomain, fixed at one end and under its weight.
- */
+/* A block of cubes, nx by n by n of them, in one subdomain, fixed at one end, under its weight. */
 static bw_incremental_system *block_of(bw_context *context, int nx, int n, bar *b) {
   const double gravity[3] = {1, 2, -9.81};
   bw_incremental_system *incremental = NULL;
