@@ -43,6 +43,11 @@ bw_status bw_nearest_patch_nodes(bw_context *context, const bw_mesh *mesh,
                                  int32_t *node) {
   if (dof_map && dof_map->mesh != mesh)
     return bw_fail(context, BW_INVALID, "supports of another mesh");
+  for (int64_t i = 0; i < count; i++)
+    if (!isfinite(bw_dot(point + 3 * i, point + 3 * i)))
+      return bw_fail(context, BW_INVALID,
+                     "point %lld is (%g, %g, %g) m: finite coordinates expected", (long long)i + 1,
+                     point[3 * i], point[3 * i + 1], point[3 * i + 2]);
   double *distance = BW_NEW(context, double, count);
   if (!distance)
     return BW_MEMORY;

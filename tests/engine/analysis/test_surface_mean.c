@@ -184,6 +184,9 @@ static void test_supports(void **state) {
   bw_release(fixed), bw_release(dof_map);
   check_ok(context, bw_nearest_patch_nodes(context, mesh, NULL, 1, point[0], found));
   assert_int_equal(found[0], node_near(mesh, -0.5, 0, 0.4));
+  const double nowhere[6] = {0, 0, 0, 0, NAN, 0};
+  check_fails(context, BW_INVALID, "point 2",
+              bw_nearest_patch_nodes(context, mesh, NULL, 2, nowhere, found));
   check_ok(context, bw_select_all(context, mesh, &fixed));
   check_ok(context, bw_model_fix(context, model, fixed));
   check_ok(context, bw_dof_map_create(context, model, &dof_map));
