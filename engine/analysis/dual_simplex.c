@@ -119,8 +119,8 @@ bw_status bwi_simplex_solve(bw_context *context, bwi_simplex *s, const double *c
   bwi_simplex_result result = BWI_SIMPLEX_OPTIMAL;
   for (int32_t g = 0; g < p->groups; g++)
     capacity += p->upper[p->group_start[g]];
-  /* Equal gains make ties, and ties can make the method go round in circles. Small amounts tell
-   * them apart: in the second attempt at least, or where the method needs them. */
+  /* Equal gains make ties, and ties can make the method cycle. Small perturbations remove them: in
+   * the second attempt at least, or where the method needs them. */
   double apart = sampled ? s->method->scatter : second_scatter;
   for (int32_t j = 0; j < p->columns; j++)
     s->cost[j] = cost[j] + apart * scatter(j);

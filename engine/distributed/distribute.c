@@ -79,8 +79,8 @@ static bw_status make_plan(bw_context *context, bwd_system *system, int32_t **ow
   system->nodes = m->pattern->node_count;
   if (system->nodes > INT32_MAX / 3 - 1)
     return bw_fail(context, BW_LIMIT,
-                   "%d nodes: PETSc's 32-bit numbers allow fewer; take larger elements",
-                   (int)system->nodes);
+                   "%d nodes: PETSc's 32-bit numbers allow %d at most; take larger elements",
+                   (int)system->nodes, INT32_MAX / 3 - 1);
   system->row_of = BW_NEW(context, int32_t, system->nodes);
   system->field = BW_NEW(context, double, 3 * (int64_t)system->nodes);
   system->counts = BW_NEW(context, int, system->ranks);

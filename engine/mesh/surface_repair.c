@@ -158,7 +158,7 @@ static bw_status orient(repairer *r) {
   if (status != BW_OK)
     goto done;
   if (flipped)
-    return take(r, next, "orient", flipped, "facets turned round");
+    return take(r, next, "orient", flipped, "facets reversed");
 done:
   bw_release(next);
   return status;

@@ -202,7 +202,7 @@ done:
   return status;
 }
 
-/* A boundary that cuts itself, or is inside out, cannot be filled. */
+/* A boundary that cuts itself, or has inward normals, cannot be filled. */
 static bw_status check_boundary(const bwi_refiller *r, int32_t number, const bw_surface *surface,
                                 const int32_t *element_of) {
   bw_surface_report report = {0};

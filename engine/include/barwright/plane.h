@@ -171,7 +171,7 @@ typedef enum bw_relocation {
 /* How a mesh follows its outline. */
 typedef struct bw_follow_options {
   bw_relocation relocation; /* default BW_RELOCATE_HARMONIC */
-  int rounds;               /* even; default 2, to 10000 */
+  int rounds;               /* of the springs; default 2, 0 to 10000 */
   double distorted;      /* (-) quality below which an element calls for reconnecting; default 0.35,
                             0 or more and below 1 */
   double rebuild;        /* (-) quality below which, after reconnecting, the mesh is reconstructed;
