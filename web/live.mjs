@@ -215,7 +215,7 @@ function readouts() {
   unit.textContent = over ? "MPa, above the limit" : "MPa";
   maximum.append(unit);
   maximum.classList.toggle("over", !!over);
-  byId("error").textContent = state.error === undefined ? "–" : `${number(100 * state.error)} %`;
+  byId("error").textContent = state.error === undefined ? "–" : `${Number((100 * state.error).toPrecision(2))} %`;
   byId("edits").textContent = state.edits;
   byId("reused").textContent = state.reused || "–";
   byId("mesh").textContent = `${scene.elements} elements, ${state.mesh}`;

@@ -31,11 +31,20 @@ double bwi_facet_area(const bw_mesh *mesh, int32_t facet) {
   return 0.5 * bw_norm(n);
 }
 
+/* Whether all nodes of a facet are constrained in all directions. */
 static bool is_constrained(const bw_dof_map *dof_map, int nodes, const int32_t *node) {
   for (int k = 0; k < 3 * nodes; k++)
     if (dof_map->state[3 * (size_t)node[k / 3] + (size_t)(k % 3)] != BW_DOF_PRESCRIBED)
       return false;
   return true;
+}
+
+/* The area with which a facet counts: 0 where a support constrains it. */
+static double patch_area(const bw_mesh *mesh, const bw_dof_map *dof_map, int32_t facet) {
+  const int32_t *node = mesh->facet + (size_t)facet * (size_t)mesh->nodes_per_facet;
+  return dof_map && is_constrained(dof_map, mesh->nodes_per_facet, node)
+             ? 0
+             : bwi_facet_area(mesh, facet);
 }
 
 bw_status bw_nearest_patch_nodes(bw_context *context, const bw_mesh *mesh,
@@ -57,8 +66,7 @@ bw_status bw_nearest_patch_nodes(bw_context *context, const bw_mesh *mesh,
   }
   for (int32_t f = 0; f < mesh->facet_count; f++) {
     const int32_t *corner = mesh->facet + (size_t)f * (size_t)mesh->nodes_per_facet;
-    if (!(bwi_facet_area(mesh, f) > 0) ||
-        (dof_map && is_constrained(dof_map, mesh->nodes_per_facet, corner)))
+    if (!(patch_area(mesh, dof_map, f) > 0))
       continue;
     for (int a = 0; a < mesh->nodes_per_facet; a++)
       for (int64_t i = 0; i < count; i++) {
@@ -101,9 +109,7 @@ bw_status bwi_surface_patches_begin(bw_context *context, const bw_mesh *mesh,
     const int32_t *node = mesh->facet + f * (size_t)mesh->nodes_per_facet;
     const double *a = mesh->node + 3 * (size_t)node[0], *b = mesh->node + 3 * (size_t)node[1],
                  *c = mesh->node + 3 * (size_t)node[2];
-    patches->area[f] = bwi_facet_area(mesh, (int32_t)f);
-    if (dof_map && is_constrained(dof_map, mesh->nodes_per_facet, node))
-      patches->area[f] = 0;
+    patches->area[f] = patch_area(mesh, dof_map, (int32_t)f);
     for (size_t k = 0; k < BWI_PATCH_SAMPLES; k++)
       for (size_t j = 0; j < 3; j++) {
         const double *at = patches->at[k];

@@ -320,8 +320,8 @@ function advice:lines()
   end
   local list = {}
   for i, place in ipairs(self.places) do
-    list[i] = ("Thicken by %s within %s of %s."):format(core.quantity(place.offset, "m"),
-      core.quantity(place.radius, "m"), core.point(place.at))
+    list[i] = ("Thicken by %s within %s of %s."):format(shown.estimate(place.offset, "m"),
+      shown.estimate(place.radius, "m"), core.point(place.at))
   end
   local rest = self.force < self.required and (", still less than %s: repeat"):format(
     core.quantity(self.required, "N")) or ""

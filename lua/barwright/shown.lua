@@ -1,5 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- Numbers in sentences: four significant digits in the units of core.quantity; estimated errors have two.
+-- Numbers in sentences: four significant digits in the units of core.quantity. Percentages and what a search or an
+-- estimate gives have three, estimated errors two.
 local core = require "barwright.core"
 
 local shown = {}
@@ -9,9 +10,16 @@ function shown.number(value)
   return core.quantity(value, "")
 end
 
---- A fraction: "37.12 %"
+local function rounded(value) return tonumber(("%.3g"):format(value)) end
+
+--- A value that a search or an estimate gives: "25.8 N"
+function shown.estimate(value, unit)
+  return core.quantity(rounded(value), unit)
+end
+
+--- A fraction: "37.1 %"
 function shown.percent(fraction)
-  return core.quantity(100 * fraction, "%")
+  return shown.estimate(100 * fraction, "%")
 end
 
 --- An estimated error, a fraction: "2.1 %", whole percents from 10 on.
@@ -38,10 +46,10 @@ function shown.size(size)
   return table.concat(texts, " x ") .. " mm"
 end
 
---- A value with its interval, in one unit: "25.83 N (21.34 to 30.9 N)"
+--- A value with its interval, in one unit: "25.8 N (21.3 to 30.9 N)"
 function shown.interval(value, low, high, unit)
-  local name, scale = core.shown_unit(value, unit)
-  local function number(x) return shown.number(x / scale) end
+  local name, scale = core.shown_unit(rounded(value), unit)
+  local function number(x) return shown.number(rounded(x) / scale) end
   return ("%s %s (%s to %s %s)"):format(number(value), name, number(low), number(high), name)
 end
 

@@ -240,7 +240,8 @@ BW_API bw_status bw_weak_regions_directed(bw_context *context, const bw_mesh *me
                                           bw_weak_regions **regions);
 /* The boundary nodes nearest to points, point (m, count x 3), that have a patch: those that are not
  * in the inside of a support. node (index, count), the lowest of equally near ones. `dof_map` may
- * be NULL: nothing is constrained. BW_EMPTY where supports constrain the whole boundary. */
+ * be NULL: nothing is constrained. BW_EMPTY where supports constrain the whole boundary, BW_INVALID
+ * for a point that is not finite. */
 BW_API bw_status bw_nearest_patch_nodes(bw_context *context, const bw_mesh *mesh,
                                         const bw_dof_map *dof_map, int64_t count,
                                         const double *point, int32_t *node);

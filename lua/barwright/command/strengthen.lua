@@ -16,15 +16,13 @@ local function fields_of(one)
 end
 
 local function row(name, one, out)
-  out:say("  %-8s%9s N%10s to%9s N%14s   %s", name, shown.number(one.force), shown.number(one.low),
-    shown.number(one.high), one.mass and core.quantity(one.mass, "kg") or core.quantity(one.volume, "m3"),
-    core.point(one.at))
+  out:say("  %-8s%-32s%12s   %s", name, shown.interval(one.force, one.low, one.high, "N"),
+    one.mass and core.quantity(one.mass, "kg") or core.quantity(one.volume, "m3"), core.point(one.at))
 end
 
 local function report(result, moved, opts, out)
   out:say("")
-  out:say("  %-8s%11s%24s%14s   weakest place", "", "breaks at", "interval",
-    result.before.mass and "mass" or "volume")
+  out:say("  %-8s%-32s%12s   weakest place", "", "breaks at (interval)", result.before.mass and "mass" or "volume")
   row("before", result.before, out)
   row("after", result.after, out)
   local fraction = result.added_volume / result.before.volume
@@ -100,7 +98,7 @@ local function strengthen(opts, out)
     progress = function(step)
       steps = steps + 1
       out:say("  step %d: %s thickened by up to %s in this step; now it breaks at %s", steps,
-        model.count(step.places, "place"), core.quantity(step.offset, "m"),
+        model.count(step.places, "place"), shown.estimate(step.offset, "m"),
         shown.interval(step.force, step.low, step.high, "N"))
     end})
   out:warnings()

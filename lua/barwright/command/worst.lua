@@ -61,7 +61,7 @@ local function report(breaking, verdict, large, mass, opts, out)
   out:say(sentences[verdict], newtons(opts.force))
   local others = {}
   for i, place in ipairs(breaking.ties) do
-    others[i] = ("%s at %s"):format(newtons(1 / place.utilisation), core.point(place.at))
+    others[i] = ("%s at %s"):format(shown.estimate(1 / place.utilisation, "N"), core.point(place.at))
   end
   if #others > 0 then
     out:say("  Other places whose breaking force is within the error: %s.", table.concat(others, "; "))
@@ -154,7 +154,7 @@ local function advise(breaking, verdict, opts, out)
     predicted_breaking_force_low_n = advice.low, predicted_breaking_force_high_n = advice.high}}
   if not first then return out:say("Advice: no thickening was found that helps.") end
   out:say("Advice: thicken %s, most by %s within %s of %s; predicted: breaks at %s.",
-    model.count(#thickened, "place"), core.quantity(first.offset, "m"), core.quantity(first.radius, "m"),
+    model.count(#thickened, "place"), shown.estimate(first.offset, "m"), shown.estimate(first.radius, "m"),
     core.point(first.at), shown.interval(advice.force, advice.low, advice.high, "N"))
   if #opts.fix + #opts.forbid > 0 then return end -- strengthening takes free parts only
   local same = {}
