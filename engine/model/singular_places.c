@@ -17,7 +17,7 @@ static const double pi = 3.14159265358979323846;
  * facets of a round face that meets the plane squarely lean by half of their angle. */
 static const double facet_margin = 30 * 0.017453292519943295;
 
-enum { HELD_X = 1, HELD_ALL = 7, OTHERWISE = 8 };
+enum { FIXED_X = 1, FIXED_ALL = 7, OTHERWISE = 8 };
 
 typedef struct finder {
   bw_context *context;
@@ -45,9 +45,9 @@ static uint8_t bits_of(const bw_support *support, const double normal[3], bool *
   }
   for (int k = 0; k < 3; k++)
     if (support->fixed[k])
-      bits |= (uint8_t)(HELD_X << k);
+      bits |= (uint8_t)(FIXED_X << k);
   for (int k = 0; k < 3; k++)
-    if (bits == HELD_X << k && fabs(normal[k]) > along_normal) {
+    if (bits == FIXED_X << k && fabs(normal[k]) > along_normal) {
       *slides = true;
       return 0;
     }

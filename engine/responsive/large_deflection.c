@@ -107,7 +107,7 @@ static bw_status go_on(newton *n, double load, double *inside, double *total) {
   const struct bwi_sheet *inner = n->inner;
   double plain = residual(n, load, n->u, n->inside), relative = INFINITY;
   double there = INFINITY, all = INFINITY, *way[2] = {n->step, n->way};
-  double slope[2], by[2][2], share[2] = {0, 0};
+  double slope[2], by[2][2], factor[2] = {0, 0};
   const double *before = n->next->before, *former = n->next->former;
   int count = former ? 2 : 1;
   if (plain <= n->options->tolerance || !all_prescribed(n, load))
@@ -126,12 +126,12 @@ static bw_status go_on(newton *n, double load, double *inside, double *total) {
         n->trial[k] = n->u[k] + way[w][k];
     else {
       double det = count == 2 ? by[0][0] * by[1][1] - by[0][1] * by[1][0] : by[0][0];
-      share[0] = count == 2 ? (slope[0] * by[1][1] - by[0][1] * slope[1]) / det : slope[0] / det;
-      share[1] = count == 2 ? (by[0][0] * slope[1] - slope[0] * by[1][0]) / det : 0;
-      if (!(fabs(share[0]) + fabs(share[1]) < 8))
+      factor[0] = count == 2 ? (slope[0] * by[1][1] - by[0][1] * slope[1]) / det : slope[0] / det;
+      factor[1] = count == 2 ? (by[0][0] * slope[1] - slope[0] * by[1][0]) / det : 0;
+      if (!(fabs(factor[0]) + fabs(factor[1]) < 8))
         return BW_OK;
       for (size_t k = 0; k < n->size; k++)
-        n->trial[k] = n->u[k] + share[0] * way[0][k] + share[1] * way[count - 1][k];
+        n->trial[k] = n->u[k] + factor[0] * way[0][k] + factor[1] * way[count - 1][k];
     }
     BW_TRY(evaluate(n, n->trial, n->inside_trial, &there, &all, load));
     relative = isfinite(all) ? residual(n, load, n->trial, n->inside_trial) : INFINITY;
@@ -266,12 +266,12 @@ static bool is_not_converged(bw_status status) {
 /* The load in steps from nothing, as large as they succeed. */
 static bw_status in_steps(newton *n) {
   bw_status status = BW_OK;
-  double *good = BW_NEW0(n->context, double, n->size), share = 0.5;
+  double *good = BW_NEW0(n->context, double, n->size), increment = 0.5;
   if (!good)
     return BW_MEMORY;
   while (n->reached < 1) {
-    double load = fmin(1, n->reached + share);
-    if (n->report->load_steps >= n->options->load_steps || share < 1e-4) {
+    double load = fmin(1, n->reached + increment);
+    if (n->report->load_steps >= n->options->load_steps || increment < 1e-4) {
       status = bw_fail(n->context, BW_CONVERGENCE,
                        "the load continuation of the sheet stopped at %.3g of its load after %d "
                        "load steps: it snaps through or folds there, or an element (%d) inverts; "
@@ -288,9 +288,9 @@ static bw_status in_steps(newton *n) {
     if (status == BW_OK) {
       memcpy(good, n->u, n->size * sizeof(double));
       n->reached = load;
-      share *= 1.5;
+      increment *= 1.5;
     } else
-      share *= 0.4;
+      increment *= 0.4;
     bw_progress(n->context, "load steps", n->reached);
   }
   status = BW_OK;

@@ -160,7 +160,7 @@ typedef struct bw_remesh_options {
   double edge_length; /* (m) wanted, 0 or more; default 0: from the number of triangles */
   int64_t triangles; /* wanted number, 0 or more, when edge_length is 0; default 0: about as many as
                         before */
-  double sharp_angle; /* (rad) between normals where an edge is kept; default 40 degrees, > 0 */
+  double sharp_angle; /* (rad) between normals: sharper edges are kept; default 40 degrees, > 0 */
   int iterations;     /* rounds of collapses, splits, flips and relaxation; default 5, 1 to 100 */
   double tolerance;   /* (m) largest distance, 0 or more; default 0: a quarter of edge_length */
   const bw_size_field *sizes; /* where edges are shorter; NULL: nowhere */

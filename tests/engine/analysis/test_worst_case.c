@@ -376,7 +376,7 @@ static void dumbbell_breaks_at_the_neck(void **state) {
 }
 
 /* A constrained body takes any pressure: no balance, the best pressures by gain per area. */
-static void held_body(void **state) {
+static void constrained_body(void **state) {
   bw_context *context = check_context(state);
   part p;
   part_open(context, &p, make_box(context, 1, 0.2, 0.2, 16, 3, 3, 1), 1e9);
@@ -481,7 +481,7 @@ int main(void) {
       check_test(symmetric_body),
       check_test(slender_bar_is_bent_in_the_middle),
       check_test(dumbbell_breaks_at_the_neck),
-      check_test(held_body),
+      check_test(constrained_body),
       check_test(same_bits_for_any_number_of_threads),
       check_test(failures),
   };

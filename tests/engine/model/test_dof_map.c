@@ -197,7 +197,7 @@ static void point_and_line_supports_leave_rotations(void **state) {
   bw_release(mesh);
 }
 
-static void unheld_second_body_is_named(void **state) {
+static void unconstrained_second_body_is_named(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = two_boxes(context);
   bw_model *model = some_model(context, mesh);
@@ -409,7 +409,7 @@ int main(void) {
       check_test(three_symmetry_planes_hold_an_octant),
       check_test(box_on_one_plane_keeps_three_named_motions),
       check_test(point_and_line_supports_leave_rotations),
-      check_test(unheld_second_body_is_named),
+      check_test(unconstrained_second_body_is_named),
       check_test(oblique_slides_get_frames),
       check_test(own_normals_hold_both_faces_at_an_edge),
       check_test(prescribed_values_reach_the_nodes_and_contradictions_are_named),

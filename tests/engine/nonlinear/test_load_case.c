@@ -306,7 +306,7 @@ static void check_free(bw_context *context, box *b, const char *text) {
               bw_solid_statics(context, b->solid, b->load_case, NULL, NULL, &result));
 }
 
-static void test_not_held(void **state) {
+static void test_unconstrained(void **state) {
   bw_context *context = check_context(state);
   box b;
   double gravity[3] = {0, 0, -1};
@@ -339,7 +339,7 @@ int main(void) {
       check_test(test_press),
       check_test(test_follows_volume),
       check_test(test_contradictions),
-      check_test(test_not_held),
+      check_test(test_unconstrained),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -218,7 +218,7 @@ static void test_cook(void **state) {
   bw_release(material);
 }
 
-static void test_not_held(void **state) {
+static void test_unconstrained(void **state) {
   bw_context *context = check_context(state);
   bw_material *material = isotropic(context, 1e9, 0.3, 0);
   bw_plane_mesh *mesh = rectangle(context, 1, 1, 1, 4, 4);
@@ -440,7 +440,7 @@ static void test_memory(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(test_patch),          check_test(test_orders),  check_test(test_cook),
-      check_test(test_not_held),       check_test(test_gravity), check_test(test_regions),
+      check_test(test_unconstrained),  check_test(test_gravity), check_test(test_regions),
       check_test(test_threads),        check_test(test_memory),  check_test(test_thicknesses),
       check_test(test_turned_material)};
   return cmocka_run_group_tests(tests, NULL, NULL);
