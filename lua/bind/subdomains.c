@@ -31,12 +31,12 @@ static int core_skinning_weights(lua_State *L) {
   return lbw_leave(L, bw_skinning_weights(lbw_enter(L), mesh, skeleton, &options, out), 1);
 }
 
-/* subdomains(mesh, skeleton, weights, {threshold, share, bone_threshold = one for every bone, 0:
- * the common}) */
+/* subdomains(mesh, skeleton, weights, {threshold, fraction, bone_threshold = one for every bone,
+ * 0: the common}) */
 static int core_subdomains(lua_State *L) {
   static const lbw_option list[] = {
       {"threshold", LBW_REAL, offsetof(bw_subdomains_options, threshold)},
-      {"share", LBW_REAL, offsetof(bw_subdomains_options, fraction)},
+      {"fraction", LBW_REAL, offsetof(bw_subdomains_options, fraction)},
       {"bone_threshold", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);

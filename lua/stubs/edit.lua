@@ -77,7 +77,7 @@ function edit_module.begin(script, session) end
 ---@field bones? integer (count) wanted of the extracted skeleton. Default: 0, as many as the shape asks for
 ---@field threshold? number (-) mean weight from which an element follows one bone. Range: above 0 to 1. Default: 0.95
 ---@field thresholds? table<string, number> in its place, for single bones by name. Default: none
----@field share? number (-) thresholds are lowered until each bone has this fraction of the elements that it moves most; 0: never. Range: 0 to 1. Default: 0.35
+---@field fraction? number (-) thresholds are lowered until each bone has this fraction of the elements that it moves most; 0: never. Range: 0 to 1. Default: 0.35
 ---@field heat? number (-) of the skinning weights, above 0; larger: more elements follow one bone. Default: 20
 ---@field subdomains? bw.Subdomains of the part's own mesh. Default: made from skeleton and weights
 ---@field quality? number (-) elements of a lower shape quality (`mesh:shapes`) are relaxed. Range: 0 to 0.5. Default: 0.02

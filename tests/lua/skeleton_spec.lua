@@ -129,4 +129,13 @@ describe("subdomains", function()
     assert.truthy(strict[1].elements >= loose[1].elements)
     check.raises("no bone 'loer': did you mean 'lower'", beam, {thresholds = {loer = 0.5}})
   end)
+
+  it("lower thresholds until a bone has its fraction of the elements", function()
+    local never = beam {threshold = 1, fraction = 0}.subdomains
+    local half = beam {threshold = 1, fraction = 0.5}.subdomains
+    local more = beam {threshold = 1, fraction = 0.8}.subdomains
+    assert.equal(1, #never)
+    for bone = 1, 2 do assert.truthy(half[bone].elements < more[bone].elements) end
+    check.raises("option 'fraction'", beam, {fraction = 2})
+  end)
 end)
