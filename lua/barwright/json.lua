@@ -135,8 +135,21 @@ local function at_line(text, position)
   return lines + 1
 end
 
+-- A character; what a sentence cannot show, as a byte; or the end.
+local function found(text, position)
+  if position > #text then return "the end" end
+  local character = text:match("^" .. utf8.charpattern, position)
+  if character and utf8.len(character) and not character:find "%c" then return ("'%s'"):format(character) end
+  return ("byte 0x%02X"):format(text:byte(position))
+end
+
+local function refusal(text, position, expected)
+  return ("line %d, byte %d: %s expected, got %s"):format(at_line(text, position), position, expected,
+    found(text, position))
+end
+
 local function fail(text, position, expected)
-  error({("line %d, byte %d: %s expected"):format(at_line(text, position), position, expected)}, 0)
+  error({refusal(text, position, expected)}, 0)
 end
 
 local unescapes = {b = "\b", f = "\f", n = "\n", r = "\r", t = "\t", ['"'] = '"', ["\\"] = "\\",
@@ -246,7 +259,7 @@ function json.decode(text)
   if ok then
     position = skip(text, position)
     if position <= #text then
-      return nil, ("line %d, byte %d: the end expected"):format(at_line(text, position), position)
+      return nil, refusal(text, position, "the end")
     end
     return value
   end

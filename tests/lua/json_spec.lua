@@ -42,16 +42,19 @@ describe("JSON", function()
 
   it("names line and byte of what it cannot read", function()
     for text, place in pairs {
-      ['{"a": 1,\n "b" 2}'] = "line 2, byte 15: ':' expected",
-      ["[1, 2"] = "byte 6: ',' or ']' expected",
-      ["[1] 2"] = "byte 5: the end expected",
-      ['"abc'] = "the closing",
-      ['"\\x"'] = "an escape",
-      ["01"] = "a value expected",
-      ["nil"] = "a value expected",
-      [""] = "a value expected",
-      ['["\\ud800x"]'] = "second half",
-      [("["):rep(1000)] = "less nesting",
+      ['{"a": 1,\n "b" 2}'] = "line 2, byte 15: ':' expected, got '2'",
+      ["[1, 2"] = "byte 6: ',' or ']' expected, got the end",
+      ["[1] 2"] = "byte 5: the end expected, got '2'",
+      ['"abc'] = 'the closing " expected, got the end',
+      ['"abc\n"'] = 'byte 5: the closing " expected, got byte 0x0A',
+      ['"\\x"'] = "an escape such as \\n expected, got 'x'",
+      ["01"] = "a value expected, got '0'",
+      ["nil"] = "a value expected, got 'n'",
+      ["[é]"] = "a value expected, got 'é'",
+      ["[\xA9]"] = "a value expected, got byte 0xA9",
+      [""] = "byte 1: a value expected, got the end",
+      ['["\\ud800x"]'] = "the second half of a pair expected, got 'x'",
+      [("["):rep(1000)] = "less nesting expected, got '['",
     } do
       local value, message = json.decode(text)
       assert.is_nil(value)
