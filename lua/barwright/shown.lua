@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Numbers in sentences: four significant digits in the units of core.quantity. Percentages and what a search or an
--- estimate gives have three, estimated errors two.
+-- estimate gives have three, estimated errors and scatters two.
 local core = require "barwright.core"
 
 local shown = {}
@@ -30,6 +30,11 @@ end
 --- An estimated error of a frequency: "3.1 cents", whole ones from 10 on.
 function shown.cents(cents)
   return (cents < 10 and "%.2g cents" or "%.0f cents"):format(cents)
+end
+
+--- A scatter, two digits: "0.27", "130"
+function shown.scatter(value)
+  return shown.number(tonumber(("%.2g"):format(value)))
 end
 
 --- "(0, 0, -10) N"

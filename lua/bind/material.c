@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const bw_material *self(lua_State *L) {
@@ -258,13 +259,16 @@ static int material_sources(lua_State *L) {
 
 static void add_source(luaL_Buffer *buffer, const char *what, const char *axis,
                        const bw_value *value, const char *unit) {
-  char text[600], scatter[40] = "";
+  char text[640], scatter[80] = "", digits[24];
   double scale;
   if (!value->source)
     return;
   const char *name = lbw_shown_unit(value->mean, unit, &scale);
-  if (value->scatter > 0)
-    snprintf(scatter, sizeof scatter, " +- %.2g %.16s", value->scatter / scale, name);
+  if (value->scatter > 0) { /* two digits: 0.27, 130 */
+    snprintf(digits, sizeof digits, "%.2g", value->scatter / scale);
+    snprintf(scatter, sizeof scatter, " +- %s %.16s", lbw_quantity(strtod(digits, NULL), "").text,
+             name);
+  }
   snprintf(text, sizeof text, "\n  %s%s %s%s: %s", what, axis, lbw_quantity(value->mean, unit).text,
            scatter, value->source);
   luaL_addstring(buffer, text);

@@ -94,6 +94,7 @@ describe("the theory of critical distances", function()
     assert.near((3 / 36) ^ 2 / pi, bw.material.abs.critical_distance, 1e-12)
     assert.truthy(bw.material.abs.sources.toughness.source:find("Dowling", 1, true))
     assert.truthy(tostring(bw.material.abs):find("fracture toughness 3 MPa m^0.5 +- 0.4 MPa m^0.5", 1, true))
+    assert.truthy(tostring(bw.material.nylon_pa2200):find("modulus 1 800 MPa +- 130 MPa: ", 1, true))
     assert.is_nil(bw.material.pla.toughness)
     local steepest = bw.material.orthotropic {young = {1, 1, 1}, poisson = {0.3, 0.3, 0.3}, strength = {1, 2, 4},
       toughness = 4}

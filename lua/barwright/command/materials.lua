@@ -32,7 +32,7 @@ end
 -- "3 +- 0.4", "-" where the value is not known.
 local function scattered(value, scatter, scale)
   if not value then return "-" end
-  return shown.number(value * scale) .. (scatter and (" +- %.2g"):format(scatter * scale) or "")
+  return shown.number(value * scale) .. (scatter and " +- " .. shown.scatter(scatter * scale) or "")
 end
 
 local function report_one(entry, out)
@@ -45,9 +45,10 @@ local function report_one(entry, out)
     local name = entry.isotropic and key:gsub("_%d+$", "") or key
     if not said[name] then
       said[name] = true
-      local unit, scale = core.shown_unit(from.value, units[key:gsub("_%d+$", "")] or "")
-      out:say("  %-17s %s%s  %s", name, core.quantity(from.value, units[key:gsub("_%d+$", "")] or ""),
-        from.scatter and (" +- %.2g %s"):format(from.scatter / scale, unit) or "", from.source or "")
+      local unit = units[key:gsub("_%d+$", "")] or ""
+      local word, scale = core.shown_unit(from.value, unit)
+      out:say("  %-17s %s%s  %s", name, core.quantity(from.value, unit),
+        from.scatter and (" +- %s %s"):format(shown.scatter(from.scatter / scale), word) or "", from.source or "")
     end
   end
 end
