@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- How each subdomain lies now against the shape that a incremental system was made at. The engine tells it
+-- How each subdomain lies now against the shape that an incremental system was made at. The engine gives it
 -- against rest (subdomains:motion); a system made at an edited shape, as after a refill, counts from
 -- there: by the maps that take its bones from then to now, which are one map when the subdomain moved as
 -- a whole between the two.

@@ -84,7 +84,7 @@ function shared.own_drag(self, client, message)
   shared.refuse(self, client, message, "no drag of this window is going on")
 end
 
---- Whether nothing is dragged; a window that asked is informed what is: `self:dragged()` names it.
+--- Whether nothing is dragged; a window that asked is informed of what is, by the name `self:dragged()`.
 function shared.no_drag(self, client, message)
   if not self.drag then return true end
   shared.refuse(self, client, message, self:dragged() .. " is being dragged")

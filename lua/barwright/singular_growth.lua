@@ -1,8 +1,8 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Whether the place of the largest stress is singular: by geometry, by the growth of the stress under refinement,
 -- or by both. docs/theory/singular.md.
-require "barwright.singular"local core = require "barwright.core"
-
+local core = require "barwright.core"
+require "barwright.singular"
 
 local growth = {}
 

@@ -72,9 +72,9 @@ static int patch_gradient(lua_State *L) {
   return lbw_leave(L, status, 2);
 }
 
-typedef bw_status transfer(bw_context *context, const bw_mesh *mesh, double *values);
+typedef bw_status nodal_map(bw_context *context, const bw_mesh *mesh, double *values);
 
-static int transferred(lua_State *L, transfer *function) {
+static int mapped(lua_State *L, nodal_map *function) {
   const bw_mesh *mesh = (const bw_mesh *)lbw_check(L, 1, &lbw_mesh_class);
   const double *given = check_rows(L, 2, "values", 3, mesh->node_count);
   size_t size = 3 * (size_t)mesh->node_count * sizeof *given;
@@ -85,12 +85,12 @@ static int transferred(lua_State *L, transfer *function) {
 
 /* boundary_extend(mesh, motion): that of the boundary nodes, extended into the body */
 static int boundary_extend(lua_State *L) {
-  return transferred(L, bw_boundary_extend);
+  return mapped(L, bw_boundary_extend);
 }
 
 /* boundary_gather(mesh, gradient): by the boundary nodes, which inner nodes follow */
 static int boundary_gather(lua_State *L) {
-  return transferred(L, bw_boundary_gather);
+  return mapped(L, bw_boundary_gather);
 }
 
 /* priced_load(system, basis, objective, {pressure, force, force_is_max}): the pressure of

@@ -49,8 +49,7 @@ static int mesh_shapes(lua_State *L) {
 }
 
 /* mesh:shape_check(nodes, floor): how many elements are inverted or poorer than the floor, and the
- * worst
- */
+ * worst */
 static int mesh_shape_check(lua_State *L) {
   const bw_mesh *mesh = check_mesh(L);
   double floor = lua_isnoneornil(L, 3) ? 0 : lbw_check_real(L, 3, "floor");

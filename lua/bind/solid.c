@@ -355,10 +355,12 @@ static int read_coarse(lua_State *L, int index, const bw_coarsening **coarsening
       lua_rawgeti(L, -2, 2);
       coarsening[i] = (const bw_coarsening *)lbw_test(L, -2, &lbw_coarsening_class);
       solid[i] = (const bw_solid *)lbw_test(L, -1, &lbw_solid_class);
-      if (!coarsening[i] || !solid[i])
+      if (!coarsening[i] || !solid[i]) {
+        const char *first = lbw_got(L, -2), *second = lbw_got(L, -2); /* each pushes one */
         lbw_error(
             L, "solve: option 'coarse': pair %d: a coarsening and a solid expected, got %s and %s",
-            i + 1, lbw_got(L, -2), lbw_got(L, -2));
+            i + 1, first, second);
+      }
       lua_pop(L, 3);
     }
   }

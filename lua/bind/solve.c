@@ -392,7 +392,7 @@ static int modes_length(lua_State *L) {
   return modes_count(L);
 }
 
-/* The largest estimated error of the frequencies, in cents; false where it cannot be reported. */
+/* The largest estimated error of the frequencies, in cents; false where it is not known. */
 static bool largest_error(lua_State *L, const bw_modes *modes, double *cents) {
   double *relative = (double *)lua_newuserdatauv(L, (size_t)modes->count * sizeof *relative, 0);
   bw_status status = bw_modes_error(lbw_enter(L), modes, relative);

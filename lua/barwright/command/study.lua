@@ -272,7 +272,8 @@ end
 local function salvage(opts, out)
   local damaged, new = opts.files[1], opts.files[2] or opts.out
   if not new or #opts.files > 2 then
-    return out:misuse(("salvage: the damaged file and the new one expected, got %d paths"):format(#opts.files))
+    return out:misuse(("salvage: the damaged file and the new one expected, got %d path%s"):format(#opts.files,
+      #opts.files == 1 and "" or "s"))
   end
   local report, message, details = saved.into(damaged, new)
   if not report then
