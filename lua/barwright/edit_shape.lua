@@ -123,7 +123,7 @@ function edit_shape.of(topology, pose, opts)
   nodes, message, details = topology.subdomains:posed_nodes(maps)
   if not nodes then return nil, message, details end
   if is_far(topology, nodes) then
-    return nil, ("the edit takes nodes farther away than %.0g times the part's size: is a factor or a length "
+    return nil, ("the edit takes nodes farther away than %.0f times the part's size: is a factor or a length "
       .. "wrong?"):format(farthest), {status = "geometry"}
   end
   local shape = {topology = topology, maps = maps, rotations = rotations, how = "posed",

@@ -9,7 +9,7 @@ local one_of, or_null, read_object, is_object = checks.one_of, checks.or_null, c
 
 local live_plane_message = {}
 
--- A list of exactly `count` entries, or of any number up to `most`.
+-- A list of exactly `count` entries, or of any number up to `max`.
 local function list_of(check, count, max, what)
   return function(value, controller)
     if not is_object(value) or count and #value ~= count or #value > (max or count) then

@@ -42,7 +42,7 @@ function mesh_progress:mesh(elements, planned, open)
 end
 
 --- From here on the progress is that of the work, until the object is closed. `part` is what it names in place
---- of meshes; `most`: fewer than those that are planned may follow.
+--- of meshes; `max`: fewer than those that are planned may follow.
 function mesh_progress.open(work, part, max)
   local self = setmetatable({work = work, part = part or "mesh", max = max, count = 0, shown = 0,
     done_seconds = 0, done_elements = 0}, mesh_progress)

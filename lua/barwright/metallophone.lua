@@ -74,7 +74,7 @@ function bar:spectrum()
   return list
 end
 
--- ---- holding -------------------------------------------------------------------------------------
+-- ---- supports ------------------------------------------------------------------------------------
 
 --- Two places to support the bar where the lowest mode is at rest, one on either side of the centroid, as
 --- near the long axis as the nodal lines come.

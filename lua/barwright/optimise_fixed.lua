@@ -31,7 +31,7 @@ function optimise_fixed.split(session, keep)
   return bones, faces
 end
 
---- Adds the supports of parts to a list. A support that slides holds along its direction, or the mean normal.
+--- Adds the supports of parts to a list. A support that slides fixes its direction, or the mean normal.
 function optimise_fixed.add_supports(list, parts)
   for _, part in ipairs(parts) do
     for n, support in ipairs(part.supports) do

@@ -365,7 +365,7 @@ for key, kind in pairs {tolerance = "number", iterations = "integer", steps = "i
   solve_rules[key] = {type = kind}
 end
 
--- A turn goes along its arc in parts of at most 30 degrees.
+-- A rotation goes along its arc in parts of at most 30 degrees.
 local function parts_of(self)
   local parts = 1
   for _, act in ipairs(self.acts) do
@@ -374,7 +374,7 @@ local function parts_of(self)
     end
   end
   if parts > MAX_PARTS then
-    raise(("solve: turns of at most %d degrees expected, %d parts of 30 degrees, got %.0f parts"):format(
+    raise(("solve: rotations of at most %d degrees expected, %d parts of 30 degrees, got %.0f parts"):format(
       30 * MAX_PARTS, MAX_PARTS, parts))
   end
   return parts

@@ -150,6 +150,8 @@ typedef struct lbw_text {
 lbw_text lbw_quantity(double value, const char *unit);
 /* The unit in which a value in a SI unit is shown; *scale: how large it is in that SI unit. */
 const char *lbw_shown_unit(double value, const char *unit, double *scale);
+/* Three numbers in a unit of this scale: "(1.5, 0, 30) m"; rounding beside the largest is 0. */
+lbw_text lbw_triple(const double x[3], double scale, const char *unit);
 /* "(1.5, 0, 30) mm" */
 lbw_text lbw_point(const double at[3]);
 /* "(0, 0, -1)" */

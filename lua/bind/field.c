@@ -144,9 +144,9 @@ void lbw_push_box_text(lua_State *L, const double min[3], const double max[3]) {
   double longest = fmax(max[0] - min[0], fmax(max[1] - min[1], max[2] - min[2])), scale;
   const char *unit = lbw_shown_unit(longest, "m", &scale);
   char text[200];
-  snprintf(text, sizeof text, "%.4g x %.4g x %.4g %s from (%.4g, %.4g, %.4g) %s",
-           (max[0] - min[0]) / scale, (max[1] - min[1]) / scale, (max[2] - min[2]) / scale, unit,
-           min[0] / scale, min[1] / scale, min[2] / scale, unit);
+  snprintf(text, sizeof text, "%.4g x %.4g x %.4g %s from %s", (max[0] - min[0]) / scale,
+           (max[1] - min[1]) / scale, (max[2] - min[2]) / scale, unit,
+           lbw_triple(min, scale, unit).text);
   lua_pushstring(L, text);
 }
 

@@ -58,23 +58,23 @@ lbw_text lbw_quantity(double value, const char *unit) {
   return out;
 }
 
-static lbw_text write_triple(const double x[3], double scale, const char *unit) {
+lbw_text lbw_triple(const double x[3], double scale, const char *unit) {
   lbw_text out;
   char number[3][28];
   double largest = fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
   for (int i = 0; i < 3; i++) /* less than the single precision of surface files is 0 */
     write_number(fabs(x[i]) < 1e-15 + 1e-7 * largest ? 0 : x[i] / scale, number[i]);
-  snprintf(out.text, sizeof out.text, "(%.14s, %.14s, %.14s)%s", number[0], number[1], number[2],
-           unit);
+  snprintf(out.text, sizeof out.text, "(%.14s, %.14s, %.14s)%s%.3s", number[0], number[1],
+           number[2], unit[0] ? " " : "", unit);
   return out;
 }
 
 lbw_text lbw_point(const double at[3]) {
-  return write_triple(at, 1e-3, " mm");
+  return lbw_triple(at, 1e-3, "mm");
 }
 
 lbw_text lbw_direction(const double direction[3]) {
-  return write_triple(direction, 1, "");
+  return lbw_triple(direction, 1, "");
 }
 
 /* quantity(value, unit): the text */

@@ -73,7 +73,7 @@ static void size_text(double bytes, char text[32]) {
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-static struct { size_t used, max; /* bytes that Lua holds and may hold; most 0: no limit */ } held;
+static struct { size_t used, max; /* bytes that Lua holds and may hold; max 0: no limit */ } held;
 
 /* As lua_Alloc asks: shrinking never fails. */
 static void *allocate(void *data, void *block, size_t old, size_t wanted) {

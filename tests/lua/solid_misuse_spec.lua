@@ -145,7 +145,7 @@ describe("a solid", function()
         assert.is_string(message)
       end
     end
-    check.raises("turns of at most 30000 degrees expected", function()
+    check.raises("rotations of at most 30000 degrees expected", function()
       standing():rotate(top, {axis = {0, 0, 1}, angle = 1e9}):solve()
     end)
   end)
