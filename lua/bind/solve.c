@@ -501,7 +501,7 @@ static int system_unknown_count(lua_State *L) {
   return 1;
 }
 
-static int system_motion_count(lua_State *L) {
+static int system_rigid_mode_count(lua_State *L) {
   const bw_system *system = (const bw_system *)lbw_check(L, 1, &lbw_system_class);
   lua_pushinteger(L, system->dof_map->rigid_mode_count);
   return 1;
@@ -540,7 +540,7 @@ static const luaL_Reg system_methods[] = {
     {"solve", system_solve}, {"modes", system_modes}, {NULL, NULL}};
 static const luaL_Reg system_properties[] = {{"times", system_times},
                                              {"unknown_count", system_unknown_count},
-                                             {"rigid_mode_count", system_motion_count},
+                                             {"rigid_mode_count", system_rigid_mode_count},
                                              {NULL, NULL}};
 static const luaL_Reg system_meta[] = {{"__tostring", system_tostring}, {NULL, NULL}};
 const lbw_class lbw_system_class = {"system", system_methods, system_properties, system_meta, NULL};

@@ -73,7 +73,7 @@ function scenario_module.expect(figure, what, unit) end
 ---@class bw.Expectation
 local Expectation = {}
 
----The message of an expectation in reports.
+---What reports print beside an expectation.
 ---@class bw.ExpectationOptions
 ---@field source? string where the expected value comes from. Default: none
 ---@field how? string how it was found. Default: none
