@@ -6,7 +6,7 @@ local read_file = require "barwright.read_file"
 
 local certificate = {}
 
-local HEAD = "barwright certificate 1"
+local HEAD = "barwright certificate 2"
 
 local function row(...)
   local texts = table.pack(...)

@@ -99,7 +99,7 @@ describe("a certificate", function()
   it("is refused where it is not whole", function()
     certified(part_on(box))
     local text = read(path)
-    check.fails("format", "line 1: 'barwright certificate 1' expected",
+    check.fails("format", "line 1: 'barwright certificate 2' expected",
       bw.check_certificate(write(path, "solid\n")))
     check.fails("format", "the file ends here", bw.check_certificate(write(path, text:sub(1, -200))))
     check.fails("format", "finite number expected, got 'nan'", changed(text, "upper_bound %S+", "upper_bound nan"))
