@@ -28,7 +28,7 @@ local before = assert(session:solve()).von_mises:max()
 local limit = 0.6 * before
 
 -- 2. The factors of each bone: along it (always 1), and across it in its two directions. The axes
---    are those of skeleton.frames; what resists bending most is found by itself.
+--    are those of skeleton.frames; the search finds what resists bending most.
 local found = assert(session:optimise {von_mises = limit, move_supports = true, max_factor = 2})
 print(found)
 print(("corners moved %.2g mm on average (root mean square), %d shapes tried, %.1f factorisations")

@@ -35,7 +35,7 @@ end
 assert(moved:same_topology(plate))
 assert(math.abs(moved.area - plate.area) < 1e-12)
 
--- 4. Pull the top edge's middle up between its ends, as one would a wire fixed by two pins.
+-- 4. Pull the top edge's middle up between its ends, as one would a wire that two pins hold.
 local finer = plate
 for _ = 1, 4 do -- more vertices for the curve to bend in
   for edge = finer.edge_count, 1, -1 do

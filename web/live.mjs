@@ -1,5 +1,5 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
-// The live view of an edit session: shows the state that the session tells, sends what the person
+// The live view of an edit session: shows the state that the session sends, sends what the person
 // does. The page keeps nothing of its own but what is looked at: windows agree because all of them
 // show the session.
 import * as THREE from "three";
@@ -63,7 +63,7 @@ const link = connect(
 const send = (message) => link.send(message);
 const handles = new Handles(stage, send);
 
-// ---- what the session tells --------------------------------------------------------------------------
+// ---- what the session sends --------------------------------------------------------------------------
 
 const heard = {
   welcome(message) {
@@ -254,7 +254,7 @@ function showLoads() {
   byId("loads").value = loads.kind;
   byId("worst").hidden = loads.kind === "own";
   if (loads.kind === "own") return;
-  byId("worst_words").textContent = `${number(loads.force)} N in all, spread as it hurts most` +
+  byId("worst_words").textContent = `${number(loads.force)} N in total, in the worst distribution` +
     (loads.outdated ? "; found for an earlier shape." : ".");
   byId("again").hidden = !loads.outdated;
 }

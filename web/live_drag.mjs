@@ -54,7 +54,7 @@ export class Drag {
     this.send({ type: "end", seq: ++this.seq, cancel: true });
   }
 
-  // The drag is over without more being reported: it was refused, or the connection was lost.
+  // The drag is over, and nothing more is sent: it was refused, or the connection was lost.
   drop() {
     this.going = false;
     this.wanted = null;

@@ -108,7 +108,7 @@ export class Handles {
     this.release();
   }
 
-  // The drag is over without more being reported: it was refused, or the connection was lost.
+  // The drag is over, and nothing more is sent: it was refused, or the connection was lost.
   drop() {
     this.drag.drop();
     this.release();

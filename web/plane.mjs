@@ -98,7 +98,7 @@ const heard = {
     aimed = true;
     recolour();
     readouts(scene, state);
-  enable();
+    enable();
     if (state.drag && state.drag.client === me) tools.drag.handled(state.drag.seq);
     if (state.failure) say(state.failure, true);
     else if (performance.now() > keptUntil)

@@ -1,5 +1,5 @@
 // Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
-// What the plane's page tells in numbers: stress or tone, level, what was reused, the shape, the edits.
+// What the plane's page shows in numbers: stress or tone, level, what was reused, the shape, the edits.
 import { number } from "./stage.mjs";
 
 const byId = (id) => document.getElementById(id);

@@ -115,7 +115,7 @@ export class Tools {
     this.drag.cancel();
   }
 
-  // The drag is over without more being reported.
+  // The drag is over, and nothing more is sent.
   drop() {
     this.press = null;
     this.drag.drop();

@@ -17,9 +17,9 @@ change of shape, so a point very near to the answer may gain about as much; ten 
 
 local points = 200
 local gain_allowed = 1e-3 -- of the change of shape; the optimisation itself stops at 1e-4
-local rough, precise = 1e-3, 1e-8 -- of solutions; the former tell stresses to about 1e-5
+local rough, precise = 1e-3, 1e-8 -- of solutions; with the former, stresses are off by about 1e-5
 local doubtful = 5e-4 -- stresses of rough solutions so near to the limit are computed again
-local remembered = 10 -- solutions, at most: one more than unknowns reports how they change at first order
+local remembered = 10 -- solutions, at most: one more than unknowns determines how they change at first order
 
 -- The unknowns of an answer: the axes across each bone or across tied bones; how the corner nodes move
 -- with each, from the start.
@@ -76,7 +76,7 @@ local function pose_of(list, start, t)
 end
 
 -- The largest stress at the factors t, or nil where they cannot be made. Far from the limit a rough
--- solution tells enough. `near` has the last solutions, where the next one begins.
+-- solution is enough. `near` has the last solutions, where the next one begins.
 local function stress_at(fork, changes, near, limit, count)
   if not fork:pose(changes) then return nil end
   local max

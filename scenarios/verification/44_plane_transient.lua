@@ -23,7 +23,7 @@ local function beam(more)
   return s, tools.node(s, LENGTH, HEIGHT)
 end
 
--- The mean period of a tip let go under gravity, which swings about its static deflection.
+-- The mean period of a tip released under gravity, which swings about its static deflection.
 local function period(step, periods)
   local g = 1e-3
   local s, tip = beam {step = step, gravity = {0, -g}}
@@ -58,9 +58,9 @@ scenario("Periods of a cantilever", {tags = {"slow"}}, function()
   expect(period(PERIOD / 100, 10), "period of the lowest mode, 100 steps a period", "s")
     :near(PERIOD, {relative = 0.003, source = "Euler-Bernoulli"})
   for _, n in ipairs {12, 24} do
-    local ok = period(PERIOD / 200, 5)
+    local fine = period(PERIOD / 200, 5)
     local longer = math.pi / n / math.atan(math.pi / n)
-    expect(period(PERIOD / n, 40) / ok, ("period at %d steps a period / at 200"):format(n))
+    expect(period(PERIOD / n, 40) / fine, ("period at %d steps a period / at 200"):format(n))
       :near(longer / (math.pi / 200 / math.atan(math.pi / 200)),
         {relative = 0.001, source = "trapezoidal rule: tan(w' dt / 2) = w dt / 2"})
   end

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- A round bar in a grid across which it lies as it may, twisted and deflection a little: Saint-Venant, Euler.
+-- A round bar in a grid that does not follow its side, twisted and bent a little: Saint-Venant, Timoshenko.
 local bw = require "barwright"
 
 local scenario, expect = bw.scenario, bw.scenario.expect

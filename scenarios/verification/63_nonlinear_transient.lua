@@ -29,7 +29,7 @@ local function crossings(motion, step, count, value)
   return times
 end
 
--- A stiff bar hinged on an edge, let go from the horizontal: released at 90 degrees, its period is that
+-- A stiff bar hinged on an edge, released from the horizontal: released at 90 degrees, its period is that
 -- of a physical pendulum. Moments of the lumped masses, which are what moves.
 local function pendulum(scheme, parts)
   local grid = assert(bw.grid.box {size = {1, 0.1, 0.1}, cells = {10, 1, 1}})
@@ -64,7 +64,7 @@ local function pendulum(scheme, parts)
   return (times[3] - times[1]) / period - 1, math.abs(energy - first_energy) / (g * arm)
 end
 
--- A cantilever let go from under a small load at its tip: nearly its lowest mode.
+-- A cantilever released from under a small load at its tip: nearly its lowest mode.
 local function cantilever(cells, parts)
   local length, side, young, density = 1, 0.05, 1e6, 1000
   local grid = assert(bw.grid.box {size = {length, side, side}, cells = {cells, 1, 1}})
@@ -98,7 +98,7 @@ local function swing(parts)
     :below(200 / parts ^ 2, {source = "theory"})
 end
 
-local about = "A stiff bar hinged along an edge and let go from the horizontal, beside the period of a rigid "
+local about = "A stiff bar hinged along an edge and released from the horizontal, beside the period of a rigid "
   .. "pendulum that swings as far: rotations are large, strains small. Two half periods, by where it passes the "
   .. "lowest point."
 
@@ -110,7 +110,7 @@ end)
 scenario("A pendulum, smaller steps", {about = about, tags = {"slow", "long"}}, function() swing(400) end)
 
 scenario("A cantilever that vibrates", {tags = {"slow"}, about = "One row of cells twenty times as long as thick, "
-  .. "let go from under a load at its tip; two periods, beside Euler's lowest with the stiffness that the "
+  .. "released from under a load at its tip; two periods, beside Euler's lowest with the stiffness that the "
   .. "elements have."}, function()
   for _, cells in ipairs {20, 40} do
     expect(cantilever(cells, 200) + 1, ("period over theory, %d cells, 200 steps a period"):format(cells))

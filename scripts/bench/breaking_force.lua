@@ -58,19 +58,19 @@ print(("%-22s %-8s %-30s %-8s %-8s %s"):format("body", "largest/", "force, N (in
   "CPU, s"))
 local max, covered, all = 1, 0, 0
 for _, body in ipairs(bodies(opts)) do
-  local found, min, max_force = {}, math.huge, 0
+  local found, min_force, max_force = {}, math.huge, 0
   for k, elements in ipairs(starts) do
     local clock = os.clock()
     local one, message = bw.breaking_force(body.surface(), {material = bw.material.pla, elements = elements})
     if one then
       found[#found + 1] = one
       one.start, one.cpu, one.count = elements, os.clock() - clock, one.mesh.element_count
-      min, max_force = math.min(min, one.force), math.max(max_force, one.force)
+      min_force, max_force = math.min(min_force, one.force), math.max(max_force, one.force)
       one:close()
     else
       print(("%-22s start %d: %s"):format(body.name, elements, message))
     end
-    if k == #starts and #found > 0 then max = math.max(max, max_force / min) end
+    if k == #starts and #found > 0 then max = math.max(max, max_force / min_force) end
   end
   local finest = found[#found]
   local truth = opts.overkill > 0 and finest and overkill(body.surface(), found)
@@ -85,7 +85,8 @@ for _, body in ipairs(bodies(opts)) do
     if truth or k < #found then covered, all = covered + (inside and 1 or 0), all + 1 end
     local interval = ("%.4g (%.4g to %.4g)%s"):format(one.force, one.low, one.high, inside and "" or " misses")
     print(("%-22s %-8s %-30s %-8d %-8.1f %.0f"):format(k == 1 and body.name or "",
-      k == 1 and ("%.3f"):format(max_force / min) or "", interval, one.count, same_place(one, finest), one.cpu))
+      k == 1 and ("%.3f"):format(max_force / min_force) or "", interval, one.count,
+      same_place(one, finest), one.cpu))
   end
   io.stdout:flush()
 end

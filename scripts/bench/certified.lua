@@ -22,8 +22,7 @@ local opts = script.read {
   },
 }
 
-local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/certified.lua",
-  options = opts}))
+local results = opts.out and assert(script.results(opts.out, opts, {script = "scripts/bench/certified.lua"}))
 
 local parts = require(opts.unseen and "unseen_parts" or "machine_parts")
 local chosen = opts.unseen and unseen or developed

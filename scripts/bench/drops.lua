@@ -15,8 +15,7 @@ local opts = script.read {
     {name = "drops", value = "N", type = "integer", default = 500, min = 1, what = "number of random drops"}},
 }
 
-local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/drops.lua",
-  options = opts}))
+local results = opts.out and assert(script.results(opts.out, opts, {script = "scripts/bench/drops.lua"}))
 
 local function drop(surface, elements)
   local mesh = assert(bw.mesh.fill(surface, {elements = elements, tolerance = 0.1}))

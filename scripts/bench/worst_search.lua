@@ -25,8 +25,7 @@ local opts = script.read {
   },
 }
 
-local results = opts.out and assert(bw.results.open(opts.out, {script = "scripts/bench/worst_search.lua",
-  options = opts}))
+local results = opts.out and assert(script.results(opts.out, opts, {script = "scripts/bench/worst_search.lua"}))
 
 local function scaled(surface)
   local min, max = surface.box.min, surface.box.max

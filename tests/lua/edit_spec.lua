@@ -99,7 +99,8 @@ describe("an edit", function()
     for _, length in ipairs {1e7, 1e100, 1e308} do
       check.fails("geometry", "is a factor or a length wrong", session:bone("upper"):translate {length, 0, 0})
     end
-    check.raises("{lowest, highest}", session.limit, session, "lower", {twist = {-1 / 0, 1 / 0}})
+    check.raises("{lowest, highest}, two numbers in degrees", session.limit, session, "lower",
+      {twist = {-1 / 0, 1 / 0}})
     check.raises("one of degrees and radians", bone.rotate, bone, {axis = {0, 0, 1}, degrees = "ten"})
     assert.equal(0, #session.edits)
     for _, length in ipairs {1e200, 1e-200, 1} do

@@ -70,7 +70,7 @@ describe("a grid", function()
     check.raises("cell: a number from 1 to 192", function() a:set(193, 1) end)
     check.raises("cells 1 to 192", function() a:set({193}, 1) end)
     check.raises("no cell lies in the region", function() a:set({min = {2, 2, 2}}, 1) end)
-    check.raises("a number of a material", function() a:set({min = {0, 0, 0}}) end)
+    check.raises("a number of a material (0: void), a function", function() a:set({min = {0, 0, 0}}) end)
   end)
 
   it("chooses nodes by geometry, on a coarse grid too", function()

@@ -137,7 +137,9 @@ describe("a method written in Lua", function()
       ["at: a flow expected, got 1: call it with a colon, as in flow:at(...)"] = function() flow.at(1,
         2) end,
       ["use_file: path: a string expected"] = function() study:use_file(setmetatable({}, {__index = print})) end,
-      ["a function that returns it, expected, got table"] = function() study:run {executor = {}} end,
+      ["study:run: option 'executor': {capacity, start, wait, close}, or a function"] = function()
+        study:run {executor = {}}
+      end,
       ["study:merge: file 1: a path expected"] = function() study:merge {{}} end,
       ["column: options: a table of options expected"] = function() trials:column("m", 5) end,
       ["where: which: a string or a function expected"] = function() trials:where(5) end,

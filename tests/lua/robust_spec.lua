@@ -111,8 +111,8 @@ describe("wrong input", function()
       ["--force -1"] = "--force: a number of N above 0", ["--pressure 0"] = "--pressure: a number of Pa above 0",
       ["--pressure nan"] = "got 'nan'", ["--fraction 2"] = "up to 1", ["--threads 1000"] = "up to 64",
       ["--order 3"] = "one of 1, 2 expected", ["--elemnts 5"] = "did you mean --elements",
-      ["--material unobtainium"] = "'unobtainium' is not known",
-      ["--unit parsec"] = "'parsec' is not known", ["second.stl"] = "one argument too many",
+      ["--material unobtainium"] = "--material: 'unobtainium' is not known",
+      ["--unit parsec"] = "--unit: 'parsec' is not known", ["second.stl"] = "one argument too many",
     } do
       refused(text, cube, options)
     end

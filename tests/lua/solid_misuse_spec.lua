@@ -98,7 +98,7 @@ describe("what acts on a solid", function()
       check.raises("expected", solid.contact_plane, solid, {point = {bad, 0, 0}, normal = {0, 0, 1}})
       check.raises("expected", solid.rotate, solid, top, {axis = {0, 0, 1}, angle = bad})
     end
-    check.raises("a list goes with a surface", solid.pressure, solid, top, {pressure = {1, 2}})
+    check.raises("got table: a list goes with a surface", solid.pressure, solid, top, {pressure = {1, 2}})
     check.raises("a direction expected, got {0, 0, 0}", solid.rotate, solid, top, {axis = {0, 0, 0}, angle = 1})
     assert.equal("solid: 16 elements, 45 nodes, 1 materials; 0 supports and loads", tostring(solid))
   end)

@@ -420,6 +420,7 @@ describe("minimisation", function()
       max = 1}, {name = "x", min = 0, max = 1}}, measures = {"y"}, objectives = {"y"}}, nothing)
     check.raises("run gave no gradient of 'y'", run, {"minimise", method = "lbfgs", gradient = "run"}, plain,
       function() return {y = 1} end)
-    check.raises("objectives expected", run, {"pareto"}, {variables = reals(1), measures = {"y"}}, nothing)
+    check.raises("design pareto: objectives expected", run, {"pareto"},
+      {variables = reals(1), measures = {"y"}}, nothing)
   end)
 end)

@@ -104,7 +104,7 @@ function axis.new(where, given, lists, how)
   return self
 end
 
---- An axis of names, each in the middle of its fraction.
+--- An axis of names, each in the middle of an interval of length 1.
 function axis.names(label, names)
   return setmetatable({names = names, low = 0.5, high = #names + 0.5, factor = 1, label = label or "",
     name = label or ""}, Axis)

@@ -101,13 +101,13 @@ return function(given)
       local box = frame.around(s, {title = opts.title, legend = opts.legend and legend, notes = opts.notes})
       local f = flat and frame.new(s, box, values, across) or frame.new(s, box, across, values)
       if #names == 0 then f:say "no data" end
-      local fraction = (flat and f.height or f.width) / math.max(1, #names)
-      local thick = math.min(56, fraction * 0.76 / math.max(1, #all))
+      local slot = (flat and f.height or f.width) / math.max(1, #names)
+      local thick = math.min(56, slot * 0.76 / math.max(1, #all))
       f:enter(2)
       for i = 1, #names do
         for n, one in ipairs(all) do
           local shift = (n - (#all + 1) / 2) * thick
-          local at = flat and f.top + (i - 0.5) * fraction or f.left + (i - 0.5) * fraction
+          local at = flat and f.top + (i - 0.5) * slot or f.left + (i - 0.5) * slot
           draw_bar(s, f, one, i, at + shift, thick * 0.92, flat)
         end
       end

@@ -44,8 +44,9 @@ local function numbered(where, given)
   for i in pairs(given.values) do
     if math.type(i) == "integer" and i > count then count = i end
   end
-  if count > LONGEST then raise(("%s: values: at most %d entries expected, got entry %d"):format(where,
-        LONGEST, count)) end
+  if count > LONGEST then
+    raise(("%s: values: at most %d entries expected, got entry %d"):format(where, LONGEST, count))
+  end
   for i = 1, count do
     local value = given.values[i]
     local name = value ~= nil and tostring(value) or nil

@@ -1,5 +1,5 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
--- What the plots are given: lists of numbers, checked; what cannot be shown is separate.
+-- What the plots are given: lists of numbers, which are checked; numbers that cannot be shown become nan.
 local core = require "barwright.core"
 local options = require "barwright.options"
 local palette = require "barwright.plot.palette"

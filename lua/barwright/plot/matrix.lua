@@ -89,8 +89,8 @@ local function draw_cell(s, f, a, b, all, notes, many)
   f:leave()
 end
 
--- How the values of a column lie: bars over equal shares of its axis.
-local function draw_fractions(s, box, one, made)
+-- The histogram of a column: bars over equal intervals of its axis.
+local function draw_histogram(s, box, one, made)
   local whole = (one.names or one.whole) and made.high - made.low <= 40
   local bins, low = 12, 0
   if whole then bins, low = math.floor(made.high) - math.ceil(made.low) + 1, math.ceil(made.low) end
@@ -160,7 +160,7 @@ function matrix.scatter_matrix(given)
         for across = 1, n do
           local x, y = box[1] + left + (across - 1) * w, box[2] + top + (down - 1) * h
           if across == down then
-            draw_fractions(s, {x + 4, y + 4, w - 14, h - 8}, list[down], axes[down])
+            draw_histogram(s, {x + 4, y + 4, w - 14, h - 8}, list[down], axes[down])
           elseif across > down then
             draw_correlation(s, {x + 4, y + 4, w - 14, h - 8}, list[across], list[down])
           else

@@ -57,7 +57,7 @@ local function check_bounds(where, v)
         core.got(v.min), core.got(v.max)))
     end
     v.min, v.max = min, max
-    if v.scale == "log" then raise(where .. ": scale 'log' expected of reals only, got it of an integer") end
+    if v.scale == "log" then raise(where .. ": kind 'real' expected with scale 'log', got 'integer'") end
   else
     v.min, v.max = v.min + 0.0, v.max + 0.0
     if v.scale == "log" and v.min <= 0 then

@@ -239,9 +239,9 @@ makers.Test = {function(p) return p.test end}
 
 -- Changed by their methods: made again after so many uses.
 local lives = {Model = 60, Session = 40, Bone = 40, IncrementalSystem = 40, LiveServer = 40, SteadySheet = 40,
-  LargeDeflectionSheet = 40, TransientSheet = 40, Sheet = 40, Metallophone = 40, Plate = 40, Bridge = 60, Flow =
-  40, ThermalFlow = 40, FlowBody = 40, BodyState = 40, MeshMotion = 40, Solid = 60, SolidTransient = 40, Canvas
-  = 40, Study = 60, Trials = 100, Trial = 40, ReuseStatistics = 40, Results = 60}
+  LargeDeflectionSheet = 40, TransientSheet = 40, Sheet = 40, Metallophone = 40, Plate = 40, Bridge = 60,
+  Flow = 40, ThermalFlow = 40, FlowBody = 40, BodyState = 40, MeshMotion = 40, Solid = 60, SolidTransient = 40,
+  Canvas = 40, Study = 60, Trials = 100, Trial = 40, ReuseStatistics = 40, Results = 60}
 
 -- ---- the pool -----------------------------------------------------------------------------------
 
