@@ -145,7 +145,7 @@ function handlers.begin(self, client, message)
   if not shared.may_begin(self, client, message) then return end
   self.drag = {client = client, bone = message.bone, joint = message.joint, seq = message.seq,
     good = false, fork = self.session:fork {refill = false}}
-  self.reported_at = core.seconds() -- the time without new stresses counts from here
+  self.reported_at = core.seconds() -- the time without new stresses begins here
 end
 
 function handlers.move(self, client, message)

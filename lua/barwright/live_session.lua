@@ -78,13 +78,13 @@ end
 
 -- ---- drags ---------------------------------------------------------------------------------------
 
---- The drag of a window; where it has none, it is informed.
+--- The drag of a window; a window without one gets a refusal.
 function shared.own_drag(self, client, message)
   if self.drag and self.drag.client == client then return self.drag end
   shared.refuse(self, client, message, "no drag of this window is going on")
 end
 
---- Whether nothing is dragged; a window that asked is informed of what is, by the name `self:dragged()`.
+--- Whether nothing is dragged; otherwise the window gets a refusal with what is dragged, `self:dragged()`.
 function shared.no_drag(self, client, message)
   if not self.drag then return true end
   shared.refuse(self, client, message, self:dragged() .. " is being dragged")

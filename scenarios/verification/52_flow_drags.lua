@@ -8,9 +8,9 @@ scenario.about {title = "Flow and heat: drags",
   text = [[A body is dragged at random in a tunnel and in a heated box, with a time step after each drag. Two
 flows go the same way, one as it is by default (lagged factors, relocation, reconnecting), with its linear
 tolerance at 1e-10, one with everything refactorised for the same meshes: the figure is the largest difference
-of their velocities, of the largest velocity. Uniform flow on a mesh whose nodes move within it, reported to the
-equations as the velocity of the mesh (ale) and not: it stays uniform. In the long form 10,000 drags of any
-handle, also far too large: refused ones leave all as it was, nothing inverts.]]}
+of their velocities, of the largest velocity. Uniform flow on a mesh whose nodes move within it,
+with the velocity of the mesh in the equations (ale) and without it, stays uniform. In the long form 10,000 drags
+of any handle, also far too large: refused ones leave all as it was, nothing inverts.]]}
 
 local function tunnel(tags)
   return assert(bw.outline {points = {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, tags = tags,

@@ -148,7 +148,7 @@ local function main()
     end
     local mesh, message, details = checked(bw.mesh.read, path, {unit = opts.unit})
     if not mesh then
-      -- These two formats also contain surfaces. What the reader of meshes says tells more when they do not.
+      -- These formats also contain surfaces. Without one, the message of the reader of meshes is the better one.
       if (ending == "msh" or ending == "vtu") and details.status == "format" then
         local found, info = surface()
         if found then return filled(path, found, info, result) end

@@ -61,7 +61,7 @@ export async function live({ browser, root, folder, test, assert, pictures }) {
   });
 
   const other = await open();
-  await test("a second window follows, and is informed who drags", async () => {
+  await test("a second window follows, and shows who drags", async () => {
     assert((await state(other)).edits === 4, "it begins with the present state");
     await page.keyboard.press("s");
     await grab(page, "Z", 0, -15);

@@ -159,7 +159,7 @@ async function steady(all) {
   });
 
   const other = await v.open();
-  await test("a second window follows, looks at a field of its own, and is informed who drags", async () => {
+  await test("a second window follows, looks at a field of its own, and shows who drags", async () => {
     await other.selectOption("#field", "displacement");
     await v.until(() => window.barwright.state().fields.displacement);
     assert((await v.state()).field === "von_mises", "the first window's field");

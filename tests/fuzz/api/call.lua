@@ -10,7 +10,7 @@ local values = require "values"
 
 local call = {}
 
--- Why a call is ended: raised by a hook, as Ctrl-C is, and reported to the engine's progress.
+-- What ends a call: a hook raises it, as Ctrl-C does, and the progress function then stops the engine.
 local late = "fuzz: too late"
 
 local shares = {{0.66, {"function", "call", "method"}}, {0.8, {"field"}}, {0.85, {"assignment"}},
@@ -159,7 +159,7 @@ local function release(results, pool, number, entry)
 end
 
 --- Makes the call of a number: {name, outcome = "done" | "failed" | "raised" | "late", finding, message, text,
---- seconds}. `tell` is given the text before it; `limit`: seconds until it is asked to end.
+--- seconds}. `report` is given the text before the call; `limit`: seconds until it is asked to end.
 function call.make(seed, number, pool, limit, report)
   local random = new_random(seed, number)
   local entry = draw(random)

@@ -290,7 +290,7 @@ return function(opts, stubs_folder)
   end
   table.sort(slowest, function(a, b) return a.seconds > b.seconds end)
   for i = 1, math.min(12, #slowest) do slowest[i] = ("%s %.2f s"):format(slowest[i].name, slowest[i].seconds) end
-  print(("dearest, of %.2f s in calls: %s"):format(outcome.seconds,
+  print(("slowest, of %.2f s in calls: %s"):format(outcome.seconds,
     table.concat(slowest, ", ", 1, math.min(12, #slowest))))
   local distinct = 0
   for _ in pairs(seen) do distinct = distinct + 1 end
