@@ -5,7 +5,7 @@ local core = require "barwright.core"
 
 local shown = {}
 
---- "3560", "0.00123"
+--- "3556", "0.001234"
 function shown.number(value)
   return core.quantity(value, "")
 end

@@ -52,7 +52,7 @@ function StudyModule:__call(options) end
 ---@field max? number (any) the largest value, above min; needed but for a choice
 ---@field scale? "linear"|"log" how designs spread a real; "log" needs min above 0. Default: "linear"
 ---@field of? (string|number|boolean)[] (any, n) the values of a choice, all different
----@field default? string|number|boolean (any) where one-at-a-time designs and optimisations begin. Default: the middle
+---@field default? string|number|boolean (any) where one-at-a-time designs and optimisations begin. Default: the midpoint
 ---@field what? string a sentence for reports. Default: none
 
 ---A number that each trial gives.

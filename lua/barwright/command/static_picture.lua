@@ -95,13 +95,13 @@ end
 --- The title for {stress =, error =, verdict = words}: the largest von Mises stress, or where that has no finite
 --- value what is judged, `judged` = {used = over the strength, error =, strength =}.
 function static_picture.title(name, about)
-  local value, error = "largest von Mises stress " .. core.quantity(about.stress, "Pa"), about.error
+  local value, error = "largest von Mises stress " .. shown.estimate(about.stress, "Pa"), about.error
   local judged = about.judged
   if judged and not judged.used then return name .. ": the largest stress has no finite value" end
   if judged then
     error = judged.error
     value = type(judged.strength) == "number"
-      and "judged mean stress " .. core.quantity(judged.used * judged.strength, "Pa")
+      and "judged mean stress " .. shown.estimate(judged.used * judged.strength, "Pa")
       or ("judged mean stress %s of the strength"):format(shown.percent(judged.used))
   end
   local verdict = about.verdict and "; " .. about.verdict or ""

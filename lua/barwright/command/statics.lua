@@ -192,7 +192,7 @@ local function report_fillet(static, read, opts, say, out)
   local strength = static.material.strength
   local used = type(strength) == "number" and ": " .. shown.percent(found.value / strength) .. " of the strength"
   say("With a fillet of %s the re-entrant edge at %s has a largest principal stress of %s (estimated error %s)%s.",
-    core.quantity(opts.fillet, "m"), core.point(found.at), core.quantity(found.value, "Pa"),
+    core.quantity(opts.fillet, "m"), core.point(found.at), shown.estimate(found.value, "Pa"),
     shown.error(found.estimated_error), used or "")
   out:json {fillet_radius_m = opts.fillet, fillet_stress_pa = found.value,
     fillet_stress_error = found.estimated_error, fillet_at_m = found.at}
@@ -222,7 +222,7 @@ local function report(static, part, read, loads, opts, accuracy, out)
     out:say(text[#text])
   end
   say("The largest displacement is %s. The von Mises stress is largest at %s: %s (estimated error %s%s).",
-    core.quantity(max, "m"), core.point(at), core.quantity(stress, "Pa"), shown.error(estimated),
+    shown.estimate(max, "m"), core.point(at), shown.estimate(stress, "Pa"), shown.error(estimated),
     (coarse or accuracy) and "" or ", one mesh only")
   local large = model.beyond_linear(max, mesh.box)
   if large then say("Displacements are beyond the range of linear theory: %s.", model.large_deflection) end
@@ -232,7 +232,7 @@ local function report(static, part, read, loads, opts, accuracy, out)
     if critical then
       say("The effective stress of the theory of critical distances, the mean over %s from the edge, is "
         .. "%s (estimated error %s): %s of the strength.", core.quantity(2 * critical.length, "m"),
-        core.quantity(critical.value, "Pa"), shown.error(critical.estimated_error),
+        shown.estimate(critical.value, "Pa"), shown.error(critical.estimated_error),
         shown.percent(critical.utilisation))
     end
   end
@@ -241,14 +241,14 @@ local function report(static, part, read, loads, opts, accuracy, out)
     say("The strength of %s is not known.", opts.material)
   else
     say("The judged stress is %s%s of %s (estimated error %s): %s.", type(material.strength) == "number"
-      and core.quantity(used * material.strength, "Pa") .. ", " or "", shown.percent(used),
+      and shown.estimate(used * material.strength, "Pa") .. ", " or "", shown.percent(used),
       opts.strength and "the given strength" or "the strength of " .. opts.material,
       shown.error(judged_error), words)
   end
   local solver = static.solver
   if solver.with == "pcg" then
     out:say("Solved by two-level PCG in %d iterations; a factor would have taken about %s.",
-      solver.iterations, core.quantity(solver.factor_bytes, "B"))
+      solver.iterations, shown.estimate(solver.factor_bytes, "B"))
   end
   out:json {verdict = verdict, value = stress, quantity = "largest von Mises stress, Pa",
     estimated_error = estimated, at_m = at, singular = singular ~= nil,
