@@ -94,7 +94,7 @@ function shapes.foal()
   return shapes.join(bodies, 3 * mm), at(-44, -16, -3), at(50, 16, 83)
 end
 
---- A bottle opener, about 80 mm long and 8 mm thick, flat in z.
+--- A bottle opener, about 85 mm long and 12 mm thick, flat in z.
 function shapes.opener()
   local mm = 1e-3
   local function slab(x0, y0, x1, y1, h)

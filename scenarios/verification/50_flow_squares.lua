@@ -6,7 +6,7 @@ local scenario, expect = bw.scenario, bw.scenario.expect
 
 scenario.about {title = "Flow and heat: squares",
   text = [[The lid: velocities on the centre lines beside the tables of Ghia, Ghia and Shin (1982), whose own
-deviation from later spectral computations is up to 3 % of an extreme (their v at Re = 100, and the min v at
+deviation from later spectral computations is up to 3 % of an extreme (their v at Re = 100, and the least v at
 Re = 1000, 2 % of it; one misprint at Re = 400, x = 0.9063, is left out), and the extremes beside those (Botella
 and Peyret 1998; Bruneau and Saad 2006). Nodes in the corners are at rest. The heated side: de Vahl Davis
 (1983), at Ra = 1e6 the spectral value 8.825; Prandtl number 0.71, top and bottom without heat. Heat that goes
