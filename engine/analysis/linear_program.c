@@ -123,7 +123,7 @@ static void group_columns(bwi_linear_program *program) {
 static void raw_rows(const bw_pressure_basis *basis, const bw_dof_map *dof_map,
                      const bwi_balance *body, int32_t j, double raw[BWI_LOCAL_ROWS]) {
   for (int m = 0; m < body->motions; m++) {
-    const bw_rigid_mode *motion = &dof_map->motion[body->motion[m]];
+    const bw_rigid_mode *motion = &dof_map->rigid_mode[body->motion[m]];
     double sum = 0;
     for (int64_t k = basis->start[j]; k < basis->start[j + 1]; k++) {
       double u[3];
@@ -137,7 +137,7 @@ static void raw_rows(const bw_pressure_basis *basis, const bw_dof_map *dof_map,
 void bwi_column_motions(const bw_pressure_basis *basis, const bw_dof_map *dof_map, double *work) {
   size_t n = (size_t)basis->count;
   for (int32_t m = 0; m < dof_map->rigid_mode_count; m++) {
-    const bw_rigid_mode *motion = &dof_map->motion[m];
+    const bw_rigid_mode *motion = &dof_map->rigid_mode[m];
     for (size_t j = 0; j < n; j++) {
       double sum = 0;
       if (basis->mesh->component[basis->node[j]] == motion->component)
@@ -201,7 +201,7 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_dof_map *dof
       continue;
     for (int m = 0; m < n; m++) {
       double u[3];
-      bwi_motion_at(&dof_map->motion[body->motion[m]],
+      bwi_motion_at(&dof_map->rigid_mode[body->motion[m]],
                     basis->mesh->node + 3 * (size_t)basis->node[j], u);
       natural[m] = fmax(natural[m], bw_norm(u));
     }
@@ -253,12 +253,13 @@ static bw_status make_bodies(bw_context *context, bwi_linear_program *program,
     return BW_MEMORY;
   for (int32_t m = 0; m < dof_map->rigid_mode_count; m++) {
     int32_t k = 0;
-    while (k < program->body_count && program->body[k].component != dof_map->motion[m].component)
+    while (k < program->body_count &&
+           program->body[k].component != dof_map->rigid_mode[m].component)
       k++;
     bwi_balance *body = &program->body[k];
     if (k == program->body_count) {
       program->body_count++;
-      body->component = dof_map->motion[m].component;
+      body->component = dof_map->rigid_mode[m].component;
     }
     if (body->motions == BWI_LOCAL_ROWS)
       return bw_fail(context, BW_INTERNAL, "body %d has more than six rigid-body motions",

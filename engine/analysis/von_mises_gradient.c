@@ -337,11 +337,11 @@ static bw_status take_inertia(bw_context *context, const bw_model *model, const 
     inertia *body = &d->body[b];
     const double *centre = dof_map->body_centre + 3 * (size_t)b;
     double length = cbrt(dof_map->body_volume[b]), size = 0;
-    int motions = dof_map->motion_start[b + 1] - dof_map->motion_start[b];
+    int motions = dof_map->rigid_mode_start[b + 1] - dof_map->rigid_mode_start[b];
     memcpy(body->c, centre, sizeof body->c);
     body->volume = dof_map->body_volume[b];
-    for (int m = dof_map->motion_start[b]; m < dof_map->motion_start[b + 1]; m++) {
-      const bw_rigid_mode *motion = &dof_map->motion[m];
+    for (int m = dof_map->rigid_mode_start[b]; m < dof_map->rigid_mode_start[b + 1]; m++) {
+      const bw_rigid_mode *motion = &dof_map->rigid_mode[m];
       double arm[3], turn[3];
       for (int k = 0; k < 3; k++)
         arm[k] = centre[k] - motion->centre[k];
@@ -360,7 +360,7 @@ static bw_status take_inertia(bw_context *context, const bw_model *model, const 
                        "body %d is partly constrained and its load acts on a rigid-body mode (%s): "
                        "shape gradients of inertia relief are implemented for bodies without "
                        "supports only. Balance the load, or constrain the body",
-                       b + 1, dof_map->motion[dof_map->motion_start[b]].text);
+                       b + 1, dof_map->rigid_mode[dof_map->rigid_mode_start[b]].text);
       goto done;
     }
     memset(body->w, 0, sizeof body->w);

@@ -16,8 +16,8 @@ static void dof_map_destroy(void *object) {
   bw_free(dof_map->frame_of);
   bw_free(dof_map->frame);
   bw_free(dof_map->value);
-  bw_free(dof_map->motion);
-  bw_free(dof_map->motion_start);
+  bw_free(dof_map->rigid_mode);
+  bw_free(dof_map->rigid_mode_start);
   bw_free(dof_map->body_start);
   bw_free(dof_map->body_node);
   bw_free(dof_map->body_volume);
@@ -32,7 +32,7 @@ static size_t dof_map_bytes(const void *object) {
   size_t bodies = (size_t)dof_map->mesh->component_count;
   return sizeof *dof_map + nodes * (3 * 4 + 3 + 4 + 3 * 8 + 4 + 4 * 8) +
          (size_t)dof_map->frame_count * 72 + bodies * 40 +
-         (size_t)dof_map->rigid_mode_count * sizeof *dof_map->motion;
+         (size_t)dof_map->rigid_mode_count * sizeof *dof_map->rigid_mode;
 }
 
 static const bw_kind dof_map_kind = {"DOF map", dof_map_destroy, dof_map_bytes};
@@ -185,16 +185,16 @@ static bw_status free_bodies(bw_context *context, bw_dof_map *dof_map, int32_t c
       }
     }
     BW_TRY(bw_check_cancel(context));
-    if (!bw_grow(context, (void **)&dof_map->motion, &capacity, (size_t)dof_map->rigid_mode_count,
-                 6, sizeof *dof_map->motion)) {
+    if (!bw_grow(context, (void **)&dof_map->rigid_mode, &capacity,
+                 (size_t)dof_map->rigid_mode_count, 6, sizeof *dof_map->rigid_mode)) {
       status = BW_MEMORY;
       goto done;
     }
-    bw_rigid_mode *motion = dof_map->motion + dof_map->rigid_mode_count;
+    bw_rigid_mode *motion = dof_map->rigid_mode + dof_map->rigid_mode_count;
     int count = bwi_rigid_modes(dof_map, body, j, length, rows, (const double(*)[6])row, motion);
     BW_TRY(bwi_add_isostatic(context, dof_map, body, count, motion, length, previous));
     dof_map->rigid_mode_count += count;
-    dof_map->motion_start[body + 1] = dof_map->rigid_mode_count;
+    dof_map->rigid_mode_start[body + 1] = dof_map->rigid_mode_count;
   }
 done:
   bw_free(row);
@@ -275,7 +275,7 @@ bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t constrain
   dof_map->state = BW_NEW0(context, uint8_t, 3 * nodes);
   dof_map->frame_of = BW_NEW(context, int32_t, nodes);
   dof_map->value = BW_NEW0(context, double, 3 * nodes);
-  dof_map->motion_start = BW_NEW0(context, int32_t, bodies + 1);
+  dof_map->rigid_mode_start = BW_NEW0(context, int32_t, bodies + 1);
   dof_map->body_start = BW_NEW0(context, int32_t, bodies + 1);
   dof_map->body_node = BW_NEW(context, int32_t, nodes);
   dof_map->body_volume = BW_NEW(context, double, bodies);
@@ -283,7 +283,7 @@ bw_status bwi_number(bw_context *context, const bw_mesh *mesh, int32_t constrain
   dof_map->weight = BW_NEW(context, double, 4 * nodes);
   inertia = BW_NEW(context, double, 9 * bodies);
   if (!dof_map->unknown || !dof_map->state || !dof_map->frame_of || !dof_map->value ||
-      !dof_map->motion_start || !dof_map->body_start || !dof_map->body_node ||
+      !dof_map->rigid_mode_start || !dof_map->body_start || !dof_map->body_node ||
       !dof_map->body_volume || !dof_map->body_centre || !dof_map->weight || !inertia) {
     status = BW_MEMORY;
     goto done;
@@ -344,7 +344,7 @@ bw_status bw_dof_map_describe_rigid_modes(bw_context *context, const bw_dof_map 
   if (dof_map->rigid_mode_count == 0)
     bwi_text_add(&out, "no rigid-body mode is unconstrained");
   for (int32_t body = 0; body < bodies; body++) {
-    int32_t first = dof_map->motion_start[body], next = dof_map->motion_start[body + 1];
+    int32_t first = dof_map->rigid_mode_start[body], next = dof_map->rigid_mode_start[body + 1];
     if (first == next)
       continue;
     if (named == BODIES_NAMED) {
@@ -370,7 +370,7 @@ bw_status bw_dof_map_describe_rigid_modes(bw_context *context, const bw_dof_map 
     for (int32_t m = first; m < next; m++) {
       if (m > first)
         bwi_text_add(&out, ", ");
-      bwi_text_add(&out, dof_map->motion[m].text);
+      bwi_text_add(&out, dof_map->rigid_mode[m].text);
     }
   }
   if (more > 0) {

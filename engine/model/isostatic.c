@@ -95,7 +95,7 @@ bw_status bwi_add_isostatic(bw_context *context, bw_dof_map *dof_map, int32_t bo
   int32_t chosen_node[6];
   int chosen_direction[6];
   int32_t nodes = dof_map->body_start[body + 1] - dof_map->body_start[body];
-  if (previous && previous->motion_start[body + 1] - previous->motion_start[body] != count)
+  if (previous && previous->rigid_mode_start[body + 1] - previous->rigid_mode_start[body] != count)
     previous = NULL;
   if (!(previous &&
         choose_constraints(dof_map, body, count, motion, KEPT_REACH * length, 1, MIN_KEPT_STRENGTH,

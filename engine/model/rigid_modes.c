@@ -13,13 +13,13 @@ void bwi_motion_at(const bw_rigid_mode *motion, const double x[3], double u[3]) 
 }
 
 static int motions_of(const bw_dof_map *dof_map, int32_t body) {
-  return dof_map->motion_start[body + 1] - dof_map->motion_start[body];
+  return dof_map->rigid_mode_start[body + 1] - dof_map->rigid_mode_start[body];
 }
 
 /* a[m] of the body's motions from the resultant and the moment about the body's centre. */
 static void along_motions(const bw_dof_map *dof_map, int32_t body, const double sum[3],
                           const double moment[3], double *a) {
-  const bw_rigid_mode *motion = dof_map->motion + dof_map->motion_start[body];
+  const bw_rigid_mode *motion = dof_map->rigid_mode + dof_map->rigid_mode_start[body];
   for (int m = 0; m < motions_of(dof_map, body); m++) {
     double at_centre[3];
     bwi_motion_at(&motion[m], dof_map->body_centre + 3 * (size_t)body, at_centre);
@@ -30,7 +30,7 @@ static void along_motions(const bw_dof_map *dof_map, int32_t body, const double 
 /* t and w, about the body's centre, of sum a[m] motion m. */
 static void combined(const bw_dof_map *dof_map, int32_t body, const double *a, double t[3],
                      double w[3]) {
-  const bw_rigid_mode *motion = dof_map->motion + dof_map->motion_start[body];
+  const bw_rigid_mode *motion = dof_map->rigid_mode + dof_map->rigid_mode_start[body];
   memset(t, 0, 3 * sizeof *t);
   memset(w, 0, 3 * sizeof *w);
   for (int m = 0; m < motions_of(dof_map, body); m++) {
@@ -107,26 +107,26 @@ static void add_weighted_body(const bw_dof_map *dof_map, int32_t body, double fa
 void bw_rigid_modes_dot(const bw_dof_map *dof_map, const double *force, double *a) {
   for (int32_t body = 0; body < dof_map->mesh->component_count; body++)
     if (motions_of(dof_map, body))
-      dot_body(dof_map, body, force, a + dof_map->motion_start[body]);
+      dot_body(dof_map, body, force, a + dof_map->rigid_mode_start[body]);
 }
 
 void bw_rigid_modes_measure(const bw_dof_map *dof_map, const double *displacement, double *a) {
   for (int32_t body = 0; body < dof_map->mesh->component_count; body++)
     if (motions_of(dof_map, body))
-      measure_body(dof_map, body, displacement, a + dof_map->motion_start[body]);
+      measure_body(dof_map, body, displacement, a + dof_map->rigid_mode_start[body]);
 }
 
 void bw_rigid_modes_add(const bw_dof_map *dof_map, const double *a, double *displacement) {
   for (int32_t body = 0; body < dof_map->mesh->component_count; body++)
     if (motions_of(dof_map, body))
-      add_body(dof_map, body, 1, a + dof_map->motion_start[body], displacement);
+      add_body(dof_map, body, 1, a + dof_map->rigid_mode_start[body], displacement);
 }
 
 void bw_rigid_modes_weighted(const bw_dof_map *dof_map, const double *a, double *force) {
   memset(force, 0, 3 * sizeof *force * (size_t)dof_map->mesh->node_count);
   for (int32_t body = 0; body < dof_map->mesh->component_count; body++)
     if (motions_of(dof_map, body))
-      add_weighted_body(dof_map, body, 1, a + dof_map->motion_start[body], force);
+      add_weighted_body(dof_map, body, 1, a + dof_map->rigid_mode_start[body], force);
 }
 
 void bw_rigid_modes_balance(const bw_dof_map *dof_map, double *force) {

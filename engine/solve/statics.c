@@ -48,7 +48,7 @@ static bw_status check_balance(bw_context *context, const bw_dof_map *dof_map, c
   int worst = -1;
   double excess = tolerance, resultant[3] = {0};
   for (int m = 0; m < motions; m++) {
-    const bw_rigid_mode *motion = &dof_map->motion[m];
+    const bw_rigid_mode *motion = &dof_map->rigid_mode[m];
     double size = 0;
     for (int64_t i = 0; i < nodes; i++) {
       if (dof_map->mesh->component[i] != motion->component)
@@ -76,10 +76,10 @@ static bw_status check_balance(bw_context *context, const bw_dof_map *dof_map, c
                      "acts on rigid-body mode %d, %s: the fraction %.3g of its magnitude is along "
                      "that mode (allowed: %.3g); its resultant is (%g, %g, %g) N. Add supports, "
                      "balance the load, or use inertia relief",
-                     text, worst + 1, dof_map->motion[worst].text, excess, tolerance, resultant[0],
-                     resultant[1], resultant[2]);
+                     text, worst + 1, dof_map->rigid_mode[worst].text, excess, tolerance,
+                     resultant[0], resultant[1], resultant[2]);
     bw_detail_number(context, "motions", motions);
-    bw_detail_text(context, "motion", dof_map->motion[worst].text);
+    bw_detail_text(context, "motion", dof_map->rigid_mode[worst].text);
   }
 done:
   bw_free(part);

@@ -47,7 +47,7 @@ void bwi_nodes_taking_part(const bw_dof_map *dof_map, uint8_t *take) {
   const bw_mesh *mesh = dof_map->mesh;
   for (int64_t i = 0; i < mesh->node_count; i++) {
     int32_t body = mesh->component[i];
-    take[i] = dof_map->motion_start[body + 1] > dof_map->motion_start[body];
+    take[i] = dof_map->rigid_mode_start[body + 1] > dof_map->rigid_mode_start[body];
     for (int c = 0; c < 3; c++)
       take[i] |= dof_map->unknown[3 * i + c] >= 0;
   }

@@ -25,7 +25,7 @@ local bar = followed.class("metallophone bar", {"frequencies", "thickness"}, {
   frequency = function(self) return rawget(self, "body").frequencies[1] end,
   note = function(self)
     local name, above = pitch.note(rawget(self, "body").frequencies[1])
-    return ("%s %+.1f cents"):format(name, above)
+    return ("%s %+.1f cents"):format(name, math.abs(above) < 0.05 and 0 or above) -- no "-0.0"
   end,
   nodal_lines = function(self) return rawget(self, "body"):nodal_lines(1) end,
 })

@@ -85,7 +85,7 @@ function options.read(where, given, rules)
   end
   for key, rule in pairs(rules) do
     if out[key] == nil then
-      if rule.needed then fail(where, key, "is missing") end
+      if rule.needed then raise(("%s: option '%s' is missing"):format(where, key)) end
       out[key] = rule.default
     end
   end

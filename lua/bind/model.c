@@ -244,7 +244,7 @@ static int push_motions(lua_State *L) {
   const bw_dof_map *dof_map = (const bw_dof_map *)lua_touserdata(L, 1);
   lua_createtable(L, dof_map->rigid_mode_count, 0);
   for (int32_t m = 0; m < dof_map->rigid_mode_count; m++) {
-    const bw_rigid_mode *motion = &dof_map->motion[m];
+    const bw_rigid_mode *motion = &dof_map->rigid_mode[m];
     lua_createtable(L, 0, 5);
     lua_pushinteger(L, (lua_Integer)motion->component + 1);
     lua_setfield(L, -2, "component");

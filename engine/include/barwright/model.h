@@ -261,16 +261,16 @@ typedef struct bw_dof_map {
   uint8_t *state;    /* (node_count x 3) bw_dof_state */
   int32_t *frame_of; /* (index, node_count) row of `frame`, or -1 for the global frame */
   int32_t frame_count;
-  double *frame;            /* (-, frame_count x 9) rows are the frame's directions */
-  double *value;            /* (m, node_count x 3) prescribed value in the frame; 0 elsewhere */
-  bool prescribed;          /* some value is not zero */
-  int32_t rigid_mode_count; /* unconstrained rigid-body modes of all bodies, body by body */
-  bw_rigid_mode *motion;    /* rigid_mode_count modes */
-  int32_t *motion_start;    /* (index, component_count + 1) the modes of each body */
-  int32_t *body_start;      /* (index, component_count + 1) the nodes of each body in body_node */
-  int32_t *body_node;       /* (index, node_count) ascending for each body */
-  double *body_volume;      /* (m3, component_count) */
-  double *body_centre;      /* (m, component_count x 3) centres of volume */
+  double *frame;             /* (-, frame_count x 9) rows are the frame's directions */
+  double *value;             /* (m, node_count x 3) prescribed value in the frame; 0 elsewhere */
+  bool prescribed;           /* some value is not zero */
+  int32_t rigid_mode_count;  /* unconstrained rigid-body modes of all bodies, body by body */
+  bw_rigid_mode *rigid_mode; /* rigid_mode_count modes */
+  int32_t *rigid_mode_start; /* (index, component_count + 1) the modes of each body */
+  int32_t *body_start;       /* (index, component_count + 1) the nodes of each body in body_node */
+  int32_t *body_node;        /* (index, node_count) ascending for each body */
+  double *body_volume;       /* (m3, component_count) */
+  double *body_centre;       /* (m, component_count x 3) centres of volume */
   double *weight; /* (any, node_count x 4) integral of the shape function over V (-), and of the
                      shape function times (x - body centre) over V (m): all that W R needs */
 } bw_dof_map;

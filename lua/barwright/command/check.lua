@@ -11,13 +11,13 @@ local writable = require "barwright.writable"
 
 -- Each kind of defect in words: one, many, what it means.
 local kinds = {
-  ["open edge"] = {"open edge", "open edges", "the surface has a rim there instead of going on"},
+  ["open edge"] = {"open edge", "open edges", "only one facet has this edge, so the surface is open there"},
   ["non-manifold edge"] = {"edge with more than two facets", "edges with more than two facets",
-    "walls meet there as the pages of a book do"},
+    "more than two walls meet there"},
   ["non-manifold point"] = {"point that several sheets share", "points that several sheets share",
     "bodies touch in a point there"},
   ["misoriented edge"] = {"edge whose facets disagree", "edges whose facets disagree",
-    "one says inside where the other says outside"},
+    "their sides are opposite"},
   ["flipped shell"] = {"shell that faces the wrong way", "shells that face the wrong way", "inside out"},
   ["zero-area facet"] = {"facet without area", "facets without area", "its corners lie on a line"},
   ["duplicate facet"] = {"facet that is there twice", "facets that are there twice", "one of them is too many"},
@@ -236,7 +236,8 @@ local function check_surface(read, opts, out)
     if not ok then return nil, message, details end
   else
     local text = {}
-    text[#text + 1] = report.closed and "closed" or ("open, with %s"):format(model.count(report.holes, "hole"))
+    text[#text + 1] = report.closed and "closed"
+      or report.holes > 0 and ("open, with %s"):format(model.count(report.holes, "hole")) or "open"
     text[#text + 1] = model.count(report.shells, "shell")
     out:say("Not sound (%s):", table.concat(text, ", "))
     report_defects(report, out)

@@ -81,9 +81,12 @@ model.order_option = {name = "order", value = "1|2", type = "integer", default =
 model.threads_option = {name = "threads", value = "N", type = "integer", min = 1, max = 64,
   what = "number of threads; the numbers do not depend on it"}
 
+-- Less than this is rounding (m).
+local MOVED = 1e-9
+
 --- Where a surface lies that a step moved by a length.
 function model.moved_text(moved)
-  return moved > 0 and ("at most %s from the input"):format(core.quantity(moved, "m")) or "on the input"
+  return moved > MOVED and ("at most %s from the input"):format(core.quantity(moved, "m")) or "on the input"
 end
 
 function model.name(path)

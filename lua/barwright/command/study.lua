@@ -247,7 +247,9 @@ function actions.plot(study, opts, out)
   local drawn, figure, message, details = pcall(trials.plot, trials, kind, {x = opts.x, y = opts.y,
     colour = opts.colour})
   if not drawn then
-    if type(figure) == "string" and figure:find "^plot" then return out:misuse(figure) end
+    if type(figure) == "string" and figure:find "^plot" then
+      return out:misuse((figure:gsub("option '(%l+)'", "option --%1")))
+    end
     error(figure, 0)
   end
   local ok

@@ -15,7 +15,7 @@ typedef struct free_body {
 static void free_all(free_body *body, const bw_mesh *mesh) {
   memset(body, 0, sizeof *body);
   body->dof_map.mesh = mesh;
-  body->dof_map.motion = body->motion;
+  body->dof_map.rigid_mode = body->motion;
   for (int32_t c = 0; c < mesh->component_count; c++) {
     double centre[3] = {0, 0, 0}, count = 0;
     for (int32_t i = 0; i < mesh->node_count; i++)

@@ -45,15 +45,15 @@ static void free_box_has_six_motions_about_its_principal_axes(void **state) {
     bw_dof_map *dof_map = NULL;
     check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
     assert_int_equal(dof_map->rigid_mode_count, 6);
-    assert_string_equal(dof_map->motion[0].text, "translation along (1, 0, 0)");
-    assert_string_equal(dof_map->motion[1].text, "translation along (0, 1, 0)");
-    assert_string_equal(dof_map->motion[2].text, "translation along (0, 0, 1)");
+    assert_string_equal(dof_map->rigid_mode[0].text, "translation along (1, 0, 0)");
+    assert_string_equal(dof_map->rigid_mode[1].text, "translation along (0, 1, 0)");
+    assert_string_equal(dof_map->rigid_mode[2].text, "translation along (0, 0, 1)");
     /* smallest moment first: about the long side */
-    assert_string_equal(dof_map->motion[3].text,
+    assert_string_equal(dof_map->rigid_mode[3].text,
                         "rotation about the axis through (1.5, 1, 0.5) along (1, 0, 0)");
-    check_near(dof_map->motion[3].rotation[0], 1 / sqrt((4. + 1.) / 12), 1e-12);
-    check_near(dof_map->motion[4].rotation[1], 1 / sqrt((9. + 1.) / 12), 1e-12);
-    check_near(dof_map->motion[5].rotation[2], 1 / sqrt((9. + 4.) / 12), 1e-12);
+    check_near(dof_map->rigid_mode[3].rotation[0], 1 / sqrt((4. + 1.) / 12), 1e-12);
+    check_near(dof_map->rigid_mode[4].rotation[1], 1 / sqrt((9. + 1.) / 12), 1e-12);
+    check_near(dof_map->rigid_mode[5].rotation[2], 1 / sqrt((9. + 4.) / 12), 1e-12);
     check_near(dof_map->body_volume[0], 6, 1e-12);
     check_motions(dof_map);
     bw_release(dof_map);
@@ -76,9 +76,9 @@ static void moved_and_turned_box_keeps_its_motions_orthonormal(void **state) {
   bw_dof_map *dof_map = NULL;
   check_ok(context, bw_dof_map_unconstrained(context, moved, &dof_map));
   assert_int_equal(dof_map->rigid_mode_count, 6);
-  double turn = bw_norm(dof_map->motion[3].rotation);
-  check_near(dof_map->motion[3].rotation[0] / turn, c, 1e-9);
-  check_near(dof_map->motion[3].rotation[1] / turn, s, 1e-9);
+  double turn = bw_norm(dof_map->rigid_mode[3].rotation);
+  check_near(dof_map->rigid_mode[3].rotation[0] / turn, c, 1e-9);
+  check_near(dof_map->rigid_mode[3].rotation[1] / turn, s, 1e-9);
   free(x);
   bw_release(dof_map);
   bw_release(moved);
@@ -103,7 +103,7 @@ static void cube_takes_global_axes(void **state) {
   bw_mesh *mesh = box_mesh(context, 1, 1, 1, 2, 2, 2, 2);
   bw_dof_map *dof_map = NULL;
   check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
-  assert_string_equal(dof_map->motion[4].text,
+  assert_string_equal(dof_map->rigid_mode[4].text,
                       "rotation about the axis through (0.5, 0.5, 0.5) along (0, 1, 0)");
   check_motions(dof_map);
   bw_release(dof_map);
@@ -175,11 +175,11 @@ static void point_and_line_supports_leave_rotations(void **state) {
   for (int m = 0; m < 3; m++) { /* all turn about the corner */
     double u[3];
     for (int k = 0; k < 3; k++)
-      u[k] = -dof_map->motion[m].centre[k];
+      u[k] = -dof_map->rigid_mode[m].centre[k];
     double c[3];
-    bw_cross(dof_map->motion[m].rotation, u, c);
+    bw_cross(dof_map->rigid_mode[m].rotation, u, c);
     check_near(bw_norm(c), 0, 1e-12);
-    check_near(bw_norm(dof_map->motion[m].translation), 0, 0);
+    check_near(bw_norm(dof_map->rigid_mode[m].translation), 0, 0);
   }
   check_motions(dof_map);
   bw_release(dof_map);
@@ -187,7 +187,7 @@ static void point_and_line_supports_leave_rotations(void **state) {
   check_ok(context, bw_model_fix(context, model, edge));
   check_ok(context, bw_dof_map_create(context, model, &dof_map));
   assert_int_equal(dof_map->rigid_mode_count, 1);
-  assert_string_equal(dof_map->motion[0].text,
+  assert_string_equal(dof_map->rigid_mode[0].text,
                       "rotation about the axis through (1, 0, 0) along (1, 0, 0)");
   check_motions(dof_map);
   bw_release(dof_map);
@@ -208,7 +208,7 @@ static void unconstrained_second_body_is_named(void **state) {
   check_ok(context, bw_dof_map_create(context, model, &dof_map));
   assert_int_equal(dof_map->rigid_mode_count, 6);
   for (int m = 0; m < 6; m++)
-    assert_int_equal(dof_map->motion[m].component, mesh->component[mesh->node_count - 1]);
+    assert_int_equal(dof_map->rigid_mode[m].component, mesh->component[mesh->node_count - 1]);
   check_ok(context, bw_dof_map_describe_rigid_modes(context, dof_map, &text));
   assert_non_null(strstr(text, "body 2 of 2 (around (3.5, 0.5, 0.5) m, 1 m3): 6 rigid-body modes"));
   check_motions(dof_map);
@@ -254,7 +254,7 @@ static void oblique_slides_get_frames(void **state) {
   }
   assert_int_equal(both, 3);
   assert_int_equal(dof_map->rigid_mode_count, 1); /* along (0, 4, -3) */
-  check_near(fabs(dof_map->motion[0].translation[1]), 0.8, 1e-12);
+  check_near(fabs(dof_map->rigid_mode[0].translation[1]), 0.8, 1e-12);
   check_motions(dof_map);
   bw_release(dof_map);
   bw_release(top);
