@@ -236,8 +236,8 @@ local function offsets(places, moved, matrix, limit, max)
   return true
 end
 
--- Places with their offsets, and the matrix of their bumps. Bumps that are not needed are left out, and the offsets of
--- the others are computed again: so the prediction is that of the bumps that are applied.
+-- Places with their offsets, and the matrix of their bumps. Bumps that are not needed are left out, and the
+-- offsets of the others are recomputed, so that the prediction is that of the bumps that are applied.
 local function solve(breaking, utilisation, places, limit, opts)
   local shape = bumps.of_mesh(breaking.mesh)
   local slopes, message, details = gradients(breaking, utilisation, shape, places)
