@@ -261,7 +261,7 @@ describe("a flow in time", function()
   end)
 
   it("refuses what cannot be, and names the nearest", function()
-    check.raises("'viscosity': is missing", bw.responsive.flow, {outline = pipe()})
+    check.raises("'viscosity' is missing", bw.responsive.flow, {outline = pipe()})
     check.raises("did you mean 'inlet'", wind, {conditions = {inlt = "wall"}})
     check.raises("\"wall\" or a table", wind, {conditions = {body = "fixed"}})
     check.raises("unknown key 'temperature'", wind, {conditions = {body = {temperature = 1}}})

@@ -98,7 +98,7 @@ describe("a grid", function()
     check.raises("unknown option 'mim': did you mean 'min'?", function() a:nodes {mim = {0, 0, 0}} end)
     check.raises("'max w' is not known: did you mean 'max ", function() a:nodes {side = "max w"} end)
     check.raises("a region expected", function() a:nodes(3) end)
-    check.raises("option 'radius': is missing beside 'centre'", function() a:nodes {centre = {0, 0, 0}} end)
+    check.raises("option 'radius' is missing beside 'centre'", function() a:nodes {centre = {0, 0, 0}} end)
   end)
 
   it("holds what a surface encloses", function()

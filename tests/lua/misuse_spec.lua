@@ -37,7 +37,7 @@ local function calls(session, part)
     ["twist"] = function() session:limit("b", {twist = {1}}) end,
     ["expected, got string 'first'"] = function() session:assign({"first"}, "upper") end,
     ["elements from 1 to"] = function() session:assign({0}, "upper") end,
-    ["option 'von_mises': is missing"] = function() session:optimise {} end,
+    ["option 'von_mises' is missing"] = function() session:optimise {} end,
     ["no bone 'e'"] = function() session:optimise {von_mises = 1, bones = {"e"}} end,
     ["'fresh' is not known"] = function() session:solve {method = "fresh"} end,
     ["save: the path"] = function() session:save() end,

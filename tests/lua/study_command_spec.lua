@@ -74,10 +74,10 @@ describe("barwright study", function()
     end
     local status, _, complaint = run "plot @hook.lua scatter --x thickness"
     assert.equal(2, status)
-    assert.truthy(complaint:find("option 'y': is missing", 1, true), complaint)
+    assert.truthy(complaint:find("option --y is missing", 1, true), complaint)
     status, _, complaint = run "plot @hook.lua history --x thickness"
     assert.equal(2, status)
-    assert.truthy(complaint:find("plot history: unknown option 'x'", 1, true), complaint)
+    assert.truthy(complaint:find("plot history: unknown option --x", 1, true), complaint)
     local _, lines = check.read(folder .. "/t.csv"):gsub("\r\n", "")
     assert.equal(13, lines)
   end)

@@ -55,7 +55,7 @@ describe("the definition of a study", function()
       {{design = {"latin", count = 3}}, "one of grid, latin_hypercube, "},
       {{variables = {{name = "a", low = 0, max = 1}}}, "unknown option 'low': known are default, "},
       {{design = {"random", cuont = 3}}, "did you mean 'count'"},
-      {{design = {"random"}}, "option 'count': is missing"},
+      {{design = {"random"}}, "option 'count' is missing"},
       {{run = 1}, "a function (point, trial) expected"},
       {{name = "a/b"}, "without slashes"},
     } do check.raises(each[2], study, each[1]) end
