@@ -262,7 +262,9 @@ int lbw_option_get(lua_State *L, int index, const char *key);
 int lbw_word_option(lua_State *L, int index, const char *function, const char *key,
                     const char *const words[], int otherwise);
 int lbw_option_error(lua_State *L, const char *function, const char *key, const char *expected);
-/* The same with what was found, which is on the top of the stack: "a string" expected. */
+/* The option is missing; `why` ends the sentence and may be "". */
+int lbw_option_missing(lua_State *L, const char *function, const char *key, const char *why);
+/* An option with what was found, which is on the top of the stack: "a string" expected. */
 int lbw_option_refused(lua_State *L, const char *function, const char *key, const char *expected);
 
 /* The candidate that a word may have been meant for; NULL where none resembles it. */

@@ -106,6 +106,10 @@ int lbw_option_error(lua_State *L, const char *function, const char *key, const 
   return lbw_error(L, "%s: option '%s': %s", function, key, expected);
 }
 
+int lbw_option_missing(lua_State *L, const char *function, const char *key, const char *why) {
+  return lbw_error(L, "%s: option '%s' is missing%s", function, key, why);
+}
+
 int lbw_option_refused(lua_State *L, const char *function, const char *key, const char *expected) {
   return lbw_error(L, "%s: option '%s': %s expected, got %s", function, key, expected,
                    lbw_got(L, -1));

@@ -100,12 +100,11 @@ static double *numbers(lua_State *L, const char *key, int64_t *n) {
 static double *start_of(lua_State *L, int64_t n, const double *min, const double *max) {
   double *x = (double *)lua_newuserdatauv(L, (size_t)(n + 1) * sizeof *x, 0);
   if (!min || !max)
-    lbw_option_error(L, "minimise", "start",
-                     "is missing, and needed where a variable has no bounds");
+    lbw_option_missing(L, "minimise", "start", ": it is needed where a variable has no bounds");
   for (int64_t i = 0; i < n; i++) {
     x[i] = min[i] + (max[i] - min[i]) / 2;
     if (!isfinite(x[i]))
-      lbw_option_error(L, "minimise", "start", "is missing, and needed where a bound is infinite");
+      lbw_option_missing(L, "minimise", "start", ": it is needed where a bound is infinite");
   }
   return x;
 }

@@ -171,7 +171,7 @@ static double *numbers(lua_State *L, const char *key, int64_t rows, int64_t colu
     for (int64_t i = 0; i < rows * columns; i++)
       data[i] = otherwise;
   } else
-    lbw_option_error(L, "quadratic_program", key, "is missing");
+    lbw_option_missing(L, "quadratic_program", key, "");
   if (given != rows)
     lbw_error(L, "quadratic_program: option '%s': %I rows expected, got %I", key, (LUAI_UACINT)rows,
               (LUAI_UACINT)given);

@@ -62,8 +62,8 @@ static void read_table(lua_State *L, int index, const char *function, lbw_region
   r->parts |= given ? BW_IN_BOX : 0;
   bool centred = lbw_option_get(L, index, "centre") != LUA_TNIL;
   if (centred != (lbw_option_get(L, index, "radius") != LUA_TNIL))
-    lbw_option_error(L, function, centred ? "radius" : "centre",
-                     centred ? "is missing beside 'centre'" : "is missing beside 'radius'");
+    lbw_option_missing(L, function, centred ? "radius" : "centre",
+                       centred ? " beside 'centre'" : " beside 'radius'");
   r->parts |= centred ? BW_IN_BALL : 0;
   if (lbw_option_get(L, index, "plane") != LUA_TNIL) {
     pair_option(L, lua_gettop(L), function, "plane", r->plane_point, r->plane_normal);

@@ -121,7 +121,7 @@ typedef struct shape {
 
 static void need(lua_State *L, int index, const char *function, const char *key) {
   if (lbw_option_get(L, index, key) == LUA_TNIL)
-    lbw_error(L, "%s: option '%s' is missing", function, key);
+    lbw_option_missing(L, function, key, "");
   lua_pop(L, 1);
 }
 
