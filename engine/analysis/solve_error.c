@@ -11,7 +11,8 @@
 #include "analysis/solve_error.h"
 
 #include "analysis/nearest_point.h"
-#include "solve/internal.h"
+#include "barwright/eigen.h"
+#include "linear/internal.h"
 
 #include <float.h>
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef BARWRIGHT_SOLVE_ERROR_H
 #define BARWRIGHT_SOLVE_ERROR_H
 
-#include "barwright/solve.h"
+#include "barwright/linear.h"
 
 typedef struct bwi_solve_error {
   const bw_system *system;

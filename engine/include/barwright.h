@@ -87,8 +87,17 @@
 #include "barwright/singular_places.h"
 
 #include "barwright/assemble.h"
+#include "barwright/plane_matrix.h"
 
-#include "barwright/solve.h"
+#include "barwright/linear.h"
+#include "barwright/report.h"
+
+#include "barwright/eigen.h"
+
+#include "barwright/external.h"
+#include "barwright/statics.h"
+
+#include "barwright/incremental.h"
 
 #include "barwright/metamaterial.h"
 #include "barwright/nonlinear.h"

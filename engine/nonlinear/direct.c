@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-#include "solve/order.h"
+#include "linear/order.h"
 
 struct bwi_direct {
   const bw_block_pattern *pattern; /* retained */

@@ -16,8 +16,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "linear/vectors.h"
 #include "responsive/large_deflection.h"
-#include "responsive/vectors.h"
 
 void bw_large_deflection_options_default(bw_large_deflection_options *options) {
   *options = (bw_large_deflection_options){.tolerance = 1e-8, .iterations = 30, .load_steps = 64};

@@ -15,8 +15,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "linear/vectors.h"
 #include "responsive/sheet.h"
-#include "responsive/vectors.h"
 
 void bw_newmark_default(bw_newmark *newmark) {
   *newmark = (bw_newmark){.step = 1e-3, .beta = 0.25, .gamma = 0.5};

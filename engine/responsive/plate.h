@@ -5,7 +5,8 @@
 #ifndef BWI_PLATE_H
 #define BWI_PLATE_H
 
-#include "responsive/lagged_factor.h"
+#include "incremental/lagged_factor.h"
+#include "responsive/internal.h"
 
 enum {
   BWI_PLATE_NODES = 6,

@@ -21,8 +21,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "linear/blas.h"
 #include "responsive/plate.h"
-#include "solve/blas.h"
 
 typedef struct workspace {
   const bwi_ritz *problem;

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "linear/vectors.h"
 #include "responsive/sheet.h"
-#include "responsive/vectors.h"
 
 static void sheet_destroy(void *object) {
   bw_sheet *sheet = object;

@@ -15,8 +15,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "linear/sparse.h"
 #include "shape/weights.h"
-#include "solve/sparse.h"
 
 static void skinning_clear(bwi_skinning *s) {
   bw_free(s->number);

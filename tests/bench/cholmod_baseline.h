@@ -4,7 +4,7 @@
 #ifndef BENCH_CHOLMOD_BASELINE_H
 #define BENCH_CHOLMOD_BASELINE_H
 
-#include "solve/internal.h"
+#include "linear/internal.h"
 
 typedef struct cholmod_times {
   double analysis, factor, solve; /* s */

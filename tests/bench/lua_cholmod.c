@@ -11,7 +11,7 @@
 #include "bind.h"
 
 #include "bench/cholmod_baseline.h"
-#include "solve/incremental.h"
+#include "incremental/incremental.h"
 
 typedef struct baseline_times {
   double stiffness, ordering;

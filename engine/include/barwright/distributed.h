@@ -7,7 +7,7 @@
 #ifndef BARWRIGHT_DISTRIBUTED_H
 #define BARWRIGHT_DISTRIBUTED_H
 
-#include "barwright/solve.h"
+#include "barwright/external.h"
 
 #ifdef __cplusplus
 extern "C" {

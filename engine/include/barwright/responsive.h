@@ -4,114 +4,12 @@
 #define BARWRIGHT_RESPONSIVE_H
 
 #include "barwright/element.h"
+#include "barwright/incremental.h"
 #include "barwright/material.h"
-#include "barwright/plane.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* ---- matrices on a plane mesh -------------------------------------------------------------- */
-
-/* Block sparsity pattern of a plane mesh: full rows, ascending, and for every block the
- * contributions (element, local pair) that are added into it: gathered, never scattered, so that
- * the bits do not depend on threads. Values are the caller's: `components`^2 numbers per block, row
- * by row. Depends on topology only. */
-typedef struct bw_plane_pattern {
-  bw_object object;
-  const bw_plane_topology *topology; /* retained */
-  int32_t node_count;
-  int64_t block_count;
-  int64_t *start;          /* (index, node_count + 1) first block of each row */
-  int32_t *column;         /* (index, block_count) */
-  int64_t *diagonal;       /* (index, node_count) where the block (i, i) is */
-  int64_t *mirror;         /* (index, block_count) where the block (j, i) of a block (i, j) is */
-  int64_t *gather_start;   /* (index, block_count + 1) first contribution to each block */
-  int32_t *gather_element; /* (index, gather_start[block_count]) of each contribution */
-  uint8_t *gather_local; /* (gather_start[block_count]) a * 6 + b: local nodes of row and column */
-} bw_plane_pattern;
-/* The pattern of a topology. BW_LIMIT where it has too many blocks. */
-BW_API bw_status bw_plane_pattern_create(bw_context *context, const bw_plane_topology *topology,
-                                         bw_plane_pattern **pattern);
-/* Writes the matrix (any, n c x n c) of an element with n nodes and c components: unknown node c +
- * component. Called from several threads at once. */
-typedef bw_status bw_element_matrix(void *data, int32_t element, double *matrix);
-/* Adds the matrices of all elements, which element_matrix gives, into values (any, block_count x
- * components x components), zeroed first; 1 to 4 components. */
-BW_API bw_status bw_plane_assemble(bw_context *context, const bw_plane_pattern *pattern,
-                                   int components, bw_element_matrix *element_matrix, void *data,
-                                   double *values);
-/* y = A x for values (any, block_count x components x components), with x and y (any, node_count x
- * components). */
-BW_API bw_status bw_plane_multiply(bw_context *context, const bw_plane_pattern *pattern,
-                                   int components, const double *values, const double *x,
-                                   double *y);
-/* Prescribes unknowns, those with is_prescribed (node_count x components) not 0, to prescribed
- * (any, node_count x components). Their rows and columns in values (any, block_count x components x
- * components) become those of the identity times the mean size of the component's diagonal entries.
- * rhs (any, node_count x components), which may be NULL, changes accordingly, and the number of
- * unknowns does not. */
-BW_API bw_status bw_plane_prescribe(bw_context *context, const bw_plane_pattern *pattern,
-                                    int components, const uint8_t *is_prescribed,
-                                    const double *prescribed, double *values, double *rhs);
-
-/* ---- lagged factors (responsive, sections 3.2 and 3.3) ----------------------------------------
- *
- * Solves A x = b with what is left of an earlier factorisation: conjugate gradients on a Cholesky
- * factor for symmetric positive definite matrices, BiCGSTAB on an LU factor for others. The
- * paper uses ILU(k); a complete factor costs little in the plane and remains useful for longer. */
-
-/* How the factor is used. */
-typedef enum bw_lagged_factor_method {
-  BW_LAGGED_FACTOR_AUTO, /* by predicted cost: operations and bytes counted, and the iterations that
-                    recent solves took; never time measured */
-  BW_LAGGED_FACTOR_ITERATE,  /* on the present factor, as long as it converges */
-  BW_LAGGED_FACTOR_REFACTOR, /* refactored each time, analysis reused */
-  BW_LAGGED_FACTOR_FULL      /* analysed and factored each time: for baselines */
-} bw_lagged_factor_method;
-/* How equations are solved. */
-typedef struct bw_lagged_factor_options {
-  bw_lagged_factor_method method; /* default BW_LAGGED_FACTOR_AUTO */
-  double tolerance;               /* (-) relative residual |b - A x| / |b|; default 1e-8, > 0 */
-  int iterations;                 /* before refactoring; default 60, 1 or more */
-} bw_lagged_factor_options;
-BW_API void bw_lagged_factor_options_default(bw_lagged_factor_options *options);
-/* What one solve, or one frame of an application, reused and what it cost. Sums over the solves of
- * a frame; clear with memset before. */
-typedef struct bw_plane_reuse {
-  bw_level level;                                   /* of the mesh in this frame */
-  bool pattern;                                     /* of A: kept */
-  bool factor;                                      /* B: kept (lagged) */
-  bool solution;                                    /* x: used as the first guess */
-  int analyses, factorisations, solves, iterations; /* how many */
-  double residual;                                  /* (-) the largest, relative, as reached */
-  double predicted_iterate, predicted_factor;       /* (s) of the model's machine */
-  double seconds_mesh, seconds_assemble, seconds_factor, seconds_solve; /* (s) of the parts */
-} bw_plane_reuse;
-
-/* A factor of a former matrix. Mutable; one thread at a time. bw_lagged_factor_destroy releases
- * it. */
-typedef struct bw_lagged_factor bw_lagged_factor;
-/* For 1 to 4 components at a node, 1 to 3 where `symmetric`. */
-BW_API bw_status bw_lagged_factor_create(bw_context *context, bool symmetric, int components,
-                                         bw_lagged_factor **lagged);
-BW_API void bw_lagged_factor_destroy(bw_lagged_factor *lagged);
-/* Solves A x = b for values (any, block_count x components x components) and rhs (any, node_count x
- * components). x (any, node_count x components) is the initial guess on entry, the solution on
- * return. The factor and its elimination order are kept as long as the pattern's nodes are the same
- * object, the analysis as long as its topology is. BW_SINGULAR, or BW_CONVERGENCE with the residual
- * reached; x is then as it was. `options` and `reuse` may be NULL; `reuse` is added to. */
-BW_API bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
-                                        const bw_plane_pattern *pattern, const double *values,
-                                        const double *rhs, double *x,
-                                        const bw_lagged_factor_options *options,
-                                        bw_plane_reuse *reuse);
-/* Applies the factor alone, current or lagged: z (any, node_count x components) = B r (any,
- * node_count x components), for eigenvalue iterations. Only after a solution. */
-BW_API bw_status bw_lagged_factor_apply(bw_context *context, bw_lagged_factor *lagged,
-                                        const double *r, double *z);
-/* Releases factor, analysis and pattern: the next solve begins from scratch. */
-BW_API void bw_lagged_factor_reset(bw_lagged_factor *lagged);
 
 /* ---- conditions by tag ----------------------------------------------------------------------- */
 

@@ -3,7 +3,8 @@
 #ifndef BARWRIGHT_SHAPE_H
 #define BARWRIGHT_SHAPE_H
 
-#include "barwright/solve.h"
+#include "barwright/eigen.h"
+#include "barwright/incremental.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,8 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* PETSc and SLEPc on one rank, in this process: allocation failures and cancelling, which are hard
  * to aim from outside. Several ranks are tests/lua/distributed_spec.lua. */
-#include "../solve/bodies.h"
 #include "barwright/distributed.h"
+#include "bodies.h"
 
 static bw_model *body(bw_context *context, int order, bool fixed) {
   bw_mesh *mesh = body_box(context, 1, 0.2, 0.1, 4, 2, 1, order);

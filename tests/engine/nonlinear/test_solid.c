@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Solids: their pattern serves the engine's own factor; mass; what is refused. */
+#include "linear/internal.h"
 #include "nonlinear/solids.h"
-#include "solve/internal.h"
 
 static bw_solid *block(bw_context *context, const int32_t cells[3], bw_law law) {
   bw_solid_material *one = solids_simple(context, law);

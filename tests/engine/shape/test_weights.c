@@ -2,7 +2,7 @@
 /* Skinning weights: a closed form, symmetries, sight, bodies without bones, and the sparse systems
  * behind them. */
 #include "check.h"
-#include "solve/sparse.h"
+#include "linear/sparse.h"
 
 static bw_skeleton *bones_between(bw_context *context, int joints, const double *joint, int bones,
                                   const int32_t *bone) {

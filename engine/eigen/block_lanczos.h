@@ -1,0 +1,50 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The lowest eigenpairs of K x = lambda M x by block Lanczos on the inverse, Op = K^+ M, which is
+ * symmetric in the M inner product: eigenvalues theta = 1/lambda, the lowest lambda outermost.
+ *
+ * Why blocks: one pass over the factor serves a whole block of right-hand sides, and a block of b
+ * vectors sees eigenvalues of multiplicity up to b at once, where a single-vector method sees
+ * partners only by rounding.
+ *
+ * Invariants of the basis V (M-orthonormal, orthogonalised twice in full): T = V^T M Op V holds in
+ * its upper triangle for all blocks that went through Op (`done` vectors); the vectors behind them
+ * are the next block, with R its coupling, so that Op V = V T + V_next R. A restart keeps the best
+ * Ritz vectors in front of the next block; the coupling comes back by the projection, which always
+ * is taken on the whole basis. */
+#ifndef BWI_EIGEN_BLOCK_LANCZOS_H
+#define BWI_EIGEN_BLOCK_LANCZOS_H
+
+#include "eigen/internal.h"
+
+enum { BWI_BLOCK = 8 };
+
+typedef struct bwi_lanczos {
+  bw_context *context;
+  const bwi_eigen_problem *problem;
+  int64_t size;
+  int capacity, block;
+  int used;       /* vectors in the basis, with the next block */
+  int done;       /* of these, through Op */
+  double *v, *mv; /* capacity x size: basis, and M times basis */
+  double *t;      /* capacity x capacity, column-major, upper triangle */
+  double *r;      /* coupling: (used - done) x the last `r_columns` done vectors, ld = block */
+  int r_columns;
+  double *theta, *s; /* Ritz values (descending) and coefficients, ld = capacity */
+  bw_random random;
+  int solves;
+} bwi_lanczos;
+
+bw_status bwi_lanczos_open(bw_context *context, const bwi_eigen_problem *problem, int capacity,
+                           int block, uint64_t seed, bwi_lanczos *l);
+void bwi_lanczos_clear(bwi_lanczos *l);
+/* Random vectors as the next block: at the start, and where the space that was searched is closed
+ * under Op but something is missing. */
+bw_status bwi_lanczos_random(bwi_lanczos *l);
+/* Go on until `wanted` Ritz vectors have converged, or the whole space is searched. */
+bw_status bwi_lanczos_iterate(bwi_lanczos *l, int wanted, double tolerance);
+/* Keep the first `keep` Ritz vectors and the next block (or no next block). */
+bw_status bwi_lanczos_restart(bwi_lanczos *l, int keep, bool next);
+/* Leading Ritz vectors that have converged. */
+int bwi_lanczos_converged(const bwi_lanczos *l, int wanted, double tolerance);
+
+#endif

@@ -1,0 +1,40 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of eigen/ share. */
+#ifndef BWI_EIGEN_INTERNAL_H
+#define BWI_EIGEN_INTERNAL_H
+
+#include "barwright/eigen.h"
+#include "linear/internal.h"
+
+/* ---- eigenvalues (eigen.c) ----------------------------------------------------------------- */
+
+/* A symmetric generalised problem K x = lambda M x seen through an operator. Fields are `size`
+ * numbers each, one after the other. */
+typedef struct bwi_eigen_problem {
+  int64_t size;
+  void *data;
+  /* y = K^+ f, restricted to the wanted space */
+  bw_status (*solve)(bw_context *context, void *data, int64_t count, const double *f, double *y);
+  bw_status (*mass)(bw_context *context, void *data, int64_t count, const double *x, double *y);
+  bw_status (*stiffness)(bw_context *context, void *data, int64_t count, const double *x,
+                         double *y);
+  /* bring random fields into the wanted space */
+  bw_status (*project)(bw_context *context, void *data, int64_t count, double *x);
+  /* eigenvalues below sigma in the wanted space; *trusted as in bwi_count_negative. NULL: none */
+  bw_status (*below)(bw_context *context, void *data, double sigma, int64_t *count, bool *trusted);
+  int64_t dimension; /* of the wanted space */
+} bwi_eigen_problem;
+
+typedef struct bwi_eigen_result {
+  int count;
+  double *value;    /* ascending */
+  double *vector;   /* count x size, M-norm 1 */
+  double *residual; /* |K x - lambda M x| / |lambda M x| */
+  int solves, recovered;
+  bool counted;
+} bwi_eigen_result;
+void bwi_eigen_result_clear(bwi_eigen_result *result);
+bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem,
+                           const bw_modes_options *options, bwi_eigen_result *result);
+
+#endif

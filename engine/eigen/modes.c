@@ -1,0 +1,209 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Elastic modes K u = lambda M u of constrained and unconstrained bodies, with the system's own
+ * factor.
+ *
+ * The operator is P K_c^-1 P^T M: symmetric in M, zero on rigid-body motions, so no rigid mode
+ * appears and none has to be separated from an elastic one. The Sturm count takes the unconstrained
+ * K - sigma M, which is regular for sigma > 0; the rigid-body modes are subtracted from it. */
+#include <math.h>
+#include <string.h>
+
+#include "eigen/modes.h"
+
+void bw_modes_options_default(bw_modes_options *options) {
+  *options = (bw_modes_options){.count = 15, .tolerance = 1e-8, .sturm = true, .seed = 1};
+}
+
+static void modes_destroy(void *object) {
+  bw_modes *modes = object;
+  bw_release(modes->mesh);
+  bw_release(modes->material);
+  bw_free(modes->eigenvalue);
+  bw_free(modes->frequency);
+  bw_free(modes->shape);
+  bw_free(modes->residual);
+  bw_free(modes->external);
+  bw_free(modes);
+}
+
+static size_t modes_bytes(const void *object) {
+  const bw_modes *modes = object;
+  return sizeof *modes + (size_t)modes->count *
+                             ((size_t)modes->components * (size_t)modes->mesh->node_count + 3) *
+                             sizeof(double);
+}
+
+static const bw_kind modes_kind = {"modes", modes_destroy, modes_bytes};
+
+bw_status bwi_modes_options_check(bw_context *context, const bw_modes_options *given,
+                                  bw_modes_options *options) {
+  bw_modes_options_default(options);
+  if (given)
+    *options = *given;
+  if (options->count < 1)
+    return bw_fail(context, BW_INVALID, "%d modes were requested: at least 1 expected",
+                   options->count);
+  if (!(options->tolerance > 0 && options->tolerance < 1))
+    return bw_fail(context, BW_INVALID, "the tolerance on modes is %g; it must lie between 0 and 1",
+                   options->tolerance);
+  return BW_OK;
+}
+
+/* Each shape's largest component is made positive; of several as large, the first decides. */
+static void fix_sign(double *shape, int64_t size) {
+  double largest = 0;
+  for (int64_t i = 0; i < size; i++)
+    largest = fmax(largest, fabs(shape[i]));
+  for (int64_t i = 0; i < size; i++)
+    if (fabs(shape[i]) >= largest * (1 - 1e-6)) {
+      if (shape[i] < 0)
+        for (int64_t k = 0; k < size; k++)
+          shape[k] = -shape[k];
+      return;
+    }
+}
+
+bw_status bwi_modes_from(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                         int rigid_count, bwi_eigen_result *result, bw_modes **out) {
+  int components = material ? 3 : 1;
+  int64_t size = (int64_t)mesh->node_count * components;
+  bw_modes *modes = BW_NEW0(context, bw_modes, 1);
+  if (!modes)
+    return BW_MEMORY;
+  bw_object_init(modes, &modes_kind);
+  modes->mesh = bw_retain(mesh);
+  modes->material = bw_retain(material);
+  modes->count = result->count;
+  modes->components = components;
+  modes->rigid_count = rigid_count;
+  modes->solves = result->solves;
+  modes->recovered = result->recovered;
+  modes->counted = result->counted;
+  if (material && material->density > 0) {
+    modes->frequency = BW_NEW(context, double, result->count);
+    if (!modes->frequency) {
+      bw_release(modes);
+      return BW_MEMORY;
+    }
+    for (int k = 0; k < result->count; k++)
+      modes->frequency[k] = sqrt(fmax(result->value[k], 0)) / (2 * 3.14159265358979323846);
+  }
+  modes->eigenvalue = result->value;
+  modes->shape = result->vector;
+  modes->residual = result->residual;
+  result->value = result->vector = result->residual = NULL;
+  for (int k = 0; k < modes->count; k++)
+    fix_sign(modes->shape + k * size, size);
+  *out = modes;
+  return BW_OK;
+}
+
+/* ---- the elastic problem ------------------------------------------------------------------- */
+
+typedef struct elastic {
+  bw_system *system;
+  bool constrained; /* some component is prescribed */
+  bwi_symbolic *unconstrained;
+} elastic;
+
+static bw_status elastic_solve(bw_context *context, void *data, int64_t count, const double *f,
+                               double *y) {
+  return bw_system_solve(context, ((elastic *)data)->system, count, f, y);
+}
+
+static bw_status multiply(bw_context *context, const elastic *problem, bool mass, int64_t count,
+                          const double *x, double *y) {
+  const bw_system *system = problem->system;
+  const bw_dof_map *dof_map = system->dof_map;
+  bw_status status =
+      bw_block_multiply(context, system->pattern, mass ? system->mass : system->stiffness,
+                        mass ? 1 : 9, 3, count, x, y);
+  if (problem->constrained)
+    for (int64_t k = 0; status == BW_OK && k < count; k++)
+      bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC,
+                      y + k * 3 * (int64_t)system->mesh->node_count);
+  return status;
+}
+
+static bw_status elastic_mass(bw_context *context, void *data, int64_t count, const double *x,
+                              double *y) {
+  return multiply(context, data, true, count, x, y);
+}
+
+static bw_status elastic_stiffness(bw_context *context, void *data, int64_t count, const double *x,
+                                   double *y) {
+  return multiply(context, data, false, count, x, y);
+}
+
+static bw_status elastic_project(bw_context *context, void *data, int64_t count, double *x) {
+  (void)context;
+  const bw_dof_map *dof_map = ((elastic *)data)->system->dof_map;
+  for (int64_t k = 0; k < count; k++) {
+    double *field = x + k * 3 * (int64_t)dof_map->mesh->node_count;
+    bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, field);
+    if (dof_map->rigid_mode_count > 0)
+      bw_rigid_modes_remove(dof_map, field);
+  }
+  return BW_OK;
+}
+
+static bw_status elastic_below(bw_context *context, void *data, double sigma, int64_t *count,
+                               bool *trusted) {
+  bw_status status = BW_OK;
+  elastic *problem = data;
+  const bw_system *system = problem->system;
+  const bw_dof_map *dof_map = system->dof_map;
+  bwi_symbolic *symbolic = system->factor->symbolic;
+  bwi_matrix matrix = {.pattern = system->pattern,
+                       .stiffness = system->stiffness,
+                       .mass = system->mass,
+                       .shift = -sigma,
+                       .dof_map = dof_map};
+  int64_t negative = 0;
+  if (dof_map->rigid_mode_count > 0 && !problem->unconstrained) {
+    int64_t entries = 3 * (int64_t)system->mesh->node_count;
+    int32_t *unknown = BW_NEW(context, int32_t, entries);
+    if (!unknown)
+      return BW_MEMORY;
+    for (int64_t i = 0; i < entries; i++)
+      unknown[i] = dof_map->state[i] == BW_DOF_PRESCRIBED ? -1 : 0;
+    status = bwi_symbolic_create(context, symbolic->order, 3, unknown, &problem->unconstrained);
+    bw_free(unknown);
+    if (status != BW_OK)
+      return status;
+  }
+  if (problem->unconstrained)
+    symbolic = problem->unconstrained;
+  BW_TRY(bwi_count_negative(context, symbolic, &matrix, &negative, trusted));
+  *count = negative - dof_map->rigid_mode_count;
+done:
+  return status;
+}
+
+bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_modes_options *given,
+                           bw_modes **modes) {
+  bw_status status = BW_OK;
+  bwi_eigen_result result = {0};
+  bw_modes_options options;
+  elastic problem = {.system = system};
+  const bw_dof_map *dof_map = system->dof_map;
+  BW_TRY(bwi_modes_options_check(context, given, &options));
+  BW_TRY(bwi_need_factor(context, system));
+  for (int64_t i = 0; i < 3 * (int64_t)system->mesh->node_count; i++)
+    problem.constrained |= dof_map->state[i] == BW_DOF_PRESCRIBED;
+  bwi_eigen_problem eigen = {.size = 3 * (int64_t)system->mesh->node_count,
+                             .data = &problem,
+                             .solve = elastic_solve,
+                             .mass = elastic_mass,
+                             .stiffness = elastic_stiffness,
+                             .project = elastic_project,
+                             .below = elastic_below,
+                             .dimension = dof_map->unknown_count};
+  BW_TRY(bwi_eigen_lowest(context, &eigen, &options, &result));
+  BW_TRY(bwi_modes_from(context, system->mesh, system->material, dof_map->rigid_mode_count, &result,
+                        modes));
+done:
+  bw_release(problem.unconstrained);
+  bwi_eigen_result_clear(&result);
+  return status;
+}

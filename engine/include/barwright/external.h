@@ -1,0 +1,94 @@
+/* external: solvers outside of the engine, over several processes. */
+#ifndef BARWRIGHT_EXTERNAL_H
+#define BARWRIGHT_EXTERNAL_H
+
+#include "barwright/eigen.h"
+#include "barwright/statics.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Systems that are too large for a factor on one machine are given to a solver that works on
+ * several: engine/distributed, a library of its own over MPI, PETSc and SLEPc, which the engine
+ * does not link. Who loads it registers it here. Matrix, right-hand side and the check of what
+ * comes back are the engine's. */
+/* How an external solver works. */
+typedef enum bw_external_method {
+  BW_EXTERNAL_AUTO, /* statics: CG; modes: CHOLESKY */
+  BW_EXTERNAL_CG,   /* conjugate gradients with algebraic multigrid over the rigid-body motions */
+  BW_EXTERNAL_CHOLESKY /* a factor, spread over the processes */
+} bw_external_method;
+/* How an external solver is to work. */
+typedef struct bw_external_options {
+  bw_external_method method; /* default BW_EXTERNAL_AUTO */
+  double rtol;    /* (-) |K u - f| / |f| to be reached; default 1e-10, above 0 and below 1 */
+  int iterations; /* of conjugate gradients, at most; default 2000, 1 or more */
+} bw_external_options;
+BW_API void bw_external_options_default(bw_external_options *options);
+
+/* What an external solver did. */
+typedef struct bw_external_report {
+  char method[96];           /* "conjugate gradients, GAMG" */
+  int ranks;                 /* processes */
+  int iterations;            /* of conjugate gradients, in all solves */
+  double send, setup, solve; /* (s) matrix to the ranks; multigrid or factor; solves */
+  double processor; /* (s) of all processes while the system was open, waiting in MPI included */
+  double bytes,
+      largest; /* (bytes) memory of all processes at their peaks, of the largest of them */
+} bw_external_report;
+
+/* Equations for an external solver; all is borrowed while the system is open. K and M have the
+ * block sparsity pattern; the DOF map says which components are unknowns, and in which frames. */
+typedef struct bw_external_matrix {
+  const bw_dof_map *dof_map;
+  const bw_block_pattern *pattern;
+  const double *stiffness; /* (N/m, block_count x 9) */
+  const double *mass;      /* (kg, block_count) or NULL: no modes wanted */
+} bw_external_matrix;
+
+/* What it finds; the lists are allocated with bw_alloc for the caller, who releases them. */
+typedef struct bw_external_modes {
+  int count;
+  double *value;  /* ((rad/s)^2, count) ascending */
+  double *vector; /* (any, count x node_count x 3) global directions, M-norm 1, without rigid-body
+                     motion */
+  int solves, recovered; /* as in bw_modes */
+  bool counted;          /* as in bw_modes */
+} bw_external_modes;
+
+/* An external solver. One system is open at a time. After a failure of any of these the system is
+ * closed. */
+typedef struct bw_external {
+  /* Takes the matrix, and sets up multigrid or factor. */
+  bw_status (*open)(bw_context *context, const bw_external_matrix *matrix,
+                    const bw_external_options *options);
+  /* Fields as those of bw_system_solve, the force balanced already; displacement up to a rigid-body
+   * motion. */
+  bw_status (*solve)(bw_context *context, const double *force, double *displacement);
+  /* The lowest elastic modes. */
+  bw_status (*modes)(bw_context *context, const bw_modes_options *options,
+                     bw_external_modes *modes);
+  /* Releases the system, and reports on it. */
+  void (*close)(bw_context *context, bw_external_report *report);
+} bw_external;
+/* Registers a solver for the process, borrowed until the next registration; NULL: none. */
+BW_API void bw_external_register(const bw_external *external);
+/* The registered solver, borrowed, or NULL. */
+BW_API const bw_external *bw_external_registered(void);
+
+/* As bw_statics: BW_UNSUPPORTED when none is registered, BW_CONVERGENCE when the residual, computed
+ * with the engine's own K, is above the tolerance, BW_UNCONSTRAINED as there, and the solver's
+ * own statuses. result->system is NULL. */
+BW_API bw_status bw_statics_external(bw_context *context, const bw_model *model,
+                                     const bw_statics_options *statics,
+                                     const bw_external_options *options, bw_static **result);
+/* As bw_modes_elastic: BW_UNSUPPORTED when none is registered, and the solver's own statuses. */
+BW_API bw_status bw_modes_external(bw_context *context, const bw_model *model,
+                                   const bw_modes_options *options,
+                                   const bw_external_options *external, bw_modes **modes);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

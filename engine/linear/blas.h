@@ -1,0 +1,41 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The BLAS and LAPACK routines in use, by their Fortran names (32-bit integers, column-major).
+ *
+ * barwright makes its own threads: every BLAS call runs on the calling thread (one BLAS thread,
+ * between bwi_blas_enter and bwi_blas_leave), and large products are cut into tiles that do not
+ * depend on the number of threads. That is what makes results bitwise the same for any thread
+ * count. */
+#ifndef BWI_LINEAR_BLAS_H
+#define BWI_LINEAR_BLAS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/blas.h"
+
+void dgemm_(const char *, const char *, const int *, const int *, const int *, const double *,
+            const double *, const int *, const double *, const int *, const double *, double *,
+            const int *);
+void sgemm_(const char *, const char *, const int *, const int *, const int *, const float *,
+            const float *, const int *, const float *, const int *, const float *, float *,
+            const int *);
+void dsyrk_(const char *, const char *, const int *, const int *, const double *, const double *,
+            const int *, const double *, double *, const int *);
+void ssyrk_(const char *, const char *, const int *, const int *, const float *, const float *,
+            const int *, const float *, float *, const int *);
+void dtrsm_(const char *, const char *, const char *, const char *, const int *, const int *,
+            const double *, const double *, const int *, double *, const int *);
+void strsm_(const char *, const char *, const char *, const char *, const int *, const int *,
+            const float *, const float *, const int *, float *, const int *);
+void dpotrf_(const char *, const int *, double *, const int *, int *);
+void spotrf_(const char *, const int *, float *, const int *, int *);
+void dsygv_(const int *, const char *, const char *, const int *, double *, const int *, double *,
+            const int *, double *, double *, const int *, int *);
+void dsyev_(const char *, const char *, const int *, double *, const int *, double *, double *,
+            const int *, int *);
+
+/* Whether the address space has room for the buffers that OpenBLAS takes, one per thread: under a
+ * limit (ulimit -v) it would wait for them for ever. Asked until it has once been answered yes. */
+bool bwi_blas_has_memory(int threads);
+
+#endif

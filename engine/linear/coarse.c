@@ -1,0 +1,283 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The coarse space of linear elements (coarse.h). Topology is kept; matrix and factor are those of
+ * the shape last followed. */
+#include "linear/coarse.h"
+
+#include <math.h>
+#include <string.h>
+
+struct bwi_coarse {
+  bw_object object;
+  const bw_mesh *fine; /* retained: any of its topology */
+  int32_t count;       /* corner nodes */
+  int32_t *corner;     /* count: of the fine mesh, ascending */
+  int32_t *parent;     /* fine nodes x 2: the corners between which a node lies; twice itself */
+  bw_mesh *mesh;       /* linear, on the corners, of the shape last followed */
+  bw_block_pattern *pattern;
+  double *stiffness;
+  bw_dof_map dof_map; /* of the corners: what the factor and its fields read of one */
+  int32_t *unknown;   /* count x 3: 0 where there is one, else -1 */
+  bwi_symbolic *symbolic;
+  bwi_elimination_reach *reach; /* the whole of it: refactorised in place */
+  bwi_factor *factor;
+};
+
+static void coarse_destroy(void *object) {
+  bwi_coarse *c = object;
+  bw_release(c->fine);
+  bw_release(c->mesh);
+  bw_release(c->pattern);
+  bw_release(c->factor);
+  bw_release(c->reach);
+  bw_release(c->symbolic);
+  bw_free(c->corner);
+  bw_free(c->parent);
+  bw_free(c->stiffness);
+  bw_free(c->dof_map.frame_of);
+  bw_free(c->dof_map.frame);
+  bw_free(c->unknown);
+  bw_free(c);
+}
+
+/* The fine mesh is its user's. */
+static size_t coarse_bytes(const void *object) {
+  const bwi_coarse *c = object;
+  size_t blocks = c->pattern ? (size_t)c->pattern->block_count : 0;
+  return sizeof *c + (size_t)c->count * (9 * sizeof(double) + 5 * sizeof(int32_t)) +
+         2 * (size_t)c->fine->node_count * sizeof(int32_t) + blocks * 9 * sizeof(double) +
+         bw_bytes(c->mesh) + bw_bytes(c->pattern) + bw_bytes(c->symbolic) + bw_bytes(c->reach) +
+         bw_bytes(c->factor);
+}
+
+static const bw_kind coarse_kind = {"coarse space", coarse_destroy, coarse_bytes};
+
+/* Corners in ascending order, and between which of them every node lies. */
+static void find_parents(bwi_coarse *c) {
+  const bw_mesh *mesh = c->fine;
+  for (int64_t i = 0; i < 2 * (int64_t)mesh->node_count; i++)
+    c->parent[i] = -1;
+  for (int64_t e = 0; e < mesh->element_count; e++)
+    for (int a = 0; a < 4; a++)
+      c->parent[2 * (int64_t)mesh->element[10 * e + a]] = 0;
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    if (c->parent[2 * (int64_t)i] == 0) {
+      c->corner[c->count] = i;
+      c->parent[2 * (int64_t)i] = c->parent[2 * (int64_t)i + 1] = c->count++;
+    }
+  for (int64_t e = 0; e < mesh->element_count; e++)
+    for (int a = 0; a < 6; a++) {
+      const int32_t *node = mesh->element + 10 * e;
+      for (int side = 0; side < 2; side++)
+        c->parent[2 * (int64_t)node[4 + a] + side] =
+            c->parent[2 * (int64_t)node[bw_tet_edge[a][side]]];
+    }
+}
+
+static bw_status make_mesh(bw_context *context, bwi_coarse *c) {
+  bw_status status = BW_OK;
+  const bw_mesh *fine = c->fine;
+  double *node = BW_NEW(context, double, 3 * (size_t)c->count);
+  int32_t *element = BW_NEW(context, int32_t, 4 * (size_t)fine->element_count);
+  if (!node || !element) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int32_t k = 0; k < c->count; k++)
+    memcpy(node + 3 * (int64_t)k, fine->node + 3 * (int64_t)c->corner[k], 3 * sizeof *node);
+  for (int64_t e = 0; e < fine->element_count; e++)
+    for (int a = 0; a < 4; a++)
+      element[4 * e + a] = c->parent[2 * (int64_t)fine->element[10 * e + a]];
+  BW_TRY(bw_mesh_copy(context, 1, c->count, node, fine->element_count, element, NULL, &c->mesh));
+done:
+  bw_free(node);
+  bw_free(element);
+  return status;
+}
+
+bool bwi_coarse_fits(const bw_mesh *mesh, const bw_dof_map *dof_map) {
+  return mesh->order == 2 && dof_map->rigid_mode_count == 0;
+}
+
+bw_status bwi_coarse_create(bw_context *context, const bw_mesh *mesh, bwi_coarse **out) {
+  bw_status status = BW_OK;
+  bwi_coarse *c = BW_NEW0(context, bwi_coarse, 1);
+  if (!c)
+    return BW_MEMORY;
+  bw_object_init(c, &coarse_kind);
+  c->fine = bw_retain(mesh);
+  c->corner = BW_NEW(context, int32_t, mesh->node_count);
+  c->parent = BW_NEW(context, int32_t, 2 * (size_t)mesh->node_count);
+  if (!c->corner || !c->parent) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  find_parents(c);
+  BW_TRY(make_mesh(context, c));
+  BW_TRY(bw_block_pattern_create(context, c->mesh, &c->pattern));
+  c->stiffness = BW_NEW(context, double, 9 * c->pattern->block_count);
+  c->dof_map.frame_of = BW_NEW(context, int32_t, c->count);
+  c->dof_map.frame = BW_NEW(context, double, 9 * (size_t)c->count);
+  c->unknown = BW_NEW(context, int32_t, 3 * (size_t)c->count);
+  if (!c->stiffness || !c->dof_map.frame_of || !c->dof_map.frame || !c->unknown)
+    status = BW_MEMORY;
+done:
+  if (status == BW_OK)
+    *out = c;
+  else
+    bw_release(c);
+  return status;
+}
+
+/* Whether two nodes are constrained alike, along the same directions. */
+static bool constrained_alike(const bw_dof_map *dof_map, int64_t a, int64_t b) {
+  bool all = true;
+  for (int k = 0; k < 3; k++) {
+    if (dof_map->state[3 * a + k] != dof_map->state[3 * b + k])
+      return false;
+    all &= dof_map->state[3 * a + k] == dof_map->state[3 * a];
+  }
+  if (all)
+    return true;
+  int32_t f = dof_map->frame_of[a], g = dof_map->frame_of[b];
+  if (f < 0 || g < 0)
+    return f == g;
+  double off = 0;
+  for (int k = 0; k < 9; k++)
+    off = fmax(off, fabs(dof_map->frame[9 * (int64_t)f + k] - dof_map->frame[9 * (int64_t)g + k]));
+  return off < 1e-9;
+}
+
+/* Unknowns and directions of the corners. */
+static void number_corners(bwi_coarse *c, const bw_dof_map *dof_map) {
+  const bw_mesh *fine = c->fine;
+  for (int64_t k = 0; k < c->count; k++) {
+    int64_t i = c->corner[k];
+    int32_t row = dof_map->frame_of[i];
+    c->dof_map.frame_of[k] = row < 0 ? -1 : (int32_t)k;
+    if (row >= 0)
+      memcpy(c->dof_map.frame + 9 * k, dof_map->frame + 9 * (int64_t)row, 9 * sizeof(double));
+    for (int d = 0; d < 3; d++)
+      c->unknown[3 * k + d] = dof_map->state[3 * i + d] == BW_DOF_UNKNOWN ? 0 : -1;
+  }
+  c->dof_map.frame_count = c->count;
+  for (int64_t i = 0; i < fine->node_count; i++) {
+    const uint8_t *state = dof_map->state + 3 * i;
+    if (state[0] == BW_DOF_UNKNOWN && state[1] == BW_DOF_UNKNOWN && state[2] == BW_DOF_UNKNOWN)
+      continue;
+    for (int side = 0; side < 2; side++) {
+      int32_t k = c->parent[2 * i + side];
+      if (!constrained_alike(dof_map, i, c->corner[k]))
+        for (int d = 0; d < 3; d++)
+          c->unknown[3 * (int64_t)k + d] = -1;
+    }
+  }
+}
+
+static bw_status update_symbolic(bw_context *context, bwi_coarse *c) {
+  bw_status status = BW_OK;
+  bwi_order *order = NULL;
+  uint8_t *take = NULL;
+  if (c->symbolic && bwi_symbolic_fits(c->symbolic, 3, c->unknown))
+    return BW_OK;
+  bw_release(c->factor);
+  bw_release(c->reach);
+  bw_release(c->symbolic);
+  c->factor = NULL;
+  c->reach = NULL;
+  c->symbolic = NULL;
+  take = BW_NEW0(context, uint8_t, c->count);
+  if (!take)
+    return BW_MEMORY;
+  for (int64_t k = 0; k < c->count; k++)
+    take[k] = c->unknown[3 * k] >= 0 || c->unknown[3 * k + 1] >= 0 || c->unknown[3 * k + 2] >= 0;
+  BW_TRY(bwi_order_create(context, c->pattern, take, &order));
+  BW_TRY(bwi_symbolic_create(context, order, 3, c->unknown, &c->symbolic));
+  BW_TRY(bwi_elimination_reach_create_whole(context, c->symbolic, &c->reach));
+done:
+  bw_free(take);
+  bw_release(order);
+  return status;
+}
+
+bw_status bwi_coarse_count(bw_context *context, bwi_coarse *c, const bw_dof_map *dof_map) {
+  number_corners(c, dof_map);
+  return update_symbolic(context, c);
+}
+
+/* In floats, which is as good for a preconditioner, unless they lack the digits for a pivot. */
+static bw_status update_factor(bw_context *context, bwi_coarse *c, const bwi_matrix *matrix) {
+  bw_status status = BW_OK;
+  if (c->factor)
+    status = bwi_factor_update(context, c->factor, matrix, NULL, NULL, NULL);
+  else
+    status = bwi_factor_create_in(context, c->symbolic, matrix, c->reach, &bwi_kernels_single,
+                                  &c->factor, NULL);
+  if (status == BW_SINGULAR && (!c->factor || c->factor->kernels->bits == 32)) {
+    bw_clear_failure(context);
+    bw_release(c->factor);
+    c->factor = NULL;
+    status =
+        bwi_factor_create_with_updates(context, c->symbolic, matrix, c->reach, &c->factor, NULL);
+  }
+  if (status != BW_OK) {
+    bw_release(c->factor);
+    c->factor = NULL;
+  }
+  return status;
+}
+
+bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *c, const bw_model *model,
+                            const bw_dof_map *dof_map, bool *usable) {
+  bw_status status = BW_OK;
+  bw_mesh *moved = NULL;
+  double *node = NULL;
+  *usable = false;
+  node = BW_NEW(context, double, 3 * (size_t)c->count);
+  if (!node)
+    return BW_MEMORY;
+  for (int64_t k = 0; k < c->count; k++)
+    memcpy(node + 3 * k, model->mesh->node + 3 * (int64_t)c->corner[k], 3 * sizeof *node);
+  BW_TRY(bw_mesh_moved(context, c->mesh, node, &moved));
+  bw_release(c->mesh);
+  c->mesh = moved;
+  BW_TRY(bwi_coarse_count(context, c, dof_map));
+  BW_TRY(bw_stiffness(context, c->pattern, c->mesh, model->material, c->stiffness));
+  bwi_matrix matrix = {.pattern = c->pattern, .stiffness = c->stiffness, .dof_map = &c->dof_map};
+  status = update_factor(context, c, &matrix);
+  *usable = status == BW_OK;
+  if (status == BW_SINGULAR) {
+    bw_clear_failure(context);
+    status = BW_OK;
+  }
+done:
+  bw_free(node);
+  return status;
+}
+
+bw_status bwi_coarse_solve(bw_context *context, const bwi_coarse *c, int64_t count, double *x) {
+  return bwi_solve_fields(context, c->factor, &c->dof_map, count, x, x);
+}
+
+int32_t bwi_coarse_corners(const bwi_coarse *c) {
+  return c->count;
+}
+
+const int32_t *bwi_coarse_parents(const bwi_coarse *c) {
+  return c->parent;
+}
+
+double bwi_coarse_bytes(const bwi_coarse *c) {
+  return c->factor ? 2 * (double)bwi_factor_bytes(c->factor) : 0;
+}
+
+double bwi_coarse_flops(const bwi_coarse *c) {
+  return c->symbolic ? c->symbolic->flops : 0;
+}
+
+double bwi_coarse_entries(const bwi_coarse *c) {
+  return c->symbolic ? (double)c->symbolic->panel[c->symbolic->order->super_count] : 0;
+}
+
+int32_t bwi_coarse_unknowns(const bwi_coarse *c) {
+  return c->symbolic ? c->symbolic->unknowns : 0;
+}

@@ -1,0 +1,74 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* A stiffness by the rows of its nodes, in an order for sweeping over them: Gauss and Seidel's
+ * iteration, the smoother beside a coarse space, and products.
+ *
+ * Rows come in chunks whose nodes have no element in common with those of other chunks, so that
+ * chunks are swept side by side, and then those of the nodes between the chunks. The order depends
+ * on the pattern alone: the same bits for any number of threads.
+ *
+ * What takes the time is reading the matrix, so that only the lower triangle is kept, and read once
+ * in each sweep: what a row does to those before it is added to them when it is its turn. Sweeps
+ * are a preconditioner, which need not be exact: their blocks are floats; products have doubles.
+ * And where elements are straight and of one material, the block of two nodes with no facet of the
+ * boundary in common is symmetric in itself (docs/theory/edit.md): six numbers in place of nine. So
+ * that no unit leaves the range of floats, the matrix is taken times one power of two, `unit`, that
+ * brings its largest diagonal entry near 1.
+ *
+ * Fields are packed: in the order of the rows, three numbers a node; `width` of them, 1 or
+ * BWI_SMOOTHER_SIDES, interleaved number by number. */
+#ifndef BWI_LINEAR_SMOOTHER_H
+#define BWI_LINEAR_SMOOTHER_H
+
+#include "linear/internal.h"
+
+enum { BWI_SMOOTHER_SIDES = 8, BWI_SMOOTHER_ROWS = 512, BWI_SMOOTHER_MAX_CHUNKS = 16 };
+/* Numbers that a packed field has room for behind its end. */
+enum { BWI_SMOOTHER_SPARE = 8 };
+
+/* The entries below the diagonal whose blocks have 6 numbers (xx xy xz yy yz zz), or those that
+ * have 9 (by columns). */
+typedef struct bwi_smoother_part {
+  int64_t *start;  /* rows + 1: entries */
+  int32_t *column; /* of an entry: a row, ascending in each row */
+  int64_t *block;  /* 2 * block of the pattern, + 1 where transposed */
+  float *value;    /* unit * K */
+  double *exact;
+} bwi_smoother_part;
+
+typedef struct bwi_smoother {
+  bw_object object;
+  const bw_block_pattern *pattern; /* retained */
+  int32_t count;                   /* nodes */
+  int32_t *node;                   /* count: in the order of the rows */
+  int32_t *row_of;                 /* count: and the row of each */
+  int32_t chunk_count;
+  int32_t chunk_start[BWI_SMOOTHER_MAX_CHUNKS + 1]; /* rows after the last are between chunks */
+  bwi_smoother_part even, odd;                      /* of 6 numbers, of 9 */
+  float *inverse;   /* 9 by row, by columns: of the diagonal block at the unknowns, of unit * K */
+  double *diagonal; /* 9 by row: unit * K */
+  double unit;
+} bwi_smoother;
+
+/* For matrices on the pattern of a mesh. `even`: of straight elements and one material, so that
+ * most blocks are symmetric. Release with bw_release. */
+bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
+                              const bw_block_pattern *pattern, bool even, bwi_smoother **out);
+/* Take over a stiffness (9 numbers per block) at the unknowns of a DOF map. *usable is false where
+ * a node's own block is not positive definite. */
+bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *smoother, const double *stiffness,
+                              const bw_dof_map *dof_map, bool *usable);
+/* z = (D + L)^-1 r and residual = r - K z, where z is 0 off the unknowns and residual of no
+ * meaning. */
+bw_status bwi_smoother_forward(bw_context *context, const bwi_smoother *smoother, int width,
+                               const float *r, float *z, float *residual);
+/* z += (D + U)^-1 (r - K z); `work` has room for a field. */
+bw_status bwi_smoother_backward(bw_context *context, const bwi_smoother *smoother, int width,
+                                const float *r, float *z, float *work);
+/* y = K x */
+bw_status bwi_smoother_product(bw_context *context, const bwi_smoother *smoother, int width,
+                               const double *x, double *y);
+/* What one product and a sweep forwards and backwards read, about, for `blocks` blocks off the
+ * diagonal. */
+double bwi_smoother_bytes(int64_t blocks);
+
+#endif

@@ -1,0 +1,401 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The equations of a body. Prescribed components are left out of the matrix; so are the isostatic
+ * constraints
+ * of an unconstrained body, which makes the rest positive definite: with P = 1 - R R^T W (model.h)
+ *     u = P K_c^-1 P^T f
+ * is the solution free of rigid-body motion for the balanced load P^T f, whichever isostatic
+ * constraints are chosen. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "barwright/job.h"
+#include "linear/system_two_level.h"
+
+static void system_destroy(void *object) {
+  bw_system *system = object;
+  bw_release(system->mesh);
+  bw_release(system->material);
+  bw_release(system->dof_map);
+  bw_release(system->pattern);
+  bw_release(system->factor);
+  bw_release(system->two_level);
+  bw_free(system->stiffness);
+  bw_free(system->mass);
+  bw_free(system);
+}
+
+static size_t system_bytes(const void *object) {
+  const bw_system *system = object;
+  size_t blocks = system->pattern ? (size_t)system->pattern->block_count : 0;
+  return sizeof *system + blocks * (system->mass ? 10 : 9) * sizeof(double) +
+         bw_bytes(system->pattern) + bw_bytes(system->factor) + bw_bytes(system->two_level);
+}
+
+static const bw_kind system_kind = {"system", system_destroy, system_bytes};
+
+bool bwi_same_topology(const bw_mesh *a, const bw_mesh *b) {
+  return a == b ||
+         (a->order == b->order && a->node_count == b->node_count &&
+          a->element_count == b->element_count &&
+          (a->element == b->element ||
+           memcmp(a->element, b->element,
+                  (size_t)a->element_count * (size_t)a->nodes_per_element * sizeof(int32_t)) == 0));
+}
+
+void bwi_nodes_taking_part(const bw_dof_map *dof_map, uint8_t *take) {
+  const bw_mesh *mesh = dof_map->mesh;
+  for (int64_t i = 0; i < mesh->node_count; i++) {
+    int32_t body = mesh->component[i];
+    take[i] = dof_map->rigid_mode_start[body + 1] > dof_map->rigid_mode_start[body];
+    for (int c = 0; c < 3; c++)
+      take[i] |= dof_map->unknown[3 * i + c] >= 0;
+  }
+}
+
+static bool order_fits(const bwi_order *order, const uint8_t *take, int32_t nodes) {
+  for (int32_t i = 0; i < nodes; i++)
+    if ((order->position[i] >= 0) != (take[i] != 0))
+      return false;
+  return true;
+}
+
+bw_status bwi_symbolic_for(bw_context *context, const bw_block_pattern *pattern,
+                           const bw_dof_map *dof_map, int32_t subdomain_count,
+                           const int32_t *element_subdomain, const bw_edits *edits,
+                           bwi_symbolic *old, bwi_symbolic **symbolic) {
+  bw_status status = BW_OK;
+  int32_t nodes = pattern->node_count;
+  bwi_order *order = NULL;
+  uint8_t *take = BW_NEW(context, uint8_t, nodes);
+  if (!take)
+    return BW_MEMORY;
+  bwi_nodes_taking_part(dof_map, take);
+  if (old && order_fits(old->order, take, nodes)) {
+    if (bwi_symbolic_fits(old, 3, dof_map->unknown)) {
+      *symbolic = bw_retain(old);
+      goto done;
+    }
+    order = bw_retain(old->order);
+  } else if (element_subdomain)
+    BW_TRY(bwi_order_create_subdomains(context, pattern, take, dof_map->mesh, subdomain_count,
+                                       element_subdomain, edits, &order));
+  else
+    BW_TRY(bwi_order_create(context, pattern, take, &order));
+  BW_TRY(bwi_symbolic_create(context, order, 3, dof_map->unknown, symbolic));
+done:
+  bw_free(take);
+  bw_release(order);
+  return status;
+}
+
+bw_status bwi_fail_singular(bw_context *context, const bw_mesh *mesh, int32_t node) {
+  const double *x = mesh->node + 3 * (int64_t)node;
+  bw_fail(
+      context, BW_SINGULAR,
+      "the stiffness is singular, or so nearly that double precision cannot tell, at node %d, "
+      "(%g, %g, %g) m, although the body cannot move freely: parts that touch only in a node or an "
+      "edge rotate there, elements almost without volume have almost no stiffness, and a body "
+      "ten thousand times longer than thick is nearly a mechanism. Join the parts properly, or "
+      "mesh again",
+      node + 1, x[0], x[1], x[2]);
+  bw_detail_number(context, "node", node + 1);
+  bw_detail_number(context, "x", x[0]);
+  bw_detail_number(context, "y", x[1]);
+  bw_detail_number(context, "z", x[2]);
+  return BW_SINGULAR;
+}
+
+bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                           const bw_dof_map *dof_map, const bw_system *previous, bw_system **out) {
+  bw_status status = BW_OK;
+  if (dof_map->mesh != mesh && !bwi_same_topology(dof_map->mesh, mesh))
+    return bw_fail(context, BW_INVALID, "the DOF map belongs to another mesh");
+  bw_system *system = BW_NEW0(context, bw_system, 1);
+  if (!system)
+    return BW_MEMORY;
+  bw_object_init(system, &system_kind);
+  system->mesh = bw_retain(mesh);
+  system->material = bw_retain(material);
+  system->dof_map = bw_retain(dof_map);
+  system->density = material->density > 0 ? material->density : 1;
+
+  double start = bw_seconds();
+  bw_progress(context, "assembly", 0);
+  const char *locking = bw_locking(mesh, material);
+  if (locking && (!previous || previous->material != material)) /* once, not edit after edit */
+    bw_warn(context, "%s", locking);
+  if (previous)
+    system->pattern = bw_retain(previous->pattern);
+  else
+    BW_TRY(bw_block_pattern_create(context, mesh, &system->pattern));
+  system->times.pattern = bw_seconds() - start;
+
+  start = bw_seconds();
+  system->stiffness = BW_NEW(context, double, 9 * system->pattern->block_count);
+  if (!system->stiffness) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_stiffness(context, system->pattern, mesh, material, system->stiffness));
+  system->times.stiffness = bw_seconds() - start;
+done:
+  if (status == BW_OK)
+    *out = system;
+  else
+    bw_release(system);
+  return status;
+}
+
+static bw_status ensure_mass(bw_context *context, bw_system *system) {
+  int64_t blocks = system->pattern->block_count;
+  if (system->mass)
+    return BW_OK;
+  double *mass = BW_NEW(context, double, blocks);
+  if (!mass)
+    return BW_MEMORY;
+  bw_status status = bw_mass(context, system->pattern, system->mesh, mass);
+  if (status != BW_OK) {
+    bw_free(mass);
+    return status;
+  }
+  for (int64_t k = 0; k < blocks; k++)
+    mass[k] *= system->density;
+  system->mass = mass;
+  return BW_OK;
+}
+
+double bwi_factor_peak_bytes(const bwi_symbolic *symbolic, int threads) {
+  const bwi_plan *plan = &symbolic->plan;
+  double stack = 0;
+  for (int32_t t = 0; t < plan->task_count; t++)
+    stack = fmax(stack, (double)plan->task[t].stack);
+  stack = fmax(stack * threads, (double)plan->top_stack);
+  return sizeof(double) *
+         ((double)symbolic->panel[symbolic->order->super_count] + (double)plan->own + stack);
+}
+
+/* Not even begun: memory given out but never there would end the process, or all others. */
+static bw_status check_memory(bw_context *context, const bwi_symbolic *symbolic, double available) {
+  double wanted = bwi_factor_peak_bytes(symbolic, bw_threads(context));
+  if (wanted <= available)
+    return BW_OK;
+  bw_fail(
+      context, BW_MEMORY,
+      "the factor of %d unknowns takes %.3g GB of memory, more than the %.3g GB available. Use "
+      "fewer elements, or a machine with more memory; a static solution on quadratic elements "
+      "whose supports constrain all rigid-body modes needs no factor (with = \"pcg\"), and several "
+      "machines can share one (with = \"petsc\")",
+      (int)symbolic->unknowns, wanted / 1e9, available / 1e9);
+  bw_detail_number(context, "bytes", wanted);
+  bw_detail_number(context, "free_bytes", available);
+  return BW_MEMORY;
+}
+
+bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic *old,
+                            double available) {
+  bw_status status = BW_OK;
+  bwi_symbolic *symbolic = NULL;
+  double start = bw_seconds();
+  if (system->factor)
+    return BW_OK;
+  bw_progress(context, "ordering", 0);
+  BW_TRY(
+      bwi_symbolic_for(context, system->pattern, system->dof_map, 0, NULL, NULL, old, &symbolic));
+  BW_TRY(check_memory(context, symbolic, available));
+  BW_TRY(ensure_mass(context, system));
+  system->times.order += bw_seconds() - start;
+
+  start = bw_seconds();
+  bw_progress(context, "factorisation", 0);
+  bwi_matrix matrix = {
+      .pattern = system->pattern, .stiffness = system->stiffness, .dof_map = system->dof_map};
+  int32_t bad = 0;
+  status = bwi_factor_create(context, symbolic, &matrix, &system->factor, &bad);
+  if (status == BW_SINGULAR)
+    status = bwi_fail_singular(context, system->mesh, bad);
+  if (status != BW_OK)
+    goto done;
+  system->times.factor_entries = symbolic->panel[symbolic->order->super_count];
+  system->times.factor_flops = symbolic->flops;
+  system->times.factor += bw_seconds() - start;
+  bw_release(system->two_level); /* of no more use */
+  system->two_level = NULL;
+done:
+  bw_release(symbolic);
+  return status;
+}
+
+bw_status bw_system_factor(bw_context *context, bw_system *system) {
+  return bwi_system_factor(context, system, NULL, bw_available_memory());
+}
+
+bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
+                           const bw_dof_map *dof_map, const bw_system *previous, bw_system **out) {
+  bw_status status = BW_OK;
+  bw_system *system = NULL;
+  if (previous && !bwi_same_topology(previous->mesh, mesh))
+    previous = NULL;
+  BW_TRY(bwi_system_begin(context, mesh, material, dof_map, previous, &system));
+  BW_TRY(bwi_system_factor(context, system,
+                           previous && previous->factor ? previous->factor->symbolic : NULL,
+                           bw_available_memory()));
+done:
+  if (status == BW_OK)
+    *out = system;
+  else
+    bw_release(system);
+  return status;
+}
+
+bool bwi_system_serves(const bw_system *system, const bw_model *model, const bw_dof_map *dof_map) {
+  return system->mesh == model->mesh && system->material == model->material &&
+         bwi_same_supports(system->dof_map, dof_map);
+}
+
+bw_status bw_system_of_model(bw_context *context, const bw_model *model, bw_system *given,
+                             bw_system **system) {
+  bw_status status = BW_OK;
+  bw_dof_map *dof_map = NULL;
+  BW_TRY(bw_dof_map_create(context, model, &dof_map));
+  if (given && bwi_system_serves(given, model, dof_map)) {
+    BW_TRY(bw_system_factor(context, given));
+    *system = bw_retain(given);
+  } else {
+    BW_TRY(bw_system_create(context, model->mesh, model->material, dof_map, given, system));
+  }
+done:
+  bw_release(dof_map);
+  return status;
+}
+
+typedef struct projection {
+  const bw_dof_map *dof_map;
+  bool force;
+  double *fields;
+} projection;
+
+static bw_status project(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const projection *p = data;
+  int64_t size = 3 * (int64_t)p->dof_map->mesh->node_count;
+  for (int64_t k = begin; k < end; k++)
+    if (p->force)
+      bw_rigid_modes_balance(p->dof_map, p->fields + k * size);
+    else
+      bw_rigid_modes_remove(p->dof_map, p->fields + k * size);
+  return BW_OK;
+}
+
+bw_status bwi_balance_fields(bw_context *context, const bw_dof_map *dof_map, int64_t count,
+                             double *force) {
+  projection balance = {dof_map, true, force};
+  return dof_map->rigid_mode_count ? bw_parallel(context, count, 1, project, &balance) : BW_OK;
+}
+
+bw_status bwi_steady_fields(bw_context *context, const bw_dof_map *dof_map, int64_t count,
+                            double *displacement) {
+  projection remove = {dof_map, false, displacement};
+  return dof_map->rigid_mode_count ? bw_parallel(context, count, 1, project, &remove) : BW_OK;
+}
+
+bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
+                          const double *force, double *displacement) {
+  bw_status status = BW_OK;
+  const bw_dof_map *dof_map = system->dof_map;
+  size_t size = 3 * (size_t)system->mesh->node_count;
+  double start = bw_seconds();
+  BW_TRY(bwi_need_factor(context, system));
+  if (dof_map->rigid_mode_count > 0) {
+    if (force != displacement)
+      memcpy(displacement, force, (size_t)count * size * sizeof(double));
+    BW_TRY(bwi_balance_fields(context, dof_map, count, displacement));
+    force = displacement;
+  }
+  BW_TRY(bwi_solve_fields(context, system->factor, dof_map, count, force, displacement));
+  BW_TRY(bwi_steady_fields(context, dof_map, count, displacement));
+done:
+  system->times.solve += bw_seconds() - start;
+  return status;
+}
+
+bw_status bwi_need_factor(bw_context *context, const bw_system *system) {
+  if (system->factor)
+    return BW_OK;
+  if (system->two_level)
+    return bw_fail(context, BW_INVALID,
+                   "the system was created for two-level PCG and has no factor: factorise it first "
+                   "(bw_system_factor)");
+  return bw_fail(context, BW_INVALID,
+                 "the system follows an edited shape and its factor is lagged: refactorise it "
+                 "first (bw_incremental_system_refactor)");
+}
+
+/* What the frame's directions with `keep` see of a vector at a node. */
+static void keep_at_node(const bw_dof_map *dof_map, int64_t node, const bool keep[3],
+                         double *vector) {
+  int32_t row = dof_map->frame_of[node];
+  if (row < 0) {
+    for (int c = 0; c < 3; c++)
+      if (!keep[c])
+        vector[c] = 0;
+    return;
+  }
+  const double *frame = dof_map->frame + 9 * (int64_t)row;
+  double kept[3] = {0, 0, 0};
+  for (int c = 0; c < 3; c++)
+    if (keep[c]) {
+      double part = bw_dot(frame + 3 * c, vector);
+      for (int d = 0; d < 3; d++)
+        kept[d] += part * frame[3 * c + d];
+    }
+  memcpy(vector, kept, sizeof kept);
+}
+
+void bwi_keep_states(const bw_dof_map *dof_map, unsigned states, double *field) {
+  for (int64_t i = 0; i < dof_map->mesh->node_count; i++) {
+    bool keep[3];
+    for (int c = 0; c < 3; c++)
+      keep[c] = states >> dof_map->state[3 * i + c] & 1;
+    if (!keep[0] || !keep[1] || !keep[2])
+      keep_at_node(dof_map, i, keep, field + 3 * i);
+  }
+}
+
+void bwi_prescribed_field(const bw_dof_map *dof_map, double *field) {
+  for (int64_t i = 0; i < dof_map->mesh->node_count; i++) {
+    const double *value = dof_map->value + 3 * i;
+    int32_t row = dof_map->frame_of[i];
+    const double *frame = row < 0 ? NULL : dof_map->frame + 9 * (int64_t)row;
+    for (int c = 0; c < 3; c++)
+      field[3 * i + c] =
+          frame ? frame[c] * value[0] + frame[3 + c] * value[1] + frame[6 + c] * value[2]
+                : value[c];
+  }
+}
+
+bool bwi_same_supports(const bw_dof_map *a, const bw_dof_map *b) {
+  if (a == b)
+    return true;
+  size_t nodes = (size_t)a->mesh->node_count;
+  return a->mesh->node_count == b->mesh->node_count && a->frame_count == b->frame_count &&
+         a->rigid_mode_count == b->rigid_mode_count && memcmp(a->state, b->state, 3 * nodes) == 0 &&
+         memcmp(a->frame_of, b->frame_of, nodes * sizeof(int32_t)) == 0 &&
+         (a->frame_count == 0 ||
+          memcmp(a->frame, b->frame, 9 * (size_t)a->frame_count * sizeof(double)) == 0);
+}
+
+/* What is left of a residual after a direct solution is about as much as this says without its
+ * factor (measured: 0.9 to 2). */
+double bwi_residual_noise(const bw_block_pattern *pattern, const double *stiffness,
+                          const double *u) {
+  double sum = 0;
+  for (int64_t i = 0; i < pattern->node_count; i++) {
+    const double *k = stiffness + 9 * (pattern->start[i + 1] - 1), *v = u + 3 * i;
+    for (int c = 0; c < 3; c++) {
+      double term = fabs(k[3 * c] * v[0]) + fabs(k[3 * c + 1] * v[1]) + fabs(k[3 * c + 2] * v[2]);
+      sum += term * term;
+    }
+  }
+  return BWI_RESIDUAL_NOISE * DBL_EPSILON * sqrt(sum);
+}

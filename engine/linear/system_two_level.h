@@ -1,0 +1,33 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Systems that are solved by two-level PCG (two_level.h) in place of a factor, and how it
+ * is predicted which of the two is better. */
+#ifndef BWI_LINEAR_STATIC_PCG_H
+#define BWI_LINEAR_STATIC_PCG_H
+
+#include "linear/two_level.h"
+
+/* What the two ways cost for one solution from nothing but the equations: s of the model's machine
+ * (incremental.h). */
+typedef struct bwi_cost_prediction {
+  double factor_flops, factor_bytes; /* bytes of L */
+  double factor, pcg;
+  double one_iteration; /* by two-level PCG */
+} bwi_cost_prediction;
+
+typedef struct bwi_two_level_solver {
+  bw_object object;
+  bwi_two_level *preconditioner; /* or NULL: not made yet */
+  bwi_coarse *coarse;            /* what the prediction is from */
+  bwi_cost_prediction prediction;
+  double spent; /* s of the model's machine, by all solutions by two-level PCG so far */
+} bwi_two_level_solver;
+
+/* Whether a system may be solved so. */
+bool bwi_two_level_applies(const bw_system *system);
+/* Gives the system its `two_level`, with the prediction alone. */
+bw_status bwi_two_level_predict(bw_context *context, bw_system *system);
+/* And the preconditioner. *usable is false where the equations are singular. */
+bw_status bwi_two_level_make(bw_context *context, const bw_model *model, bw_system *system,
+                             bool *usable);
+
+#endif

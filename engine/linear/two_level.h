@@ -1,0 +1,82 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Solving on quadratic elements without a factor of them: conjugate gradients, preconditioned by a
+ * sweep forwards over the nodes (smoother.h), the linear elements on the same corners solved
+ * directly (coarse.h), and a sweep backwards. */
+#ifndef BWI_LINEAR_TWO_LEVEL_H
+#define BWI_LINEAR_TWO_LEVEL_H
+
+#include "linear/coarse.h"
+#include "linear/smoother.h"
+
+typedef struct bwi_two_level {
+  bw_object object;
+  bwi_coarse *coarse;
+  bwi_smoother *smoother;
+  /* By corner: the rows of its own node and of the mid-edge nodes next to it. */
+  int64_t *child_start;
+  int32_t *child;
+  int32_t *parent;           /* by row x 2: corners; twice its own */
+  bw_dof_map *dof_map;       /* retained: of the shape followed */
+  int32_t constrained_count; /* rows with a component that is not an unknown */
+  int32_t *constrained;
+  /* room for `width` fields */
+  int width;
+  double *u, *r, *p, *q, *ku; /* ku: K u, where residuals are recomputed */
+  float *z, *residual, *floats;
+  double *corner; /* SIDES x 3 corners */
+} bwi_two_level;
+
+/* What counting says of a solution, on the model's machine (incremental.h). Iterations do not
+ * depend on the shape, but on the mesh; these good ones have: an iteration halves the error. */
+#define BWI_TWO_LEVEL_RATE 1.45
+/* Beside reading matrices: sums over fields, rows between chunks, one after the other
+ * (measured). */
+#define BWI_TWO_LEVEL_PASS 2.0
+/* Of eight right-hand sides side by side over one (measured); of following a shape over an
+ * iteration, where there is no preconditioner yet to count. */
+#define BWI_TWO_LEVEL_SIDES 2.5
+#define BWI_TWO_LEVEL_BEGIN 12.0
+
+/* Of a mesh for which bwi_coarse_fits, with its pattern; even: as in bwi_smoother_create. Release
+ * with bw_release. */
+bw_status bwi_two_level_create(bw_context *context, const bw_mesh *mesh,
+                               const bw_block_pattern *pattern, bool even, bwi_two_level **out);
+/* The same over a coarse space of that mesh that there is already, from now on its own. */
+bw_status bwi_two_level_create_over(bw_context *context, bwi_coarse *coarse, const bw_mesh *mesh,
+                                    const bw_block_pattern *pattern, bool even,
+                                    bwi_two_level **two_level);
+/* The equations of a shape. *usable is false where they are not positive definite. */
+bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *two_level, const bw_model *model,
+                               const bw_dof_map *dof_map, const double *stiffness, bool *usable);
+/* Bytes that an iteration reads for up to BWI_SMOOTHER_SIDES right-hand sides; operations of
+ * following a shape. */
+double bwi_two_level_bytes(const bwi_two_level *two_level);
+double bwi_two_level_flops(const bwi_two_level *two_level);
+
+/* Room for `width` fields side by side, 1 or BWI_SMOOTHER_SIDES. */
+bw_status bwi_two_level_reserve(bw_context *context, bwi_two_level *two_level, int width);
+/* z of the residuals in `floats`, of which `used` are real: a sweep forwards, the corners, a sweep
+ * backwards. */
+bw_status bwi_two_level_precondition(bw_context *context, bwi_two_level *two_level, int width,
+                                     int used);
+
+/* ---- two_level_solve.c --------------------------------------------------------------------- */
+
+typedef struct bwi_two_level_problem {
+  double tolerance;
+  /* as in bwi_pcg: what the tolerance is relative to where the force is a residual; or NULL */
+  const double *load, *energy;
+  bool energy_alone;
+  int limit; /* on iterations */
+  /* out */
+  int iterations;
+  bool converged;
+  double reached; /* where they did not: the largest residual, relative to the load */
+} bwi_two_level_problem;
+/* K u = f for `count` fields in global directions, those of force taken at the unknowns; u is 0
+ * elsewhere. Not converged is no failure. The two may not be the same block. */
+bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *two_level,
+                              bwi_two_level_problem *problem, int64_t count, const double *force,
+                              double *displacement);
+
+#endif

@@ -1,0 +1,262 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Static solutions and modes by an external solver. The engine assembles, hands over,
+ * and checks: residuals are computed here, with its own matrices, whatever the solver says. */
+#include <math.h>
+#include <string.h>
+
+#include "barwright/external.h"
+#include "eigen/modes.h"
+#include "statics/internal.h"
+
+static const bw_external *registered;
+
+void bw_external_register(const bw_external *external) {
+  registered = external;
+}
+
+const bw_external *bw_external_registered(void) {
+  return registered;
+}
+
+void bw_external_options_default(bw_external_options *options) {
+  *options = (bw_external_options){.method = BW_EXTERNAL_AUTO, .rtol = 1e-10, .iterations = 2000};
+}
+
+static bw_status check_options(bw_context *context, const bw_external_options *given,
+                               bw_external_method otherwise, bw_external_options *options) {
+  bw_external_options_default(options);
+  if (given)
+    *options = *given;
+  if (options->method == BW_EXTERNAL_AUTO)
+    options->method = otherwise;
+  if (!(options->rtol > 0 && options->rtol < 1))
+    return bw_fail(context, BW_INVALID, "rtol is %g; it must lie between 0 and 1", options->rtol);
+  if (options->iterations < 1)
+    return bw_fail(context, BW_INVALID, "%d iterations: at least 1 expected", options->iterations);
+  if (!registered)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "no external solver is loaded: require \"barwright.distributed\"");
+  return BW_OK;
+}
+
+/* What is assembled for one call. */
+typedef struct equations {
+  bw_external_matrix matrix;
+  bw_dof_map *dof_map;
+  bw_block_pattern *pattern;
+  double *stiffness, *mass;
+  bool open;
+} equations;
+
+static bw_status assemble(bw_context *context, const bw_model *model, bool mass, equations *e) {
+  bw_status status = BW_OK;
+  bw_progress(context, "assembly", 0);
+  BW_TRY(bw_block_pattern_create(context, model->mesh, &e->pattern));
+  int64_t blocks = e->pattern->block_count;
+  e->stiffness = BW_NEW(context, double, 9 * blocks);
+  if (!e->stiffness)
+    return BW_MEMORY;
+  BW_TRY(bw_stiffness(context, e->pattern, model->mesh, model->material, e->stiffness));
+  if (mass) {
+    e->mass = BW_NEW(context, double, blocks);
+    if (!e->mass)
+      return BW_MEMORY;
+    BW_TRY(bw_mass(context, e->pattern, model->mesh, e->mass));
+    double density = model->material->density > 0 ? model->material->density : 1;
+    for (int64_t k = 0; k < blocks; k++)
+      e->mass[k] *= density;
+  }
+  e->matrix = (bw_external_matrix){
+      .dof_map = e->dof_map, .pattern = e->pattern, .stiffness = e->stiffness, .mass = e->mass};
+done:
+  return status;
+}
+
+static bw_status open_system(bw_context *context, const bw_external_options *options,
+                             equations *e) {
+  bw_status status = registered->open(context, &e->matrix, options);
+  e->open = status == BW_OK;
+  return status;
+}
+
+static void clear(bw_context *context, equations *e, bw_external_report *report) {
+  if (e->open)
+    registered->close(context, report);
+  e->open = false;
+  bw_release(e->dof_map);
+  bw_release(e->pattern);
+  bw_free(e->stiffness);
+  bw_free(e->mass);
+}
+
+/* ---- statics --------------------------------------------------------------------------------- */
+
+typedef struct external_solve {
+  equations *equations;
+  bool failed; /* the solver has closed the system */
+} external_solve;
+
+static bw_status solve(bw_context *context, void *data, const double *force, double *displacement) {
+  external_solve *s = data;
+  bw_status status = registered->solve(context, force, displacement);
+  if (status != BW_OK)
+    s->equations->open = false;
+  return status;
+}
+
+static double norm(const double *a, int64_t size) {
+  double sum = 0;
+  for (int64_t i = 0; i < size; i++)
+    sum += a[i] * a[i];
+  return sqrt(sum);
+}
+
+/* The residual is above what was asked for. It stands where rounding alone leaves as much: of K u,
+ * or of a load that inertia balances to nothing (a body that falls). */
+static bw_status check(bw_context *context, const equations *e, double rtol,
+                       const bw_static *result) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)e->pattern->node_count;
+  double *residual = BW_NEW(context, double, size);
+  double *product = BW_NEW(context, double, size);
+  if (!residual || !product) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  memcpy(residual, result->force, (size_t)size * sizeof *residual);
+  if (e->dof_map->rigid_mode_count > 0)
+    bw_rigid_modes_balance(e->dof_map, residual);
+  BW_TRY(
+      bw_block_multiply(context, e->pattern, e->stiffness, 9, 3, 1, result->displacement, product));
+  for (int64_t i = 0; i < size; i++)
+    residual[i] -= product[i];
+  bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, residual);
+  double remaining = norm(residual, size);
+  bool product_rounding =
+      result->residual < 1e-6 &&
+      remaining < 10 * bwi_residual_noise(e->pattern, e->stiffness, result->displacement);
+  bool nothing_to_solve = remaining < 1e-13 * norm(result->force, size);
+  if (!product_rounding && !nothing_to_solve) {
+    status = bw_fail(context, BW_CONVERGENCE,
+                     "the residual of the solution is %.2e of the load; %.2e was requested. Give a "
+                     "larger rtol, or method = \"cholesky\"",
+                     result->residual, rtol);
+    bw_detail_number(context, "residual", result->residual);
+  }
+done:
+  bw_free(residual);
+  bw_free(product);
+  return status;
+}
+
+bw_status bw_statics_external(bw_context *context, const bw_model *model,
+                              const bw_statics_options *statics, const bw_external_options *given,
+                              bw_static **out) {
+  bw_status status = BW_OK;
+  bw_external_options options;
+  equations e = {0};
+  bw_static *result = NULL;
+  BW_TRY(check_options(context, given, BW_EXTERNAL_CG, &options));
+  BW_TRY(bw_dof_map_create(context, model, &e.dof_map));
+  BW_TRY(bwi_static_begin(context, model, statics, e.dof_map, &result));
+  result->external = BW_NEW0(context, bw_external_report, 1);
+  if (!result->external) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(assemble(context, model, false, &e));
+  BW_TRY(open_system(context, &options, &e));
+  external_solve data = {.equations = &e};
+  bwi_static_solver solver = {.solve = solve, .data = &data, .refine_to = options.rtol};
+  BW_TRY(bwi_static_solve(context, e.dof_map, e.pattern, e.stiffness, &solver, result));
+  if (result->residual > options.rtol)
+    BW_TRY(check(context, &e, options.rtol, result));
+done:
+  clear(context, &e, result ? result->external : NULL);
+  if (status == BW_OK)
+    *out = result;
+  else
+    bw_release(result);
+  return status;
+}
+
+/* ---- modes ----------------------------------------------------------------------------------- */
+
+/* |K x - lambda M x| / |lambda M x| at the unknowns. */
+static bw_status residuals(bw_context *context, const equations *e, int count, const double *value,
+                           const double *vector, double *residual) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)e->pattern->node_count;
+  double *kx = BW_NEW(context, double, size);
+  double *mx = BW_NEW(context, double, size);
+  if (!kx || !mx) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int k = 0; k < count; k++) {
+    const double *x = vector + k * size;
+    BW_TRY(bw_block_multiply(context, e->pattern, e->stiffness, 9, 3, 1, x, kx));
+    BW_TRY(bw_block_multiply(context, e->pattern, e->mass, 1, 3, 1, x, mx));
+    bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, kx);
+    bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, mx);
+    double difference = 0, whole = 0;
+    for (int64_t i = 0; i < size; i++) {
+      double m = value[k] * mx[i], d = kx[i] - m;
+      difference += d * d;
+      whole += m * m;
+    }
+    residual[k] = whole > 0 ? sqrt(difference / whole) : 0;
+  }
+done:
+  bw_free(kx);
+  bw_free(mx);
+  return status;
+}
+
+bw_status bw_modes_external(bw_context *context, const bw_model *model,
+                            const bw_modes_options *options, const bw_external_options *given,
+                            bw_modes **modes) {
+  bw_status status = BW_OK;
+  bw_modes_options opts;
+  bw_external_options external;
+  equations e = {0};
+  bw_external_modes found = {0};
+  bwi_eigen_result result = {0};
+  bw_external_report *report = NULL;
+  BW_TRY(bwi_modes_options_check(context, options, &opts));
+  BW_TRY(check_options(context, given, BW_EXTERNAL_CHOLESKY, &external));
+  report = BW_NEW0(context, bw_external_report, 1);
+  if (!report) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_dof_map_create(context, model, &e.dof_map));
+  BW_TRY(assemble(context, model, true, &e));
+  BW_TRY(open_system(context, &external, &e));
+  status = registered->modes(context, &opts, &found);
+  e.open = status == BW_OK;
+  result = (bwi_eigen_result){.count = found.count,
+                              .value = found.value,
+                              .vector = found.vector,
+                              .solves = found.solves,
+                              .recovered = found.recovered,
+                              .counted = found.counted};
+  if (status != BW_OK)
+    goto done;
+  result.residual = BW_NEW(context, double, found.count);
+  if (!result.residual) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(residuals(context, &e, result.count, result.value, result.vector, result.residual));
+  BW_TRY(bwi_modes_from(context, model->mesh, model->material, e.dof_map->rigid_mode_count, &result,
+                        modes));
+done:
+  clear(context, &e, report);
+  bwi_eigen_result_clear(&result);
+  if (status == BW_OK)
+    (*modes)->external = report;
+  else
+    bw_free(report);
+  return status;
+}

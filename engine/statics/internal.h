@@ -1,0 +1,27 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What the files of statics/ share, and those that solve statically. */
+#ifndef BWI_STATICS_INTERNAL_H
+#define BWI_STATICS_INTERNAL_H
+
+#include "barwright/statics.h"
+#include "linear/internal.h"
+
+/* ---- statics (statics.c) ------------------------------------------------------------------- */
+
+/* displacement = K^-1 force as bw_system_solve does for one right-hand side. */
+typedef struct bwi_static_solver {
+  bw_status (*solve)(bw_context *context, void *data, const double *force, double *displacement);
+  void *data;
+  double refine_to;
+  bool once; /* not refined: its residual is no measure of what is asked for */
+} bwi_static_solver;
+/* A static solution with its load vector, checked for balance; nothing solved yet. */
+bw_status bwi_static_begin(bw_context *context, const bw_model *model,
+                           const bw_statics_options *options, const bw_dof_map *dof_map,
+                           bw_static **result);
+/* Displacements, residual, energy, reactions. */
+bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
+                           const bw_block_pattern *pattern, const double *stiffness,
+                           const bwi_static_solver *solver, bw_static *result);
+
+#endif

@@ -1,0 +1,193 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Static solutions, however K v = f is solved: u = u0 + v with u0 the prescribed values, K v = f -
+ * K u0 at the unknowns. */
+#include <math.h>
+#include <string.h>
+
+#include "statics/internal.h"
+
+enum { REFINEMENTS = 3 };
+
+static void static_destroy(void *object) {
+  bw_static *result = object;
+  bw_release(result->model);
+  bw_release(result->system);
+  bw_free(result->displacement);
+  bw_free(result->force);
+  bw_free(result->reaction);
+  bw_free(result->external);
+  bw_free(result);
+}
+
+static size_t static_bytes(const void *object) {
+  const bw_static *result = object;
+  return sizeof *result + 9 * (size_t)result->model->mesh->node_count * sizeof(double);
+}
+
+static const bw_kind static_kind = {"static solution", static_destroy, static_bytes};
+
+static double norm(const double *a, int64_t size) {
+  double sum = 0;
+  for (int64_t i = 0; i < size; i++)
+    sum += a[i] * a[i];
+  return sqrt(sum);
+}
+
+/* The load's work on each rigid-body mode, against the work it would do were all of it along the
+ * motion. */
+static bw_status check_balance(bw_context *context, const bw_dof_map *dof_map, const double *force,
+                               double tolerance) {
+  bw_status status = BW_OK;
+  char *text = NULL;
+  int32_t nodes = dof_map->mesh->node_count, motions = dof_map->rigid_mode_count;
+  double *part = BW_NEW(context, double, motions);
+  if (!part)
+    return BW_MEMORY;
+  bw_rigid_modes_dot(dof_map, force, part);
+  int worst = -1;
+  double excess = tolerance, resultant[3] = {0};
+  for (int m = 0; m < motions; m++) {
+    const bw_rigid_mode *motion = &dof_map->rigid_mode[m];
+    double size = 0;
+    for (int64_t i = 0; i < nodes; i++) {
+      if (dof_map->mesh->component[i] != motion->component)
+        continue;
+      double arm[3], shift[3];
+      for (int c = 0; c < 3; c++)
+        arm[c] = dof_map->mesh->node[3 * i + c] - motion->centre[c];
+      bw_cross(motion->rotation, arm, shift);
+      for (int c = 0; c < 3; c++)
+        shift[c] += motion->translation[c];
+      size += bw_norm(shift) * bw_norm(force + 3 * i);
+    }
+    if (size > 0 && fabs(part[m]) / size > excess) {
+      excess = fabs(part[m]) / size;
+      worst = m;
+    }
+  }
+  if (worst >= 0) {
+    for (int64_t i = 0; i < nodes; i++)
+      for (int c = 0; c < 3; c++)
+        resultant[c] += force[3 * i + c];
+    BW_TRY(bw_dof_map_describe_rigid_modes(context, dof_map, &text));
+    status = bw_fail(context, BW_UNCONSTRAINED,
+                     "the load is not in equilibrium on a body that can move freely; %s. The load "
+                     "acts on rigid-body mode %d, %s: the fraction %.3g of its magnitude is along "
+                     "that mode (allowed: %.3g); its resultant is (%g, %g, %g) N. Add supports, "
+                     "balance the load, or use inertia relief",
+                     text, worst + 1, dof_map->rigid_mode[worst].text, excess, tolerance,
+                     resultant[0], resultant[1], resultant[2]);
+    bw_detail_number(context, "motions", motions);
+    bw_detail_text(context, "motion", dof_map->rigid_mode[worst].text);
+  }
+done:
+  bw_free(part);
+  bw_free(text);
+  return status;
+}
+
+bw_status bwi_static_begin(bw_context *context, const bw_model *model,
+                           const bw_statics_options *options, const bw_dof_map *dof_map,
+                           bw_static **out) {
+  bw_status status = BW_OK;
+  bw_statics_options opts = options ? *options : (bw_statics_options){0};
+  if (opts.tolerance == 0)
+    opts.tolerance = 1e-6;
+  if (!(opts.tolerance > 0))
+    return bw_fail(context, BW_INVALID, "the tolerance on balance is %g; it must be positive",
+                   opts.tolerance);
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  bw_static *result = BW_NEW0(context, bw_static, 1);
+  if (!result)
+    return BW_MEMORY;
+  bw_object_init(result, &static_kind);
+  result->model = bw_retain(model);
+  result->displacement = BW_NEW(context, double, size);
+  result->force = BW_NEW(context, double, size);
+  result->reaction = BW_NEW(context, double, size);
+  if (!result->displacement || !result->force || !result->reaction) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bw_model_check_absorbed(context, model, dof_map));
+  BW_TRY(bw_model_force_vector(context, model, result->force));
+  if (dof_map->rigid_mode_count > 0 && !opts.inertia_relief)
+    BW_TRY(check_balance(context, dof_map, result->force, opts.tolerance));
+done:
+  if (status == BW_OK)
+    *out = result;
+  else
+    bw_release(result);
+  return status;
+}
+
+bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
+                           const bw_block_pattern *pattern, const double *stiffness,
+                           const bwi_static_solver *solver, bw_static *result) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)dof_map->mesh->node_count;
+  double *u = result->displacement;
+  double *load = BW_NEW(context, double, size);
+  double *work = BW_NEW(context, double, size);
+  double *step = BW_NEW(context, double, size);
+  double *product = BW_NEW(context, double, size); /* K step; K u is then in the reactions' place */
+  bool taken = false;
+  if (!load || !work || !step || !product) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  memcpy(load, result->force, (size_t)size * sizeof(double));
+  if (dof_map->rigid_mode_count > 0)
+    bw_rigid_modes_balance(dof_map, load);
+  /* work = load - K u at the unknowns, for u = u0 at first and the solution later */
+  bwi_prescribed_field(dof_map, u);
+  memcpy(work, load, (size_t)size * sizeof(double));
+  if (dof_map->prescribed) {
+    BW_TRY(bw_block_multiply(context, pattern, stiffness, 9, 3, 1, u, step));
+    for (int64_t i = 0; i < size; i++)
+      work[i] -= step[i];
+  }
+  bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, work);
+  double scale = norm(work, size);
+  result->residual = scale > 0 ? 1 : 0;
+  int max = solver->once ? 0 : REFINEMENTS;
+  for (int pass = 0; scale > 0 && pass <= max && result->residual > solver->refine_to; pass++) {
+    BW_TRY(solver->solve(context, solver->data, work, step));
+    for (int64_t i = 0; i < size; i++)
+      step[i] += u[i];
+    if (dof_map->rigid_mode_count > 0 && !dof_map->prescribed)
+      bw_rigid_modes_remove(dof_map, step);
+    BW_TRY(bw_block_multiply(context, pattern, stiffness, 9, 3, 1, step, product));
+    for (int64_t i = 0; i < size; i++)
+      work[i] = load[i] - product[i];
+    bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, work);
+    double residual = norm(work, size) / scale;
+    if (!isfinite(residual)) {
+      status = bw_fail(context, BW_SINGULAR, "the solution is not finite");
+      goto done;
+    }
+    if (residual >= result->residual && pass > 0)
+      break;
+    bool enough = residual > 0.25 * result->residual ||
+                  residual * scale <= bwi_residual_noise(pattern, stiffness, step);
+    result->residual = residual;
+    memcpy(u, step, (size_t)size * sizeof(double));
+    memcpy(result->reaction, product, (size_t)size * sizeof(double));
+    taken = true;
+    if (enough)
+      break;
+  }
+  if (!taken)
+    BW_TRY(bw_block_multiply(context, pattern, stiffness, 9, 3, 1, u, result->reaction));
+  for (int64_t i = 0; i < size; i++) {
+    result->energy += 0.5 * u[i] * result->reaction[i];
+    result->reaction[i] -= load[i];
+  }
+  bwi_keep_states(dof_map, 1u << BW_DOF_PRESCRIBED, result->reaction);
+done:
+  bw_free(load);
+  bw_free(work);
+  bw_free(step);
+  bw_free(product);
+  return status;
+}

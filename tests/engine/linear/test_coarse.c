@@ -1,0 +1,123 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The coarse space of linear elements: what it represents it solves to the digits of floats. */
+#include "linear/coarse.h"
+
+#include "incremental_bar.h"
+
+/* A field that is linear in every element, random at the corners, and 0 wherever a support holds
+ * anything nearby. */
+static double *linear_field(bw_context *context, const bw_dof_map *dof_map, bw_random *random) {
+  const bw_mesh *mesh = dof_map->mesh;
+  double *u = BW_NEW0(context, double, 3 * (size_t)mesh->node_count);
+  uint8_t *fixed = BW_NEW0(context, uint8_t, mesh->node_count);
+  assert_non_null(u);
+  assert_non_null(fixed);
+  for (int64_t i = 0; i < 3 * (int64_t)mesh->node_count; i++)
+    if (dof_map->state[i] != BW_DOF_UNKNOWN)
+      fixed[i / 3] = 1;
+  for (int64_t e = 0; e < mesh->element_count; e++)
+    for (int a = 0; a < 6; a++) {
+      const int32_t *node = mesh->element + 10 * e;
+      if (fixed[node[4 + a]])
+        fixed[node[bw_tet_edge[a][0]]] = fixed[node[bw_tet_edge[a][1]]] = 1;
+    }
+  for (int64_t e = 0; e < mesh->element_count; e++)
+    for (int a = 0; a < 4; a++) {
+      int64_t i = mesh->element[10 * e + a];
+      for (int c = 0; c < 3 && !fixed[i] && u[3 * i + 2] == 0; c++)
+        u[3 * i + c] = bw_random_uniform(random) - 0.5;
+    }
+  for (int64_t e = 0; e < mesh->element_count; e++)
+    for (int a = 0; a < 6; a++) {
+      const int32_t *node = mesh->element + 10 * e;
+      for (int c = 0; c < 3; c++)
+        u[3 * node[4 + a] + c] =
+            0.5 * (u[3 * node[bw_tet_edge[a][0]] + c] + u[3 * node[bw_tet_edge[a][1]] + c]);
+    }
+  bw_free(fixed);
+  return u;
+}
+
+/* A^-1 P^T K u = y for u = P y, on a turned and scaled shape, under every kind of support. */
+static void linear_fields_are_solved(void **state) {
+  bw_context *context = check_context(state);
+  bw_random random;
+  bw_random_seed(&random, 7);
+  for (int scene = 0; scene < SCENES; scene++) {
+    bar b;
+    bar_make(context, 1, 2, &b);
+    load_bar(context, &b, scene);
+    bw_incremental_system *incremental = incremental_of(context, &b);
+    turn_subdomain(&b, 1, 0.2);
+    b.now.scale[0][1] *= 1.2;
+    edit_and_compare(context, &b, incremental, BW_INCREMENTAL_REFACTOR);
+    const bw_dof_map *dof_map = incremental->system->dof_map;
+    const bw_mesh *mesh = incremental->system->mesh;
+    size_t size = 3 * (size_t)mesh->node_count;
+    assert_int_equal(bwi_coarse_fits(mesh, dof_map), dof_map->rigid_mode_count == 0);
+    if (dof_map->rigid_mode_count == 0) {
+      bwi_coarse *coarse = NULL;
+      bool usable = false;
+      double *u = linear_field(context, dof_map, &random);
+      double *f = BW_NEW(context, double, size), *v = BW_NEW0(context, double, size);
+      assert_true(f && v);
+      check_ok(context, bwi_coarse_create(context, mesh, &coarse));
+      check_ok(context,
+               bwi_coarse_follow(context, coarse, incremental->inner->model, dof_map, &usable));
+      assert_true(usable);
+      check_ok(context, bw_block_multiply(context, incremental->system->pattern,
+                                          incremental->system->stiffness, 9, 3, 1, u, f));
+      bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN, f);
+      const int32_t *parent = bwi_coarse_parents(coarse);
+      int64_t corners = bwi_coarse_corners(coarse);
+      for (int64_t i = 0; i < mesh->node_count; i++)
+        for (int side = 0; side < 2; side++)
+          for (int c = 0; c < 3; c++)
+            v[3 * parent[2 * i + side] + c] += 0.5 * f[3 * i + c];
+      check_ok(context, bwi_coarse_solve(context, coarse, 1, v));
+      for (int64_t i = 0; i < mesh->node_count; i++)
+        for (int c = 0; c < 3 && parent[2 * i] == parent[2 * i + 1]; c++)
+          f[3 * parent[2 * i] + c] = u[3 * i + c];
+      check_near(difference(v, f, 3 * corners), 0, 1e-3);
+      bw_release(coarse);
+      bw_free(u);
+      bw_free(f);
+      bw_free(v);
+    }
+    bw_release(incremental);
+    bar_clear(&b);
+  }
+}
+
+static void no_memory(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 1, 2, &b);
+  load_bar(context, &b, 0);
+  bw_incremental_system *incremental = incremental_of(context, &b);
+  for (int64_t n = 1;; n++) {
+    bwi_coarse *coarse = NULL;
+    bool usable = false;
+    bw_fail_allocation(n, true);
+    bw_status status = bwi_coarse_create(context, incremental->system->mesh, &coarse);
+    if (status == BW_OK)
+      status = bwi_coarse_follow(context, coarse, incremental->inner->model,
+                                 incremental->system->dof_map, &usable);
+    bw_fail_allocation(0, false);
+    bw_release(coarse);
+    if (status == BW_OK)
+      break;
+    assert_int_equal(status, BW_MEMORY);
+    bw_clear_failure(context);
+  }
+  bw_release(incremental);
+  bar_clear(&b);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(linear_fields_are_solved),
+      check_test(no_memory),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

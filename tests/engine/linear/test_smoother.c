@@ -1,0 +1,258 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Sweeps over the rows of a stiffness beside Gauss and Seidel's iteration written down plainly, and
+ * products beside those of the pattern. */
+#include "linear/smoother.h"
+
+#include "incremental_bar.h"
+
+typedef struct scene {
+  bar b;
+  bw_block_pattern *pattern;
+  bw_dof_map *dof_map;
+  double *stiffness;
+  int64_t size;
+} scene;
+
+static void scene_make(bw_context *context, int across, int supports, scene *s) {
+  bar_make(context, across, 2, &s->b);
+  load_bar(context, &s->b, supports);
+  check_ok(context, bw_block_pattern_create(context, s->b.mesh, &s->pattern));
+  check_ok(context, bw_dof_map_create(context, s->b.model, &s->dof_map));
+  s->stiffness = numbers(9 * s->pattern->block_count);
+  s->size = 3 * (int64_t)s->b.mesh->node_count;
+  check_ok(context, bw_stiffness(context, s->pattern, s->b.mesh, s->b.material, s->stiffness));
+}
+
+static void scene_clear(scene *s) {
+  free(s->stiffness);
+  bw_release(s->dof_map);
+  bw_release(s->pattern);
+  bar_clear(&s->b);
+}
+
+static bwi_smoother *smoother_of(bw_context *context, const scene *s, bool even) {
+  bwi_smoother *smoother = NULL;
+  bool usable = false;
+  check_ok(context, bwi_smoother_create(context, s->b.mesh, s->pattern, even, &smoother));
+  check_ok(context, bwi_smoother_follow(context, smoother, s->stiffness, s->dof_map, &usable));
+  assert_true(usable);
+  return smoother;
+}
+
+/* Numbers of field f of `width`, from nodes to rows. */
+static double *packed(const bwi_smoother *s, int width, int f, double *row, const double *field) {
+  for (int64_t k = 0; k < s->count; k++)
+    for (int d = 0; d < 3; d++)
+      row[(3 * k + d) * width + f] = field[3 * (int64_t)s->node[k] + d];
+  return row;
+}
+
+/* Nodes of different chunks have no common block. */
+static void chunks_are_apart(void **state) {
+  bw_context *context = check_context(state);
+  scene s;
+  scene_make(context, 4, 0, &s);
+  bwi_smoother *smoother = smoother_of(context, &s, true);
+  assert_true(smoother->chunk_count > 1);
+  assert_int_equal(smoother->chunk_start[0], 0);
+  int32_t inside = smoother->chunk_start[smoother->chunk_count];
+  assert_true(8 * (smoother->count - inside) < smoother->count);
+  for (int64_t i = 0; i < smoother->count; i++)
+    for (int64_t p = s.pattern->start[i]; p < s.pattern->start[i + 1]; p++) {
+      int32_t a = smoother->row_of[i], b = smoother->row_of[s.pattern->column[p]];
+      for (int c = 0; c < smoother->chunk_count && a < inside && b < inside; c++)
+        assert_int_equal(a >= smoother->chunk_start[c] && a < smoother->chunk_start[c + 1],
+                         b >= smoother->chunk_start[c] && b < smoother->chunk_start[c + 1]);
+    }
+  bw_release(smoother);
+  scene_clear(&s);
+}
+
+/* Blocks of six numbers lose nothing but rounding: products are those of the pattern. */
+static void products(void **state) {
+  bw_context *context = check_context(state);
+  scene s;
+  scene_make(context, 2, 0, &s);
+  double *x = numbers(s.size), *y = numbers(s.size);
+  for (int even = 0; even < 2; even++) {
+    bwi_smoother *smoother = smoother_of(context, &s, even);
+    assert_int_equal(even,
+                     smoother->even.start[smoother->count] > smoother->odd.start[smoother->count]);
+    for (int width = 1; width <= BWI_SMOOTHER_SIDES; width += BWI_SMOOTHER_SIDES - 1) {
+      double *px = numbers(width * s.size + BWI_SMOOTHER_SPARE);
+      double *py = numbers(width * s.size + BWI_SMOOTHER_SPARE);
+      for (int f = 0; f < width; f++) {
+        random_field(7 + (uint64_t)f, s.size, x);
+        packed(smoother, width, f, px, x);
+      }
+      check_ok(context, bwi_smoother_product(context, smoother, width, px, py));
+      for (int f = 0; f < width; f++) {
+        double largest = 0, off = 0;
+        random_field(7 + (uint64_t)f, s.size, x);
+        check_ok(context, bw_block_multiply(context, s.pattern, s.stiffness, 9, 3, 1, x, y));
+        for (int64_t k = 0; k < smoother->count; k++)
+          for (int d = 0; d < 3; d++) {
+            double wanted = y[3 * (int64_t)smoother->node[k] + d] * smoother->unit;
+            largest = fmax(largest, fabs(wanted));
+            off = fmax(off, fabs(py[(3 * k + d) * width + f] - wanted));
+          }
+        check_near(off / largest, 0, 1e-14);
+      }
+      free(px);
+      free(py);
+    }
+    bw_release(smoother);
+  }
+  free(x);
+  free(y);
+  scene_clear(&s);
+}
+
+/* The block of nodes i, j, as three rows, in the frames' global directions. */
+static void block_of(const scene *s, int32_t i, int32_t j, double block[9]) {
+  int32_t high = i > j ? i : j, low = i > j ? j : i;
+  memset(block, 0, 9 * sizeof *block);
+  for (int64_t p = s->pattern->start[high]; p < s->pattern->start[high + 1]; p++)
+    if (s->pattern->column[p] == low)
+      for (int c = 0; c < 9; c++)
+        block[c] = s->stiffness[9 * p + (i >= j ? c : 3 * (c % 3) + c / 3)];
+}
+
+/* z of one node so that its equations along its unknowns hold: three coupled ones, by Cramer, held
+ * directions left out. */
+static void relax(const scene *s, int32_t i, const double *r, double *z) {
+  double rest[3] = {r[3 * i], r[3 * i + 1], r[3 * i + 2]}, block[9], a[9], b[3];
+  for (int32_t j = 0; j < s->b.mesh->node_count; j++) {
+    if (j == i)
+      continue;
+    block_of(s, i, j, block);
+    for (int d = 0; d < 3; d++)
+      rest[d] -= bw_dot(block + 3 * d, z + 3 * (int64_t)j);
+  }
+  static const double global[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  int32_t row = s->dof_map->frame_of[i];
+  const double *frame = row < 0 ? global : s->dof_map->frame + 9 * (int64_t)row;
+  block_of(s, i, i, block);
+  for (int p = 0; p < 3; p++) {
+    bool unknown = s->dof_map->state[3 * i + p] == BW_DOF_UNKNOWN;
+    b[p] = unknown ? bw_dot(frame + 3 * p, rest) : 0;
+    for (int q = 0; q < 3; q++) {
+      a[3 * p + q] = p == q;
+      if (unknown && s->dof_map->state[3 * i + q] == BW_DOF_UNKNOWN) {
+        a[3 * p + q] = 0;
+        for (int d = 0; d < 3; d++)
+          a[3 * p + q] += frame[3 * p + d] * bw_dot(block + 3 * d, frame + 3 * q);
+      }
+    }
+  }
+  double inverse[9], along[3];
+  assert_true(bw_inverse3(a, inverse) > 0);
+  for (int p = 0; p < 3; p++)
+    along[p] = bw_dot(inverse + 3 * p, b);
+  for (int d = 0; d < 3; d++)
+    z[3 * (int64_t)i + d] = along[0] * frame[d] + along[1] * frame[3 + d] + along[2] * frame[6 + d];
+}
+
+static void sweeps(void **state) {
+  bw_context *context = check_context(state);
+  static const int supports[] = {0, 1, 4}; /* built in; slides, and on surfaces of their own */
+  for (int k = 0; k < 3; k++) {
+    scene s;
+    scene_make(context, 2, supports[k], &s);
+    double *r = numbers(s.size), *z = numbers(s.size), *again = numbers(s.size);
+    double *left = numbers(s.size);
+    bwi_smoother *w = smoother_of(context, &s, true);
+    for (int width = 1; width <= BWI_SMOOTHER_SIDES; width += BWI_SMOOTHER_SIDES - 1) {
+      size_t capacity = (size_t)(width * s.size) + BWI_SMOOTHER_SPARE;
+      float *pr = calloc(capacity, sizeof *pr), *pz = calloc(capacity, sizeof *pz);
+      float *rest = calloc(capacity, sizeof *rest);
+      double *p = numbers((int64_t)capacity);
+      int f = width - 1;
+      random_field(3, s.size, r);
+      bwi_keep_states(s.dof_map, 1u << BW_DOF_UNKNOWN, r);
+      packed(w, width, f, p, r);
+      for (size_t i = 0; i < capacity; i++)
+        pr[i] = (float)p[i];
+      memset(z, 0, (size_t)s.size * sizeof *z);
+      for (int32_t n = 0; n < w->count; n++)
+        relax(&s, w->node[n], r, z);
+      check_ok(context, bwi_smoother_forward(context, w, width, pr, pz, rest));
+      check_ok(context, bw_block_multiply(context, s.pattern, s.stiffness, 9, 3, 1, z, left));
+      for (int64_t i = 0; i < s.size; i++)
+        left[i] = r[i] - left[i];
+      bwi_keep_states(s.dof_map, 1u << BW_DOF_UNKNOWN, left);
+      for (int pass = 0; pass < 2; pass++) {
+        double max = 0, off = 0, off_rest = 0;
+        for (int64_t i = 0; i < w->count; i++)
+          for (int d = 0; d < 3; d++) {
+            int64_t node = w->node[i], at = (3 * i + d) * width + f;
+            max = fmax(max, fabs(z[3 * node + d]));
+            off = fmax(off, fabs((double)pz[at] * w->unit - z[3 * node + d]));
+            again[3 * node + d] = (double)rest[at];
+          }
+        bwi_keep_states(s.dof_map, 1u << BW_DOF_UNKNOWN, again);
+        for (int64_t i = 0; pass == 0 && i < s.size; i++)
+          off_rest = fmax(off_rest, fabs(again[i] - left[i]));
+        check_near(off / max, 0, 2e-5);
+        check_near(off_rest, 0, 2e-5);
+        if (pass == 1)
+          break;
+        for (int32_t n = w->count - 1; n >= 0; n--)
+          relax(&s, w->node[n], r, z);
+        check_ok(context, bwi_smoother_backward(context, w, width, pr, pz, rest));
+      }
+      free(pr);
+      free(pz);
+      free(rest);
+      free(p);
+    }
+    bw_release(w);
+    free(r);
+    free(z);
+    free(again);
+    free(left);
+    scene_clear(&s);
+  }
+}
+
+static void singular_nodes_are_reported(void **state) {
+  bw_context *context = check_context(state);
+  scene s;
+  bool usable = true;
+  scene_make(context, 1, 0, &s);
+  bwi_smoother *w = smoother_of(context, &s, true);
+  int64_t own = s.pattern->start[s.b.mesh->node_count] - 1; /* the last node, at the free end */
+  for (int c = 0; c < 9; c++)
+    s.stiffness[9 * own + c] = 0;
+  check_ok(context, bwi_smoother_follow(context, w, s.stiffness, s.dof_map, &usable));
+  assert_false(usable);
+  bw_release(w);
+  scene_clear(&s);
+}
+
+static void no_memory(void **state) {
+  bw_context *context = check_context(state);
+  scene s;
+  scene_make(context, 1, 0, &s);
+  for (int64_t n = 1;; n++) {
+    bwi_smoother *w = NULL;
+    bw_fail_allocation(n, true);
+    bw_status status = bwi_smoother_create(context, s.b.mesh, s.pattern, true, &w);
+    bw_fail_allocation(0, false);
+    bw_release(w);
+    if (status == BW_OK)
+      break;
+    assert_int_equal(status, BW_MEMORY);
+    bw_clear_failure(context);
+  }
+  scene_clear(&s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(chunks_are_apart), check_test(products),
+      check_test(sweeps),           check_test(singular_nodes_are_reported),
+      check_test(no_memory),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

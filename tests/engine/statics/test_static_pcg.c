@@ -1,0 +1,372 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Static solutions by two-level PCG: the same as by a factor, under every kind of support,
+ * of straight and of curved elements; when they are chosen, what is kept, and what is reported
+ * where they do not serve. */
+#include "incremental_bar.h"
+#include "linear/system_two_level.h"
+
+static const bw_statics_options by_levels = {.method = BW_STATICS_PCG},
+                                by_factor = {.method = BW_STATICS_FACTOR};
+
+/* Displacements, reactions, energy and estimated error of both ways. */
+static void compare_ways(bw_context *context, const bw_model *model) {
+  bw_static *a = NULL, *b = NULL;
+  const bw_mesh *mesh = model->mesh;
+  int64_t size = 3 * (int64_t)mesh->node_count;
+  double *error = numbers(mesh->element_count), estimate[2];
+  check_ok(context, bw_statics(context, model, NULL, &by_factor, &a));
+  check_ok(context, bw_statics(context, model, NULL, &by_levels, &b));
+  check_near(difference(b->displacement, a->displacement, size), 0, 1e-8);
+  check_near(difference(b->reaction, a->reaction, size), 0, 1e-8);
+  check_near(b->energy / a->energy, 1, 1e-8);
+  assert_true(b->residual < 1e-10 || b->residual < 10 * a->residual); /* or as rounding leaves it */
+  assert_int_equal(a->report.method, BW_STATICS_FACTOR);
+  assert_int_equal(b->report.method, BW_STATICS_PCG);
+  assert_in_range(b->report.iterations, 5, 100);
+  assert_non_null(a->system->factor);
+  assert_null(b->system->factor);
+  assert_true(bw_bytes(b->system->two_level) > 0);
+  check_ok(context,
+           bw_error_estimate(context, mesh, model->material, a->displacement, error, &estimate[0]));
+  check_ok(context,
+           bw_error_estimate(context, mesh, model->material, b->displacement, error, &estimate[1]));
+  check_near(estimate[1] / estimate[0], 1, 1e-8);
+  free(error);
+  bw_release(a);
+  bw_release(b);
+}
+
+static void as_a_factor(void **state) {
+  bw_context *context = check_context(state);
+  for (int scene = 0; scene < SCENES; scene++) {
+    bar b;
+    bar_make(context, 2, 2, &b);
+    load_bar(context, &b, scene);
+    if (scene == 3) { /* free to move */
+      bw_static *result = NULL;
+      bw_statics_options options = relief;
+      options.method = BW_STATICS_PCG;
+      check_fails(context, BW_INVALID, "free to move",
+                  bw_statics(context, b.model, NULL, &options, &result));
+      options.method = BW_STATICS_AUTO;
+      options.memory = 1e9;
+      check_ok(context, bw_statics(context, b.model, NULL, &options, &result));
+      assert_int_equal(result->report.method, BW_STATICS_FACTOR);
+      bw_release(result);
+    } else
+      compare_ways(context, b.model);
+    bar_clear(&b);
+  }
+}
+
+/* A block bent to a quarter of a ring: its elements are curved, and the linear ones no longer a
+ * part of the space. */
+static bw_mesh *ring(bw_context *context) {
+  bw_mesh *mesh = body_box(context, 8, 1, 1, 12, 2, 3, 2), *bent = NULL;
+  double *x = numbers(3 * (int64_t)mesh->node_count);
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    const double *from = mesh->node + 3 * i;
+    double angle = from[0] / 5, radius = 4.5 + from[2];
+    x[3 * i] = radius * sin(angle);
+    x[3 * i + 1] = from[1];
+    x[3 * i + 2] = radius * cos(angle);
+  }
+  check_ok(context, bw_mesh_moved(context, mesh, x, &bent));
+  free(x);
+  bw_release(mesh);
+  return bent;
+}
+
+static void curved_elements(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = ring(context);
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  bw_selection *root = face(context, mesh, 0, 0);
+  const double gravity[3] = {1, 2, -9.81};
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  check_ok(context, bw_model_fix(context, model, root));
+  check_ok(context, bw_model_gravity(context, model, gravity));
+  compare_ways(context, model);
+  bw_release(root);
+  bw_release(model);
+  bw_release(material);
+  bw_release(mesh);
+}
+
+/* A block of cells x cells x cells cubes, built in below and pulled along z. */
+typedef struct block {
+  bw_mesh *mesh;
+  bw_material *material;
+  bw_model *model;
+} block;
+
+static block make_block(bw_context *context, int nx, int ny, int nz, int order) {
+  block b = {.mesh = body_box(context, nx, ny, nz, nx, ny, nz, order)};
+  bw_selection *low = face(context, b.mesh, 2, 0), *high = face(context, b.mesh, 2, nz);
+  const double pull[3] = {1e6, 2e6, 3e6};
+  b.material = body_material(context);
+  check_ok(context, bw_model_create(context, b.mesh, b.material, &b.model));
+  check_ok(context, bw_model_fix(context, b.model, low));
+  check_ok(context, bw_model_force(context, b.model, high, pull));
+  bw_release(low);
+  bw_release(high);
+  return b;
+}
+
+static void clear_block(block *b) {
+  bw_release(b->model);
+  bw_release(b->material);
+  bw_release(b->mesh);
+}
+
+/* What is predicted of a factor is near what it is, for thick, long and flat bodies. */
+static void factor_is_predicted(void **state) {
+  bw_context *context = check_context(state);
+  const int cells[4][3] = {{8, 8, 7}, {3, 3, 40}, {20, 20, 1}, {12, 12, 3}};
+  for (int k = 0; k < 4; k++) {
+    block b = make_block(context, cells[k][0], cells[k][1], cells[k][2], 2);
+    bw_static *a = NULL, *l = NULL;
+    check_ok(context, bw_statics(context, b.model, NULL, &by_factor, &a));
+    check_ok(context, bw_statics(context, b.model, NULL, &by_levels, &l));
+    assert_true(a->report.factor_bytes == (double)a->system->times.factor_entries * 8);
+    check_near(log(l->report.factor_bytes / a->report.factor_bytes), 0, log(1.4));
+    check_near(log(l->report.factor_flops / a->report.factor_flops), 0, log(1.6));
+    bw_release(a);
+    bw_release(l);
+    clear_block(&b);
+  }
+}
+
+/* Small bodies: the factor, in the bits that it has always had; also by default. Without
+ * memory for it, two-level PCG; and a message where that does not apply. */
+static void small_bodies(void **state) {
+  bw_context *context = check_context(state);
+  bw_static *result = NULL, *same = NULL;
+  block b = make_block(context, 5, 5, 5, 2);
+  check_ok(context, bw_statics(context, b.model, NULL, NULL, &result));
+  check_ok(context, bw_statics(context, b.model, NULL, &by_factor, &same));
+  assert_int_equal(result->report.method, BW_STATICS_FACTOR);
+  assert_memory_equal(result->displacement, same->displacement,
+                      3 * (size_t)b.mesh->node_count * sizeof(double));
+  bw_release(same);
+  /* PCG when asked for, beside the factor that is there; which then serves again */
+  check_ok(context, bw_statics(context, b.model, result->system, &by_levels, &same));
+  assert_int_equal(same->report.method, BW_STATICS_PCG);
+  assert_ptr_equal(same->system, result->system);
+  bw_release(same);
+  check_ok(context, bw_statics(context, b.model, result->system, NULL, &same));
+  assert_int_equal(same->report.method, BW_STATICS_FACTOR);
+  assert_ptr_equal(same->system, result->system);
+  bw_release(same);
+  bw_release(result);
+  const bw_statics_options narrow = {.method = BW_STATICS_FACTOR, .memory = 1e6};
+  check_fails(context, BW_MEMORY, "with = \"pcg\"",
+              bw_statics(context, b.model, NULL, &narrow, &result));
+  clear_block(&b);
+  b = make_block(context, 4, 4, 4, 1);
+  const bw_statics_options none = {.memory = 1e4};
+  check_fails(context, BW_MEMORY, "quadratic elements",
+              bw_statics(context, b.model, NULL, &none, &result));
+  check_fails(context, BW_INVALID, "these are linear",
+              bw_statics(context, b.model, NULL, &by_levels, &result));
+  clear_block(&b);
+  bw_statics_options wrong = {.iterations = -1};
+  check_fails(context, BW_INVALID, "at least 1", bw_statics(context, NULL, NULL, &wrong, &result));
+  wrong = (bw_statics_options){.memory = NAN};
+  check_fails(context, BW_INVALID, "memory", bw_statics(context, NULL, NULL, &wrong, &result));
+}
+
+/* A body that has no room for a factor is solved by two-level PCG, as exactly; asked for again, the
+ * factor is made once the sum of what PCG costs would come to more. It then serves modes. */
+static void large_bodies(void **state) {
+  bw_context *context = check_context(state);
+  bw_static *first = NULL, *next = NULL;
+  bw_modes *modes = NULL;
+  block b = make_block(context, 11, 11, 10, 2);
+  const bw_statics_options narrow = {.memory = 1e6}, wide = {.memory = 1e9};
+  int64_t size = 3 * (int64_t)b.mesh->node_count;
+  int over_levels = 0;
+  check_ok(context, bw_statics(context, b.model, NULL, &narrow, &first));
+  assert_int_equal(first->report.method, BW_STATICS_PCG);
+  assert_true(first->residual < 1e-10);
+  double sum[3] = {1e6, 2e6, 3e6};
+  for (int64_t i = 0; i < size; i++)
+    sum[i % 3] += first->reaction[i];
+  for (int c = 0; c < 3; c++)
+    check_near(sum[c], 0, 1e-10 * 3e6);
+  bw_system *system = first->system;
+  assert_null(system->mass);
+  check_fails(context, BW_INVALID, "has no factor",
+              bw_modes_elastic(context, system, NULL, &modes));
+  for (;;) {
+    check_ok(context, bw_statics(context, b.model, system, &wide, &next));
+    assert_ptr_equal(next->system, system);
+    check_near(difference(next->displacement, first->displacement, size), 0, 1e-8);
+    if (next->report.method == BW_STATICS_FACTOR)
+      break;
+    assert_true(system->two_level->spent < next->report.predicted_factor);
+    over_levels++;
+    bw_release(next);
+  }
+  assert_in_range(over_levels, 1, 12);
+  assert_null(system->two_level);
+  const bw_modes_options few = {.count = 1, .tolerance = 1e-6, .sturm = false};
+  check_ok(context, bw_modes_elastic(context, system, &few, &modes));
+  assert_int_equal(modes->count, 1);
+  bw_release(modes);
+  bw_release(next);
+  bw_release(first);
+  clear_block(&b);
+}
+
+/* A block of 37,000 unknowns on three sliding planes, pulled: a linear field, exact. */
+static void block_in_tension(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 2, 1, 1, 20, 8, 10, 2);
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  const double traction[3] = {1e6, 0, 0};
+  double normal[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  for (int c = 0; c < 3; c++) {
+    bw_selection *plane = face(context, mesh, c, 0);
+    check_ok(context, bw_model_slide(context, model, plane, normal[c]));
+    bw_release(plane);
+  }
+  bw_selection *end = face(context, mesh, 0, 2);
+  check_ok(context, bw_model_traction(context, model, end, traction));
+  bw_static *result = NULL;
+  check_ok(context, bw_statics(context, model, NULL, &by_levels, &result));
+  double strain = 1e6 / material->young[0], reaction = 0;
+  for (int32_t i = 0; i < mesh->node_count; i++) {
+    const double *x = mesh->node + 3 * i, *u = result->displacement + 3 * i;
+    check_near(u[0], strain * x[0], 1e-10 * strain);
+    check_near(u[1], -material->poisson[0] * strain * x[1], 1e-10 * strain);
+    check_near(u[2], -material->poisson[0] * strain * x[2], 1e-10 * strain);
+    reaction += result->reaction[3 * i];
+  }
+  check_near(reaction, -1e6, 1e-3);
+  check_near(result->energy, 0.5 * 1e6 * strain * 2, 1e-9);
+  bw_release(result);
+  bw_release(end);
+  bw_release(model);
+  bw_release(material);
+  bw_release(mesh);
+}
+
+/* Too few iterations: an error that says what to do, or, where there is room, the factor and a
+ * warning. */
+static void not_converged(void **state) {
+  bw_context *context = check_context(state);
+  bw_static *first = NULL, *result = NULL;
+  block b = make_block(context, 11, 11, 11, 2);
+  bw_statics_options options = {.method = BW_STATICS_PCG, .iterations = 4};
+  check_fails(context, BW_CONVERGENCE, "with = \"factor\"",
+              bw_statics(context, b.model, NULL, &options, &result));
+  options = (bw_statics_options){.iterations = 4, .memory = 1e6};
+  check_fails(context, BW_CONVERGENCE, "in 4 iterations",
+              bw_statics(context, b.model, NULL, &options, &result));
+  check_ok(context, bw_statics(context, b.model, NULL, &by_levels, &first));
+  options.memory = 1e10;
+  bw_clear_warnings(context);
+  check_ok(context, bw_statics(context, b.model, first->system, &options, &result));
+  assert_int_equal(result->report.method, BW_STATICS_FACTOR);
+  assert_int_equal(result->report.iterations, 4); /* in vain */
+  assert_non_null(strstr(bw_warning_at(context, 0), "Cholesky factorisation"));
+  bw_release(result);
+  bw_release(first);
+  clear_block(&b);
+}
+
+/* Two blocks in contact at an edge, one of them fixed: turning about the edge costs nothing. */
+static void mechanism(void **state) {
+  bw_context *context = check_context(state);
+  const double x[8][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, 1, 1}};
+  const int32_t element[8] = {0, 1, 2, 3, 1, 4, 2, 5};
+  bw_mesh *linear = NULL, *mesh = NULL;
+  check_ok(context, bw_mesh_copy(context, 1, 6, x[0], 2, element, NULL, &linear));
+  check_ok(context, bw_mesh_with_order(context, linear, 2, &mesh));
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  bw_selection *fixed = face(context, mesh, 0, 0);
+  const double gravity[3] = {1, 2, -9.81};
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  check_ok(context, bw_model_fix(context, model, fixed));
+  check_ok(context, bw_model_gravity(context, model, gravity));
+  bw_static *result = NULL;
+  check_fails(context, BW_SINGULAR, "singular", bw_statics(context, model, NULL, NULL, &result));
+  check_fails(context, BW_SINGULAR, "with = \"factor\"",
+              bw_statics(context, model, NULL, &by_levels, &result));
+  bw_release(fixed);
+  bw_release(model);
+  bw_release(material);
+  bw_release(mesh);
+  bw_release(linear);
+}
+
+static void same_bits(void **state) {
+  bw_context *context = check_context(state);
+  block b = make_block(context, 5, 5, 12, 2);
+  bw_static *result[2] = {NULL};
+  for (int k = 0; k < 2; k++) {
+    check_ok(context, bw_set_threads(context, k ? 4 : 1));
+    check_ok(context, bw_statics(context, b.model, NULL, &by_levels, &result[k]));
+  }
+  size_t size = 3 * (size_t)b.mesh->node_count * sizeof(double);
+  assert_memory_equal(result[0]->displacement, result[1]->displacement, size);
+  assert_memory_equal(result[0]->reaction, result[1]->reaction, size);
+  for (int k = 0; k < 2; k++)
+    bw_release(result[k]);
+  clear_block(&b);
+}
+
+static void no_memory(void **state) {
+  bw_context *context = check_context(state);
+  block b = make_block(context, 2, 2, 2, 2);
+  for (int64_t n = 1;; n++) {
+    bw_static *result = NULL;
+    bw_fail_allocation(n, true);
+    bw_status status = bw_statics(context, b.model, NULL, &by_levels, &result);
+    bw_fail_allocation(0, false);
+    bw_release(result);
+    if (status == BW_OK)
+      break;
+    assert_int_equal(status, BW_MEMORY);
+    bw_clear_failure(context);
+  }
+  /* what is left of a system is as good as before */
+  bw_static *first = NULL;
+  check_ok(context, bw_statics(context, b.model, NULL, &by_levels, &first));
+  for (int64_t n = 1;; n++) {
+    bw_fail_allocation(n, true);
+    bw_status status = bw_system_factor(context, first->system);
+    bw_fail_allocation(0, false);
+    if (status == BW_OK)
+      break;
+    assert_int_equal(status, BW_MEMORY);
+    bw_clear_failure(context);
+    bw_static *again = NULL;
+    check_ok(context, bw_statics(context, b.model, first->system, &by_levels, &again));
+    bw_release(again);
+  }
+  bw_release(first);
+  clear_block(&b);
+}
+
+/* The machine has some memory, and not more than there are addresses. */
+static void available_memory(void **state) {
+  (void)state;
+  double bytes = bw_available_memory();
+  assert_true(bytes > 1e6 && bytes < 1e18);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(as_a_factor),      check_test(curved_elements),  check_test(factor_is_predicted),
+      check_test(small_bodies),     check_test(large_bodies),     check_test(not_converged),
+      check_test(mechanism),        check_test(same_bits),        check_test(no_memory),
+      check_test(available_memory), check_test(block_in_tension),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
