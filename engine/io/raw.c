@@ -319,6 +319,8 @@ void bw_mesh_file_clear(bw_mesh_file *file) {
     bw_free(file->set[i].member);
   }
   bw_free(file->set);
+  bw_free(file->node_from);
+  bw_free(file->element_from);
   memset(file, 0, sizeof *file);
 }
 

@@ -131,6 +131,12 @@ static int push_file(lua_State *L) {
   lua_setfield(L, -2, "format");
   lua_pushinteger(L, file->info.skipped);
   lua_setfield(L, -2, "skipped");
+  if (file->node_from) {
+    lbw_push_indices(L, file->mesh->node_count, 1, file->node_from);
+    lua_setfield(L, -2, "node_from");
+    lbw_push_indices(L, file->mesh->element_count, 1, file->element_from);
+    lua_setfield(L, -2, "element_from");
+  }
   return 1;
 }
 
@@ -150,12 +156,26 @@ static bw_status scale_mesh(bw_context *context, const bw_mesh *mesh, double fac
   return status;
 }
 
-/* mesh.read(path, {unit}): mesh, what else the file holds */
+/* The option renumber: true, false, or "auto". */
+static bw_renumber renumber_option(lua_State *L, int index) {
+  int type = lbw_option_get(L, index, "renumber");
+  bw_renumber when = BW_RENUMBER_AUTO;
+  if (type == LUA_TBOOLEAN)
+    when = lua_toboolean(L, -1) ? BW_RENUMBER_ALWAYS : BW_RENUMBER_NEVER;
+  else if (type != LUA_TNIL && (type != LUA_TSTRING || strcmp(lua_tostring(L, -1), "auto") != 0))
+    lbw_option_refused(L, "mesh.read", "renumber", "true, false or 'auto'");
+  lua_pop(L, 1);
+  return when;
+}
+
+/* mesh.read(path, {unit, renumber}): mesh, what else the file holds */
 static int mesh_read(lua_State *L) {
-  static const lbw_option list[] = {{"unit", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {
+      {"unit", LBW_OTHER, 0}, {"renumber", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
   const char *path = lbw_check_text(L, 1, NULL);
   lbw_options(L, 2, "mesh.read", list, NULL);
   double unit = lbw_unit_option(L, 2, "mesh.read", 1);
+  bw_renumber when = renumber_option(L, 2);
   lbw_box *box = lbw_box_new(L, &lbw_mesh_class);
   bw_mesh_file file;
   memset(&file, 0, sizeof file);
@@ -165,6 +185,7 @@ static int mesh_read(lua_State *L) {
   bw_status status;
   bw_context *context = lbw_enter(L);
   BW_TRY(bw_mesh_read(context, path, &file));
+  BW_TRY(bw_mesh_file_renumber(context, &file, when));
   BW_TRY(scale_mesh(context, file.mesh, unit, &mesh));
 done:
   lbw_state_of(L)->running = 0;

@@ -66,6 +66,11 @@ function mesh_module.fill(surface, options) end
 ---@field seconds_remesh number (s) of remeshing
 ---@field seconds_fill number (s) of TetGen
 
+---How a mesh is read.
+---@class bw.MeshReadOptions
+---@field unit? string|number (m, per unit of the file) or a name, as in `bw.UnitOptions`. Default: "m"
+---@field renumber? boolean|"auto" whether nodes and elements are numbered along a space-filling curve. `"auto"` renumbers a mesh of at least 20000 elements whose elements span four times as many rows as along the curve, and warns. Default: "auto"
+
 ---Reads a mesh from a .vtu, .msh, .mesh (MEDIT), .node or .ele (TetGen), or .inp (CalculiX, Abaqus) file. Elements that are
 ---no tetrahedra are passed over.
 ---
@@ -79,7 +84,7 @@ function mesh_module.fill(surface, options) end
 ---print(mesh, file.fields.height:max())
 ---```
 ---@param path string the file
----@param options? bw.UnitOptions the unit of its coordinates. Default: "m"
+---@param options? bw.MeshReadOptions the unit of its coordinates, and which numbers its nodes get
 ---@return bw.Mesh? mesh the mesh
 ---@return bw.MeshFile|string file what else the file holds, or the message
 ---@return bw.Details? details
@@ -91,6 +96,8 @@ function mesh_module.read(path, options) end
 ---@field sets table<string, bw.MeshSet> by name
 ---@field format string such as "MSH 4.1"
 ---@field skipped integer (count) elements that were passed over
+---@field node_from? bw.Array (index from 1, node_count × 1, per node) of a renumbered mesh: numbers in the file, without unused nodes
+---@field element_from? bw.Array (index from 1, element_count × 1, per element) of a renumbered mesh: numbers in the file
 
 ---A named set of a mesh file: nodes or elements.
 ---@class bw.MeshSet

@@ -209,6 +209,68 @@ describe("a mesh", function()
     end
   end)
 
+  -- Nodes and elements in an order that has nothing to do with where they are.
+  local function scattered(mesh)
+    local function permutation(n)
+      local p = {}
+      for i = 1, n do p[i] = i * 7919 % n + 1 end -- 7919 and n without a common divisor
+      return p
+    end
+    local from, of_element = permutation(mesh.node_count), permutation(mesh.element_count)
+    local to, nodes, elements = {}, {}, {}
+    for new, old in ipairs(from) do
+      to[old], nodes[new] = new, {mesh.nodes(old, 1), mesh.nodes(old, 2), mesh.nodes(old, 3)}
+    end
+    for new, old in ipairs(of_element) do
+      local corner = {}
+      for a = 1, 4 do corner[a] = to[math.tointeger(mesh.elements(old, a))] end
+      elements[new] = corner
+    end
+    return assert(bw.mesh.new {nodes = nodes, elements = elements})
+  end
+
+  it("from a file is renumbered where that pays, fields with it", function()
+    local ordered = assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 2, 3}, cells = {15, 16, 17}})
+    local mesh, path = scattered(ordered), check.folder() .. "/scattered.vtu"
+    assert(mesh:write(path, {fields = {height = mesh.nodes:column(3):copy(), volume = mesh.volumes}}))
+    bw.warnings()
+    local same, plain = assert(bw.mesh.read(path, {renumber = false}))
+    assert.truthy((same.nodes - mesh.nodes):norm() == 0)
+    assert.is_nil(plain.node_from)
+    assert.equal(0, #bw.warnings())
+    local read, file = assert(bw.mesh.read(path))
+    assert.matches("the mesh is renumbered: its elements spanned %d+ times", bw.warnings()[1])
+    assert.truthy((read.nodes - mesh.nodes:gather(file.node_from)):norm() == 0)
+    assert.truthy((read.volumes - mesh.volumes:gather(file.element_from)):norm() == 0)
+    assert.truthy((file.fields.height - read.nodes:column(3)):norm() == 0)
+    assert.truthy((file.fields.volume - read.volumes):norm() == 0)
+    check.near(mesh.volume, read.volume, 1e-12)
+    assert(read:write(path)) -- along the curve already
+    assert.is_nil(select(2, assert(bw.mesh.read(path))).node_from)
+    check.raises("option 'renumber': true, false or 'auto' expected, got string 'perhaps'", bw.mesh.read, path,
+      {renumber = "perhaps"})
+  end)
+
+  it("from a file keeps its sets when it is renumbered", function()
+    local path = check.folder() .. "/sets.inp"
+    local mesh = scattered(beam)
+    assert(mesh:write(path))
+    local deck = assert(io.open(path, "a"))
+    deck:write("*NSET, NSET=ends\n1, 5, 99\n*ELSET, ELSET=some\n2, 240\n")
+    deck:close()
+    local old, of_file = assert(bw.mesh.read(path, {renumber = false}))
+    local new, file = assert(bw.mesh.read(path, {renumber = true}))
+    for name, key in pairs {ends = "nodes", some = "elements"} do
+      local from = key == "nodes" and file.node_from or file.element_from
+      local before, after = {}, {}
+      for i = 1, #of_file.sets[name][key] do before[i] = of_file.sets[name][key][i] end
+      for i = 1, #file.sets[name][key] do after[i] = from[math.tointeger(file.sets[name][key][i])] end
+      table.sort(after)
+      assert.same(before, after)
+    end
+    assert.equal(old.element_count, new.element_count)
+  end)
+
   it("is a grid, and says so", function()
     assert.equal(240, beam.element_count)
     check.near(0.01, beam.volume, 1e-12)

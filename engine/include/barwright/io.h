@@ -107,8 +107,22 @@ typedef struct bw_mesh_file {
   int set_count;
   bw_named_set *set; /* set_count sets */
   bw_read_info info; /* what the reader found */
+  /* (index, node_count) and (index, element_count): the numbers in the file of the nodes and
+   * elements of a renumbered mesh, counted from 0 without unused ones; NULL where the mesh keeps
+   * those of the file. bw_mesh_file_clear releases them. */
+  int32_t *node_from, *element_from;
 } bw_mesh_file;
 BW_API void bw_mesh_file_clear(bw_mesh_file *file);
+/* When a mesh from a file is renumbered. */
+typedef enum bw_renumber {
+  BW_RENUMBER_AUTO,  /* where it pays: a large mesh whose elements span far more rows than along a
+                        space-filling curve */
+  BW_RENUMBER_NEVER, /* the numbers of the file */
+  BW_RENUMBER_ALWAYS /* along the curve */
+} bw_renumber;
+/* Numbers nodes and elements along a space-filling curve (bw_mesh_renumbered), fields and sets with
+ * them. On failure the file is as it was. */
+BW_API bw_status bw_mesh_file_renumber(bw_context *context, bw_mesh_file *file, bw_renumber when);
 /* .vtu (ascii, base64 and appended raw, zlib or not), .msh 2.2 and 4.1 (ascii, binary), .mesh
  * (MEDIT), .node/.ele (either name finds both), .inp (nodes, C3D4, C3D10, NSET, ELSET).
  * Nodes are kept in file order except unused ones. Elements that are not tetrahedra are counted in
