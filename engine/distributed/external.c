@@ -20,6 +20,9 @@ static void destroy(bwd_system *system) {
   VecDestroy(&system->mask);
   VecDestroyVecs(system->motions, &system->motion);
   VecDestroyVecs(system->motions, &system->weighted);
+  VecDestroy(&system->ghosted);
+  VecScatterDestroy(&system->to_ghosted);
+  bwd_local_mesh_clear(&system->mesh);
   bw_free(system->row_of);
   bw_free(system->start);
   bw_free(system->counts);
@@ -42,7 +45,7 @@ static bw_status ended(bw_context *context, bw_status status) {
   return status;
 }
 
-bw_status bwd_run_open(bw_context *context, const bw_external_matrix *matrix,
+bw_status bwd_run_open(bw_context *context, const bw_external_problem *problem,
                        const bw_external_options *options) {
   bw_status status = BW_OK;
   destroy(current);
@@ -54,12 +57,17 @@ bw_status bwd_run_open(bw_context *context, const bw_external_matrix *matrix,
   current->processor = processor_seconds(&usage);
   current->rank = bw_world_rank();
   current->ranks = bw_world_size();
-  current->matrix = matrix;
+  current->problem = problem;
   if (options)
     current->options = *options;
   BW_TRY(bwd_distribute(context, current));
 done:
   return ended(context, status);
+}
+
+bw_status bwd_run_multiply(bw_context *context, int count, const double *x, double *kx, double *mx,
+                           double *magnitude) {
+  return ended(context, bwd_multiply(context, current, count, x, kx, mx, magnitude));
 }
 
 /* The solver is made at the first solve: modes want a tolerance of their own. */
@@ -97,6 +105,7 @@ void bwd_run_close(bw_context *context, bw_external_report *report) {
     *report = (bw_external_report){.ranks = current->ranks,
                                    .iterations = current->iterations,
                                    .send = current->seconds_send,
+                                   .assembly = current->seconds_assembly,
                                    .setup = current->seconds_setup,
                                    .solve = current->seconds_solve,
                                    .processor = sum[1],
@@ -110,10 +119,16 @@ void bwd_run_close(bw_context *context, bw_external_report *report) {
 
 /* ---- on rank 0 ------------------------------------------------------------------------------- */
 
-static bw_status external_open(bw_context *context, const bw_external_matrix *matrix,
+static bw_status external_open(bw_context *context, const bw_external_problem *problem,
                                const bw_external_options *options) {
   bw_status status = bwd_command(context, BWD_OPEN);
-  return status == BW_OK ? bwd_run_open(context, matrix, options) : status;
+  return status == BW_OK ? bwd_run_open(context, problem, options) : status;
+}
+
+static bw_status external_multiply(bw_context *context, int count, const double *x, double *kx,
+                                   double *mx, double *magnitude) {
+  bw_status status = bwd_command(context, BWD_MULTIPLY);
+  return status == BW_OK ? bwd_run_multiply(context, count, x, kx, mx, magnitude) : status;
 }
 
 static bw_status external_solve(bw_context *context, const double *force, double *displacement) {
@@ -133,6 +148,7 @@ static void external_close(bw_context *context, bw_external_report *report) {
 }
 
 const bw_external bwd_external = {.open = external_open,
+                                  .multiply = external_multiply,
                                   .solve = external_solve,
                                   .modes = external_modes,
                                   .close = external_close};

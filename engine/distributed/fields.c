@@ -18,13 +18,13 @@ void bwd_into_frame(const double *frame, const double *global, double *own) {
       own[c] = bw_dot(frame + 3 * c, global);
 }
 
-static void out_of_frame(const double *frame, const double *own, double *global) {
+void bwd_out_of_frame(const double *frame, const double *own, double *global) {
   for (int c = 0; c < 3; c++)
     global[c] = frame ? frame[c] * own[0] + frame[3 + c] * own[1] + frame[6 + c] * own[2] : own[c];
 }
 
 /* The numbers in `system->field`, already by row, to a vector. */
-bw_status bwd_spread(bw_context *context, bwd_system *system, Vec vector) {
+static bw_status spread(bw_context *context, bwd_system *system, Vec vector) {
   bw_status status = BW_OK;
   double *own = NULL;
   BWD_TRY(VecGetArray(vector, &own));
@@ -37,12 +37,12 @@ done:
 
 bw_status bwd_scatter(bw_context *context, bwd_system *system, const double *field, Vec vector) {
   if (system->rank == 0) {
-    const bw_dof_map *dof_map = system->matrix->dof_map;
+    const bw_dof_map *dof_map = system->problem->dof_map;
     for (int64_t i = 0; i < system->nodes; i++)
       bwd_into_frame(bwd_frame_at(dof_map, i), field + 3 * i,
                      system->field + 3 * (int64_t)system->row_of[i]);
   }
-  return bwd_spread(context, system, vector);
+  return spread(context, system, vector);
 }
 
 bw_status bwd_gather(bw_context *context, bwd_system *system, Vec vector, double *field) {
@@ -53,11 +53,27 @@ bw_status bwd_gather(bw_context *context, bwd_system *system, Vec vector, double
               MPI_DOUBLE, 0, bwd_comm());
   BWD_TRY(VecRestoreArrayRead(vector, &own));
   if (system->rank == 0) {
-    const bw_dof_map *dof_map = system->matrix->dof_map;
+    const bw_dof_map *dof_map = system->problem->dof_map;
     for (int64_t i = 0; i < system->nodes; i++)
-      out_of_frame(bwd_frame_at(dof_map, i), system->field + 3 * (int64_t)system->row_of[i],
-                   field + 3 * i);
+      bwd_out_of_frame(bwd_frame_at(dof_map, i), system->field + 3 * (int64_t)system->row_of[i],
+                       field + 3 * i);
   }
+done:
+  return status;
+}
+
+bw_status bwd_ghosted(bw_context *context, bwd_system *system, Vec vector, double *field) {
+  bw_status status = BW_OK;
+  const double *own = NULL;
+  BWD_TRY(
+      VecScatterBegin(system->to_ghosted, vector, system->ghosted, INSERT_VALUES, SCATTER_FORWARD));
+  BWD_TRY(
+      VecScatterEnd(system->to_ghosted, vector, system->ghosted, INSERT_VALUES, SCATTER_FORWARD));
+  BWD_TRY(VecGetArrayRead(system->ghosted, &own));
+  for (int32_t i = 0; i < system->mesh.count.nodes; i++)
+    bwd_out_of_frame(bwd_local_frame(&system->mesh, i), own + 3 * (int64_t)i,
+                     field + 3 * (int64_t)i);
+  BWD_TRY(VecRestoreArrayRead(system->ghosted, &own));
 done:
   return status;
 }

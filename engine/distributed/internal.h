@@ -20,7 +20,14 @@
 
 /* ---- world.c --------------------------------------------------------------------------------- */
 
-typedef enum bwd_operation { BWD_OPEN = 1, BWD_SOLVE, BWD_MODES, BWD_CLOSE, BWD_END } bwd_operation;
+typedef enum bwd_operation {
+  BWD_OPEN = 1,
+  BWD_MULTIPLY,
+  BWD_SOLVE,
+  BWD_MODES,
+  BWD_CLOSE,
+  BWD_END
+} bwd_operation;
 
 /* For commands, matrices and fields; byte strings of the caller's have another one. */
 MPI_Comm bwd_comm(void);
@@ -43,6 +50,60 @@ void bwd_pause(bwd_backoff *backoff);
 bw_status bwd_petsc_status(bw_context *context, PetscErrorCode code);
 #define BWD_TRY(call) BW_TRY(bwd_petsc_status(context, (call)))
 
+/* ---- the mesh of a rank ------------------------------------------------------------------------
+ */
+
+/* Which rank has what; on rank 0 while local meshes are made. */
+typedef struct bwd_partition {
+  int32_t *rank_of_element; /* element_count: each element belongs to one rank */
+  int32_t *owner;           /* node_count: the rank that has the node's row */
+  int32_t *row_of;          /* node_count */
+  int32_t *start;           /* ranks + 1: first row of each rank; borrowed */
+} bwd_partition;
+/* partition.c: elements to ranks by METIS, with few faces between ranks, and nodes to ranks of
+ * their elements. `start` (ranks + 1) is filled too. */
+bw_status bwd_partition_create(bw_context *context, const bw_mesh *mesh, int ranks, int32_t *start,
+                               bwd_partition *partition);
+void bwd_partition_clear(bwd_partition *partition);
+
+/* Constants of a material, as they are sent. */
+typedef struct bwd_material {
+  bool isotropic;
+  int formulation;
+  double density, young[3], poisson[3], shear[3], axes[9];
+} bwd_material;
+
+/* What a rank has of mesh and supports: all elements with one of its nodes, so that it assembles
+ * its rows by itself. Its own nodes come first, in the order of their rows; behind them are the
+ * ghost nodes, which other ranks own. Elements keep the order of the mesh: every entry of K is the
+ * sum of the same numbers in the same order on any number of ranks. */
+typedef struct bwd_local_mesh {
+  struct bwd_local_counts {
+    int32_t order, nodes_per_element, elements, nodes, owned, frames, groups;
+  } count;
+  int32_t *element; /* (local index, elements x nodes_per_element) */
+  uint8_t *mine;    /* (elements) 1: this rank's by the partition, where each element counts once */
+  int32_t *group;   /* (elements) of a material rotated by element, or NULL */
+  double *rotation; /* (groups x 9) */
+  double *node;     /* (m, nodes x 3) */
+  int32_t *row;     /* (nodes) */
+  uint8_t *state;   /* (nodes x 3) bw_dof_state */
+  int32_t *frame_of;     /* (nodes) row of `frame` or -1; NULL without frames */
+  double *frame;         /* (frames x 9) */
+  bw_material *material; /* not rotated by element */
+} bwd_local_mesh;
+/* local_mesh.c: from rank 0, where `problem` and `partition` are given, to all ranks. Collective.
+ */
+bw_status bwd_local_mesh_distribute(bw_context *context, const bw_external_problem *problem,
+                                    const bwd_partition *partition, const bwd_material *material,
+                                    bwd_local_mesh *local);
+void bwd_local_mesh_clear(bwd_local_mesh *local);
+/* A node's frame, rows are directions; NULL: the global one. */
+const double *bwd_local_frame(const bwd_local_mesh *local, int32_t node);
+void bwd_material_read(const bw_material *material, bwd_material *constants);
+bw_status bwd_material_create(bw_context *context, const bwd_material *constants,
+                              bw_material **material);
+
 /* ---- a system spread over the ranks ---------------------------------------------------------- */
 
 /* Unknowns: three at each node, in the node's frame; nodes are renumbered, those of a rank next to
@@ -52,45 +113,73 @@ bw_status bwd_petsc_status(bw_context *context, PetscErrorCode code);
 typedef struct bwd_system {
   int rank, ranks;
   int32_t nodes, first, local; /* all; those of this rank */
+  int64_t entries;             /* of K on this rank */
   bw_external_options options;
   bool direct; /* by a factor */
   int motions;
-  int mass_width; /* numbers of M sent per block: 0, 3 (the block's diagonal), 9 */
+  int mass_width;   /* numbers of M per block: 0, 3 (the block's diagonal), 9 */
+  double middle[3]; /* (m) mean of all nodes */
+  bwd_local_mesh mesh;
   Mat K, M;
   Mat isostatic; /* K with the isostatic components decoupled too, or NULL: for a factor */
   Vec force, displacement;
   Vec mask;               /* 1 at the components solved for */
   Vec *motion, *weighted; /* R and W R */
+  Vec ghosted;            /* of this rank: a field at its own nodes and ghost nodes */
+  VecScatter to_ghosted;
   KSP solver;
   int iterations;
-  double seconds_send, seconds_setup, seconds_solve;
+  double seconds_send, seconds_assembly, seconds_setup, seconds_solve;
   double processor; /* of this process when the system was opened */
+  int32_t *start;   /* ranks + 1: first row of each rank */
   /* Rank 0 alone: */
-  const bw_external_matrix *matrix;
+  const bw_external_problem *problem;
   int32_t *row_of;     /* nodes: the row of each */
-  int32_t *start;      /* ranks + 1: first row of each rank; on every rank */
   int *counts, *where; /* ranks: numbers of a field and where they begin */
   double *field;       /* 3 x nodes: a field in frames, by row */
 } bwd_system;
 
-/* partition.c: nodes to ranks by METIS, few neighbours across; within a rank, neighbours near each
- * other. row_of (node_count) and start (ranks + 1) are filled. */
-bw_status bwd_partition(bw_context *context, const bw_block_pattern *pattern, int ranks,
-                        int32_t *row_of, int32_t *start);
-
-/* distribute.c: sizes, K, M, mask, motions, to all ranks. Collective, as all below. */
+/* distribute.c: sizes, local meshes, K, M, mask, motions, to all ranks. Collective, as all below.
+ */
 bw_status bwd_distribute(bw_context *context, bwd_system *system);
-/* rows.c: the entries of K and M; `max` is the largest number of blocks in a row. */
-bw_status bwd_send_rows(bw_context *context, bwd_system *system, int32_t max);
+
+/* assemble.c: blocks of each of the rank's rows whose columns are its own, and those of others;
+ * `max` is the largest number in a row. */
+bw_status bwd_count_blocks(bw_context *context, const bwd_local_mesh *local, int32_t *own,
+                           int32_t *other, int32_t *max);
+/* The rows of K and M, by the engine's assembly of a piece of the local mesh at a time. */
+bw_status bwd_assemble(bw_context *context, bwd_system *system, int32_t max);
+/* multiply.c: bw_external.multiply; fields on rank 0, NULL elsewhere. */
+bw_status bwd_multiply(bw_context *context, bwd_system *system, int count, const double *x,
+                       double *kx, double *mx, double *magnitude);
+
+/* pieces.c: a piece of the local mesh: some of its rows, with all elements around them. */
+typedef struct bwd_piece {
+  const bwd_local_mesh *local;
+  int32_t first, rows; /* own nodes, by local number */
+  int32_t *node;       /* (mesh->node_count) local numbers; the first `rows` are the piece's rows */
+  bw_mesh *mesh;
+  bw_block_pattern *pattern;
+  double *stiffness; /* (N/m, block_count x 9) */
+  double *mass;      /* (kg, block_count) or NULL */
+} bwd_piece;
+/* Assembles piece by piece and calls `visit` with each. A piece lives during the call: no rank has
+ * K a second time. */
+bw_status bwd_for_pieces(bw_context *context, const bwd_local_mesh *local, bool mass,
+                         bw_status (*visit)(bw_context *context, void *data,
+                                            const bwd_piece *piece),
+                         void *data);
 
 /* fields.c: a field in global directions of rank 0 to a vector, and back. */
 bw_status bwd_scatter(bw_context *context, bwd_system *system, const double *field, Vec vector);
 bw_status bwd_gather(bw_context *context, bwd_system *system, Vec vector, double *field);
-/* The numbers in `system->field` of rank 0, by row and in frames, to a vector. */
-bw_status bwd_spread(bw_context *context, bwd_system *system, Vec vector);
 /* A node's frame, rows are directions; NULL: the global one. */
 const double *bwd_frame_at(const bw_dof_map *dof_map, int64_t node);
 void bwd_into_frame(const double *frame, const double *global, double *own);
+void bwd_out_of_frame(const double *frame, const double *own, double *global);
+/* A vector as it is at the rank's own nodes and ghost nodes: (local->count.nodes x 3) in global
+ * directions. */
+bw_status bwd_ghosted(bw_context *context, bwd_system *system, Vec vector, double *field);
 
 /* linear.c */
 bw_status bwd_solver_create(bw_context *context, bwd_system *system, double rtol);
@@ -107,8 +196,10 @@ bw_status bwd_modes(bw_context *context, bwd_system *system, const bw_modes_opti
                     bw_external_modes *modes);
 
 /* external.c: one operation on this rank; arguments on rank 0, NULL elsewhere. */
-bw_status bwd_run_open(bw_context *context, const bw_external_matrix *matrix,
+bw_status bwd_run_open(bw_context *context, const bw_external_problem *problem,
                        const bw_external_options *options);
+bw_status bwd_run_multiply(bw_context *context, int count, const double *x, double *kx, double *mx,
+                           double *magnitude);
 bw_status bwd_run_solve(bw_context *context, const double *force, double *displacement);
 bw_status bwd_run_modes(bw_context *context, const bw_modes_options *options,
                         bw_external_modes *modes);

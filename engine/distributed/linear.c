@@ -14,24 +14,29 @@
 
 enum { CANCEL_EVERY = 8 };
 
-/* The rigid-body motions of the whole about the origin, as six fields of rank 0, for multigrid. */
-static void rigid_field(const bwd_system *system, int which, double *field) {
-  const bw_mesh *mesh = system->matrix->dof_map->mesh;
-  double middle[3] = {0, 0, 0}, axis[3] = {0, 0, 0};
-  for (int64_t i = 0; i < mesh->node_count; i++)
-    for (int c = 0; c < 3; c++)
-      middle[c] += mesh->node[3 * i + c] / mesh->node_count;
+/* One of the rigid-body motions of the whole about its middle, at the rank's nodes, for multigrid:
+ * zero where nothing is solved for. */
+static bw_status rigid_vector(bw_context *context, const bwd_system *system, int which,
+                              Vec vector) {
+  bw_status status = BW_OK;
+  const bwd_local_mesh *local = &system->mesh;
+  double axis[3] = {0, 0, 0}, *own = NULL;
   axis[which % 3] = 1;
-  for (int64_t i = 0; i < mesh->node_count; i++) {
-    double *at = field + 3 * i, arm[3];
-    if (which < 3)
-      memcpy(at, axis, sizeof axis);
-    else {
+  BWD_TRY(VecGetArray(vector, &own));
+  for (int32_t i = 0; i < system->local; i++) {
+    double at[3], arm[3];
+    memcpy(at, axis, sizeof at);
+    if (which >= 3) {
       for (int c = 0; c < 3; c++)
-        arm[c] = mesh->node[3 * i + c] - middle[c];
+        arm[c] = local->node[3 * (int64_t)i + c] - system->middle[c];
       bw_cross(axis, arm, at);
     }
+    bwd_into_frame(bwd_local_frame(local, i), at, own + 3 * (int64_t)i);
   }
+  BWD_TRY(VecRestoreArray(vector, &own));
+  BWD_TRY(VecPointwiseMult(vector, vector, system->mask));
+done:
+  return status;
 }
 
 static bw_status near_null_space(bw_context *context, bwd_system *system) {
@@ -39,19 +44,9 @@ static bw_status near_null_space(bw_context *context, bwd_system *system) {
   enum { RIGID = 6 };
   Vec *rigid = NULL;
   MatNullSpace space = NULL;
-  double *field = NULL;
-  if (system->rank == 0) {
-    field = BW_NEW(context, double, 3 * (int64_t)system->nodes);
-    if (!field)
-      status = BW_MEMORY;
-  }
-  BW_TRY(bwd_agree(context, status));
   BWD_TRY(VecDuplicateVecs(system->force, RIGID, &rigid));
   for (int k = 0; k < RIGID; k++) {
-    if (system->rank == 0)
-      rigid_field(system, k, field);
-    BW_TRY(bwd_scatter(context, system, field, rigid[k]));
-    BWD_TRY(VecPointwiseMult(rigid[k], rigid[k], system->mask));
+    BW_TRY(rigid_vector(context, system, k, rigid[k]));
     for (int j = 0; j < k; j++) {
       PetscScalar dot;
       BWD_TRY(VecDot(rigid[k], rigid[j], &dot));
@@ -64,7 +59,6 @@ static bw_status near_null_space(bw_context *context, bwd_system *system) {
 done:
   MatNullSpaceDestroy(&space);
   VecDestroyVecs(RIGID, &rigid);
-  bw_free(field);
   return status;
 }
 

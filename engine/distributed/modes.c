@@ -357,7 +357,7 @@ bw_status bwd_modes(bw_context *context, bwd_system *system, const bw_modes_opti
   bool counted = false;
   if (given) {
     options = *given;
-    dimension = system->matrix->dof_map->unknown_count;
+    dimension = system->problem->dof_map->unknown_count;
   }
   MPI_Bcast(&options, sizeof options, MPI_BYTE, 0, bwd_comm());
   MPI_Bcast(&dimension, 1, MPI_INT, 0, bwd_comm());

@@ -230,6 +230,8 @@ bw_status bw_world_serve(bw_context *context) {
     /* All ranks have the same failure: rank 0 reports it. */
     if (operation == BWD_OPEN)
       bwd_run_open(context, NULL, NULL);
+    else if (operation == BWD_MULTIPLY)
+      bwd_run_multiply(context, 0, NULL, NULL, NULL, NULL);
     else if (operation == BWD_SOLVE)
       bwd_run_solve(context, NULL, NULL);
     else if (operation == BWD_MODES)

@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Static solutions and modes by an external solver. The engine assembles, hands over,
- * and checks: residuals are computed here, with its own matrices, whatever the solver says. */
+/* Static solutions and modes by an external solver. Residuals are computed here, from products
+ * with the engine's own matrices, whatever the solver says. */
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -39,42 +40,17 @@ static bw_status check_options(bw_context *context, const bw_external_options *g
   return BW_OK;
 }
 
-/* What is assembled for one call. */
+/* A problem while the solver has it. */
 typedef struct equations {
-  bw_external_matrix matrix;
+  bw_external_problem problem;
   bw_dof_map *dof_map;
-  bw_block_pattern *pattern;
-  double *stiffness, *mass;
-  bool open;
+  bool open; /* false after a failure: the solver has closed it */
 } equations;
 
-static bw_status assemble(bw_context *context, const bw_model *model, bool mass, equations *e) {
-  bw_status status = BW_OK;
-  bw_progress(context, "assembly", 0);
-  BW_TRY(bw_block_pattern_create(context, model->mesh, &e->pattern));
-  int64_t blocks = e->pattern->block_count;
-  e->stiffness = BW_NEW(context, double, 9 * blocks);
-  if (!e->stiffness)
-    return BW_MEMORY;
-  BW_TRY(bw_stiffness(context, e->pattern, model->mesh, model->material, e->stiffness));
-  if (mass) {
-    e->mass = BW_NEW(context, double, blocks);
-    if (!e->mass)
-      return BW_MEMORY;
-    BW_TRY(bw_mass(context, e->pattern, model->mesh, e->mass));
-    double density = model->material->density > 0 ? model->material->density : 1;
-    for (int64_t k = 0; k < blocks; k++)
-      e->mass[k] *= density;
-  }
-  e->matrix = (bw_external_matrix){
-      .dof_map = e->dof_map, .pattern = e->pattern, .stiffness = e->stiffness, .mass = e->mass};
-done:
-  return status;
-}
-
-static bw_status open_system(bw_context *context, const bw_external_options *options,
-                             equations *e) {
-  bw_status status = registered->open(context, &e->matrix, options);
+static bw_status open_system(bw_context *context, const bw_model *model, bool mass,
+                             const bw_external_options *options, equations *e) {
+  e->problem = (bw_external_problem){.model = model, .dof_map = e->dof_map, .mass = mass};
+  bw_status status = registered->open(context, &e->problem, options);
   e->open = status == BW_OK;
   return status;
 }
@@ -84,23 +60,33 @@ static void clear(bw_context *context, equations *e, bw_external_report *report)
     registered->close(context, report);
   e->open = false;
   bw_release(e->dof_map);
-  bw_release(e->pattern);
-  bw_free(e->stiffness);
-  bw_free(e->mass);
+}
+
+static bw_status multiply(bw_context *context, equations *e, int count, const double *x, double *kx,
+                          double *mx, double *magnitude) {
+  bw_status status = registered->multiply(context, count, x, kx, mx, magnitude);
+  if (status != BW_OK)
+    e->open = false;
+  return status;
 }
 
 /* ---- statics --------------------------------------------------------------------------------- */
 
-typedef struct external_solve {
-  equations *equations;
-  bool failed; /* the solver has closed the system */
-} external_solve;
-
 static bw_status solve(bw_context *context, void *data, const double *force, double *displacement) {
-  external_solve *s = data;
+  equations *e = data;
   bw_status status = registered->solve(context, force, displacement);
   if (status != BW_OK)
-    s->equations->open = false;
+    e->open = false;
+  return status;
+}
+
+/* As bwi_residual_noise. */
+static bw_status multiply_one(bw_context *context, void *data, const double *x, double *product,
+                              double *noise) {
+  double magnitude = 0;
+  bw_status status = multiply(context, data, 1, x, product, NULL, &magnitude);
+  if (noise)
+    *noise = BWI_RESIDUAL_NOISE * DBL_EPSILON * magnitude;
   return status;
 }
 
@@ -113,10 +99,10 @@ static double norm(const double *a, int64_t size) {
 
 /* The residual is above what was asked for. It stands where rounding alone leaves as much: of K u,
  * or of a load that inertia balances to nothing (a body that falls). */
-static bw_status check(bw_context *context, const equations *e, double rtol,
-                       const bw_static *result) {
+static bw_status check(bw_context *context, equations *e, double rtol, const bw_static *result) {
   bw_status status = BW_OK;
-  int64_t size = 3 * (int64_t)e->pattern->node_count;
+  double noise = 0;
+  int64_t size = 3 * (int64_t)e->dof_map->mesh->node_count;
   double *residual = BW_NEW(context, double, size);
   double *product = BW_NEW(context, double, size);
   if (!residual || !product) {
@@ -126,15 +112,12 @@ static bw_status check(bw_context *context, const equations *e, double rtol,
   memcpy(residual, result->force, (size_t)size * sizeof *residual);
   if (e->dof_map->rigid_mode_count > 0)
     bw_rigid_modes_balance(e->dof_map, residual);
-  BW_TRY(
-      bw_block_multiply(context, e->pattern, e->stiffness, 9, 3, 1, result->displacement, product));
+  BW_TRY(multiply_one(context, e, result->displacement, product, &noise));
   for (int64_t i = 0; i < size; i++)
     residual[i] -= product[i];
   bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, residual);
   double remaining = norm(residual, size);
-  bool product_rounding =
-      result->residual < 1e-6 &&
-      remaining < 10 * bwi_residual_noise(e->pattern, e->stiffness, result->displacement);
+  bool product_rounding = result->residual < 1e-6 && remaining < 10 * noise;
   bool nothing_to_solve = remaining < 1e-13 * norm(result->force, size);
   if (!product_rounding && !nothing_to_solve) {
     status = bw_fail(context, BW_CONVERGENCE,
@@ -164,11 +147,10 @@ bw_status bw_statics_external(bw_context *context, const bw_model *model,
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(assemble(context, model, false, &e));
-  BW_TRY(open_system(context, &options, &e));
-  external_solve data = {.equations = &e};
-  bwi_static_solver solver = {.solve = solve, .data = &data, .refine_to = options.rtol};
-  BW_TRY(bwi_static_solve(context, e.dof_map, e.pattern, e.stiffness, &solver, result));
+  BW_TRY(open_system(context, model, false, &options, &e));
+  bwi_static_solver solver = {
+      .solve = solve, .multiply = multiply_one, .data = &e, .refine_to = options.rtol};
+  BW_TRY(bwi_static_solve(context, e.dof_map, NULL, NULL, &solver, result));
   if (result->residual > options.rtol)
     BW_TRY(check(context, &e, options.rtol, result));
 done:
@@ -182,30 +164,35 @@ done:
 
 /* ---- modes ----------------------------------------------------------------------------------- */
 
+enum { RESIDUALS_AT_ONCE = 4 };
+
 /* |K x - lambda M x| / |lambda M x| at the unknowns. */
-static bw_status residuals(bw_context *context, const equations *e, int count, const double *value,
+static bw_status residuals(bw_context *context, equations *e, int count, const double *value,
                            const double *vector, double *residual) {
   bw_status status = BW_OK;
-  int64_t size = 3 * (int64_t)e->pattern->node_count;
-  double *kx = BW_NEW(context, double, size);
-  double *mx = BW_NEW(context, double, size);
+  const unsigned kept = 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC;
+  int64_t size = 3 * (int64_t)e->dof_map->mesh->node_count;
+  double *kx = BW_NEW(context, double, RESIDUALS_AT_ONCE *size);
+  double *mx = BW_NEW(context, double, RESIDUALS_AT_ONCE *size);
   if (!kx || !mx) {
     status = BW_MEMORY;
     goto done;
   }
-  for (int k = 0; k < count; k++) {
-    const double *x = vector + k * size;
-    BW_TRY(bw_block_multiply(context, e->pattern, e->stiffness, 9, 3, 1, x, kx));
-    BW_TRY(bw_block_multiply(context, e->pattern, e->mass, 1, 3, 1, x, mx));
-    bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, kx);
-    bwi_keep_states(e->dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, mx);
-    double difference = 0, whole = 0;
-    for (int64_t i = 0; i < size; i++) {
-      double m = value[k] * mx[i], d = kx[i] - m;
-      difference += d * d;
-      whole += m * m;
+  for (int first = 0; first < count; first += RESIDUALS_AT_ONCE) {
+    int batch = count - first < RESIDUALS_AT_ONCE ? count - first : RESIDUALS_AT_ONCE;
+    BW_TRY(multiply(context, e, batch, vector + first * size, kx, mx, NULL));
+    for (int k = 0; k < batch; k++) {
+      double *a = kx + k * size, *b = mx + k * size;
+      bwi_keep_states(e->dof_map, kept, a);
+      bwi_keep_states(e->dof_map, kept, b);
+      double difference = 0, whole = 0;
+      for (int64_t i = 0; i < size; i++) {
+        double m = value[first + k] * b[i], d = a[i] - m;
+        difference += d * d;
+        whole += m * m;
+      }
+      residual[first + k] = whole > 0 ? sqrt(difference / whole) : 0;
     }
-    residual[k] = whole > 0 ? sqrt(difference / whole) : 0;
   }
 done:
   bw_free(kx);
@@ -231,8 +218,7 @@ bw_status bw_modes_external(bw_context *context, const bw_model *model,
     goto done;
   }
   BW_TRY(bw_dof_map_create(context, model, &e.dof_map));
-  BW_TRY(assemble(context, model, true, &e));
-  BW_TRY(open_system(context, &external, &e));
+  BW_TRY(open_system(context, model, true, &external, &e));
   status = registered->modes(context, &opts, &found);
   e.open = status == BW_OK;
   result = (bwi_eigen_result){.count = found.count,

@@ -11,6 +11,9 @@
 /* displacement = K^-1 force as bw_system_solve does for one right-hand side. */
 typedef struct bwi_static_solver {
   bw_status (*solve)(bw_context *context, void *data, const double *force, double *displacement);
+  /* product = K x and *noise as bwi_residual_noise, where no stiffness is given; else NULL */
+  bw_status (*multiply)(bw_context *context, void *data, const double *x, double *product,
+                        double *noise);
   void *data;
   double refine_to;
   bool once; /* not refined: its residual is no measure of what is asked for */
@@ -19,7 +22,8 @@ typedef struct bwi_static_solver {
 bw_status bwi_static_begin(bw_context *context, const bw_model *model,
                            const bw_statics_options *options, const bw_dof_map *dof_map,
                            bw_static **result);
-/* Displacements, residual, energy, reactions. */
+/* Displacements, residual, energy, reactions. Pattern and stiffness are NULL where the solver
+ * multiplies. */
 bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
                            const bw_block_pattern *pattern, const double *stiffness,
                            const bwi_static_solver *solver, bw_static *result);

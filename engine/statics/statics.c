@@ -121,6 +121,17 @@ done:
   return status;
 }
 
+/* product = K x, by the solver where it has a way of its own; noise may be NULL. */
+static bw_status multiply(bw_context *context, const bw_block_pattern *pattern,
+                          const double *stiffness, const bwi_static_solver *solver, const double *x,
+                          double *product, double *noise) {
+  if (solver->multiply)
+    return solver->multiply(context, solver->data, x, product, noise);
+  if (noise)
+    *noise = bwi_residual_noise(pattern, stiffness, x);
+  return bw_block_multiply(context, pattern, stiffness, 9, 3, 1, x, product);
+}
+
 bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
                            const bw_block_pattern *pattern, const double *stiffness,
                            const bwi_static_solver *solver, bw_static *result) {
@@ -143,7 +154,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
   bwi_prescribed_field(dof_map, u);
   memcpy(work, load, (size_t)size * sizeof(double));
   if (dof_map->prescribed) {
-    BW_TRY(bw_block_multiply(context, pattern, stiffness, 9, 3, 1, u, step));
+    BW_TRY(multiply(context, pattern, stiffness, solver, u, step, NULL));
     for (int64_t i = 0; i < size; i++)
       work[i] -= step[i];
   }
@@ -157,7 +168,8 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
       step[i] += u[i];
     if (dof_map->rigid_mode_count > 0 && !dof_map->prescribed)
       bw_rigid_modes_remove(dof_map, step);
-    BW_TRY(bw_block_multiply(context, pattern, stiffness, 9, 3, 1, step, product));
+    double noise = 0;
+    BW_TRY(multiply(context, pattern, stiffness, solver, step, product, &noise));
     for (int64_t i = 0; i < size; i++)
       work[i] = load[i] - product[i];
     bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, work);
@@ -168,8 +180,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
     }
     if (residual >= result->residual && pass > 0)
       break;
-    bool enough = residual > 0.25 * result->residual ||
-                  residual * scale <= bwi_residual_noise(pattern, stiffness, step);
+    bool enough = residual > 0.25 * result->residual || residual * scale <= noise;
     result->residual = residual;
     memcpy(u, step, (size_t)size * sizeof(double));
     memcpy(result->reaction, product, (size_t)size * sizeof(double));
@@ -178,7 +189,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
       break;
   }
   if (!taken)
-    BW_TRY(bw_block_multiply(context, pattern, stiffness, 9, 3, 1, u, result->reaction));
+    BW_TRY(multiply(context, pattern, stiffness, solver, u, result->reaction, NULL));
   for (int64_t i = 0; i < size; i++) {
     result->energy += 0.5 * u[i] * result->reaction[i];
     result->reaction[i] -= load[i];

@@ -206,7 +206,7 @@ static int push_outside(lua_State *L, const char *with, const bw_external_report
     lua_pushnil(L);
     return 1;
   }
-  lua_createtable(L, 0, 9);
+  lua_createtable(L, 0, 11);
   lua_pushstring(L, with);
   lua_setfield(L, -2, "with");
   lua_pushstring(L, report->method);
@@ -217,6 +217,8 @@ static int push_outside(lua_State *L, const char *with, const bw_external_report
   lua_setfield(L, -2, "iterations");
   lua_pushnumber(L, report->send);
   lua_setfield(L, -2, "send_seconds");
+  lua_pushnumber(L, report->assembly);
+  lua_setfield(L, -2, "assembly_seconds");
   lua_pushnumber(L, report->setup);
   lua_setfield(L, -2, "setup_seconds");
   lua_pushnumber(L, report->solve);

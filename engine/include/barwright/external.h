@@ -9,10 +9,10 @@
 extern "C" {
 #endif
 
-/* Systems that are too large for a factor on one machine are given to a solver that works on
- * several: engine/distributed, a library of its own over MPI, PETSc and SLEPc, which the engine
- * does not link. Who loads it registers it here. Matrix, right-hand side and the check of what
- * comes back are the engine's. */
+/* Systems that are too large for one machine are given to a solver that works on several:
+ * engine/distributed, a library of its own over MPI, PETSc and SLEPc, which the engine does not
+ * link. Who loads it registers it here. It assembles by itself, with the engine's routines, and
+ * multiplies by what it assembles; the check of what comes back is the engine's. */
 /* How an external solver works. */
 typedef enum bw_external_method {
   BW_EXTERNAL_AUTO, /* statics: CG; modes: CHOLESKY */
@@ -32,20 +32,20 @@ typedef struct bw_external_report {
   char method[96];           /* "conjugate gradients, GAMG" */
   int ranks;                 /* processes */
   int iterations;            /* of conjugate gradients, in all solves */
-  double send, setup, solve; /* (s) matrix to the ranks; multigrid or factor; solves */
+  double send, assembly, setup, solve; /* (s) mesh to the ranks; matrices; multigrid or factor;
+                                          solves */
   double processor; /* (s) of all processes while the system was open, waiting in MPI included */
   double bytes,
       largest; /* (bytes) memory of all processes at their peaks, of the largest of them */
 } bw_external_report;
 
-/* Equations for an external solver; all is borrowed while the system is open. K and M have the
- * block sparsity pattern; the DOF map says which components are unknowns, and in which frames. */
-typedef struct bw_external_matrix {
+/* What an external solver is to assemble; all is borrowed while the system is open. The DOF map
+ * says which components are unknowns, and in which frames. */
+typedef struct bw_external_problem {
+  const bw_model *model; /* its mesh and material */
   const bw_dof_map *dof_map;
-  const bw_block_pattern *pattern;
-  const double *stiffness; /* (N/m, block_count x 9) */
-  const double *mass;      /* (kg, block_count) or NULL: no modes wanted */
-} bw_external_matrix;
+  bool mass; /* assemble M too: modes are wanted */
+} bw_external_problem;
 
 /* What it finds; the lists are allocated with bw_alloc for the caller, who releases them. */
 typedef struct bw_external_modes {
@@ -60,9 +60,15 @@ typedef struct bw_external_modes {
 /* An external solver. One system is open at a time. After a failure of any of these the system is
  * closed. */
 typedef struct bw_external {
-  /* Takes the matrix, and sets up multigrid or factor. */
-  bw_status (*open)(bw_context *context, const bw_external_matrix *matrix,
+  /* Distributes the mesh and assembles. */
+  bw_status (*open)(bw_context *context, const bw_external_problem *problem,
                     const bw_external_options *options);
+  /* kx = K x and, unless mx is NULL, mx = M x, of `count` fields (any, count x node_count x 3) at
+   * all components, prescribed or not, without use of the matrices that it solves with. magnitude
+   * (any, count): the Euclidean norm of what the diagonal blocks contribute to K x, each entry's
+   * terms without their signs, from which rounding errors follow; may be NULL. */
+  bw_status (*multiply)(bw_context *context, int count, const double *x, double *kx, double *mx,
+                        double *magnitude);
   /* Fields as those of bw_system_solve, the force balanced already; displacement up to a rigid-body
    * motion. */
   bw_status (*solve)(bw_context *context, const double *force, double *displacement);

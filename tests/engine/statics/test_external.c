@@ -11,19 +11,12 @@ static struct fake {
   int opened, closed, solves;
 } fake;
 
-static bw_status fake_open(bw_context *context, const bw_external_matrix *matrix,
+static bw_status fake_open(bw_context *context, const bw_external_problem *problem,
                            const bw_external_options *options) {
   (void)options;
   fake.opened++;
-  bw_material *material = NULL;
-  const bw_isotropic constants = {
-      .name = "test", .young = 200e9, .poisson = 0.3, .density = 7800, .strength = 4e8};
-  bw_status status = bw_material_isotropic(context, &constants, &material);
-  if (status == BW_OK)
-    status = bw_system_create(context, matrix->dof_map->mesh, material, matrix->dof_map, NULL,
-                              &fake.system);
-  bw_release(material);
-  return status;
+  return bw_system_create(context, problem->model->mesh, problem->model->material, problem->dof_map,
+                          NULL, &fake.system);
 }
 
 static bw_status forget(bw_status status) {
@@ -32,6 +25,18 @@ static bw_status forget(bw_status status) {
     fake.system = NULL;
   }
   return status;
+}
+
+static bw_status fake_multiply(bw_context *context, int count, const double *x, double *kx,
+                               double *mx, double *magnitude) {
+  const bw_system *system = fake.system;
+  bw_status status =
+      bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, count, x, kx);
+  if (status == BW_OK && mx)
+    status = bw_block_multiply(context, system->pattern, system->mass, 1, 3, count, x, mx);
+  for (int k = 0; k < count && magnitude; k++)
+    magnitude[k] = 0;
+  return forget(status);
 }
 
 static bw_status fake_solve(bw_context *context, const double *force, double *displacement) {
@@ -76,7 +81,7 @@ static void fake_close(bw_context *context, bw_external_report *report) {
     *report = (bw_external_report){.method = "fake", .ranks = 1};
 }
 
-static const bw_external outside = {fake_open, fake_solve, fake_modes, fake_close};
+static const bw_external outside = {fake_open, fake_multiply, fake_solve, fake_modes, fake_close};
 
 static bw_model *cantilever(bw_context *context, bool fixed) {
   bw_mesh *mesh = body_box(context, 1, 0.1, 0.1, 6, 2, 2, 1);

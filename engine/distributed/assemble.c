@@ -1,0 +1,218 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The rank's rows of K and M, from the engine's own assembly. All elements around its nodes are
+ * there, so the rows are complete and nothing is sent. */
+#include <string.h>
+
+#include "distributed/internal.h"
+
+/* ---- how many -------------------------------------------------------------------------------- */
+
+bw_status bwd_count_blocks(bw_context *context, const bwd_local_mesh *local, int32_t *own,
+                           int32_t *other, int32_t *max) {
+  bw_status status = BW_OK;
+  const struct bwd_local_counts *n = &local->count;
+  int width = n->nodes_per_element;
+  int64_t *start = BW_NEW0(context, int64_t, (int64_t)n->owned + 2), entries;
+  int32_t *around = NULL; /* elements of each own node */
+  int32_t *seen = BW_NEW(context, int32_t, n->nodes);
+  if (!start || !seen) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int64_t k = 0; k < (int64_t)n->elements * width; k++)
+    if (local->element[k] < n->owned)
+      start[local->element[k] + 2]++;
+  for (int32_t i = 0; i < n->owned; i++)
+    start[i + 2] += start[i + 1];
+  entries = start[n->owned + 1];
+  around = BW_NEW(context, int32_t, entries);
+  if (!around) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int64_t k = 0; k < (int64_t)n->elements * width; k++)
+    if (local->element[k] < n->owned)
+      around[start[local->element[k] + 1]++] = (int32_t)(k / width);
+  memset(seen, -1, (size_t)n->nodes * sizeof *seen);
+  *max = 0;
+  for (int32_t i = 0; i < n->owned; i++) {
+    own[i] = other[i] = 0;
+    for (int64_t k = start[i]; k < start[i + 1]; k++) {
+      const int32_t *node = local->element + (int64_t)around[k] * width;
+      for (int a = 0; a < width; a++)
+        if (seen[node[a]] != i) {
+          seen[node[a]] = i;
+          (node[a] < n->owned ? own : other)[i]++;
+        }
+    }
+    *max = own[i] + other[i] > *max ? own[i] + other[i] : *max;
+  }
+done:
+  bw_free(start);
+  bw_free(around);
+  bw_free(seen);
+  return status;
+}
+
+/* ---- blocks ---------------------------------------------------------------------------------- */
+
+/* A block of a row: `transposed` when it is stored as (column, row). Nodes by their local numbers.
+ */
+typedef struct neighbour {
+  int32_t node;
+  int64_t index;
+  bool transposed;
+} neighbour;
+
+/* block = F_i K_ij F_j^T without prescribed components. */
+static void stiffness_block(const bwd_piece *piece, int32_t i, const neighbour *n,
+                            double block[9]) {
+  const bwd_local_mesh *local = piece->local;
+  const double *value = piece->stiffness + 9 * n->index;
+  const double *left = bwd_local_frame(local, i), *right = bwd_local_frame(local, n->node);
+  double k[9];
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 3; c++)
+      k[3 * r + c] = n->transposed ? value[3 * c + r] : value[3 * r + c];
+  if (right) {
+    double rotated[9];
+    for (int r = 0; r < 3; r++)
+      bwd_into_frame(right, k + 3 * r, rotated + 3 * r);
+    memcpy(k, rotated, sizeof k);
+  }
+  if (left) {
+    double rotated[9];
+    for (int r = 0; r < 3; r++)
+      for (int c = 0; c < 3; c++)
+        rotated[3 * r + c] =
+            left[3 * r] * k[c] + left[3 * r + 1] * k[3 + c] + left[3 * r + 2] * k[6 + c];
+    memcpy(k, rotated, sizeof k);
+  }
+  const uint8_t *row = local->state + 3 * (int64_t)i;
+  const uint8_t *column = local->state + 3 * (int64_t)n->node;
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 3; c++) {
+      bool diagonal = n->node == i && r == c;
+      bool keep = diagonal || (row[r] != BW_DOF_PRESCRIBED && column[c] != BW_DOF_PRESCRIBED);
+      block[3 * r + c] = keep ? k[3 * r + c] : 0;
+    }
+}
+
+static void mass_block(const bwd_piece *piece, int32_t i, const neighbour *n, double block[9]) {
+  const bwd_local_mesh *local = piece->local;
+  double m = piece->mass[n->index];
+  const uint8_t *row = local->state + 3 * (int64_t)i;
+  const uint8_t *column = local->state + 3 * (int64_t)n->node;
+  const double *left = bwd_local_frame(local, i), *right = bwd_local_frame(local, n->node);
+  static const double global[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  left = left ? left : global;
+  right = right ? right : global;
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 3; c++) {
+      bool keep = row[r] != BW_DOF_PRESCRIBED && column[c] != BW_DOF_PRESCRIBED;
+      double rotation = left == right ? r == c : bw_dot(left + 3 * r, right + 3 * c);
+      block[3 * r + c] = keep ? m * rotation : 0;
+    }
+}
+
+/* ---- rows ------------------------------------------------------------------------------------ */
+
+typedef struct insertion {
+  bwd_system *system;
+  int32_t max;
+  neighbour *list;  /* max */
+  PetscInt *column; /* max */
+  double *value;    /* 9 x max */
+  int32_t rows;     /* done */
+} insertion;
+
+static int32_t row_neighbours(const bwd_piece *piece, int32_t i, neighbour *list) {
+  const bw_block_pattern *pattern = piece->pattern;
+  int32_t count = 0;
+  for (int64_t k = pattern->start[i]; k < pattern->start[i + 1]; k++)
+    list[count++] = (neighbour){piece->node[pattern->column[k]], k, false};
+  for (int64_t k = pattern->upper_start[i]; k < pattern->upper_start[i + 1]; k++)
+    list[count++] = (neighbour){piece->node[pattern->upper_row[k]], pattern->upper_block[k], true};
+  return count;
+}
+
+/* A row of M: whole blocks where there are frames, else their diagonals. */
+static bw_status insert_mass(bw_context *context, const insertion *in, const bwd_piece *piece,
+                             int32_t node, int32_t count) {
+  bw_status status = BW_OK;
+  const bwd_system *system = in->system;
+  PetscInt row = system->mesh.row[node];
+  double block[9];
+  if (system->mass_width == 9) {
+    for (int32_t n = 0; n < count; n++) {
+      mass_block(piece, node, &in->list[n], block);
+      for (int r = 0; r < 3; r++)
+        memcpy(in->value + (int64_t)r * 3 * count + 3 * n, block + 3 * r, 3 * sizeof *block);
+    }
+    BWD_TRY(MatSetValuesBlocked(system->M, 1, &row, count, in->column, in->value, INSERT_VALUES));
+    return status;
+  }
+  for (int32_t n = 0; n < count; n++) {
+    mass_block(piece, node, &in->list[n], block);
+    for (int c = 0; c < 3; c++)
+      in->value[(int64_t)c * count + n] = block[4 * c];
+    in->column[n] *= 3;
+  }
+  for (int c = 0; c < 3; c++) {
+    PetscInt one = 3 * row + c;
+    BWD_TRY(MatSetValues(system->M, 1, &one, count, in->column, in->value + (int64_t)c * count,
+                         INSERT_VALUES));
+    for (int32_t n = 0; n < count; n++)
+      in->column[n]++;
+  }
+done:
+  return status;
+}
+
+static bw_status insert(bw_context *context, void *data, const bwd_piece *piece) {
+  bw_status status = BW_OK;
+  insertion *in = data;
+  const bwd_local_mesh *local = piece->local;
+  for (int32_t i = 0; i < piece->rows; i++) {
+    int32_t node = piece->first + i, count = row_neighbours(piece, i, in->list);
+    PetscInt row = local->row[node];
+    for (int32_t n = 0; n < count; n++) {
+      double block[9];
+      in->column[n] = local->row[in->list[n].node];
+      stiffness_block(piece, node, &in->list[n], block);
+      for (int r = 0; r < 3; r++)
+        memcpy(in->value + (int64_t)r * 3 * count + 3 * n, block + 3 * r, 3 * sizeof *block);
+    }
+    BWD_TRY(
+        MatSetValuesBlocked(in->system->K, 1, &row, count, in->column, in->value, INSERT_VALUES));
+    if (piece->mass)
+      BW_TRY(insert_mass(context, in, piece, node, count));
+  }
+  in->rows += piece->rows;
+  if (in->system->rank == 0)
+    bw_progress(context, "assembly", (double)in->rows / local->count.owned);
+done:
+  return status;
+}
+
+bw_status bwd_assemble(bw_context *context, bwd_system *system, int32_t max) {
+  bw_status status = BW_MEMORY;
+  insertion in = {.system = system,
+                  .list = BW_NEW(context, neighbour, max),
+                  .column = BW_NEW(context, PetscInt, max),
+                  .value = BW_NEW(context, double, 9 * (int64_t)max)};
+  if (in.list && in.column && in.value)
+    status = bwd_for_pieces(context, &system->mesh, system->mass_width > 0, insert, &in);
+  bw_free(in.list);
+  bw_free(in.column);
+  bw_free(in.value);
+  BW_TRY(bwd_agree(context, status));
+  BWD_TRY(MatAssemblyBegin(system->K, MAT_FINAL_ASSEMBLY));
+  BWD_TRY(MatAssemblyEnd(system->K, MAT_FINAL_ASSEMBLY));
+  if (system->M) {
+    BWD_TRY(MatAssemblyBegin(system->M, MAT_FINAL_ASSEMBLY));
+    BWD_TRY(MatAssemblyEnd(system->M, MAT_FINAL_ASSEMBLY));
+  }
+done:
+  return status;
+}
