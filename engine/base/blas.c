@@ -13,17 +13,23 @@ static int inside, before; /* how many have entered; threads to go back to */
 
 void bwi_blas_enter(void) {
   pthread_mutex_lock(&lock);
-  if (inside++ == 0) {
+  if (inside++ == 0)
     before = openblas_get_num_threads();
-    if (before != 1)
-      openblas_set_num_threads(1);
-  }
+  if (openblas_get_num_threads() != 1)
+    openblas_set_num_threads(1);
+  pthread_mutex_unlock(&lock);
+}
+
+void bwi_blas_widen(int threads) {
+  pthread_mutex_lock(&lock);
+  if (inside == 1 && threads != 1)
+    openblas_set_num_threads(threads);
   pthread_mutex_unlock(&lock);
 }
 
 void bwi_blas_leave(void) {
   pthread_mutex_lock(&lock);
-  if (--inside == 0 && before != 1)
+  if (--inside == 0 && openblas_get_num_threads() != before)
     openblas_set_num_threads(before);
   pthread_mutex_unlock(&lock);
 }

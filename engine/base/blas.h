@@ -10,6 +10,10 @@
 void bwi_blas_enter(void);
 void bwi_blas_leave(void);
 
+/* Between enter and leave, for a library that leaves its threads to the BLAS: OpenBLAS has as many,
+ * where nobody else has entered, until somebody does or the caller leaves. */
+void bwi_blas_widen(int threads);
+
 /* In a forked child of a process that has entered: one thread for good. */
 void bwi_blas_forked(void);
 

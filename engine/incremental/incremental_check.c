@@ -90,7 +90,8 @@ bw_status bwi_incremental_check(bw_context *context, const bw_incremental_system
     goto done;
   }
   bwi_matrix matrix = {.pattern = system->pattern, .stiffness = values, .dof_map = dof_map};
-  BW_TRY(bwi_symbolic_for(context, system->pattern, dof_map, 0, NULL, NULL, NULL, &symbolic));
+  BW_TRY(bwi_symbolic_for(context, system->pattern, dof_map, BW_ORDERING_AUTO, 0, NULL, NULL, NULL,
+                          &symbolic));
   status = bwi_factor_create(context, symbolic, &matrix, &factor, &bad);
   if (status == BW_SINGULAR)
     status = bwi_fail_singular(context, system->mesh, bad);

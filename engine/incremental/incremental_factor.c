@@ -32,9 +32,10 @@ static bw_status refactor_full(bw_context *context, bw_incremental_system *incre
   bw_release(inner->factor);
   inner->factor = NULL;
   bw_progress(context, "ordering", 0);
-  BW_TRY(bwi_symbolic_for(context, matrix->pattern, matrix->dof_map, inner->subdomain_count,
-                          inner->element_subdomain, inner->edits.count ? &inner->edits : NULL,
-                          (bwi_symbolic *)old, &symbolic));
+  BW_TRY(bwi_symbolic_for(context, matrix->pattern, matrix->dof_map, BW_ORDERING_AUTO,
+                          inner->subdomain_count, inner->element_subdomain,
+                          inner->edits.count ? &inner->edits : NULL, (bwi_symbolic *)old,
+                          &symbolic));
   BW_TRY(bwi_elimination_reach_create(context, symbolic, inner->model->mesh, inner->subdomain_count,
                                       inner->element_subdomain, &reach));
   if (reuse)

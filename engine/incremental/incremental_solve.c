@@ -56,10 +56,12 @@ static bw_status conjugate(bw_context *context, const bw_incremental_system *inc
   const bw_system *system = incremental->system;
   size_t size = (size_t)count * 3 * (size_t)system->mesh->node_count;
   double *solution = NULL;
+  bwi_factor_preconditioner factor = {incremental->inner->factor, system->dof_map};
   problem->pattern = system->pattern;
   problem->stiffness = system->stiffness;
   problem->dof_map = system->dof_map;
-  problem->factor = incremental->inner->factor;
+  problem->precondition = bwi_factor_precondition;
+  problem->data = &factor;
   problem->load = left->load;
   problem->energy = left->energy;
   solution = BW_NEW(context, double, size);
@@ -354,13 +356,46 @@ static bw_status solve_one(bw_context *context, void *data, const double *force,
   return status;
 }
 
+/* What the reuse says, as of any static solution. */
+static void fill_report(const bw_incremental_system *incremental, const bw_reuse *reuse,
+                        double seconds, bw_static *result) {
+  const bwi_factor *factor = incremental->inner->factor;
+  bw_solver_report *report = &result->report;
+  bool pcg = reuse->method == BW_INCREMENTAL_PCG, iterate = reuse->method == BW_INCREMENTAL_ITERATE;
+  report->solver = bw_solver_word(pcg || iterate ? BW_SOLVER_PCG : BW_SOLVER_CHOLESKY);
+  if (pcg)
+    report->preconditioner = bw_solver_word(BW_SOLVER_TWO_LEVEL);
+  if (iterate)
+    report->preconditioner = bw_solver_word(BW_SOLVER_CHOLESKY);
+  if (!pcg && factor)
+    report->backend = factor->kernels->backend;
+  double cost[3] = {reuse->predicted_refactor, reuse->predicted_iterate, reuse->predicted_pcg};
+  int chosen = pcg ? 2 : iterate ? 1 : 0;
+  for (int k = 0; k < 3; k++) {
+    if (k == chosen)
+      report->predicted_cost = cost[k];
+    else if (cost[k] > 0 && !(report->rival_cost > 0 && report->rival_cost <= cost[k]))
+      report->rival_cost = cost[k];
+  }
+  report->flops = factor && !pcg ? (1 - reuse->factor_reused) * bwi_factor_flops(factor) : 0;
+  report->bytes = pcg      ? (double)bw_bytes(incremental->inner->two_level)
+                  : factor ? (double)bwi_factor_bytes(factor)
+                           : 0;
+  report->iterations = reuse->iterations + reuse->refinements;
+  report->residual = result->residual;
+  report->reused = reuse->factor_reused;
+  report->seconds = seconds;
+}
+
 bw_status bw_incremental_statics(bw_context *context, bw_incremental_system *incremental,
                                  const bw_model *model, const bw_statics_options *statics,
                                  const bw_incremental_options *given, bw_static **out,
                                  bw_reuse *reuse) {
   bw_status status = BW_OK;
   bw_static *result = NULL;
+  bw_reuse own = {.method = BW_INCREMENTAL_AUTO};
   bw_incremental_options options;
+  double start = bw_seconds();
   if (model != incremental->inner->model)
     return bw_fail(context, BW_INVALID,
                    "the model is not the one that the system last followed: update the system "
@@ -368,13 +403,14 @@ bw_status bw_incremental_statics(bw_context *context, bw_incremental_system *inc
   BW_TRY(options_of(context, given, &options));
   const bw_system *system = incremental->system;
   BW_TRY(bwi_static_begin(context, model, statics, system->dof_map, &result));
-  static_data data = {incremental, options, reuse};
+  static_data data = {incremental, options, reuse ? reuse : &own};
   bwi_static_solver solver = {.solve = solve_one,
                               .data = &data,
                               .refine_to = fmax(BWI_REFINE_TO, options.tolerance),
                               .once = options.energy};
   BW_TRY(bwi_static_solve(context, system->dof_map, system->pattern, system->stiffness, &solver,
                           result));
+  fill_report(incremental, data.reuse, bw_seconds() - start, result);
 done:
   if (status == BW_OK)
     *out = result;

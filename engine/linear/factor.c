@@ -17,6 +17,7 @@
 #include <string.h>
 
 #include "linear/blas.h"
+#include "linear/cholmod.h"
 #include "linear/internal.h"
 
 /* What one worker needs. */
@@ -320,13 +321,20 @@ static void factor_destroy(void *object) {
   bwi_factor *factor = object;
   bw_release(factor->symbolic);
   bw_free(factor->value);
+  bwi_cholmod_destroy(factor->cholmod);
   kept_destroy(factor->kept);
   bw_free(factor);
 }
 
 size_t bwi_factor_bytes(const bwi_factor *factor) {
+  if (factor->cholmod)
+    return bwi_cholmod_bytes(factor->cholmod);
   const bwi_symbolic *symbolic = factor->symbolic;
   return (size_t)symbolic->panel[symbolic->order->super_count] * factor->kernels->size;
+}
+
+double bwi_factor_flops(const bwi_factor *factor) {
+  return factor->cholmod ? bwi_cholmod_flops(factor->cholmod) : factor->symbolic->flops;
 }
 
 void bwi_factor_update_bytes(const bwi_factor *factor, size_t *updates, size_t *work) {
@@ -337,7 +345,7 @@ void bwi_factor_update_bytes(const bwi_factor *factor, size_t *updates, size_t *
   int64_t numbers = kept->store.own_size;
   for (int w = 0; w < kept->store.workers; w++)
     numbers += kept->store.space[w].stack_size;
-  *updates = (size_t)kept->reach->kept_numbers * factor->kernels->size;
+  *updates = kept->block ? (size_t)kept->reach->kept_numbers * factor->kernels->size : 0;
   *work = (size_t)numbers * factor->kernels->size;
 }
 
@@ -383,6 +391,10 @@ static bw_status kept_create(bw_context *context, const bwi_symbolic *symbolic,
     return BW_MEMORY;
   kept->reach = bw_retain(reach);
   factor->broken = true; /* until it has been factored */
+  if (factor->cholmod) {
+    kept->wanted = BW_NEW(context, uint8_t, supers);
+    return kept->wanted ? BW_OK : BW_MEMORY;
+  }
   kept->block = bw_alloc(context, (size_t)reach->kept_numbers, factor->kernels->size);
   kept->at = BW_NEW(context, int64_t, supers);
   kept->wanted = BW_NEW(context, uint8_t, supers);
@@ -395,6 +407,22 @@ static bw_status kept_create(bw_context *context, const bwi_symbolic *symbolic,
       at += bwi_update_size(symbolic->rows[s] - bwi_pivots(symbolic, s));
   }
   return BW_OK;
+}
+
+/* CHOLMOD's numbers, whatever was touched. */
+static bw_status refactor_by_cholmod(bw_context *context, bwi_factor *factor,
+                                     const bwi_matrix *matrix, int32_t *bad_node) {
+  int32_t bad = -1;
+  bw_progress(context, "factorisation", 0);
+  bw_status status = bwi_cholmod_factorise(context, factor->cholmod, factor->symbolic, matrix,
+                                           factor->kept != NULL, &bad);
+  if (status == BW_SINGULAR) {
+    int32_t node = node_of_unknown(factor->symbolic, bad);
+    if (bad_node)
+      *bad_node = node;
+    bw_fail(context, BW_SINGULAR, "the matrix is not positive definite at node %d", node + 1);
+  }
+  return status;
 }
 
 /* What brings the largest diagonal entry near 1, to a factor of 2^16: a step so coarse that an
@@ -430,6 +458,15 @@ static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_m
   bw_object_init(factor, &factor_kind);
   factor->symbolic = bw_retain(symbolic);
   factor->kernels = kernels;
+  factor->unit = 1;
+  if (kernels == &bwi_kernels_cholmod) {
+    BW_TRY(bwi_cholmod_create(context, symbolic, matrix, &factor->cholmod));
+    if (reach)
+      BW_TRY(kept_create(context, symbolic, reach, factor));
+    BW_TRY(refactor_by_cholmod(context, factor, matrix, bad_node));
+    factor->broken = false;
+    goto done;
+  }
   factor->value =
       bw_alloc(context, (size_t)symbolic->panel[symbolic->order->super_count], kernels->size);
   if (!factor->value) {
@@ -448,7 +485,6 @@ static bw_status create(bw_context *context, bwi_symbolic *symbolic, const bwi_m
                        .value = factor->value,
                        .plan = &symbolic->plan,
                        .store = &fronts};
-    factor->unit = 1;
     status = check(&f, factorise(&f), bad_node);
   }
 done:
@@ -501,9 +537,17 @@ bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_m
     if (bwi_elimination_reach_supernodes(kept->reach, touched_subdomain, kept->wanted) == 0)
       goto done;
     f.wanted = kept->wanted;
-  } else
+  } else if (!factor->cholmod)
     factor->unit = unit_of(factor->kernels, matrix, symbolic->components);
   f.unit = factor->unit;
+  if (factor->cholmod) {
+    factor->broken = true;
+    BW_TRY(refactor_by_cholmod(context, factor, matrix, bad_node));
+    factor->broken = false;
+    if (flops)
+      *flops = symbolic->flops;
+    goto done;
+  }
   BW_TRY(bwi_plan_create(context, symbolic, f.wanted, kept->reach->keep, &plan));
   factor->broken = true;
   BW_TRY(check(&f, factorise(&f), bad_node));

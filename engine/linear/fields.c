@@ -105,7 +105,7 @@ bw_status bwi_solve_fields_of(bw_context *context, const bwi_factor *factor,
     BW_TRY(bw_check_cancel(context));
     choose_units(factor, size, &move);
     BW_TRY(bw_parallel(context, nodes, 2048, gather, &move));
-    BW_TRY(bwi_factor_solve(context, factor, move.width, move.x));
+    BW_TRY(factor->kernels->solve(context, factor, move.width, move.x));
     BW_TRY(bw_parallel(context, nodes, 2048, scatter, &move));
   }
 done:
@@ -113,9 +113,11 @@ done:
   return status;
 }
 
-const bwi_kernels KERNELS = {.bits = 8 * sizeof(real),
+const bwi_kernels KERNELS = {.backend = "multifrontal",
+                             .bits = 8 * sizeof(real),
                              .size = sizeof(real),
                              .entries = bwi_matrix_to_panel,
                              .child = bwi_add_child,
                              .eliminate = bwi_front_eliminate,
+                             .solve = bwi_factor_solve,
                              .solve_fields = bwi_solve_fields_of};

@@ -19,10 +19,11 @@
 
 typedef struct bwi_order {
   bw_object object;
-  int32_t node_count; /* of the mesh */
-  int32_t size;       /* nodes that take part */
-  int32_t *node_at;   /* size: mesh node at each position */
-  int32_t *position;  /* node_count: position of each mesh node, or -1 */
+  bw_ordering ordering; /* that was asked for: METIS, AMD or BACKEND (the nodes are in METIS's) */
+  int32_t node_count;   /* of the mesh */
+  int32_t size;         /* nodes that take part */
+  int32_t *node_at;     /* size: mesh node at each position */
+  int32_t *position;    /* node_count: position of each mesh node, or -1 */
   int32_t super_count;
   int32_t *super;     /* super_count + 1: first position of each supernode */
   int32_t *parent;    /* super_count: parent supernode (larger), or -1 */
@@ -30,8 +31,11 @@ typedef struct bwi_order {
   int32_t *row;       /* positions of each supernode's rows, ascending, its own columns first */
 } bwi_order;
 
-/* METIS nested dissection of the nodes with take[node] != 0 (NULL: all), CHOLMOD's supernodal
- * analysis of that order. */
+/* An order of the nodes with take[node] != 0 (NULL: all), and CHOLMOD's supernodal analysis of
+ * it. */
+bw_status bwi_order_create_by(bw_context *context, const bw_block_pattern *pattern,
+                              const uint8_t *take, bw_ordering ordering, bwi_order **order);
+/* The same by nested dissection. */
 bw_status bwi_order_create(bw_context *context, const bw_block_pattern *pattern,
                            const uint8_t *take, bwi_order **order);
 
@@ -149,7 +153,8 @@ typedef struct bwi_factor {
   bw_object object;
   bwi_symbolic *symbolic; /* retained */
   const struct bwi_kernels *kernels;
-  void *value; /* panels, column-major, one leading dimension per supernode */
+  void *value; /* panels, column-major, one leading dimension per supernode; NULL: CHOLMOD's */
+  struct bwi_cholmod *cholmod; /* its factor, of bwi_kernels_cholmod alone, or NULL */
   double unit;
   int64_t negative;               /* negative pivots */
   struct bwi_refactor_data *kept; /* of a factor that can be updated in part, or NULL */
@@ -169,14 +174,16 @@ bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
                                const bwi_matrix *matrix, bwi_elimination_reach *reach,
                                const struct bwi_kernels *kernels, bwi_factor **factor,
                                int32_t *bad_node);
-/* Factor again, in place, what entries of the touched subdomains (NULL: all) reach: the same bits
+/* Factor again, in place, what entries of the touched subdomains (NULL: all) reach (CHOLMOD: all,
+ * where they reach anything): the same bits
  * as a full refactorisation, when only entries of theirs have changed since. *flops (may be NULL):
  * work done. On failure, BW_CANCELLED included, the factor is broken: solves refuse it, an update
  * of all subdomains (NULL) repairs it. *bad_node as above. */
 bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_matrix *matrix,
                             const uint8_t *touched_subdomain, double *flops, int32_t *bad_node);
-/* Bytes of L. */
+/* Bytes of L; operations of the factorisation. */
 size_t bwi_factor_bytes(const bwi_factor *factor);
+double bwi_factor_flops(const bwi_factor *factor);
 /* Bytes of the update matrices kept, and of the memory kept to work in. */
 void bwi_factor_update_bytes(const bwi_factor *factor, size_t *updates, size_t *work);
 /* The number of negative eigenvalues of A, by L S L^T without keeping L. *trusted is false where a
@@ -185,7 +192,7 @@ bw_status bwi_count_negative(bw_context *context, bwi_symbolic *symbolic, const 
                              int64_t *negative, bool *trusted);
 /* x = (unit A)^-1 x for `width` right-hand sides next to each other: unknowns x width, row by row.
  * Width 1, 2, 4, 8 or 16. The numbers of x must be those of the factor. */
-bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int width, real *x);
+bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int width, void *x);
 enum { BWI_MAX_WIDTH = 16 };
 
 /* ---- dense kernels (front.c) --------------------------------------------------------------- */
@@ -242,6 +249,7 @@ bw_status bwi_solve_fields_of(bw_context *context, const bwi_factor *factor,
                               double *displacement);
 
 typedef struct bwi_kernels {
+  const char *backend;
   int bits;    /* of a number: 64 or 32 */
   size_t size; /* its bytes */
   void (*entries)(const bwi_symbolic *, const bwi_matrix *, double, int32_t, const int32_t *,
@@ -249,10 +257,13 @@ typedef struct bwi_kernels {
   bw_status (*child)(bw_context *, const bwi_symbolic *, int32_t, int32_t, const void *,
                      const int32_t *, bwi_run *, void *, void *);
   bw_status (*eliminate)(bw_context *, bwi_front *);
+  bw_status (*solve)(bw_context *, const bwi_factor *, int, void *);
   bw_status (*solve_fields)(bw_context *, const bwi_factor *, const bw_dof_map *, int64_t,
                             const double *, double *);
 } bwi_kernels;
 extern const bwi_kernels bwi_kernels_double, bwi_kernels_single;
+extern const bwi_kernels bwi_kernels_cholmod; /* linear/cholmod.h: it serves all that a factor does
+                                                 except single precision and partial updates */
 
 /* ---- fields and unknowns (fields.c) -------------------------------------------------------- */
 
@@ -269,9 +280,13 @@ bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor, const 
 bw_status bwi_system_begin(bw_context *context, const bw_mesh *mesh, const bw_material *material,
                            const bw_dof_map *dof_map, const bw_system *previous,
                            bw_system **system);
-/* bw_system_factor with what of an order fits (or NULL), and the bytes that a factor may take. */
-bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic *old,
-                            double available);
+/* bw_system_factor by a solver (NULL: the default), which may replace the factor that there is,
+ * with what of an order fits (or NULL), and the bytes that a factor may take. */
+bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_solver *solver,
+                            bwi_symbolic *old, double available);
+/* Makes the system's preconditioner for PCG: block Jacobi, or a factor. Statuses as there. */
+bw_status bwi_system_precondition(bw_context *context, bw_system *system, const bw_solver *solver,
+                                  bwi_symbolic *old, double available);
 
 /* Zero the components of a global field whose state's bit (1u << bw_dof_state) is not in
  * `states`, in each node's frame. */
@@ -288,9 +303,10 @@ bool bwi_same_topology(const bw_mesh *a, const bw_mesh *b);
  * also serves the matrix without isostatic constraints), and elsewhere those with an unknown. */
 void bwi_nodes_taking_part(const bw_dof_map *dof_map, uint8_t *take);
 /* The expanded order for a DOF map's unknowns, with what of `old` (may be NULL) fits. With
- * element_subdomain (may be NULL) a new order is made for edits by subdomains. */
+ * element_subdomain (may be NULL) a new order is made for edits by subdomains, unless `ordering`
+ * asks for another. */
 bw_status bwi_symbolic_for(bw_context *context, const bw_block_pattern *pattern,
-                           const bw_dof_map *dof_map, int32_t subdomain_count,
+                           const bw_dof_map *dof_map, bw_ordering ordering, int32_t subdomain_count,
                            const int32_t *element_subdomain, const bw_edits *edits,
                            bwi_symbolic *old, bwi_symbolic **symbolic);
 /* Bytes that making a factor of doubles takes, at their peak. */

@@ -37,6 +37,14 @@ static const bw_kind order_kind = {"order", order_destroy, order_bytes};
 /* METIS draws from rand() and sets signal handlers while it runs: one call at a time. */
 static pthread_mutex_t metis_mutex = PTHREAD_MUTEX_INITIALIZER;
 
+void bwi_metis_lock(void) {
+  pthread_mutex_lock(&metis_mutex);
+}
+
+void bwi_metis_unlock(void) {
+  pthread_mutex_unlock(&metis_mutex);
+}
+
 bw_status bwi_adjacency_create(bw_context *context, const bw_block_pattern *pattern,
                                const uint8_t *take, bwi_adjacency *out) {
   int64_t entries = 0;
@@ -132,9 +140,9 @@ bw_status bwi_dissect_trial(bw_context *context, idx_t size, idx_t *start, idx_t
   if (trial > 0)
     options[METIS_OPTION_NSEPS] = SEPARATORS;
   options[METIS_OPTION_COMPRESS] = 0; /* nodes are compressed already */
-  pthread_mutex_lock(&metis_mutex);
+  bwi_metis_lock();
   int done = METIS_NodeND(&size, start, neighbour, weight, options, permutation, inverse);
-  pthread_mutex_unlock(&metis_mutex);
+  bwi_metis_unlock();
   bw_free(inverse);
   if (done == METIS_ERROR_MEMORY)
     return bw_fail(context, BW_MEMORY, "no memory to order %lld nodes", (long long)size);
@@ -283,6 +291,11 @@ done:
 
 bw_status bwi_order_create(bw_context *context, const bw_block_pattern *pattern,
                            const uint8_t *take, bwi_order **order) {
+  return bwi_order_create_by(context, pattern, take, BW_ORDERING_METIS, order);
+}
+
+bw_status bwi_order_create_by(bw_context *context, const bw_block_pattern *pattern,
+                              const uint8_t *take, bw_ordering ordering, bwi_order **order) {
   bw_status status = BW_OK;
   bwi_adjacency near = {0};
   idx_t *permutation = NULL;
@@ -293,9 +306,13 @@ bw_status bwi_order_create(bw_context *context, const bw_block_pattern *pattern,
     goto done;
   }
   BW_TRY(bw_check_cancel(context));
-  BW_TRY(bwi_dissect(context, near.size, near.start, near.neighbour, NULL, permutation));
+  if (ordering == BW_ORDERING_AMD)
+    BW_TRY(bwi_minimum_degree(context, near.size, near.start, near.neighbour, permutation));
+  else
+    BW_TRY(bwi_dissect(context, near.size, near.start, near.neighbour, NULL, permutation));
   BW_TRY(bw_check_cancel(context));
   BW_TRY(bwi_order_analyse(context, &near, permutation, order));
+  (*order)->ordering = ordering == BW_ORDERING_AUTO ? BW_ORDERING_METIS : ordering;
 done:
   bwi_adjacency_clear(&near);
   bw_free(permutation);

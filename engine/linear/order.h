@@ -34,6 +34,10 @@ bw_status bwi_minimum_degree(bw_context *context, idx_t size, idx_t *start, idx_
 bw_status bwi_dissect_trial(bw_context *context, idx_t size, idx_t *start, idx_t *neighbour,
                             idx_t *weight, int trial, idx_t *permutation);
 
+/* Around calls of METIS by others. */
+void bwi_metis_lock(void);
+void bwi_metis_unlock(void);
+
 /* CHOLMOD's supernodal analysis of a permutation. */
 bw_status bwi_order_analyse(bw_context *context, const bwi_adjacency *near,
                             const idx_t *permutation, bwi_order **order);

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Conjugate gradients with a factor of a former matrix, or one in single precision, as
- * preconditioner, several right-hand sides side by side: the factor is read once per iteration for
+/* Preconditioned conjugate gradients, several right-hand sides side by side: the preconditioner
+ * (mostly a factor of a former matrix, or one in single precision) is read once per iteration for
  * all of them, and each has its own coefficients. The new direction is made conjugate to the last
  * one by the product K p that is at hand (Polak and Ribiere), not by r . z alone: so the rounding
  * of a factor in single precision, by which it is not quite symmetric, does no harm.
@@ -70,8 +70,8 @@ static bw_status multiply(iteration *it, int count, const double *x, double *y) 
 
 /* z = M r. */
 static bw_status precondition(iteration *it, int first, int count) {
-  return bwi_solve_fields(it->context, it->problem->factor, it->problem->dof_map, count,
-                          it->r + first * it->size, it->z + first * it->size);
+  return it->problem->precondition(it->context, it->problem->data, count, it->r + first * it->size,
+                                   it->z + first * it->size);
 }
 
 /* Take column k out: the last active one moves into its place. */
@@ -287,6 +287,8 @@ static bw_status run(iteration *it, int64_t first, int count) {
 done:
   if (iterations > problem->iterations)
     problem->iterations = iterations;
+  for (int k = 0; !problem->converged && k < it->active; k++)
+    problem->residual = fmax(problem->residual, it->column[k].size / it->column[k].load);
   return status;
 }
 
@@ -303,7 +305,7 @@ bw_status bwi_pcg_solve(bw_context *context, bwi_pcg *problem, int64_t count, co
                   .force = force,
                   .solution = displacement};
   problem->iterations = 0;
-  problem->predicted_iterations = 0;
+  problem->predicted_iterations = problem->residual = 0;
   problem->converged = true;
   it.r = BW_NEW(context, double, width *size);
   it.z = BW_NEW(context, double, width *size);

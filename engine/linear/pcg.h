@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Conjugate gradients with a factor as preconditioner. */
+/* Preconditioned conjugate gradients on the stiffness of a body (pcg.c). */
 #ifndef BWI_LINEAR_PCG_H
 #define BWI_LINEAR_PCG_H
 
@@ -9,7 +9,11 @@ typedef struct bwi_pcg {
   const bw_block_pattern *pattern;
   const double *stiffness;
   const bw_dof_map *dof_map;
-  const bwi_factor *factor; /* the preconditioner: of a former shape, or in single precision */
+  /* z = M^-1 r of `count` fields in global directions, 0 off the unknowns. It need not be quite
+     symmetric. */
+  bw_status (*precondition)(bw_context *context, void *data, int64_t count, const double *r,
+                            double *z);
+  void *data;
   double tolerance;
   /* Where the force is what a guess has left of another one: |f| and f . M f of that one, for every
      right-hand side, which the tolerance is relative to. Or NULL. */
@@ -21,6 +25,7 @@ typedef struct bwi_pcg {
   /* out */
   int iterations;              /* of the right-hand side that took most */
   double predicted_iterations; /* iterations in all, where it was given up */
+  double residual;             /* (-) where they did not converge: the largest, relative */
   bool converged; /* false: given up, the limit was reached, or the matrix is not positive
                      definite */
 } bwi_pcg;
@@ -28,5 +33,33 @@ typedef struct bwi_pcg {
  * failure; `displacement` is then what was reached. The two may not be the same block. */
 bw_status bwi_pcg_solve(bw_context *context, bwi_pcg *problem, int64_t count, const double *force,
                         double *displacement);
+
+/* ---- preconditioner.c ------------------------------------------------------------------------ */
+
+/* What a bw_solver says of the preconditioner of a body's equations. */
+typedef struct bwi_preconditioner {
+  bw_object object;
+  const bw_solver *solver;   /* retained: BW_SOLVER_JACOBI or BW_SOLVER_CHOLESKY */
+  const bw_dof_map *dof_map; /* retained */
+  bwi_factor *factor;        /* or NULL */
+  double *block;             /* node_count x 9: inverse blocks in global directions, or NULL */
+} bwi_preconditioner;
+/* Release with bw_release. `symbolic`: for BW_SOLVER_CHOLESKY. BW_SINGULAR with *bad_node as
+ * bwi_factor_create. */
+bw_status bwi_preconditioner_create(bw_context *context, const bw_solver *solver,
+                                    const bwi_matrix *matrix, bwi_symbolic *symbolic,
+                                    bwi_preconditioner **preconditioner, int32_t *bad_node);
+/* bwi_pcg.precondition; `data` is a bwi_preconditioner. */
+bw_status bwi_preconditioner_apply(bw_context *context, void *data, int64_t count, const double *r,
+                                   double *z);
+/* The same with a factor alone; `data` is one of these. */
+typedef struct bwi_factor_preconditioner {
+  const bwi_factor *factor;
+  const bw_dof_map *dof_map;
+} bwi_factor_preconditioner;
+bw_status bwi_factor_precondition(bw_context *context, void *data, int64_t count, const double *r,
+                                  double *z);
+/* The kernels that a solver of the kind BW_SOLVER_CHOLESKY asks for; NULL: the default's. */
+const bwi_kernels *bwi_kernels_of(const bw_solver *solver);
 
 #endif

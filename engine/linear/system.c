@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "barwright/job.h"
+#include "linear/pcg.h"
 #include "linear/system_two_level.h"
 
 static void system_destroy(void *object) {
@@ -20,6 +21,7 @@ static void system_destroy(void *object) {
   bw_release(system->pattern);
   bw_release(system->factor);
   bw_release(system->two_level);
+  bw_release(system->preconditioner);
   bw_free(system->stiffness);
   bw_free(system->mass);
   bw_free(system);
@@ -29,7 +31,8 @@ static size_t system_bytes(const void *object) {
   const bw_system *system = object;
   size_t blocks = system->pattern ? (size_t)system->pattern->block_count : 0;
   return sizeof *system + blocks * (system->mass ? 10 : 9) * sizeof(double) +
-         bw_bytes(system->pattern) + bw_bytes(system->factor) + bw_bytes(system->two_level);
+         bw_bytes(system->pattern) + bw_bytes(system->factor) + bw_bytes(system->two_level) +
+         bw_bytes(system->preconditioner);
 }
 
 static const bw_kind system_kind = {"system", system_destroy, system_bytes};
@@ -53,7 +56,10 @@ void bwi_nodes_taking_part(const bw_dof_map *dof_map, uint8_t *take) {
   }
 }
 
-static bool order_fits(const bwi_order *order, const uint8_t *take, int32_t nodes) {
+static bool order_fits(const bwi_order *order, bw_ordering ordering, const uint8_t *take,
+                       int32_t nodes) {
+  if (ordering != BW_ORDERING_AUTO && order->ordering != ordering)
+    return false;
   for (int32_t i = 0; i < nodes; i++)
     if ((order->position[i] >= 0) != (take[i] != 0))
       return false;
@@ -61,7 +67,7 @@ static bool order_fits(const bwi_order *order, const uint8_t *take, int32_t node
 }
 
 bw_status bwi_symbolic_for(bw_context *context, const bw_block_pattern *pattern,
-                           const bw_dof_map *dof_map, int32_t subdomain_count,
+                           const bw_dof_map *dof_map, bw_ordering ordering, int32_t subdomain_count,
                            const int32_t *element_subdomain, const bw_edits *edits,
                            bwi_symbolic *old, bwi_symbolic **symbolic) {
   bw_status status = BW_OK;
@@ -71,17 +77,17 @@ bw_status bwi_symbolic_for(bw_context *context, const bw_block_pattern *pattern,
   if (!take)
     return BW_MEMORY;
   bwi_nodes_taking_part(dof_map, take);
-  if (old && order_fits(old->order, take, nodes)) {
+  if (old && order_fits(old->order, ordering, take, nodes)) {
     if (bwi_symbolic_fits(old, 3, dof_map->unknown)) {
       *symbolic = bw_retain(old);
       goto done;
     }
     order = bw_retain(old->order);
-  } else if (element_subdomain)
+  } else if (element_subdomain && ordering == BW_ORDERING_AUTO)
     BW_TRY(bwi_order_create_subdomains(context, pattern, take, dof_map->mesh, subdomain_count,
                                        element_subdomain, edits, &order));
   else
-    BW_TRY(bwi_order_create(context, pattern, take, &order));
+    BW_TRY(bwi_order_create_by(context, pattern, take, ordering, &order));
   BW_TRY(bwi_symbolic_create(context, order, 3, dof_map->unknown, symbolic));
 done:
   bw_free(take);
@@ -176,33 +182,59 @@ double bwi_factor_peak_bytes(const bwi_symbolic *symbolic, int threads) {
 }
 
 /* Not even begun: memory given out but never there would end the process, or all others. */
-static bw_status check_memory(bw_context *context, const bwi_symbolic *symbolic, double available) {
-  double wanted = bwi_factor_peak_bytes(symbolic, bw_threads(context));
+static bw_status check_memory(bw_context *context, const bwi_symbolic *symbolic,
+                              const bwi_kernels *kernels, double available) {
+  double wanted =
+      bwi_factor_peak_bytes(symbolic, bw_threads(context)) * (double)kernels->size / sizeof(double);
   if (wanted <= available)
     return BW_OK;
   bw_fail(
       context, BW_MEMORY,
       "the factor of %d unknowns takes %.3g GB of memory, more than the %.3g GB available. Use "
       "fewer elements, or a machine with more memory; a static solution on quadratic elements "
-      "whose supports constrain all rigid-body modes needs no factor (with = \"pcg\"), and several "
-      "machines can share one (with = \"petsc\")",
+      "whose supports constrain all rigid-body modes needs no factor (the solver pcg), and several "
+      "machines can share one (the solver cholesky with the backend petsc)",
       (int)symbolic->unknowns, wanted / 1e9, available / 1e9);
   bw_detail_number(context, "bytes", wanted);
   bw_detail_number(context, "free_bytes", available);
   return BW_MEMORY;
 }
 
-bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic *old,
-                            double available) {
+/* Whether a factor is one that the solver (NULL: any) asks for. */
+static bool factor_serves(const bwi_factor *factor, const bw_solver *solver) {
+  if (!factor || !solver)
+    return factor != NULL;
+  const bw_solver_options *o = &solver->options;
+  return (o->backend == BW_BACKEND_AUTO || factor->kernels == bwi_kernels_of(solver)) &&
+         (o->ordering == BW_ORDERING_AUTO || factor->symbolic->order->ordering == o->ordering);
+}
+
+/* The order for a solver's factor, which has the memory for it. */
+static bw_status analyse(bw_context *context, bw_system *system, const bw_solver *solver,
+                         bwi_symbolic *old, double available, bwi_symbolic **symbolic) {
+  bw_status status = BW_OK;
+  double start = bw_seconds();
+  if (!old && system->factor)
+    old = system->factor->symbolic;
+  bw_progress(context, "ordering", 0);
+  BW_TRY(bwi_symbolic_for(context, system->pattern, system->dof_map,
+                          solver ? solver->options.ordering : BW_ORDERING_AUTO, 0, NULL, NULL, old,
+                          symbolic));
+  BW_TRY(check_memory(context, *symbolic, bwi_kernels_of(solver), available));
+  system->times.order += bw_seconds() - start;
+done:
+  return status;
+}
+
+bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_solver *solver,
+                            bwi_symbolic *old, double available) {
   bw_status status = BW_OK;
   bwi_symbolic *symbolic = NULL;
-  double start = bw_seconds();
-  if (system->factor)
+  bwi_factor *factor = NULL;
+  if (factor_serves(system->factor, solver))
     return BW_OK;
-  bw_progress(context, "ordering", 0);
-  BW_TRY(
-      bwi_symbolic_for(context, system->pattern, system->dof_map, 0, NULL, NULL, old, &symbolic));
-  BW_TRY(check_memory(context, symbolic, available));
+  BW_TRY(analyse(context, system, solver, old, available, &symbolic));
+  double start = bw_seconds();
   BW_TRY(ensure_mass(context, system));
   system->times.order += bw_seconds() - start;
 
@@ -211,13 +243,16 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, bwi_symbolic
   bwi_matrix matrix = {
       .pattern = system->pattern, .stiffness = system->stiffness, .dof_map = system->dof_map};
   int32_t bad = 0;
-  status = bwi_factor_create(context, symbolic, &matrix, &system->factor, &bad);
+  status =
+      bwi_factor_create_in(context, symbolic, &matrix, NULL, bwi_kernels_of(solver), &factor, &bad);
   if (status == BW_SINGULAR)
     status = bwi_fail_singular(context, system->mesh, bad);
   if (status != BW_OK)
     goto done;
-  system->times.factor_entries = symbolic->panel[symbolic->order->super_count];
-  system->times.factor_flops = symbolic->flops;
+  bw_release(system->factor);
+  system->factor = factor;
+  system->times.factor_entries = (int64_t)(bwi_factor_bytes(factor) / factor->kernels->size);
+  system->times.factor_flops = bwi_factor_flops(factor);
   system->times.factor += bw_seconds() - start;
   bw_release(system->two_level); /* of no more use */
   system->two_level = NULL;
@@ -226,8 +261,34 @@ done:
   return status;
 }
 
+bw_status bwi_system_precondition(bw_context *context, bw_system *system, const bw_solver *solver,
+                                  bwi_symbolic *old, double available) {
+  bw_status status = BW_OK;
+  bwi_symbolic *symbolic = NULL;
+  bwi_preconditioner *made = NULL;
+  bwi_matrix matrix = {
+      .pattern = system->pattern, .stiffness = system->stiffness, .dof_map = system->dof_map};
+  int32_t bad = 0;
+  bw_release(system->preconditioner); /* its memory first */
+  system->preconditioner = NULL;
+  if (solver->options.kind == BW_SOLVER_CHOLESKY)
+    BW_TRY(analyse(context, system, solver, old, available, &symbolic));
+  double start = bw_seconds();
+  bw_progress(context, "factorisation", 0);
+  status = bwi_preconditioner_create(context, solver, &matrix, symbolic, &made, &bad);
+  if (status == BW_SINGULAR)
+    status = bwi_fail_singular(context, system->mesh, bad);
+  if (status != BW_OK)
+    goto done;
+  system->preconditioner = made;
+  system->times.pcg += bw_seconds() - start;
+done:
+  bw_release(symbolic);
+  return status;
+}
+
 bw_status bw_system_factor(bw_context *context, bw_system *system) {
-  return bwi_system_factor(context, system, NULL, bw_available_memory());
+  return bwi_system_factor(context, system, NULL, NULL, bw_available_memory());
 }
 
 bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_material *material,
@@ -237,7 +298,7 @@ bw_status bw_system_create(bw_context *context, const bw_mesh *mesh, const bw_ma
   if (previous && !bwi_same_topology(previous->mesh, mesh))
     previous = NULL;
   BW_TRY(bwi_system_begin(context, mesh, material, dof_map, previous, &system));
-  BW_TRY(bwi_system_factor(context, system,
+  BW_TRY(bwi_system_factor(context, system, NULL,
                            previous && previous->factor ? previous->factor->symbolic : NULL,
                            bw_available_memory()));
 done:
@@ -322,9 +383,9 @@ done:
 bw_status bwi_need_factor(bw_context *context, const bw_system *system) {
   if (system->factor)
     return BW_OK;
-  if (system->two_level)
+  if (system->two_level || system->preconditioner)
     return bw_fail(context, BW_INVALID,
-                   "the system was created for two-level PCG and has no factor: factorise it first "
+                   "the system was created for PCG and has no factor: factorise it first "
                    "(bw_system_factor)");
   return bw_fail(context, BW_INVALID,
                  "the system follows an edited shape and its factor is lagged: refactorise it "

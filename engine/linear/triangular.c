@@ -440,14 +440,15 @@ static void collect(solution *solve) {
   }
 }
 
-bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int width, real *x) {
+bw_status bwi_factor_solve(bw_context *context, const bwi_factor *factor, int width, void *x) {
   bw_status status = BW_OK;
   const bwi_symbolic *symbolic = factor->symbolic;
   int workers = bw_threads(context);
   solution solve = {
       .context = context, .symbolic = symbolic, .value = factor->value, .width = width, .x = x};
-  if (factor->kernels->size != sizeof *x)
-    return bw_fail(context, BW_INTERNAL, "a solve in another precision than that of the factor");
+  if (factor->kernels->size != sizeof(real) || factor->cholmod)
+    return bw_fail(context, BW_INTERNAL,
+                   "a solve in another precision or by another backend than the factor's");
   if (factor->broken)
     return bw_fail(context, BW_INTERNAL,
                    "a solve with a factor whose last update failed: refactorise it");

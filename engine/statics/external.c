@@ -3,6 +3,7 @@
  * with the engine's own matrices, whatever the solver says. */
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "barwright/external.h"
@@ -122,7 +123,7 @@ static bw_status check(bw_context *context, equations *e, double rtol, const bw_
   if (!product_rounding && !nothing_to_solve) {
     status = bw_fail(context, BW_CONVERGENCE,
                      "the residual of the solution is %.2e of the load; %.2e was requested. Give a "
-                     "larger rtol, or method = \"cholesky\"",
+                     "larger tolerance, or the solver cholesky",
                      result->residual, rtol);
     bw_detail_number(context, "residual", result->residual);
   }
@@ -132,14 +133,41 @@ done:
   return status;
 }
 
-bw_status bw_statics_external(bw_context *context, const bw_model *model,
-                              const bw_statics_options *statics, const bw_external_options *given,
-                              bw_static **out) {
+/* What the external solver is told of a bw_solver. */
+static bw_external_options options_of(const bw_solver *solver) {
+  bw_external_options options;
+  bw_external_options_default(&options);
+  if (solver->options.kind == BW_SOLVER_PCG) {
+    options.method = BW_EXTERNAL_CG;
+    options.rtol = solver->options.tolerance;
+    options.iterations = solver->options.max_iterations;
+  } else
+    options.method = BW_EXTERNAL_CHOLESKY;
+  return options;
+}
+
+static void fill_report(const bw_solver *solver, bw_static *result) {
+  const bw_external_report *external = result->external;
+  bw_solver_report *report = &result->report;
+  report->solver = bw_solver_word(solver->options.kind);
+  report->backend = bw_backend_word(BW_BACKEND_PETSC);
+  if (solver->options.kind == BW_SOLVER_PCG)
+    report->preconditioner = bw_solver_word(BW_SOLVER_AMG);
+  report->iterations = external->iterations;
+  report->bytes = external->bytes;
+  report->residual = result->residual;
+  snprintf(report->reason, sizeof report->reason, "it was given");
+}
+
+bw_status bwi_statics_external(bw_context *context, const bw_model *model,
+                               const bw_statics_options *statics, bw_static **out) {
   bw_status status = BW_OK;
+  const bw_external_options given = options_of(statics->solver);
   bw_external_options options;
   equations e = {0};
   bw_static *result = NULL;
-  BW_TRY(check_options(context, given, BW_EXTERNAL_CG, &options));
+  double start = bw_seconds();
+  BW_TRY(check_options(context, &given, BW_EXTERNAL_CG, &options));
   BW_TRY(bw_dof_map_create(context, model, &e.dof_map));
   BW_TRY(bwi_static_begin(context, model, statics, e.dof_map, &result));
   result->external = BW_NEW0(context, bw_external_report, 1);
@@ -155,9 +183,11 @@ bw_status bw_statics_external(bw_context *context, const bw_model *model,
     BW_TRY(check(context, &e, options.rtol, result));
 done:
   clear(context, &e, result ? result->external : NULL);
-  if (status == BW_OK)
+  if (status == BW_OK) {
+    fill_report(statics->solver, result);
+    result->report.seconds = bw_seconds() - start;
     *out = result;
-  else
+  } else
     bw_release(result);
   return status;
 }

@@ -28,4 +28,8 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
                            const bw_block_pattern *pattern, const double *stiffness,
                            const bwi_static_solver *solver, bw_static *result);
 
+/* bw_statics by the external solver (external.c). */
+bw_status bwi_statics_external(bw_context *context, const bw_model *model,
+                               const bw_statics_options *options, bw_static **result);
+
 #endif

@@ -1,14 +1,19 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Static solutions of a model: by the factor of its system, or by two-level PCG without one.
+/* Static solutions of a model by the solver that is given, or by the one that costs less: the
+ * factor of its system, or two-level PCG without one.
  *
  * A factor serves whatever comes next: other loads, modes, the worst case. So it is left alone
  * where it costs little. Where it costs much, PCG is taken, which serves one solution; those
  * that follow are counted, and when they would come to more than the factor, that is made: whatever
  * comes, the cost is no more than twice that of the better way. */
+#include <assert.h>
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 
 #include "barwright/job.h"
 #include "linear/cost.h"
+#include "linear/pcg.h"
 #include "linear/system_two_level.h"
 #include "statics/internal.h"
 
@@ -16,38 +21,73 @@ enum {
   ITERATIONS = 2000, /* no way to solve */
   SMALL = 30000      /* unknowns: always the factor */
 };
-/* Seconds of the model's machine that a factor may take, and bytes: there are machines with less
+/* Seconds of the reference machine that a factor may take, and bytes: there are machines with less
  * memory than this, but few. */
 #define CHEAP 5.0
 #define LARGE 4e9
 /* Of the factor's cost that PCG may be at most: it may serve again. */
 #define MAX_COST_RATIO 0.5
 
+typedef enum way { BY_FACTOR, BY_TWO_LEVEL, BY_PCG } way;
+
 typedef struct statics {
   bw_context *context;
   const bw_model *model;
   bw_statics_options opts;
+  const bw_solver *preconditioner; /* of BY_PCG: block Jacobi or a factor */
+  double tolerance;                /* (-) relative residual of PCG */
+  int max_iterations;
   double available;  /* bytes that a factor may take */
   bwi_symbolic *old; /* of a former system, or NULL */
   bw_static *result;
   int limit, passes;
-  bool pcg;
+  way way;
 } statics;
 
-static bw_status check_options(bw_context *context, const bw_statics_options *given,
-                               bw_statics_options *opts) {
-  *opts = given ? *given : (bw_statics_options){0};
-  if (opts->method < BW_STATICS_AUTO || opts->method > BW_STATICS_PCG)
-    return bw_fail(context, BW_INVALID, "solution method %d is not known", (int)opts->method);
-  if (opts->iterations == 0)
-    opts->iterations = ITERATIONS;
-  if (opts->iterations < 1)
-    return bw_fail(context, BW_INVALID, "%d iterations: at least 1 expected", opts->iterations);
-  if (!(opts->memory >= 0))
-    return bw_fail(context, BW_INVALID,
-                   "memory %g bytes: a positive number expected, or 0 for what is free",
-                   opts->memory);
-  return BW_OK;
+/* ---- what is asked for ----------------------------------------------------------------------- */
+
+static bw_status unsupported_amg(bw_context *context) {
+  return bw_fail(context, BW_UNSUPPORTED,
+                 "algebraic multigrid of the engine's own is not implemented: give the backend "
+                 "\"petsc\", or the preconditioner two_level");
+}
+
+/* The way of a solver that is given, its preconditioner and its limits. */
+static bw_status read_solver(statics *s) {
+  const bw_solver *solver = s->opts.solver;
+  s->tolerance = BWI_REFINE_TO;
+  s->max_iterations = ITERATIONS;
+  if (!solver)
+    return BW_OK;
+  const bw_solver *m = solver->options.preconditioner;
+  switch (solver->options.kind) {
+  case BW_SOLVER_CHOLESKY: /* in single precision it is a preconditioner */
+    s->way = solver->options.precision == 32 ? BY_PCG : BY_FACTOR;
+    s->preconditioner = solver;
+    return BW_OK;
+  case BW_SOLVER_PCG:
+    s->tolerance = solver->options.tolerance;
+    s->max_iterations = solver->options.max_iterations;
+    s->way = m && m->options.kind != BW_SOLVER_TWO_LEVEL ? BY_PCG : BY_TWO_LEVEL;
+    s->preconditioner = m;
+    return m && m->options.kind == BW_SOLVER_AMG ? unsupported_amg(s->context) : BW_OK;
+  default:
+    return bw_fail(s->context, BW_INVALID,
+                   "\"%s\" is a preconditioner and no solver: give it to pcg",
+                   bw_solver_word(solver->options.kind));
+  }
+}
+
+static bw_status check_options(statics *s, const bw_statics_options *given) {
+  bw_status status = BW_OK;
+  s->opts = given ? *given : (bw_statics_options){0};
+  BW_TRY(read_solver(s));
+  if (!(s->opts.memory >= 0))
+    status = bw_fail(s->context, BW_INVALID,
+                     "memory %g bytes: a positive number expected, or 0 for what is free",
+                     s->opts.memory);
+done:
+  return status;
 }
 
 /* The equations: those given where they fit, else new ones that reuse what they can. */
@@ -55,7 +95,8 @@ static bw_status prepare_system(statics *s, const bw_dof_map *dof_map, bw_system
   const bw_model *model = s->model;
   if (given && !bwi_same_topology(given->mesh, model->mesh))
     given = NULL;
-  if (given && (given->factor || given->two_level) && bwi_system_serves(given, model, dof_map)) {
+  if (given && (given->factor || given->two_level || given->preconditioner) &&
+      bwi_system_serves(given, model, dof_map)) {
     s->result->system = bw_retain(given);
     return BW_OK;
   }
@@ -66,6 +107,13 @@ static bw_status prepare_system(statics *s, const bw_dof_map *dof_map, bw_system
 
 /* ---- the choice ---------------------------------------------------------------------------- */
 
+__attribute__((format(printf, 2, 3))) static void say(statics *s, const char *format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(s->result->report.reason, sizeof s->result->report.reason, format, arguments);
+  va_end(arguments);
+}
+
 static double next_by_pcg(const bwi_cost_prediction *cost) {
   return (1 + BWI_TWO_LEVEL_RATE * log(2 / BWI_REFINE_TO)) * cost->one_iteration;
 }
@@ -74,83 +122,71 @@ static bool has_memory(const statics *s, const bwi_cost_prediction *cost) {
   return cost->factor_bytes <= s->available;
 }
 
-static bool pcg_is_better(const statics *s, const bw_system *system) {
+static bool pcg_is_better(statics *s, const bw_system *system) {
   const bwi_two_level_solver *two_level = system->two_level;
   const bwi_cost_prediction *cost = &two_level->prediction;
-  if (cost->factor_bytes > LARGE || !has_memory(s, cost))
+  if (cost->factor_bytes > LARGE || !has_memory(s, cost)) {
+    say(s, "a factor is predicted to take %.2g GB, more than %.2g GB", cost->factor_bytes / 1e9,
+        fmin(LARGE, s->available) / 1e9);
     return true;
-  if (two_level->preconditioner)
-    return two_level->spent + next_by_pcg(cost) <= cost->factor;
-  return cost->factor >= CHEAP && cost->pcg <= MAX_COST_RATIO * cost->factor;
+  }
+  bool made = two_level->preconditioner != NULL;
+  bool better = made ? two_level->spent + next_by_pcg(cost) <= cost->factor
+                     : cost->factor >= CHEAP && cost->pcg <= MAX_COST_RATIO * cost->factor;
+  if (made)
+    say(s,
+        "solutions by two-level PCG are predicted to have cost %.2g s with this one, a factor "
+        "%.2g s",
+        two_level->spent + next_by_pcg(cost), cost->factor);
+  else
+    say(s, "two-level PCG is predicted to cost %.2g s, a factor %.2g s of %.2g GB", cost->pcg,
+        cost->factor, cost->factor_bytes / 1e9);
+  return better;
 }
 
 static bw_status choose(statics *s) {
   bw_status status = BW_OK;
   bw_system *system = s->result->system;
-  bw_statics_method method = s->opts.method;
+  const bw_solver *solver = s->opts.solver;
   bool fit = bwi_two_level_applies(system);
-  s->pcg = false;
-  if (method == BW_STATICS_PCG && !fit)
-    return bw_fail(s->context, BW_INVALID,
-                   "a solution by two-level PCG needs quadratic elements, and supports that "
-                   "constrain all rigid-body modes: %s",
-                   system->mesh->order == 2 ? "this one is free to move" : "these are linear");
-  if (method == BW_STATICS_FACTOR || !fit || (method == BW_STATICS_AUTO && system->factor) ||
-      (method == BW_STATICS_AUTO && system->dof_map->unknown_count < SMALL))
-    return BW_OK;
+  if (solver) {
+    say(s, "it was given");
+    if (s->way != BY_TWO_LEVEL)
+      return BW_OK;
+    if (!fit)
+      return bw_fail(s->context, BW_INVALID,
+                     "the two-level preconditioner needs quadratic elements, and supports that "
+                     "constrain all rigid-body modes: %s",
+                     system->mesh->order == 2 ? "this one is free to move" : "these are linear");
+  } else {
+    s->way = BY_FACTOR;
+    if (system->factor)
+      say(s, "the equations have a factor already");
+    else if (!fit)
+      say(s, "two-level PCG needs quadratic elements and supports that constrain all rigid-body "
+             "modes");
+    else if (system->dof_map->unknown_count < SMALL)
+      say(s, "the factor of fewer than %d unknowns is cheap", (int)SMALL);
+    if (!fit || system->factor || system->dof_map->unknown_count < SMALL)
+      return BW_OK;
+  }
   if (!system->two_level)
     BW_TRY(bwi_two_level_predict(s->context, system));
-  s->pcg = method == BW_STATICS_PCG || pcg_is_better(s, system);
+  if (!solver)
+    s->way = pcg_is_better(s, system) ? BY_TWO_LEVEL : BY_FACTOR;
 done:
   return status;
 }
 
 /* As many iterations as the factor would have cost, where there is room for it. */
 static int limit_of(const statics *s, const bwi_cost_prediction *cost) {
-  if (s->opts.method == BW_STATICS_PCG || !has_memory(s, cost))
-    return s->opts.iterations;
+  if (s->opts.solver || !has_memory(s, cost))
+    return s->max_iterations;
   double break_even = fmax(cost->factor, 2 * next_by_pcg(cost)) / cost->one_iteration;
-  return break_even < s->opts.iterations ? (int)break_even : s->opts.iterations;
+  return break_even < s->max_iterations ? (int)break_even : s->max_iterations;
 }
 
-/* ---- by two-level PCG ------------------------------------------------------------------------ */
-
-static bw_status fail_convergence(const statics *s, double reached) {
-  const bw_system *system = s->result->system;
-  int iterations = s->result->report.iterations;
-  double bytes = system->two_level->prediction.factor_bytes;
-  bw_fail(
-      s->context, BW_CONVERGENCE,
-      "two-level PCG reached a residual of %.2g of the load in %d iterations; %.0e was requested: "
-      "elements are very flat, walls thinner than elements "
-      "are long, the material is nearly incompressible, or the body nearly a mechanism. Solve "
-      "by a factor (with = \"factor\"), which would take about %.3g GB of memory, or mesh again "
-      "with elements as thick as long",
-      reached, iterations, BWI_REFINE_TO, bytes / 1e9);
-  bw_detail_number(s->context, "iterations", iterations);
-  bw_detail_number(s->context, "residual", reached);
-  bw_detail_number(s->context, "factor_bytes", bytes);
-  return BW_CONVERGENCE;
-}
-
-static bw_status solve_over(bw_context *context, void *data, const double *force,
-                            double *displacement) {
-  bw_status status = BW_OK;
-  statics *s = data;
-  bw_system *system = s->result->system;
-  bwi_two_level_solver *two_level = system->two_level;
-  bwi_two_level_problem problem = {.tolerance = BWI_REFINE_TO, .limit = s->limit};
-  double start = bw_seconds();
-  BW_TRY(bwi_two_level_solve(context, two_level->preconditioner, &problem, 1, force, displacement));
-  s->result->report.iterations += problem.iterations;
-  two_level->spent += (1 + problem.iterations) * two_level->prediction.one_iteration;
-  system->times.solve += bw_seconds() - start;
-  if (!problem.converged && s->passes == 0) /* a refinement need not: it is taken if it helped */
-    status = fail_convergence(s, problem.reached);
-  s->passes++;
-done:
-  return status;
-}
+/* ---- by iterations --------------------------------------------------------------------------- */
 
 static bw_status run(statics *s, const bwi_static_solver *solver) {
   const bw_system *system = s->result->system;
@@ -158,25 +194,119 @@ static bw_status run(statics *s, const bwi_static_solver *solver) {
                           s->result);
 }
 
-static bw_status solve_by_pcg(statics *s) {
+static bw_status fail_convergence(const statics *s, const char *preconditioner, double reached) {
+  int iterations = s->result->report.iterations;
+  const bwi_two_level_solver *two_level = s->result->system->two_level;
+  char bytes[60] = "";
+  if (two_level)
+    snprintf(bytes, sizeof bytes, ", which would take about %.3g GB of memory",
+             two_level->prediction.factor_bytes / 1e9);
+  bw_fail(s->context, BW_CONVERGENCE,
+          "PCG with the preconditioner %s reached a residual of %.2g of the load in %d iterations; "
+          "%.0e was requested: elements are very flat, walls thinner than elements are long, the "
+          "material is nearly incompressible, or the body nearly a mechanism. Solve by a factor "
+          "(the solver cholesky)%s, or mesh again with elements as thick as long",
+          preconditioner, reached, iterations, s->tolerance, bytes);
+  bw_detail_number(s->context, "iterations", iterations);
+  bw_detail_number(s->context, "residual", reached);
+  if (two_level)
+    bw_detail_number(s->context, "factor_bytes", two_level->prediction.factor_bytes);
+  return BW_CONVERGENCE;
+}
+
+static bw_status solve_two_level(bw_context *context, void *data, const double *force,
+                                 double *displacement) {
+  bw_status status = BW_OK;
+  statics *s = data;
+  bw_system *system = s->result->system;
+  bwi_two_level_solver *two_level = system->two_level;
+  bwi_two_level_problem problem = {.tolerance = s->tolerance, .limit = s->limit};
+  double start = bw_seconds();
+  BW_TRY(bwi_two_level_solve(context, two_level->preconditioner, &problem, 1, force, displacement));
+  s->result->report.iterations += problem.iterations;
+  two_level->spent += (1 + problem.iterations) * two_level->prediction.one_iteration;
+  system->times.solve += bw_seconds() - start;
+  if (!problem.converged && s->passes == 0) /* a refinement need not: it is taken if it helped */
+    status = fail_convergence(s, bw_solver_word(BW_SOLVER_TWO_LEVEL), problem.reached);
+  s->passes++;
+done:
+  return status;
+}
+
+static bw_status by_two_level(statics *s) {
   bw_status status = BW_OK;
   bw_system *system = s->result->system;
-  bool usable;
-  const bwi_static_solver solver = {.solve = solve_over, .data = s, .refine_to = BWI_REFINE_TO};
+  bw_solver_report *report = &s->result->report;
+  bool usable, made = system->two_level->preconditioner != NULL;
+  const bwi_static_solver solver = {.solve = solve_two_level, .data = s, .refine_to = s->tolerance};
   BW_TRY(bwi_two_level_make(s->context, s->model, system, &usable));
   if (!usable) {
     status =
         bw_fail(s->context, BW_SINGULAR,
                 "the stiffness of the linear elements is singular, or so nearly that double "
                 "precision cannot tell, although the body cannot move freely: parts touch only "
-                "in a node or an edge, or elements have almost no volume (with = \"factor\" "
+                "in a node or an edge, or elements have almost no volume (the solver cholesky "
                 "says where)");
     goto done;
   }
   s->limit = limit_of(s, &system->two_level->prediction);
   BW_TRY(run(s, &solver));
-  s->result->report.method = BW_STATICS_PCG;
-  s->result->report.coarse_unknowns = bwi_coarse_unknowns(system->two_level->coarse);
+  report->solver = bw_solver_word(BW_SOLVER_PCG);
+  report->preconditioner = bw_solver_word(BW_SOLVER_TWO_LEVEL);
+  if (!s->opts.solver) {
+    report->predicted_cost = system->two_level->prediction.pcg;
+    report->rival_cost = system->two_level->prediction.factor;
+  }
+  report->flops = made ? 0 : bwi_coarse_flops(system->two_level->coarse);
+  report->bytes = (double)bw_bytes(system->two_level->preconditioner);
+  report->reused = made;
+done:
+  return status;
+}
+
+/* With the preconditioner of the system. */
+static bw_status solve_pcg(bw_context *context, void *data, const double *force,
+                           double *displacement) {
+  bw_status status = BW_OK;
+  statics *s = data;
+  bw_system *system = s->result->system;
+  bwi_pcg problem = {.pattern = system->pattern,
+                     .stiffness = system->stiffness,
+                     .dof_map = system->dof_map,
+                     .precondition = bwi_preconditioner_apply,
+                     .data = system->preconditioner,
+                     .tolerance = s->tolerance,
+                     .limit = s->max_iterations};
+  double start = bw_seconds();
+  bw_progress(context, "conjugate gradients", 0);
+  BW_TRY(bwi_pcg_solve(context, &problem, 1, force, displacement));
+  s->result->report.iterations += problem.iterations;
+  system->times.solve += bw_seconds() - start;
+  if (!problem.converged && s->passes == 0)
+    status = fail_convergence(s, bw_solver_word(system->preconditioner->solver->options.kind),
+                              problem.residual);
+  s->passes++;
+done:
+  return status;
+}
+
+static bw_status by_pcg(statics *s) {
+  bw_status status = BW_OK;
+  bw_system *system = s->result->system;
+  bw_solver_report *report = &s->result->report;
+  const bwi_static_solver solver = {.solve = solve_pcg, .data = s, .refine_to = s->tolerance};
+  bool made = system->preconditioner && system->preconditioner->solver == s->preconditioner;
+  if (!made)
+    BW_TRY(bwi_system_precondition(s->context, system, s->preconditioner, s->old, s->available));
+  BW_TRY(run(s, &solver));
+  const bwi_factor *factor = system->preconditioner->factor;
+  bool refined = s->opts.solver->options.kind == BW_SOLVER_CHOLESKY;
+  report->solver = bw_solver_word(refined ? BW_SOLVER_CHOLESKY : BW_SOLVER_PCG);
+  report->preconditioner = refined ? "" : bw_solver_word(s->preconditioner->options.kind);
+  report->backend = factor ? factor->kernels->backend : "";
+  report->flops = factor && !made ? bwi_factor_flops(factor) : 0;
+  report->bytes = (double)bw_bytes(system->preconditioner);
+  report->reused = made;
 done:
   return status;
 }
@@ -188,42 +318,42 @@ static bw_status solve_system(bw_context *context, void *data, const double *for
   return bw_system_solve(context, data, 1, force, displacement);
 }
 
-static bw_status solve_by_factor(statics *s) {
+static bw_status by_factor(statics *s) {
   bw_status status = BW_OK;
   bw_system *system = s->result->system;
-  bw_statics_report *report = &s->result->report;
+  bw_solver_report *report = &s->result->report;
+  const bwi_factor *before = system->factor;
   const bwi_static_solver solver = {
       .solve = solve_system, .data = system, .refine_to = BWI_REFINE_TO};
+  if (system->two_level && !s->opts.solver) {
+    report->predicted_cost = system->two_level->prediction.factor;
+    report->rival_cost = system->two_level->prediction.pcg;
+  }
   if (system->two_level) { /* their memory first */
     bw_release(system->two_level->preconditioner);
     system->two_level->preconditioner = NULL;
   }
-  BW_TRY(bwi_system_factor(s->context, system, s->old, s->available));
-  report->method = BW_STATICS_FACTOR;
-  report->factor_flops = system->times.factor_flops;
-  report->factor_bytes = (double)bwi_factor_bytes(system->factor);
+  BW_TRY(bwi_system_factor(s->context, system, s->way == BY_FACTOR ? s->opts.solver : NULL, s->old,
+                           s->available));
   BW_TRY(run(s, &solver));
+  report->solver = bw_solver_word(BW_SOLVER_CHOLESKY);
+  report->backend = system->factor->kernels->backend;
+  report->reused = system->factor == before;
+  report->flops = system->factor == before ? 0 : bwi_factor_flops(system->factor);
+  report->bytes = (double)bwi_factor_bytes(system->factor);
 done:
   return status;
 }
 
-static void note_prediction(statics *s) {
-  const bwi_two_level_solver *two_level = s->result->system->two_level;
-  bw_statics_report *report = &s->result->report;
-  if (!two_level)
-    return;
-  report->factor_flops = two_level->prediction.factor_flops;
-  report->factor_bytes = two_level->prediction.factor_bytes;
-  report->predicted_factor = two_level->prediction.factor;
-  report->predicted_pcg = two_level->prediction.pcg;
-}
+/* ---- together -------------------------------------------------------------------------------- */
 
 /* Whether a failure of one way is no failure while the other may do. */
 static bool other_way(const statics *s, bw_status status) {
   const bw_system *system = s->result->system;
-  if (s->opts.method != BW_STATICS_AUTO)
-    return false;
-  if (s->pcg)
+  if (s->opts.solver) /* a factor in single precision may lack digits */
+    return s->way == BY_PCG && s->opts.solver->options.kind == BW_SOLVER_CHOLESKY &&
+           (status == BW_CONVERGENCE || status == BW_SINGULAR);
+  if (s->way == BY_TWO_LEVEL)
     return (status == BW_CONVERGENCE && has_memory(s, &system->two_level->prediction)) ||
            status == BW_SINGULAR;
   return status == BW_MEMORY && bwi_two_level_applies(system) &&
@@ -233,28 +363,43 @@ static bool other_way(const statics *s, bw_status status) {
 static bw_status solve(statics *s) {
   bw_status status = BW_OK;
   bw_context *context = s->context;
+  static bw_status (*const ways[])(statics *) = {
+      [BY_FACTOR] = by_factor, [BY_TWO_LEVEL] = by_two_level, [BY_PCG] = by_pcg};
   BW_TRY(choose(s));
-  note_prediction(s);
-  status = s->pcg ? solve_by_pcg(s) : solve_by_factor(s);
+  status = ways[s->way](s);
   if (status == BW_OK || !other_way(s, status))
     goto done;
   bw_clear_failure(context);
-  if (s->pcg) {
+  if (s->way == BY_PCG) {
+    bw_warn(context, "the factor in single precision lacks digits; one in double precision gives "
+                     "the solution");
+    bw_release(s->result->system->preconditioner);
+    s->result->system->preconditioner = NULL;
+    BW_TRY(by_factor(s));
+  } else if (s->way == BY_TWO_LEVEL) {
     if (status == BW_CONVERGENCE)
       bw_warn(context,
               "two-level PCG did not converge in %d iterations; a Cholesky factorisation gives the "
               "solution",
               s->result->report.iterations);
-    BW_TRY(solve_by_factor(s));
+    say(s, "two-level PCG did not converge");
+    BW_TRY(by_factor(s));
   } else {
     s->available = 0; /* there is none */
     if (!s->result->system->two_level)
       BW_TRY(bwi_two_level_predict(context, s->result->system));
-    note_prediction(s);
-    BW_TRY(solve_by_pcg(s));
+    say(s, "there is no memory for a factor");
+    BW_TRY(by_two_level(s));
   }
 done:
   return status;
+}
+
+/* Whether the external solver is asked for. */
+static bool is_external(const bw_solver *solver) {
+  if (solver && solver->options.kind == BW_SOLVER_PCG)
+    solver = solver->options.preconditioner;
+  return solver && solver->options.backend == BW_BACKEND_PETSC;
 }
 
 bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
@@ -262,12 +407,17 @@ bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *syst
   bw_status status = BW_OK;
   bw_dof_map *dof_map = NULL;
   statics s = {.context = context, .model = model};
-  BW_TRY(check_options(context, options, &s.opts));
+  double start = bw_seconds();
+  if (options && is_external(options->solver))
+    return bwi_statics_external(context, model, options, out);
+  BW_TRY(check_options(&s, options));
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
   BW_TRY(bwi_static_begin(context, model, options, dof_map, &s.result));
   BW_TRY(prepare_system(&s, dof_map, system));
   s.available = s.opts.memory > 0 ? s.opts.memory : bw_available_memory();
   BW_TRY(solve(&s));
+  s.result->report.residual = s.result->residual;
+  s.result->report.seconds = bw_seconds() - start;
 done:
   bw_release(dof_map);
   if (status == BW_OK)

@@ -101,6 +101,7 @@ bw_status bwi_static_begin(bw_context *context, const bw_model *model,
   if (!result)
     return BW_MEMORY;
   bw_object_init(result, &static_kind);
+  result->report.solver = result->report.backend = result->report.preconditioner = "";
   result->model = bw_retain(model);
   result->displacement = BW_NEW(context, double, size);
   result->force = BW_NEW(context, double, size);

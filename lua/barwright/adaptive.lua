@@ -31,7 +31,7 @@ local static_rules = with_common {
   memory_limit = {type = "number", above = 0},
   inertia_relief = {type = "boolean"},
   balance_tolerance = {type = "number", above = 0},
-  with = {type = "string", one_of = {"auto", "factor", "pcg"}},
+  solver = {type = "any"},
 }
 
 -- The parts of the elements in the error, and the error that is their sum. Without a dual problem these are the
@@ -73,7 +73,7 @@ end
 
 local function static_analysis(opts, mesh)
   local wanted = goal.read(opts.of, mesh)
-  local how = some_of(opts, {"with", "memory_limit", "inertia_relief", "balance_tolerance"})
+  local how = some_of(opts, {"solver", "memory_limit", "inertia_relief", "balance_tolerance"})
   local function step(history, part, selections)
     local static, message, details = solve(part, how)
     if not static then return nil, message, details end

@@ -1,6 +1,6 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- Several processes under MPI: large solves by PETSc and SLEPc, and byte strings between ranks. Nothing
--- of it is loaded before this file is required; `part:solve{with = "petsc"}` requires it by itself.
+-- of it is loaded before this file is required; a solver with the backend "petsc" requires it by itself.
 --
 --   mpirun -n 4 barwright --mpi script.lua
 --

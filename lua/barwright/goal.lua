@@ -66,8 +66,8 @@ end
 
 -- A dual problem's solution under forces at nodes, with the supports of the model at zero.
 local function under_forces(part, static, force)
-  local solver = static.solver
-  if not solver or solver.with ~= "pcg" then
+  local report = static.report
+  if static.reused or report.preconditioner ~= "two_level" then
     local system, message, details = part:system()
     if not system then return nil, message, details end
     return system:solve(force)
@@ -83,7 +83,7 @@ local function under_forces(part, static, force)
     end
   end
   dual:load {nodal = force}
-  local solution, message, details = dual:solve {with = "pcg"}
+  local solution, message, details = dual:solve {solver = core.solver.pcg {}}
   if not solution then return nil, message, details end
   return solution.displacement
 end

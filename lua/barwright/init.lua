@@ -11,6 +11,7 @@ local bw = {
   surface = core.surface,
   mesh = core.mesh,
   material = core.material,
+  solver = core.solver,
   model = core.model,
   element_stress = core.element_stress,
   nodal_stress = core.nodal_stress,

@@ -349,47 +349,29 @@ static bool external_ready(lua_State *L) {
   return false;
 }
 
-/* model:solve{inertia_relief, balance_tolerance, with, iterations, memory_limit, method, rtol} */
+/* model:solve{inertia_relief, balance_tolerance, solver, memory_limit} */
 static int model_solve(lua_State *L) {
-  struct opts {
-    bw_statics_options options;
-    external_opts with;
-  } opts = {.options = {.tolerance = 1e-6}};
   static const lbw_option list[] = {
-      {"inertia_relief", LBW_BOOLEAN, offsetof(struct opts, options.inertia_relief)},
-      {"balance_tolerance", LBW_REAL, offsetof(struct opts, options.tolerance)},
-      {"with", LBW_OTHER, 0},
-      {"memory_limit", LBW_REAL, offsetof(struct opts, options.memory)},
-      {"method", LBW_OTHER, 0},
-      {"rtol", LBW_REAL, offsetof(struct opts, with.options.rtol)},
-      {"iterations", LBW_INT, offsetof(struct opts, with.options.iterations)},
+      {"inertia_relief", LBW_BOOLEAN, offsetof(bw_statics_options, inertia_relief)},
+      {"balance_tolerance", LBW_REAL, offsetof(bw_statics_options, tolerance)},
+      {"memory_limit", LBW_REAL, offsetof(bw_statics_options, memory)},
+      {"solver", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
-  static const char *const names[] = {"auto", "factor", "pcg", "petsc", NULL};
+  bw_statics_options options = {.tolerance = 1e-6};
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
   lua_settop(L, 2);
-  bw_external_options_default(&opts.with.options);
-  lbw_options(L, 2, "solve", list, &opts);
-  read_external(L, "solve", names, &opts.with);
-  check_belongs(L, "solve", "iterations", opts.with.external || opts.with.with == BW_STATICS_PCG,
-                "with = \"pcg\" and with = \"petsc\"");
-  check_belongs(L, "solve", "memory_limit",
-                opts.with.with == BW_STATICS_AUTO || opts.with.with == BW_STATICS_FACTOR,
-                "with = \"auto\" and with = \"factor\"");
-  if (opts.with.external && !external_ready(L))
+  lbw_options(L, 2, "solve", list, &options);
+  options.solver = lbw_solver_option(L, 2, "solve");
+  bool external = lbw_solver_is_external(options.solver);
+  bool factor = options.solver && options.solver->options.kind == BW_SOLVER_CHOLESKY && !external;
+  check_belongs(L, "solve", "memory_limit", !options.solver || factor,
+                "a factor on this machine (bw.solver.cholesky), or no solver");
+  if (external && !external_ready(L))
     return 3;
   lbw_box *box = lbw_box_new(L, &lbw_static_class);
   bw_static *result = NULL;
-  bw_context *context = lbw_enter(L);
-  bw_status status;
-  if (opts.with.external)
-    status = bw_statics_external(context, (const bw_model *)model->object, &opts.options,
-                                 &opts.with.options, &result);
-  else {
-    opts.options.method = (bw_statics_method)opts.with.with;
-    opts.options.iterations = opts.with.options.iterations;
-    status = bw_statics(context, (const bw_model *)model->object, (bw_system *)model->extra,
-                        &opts.options, &result);
-  }
+  bw_status status = bw_statics(lbw_enter(L), (const bw_model *)model->object,
+                                (bw_system *)model->extra, &options, &result);
   if (status == BW_OK && result->system && result->system != model->extra) {
     bw_release(model->extra);
     model->extra = bw_retain(result->system);

@@ -200,21 +200,10 @@ static int static_times(lua_State *L) {
   return 1;
 }
 
-/* How a external solver did it; nil for the engine's own. */
-static int push_outside(lua_State *L, const char *with, const bw_external_report *report) {
-  if (!report) {
-    lua_pushnil(L);
-    return 1;
-  }
-  lua_createtable(L, 0, 11);
-  lua_pushstring(L, with);
-  lua_setfield(L, -2, "with");
-  lua_pushstring(L, report->method);
-  lua_setfield(L, -2, "method");
+/* How an external solver worked, into the table on the top. */
+static void add_external(lua_State *L, const bw_external_report *report) {
   lua_pushinteger(L, report->ranks);
   lua_setfield(L, -2, "ranks");
-  lua_pushinteger(L, report->iterations);
-  lua_setfield(L, -2, "iterations");
   lua_pushnumber(L, report->send);
   lua_setfield(L, -2, "send_seconds");
   lua_pushnumber(L, report->assembly);
@@ -225,39 +214,34 @@ static int push_outside(lua_State *L, const char *with, const bw_external_report
   lua_setfield(L, -2, "solve_seconds");
   lua_pushnumber(L, report->processor);
   lua_setfield(L, -2, "processor_seconds");
-  lua_pushnumber(L, report->bytes);
-  lua_setfield(L, -2, "peak_bytes");
   lua_pushnumber(L, report->largest);
   lua_setfield(L, -2, "largest_rank_bytes");
+}
+
+static int static_report(lua_State *L) {
+  const bw_static *result = self(L);
+  lbw_push_report(L, &result->report);
+  if (result->external)
+    add_external(L, result->external);
   return 1;
 }
 
-static int static_solver(lua_State *L) {
-  const bw_static *result = self(L);
-  const bw_statics_report *report = &result->report;
-  if (report->method == BW_STATICS_AUTO) /* by a solver outside, or in an edit session */
-    return push_outside(L, "petsc", result->external);
-  lua_createtable(L, 0, 8);
-  lua_pushstring(L, report->method == BW_STATICS_PCG ? "pcg" : "factor");
+/* That of an external solver of modes; nil for the engine's own. */
+static int push_outside(lua_State *L, const char *with, const bw_external_report *report) {
+  if (!report) {
+    lua_pushnil(L);
+    return 1;
+  }
+  lua_createtable(L, 0, 10);
+  lua_pushstring(L, with);
   lua_setfield(L, -2, "with");
+  lua_pushstring(L, report->method);
+  lua_setfield(L, -2, "method");
   lua_pushinteger(L, report->iterations);
   lua_setfield(L, -2, "iterations");
-  lua_pushnumber(L, result->residual);
-  lua_setfield(L, -2, "residual");
-  lua_pushnumber(L, report->factor_bytes);
-  lua_setfield(L, -2, "factor_bytes");
-  lua_pushnumber(L, report->factor_flops);
-  lua_setfield(L, -2, "factor_flops");
-  if (report->method == BW_STATICS_PCG) {
-    lua_pushinteger(L, report->coarse_unknowns);
-    lua_setfield(L, -2, "coarse_unknowns");
-  }
-  if (report->predicted_factor > 0) {
-    lua_pushnumber(L, report->predicted_factor);
-    lua_setfield(L, -2, "predicted_factor");
-    lua_pushnumber(L, report->predicted_pcg);
-    lua_setfield(L, -2, "predicted_pcg");
-  }
+  lua_pushnumber(L, report->bytes);
+  lua_setfield(L, -2, "peak_bytes");
+  add_external(L, report);
   return 1;
 }
 
@@ -284,11 +268,15 @@ static int static_tostring(lua_State *L) {
     double length = bw_norm(result->displacement + 3 * i);
     largest = length > largest ? length : largest;
   }
-  char text[360], how[60] = "";
+  const bw_solver_report *report = &result->report;
+  char text[400], how[120];
   lua_settop(L, 1);
   lbw_cached(L, "error", unknown_error);
-  if (result->report.method == BW_STATICS_PCG)
-    snprintf(how, sizeof how, ", in %d iterations by two-level PCG", result->report.iterations);
+  if (report->iterations > 0 && *report->preconditioner)
+    snprintf(how, sizeof how, ", by %s (%s) in %d iterations", report->solver,
+             report->preconditioner, report->iterations);
+  else
+    snprintf(how, sizeof how, ", by %s (%s)", report->solver, report->backend);
   snprintf(text, sizeof text,
            "static solution on %d nodes: largest displacement %s, strain energy %s, residual "
            "%.1e%s; %.80s",
@@ -326,7 +314,7 @@ static const luaL_Reg static_properties[] = {
     {"mesh", static_mesh},
     {"material", static_material},
     {"times", static_times},
-    {"solver", static_solver},
+    {"report", static_report},
     {NULL, NULL}};
 static const luaL_Reg static_meta[] = {{"__tostring", static_tostring}, {NULL, NULL}};
 const lbw_class lbw_static_class = {"static", static_methods, static_properties, static_meta,

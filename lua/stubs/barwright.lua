@@ -70,6 +70,7 @@
 ---@field metamaterial bw.MetamaterialModule
 ---@field mesh bw.MeshModule
 ---@field material bw.MaterialModule
+---@field solver bw.SolverModule
 ---@field shapes bw.ShapesModule
 ---@field json bw.JsonModule
 ---@field results bw.ResultsModule

@@ -7,7 +7,7 @@
 -- The processes that `mpirun` started: solving on all of them, and byte strings between them. `require "barwright.distributed"`
 -- gives the module; it raises where barwright was built without MPI. docs/howto_cluster.md has more.
 
----The processes of one run, called ranks. A solution with `with = "petsc"` loads this by itself; `barwright --mpi` calls `start`.
+---The processes of one run, called ranks. A solver with the backend "petsc" loads this by itself; `barwright --mpi` calls `start`.
 ---```lua
 ---local distributed = require "barwright.distributed"
 ---assert(distributed.ready())

@@ -165,7 +165,7 @@ function Model:rigid_modes() end
 ---A load that is not balanced on a free body is refused, unless `inertia_relief` is set. A body whose whole boundary is fixed,
 ---and a load on supports only, raise. A warning states where 5 % or more of a load's area lies on supports.
 ---
----Without `with`, the solver is chosen by counted costs: a sparse Cholesky factor, or conjugate gradients with a two-level
+---Without `solver`, it is chosen by counted costs: a sparse Cholesky factor, or conjugate gradients with a two-level
 ---preconditioner (PCG over quadratic and linear elements) where that costs less than half, or where the factor would take more than 4 GB or more
 ---than `memory_limit`. A factor serves later solutions, modes and worst cases of the same model.
 ---
@@ -174,7 +174,7 @@ function Model:rigid_modes() end
 ---
 ---Errors: unconstrained (a load is not balanced against free rigid-body motions), singular (the matrix is not positive definite although
 ---supports hold the part), convergence (conjugate gradients did not converge), memory (the factor does not fit), limit (more than
----`max_elements` at the first refinement), unsupported (`with = "petsc"` in a build without MPI).
+---`max_elements` at the first refinement), unsupported (the backend "petsc" in a build without MPI; `bw.solver.amg` of the engine's own).
 ---
 ---Source: docs/theory/solving.md; docs/theory/error_control.md.
 ---@param options? bw.ModelSolveOptions solver and error
@@ -187,11 +187,8 @@ function Model:solve(options) end
 ---@class bw.ModelSolveOptions
 ---@field inertia_relief? boolean balance a load on a free body by inertia. Default: false
 ---@field balance_tolerance? number (-) a load is balanced when its part along free motions is below this fraction of its size. Default: 1e-6
----@field with? "auto"|"factor"|"pcg"|"petsc" the solver. "pcg" (conjugate gradients with the two-level preconditioner) needs elements of order 2 and supports that hold the part; "petsc" runs on all processes that mpirun started (docs/howto_cluster.md). Default: "auto"
----@field memory_limit? number (bytes) that a factor may take; with "auto" and "factor". Default: the free memory
----@field iterations? integer (count) of conjugate gradients at most; with "pcg" and "petsc". Default: 2000
----@field method? "auto"|"cg"|"cholesky" with "petsc": conjugate gradients with multigrid, or MUMPS. Default: "auto", which is "cg"
----@field rtol? number (-) with "petsc": relative residual to be reached. Default: 1e-10
+---@field solver? bw.Solver|"auto" the solver, of `bw.solver`. Default: "auto", chosen by counted costs
+---@field memory_limit? number (bytes) that a factor may take; without a solver, and with `bw.solver.cholesky`. Default: the free memory
 ---@field error? number (-) relative error to be reached. Range: above 0 to 1. Default: none, one mesh
 ---@field of? string|bw.Vector|bw.PointGoal|bw.ReactionGoal|bw.Selection|fun(static: bw.Static): number (m, of a point) with `error`: the quantity. A word means the largest value at nodes: "von_mises", "max_principal" or "displacement". A point means the von Mises stress there, a selection the reaction on it, a function the number that it returns. Default: "von_mises"
 ---@field max_elements? integer (count) with `error`: elements at most. Range: 1 to 100000000. Default: 200000

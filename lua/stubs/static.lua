@@ -36,7 +36,7 @@
 ---@field mesh bw.Mesh of the model
 ---@field material bw.Material of the model
 ---@field times bw.SolveTimes? of the system; nil in an edit session and with "petsc"
----@field solver bw.SolverReport? which solver found it; nil in an edit session
+---@field report bw.SolverReport which solver found it, and why
 ---@field reused bw.Reuse? in an edit session: what was reused; nil elsewhere
 local Static = {}
 
@@ -51,24 +51,18 @@ local Static = {}
 ---@field factor_entries integer (count) entries of the factor
 ---@field factor_flops number (count) operations of the factor
 
----Which solver found a solution. Costs that are predicted are those of one fixed machine.
----@class bw.SolverReport
----@field with "factor"|"pcg"|"petsc"|"slepc" the solver
----@field iterations integer (count) of conjugate gradients; with "factor": those that were tried before
----@field residual? number (-) |K u - f| / |f|
----@field factor_bytes? number (bytes) of the factor; with "pcg": predicted
----@field factor_flops? number (count) operations of the factor; with "pcg": predicted
----@field coarse_unknowns? integer (count) with "pcg": of the linear elements
----@field predicted_factor? number (s) where the solver was chosen: cost of a factor
----@field predicted_pcg? number (s) where the solver was chosen: cost of the iterations
----@field method? string of PETSc and SLEPc: such as "conjugate gradients, GAMG"
----@field ranks? integer (count) of PETSc and SLEPc: processes
----@field send_seconds? number (s) of PETSc and SLEPc: sending the matrix
----@field setup_seconds? number (s) of PETSc and SLEPc: multigrid or factor
----@field solve_seconds? number (s) of PETSc and SLEPc: solving
----@field processor_seconds? number (s) of PETSc and SLEPc: processor time of all processes
----@field peak_bytes? number (bytes) of PETSc and SLEPc: memory of all processes at their peaks
----@field largest_rank_bytes? number (bytes) of PETSc and SLEPc: memory of the largest process
+---How SLEPc found modes.
+---@class bw.ExternalReport
+---@field with "slepc" the solver
+---@field method string such as "Cholesky factor, MUMPS"
+---@field iterations integer (count) of conjugate gradients
+---@field peak_bytes number (bytes) memory of all processes at their peaks
+---@field ranks integer (count) processes
+---@field send_seconds number (s) sending the matrix
+---@field setup_seconds number (s) multigrid or factor
+---@field solve_seconds number (s) solving
+---@field processor_seconds number (s) processor time of all processes
+---@field largest_rank_bytes number (bytes) memory of the largest process
 
 ---What a solution of an edit session reused, and what it cost. `print` shows it.
 ---@class bw.Reuse

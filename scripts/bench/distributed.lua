@@ -28,14 +28,18 @@ local function measure(kind, cells, order, ranks)
   if kind == "own" then static = assert(part:solve())
   elseif kind == "own modes" then modes = assert(part:modes {count = 10})
   elseif kind == "SLEPc modes" then modes = assert(part:modes {count = 10, with = "slepc"})
-  else static = assert(part:solve {with = "petsc", method = kind, rtol = 1e-8}) end
+  elseif kind == "cg" then
+    static = assert(part:solve {solver = bw.solver.pcg {tolerance = 1e-8,
+      preconditioner = bw.solver.amg {backend = "petsc"}}})
+  else static = assert(part:solve {solver = bw.solver.cholesky {backend = "petsc"}}) end
   seconds, processor = bw.seconds() - seconds, os.clock() - processor
-  local solver = (static or modes).solver
+  local solver = static and static.report.ranks and static.report or modes and modes.solver
   local peak = tonumber(io.open "/proc/self/status":read "a":match "VmHWM:%s+(%d+)") * 1024
   local line = "| %d, tet%d | %s | %s | %.1f | %.1f | %s | %.2f | %.2f |"
   print(line:format(mesh.node_count * 3,
     order == 1 and 4 or 10, kind, ranks, seconds, solver and solver.processor_seconds or processor,
-    solver and solver.iterations > 0 and solver.iterations or "", (solver and solver.peak_bytes or peak) / 2 ^ 30,
+    solver and (solver.iterations or 0) > 0 and solver.iterations or "",
+    (solver and (solver.peak_bytes or solver.bytes) or peak) / 2 ^ 30,
     (solver and solver.largest_rank_bytes or peak) / 2 ^ 30))
 end
 

@@ -6,16 +6,21 @@ local bw = require "barwright"
 local script = require "barwright.command.script"
 
 local opts = script.read {
-  summary = "static solutions by two-level conjugate gradients beside the factor",
+  summary = "static solutions by two-level conjugate gradients beside the factors",
   about = "Prints a Markdown table; each row is a process of its own that solves once.\n\n"
     .. "A BODY is SHAPE:CELLS or SHAPE:CELLS:SOLVER, of cubes of six tet10 each: block (N x N x N cells), bar "
-    .. "(8N x N x N) or plate (16N x 16N x N). SOLVER is pcg or factor; without it, both.",
+    .. "(8N x N x N) or plate (16N x 16N x N). SOLVER is pcg, multifrontal or cholmod; without it, all.",
   arguments = {{name = "body", many = true, optional = true,
     what = "what to solve (default block:12 block:19 block:26 block:37:pcg)"}},
   options = {{name = "here", type = "flag",
     what = "solve the first BODY, which names its solver, in this process, and print its row alone"}},
 }
 
+local solvers = {
+  pcg = function() return bw.solver.pcg() end,
+  multifrontal = function() return bw.solver.cholesky {backend = "multifrontal"} end,
+  cholmod = function() return bw.solver.cholesky {backend = "cholmod"} end,
+}
 local shapes = {block = {1, 1, 1}, bar = {8, 1, 1}, plate = {16, 16, 1}}
 
 local function processor()
@@ -35,21 +40,20 @@ local function measure(body, cells, with)
     return tonumber(io.open "/proc/self/status":read "a":match "VmHWM:%s+(%d+)") * 1024
   end
   local seconds, spent = bw.seconds(), processor()
-  local static = assert(part:solve {with = with})
+  local static = assert(part:solve {solver = solvers[with]()})
   seconds, spent = bw.seconds() - seconds, processor() - spent
-  local solver = static.solver
+  local report = static.report
   local tip = static.displacement:column(3):min()
   print(("| %s %d, %d tet10 | %d | %s | %.1f | %.1f | %s | %.2f | %.2f | %.1e | %.12g |"):format(body, cells,
-    mesh.element_count, mesh.node_count * 3, solver.with, seconds, spent,
-    solver.with == "pcg" and solver.iterations or "", peak() / 1e9, solver.factor_bytes / 1e9, static.residual,
-    tip))
+    mesh.element_count, mesh.node_count * 3, with, seconds, spent,
+    report.iterations or "", peak() / 1e9, report.bytes / 1e9, static.residual, tip))
 end
 
 local function parts_of(text)
   local body, cells, solver = text:match "^(%a+):(%d+):?(%a*)$"
-  if not shapes[body] or (solver ~= "" and solver ~= "pcg" and solver ~= "factor") then
-    script.refuse(("BODY: block:N, bar:N or plate:N, with :pcg or :factor behind it or not, expected, got '%s'")
-      :format(text))
+  if not shapes[body] or (solver ~= "" and not solvers[solver]) then
+    script.refuse(("BODY: block:N, bar:N or plate:N, with :pcg, :multifrontal or :cholmod behind it or not, "
+      .. "expected, got '%s'"):format(text))
   end
   return body, tonumber(cells), solver
 end
@@ -63,12 +67,12 @@ if opts.here then
 end
 
 local program = io.popen "readlink /proc/$PPID/exe":read "l"
-print("| body | unknowns | solved | seconds | processor seconds | iterations | peak GB | factor, GB | residual "
-  .. "| largest fall, m |")
+print("| body | unknowns | solved | seconds | processor seconds | iterations | peak GB | factor or preconditioner, GB "
+  .. "| residual | largest fall, m |")
 print "|---|---|---|---|---|---|---|---|---|---|"
 for _, text in ipairs(#opts.body > 0 and opts.body or {"block:12", "block:19", "block:26", "block:37:pcg"}) do
   local body, cells, only = parts_of(text)
-  for _, with in ipairs {"pcg", "factor"} do
+  for _, with in ipairs {"pcg", "multifrontal", "cholmod"} do
     if only == "" or with == only then
       os.execute(("BARWRIGHT_QUIET=1 %s %s --here %s:%d:%s"):format(program, arg[0], body, cells, with))
     end

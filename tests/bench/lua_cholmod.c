@@ -41,7 +41,8 @@ static bw_status measure(bw_context *context, const bw_incremental_system *incre
   times->stiffness = bw_seconds() - start;
   start = bw_seconds();
   if (metis_order) {
-    BW_TRY(bwi_symbolic_for(context, view->pattern, view->dof_map, 0, NULL, NULL, NULL, &own));
+    BW_TRY(bwi_symbolic_for(context, view->pattern, view->dof_map, BW_ORDERING_AUTO, 0, NULL, NULL,
+                            NULL, &own));
     symbolic = own;
   }
   times->ordering = bw_seconds() - start;

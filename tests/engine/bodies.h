@@ -22,6 +22,12 @@ static inline bw_material *body_material(bw_context *context) {
   return material;
 }
 
+static inline bw_solver *body_solver(bw_context *context, bw_solver_options options) {
+  bw_solver *solver = NULL;
+  check_ok(context, bw_solver_create(context, &options, &solver));
+  return solver;
+}
+
 static inline void random_field(uint64_t seed, int64_t size, double *field) {
   bw_random random;
   bw_random_seed(&random, seed);

@@ -61,7 +61,8 @@ describe("ranks", function()
       local bw = require "barwright"
       local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {1, 1, 1}}
       local part = bw.model {mesh = mesh, material = bw.material.steel}
-      print(select(2, part:fix(mesh.boundary:below(1, 0)):solve {with = "petsc"}))]])
+      local solver = bw.solver.cholesky {backend = "petsc"}
+      print(select(2, part:fix(mesh.boundary:below(1, 0)):solve {solver = solver}))]])
     local count = select(2, text:gsub("mpirun started 2 processes, and each runs this script by itself", ""))
     assert.equal(2, count)
   end)
@@ -104,7 +105,7 @@ describe("ranks", function()
       local mesh = bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {2, 2, 2}}
       local part = bw.model {mesh = mesh, material = bw.material.steel}
       part:fix(mesh.boundary:below(1, 0)):load {on = mesh.boundary:above(1, 1), force = {1, 0, 0}}
-      print(assert(part:solve {with = "petsc"}).solver.ranks)]])
+      print(assert(part:solve {solver = bw.solver.cholesky {backend = "petsc"}}).report.ranks)]])
     assert.equal("2\n2\n", text)
   end)
 end)

@@ -226,36 +226,75 @@ describe("a model", function()
   it("is solved by two-level PCG as by a factor, and says so", function()
     local part, mesh = bar(2)
     part:fix(mesh.boundary:below(1, 0)):gravity {1, 2, -9.81}
-    local over = assert(part:solve {with = "pcg"})
-    local solver = over.solver
-    assert.equal("pcg", solver.with)
-    assert.is_true(solver.iterations > 5 and solver.iterations < 60)
-    assert.is_true(solver.residual < 1e-8 and solver.residual == over.residual) -- slender: rounding
-    assert.is_true(solver.factor_bytes > 0 and solver.predicted_pcg > 0 and solver.coarse_unknowns > 0)
-    assert.truthy(tostring(over):find("in %d+ iterations by two%-level PCG"))
+    local over = assert(part:solve {solver = bw.solver.pcg {}})
+    local report = over.report
+    assert.equal("pcg", report.solver)
+    assert.equal("two_level", report.preconditioner)
+    assert.is_true(report.iterations > 5 and report.iterations < 60)
+    assert.is_true(report.residual < 1e-8 and report.residual == over.residual) -- slender: rounding
+    assert.is_true(report.bytes > 0 and report.seconds > 0)
+    assert.truthy(tostring(over):find("by pcg %(two_level%) in %d+ iterations"))
+    assert.truthy(tostring(report):find("^pcg %(two_level%): %d+ iterations, residual .*; it was given$"))
     assert.equal(0, over.times.factor_entries)
     -- the factor is made when something needs it: another solution by it, modes, the system
     local modes = assert(part:modes {count = 2})
     local direct = assert(part:solve())
-    assert.equal("factor", direct.solver.with)
-    assert.equal(0, direct.solver.iterations)
+    assert.equal("cholesky", direct.report.solver)
+    assert.equal("multifrontal", direct.report.backend)
+    assert.is_nil(direct.report.iterations)
+    assert.equal("the equations have a factor already", direct.report.reason)
     assert.falsy(tostring(direct):find "pcg")
-    assert.equal(direct.times.factor_entries * 8, direct.solver.factor_bytes)
+    assert.equal(direct.times.factor_entries * 8, direct.report.bytes)
     assert.equal(2, modes.count)
     local max = direct.displacement:map "norm(a)":max()
     assert.is_true((over.displacement - direct.displacement):map "norm(a)":max() < 1e-9 * max)
     check.near(over:error_estimate(), direct:error_estimate(), 1e-8)
     local down = over:reaction_on(mesh.boundary:below(1, 0))
     for i, g in ipairs {1, 2, -9.81} do check.near(-8000 * mesh.volume * g, down[i], 1e-9) end
-    check.fails("convergence", "with = \"factor\"", part:solve {with = "pcg", iterations = 2})
+    check.fails("convergence", "the solver cholesky", part:solve {solver = bw.solver.pcg {max_iterations = 2}})
     check.fails("memory", "the factor of", bw.model {mesh = mesh, material = part.material}
-      :fix(mesh.boundary:below(1, 0)):gravity {0, 0, -9.81}:solve {with = "factor", memory_limit = 1e4})
+      :fix(mesh.boundary:below(1, 0)):gravity {0, 0, -9.81}
+      :solve {solver = bw.solver.cholesky {}, memory_limit = 1e4})
     part:clear_supports()
-    check.raises("free to move", part.solve, part:clear_loads(), {with = "pcg"})
-    check.raises("goes with with = \"pcg\" and with = \"petsc\" only", part.solve, part, {iterations = 7})
-    check.raises("goes with with = \"auto\" and", part.solve, part, {with = "pcg", memory_limit = 7})
-    check.raises("goes with with = \"petsc\" only", part.solve, part, {with = "pcg", rtol = 1e-3})
-    check.raises("'pcgg' is not known: did you mean 'pcg'?", part.solve, part, {with = "pcgg"})
+    check.raises("free to move", part.solve, part:clear_loads(), {solver = bw.solver.pcg {}})
+    check.raises("goes with a factor on this machine", part.solve, part,
+      {solver = bw.solver.pcg {}, memory_limit = 7})
+    check.raises("a solver of bw.solver, or \"auto\"", part.solve, part, {solver = "pcg"})
+    check.raises("preconditioner and no solver", part.solve, part, {solver = bw.solver.jacobi {}})
+  end)
+
+  it("is solved alike by every solver, which are objects", function()
+    local solver = bw.solver
+    local part, mesh = bar(2)
+    part:fix(mesh.boundary:below(1, 0)):gravity {1, 2, -9.81}
+    local expected = assert(part:solve()).displacement
+    local max = expected:map "norm(a)":max()
+    for _, one in ipairs {
+      {solver.cholesky(), "cholesky"},
+      {solver.cholesky {backend = "cholmod", ordering = "backend"}, "cholesky (cholmod, ordering backend)"},
+      {solver.cholesky {precision = 32}, "cholesky (32 bits)"},
+      {solver.pcg {preconditioner = solver.jacobi(), tolerance = 1e-11},
+        "pcg (jacobi, tolerance 1e-11, at most 2000 iterations)"},
+      {solver.pcg {preconditioner = solver.cholesky {backend = "cholmod"}, max_iterations = 9},
+        "pcg (cholesky (cholmod), tolerance 1e-10, at most 9 iterations)"}} do
+      assert.equal(one[2], tostring(one[1]))
+      local static = assert(bw.model {mesh = mesh, material = part.material}
+        :fix(mesh.boundary:below(1, 0)):gravity {1, 2, -9.81}:solve {solver = one[1]})
+      assert.is_true((static.displacement - expected):map "norm(a)":max() < 1e-8 * max)
+      assert.equal(one[1].kind, static.report.solver)
+    end
+    local pcg = solver.pcg {preconditioner = solver.jacobi()}
+    assert.equal("jacobi", pcg.preconditioner.kind)
+    assert.equal(1e-10, pcg.tolerance)
+    assert.equal(2000, pcg.max_iterations)
+    assert.is_nil(pcg.backend)
+    assert.equal("metis", solver.cholesky {ordering = "metis"}.ordering)
+    check.raises("'cholmodd' is not known: did you mean 'cholmod'?", solver.cholesky, {backend = "cholmodd"})
+    check.raises("no factor in single precision", solver.cholesky, {backend = "cholmod", precision = 32})
+    check.raises("a solver of bw.solver", solver.pcg, {preconditioner = "jacobi"})
+    check.raises("max_iterations", solver.pcg, {max_iterations = 0})
+    check.raises("tolerance", solver.pcg, {tolerance = 2})
+    check.fails("unsupported", "not implemented", part:solve {solver = solver.pcg {preconditioner = solver.amg()}})
   end)
 
   it("gives its system, which solves for forces", function()

@@ -83,12 +83,6 @@ BW_API void bw_external_register(const bw_external *external);
 /* The registered solver, borrowed, or NULL. */
 BW_API const bw_external *bw_external_registered(void);
 
-/* As bw_statics: BW_UNSUPPORTED when none is registered, BW_CONVERGENCE when the residual, computed
- * with the engine's own K, is above the tolerance, BW_UNCONSTRAINED as there, and the solver's
- * own statuses. result->system is NULL. */
-BW_API bw_status bw_statics_external(bw_context *context, const bw_model *model,
-                                     const bw_statics_options *statics,
-                                     const bw_external_options *options, bw_static **result);
 /* As bw_modes_elastic: BW_UNSUPPORTED when none is registered, and the solver's own statuses. */
 BW_API bw_status bw_modes_external(bw_context *context, const bw_model *model,
                                    const bw_modes_options *options,

@@ -17,7 +17,7 @@ typedef enum bw_incremental_method {
   BW_INCREMENTAL_REFACTOR, /* the supernodes that the edits touched, and their ancestors */
   BW_INCREMENTAL_ITERATE,  /* conjugate gradients, preconditioned by the factor as it is */
   BW_INCREMENTAL_FULL,     /* every supernode again: for checks and baselines */
-  BW_INCREMENTAL_PCG       /* as BW_STATICS_PCG: needs no factor */
+  BW_INCREMENTAL_PCG       /* two-level PCG: needs no factor */
 } bw_incremental_method;
 
 /* What an update and a solve reused and what they cost. */

@@ -9,6 +9,80 @@
 extern "C" {
 #endif
 
+/* ---- linear solvers -------------------------------------------------------------------------- */
+
+/* What a linear solver, or a preconditioner, is. */
+typedef enum bw_solver_kind {
+  BW_SOLVER_CHOLESKY,  /* a sparse factor K = L L^T */
+  BW_SOLVER_PCG,       /* conjugate gradients with a preconditioner */
+  BW_SOLVER_TWO_LEVEL, /* preconditioner: a smoother and the linear elements on the same corners.
+                          For quadratic elements and supports that constrain all rigid-body modes */
+  BW_SOLVER_AMG,       /* preconditioner: algebraic multigrid, by the external solver */
+  BW_SOLVER_JACOBI     /* preconditioner: the inverse of the blocks of the nodes */
+} bw_solver_kind;
+
+/* Who computes a factor or a multigrid hierarchy. */
+typedef enum bw_backend {
+  BW_BACKEND_AUTO,         /* the default of docs/benchmarks.md */
+  BW_BACKEND_MULTIFRONTAL, /* the engine's factor: partial refactorisation, single precision, the
+                              same bits on any number of threads */
+  BW_BACKEND_CHOLMOD,      /* CHOLMOD's supernodal factor: always whole and in double precision. Its
+                              last bits depend on the number of threads, and it cannot be
+                              interrupted */
+  BW_BACKEND_PETSC         /* the registered external solver (bw_external): a factor spread over the
+                              processes, or multigrid; for statics and modes */
+} bw_backend;
+
+/* The elimination order of a factor. */
+typedef enum bw_ordering {
+  BW_ORDERING_AUTO,   /* nested dissection */
+  BW_ORDERING_METIS,  /* nested dissection of the nodes */
+  BW_ORDERING_AMD,    /* approximate minimum degree of the nodes */
+  BW_ORDERING_BACKEND /* the backend's own: CHOLMOD takes the better of AMD and METIS on the
+                         unknowns; the engine's factor nested dissection */
+} bw_ordering;
+
+typedef struct bw_solver bw_solver;
+/* Which solver, and how it works; zeros mean the defaults. */
+typedef struct bw_solver_options {
+  bw_solver_kind kind;  /* default BW_SOLVER_CHOLESKY */
+  bw_backend backend;   /* of a factor; of BW_SOLVER_AMG: BW_BACKEND_PETSC; default
+                           BW_BACKEND_AUTO */
+  bw_ordering ordering; /* of a factor; default BW_ORDERING_AUTO */
+  int precision; /* of a factor's numbers, 32 or 64 bits; default 0: 64, in systems that follow
+                    edits by predicted cost. Solutions are in double precision in any case: a
+                    factor of 32 bits is refined by conjugate gradients */
+  bool full;     /* of a factor that follows edits: computed again as a whole, where a part
+                    would do; default false */
+  const bw_solver *preconditioner; /* of BW_SOLVER_PCG, retained: BW_SOLVER_TWO_LEVEL, _AMG,
+                                      _JACOBI, or _CHOLESKY (of a former shape, or of 32 bits);
+                                      default NULL: two-level */
+  double tolerance;   /* (-) of BW_SOLVER_PCG: relative residual, above 0 and below 1; default 0:
+                         1e-10 */
+  int max_iterations; /* (count) of BW_SOLVER_PCG, 1 or more; default 0: 2000 */
+} bw_solver_options;
+
+/* A linear solver: a description that never changes, made once and handed to whatever solves. A
+ * NULL solver means that it is chosen by counted operations and bytes. */
+struct bw_solver {
+  bw_object object;
+  bw_solver_options options; /* without zeros where there is a default by number */
+};
+/* Makes a *solver. BW_INVALID for numbers outside their ranges, options that the kind does not
+ * have, and what its backend does not serve. */
+BW_API bw_status bw_solver_create(bw_context *context, const bw_solver_options *options,
+                                  bw_solver **solver);
+/* A *text such as "pcg (two-level preconditioner, tolerance 1e-10)", which the caller releases with
+ * bw_free. NULL: "auto". */
+BW_API bw_status bw_solver_describe(bw_context *context, const bw_solver *solver, char **text);
+/* The word of a backend ("cholmod"), of an ordering ("metis"), of a kind ("two_level"). */
+BW_API const char *bw_backend_word(bw_backend backend);
+BW_API const char *bw_ordering_word(bw_ordering ordering);
+BW_API const char *bw_solver_word(bw_solver_kind kind);
+
+/* ---- systems ----------------------------------------------------------------------------------
+ */
+
 /* Where the time of a system went. */
 typedef struct bw_solve_times {
   double pattern, stiffness, order, factor, pcg, solve; /* (s) spent so far */
@@ -25,6 +99,7 @@ typedef struct bw_solve_times {
 typedef struct bw_system bw_system;
 struct bwi_factor;
 struct bwi_two_level_solver;
+struct bwi_preconditioner;
 struct bw_system {
   bw_object object;
   const bw_mesh *mesh;         /* retained */
@@ -35,9 +110,10 @@ struct bw_system {
   double
       *mass; /* (kg, block_count) with density 1 when the material has none; NULL without factor */
   double density;
-  struct bwi_factor *factor;              /* or NULL */
-  struct bwi_two_level_solver *two_level; /* or NULL */
-  bw_solve_times times;                   /* of all that was computed */
+  struct bwi_factor *factor;                 /* or NULL */
+  struct bwi_two_level_solver *two_level;    /* or NULL */
+  struct bwi_preconditioner *preconditioner; /* of PCG with another one, or NULL */
+  bw_solve_times times;                      /* of all that was computed */
 };
 /* Assembles and factors. `previous` (may be NULL): a system of the same topology whose pattern,
  * ordering and analysis are reused where they fit. BW_SINGULAR when a constrained body's matrix is

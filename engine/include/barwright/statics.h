@@ -8,30 +8,6 @@
 extern "C" {
 #endif
 
-/* How a static solution is found. */
-typedef enum bw_statics_method {
-  BW_STATICS_AUTO,   /* the factor, unless it would be expensive or large and PCG is not */
-  BW_STATICS_FACTOR, /* a sparse factor of the stiffness, which other solutions and modes can use */
-  BW_STATICS_PCG     /* conjugate gradients with the two-level preconditioner of a smoother and the
-                        linear elements on the same corners: a tenth of the memory. For quadratic
-                        elements and supports that constrain all rigid-body modes (BW_INVALID
-                        otherwise) */
-} bw_statics_method;
-
-/* How a static solution was found. */
-typedef struct bw_statics_report {
-  bw_statics_method method; /* BW_STATICS_FACTOR or BW_STATICS_PCG; BW_STATICS_AUTO: by an edit
-                               session or an external solver */
-  int iterations;           /* by two-level PCG; where the method is the factor: those that did not
-                               converge */
-  int32_t coarse_unknowns;  /* of the linear elements that were factored; 0 by factor */
-  double factor_flops; /* (-) operations of the factor: counted, or where there is none predicted
-                          from those of the linear elements */
-  double factor_bytes; /* (bytes) of the factor, likewise */
-  double predicted_factor, predicted_pcg; /* (s) of the model's machine, by which the method was
-                                             chosen; 0 where there was no choice */
-} bw_statics_report;
-
 /* A static solution. */
 typedef struct bw_static {
   bw_object object;
@@ -44,7 +20,7 @@ typedef struct bw_static {
   double energy;                       /* (J) strain energy */
   double residual;                     /* (-) |K u - f| at unknowns over |f| */
   struct bw_external_report *external; /* of an external solver, or NULL */
-  bw_statics_report report;            /* how it was found */
+  bw_solver_report report;             /* how it was found */
 } bw_static;
 /* How a static solution is to be found. */
 typedef struct bw_statics_options {
@@ -52,8 +28,8 @@ typedef struct bw_statics_options {
       inertia_relief; /* balance a load on a free body by inertia instead of refusing; default no */
   double tolerance;   /* (-) a load is balanced when its part along rigid-body modes is below this
                        fraction of its size; default 1e-6, > 0 */
-  bw_statics_method method; /* of bw_statics alone, like what follows; default BW_STATICS_AUTO */
-  int iterations;           /* by two-level PCG, at most; default 2000, 1 or more */
+  const bw_solver *solver; /* of bw_statics alone, like what follows; borrowed; default NULL: chosen
+                              by counted cost */
   double memory; /* (bytes) that a factor may take, 0 or more; default 0: bw_available_memory */
 } bw_statics_options;
 /* The static solution of a model. `options` may be NULL. BW_UNCONSTRAINED names the unconstrained
@@ -63,15 +39,18 @@ typedef struct bw_statics_options {
  * mesh, material and supports are the same; it may gain a factor, or lose what it has to solve by
  * two-level PCG).
  *
- * By BW_STATICS_AUTO, a static solution is by a factor where there is one already, or where that
- * counts as cheap (less than five seconds of the model's machine). So it is where PCG does not
- * apply or would cost more than half as much. Else it is by two-level PCG, and also where the
- * factor would take more than four gigabytes or more than `memory`. Costs are operations and bytes,
- * counted, over the rates of one fixed machine, so that the choice is the same everywhere. The
- * costs of solutions by two-level PCG are added up: when the next one would make their sum more
+ * Without a solver, a static solution is by a factor where there is one already, or where that
+ * counts as cheap (less than five seconds of the reference machine). So it is where two-level PCG
+ * does not apply or would cost more than half as much. Else it is by two-level PCG, and also where
+ * the factor would take more than four gigabytes or more than `memory`. Costs are operations and
+ * bytes, counted, over the rates of one fixed machine, so that the choice is the same everywhere.
+ * The costs of solutions by two-level PCG are added up: when the next one would make their sum more
  * than the factor, that is made. Where iterating does not converge, a factor takes its place, and a
- * warning says so; BW_CONVERGENCE where there is no memory for one, or the method is
- * BW_STATICS_PCG. */
+ * warning says so; BW_CONVERGENCE where there is no memory for one, or the solver is given.
+ *
+ * Solvers of the backend BW_BACKEND_PETSC work on all processes: BW_UNSUPPORTED when none is
+ * registered, BW_CONVERGENCE when the residual, computed with the engine's own K, is above the
+ * tolerance, and the solver's own statuses; result->system is NULL. */
 BW_API bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,
                             const bw_statics_options *options, bw_static **result);
 

@@ -18,6 +18,25 @@ model.unit_option = {name = "unit", value = "UNIT", one_of = {"mm", "cm", "m", "
   what = "the unit of the numbers in the file; left out: mm for surfaces, m for meshes of tetrahedra, what the "
     .. "file says for drawings"}
 
+-- The solvers of --solver; each is made when it is asked for.
+local solvers = {
+  auto = function() return nil end,
+  cholesky = function() return bw.solver.cholesky() end,
+  multifrontal = function() return bw.solver.cholesky {backend = "multifrontal"} end,
+  cholmod = function() return bw.solver.cholesky {backend = "cholmod"} end,
+  pcg = function() return bw.solver.pcg() end,
+  petsc = function() return bw.solver.pcg {preconditioner = bw.solver.amg {backend = "petsc"}} end,
+}
+
+--- The option --solver of those that solve linear systems.
+model.solver_option = {name = "solver", value = "NAME", default = "auto",
+  one_of = {"auto", "cholesky", "multifrontal", "cholmod", "pcg", "petsc"},
+  what = "a sparse factor (cholesky; multifrontal and cholmod name its backend), two-level PCG, which takes a "
+    .. "tenth of its memory (pcg), PCG on all processes of mpirun (petsc), or as is cheaper (auto)"}
+
+--- The solver that the options ask for; nil: it is chosen.
+function model.solver(opts) return solvers[opts.solver]() end
+
 --- Materials by name.
 model.material_option = {name = "material", value = "NAME", default = "pla", one_of = bw.material.names(),
   what = "what it is made of; `barwright materials` lists them"}

@@ -114,7 +114,7 @@ local function on_coarser(read, opts, loads, material, radius)
   local mesh = model.try(bw.mesh.fill, read.surface, {elements = math.max(1, math.floor(opts.elements * COARSER)),
     order = opts.order})
   local part = mesh and set_up(bw.model {mesh = mesh, material = material}, opts, loads, quiet)
-  local static = part and model.try(part.solve, part, {with = opts.with})
+  local static = part and model.try(part.solve, part, {solver = model.solver(opts)})
   bw.warnings() -- those of the finer mesh are shown
   return static and measure(static, mesh, material, radius)
 end
@@ -170,7 +170,7 @@ local function assess(static, part, read, loads, opts, accuracy, at)
   end
   found.estimated, found.facets = accuracy.estimated_error, accuracy.history[#accuracy.history].facet_error
   if not accuracy.converged then
-    local first = model.try(part.solve, part, {with = opts.with})
+    local first = model.try(part.solve, part, {solver = model.solver(opts)})
     found.coarse = first and measure(first, part.mesh, material, radius)
   end
   found.singular = accuracy.singular
@@ -245,11 +245,8 @@ local function report(static, part, read, loads, opts, accuracy, out)
       opts.strength and "the given strength" or "the strength of " .. opts.material,
       shown.error(judged_error), words)
   end
-  local solver = static.solver
-  if solver.with == "pcg" then
-    out:say("Solved by two-level PCG in %d iterations; a factor would have taken about %s.",
-      solver.iterations, shown.estimate(solver.factor_bytes, "B"))
-  end
+  local solved = static.report
+  if solved.solver == "pcg" then out:say("Solved by %s.", tostring(solved)) end
   out:json {verdict = verdict, value = stress, quantity = "largest von Mises stress, Pa",
     estimated_error = estimated, at_m = at, singular = singular ~= nil,
     averaging_radius_m = singular and radius or nil, unit = model.unit_of(read, opts),
@@ -265,7 +262,8 @@ local function report(static, part, read, loads, opts, accuracy, out)
     effective_stress_error = critical and critical.estimated_error,
     critical_distance_m = critical and critical.length,
     material = opts.material, energy_j = static.energy,
-    solver = {with = solver.with, iterations = solver.iterations, residual = static.residual}}
+    solver = {solver = solved.solver, backend = solved.backend, preconditioner = solved.preconditioner,
+      iterations = solved.iterations, residual = solved.residual}}
   local title = static_picture.title(model.name(opts.model), {stress = stress, error = estimated,
     judged = singular and {used = used, error = judged_error, strength = material.strength}, verdict = words})
   return {verdict = verdict, singular = singular, title = title, text = table.concat(text, "\n")}
@@ -285,9 +283,9 @@ local function analyse(opts, loads, out)
   local static, accuracy
   if opts.error then
     static, accuracy, details = model.try(part.solve, part, model.refined(read, opts, mesh,
-      {of = "von_mises", with = opts.with}))
+      {of = "von_mises", solver = model.solver(opts)}))
   else
-    static, accuracy, details = model.try(part.solve, part, {with = opts.with})
+    static, accuracy, details = model.try(part.solve, part, {solver = model.solver(opts)})
   end
   out:warnings()
   if not static then return nil, accuracy, details end
@@ -318,9 +316,7 @@ local options = {
   {name = "formulation", value = "standard|b_bar", type = "string", default = "standard",
     one_of = {"standard", "b_bar"},
     what = "of quadratic elements: b_bar does not lock where Poisson's ratio is near 0.5"},
-  {name = "with", value = "auto|factor|pcg", type = "string", default = "auto",
-    one_of = {"auto", "factor", "pcg"},
-    what = "by a factor; by two-level PCG, which takes a tenth of its memory; or as is cheaper"},
+  model.solver_option,
   {name = "report", value = "FILE.html", type = "file", endings = {"html", "htm"},
     what = "write a page with a 3D view that turns"},
   {name = "picture", value = "FILE.png", type = "file", endings = {"png"},

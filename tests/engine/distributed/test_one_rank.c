@@ -28,11 +28,22 @@ static bw_model *body(bw_context *context, int order, bool fixed) {
 
 static bw_status statics(bw_context *context, const bw_model *model, bw_external_method method,
                          bw_static **result) {
-  bw_external_options options;
-  bw_external_options_default(&options);
-  options.method = method;
-  const bw_statics_options opts = {.inertia_relief = true};
-  return bw_statics_external(context, model, &opts, &options, result);
+  bw_solver *amg = NULL, *solver = NULL;
+  bw_solver_options options = {.kind = BW_SOLVER_AMG, .backend = BW_BACKEND_PETSC};
+  bw_status status = bw_solver_create(context, &options, &amg);
+  if (status == BW_OK) {
+    options = method == BW_EXTERNAL_CG
+                  ? (bw_solver_options){.kind = BW_SOLVER_PCG, .preconditioner = amg}
+                  : (bw_solver_options){.backend = BW_BACKEND_PETSC};
+    status = bw_solver_create(context, &options, &solver);
+  }
+  if (status == BW_OK) {
+    const bw_statics_options opts = {.inertia_relief = true, .solver = solver};
+    status = bw_statics(context, model, NULL, &opts, result);
+  }
+  bw_release(amg);
+  bw_release(solver);
+  return status;
 }
 
 static bw_status modes_of(bw_context *context, const bw_model *model, bw_external_method method,

@@ -77,10 +77,12 @@ static void given_up_early(void **state) {
   double *f = numbers(3 * size), *u = numbers(3 * size);
   random_field(1, 3 * size, f);
   const bw_system *system = incremental->system;
+  bwi_factor_preconditioner factor = {incremental->inner->factor, system->dof_map};
   bwi_pcg problem = {.pattern = system->pattern,
                      .stiffness = system->stiffness,
                      .dof_map = system->dof_map,
-                     .factor = incremental->inner->factor,
+                     .precondition = bwi_factor_precondition,
+                     .data = &factor,
                      .tolerance = 1e-10,
                      .limit = 2000};
   check_ok(context, bwi_pcg_solve(context, &problem, 3, f, u));

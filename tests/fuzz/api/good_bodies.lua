@@ -133,7 +133,8 @@ add {
     if r:chance(0.2) then
       return {error = 0.2, of = r:one_of {"von_mises", "displacement", {0, 0, 0}}, max_elements = 2000}
     end
-    return {with = r:one_of {"auto", "factor", "pcg"}, inertia_relief = r:chance(0.5)}
+    return {solver = r:one_of {"auto", bw.solver.cholesky(), bw.solver.cholesky {backend = "cholmod"},
+      bw.solver.pcg(), bw.solver.pcg {preconditioner = bw.solver.jacobi()}}, inertia_relief = r:chance(0.5)}
   end,
   ["Model:refined"] = function(p, r)
     local mesh = p.Model.mesh

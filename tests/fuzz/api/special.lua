@@ -24,9 +24,9 @@ end
 for _, name in ipairs {"Model:solve", "Model:modes"} do
   special.arguments[name] = function(list)
     local given = list[1]
-    if type(given) == "table" and (rawget(given, "with") == "petsc" or rawget(given, "with") == "slepc") then
-      list[1] = {with = "factor"}
-    end
+    local solver = type(given) == "table" and rawget(given, "solver")
+    local external = require("barwright.core").class_name(solver) == "solver" and tostring(solver):find "petsc"
+    if type(given) == "table" and (external or rawget(given, "with") == "slepc") then list[1] = {} end
   end
 end
 

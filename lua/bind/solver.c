@@ -1,0 +1,218 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* bw.solver: linear solvers and preconditioners as objects, and the option "solver" of whatever
+ * solves. */
+#include "bind.h"
+
+#include <string.h>
+
+static const bw_solver *self(lua_State *L) {
+  return (const bw_solver *)lbw_check(L, 1, &lbw_solver_class);
+}
+
+static const char *const backends[] = {"auto", "multifrontal", "cholmod", "petsc", NULL};
+static const char *const orderings[] = {"auto", "metis", "amd", "backend", NULL};
+
+/* The option "preconditioner", which stays with the options' table. */
+static const bw_solver *preconditioner_option(lua_State *L) {
+  const bw_solver *preconditioner = NULL;
+  if (lbw_option_get(L, 1, "preconditioner") != LUA_TNIL) {
+    preconditioner = (const bw_solver *)lbw_test(L, -1, &lbw_solver_class);
+    if (!preconditioner)
+      lbw_option_refused(L, "solver.pcg", "preconditioner", "a solver of bw.solver");
+  }
+  lua_pop(L, 1);
+  return preconditioner;
+}
+
+static int create(lua_State *L, const bw_solver_options *options) {
+  lbw_box *box = lbw_box_new(L, &lbw_solver_class);
+  bw_solver *solver = NULL;
+  bw_status status = bw_solver_create(lbw_enter(L), options, &solver);
+  lbw_box_fill(L, box, solver);
+  return lbw_leave(L, status, 1);
+}
+
+/* solver.cholesky{backend, ordering, precision, full} */
+static int solver_cholesky(lua_State *L) {
+  static const lbw_option list[] = {{"backend", LBW_OTHER, 0},
+                                    {"ordering", LBW_OTHER, 0},
+                                    {"precision", LBW_INT, offsetof(bw_solver_options, precision)},
+                                    {"full", LBW_BOOLEAN, offsetof(bw_solver_options, full)},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_solver_options options = {.kind = BW_SOLVER_CHOLESKY};
+  lua_settop(L, 1);
+  lbw_options(L, 1, "solver.cholesky", list, &options);
+  options.backend =
+      (bw_backend)lbw_word_option(L, 1, "solver.cholesky", "backend", backends, BW_BACKEND_AUTO);
+  options.ordering = (bw_ordering)lbw_word_option(L, 1, "solver.cholesky", "ordering", orderings,
+                                                  BW_ORDERING_AUTO);
+  return create(L, &options);
+}
+
+/* solver.pcg{preconditioner, tolerance, max_iterations} */
+static int solver_pcg(lua_State *L) {
+  static const lbw_option list[] = {
+      {"preconditioner", LBW_OTHER, 0},
+      {"tolerance", LBW_REAL, offsetof(bw_solver_options, tolerance)},
+      {"max_iterations", LBW_INT, offsetof(bw_solver_options, max_iterations)},
+      {NULL, LBW_OTHER, 0}};
+  bw_solver_options options = {.kind = BW_SOLVER_PCG, .tolerance = 1e-10, .max_iterations = 2000};
+  lua_settop(L, 1);
+  lbw_options(L, 1, "solver.pcg", list, &options);
+  if (options.max_iterations < 1)
+    lbw_option_error(L, "solver.pcg", "max_iterations", "an integer of 1 or more");
+  if (!(options.tolerance > 0))
+    lbw_option_error(L, "solver.pcg", "tolerance", "a number above 0 and below 1");
+  options.preconditioner = preconditioner_option(L);
+  return create(L, &options);
+}
+
+/* solver.two_level{} */
+static int solver_two_level(lua_State *L) {
+  static const lbw_option list[] = {{NULL, LBW_OTHER, 0}};
+  bw_solver_options options = {.kind = BW_SOLVER_TWO_LEVEL};
+  lua_settop(L, 1);
+  lbw_options(L, 1, "solver.two_level", list, &options);
+  return create(L, &options);
+}
+
+/* solver.amg{backend} */
+static int solver_amg(lua_State *L) {
+  static const lbw_option list[] = {{"backend", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
+  static const char *const words[] = {"auto", "petsc", NULL};
+  bw_solver_options options = {.kind = BW_SOLVER_AMG};
+  lua_settop(L, 1);
+  lbw_options(L, 1, "solver.amg", list, &options);
+  if (lbw_word_option(L, 1, "solver.amg", "backend", words, 0) > 0)
+    options.backend = BW_BACKEND_PETSC;
+  return create(L, &options);
+}
+
+/* solver.jacobi{} */
+static int solver_jacobi(lua_State *L) {
+  static const lbw_option list[] = {{NULL, LBW_OTHER, 0}};
+  bw_solver_options options = {.kind = BW_SOLVER_JACOBI};
+  lua_settop(L, 1);
+  lbw_options(L, 1, "solver.jacobi", list, &options);
+  return create(L, &options);
+}
+
+/* ---- the option ------------------------------------------------------------------------------ */
+
+const bw_solver *lbw_solver_option(lua_State *L, int index, const char *function) {
+  const bw_solver *solver = NULL;
+  int type = lbw_option_get(L, index, "solver");
+  if (type != LUA_TNIL && !(type == LUA_TSTRING && strcmp(lua_tostring(L, -1), "auto") == 0)) {
+    solver = (const bw_solver *)lbw_test(L, -1, &lbw_solver_class);
+    if (!solver)
+      lbw_option_refused(L, function, "solver", "a solver of bw.solver, or \"auto\"");
+  }
+  lua_pop(L, 1);
+  return solver;
+}
+
+bool lbw_solver_is_external(const bw_solver *solver) {
+  if (solver && solver->options.kind == BW_SOLVER_PCG)
+    solver = solver->options.preconditioner;
+  return solver && solver->options.backend == BW_BACKEND_PETSC;
+}
+
+/* ---- properties ------------------------------------------------------------------------------ */
+
+static int get_kind(lua_State *L) {
+  lua_pushstring(L, bw_solver_word(self(L)->options.kind));
+  return 1;
+}
+
+static bool has_factor(const bw_solver *solver) {
+  return solver->options.kind == BW_SOLVER_CHOLESKY;
+}
+
+static int get_backend(lua_State *L) {
+  const bw_solver *solver = self(L);
+  if (!has_factor(solver) && solver->options.kind != BW_SOLVER_AMG)
+    return 0;
+  lua_pushstring(L, bw_backend_word(solver->options.backend));
+  return 1;
+}
+
+static int get_ordering(lua_State *L) {
+  if (!has_factor(self(L)))
+    return 0;
+  lua_pushstring(L, bw_ordering_word(self(L)->options.ordering));
+  return 1;
+}
+
+static int get_precision(lua_State *L) {
+  if (self(L)->options.precision == 0)
+    return 0;
+  lua_pushinteger(L, self(L)->options.precision);
+  return 1;
+}
+
+static int get_full(lua_State *L) {
+  if (!has_factor(self(L)))
+    return 0;
+  lua_pushboolean(L, self(L)->options.full);
+  return 1;
+}
+
+static int get_preconditioner(lua_State *L) {
+  if (!self(L)->options.preconditioner)
+    return 0;
+  lbw_push(L, &lbw_solver_class, self(L)->options.preconditioner);
+  return 1;
+}
+
+static int get_tolerance(lua_State *L) {
+  if (self(L)->options.kind != BW_SOLVER_PCG)
+    return 0;
+  lua_pushnumber(L, self(L)->options.tolerance);
+  return 1;
+}
+
+static int get_max_iterations(lua_State *L) {
+  if (self(L)->options.kind != BW_SOLVER_PCG)
+    return 0;
+  lua_pushinteger(L, self(L)->options.max_iterations);
+  return 1;
+}
+
+static int push_text(lua_State *L) {
+  lua_pushstring(L, (const char *)lua_touserdata(L, 1));
+  return 1;
+}
+
+static int solver_tostring(lua_State *L) {
+  const bw_solver *solver = self(L);
+  char *text = NULL;
+  lbw_leave_or_raise(L, bw_solver_describe(lbw_enter(L), solver, &text));
+  lua_pushcfunction(L, push_text);
+  lua_pushlightuserdata(L, text);
+  int failure = lua_pcall(L, 1, 1, 0);
+  bw_free(text);
+  return failure ? lua_error(L) : 1;
+}
+
+static const luaL_Reg methods[] = {{NULL, NULL}};
+static const luaL_Reg properties[] = {{"kind", get_kind},
+                                      {"backend", get_backend},
+                                      {"ordering", get_ordering},
+                                      {"precision", get_precision},
+                                      {"full", get_full},
+                                      {"preconditioner", get_preconditioner},
+                                      {"tolerance", get_tolerance},
+                                      {"max_iterations", get_max_iterations},
+                                      {NULL, NULL}};
+static const luaL_Reg meta[] = {{"__tostring", solver_tostring}, {NULL, NULL}};
+const lbw_class lbw_solver_class = {"solver", methods, properties, meta, NULL};
+
+void lbw_open_solver(lua_State *L) {
+  static const luaL_Reg functions[] = {{"cholesky", solver_cholesky},   {"pcg", solver_pcg},
+                                       {"two_level", solver_two_level}, {"amg", solver_amg},
+                                       {"jacobi", solver_jacobi},       {NULL, NULL}};
+  lbw_class_register(L, &lbw_solver_class);
+  lua_newtable(L);
+  luaL_setfuncs(L, functions, 0);
+  lua_setfield(L, -2, "solver");
+}

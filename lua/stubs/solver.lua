@@ -1,0 +1,147 @@
+---@meta _
+-- SPDX-License-Identifier: MIT
+-- Copyright (c) 2026 the barwright authors
+--
+-- Linear solvers
+--
+-- Linear solvers and preconditioners: made once, printable, and handed as `solver` to whatever solves.
+
+---Linear solvers and preconditioners. Without one, or with "auto", the solver is chosen by counted operations and bytes.
+---@class bw.SolverModule
+local solver_module = {}
+
+---A sparse Cholesky factor, K = L Lᵀ. It serves further solutions, modes and worst cases of the same model. Options that the
+---backend does not have raise.
+---
+---Errors: only those that every function may give.
+---
+---Source: docs/theory/solving.md; Y. Chen, T. A. Davis, W. W. Hager and S. Rajamanickam, ACM Trans. Math. Softw. 35 (2008).
+---```lua
+---local solver = bw.solver.cholesky {backend = "cholmod"}
+---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {20, 2, 2}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---part:fix(mesh.boundary:below("x", 0)):gravity {0, 0, -9.81}
+---print(solver, assert(part:solve {solver = solver}).report)
+---```
+---@param options? bw.CholeskyOptions who computes it, and how
+---@return bw.Solver? solver the solver
+---@return string? message
+---@return bw.Details? details
+function solver_module.cholesky(options) end
+
+---How a factor is computed.
+---@class bw.CholeskyOptions
+---@field backend? "auto"|"multifrontal"|"cholmod"|"petsc" who computes it. "multifrontal" is the engine's own: it gives the same bits on any number of threads, and follows edits. "cholmod" is CHOLMOD's supernodal factor: its last bits depend on the number of threads, and it ends before it obeys an interruption. "petsc" is a factor by MUMPS over all processes that mpirun started (docs/howto_cluster.md). Default: "auto", the default of docs/benchmarks.md
+---@field ordering? "auto"|"metis"|"amd"|"backend" the elimination order: nested dissection or approximate minimum degree of the nodes, or the backend's own of the unknowns. "petsc" has its own only. Default: "auto", nested dissection
+---@field precision? 32|64 (bits) of the factor's numbers. Solutions are in double precision in any case: a factor of 32 bits is refined by conjugate gradients. "cholmod" and "petsc" have 64 only. Default: 64, in edit sessions by predicted cost
+---@field full? boolean compute the whole factor again where a part would do, in edit sessions. Default: false
+
+---Preconditioned conjugate gradients.
+---
+---Errors: only those that every function may give.
+---
+---Source: Y. Saad, Iterative Methods for Sparse Linear Systems (2003), section 9.2.
+---```lua
+---local solver = bw.solver.pcg {preconditioner = bw.solver.jacobi(), tolerance = 1e-8}
+---print(solver, solver.preconditioner.kind)
+---```
+---@param options? bw.PcgOptions preconditioner and limits
+---@return bw.Solver? solver the solver
+---@return string? message
+---@return bw.Details? details
+function solver_module.pcg(options) end
+
+---How conjugate gradients work.
+---@class bw.PcgOptions
+---@field preconditioner? bw.Solver of `two_level`, `amg`, `jacobi` or `cholesky`. Default: `two_level`
+---@field tolerance? number (-) relative residual to be reached. Range: above 0, below 1. Default: 1e-10
+---@field max_iterations? integer (count) at most. Range: 1 and more. Default: 2000
+
+---The two-level preconditioner: a smoother over all nodes, and the linear elements on the same corners solved by a factor. For
+---quadratic elements, and supports that prevent all rigid-body motions.
+---
+---Errors: only those that every function may give.
+---
+---Source: docs/theory/solving.md.
+---```lua
+---local preconditioner = bw.solver.two_level()
+---print(bw.solver.pcg {preconditioner = preconditioner})
+---```
+---@param options? bw.NoSolverOptions none
+---@return bw.Solver? solver the preconditioner
+---@return string? message
+---@return bw.Details? details
+function solver_module.two_level(options) end
+
+---Options of preconditioners that have none.
+---@class bw.NoSolverOptions
+
+---Algebraic multigrid as a preconditioner. That of PETSc works on all processes that mpirun started (docs/howto_cluster.md). The
+---engine's own is not implemented: solutions by it fail with the status "unsupported".
+---
+---Errors: only those that every function may give.
+---```lua
+---local preconditioner = bw.solver.amg {backend = "petsc"}
+---print(bw.solver.pcg {preconditioner = preconditioner})
+---```
+---@param options? bw.AmgOptions who computes it
+---@return bw.Solver? solver the preconditioner
+---@return string? message
+---@return bw.Details? details
+function solver_module.amg(options) end
+
+---Who computes a multigrid hierarchy.
+---@class bw.AmgOptions
+---@field backend? "auto"|"petsc" PETSc's GAMG. Default: "auto", the engine's own
+
+---Block Jacobi as a preconditioner: the inverse of the diagonal blocks of the nodes.
+---
+---Errors: only those that every function may give.
+---
+---Source: Y. Saad, Iterative Methods for Sparse Linear Systems (2003), section 10.2.
+---```lua
+---local preconditioner = bw.solver.jacobi()
+---print(bw.solver.pcg {preconditioner = preconditioner})
+---```
+---@param options? bw.NoSolverOptions none
+---@return bw.Solver? solver the preconditioner
+---@return string? message
+---@return bw.Details? details
+function solver_module.jacobi(options) end
+
+---A linear solver or a preconditioner. It never changes; `print` shows it in a line.
+---```lua
+---local solver = bw.solver.pcg {tolerance = 1e-8}
+---print(solver.kind, solver.tolerance, solver.max_iterations) -- pcg 1e-08 2000
+---```
+---@class bw.Solver
+---@field kind "cholesky"|"pcg"|"two_level"|"amg"|"jacobi" what it is
+---@field backend string? of a factor and of multigrid: who computes it
+---@field ordering string? of a factor: the elimination order
+---@field precision integer? (bits) of a factor: as it was given
+---@field full boolean? of a factor: whether it is computed again as a whole
+---@field preconditioner bw.Solver? of `pcg`, as it was given
+---@field tolerance number? (-) of `pcg`: relative residual
+---@field max_iterations integer? (count) of `pcg`
+local Solver = {}
+
+---What a solver did, and why it was chosen. `print` shows it in a line. Predicted costs are those of one reference machine.
+---@class bw.SolverReport
+---@field solver string "cholesky" or "pcg"
+---@field backend string? "multifrontal", "cholmod" or "petsc"
+---@field preconditioner string? "two_level", "amg", "jacobi" or "cholesky"
+---@field reason string? why it was chosen
+---@field predicted_cost number? (s) where it was chosen by cost: predicted
+---@field rival_cost number? (s) likewise, of the next best solver
+---@field flops number? (count) operations of the factorisation
+---@field bytes number? (bytes) of the factor or the preconditioner; with PETSc of all processes at their peaks
+---@field seconds number? (s) for the solution
+---@field iterations integer? (count) of conjugate gradients
+---@field residual number? (-) relative, at the end
+---@field reused number? (-) fraction of the work that an earlier solution had done
+---@field ranks integer? (count) of PETSc: processes
+---@field send_seconds number? (s) of PETSc: sending the matrix
+---@field setup_seconds number? (s) of PETSc: multigrid or factor
+---@field solve_seconds number? (s) of PETSc: solving
+---@field processor_seconds number? (s) of PETSc: processor time of all processes
+---@field largest_rank_bytes number? (bytes) of PETSc: memory of the largest process

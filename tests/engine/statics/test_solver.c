@@ -1,0 +1,332 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Linear solvers: every one that claims to serve static solutions gives the same, under each kind
+ * of support; factors of each backend serve modes; what a description refuses and how it reads;
+ * what is reported and reused. */
+#include "incremental_bar.h"
+#include "linear/pcg.h"
+
+/* Each solver of a body that is held: how it is described and reported. */
+typedef struct row {
+  bw_solver_options options, preconditioner; /* the second: of pcg */
+  const char *text, *solver, *backend, *inner;
+  bool serves_free; /* bodies with rigid-body modes */
+} row;
+
+static const row rows[] = {
+    {{.kind = BW_SOLVER_CHOLESKY}, {0}, "cholesky", "cholesky", "multifrontal", "", true},
+    {{.backend = BW_BACKEND_MULTIFRONTAL, .ordering = BW_ORDERING_AMD},
+     {0},
+     "cholesky (multifrontal, ordering amd)",
+     "cholesky",
+     "multifrontal",
+     "",
+     true},
+    {{.precision = 32}, {0}, "cholesky (32 bits)", "cholesky", "multifrontal", "", true},
+    {{.backend = BW_BACKEND_CHOLMOD}, {0}, "cholesky (cholmod)", "cholesky", "cholmod", "", true},
+    {{.backend = BW_BACKEND_CHOLMOD, .ordering = BW_ORDERING_BACKEND},
+     {0},
+     "cholesky (cholmod, ordering backend)",
+     "cholesky",
+     "cholmod",
+     "",
+     true},
+    {{.backend = BW_BACKEND_CHOLMOD, .ordering = BW_ORDERING_AMD},
+     {0},
+     "cholesky (cholmod, ordering amd)",
+     "cholesky",
+     "cholmod",
+     "",
+     true},
+    {{.kind = BW_SOLVER_PCG, .max_iterations = 200},
+     {.kind = BW_SOLVER_TWO_LEVEL},
+     "pcg (two_level, tolerance 1e-10, at most 200 iterations)",
+     "pcg",
+     "",
+     "two_level",
+     false},
+    {{.kind = BW_SOLVER_PCG, .tolerance = 1e-11},
+     {.kind = BW_SOLVER_JACOBI},
+     "pcg (jacobi, tolerance 1e-11, at most 2000 iterations)",
+     "pcg",
+     "",
+     "jacobi",
+     true},
+    {{.kind = BW_SOLVER_PCG},
+     {.kind = BW_SOLVER_CHOLESKY, .precision = 32},
+     "pcg (cholesky (32 bits), tolerance 1e-10, at most 2000 iterations)",
+     "pcg",
+     "multifrontal",
+     "cholesky",
+     true},
+    {{.kind = BW_SOLVER_PCG},
+     {.kind = BW_SOLVER_CHOLESKY, .backend = BW_BACKEND_CHOLMOD},
+     "pcg (cholesky (cholmod), tolerance 1e-10, at most 2000 iterations)",
+     "pcg",
+     "cholmod",
+     "cholesky",
+     true}};
+enum { ROWS = sizeof rows / sizeof *rows };
+
+static bw_solver *solver_of(bw_context *context, const row *r) {
+  bw_solver_options options = r->options;
+  if (options.kind != BW_SOLVER_PCG)
+    return body_solver(context, options);
+  bw_solver *inner = body_solver(context, r->preconditioner);
+  options.preconditioner = inner;
+  bw_solver *solver = body_solver(context, options);
+  bw_release(inner); /* the solver retains it */
+  return solver;
+}
+
+/* Displacements, reactions, energy and modes of one body by every solver. */
+static void compare_solvers(bw_context *context, const bw_model *model, bool is_free) {
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  bw_static *expected = NULL;
+  bw_modes *modes = NULL;
+  bw_statics_options options = {.inertia_relief = is_free};
+  check_ok(context, bw_statics(context, model, NULL, &options, &expected));
+  check_ok(context, bw_modes_elastic(context, expected->system, NULL, &modes));
+  for (int k = 0; k < ROWS; k++) {
+    bw_static *result = NULL;
+    bw_solver *solver = solver_of(context, &rows[k]);
+    options.solver = solver;
+    if (is_free && !rows[k].serves_free) {
+      check_fails(context, BW_INVALID, "free to move",
+                  bw_statics(context, model, NULL, &options, &result));
+      bw_release(solver);
+      continue;
+    }
+    check_ok(context, bw_statics(context, model, NULL, &options, &result));
+    check_near(difference(result->displacement, expected->displacement, size), 0, 1e-8);
+    check_near(difference(result->reaction, expected->reaction, size), 0, 1e-8);
+    check_near(result->energy / expected->energy, 1, 1e-8);
+    assert_string_equal(result->report.solver, rows[k].solver);
+    assert_string_equal(result->report.backend, rows[k].backend);
+    assert_string_equal(result->report.preconditioner, rows[k].inner);
+    assert_string_equal(result->report.reason, "it was given");
+    assert_true(result->report.bytes > 0 && result->report.seconds > 0);
+    assert_true(result->report.residual == result->residual);
+    bool iterates = rows[k].inner[0] || rows[k].options.precision == 32;
+    assert_true((result->report.iterations > 0) == iterates);
+    assert_true(result->report.reused == 0);
+    bw_static *again = NULL; /* what is there serves again */
+    check_ok(context, bw_statics(context, model, result->system, &options, &again));
+    assert_true(again->report.reused == 1);
+    assert_memory_equal(again->displacement, result->displacement, (size_t)size * sizeof(double));
+    bw_release(again);
+    if (result->system->factor) {
+      bw_modes *same = NULL;
+      check_ok(context, bw_modes_elastic(context, result->system, NULL, &same));
+      assert_int_equal(same->count, modes->count);
+      assert_true(same->counted);
+      for (int m = 0; m < modes->count; m++)
+        check_near(same->eigenvalue[m] / modes->eigenvalue[m], 1, 1e-8);
+      bw_release(same);
+    }
+    bw_release(result);
+    bw_release(solver);
+  }
+  bw_release(modes);
+  bw_release(expected);
+}
+
+static void all_solvers(void **state) {
+  bw_context *context = check_context(state);
+  for (int scene = 0; scene < SCENES; scene++) {
+    bar b;
+    bar_make(context, 2, 2, &b);
+    load_bar(context, &b, scene);
+    compare_solvers(context, b.model, scene == 3);
+    bar_clear(&b);
+  }
+}
+
+/* A factor of one backend takes the place of another's, with the equations kept. */
+static void other_backend(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 2, 2, &b);
+  load_bar(context, &b, 0);
+  bw_static *first = NULL, *second = NULL, *third = NULL;
+  bw_solver *cholmod = body_solver(context, (bw_solver_options){.backend = BW_BACKEND_CHOLMOD});
+  bw_solver *any = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_CHOLESKY});
+  bw_statics_options options = {.solver = cholmod};
+  check_ok(context, bw_statics(context, b.model, NULL, NULL, &first));
+  check_ok(context, bw_statics(context, b.model, first->system, &options, &second));
+  assert_ptr_equal(second->system, first->system);
+  assert_string_equal(second->report.backend, "cholmod");
+  assert_true(second->report.reused == 0);
+  options.solver = any; /* takes the one that is there */
+  check_ok(context, bw_statics(context, b.model, first->system, &options, &third));
+  assert_string_equal(third->report.backend, "cholmod");
+  assert_true(third->report.reused == 1);
+  bw_release(first);
+  bw_release(second);
+  bw_release(third);
+  bw_release(cholmod);
+  bw_release(any);
+  bar_clear(&b);
+}
+
+static void descriptions(void **state) {
+  bw_context *context = check_context(state);
+  char *text = NULL;
+  check_ok(context, bw_solver_describe(context, NULL, &text));
+  assert_string_equal(text, "auto");
+  bw_free(text);
+  for (int k = 0; k < ROWS; k++) {
+    bw_solver *solver = solver_of(context, &rows[k]);
+    check_ok(context, bw_solver_describe(context, solver, &text));
+    assert_string_equal(text, rows[k].text);
+    bw_free(text);
+    bw_release(solver);
+  }
+}
+
+static void refusals(void **state) {
+  bw_context *context = check_context(state);
+  bw_solver *pcg = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG});
+  bw_solver *spread = body_solver(context, (bw_solver_options){.backend = BW_BACKEND_PETSC});
+  bw_solver *amg = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_AMG}), *none = NULL;
+  const struct {
+    bw_solver_options options;
+    const char *message;
+  } wrong[] = {
+      {{.precision = 16}, "32 or 64 bits"},
+      {{.backend = BW_BACKEND_CHOLMOD, .precision = 32}, "\"cholmod\" has no factor in single"},
+      {{.backend = BW_BACKEND_PETSC, .ordering = BW_ORDERING_AMD}, "takes its own"},
+      {{.tolerance = 1e-3}, "\"cholesky\" has no option 'tolerance'"},
+      {{.kind = BW_SOLVER_PCG, .tolerance = 1}, "between 0 and 1"},
+      {{.kind = BW_SOLVER_PCG, .tolerance = NAN}, "between 0 and 1"},
+      {{.kind = BW_SOLVER_PCG, .max_iterations = -1}, "at least 1"},
+      {{.kind = BW_SOLVER_PCG, .backend = BW_BACKEND_CHOLMOD}, "\"pcg\" has no option 'backend'"},
+      {{.kind = BW_SOLVER_PCG, .preconditioner = pcg}, "conjugate gradients as preconditioner"},
+      {{.kind = BW_SOLVER_PCG, .preconditioner = spread}, "\"petsc\" has no factor that"},
+      {{.kind = BW_SOLVER_JACOBI, .precision = 64}, "\"jacobi\" has no option 'precision'"},
+      {{.kind = BW_SOLVER_TWO_LEVEL, .full = true}, "\"two_level\" has no option 'full'"},
+      {{.kind = BW_SOLVER_AMG, .backend = BW_BACKEND_CHOLMOD}, "no algebraic multigrid"},
+      {{.kind = (bw_solver_kind)9}, "is not known"}};
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++)
+    check_fails(context, BW_INVALID, wrong[k].message,
+                bw_solver_create(context, &wrong[k].options, &none));
+  assert_null(none);
+  bar b;
+  bar_make(context, 1, 2, &b);
+  load_bar(context, &b, 0);
+  bw_static *result = NULL;
+  bw_solver *by_amg =
+      body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG, .preconditioner = amg});
+  bw_statics_options options = {.solver = amg};
+  check_fails(context, BW_INVALID, "is a preconditioner",
+              bw_statics(context, b.model, NULL, &options, &result));
+  options.solver = by_amg;
+  check_fails(context, BW_UNSUPPORTED, "not implemented",
+              bw_statics(context, b.model, NULL, &options, &result));
+  options.solver = spread;
+  check_fails(context, BW_UNSUPPORTED, "barwright.distributed",
+              bw_statics(context, b.model, NULL, &options, &result));
+  bw_release(by_amg);
+  bw_release(amg);
+  bw_release(spread);
+  bw_release(pcg);
+  bar_clear(&b);
+}
+
+/* Two blocks in contact at an edge, one of them fixed: no solver takes rounding for stiffness. */
+static void mechanism(void **state) {
+  bw_context *context = check_context(state);
+  const double x[6][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, 1, 1}};
+  const int32_t element[8] = {0, 1, 2, 3, 1, 4, 2, 5};
+  bw_mesh *linear = NULL, *mesh = NULL;
+  check_ok(context, bw_mesh_copy(context, 1, 6, x[0], 2, element, NULL, &linear));
+  check_ok(context, bw_mesh_with_order(context, linear, 2, &mesh));
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  bw_selection *fixed = face(context, mesh, 0, 0);
+  const double gravity[3] = {1, 2, -9.81};
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  check_ok(context, bw_model_fix(context, model, fixed));
+  check_ok(context, bw_model_gravity(context, model, gravity));
+  for (int k = 0; k < ROWS; k++) {
+    bw_static *result = NULL;
+    bw_solver *solver = solver_of(context, &rows[k]);
+    const bw_statics_options options = {.solver = solver};
+    bool single = rows[k].preconditioner.precision == 32;
+    if (strcmp(rows[k].inner, "jacobi") != 0) /* which has no factor to see it by */
+      check_fails(context, single ? BW_CONVERGENCE : BW_SINGULAR, single ? "reached" : "singular",
+                  bw_statics(context, model, NULL, &options, &result));
+    bw_release(solver);
+  }
+  bw_release(fixed);
+  bw_release(model);
+  bw_release(material);
+  bw_release(mesh);
+  bw_release(linear);
+}
+
+/* Too few iterations are reported with what was reached. */
+static void too_few_iterations(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 2, 2, &b);
+  load_bar(context, &b, 0);
+  bw_solver *jacobi = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_JACOBI});
+  bw_solver *solver = body_solver(
+      context,
+      (bw_solver_options){.kind = BW_SOLVER_PCG, .preconditioner = jacobi, .max_iterations = 3});
+  const bw_statics_options options = {.solver = solver};
+  bw_static *result = NULL;
+  check_fails(context, BW_CONVERGENCE, "jacobi reached a residual of",
+              bw_statics(context, b.model, NULL, &options, &result));
+  bw_release(solver);
+  bw_release(jacobi);
+  bar_clear(&b);
+}
+
+static void stop(void *data, const char *stage, double fraction) {
+  (void)fraction;
+  if (strcmp(stage, "factorisation") == 0 || strcmp(stage, "conjugate gradients") == 0)
+    bw_cancel(data);
+}
+
+/* Each can be cancelled, and each gives back what failed allocations leave. */
+static void cancelling_and_memory(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 1, 2, &b);
+  load_bar(context, &b, 0);
+  for (int k = 0; k < ROWS; k++) {
+    if (rows[k].preconditioner.kind == BW_SOLVER_TWO_LEVEL)
+      continue; /* linear elements; test_static_pcg.c */
+    bw_solver *solver = solver_of(context, &rows[k]);
+    const bw_statics_options options = {.solver = solver};
+    bw_static *result = NULL;
+    bw_set_progress(context, stop, context);
+    check_fails(context, BW_CANCELLED, "cancel",
+                bw_statics(context, b.model, NULL, &options, &result));
+    bw_clear_cancel(context);
+    bw_set_progress(context, NULL, NULL);
+    bw_status status = BW_MEMORY;
+    for (int64_t n = 1; status == BW_MEMORY; n++) {
+      bw_fail_allocation(n, true);
+      status = bw_statics(context, b.model, NULL, &options, &result);
+      bw_fail_allocation(0, false);
+      if (status != BW_MEMORY)
+        check_ok(context, status);
+    }
+    bw_release(result);
+    bw_release(solver);
+  }
+  bar_clear(&b);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {check_test(all_solvers),
+                                     check_test(other_backend),
+                                     check_test(descriptions),
+                                     check_test(refusals),
+                                     check_test(mechanism),
+                                     check_test(too_few_iterations),
+                                     check_test(cancelling_and_memory)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
