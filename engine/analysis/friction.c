@@ -10,7 +10,7 @@
  *
  * Invariants: columns of a pressure are consecutive and have the rows of the column without
  * friction; for every pressure the columns' mean is that column. */
-#include "analysis/linear_program.h"
+#include "analysis/load_program.h"
 #include "analysis/pressure.h"
 #include "barwright/element.h"
 

@@ -2,7 +2,7 @@
 /* The patches that hands can reach: around each node with a pressure the nodes within a radius that
  * face the same way. Nodes are sorted along x: those of a patch lie in a slab of twice the
  * radius. */
-#include "analysis/linear_program.h"
+#include "analysis/load_program.h"
 
 #include <stdlib.h>
 #include <string.h>

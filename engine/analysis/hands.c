@@ -10,7 +10,7 @@
  *
  * Invariant: a set holds distinct centres; `seed` is a set that carries the whole force, so that
  * every objective has an answer. */
-#include "analysis/linear_program.h"
+#include "analysis/load_program.h"
 
 #include <math.h>
 #include <string.h>
@@ -162,7 +162,7 @@ static bw_status solve(bench *b, const bw_worst_load_options *options, const dou
     if (b->taken[j / h->basis->directions])
       b->given[to++] = objective[j];
   BW_TRY(bw_worst_loads(b->context, part, h->dof_map, options, 1, b->given, b->pressure, &s->value,
-                        b->dual));
+                        b->dual, NULL));
 done:
   bw_release(part);
   return status;

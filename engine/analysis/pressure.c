@@ -15,7 +15,7 @@
  * Nodes of forbidden facets, or their cells, have no column: the pressures that are left are those
  * of the whole boundary that are zero there, so that forbidding more never admits another load. */
 #include "analysis/pressure.h"
-#include "analysis/linear_program.h"
+#include "analysis/load_program.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* A basis of pressures: its life, and the products with its columns. */
-#include "analysis/linear_program.h"
+#include "analysis/load_program.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Points, weights and functions of the pressures of a facet. */
-#include "analysis/linear_program.h"
+#include "analysis/load_program.h"
 #include "analysis/pressure.h"
 #include "barwright/element.h"
 

@@ -10,9 +10,9 @@
  * On a body that is free r is in balance, and lambda the lowest eigenvalue that is not zero. */
 #include "analysis/solve_error.h"
 
-#include "analysis/nearest_point.h"
 #include "barwright/eigen.h"
 #include "linear/internal.h"
+#include "qp/nearest_point.h"
 
 #include <float.h>
 #include <math.h>

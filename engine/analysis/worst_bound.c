@@ -416,6 +416,10 @@ bw_status bw_worst_bound_find(bw_context *context, bw_system *system,
   }
   bound->upper = fmax(bound->upper, bound->largest);
   bw_progress(context, "upper bound", 1);
+  bwi_lp_counts counts = {0};
+  for (int i = 0; i < s.workers; i++)
+    bwi_loads_count(s.worker[i].loads, &counts);
+  bwi_loads_report(s.worker[0].loads, &counts, &bound->report);
 done:
   search_clear(&s);
   return status;

@@ -5,7 +5,7 @@
  * All with one factor, a batch of regions at a time: solves take many right-hand sides at once,
  * everything between them runs over the regions in parallel. Memory is that of one batch whatever
  * the number of regions. */
-#include "analysis/linear_program.h"
+#include "analysis/load_program.h"
 
 #include <string.h>
 
@@ -140,7 +140,7 @@ bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pre
                             const bw_weak_regions *regions, const bw_worst_load_options *options,
                             int batch,
                             bw_status (*visit)(void *data, const bw_worst_case_visit *visit),
-                            void *data) {
+                            void *data, bw_solver_report *report) {
   bw_status status = BW_OK;
   bwi_loads *loads = NULL;
   run r = {.context = context, .system = system, .basis = basis, .regions = regions};
@@ -179,6 +179,11 @@ bw_status bw_worst_case_run(bw_context *context, bw_system *system, const bw_pre
     BW_TRY(run_batch(&r, loads, visit, data));
   }
   bw_progress(context, "worst loads", 1);
+  if (report) {
+    bwi_lp_counts counts = {0};
+    bwi_loads_count(loads, &counts);
+    bwi_loads_report(loads, &counts, report);
+  }
 done:
   bwi_loads_destroy(loads);
   bw_free(r.block);

@@ -3,7 +3,7 @@
 #ifndef BARWRIGHT_ANALYSIS_WORST_INTERNAL_H
 #define BARWRIGHT_ANALYSIS_WORST_INTERNAL_H
 
-#include "analysis/linear_program.h"
+#include "analysis/load_program.h"
 
 /* Pressures that are constant on patches: column k is the sum of the basis's columns in patch k,
  * its node the patch's seed. Patches never span two bodies. At least one per body, at most

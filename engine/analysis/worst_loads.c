@@ -1,28 +1,23 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Worst loads: one linear program per objective, solved in parallel, every answer checked by its
- * own violation and duality gap before it is believed.
- *
- * Our dual simplex goes first; where its answer fails the judgement, GLPK is asked, with its dual
- * and then its primal simplex. Every linear program starts from the same place, so an answer
- * depends neither on its neighbours nor on the number of threads. */
-#include "analysis/linear_program.h"
+/* Worst loads: one linear program per objective, solved in parallel by the solver that lp/solver.h
+ * chooses. Every linear program starts from the same place, so an answer depends neither on its
+ * neighbours nor on the number of threads. */
+#include "analysis/load_program.h"
 
 #include <math.h>
 #include <string.h>
 
 static const double violation_limit = 1e-9; /* of the total force */
-static const double gap_limit = 1e-8;
 
 typedef struct loads_scratch {
   double *cost, *fraction, *multiplier;
   double *dual; /* of pressures anywhere, for hands */
-  bwi_vertex vertex;
-  bwi_simplex *simplex;
+  bwi_lp_workspace lp;
 } loads_scratch;
 
 struct bwi_loads {
-  bwi_linear_program *program;
-  bw_worst_load_options options;
+  bwi_load_program *program;
+  bwi_lp_choice choice;
   int32_t pressures;
   int workers;
   loads_scratch *scratch; /* per worker */
@@ -37,7 +32,7 @@ typedef struct loads_work {
 } loads_work;
 
 static bw_status scratch_fill(const loads_work *work, loads_scratch *scratch) {
-  size_t n = (size_t)work->loads->program->columns, m = (size_t)work->loads->program->rows;
+  size_t n = (size_t)work->loads->program->lp.columns, m = (size_t)work->loads->program->lp.rows;
   bw_context *context = work->context;
   if (!scratch->cost)
     scratch->cost = BW_NEW(context, double, n);
@@ -47,16 +42,11 @@ static bw_status scratch_fill(const loads_work *work, loads_scratch *scratch) {
     scratch->multiplier = BW_NEW(context, double, m);
   if (!scratch->dual)
     scratch->dual = BW_NEW(context, double, (size_t)work->loads->program->rigid_mode_count + 1);
-  if (!scratch->vertex.basic)
-    scratch->vertex.basic = BW_NEW(context, int32_t, m);
-  if (!scratch->vertex.at_upper)
-    scratch->vertex.at_upper = BW_NEW(context, uint8_t, n);
-  if (!scratch->cost || !scratch->fraction || !scratch->multiplier || !scratch->dual ||
-      !scratch->vertex.basic || !scratch->vertex.at_upper)
+  if (!scratch->cost || !scratch->fraction || !scratch->multiplier || !scratch->dual)
     return BW_MEMORY;
-  if (work->loads->options.solver != BW_LP_DUAL_SIMPLEX || scratch->simplex)
+  if (scratch->lp.program)
     return BW_OK;
-  return bwi_simplex_create(context, work->loads->program, &scratch->simplex);
+  return bwi_lp_open(context, &work->loads->program->lp, &work->loads->choice, &scratch->lp);
 }
 
 static void scratch_clear(loads_scratch *scratch) {
@@ -64,17 +54,15 @@ static void scratch_clear(loads_scratch *scratch) {
   bw_free(scratch->fraction);
   bw_free(scratch->multiplier);
   bw_free(scratch->dual);
-  bw_free(scratch->vertex.basic);
-  bw_free(scratch->vertex.at_upper);
-  bwi_simplex_destroy(scratch->simplex);
+  bwi_lp_close(&scratch->lp);
 }
 
 /* Gains per share of the total force, scaled to a largest one of 1. Returns the scale. */
 static bw_status gains(const loads_work *work, int64_t i, double *cost, double *scale) {
-  const bwi_linear_program *program = work->loads->program;
+  const bwi_load_program *program = work->loads->program;
   const double *f = work->objective + (size_t)i * (size_t)work->loads->pressures;
   *scale = 0;
-  for (int32_t j = 0; j < program->columns; j++) {
+  for (int32_t j = 0; j < program->lp.columns; j++) {
     int32_t from = program->source[j];
     cost[j] = from < 0 ? 0 : f[from] / program->area[j];
     if (!isfinite(cost[j]))
@@ -82,7 +70,7 @@ static bw_status gains(const loads_work *work, int64_t i, double *cost, double *
                      (long long)i + 1, f[from], from + 1);
     *scale = fmax(*scale, fabs(cost[j]));
   }
-  for (int32_t j = 0; j<program->columns && * scale> 0; j++)
+  for (int32_t j = 0; j<program->lp.columns && * scale> 0; j++)
     cost[j] /= *scale;
   return BW_OK;
 }
@@ -90,16 +78,16 @@ static bw_status gains(const loads_work *work, int64_t i, double *cost, double *
 /* Pressures, value and raw multipliers from scaled ones. */
 static void hand_over(const loads_work *work, int64_t i, const bwi_solution *solution, double scale,
                       double *dual) {
-  const bwi_linear_program *program = work->loads->program;
+  const bwi_load_program *program = work->loads->program;
   double *p = work->pressure + (size_t)i * (size_t)work->loads->pressures;
   const double *f = work->objective + (size_t)i * (size_t)work->loads->pressures;
   double value = 0;
-  for (int32_t j = 0; j < program->columns; j++) {
+  for (int32_t j = 0; j < program->lp.columns; j++) {
     if (program->source[j] < 0)
       continue;
     /* At its bound a pressure is p_max exactly. */
     p[program->source[j]] =
-        solution->fraction[j] >= program->upper[j]
+        solution->fraction[j] >= program->lp.upper[j]
             ? program->pressure
             : fmin(program->pressure, solution->fraction[j] * program->force / program->area[j]);
   }
@@ -116,56 +104,24 @@ static void hand_over(const loads_work *work, int64_t i, const bwi_solution *sol
       dual[body->motion[m]] = sum * scale;
     }
   }
-  dual[program->rigid_mode_count] = solution->multiplier[program->rows - 1] * scale;
+  dual[program->rigid_mode_count] = solution->multiplier[program->lp.rows - 1] * scale;
 }
 
-static bool good(const bwi_solution *solution) {
-  return solution->violation <= violation_limit && solution->gap <= gap_limit;
-}
-
-enum { OWN_ATTEMPTS = 2, GLPK_ATTEMPTS = 3 };
-
-static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scratch,
-                           bwi_glpk **glpk) {
+static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scratch) {
   bw_status status = BW_OK;
-  bwi_solution solution = {scratch->fraction, scratch->multiplier, 0, INFINITY, INFINITY};
-  double scale;
-  bool own = work->loads->options.solver == BW_LP_DUAL_SIMPLEX;
+  const bwi_loads *loads = work->loads;
+  bwi_solution solution = {.fraction = scratch->fraction, .multiplier = scratch->multiplier};
+  double scale, *dual = scratch->dual;
+  if (work->dual)
+    dual = work->dual + (size_t)i * ((size_t)loads->program->rigid_mode_count + 1);
   BW_TRY(bw_check_cancel(work->context));
   BW_TRY(gains(work, i, scratch->cost, &scale));
-  for (int attempt = own ? 0 : OWN_ATTEMPTS; attempt < OWN_ATTEMPTS + GLPK_ATTEMPTS; attempt++) {
-    if (attempt < OWN_ATTEMPTS) {
-      status = bwi_simplex_solve(work->context, scratch->simplex, scratch->cost, attempt == 0,
-                                 &scratch->vertex);
-    } else {
-      if (!*glpk)
-        BW_TRY(bwi_glpk_create(work->context, work->loads->program, glpk));
-      status = bwi_glpk_solve(work->context, *glpk, scratch->cost, attempt - OWN_ATTEMPTS,
-                              &scratch->vertex);
-    }
-    if (status == BW_CONVERGENCE)
-      continue;
-    if (status != BW_OK)
-      goto done;
-    BW_TRY(bwi_linear_program_evaluate(work->context, work->loads->program, scratch->cost,
-                                       &scratch->vertex, &solution));
-    if (good(&solution)) {
-      double *dual =
-          work->dual ? work->dual + (size_t)i * ((size_t)work->loads->program->rigid_mode_count + 1)
-                     : scratch->dual;
-      hand_over(work, i, &solution, scale, dual);
-      if (work->loads->hands)
-        BW_TRY(bwi_hands_solve(work->context, work->loads->hands,
-                               work->objective + (size_t)i * (size_t)work->loads->pressures, dual,
-                               work->pressure + (size_t)i * (size_t)work->loads->pressures,
-                               &work->value[i]));
-      goto done;
-    }
-  }
-  status = bw_fail(work->context, BW_CONVERGENCE,
-                   "no optimal pressure for objective %lld: the last attempt misses balance by %g "
-                   "of the total force and the optimum by %g of its value",
-                   (long long)i + 1, solution.violation, solution.gap);
+  BW_TRY(bwi_lp_solve(work->context, &scratch->lp, scratch->cost, &solution));
+  hand_over(work, i, &solution, scale, dual);
+  if (loads->hands)
+    BW_TRY(bwi_hands_solve(work->context, loads->hands,
+                           work->objective + (size_t)i * (size_t)loads->pressures, dual,
+                           work->pressure + (size_t)i * (size_t)loads->pressures, &work->value[i]));
 done:
   return status;
 }
@@ -174,12 +130,12 @@ static bw_status loads_body(void *data, int64_t begin, int64_t end, int worker) 
   const loads_work *work = (const loads_work *)data;
   bw_status status = BW_OK;
   loads_scratch *scratch = &work->loads->scratch[worker];
-  bwi_glpk *glpk = NULL;
   BW_TRY(scratch_fill(work, scratch));
   for (int64_t i = begin; i < end; i++)
-    BW_TRY(solve_one(work, i, scratch, &glpk));
+    BW_TRY(solve_one(work, i, scratch));
 done:
-  bwi_glpk_destroy(glpk);
+  if (scratch->lp.program)
+    bwi_lp_leave_thread(&scratch->lp);
   return status;
 }
 
@@ -197,8 +153,9 @@ static bw_status check_balance(bw_context *context, const bw_pressure_basis *bas
   if (!pressure)
     return BW_MEMORY;
   less.force_is_max = true;
-  less.hands = 0;
-  BW_TRY(bw_worst_loads(context, basis, dof_map, &less, 1, basis->area, pressure, &largest, NULL));
+  less.hands = 0; /* the choice of the solver stays */
+  BW_TRY(bw_worst_loads(context, basis, dof_map, &less, 1, basis->area, pressure, &largest, NULL,
+                        NULL));
   if (largest < options->force * (1 - violation_limit)) {
     status = bw_fail(context, BW_INFEASIBLE,
                      "a total force of %g N was requested, but on the admissible surface pressures "
@@ -229,7 +186,6 @@ bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,
   bwi_loads *loads = BW_NEW0(context, bwi_loads, 1);
   if (!loads)
     return BW_MEMORY;
-  loads->options = *options;
   loads->pressures = basis->count;
   loads->workers = bw_threads(context);
   loads->scratch = BW_NEW0(context, loads_scratch, loads->workers);
@@ -237,7 +193,8 @@ bw_status bwi_loads_create(bw_context *context, const bw_pressure_basis *basis,
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_linear_program_create(context, basis, dof_map, options, &loads->program));
+  BW_TRY(bwi_load_program_create(context, basis, dof_map, options, &loads->program));
+  bwi_lp_choose(&loads->program->lp, options->lp, &loads->choice);
   if (options->hands != 0)
     BW_TRY(bwi_hands_create(context, basis, dof_map, options, &loads->hands));
 done:
@@ -255,24 +212,39 @@ void bwi_loads_destroy(bwi_loads *loads) {
     scratch_clear(&loads->scratch[w]);
   bw_free(loads->scratch);
   bwi_hands_destroy(loads->hands);
-  bwi_linear_program_destroy(loads->program);
+  bwi_load_program_destroy(loads->program);
   bw_free(loads);
 }
 
 bw_status bwi_loads_solve(bw_context *context, bwi_loads *loads, int64_t count,
                           const double *objective, double *pressure, double *value, double *dual) {
   loads_work work = {context, loads, objective, pressure, value, dual};
-  return bw_parallel(context, count, count > 64 ? 4 : 1, loads_body, &work);
+  return bw_parallel(context, count, bwi_lp_grain(&loads->choice, count), loads_body, &work);
+}
+
+void bwi_loads_count(const bwi_loads *loads, bwi_lp_counts *sum) {
+  for (int w = 0; w < loads->workers; w++)
+    bwi_lp_counts_add(sum, &loads->scratch[w].lp.counts);
+}
+
+void bwi_loads_report(const bwi_loads *loads, const bwi_lp_counts *counts,
+                      bw_solver_report *report) {
+  bwi_lp_report(&loads->choice, &loads->program->lp, loads->workers, counts, report);
 }
 
 bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
                          const bw_dof_map *dof_map, const bw_worst_load_options *options,
                          int64_t count, const double *objective, double *pressure, double *value,
-                         double *dual) {
+                         double *dual, bw_solver_report *report) {
   bwi_loads *loads = NULL;
   bw_status status = BW_OK;
   BW_TRY(bwi_loads_create(context, basis, dof_map, options, &loads));
   BW_TRY(bwi_loads_solve(context, loads, count, objective, pressure, value, dual));
+  if (report) {
+    bwi_lp_counts counts = {0};
+    bwi_loads_count(loads, &counts);
+    bwi_loads_report(loads, &counts, report);
+  }
 done:
   bwi_loads_destroy(loads);
   return status;

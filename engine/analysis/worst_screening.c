@@ -35,7 +35,7 @@ typedef struct screen {
   bw_system *system;
   const bw_worst_load_options *options;
   bw_pressure_basis *coarse;
-  bwi_linear_program *program;
+  bwi_load_program *program;
   int32_t patches;
   double *response;  /* 3 node_count x patches */
   double *traction;  /* 3 facet_count x patches; NULL where elements are targets */
@@ -119,7 +119,7 @@ done:
 
 static bw_status fit_body(void *data, int64_t begin, int64_t end, int worker) {
   const screen *s = (const screen *)data;
-  size_t k = (size_t)s->patches, m = (size_t)s->program->rows - 1;
+  size_t k = (size_t)s->patches, m = (size_t)s->program->lp.rows - 1;
   double *y = s->scratch + (size_t)worker * (8 * k > m ? 8 * k : m + 1);
   for (int64_t i = begin; i < end; i++) {
     double *c = s->response + (size_t)i * k;
@@ -138,7 +138,8 @@ static bw_status fit_body(void *data, int64_t begin, int64_t end, int worker) {
 static bw_status subtract_fit(screen *s) {
   bw_status status = BW_OK;
   bw_context *context = s->context;
-  const bwi_linear_program *p = s->program;
+  const bwi_load_program *program = s->program;
+  const bwi_linear_program *p = &program->lp;
   size_t m = (size_t)p->rows - 1, k = (size_t)s->patches;
   double *gram = BW_NEW0(context, double, m *m + 1);
   int32_t *pivot = BW_NEW(context, int32_t, m + 1);
@@ -150,7 +151,7 @@ static bw_status subtract_fit(screen *s) {
     goto done;
   }
   for (int32_t j = 0; j < p->columns; j++) {
-    int32_t from = p->source[j];
+    int32_t from = program->source[j];
     if (from < 0)
       continue;
     s->upper[from] = p->upper[j];
@@ -283,7 +284,7 @@ static bw_status stress_body(void *data, int64_t begin, int64_t end, int worker)
   return BW_OK;
 }
 
-static bw_status solve_linear_programs(screen *s) {
+static bw_status solve_linear_programs(screen *s, bw_solver_report *report) {
   bw_status status = BW_OK;
   bw_context *context = s->context;
   bwi_loads *loads = NULL;
@@ -302,6 +303,9 @@ static bw_status solve_linear_programs(screen *s) {
     BW_TRY(bwi_loads_solve(context, loads, s->wanted, s->objective, s->pressure, s->value, NULL));
     BW_TRY(bw_parallel(context, s->wanted, 8, stress_body, s));
   }
+  bwi_lp_counts counts = {0};
+  bwi_loads_count(loads, &counts);
+  bwi_loads_report(loads, &counts, report);
 done:
   bwi_loads_destroy(loads);
   return status;
@@ -354,8 +358,8 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
   int32_t fewest = PATCHES_PER_ROW * (system->dof_map->rigid_mode_count + 1);
   BW_TRY(bwi_pressure_patches(context, basis, patches > fewest ? patches : fewest, &s.coarse));
   s.patches = s.coarse->count;
-  BW_TRY(bwi_linear_program_create(context, s.coarse, system->dof_map, options, &s.program));
-  size_t capacity = 8 * (size_t)s.patches, rows = (size_t)s.program->rows;
+  BW_TRY(bwi_load_program_create(context, s.coarse, system->dof_map, options, &s.program));
+  size_t capacity = 8 * (size_t)s.patches, rows = (size_t)s.program->lp.rows;
   s.scratch =
       BW_NEW(context, double, (size_t)bw_threads(context) * (capacity > rows ? capacity : rows));
   if (!s.scratch) {
@@ -378,13 +382,13 @@ bw_status bw_worst_screening(bw_context *context, bw_system *system, const bw_pr
   for (int32_t i = 0; i < s.targets.count; i++)
     s.list[i] = s.rank[i].target;
   s.wanted = bwi_targets_apart(&s.targets, wanted, s.list);
-  BW_TRY(solve_linear_programs(&s));
+  BW_TRY(solve_linear_programs(&s, &screening->report));
   BW_TRY(hand_over(&s, screening));
 done:
   if (status != BW_OK)
     bw_screening_clear(screening);
   bw_release(s.coarse);
-  bwi_linear_program_destroy(s.program);
+  bwi_load_program_destroy(s.program);
   bw_free(s.response);
   bw_free(s.traction);
   bw_free(s.row);

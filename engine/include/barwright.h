@@ -70,9 +70,12 @@
 #include "barwright/confine.h"
 #include "barwright/faces.h"
 #include "barwright/job.h"
+#include "barwright/lp.h"
 #include "barwright/mesh.h"
 #include "barwright/outline.h"
 #include "barwright/plane.h"
+#include "barwright/qp.h"
+#include "barwright/report.h"
 #include "barwright/sample.h"
 #include "barwright/singular.h"
 #include "barwright/temporary.h"
@@ -90,7 +93,6 @@
 #include "barwright/plane_matrix.h"
 
 #include "barwright/linear.h"
-#include "barwright/report.h"
 
 #include "barwright/eigen.h"
 

@@ -10,7 +10,7 @@
 #define BWI_INCREMENTAL_INCREMENTAL_H
 
 #include "barwright/incremental.h"
-#include "linear/cost.h"
+#include "base/cost.h"
 #include "linear/pcg.h"
 #include "linear/two_level.h"
 #include "statics/internal.h"

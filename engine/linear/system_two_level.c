@@ -13,7 +13,7 @@
 #include <math.h>
 
 #include "assemble/internal.h"
-#include "linear/cost.h"
+#include "base/cost.h"
 
 /* Entries and operations over those powers. Measured: 1.26 to 1.52, 1.08 to 1.46. */
 #define MORE_ENTRIES 1.35

@@ -12,7 +12,7 @@
 #include <stdio.h>
 
 #include "barwright/job.h"
-#include "linear/cost.h"
+#include "base/cost.h"
 #include "linear/pcg.h"
 #include "linear/system_two_level.h"
 #include "statics/internal.h"

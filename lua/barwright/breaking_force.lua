@@ -17,6 +17,7 @@ local weak_places = require "barwright.weak_places"
 local distance = points.distance
 local worst_case = require "barwright.worst_case"
 local shown = require "barwright.shown"
+local solver_reports = require "barwright.solver_reports"
 
 local breaking_force = {}
 breaking_force.__index = breaking_force
@@ -214,6 +215,7 @@ local function analyse_on(self, mesh)
   local worst, message
   worst, message, details = worst_case(part, limits)
   if not worst then return nil, message, details end
+  solver_reports.add(self.reports, "lp", worst.reports.lp)
   if self.worst then self.worst:close() end
   self.worst, self.mesh = worst, mesh
   local places = {}
@@ -364,7 +366,7 @@ function breaking_force.analyse(body, given)
   local radius, why, about = averaging_radius("breaking_force", opts.length, opts.material, self.box)
   if not radius then return nil, why, about end
   self.length = radius
-  self.reference, self.history, self.near = opts.force, {}, {}
+  self.reference, self.history, self.near, self.reports = opts.force, {}, {}, {}
   self.volume = self.surface and self.surface:check({limit = 1}).sound and self.surface.volume or nil
   local start = core.seconds()
   local asked = next_count(self) or self.given_mesh.element_count

@@ -17,6 +17,7 @@ function breaking_loads.rules(rules)
   rules.forbidden = {type = "function"}
   rules.friction = {type = "number", default = 0, min = 0, max = 100}
   rules.hands = {type = "integer", min = 1, max = 16}
+  rules.lp = {type = "linear_program_solver", auto = true}
   return rules
 end
 
@@ -75,6 +76,7 @@ function breaking_loads.part(self, mesh)
   if opts.friction > 0 then -- the pyramid contains the cone
     limits.friction, limits.friction_facets = opts.friction / math.cos(math.pi / FACETS), FACETS
   end
+  limits.lp = opts.lp
   if opts.hands then
     limits.hands, limits.hand = opts.hands, 2 * self.contact
   end

@@ -6,6 +6,7 @@ local core = require "barwright.core"
 local load_limits = require "barwright.load_limits"
 local options = require "barwright.options"
 local sample = require "barwright.sample"
+local solver_reports = require "barwright.solver_reports"
 
 local brute_force = {}
 brute_force.__index = brute_force
@@ -24,7 +25,7 @@ local ASCENT_STEPS, GAIN = 6, 1e-3
 
 --- Ascent of the principal stress in every element tried: its linear program with the principal direction of
 --- the stress under its load as the objective, until none gains. Results as those of the first run.
-local function ascend(mesh, system, basis, elements, loads, limits)
+local function ascend(mesh, system, basis, elements, loads, limits, reports)
   local count, stresses = loads.peaks.row_count, loads.first_stresses
   local peaks, own = loads.peaks, core.max_principal(stresses)
   for _ = 1, ASCENT_STEPS do
@@ -35,6 +36,7 @@ local function ascend(mesh, system, basis, elements, loads, limits)
     local more
     more, message, details = core.worst_loads(system, basis, regions, limits)
     if not more then return nil, message, details end
+    solver_reports.add(reports, "lp", more.report)
     local weakness = core.array.map("max(a, b)", {a = loads.weakness, b = more.weakness})
     peaks = core.array.map("max(a, b)", {a = peaks, b = more.peaks})
     local reached = core.max_principal(more.first_stresses)
@@ -51,7 +53,7 @@ function brute_force.analyse(part, given)
   options.object("brute_force", "part", part, "model")
   local opts = options.read("brute_force", given, rules)
   local mesh = part.mesh
-  local self = setmetatable({options = opts, mesh = mesh}, brute_force)
+  local self = setmetatable({options = opts, mesh = mesh, reports = {}}, brute_force)
   local basis, message, details = load_limits.basis("brute_force", mesh, opts)
   if not basis then return nil, message, details end
   local start = core.seconds()
@@ -69,10 +71,11 @@ function brute_force.analyse(part, given)
   limits.one_sign, limits.batch, limits.keep_pressures = opts.one_sign, opts.batch, false
   loads, message, details = core.worst_loads(system, basis, regions, limits)
   if not loads then return nil, message, details end
+  solver_reports.add(self.reports, "lp", loads.report)
   if opts.objective == "principal" then
     limits.one_sign = true
     chosen = chosen or core.array.range(1, mesh.element_count, 1)
-    loads, message, details = ascend(mesh, system, basis, chosen, loads, limits)
+    loads, message, details = ascend(mesh, system, basis, chosen, loads, limits, self.reports)
     if not loads then return nil, message, details end
   end
   self.elements = regions.count

@@ -24,6 +24,7 @@ local bw = {
   single_regions = core.single_regions,
   pressure_basis = core.pressure_basis,
   worst_loads = core.worst_loads,
+  lp = core.lp,
   rank_correlation = core.rank_correlation,
   picture = core.picture,
   animation = core.animation,

@@ -24,6 +24,7 @@ function load_limits.rules(rules)
   rules.hand = {type = "number", above = 0}
   rules.friction = {type = "number", default = 0, min = 0, max = 100}
   rules.friction_facets = {type = "integer", default = 8, min = 3, max = 64}
+  rules.lp = {type = "linear_program_solver", auto = true}
   return rules
 end
 
@@ -104,7 +105,7 @@ end
 
 --- What the engine's linear programs take.
 function load_limits.linear_program(opts)
-  return {pressure = opts.pressure, force = opts.force, force_is_max = opts.force_is_max, glpk = opts.glpk,
+  return {pressure = opts.pressure, force = opts.force, force_is_max = opts.force_is_max, lp = opts.lp,
     hands = opts.hands, hand_area = opts.hands and opts.hand}
 end
 

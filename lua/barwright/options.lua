@@ -31,7 +31,8 @@ local function expected(rule)
 end
 
 -- rule: {type = "number" | "integer" | "boolean" | "string" | "table" | a class, default =, min =,
--- max =, one_of = {...}, above = }; type "any" is checked by the caller
+-- max =, one_of = {...}, above =, auto = }; type "any" is checked by the caller. With auto the word "auto" is the
+-- same as nothing.
 local function check(where, key, value, rule)
   if type(value) == "table" and not options.countable(value) then
     fail(where, key, "a table with a length expected")
@@ -40,7 +41,8 @@ local function check(where, key, value, rule)
   local kind = kind_of(value)
   if rule.type == "number" and kind == "integer" then kind = "number" end
   if kind ~= rule.type then
-    fail(where, key, ("%s expected, got %s"):format(expected(rule), core.got(value)))
+    fail(where, key, ("%s expected, got %s"):format(expected(rule) .. (rule.auto and ' or "auto"' or ""),
+      core.got(value)))
   end
   if rule.type == "number" and (value ~= value or value == math.huge or value == -math.huge) then
     fail(where, key, ("a finite number expected, got %s"):format(core.got(value)))
@@ -80,8 +82,10 @@ function options.read(where, given, rules)
       end
       raise(("%s: unknown option '%s': %s"):format(where, key, core.suggestion(key, known)))
     end
-    check(where, key, value, rule)
-    out[key] = value
+    if not (rule.auto and value == "auto") then
+      check(where, key, value, rule)
+      out[key] = value
+    end
   end
   for key, rule in pairs(rules) do
     if out[key] == nil then

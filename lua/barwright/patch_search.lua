@@ -4,6 +4,7 @@
 -- docs/theory/breaking_force.md has the mathematics.
 local core = require "barwright.core"
 local points = require "barwright.points"
+local solver_reports = require "barwright.solver_reports"
 local distance, append_apart = points.distance, points.append_apart
 
 local patch_search = {}
@@ -93,6 +94,7 @@ local function add(self, nodes, rows)
   local loads
   loads, message, details = core.worst_loads(self.system, self.basis, patches, opts)
   if not loads then return nil, message, details end
+  solver_reports.add(self.reports, "lp", loads.report)
   self.loads = loads
   local numbers = {}
   for k = 1, patches.count do
@@ -114,9 +116,10 @@ local function screen(self)
   local patches = math.min(MAX, MAX_BYTES // bytes,
     PRESSED * limits.pressure * self.basis.areas:sum() // limits.force)
   local screened, message, details = core.worst_screening(self.system, self.screening_basis, {
-    pressure = limits.pressure, force = limits.force, force_is_max = limits.force_is_max, glpk = limits.glpk,
+    pressure = limits.pressure, force = limits.force, force_is_max = limits.force_is_max, lp = limits.lp,
     radius = self.radius, patches = math.floor(math.max(FEWEST, patches)), targets = RANKED})
   if not screened then return nil, message, details end
+  solver_reports.add(self.reports, "lp", screened.report)
   screened.values, screened.tried, screened.reached = self.measure(screened.stresses), {}, {}
   self.screened = screened
   screened.order, screened.rows = screened.values:order(), screened.stresses:totable()
@@ -220,9 +223,10 @@ local function begin(self)
 end
 
 --- Searches. `problem`: mesh, material, system, basis, screening_basis, limits (of linear programs), radius (m),
---- measure (from rows of tensors to an array), screening (whether to look for other places), and what it begins
---- with: loads (results of core.worst_loads) or known (places of another mesh). Returns {places, loads, origins},
---- places weakest first, or nil, message, details. `extend` continues it.
+--- reports (to which those of the linear programs are added), measure (from rows of tensors to an array),
+--- screening (whether to look for other places), and what it begins with: loads (results of core.worst_loads) or
+--- known (places of another mesh). Returns {places, loads, origins}, places weakest first, or nil, message,
+--- details. `extend` continues it.
 function patch_search.run(problem)
   local self = setmetatable({places = {}, origins = {}, own = {}}, {__index = problem})
   local ok, message, details

@@ -10,6 +10,7 @@ local judged_stress = require "barwright.judged_stress"
 local load_limits = require "barwright.load_limits"
 local options = require "barwright.options"
 local patch_search = require "barwright.patch_search"
+local solver_reports = require "barwright.solver_reports"
 local worst_search = require "barwright.worst_search"
 local writable = require "barwright.writable"
 local shown = require "barwright.shown"
@@ -40,7 +41,6 @@ local rules = load_limits.rules {
   sturm = {type = "boolean", default = false},
   seed = {type = "integer", default = 1},
   batch = {type = "integer", default = 0, min = 0},
-  glpk = {type = "boolean", default = false},
 }
 
 -- Centres of elements, from copies of the mesh's arrays taken once.
@@ -135,6 +135,7 @@ local function search_patches(self, opts, loads)
   local found
   found, message, details = patch_search.run({mesh = self.mesh, material = self.material, system = self.system,
     basis = self.basis, screening_basis = screening_basis, limits = self.limits, radius = opts.length,
+    reports = self.reports,
     measure = criterion_of(self.material, opts.failure), loads = loads, known = opts.places,
     screening = opts.screening})
   if not found then return nil, message, details end
@@ -192,7 +193,7 @@ function worst_case.analyse(part, given, view)
   end
   opts.method = opts.method or (opts.target == "stress" and "search" or "paper")
   local mesh, material = part.mesh, part.material
-  local self = setmetatable({options = opts, mesh = mesh, material = material}, worst_case)
+  local self = setmetatable({options = opts, mesh = mesh, material = material, reports = {}}, worst_case)
   local basis
   basis, message, details = load_limits.basis("worst_case", mesh, opts)
   if not basis then return nil, message, details end
@@ -242,6 +243,7 @@ function worst_case.analyse(part, given, view)
   limits.one_sign, limits.batch = opts.one_sign, opts.batch
   loads, message, details = core.worst_loads(system, basis, weak, limits)
   if not loads then return nil, message, details end
+  solver_reports.add(self.reports, "lp", loads.report)
   seconds.linear_programs = clock() - start
   if opts.length then return search_patches(self, opts, loads) end
   local origins = {}

@@ -3,6 +3,7 @@
 -- with coarse pressures become targets of their own; the largest stresses found ascend.
 local core = require "barwright.core"
 local load_limits = require "barwright.load_limits"
+local solver_reports = require "barwright.solver_reports"
 
 local worst_search = {}
 
@@ -54,6 +55,7 @@ local function extend(self, loads, elements, stresses, limits)
   local more
   more, message, details = core.worst_loads(self.system, self.basis, regions, opts)
   if not more then return nil, message, details end
+  solver_reports.add(self.reports, "lp", more.report)
   return more
 end
 
@@ -75,9 +77,10 @@ local function explore(self, loads, origins, limits)
     PATCHES_PER_CONTACT * limits.pressure * basis.areas:sum() // limits.force)
   local screened
   screened, message, details = core.worst_screening(self.system, basis, {
-    pressure = limits.pressure, force = limits.force, force_is_max = limits.force_is_max, glpk = limits.glpk,
+    pressure = limits.pressure, force = limits.force, force_is_max = limits.force_is_max, lp = limits.lp,
     patches = math.floor(math.max(FEWEST_PATCHES, patches)), targets = 2 * self.options.targets + 32})
   if not screened then return nil, message, details end
+  solver_reports.add(self.reports, "lp", screened.report)
   screened.values, screened.tried = core.max_principal(screened.stresses), {}
   local ratio, round = FIRST_RATIO, 0
   local volumes = self.mesh.volumes
@@ -137,9 +140,10 @@ end
 function worst_search.certify(self, loads, origins, limits, tolerance)
   -- Of pressures anywhere, which bounds what hands do.
   local bound, message, details = core.worst_bound(self.system, self.basis, {pressure = limits.pressure,
-    force = limits.force, force_is_max = limits.force_is_max, glpk = limits.glpk, incumbent = loads.peaks:max(),
+    force = limits.force, force_is_max = limits.force_is_max, lp = limits.lp, incumbent = loads.peaks:max(),
     tolerance = tolerance, leaves = self.options.certificate ~= nil})
   if not bound then return nil, message, details end
+  solver_reports.add(self.reports, "lp", bound.report)
   if bound.element then
     local earlier = loads.peaks.row_count
     loads, message, details = extend(self, loads, {bound.element}, bound.stress, limits)

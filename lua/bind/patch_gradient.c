@@ -118,7 +118,7 @@ static int priced_load(lua_State *L) {
   lua_pushnil(L); /* the value's place */
   double *motion = (double *)lbw_push_array(L, BW_F64, nodes, 3)->data;
   bw_status status = bw_worst_loads(lbw_enter(L), basis, system->dof_map, &options, 1, objective,
-                                    pressure, &value, dual);
+                                    pressure, &value, dual, NULL);
   memset(motion, 0, 3 * (size_t)nodes * sizeof *motion);
   if (status == BW_OK)
     bw_rigid_modes_add(system->dof_map, dual, motion);

@@ -101,7 +101,5 @@ void lbw_open_report(lua_State *L) {
   luaL_newmetatable(L, "barwright.solver_report");
   lua_pushcfunction(L, report_tostring);
   lua_setfield(L, -2, "__tostring");
-  lua_pushboolean(L, 0);
-  lua_setfield(L, -2, "__metatable");
   lua_pop(L, 1);
 }

@@ -301,8 +301,8 @@ static int basis_gradient(lua_State *L) {
   return 1;
 }
 
-/* basis:maximise(system, objective, {pressure, force, force_is_max, hands, hand_area}): the
- * pressure of an allowed load that makes objective . pressure largest, and that value */
+/* basis:maximise(system, objective, {pressure, force, force_is_max, hands, hand_area, lp}):
+ * the pressure of an allowed load that makes objective . pressure largest, that value, a report */
 static int basis_maximise(lua_State *L) {
   bw_worst_load_options options;
   static const lbw_option list[] = {
@@ -311,6 +311,7 @@ static int basis_maximise(lua_State *L) {
       {"force_is_max", LBW_BOOLEAN, offsetof(bw_worst_load_options, force_is_max)},
       {"hands", LBW_INT, offsetof(bw_worst_load_options, hands)},
       {"hand_area", LBW_REAL, offsetof(bw_worst_load_options, hand_area)},
+      {"lp", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   const bw_pressure_basis *basis = basis_self(L);
   const bw_system *system = (const bw_system *)lbw_check(L, 2, &lbw_system_class);
@@ -318,14 +319,18 @@ static int basis_maximise(lua_State *L) {
   memset(&options, 0, sizeof options);
   lua_settop(L, 4);
   lbw_options(L, 4, "maximise", list, &options);
+  options.lp = lbw_lp_option(L, 4, "maximise");
   int64_t rows;
   double *objective = lbw_to_doubles(L, 3, "objective", 1, &rows), value = 0;
   lbw_check_rows(L, 3, "objective", rows, basis->count, "column");
   double *out = (double *)lbw_push_array(L, BW_F64, rows, 1)->data;
+  bw_solver_report report;
   bw_status status = bw_worst_loads(lbw_enter(L), basis, system->dof_map, &options, 1, objective,
-                                    out, &value, NULL);
+                                    out, &value, NULL, &report);
   lua_pushnumber(L, value);
-  return lbw_leave(L, status, 2);
+  if (status == BW_OK)
+    lbw_push_report(L, &report);
+  return lbw_leave(L, status, 3);
 }
 
 static int basis_tostring(lua_State *L) {

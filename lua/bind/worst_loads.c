@@ -120,12 +120,12 @@ static void *by_element(const arrays *k, const char *key, bw_type type, int64_t 
 }
 
 /* worst_loads(system, basis, regions, {pressure, force, force_is_max, one_sign, hands, hand_area,
- * batch, keep_pressures, glpk, after}): a table of arrays */
+ * batch, keep_pressures, lp, after}): a table of arrays, and the report of the linear programs */
 static int worst_loads(lua_State *L) {
   struct opts {
     bw_worst_load_options options;
     int batch;
-    bool keep_pressures, glpk;
+    bool keep_pressures;
   } opts;
   static const lbw_option list[] = {
       {"pressure", LBW_REAL, offsetof(struct opts, options.pressure)},
@@ -136,7 +136,7 @@ static int worst_loads(lua_State *L) {
       {"hand_area", LBW_REAL, offsetof(struct opts, options.hand_area)},
       {"batch", LBW_INT, offsetof(struct opts, batch)},
       {"keep_pressures", LBW_BOOLEAN, offsetof(struct opts, keep_pressures)},
-      {"glpk", LBW_BOOLEAN, offsetof(struct opts, glpk)},
+      {"lp", LBW_OTHER, 0},
       {"after", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
@@ -148,7 +148,7 @@ static int worst_loads(lua_State *L) {
   opts.keep_pressures = true;
   lua_settop(L, 4);
   lbw_options(L, 4, "worst_loads", list, &opts);
-  opts.options.solver = opts.glpk ? BW_LP_GLPK : BW_LP_DUAL_SIMPLEX;
+  opts.options.lp = lbw_lp_option(L, 4, "worst_loads");
   const bw_mesh *mesh = system->mesh;
   lbw_argument_check(L, basis->mesh == mesh, 2, "a pressure basis of the same mesh expected");
   lbw_argument_check(L, regions->mesh == mesh, 3, "regions of the same mesh expected");
@@ -197,9 +197,14 @@ static int worst_loads(lua_State *L) {
     c.scratch =
         (double *)lua_newuserdatauv(L, (size_t)mesh->element_count * sizeof *c.scratch + 1, 0);
   lua_pushvalue(L, k.table); /* the scratch block stays alive below it */
+  bw_solver_report report;
   c.context = lbw_enter(L);
-  bw_status status =
-      bw_worst_case_run(c.context, system, basis, regions, &opts.options, opts.batch, collect, &c);
+  bw_status status = bw_worst_case_run(c.context, system, basis, regions, &opts.options, opts.batch,
+                                       collect, &c, &report);
+  if (status == BW_OK) {
+    lbw_push_report(L, &report);
+    lua_setfield(L, k.table, "report");
+  }
   return lbw_leave(L, status, 1);
 }
 
@@ -214,24 +219,25 @@ static int push_screening(lua_State *L) {
   if (found->count > 0)
     memcpy(to, found->stress, 6 * (size_t)found->count * sizeof(double));
   lua_setfield(L, 2, "stresses");
+  lbw_push_report(L, &found->report);
+  lua_setfield(L, 2, "report");
   return 1;
 }
 
-/* worst_screening(system, basis, {pressure, force, force_is_max, glpk, patches, targets, radius}):
- * {targets, stresses}, largest first. Targets are elements, or with a radius nodes in the centres
- * of patches. */
+/* worst_screening(system, basis, {pressure, force, force_is_max, lp, patches, targets, radius}):
+ * {targets, stresses, report}, largest first. Targets are elements, or with a radius nodes in the
+ * centres of patches. */
 static int worst_screening(lua_State *L) {
   struct opts {
     bw_worst_load_options options;
     int patches, targets;
     double radius;
-    bool glpk;
   } opts;
   static const lbw_option list[] = {
       {"pressure", LBW_REAL, offsetof(struct opts, options.pressure)},
       {"force", LBW_REAL, offsetof(struct opts, options.force)},
       {"force_is_max", LBW_BOOLEAN, offsetof(struct opts, options.force_is_max)},
-      {"glpk", LBW_BOOLEAN, offsetof(struct opts, glpk)},
+      {"lp", LBW_OTHER, 0},
       {"patches", LBW_INT, offsetof(struct opts, patches)},
       {"targets", LBW_INT, offsetof(struct opts, targets)},
       {"radius", LBW_REAL, offsetof(struct opts, radius)},
@@ -244,7 +250,7 @@ static int worst_screening(lua_State *L) {
   opts.targets = 512;
   lua_settop(L, 3);
   lbw_options(L, 3, "worst_screening", list, &opts);
-  opts.options.solver = opts.glpk ? BW_LP_GLPK : BW_LP_DUAL_SIMPLEX;
+  opts.options.lp = lbw_lp_option(L, 3, "worst_screening");
   lbw_argument_check(L, basis->mesh == system->mesh, 2,
                      "a pressure basis of the same mesh expected");
   bw_screening found;
@@ -290,20 +296,20 @@ static int push_leaves(lua_State *L) {
   return 1;
 }
 
-/* worst_bound(system, basis, {pressure, force, force_is_max, glpk, incumbent, tolerance, leaves}):
- * {upper, largest, linear programs}; where `largest` is more than the incumbent, element and stress
- * (an array of one row); with leaves = true these */
+/* worst_bound(system, basis, {pressure, force, force_is_max, lp, incumbent, tolerance, leaves}):
+ * {upper, largest, linear programs, report}; where `largest` is more than the incumbent, element
+ * and stress (an array of one row); with leaves = true these */
 static int worst_bound(lua_State *L) {
   struct opts {
     bw_worst_load_options options;
     double incumbent, tolerance;
-    bool glpk, leaves;
+    bool leaves;
   } opts;
   static const lbw_option list[] = {
       {"pressure", LBW_REAL, offsetof(struct opts, options.pressure)},
       {"force", LBW_REAL, offsetof(struct opts, options.force)},
       {"force_is_max", LBW_BOOLEAN, offsetof(struct opts, options.force_is_max)},
-      {"glpk", LBW_BOOLEAN, offsetof(struct opts, glpk)},
+      {"lp", LBW_OTHER, 0},
       {"incumbent", LBW_REAL, offsetof(struct opts, incumbent)},
       {"tolerance", LBW_REAL, offsetof(struct opts, tolerance)},
       {"leaves", LBW_BOOLEAN, offsetof(struct opts, leaves)},
@@ -314,7 +320,7 @@ static int worst_bound(lua_State *L) {
   memset(&opts, 0, sizeof opts);
   lua_settop(L, 3);
   lbw_options(L, 3, "worst_bound", list, &opts);
-  opts.options.solver = opts.glpk ? BW_LP_GLPK : BW_LP_DUAL_SIMPLEX;
+  opts.options.lp = lbw_lp_option(L, 3, "worst_bound");
   lbw_argument_check(L, basis->mesh == system->mesh, 2,
                      "a pressure basis of the same mesh expected");
   lua_createtable(L, 0, 5);
@@ -349,6 +355,8 @@ static int worst_bound(lua_State *L) {
   lua_setfield(L, 4, "largest");
   lua_pushinteger(L, bound.linear_programs);
   lua_setfield(L, 4, "linear_programs");
+  lbw_push_report(L, &bound.report);
+  lua_setfield(L, 4, "report");
   return lbw_leave(L, BW_OK, 1);
 }
 

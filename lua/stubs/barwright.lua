@@ -71,6 +71,7 @@
 ---@field mesh bw.MeshModule
 ---@field material bw.MaterialModule
 ---@field solver bw.SolverModule
+---@field lp bw.LpModule
 ---@field shapes bw.ShapesModule
 ---@field json bw.JsonModule
 ---@field results bw.ResultsModule

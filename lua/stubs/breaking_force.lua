@@ -43,6 +43,7 @@ function bw.breaking_force(body, options) end
 ---@field forbidden? fun(mesh: bw.Mesh): bw.Selection|bw.Selection[] facets on which nothing presses, on each mesh. Default: none
 ---@field friction? number (-) Coulomb's coefficient of friction. Range: 0 to 100. Default: 0, pressure alone
 ---@field hands? integer (count) places that are pressed at once. Range: 1 to 16, 2 to 16 without `fix`. Default: anywhere
+---@field lp? bw.LpSolver|"auto" what solves the linear programs. Default: "auto", by counted cost
 ---@field error? number (-) relative error at which refinement ends. Range: above 0 to 1. Default: 0.05
 ---@field elements? integer (count) of the third mesh. Range: 1 to 10000000. Default: 20000
 ---@field max_elements? integer (count) of the finest mesh. Range: 1 to 10000000. Default: four times `elements`, but not more than 20000 unless `elements` is larger
@@ -87,6 +88,7 @@ function bw.breaking_force(body, options) end
 ---@field box bw.Box of the body
 ---@field log? bw.MeshFillLog of the last filling
 ---@field options bw.BreakingForceOptions as they were given, with defaults
+---@field reports table<string, bw.SolverReport> of solvers: `lp`, the linear programs on all meshes together
 ---@field seconds number (s) in all
 local BreakingForce = {}
 

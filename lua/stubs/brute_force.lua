@@ -44,6 +44,7 @@ function bw.brute_force(part, options) end
 ---@field seed? integer (seed) of the sample. Default: 1
 ---@field one_sign? boolean try only the positive sign. Default: false, both
 ---@field batch? integer (count) elements that are worked on at once. Default: 0, chosen
+---@field lp? bw.LpSolver|"auto" what solves the linear programs. Default: "auto", by counted cost
 ---@field objective? "trace"|"principal" what the loads maximise. Default: "trace"
 
 ---What brute force found. `print` gives it in one line.
@@ -59,6 +60,7 @@ function bw.brute_force(part, options) end
 ---@field max_principal number (Pa) the largest stress
 ---@field element integer (index from 1) the element with it
 ---@field elements integer (count) elements that were tried
+---@field reports table<string, bw.SolverReport> of solvers: `lp`, all linear programs together
 ---@field seconds number (s) in all
 ---@field mesh bw.Mesh of the part
 ---@field options bw.BruteForceOptions as they were given, with defaults

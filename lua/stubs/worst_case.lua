@@ -64,7 +64,7 @@ function bw.worst_case(part, options) end
 ---@field sturm? boolean count the modes by a second factor, so that none is missing. Default: false
 ---@field seed? integer (seed) of the modes. Default: 1
 ---@field batch? integer (count) regions that are worked on at once. Default: 0, chosen
----@field glpk? boolean solve the linear programs by GLPK. Default: false
+---@field lp? bw.LpSolver|"auto" what solves the linear programs. Default: "auto", by counted cost
 
 ---The worst load that was found, and all others. `print` gives the answer in one line.
 ---```lua
@@ -103,6 +103,7 @@ function bw.worst_case(part, options) end
 ---@field weak_regions bw.WeakRegions? nil with `places`
 ---@field basis bw.PressureBasis of the pressures
 ---@field options bw.WorstCaseOptions as they were given, with defaults
+---@field reports table<string, bw.SolverReport> of solvers: `lp`, all linear programs together
 ---@field seconds table<string, number> by stage: system, assemble, factor, modes, regions, linear_programs, search, bound
 local WorstCase = {}
 

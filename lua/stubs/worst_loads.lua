@@ -100,7 +100,7 @@ function bw.worst_loads(system, basis, regions, options) end
 ---@field one_sign? boolean try only the sign of the weights. Default: false, both
 ---@field batch? integer (count) regions that are worked on at once. Default: 0, chosen
 ---@field keep_pressures? boolean keep `pressures`. Default: true
----@field glpk? boolean solve the linear programs by GLPK. Default: false
+---@field lp? bw.LpSolver|"auto" what solves the linear programs. Default: "auto", by counted cost
 ---@field after? bw.WorstLoads of an earlier call on the same mesh, whose regions come first in what is returned. Default: none
 
 ---The worst loads of regions. n is the number of regions.
@@ -118,6 +118,7 @@ function bw.worst_loads(system, basis, regions, options) end
 ---@field weakness bw.Array (Pa, element_count × 1, per element) largest stress over all loads
 ---@field worst_region bw.Array (index from 1, element_count × 1, per element) the region whose load causes it
 ---@field pressures? bw.Array (Pa, n × columns of the basis, per region) the loads
+---@field report bw.SolverReport of the linear programs of this call
 
 ---Weak regions. `#regions` is their number, `regions[i]` is a `bw.WeakRegion`.
 ---```lua
@@ -193,7 +194,7 @@ function PressureBasis:gradient(q) end
 ---@param options bw.PressureBasisMaximiseOptions the limits
 ---@return bw.Array? pressure (Pa, count × 1, per column) the load
 ---@return number|string value (any) objective · pressure, or the message
----@return bw.Details? details
+---@return bw.SolverReport|bw.Details? report of the linear program, or the details
 function PressureBasis:maximise(system, objective, options) end
 
 ---The limits of an admissible load.
@@ -203,6 +204,7 @@ function PressureBasis:maximise(system, objective, options) end
 ---@field force_is_max? boolean the total force may also be smaller. Default: false
 ---@field hands? integer (count) the pressure lies within so many patches. Default: 0, anywhere
 ---@field hand_area? number (m2) with `hands`: area of each
+---@field lp? bw.LpSolver|"auto" what solves the linear programs. Default: "auto", by counted cost
 
 ---A pressure at every node of the mesh: the sum of the node's columns, or the mean by area over its cells.
 ---@param pressure bw.Array|number[] (Pa, count × 1, per column) the pressure

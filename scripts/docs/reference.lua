@@ -17,7 +17,7 @@ local groups = {
   {"Basics", "barwright array json results"},
   {"Geometry", "surface shapes mesh selection picture canvas"},
   {"Parts", "material model solver static stress modes system singular"},
-  {"Where a part breaks", "worst_case breaking_force strengthen drop_test brute_force worst_loads"},
+  {"Where a part breaks", "worst_case breaking_force strengthen drop_test brute_force worst_loads lp"},
   {"Edit sessions", "edit optimise skeleton subdomains incremental_system live"},
   {"The plane", "outline plane responsive sheet bridge metallophone flow"},
   {"Solids on grids", "grid solid metamaterial"},

@@ -2,6 +2,7 @@
 #ifndef BARWRIGHT_ANALYSIS_H
 #define BARWRIGHT_ANALYSIS_H
 
+#include "barwright/lp.h"
 #include "barwright/shape.h"
 
 #ifdef __cplusplus
@@ -163,18 +164,6 @@ BW_API bw_status bw_boundary_extend(bw_context *context, const bw_mesh *mesh, do
  * 3), becomes that by the boundary nodes, which inner nodes follow; 0 at inner nodes. */
 BW_API bw_status bw_boundary_gather(bw_context *context, const bw_mesh *mesh, double *covector);
 
-/* A convex quadratic program in n unknowns x (any, n) with m rows: the least 1/2 x H x + g x with
- * A x <= b and min <= x <= max, by NLopt's SLSQP. H (any, n x n) is positive definite, g (any, n),
- * A (any, m x n), b (any, m); bounds min (any, n) and max (any, n) may be infinite. Where no x
- * fulfils A x <= b within the bounds, *violation (any) > 0 is the least v for which A x <= b + v
- * has a solution (so give the rows a common scale). Then x is the point of least objective with it.
- * Else it is 0. multiplier (any, m), which may be NULL, of the rows, so that H x + g + A^T
- * multiplier is 0 but for the bounds. BW_CONVERGENCE where NLopt fails. */
-BW_API bw_status bw_quadratic_program(bw_context *context, int n, const double *H, const double *g,
-                                      int m, const double *A, const double *b, const double *min,
-                                      const double *max, double *x, double *violation,
-                                      double *multiplier);
-
 /* ---- weak regions (worst-case, section 4) -------------------------------------------------- */
 
 /* What elements are chosen by. */
@@ -311,11 +300,6 @@ BW_API void bw_pressure_force(const bw_pressure_basis *basis, const double *pres
 /* f (any, basis->count) = G^T q for q (any, node_count x 3). */
 BW_API void bw_pressure_gradient(const bw_pressure_basis *basis, const double *q, double *f);
 
-/* Which program solves linear programs. */
-typedef enum bw_lp_solver {
-  BW_LP_DUAL_SIMPLEX, /* the dual simplex of the engine; GLPK where its answer fails a check */
-  BW_LP_GLPK          /* GLPK: dual simplex with the bound-flipping ratio test, then others */
-} bw_lp_solver;
 /* Which loads are admissible, and how the worst is found. */
 typedef struct bw_worst_load_options {
   double pressure;   /* (Pa) p_max */
@@ -324,7 +308,7 @@ typedef struct bw_worst_load_options {
   bool one_sign;     /* bw_worst_case_run only: maximise each region's objective as its weights are
                         signed; default false: whichever sign reaches more, a mode's sign being
                         arbitrary */
-  bw_lp_solver solver; /* of the linear programs */
+  const bw_lp_solver *lp; /* of the linear programs; default NULL: chosen */
   int hands;        /* the pressure lies within so many patches of the boundary, to BW_MAX_HANDS; 0:
                        anywhere */
   double hand_area; /* (m2) of the disc that a patch is: the nodes nearer than its radius to the
@@ -336,15 +320,15 @@ enum { BW_MAX_HANDS = 16 /* of bw_worst_load_options.hands */ };
  * on in parallel. Balance rows are those of the DOF map's rigid-body modes; the pressures of a
  * node's columns add up to p_max at most. BW_INFEASIBLE says which bound excludes every load; where
  * the basis is not complete, balance may as well: then the message has the largest total force.
- * BW_CONVERGENCE where no program finds an optimum, BW_UNSUPPORTED for supports that prescribe a
+ * BW_CONVERGENCE where no solver finds an optimum, BW_UNSUPPORTED for supports that prescribe a
  * displacement other than zero. Every answer fulfils balance to 1e-9 of the force and its duality
  * gap is below 1e-8. dual (any, count x (rigid_mode_count + 1)), which may be NULL: multipliers y,
  * so that with reduced costs d_j = f_j - sum_m y_m <motion m, G e_j> - y_last A_j the optimum is
- * y_last F_tot + p_max sum_j max(0, d_j). */
+ * y_last F_tot + p_max sum_j max(0, d_j). *report, which may be NULL: of the linear programs. */
 BW_API bw_status bw_worst_loads(bw_context *context, const bw_pressure_basis *basis,
                                 const bw_dof_map *dof_map, const bw_worst_load_options *options,
                                 int64_t count, const double *objective, double *pressure,
-                                double *value, double *dual);
+                                double *value, double *dual, bw_solver_report *report);
 
 /* The worst load of a region; all arrays live during the call only. */
 typedef struct bw_worst_case_visit {
@@ -359,18 +343,20 @@ typedef struct bw_worst_case_visit {
 } bw_worst_case_visit;
 /* Regions -> right-hand sides -> solves -> linear programs -> solves -> stresses, in batches of
  * `batch` (0: 16) with progress "worst loads". `visit` is called in region order; a status other
- * than BW_OK ends the run. Those of bw_worst_loads. */
+ * than BW_OK ends the run. *report, which may be NULL: of the linear programs. Those of
+ * bw_worst_loads. */
 BW_API bw_status bw_worst_case_run(bw_context *context, bw_system *system,
                                    const bw_pressure_basis *basis, const bw_weak_regions *regions,
                                    const bw_worst_load_options *options, int batch,
                                    bw_status (*visit)(void *data, const bw_worst_case_visit *visit),
-                                   void *data);
+                                   void *data, bw_solver_report *report);
 
 /* Targets that a load can stress; bw_screening_clear releases them. */
 typedef struct bw_screening {
   int32_t count;
-  int32_t *target; /* (index, count) elements, or nodes in the centres of patches */
-  double *stress;  /* (Pa, count x 6) */
+  int32_t *target;         /* (index, count) elements, or nodes in the centres of patches */
+  double *stress;          /* (Pa, count x 6) */
+  bw_solver_report report; /* of the linear programs */
 } bw_screening;
 /* Screening: which targets a load can stress most, estimated for all of them with pressures that
  * are constant over `patches` patches of the boundary (more where the balance rows need more). Such
@@ -394,6 +380,7 @@ typedef struct bw_worst_bound {
   int32_t element;         /* where that larger one is; -1: the incumbent is */
   double stress[6];        /* of that element then */
   int64_t linear_programs; /* linear programs solved */
+  bw_solver_report report; /* of them; largest of all threads' sums */
 } bw_worst_bound;
 /* What proves the bound: in every leaf a set of directions of an element with multipliers whose
  * dual value is at most `bound`. The leaves of an element cover all directions. Numbers of a leaf:

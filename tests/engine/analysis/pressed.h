@@ -5,7 +5,7 @@
 
 #include "bodies.h"
 
-#include "analysis/linear_program.h"
+#include "analysis/load_program.h"
 
 typedef struct pressed_body {
   bw_mesh *mesh; /* the caller's */

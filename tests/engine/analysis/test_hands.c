@@ -60,11 +60,11 @@ static void loads_are_admissible(void **state) {
         double all, few, dual[7], total = 0, value = 0;
         options.hands = 0;
         check_ok(context,
-                 bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, q, &all, dual));
+                 bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, q, &all, dual, NULL));
         options.hands = hands;
         options.hand_area = 0.06;
         check_ok(context,
-                 bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &few, NULL));
+                 bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &few, NULL, NULL));
         assert_true(few <= all + 1e-8 * fabs(all));
         assert_true(within(&s, p, hands, sqrt(0.06 / 3.14159265358979), 0));
         double *force = BW_NEW(context, double, 3 * (size_t)s.mesh->node_count), motions[6];
@@ -144,7 +144,7 @@ static double best_of_all(bw_context *context, const pressed_body *s,
           start[++part.count] = at + size;
         }
         bw_status status =
-            bw_worst_loads(context, &part, s->dof_map, options, 1, given, p, &value, NULL);
+            bw_worst_loads(context, &part, s->dof_map, options, 1, given, p, &value, NULL, NULL);
         if (status == BW_OK)
           best = fmax(best, value);
         else
@@ -173,8 +173,8 @@ static void reaches_the_best_of_all_sets(void **state) {
         double best = best_of_all(context, &s, &options, f, hands, sqrt(0.15 / 3.14159265358979));
         options.hands = hands;
         options.hand_area = 0.15;
-        check_ok(context,
-                 bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL));
+        check_ok(context, bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value,
+                                         NULL, NULL));
         assert_true(value <= best * (1 + 1e-7));
         if (full)
           printf("  fixed %d, %d hands, objective %d: %.4f of the best\n", kind, hands, which,
@@ -199,21 +199,26 @@ static void impossible_hands_are_refused(void **state) {
   double *f = pressed_objective(context, &s, 0), *p = BW_NEW(context, double, s.n), value;
   bw_worst_load_options options = {.pressure = 1, .force = 0.06, .hands = 1, .hand_area = 0.1};
   /* One hand pushes a free body away. */
-  assert_int_equal(bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL),
-                   BW_INFEASIBLE);
+  assert_int_equal(
+      bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL, NULL),
+      BW_INFEASIBLE);
   options.force_is_max = true;
-  check_ok(context, bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL));
+  check_ok(context,
+           bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL, NULL));
   check_near(value, 0, 1e-9);
   options = (bw_worst_load_options){.pressure = 1, .force = 1, .hands = 2, .hand_area = 0.01};
-  assert_int_equal(bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL),
-                   BW_INFEASIBLE);
+  assert_int_equal(
+      bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL, NULL),
+      BW_INFEASIBLE);
   options.hands = BW_MAX_HANDS + 1;
-  assert_int_equal(bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL),
-                   BW_INVALID);
+  assert_int_equal(
+      bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL, NULL),
+      BW_INVALID);
   options.hands = 2;
   options.hand_area = 0;
-  assert_int_equal(bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL),
-                   BW_INVALID);
+  assert_int_equal(
+      bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL, NULL),
+      BW_INVALID);
   bw_free(f);
   bw_free(p);
   pressed_close(&s);
@@ -232,7 +237,8 @@ static void allocation_failures(void **state) {
       f[j] = j % 3;
     int64_t blocks = bw_live_blocks();
     bw_fail_allocation(fail, true);
-    bw_status status = bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL);
+    bw_status status =
+        bw_worst_loads(context, s.basis, s.dof_map, &options, 1, f, p, &value, NULL, NULL);
     bw_fail_allocation(0, false);
     assert_int_equal(bw_live_blocks(), blocks);
     if (status == BW_OK) {

@@ -3,7 +3,7 @@
  * modulus, scaling, symmetry, beams, the neck of a dumbbell, threads. */
 #include "bodies.h"
 
-#include "analysis/linear_program.h"
+#include "analysis/load_program.h"
 
 typedef struct part {
   bw_mesh *mesh;
@@ -241,7 +241,7 @@ static void invariances(void **state) {
       options.force *= 2;
     }
     check_ok(context, bw_worst_case_run(context, of->system, of->basis, regions, &options,
-                                        which == 1 ? 4 : 0, collect, a));
+                                        which == 1 ? 4 : 0, collect, a, NULL));
     double factor = which == 3 ? 2 : 1;
     for (int r = 0; r < 6; r++) {
       check_near(a->objective[r], factor * first.objective[r], 1e-8 * factor * first.objective[r]);
@@ -285,7 +285,7 @@ static void symmetric_body(void **state) {
   answers a;
   answers_open(context, &a, &p, regions);
   check_ok(context,
-           bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, collect, &a));
+           bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, collect, &a, NULL));
   for (int i = 0; i < 8; i += 2)
     check_near(a.objective[i + 1], a.objective[i], 1e-9 * a.objective[i]);
   answers_close(&a);
@@ -313,8 +313,8 @@ static void slender_bar_is_bent_in_the_middle(void **state) {
     bw_worst_load_options options = {.pressure = 2e4, .force = 20};
     answers a;
     answers_open(context, &a, &p, regions);
-    check_ok(context,
-             bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, collect, &a));
+    check_ok(context, bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, collect,
+                                        &a, NULL));
     /* The outermost of the two layers of elements has its centroids at 3/4 of the half height. */
     double bound = 0.75 * options.force / 8 / (0.05 * 0.05 * 0.05 / 6);
     if (getenv("BARWRIGHT_FULL"))
@@ -360,8 +360,8 @@ static void dumbbell_breaks_at_the_neck(void **state) {
       check_ok(context, bw_weak_regions_single(context, p.mesh, 480, some, 1, &regions));
     answers a;
     answers_open(context, &a, &p, regions);
-    check_ok(context,
-             bw_worst_case_run(context, p.system, p.basis, regions, &options, 32, collect, &a));
+    check_ok(context, bw_worst_case_run(context, p.system, p.basis, regions, &options, 32, collect,
+                                        &a, NULL));
     assert_int_equal(a.count, regions->count);
     check_near(a.at[0], 0.4, 0.06);
     largest[way] = a.largest;
@@ -396,7 +396,7 @@ static void constrained_body(void **state) {
   answers a;
   answers_open(context, &a, &p, regions);
   check_ok(context,
-           bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, collect, &a));
+           bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, collect, &a, NULL));
   check_near(a.at[0], 0, 0.1); /* a cantilever pressed at its tip breaks at its root */
   for (int32_t j = 0; j < p.basis->count; j++)
     assert_true(a.pressure[j] == 0 || p.mesh->node[3 * p.basis->node[j]] > 0.8);
@@ -418,8 +418,8 @@ static void same_bits_for_any_number_of_threads(void **state) {
     bw_worst_load_options options = {.pressure = 1e5, .force = 50};
     answers a;
     answers_open(context, &a, &p, regions);
-    check_ok(context,
-             bw_worst_case_run(context, p.system, p.basis, regions, &options, 8, collect, &a));
+    check_ok(context, bw_worst_case_run(context, p.system, p.basis, regions, &options, 8, collect,
+                                        &a, NULL));
     digest[threads] = a.digest;
     answers_close(&a);
     bw_release(regions);
@@ -446,22 +446,25 @@ static void failures(void **state) {
   const int32_t some[4] = {3, 20, 41, 64};
   check_ok(context, bw_weak_regions_single(context, p.mesh, 4, some, 1, &regions));
   bw_worst_load_options options = {.pressure = 1e5, .force = 50};
-  check_fails(context, BW_LIMIT, "enough seen",
-              bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, refuse, context));
+  check_fails(
+      context, BW_LIMIT, "enough seen",
+      bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, refuse, context, NULL));
   options.force = 1e12;
-  check_fails(context, BW_INFEASIBLE, "raise the pressure",
-              bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, ignore, NULL));
+  check_fails(
+      context, BW_INFEASIBLE, "raise the pressure",
+      bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, ignore, NULL, NULL));
   options.force = 50;
   bw_cancel(context);
-  check_fails(context, BW_CANCELLED, "",
-              bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, ignore, NULL));
+  check_fails(
+      context, BW_CANCELLED, "",
+      bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, ignore, NULL, NULL));
   bw_clear_cancel(context);
   check_ok(context, bw_set_threads(context, 1));
   for (int64_t fail = 1;; fail++) {
     int64_t blocks = bw_live_blocks();
     bw_fail_allocation(fail, true);
     bw_status status =
-        bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, ignore, NULL);
+        bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, ignore, NULL, NULL);
     bw_fail_allocation(0, false);
     assert_int_equal(bw_live_blocks(), blocks);
     if (status == BW_OK) {

@@ -2,7 +2,7 @@
 /* The search of the worst case: screening, directed objectives, the ascent, bounds. */
 #include "bodies.h"
 
-#include "analysis/linear_program.h"
+#include "analysis/load_program.h"
 #include "analysis/weak_internal.h"
 #include "analysis/worst_internal.h"
 
@@ -97,8 +97,8 @@ static void ascent_never_decreases(void **state) {
       double before[512];
       for (int32_t i = 0; i < found.count; i++)
         before[i] = principal(stress + 6 * i);
-      check_ok(context,
-               bw_worst_case_run(context, p.system, p.basis, regions, &options, 7, keep_own, &c));
+      check_ok(context, bw_worst_case_run(context, p.system, p.basis, regions, &options, 7,
+                                          keep_own, &c, NULL));
       for (int32_t i = 0; i < found.count; i++) {
         assert_true(c.objective[i] >= before[i] * (1 - 1e-7));
         assert_true(principal(c.own[i]) >= c.objective[i] * (1 - 1e-7));
@@ -176,8 +176,8 @@ static void patches_are_screened_and_reached(void **state) {
     }
     c.regions = regions;
     options.one_sign = true;
-    check_ok(context,
-             bw_worst_case_run(context, p.system, p.basis, regions, &options, 7, keep_own, &c));
+    check_ok(context, bw_worst_case_run(context, p.system, p.basis, regions, &options, 7, keep_own,
+                                        &c, NULL));
     for (int32_t i = 0; i < found.count; i++)
       assert_true(c.objective[i] >= principal(found.stress + 6 * (size_t)i) * (1 - 1e-7));
     bw_free(force);
@@ -227,36 +227,6 @@ static uint64_t state_of_noise = 7;
 static double noise(void) {
   state_of_noise = state_of_noise * 6364136223846793005u + 1442695040888963407u;
   return (double)(state_of_noise >> 11) / 9007199254740992.0;
-}
-
-/* The bound is at least every feasible value, and the greedy filling (optimal) attains it. */
-static void knapsack_bounds(void **state) {
-  (void)state;
-  enum { N = 40 };
-  for (int turn = 0; turn < 50; turn++) {
-    double gain[N], upper[N], capacity = 1, greedy = 0, range = 0;
-    bool used[N] = {false};
-    for (int j = 0; j < N; j++) {
-      gain[j] = 2 * noise() - 1;
-      upper[j] = 0.01 + 0.1 * noise();
-      range = fmax(range, fabs(gain[j]));
-    }
-    while (capacity > 0) {
-      int best = -1;
-      for (int j = 0; j < N; j++)
-        if (!used[j] && (best < 0 || gain[j] > gain[best]))
-          best = j;
-      assert_true(best >= 0);
-      double t = fmin(capacity, upper[best]);
-      greedy += t * gain[best];
-      capacity -= t;
-      used[best] = true;
-    }
-    double close = bwi_knapsack(N, gain, upper, 48), rough = bwi_knapsack(N, gain, upper, 6);
-    check_near(close, greedy, 1e-12);
-    assert_true(close >= greedy - 1e-12 && rough >= greedy - 1e-12);
-    assert_true(rough <= greedy + 2 * range / 64 * 2);
-  }
 }
 
 /* The faces cover a half sphere once: their solid angles sum to 2 pi, and of each direction n or -n
@@ -330,8 +300,8 @@ static void bound_is_above_every_linear_program(void **state) {
       bw_weak_regions *regions = NULL;
       check_ok(context, bw_weak_regions_directed(context, p.mesh, 8, element, stress[0], &regions));
       climb c = {.regions = regions};
-      check_ok(context,
-               bw_worst_case_run(context, p.system, p.basis, regions, &options, 0, keep_own, &c));
+      check_ok(context, bw_worst_case_run(context, p.system, p.basis, regions, &options, 0,
+                                          keep_own, &c, NULL));
       for (int i = 0; i < 8; i++)
         assert_true(principal(c.own[i]) <= bound.upper * (1 + 1e-9));
       bw_release(regions);
@@ -521,7 +491,6 @@ int main(void) {
       check_test(ascent_never_decreases),
       check_test(patches_are_screened_and_reached),
       check_test(patches_divide_the_boundary),
-      check_test(knapsack_bounds),
       check_test(faces_cover_the_half_sphere),
       check_test(bound_is_above_every_linear_program),
       check_test(same_bits_for_any_number_of_threads),

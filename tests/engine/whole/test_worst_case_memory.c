@@ -58,7 +58,7 @@ static bw_status whole_run(bw_context *context, const files *file, double *max) 
   found.field = (double *)weakness->data;
   found.elements = mesh->element_count;
   bw_worst_load_options load = {.pressure = 2e5, .force = 5};
-  BW_TRY(bw_worst_case_run(context, system, basis, regions, &load, 0, keep_worst, &found));
+  BW_TRY(bw_worst_case_run(context, system, basis, regions, &load, 0, keep_worst, &found, NULL));
   bw_field field = {"weakness", BW_ON_ELEMENTS, weakness};
   BW_TRY(bw_mesh_write(context, mesh, file->mesh, 1, &field));
   BW_TRY(bw_mesh_boundary(context, mesh, &boundary, NULL));

@@ -161,7 +161,7 @@ add {
   ["bw.pressure_basis"] = function(p, r) return p.Mesh, {friction = r:one_of {0, 0.3}, friction_facets = 3,
     forbidden = r:chance(0.5) and p.Mesh.boundary:facing {0, 0, 1} or nil} end,
   ["bw.worst_loads"] = function(p, r) return p:variant("bw.System", 2), p.PressureBasis, p.WeakRegions,
-    {pressure = 1e6, force = 1, glpk = r:chance(0.3), keep_pressures = true} end,
+    {pressure = 1e6, force = 1, lp = r:one_of {bw.lp.dual_simplex {}, bw.lp.glpk {}, "auto"}, keep_pressures = true} end,
   ["bw.worst_case"] = function(p, r) return p:variant("bw.Model", 3), {force = 1, contact = r:one_of {1e-6, 1e-3},
     modes = 1, regions = 1, friction = r:one_of {0, 0.3}, friction_facets = 4} end,
   ["bw.check_certificate"] = function()

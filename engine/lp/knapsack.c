@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The linear program without its balance rows: a continuous knapsack, and its bound. */
-#include "analysis/linear_program.h"
+#include "lp/linear_program.h"
 
 #include <math.h>
 

@@ -18,7 +18,7 @@
  * Invariants between iterations: key[g] is a column of g or NONE, and d is largest there up to
  * rounding; member[i] of a basic i is a column, or NONE for the group's column of zeros, never the
  * key; rest = b - sum of u_g A_key. The basis is refactorised in every iteration: it is small. */
-#include "analysis/simplex.h"
+#include "lp/simplex.h"
 
 #include <assert.h>
 #include <math.h>

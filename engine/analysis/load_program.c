@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Building the linear program from a pressure basis and a DOF map's rigid-body modes, and judging a
- * vertex that a solver ended at. See linear_program.h for the form. */
-#include "analysis/linear_program.h"
+/* Building the linear program of worst loads from a pressure basis and a DOF map's rigid-body
+ * modes. See load_program.h for the form. */
+#include "analysis/load_program.h"
 #include "model/internal.h"
 
 #include <float.h>
@@ -16,18 +16,12 @@ static const double smallest_motion = 1e-3;
 /* A sample below this many columns is not worth a level of its own. */
 enum { LEVEL_FACTOR = 8, LEVEL_SMALLEST = 600 };
 
-void bwi_linear_program_destroy(bwi_linear_program *program) {
+void bwi_load_program_destroy(bwi_load_program *program) {
   if (!program)
     return;
-  bw_free(program->entry);
-  bw_free(program->upper);
+  bwi_linear_program_clear(&program->lp);
   bw_free(program->source);
   bw_free(program->area);
-  bw_free(program->first_row);
-  bw_free(program->row_count);
-  bw_free(program->group_start);
-  bw_free(program->group);
-  bw_free(program->segment);
   bw_free(program->body);
   bw_free(program);
 }
@@ -54,30 +48,30 @@ static int level_of(int32_t j, int levels) {
 }
 
 /* Counting sort of the columns by level, then body, then number; segments and `source`. */
-static bw_status order_columns(bw_context *context, bwi_linear_program *program,
+static bw_status order_columns(bw_context *context, bwi_load_program *program,
                                const bw_pressure_basis *basis, bool slack) {
   int32_t n = basis->count, bodies = basis->mesh->component_count;
   int32_t *place = NULL;
-  program->levels = 1;
+  program->lp.levels = 1;
   for (int64_t size = n / basis->directions / LEVEL_FACTOR;
-       size >= LEVEL_SMALLEST && program->levels < BWI_TWO_LEVEL; size /= LEVEL_FACTOR)
-    program->levels++;
-  size_t groups = (size_t)program->levels * (size_t)bodies;
+       size >= LEVEL_SMALLEST && program->lp.levels < BWI_MAX_LEVELS; size /= LEVEL_FACTOR)
+    program->lp.levels++;
+  size_t groups = (size_t)program->lp.levels * (size_t)bodies;
   place = BW_NEW0(context, int32_t, groups + 1);
-  program->segment = BW_NEW0(context, bwi_segment, groups + 1);
-  if (!place || !program->segment) {
+  program->lp.segment = BW_NEW0(context, bwi_segment, groups + 1);
+  if (!place || !program->lp.segment) {
     bw_free(place);
     return BW_MEMORY;
   }
   const int32_t *component = basis->mesh->component;
   for (int32_t j = 0; j < n; j++)
-    place[(size_t)level_of(j / basis->directions, program->levels) * (size_t)bodies +
+    place[(size_t)level_of(j / basis->directions, program->lp.levels) * (size_t)bodies +
           (size_t)component[basis->node[j]]]++;
   int32_t at = 0;
-  for (int level = 0; level < program->levels; level++) {
+  for (int level = 0; level < program->lp.levels; level++) {
     if (level == 0 && slack) {
       program->source[0] = -1;
-      program->segment[program->segment_count++] = (bwi_segment){0, 1, 0, 0};
+      program->lp.segment[program->lp.segment_count++] = (bwi_segment){0, 1, 0, 0};
       at = 1;
     }
     for (int32_t body = 0; body < bodies; body++) {
@@ -87,7 +81,7 @@ static bw_status order_columns(bw_context *context, bwi_linear_program *program,
       at += size;
       if (size == 0)
         continue;
-      bwi_segment *segment = &program->segment[program->segment_count++];
+      bwi_segment *segment = &program->lp.segment[program->lp.segment_count++];
       *segment = (bwi_segment){at - size, at, 0, 0};
       for (int32_t k = 0; k < program->body_count; k++)
         if (program->body[k].component == body) {
@@ -95,26 +89,26 @@ static bw_status order_columns(bw_context *context, bwi_linear_program *program,
           segment->rows = program->body[k].rows;
         }
     }
-    program->level_end[level] = at;
-    program->level_segments[level] = program->segment_count;
+    program->lp.level_end[level] = at;
+    program->lp.level_segments[level] = program->lp.segment_count;
   }
   for (int32_t j = 0; j < n; j++)
-    program
-        ->source[place[(size_t)level_of(j / basis->directions, program->levels) * (size_t)bodies +
-                       (size_t)component[basis->node[j]]]++] = j;
+    program->source[place[(size_t)level_of(j / basis->directions, program->lp.levels) *
+                              (size_t)bodies +
+                          (size_t)component[basis->node[j]]]++] = j;
   bw_free(place);
   return BW_OK;
 }
 
 /* Columns of a node are neighbours: order_columns keeps them together. */
-static void group_columns(bwi_linear_program *program) {
-  for (int32_t j = 0; j < program->columns; program->groups++) {
-    int32_t size = program->source[j] < 0 ? 1 : program->directions;
-    program->group_start[program->groups] = j;
+static void group_columns(bwi_load_program *program, int32_t directions) {
+  for (int32_t j = 0; j < program->lp.columns; program->lp.groups++) {
+    int32_t size = program->source[j] < 0 ? 1 : directions;
+    program->lp.group_start[program->lp.groups] = j;
     for (int32_t k = 0; k < size; k++)
-      program->group[j++] = program->groups;
+      program->lp.group[j++] = program->lp.groups;
   }
-  program->group_start[program->groups] = program->columns;
+  program->lp.group_start[program->lp.groups] = program->lp.columns;
 }
 
 /* ---- balance rows -------------------------------------------------------------------------- */
@@ -245,7 +239,7 @@ static void orthonormalise(const bw_pressure_basis *basis, const bw_dof_map *dof
   }
 }
 
-static bw_status make_bodies(bw_context *context, bwi_linear_program *program,
+static bw_status make_bodies(bw_context *context, bwi_load_program *program,
                              const bw_pressure_basis *basis, const bw_dof_map *dof_map) {
   program->rigid_mode_count = dof_map->rigid_mode_count;
   program->body = BW_NEW0(context, bwi_balance, dof_map->rigid_mode_count + 1);
@@ -267,11 +261,11 @@ static bw_status make_bodies(bw_context *context, bwi_linear_program *program,
     body->motion[body->motions++] = m;
   }
   for (int32_t k = 0; k < program->body_count; k++) {
-    program->body[k].row = program->rows;
+    program->body[k].row = program->lp.rows;
     orthonormalise(basis, dof_map, &program->body[k]);
-    program->rows += program->body[k].rows;
+    program->lp.rows += program->body[k].rows;
   }
-  program->rows++; /* the fractions */
+  program->lp.rows++; /* the fractions */
   return BW_OK;
 }
 
@@ -303,38 +297,38 @@ static bw_status check_options(bw_context *context, const bw_pressure_basis *bas
   return BW_OK;
 }
 
-bw_status bwi_linear_program_create(bw_context *context, const bw_pressure_basis *basis,
-                                    const bw_dof_map *dof_map, const bw_worst_load_options *options,
-                                    bwi_linear_program **result) {
+bw_status bwi_load_program_create(bw_context *context, const bw_pressure_basis *basis,
+                                  const bw_dof_map *dof_map, const bw_worst_load_options *options,
+                                  bwi_load_program **result) {
   bw_status status = check_options(context, basis, options);
   if (status != BW_OK)
     return status;
-  bwi_linear_program *program = BW_NEW0(context, bwi_linear_program, 1);
+  bwi_load_program *program = BW_NEW0(context, bwi_load_program, 1);
   if (!program)
     return BW_MEMORY;
   size_t n = (size_t)basis->count + (options->force_is_max ? 1 : 0);
-  program->columns = (int32_t)n;
+  program->lp.columns = (int32_t)n;
   program->force = options->force;
   program->pressure = options->pressure;
-  program->entry = BW_NEW0(context, double, BWI_LOCAL_ROWS *n);
-  program->upper = BW_NEW(context, double, n);
+  program->lp.entry = BW_NEW0(context, double, BWI_LOCAL_ROWS *n);
+  program->lp.upper = BW_NEW(context, double, n);
   program->source = BW_NEW(context, int32_t, n);
   program->area = BW_NEW(context, double, n);
-  program->first_row = BW_NEW0(context, int32_t, n);
-  program->row_count = BW_NEW0(context, int32_t, n);
-  program->directions = basis->directions;
-  program->group_start = BW_NEW(context, int32_t, n + 1);
-  program->group = BW_NEW(context, int32_t, n);
-  if (!program->group_start || !program->group || !program->entry || !program->upper ||
-      !program->source || !program->area || !program->first_row || !program->row_count) {
+  program->lp.first_row = BW_NEW0(context, int32_t, n);
+  program->lp.row_count = BW_NEW0(context, int32_t, n);
+  program->lp.grouped = basis->directions > 1;
+  program->lp.group_start = BW_NEW(context, int32_t, n + 1);
+  program->lp.group = BW_NEW(context, int32_t, n);
+  if (!program->lp.group_start || !program->lp.group || !program->lp.entry || !program->lp.upper ||
+      !program->source || !program->area || !program->lp.first_row || !program->lp.row_count) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(make_bodies(context, program, basis, dof_map));
   BW_TRY(order_columns(context, program, basis, options->force_is_max));
-  group_columns(program);
-  for (int32_t s = 0; s < program->segment_count; s++) {
-    const bwi_segment *segment = &program->segment[s];
+  group_columns(program, basis->directions);
+  for (int32_t s = 0; s < program->lp.segment_count; s++) {
+    const bwi_segment *segment = &program->lp.segment[s];
     const bwi_balance *body = NULL;
     for (int32_t k = 0; k < program->body_count && segment->rows > 0; k++)
       if (program->body[k].row == segment->row && program->body[k].rows > 0)
@@ -342,9 +336,9 @@ bw_status bwi_linear_program_create(bw_context *context, const bw_pressure_basis
     for (int32_t j = segment->begin; j < segment->end; j++) {
       int32_t from = program->source[j];
       program->area[j] = from < 0 ? 1 : basis->area[from];
-      program->upper[j] = from < 0 ? 1 : program->area[j] * (options->pressure / options->force);
-      program->first_row[j] = segment->row;
-      program->row_count[j] = segment->rows;
+      program->lp.upper[j] = from < 0 ? 1 : program->area[j] * (options->pressure / options->force);
+      program->lp.first_row[j] = segment->row;
+      program->lp.row_count[j] = segment->rows;
       if (!body)
         continue;
       double raw[BWI_LOCAL_ROWS];
@@ -353,7 +347,7 @@ bw_status bwi_linear_program_create(bw_context *context, const bw_pressure_basis
         double sum = 0;
         for (int m = 0; m < body->motions; m++)
           sum += body->transform[l][m] * raw[m];
-        program->entry[(size_t)l * n + (size_t)j] = sum;
+        program->lp.entry[(size_t)l * n + (size_t)j] = sum;
       }
     }
   }
@@ -361,134 +355,6 @@ done:
   if (status == BW_OK)
     *result = program;
   else
-    bwi_linear_program_destroy(program);
-  return status;
-}
-
-/* ---- judging a vertex ---------------------------------------------------------------------- */
-
-static void add_column(const bwi_linear_program *program, int32_t j, double factor, double *sum) {
-  for (int32_t l = 0; l < program->row_count[j]; l++)
-    sum[program->first_row[j] + l] +=
-        factor * program->entry[(size_t)l * (size_t)program->columns + (size_t)j];
-  sum[program->rows - 1] += factor;
-}
-
-/* The column at the upper bound in the group of basic column j, or -1. */
-static int32_t full_column(const bwi_linear_program *program, const bwi_vertex *vertex, int32_t j) {
-  int32_t g = program->group[j];
-  for (int32_t k = program->group_start[g]; k < program->group_start[g + 1]; k++)
-    if (k != j && vertex->at_upper[k])
-      return k;
-  return -1;
-}
-
-/* b - A t. */
-static void residual(const bwi_linear_program *program, const double *fraction, double *rest) {
-  int32_t m = program->rows;
-  for (int32_t i = 0; i < m; i++)
-    rest[i] = i == m - 1;
-  for (int32_t j = 0; j < program->columns; j++)
-    if (fraction[j] != 0)
-      add_column(program, j, -fraction[j], rest);
-}
-
-bw_status bwi_linear_program_evaluate(bw_context *context, const bwi_linear_program *program,
-                                      const double *cost, const bwi_vertex *vertex,
-                                      bwi_solution *solution) {
-  bw_status status = BW_OK;
-  int32_t m = program->rows, n = program->columns;
-  double *fraction = solution->fraction, *y = solution->multiplier;
-  double *basis = BW_NEW0(context, double, (size_t)m *(size_t)m);
-  double *rest = BW_NEW(context, double, m), *x = BW_NEW(context, double, m);
-  int32_t *pivot = BW_NEW(context, int32_t, m), *full = BW_NEW(context, int32_t, m);
-  if (!basis || !rest || !x || !pivot || !full) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  solution->value = 0;
-  solution->violation = solution->gap = INFINITY;
-  for (int32_t j = 0; j < n; j++)
-    fraction[j] = vertex->at_upper[j] ? program->upper[j] : 0;
-  for (int32_t i = 0; i < m; i++) {
-    /* The transpose of the basis is filled: column i as row i. */
-    double *column = basis + (size_t)i * (size_t)m;
-    if (vertex->basic[i] < 0) {
-      column[-1 - vertex->basic[i]] = 1;
-    } else {
-      add_column(program, vertex->basic[i], 1, column);
-      fraction[vertex->basic[i]] = 0;
-    }
-    y[i] = vertex->basic[i] < 0 ? 0 : cost[vertex->basic[i]];
-    full[i] = vertex->basic[i] < 0 ? -1 : full_column(program, vertex, vertex->basic[i]);
-    if (full[i] >= 0) {
-      add_column(program, full[i], -1, column);
-      y[i] -= cost[full[i]];
-    }
-  }
-  if (!bwi_dense_factor(m, basis, pivot))
-    goto done;
-  bwi_dense_solve(m, basis, pivot, y); /* B^T y = c_B */
-
-  /* Basic values, with one step of refinement: x on top of what the fractions already hold. */
-  double artificial = 0;
-  for (int pass = 0; pass < 2; pass++) {
-    residual(program, fraction, rest);
-    if (pass == 1)
-      for (int32_t i = 0; i < m; i++)
-        if (vertex->basic[i] < 0)
-          rest[-1 - vertex->basic[i]] -= x[i];
-    double *step = rest;
-    bwi_dense_solve_transposed(m, basis, pivot, step); /* B step = rest */
-    for (int32_t i = 0; i < m; i++) {
-      x[i] = pass == 0 ? step[i] : x[i] + step[i];
-      if (vertex->basic[i] >= 0)
-        fraction[vertex->basic[i]] = x[i];
-      if (full[i] >= 0)
-        fraction[full[i]] -= step[i];
-    }
-  }
-  double violation = 0;
-  for (int32_t i = 0; i < m; i++) {
-    int32_t j = vertex->basic[i];
-    if (j < 0) {
-      artificial = fmax(artificial, fabs(x[i]));
-      continue;
-    }
-    violation = fmax(violation, fmax(-fraction[j], fraction[j] - program->upper[j]));
-    fraction[j] = fmin(fmax(fraction[j], 0), program->upper[j]);
-    if (full[i] >= 0) {
-      violation = fmax(violation, -fraction[full[i]]);
-      fraction[full[i]] = fmax(fraction[full[i]], 0);
-    }
-  }
-  residual(program, fraction, rest);
-  for (int32_t i = 0; i < m; i++)
-    violation = fmax(violation, fabs(rest[i]));
-  solution->violation = fmax(violation, artificial);
-
-  /* Weak duality: the multipliers bound every feasible value from above. */
-  double bound = y[m - 1], value = 0, largest = 0;
-  for (int32_t g = 0; g < program->groups; g++) {
-    double max = 0;
-    for (int32_t j = program->group_start[g]; j < program->group_start[g + 1]; j++) {
-      double reduced = cost[j] - y[m - 1];
-      for (int32_t l = 0; l < program->row_count[j]; l++)
-        reduced -= y[program->first_row[j] + l] * program->entry[(size_t)l * (size_t)n + (size_t)j];
-      max = fmax(max, reduced);
-      value += cost[j] * fraction[j];
-      largest = fmax(largest, fabs(cost[j]));
-    }
-    if (max > 0)
-      bound += program->upper[program->group_start[g]] * max;
-  }
-  solution->value = value;
-  solution->gap = largest > 0 ? fabs(bound - value) / (fabs(value) + 1e-3 * largest) : 0;
-done:
-  bw_free(basis);
-  bw_free(rest);
-  bw_free(x);
-  bw_free(pivot);
-  bw_free(full);
+    bwi_load_program_destroy(program);
   return status;
 }

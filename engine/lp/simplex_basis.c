@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The basis of the dual simplex methods: its columns, inverse, and products with all columns. */
-#include "analysis/simplex.h"
+#include "lp/simplex.h"
 
 #include <string.h>
 

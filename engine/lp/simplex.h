@@ -3,17 +3,30 @@
  * loop over iterations, nested samples of the columns. boxed_simplex.c has the iteration for
  * columns with a bound each, grouped_simplex.c the one for columns in groups with a common
  * bound. */
-#ifndef BARWRIGHT_ANALYSIS_SIMPLEX_H
-#define BARWRIGHT_ANALYSIS_SIMPLEX_H
+#ifndef BARWRIGHT_LP_SIMPLEX_H
+#define BARWRIGHT_LP_SIMPLEX_H
 
-#include "analysis/linear_program.h"
+#include "lp/solver.h"
 
 typedef enum bwi_simplex_result {
   BWI_SIMPLEX_PIVOTED,
   BWI_SIMPLEX_OPTIMAL,
   BWI_SIMPLEX_INFEASIBLE,
-  BWI_SIMPLEX_UNSTABLE
+  BWI_SIMPLEX_UNSTABLE,
+  BWI_SIMPLEX_CANCELLED
 } bwi_simplex_result;
+
+typedef struct bwi_simplex bwi_simplex;
+
+/* Where the dual function bends along a line: its slope grows by `slope` after `step`. */
+typedef struct bwi_breakpoint {
+  double step, slope;
+  int32_t column; /* or any number that orders breakpoints */
+} bwi_breakpoint;
+bool bwi_sooner(const bwi_breakpoint *a, const bwi_breakpoint *b);
+/* Bring to the front the first breakpoints whose slopes reach `wanted`, the last of them at the end
+ * of these; returns their number, or -1 when all together do not. */
+int32_t bwi_select_breakpoints(bwi_breakpoint *list, int32_t count, double wanted);
 
 /* A change of a group's key, see grouped_simplex.c. */
 typedef struct bwi_key_change {
@@ -35,6 +48,7 @@ extern const bwi_method bwi_boxed, bwi_grouped;
 struct bwi_simplex {
   const bwi_linear_program *program;
   const bwi_method *method;
+  int max_iterations;
   double *cost, *reduced, *alpha; /* columns: c, d, and the row that is searched along */
   bwi_breakpoint *point;          /* columns and groups */
   double *factor, *inverse;       /* rows x rows */
@@ -43,6 +57,8 @@ struct bwi_simplex {
   int32_t groups, end, segments;  /* of the level at work; end: columns */
   double stretch;                 /* of the bounds: a sample carries the whole force */
   int iterations;
+  double apart; /* what perturbs the costs */
+  int stalled;  /* iterations without progress, one after the other */
   /* Columns with a bound each. */
   uint8_t *state; /* columns */
   int32_t *basic; /* rows */
@@ -57,7 +73,8 @@ struct bwi_simplex {
 
 static const double bwi_feasible_fraction = 1e-12; /* of the total force */
 static const double bwi_feasible_bound = 1e-9;     /* of a bound */
-static const double bwi_smallest_pivot = 1e-7;     /* over the length of the row of the inverse */
+static const double bwi_no_progress = 1e-14;   /* a step of the multipliers, for costs up to 1 */
+static const double bwi_smallest_pivot = 1e-7; /* over the length of the row of the inverse */
 
 /* sum += factor * A_j; nothing for a negative j. */
 void bwi_add_column(const bwi_simplex *s, int32_t j, double factor, double *sum);

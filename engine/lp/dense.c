@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Small dense systems by elimination with column pivoting: the bases of linear programs. */
-#include "analysis/linear_program.h"
+#include "lp/linear_program.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The exact search of a convex, piecewise linear function along a line: how many of its breakpoints
  * are passed before its slope is no longer negative, by selection in linear time. */
-#include "analysis/linear_program.h"
+#include "lp/simplex.h"
 
 bool bwi_sooner(const bwi_breakpoint *a, const bwi_breakpoint *b) {
   return a->step != b->step ? a->step < b->step : a->column < b->column;

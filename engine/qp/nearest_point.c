@@ -6,7 +6,7 @@
  * Its answer is then checked: the multipliers of the rows that are active come from non-negative
  * least squares, the rows with positive ones are made exactly active, and a point that fulfils all
  * rows with them is the optimum, because the linear program is strictly convex. */
-#include "analysis/nearest_point.h"
+#include "qp/nearest_point.h"
 
 #include <math.h>
 #include <nlopt.h>

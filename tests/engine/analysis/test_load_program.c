@@ -1,10 +1,12 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The pressure basis and the worst-load linear program, without any solve: closed surfaces,
- * balance, enumeration of vertices, GLPK against our own method, weak duality, random feasible
- * pressures. */
+/* The pressure basis and the worst-load linear program, without any solve of a body: closed
+ * surfaces, balance, enumeration of vertices, the backends against each other, weak duality, random
+ * feasible pressures. */
 #include "bodies.h"
 
-#include "analysis/linear_program.h"
+#include "lp/backends.h"
+
+#include "analysis/load_program.h"
 
 /* A DOF map with nothing but six rigid-body motions about the middle of each body. */
 typedef struct free_body {
@@ -218,7 +220,8 @@ static void agrees_with_a_sorted_fill(void **state) {
     bw_worst_load_options options = {.pressure = 2, .force = 0.4 * (trial + 1)};
     for (int j = 0; j < 26; j++)
       f[j] = bw_random_normal(&random);
-    check_ok(context, bw_worst_loads(context, basis, &fixed, &options, 1, f, p, &value, &dual));
+    check_ok(context,
+             bw_worst_loads(context, basis, &fixed, &options, 1, f, p, &value, &dual, NULL));
     /* Fill up to p_max by falling gain per force. */
     double left = options.force, best = 0;
     bool used[26] = {false};
@@ -263,7 +266,7 @@ static void agrees_with_enumeration(void **state) {
     for (int j = 0; j < 5; j++)
       f[j] = bw_random_normal(&random);
     check_ok(context,
-             bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, dual));
+             bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, dual, NULL));
     /* Rows: force x, force y, total. Three basic columns out of five, two at either bound. */
     double row[3][5];
     for (int j = 0; j < 5; j++) {
@@ -317,7 +320,7 @@ static double smooth_objective(const double x[3], int which) {
          0.05 * sin(90 * x[0] + 70 * x[1] + 50 * x[2]);
 }
 
-static void own_method_agrees_with_glpk(void **state) {
+static void backends_agree(void **state) {
   bw_context *context = check_context(state);
   enum { OBJECTIVES = 12 };
   for (int kind = 0; kind < 3; kind++) {
@@ -331,6 +334,7 @@ static void own_method_agrees_with_glpk(void **state) {
     size_t n = (size_t)basis->count;
     double *f = BW_NEW(context, double, n *OBJECTIVES), *p = BW_NEW(context, double, n *OBJECTIVES);
     double *g = BW_NEW(context, double, n *OBJECTIVES);
+    bw_lp_solver *glpk = lp_backend(context, 1), *own = lp_backend(context, 0);
     double value[OBJECTIVES], other[OBJECTIVES], dual[7 * OBJECTIVES], area = 0;
     for (size_t j = 0; j < n; j++) {
       area += basis->area[j];
@@ -342,11 +346,12 @@ static void own_method_agrees_with_glpk(void **state) {
       double share[3] = {0.002, 0.1, 0.97};
       bw_worst_load_options options = {.pressure = 1e5, .force = 1e5 * area * share[tight]};
       options.force_is_max = kind == 2 && tight == 1;
+      options.lp = own;
       check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, OBJECTIVES, f, p,
-                                       value, dual));
-      options.solver = BW_LP_GLPK;
+                                       value, dual, NULL));
+      options.lp = glpk;
       check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, OBJECTIVES, f, g,
-                                       other, NULL));
+                                       other, NULL, NULL));
       for (int i = 0; i < OBJECTIVES; i++) {
         double total = 0, bound = dual[7 * i + 6] * options.force;
         check_near(value[i], other[i], 1e-8 * fabs(other[i]));
@@ -384,13 +389,15 @@ static void own_method_agrees_with_glpk(void **state) {
     bw_free(f);
     bw_free(p);
     bw_free(g);
+    bw_release(glpk);
+    bw_release(own);
     bw_release(basis);
     bw_release(mesh);
   }
 }
 
-/* The two solvers must not fall back on each other unseen: each alone, in the scaled form. */
-static void each_solver_alone(void **state) {
+/* Every attempt of every backend by itself, in the scaled form. */
+static void each_attempt_alone(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = make_box(context, 1, 1, 1, 40, 40, 10, 1);
   bw_pressure_basis *basis = NULL;
@@ -398,47 +405,94 @@ static void each_solver_alone(void **state) {
   free_body body;
   free_all(&body, mesh);
   bw_worst_load_options options = {.pressure = 1, .force = 0.2};
-  bwi_linear_program *program = NULL;
-  check_ok(context, bwi_linear_program_create(context, basis, &body.dof_map, &options, &program));
+  bwi_load_program *loads = NULL;
+  check_ok(context, bwi_load_program_create(context, basis, &body.dof_map, &options, &loads));
+  const bwi_linear_program *program = &loads->lp;
   assert_int_equal(program->rows, 7);
   assert_true(program->levels > 1);
-  bwi_simplex *simplex = NULL;
-  bwi_glpk *glpk = NULL;
-  check_ok(context, bwi_simplex_create(context, program, &simplex));
-  check_ok(context, bwi_glpk_create(context, program, &glpk));
   size_t n = (size_t)program->columns;
-  double *cost = BW_NEW(context, double, n), *share = BW_NEW(context, double, n), y[7], first = 0;
+  double *cost = BW_NEW(context, double, n), *share = BW_NEW(context, double, n), y[7];
+  double first[5] = {0};
   bwi_vertex vertex = {BW_NEW(context, int32_t, 7), BW_NEW(context, uint8_t, n), 0};
-  for (int i = 0; i < 5; i++) {
-    for (size_t j = 0; j < n; j++)
-      cost[j] = smooth_objective(mesh->node + 3 * basis->node[program->source[j]], i);
-    for (int way = 0; way < 5; way++) {
-      double start = bw_seconds();
-      if (way < 2)
-        check_ok(context, bwi_simplex_solve(context, simplex, cost, way == 0, &vertex));
-      else
-        check_ok(context, bwi_glpk_solve(context, glpk, cost, way - 2, &vertex));
-      double seconds = bw_seconds() - start;
-      bwi_solution solution = {share, y, 0, 0, 0};
-      check_ok(context, bwi_linear_program_evaluate(context, program, cost, &vertex, &solution));
-      if (getenv("BARWRIGHT_FULL"))
-        printf("  %zu columns, way %d: %d iterations, %.2f ms, violation %.1e, gap %.1e\n", n, way,
-               vertex.iterations, 1e3 * seconds, solution.violation, solution.gap);
-      assert_true(solution.violation < 1e-9 && solution.gap < 1e-8);
-      if (way == 0)
-        first = solution.value;
-      check_near(solution.value, first, 1e-9 * fabs(first));
+  for (int b = 0; b < LP_BACKENDS; b++) {
+    const bwi_lp_method *method = lp_backends[b];
+    void *opened = NULL;
+    check_ok(context, method->open(context, program, 0, &opened));
+    for (int i = 0; i < 5; i++) {
+      for (size_t j = 0; j < n; j++)
+        cost[j] = smooth_objective(mesh->node + 3 * basis->node[loads->source[j]], i);
+      for (int attempt = 0; attempt < method->attempts; attempt++) {
+        double start = bw_seconds();
+        check_ok(context, method->solve(context, opened, cost, attempt, &vertex));
+        double seconds = bw_seconds() - start;
+        bwi_solution solution = {share, y, 0, 0, 0};
+        check_ok(context, bwi_linear_program_evaluate(context, program, cost, &vertex, &solution));
+        if (getenv("BARWRIGHT_FULL"))
+          printf(
+              "  %s, attempt %d, %zu columns: %d iterations, %.2f ms, violation %.1e, gap %.1e\n",
+              method->name, attempt, n, vertex.iterations, 1e3 * seconds, solution.violation,
+              solution.gap);
+        assert_true(solution.violation < 1e-9 && solution.gap < 1e-8);
+        if (b == 0 && attempt == 0)
+          first[i] = solution.value;
+        check_near(solution.value, first[i], 1e-9 * fabs(first[i]));
+      }
     }
+    method->close(opened);
   }
   bw_free(cost);
   bw_free(share);
   bw_free(vertex.basic);
   bw_free(vertex.at_upper);
-  bwi_simplex_destroy(simplex);
-  bwi_glpk_destroy(glpk);
-  bwi_linear_program_destroy(program);
+  bwi_load_program_destroy(loads);
   bw_release(basis);
   bw_release(mesh);
+}
+
+/* A regular mesh makes ties between whole rows of columns, on which the dual simplex method cycles
+ * unless it perturbs the costs. */
+static void ties_of_regular_meshes_are_broken(void **state) {
+  bw_context *context = check_context(state);
+  for (int cells = 20; cells <= 40; cells += 20) {
+    bw_mesh *mesh = make_box(context, 0.1, 0.1, 0.2 / cells, cells, cells, 2, 1);
+    bw_pressure_basis *basis = NULL;
+    check_ok(context, bw_pressure_basis_create(context, mesh, NULL, &basis));
+    free_body body;
+    free_all(&body, mesh);
+    size_t n = (size_t)basis->count;
+    double *f = BW_NEW(context, double, n), *p = BW_NEW(context, double, n), area = 0;
+    double *q = BW_NEW(context, double, 3 * (size_t)mesh->node_count);
+    for (size_t j = 0; j < n; j++)
+      area += basis->area[j];
+    for (int i = 1; i <= 9; i++) {
+      for (int32_t k = 0; k < mesh->node_count; k++) {
+        const double x = 10 * mesh->node[3 * k], y = 10 * mesh->node[3 * k + 1],
+                     z = 10 * mesh->node[3 * k + 2];
+        q[3 * k] = sin(7 * x + i) * cos(5 * y - i);
+        q[3 * k + 1] = z * z - 0.3 * i * x * y;
+        q[3 * k + 2] = cos(4 * x * (1 + z) + i);
+      }
+      bw_pressure_gradient(basis, q, f);
+      const double pressed[3] = {0.01, 0.05, 0.3};
+      double value[LP_BACKENDS];
+      for (int b = 0; b < LP_BACKENDS; b++) {
+        bw_lp_solver *solver = lp_backend(context, b);
+        bw_worst_load_options options = {.pressure = 1, .lp = solver};
+        options.force = pressed[i % 3] * area;
+        bw_solver_report report;
+        check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p,
+                                         &value[b], NULL, &report));
+        assert_true(report.iterations < 250);
+        bw_release(solver);
+      }
+      check_near(value[0], value[1], 1e-8 * fabs(value[1]));
+    }
+    bw_free(f);
+    bw_free(p);
+    bw_free(q);
+    bw_release(basis);
+    bw_release(mesh);
+  }
 }
 
 /* Random pressures, brought to balance and total force by moving along the rows, that stay within
@@ -471,8 +525,8 @@ static void no_feasible_pressure_beats_the_optimum(void **state) {
     if (trial % 30 == 0) {
       for (size_t j = 0; j < n; j++)
         f[j] = basis->area[j] * bw_random_normal(&random);
-      check_ok(context,
-               bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, best, &value, NULL));
+      check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, best, &value,
+                                       NULL, NULL));
     }
     /* Half of them near the optimum, where beating it would be easiest. */
     for (size_t j = 0; j < n; j++) {
@@ -543,18 +597,23 @@ static void two_bodies_are_balanced_apart(void **state) {
   free_body body;
   free_all(&body, mesh);
   size_t n = (size_t)basis->count;
-  double *f = BW_NEW(context, double, n), *p = BW_NEW(context, double, n), value, other;
+  double *f = BW_NEW(context, double, n), *p = BW_NEW(context, double, n), value, other = 0;
   /* Gains that would love to push the two bodies together. */
   for (size_t j = 0; j < n; j++) {
     const double *at = mesh->node + 3 * basis->node[j];
     f[j] = basis->area[j] * (fabs(at[0] - 2) + 0.1 * at[1] * at[2]);
   }
   bw_worst_load_options options = {.pressure = 1, .force = 2};
-  check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
-  check_near(imbalance(context, &body, basis, p), 0, 1e-9 * options.force);
-  options.solver = BW_LP_GLPK;
-  check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &other, NULL));
-  check_near(value, other, 1e-9 * other);
+  for (int b = 0; b < LP_BACKENDS; b++) {
+    bw_lp_solver *solver = lp_backend(context, b);
+    options.lp = solver;
+    check_ok(context,
+             bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL, NULL));
+    check_near(imbalance(context, &body, basis, p), 0, 1e-9 * options.force);
+    other = b == 0 ? value : other;
+    check_near(value, other, 1e-9 * other);
+    bw_release(solver);
+  }
   bw_free(f);
   bw_free(p);
   bw_free(x);
@@ -574,25 +633,27 @@ static void bad_options_are_refused(void **state) {
   double f[26] = {0}, p[26], value;
   bw_worst_load_options options = {.pressure = 1, .force = 7};
   check_fails(context, BW_INFEASIBLE, "7 N",
-              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
+              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL, NULL));
   check_fails(context, BW_INFEASIBLE, "gives 6 N",
-              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
+              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL, NULL));
   options.force_is_max = true;
-  check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
+  check_ok(context,
+           bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL, NULL));
   options = (bw_worst_load_options){.pressure = 1, .force = 6};
-  check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
+  check_ok(context,
+           bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL, NULL));
   for (int j = 0; j < 26; j++)
     check_near(p[j], 1, 1e-9);
   options.force = -1;
   check_fails(context, BW_INVALID, "force",
-              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
+              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL, NULL));
   options = (bw_worst_load_options){.pressure = NAN, .force = 1};
   check_fails(context, BW_INVALID, "pressure",
-              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
+              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL, NULL));
   options.pressure = 1;
   f[3] = NAN;
   check_fails(context, BW_INVALID, "objective 1",
-              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL));
+              bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL, NULL));
   bw_release(basis);
   bw_release(mesh);
 }
@@ -612,17 +673,19 @@ static void same_bits_for_any_number_of_threads(void **state) {
     for (size_t j = 0; j < n; j++)
       f[(size_t)i * n + j] = basis->area[j] * smooth_objective(mesh->node + 3 * basis->node[j], i);
   bw_worst_load_options options = {.pressure = 1, .force = 0.1};
-  for (int solver = 0; solver < 2; solver++) {
-    options.solver = (bw_lp_solver)solver;
+  for (int b = 0; b < LP_BACKENDS; b++) {
+    bw_lp_solver *solver = lp_backend(context, b);
+    options.lp = solver;
     for (int threads = 1; threads <= 3; threads++) {
       check_ok(context, bw_set_threads(context, threads));
       double *to = p[threads - 1] = BW_NEW(context, double, n *OBJECTIVES);
       check_ok(context, bw_worst_loads(context, basis, &body.dof_map, &options, OBJECTIVES, f, to,
-                                       value, NULL));
+                                       value, NULL, NULL));
       assert_memory_equal(to, p[0], n * OBJECTIVES * sizeof *to);
     }
     for (int threads = 0; threads < 3; threads++)
       bw_free(p[threads]);
+    bw_release(solver);
   }
   bw_free(f);
   bw_release(basis);
@@ -635,9 +698,9 @@ static void allocation_failures(void **state) {
   free_body body;
   free_all(&body, mesh);
   check_ok(context, bw_set_threads(context, 1));
-  for (int solver = 0; solver < 2; solver++) {
-    bw_worst_load_options options = {.pressure = 1, .force = 1};
-    options.solver = (bw_lp_solver)solver;
+  for (int b = 0; b <= LP_BACKENDS; b++) { /* the last: chosen */
+    bw_lp_solver *solver = b < LP_BACKENDS ? lp_backend(context, b) : NULL;
+    bw_worst_load_options options = {.pressure = 1, .force = 1, .lp = solver};
     for (int64_t fail = 1;; fail++) {
       double f[56], p[56], value;
       bw_pressure_basis *basis = NULL;
@@ -647,7 +710,8 @@ static void allocation_failures(void **state) {
       bw_fail_allocation(fail, true);
       bw_status status = bw_pressure_basis_create(context, mesh, NULL, &basis);
       if (status == BW_OK)
-        status = bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL);
+        status =
+            bw_worst_loads(context, basis, &body.dof_map, &options, 1, f, p, &value, NULL, NULL);
       bw_fail_allocation(0, false);
       bw_release(basis);
       assert_int_equal(bw_live_blocks(), blocks);
@@ -657,6 +721,7 @@ static void allocation_failures(void **state) {
       }
       assert_int_equal(status, BW_MEMORY);
     }
+    bw_release(solver);
   }
   bw_release(mesh);
 }
@@ -669,8 +734,9 @@ int main(void) {
       check_test(work_on_a_linear_field),
       check_test(agrees_with_a_sorted_fill),
       check_test(agrees_with_enumeration),
-      check_test(own_method_agrees_with_glpk),
-      check_test(each_solver_alone),
+      check_test(backends_agree),
+      check_test(each_attempt_alone),
+      check_test(ties_of_regular_meshes_are_broken),
       check_test(no_feasible_pressure_beats_the_optimum),
       check_test(two_bodies_are_balanced_apart),
       check_test(bad_options_are_refused),

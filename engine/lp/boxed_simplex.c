@@ -14,7 +14,7 @@
  * Invariants between iterations: inverse * B = I; reduced[j] = c_j - y . A_j; state[j] agrees with
  * the sign of reduced[j] for nonbasic columns; rest = b - sum of columns at their upper bounds;
  * x = inverse * rest. */
-#include "analysis/simplex.h"
+#include "lp/simplex.h"
 
 #include <assert.h>
 #include <math.h>
@@ -172,6 +172,7 @@ static bwi_simplex_result iterate(bwi_simplex *s) {
     bwi_add_column(s, j, s->state[j] == AT_UPPER ? upper(s, j) : -upper(s, j), s->rest);
     s->state[j] = s->state[j] == AT_UPPER ? AT_LOWER : AT_UPPER;
   }
+  s->stalled = stop.step > bwi_no_progress ? 0 : s->stalled + 1;
   double move = stop.step * sign;
   for (int32_t j = 0; j < s->end; j++)
     s->reduced[j] -= move * s->alpha[j];

@@ -5,8 +5,8 @@
  * program asks for the point of a polyhedron nearest to c. It is solved as such (nearest_point.h),
  * in z = (y - c) / size with `size` the distance of the farthest row that c violates; bounds are
  * rows like all others. */
-#include "analysis/nearest_point.h"
-#include "barwright/analysis.h"
+#include "barwright/qp.h"
+#include "qp/nearest_point.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,0 +1,83 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* bw.lp: solvers of linear programs, as descriptions that other functions take. */
+#include "bind.h"
+
+#include <string.h>
+
+static const bw_lp_solver *self(lua_State *L) {
+  return (const bw_lp_solver *)lbw_check(L, 1, &lbw_lp_solver_class);
+}
+
+typedef bw_status make(bw_context *context, const bw_lp_options *options, bw_lp_solver **solver);
+
+static int create(lua_State *L, const char *function, make *of) {
+  static const lbw_option list[] = {
+      {"max_iterations", LBW_INT, offsetof(bw_lp_options, max_iterations)}, {NULL, LBW_OTHER, 0}};
+  bw_lp_options options;
+  memset(&options, 0, sizeof options);
+  lua_settop(L, 1);
+  lbw_options(L, 1, function, list, &options);
+  lbw_box *box = lbw_box_new(L, &lbw_lp_solver_class);
+  bw_lp_solver *solver = NULL;
+  bw_status status = of(lbw_enter(L), &options, &solver);
+  lbw_box_fill(L, box, solver);
+  return lbw_leave(L, status, 1);
+}
+
+/* lp.dual_simplex{max_iterations} */
+static int lp_dual_simplex(lua_State *L) {
+  return create(L, "lp.dual_simplex", bw_lp_dual_simplex);
+}
+
+/* lp.glpk{max_iterations} */
+static int lp_glpk(lua_State *L) {
+  return create(L, "lp.glpk", bw_lp_glpk);
+}
+
+const bw_lp_solver *lbw_lp_option(lua_State *L, int index, const char *function) {
+  const bw_lp_solver *solver = NULL;
+  if (lua_isnoneornil(L, index))
+    return NULL;
+  int type = lbw_option_get(L, index, "lp");
+  if (type == LUA_TUSERDATA)
+    solver = (const bw_lp_solver *)lbw_test(L, -1, &lbw_lp_solver_class);
+  bool is_auto = type == LUA_TSTRING && strcmp(lua_tostring(L, -1), "auto") == 0;
+  if (!solver && !is_auto && type != LUA_TNIL)
+    lbw_option_refused(L, function, "lp", "bw.lp.dual_simplex {}, bw.lp.glpk {} or \"auto\"");
+  lua_pop(L, 1); /* the table keeps it alive */
+  return solver;
+}
+
+static int solver_tostring(lua_State *L) {
+  const bw_lp_solver *solver = self(L);
+  if (solver->max_iterations > 0)
+    lua_pushfstring(L, "linear programs by %s, %d iterations at most", solver->name,
+                    solver->max_iterations);
+  else
+    lua_pushfstring(L, "linear programs by %s", solver->name);
+  return 1;
+}
+
+static int solver_name(lua_State *L) {
+  lua_pushstring(L, self(L)->name);
+  return 1;
+}
+
+static int solver_max_iterations(lua_State *L) {
+  lua_pushinteger(L, self(L)->max_iterations);
+  return 1;
+}
+
+static const luaL_Reg no_methods[] = {{NULL, NULL}};
+static const luaL_Reg properties[] = {
+    {"name", solver_name}, {"max_iterations", solver_max_iterations}, {NULL, NULL}};
+static const luaL_Reg meta[] = {{"__tostring", solver_tostring}, {NULL, NULL}};
+const lbw_class lbw_lp_solver_class = {"linear_program_solver", no_methods, properties, meta, NULL};
+
+void lbw_open_lp(lua_State *L) {
+  static const luaL_Reg functions[] = {
+      {"dual_simplex", lp_dual_simplex}, {"glpk", lp_glpk}, {NULL, NULL}};
+  lbw_class_register(L, &lbw_lp_solver_class);
+  luaL_newlib(L, functions);
+  lua_setfield(L, -2, "lp");
+}
