@@ -28,6 +28,7 @@ typedef struct bwi_incremental {
   double *supports;             /* rows of the DOF map that are supports' x 9: as last reported */
   bwi_factor *factor;           /* or NULL */
   int wanted_bits;              /* of its numbers, asked for: 32, 64; 0: as is cheaper */
+  bw_backend wanted_backend;    /* asked for; BW_BACKEND_AUTO: that of the factor there is */
   bool double_only;             /* single precision failed for this body */
   double refinements;           /* iterations with a factor in single precision, when last solved */
   bwi_elimination_reach *reach; /* of the factor's symbolic; or NULL */
@@ -54,6 +55,11 @@ typedef struct bwi_incremental {
 bool bwi_incremental_usable(const bw_incremental_system *incremental);
 bool bwi_incremental_current(const bw_incremental_system *incremental);
 
+/* ---- incremental_solve.c --------------------------------------------------------------------- */
+
+/* How a solver works; BW_INCREMENTAL_AUTO for NULL. */
+bw_incremental_method bwi_incremental_way(const bw_solver *solver);
+
 /* ---- incremental_update.c -------------------------------------------------------------------- */
 
 /* The frames of supports as they are, seen from the subdomains of their nodes (`frame`: the
@@ -64,6 +70,8 @@ bw_status bwi_incremental_supports(bw_context *context, const bw_incremental_sys
 
 /* ---- incremental_factor.c -------------------------------------------------------------------- */
 
+/* Whether the factor there is (or NULL) is of another backend or precision than asked for. */
+bool bwi_incremental_other_factor(const bw_incremental_system *incremental);
 /* Update the factor, all of it where `full`. On failure it is not usable. Where single
  * precision breaks down, it is made in double precision. */
 bw_status bwi_incremental_factor(bw_context *context, bw_incremental_system *incremental, bool full,

@@ -19,7 +19,19 @@ bool bwi_incremental_current(const bw_incremental_system *incremental) {
   return true;
 }
 
-/* A factor for other unknowns, or in another precision, by the old order where that fits. */
+bool bwi_incremental_other_factor(const bw_incremental_system *incremental) {
+  const bwi_incremental *inner = incremental->inner;
+  if (!inner->factor)
+    return false;
+  if (inner->wanted_backend != BW_BACKEND_AUTO &&
+      (inner->wanted_backend == BW_BACKEND_CHOLMOD) != (inner->factor->cholmod != NULL))
+    return true;
+  return inner->wanted_bits && !inner->double_only && !inner->factor->cholmod &&
+         inner->factor->kernels->bits != inner->wanted_bits;
+}
+
+/* A factor for other unknowns, or in another precision or by another backend, by the old order
+ * where that fits. */
 static bw_status refactor_full(bw_context *context, bw_incremental_system *incremental,
                                const bwi_matrix *matrix, int *bits, bw_reuse *reuse, int32_t *bad) {
   bw_status status = BW_OK;
@@ -29,6 +41,9 @@ static bw_status refactor_full(bw_context *context, bw_incremental_system *incre
   bwi_symbolic *symbolic = NULL;
   bwi_elimination_reach *reach = NULL;
   double start = bw_seconds();
+  bool cholmod =
+      inner->wanted_backend == BW_BACKEND_CHOLMOD ||
+      (inner->wanted_backend == BW_BACKEND_AUTO && inner->factor && inner->factor->cholmod);
   bw_release(inner->factor);
   inner->factor = NULL;
   bw_progress(context, "ordering", 0);
@@ -45,10 +60,15 @@ static bw_status refactor_full(bw_context *context, bw_incremental_system *incre
   times->order = bw_seconds() - start;
   times->factor_entries = symbolic->panel[symbolic->order->super_count];
   times->factor_flops = symbolic->flops;
-  BW_TRY(bwi_incremental_choose_bits(context, incremental, reach, bits));
+  if (cholmod)
+    *bits = 64;
+  else
+    BW_TRY(bwi_incremental_choose_bits(context, incremental, reach, bits));
   bw_progress(context, "factorisation", 0);
   BW_TRY(bwi_factor_create_in(context, symbolic, matrix, reach,
-                              *bits == 32 ? &bwi_kernels_single : &bwi_kernels_double,
+                              cholmod       ? &bwi_kernels_cholmod
+                              : *bits == 32 ? &bwi_kernels_single
+                                            : &bwi_kernels_double,
                               &inner->factor, bad));
 done:
   bw_release(symbolic);
@@ -81,9 +101,10 @@ static bw_status update_or_make(bw_context *context, bw_incremental_system *incr
   int bits = inner->factor ? inner->factor->kernels->bits : 0, wanted = bits;
   int32_t bad = 0;
   double flops = 0;
-  if (inner->factor)
+  bool other = bwi_incremental_other_factor(incremental);
+  if (inner->factor && !inner->factor->cholmod)
     BW_TRY(bwi_incremental_choose_bits(context, incremental, inner->reach, &wanted));
-  if (inner->factor && bits == wanted) {
+  if (inner->factor && bits == wanted && !other) {
     bw_progress(context, "factorisation", 0);
     status = bwi_factor_update(context, inner->factor, &matrix, whole ? NULL : inner->touched,
                                &flops, &bad);
@@ -118,8 +139,7 @@ bw_status bwi_incremental_factor(bw_context *context, bw_incremental_system *inc
   bwi_incremental *inner = incremental->inner;
   double start = bw_seconds(), kept = 0;
   bool whole = full || !bwi_incremental_usable(incremental);
-  bool other = inner->factor && inner->wanted_bits && !inner->double_only &&
-               inner->factor->kernels->bits != inner->wanted_bits;
+  bool other = bwi_incremental_other_factor(incremental);
   if (bwi_incremental_current(incremental) && !full && !other) {
     if (reuse &&
         reuse->method == BW_INCREMENTAL_AUTO) { /* else it says what an earlier solve did */
@@ -128,12 +148,12 @@ bw_status bwi_incremental_factor(bw_context *context, bw_incremental_system *inc
     }
     goto done;
   }
-  int bits = inner->factor ? inner->factor->kernels->bits : 0;
+  const bwi_kernels *kernels = inner->factor ? inner->factor->kernels : NULL;
   BW_TRY(update_or_make(context, incremental, whole, reuse, &kept));
   is_current(incremental);
   incremental->system->times.factor = bw_seconds() - start;
   if (reuse) {
-    bool made = inner->factor->kernels->bits != bits;
+    bool made = inner->factor->kernels != kernels;
     reuse->method = whole || made ? BW_INCREMENTAL_FULL : BW_INCREMENTAL_REFACTOR;
     reuse->factor_reused = kept;
     reuse->seconds_factor += bw_seconds() - start;

@@ -110,6 +110,8 @@ static double refactoring(const bwi_incremental *inner, const uint8_t *touched,
                           double factor_bytes) {
   const bwi_symbolic *symbolic = inner->factor->symbolic;
   double flops = bwi_elimination_reach_flops(inner->reach, touched);
+  if (inner->factor->cholmod && flops > 0) /* it has no partial refactorisation */
+    flops = symbolic->flops;
   double part = symbolic->flops > 0 ? flops / symbolic->flops : 0;
   return flops / bwi_cost_flops_per_second(inner->factor->kernels->bits) +
          2 * part * factor_bytes / BWI_COST_BYTES_PER_SECOND;

@@ -9,6 +9,7 @@
  * choice never costs more than twice the better one. Iterations are counted, not timed, and the
  * same on every machine. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "incremental/incremental.h"
@@ -17,8 +18,53 @@
 enum { MAX_ITERATIONS = 2000, MAX_REFINEMENTS = 40 };
 
 void bw_incremental_options_default(bw_incremental_options *options) {
-  *options = (bw_incremental_options){.method = BW_INCREMENTAL_AUTO,
-                                      .tolerance = BWI_INCREMENTAL_TOLERANCE};
+  *options = (bw_incremental_options){.tolerance = BWI_INCREMENTAL_TOLERANCE};
+}
+
+/* A factor, alone or as preconditioner, by a backend on this machine, or two levels. */
+static bw_status check_solver(bw_context *context, const bw_solver *solver) {
+  const bw_solver *m = solver;
+  if (!solver)
+    return BW_OK;
+  if (solver->options.kind == BW_SOLVER_PCG) {
+    m = solver->options.preconditioner;
+    if (!m || m->options.kind == BW_SOLVER_TWO_LEVEL)
+      return BW_OK;
+  } else if (solver->options.kind != BW_SOLVER_CHOLESKY)
+    return bw_fail(context, BW_INVALID, "\"%s\" is a preconditioner and no solver: give it to pcg",
+                   bw_solver_word(solver->options.kind));
+  if (m->options.kind != BW_SOLVER_CHOLESKY)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "systems that follow edits have no preconditioner \"%s\": give two_level or "
+                   "cholesky",
+                   bw_solver_word(m->options.kind));
+  if (m->options.backend == BW_BACKEND_PETSC)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "systems that follow edits are not spread over processes: give the backend "
+                   "multifrontal or cholmod");
+  return BW_OK;
+}
+
+bw_incremental_method bwi_incremental_way(const bw_solver *solver) {
+  if (!solver)
+    return BW_INCREMENTAL_AUTO;
+  if (solver->options.kind == BW_SOLVER_CHOLESKY)
+    return solver->options.full ? BW_INCREMENTAL_FULL : BW_INCREMENTAL_REFACTOR;
+  const bw_solver *m = solver->options.preconditioner;
+  return m && m->options.kind == BW_SOLVER_CHOLESKY ? BW_INCREMENTAL_ITERATE : BW_INCREMENTAL_PCG;
+}
+
+/* The backend of the factor that a solver asks for. */
+static bw_backend backend_of(const bw_solver *solver) {
+  if (solver && solver->options.kind == BW_SOLVER_PCG)
+    solver = solver->options.preconditioner;
+  return solver && solver->options.kind == BW_SOLVER_CHOLESKY ? solver->options.backend
+                                                              : BW_BACKEND_AUTO;
+}
+
+/* How many iterations, where they are asked for. */
+static int max_iterations(const bw_incremental_options *options) {
+  return options->solver ? options->solver->options.max_iterations : MAX_ITERATIONS;
 }
 
 static bw_status options_of(bw_context *context, const bw_incremental_options *given,
@@ -40,9 +86,12 @@ static bw_status options_of(bw_context *context, const bw_incremental_options *g
   if (options->precision != 0 && options->precision != 32 && options->precision != 64)
     return bw_fail(context, BW_INVALID, "the factor's precision is 32 or 64 bits, not %d",
                    options->precision);
-  if (options->method < BW_INCREMENTAL_AUTO || options->method > BW_INCREMENTAL_PCG)
-    return bw_fail(context, BW_INVALID, "method %d is not known", (int)options->method);
-  return BW_OK;
+  const bw_solver *solver = options->solver;
+  if (solver && solver->options.precision != 0)
+    options->precision = solver->options.precision;
+  if (solver && solver->options.kind == BW_SOLVER_PCG)
+    options->tolerance = fmax(options->tolerance, solver->options.tolerance);
+  return check_solver(context, solver);
 }
 
 /* ---- solving ------------------------------------------------------------------------------- */
@@ -151,10 +200,11 @@ static int within(double budget, double predicted, double one) {
 }
 
 static limits break_even_iterations(const bw_incremental_system *incremental,
-                                    bw_incremental_method method,
+                                    const bw_incremental_options *options,
                                     const bwi_incremental_cost *cost) {
+  bw_incremental_method method = bwi_incremental_way(options->solver);
   if (method == BW_INCREMENTAL_ITERATE)
-    return (limits){.iterate = MAX_ITERATIONS};
+    return (limits){.iterate = max_iterations(options)};
   if (method != BW_INCREMENTAL_AUTO)
     return (limits){0};
   double budget = cost->refactor - incremental->inner->spent;
@@ -173,7 +223,7 @@ static bw_status fail_convergence(bw_context *context, int iterations, double to
   bw_fail(context, BW_CONVERGENCE,
           "conjugate gradients with the lagged factor of an earlier shape did not reach a relative "
           "residual of %g in %d iterations: the shape has changed too much for that factor, or the "
-          "body is a mechanism; refactorise (method refactor or auto)",
+          "body is a mechanism; refactorise (the solver cholesky or auto)",
           tolerance, iterations);
   bw_detail_number(context, "iterations", iterations);
   return BW_CONVERGENCE;
@@ -182,15 +232,16 @@ static bw_status fail_convergence(bw_context *context, int iterations, double to
 static bw_status fail_levels(bw_context *context, const bw_incremental_system *incremental,
                              int iterations, double tolerance) {
   if (!bwi_incremental_has_two_level(incremental))
-    return bw_fail(context, BW_INVALID,
-                   "the method pcg needs quadratic elements, and supports that constrain all "
-                   "rigid-body modes: %s",
-                   incremental->inner->rest->mesh->order == 2 ? "this one is free to move"
-                                                              : "these are linear");
+    return bw_fail(
+        context, BW_INVALID,
+        "the two-level preconditioner needs quadratic elements, and supports that constrain all "
+        "rigid-body modes: %s",
+        incremental->inner->rest->mesh->order == 2 ? "this one is free to move"
+                                                   : "these are linear");
   bw_fail(context, BW_CONVERGENCE,
           "conjugate gradients over linear elements did not reach a relative residual of %g in %d "
           "iterations: the body is nearly a mechanism, or elements are very flat; solve directly "
-          "(method refactor or auto)",
+          "(the solver cholesky or auto)",
           tolerance, iterations);
   bw_detail_number(context, "iterations", iterations);
   return BW_CONVERGENCE;
@@ -203,36 +254,37 @@ static bw_status solve_by_iterations(bw_context *context, bw_incremental_system 
                                      bool *solved) {
   bw_status status = BW_OK;
   bwi_incremental *inner = incremental->inner;
+  bw_incremental_method way = bwi_incremental_way(options->solver);
   bwi_incremental_cost cost = {.pcg = INFINITY};
   limits max = {0};
   int iterations = 0;
   double start = bw_seconds();
   bool usable = bwi_incremental_usable(incremental) && !bwi_incremental_current(incremental);
-  if (options->method == BW_INCREMENTAL_PCG && !bwi_incremental_has_two_level(incremental))
+  if (way == BW_INCREMENTAL_PCG && !bwi_incremental_has_two_level(incremental))
     return fail_levels(context, incremental, 0, 0);
-  if (options->method != BW_INCREMENTAL_PCG && !usable)
+  if (way != BW_INCREMENTAL_PCG && !usable)
     return BW_OK;
-  if (options->method == BW_INCREMENTAL_REFACTOR || options->method == BW_INCREMENTAL_FULL)
+  if (way == BW_INCREMENTAL_REFACTOR || way == BW_INCREMENTAL_FULL)
     left->tolerance = options->tolerance;
   else
     BW_TRY(bwi_initial_guess_make(context, incremental, options, count, displacement, left));
   if (usable) {
     bwi_incremental_predict(incremental, options, left->tolerance, count, &cost);
-    max = break_even_iterations(incremental, options->method, &cost);
+    max = break_even_iterations(incremental, options, &cost);
     if (reuse) {
       reuse->predicted_refactor = cost.refactor;
       reuse->predicted_iterate = cost.iterate;
       reuse->predicted_pcg = isfinite(cost.pcg) ? cost.pcg : 0;
     }
   }
-  if (options->method == BW_INCREMENTAL_PCG)
-    max.pcg = MAX_ITERATIONS;
+  if (way == BW_INCREMENTAL_PCG)
+    max.pcg = max_iterations(options);
   if (max.iterate > 0) {
     double instead = max.pcg > 0 ? fmin(cost.refactor, cost.pcg) : cost.refactor;
     BW_TRY(iterate(context, incremental, options, max.iterate,
-                   options->method == BW_INCREMENTAL_AUTO ? instead / cost.one_iteration : 0, &cost,
-                   left, count, displacement, &iterations, solved));
-    if (!*solved && options->method == BW_INCREMENTAL_ITERATE) {
+                   way == BW_INCREMENTAL_AUTO ? instead / cost.one_iteration : 0, &cost, left,
+                   count, displacement, &iterations, solved));
+    if (!*solved && way == BW_INCREMENTAL_ITERATE) {
       status = fail_convergence(context, iterations, options->tolerance);
       goto done;
     }
@@ -249,7 +301,7 @@ static bw_status solve_by_iterations(bw_context *context, bw_incremental_system 
       double fair = 1 + BWI_TWO_LEVEL_RATE * log(2 / left->tolerance);
       inner->two_level_ratio[cost.near] = fmin(fmax((needed - 1) / (fair - 1), 0.2), 5);
     }
-    if (!*solved && options->method == BW_INCREMENTAL_PCG) {
+    if (!*solved && way == BW_INCREMENTAL_PCG) {
       status = fail_levels(context, incremental, iterations, options->tolerance);
       goto done;
     }
@@ -282,6 +334,7 @@ bw_status bw_incremental_system_solve(bw_context *context, bw_incremental_system
   bwi_initial_guess left = {.tolerance = 0};
   BW_TRY(options_of(context, given, &options));
   incremental->inner->wanted_bits = options.precision;
+  incremental->inner->wanted_backend = backend_of(options.solver);
   if (options.check) { /* the force may be overwritten */
     load = BW_NEW(context, double, size);
     if (!load)
@@ -294,8 +347,8 @@ bw_status bw_incremental_system_solve(bw_context *context, bw_incremental_system
   BW_TRY(solve_by_iterations(context, incremental, &options, &left, count, displacement, reuse,
                              &solved));
   if (!solved) {
-    BW_TRY(
-        bwi_incremental_factor(context, incremental, options.method == BW_INCREMENTAL_FULL, reuse));
+    BW_TRY(bwi_incremental_factor(
+        context, incremental, bwi_incremental_way(options.solver) == BW_INCREMENTAL_FULL, reuse));
     double start = bw_seconds(), factor = reuse ? reuse->seconds_factor : 0;
     BW_TRY(solve_directly(context, incremental, &options, &left, count, displacement, reuse));
     if (reuse)
@@ -357,8 +410,8 @@ static bw_status solve_one(bw_context *context, void *data, const double *force,
 }
 
 /* What the reuse says, as of any static solution. */
-static void fill_report(const bw_incremental_system *incremental, const bw_reuse *reuse,
-                        double seconds, bw_static *result) {
+static void fill_report(const bw_incremental_system *incremental, const bw_solver *solver,
+                        const bw_reuse *reuse, double seconds, bw_static *result) {
   const bwi_factor *factor = incremental->inner->factor;
   bw_solver_report *report = &result->report;
   bool pcg = reuse->method == BW_INCREMENTAL_PCG, iterate = reuse->method == BW_INCREMENTAL_ITERATE;
@@ -381,6 +434,10 @@ static void fill_report(const bw_incremental_system *incremental, const bw_reuse
   report->bytes = pcg      ? (double)bw_bytes(incremental->inner->two_level)
                   : factor ? (double)bwi_factor_bytes(factor)
                            : 0;
+  snprintf(report->reason, sizeof report->reason, "%s",
+           solver                       ? "it was given"
+           : report->predicted_cost > 0 ? "it is predicted to cost least"
+                                        : "there was nothing to iterate with");
   report->iterations = reuse->iterations + reuse->refinements;
   report->residual = result->residual;
   report->reused = reuse->factor_reused;
@@ -410,7 +467,7 @@ bw_status bw_incremental_statics(bw_context *context, bw_incremental_system *inc
                               .once = options.energy};
   BW_TRY(bwi_static_solve(context, system->dof_map, system->pattern, system->stiffness, &solver,
                           result));
-  fill_report(incremental, data.reuse, bw_seconds() - start, result);
+  fill_report(incremental, options.solver, data.reuse, bw_seconds() - start, result);
 done:
   if (status == BW_OK)
     *out = result;

@@ -339,9 +339,8 @@ end
 -- ---- solving -------------------------------------------------------------------------------------
 
 --- Stresses of the part as it is now; an edit session's result says what was `reused`. Options:
---- method = "auto" | "refactor" | "iterate" | "pcg" | "full", tolerance, precision = 32 | 64 (of the
---- factor; else by cost), check, inertia_relief, balance_tolerance; part = another load case, a model
---- of the mesh as it was given.
+--- solver (of bw.solver), tolerance, precision = 32 | 64 (of the factor; else by cost), check,
+--- inertia_relief, balance_tolerance; part = another load case, a model of the mesh as it was given.
 function class:solve(given)
   local state, opts, part = current(self), nil, nil
   if type(given) == "table" and given.part ~= nil then

@@ -212,8 +212,6 @@ int32_t lbw_check_bone(lua_State *L, int argument, const bw_skeleton *skeleton);
 int32_t lbw_check_joint(lua_State *L, int argument, const bw_skeleton *skeleton);
 /* A row of 19 numbers for every subdomain (see pose.c), as structs in a userdata that is pushed. */
 bw_subdomain_motion *lbw_read_motion(lua_State *L, int argument, int32_t count);
-/* The words for bw_incremental_method; ends with NULL. */
-extern const char *const lbw_incremental_methods[];
 /* options.guess, a list of fields on a mesh of `nodes` nodes; they stay on the stack. */
 void lbw_read_guess(lua_State *L, int index, const char *function, int64_t nodes,
                     bw_incremental_options *options);

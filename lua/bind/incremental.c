@@ -15,7 +15,7 @@ static int32_t subdomain_count(lua_State *L) {
   return ((const bw_subdomains *)box->extra)->stiffness.count;
 }
 
-const char *const lbw_incremental_methods[] = {"auto", "refactor", "iterate", "full", "pcg", NULL};
+static const char *const words[] = {"auto", "refactor", "iterate", "full", "pcg", NULL};
 
 /* ---- what was reused ------------------------------------------------------------------------- */
 
@@ -50,7 +50,7 @@ static void store_reuse(lua_State *L, const bw_reuse *reuse) {
 #undef BOOLEAN
 #undef INTEGER
 #undef NUMBER
-  lua_pushstring(L, lbw_incremental_methods[reuse->method]);
+  lua_pushstring(L, words[reuse->method]);
   lua_setfield(L, -2, "method");
 }
 
@@ -183,7 +183,7 @@ static void read_options(lua_State *L, int index, const char *function,
     bw_statics_options statics;
   } opts;
   static const lbw_option list[] = {
-      {"method", LBW_OTHER, 0},
+      {"solver", LBW_OTHER, 0},
       {"tolerance", LBW_REAL, offsetof(struct opts, incremental.tolerance)},
       {"check", LBW_BOOLEAN, offsetof(struct opts, incremental.check)},
       {"guess", LBW_OTHER, 0},
@@ -197,8 +197,7 @@ static void read_options(lua_State *L, int index, const char *function,
   bw_incremental_options_default(&opts.incremental);
   opts.statics = (bw_statics_options){.tolerance = 1e-6};
   lbw_options(L, index, function, list, &opts);
-  opts.incremental.method = (bw_incremental_method)lbw_word_option(
-      L, index, function, "method", lbw_incremental_methods, (int)opts.incremental.method);
+  opts.incremental.solver = lbw_solver_option(L, index, function);
   lbw_read_guess(L, index, function, self(L)->system->mesh->node_count, &opts.incremental);
   *incremental = opts.incremental;
   *statics = opts.statics;

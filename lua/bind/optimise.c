@@ -43,7 +43,7 @@ typedef struct request {
 static request check_request(lua_State *L, int options) {
   static const lbw_option list[] = {
       {"tolerance", LBW_REAL, offsetof(bw_incremental_options, tolerance)},
-      {"method", LBW_OTHER, 0},
+      {"solver", LBW_OTHER, 0},
       {"guess", LBW_OTHER, 0},
       {"max_iteration_ratio", LBW_REAL, offsetof(bw_incremental_options, max_iteration_ratio)},
       {"energy", LBW_BOOLEAN, offsetof(bw_incremental_options, energy)},
@@ -51,9 +51,7 @@ static request check_request(lua_State *L, int options) {
   request r = {.model = (const bw_model *)lbw_check(L, 1, &lbw_model_class)};
   bw_incremental_options_default(&r.solver.options);
   lbw_options(L, options, "von_mises_slopes", list, &r.solver.options);
-  r.solver.options.method =
-      (bw_incremental_method)lbw_word_option(L, options, "von_mises_slopes", "method",
-                                             lbw_incremental_methods, (int)r.solver.options.method);
+  r.solver.options.solver = lbw_solver_option(L, options, "von_mises_slopes");
   r.solver.incremental = (bw_incremental_system *)lbw_test(L, 2, &lbw_incremental_system_class);
   if (r.solver.incremental)
     r.dof_map = r.solver.incremental->system->dof_map;

@@ -32,14 +32,14 @@ function IncrementalSystem:update(model, motion) end
 
 ---How equations that follow edits are solved.
 ---@class bw.IncrementalSolveOptions
----@field method? "auto"|"refactor"|"iterate"|"pcg"|"full" "refactor" updates the factor where edits touched it; "iterate": conjugate gradients with a former factor; "pcg": with the two-level preconditioner, for elements of order 2 and parts that supports hold; "full": a new factor. Default: "auto", by predicted cost
----@field tolerance? number (-) of iterations, relative residual. Range: above 0, below 1. Default: 1e-10
----@field precision? 32|64 bits of the factor's numbers; solutions have double precision in any case. Default: by predicted cost
+---@field solver? bw.Solver|"auto" `bw.solver.cholesky` updates the factor where edits touched it, with `full` or by CHOLMOD all of it; `bw.solver.pcg` has the two-level preconditioner, for elements of order 2 and parts that supports hold, or a factor: that of the former shape, as it is. Default: "auto", by predicted cost
+---@field tolerance? number (-) of iterations, relative residual; the looser of this and of the solver's. Range: above 0, below 1. Default: 1e-10
+---@field precision? 32|64 bits of the factor's numbers, where the solver leaves them open; solutions have double precision in any case. Default: by predicted cost
 ---@field check? boolean compare stiffness and solution with those from scratch; a difference is an internal error. Default: false
 ---@field energy? boolean the tolerance is that of the error in energy. Default: false
 ---@field guess? bw.Array[] (m, node_count × 3, per node) fields near the solution, to begin iterations with. Range: at most 64. Default: none; of a session the last solutions of the load case
----@field further? integer (count) right-hand sides that are still to come for the same shape, for the choice of a method. Default: 0
----@field max_iteration_ratio? number (-) iterations over predicted ones that the choice of a method counts with. Default: 0, as so far
+---@field further? integer (count) right-hand sides that are still to come for the same shape, for the choice of a solver. Default: 0
+---@field max_iteration_ratio? number (-) iterations over predicted ones that the choice of a solver counts with. Default: 0, as so far
 ---@field inertia_relief? boolean balance a load on a free body by inertia. Default: false
 ---@field balance_tolerance? number (-) a load is balanced when its part along free motions is below this fraction of its size. Default: 1e-6
 

@@ -102,11 +102,11 @@ function bw.von_mises_gradient(part, system, displacement, nodes, options) end
 
 ---How adjoint problems are solved with the equations of an edit session.
 ---@class bw.VonMisesGradientOptions
----@field method? "auto"|"refactor"|"iterate"|"pcg"|"full" as of `bw.IncrementalSolveOptions`. Default: "auto"
+---@field solver? bw.Solver|"auto" as of `bw.IncrementalSolveOptions`. Default: "auto"
 ---@field tolerance? number (-) of iterations, relative residual. Range: above 0, below 1. Default: 1e-10
 ---@field energy? boolean the tolerance is that of the error in energy. Default: false
 ---@field guess? bw.Array[] (m, node_count × 3, per node) fields near the solutions, to begin iterations with. Range: at most 64. Default: none
----@field max_iteration_ratio? number (-) iterations over predicted ones that the choice of a method counts with. Default: 0, as so far
+---@field max_iteration_ratio? number (-) iterations over predicted ones that the choice of a solver counts with. Default: 0, as so far
 
 ---The von Mises stress of a static solution at some nodes, and how it changes with some motions of all nodes. Conditions and errors
 ---are those of `bw.von_mises_gradient`.

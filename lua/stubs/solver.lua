@@ -140,8 +140,12 @@ local Solver = {}
 ---@field residual number? (-) relative, at the end; of linear programs the largest violation, as a fraction of the total force
 ---@field reused number? (-) fraction of the work that an earlier solution had done
 ---@field ranks integer? (count) of PETSc: processes
----@field send_seconds number? (s) of PETSc: sending the matrix
+---@field send_seconds number? (s) of PETSc: sending the mesh
+---@field assembly_seconds number? (s) of PETSc: assembly on the ranks
 ---@field setup_seconds number? (s) of PETSc: multigrid or factor
 ---@field solve_seconds number? (s) of PETSc: solving
 ---@field processor_seconds number? (s) of PETSc: processor time of all processes
 ---@field largest_rank_bytes number? (bytes) of PETSc: memory of the largest process
+
+---Releases the solver at once. What it was handed to keeps it.
+function Solver:close() end

@@ -58,7 +58,8 @@ local Static = {}
 ---@field iterations integer (count) of conjugate gradients
 ---@field peak_bytes number (bytes) memory of all processes at their peaks
 ---@field ranks integer (count) processes
----@field send_seconds number (s) sending the matrix
+---@field send_seconds number (s) sending the mesh
+---@field assembly_seconds number (s) assembly on the ranks
 ---@field setup_seconds number (s) multigrid or factor
 ---@field solve_seconds number (s) solving
 ---@field processor_seconds number (s) processor time of all processes

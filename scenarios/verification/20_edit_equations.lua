@@ -11,11 +11,12 @@ gravity, pressure, a total force, a torque, fixed and sliding supports. What upd
 lagged-factor iterations leave is compared with a rebuild of everything. Theory: [edit.md](theory/edit.md).]]}
 
 local edits_each = 6
+local iterate = bw.solver.pcg {preconditioner = bw.solver.cholesky()}
 
 -- By the method that the session chooses, or by iterating, as far as that converges.
 local function solve(session, random)
   if random(0, 1) < 0.5 then
-    local result, message, details = session:solve {check = true, method = "iterate"}
+    local result, message, details = session:solve {check = true, solver = iterate}
     if result then return result end
     assert(details.status == "convergence", message)
   end

@@ -100,7 +100,7 @@ local function sample(session, list, H, found, start, random)
   seen.change = change_of(list, H, optimum)
   local fork, count = session:fork {refill = false}, math.min(remembered, #list + 2)
   assert(fork:pose(pose_of(list, start, optimum)))
-  near[1] = assert(fork:solve {method = "refactor"}).displacement
+  near[1] = assert(fork:solve {solver = bw.solver.cholesky()}).displacement
   fork:undo()
   for _ = 1, points do
     local t, size = {}, 10 ^ random(-3, -1)

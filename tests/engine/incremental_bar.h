@@ -6,6 +6,7 @@
 
 #include "bodies.h"
 #include "incremental/incremental.h"
+#include "solver_by.h"
 
 enum { SUBDOMAINS = 5, RIGID = 3 };
 
@@ -285,7 +286,7 @@ static inline void compare_in(bw_context *context, bw_incremental_system *increm
   bw_static *fresh = NULL, *mine = NULL;
   bw_incremental_options options;
   bw_incremental_options_default(&options);
-  options.method = method;
+  options.solver = solver_by(method);
   options.precision = precision;
   int64_t size = 3 * (int64_t)model->mesh->node_count;
   check_ok(context,

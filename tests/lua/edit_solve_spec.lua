@@ -8,6 +8,9 @@ local mm = 1e-3
 local beam_skeleton, beam_part, beam = edit_bodies.beam_skeleton, edit_bodies.beam_part, edit_bodies.beam
 local body, same_nodes, compare = edit_bodies.body, edit_bodies.same_nodes, edit_bodies.compare
 
+local refactor, full = bw.solver.cholesky(), bw.solver.cholesky {full = true}
+local iterate = bw.solver.pcg {preconditioner = refactor}
+
 describe("a solve", function()
   local function cantilever()
     local mesh = check.beam {4, 1, 1}
@@ -23,15 +26,15 @@ describe("a solve", function()
   it("checks what was asked for: iterations down to a loose tolerance pass", function()
     local session = cantilever()
     assert(session:bone("lower"):scale {1, 1.01, 1.01})
-    local loose = assert(session:solve {check = true, method = "iterate", tolerance = 0.5})
+    local loose = assert(session:solve {check = true, solver = iterate, tolerance = 0.5})
     assert.truthy(loose.residual > 1e-8)
   end)
 
   it("passes its check where rounding leaves no more digits: a limb of a ten thousandth", function()
-    for _, method in ipairs {"iterate", "refactor"} do
+    for _, solver in ipairs {iterate, refactor} do
       local session = cantilever()
       assert(session:bone("lower"):scale {1, 1e-4, 1e-4})
-      local result = assert(session:solve {check = true, method = method})
+      local result = assert(session:solve {check = true, solver = solver})
       assert.is_true(result.reused.difference_solution > 1e-8)
     end
   end)
@@ -55,7 +58,7 @@ describe("a solve", function()
     }
     for i, edit in ipairs(edits) do
       assert(edit())
-      local result = assert(session:solve {method = ({"auto", "refactor", "iterate", "full"})[i % 4 + 1]})
+      local result = assert(session:solve {solver = ({"auto", refactor, iterate, full})[i % 4 + 1]})
       compare(session, result)
       assert.is_true(result.reused.pattern)
       assert.equal(session.subdomains.stiffness_subdomain_count, result.reused.subdomains)
@@ -67,7 +70,7 @@ describe("a solve", function()
   it("by two-level PCG says so, from the first solution on", function()
     local session = body()
     for k = 1, 2 do
-      local result = assert(session:solve {method = "pcg", check = true})
+      local result = assert(session:solve {solver = bw.solver.pcg(), check = true})
       assert.equal("pcg", result.reused.method)
       assert.truthy(tostring(result.reused):find "two%-level PCG in place of a factor, %d+ iterations")
       assert.is_true(result.reused.iterations > 3 and result.reused.difference_solution < 1e-8)
@@ -98,7 +101,7 @@ describe("a solve", function()
     other:load {on = part.mesh.boundary:above(1, 1), force = {0, 1, 0}}
     other:fix(part.mesh.boundary:below(1, 0))
     assert.equal(session.mesh, assert(session:moved(other)).mesh)
-    local sideways = assert(session:solve {part = other, method = "refactor"})
+    local sideways = assert(session:solve {part = other, solver = refactor})
     local direct = assert(assert(session:moved(other)):solve())
     assert.truthy((direct.displacement - sideways.displacement):norm() < 1e-8 * direct.displacement:norm())
     assert.equal(1, sideways.reused.factor_reused)
@@ -112,7 +115,7 @@ describe("a solve", function()
       assert(session:solve())
       for i = 1, 4 do
         assert(session:bone("neck"):set {scale = {1, 1 + 0.01 * i, 1 + 0.01 * i}})
-        local result = assert(session:solve {method = "iterate", guess = guess})
+        local result = assert(session:solve {solver = iterate, guess = guess})
         counts = counts + result.reused.iterations
         if i == 4 then compare(session, result) end
       end
@@ -154,7 +157,7 @@ describe("a solve", function()
     assert(session:bone("lower"):rotate {y = 20})
     compare(session, assert(session:solve {check = true}))
     assert(session:bone("lower"):scale {1, 1.2, 1.1})
-    compare(session, assert(session:solve {method = "iterate"}))
+    compare(session, assert(session:solve {solver = iterate}))
     assert(session:undo())
     compare(session, assert(session:solve()))
     check.raises("axes of the part differ by element already", bw.edit, session.part, {rotate_material = true})

@@ -39,7 +39,7 @@ local function calls(session, part)
     ["elements from 1 to"] = function() session:assign({0}, "upper") end,
     ["option 'von_mises' is missing"] = function() session:optimise {} end,
     ["no bone 'e'"] = function() session:optimise {von_mises = 1, bones = {"e"}} end,
-    ["'fresh' is not known"] = function() session:solve {method = "fresh"} end,
+    ["a solver of bw.solver, or \"auto\""] = function() session:solve {solver = "fresh"} end,
     ["save: the path"] = function() session:save() end,
     ["moved: part: a model expected, got table"] = function() session:moved {1} end,
     ["undo: a session expected, got nil"] = function() session.undo() end,

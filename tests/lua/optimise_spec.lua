@@ -43,6 +43,8 @@ local function change_of(before, session)
   return d:dot(d)
 end
 
+local iterate = bw.solver.pcg {preconditioner = bw.solver.cholesky()}
+
 describe("the pieces", function()
   it("find the point of a half-plane nearest to another", function()
     local x, violation, multipliers = core.quadratic_program {H = {{1, 0}, {0, 1}}, g = {-2, -1},
@@ -332,11 +334,11 @@ describe("the scaling optimisation", function()
     end
     local fork = at(1.03)
     local system, model = fork:synchronise()
-    local result = assert(system:statics(model, {method = "iterate", tolerance = 1e-10}))
+    local result = assert(system:statics(model, {solver = iterate, tolerance = 1e-10}))
     local node = result.von_mises:argmax()
     local motion = session.subdomains:pose_derivative(fork.current_pose, "bone 1", 2)
     local _, slopes = assert(core.von_mises_slopes(model, system, result.displacement, {node}, {motion},
-      {method = "iterate", tolerance = 1e-6, guess = {result.displacement}}))
+      {solver = iterate, tolerance = 1e-6, guess = {result.displacement}}))
     local h, ends = 1e-3, {}
     for k, y in ipairs {1.03 - h, 1.03 + h} do ends[k] = assert(at(y).part:solve()).von_mises[node] end
     check.near((ends[2] - ends[1]) / (2 * h), slopes(1, 1), 1e-5)

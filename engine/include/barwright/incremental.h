@@ -11,9 +11,9 @@ extern "C" {
 
 /* ---- a system that follows edits (agile, section 6, and beyond) ------------------------------ */
 
-/* How the equations of an edited shape are solved. */
+/* How the equations of an edited shape were solved. */
 typedef enum bw_incremental_method {
-  BW_INCREMENTAL_AUTO, /* by predicted cost: operations and bytes counted, never time measured */
+  BW_INCREMENTAL_AUTO,     /* not yet: what costs least, by operations and bytes, counted */
   BW_INCREMENTAL_REFACTOR, /* the supernodes that the edits touched, and their ancestors */
   BW_INCREMENTAL_ITERATE,  /* conjugate gradients, preconditioned by the factor as it is */
   BW_INCREMENTAL_FULL,     /* every supernode again: for checks and baselines */
@@ -45,10 +45,15 @@ typedef struct bw_reuse {
 
 /* How the equations of an edited shape are to be solved. */
 typedef struct bw_incremental_options {
-  bw_incremental_method method; /* default BW_INCREMENTAL_AUTO */
+  /* Borrowed. BW_SOLVER_CHOLESKY: the factor, of which the parts that edits reach are computed
+     again, or with `full` all; by BW_BACKEND_CHOLMOD always all. BW_SOLVER_PCG: over two levels, or
+     with a factor (that of a former shape, as it is). Default NULL: by predicted cost, operations
+     and bytes counted, never time measured */
+  const bw_solver *solver;
   double tolerance; /* (-) of conjugate gradients, relative residual; default 1e-10, above 0, below
-                       1 */
-  int precision;    /* of the factor: 32 or 64 bits; default 0: by predicted cost. Solutions are in
+                       1; the looser of this and of a solver that is given */
+  int precision;    /* of the factor, where the solver leaves it open: 32 or 64 bits; default 0: by
+                       predicted cost. Solutions are in
                        double precision in any case: with a factor in single precision, which takes
                        half the time and half the memory, by conjugate gradients on the matrix in
                        double precision. Where it breaks down or iterations are many, the factor is
@@ -100,9 +105,10 @@ BW_API bw_status bw_incremental_system_update(bw_context *context,
                                               const bw_model *model,
                                               const bw_subdomain_motion *motion, bw_reuse *reuse);
 /* u = K^-1 f as bw_system_solve for force (N, count x node_count x 3) and displacement (m, count x
- * node_count x 3), by the given or the cheapest method. BW_CONVERGENCE where a given iteration
- * does not converge, BW_SINGULAR where the factor fails. `options` may be NULL; `reuse`
- * (may be NULL) is completed, not cleared. */
+ * node_count x 3), by the given or the cheapest solver. BW_CONVERGENCE where a given iteration
+ * does not converge, BW_SINGULAR where the factor fails, BW_UNSUPPORTED for block Jacobi, algebraic
+ * multigrid and the backend BW_BACKEND_PETSC. `options` may be NULL; `reuse` (may be NULL) is
+ * completed, not cleared. */
 BW_API bw_status bw_incremental_system_solve(bw_context *context,
                                              bw_incremental_system *incremental,
                                              const bw_incremental_options *options, int64_t count,

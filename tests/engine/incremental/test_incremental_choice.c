@@ -162,7 +162,7 @@ static void no_convergence(void **state) {
   check_ok(context, bw_incremental_system_update(context, incremental, model, b.motion, NULL));
   bw_incremental_options options;
   bw_incremental_options_default(&options);
-  options.method = BW_INCREMENTAL_ITERATE;
+  options.solver = solver_by(BW_INCREMENTAL_ITERATE);
   check_fails(context, BW_CONVERGENCE, "changed too much",
               bw_incremental_statics(context, incremental, model, NULL, &options, &result, NULL));
   bw_reuse reuse = {0};

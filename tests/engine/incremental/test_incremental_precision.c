@@ -50,7 +50,7 @@ static void too_thin_for_single(void **state) {
     bw_incremental_options options;
     bw_incremental_options_default(&options);
     options.precision = 32;
-    options.method = BW_INCREMENTAL_REFACTOR;
+    options.solver = solver_by(BW_INCREMENTAL_REFACTOR);
     bw_reuse reuse = {0};
     check_ok(context, bw_incremental_statics(context, incremental, b.model, NULL, &options, &result,
                                              &reuse));

@@ -30,7 +30,7 @@ static void many_sides(void **state) {
     check_ok(context, bw_system_solve(context, fresh, SIDES, force, v));
     for (int method = BW_INCREMENTAL_ITERATE; method >= BW_INCREMENTAL_REFACTOR; method--) {
       bw_reuse reuse = {0};
-      options.method = (bw_incremental_method)method;
+      options.solver = solver_by((bw_incremental_method)method);
       options.check = true;
       check_ok(context, bw_incremental_system_solve(context, incremental, &options, SIDES, force, u,
                                                     &reuse));
@@ -80,12 +80,13 @@ static void energy_alone(void **state) {
     b.now.scale[2][2] = run < 2 ? 1.03 : 1.4;
     bw_model *model = posed(context, &b);
     check_ok(context, bw_incremental_system_update(context, incremental, model, b.motion, NULL));
-    options.method = BW_INCREMENTAL_ITERATE;
+    options.solver = solver_by(BW_INCREMENTAL_ITERATE);
     options.tolerance = 1e-5;
     options.energy = true;
     check_ok(context,
              bw_incremental_system_solve(context, incremental, &options, SIDES, force, u, NULL));
-    options = (bw_incremental_options){.method = BW_INCREMENTAL_ITERATE, .tolerance = 1e-12};
+    options =
+        (bw_incremental_options){.solver = solver_by(BW_INCREMENTAL_ITERATE), .tolerance = 1e-12};
     options.precision = run % 2 ? 32 : 64;
     check_ok(context,
              bw_incremental_system_solve(context, incremental, &options, SIDES, force, v, NULL));
@@ -130,7 +131,7 @@ static void guesses(void **state) {
     random_field(5, SIDES * size, force);
     bw_incremental_options options;
     bw_incremental_options_default(&options);
-    options.method = BW_INCREMENTAL_ITERATE;
+    options.solver = solver_by(BW_INCREMENTAL_ITERATE);
     options.check = true;
     for (int step = 0; step < 2; step++) { /* two shapes; the solutions of the first are fields */
       bw_reuse reuse = {0};
@@ -163,7 +164,7 @@ static void guesses(void **state) {
         check_ok(context, bw_incremental_system_solve(context, incremental, &options, SIDES, force,
                                                       u, &reuse));
         assert_true(reuse.iterations <= 1);
-        options.method = BW_INCREMENTAL_REFACTOR; /* ignores them */
+        options.solver = solver_by(BW_INCREMENTAL_REFACTOR); /* ignores them */
         options.guess_count = FIELDS;
         check_ok(context, bw_incremental_system_solve(context, incremental, &options, SIDES, force,
                                                       u, NULL));

@@ -14,7 +14,7 @@ static void as_a_factor(void **state) {
     bw_incremental_system *incremental = incremental_of(context, &b);
     if (incremental->system->dof_map->rigid_mode_count > 0) {
       bw_static *result = NULL;
-      const bw_incremental_options options = {.method = BW_INCREMENTAL_PCG};
+      const bw_incremental_options options = {.solver = solver_by(BW_INCREMENTAL_PCG)};
       check_fails(
           context, BW_INVALID, "free to move",
           bw_incremental_statics(context, incremental, b.model, &relief, &options, &result, NULL));
@@ -38,7 +38,7 @@ static void linear_elements_are_refused(void **state) {
   bw_context *context = check_context(state);
   bar b;
   bw_static *result = NULL;
-  const bw_incremental_options options = {.method = BW_INCREMENTAL_PCG};
+  const bw_incremental_options options = {.solver = solver_by(BW_INCREMENTAL_PCG)};
   bar_make(context, 1, 1, &b);
   load_bar(context, &b, 0);
   bw_incremental_system *incremental = incremental_of(context, &b);
@@ -101,10 +101,10 @@ static void many_sides(void **state) {
   random_field(7, SIDES * size, force);
   memset(force + size, 0, 2 * (size_t)size * sizeof *force);
   force[size + size - 2] = 1e6;
-  bw_incremental_options options = {.method = BW_INCREMENTAL_FULL};
+  bw_incremental_options options = {.solver = solver_by(BW_INCREMENTAL_FULL)};
   check_ok(context,
            bw_incremental_system_solve(context, incremental, &options, SIDES, force, v, NULL));
-  options = (bw_incremental_options){.method = BW_INCREMENTAL_PCG};
+  options = (bw_incremental_options){.solver = solver_by(BW_INCREMENTAL_PCG)};
   bw_reuse reuse = {0};
   check_ok(context,
            bw_incremental_system_solve(context, incremental, &options, SIDES, force, u, &reuse));
@@ -126,8 +126,8 @@ static void many_sides(void **state) {
            bw_incremental_system_solve(context, incremental, &options, 1, force, u, &begun));
   check_near(difference(u, v, size), 0, 1e-8);
   assert_true(begun.iterations < reuse.iterations - 3);
-  options =
-      (bw_incremental_options){.method = BW_INCREMENTAL_PCG, .tolerance = 1e-3, .energy = true};
+  options = (bw_incremental_options){
+      .solver = solver_by(BW_INCREMENTAL_PCG), .tolerance = 1e-3, .energy = true};
   check_ok(context, bw_incremental_system_solve(context, incremental, &options, 2, force, u, NULL));
   for (int k = 0; k < 2; k++) {
     double error = 0, whole = 0;
@@ -159,7 +159,7 @@ static void same_bits(void **state) {
   int64_t size = 3 * (int64_t)b.mesh->node_count;
   double *force = numbers(2 * size), *u = numbers(2 * size), *v = numbers(2 * size);
   random_field(5, 2 * size, force);
-  const bw_incremental_options options = {.method = BW_INCREMENTAL_PCG};
+  const bw_incremental_options options = {.solver = solver_by(BW_INCREMENTAL_PCG)};
   for (int threads = 1; threads <= 4; threads += 3) {
     check_ok(context, bw_set_threads(context, threads));
     bw_incremental_system *incremental = incremental_of(context, &b);
@@ -277,7 +277,8 @@ static void no_memory(void **state) {
   int64_t size = 3 * (int64_t)b.mesh->node_count;
   double *force = numbers(2 * size), *u = numbers(2 * size);
   random_field(5, 2 * size, force);
-  const bw_incremental_options options = {.method = BW_INCREMENTAL_PCG, .tolerance = 1e-3};
+  const bw_incremental_options options = {.solver = solver_by(BW_INCREMENTAL_PCG),
+                                          .tolerance = 1e-3};
   for (int64_t n = 1;; n++) {
     bw_incremental_system *incremental = incremental_of(context, &b);
     bw_fail_allocation(n, true);

@@ -1,7 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Memory running out anywhere in a whole edit session, from the skeleton to stress gradients: each
  * failing allocation ends the run with a status, and nothing stays behind. */
-#include "check.h"
+#include "solver_by.h"
 
 enum { BONES = 2, SLOPES = 2 };
 
@@ -94,7 +94,7 @@ static bw_status follow_and_solve(bw_context *context, const bw_model *model,
   BW_TRY(bw_model_moved(context, model, mesh, &moved));
   BW_TRY(bw_incremental_system_update(context, incremental, moved, s->motion, &reuse));
   bw_incremental_options_default(&options);
-  options.method = method;
+  options.solver = solver_by(method);
   BW_TRY(bw_incremental_statics(context, incremental, moved, NULL, &options, &result, &reuse));
   gradient = BW_NEW(context, double, SLOPES * 3 * (size_t)mesh->node_count);
   if (!gradient) {

@@ -7,6 +7,9 @@ local followed_kinds = require "followed_kinds"
 local kind = {}
 local text_of, uniform = followed_kinds.text_of, followed_kinds.uniform
 local bones = {"upper", "lower"}
+local cholesky = bw.solver.cholesky()
+local solvers = {"auto", cholesky, bw.solver.pcg {preconditioner = cholesky}, bw.solver.pcg(),
+  bw.solver.cholesky {full = true}, bw.solver.cholesky {backend = "cholmod"}}
 local mesh, steel, other
 
 local function part(force)
@@ -124,8 +127,7 @@ kind.operations = {
     return subject.session:adopt(fork)
   end},
   solve = {3, function(subject)
-    local methods = {"auto", "refactor", "iterate", "pcg", "full"}
-    return one_of(subject):solve {method = methods[math.random(5)], check = math.random() < 0.3,
+    return one_of(subject):solve {solver = solvers[math.random(#solvers)], check = math.random() < 0.3,
       tolerance = 10 ^ uniform(-12, -3)}
   end},
   ["solve another load"] = {0.7, function(subject) return one_of(subject):solve {part = other} end},
