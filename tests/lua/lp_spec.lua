@@ -44,7 +44,7 @@ describe("solvers of linear programs", function()
       assert.is_nil(report.predicted_cost)
       assert.truthy(report.iterations > 0 and report.seconds > 0 and report.bytes > 0 and report.flops > 0)
       assert.truthy((report.residual or 0) < 1e-9)
-      assert.truthy(tostring(report):find("%(" .. backend .. "%), %d+ iterations, "))
+      assert.truthy(tostring(report):find("%(" .. backend .. "%): %d+ iterations, "))
     end
   end)
 
