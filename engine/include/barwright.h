@@ -71,6 +71,7 @@
 #include "barwright/faces.h"
 #include "barwright/job.h"
 #include "barwright/lp.h"
+#include "barwright/matrix.h"
 #include "barwright/mesh.h"
 #include "barwright/outline.h"
 #include "barwright/plane.h"

@@ -4,8 +4,7 @@
 
 #include "linear/internal.h"
 
-/* block = F_row block F_column^T for nodes with frames of their own */
-static void rotate_block(const bw_dof_map *dof_map, int32_t row, int32_t column, double *block) {
+void bwi_rotate_block(const bw_dof_map *dof_map, int32_t row, int32_t column, double *block) {
   double half[9];
   if (dof_map->frame_of[row] >= 0) {
     const double *frame = dof_map->frame + 9 * (int64_t)dof_map->frame_of[row];
@@ -36,5 +35,5 @@ void bwi_matrix_block(const bwi_matrix *matrix, int components, int64_t index, b
   for (int i = 0; i < components; i++)
     block[(components + 1) * i] += mass;
   if (matrix->dof_map && matrix->dof_map->frame_count > 0)
-    rotate_block(matrix->dof_map, row, column, block);
+    bwi_rotate_block(matrix->dof_map, row, column, block);
 }

@@ -147,6 +147,9 @@ typedef struct bwi_matrix {
 void bwi_matrix_block(const bwi_matrix *matrix, int components, int64_t index, bool transpose,
                       int32_t row, int32_t column, double *block);
 
+/* block = F_row block F_column^T for nodes with frames of their own. */
+void bwi_rotate_block(const bw_dof_map *dof_map, int32_t row, int32_t column, double *block);
+
 /* The factor of a matrix in single precision is that of `unit` times the matrix, a power of two
  * that brings entries of any units into the range of float; in double precision `unit` is 1. */
 typedef struct bwi_factor {

@@ -25,6 +25,7 @@ local bw = {
   pressure_basis = core.pressure_basis,
   worst_loads = core.worst_loads,
   lp = core.lp,
+  sparse_matrix = core.sparse_matrix,
   rank_correlation = core.rank_correlation,
   picture = core.picture,
   animation = core.animation,

@@ -165,7 +165,8 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
     lbw_incremental_system_class, lbw_live_server_class, lbw_outline_class, lbw_sheet_class,
     lbw_plane_mesh_class, lbw_mesh_motion_class, lbw_flow_class, lbw_plate_class, lbw_grid_class,
     lbw_embedding_class, lbw_job_class, lbw_canvas_class, lbw_database_class, lbw_lock_class,
-    lbw_temporary_class, lbw_solver_class, lbw_lp_solver_class;
+    lbw_temporary_class, lbw_solver_class, lbw_lp_solver_class,
+    lbw_sparse_matrix_class;
 
 /* ---- misuse ---------------------------------------------------------------------------------- */
 
@@ -341,6 +342,7 @@ void lbw_open_solver(lua_State *L);
 void lbw_open_lp(lua_State *L);
 void lbw_open_model(lua_State *L);
 void lbw_open_solve(lua_State *L);
+void lbw_open_sparse_matrix(lua_State *L);
 void lbw_open_worst(lua_State *L);
 void lbw_open_worst_loads(lua_State *L);
 void lbw_open_patch_gradient(lua_State *L);

@@ -84,6 +84,21 @@ function array_module.from_string(format, bytes, columns) end
 ---@return bw.Array array (any, n × c) the values; of type u8 where the formula is a comparison
 function array_module.map(formula, variables) end
 
+---An array from a file: `.npy` of NumPy with one or two dimensions, or Matrix Market in array format. The content decides, not the
+---name.
+---
+---Errors: io, format (the file is damaged, or a sparse matrix; `details.line` or `details.byte`), unsupported (more dimensions, complex
+---numbers, texts), limit (4 GiB).
+---```lua
+---assert(bw.array.new {{1, 2}, {3, 4}}:write "a.npy")
+---print(assert(bw.array.read "a.npy")(2, 1)) -- 3.0
+---```
+---@param path string the file
+---@return bw.Array? array (any, rows × columns) what is in it
+---@return string? message
+---@return bw.Details? details
+function array_module.read(path) end
+
 ---Rows and columns of numbers. It may be a view of the memory of another object, which it keeps alive. `#a` is the number of rows,
 ---`a[i]` a number or (with several columns) a row, `a(i, j)` an entry. `+ - * / ^` work entry by entry with arrays and numbers.
 ---```lua
@@ -232,6 +247,16 @@ function Array:totable() end
 ---@param offset? number (any) added to every number first; -1 makes numbers that count from 1 count from 0. Default: 0
 ---@return string bytes the numbers
 function Array:tostring(format, offset) end
+
+---Writes it, by the ending of the path: `.npy` is NumPy's format (one dimension where there is one column), `.mtx` is Matrix Market in
+---array format.
+---
+---Errors: io, unsupported (another ending).
+---@param path string the file
+---@return boolean? written true
+---@return string? message
+---@return bw.Details? details
+function Array:write(path) end
 
 ---Releases the array at once.
 function Array:close() end

@@ -72,6 +72,7 @@
 ---@field material bw.MaterialModule
 ---@field solver bw.SolverModule
 ---@field lp bw.LpModule
+---@field sparse_matrix bw.SparseMatrixModule
 ---@field shapes bw.ShapesModule
 ---@field json bw.JsonModule
 ---@field results bw.ResultsModule

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "barwright/matrix.h"
 #include "fill_bytes.h"
 #include "io/raw.h"
 #include "metamaterial/library.h"
@@ -131,6 +132,25 @@ static inline void parse_library(const unsigned char *bytes, size_t count) {
   }
 }
 
+/* As a sparse matrix and as an array; the content says which it is. */
+static inline void parse_matrix(const unsigned char *bytes, size_t count) {
+  bw_context *context = parse_context();
+  bw_sparse_matrix *matrix = NULL;
+  bw_array *array = NULL;
+  bw_status status = bw_sparse_matrix_parse(context, "a.mtx", bytes, count, &matrix);
+  parse_require((status == BW_OK) == (matrix != NULL));
+  parse_require(status == BW_OK || bw_message(context)[0]);
+  for (int32_t i = 0; matrix && i < matrix->rows; i++)
+    for (int64_t k = matrix->start[i]; k < matrix->start[i + 1]; k++)
+      parse_require(matrix->column[k] >= 0 && matrix->column[k] < matrix->columns &&
+                    (k == matrix->start[i] || matrix->column[k] > matrix->column[k - 1]));
+  bw_release(matrix);
+  status = bw_array_parse(context, "a.npy", bytes, count, &array);
+  parse_require((status == BW_OK) == (array != NULL));
+  parse_require(status == BW_OK || bw_message(context)[0]);
+  bw_release(array);
+}
+
 /* By the name of the format: "stl", "msh", ... The bytes are copied to a block of their exact
  * size, so that the address sanitizer sees a read past the end. */
 static inline void parse_bytes(const char *format, const unsigned char *bytes, size_t count) {
@@ -151,6 +171,8 @@ static inline void parse_bytes(const char *format, const unsigned char *bytes, s
     parse_outline(name, copy, count);
   } else if (strcmp(format, "bwm") == 0) {
     parse_library(copy, count);
+  } else if (strcmp(format, "matrix") == 0) {
+    parse_matrix(copy, count);
   } else if (strcmp(format, "plane") == 0) {
     fill_bytes(copy, count);
   } else {

@@ -16,7 +16,7 @@ end
 local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   selection = "bw.Selection", material = "bw.Material", model = "bw.Model", static = "bw.Static",
   modes = "bw.Modes", system = "bw.System", weak_regions = "bw.WeakRegions",
-  pressure_basis = "bw.PressureBasis", linear_program_solver = "bw.LpSolver", skeleton = "bw.Skeleton",
+  pressure_basis = "bw.PressureBasis", linear_program_solver = "bw.LpSolver", sparse_matrix = "bw.SparseMatrix", skeleton = "bw.Skeleton",
   subdomains = "bw.Subdomains", incremental_system = "bw.IncrementalSystem",
   live_server = "bw.LiveServer", outline = "bw.Outline",
   sheet = "bw.Sheet", plate = "bw.Plate",
@@ -78,6 +78,7 @@ describe("the stubs", function()
     same(keys(bw.plane), "bw.PlaneModule")
     same(keys(bw.grid), "bw.GridModule")
     same(keys(bw.lp), "bw.LpModule")
+    same(keys(bw.sparse_matrix), "bw.SparseMatrixModule")
     same(keys(bw.edit), "bw.EditModule")
     same(keys(bw.metamaterial), "bw.MetamaterialModule")
     same(keys(bw.plot), "bw.PlotModule")

@@ -3,6 +3,7 @@
 #define BARWRIGHT_LINEAR_H
 
 #include "barwright/assemble.h"
+#include "barwright/matrix.h"
 #include "barwright/report.h"
 
 #ifdef __cplusplus
@@ -139,6 +140,27 @@ BW_API bw_status bw_system_factor(bw_context *context, bw_system *system);
  * f, symmetric. */
 BW_API bw_status bw_system_solve(bw_context *context, bw_system *system, int64_t count,
                                  const double *force, double *displacement);
+
+/* Which matrix of a system. */
+typedef enum bw_system_part {
+  BW_STIFFNESS, /* K (N/m) */
+  BW_MASS       /* M (kg), consistent */
+} bw_system_part;
+/* A copy of K or M as a sparse matrix, symmetric to the last bit. Rows and columns are the unknowns
+ * of the DOF map in its order; at nodes with a frame they are components along the frame. With
+ * `whole` they are all components instead, 3 node + 0, 1, 2 along x, y, z, without supports. On a
+ * body with unconstrained rigid-body modes the unknowns lack its isostatic constraints, so that the
+ * matrix of the unknowns is positive definite. BW_INVALID for the mass of a system that has none
+ * yet, BW_LIMIT for 2^31 - 1 rows. */
+BW_API bw_status bw_system_matrix(bw_context *context, const bw_system *system, bw_system_part part,
+                                  bool whole, bw_sparse_matrix **matrix);
+/* The right-hand side of the unknowns for nodal forces, force (N, node_count x 3): b (N,
+ * unknown_count), with what prescribed displacements cause taken off, so that K x = b. */
+BW_API bw_status bw_system_right_hand_side(bw_context *context, const bw_system *system,
+                                           const double *force, double *b);
+/* The displacement (m, node_count x 3) of unknowns x (m, unknown_count), with the prescribed
+ * components. */
+BW_API void bw_system_displacement(const bw_system *system, const double *x, double *displacement);
 
 /* The edits to be expected, borrowed, by the subdomains that they touch: those of subdomain d are
  * edit[start[d]] to edit[start[d + 1] - 1], numbers from 0 to count - 1 (bones, mostly). */

@@ -118,6 +118,7 @@ end}
 makers.WeakRegions = {function(p)
   return assert(bw.weak_regions(p.Mesh, bw.material.pla, (assert(p:variant("bw.Model", 3):modes {count = 1}))))
 end, function(p) return bw.single_regions(p.Mesh, {1, 2}) end}
+makers.SparseMatrix = {function() return bw.sparse_matrix.new(2, 2, {1, 2}, {1, 2}, {1, 2}) end}
 makers.LpSolver = {function() return bw.lp.glpk {} end}
 makers.PressureBasis = {function(p) return bw.pressure_basis(p.Mesh) end}
 makers.BruteForce = {function(p)
