@@ -14,14 +14,12 @@
 #ifndef BWI_EIGEN_BLOCK_LANCZOS_H
 #define BWI_EIGEN_BLOCK_LANCZOS_H
 
-#include "eigen/internal.h"
+#include "eigen/iteration.h"
 
 enum { BWI_BLOCK = 8 };
 
 typedef struct bwi_lanczos {
-  bw_context *context;
-  const bwi_eigen_problem *problem;
-  int64_t size;
+  bwi_eigen_iteration base; /* its `known` values are those of the Ritz vectors */
   int capacity, block;
   int used;       /* vectors in the basis, with the next block */
   int done;       /* of these, through Op */
@@ -30,21 +28,6 @@ typedef struct bwi_lanczos {
   double *r;      /* coupling: (used - done) x the last `r_columns` done vectors, ld = block */
   int r_columns;
   double *theta, *s; /* Ritz values (descending) and coefficients, ld = capacity */
-  bw_random random;
-  int solves;
 } bwi_lanczos;
-
-bw_status bwi_lanczos_open(bw_context *context, const bwi_eigen_problem *problem, int capacity,
-                           int block, uint64_t seed, bwi_lanczos *l);
-void bwi_lanczos_clear(bwi_lanczos *l);
-/* Random vectors as the next block: at the start, and where the space that was searched is closed
- * under Op but something is missing. */
-bw_status bwi_lanczos_random(bwi_lanczos *l);
-/* Go on until `wanted` Ritz vectors have converged, or the whole space is searched. */
-bw_status bwi_lanczos_iterate(bwi_lanczos *l, int wanted, double tolerance);
-/* Keep the first `keep` Ritz vectors and the next block (or no next block). */
-bw_status bwi_lanczos_restart(bwi_lanczos *l, int keep, bool next);
-/* Leading Ritz vectors that have converged. */
-int bwi_lanczos_converged(const bwi_lanczos *l, int wanted, double tolerance);
 
 #endif

@@ -1,14 +1,17 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The lowest eigenpairs of a problem: block Lanczos, a Sturm count that shows whether one was
- * missed, recovery, and true residuals. */
+/* The lowest eigenpairs of a problem, by any of the iterations: a Sturm count that shows whether
+ * one was missed, recovery, and true residuals. */
 #include <math.h>
 #include <string.h>
 
-#include "eigen/block_lanczos.h"
+#include "eigen/iteration.h"
 #include "linear/blas.h"
 #include "linear/multivector.h"
 
-enum { RECOVERIES = 6 };
+enum {
+  RECOVERIES = 6, /* that bring nothing, one after the other */
+  FURTHER = 8     /* modes beyond those wanted, where these show no gap */
+};
 
 /* ---- results ------------------------------------------------------------------------------- */
 
@@ -39,20 +42,17 @@ done:
   return status;
 }
 
-/* Take the first `count` Ritz pairs out. Where a true residual is above the tolerance, the vectors
- * go through Op once more, which divides what is left of high modes by their eigenvalues, and
- * through a Rayleigh-Ritz step. */
-static bw_status take_out(bwi_lanczos *l, int count, double tolerance, bwi_eigen_result *result) {
+/* Take the first `count` pairs out. Where a true residual is above the tolerance, the vectors go
+ * through Op once more, which divides what is left of high modes by their eigenvalues, and through
+ * a Rayleigh-Ritz step. */
+static bw_status take_out(bwi_eigen_iteration *it, int count, double tolerance,
+                          bwi_eigen_result *result) {
   bw_status status = BW_OK;
-  bw_context *context = l->context;
-  const bwi_eigen_problem *problem = l->problem;
-  int64_t size = l->size;
+  bw_context *context = it->context;
+  const bwi_eigen_problem *problem = it->problem;
+  int64_t size = it->size;
   double *x = NULL, *kx = NULL, *mx = NULL, *gram = NULL, *coefficients = NULL, *work = NULL,
          *next = NULL;
-  bw_free(result->value);
-  bw_free(result->vector);
-  bw_free(result->residual);
-  result->vector = result->value = result->residual = NULL;
   result->value = BW_NEW(context, double, count);
   result->residual = BW_NEW(context, double, count);
   x = BW_NEW(context, double, count *size);
@@ -66,9 +66,8 @@ static bw_status take_out(bwi_lanczos *l, int count, double tolerance, bwi_eigen
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(bwi_multi_combine(context, size, l->done, l->v, count, l->s, l->capacity, 1, 0, x));
-  for (int k = 0; k < count; k++)
-    result->value[k] = 1 / l->theta[k];
+  BW_TRY(it->method->vectors(it, count, x));
+  memcpy(result->value, it->value, (size_t)count * sizeof(double));
   BW_TRY(true_residuals(context, problem, count, result->value, x, result->residual, kx, mx));
   double worst = 0;
   for (int k = 0; k < count; k++)
@@ -82,7 +81,7 @@ static bw_status take_out(bwi_lanczos *l, int count, double tolerance, bwi_eigen
       }
     }
     BW_TRY(problem->solve(context, problem->data, count, mx, next));
-    l->solves += count;
+    it->solves += count;
     for (int k = 0; k < count; k++)
       for (int64_t i = k * size; i < (k + 1) * size; i++)
         next[i] *= result->value[k];
@@ -134,12 +133,16 @@ done:
   return status;
 }
 
+/* ---- the count --------------------------------------------------------------------------------
+ */
+
 /* The end of the cluster that eigenvalue number `count` (from 1) belongs to, and a shift above it;
  * 0 when the known values do not show a gap. */
-static int find_gap(const bwi_lanczos *l, int count, int known, double fraction, double *shift) {
+static int find_gap(const bwi_eigen_iteration *it, int count, int known, double fraction,
+                    double *shift) {
   for (int n = count; n < known; n++) {
-    double low = 1 / l->theta[n - 1], high = 1 / l->theta[n];
-    if (l->theta[n] > 0 && high - low > 1e-4 * low) {
+    double low = it->value[n - 1], high = it->value[n];
+    if (high < INFINITY && high - low > 1e-4 * low) {
       *shift = low + fraction * fmin(high - low, 0.03 * low);
       return n;
     }
@@ -147,75 +150,103 @@ static int find_gap(const bwi_lanczos *l, int count, int known, double fraction,
   return 0;
 }
 
-bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem,
-                           const bw_modes_options *options, bwi_eigen_result *result) {
+/* Count eigenvalues below a shift above the modes wanted, and find those that are missing, until
+ * the count agrees. The modes wanted stand where it cannot be made to. */
+static bw_status confirm(bwi_eigen_iteration *it, int count, double tolerance,
+                         bwi_eigen_result *result) {
   bw_status status = BW_OK;
-  *result = (bwi_eigen_result){0};
-  int count = options->count;
-  if (count > problem->dimension)
-    count = (int)problem->dimension;
-  if (count == 0)
-    return BW_OK;
-  int64_t capacity = 3 * (int64_t)count + 6 * BWI_BLOCK;
-  if (capacity > problem->dimension + BWI_BLOCK)
-    capacity = problem->dimension + BWI_BLOCK;
-  if (capacity * capacity > INT32_MAX)
-    return bw_fail(context, BW_LIMIT, "%d modes: more than this eigensolver can compute", count);
-  int block = problem->dimension < BWI_BLOCK ? (int)problem->dimension : BWI_BLOCK;
-  double tolerance = fmin(options->tolerance, 1e-6);
-  bwi_lanczos l;
-  bwi_blas_enter();
-  BW_TRY(bwi_lanczos_open(context, problem, (int)capacity, block, options->seed, &l));
-  BW_TRY(bwi_lanczos_random(&l));
-  BW_TRY(bwi_lanczos_iterate(&l, count, tolerance));
-  if (l.done < count)
-    count = l.done;
-
-  if (options->sturm && problem->below)
-    for (int attempt = 0; attempt < RECOVERIES; attempt++) {
-      double shift = 0, fraction = 0.3 + 0.1 * attempt;
-      int known = l.done < (int)problem->dimension ? l.done : count;
-      int n = find_gap(&l, count, known, fraction, &shift);
-      if (n == 0) { /* everything there is was found */
-        if (l.done >= problem->dimension) {
-          result->counted = true;
-          break;
-        }
-        status = bwi_lanczos_iterate(&l, count + BWI_BLOCK, tolerance);
-        if (status == BW_CONVERGENCE) { /* the modes wanted are there all the same */
-          bw_clear_failure(context);
-          status = BW_OK;
-          break;
-        }
-        if (status != BW_OK)
-          goto done;
-        n = find_gap(&l, count, l.done, fraction, &shift);
-        if (n == 0)
-          break;
-      }
-      if (bwi_lanczos_converged(&l, n, tolerance) < n)
-        BW_TRY(bwi_lanczos_iterate(&l, n, tolerance));
-      int64_t below = 0;
-      bool trusted = false;
-      BW_TRY(problem->below(context, problem->data, shift, &below, &trusted));
-      if (!trusted || below < n) /* rounding: once more elsewhere in the gap */
-        continue;
-      if (below == n) {
+  const bwi_eigen_problem *problem = it->problem;
+  for (int vain = 0; vain < RECOVERIES;) {
+    double shift = 0, fraction = 0.3 + 0.1 * vain;
+    int known = it->known < problem->dimension ? it->known : count;
+    int n = find_gap(it, count, known, fraction, &shift);
+    if (n == 0) { /* everything there is was found */
+      if (it->known >= problem->dimension) {
         result->counted = true;
         break;
       }
-      int missing = (int)(below - n), keep = n;
-      BW_TRY(bwi_lanczos_restart(&l, keep, false));
-      BW_TRY(bwi_lanczos_random(&l));
-      BW_TRY(bwi_lanczos_iterate(
-          &l, n + missing < l.capacity - block ? n + missing : l.capacity - block, tolerance));
-      result->recovered += missing;
+      status = it->method->iterate(it, count + FURTHER, tolerance);
+      if (status == BW_CONVERGENCE) { /* the modes wanted are there all the same */
+        bw_clear_failure(it->context);
+        status = BW_OK;
+        break;
+      }
+      if (status != BW_OK)
+        goto done;
+      n = find_gap(it, count, it->known, fraction, &shift);
+      if (n == 0)
+        break;
     }
-  BW_TRY(take_out(&l, count, options->tolerance, result));
-  result->solves = l.solves;
+    if (it->method->converged(it, n, tolerance) < n)
+      BW_TRY(it->method->iterate(it, n, tolerance));
+    int64_t below = 0;
+    bool trusted = false;
+    BW_TRY(problem->below(it->context, problem->data, shift, &below, &trusted));
+    if (!trusted || below < n) { /* rounding: once more elsewhere in the gap */
+      vain++;
+      continue;
+    }
+    if (below == n) {
+      result->counted = true;
+      break;
+    }
+    int wanted = below < it->most ? (int)below : it->most, found = n;
+    BW_TRY(it->method->deflate(it, n));
+    BW_TRY(it->method->iterate(it, wanted, tolerance));
+    while (found < it->known && it->value[found] < shift)
+      found++;
+    vain = found > n ? 0 : vain + 1;
+    result->recovered += found - n;
+  }
+done:
+  return status;
+}
+
+/* ---- the driver -------------------------------------------------------------------------------
+ */
+
+bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem,
+                           const bw_modes_options *options, bwi_eigen_result *result) {
+  bw_status status = BW_OK;
+  double start = bw_seconds();
+  *result = (bwi_eigen_result){.report = {.solver = "", .backend = "", .preconditioner = ""}};
+  bwi_eigen_setup setup = {.count = options->count, .seed = options->seed};
+  if (setup.count > problem->dimension)
+    setup.count = (int)problem->dimension;
+  if (setup.count == 0)
+    return BW_OK;
+  int count = setup.count;
+  double tolerance = fmin(options->tolerance, 1e-6);
+  bwi_eigen_iteration *it = NULL;
+  const bwi_eigen_method *method = NULL;
+  bwi_blas_enter();
+  BW_TRY(bwi_eigen_choose(context, problem, options->solver, &setup, &method, &result->report));
+  status = method->open(context, problem, &setup, &it);
+  if (it) {
+    it->method = method;
+    it->context = context;
+    it->problem = problem;
+    it->size = problem->size;
+    bw_random_seed(&it->random, setup.seed);
+  }
+  if (status != BW_OK)
+    goto done;
+  BW_TRY(method->iterate(it, count, tolerance));
+  if (it->known < count)
+    count = it->known;
+  if (options->sturm && problem->below)
+    BW_TRY(confirm(it, count, tolerance, result));
+  BW_TRY(take_out(it, count, options->tolerance, result));
+  result->solves = it->solves;
+  result->report.seconds = bw_seconds() - start;
+  result->report.bytes = it->bytes;
+  result->report.iterations = it->iterations;
+  for (int k = 0; k < count; k++)
+    result->report.residual = fmax(result->report.residual, result->residual[k]);
 done:
   bwi_blas_leave();
-  bwi_lanczos_clear(&l);
+  if (it)
+    method->close(it);
   if (status != BW_OK)
     bwi_eigen_result_clear(result);
   return status;

@@ -32,6 +32,7 @@ typedef struct bwi_eigen_result {
   double *residual; /* |K x - lambda M x| / |lambda M x| */
   int solves, recovered;
   bool counted;
+  bw_solver_report report;
 } bwi_eigen_result;
 void bwi_eigen_result_clear(bwi_eigen_result *result);
 bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem,

@@ -79,6 +79,7 @@ bw_status bwi_modes_from(bw_context *context, const bw_mesh *mesh, const bw_mate
   modes->solves = result->solves;
   modes->recovered = result->recovered;
   modes->counted = result->counted;
+  modes->report = result->report;
   if (material && material->density > 0) {
     modes->frequency = BW_NEW(context, double, result->count);
     if (!modes->frequency) {
@@ -200,6 +201,8 @@ bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_mode
                              .below = elastic_below,
                              .dimension = dof_map->unknown_count};
   BW_TRY(bwi_eigen_lowest(context, &eigen, &options, &result));
+  result.report.bytes += (double)bwi_factor_bytes(system->factor);
+  result.report.flops = 4.0 * (double)system->times.factor_entries * result.solves;
   BW_TRY(bwi_modes_from(context, system->mesh, system->material, dof_map->rigid_mode_count, &result,
                         modes));
 done:

@@ -27,6 +27,7 @@ bw_status bw_library_versions(bw_context *context, char **text) {
            "%s (%s, %s variant)%s\n"
            "CHOLMOD %d.%d.%d\n"
            "METIS %d.%d.%d\n"
+           "ARPACK-ng %s\n"
            "GLPK %s\n"
            "zlib %s\n"
            "cairo %s\n",
@@ -36,7 +37,7 @@ bw_status bw_library_versions(bw_context *context, char **text) {
                            "libopenblas0-pthread"
                          : "",
            cholmod[0], cholmod[1], cholmod[2], METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR,
-           glp_version(), zlibVersion(), cairo_version_string());
+           ARPACK_VERSION, glp_version(), zlibVersion(), cairo_version_string());
   *text = out;
   return BW_OK;
 }

@@ -230,18 +230,31 @@ done:
   return status;
 }
 
+/* How SLEPc solves its inner systems; NULL: as it does by default. */
+static const bw_external_options *inner_options(const bw_eigensolver *solver,
+                                                bw_external_options *options) {
+  if (!solver)
+    return NULL;
+  *options = (bw_external_options){.method = solver->options.inner_pcg ? BW_EXTERNAL_CG
+                                                                       : BW_EXTERNAL_CHOLESKY,
+                                   .rtol = solver->options.inner_tolerance,
+                                   .iterations = solver->options.inner_iterations};
+  return options;
+}
+
 bw_status bw_modes_external(bw_context *context, const bw_model *model,
-                            const bw_modes_options *options, const bw_external_options *given,
-                            bw_modes **modes) {
+                            const bw_modes_options *options, bw_modes **modes) {
   bw_status status = BW_OK;
   bw_modes_options opts;
-  bw_external_options external;
+  bw_external_options external, given;
   equations e = {0};
   bw_external_modes found = {0};
   bwi_eigen_result result = {0};
   bw_external_report *report = NULL;
+  double start = bw_seconds();
   BW_TRY(bwi_modes_options_check(context, options, &opts));
-  BW_TRY(check_options(context, given, BW_EXTERNAL_CHOLESKY, &external));
+  BW_TRY(check_options(context, options ? inner_options(options->solver, &given) : NULL,
+                       BW_EXTERNAL_CHOLESKY, &external));
   report = BW_NEW0(context, bw_external_report, 1);
   if (!report) {
     status = BW_MEMORY;
@@ -251,12 +264,15 @@ bw_status bw_modes_external(bw_context *context, const bw_model *model,
   BW_TRY(open_system(context, model, true, &external, &e));
   status = registered->modes(context, &opts, &found);
   e.open = status == BW_OK;
-  result = (bwi_eigen_result){.count = found.count,
-                              .value = found.value,
-                              .vector = found.vector,
-                              .solves = found.solves,
-                              .recovered = found.recovered,
-                              .counted = found.counted};
+  result = (bwi_eigen_result){
+      .count = found.count,
+      .value = found.value,
+      .vector = found.vector,
+      .solves = found.solves,
+      .recovered = found.recovered,
+      .counted = found.counted,
+      .report = {
+          .solver = "slepc", .backend = "", .preconditioner = "", .reason = "it was asked for"}};
   if (status != BW_OK)
     goto done;
   result.residual = BW_NEW(context, double, found.count);
@@ -265,14 +281,36 @@ bw_status bw_modes_external(bw_context *context, const bw_model *model,
     goto done;
   }
   BW_TRY(residuals(context, &e, result.count, result.value, result.vector, result.residual));
+  for (int k = 0; k < result.count; k++)
+    result.report.residual = fmax(result.report.residual, result.residual[k]);
   BW_TRY(bwi_modes_from(context, model->mesh, model->material, e.dof_map->rigid_mode_count, &result,
                         modes));
 done:
   clear(context, &e, report);
   bwi_eigen_result_clear(&result);
-  if (status == BW_OK)
+  if (status == BW_OK) {
     (*modes)->external = report;
-  else
+    (*modes)->report.bytes = report->bytes;
+    (*modes)->report.seconds = bw_seconds() - start;
+  } else
     bw_free(report);
+  return status;
+}
+
+bw_status bw_modes_of_model(bw_context *context, const bw_model *model, bw_system *given,
+                            const bw_modes_options *options, bw_system **system, bw_modes **modes) {
+  bw_system *of_model = NULL;
+  const bw_eigensolver *solver = options ? options->solver : NULL;
+  if (system)
+    *system = NULL;
+  if (solver && solver->options.kind == BW_EIGENSOLVER_SLEPC)
+    return bw_modes_external(context, model, options, modes);
+  bw_status status = bw_system_of_model(context, model, given, &of_model);
+  if (status == BW_OK)
+    status = bw_modes_elastic(context, of_model, options, modes);
+  if (system)
+    *system = of_model;
+  else
+    bw_release(of_model);
   return status;
 }

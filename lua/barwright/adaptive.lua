@@ -118,6 +118,7 @@ local mode_rules = with_common {
   tolerance = {type = "number", above = 0},
   sturm = {type = "boolean"},
   seed = {type = "integer"},
+  solver = {type = "eigensolver", auto = true},
 }
 
 -- The largest error of a frequency: by its shape's recovered stress, or by what refinement still changes.
@@ -146,7 +147,7 @@ local function parts_of_modes(part, modes)
 end
 
 local function mode_analysis(opts)
-  local how = some_of(opts, {"count", "tolerance", "sturm", "seed"})
+  local how = some_of(opts, {"count", "tolerance", "sturm", "seed", "solver"})
   local function step(history, part)
     local modes, message, details = modes_of(part, how)
     if not modes then return nil, message, details end

@@ -38,6 +38,7 @@ local rules = breaking_loads.rules {
   modes = {type = "integer", default = 15, min = 1, max = 500},
   regions = {type = "integer", default = 5, min = 1, max = 1000},
   seed = {type = "integer", default = 1},
+  eigensolver = {type = "eigensolver", auto = true},
 }
 
 -- A sound surface that filling wrapped is filled again with FEWER times the elements, so often at most.
@@ -210,6 +211,7 @@ local function analyse_on(self, mesh)
   local opts = self.options
   limits.length, limits.failure = self.length, self.failure
   limits.modes, limits.regions, limits.seed = opts.modes, opts.regions, opts.seed
+  limits.eigensolver = opts.eigensolver
   limits.screening = #self.history < SCREENED
   limits.places = last and append_apart(self, to_refine(self), last.places, KNOWN, NEARLY * last.utilisation)
   local worst, message

@@ -13,6 +13,7 @@ local bw = {
   material = core.material,
   solver = core.solver,
   model = core.model,
+  eigensolver = core.eigensolver,
   element_stress = core.element_stress,
   nodal_stress = core.nodal_stress,
   surface_stress = core.surface_stress,

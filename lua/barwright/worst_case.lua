@@ -40,6 +40,7 @@ local rules = load_limits.rules {
   tolerance = {type = "number", default = 1e-8, above = 0},
   sturm = {type = "boolean", default = false},
   seed = {type = "integer", default = 1},
+  eigensolver = {type = "eigensolver", auto = true},
   batch = {type = "integer", default = 0, min = 0},
 }
 
@@ -218,7 +219,8 @@ function worst_case.analyse(part, given, view)
 
   start = clock()
   local modes
-  local ask = {count = opts.modes, tolerance = opts.tolerance, seed = opts.seed, sturm = opts.sturm}
+  local ask = {count = opts.modes, tolerance = opts.tolerance, seed = opts.seed, sturm = opts.sturm,
+    solver = opts.eigensolver}
   if view and not opts.laplacian then
     modes, message, details = view:modes(ask)
   else

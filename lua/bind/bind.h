@@ -165,7 +165,7 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
     lbw_incremental_system_class, lbw_live_server_class, lbw_outline_class, lbw_sheet_class,
     lbw_plane_mesh_class, lbw_mesh_motion_class, lbw_flow_class, lbw_plate_class, lbw_grid_class,
     lbw_embedding_class, lbw_job_class, lbw_canvas_class, lbw_database_class, lbw_lock_class,
-    lbw_temporary_class, lbw_solver_class, lbw_lp_solver_class,
+    lbw_temporary_class, lbw_solver_class, lbw_lp_solver_class, lbw_eigensolver_class,
     lbw_sparse_matrix_class;
 
 /* ---- misuse ---------------------------------------------------------------------------------- */
@@ -278,6 +278,9 @@ bool lbw_solver_is_external(const bw_solver *solver);
 /* The option "lp" of the table at `index`: NULL where it is left out or "auto". */
 const bw_lp_solver *lbw_lp_option(lua_State *L, int index, const char *function);
 
+/* The eigensolver in an option of the table at `index`, which is pushed; NULL: "auto", or none. */
+const bw_eigensolver *lbw_eigensolver_option(lua_State *L, int index, const char *function,
+                                             const char *key);
 /* The candidate that a word may have been meant for; NULL where none resembles it. */
 const char *lbw_nearest(const char *word, const char *const *candidate, size_t count);
 /* The rest of a sentence that says that there is no such name: "did you mean 'steel'?", or which
@@ -340,6 +343,7 @@ void lbw_open_material(lua_State *L);
 void lbw_open_report(lua_State *L);
 void lbw_open_solver(lua_State *L);
 void lbw_open_lp(lua_State *L);
+void lbw_open_eigensolver(lua_State *L);
 void lbw_open_model(lua_State *L);
 void lbw_open_solve(lua_State *L);
 void lbw_open_sparse_matrix(lua_State *L);

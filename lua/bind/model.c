@@ -291,31 +291,6 @@ static bw_status bring_system(bw_context *context, lbw_box *box, bw_system **sys
   return status;
 }
 
-/* Which solver, and the options of one external. */
-typedef struct external_opts {
-  int with; /* place in the names */
-  bool external;
-  bw_external_options options;
-} external_opts;
-
-/* `names`: of solvers, the one external last. */
-static void read_external(lua_State *L, const char *function, const char *const names[],
-                          external_opts *opts) {
-  static const char *const methods[] = {"auto", "cg", "cholesky", NULL};
-  int last = 0;
-  while (names[last + 1])
-    last++;
-  opts->with = lbw_word_option(L, 2, function, "with", names, 0);
-  opts->external = opts->with == last;
-  opts->options.method =
-      (bw_external_method)lbw_word_option(L, 2, function, "method", methods, BW_EXTERNAL_AUTO);
-  static const char *const own[] = {"method", "rtol"};
-  for (int i = 0; i < 2 && !opts->external; i++)
-    if (lbw_option_get(L, 2, own[i]) != LUA_TNIL)
-      lbw_error(L, "%s: option '%s' goes with with = \"%s\" only", function, own[i], names[last]);
-  lua_settop(L, 2);
-}
-
 /* An option that only some of the solvers have. */
 static void check_belongs(lua_State *L, const char *function, const char *key, bool belongs,
                           const char *to) {
@@ -382,13 +357,11 @@ static int model_solve(lua_State *L) {
   return lbw_leave(L, status, 1);
 }
 
-/* model:modes{count, tolerance, sturm, seed, laplacian, with = "slepc", method, rtol, iterations}
- */
+/* model:modes{count, tolerance, sturm, seed, laplacian, solver} */
 static int model_modes(lua_State *L) {
   struct opts {
     bw_modes_options options;
     bool laplacian;
-    external_opts with;
   } opts = {.laplacian = false};
   static const lbw_option list[] = {
       {"count", LBW_INT, offsetof(struct opts, options.count)},
@@ -396,45 +369,39 @@ static int model_modes(lua_State *L) {
       {"sturm", LBW_BOOLEAN, offsetof(struct opts, options.sturm)},
       {"seed", LBW_SEED, offsetof(struct opts, options.seed)},
       {"laplacian", LBW_BOOLEAN, offsetof(struct opts, laplacian)},
-      {"with", LBW_OTHER, 0},
-      {"method", LBW_OTHER, 0},
-      {"rtol", LBW_REAL, offsetof(struct opts, with.options.rtol)},
-      {"iterations", LBW_INT, offsetof(struct opts, with.options.iterations)},
+      {"solver", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   lbw_box *model = lbw_check_box(L, 1, &lbw_model_class);
   lua_settop(L, 2);
   bw_modes_options_default(&opts.options);
-  bw_external_options_default(&opts.with.options);
   lbw_options(L, 2, "modes", list, &opts);
-  static const char *const names[] = {"factor", "slepc", NULL};
-  read_external(L, "modes", names, &opts.with);
-  check_belongs(L, "modes", "iterations", opts.with.external, "with = \"slepc\"");
-  if (opts.with.external && opts.laplacian)
-    return lbw_error(
-        L, "modes: option 'laplacian' is not available with = \"slepc\": leave 'with' out");
-  if (opts.with.external && !external_ready(L))
+  const bw_eigensolver *solver = lbw_eigensolver_option(L, 2, "modes", "solver"); /* 3 */
+  bool external = solver && solver->options.kind == BW_EIGENSOLVER_SLEPC;
+  if (external && opts.laplacian)
+    return lbw_error(L, "modes: eigensolver slepc does not compute modes of the Laplacian: leave "
+                        "out 'laplacian' or 'solver'");
+  if (external && !external_ready(L))
     return 3;
+  opts.options.solver = solver;
   lbw_box *box = lbw_box_new(L, &lbw_modes_class);
+  const bw_model *of = (const bw_model *)model->object;
+  bw_system *given = (bw_system *)model->extra, *system = NULL;
   bw_modes *modes = NULL;
-  bw_system *system = NULL;
   bw_status status;
   bw_context *context = lbw_enter(L);
   if (opts.laplacian) {
-    const bw_mesh *mesh = ((const bw_model *)model->object)->mesh;
-    const bw_system *old = (const bw_system *)model->extra;
     bw_block_pattern *pattern =
-        old && old->mesh == mesh ? (bw_block_pattern *)bw_retain(old->pattern) : NULL;
-    status = pattern ? BW_OK : bw_block_pattern_create(context, mesh, &pattern);
+        given && given->mesh == of->mesh ? (bw_block_pattern *)bw_retain(given->pattern) : NULL;
+    status = pattern ? BW_OK : bw_block_pattern_create(context, of->mesh, &pattern);
     if (status == BW_OK)
-      status = bw_modes_laplacian(context, mesh, pattern, &opts.options, &modes);
+      status = bw_modes_laplacian(context, of->mesh, pattern, &opts.options, &modes);
     bw_release(pattern);
-  } else if (opts.with.external) {
-    status = bw_modes_external(context, (const bw_model *)model->object, &opts.options,
-                               &opts.with.options, &modes);
   } else {
-    status = bring_system(context, model, &system);
-    if (status == BW_OK)
-      status = bw_modes_elastic(context, system, &opts.options, &modes);
+    status = bw_modes_of_model(context, of, given, &opts.options, &system, &modes);
+    if (system) {
+      bw_release(model->extra);
+      model->extra = system;
+    }
   }
   lbw_box_fill(L, box, modes);
   lbw_box_account(L, model);

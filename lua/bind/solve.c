@@ -226,25 +226,6 @@ static int static_report(lua_State *L) {
   return 1;
 }
 
-/* That of an external solver of modes; nil for the engine's own. */
-static int push_outside(lua_State *L, const char *with, const bw_external_report *report) {
-  if (!report) {
-    lua_pushnil(L);
-    return 1;
-  }
-  lua_createtable(L, 0, 10);
-  lua_pushstring(L, with);
-  lua_setfield(L, -2, "with");
-  lua_pushstring(L, report->method);
-  lua_setfield(L, -2, "method");
-  lua_pushinteger(L, report->iterations);
-  lua_setfield(L, -2, "iterations");
-  lua_pushnumber(L, report->bytes);
-  lua_setfield(L, -2, "peak_bytes");
-  add_external(L, report);
-  return 1;
-}
-
 static int unknown_error(lua_State *L) {
   lua_pushliteral(L, LBW_ERROR_UNKNOWN);
   return 1;
@@ -374,8 +355,12 @@ static int modes_mesh(lua_State *L) {
   return 1;
 }
 
-static int modes_solver(lua_State *L) {
-  return push_outside(L, "slepc", modes_self(L)->external);
+static int modes_report(lua_State *L) {
+  const bw_modes *modes = modes_self(L);
+  lbw_push_report(L, &modes->report);
+  if (modes->external)
+    add_external(L, modes->external);
+  return 1;
 }
 
 static int modes_length(lua_State *L) {
@@ -406,26 +391,32 @@ static int modes_tostring(lua_State *L) {
                cents < 10 ? "about %.2g cents too high at most"
                           : "about %.0f cents too high at most",
                cents);
-    snprintf(text, sizeof text, "%d elastic modes, %s to %s, %d rigid-body motions left out%s; %s",
-             modes->count, lbw_quantity(modes->frequency[0], "Hz").text,
+    snprintf(text, sizeof text,
+             "%d elastic modes by %s, %s to %s, %d rigid-body motions left out%s; %s", modes->count,
+             modes->report.solver, lbw_quantity(modes->frequency[0], "Hz").text,
              lbw_quantity(modes->frequency[last], "Hz").text, modes->rigid_count,
              modes->counted ? ", none missing" : "", error);
   } else
-    snprintf(text, sizeof text, "%d %s modes, eigenvalues %.4g to %.4g; %s", modes->count,
-             modes->components == 1 ? "Laplacian" : "elastic", modes->eigenvalue[0],
-             modes->eigenvalue[last], error);
+    snprintf(text, sizeof text, "%d %s modes by %s, eigenvalues %.4g to %.4g; %s", modes->count,
+             modes->components == 1 ? "Laplacian" : "elastic", modes->report.solver,
+             modes->eigenvalue[0], modes->eigenvalue[last], error);
   lua_pushstring(L, text);
   return 1;
 }
 
 static const luaL_Reg modes_methods[] = {{"shape", modes_shape}, {NULL, NULL}};
-static const luaL_Reg modes_properties[] = {
-    {"eigenvalues", modes_eigenvalues}, {"frequencies", modes_frequencies},
-    {"residuals", modes_residuals},     {"count", modes_count},
-    {"components", modes_components},   {"rigid_count", modes_rigid_count},
-    {"solves", modes_solves},           {"recovered", modes_recovered},
-    {"counted", modes_counted},         {"mesh", modes_mesh},
-    {"solver", modes_solver},           {NULL, NULL}};
+static const luaL_Reg modes_properties[] = {{"eigenvalues", modes_eigenvalues},
+                                            {"frequencies", modes_frequencies},
+                                            {"residuals", modes_residuals},
+                                            {"count", modes_count},
+                                            {"components", modes_components},
+                                            {"rigid_count", modes_rigid_count},
+                                            {"solves", modes_solves},
+                                            {"recovered", modes_recovered},
+                                            {"counted", modes_counted},
+                                            {"mesh", modes_mesh},
+                                            {"report", modes_report},
+                                            {NULL, NULL}};
 static const luaL_Reg modes_meta[] = {
     {"__len", modes_length}, {"__tostring", modes_tostring}, {NULL, NULL}};
 const lbw_class lbw_modes_class = {"modes", modes_methods, modes_properties, modes_meta, NULL};
@@ -508,17 +499,23 @@ static int system_tostring(lua_State *L) {
   return 1;
 }
 
-/* system:modes{count, tolerance, sturm, seed} */
+/* system:modes{count, tolerance, sturm, seed, solver} */
 static int system_modes(lua_State *L) {
   static const lbw_option list[] = {{"count", LBW_INT, offsetof(bw_modes_options, count)},
                                     {"tolerance", LBW_REAL, offsetof(bw_modes_options, tolerance)},
                                     {"sturm", LBW_BOOLEAN, offsetof(bw_modes_options, sturm)},
                                     {"seed", LBW_SEED, offsetof(bw_modes_options, seed)},
+                                    {"solver", LBW_OTHER, 0},
                                     {NULL, LBW_OTHER, 0}};
   bw_system *system = (bw_system *)lbw_check(L, 1, &lbw_system_class);
   bw_modes_options options;
   bw_modes_options_default(&options);
+  lua_settop(L, 2);
   lbw_options(L, 2, "modes", list, &options);
+  options.solver = lbw_eigensolver_option(L, 2, "modes", "solver"); /* 3 */
+  if (options.solver && options.solver->options.kind == BW_EIGENSOLVER_SLEPC)
+    return lbw_error(L, "modes: eigensolver slepc takes a model and not its equations: call "
+                        "part:modes {solver = ...}");
   lbw_box *box = lbw_box_new(L, &lbw_modes_class);
   bw_modes *modes = NULL;
   bw_status status = bw_modes_elastic(lbw_enter(L), system, &options, &modes);

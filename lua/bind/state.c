@@ -386,6 +386,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_report(L);
   lbw_open_solver(L);
   lbw_open_lp(L);
+  lbw_open_eigensolver(L);
   lbw_open_model(L);
   lbw_open_solve(L);
   lbw_open_sparse_matrix(L);

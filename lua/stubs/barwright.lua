@@ -73,6 +73,7 @@
 ---@field solver bw.SolverModule
 ---@field lp bw.LpModule
 ---@field sparse_matrix bw.SparseMatrixModule
+---@field eigensolver bw.EigensolverModule
 ---@field shapes bw.ShapesModule
 ---@field json bw.JsonModule
 ---@field results bw.ResultsModule

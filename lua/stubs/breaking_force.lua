@@ -52,6 +52,7 @@ function bw.breaking_force(body, options) end
 ---@field modes? integer (count) of modes. Range: 1 to 500. Default: 15
 ---@field regions? integer (count) weak regions of each mode. Range: 1 to 1000. Default: 5
 ---@field seed? integer (seed) of the modes. Default: 1
+---@field eigensolver? bw.Eigensolver|"auto" for the modes. Default: "auto"
 
 ---The breaking force of a body. `print` gives the answer in one line.
 ---```lua

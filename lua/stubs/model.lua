@@ -226,12 +226,12 @@ function Model:refined(levels, options) end
 ---@field also? bw.Selection[] further selections that are carried over. Range: at most 64. Default: none
 ---@field max_elements? integer (count) elements at most. Default: 100000000
 
----The lowest natural frequencies and mode shapes, by block Lanczos; rigid-body motions are left out. With `error` on meshes of
+---The lowest natural frequencies and mode shapes; rigid-body motions are left out. With `error` on meshes of
 ---order 2 that are refined until the relative error of every frequency is small enough. With `laplacian` the modes of the scalar
 ---Laplacian instead.
 ---
 ---Errors: convergence (the modes did not converge), singular (the matrix is not positive definite), memory (the factor does not
----fit), limit (more than `max_elements` at the first refinement), unsupported (`with = "slepc"` in a build without MPI).
+---fit), limit (more than `max_elements` at the first refinement), unsupported (`bw.eigensolver.slepc` in a build without MPI).
 ---
 ---Source: docs/theory/solving.md; docs/theory/error_control.md; the Laplacian: Zhou, Panetta and Zorin 2013, section 4.
 ---@param options? bw.ModelModesOptions how many, solver and error
@@ -247,10 +247,7 @@ function Model:modes(options) end
 ---@field sturm? boolean count the eigenvalues below the last one by an indefinite factor, so that none is missing. Default: true
 ---@field seed? integer (seed) of the start vector. Default: 1
 ---@field laplacian? boolean modes of the Laplacian, with free boundary. Default: false
----@field with? "factor"|"slepc" the solver; "slepc" runs on all processes that mpirun started (docs/howto_cluster.md). Default: "factor"
----@field method? "auto"|"cg"|"cholesky" with "slepc": conjugate gradients inside, without a count; or MUMPS with a count. Default: "auto", which is "cholesky"
----@field rtol? number (-) with "slepc": relative residual of the inner solutions. Default: 1e-10
----@field iterations? integer (count) with "slepc": of conjugate gradients at most. Default: 2000
+---@field solver? bw.Eigensolver|"auto" the eigensolver; that of SLEPc runs on all processes that mpirun started (docs/howto_cluster.md). Default: "auto"
 ---@field error? number (-) relative error of every frequency to be reached. Range: above 0 to 1. Default: none, one mesh
 ---@field max_elements? integer (count) with `error`: elements at most. Range: 1 to 100000000. Default: 200000
 ---@field time_limit? number (s) with `error`: no finer mesh that would probably take longer. Default: none

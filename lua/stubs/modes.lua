@@ -24,7 +24,7 @@
 ---@field recovered integer (count) modes that were found only after the Sturm count
 ---@field counted boolean whether the Sturm count confirmed that none is missing
 ---@field mesh bw.Mesh of the model
----@field solver bw.ExternalReport? of SLEPc; nil otherwise
+---@field report bw.SolverReport which eigensolver found them, why, and what it took
 local Modes = {}
 
 ---A mode shape, of unit modal mass. Its largest component is positive.

@@ -127,25 +127,25 @@ local Solver = {}
 
 ---What a solver did, and why it was chosen. `print` shows it in a line. Predicted costs are those of one reference machine.
 ---@class bw.SolverReport
----@field solver string the method: "cholesky", "pcg", "dual_simplex", "glpk"
+---@field solver string the method: "cholesky", "pcg", "dual_simplex", "glpk"; of modes "lanczos", "arpack" or "slepc"
 ---@field backend string? which program: "multifrontal", "cholmod", "petsc", "barwright", "glpk"
 ---@field preconditioner string? "two_level", "amg", "jacobi" or "cholesky"
 ---@field reason string? why it was chosen
 ---@field predicted_cost number? (s) where it was chosen by cost: predicted
 ---@field rival_cost number? (s) likewise, of the next best solver
 ---@field flops number? (count) operations of the factorisation
----@field bytes number? (bytes) of the factor or the preconditioner, or of a linear program; with PETSc of all processes at their peaks
+---@field bytes number? (bytes) of the factor or the preconditioner, or of a linear program; with the basis of an eigensolver; with PETSc of all processes at their peaks
 ---@field seconds number? (s) spent; on linear programs by all threads together
----@field iterations integer? (count) of conjugate gradients, or of all linear programs
+---@field iterations integer? (count) of conjugate gradients, or of all linear programs; of an eigensolver: restarts
 ---@field residual number? (-) relative, at the end; of linear programs the largest violation, as a fraction of the total force
 ---@field reused number? (-) fraction of the work that an earlier solution had done
----@field ranks integer? (count) of PETSc: processes
----@field send_seconds number? (s) of PETSc: sending the mesh
----@field assembly_seconds number? (s) of PETSc: assembly on the ranks
----@field setup_seconds number? (s) of PETSc: multigrid or factor
----@field solve_seconds number? (s) of PETSc: solving
----@field processor_seconds number? (s) of PETSc: processor time of all processes
----@field largest_rank_bytes number? (bytes) of PETSc: memory of the largest process
+---@field ranks integer? (count) of PETSc and SLEPc: processes
+---@field send_seconds number? (s) of PETSc and SLEPc: sending the mesh
+---@field assembly_seconds number? (s) of PETSc and SLEPc: assembly on the ranks
+---@field setup_seconds number? (s) of PETSc and SLEPc: multigrid or factor
+---@field solve_seconds number? (s) of PETSc and SLEPc: solving
+---@field processor_seconds number? (s) of PETSc and SLEPc: processor time of all processes
+---@field largest_rank_bytes number? (bytes) of PETSc and SLEPc: memory of the largest process
 
 ---Releases the solver at once. What it was handed to keeps it.
 function Solver:close() end

@@ -45,6 +45,7 @@ function System:modes(options) end
 ---@field tolerance? number (-) of the relative residuals. Range: above 0, below 1. Default: 1e-8
 ---@field sturm? boolean count the eigenvalues below the last one by an indefinite factor, so that none is missing. Default: true
 ---@field seed? integer (seed) of the start vector. Default: 1
+---@field solver? bw.Eigensolver|"auto" the eigensolver, not that of SLEPc. Default: "auto"
 
 ---The stiffness K (N/m) or the mass M (kg) as a sparse matrix. Rows and columns are the unknowns: components x, y, z that no support
 ---prescribes, node by node. At a node that a support constrains along a direction of its own they are components along the

@@ -63,6 +63,7 @@ function bw.worst_case(part, options) end
 ---@field tolerance? number (-) relative residual of the modes, above 0. Default: 1e-8
 ---@field sturm? boolean count the modes by a second factor, so that none is missing. Default: false
 ---@field seed? integer (seed) of the modes. Default: 1
+---@field eigensolver? bw.Eigensolver|"auto" for the modes. Default: "auto"
 ---@field batch? integer (count) regions that are worked on at once. Default: 0, chosen
 ---@field lp? bw.LpSolver|"auto" what solves the linear programs. Default: "auto", by counted cost
 

@@ -27,13 +27,13 @@ local function measure(kind, cells, order, ranks)
   local static, modes
   if kind == "own" then static = assert(part:solve())
   elseif kind == "own modes" then modes = assert(part:modes {count = 10})
-  elseif kind == "SLEPc modes" then modes = assert(part:modes {count = 10, with = "slepc"})
+  elseif kind == "SLEPc modes" then modes = assert(part:modes {count = 10, solver = bw.eigensolver.slepc {}})
   elseif kind == "cg" then
     static = assert(part:solve {solver = bw.solver.pcg {tolerance = 1e-8,
       preconditioner = bw.solver.amg {backend = "petsc"}}})
   else static = assert(part:solve {solver = bw.solver.cholesky {backend = "petsc"}}) end
   seconds, processor = bw.seconds() - seconds, os.clock() - processor
-  local solver = static and static.report.ranks and static.report or modes and modes.solver
+  local solver = static and static.report.ranks and static.report or modes and modes.report.ranks and modes.report
   local peak = tonumber(io.open "/proc/self/status":read "a":match "VmHWM:%s+(%d+)") * 1024
   local line = "| %d, tet%d | %s | %s | %.1f | %.1f | %s | %.2f | %.2f |"
   print(line:format(mesh.node_count * 3,

@@ -15,8 +15,9 @@ end
 
 local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   selection = "bw.Selection", material = "bw.Material", model = "bw.Model", static = "bw.Static",
-  modes = "bw.Modes", system = "bw.System", weak_regions = "bw.WeakRegions",
-  pressure_basis = "bw.PressureBasis", linear_program_solver = "bw.LpSolver", sparse_matrix = "bw.SparseMatrix", skeleton = "bw.Skeleton",
+  modes = "bw.Modes", eigensolver = "bw.Eigensolver", system = "bw.System", weak_regions = "bw.WeakRegions",
+  pressure_basis = "bw.PressureBasis", linear_program_solver = "bw.LpSolver", sparse_matrix = "bw.SparseMatrix",
+  skeleton = "bw.Skeleton",
   subdomains = "bw.Subdomains", incremental_system = "bw.IncrementalSystem",
   live_server = "bw.LiveServer", outline = "bw.Outline",
   sheet = "bw.Sheet", plate = "bw.Plate",
@@ -70,6 +71,7 @@ describe("the stubs", function()
     same(keys(bw.array), "bw.ArrayModule")
     same(keys(bw.surface), "bw.SurfaceModule")
     same(keys(bw.mesh), "bw.MeshModule")
+    same(keys(bw.eigensolver), "bw.EigensolverModule")
     same(keys(bw.json), "bw.JsonModule")
     same(keys(bw.shapes), "bw.ShapesModule")
     same(keys(bw.skeleton), "bw.SkeletonModule")

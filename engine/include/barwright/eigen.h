@@ -3,10 +3,48 @@
 #define BARWRIGHT_EIGEN_H
 
 #include "barwright/linear.h"
+#include "barwright/report.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* ---- eigensolvers ---------------------------------------------------------------------------- */
+
+/* A method for the lowest modes. */
+typedef enum bw_eigensolver_kind {
+  BW_EIGENSOLVER_AUTO,    /* LANCZOS */
+  BW_EIGENSOLVER_LANCZOS, /* block Lanczos on the inverse: eight right-hand sides at a time */
+  BW_EIGENSOLVER_ARPACK,  /* ARPACK-ng: implicitly restarted Lanczos on the inverse, one right-hand
+                             side at a time. Its state is one for the process: a run waits until
+                             that of another thread has ended */
+  BW_EIGENSOLVER_SLEPC    /* SLEPc on several processes: the registered bw_external */
+} bw_eigensolver_kind;
+/* How an eigensolver works. */
+typedef struct bw_eigensolver_options {
+  bw_eigensolver_kind kind; /* default BW_EIGENSOLVER_AUTO */
+  int basis; /* vectors of the Krylov space, LANCZOS and ARPACK; default 0: three times the modes
+                and 48, or twice the modes and 20; otherwise at least the modes and 16, or 2 */
+  bool inner_pcg; /* SLEPC: its inner systems by conjugate gradients with algebraic multigrid, where
+                     none counts the eigenvalues; default false: by a factor over all processes */
+  double inner_tolerance; /* (-) SLEPC: relative residual of inner systems; default 1e-10, above 0
+                             and below 1 */
+  int inner_iterations;   /* SLEPC: of conjugate gradients, at most; default 2000, 1 or more */
+} bw_eigensolver_options;
+BW_API void bw_eigensolver_options_default(bw_eigensolver_options *options);
+
+/* An immutable description of an eigensolver, for any number of solutions. */
+typedef struct bw_eigensolver {
+  bw_object object;
+  bw_eigensolver_options options; /* as given, or the default */
+} bw_eigensolver;
+/* `options` may be NULL. */
+BW_API bw_status bw_eigensolver_create(bw_context *context, const bw_eigensolver_options *options,
+                                       bw_eigensolver **solver);
+/* "auto", "lanczos", "arpack" or "slepc": static. NULL is automatic. */
+BW_API const char *bw_eigensolver_name(const bw_eigensolver *solver);
+
+/* ---- modes --------------------------------------------------------------------------------- */
 
 /* How modes are found. */
 typedef struct bw_modes_options {
@@ -14,6 +52,7 @@ typedef struct bw_modes_options {
   double tolerance; /* (-) relative residual; default 1e-8, above 0 and below 1 */
   bool sturm;    /* count eigenvalues below the last one from an indefinite factor; default true */
   uint64_t seed; /* of the start vector; default 1 */
+  const bw_eigensolver *solver; /* borrowed; default NULL: automatic */
 } bw_modes_options;
 BW_API void bw_modes_options_default(bw_modes_options *options);
 
@@ -31,15 +70,16 @@ typedef struct bw_modes {
                     the largest component is positive */
   double *residual; /* (-, count) |K u - lambda M u| / |lambda M u|; rounding of K u alone shows in
                        very thin shapes, where the eigenvalue is far more exact than this */
-  int solves;       /* right-hand sides solved for, in blocks of eight */
+  int solves;       /* right-hand sides solved for */
   int recovered;    /* modes found only after the Sturm count showed that they were missing */
   bool counted;     /* the Sturm count confirmed that none is missing */
+  bw_solver_report report;             /* how they were found */
   struct bw_external_report *external; /* of an external solver, or NULL */
 } bw_modes;
-/* The lowest elastic modes K u = lambda M u (consistent mass) by block Lanczos on the inverse, with
- * the system's own factor; unconstrained rigid-body modes are projected out exactly. Fewer than
- * wanted where the body has fewer. BW_CONVERGENCE where the iteration does not reach the
- * tolerance, BW_LIMIT for too many modes. `options` may be NULL. */
+/* The lowest elastic modes K u = lambda M u (consistent mass) on the inverse, with the system's own
+ * factor; unconstrained rigid-body modes are projected out exactly. Fewer than wanted where the
+ * body has fewer. BW_CONVERGENCE where the iteration does not reach the tolerance, BW_LIMIT for too
+ * many modes, BW_UNSUPPORTED for SLEPC, which takes a model. `options` may be NULL. */
 BW_API bw_status bw_modes_elastic(bw_context *context, bw_system *system,
                                   const bw_modes_options *options, bw_modes **modes);
 /* The lowest nonconstant modes of the scalar Laplacian on the mesh (free boundary), section 4 of

@@ -83,10 +83,17 @@ BW_API void bw_external_register(const bw_external *external);
 /* The registered solver, borrowed, or NULL. */
 BW_API const bw_external *bw_external_registered(void);
 
-/* As bw_modes_elastic: BW_UNSUPPORTED when none is registered, and the solver's own statuses. */
+/* As bw_modes_elastic, with what options->solver says of SLEPc: BW_UNSUPPORTED when no solver is
+ * registered, and the solver's own statuses. */
 BW_API bw_status bw_modes_external(bw_context *context, const bw_model *model,
-                                   const bw_modes_options *options,
-                                   const bw_external_options *external, bw_modes **modes);
+                                   const bw_modes_options *options, bw_modes **modes);
+/* The modes of a model by any eigensolver. `given` as in bw_system_of_model; `*system` (may be
+ * NULL) is the one that was used, also where modes fail, or NULL where the solver needs none. Those
+ * of bw_system_of_model, bw_modes_elastic and bw_modes_external, BW_UNSUPPORTED where no external
+ * solver is registered. */
+BW_API bw_status bw_modes_of_model(bw_context *context, const bw_model *model, bw_system *given,
+                                   const bw_modes_options *options, bw_system **system,
+                                   bw_modes **modes);
 
 #ifdef __cplusplus
 }

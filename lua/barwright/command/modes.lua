@@ -26,6 +26,7 @@ local function analyse(opts, out)
   end
   local modes, accuracy
   local how = {count = opts.count, sturm = opts.sure}
+  if opts.solver ~= "auto" then how.solver = bw.eigensolver[opts.solver] {} end
   if opts.error then model.refined(read, opts, mesh, how) end
   modes, accuracy, details = model.try(part.modes, part, how)
   out:warnings()
@@ -60,7 +61,7 @@ local function report(modes, fixed, errors, accuracy, opts, out)
   end
   out:json {frequencies_hz = list, error_cents = cents_of, rigid_motions = modes.rigid_count,
     fix = bw.json.list(opts.fix),
-    material = opts.material, counted = modes.counted}
+    material = opts.material, counted = modes.counted, solver = modes.report.solver}
   if opts.sure then
     out:say(modes.counted and "A count of the eigenvalues confirms that none below the last is missing."
       or "The count of the eigenvalues could not confirm that none is missing.")
@@ -84,6 +85,8 @@ return {
         .. "the mesh has ten times the elements; the first mesh has a quarter of them"},
     {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2},
       what = "linear or quadratic elements; linear ones are too stiff, and their frequencies too high"},
+    {name = "solver", value = "NAME", type = "string", default = "auto", one_of = {"auto", "lanczos", "arpack", "slepc"},
+      what = "the eigensolver: block Lanczos, ARPACK, or SLEPc over the processes of mpirun"},
     {name = "sure", type = "flag", what = "count the eigenvalues, so that none is missing (twice the time)"},
     {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
       what = "write the shapes, for ParaView"},

@@ -1,22 +1,32 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The block eigensolver by itself, on diagonal problems whose every eigenpair is known: high
- * multiplicity, partners hidden from the start vectors, exhausted spaces. */
+/* The eigensolvers by themselves, on diagonal problems whose every eigenpair is known: high
+ * multiplicity, partners hidden from the start vectors, exhausted spaces, runs that are cancelled,
+ * threads beside each other. Each test runs once for each of them. */
 #include "bodies.h"
 
+#include <pthread.h>
+
 #include "eigen/internal.h"
+
+static const bw_eigensolver_kind kinds[] = {BW_EIGENSOLVER_LANCZOS, BW_EIGENSOLVER_ARPACK};
+enum { KINDS = sizeof kinds / sizeof *kinds };
 
 typedef struct diagonal {
   int64_t size;
   const double *value;
   const uint8_t *hide; /* components kept out of the first random block; NULL: none */
   int projections;
-  int counts; /* Sturm counts asked for */
+  int counts;    /* Sturm counts asked for */
+  int solves;    /* right-hand sides */
+  int cancel_at; /* that of a solve in which the run is cancelled; 0: none */
 } diagonal;
 
 static bw_status divide(bw_context *context, void *data, int64_t count, const double *f,
                         double *y) {
-  (void)context;
-  const diagonal *d = data;
+  diagonal *d = data;
+  d->solves += (int)count;
+  if (d->cancel_at > 0 && d->solves >= d->cancel_at)
+    bw_cancel(context);
   for (int64_t k = 0; k < count; k++)
     for (int64_t i = 0; i < d->size; i++)
       y[k * d->size + i] = f[k * d->size + i] / d->value[i];
@@ -62,7 +72,17 @@ static int ascending(const void *a, const void *b) {
   return x < y ? -1 : x > y;
 }
 
-static void solve(bw_context *context, diagonal *d, int count, bwi_eigen_result *result) {
+static bw_eigensolver *eigensolver(bw_context *context, bw_eigensolver_kind kind) {
+  bw_eigensolver *solver = NULL;
+  bw_eigensolver_options options;
+  bw_eigensolver_options_default(&options);
+  options.kind = kind;
+  check_ok(context, bw_eigensolver_create(context, &options, &solver));
+  return solver;
+}
+
+static bw_status lowest(bw_context *context, diagonal *d, const bw_eigensolver *solver, int count,
+                        bwi_eigen_result *result) {
   bwi_eigen_problem problem = {.size = d->size,
                                .data = d,
                                .solve = divide,
@@ -74,7 +94,17 @@ static void solve(bw_context *context, diagonal *d, int count, bwi_eigen_result 
   bw_modes_options options;
   bw_modes_options_default(&options);
   options.count = count;
-  check_ok(context, bwi_eigen_lowest(context, &problem, &options, result));
+  options.solver = solver;
+  return bwi_eigen_lowest(context, &problem, &options, result);
+}
+
+static void solve(bw_context *context, diagonal *d, bw_eigensolver_kind kind, int count,
+                  bwi_eigen_result *result) {
+  bw_eigensolver *solver = eigensolver(context, kind);
+  check_ok(context, lowest(context, d, solver, count, result));
+  if (d->size > 500) /* a smaller space may be too small for ARPACK */
+    assert_string_equal(result->report.solver, bw_eigensolver_name(solver));
+  bw_release(solver);
   assert_int_equal(result->count, count < d->size ? count : d->size);
   double *sorted = numbers(d->size);
   memcpy(sorted, d->value, (size_t)d->size * sizeof(double));
@@ -99,12 +129,14 @@ static void simple_spectrum(void **state) {
   double *value = numbers(SIZE);
   for (int i = 0; i < SIZE; i++)
     value[i] = 1 + pow(i, 1.5);
-  diagonal d = {.size = SIZE, .value = value};
-  bwi_eigen_result result;
-  solve(context, &d, 15, &result);
-  assert_int_equal(result.recovered, 0);
-  assert_int_equal(d.counts, 1);
-  bwi_eigen_result_clear(&result);
+  for (int k = 0; k < KINDS; k++) {
+    diagonal d = {.size = SIZE, .value = value};
+    bwi_eigen_result result;
+    solve(context, &d, kinds[k], 15, &result);
+    assert_int_equal(result.recovered, 0);
+    assert_int_equal(d.counts, 1);
+    bwi_eigen_result_clear(&result);
+  }
   free(value);
 }
 
@@ -115,16 +147,18 @@ static void multiplicity_beyond_the_block(void **state) {
   double *value = numbers(SIZE);
   for (int i = 0; i < SIZE; i++)
     value[i] = 1 + i / 12;
-  diagonal d = {.size = SIZE, .value = value};
-  bwi_eigen_result result;
-  solve(context, &d, 12, &result);
-  bwi_eigen_result_clear(&result);
-  solve(context, &d, 20, &result); /* the last one in the middle of a cluster */
-  bwi_eigen_result_clear(&result);
+  for (int k = 0; k < KINDS; k++) {
+    diagonal d = {.size = SIZE, .value = value};
+    bwi_eigen_result result;
+    solve(context, &d, kinds[k], 12, &result);
+    bwi_eigen_result_clear(&result);
+    solve(context, &d, kinds[k], 20, &result); /* the last one in the middle of a cluster */
+    bwi_eigen_result_clear(&result);
+  }
   free(value);
 }
 
-/* Two partners that the start block does not contain at all: the count calls for them. */
+/* Two partners that the first start vectors do not contain at all: the count calls for them. */
 static void hidden_partners(void **state) {
   bw_context *context = check_context(state);
   enum { SIZE = 1500 };
@@ -134,11 +168,13 @@ static void hidden_partners(void **state) {
     value[i] = 3 + i;
   value[4] = value[3];
   mask[4] = mask[7] = 1;
-  diagonal d = {.size = SIZE, .value = value, .hide = mask};
-  bwi_eigen_result result;
-  solve(context, &d, 10, &result);
-  assert_int_equal(result.recovered, 2);
-  bwi_eigen_result_clear(&result);
+  for (int k = 0; k < KINDS; k++) {
+    diagonal d = {.size = SIZE, .value = value, .hide = mask};
+    bwi_eigen_result result;
+    solve(context, &d, kinds[k], 10, &result);
+    assert_int_equal(result.recovered, 2);
+    bwi_eigen_result_clear(&result);
+  }
   free(value);
   free(mask);
 }
@@ -146,21 +182,144 @@ static void hidden_partners(void **state) {
 /* Spaces as small as what is asked for, and smaller. */
 static void small_spaces(void **state) {
   bw_context *context = check_context(state);
-  for (int64_t size = 1; size <= 40; size += 3) {
-    double *value = numbers(size);
-    for (int64_t i = 0; i < size; i++)
-      value[i] = 1 + (double)(i % 5);
-    diagonal d = {.size = size, .value = value};
+  for (int k = 0; k < KINDS; k++)
+    for (int64_t size = 1; size <= 151; size += size < 40 ? 3 : 10) {
+      double *value = numbers(size);
+      for (int64_t i = 0; i < size; i++)
+        value[i] = 1 + (double)(i % 5);
+      diagonal d = {.size = size, .value = value};
+      bwi_eigen_result result;
+      solve(context, &d, kinds[k], 15, &result);
+      bwi_eigen_result_clear(&result);
+      free(value);
+    }
+}
+
+/* Whatever ran before in the process: Krylov spaces that close, so that random vectors are taken in
+ * the midst of a run. */
+static void same_bits_again(void **state) {
+  bw_context *context = check_context(state);
+  enum { SIZE = 600, RUNS = 3 };
+  double *value = numbers(SIZE);
+  for (int i = 0; i < SIZE; i++)
+    value[i] = 1 + i / 20;
+  for (int k = 0; k < KINDS; k++) {
+    bwi_eigen_result result[RUNS];
+    for (int run = 0; run < RUNS; run++) {
+      diagonal d = {.size = SIZE, .value = value};
+      solve(context, &d, kinds[k], 25, &result[run]);
+      assert_memory_equal(result[run].vector, result[0].vector, 25 * SIZE * sizeof(double));
+    }
+    for (int run = 0; run < RUNS; run++)
+      bwi_eigen_result_clear(&result[run]);
+  }
+  free(value);
+}
+
+static void cancelled(void **state) {
+  bw_context *context = check_context(state);
+  enum { SIZE = 3000 };
+  double *value = numbers(SIZE);
+  for (int i = 0; i < SIZE; i++)
+    value[i] = 1 + i;
+  for (int k = 0; k < KINDS; k++) {
+    bw_eigensolver *solver = eigensolver(context, kinds[k]);
+    diagonal d = {.size = SIZE, .value = value, .cancel_at = 20};
     bwi_eigen_result result;
-    solve(context, &d, 15, &result);
+    check_fails(context, BW_CANCELLED, "", lowest(context, &d, solver, 15, &result));
+    assert_true(d.solves < 40);
+    bw_release(solver);
+    bw_clear_cancel(context);
+    d = (diagonal){.size = SIZE, .value = value}; /* nothing is left locked */
+    solve(context, &d, kinds[k], 15, &result);
     bwi_eigen_result_clear(&result);
-    free(value);
+  }
+  free(value);
+}
+
+typedef struct beside {
+  diagonal d;
+  bw_eigensolver_kind kind;
+  bwi_eigen_result result;
+} beside;
+
+static void *run_beside(void *data) {
+  beside *b = data;
+  bw_context *context = bw_context_create();
+  solve(context, &b->d, b->kind, 15, &b->result);
+  bw_context_destroy(context);
+  return NULL;
+}
+
+/* Runs in several threads at once have the bits of runs one after the other. */
+static void threads_beside_each_other(void **state) {
+  (void)state;
+  enum { SIZE = 4000, THREADS = 4 };
+  double *value = numbers(SIZE);
+  for (int i = 0; i < SIZE; i++)
+    value[i] = 1 + pow(i, 1.3);
+  for (int k = 0; k < KINDS; k++) {
+    beside all[THREADS + 1];
+    pthread_t thread[THREADS];
+    for (int i = 0; i <= THREADS; i++)
+      all[i] = (beside){.d = {.size = SIZE, .value = value}, .kind = kinds[k]};
+    run_beside(&all[THREADS]);
+    for (int i = 0; i < THREADS; i++)
+      assert_int_equal(pthread_create(&thread[i], NULL, run_beside, &all[i]), 0);
+    for (int i = 0; i < THREADS; i++)
+      pthread_join(thread[i], NULL);
+    for (int i = 0; i < THREADS; i++)
+      assert_memory_equal(all[i].result.vector, all[THREADS].result.vector,
+                          15 * SIZE * sizeof(double));
+    for (int i = 0; i <= THREADS; i++)
+      bwi_eigen_result_clear(&all[i].result);
+  }
+  free(value);
+}
+
+static void refused(void **state) {
+  bw_context *context = check_context(state);
+  bw_eigensolver *solver = NULL;
+  bw_eigensolver_options options;
+  bw_eigensolver_options_default(&options);
+  options.kind = (bw_eigensolver_kind)99;
+  check_fails(context, BW_INVALID, "eigensolver 99",
+              bw_eigensolver_create(context, &options, &solver));
+  bw_eigensolver_options_default(&options);
+  options.basis = -1;
+  check_fails(context, BW_INVALID, "basis of -1",
+              bw_eigensolver_create(context, &options, &solver));
+  bw_eigensolver_options_default(&options);
+  options.inner_tolerance = 0;
+  check_fails(context, BW_INVALID, "inner tolerance",
+              bw_eigensolver_create(context, &options, &solver));
+  double value[100];
+  for (int i = 0; i < 100; i++)
+    value[i] = 1 + i;
+  for (int k = 0; k < KINDS; k++) {
+    diagonal d = {.size = 100, .value = value};
+    bwi_eigen_result result;
+    bw_eigensolver_options_default(&options);
+    options.kind = kinds[k];
+    options.basis = 16;
+    check_ok(context, bw_eigensolver_create(context, &options, &solver));
+    check_fails(context, BW_INVALID, "too small for 15 modes",
+                lowest(context, &d, solver, 15, &result));
+    bw_release(solver);
+    options.basis = 45;
+    check_ok(context, bw_eigensolver_create(context, &options, &solver));
+    check_ok(context, lowest(context, &d, solver, 15, &result));
+    check_near(result.value[14], 15, 1e-9);
+    bw_release(solver);
+    bwi_eigen_result_clear(&result);
   }
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(simple_spectrum),
-                                     check_test(multiplicity_beyond_the_block),
-                                     check_test(hidden_partners), check_test(small_spaces)};
+  const struct CMUnitTest tests[] = {
+      check_test(simple_spectrum),           check_test(multiplicity_beyond_the_block),
+      check_test(hidden_partners),           check_test(small_spaces),
+      check_test(same_bits_again),           check_test(cancelled),
+      check_test(threads_beside_each_other), check_test(refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -92,21 +92,33 @@ static void two_bodies(void **state) {
   bw_modes_options options;
   bw_modes_options_default(&options);
   const bw_mesh *meshes[2] = {one, mesh};
-  for (int k = 0; k < 2; k++) {
-    options.count = k ? 8 : 4;
+  for (int k = 0; k < 2; k++)
     check_ok(context, bw_block_pattern_create(context, meshes[k], &pattern[k]));
-    check_ok(context, bw_modes_laplacian(context, meshes[k], pattern[k], &options, &modes[k]));
+  const bw_eigensolver_kind kinds[] = {BW_EIGENSOLVER_LANCZOS, BW_EIGENSOLVER_ARPACK};
+  for (size_t which = 0; which < sizeof kinds / sizeof *kinds; which++) {
+    bw_eigensolver *solver = NULL;
+    bw_eigensolver_options how;
+    bw_eigensolver_options_default(&how);
+    how.kind = kinds[which];
+    check_ok(context, bw_eigensolver_create(context, &how, &solver));
+    options.solver = solver;
+    for (int k = 0; k < 2; k++) {
+      options.count = k ? 8 : 4;
+      check_ok(context, bw_modes_laplacian(context, meshes[k], pattern[k], &options, &modes[k]));
+      assert_string_equal(modes[k]->report.solver, bw_eigensolver_name(solver));
+    }
+    assert_int_equal(modes[1]->rigid_count, 2);
+    for (int k = 0; k < 8; k++)
+      check_near(modes[1]->eigenvalue[k], modes[0]->eigenvalue[k / 2],
+                 1e-9 * modes[0]->eigenvalue[k / 2]);
+    for (int k = 0; k < 2; k++)
+      bw_release(modes[k]);
+    bw_release(solver);
   }
-  assert_int_equal(modes[1]->rigid_count, 2);
-  for (int k = 0; k < 8; k++)
-    check_near(modes[1]->eigenvalue[k], modes[0]->eigenvalue[k / 2],
-               1e-9 * modes[0]->eigenvalue[k / 2]);
   free(x);
   free(element);
-  for (int k = 0; k < 2; k++) {
-    bw_release(modes[k]);
+  for (int k = 0; k < 2; k++)
     bw_release(pattern[k]);
-  }
   bw_release(mesh);
   bw_release(one);
 }
@@ -118,6 +130,7 @@ static void versions(void **state) {
   assert_non_null(strstr(text, "OpenBLAS"));
   assert_non_null(strstr(text, "CHOLMOD 3."));
   assert_non_null(strstr(text, "GLPK 5."));
+  assert_non_null(strstr(text, "ARPACK-ng 3."));
   bw_free(text);
 }
 

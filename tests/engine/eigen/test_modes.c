@@ -1,10 +1,35 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Elastic modes: against a dense solver and against ARPACK, of bars, of several equal bodies, of
- * constrained bodies in any direction; the same bits for any number of threads; failing
- * allocations. */
+/* Elastic modes: against a dense solver, of bars, of several equal bodies, of constrained bodies in
+ * any direction; the same bits for any number of threads; failing allocations. Each test runs once
+ * for each eigensolver. */
 #include "bodies.h"
 
-#include <arpack/arpack.h>
+static const bw_eigensolver_kind kinds[] = {BW_EIGENSOLVER_LANCZOS, BW_EIGENSOLVER_ARPACK};
+enum { KINDS = sizeof kinds / sizeof *kinds };
+
+static bw_eigensolver *eigensolver(bw_context *context, bw_eigensolver_kind kind) {
+  bw_eigensolver *solver = NULL;
+  bw_eigensolver_options options;
+  bw_eigensolver_options_default(&options);
+  options.kind = kind;
+  check_ok(context, bw_eigensolver_create(context, &options, &solver));
+  return solver;
+}
+
+/* `count` modes by an eigensolver of this kind; 0: as many as by default. */
+static bw_modes *modes_by(bw_context *context, bw_system *system, bw_eigensolver_kind kind,
+                          int count) {
+  bw_modes *modes = NULL;
+  bw_modes_options options;
+  bw_modes_options_default(&options);
+  bw_eigensolver *solver = eigensolver(context, kind);
+  options.solver = solver;
+  if (count > 0)
+    options.count = count;
+  check_ok(context, bw_modes_elastic(context, system, &options, &modes));
+  bw_release(solver);
+  return modes;
+}
 
 void dsygv_(const int *, const char *, const char *, const int *, double *, const int *, double *,
             const int *, double *, double *, const int *, int *);
@@ -16,16 +41,8 @@ static void free_box_against_dense(void **state) {
   bw_material *material = body_material(context);
   bw_dof_map *dof_map = NULL;
   bw_system *system = NULL;
-  bw_modes *modes = NULL;
   check_ok(context, bw_dof_map_unconstrained(context, mesh, &dof_map));
   check_ok(context, bw_system_create(context, mesh, material, dof_map, NULL, &system));
-  bw_modes_options options;
-  bw_modes_options_default(&options);
-  check_ok(context, bw_modes_elastic(context, system, &options, &modes));
-  assert_int_equal(modes->count, 15);
-  assert_int_equal(modes->rigid_count, 6);
-  assert_true(modes->counted);
-  assert_int_equal(modes->recovered, 0);
   int size = 3 * mesh->node_count, kind = 1, info, length = 10 * size;
   double *k = numbers((int64_t)size * size), *m = numbers((int64_t)size * size),
          *column = numbers(size), *value = numbers(size), *work = numbers(length);
@@ -39,17 +56,25 @@ static void free_box_against_dense(void **state) {
   }
   dsygv_(&kind, "N", "L", &size, k, &size, m, &size, value, work, &length, &info);
   assert_int_equal(info, 0);
-  for (int i = 0; i < 15; i++) {
-    check_near(modes->eigenvalue[i], value[6 + i], 1e-8 * value[6 + i]);
-    check_near(modes->frequency[i], sqrt(value[6 + i]) / (2 * M_PI), 1e-8 * sqrt(value[6 + i]));
-    assert_true(modes->residual[i] < 1e-8);
+  for (int which = 0; which < KINDS; which++) {
+    bw_modes *modes = modes_by(context, system, kinds[which], 0);
+    assert_int_equal(modes->count, 15);
+    assert_int_equal(modes->rigid_count, 6);
+    assert_true(modes->counted);
+    assert_int_equal(modes->recovered, 0);
+    for (int i = 0; i < 15; i++) {
+      check_near(modes->eigenvalue[i], value[6 + i], 1e-8 * value[6 + i]);
+      check_near(modes->frequency[i], sqrt(value[6 + i]) / (2 * M_PI), 1e-8 * sqrt(value[6 + i]));
+      assert_true(modes->residual[i] < 1e-8);
+    }
+    assert_true(modes->report.residual < 1e-8 && modes->report.bytes > 0);
+    bw_release(modes);
   }
   free(k);
   free(m);
   free(column);
   free(value);
   free(work);
-  bw_release(modes);
   bw_release(system);
   bw_release(dof_map);
   bw_release(material);
@@ -73,59 +98,22 @@ static void close_setup(setup *s) {
   bw_release(s->material);
 }
 
-/* Single-vector ARPACK on the same operator: same eigenvalues, and the number of triangular solves
- * that it takes. */
-static void against_arpack(void **state) {
+/* The eigensolvers agree, and blocks take fewer passes over the factor than single vectors. */
+static void against_each_other(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 1, 0.7, 0.4, 9, 7, 4, 1);
   setup s;
   open_free(context, mesh, &s);
-  bw_modes *modes = NULL;
-  bw_modes_options options;
-  bw_modes_options_default(&options);
-  check_ok(context, bw_modes_elastic(context, s.system, &options, &modes));
-  enum { COUNT = 15, BASIS = 40 };
-  int n = 3 * mesh->node_count, ido = 0, info = 1, lwork = BASIS * (BASIS + 8), solves = 0;
-  int param[11] = {1, 0, 300, 1, 0, 0, 3}, pointer[14], select[BASIS];
-  double *start = numbers(n), *v = numbers((int64_t)n * BASIS), *work = numbers(3 * (int64_t)n),
-         *space = numbers(lwork), *force = numbers(n), *value = numbers(COUNT);
-  random_field(1, n, force);
-  check_ok(context, bw_system_solve(context, s.system, 1, force, start));
-  for (;;) {
-    dsaupd_c(&ido, "G", n, "LM", COUNT, 1e-10, start, BASIS, v, n, param, pointer, work, space,
-             lwork, &info);
-    double *x = work + pointer[0] - 1, *y = work + pointer[1] - 1;
-    if (ido == -1 || ido == 1) {
-      const double *mx = work + pointer[2] - 1;
-      if (ido == -1) {
-        check_ok(context,
-                 bw_block_multiply(context, s.system->pattern, s.system->mass, 1, 3, 1, x, force));
-        mx = force;
-      }
-      check_ok(context, bw_system_solve(context, s.system, 1, mx, y));
-      solves++;
-    } else if (ido == 2)
-      check_ok(context,
-               bw_block_multiply(context, s.system->pattern, s.system->mass, 1, 3, 1, x, y));
-    else
-      break;
+  bw_modes *modes[KINDS];
+  for (int k = 0; k < KINDS; k++) {
+    modes[k] = modes_by(context, s.system, kinds[k], 0);
+    assert_string_equal(modes[k]->report.solver, k == 0 ? "lanczos" : "arpack");
+    for (int i = 0; i < 15; i++)
+      check_near(modes[k]->eigenvalue[i], modes[0]->eigenvalue[i], 1e-9 * modes[0]->eigenvalue[i]);
   }
-  assert_int_equal(info, 0);
-  dseupd_c(0, "A", select, value, v, n, 0, "G", n, "LM", COUNT, 1e-10, start, BASIS, v, n, param,
-           pointer, work, space, lwork, &info);
-  assert_int_equal(info, 0);
-  for (int i = 0; i < COUNT; i++)
-    check_near(modes->eigenvalue[i], value[i], 1e-9 * value[i]);
-  printf("ARPACK: %d single solves; blocks of 8: %d solves in %d passes\n", solves, modes->solves,
-         (modes->solves + 7) / 8);
-  assert_true((modes->solves + 7) / 8 < solves);
-  free(start);
-  free(v);
-  free(work);
-  free(space);
-  free(force);
-  free(value);
-  bw_release(modes);
+  assert_true((modes[0]->solves + 7) / 8 < modes[1]->solves);
+  for (int k = 0; k < KINDS; k++)
+    bw_release(modes[k]);
   close_setup(&s);
   bw_release(mesh);
 }
@@ -156,21 +144,19 @@ static void equal_bodies(void **state) {
   bw_mesh *mesh = copies(context, one, 10, 0.3);
   assert_int_equal(mesh->component_count, 10);
   setup alone, s;
-  bw_modes *single = NULL, *modes = NULL;
-  bw_modes_options options;
-  bw_modes_options_default(&options);
   open_free(context, one, &alone);
-  options.count = 4;
-  check_ok(context, bw_modes_elastic(context, alone.system, &options, &single));
   open_free(context, mesh, &s);
-  options.count = 25;
-  check_ok(context, bw_modes_elastic(context, s.system, &options, &modes));
-  assert_int_equal(modes->rigid_count, 60);
-  assert_true(modes->counted);
-  for (int i = 0; i < 25; i++)
-    check_near(modes->eigenvalue[i], single->eigenvalue[i / 10], 1e-8 * single->eigenvalue[i / 10]);
+  bw_modes *single = modes_by(context, alone.system, BW_EIGENSOLVER_AUTO, 4);
+  for (int k = 0; k < KINDS; k++) {
+    bw_modes *modes = modes_by(context, s.system, kinds[k], 25);
+    assert_int_equal(modes->rigid_count, 60);
+    assert_true(modes->counted);
+    for (int i = 0; i < 25; i++)
+      check_near(modes->eigenvalue[i], single->eigenvalue[i / 10],
+                 1e-8 * single->eigenvalue[i / 10]);
+    bw_release(modes);
+  }
   bw_release(single);
-  bw_release(modes);
   close_setup(&s);
   close_setup(&alone);
   bw_release(mesh);
@@ -185,17 +171,15 @@ static void slender_bar(void **state) {
   bw_mesh *mesh = body_box(context, length, side, side, 30, 1, 1, 2);
   setup s;
   open_free(context, mesh, &s);
-  bw_modes *modes = NULL;
-  bw_modes_options options;
-  bw_modes_options_default(&options);
-  options.count = 4;
-  check_ok(context, bw_modes_elastic(context, s.system, &options, &modes));
   double speed = sqrt(s.material->young[0] / s.material->density) * side / sqrt(12.0);
-  for (int i = 0; i < 4; i++) {
-    double f = beta[i / 2] * beta[i / 2] / (2 * M_PI * length * length) * speed;
-    check_near(modes->frequency[i], f, 0.01 * f);
+  for (int k = 0; k < KINDS; k++) {
+    bw_modes *modes = modes_by(context, s.system, kinds[k], 4);
+    for (int i = 0; i < 4; i++) {
+      double f = beta[i / 2] * beta[i / 2] / (2 * M_PI * length * length) * speed;
+      check_near(modes->frequency[i], f, 0.01 * f);
+    }
+    bw_release(modes);
   }
-  bw_release(modes);
   close_setup(&s);
   bw_release(mesh);
 }
@@ -218,7 +202,7 @@ static void oblique_slide(void **state) {
   double *x = numbers(3 * (int64_t)straight->node_count);
   turn(rotation, straight, x);
   check_ok(context, bw_mesh_moved(context, straight, x, &mesh[1]));
-  bw_modes *modes[2] = {NULL};
+  bw_modes *modes[2][KINDS];
   for (int k = 0; k < 2; k++) {
     const double normal[3] = {k ? rotation[0] : 1, k ? rotation[3] : 0, k ? rotation[6] : 0},
                  origin[3] = {0, 0, 0};
@@ -233,22 +217,28 @@ static void oblique_slide(void **state) {
     check_ok(context, bw_dof_map_create(context, model, &dof_map));
     assert_int_equal(dof_map->rigid_mode_count, 3);
     check_ok(context, bw_system_create(context, mesh[k], material, dof_map, NULL, &system));
-    check_ok(context, bw_modes_elastic(context, system, NULL, &modes[k]));
-    assert_int_equal(modes[k]->rigid_count, 3);
-    assert_true(modes[k]->counted);
-    for (int i = 0; i < modes[k]->count; i++)
-      assert_true(modes[k]->residual[i] < 1e-8);
+    for (int which = 0; which < KINDS; which++) {
+      const bw_modes *found = modes[k][which] = modes_by(context, system, kinds[which], 0);
+      assert_int_equal(found->rigid_count, 3);
+      assert_true(found->counted);
+      for (int i = 0; i < found->count; i++)
+        assert_true(found->residual[i] < 1e-8);
+    }
     bw_release(system);
     bw_release(dof_map);
     bw_release(face);
     bw_release(model);
     bw_release(material);
   }
-  for (int i = 0; i < modes[0]->count; i++)
-    check_near(modes[1]->eigenvalue[i], modes[0]->eigenvalue[i], 1e-8 * modes[0]->eigenvalue[i]);
+  const double *expected = modes[0][0]->eigenvalue;
+  for (int k = 0; k < 2; k++)
+    for (int which = 0; which < KINDS; which++)
+      for (int i = 0; i < modes[0][0]->count; i++)
+        check_near(modes[k][which]->eigenvalue[i], expected[i], 1e-8 * expected[i]);
   free(x);
-  bw_release(modes[0]);
-  bw_release(modes[1]);
+  for (int k = 0; k < 2; k++)
+    for (int which = 0; which < KINDS; which++)
+      bw_release(modes[k][which]);
   bw_release(mesh[1]);
   bw_release(straight);
 }
@@ -256,19 +246,22 @@ static void oblique_slide(void **state) {
 static void same_bits(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 1, 0.9, 0.8, 8, 7, 6, 1);
-  bw_modes *modes[3] = {NULL};
-  for (int threads = 1; threads <= 3; threads++) {
-    setup s;
-    check_ok(context, bw_set_threads(context, threads));
-    open_free(context, mesh, &s);
-    check_ok(context, bw_modes_elastic(context, s.system, NULL, &modes[threads - 1]));
-    close_setup(&s);
-    assert_memory_equal(modes[0]->shape, modes[threads - 1]->shape,
-                        (size_t)(15 * 3 * mesh->node_count) * sizeof(double));
-    assert_memory_equal(modes[0]->eigenvalue, modes[threads - 1]->eigenvalue, 15 * sizeof(double));
+  for (int which = 0; which < KINDS; which++) {
+    bw_modes *modes[3] = {NULL};
+    for (int threads = 1; threads <= 3; threads++) {
+      setup s;
+      check_ok(context, bw_set_threads(context, threads));
+      open_free(context, mesh, &s);
+      modes[threads - 1] = modes_by(context, s.system, kinds[which], 0);
+      close_setup(&s);
+      assert_memory_equal(modes[0]->shape, modes[threads - 1]->shape,
+                          (size_t)(15 * 3 * mesh->node_count) * sizeof(double));
+      assert_memory_equal(modes[0]->eigenvalue, modes[threads - 1]->eigenvalue,
+                          15 * sizeof(double));
+    }
+    for (int k = 0; k < 3; k++)
+      bw_release(modes[k]);
   }
-  for (int k = 0; k < 3; k++)
-    bw_release(modes[k]);
   bw_release(mesh);
 }
 
@@ -281,42 +274,51 @@ static void one_element(void **state) {
   check_ok(context, bw_mesh_copy(context, 1, 4, x, 1, element, NULL, &mesh));
   setup s;
   open_free(context, mesh, &s);
-  bw_modes *modes = NULL;
-  check_ok(context, bw_modes_elastic(context, s.system, NULL, &modes));
-  assert_int_equal(modes->count, 6);
-  assert_true(modes->eigenvalue[0] > 0);
-  bw_release(modes);
+  for (int k = 0; k < KINDS; k++) {
+    bw_modes *modes = modes_by(context, s.system, kinds[k], 0);
+    assert_int_equal(modes->count, 6);
+    assert_true(modes->eigenvalue[0] > 0);
+    assert_true(modes->counted);
+    bw_release(modes);
+  }
   close_setup(&s);
   bw_release(mesh);
 }
 
 static void failing_allocations(void **state) {
   bw_context *context = check_context(state);
-  bw_mesh *mesh = body_box(context, 1, 1, 1, 2, 2, 2, 1);
+  bw_mesh *mesh = body_box(context, 1, 1, 1, 2, 3, 3, 1);
   setup s;
   open_free(context, mesh, &s);
   check_ok(context, bw_set_threads(context, 1));
   bw_modes_options options;
   bw_modes_options_default(&options);
   options.count = 3;
-  int64_t before = bw_live_blocks();
-  bool passed = false;
-  for (int64_t n = 1; !passed && n < 5000; n++) {
-    bw_modes *modes = NULL, *scalar = NULL;
-    bw_fail_allocation(n, true);
-    bw_status status = bw_modes_elastic(context, s.system, &options, &modes);
-    if (status == BW_OK)
-      status = bw_modes_laplacian(context, mesh, s.system->pattern, &options, &scalar);
-    bw_fail_allocation(0, false);
-    if (status != BW_OK)
-      assert_int_equal(status, BW_MEMORY);
-    passed = status == BW_OK;
-    bw_release(modes);
-    bw_release(scalar);
-    bw_clear_failure(context);
-    assert_int_equal(bw_live_blocks(), before);
+  for (int k = 0; k < KINDS; k++) {
+    bw_eigensolver *solver = eigensolver(context, kinds[k]);
+    options.solver = solver;
+    int64_t before = bw_live_blocks();
+    bool passed = false;
+    for (int64_t n = 1; !passed && n < 5000; n++) {
+      bw_modes *modes = NULL, *scalar = NULL;
+      bw_fail_allocation(n, true);
+      bw_status status = bw_modes_elastic(context, s.system, &options, &modes);
+      if (status == BW_OK)
+        status = bw_modes_laplacian(context, mesh, s.system->pattern, &options, &scalar);
+      bw_fail_allocation(0, false);
+      if (status != BW_OK)
+        assert_int_equal(status, BW_MEMORY);
+      else
+        assert_string_equal(modes->report.solver, bw_eigensolver_name(solver));
+      passed = status == BW_OK;
+      bw_release(modes);
+      bw_release(scalar);
+      bw_clear_failure(context);
+      assert_int_equal(bw_live_blocks(), before);
+    }
+    assert_true(passed);
+    bw_release(solver);
   }
-  assert_true(passed);
   close_setup(&s);
   bw_release(mesh);
 }
@@ -342,7 +344,7 @@ static void refused_options(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(free_box_against_dense),
-                                     check_test(against_arpack),
+                                     check_test(against_each_other),
                                      check_test(equal_bodies),
                                      check_test(slender_bar),
                                      check_test(oblique_slide),

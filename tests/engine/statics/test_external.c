@@ -154,7 +154,7 @@ static void test_same_answers(void **state) {
     assert_string_equal(other->report.preconditioner, "amg");
     assert_string_equal(other->report.backend, "petsc");
     check_ok(context, bw_modes_elastic(context, own->system, &opts, &modes));
-    check_ok(context, bw_modes_external(context, model, &opts, NULL, &others));
+    check_ok(context, bw_modes_external(context, model, &opts, &others));
     assert_int_equal(others->count, 4);
     assert_int_equal(others->rigid_count, fixed ? 0 : 6);
     for (int k = 0; k < 4; k++) {
@@ -206,17 +206,19 @@ static void test_misuse(void **state) {
   check_fails(context, BW_UNSUPPORTED, "barwright.distributed",
               statics(context, model, false, &result));
   check_fails(context, BW_UNSUPPORTED, "barwright.distributed",
-              bw_modes_external(context, model, NULL, NULL, &modes));
+              bw_modes_external(context, model, NULL, &modes));
   begin();
-  bw_external_options options;
-  bw_external_options_default(&options);
-  options.rtol = 0;
-  check_fails(context, BW_INVALID, "rtol is 0",
-              bw_modes_external(context, model, NULL, &options, &modes));
-  options.rtol = 1e-8;
-  options.iterations = 0;
+  bw_eigensolver *solver = NULL;
+  bw_eigensolver_options options;
+  bw_eigensolver_options_default(&options);
+  options.kind = BW_EIGENSOLVER_SLEPC;
+  options.inner_tolerance = 0;
+  check_fails(context, BW_INVALID, "tolerance is 0",
+              bw_eigensolver_create(context, &options, &solver));
+  options.inner_tolerance = 1e-8;
+  options.inner_iterations = 0;
   check_fails(context, BW_INVALID, "at least 1",
-              bw_modes_external(context, model, NULL, &options, &modes));
+              bw_eigensolver_create(context, &options, &solver));
   assert_int_equal(fake.opened, 0);
   bw_release(model);
   bw_model *free_model = cantilever(context, false);
@@ -238,7 +240,7 @@ static void test_memory(void **state) {
       bw_modes *modes = NULL;
       bw_fail_allocation(n, true);
       status = what == 0 ? statics(context, model, false, &result)
-                         : bw_modes_external(context, model, &opts, NULL, &modes);
+                         : bw_modes_external(context, model, &opts, &modes);
       bw_fail_allocation(0, false);
       if (status != BW_MEMORY)
         check_ok(context, status);

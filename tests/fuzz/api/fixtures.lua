@@ -104,6 +104,10 @@ makers.Static = {
   function(p) return assert(p.Model:solve()) end,
   function(p) return assert(part(p:variant("bw.Mesh", 2), bw.material.zp150):solve()) end,
 }
+makers.Eigensolver = { -- none of several processes, which start MPI for good: tests/lua/distributed
+  function() return bw.eigensolver.lanczos {} end,
+  function() return bw.eigensolver.arpack {} end,
+}
 makers.Modes = {
   function(p) return assert(p.Model:modes {count = 2}) end,
   function(p) return assert(p:variant("bw.Model", 3):modes {count = 1, laplacian = true}) end,

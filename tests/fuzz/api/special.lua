@@ -21,13 +21,11 @@ special.arguments["Surface:wrap"] = function(list)
 end
 
 -- Solvers of several processes start MPI for good, in a forked child too: tests/lua/distributed.
-for _, name in ipairs {"Model:solve", "Model:modes"} do
-  special.arguments[name] = function(list)
-    local given = list[1]
-    local solver = type(given) == "table" and rawget(given, "solver")
-    local external = require("barwright.core").class_name(solver) == "solver" and tostring(solver):find "petsc"
-    if type(given) == "table" and (external or rawget(given, "with") == "slepc") then list[1] = {} end
-  end
+special.arguments["Model:solve"] = function(list)
+  local given = list[1]
+  local solver = type(given) == "table" and rawget(given, "solver")
+  local external = require("barwright.core").class_name(solver) == "solver" and tostring(solver):find "petsc"
+  if external then list[1] = {} end
 end
 
 -- Error values that are no texts and part of what is documented: Test:require and Test:skip leave the scenario.

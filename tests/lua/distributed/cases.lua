@@ -6,6 +6,7 @@ local bw = require "barwright"
 local check = require "check"
 
 local ranks = require("barwright.distributed").size()
+local slepc = bw.eigensolver.slepc {}
 local steel = bw.material.isotropic {young = 200e9, poisson = 0.3, density = 8000}
 
 local function case(name, run)
@@ -81,7 +82,7 @@ local function same_modes(part, options)
   assert(#own == #other and own.rigid_count == other.rigid_count)
   for i = 1, #own do check.near(own.eigenvalues[i], other.eigenvalues[i], 1e-8) end
   assert(other.residuals:max() < 1e-7, other.residuals:max())
-  assert(other.counted == (options.method ~= "cg"))
+  assert(other.counted == (options.solver == slepc))
   -- Single eigenvalues have the same shapes; a pair of the square section may be rotated.
   for i = 1, #own do
     local low, high = i > 1 and own.eigenvalues[i - 1] or 0, i < #own and own.eigenvalues[i + 1] or math.huge
@@ -90,25 +91,25 @@ local function same_modes(part, options)
       same_field(own:shape(i), other:shape(i), 1e-5, "shapes " .. i)
     end
   end
-  assert(other.solver.ranks == ranks and other.solver.with == "slepc")
+  assert(other.report.ranks == ranks and other.report.solver == "slepc")
 end
 
 for order = 1, 2 do
   local name = order == 1 and "tet4" or "tet10"
-  case("modes " .. name, function() same_modes(fixed(order), {with = "slepc", count = 6}) end)
+  case("modes " .. name, function() same_modes(fixed(order), {solver = slepc, count = 6}) end)
   case("free modes " .. name, function()
     local mesh = check.beam({8, 2, 2}, order)
-    same_modes(bw.model {mesh = mesh, material = steel}, {with = "slepc", count = 6})
+    same_modes(bw.model {mesh = mesh, material = steel}, {solver = slepc, count = 6})
   end)
 end
 case("modes by conjugate gradients", function()
-  same_modes(fixed(1), {with = "slepc", method = "cg", count = 4})
+  same_modes(fixed(1), {solver = bw.eigensolver.slepc {inner = "pcg"}, count = 4})
 end)
 case("rotated modes", function()
   local mesh = check.beam({8, 2, 2}, 1)
   local part = bw.model {mesh = mesh, material = steel}
   part:slide(mesh.boundary:below(1, 0), {1, 0.4, 0.2})
-  same_modes(part, {with = "slepc", count = 5})
+  same_modes(part, {solver = slepc, count = 5})
 end)
 
 case("failures come back, and work goes on", function()
@@ -119,7 +120,7 @@ case("failures come back, and work goes on", function()
   local free = bw.model {mesh = mesh, material = steel}
   free:load {on = mesh.boundary:above(1, 1), force = {1, 0, 0}}
   check.fails("unconstrained", "not in equilibrium", free:solve {solver = cg()})
-  assert(part:modes {with = "slepc", count = 2})
+  assert(part:modes {solver = slepc, count = 2})
 end)
 
 case("a body that is nearly a mechanism is refused", function()
@@ -159,6 +160,8 @@ end)
 case("misuse", function()
   local part = fixed(1)
   check.raises("goes with a factor on this machine", part.solve, part, {solver = cg(), memory_limit = 1e9})
+  check.raises("Laplacian", part.modes, part, {solver = slepc, laplacian = true})
+  check.raises("takes a model", assert(part:system()).modes, part:system(), {solver = slepc})
 end)
 
 case("a forked job has no ranks", function()

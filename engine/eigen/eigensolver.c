@@ -1,0 +1,89 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Descriptions of eigensolvers, and which iteration serves a problem. */
+#include <stdio.h>
+
+#include "eigen/block_lanczos.h"
+
+/* A row for each kind: its name, and by how many vectors at least its basis is larger than the
+ * number of modes. */
+static const struct {
+  const char *name;
+  int beyond;
+} kinds[] = {[BW_EIGENSOLVER_AUTO] = {"auto", 2 * BWI_BLOCK},
+             [BW_EIGENSOLVER_LANCZOS] = {"lanczos", 2 * BWI_BLOCK},
+             [BW_EIGENSOLVER_ARPACK] = {"arpack", 2},
+             [BW_EIGENSOLVER_SLEPC] = {"slepc", 0}};
+enum { KINDS = sizeof kinds / sizeof *kinds };
+
+void bw_eigensolver_options_default(bw_eigensolver_options *options) {
+  *options = (bw_eigensolver_options){
+      .kind = BW_EIGENSOLVER_AUTO, .inner_tolerance = 1e-10, .inner_iterations = 2000};
+}
+
+static void eigensolver_destroy(void *object) {
+  bw_free(object);
+}
+
+static size_t eigensolver_bytes(const void *object) {
+  (void)object;
+  return sizeof(bw_eigensolver);
+}
+
+static const bw_kind eigensolver_kind = {"eigensolver", eigensolver_destroy, eigensolver_bytes};
+
+bw_status bw_eigensolver_create(bw_context *context, const bw_eigensolver_options *given,
+                                bw_eigensolver **out) {
+  bw_eigensolver_options options;
+  bw_eigensolver_options_default(&options);
+  if (given)
+    options = *given;
+  if ((int)options.kind < 0 || (int)options.kind >= KINDS)
+    return bw_fail(context, BW_INVALID, "eigensolver %d is not known", (int)options.kind);
+  if (options.basis < 0 || options.basis > 100000)
+    return bw_fail(context, BW_INVALID, "a basis of %d vectors: 0 to 100000 expected",
+                   options.basis);
+  if (!(options.inner_tolerance > 0 && options.inner_tolerance < 1))
+    return bw_fail(context, BW_INVALID, "the inner tolerance is %g; it must lie between 0 and 1",
+                   options.inner_tolerance);
+  if (options.inner_iterations < 1)
+    return bw_fail(context, BW_INVALID, "%d inner iterations: at least 1 expected",
+                   options.inner_iterations);
+  bw_eigensolver *solver = BW_NEW0(context, bw_eigensolver, 1);
+  if (!solver)
+    return BW_MEMORY;
+  bw_object_init(solver, &eigensolver_kind);
+  solver->options = options;
+  *out = solver;
+  return BW_OK;
+}
+
+const char *bw_eigensolver_name(const bw_eigensolver *solver) {
+  return kinds[solver ? solver->options.kind : BW_EIGENSOLVER_AUTO].name;
+}
+
+bw_status bwi_eigen_choose(bw_context *context, const bwi_eigen_problem *problem,
+                           const bw_eigensolver *solver, bwi_eigen_setup *setup,
+                           const bwi_eigen_method **method, bw_solver_report *report) {
+  bw_eigensolver_kind kind = solver ? solver->options.kind : BW_EIGENSOLVER_AUTO;
+  int basis = solver ? solver->options.basis : 0;
+  setup->basis = basis;
+  if (kind == BW_EIGENSOLVER_SLEPC)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "SLEPc computes elastic modes of a whole model, and no others");
+  if (basis > 0 && basis < setup->count + kinds[kind].beyond)
+    return bw_fail(context, BW_INVALID,
+                   "a basis of %d vectors is too small for %d modes: at least %d expected", basis,
+                   setup->count, setup->count + kinds[kind].beyond);
+  const char *reason = kind == BW_EIGENSOLVER_AUTO ? "the default: blocks of eight right-hand sides"
+                                                   : "it was asked for";
+  int64_t vectors = basis > 0 ? basis : 2 * (int64_t)setup->count + 20;
+  *method = kind == BW_EIGENSOLVER_ARPACK ? bwi_eigen_arpack() : bwi_eigen_lanczos();
+  if (kind == BW_EIGENSOLVER_ARPACK && problem->dimension <= 2 * vectors) {
+    *method = bwi_eigen_lanczos();
+    setup->basis = 0;
+    reason = "the space has too few dimensions for the basis of ARPACK";
+  }
+  report->solver = (*method)->solver;
+  snprintf(report->reason, sizeof report->reason, "%s", reason);
+  return BW_OK;
+}

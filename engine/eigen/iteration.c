@@ -1,0 +1,16 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* What iterations share. */
+#include "eigen/iteration.h"
+
+bw_status bwi_eigen_random(bwi_eigen_iteration *it, int count, double *x) {
+  for (int64_t i = 0; i < count * it->size; i++)
+    x[i] = 2 * bw_random_uniform(&it->random) - 1;
+  return it->problem->project(it->context, it->problem->data, count, x);
+}
+
+bw_status bwi_eigen_stopped(const bwi_eigen_iteration *it, int found, int wanted,
+                            double tolerance) {
+  return bw_fail(it->context, BW_CONVERGENCE,
+                 "%d of %d modes converged to %g in %d triangular solves", found, wanted, tolerance,
+                 it->solves);
+}

@@ -1,0 +1,104 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* bw.eigensolver: eigensolvers as descriptions that other functions take. */
+#include "bind.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const bw_eigensolver *self(lua_State *L) {
+  return (const bw_eigensolver *)lbw_check(L, 1, &lbw_eigensolver_class);
+}
+
+static int create(lua_State *L, const bw_eigensolver_options *options) {
+  lbw_box *box = lbw_box_new(L, &lbw_eigensolver_class);
+  bw_eigensolver *solver = NULL;
+  bw_status status = bw_eigensolver_create(lbw_enter(L), options, &solver);
+  lbw_box_fill(L, box, solver);
+  return lbw_leave(L, status, 1);
+}
+
+/* Those on the factor of the system: {basis} */
+static int on_factor(lua_State *L, const char *function, bw_eigensolver_kind kind) {
+  static const lbw_option list[] = {{"basis", LBW_INT, offsetof(bw_eigensolver_options, basis)},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_eigensolver_options options;
+  bw_eigensolver_options_default(&options);
+  options.kind = kind;
+  lua_settop(L, 1);
+  lbw_options(L, 1, function, list, &options);
+  return create(L, &options);
+}
+
+static int eigensolver_lanczos(lua_State *L) {
+  return on_factor(L, "eigensolver.lanczos", BW_EIGENSOLVER_LANCZOS);
+}
+
+static int eigensolver_arpack(lua_State *L) {
+  return on_factor(L, "eigensolver.arpack", BW_EIGENSOLVER_ARPACK);
+}
+
+/* eigensolver.slepc{inner, tolerance, max_iterations} */
+static int eigensolver_slepc(lua_State *L) {
+  static const lbw_option list[] = {
+      {"inner", LBW_OTHER, 0},
+      {"tolerance", LBW_REAL, offsetof(bw_eigensolver_options, inner_tolerance)},
+      {"max_iterations", LBW_INT, offsetof(bw_eigensolver_options, inner_iterations)},
+      {NULL, LBW_OTHER, 0}};
+  static const char *const inner[] = {"cholesky", "pcg", NULL};
+  bw_eigensolver_options options;
+  bw_eigensolver_options_default(&options);
+  options.kind = BW_EIGENSOLVER_SLEPC;
+  lua_settop(L, 1);
+  lbw_options(L, 1, "eigensolver.slepc", list, &options);
+  options.inner_pcg = lbw_word_option(L, 1, "eigensolver.slepc", "inner", inner, 0) == 1;
+  return create(L, &options);
+}
+
+const bw_eigensolver *lbw_eigensolver_option(lua_State *L, int index, const char *function,
+                                             const char *key) {
+  int type = lbw_option_get(L, index, key);
+  const bw_eigensolver *solver = (const bw_eigensolver *)lbw_test(L, -1, &lbw_eigensolver_class);
+  const lbw_box *box = lbw_any_box(L, -1);
+  if (!solver && box && box->class == &lbw_eigensolver_class)
+    lbw_error(L, "%s: option '%s': this eigensolver is closed", function, key);
+  bool is_auto = type == LUA_TSTRING && strcmp(lua_tostring(L, -1), "auto") == 0;
+  if (!solver && !is_auto && type != LUA_TNIL)
+    lbw_option_refused(L, function, key, "an eigensolver (bw.eigensolver.lanczos {}) or \"auto\"");
+  return solver;
+}
+
+static int solver_tostring(lua_State *L) {
+  const bw_eigensolver *solver = self(L);
+  const bw_eigensolver_options *options = &solver->options;
+  char text[120];
+  if (options->kind == BW_EIGENSOLVER_SLEPC)
+    snprintf(text, sizeof text, "eigensolver slepc, inner systems by %s",
+             options->inner_pcg ? "conjugate gradients" : "a factor");
+  else if (options->basis > 0)
+    snprintf(text, sizeof text, "eigensolver %s, %d basis vectors", bw_eigensolver_name(solver),
+             options->basis);
+  else
+    snprintf(text, sizeof text, "eigensolver %s", bw_eigensolver_name(solver));
+  lua_pushstring(L, text);
+  return 1;
+}
+
+static int solver_name(lua_State *L) {
+  lua_pushstring(L, bw_eigensolver_name(self(L)));
+  return 1;
+}
+
+static const luaL_Reg no_methods[] = {{NULL, NULL}};
+static const luaL_Reg properties[] = {{"name", solver_name}, {NULL, NULL}};
+static const luaL_Reg meta[] = {{"__tostring", solver_tostring}, {NULL, NULL}};
+const lbw_class lbw_eigensolver_class = {"eigensolver", no_methods, properties, meta, NULL};
+
+void lbw_open_eigensolver(lua_State *L) {
+  static const luaL_Reg functions[] = {{"lanczos", eigensolver_lanczos},
+                                       {"arpack", eigensolver_arpack},
+                                       {"slepc", eigensolver_slepc},
+                                       {NULL, NULL}};
+  lbw_class_register(L, &lbw_eigensolver_class);
+  luaL_newlib(L, functions);
+  lua_setfield(L, -2, "eigensolver");
+}

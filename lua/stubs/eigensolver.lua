@@ -1,0 +1,75 @@
+---@meta _
+-- SPDX-License-Identifier: MIT
+-- Copyright (c) 2026 the barwright authors
+--
+-- Eigensolvers
+--
+-- Methods for the lowest modes, as descriptions that `part:modes`, `bw.worst_case` and `bw.breaking_force` take.
+
+---Descriptions of eigensolvers. Each is made once and used as often as one likes; `print` shows it. All give the same modes
+---within the tolerance. Without one the default of docs/choosing_a_solver.md is used.
+---@class bw.EigensolverModule
+local eigensolver_module = {}
+
+---A method for the lowest modes: an immutable description.
+---```lua
+---local mesh = bw.mesh.box {max = {0.1, 0.02, 0.01}, cells = {10, 2, 1}, order = 2}
+---local part = bw.model {mesh = mesh, material = bw.material.steel}
+---local modes = assert(part:modes {count = 5, solver = bw.eigensolver.arpack {}})
+---print(modes.report.solver, modes.report.reason, modes.report.residual)
+---```
+---@class bw.Eigensolver
+---@field name "lanczos"|"arpack"|"slepc" the method
+local Eigensolver = {}
+
+---Releases the description at once.
+function Eigensolver:close() end
+
+---The block Lanczos method on the inverse, with a factor of the stiffness. A pass over the factor serves eight right-hand
+---sides, and modes of multiplicity up to eight are found at once.
+---```lua
+---local solver = bw.eigensolver.lanczos {}
+---print(solver) -- eigensolver lanczos
+---```
+---
+---Source: docs/theory/solving.md; R. G. Grimes, J. G. Lewis and H. D. Simon, SIAM J. Matrix Anal. Appl. 15 (1994).
+---@param options? bw.EigensolverLanczosOptions its basis
+---@return bw.Eigensolver solver the description
+function eigensolver_module.lanczos(options) end
+
+---How the block Lanczos method works.
+---@class bw.EigensolverLanczosOptions
+---@field basis? integer (count) vectors of the basis, from which it restarts; at least the number of modes and 16. Range: 0 to 100000. Default: 0, three times the number of modes and 48
+
+---The implicitly restarted Lanczos method of ARPACK-ng on the inverse, one right-hand side at a time. Runs of several threads
+---take turns. Where the body has too few degrees of freedom for its basis, block Lanczos takes its place, and the report says
+---so.
+---```lua
+---local solver = bw.eigensolver.arpack {basis = 60}
+---print(solver) -- eigensolver arpack, 60 basis vectors
+---```
+---
+---Source: R. B. Lehoucq, D. C. Sorensen and C. Yang, ARPACK Users' Guide, SIAM 1998.
+---@param options? bw.EigensolverArpackOptions its basis
+---@return bw.Eigensolver solver the description
+function eigensolver_module.arpack(options) end
+
+---How ARPACK works.
+---@class bw.EigensolverArpackOptions
+---@field basis? integer (count) vectors of the basis, from which it restarts; at least the number of modes and 2. Range: 0 to 100000. Default: 0, twice the number of modes and 20
+
+---The Krylov-Schur method of SLEPc, on all processes that mpirun started (docs/howto_cluster.md). It takes a model, and not
+---the modes of the Laplacian.
+---```lua
+---local solver = bw.eigensolver.slepc {inner = "pcg"}
+---print(solver) -- eigensolver slepc, inner systems by conjugate gradients
+---```
+---@param options? bw.EigensolverSlepcOptions how its inner systems are solved
+---@return bw.Eigensolver solver the description
+function eigensolver_module.slepc(options) end
+
+---How SLEPc solves its inner systems.
+---@class bw.EigensolverSlepcOptions
+---@field inner? "cholesky"|"pcg" a factor by MUMPS, with a count of the eigenvalues; or conjugate gradients with multigrid, without one. Default: "cholesky"
+---@field tolerance? number (-) relative residual of inner solutions. Range: above 0, below 1. Default: 1e-10
+---@field max_iterations? integer (count) of conjugate gradients. Range: at least 1. Default: 2000

@@ -1,0 +1,92 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- bw.eigensolver: descriptions, and each of them wherever modes are computed.
+local bw = require "barwright"
+local check = require "check"
+
+local names = {"lanczos", "arpack"}
+
+local function free_part() return bw.model {mesh = check.beam({8, 2, 2}, 2), material = bw.material.steel} end
+
+describe("eigensolvers", function()
+  it("are descriptions that print and close", function()
+    assert.equal("eigensolver lanczos", tostring(bw.eigensolver.lanczos()))
+    assert.equal("eigensolver arpack, 60 basis vectors", tostring(bw.eigensolver.arpack {basis = 60}))
+    assert.equal("eigensolver slepc, inner systems by a factor", tostring(bw.eigensolver.slepc {}))
+    assert.equal("eigensolver slepc, inner systems by conjugate gradients",
+      tostring(bw.eigensolver.slepc {inner = "pcg", tolerance = 1e-8, max_iterations = 10}))
+    local solver = bw.eigensolver.arpack {}
+    assert.equal("arpack", solver.name)
+    solver:close()
+    check.raises("closed", free_part().modes, free_part(), {solver = solver})
+  end)
+
+  it("give the same modes of a part, and of the Laplacian", function()
+    local part = free_part()
+    for _, laplacian in ipairs {false, true} do
+      local first
+      for _, name in ipairs(names) do
+        local modes = assert(part:modes {count = 8, laplacian = laplacian, solver = bw.eigensolver[name] {}})
+        assert.equal(name, modes.report.solver)
+        assert.is_true(modes.counted)
+        assert.is_true(modes.report.residual < 1e-8 and modes.report.seconds > 0 and modes.report.bytes > 0)
+        assert.truthy(tostring(modes):find(name, 1, true))
+        first = first or modes
+        for i = 1, 8 do check.near(first.eigenvalues[i], modes.eigenvalues[i], 1e-9) end
+      end
+    end
+  end)
+
+  it("are an option of equations, of refinement, of the worst case and of the breaking force", function()
+    local part = free_part()
+    local system = assert(part:system())
+    local solid = bw.model {mesh = check.beam({8, 2, 2}, 1), material = bw.material.pla}
+    local worst, force
+    for _, name in ipairs(names) do
+      local solver = bw.eigensolver[name] {}
+      assert.equal(name, assert(system:modes {count = 3, solver = solver}).report.solver)
+      assert.equal(name, assert(part:modes {count = 2, error = 0.5, solver = solver}).report.solver)
+      local found = assert(bw.worst_case(solid, {force = 1, pressure = 1e6, modes = 3, eigensolver = solver}))
+      assert.equal(name, found.modes.report.solver)
+      worst = worst or found.max_principal
+      check.near(worst, found.max_principal, 1e-6)
+      local breaking = assert(bw.breaking_force(bw.surface.box {min = {0, 0, 0}, max = {0.04, 0.01, 0.01}},
+        {material = bw.material.pla, elements = 300, modes = 3, regions = 2, eigensolver = solver}))
+      force = force or breaking.force
+      check.near(force, breaking.force, 1e-6)
+    end
+  end)
+
+  it("are chosen by default and by the word auto", function()
+    local part = free_part()
+    for _, options in ipairs {{count = 2}, {count = 2, solver = "auto"}, {count = 2, solver = "auto", error = 0.5}} do
+      assert.equal("lanczos", assert(part:modes(options)).report.solver)
+    end
+    assert(bw.worst_case(part, {force = 1, pressure = 1e6, modes = 1, regions = 1, eigensolver = "auto"}))
+  end)
+
+  it("say when another takes its place", function()
+    local tetrahedron = bw.mesh.new {nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, elements = {{1, 2, 3, 4}}}
+    local part = bw.model {mesh = assert(tetrahedron), material = bw.material.steel}
+    local modes = assert(part:modes {solver = bw.eigensolver.arpack {}})
+    assert.equal(6, modes.count)
+    assert.equal("lanczos", modes.report.solver)
+    assert.truthy(modes.report.reason:find("too few", 1, true))
+  end)
+
+  it("refuse what they are not", function()
+    local part = free_part()
+    check.raises("option 'solver': an eigensolver (bw.eigensolver.lanczos {}) or \"auto\" expected, got string 'arpack'",
+      part.modes, part, {solver = "arpack"})
+    check.raises("option 'solver'", part.modes, part, {solver = part})
+    check.raises("option 'eigensolver': an eigensolver or \"auto\" expected, got 3", bw.worst_case, part,
+      {eigensolver = 3})
+    check.raises("unknown option 'with'", part.modes, part, {with = "slepc"})
+    check.raises("a basis of -3 vectors", bw.eigensolver.arpack, {basis = -3})
+    check.raises("did you mean 'basis'?", bw.eigensolver.lanczos, {bases = 3})
+    check.raises("'inner'", bw.eigensolver.slepc, {inner = "lu"})
+    check.raises("inner tolerance is 2", bw.eigensolver.slepc, {tolerance = 2})
+    check.raises("too small for 15 modes: at least 31 expected", part.modes, part,
+      {solver = bw.eigensolver.lanczos {basis = 20}})
+    check.raises("Laplacian", part.modes, part, {laplacian = true, solver = bw.eigensolver.slepc {}})
+  end)
+end)
