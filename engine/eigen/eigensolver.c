@@ -12,6 +12,7 @@ static const struct {
 } kinds[] = {[BW_EIGENSOLVER_AUTO] = {"auto", 2 * BWI_BLOCK},
              [BW_EIGENSOLVER_LANCZOS] = {"lanczos", 2 * BWI_BLOCK},
              [BW_EIGENSOLVER_ARPACK] = {"arpack", 2},
+             [BW_EIGENSOLVER_LOBPCG] = {"lobpcg", 0},
              [BW_EIGENSOLVER_SLEPC] = {"slepc", 0}};
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
@@ -75,15 +76,19 @@ bw_status bwi_eigen_choose(bw_context *context, const bwi_eigen_problem *problem
                    "a basis of %d vectors is too small for %d modes: at least %d expected", basis,
                    setup->count, setup->count + kinds[kind].beyond);
   const char *reason = kind == BW_EIGENSOLVER_AUTO ? "the default: blocks of eight right-hand sides"
-                                                   : "it was asked for";
+                                                   : "it was given";
   int64_t vectors = basis > 0 ? basis : 2 * (int64_t)setup->count + 20;
-  *method = kind == BW_EIGENSOLVER_ARPACK ? bwi_eigen_arpack() : bwi_eigen_lanczos();
+  *method = kind == BW_EIGENSOLVER_ARPACK   ? bwi_eigen_arpack()
+            : kind == BW_EIGENSOLVER_LOBPCG ? bwi_eigen_lobpcg()
+                                            : bwi_eigen_lanczos();
   if (kind == BW_EIGENSOLVER_ARPACK && problem->dimension <= 2 * vectors) {
     *method = bwi_eigen_lanczos();
     setup->basis = 0;
     reason = "the space has too few dimensions for the basis of ARPACK";
   }
   report->solver = (*method)->solver;
+  if (kind == BW_EIGENSOLVER_LOBPCG)
+    report->preconditioner = problem->preconditioner;
   snprintf(report->reason, sizeof report->reason, "%s", reason);
   return BW_OK;
 }

@@ -13,11 +13,15 @@
 typedef struct bwi_eigen_problem {
   int64_t size;
   void *data;
-  /* y = K^+ f, restricted to the wanted space */
+  /* y = K^+ f, restricted to the wanted space; NULL: there is no factor */
   bw_status (*solve)(bw_context *context, void *data, int64_t count, const double *f, double *y);
   bw_status (*mass)(bw_context *context, void *data, int64_t count, const double *x, double *y);
   bw_status (*stiffness)(bw_context *context, void *data, int64_t count, const double *x,
                          double *y);
+  /* y = B f with B near K^+, symmetric; for LOBPCG alone. NULL: solve */
+  bw_status (*precondition)(bw_context *context, void *data, int64_t count, const double *f,
+                            double *y);
+  const char *preconditioner; /* its name in the report */
   /* bring random fields into the wanted space */
   bw_status (*project)(bw_context *context, void *data, int64_t count, double *x);
   /* eigenvalues below sigma in the wanted space; *trusted as in bwi_count_negative. NULL: none */
@@ -31,7 +35,7 @@ typedef struct bwi_eigen_result {
   double *vector;   /* count x size, M-norm 1 */
   double *residual; /* |K x - lambda M x| / |lambda M x| */
   int solves, recovered;
-  bool counted;
+  bool counted, tested;
   bw_solver_report report;
 } bwi_eigen_result;
 void bwi_eigen_result_clear(bwi_eigen_result *result);

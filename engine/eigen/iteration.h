@@ -54,6 +54,7 @@ struct bwi_eigen_iteration {
 
 const bwi_eigen_method *bwi_eigen_lanczos(void);
 const bwi_eigen_method *bwi_eigen_arpack(void);
+const bwi_eigen_method *bwi_eigen_lobpcg(void);
 
 /* The iteration that serves a problem, its basis in `setup`, and why, in `report`. `solver` may be
  * NULL. */

@@ -6,9 +6,13 @@
  * appears and none has to be separated from an elastic one. The Sturm count takes the unconstrained
  * K - sigma M, which is regular for sigma > 0; the rigid-body modes are subtracted from it. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
+#include "barwright/job.h"
 #include "eigen/modes.h"
+#include "linear/system_two_level.h"
+#include "linear/two_level_apply.h"
 
 void bw_modes_options_default(bw_modes_options *options) {
   *options = (bw_modes_options){.count = 15, .tolerance = 1e-8, .sturm = true, .seed = 1};
@@ -79,6 +83,7 @@ bw_status bwi_modes_from(bw_context *context, const bw_mesh *mesh, const bw_mate
   modes->solves = result->solves;
   modes->recovered = result->recovered;
   modes->counted = result->counted;
+  modes->tested = result->tested;
   modes->report = result->report;
   if (material && material->density > 0) {
     modes->frequency = BW_NEW(context, double, result->count);
@@ -103,6 +108,8 @@ bw_status bwi_modes_from(bw_context *context, const bw_mesh *mesh, const bw_mate
 
 typedef struct elastic {
   bw_system *system;
+  bwi_two_level *two_level; /* in place of the factor, or NULL */
+  bwi_two_level_workspace workspace;
   bool constrained; /* some component is prescribed */
   bwi_symbolic *unconstrained;
 } elastic;
@@ -110,6 +117,12 @@ typedef struct elastic {
 static bw_status elastic_solve(bw_context *context, void *data, int64_t count, const double *f,
                                double *y) {
   return bw_system_solve(context, ((elastic *)data)->system, count, f, y);
+}
+
+static bw_status elastic_precondition(bw_context *context, void *data, int64_t count,
+                                      const double *f, double *y) {
+  elastic *problem = data;
+  return bwi_two_level_apply(context, problem->two_level, &problem->workspace, count, f, y);
 }
 
 static bw_status multiply(bw_context *context, const elastic *problem, bool mass, int64_t count,
@@ -181,32 +194,139 @@ done:
   return status;
 }
 
+static bool is_constrained(const bw_system *system) {
+  for (int64_t i = 0; i < 3 * (int64_t)system->mesh->node_count; i++)
+    if (system->dof_map->state[i] == BW_DOF_PRESCRIBED)
+      return true;
+  return false;
+}
+
+static bwi_eigen_problem elastic_problem(elastic *problem) {
+  const bw_dof_map *dof_map = problem->system->dof_map;
+  return (bwi_eigen_problem){.size = 3 * (int64_t)dof_map->mesh->node_count,
+                             .data = problem,
+                             .mass = elastic_mass,
+                             .stiffness = elastic_stiffness,
+                             .project = elastic_project,
+                             .dimension = dof_map->unknown_count};
+}
+
 bw_status bw_modes_elastic(bw_context *context, bw_system *system, const bw_modes_options *given,
                            bw_modes **modes) {
   bw_status status = BW_OK;
   bwi_eigen_result result = {0};
   bw_modes_options options;
-  elastic problem = {.system = system};
-  const bw_dof_map *dof_map = system->dof_map;
+  elastic problem = {.system = system, .constrained = is_constrained(system)};
   BW_TRY(bwi_modes_options_check(context, given, &options));
   BW_TRY(bwi_need_factor(context, system));
-  for (int64_t i = 0; i < 3 * (int64_t)system->mesh->node_count; i++)
-    problem.constrained |= dof_map->state[i] == BW_DOF_PRESCRIBED;
-  bwi_eigen_problem eigen = {.size = 3 * (int64_t)system->mesh->node_count,
-                             .data = &problem,
-                             .solve = elastic_solve,
-                             .mass = elastic_mass,
-                             .stiffness = elastic_stiffness,
-                             .project = elastic_project,
-                             .below = elastic_below,
-                             .dimension = dof_map->unknown_count};
+  bwi_eigen_problem eigen = elastic_problem(&problem);
+  eigen.solve = elastic_solve;
+  eigen.below = elastic_below;
   BW_TRY(bwi_eigen_lowest(context, &eigen, &options, &result));
   result.report.bytes += (double)bwi_factor_bytes(system->factor);
   result.report.flops = 4.0 * (double)system->times.factor_entries * result.solves;
-  BW_TRY(bwi_modes_from(context, system->mesh, system->material, dof_map->rigid_mode_count, &result,
-                        modes));
+  BW_TRY(bwi_modes_from(context, system->mesh, system->material, system->dof_map->rigid_mode_count,
+                        &result, modes));
 done:
   bw_release(problem.unconstrained);
   bwi_eigen_result_clear(&result);
+  return status;
+}
+
+/* ---- without a factor ------------------------------------------------------------------------ */
+
+/* Bodies below this size always get a factor, as in statics; factors above this size none, where
+ * there is another way. */
+enum { SMALL = 30000 };
+#define LARGE 4e9
+
+static bw_status modes_two_level(bw_context *context, const bw_model *model, bw_system *system,
+                                 const bw_modes_options *given, bool *usable, bw_modes **modes) {
+  bw_status status = BW_OK;
+  bwi_eigen_result result = {0};
+  bw_modes_options options;
+  bw_eigensolver *solver = NULL;
+  elastic problem = {.system = system, .constrained = is_constrained(system)};
+  bw_eigensolver_options how;
+  bw_eigensolver_options_default(&how);
+  how.kind = BW_EIGENSOLVER_LOBPCG;
+  BW_TRY(bwi_modes_options_check(context, given, &options));
+  BW_TRY(bw_eigensolver_create(context, &how, &solver));
+  BW_TRY(bwi_two_level_make(context, model, system, usable));
+  if (!*usable)
+    goto done;
+  BW_TRY(bwi_system_mass(context, system));
+  problem.two_level = system->two_level->preconditioner;
+  BW_TRY(bwi_two_level_workspace_open(context, problem.two_level, &problem.workspace));
+  bwi_eigen_problem eigen = elastic_problem(&problem);
+  eigen.precondition = elastic_precondition;
+  eigen.preconditioner = "two_level";
+  bool automatic = !options.solver || options.solver->options.kind == BW_EIGENSOLVER_AUTO;
+  options.solver = solver;
+  BW_TRY(bwi_eigen_lowest(context, &eigen, &options, &result));
+  if (automatic)
+    snprintf(result.report.reason, sizeof result.report.reason,
+             "a factor would take %.3g GB of memory",
+             system->two_level->prediction.factor_bytes / 1e9);
+  result.report.bytes += (double)bw_bytes(system->two_level);
+  BW_TRY(bwi_modes_from(context, system->mesh, system->material, system->dof_map->rigid_mode_count,
+                        &result, modes));
+done:
+  bwi_two_level_workspace_clear(&problem.workspace);
+  bw_release(solver);
+  bwi_eigen_result_clear(&result);
+  return status;
+}
+
+/* Whether the modes of a system without a factor are better found without one. */
+static bw_status needs_no_factor(bw_context *context, bw_system *system, bw_eigensolver_kind kind,
+                                 bool *without) {
+  bw_status status = BW_OK;
+  *without = false;
+  if (system->factor || !bwi_two_level_applies(system) ||
+      (kind != BW_EIGENSOLVER_LOBPCG && kind != BW_EIGENSOLVER_AUTO))
+    return BW_OK;
+  if (!system->two_level)
+    BW_TRY(bwi_two_level_predict(context, system));
+  double bytes = system->two_level->prediction.factor_bytes;
+  *without = kind == BW_EIGENSOLVER_LOBPCG || bytes > LARGE || bytes > bw_available_memory();
+done:
+  return status;
+}
+
+bw_status bwi_modes_of_model(bw_context *context, const bw_model *model, bw_system *given,
+                             const bw_modes_options *options, bw_system **system,
+                             bw_modes **modes) {
+  bw_status status = BW_OK;
+  bw_dof_map *dof_map = NULL;
+  bw_system *own = NULL, *used = NULL;
+  const bw_eigensolver *solver = options ? options->solver : NULL;
+  bw_eigensolver_kind kind = solver ? solver->options.kind : BW_EIGENSOLVER_AUTO;
+  bool found = false, may = kind == BW_EIGENSOLVER_LOBPCG || kind == BW_EIGENSOLVER_AUTO;
+  BW_TRY(bw_dof_map_create(context, model, &dof_map));
+  if (may && model->mesh->order == 2 &&
+      (kind == BW_EIGENSOLVER_LOBPCG || dof_map->unknown_count >= SMALL)) {
+    bool without;
+    if (given && bwi_system_serves(given, model, dof_map))
+      own = bw_retain(given);
+    else
+      BW_TRY(bwi_system_begin(context, model->mesh, model->material, dof_map,
+                              given && bwi_same_topology(given->mesh, model->mesh) ? given : NULL,
+                              &own));
+    BW_TRY(needs_no_factor(context, own, kind, &without));
+    if (without)
+      BW_TRY(modes_two_level(context, model, own, options, &found, modes));
+    given = own;
+  }
+  if (!found) {
+    BW_TRY(bw_system_of_model(context, model, given, &used));
+    BW_TRY(bw_modes_elastic(context, used, options, modes));
+  }
+done:
+  if (system)
+    *system = bw_retain(used ? used : own);
+  bw_release(used);
+  bw_release(own);
+  bw_release(dof_map);
   return status;
 }

@@ -291,6 +291,9 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_sol
 bw_status bwi_system_precondition(bw_context *context, bw_system *system, const bw_solver *solver,
                                   bwi_symbolic *old, double available);
 
+/* The mass, where the system has none yet. */
+bw_status bwi_system_mass(bw_context *context, bw_system *system);
+
 /* Zero the components of a global field whose state's bit (1u << bw_dof_state) is not in
  * `states`, in each node's frame. */
 void bwi_keep_states(const bw_dof_map *dof_map, unsigned states, double *field);

@@ -153,7 +153,7 @@ done:
   return status;
 }
 
-static bw_status ensure_mass(bw_context *context, bw_system *system) {
+bw_status bwi_system_mass(bw_context *context, bw_system *system) {
   int64_t blocks = system->pattern->block_count;
   if (system->mass)
     return BW_OK;
@@ -235,7 +235,7 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_sol
     return BW_OK;
   BW_TRY(analyse(context, system, solver, old, available, &symbolic));
   double start = bw_seconds();
-  BW_TRY(ensure_mass(context, system));
+  BW_TRY(bwi_system_mass(context, system));
   system->times.order += bw_seconds() - start;
 
   start = bw_seconds();

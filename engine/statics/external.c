@@ -272,7 +272,7 @@ bw_status bw_modes_external(bw_context *context, const bw_model *model,
       .recovered = found.recovered,
       .counted = found.counted,
       .report = {
-          .solver = "slepc", .backend = "", .preconditioner = "", .reason = "it was asked for"}};
+          .solver = "slepc", .backend = "", .preconditioner = "", .reason = "it was given"}};
   if (status != BW_OK)
     goto done;
   result.residual = BW_NEW(context, double, found.count);
@@ -299,18 +299,10 @@ done:
 
 bw_status bw_modes_of_model(bw_context *context, const bw_model *model, bw_system *given,
                             const bw_modes_options *options, bw_system **system, bw_modes **modes) {
-  bw_system *of_model = NULL;
   const bw_eigensolver *solver = options ? options->solver : NULL;
   if (system)
     *system = NULL;
   if (solver && solver->options.kind == BW_EIGENSOLVER_SLEPC)
     return bw_modes_external(context, model, options, modes);
-  bw_status status = bw_system_of_model(context, model, given, &of_model);
-  if (status == BW_OK)
-    status = bw_modes_elastic(context, of_model, options, modes);
-  if (system)
-    *system = of_model;
-  else
-    bw_release(of_model);
-  return status;
+  return bwi_modes_of_model(context, model, given, options, system, modes);
 }

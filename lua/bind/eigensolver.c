@@ -37,6 +37,17 @@ static int eigensolver_arpack(lua_State *L) {
   return on_factor(L, "eigensolver.arpack", BW_EIGENSOLVER_ARPACK);
 }
 
+/* eigensolver.lobpcg{} */
+static int eigensolver_lobpcg(lua_State *L) {
+  static const lbw_option list[] = {{NULL, LBW_OTHER, 0}};
+  bw_eigensolver_options options;
+  bw_eigensolver_options_default(&options);
+  options.kind = BW_EIGENSOLVER_LOBPCG;
+  lua_settop(L, 1);
+  lbw_options(L, 1, "eigensolver.lobpcg", list, &options);
+  return create(L, &options);
+}
+
 /* eigensolver.slepc{inner, tolerance, max_iterations} */
 static int eigensolver_slepc(lua_State *L) {
   static const lbw_option list[] = {
@@ -96,6 +107,7 @@ const lbw_class lbw_eigensolver_class = {"eigensolver", no_methods, properties, 
 void lbw_open_eigensolver(lua_State *L) {
   static const luaL_Reg functions[] = {{"lanczos", eigensolver_lanczos},
                                        {"arpack", eigensolver_arpack},
+                                       {"lobpcg", eigensolver_lobpcg},
                                        {"slepc", eigensolver_slepc},
                                        {NULL, NULL}};
   lbw_class_register(L, &lbw_eigensolver_class);

@@ -350,6 +350,11 @@ static int modes_counted(lua_State *L) {
   return 1;
 }
 
+static int modes_tested(lua_State *L) {
+  lua_pushboolean(L, modes_self(L)->tested);
+  return 1;
+}
+
 static int modes_mesh(lua_State *L) {
   lbw_push(L, &lbw_mesh_class, modes_self(L)->mesh);
   return 1;
@@ -395,7 +400,10 @@ static int modes_tostring(lua_State *L) {
              "%d elastic modes by %s, %s to %s, %d rigid-body motions left out%s; %s", modes->count,
              modes->report.solver, lbw_quantity(modes->frequency[0], "Hz").text,
              lbw_quantity(modes->frequency[last], "Hz").text, modes->rigid_count,
-             modes->counted ? ", none missing" : "", error);
+             modes->counted  ? ", none missing"
+             : modes->tested ? ", none found missing"
+                             : "",
+             error);
   } else
     snprintf(text, sizeof text, "%d %s modes by %s, eigenvalues %.4g to %.4g; %s", modes->count,
              modes->components == 1 ? "Laplacian" : "elastic", modes->report.solver,
@@ -414,6 +422,7 @@ static const luaL_Reg modes_properties[] = {{"eigenvalues", modes_eigenvalues},
                                             {"solves", modes_solves},
                                             {"recovered", modes_recovered},
                                             {"counted", modes_counted},
+                                            {"tested", modes_tested},
                                             {"mesh", modes_mesh},
                                             {"report", modes_report},
                                             {NULL, NULL}};

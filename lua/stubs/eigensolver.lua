@@ -19,7 +19,7 @@ local eigensolver_module = {}
 ---print(modes.report.solver, modes.report.reason, modes.report.residual)
 ---```
 ---@class bw.Eigensolver
----@field name "lanczos"|"arpack"|"slepc" the method
+---@field name "lanczos"|"arpack"|"lobpcg"|"slepc" the method
 local Eigensolver = {}
 
 ---Releases the description at once.
@@ -57,6 +57,25 @@ function eigensolver_module.arpack(options) end
 ---How ARPACK works.
 ---@class bw.EigensolverArpackOptions
 ---@field basis? integer (count) vectors of the basis, from which it restarts; at least the number of modes and 2. Range: 0 to 100000. Default: 0, twice the number of modes and 20
+
+---The locally optimal block preconditioned conjugate gradient method, for bodies whose factor does not fit into memory. On
+---quadratic elements it works with the two-level preconditioner and needs no factor. Where the equations have a factor, or no
+---two-level preconditioner serves them, the factor is the preconditioner. Without a factor nothing counts the modes: an
+---iteration from random vectors looks for missing ones (`modes.tested`).
+---```lua
+---local mesh = bw.mesh.box {max = {0.3, 0.1, 0.1}, cells = {6, 2, 2}, order = 2}
+---local part = bw.model({mesh = mesh, material = bw.material.steel}):fix(mesh.boundary:below("x", 0))
+---local modes = assert(part:modes {count = 3, solver = bw.eigensolver.lobpcg {}})
+---print(modes.report.preconditioner, modes.tested) -- two_level true
+---```
+---
+---Source: docs/theory/solving.md; A. V. Knyazev, SIAM J. Sci. Comput. 23 (2001).
+---@param options? bw.EigensolverLobpcgOptions none yet
+---@return bw.Eigensolver solver the description
+function eigensolver_module.lobpcg(options) end
+
+---How LOBPCG works; it has no options.
+---@class bw.EigensolverLobpcgOptions
 
 ---The Krylov-Schur method of SLEPc, on all processes that mpirun started (docs/howto_cluster.md). It takes a model, and not
 ---the modes of the Laplacian.

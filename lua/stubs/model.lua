@@ -244,7 +244,7 @@ function Model:modes(options) end
 ---@class bw.ModelModesOptions
 ---@field count? integer (count) of modes. Default: 15
 ---@field tolerance? number (-) of the relative residuals. Range: above 0, below 1. Default: 1e-8
----@field sturm? boolean count the eigenvalues below the last one by an indefinite factor, so that none is missing. Default: true
+---@field sturm? boolean count the eigenvalues below the last one by an indefinite factor, so that none is missing; without a factor, look for missing ones from random vectors. Default: true
 ---@field seed? integer (seed) of the start vector. Default: 1
 ---@field laplacian? boolean modes of the Laplacian, with free boundary. Default: false
 ---@field solver? bw.Eigensolver|"auto" the eigensolver; that of SLEPc runs on all processes that mpirun started (docs/howto_cluster.md). Default: "auto"

@@ -21,8 +21,9 @@
 ---@field residuals bw.Array (-, count × 1, per mode) |K u - lambda M u| / |lambda M u|
 ---@field rigid_count integer (count) rigid-body motions that were left out
 ---@field solves integer (count) right-hand sides that were solved
----@field recovered integer (count) modes that were found only after the Sturm count
+---@field recovered integer (count) modes that were found only after the Sturm count, or by the test in place of it
 ---@field counted boolean whether the Sturm count confirmed that none is missing
+---@field tested boolean whether, without a factor, an iteration from random vectors found no missing mode; that is no proof
 ---@field mesh bw.Mesh of the model
 ---@field report bw.SolverReport which eigensolver found them, why, and what it took
 local Modes = {}

@@ -127,16 +127,16 @@ local Solver = {}
 
 ---What a solver did, and why it was chosen. `print` shows it in a line. Predicted costs are those of one reference machine.
 ---@class bw.SolverReport
----@field solver string the method: "cholesky", "pcg", "dual_simplex", "glpk"; of modes "lanczos", "arpack" or "slepc"
+---@field solver string the method: "cholesky", "pcg", "dual_simplex", "glpk"; of modes "lanczos", "arpack", "lobpcg" or "slepc"
 ---@field backend string? which program: "multifrontal", "cholmod", "petsc", "barwright", "glpk"
 ---@field preconditioner string? "two_level", "amg", "jacobi" or "cholesky"
 ---@field reason string? why it was chosen
 ---@field predicted_cost number? (s) where it was chosen by cost: predicted
 ---@field rival_cost number? (s) likewise, of the next best solver
 ---@field flops number? (count) operations of the factorisation
----@field bytes number? (bytes) of the factor or the preconditioner, or of a linear program; with the basis of an eigensolver; with PETSc of all processes at their peaks
+---@field bytes number? (bytes) of the factor or the preconditioner, or of a linear program; of modes with the basis of an eigensolver; with PETSc of all processes at their peaks
 ---@field seconds number? (s) spent; on linear programs by all threads together
----@field iterations integer? (count) of conjugate gradients, or of all linear programs; of an eigensolver: restarts
+---@field iterations integer? (count) of conjugate gradients, or of all linear programs; of an eigensolver: restarts, of LOBPCG iterations
 ---@field residual number? (-) relative, at the end; of linear programs the largest violation, as a fraction of the total force
 ---@field reused number? (-) fraction of the work that an earlier solution had done
 ---@field ranks integer? (count) of PETSc and SLEPc: processes

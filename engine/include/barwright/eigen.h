@@ -18,6 +18,8 @@ typedef enum bw_eigensolver_kind {
   BW_EIGENSOLVER_ARPACK,  /* ARPACK-ng: implicitly restarted Lanczos on the inverse, one right-hand
                              side at a time. Its state is one for the process: a run waits until
                              that of another thread has ended */
+  BW_EIGENSOLVER_LOBPCG,  /* locally optimal block preconditioned conjugate gradients: by a factor
+                             where there is one, else by the two-level preconditioner */
   BW_EIGENSOLVER_SLEPC    /* SLEPc on several processes: the registered bw_external */
 } bw_eigensolver_kind;
 /* How an eigensolver works. */
@@ -73,6 +75,8 @@ typedef struct bw_modes {
   int solves;       /* right-hand sides solved for */
   int recovered;    /* modes found only after the Sturm count showed that they were missing */
   bool counted;     /* the Sturm count confirmed that none is missing */
+  bool tested;      /* without a factor: an iteration from random vectors, orthogonal to the modes,
+                       found none below the last */
   bw_solver_report report;             /* how they were found */
   struct bw_external_report *external; /* of an external solver, or NULL */
 } bw_modes;

@@ -8,7 +8,8 @@
 
 #include "eigen/internal.h"
 
-static const bw_eigensolver_kind kinds[] = {BW_EIGENSOLVER_LANCZOS, BW_EIGENSOLVER_ARPACK};
+static const bw_eigensolver_kind kinds[] = {BW_EIGENSOLVER_LANCZOS, BW_EIGENSOLVER_ARPACK,
+                                            BW_EIGENSOLVER_LOBPCG};
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
 typedef struct diagonal {
@@ -16,9 +17,11 @@ typedef struct diagonal {
   const double *value;
   const uint8_t *hide; /* components kept out of the first random block; NULL: none */
   int projections;
-  int counts;    /* Sturm counts asked for */
-  int solves;    /* right-hand sides */
-  int cancel_at; /* that of a solve in which the run is cancelled; 0: none */
+  int counts;     /* Sturm counts asked for */
+  int solves;     /* right-hand sides */
+  int cancel_at;  /* that of a solve in which the run is cancelled; 0: none */
+  bool uncounted; /* there is no count */
+  bool rough;     /* there is no inverse, but a preconditioner */
 } diagonal;
 
 static bw_status divide(bw_context *context, void *data, int64_t count, const double *f,
@@ -31,6 +34,15 @@ static bw_status divide(bw_context *context, void *data, int64_t count, const do
     for (int64_t i = 0; i < d->size; i++)
       y[k * d->size + i] = f[k * d->size + i] / d->value[i];
   return BW_OK;
+}
+/* Within a factor of three of the inverse. */
+static bw_status rough(bw_context *context, void *data, int64_t count, const double *f, double *y) {
+  const diagonal *d = data;
+  bw_status status = divide(context, data, count, f, y);
+  for (int64_t k = 0; k < count; k++)
+    for (int64_t i = 0; i < d->size; i++)
+      y[k * d->size + i] *= 1 + (double)(i % 3);
+  return status;
 }
 static bw_status copy(bw_context *context, void *data, int64_t count, const double *x, double *y) {
   (void)context;
@@ -91,6 +103,13 @@ static bw_status lowest(bw_context *context, diagonal *d, const bw_eigensolver *
                                .project = hide,
                                .below = below,
                                .dimension = d->size};
+  if (d->uncounted)
+    problem.below = NULL;
+  if (d->rough) {
+    problem.solve = NULL;
+    problem.precondition = rough;
+    problem.preconditioner = "rough";
+  }
   bw_modes_options options;
   bw_modes_options_default(&options);
   options.count = count;
@@ -277,6 +296,39 @@ static void threads_beside_each_other(void **state) {
   free(value);
 }
 
+/* LOBPCG with a preconditioner that is no inverse, and nothing that counts. Partners that its start
+ * does not contain are found by the test with random vectors. */
+static void without_a_factor(void **state) {
+  bw_context *context = check_context(state);
+  enum { SIZE = 3000 };
+  double *value = numbers(SIZE);
+  uint8_t *mask = calloc(SIZE, 1);
+  for (int i = 0; i < SIZE; i++)
+    value[i] = 3 + i / 2; /* all double */
+  mask[4] = mask[7] = mask[8] = mask[9] = 1;
+  for (int hidden = 0; hidden < 2; hidden++) {
+    bw_eigensolver *solver = eigensolver(context, BW_EIGENSOLVER_LOBPCG);
+    diagonal d = {.size = SIZE,
+                  .value = value,
+                  .hide = hidden ? mask : NULL,
+                  .uncounted = true,
+                  .rough = true};
+    bwi_eigen_result result;
+    check_ok(context, lowest(context, &d, solver, 15, &result));
+    for (int i = 0; i < 15; i++)
+      check_near(result.value[i], value[i], 1e-10 * value[i]);
+    assert_string_equal(result.report.preconditioner, "rough");
+    assert_true(result.report.residual <= 1e-8);
+    assert_false(result.counted);
+    assert_true(result.tested);
+    assert_true(hidden ? result.recovered > 0 : result.recovered == 0);
+    bwi_eigen_result_clear(&result);
+    bw_release(solver);
+  }
+  free(value);
+  free(mask);
+}
+
 static void refused(void **state) {
   bw_context *context = check_context(state);
   bw_eigensolver *solver = NULL;
@@ -296,7 +348,7 @@ static void refused(void **state) {
   double value[100];
   for (int i = 0; i < 100; i++)
     value[i] = 1 + i;
-  for (int k = 0; k < KINDS; k++) {
+  for (int k = 0; k < KINDS && kinds[k] != BW_EIGENSOLVER_LOBPCG; k++) {
     diagonal d = {.size = 100, .value = value};
     bwi_eigen_result result;
     bw_eigensolver_options_default(&options);
@@ -316,10 +368,14 @@ static void refused(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      check_test(simple_spectrum),           check_test(multiplicity_beyond_the_block),
-      check_test(hidden_partners),           check_test(small_spaces),
-      check_test(same_bits_again),           check_test(cancelled),
-      check_test(threads_beside_each_other), check_test(refused)};
+  const struct CMUnitTest tests[] = {check_test(simple_spectrum),
+                                     check_test(multiplicity_beyond_the_block),
+                                     check_test(hidden_partners),
+                                     check_test(small_spaces),
+                                     check_test(same_bits_again),
+                                     check_test(cancelled),
+                                     check_test(threads_beside_each_other),
+                                     check_test(without_a_factor),
+                                     check_test(refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

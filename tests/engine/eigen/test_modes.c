@@ -4,7 +4,8 @@
  * for each eigensolver. */
 #include "bodies.h"
 
-static const bw_eigensolver_kind kinds[] = {BW_EIGENSOLVER_LANCZOS, BW_EIGENSOLVER_ARPACK};
+static const bw_eigensolver_kind kinds[] = {BW_EIGENSOLVER_LANCZOS, BW_EIGENSOLVER_ARPACK,
+                                            BW_EIGENSOLVER_LOBPCG};
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
 static bw_eigensolver *eigensolver(bw_context *context, bw_eigensolver_kind kind) {
@@ -104,10 +105,11 @@ static void against_each_other(void **state) {
   bw_mesh *mesh = body_box(context, 1, 0.7, 0.4, 9, 7, 4, 1);
   setup s;
   open_free(context, mesh, &s);
+  const char *const names[] = {"lanczos", "arpack", "lobpcg"};
   bw_modes *modes[KINDS];
   for (int k = 0; k < KINDS; k++) {
     modes[k] = modes_by(context, s.system, kinds[k], 0);
-    assert_string_equal(modes[k]->report.solver, k == 0 ? "lanczos" : "arpack");
+    assert_string_equal(modes[k]->report.solver, names[k]);
     for (int i = 0; i < 15; i++)
       check_near(modes[k]->eigenvalue[i], modes[0]->eigenvalue[i], 1e-9 * modes[0]->eigenvalue[i]);
   }
@@ -323,6 +325,99 @@ static void failing_allocations(void **state) {
   bw_release(mesh);
 }
 
+/* A bar of quadratic elements, held at one end, on a plane that is not along the axes. */
+static bw_model *held_bar(bw_context *context, int cells) {
+  bw_mesh *mesh = body_box(context, 3, 1, 0.9, 3 * cells, cells, cells, 2);
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  bw_selection *face = NULL, *side = NULL;
+  const double origin[3] = {0, 0, 0}, along[3] = {1, 0, 0}, low[3] = {1.9, -1, -1},
+               high[3] = {4, 1e-9, 2}, normal[3] = {0.1, 1, 0.2};
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  check_ok(context, bw_select_plane(context, mesh, origin, along, 1e-9, &face));
+  check_ok(context, bw_model_fix(context, model, face));
+  check_ok(context, bw_select_box(context, mesh, low, high, &side));
+  check_ok(context, bw_model_slide(context, model, side, normal));
+  bw_release(face);
+  bw_release(side);
+  bw_release(material);
+  bw_release(mesh);
+  return model;
+}
+
+static bw_status without_factor(bw_context *context, const bw_model *model, bw_system **system,
+                                bw_modes **modes) {
+  bw_modes_options options;
+  bw_modes_options_default(&options);
+  options.count = 6;
+  bw_eigensolver *solver = NULL;
+  bw_eigensolver_options how;
+  bw_eigensolver_options_default(&how);
+  how.kind = BW_EIGENSOLVER_LOBPCG;
+  bw_status status = bw_eigensolver_create(context, &how, &solver);
+  options.solver = solver;
+  if (status == BW_OK)
+    status = bw_modes_of_model(context, model, NULL, &options, system, modes);
+  bw_release(solver);
+  return status;
+}
+
+/* LOBPCG with the two-level preconditioner beside a factor: the same modes, with the same bits on
+ * any number of threads. */
+static void two_level(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = held_bar(context, 4);
+  bw_system *factored = NULL, *system = NULL;
+  check_ok(context, bw_system_of_model(context, model, NULL, &factored));
+  bw_modes *own = modes_by(context, factored, BW_EIGENSOLVER_LANCZOS, 6), *modes[3];
+  for (int threads = 1; threads <= 3; threads++) {
+    check_ok(context, bw_set_threads(context, threads));
+    bw_release(system);
+    check_ok(context, without_factor(context, model, &system, &modes[threads - 1]));
+    const bw_modes *found = modes[threads - 1];
+    assert_null(system->factor);
+    assert_string_equal(found->report.preconditioner, "two_level");
+    assert_true(found->tested && !found->counted);
+    for (int i = 0; i < 6; i++) {
+      check_near(found->eigenvalue[i], own->eigenvalue[i], 1e-9 * own->eigenvalue[i]);
+      assert_true(found->residual[i] <= 1e-8);
+    }
+    assert_memory_equal(found->shape, modes[0]->shape,
+                        (size_t)(6 * 3 * model->mesh->node_count) * sizeof(double));
+  }
+  for (int k = 0; k < 3; k++)
+    bw_release(modes[k]);
+  bw_release(own);
+  bw_release(system);
+  bw_release(factored);
+  bw_release(model);
+}
+
+/* Allocations that fail one after the other; thinned out, since there are thousands. */
+static void two_level_memory(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = held_bar(context, 1);
+  check_ok(context, bw_set_threads(context, 1));
+  int64_t before = bw_live_blocks();
+  bool passed = false;
+  for (int64_t n = 1; !passed && n < 100000; n += n < 300 ? 1 : 17) {
+    bw_modes *modes = NULL;
+    bw_system *system = NULL;
+    bw_fail_allocation(n, true);
+    bw_status status = without_factor(context, model, &system, &modes);
+    bw_fail_allocation(0, false);
+    if (status != BW_OK)
+      assert_int_equal(status, BW_MEMORY);
+    passed = status == BW_OK;
+    bw_release(modes);
+    bw_release(system);
+    bw_clear_failure(context);
+    assert_int_equal(bw_live_blocks(), before);
+  }
+  assert_true(passed);
+  bw_release(model);
+}
+
 static void refused_options(void **state) {
   bw_context *context = check_context(state);
   bw_mesh *mesh = body_box(context, 1, 1, 1, 1, 1, 1, 1);
@@ -351,6 +446,8 @@ int main(void) {
                                      check_test(same_bits),
                                      check_test(one_element),
                                      check_test(failing_allocations),
+                                     check_test(two_level),
+                                     check_test(two_level_memory),
                                      check_test(refused_options)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -107,6 +107,7 @@ makers.Static = {
 makers.Eigensolver = { -- none of several processes, which start MPI for good: tests/lua/distributed
   function() return bw.eigensolver.lanczos {} end,
   function() return bw.eigensolver.arpack {} end,
+  function() return bw.eigensolver.lobpcg {} end,
 }
 makers.Modes = {
   function(p) return assert(p.Model:modes {count = 2}) end,

@@ -1,0 +1,487 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The locally optimal block preconditioned conjugate gradient method (Knyazev 2001): Rayleigh-Ritz
+ * on the span of the block X, the preconditioned residuals W = B (K X - M X Theta), and the
+ * directions P of the last iteration.
+ *
+ * The basis S = [X P W] is M-orthonormal. Then Rayleigh-Ritz is an ordinary symmetric eigenproblem
+ * of S^T K S, and nothing of it is ill-conditioned near convergence (Hetmaniuk and Lehoucq 2006,
+ * Duersch et al. 2018): W is orthogonalised against X and P and among itself by the eigenvectors of
+ * its Gram matrix, dependent vectors dropped, twice; the coefficients of P are orthogonalised
+ * against those of X, so that P needs no product with M.
+ *
+ * Soft locking: pairs that have converged stay in X and take part in Rayleigh-Ritz, but have no W
+ * and no P.
+ *
+ * Invariants between calls: the first `block` columns of the basis are X, M-orthonormal, in the
+ * wanted space, with values ascending; `stiff` and `heavy` are K and M times the basis. */
+#include <math.h>
+#include <string.h>
+
+#include "barwright/job.h"
+#include "eigen/iteration.h"
+#include "linear/blas.h"
+#include "linear/multivector.h"
+
+enum { GUARDS = 4, LIMIT = 300, CHUNK = 512 };
+
+/* Relative size of an eigenvalue of a Gram matrix below which its vector depends on the others. */
+static const double dependent = 1e-14;
+/* A residual that has not fallen to this fraction of its best in so many rounds stands still; below
+ * this one it is rounding that stops it. */
+static const double falls = 0.9, close_enough = 1e-4;
+/* The residual of a guard that is good enough. */
+#define GUARDED 1e-2
+enum { STILL_ROUNDS = 8 };
+
+typedef struct lobpcg {
+  bwi_eigen_iteration base;
+  int block;                     /* columns of X */
+  int directions;                /* columns of P, behind X */
+  int width;                     /* of the basis: 3 x block */
+  double *basis, *stiff, *heavy; /* width x size */
+  double *residual;              /* block: |K x - theta M x| / |theta M x| */
+  double *best;                  /* block: the smallest residual so far */
+  int *still;                    /* block: rounds since it was found */
+} lobpcg;
+
+static void lobpcg_close(bwi_eigen_iteration *iteration) {
+  lobpcg *l = (lobpcg *)iteration;
+  bw_free(l->base.value);
+  bw_free(l->basis);
+  bw_free(l->stiff);
+  bw_free(l->heavy);
+  bw_free(l->residual);
+  bw_free(l->best);
+  bw_free(l->still);
+  bw_free(l);
+}
+
+/* ---- bases ----------------------------------------------------------------------------------- */
+
+/* Columns of the basis from `to` on, and their images: `count` combinations of the first `from`
+ * ones. Rows are worked on in chunks, so that results may take the place of their parts. */
+typedef struct combination {
+  double *field[3];
+  int64_t size;
+  int from, count, to, images;
+  const double *weights; /* from x count, column-major */
+  double *part;          /* by worker: CHUNK x count */
+} combination;
+
+static bw_status combine_rows(void *data, int64_t begin, int64_t end, int worker) {
+  const combination *c = data;
+  int rows = (int)(end - begin), ld = (int)c->size;
+  const double one = 1, zero = 0;
+  double *part = c->part + (int64_t)worker * CHUNK * c->count;
+  for (int which = 0; which < c->images; which++) {
+    dgemm_("N", "N", &rows, &c->count, &c->from, &one, c->field[which] + begin, &ld, c->weights,
+           &c->from, &zero, part, &rows);
+    for (int k = 0; k < c->count; k++)
+      memcpy(c->field[which] + (c->to + k) * c->size + begin, part + (int64_t)k * rows,
+             (size_t)rows * sizeof(double));
+  }
+  return BW_OK;
+}
+
+static bw_status combine(lobpcg *l, combination c) {
+  bw_context *context = l->base.context;
+  c.size = l->base.size;
+  c.part = BW_NEW(context, double, (int64_t)bw_threads(context) * CHUNK * c.count);
+  if (!c.part)
+    return BW_MEMORY;
+  bw_status status = bw_parallel(context, c.size, CHUNK, combine_rows, &c);
+  bw_free(c.part);
+  return status;
+}
+
+/* Eigenvalues, ascending, and eigenvectors of a symmetric matrix (order x order), in its place. */
+static bw_status symmetric(bw_context *context, int order, double *matrix, double *value) {
+  int info = 0, length = 8 * order + 64;
+  double *work = BW_NEW(context, double, length);
+  if (!work)
+    return BW_MEMORY;
+  dsyev_("V", "U", &order, matrix, &order, value, work, &length, &info);
+  bw_free(work);
+  return info == 0 ? BW_OK
+                   : bw_fail(context, BW_INTERNAL, "dsyev failed on a matrix of order %d (%d)",
+                             order, info);
+}
+
+/* The columns from `first` on, `count` of them, made M-orthonormal among themselves by the
+ * eigenvectors of their Gram matrix; dependent ones are dropped. M times them is at hand. */
+static bw_status orthonormalise(lobpcg *l, int first, int *count) {
+  bw_status status = BW_OK;
+  bw_context *context = l->base.context;
+  int64_t size = l->base.size;
+  int n = *count, kept = 0;
+  double *gram = BW_NEW(context, double, (int64_t)n *n);
+  double *value = BW_NEW(context, double, 2 * (int64_t)n);
+  double *w = l->basis + first * size, *mw = l->heavy + first * size;
+  if (!gram || !value) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  double *scale = value + n;
+  BW_TRY(bwi_multi_dot(context, size, n, w, n, mw, gram));
+  for (int j = 0; j < n; j++)
+    scale[j] = gram[j + j * n] > 0 ? 1 / sqrt(gram[j + j * n]) : 0;
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++)
+      gram[i + j * n] *= scale[i] * scale[j];
+  BW_TRY(symmetric(context, n, gram, value));
+  for (int j = n - 1; j >= 0 && value[j] > dependent * value[n - 1] && value[j] > 0; j--, kept++)
+    for (int i = 0; i < n; i++)
+      gram[i + j * n] *= scale[i] / sqrt(value[j]);
+  if (kept > 0)
+    BW_TRY(combine(l, (combination){.field = {w, mw},
+                                    .images = 2,
+                                    .from = n,
+                                    .count = kept,
+                                    .weights = gram + (int64_t)(n - kept) * n}));
+  *count = kept;
+done:
+  bw_free(gram);
+  bw_free(value);
+  return status;
+}
+
+/* Takes in `count` columns behind the first `before` ones, which are M-orthonormal: orthogonalised
+ * twice against these and among themselves, with their images. *count: those kept. */
+static bw_status take_in(lobpcg *l, int before, int *count) {
+  bw_status status = BW_OK;
+  bw_context *context = l->base.context;
+  const bwi_eigen_problem *problem = l->base.problem;
+  int64_t size = l->base.size;
+  double *w = l->basis + before * size, *mw = l->heavy + before * size;
+  double *part = BW_NEW(context, double, (int64_t)(before + 1) * *count);
+  if (!part) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(problem->project(context, problem->data, *count, w));
+  for (int pass = 0; pass < 2 && *count > 0; pass++) {
+    BW_TRY(bwi_multi_dot(context, size, before, l->heavy, *count, w, part));
+    BW_TRY(bwi_multi_combine(context, size, before, l->basis, *count, part, before, -1, 1, w));
+    BW_TRY(problem->mass(context, problem->data, *count, w, mw));
+    BW_TRY(orthonormalise(l, before, count));
+  }
+  if (*count > 0)
+    BW_TRY(problem->stiffness(context, problem->data, *count, w, l->stiff + before * size));
+done:
+  bw_free(part);
+  return status;
+}
+
+/* ---- Rayleigh-Ritz --------------------------------------------------------------------------- */
+
+/* Coefficients of the next P behind those of the next X, of which `live` are not locked: the parts
+ * of X that come from behind the old X, orthonormalised against X and among themselves. */
+static int direction_weights(int columns, int block, const bool *live, double *weights) {
+  int kept = 0;
+  for (int j = 0; j < block; j++) {
+    if (!live[j])
+      continue;
+    double *p = weights + (int64_t)(block + kept) * columns, before = 0, size = 0;
+    for (int i = 0; i < columns; i++) {
+      p[i] = i < block ? 0 : weights[i + j * columns];
+      before += p[i] * p[i];
+    }
+    for (int pass = 0; pass < 3; pass++)
+      for (int k = 0; k < block + kept; k++) {
+        double along = 0;
+        for (int i = 0; i < columns; i++)
+          along += weights[i + k * columns] * p[i];
+        for (int i = 0; i < columns; i++)
+          p[i] -= along * weights[i + k * columns];
+      }
+    for (int i = 0; i < columns; i++)
+      size += p[i] * p[i];
+    if (!(size > 1e-12 * before) || !(size > 0))
+      continue;
+    for (int i = 0; i < columns; i++)
+      p[i] /= sqrt(size);
+    kept++;
+  }
+  return kept;
+}
+
+/* The next X, of `block` columns, and P from the first `columns` of the basis. `live`: block, NULL:
+ * no P. */
+static bw_status rayleigh_ritz(lobpcg *l, int columns, const bool *live) {
+  bw_status status = BW_OK;
+  bw_context *context = l->base.context;
+  int block = l->block < columns ? l->block : columns;
+  double *matrix = BW_NEW(context, double, (int64_t)columns *(columns + block));
+  double *value = BW_NEW(context, double, columns);
+  if (!matrix || !value) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(bwi_multi_dot(context, l->base.size, columns, l->basis, columns, l->stiff, matrix));
+  for (int j = 0; j < columns; j++)
+    for (int i = 0; i < j; i++)
+      matrix[i + j * columns] = 0.5 * (matrix[i + j * columns] + matrix[j + i * columns]);
+  BW_TRY(symmetric(context, columns, matrix, value));
+  memcpy(l->base.value, value, (size_t)block * sizeof(double));
+  l->directions = live && columns > block ? direction_weights(columns, block, live, matrix) : 0;
+  BW_TRY(combine(l, (combination){.field = {l->basis, l->stiff, l->heavy},
+                                  .images = 3,
+                                  .from = columns,
+                                  .count = block + l->directions,
+                                  .weights = matrix}));
+  l->block = l->base.known = block;
+done:
+  bw_free(matrix);
+  bw_free(value);
+  return status;
+}
+
+/* Random columns behind the first `keep` of X, so that there are `block` of them, and the Ritz
+ * pairs of these. The preconditioner takes the high modes out of them. */
+static bw_status fill(lobpcg *l, int keep, int block) {
+  bw_status status = BW_OK;
+  const bwi_eigen_problem *problem = l->base.problem;
+  bw_context *context = l->base.context;
+  int64_t size = l->base.size;
+  int count = block - keep;
+  double *x = l->basis + keep * size, *y = l->stiff + keep * size;
+  BW_TRY(bwi_eigen_random(&l->base, count, x));
+  BW_TRY(problem->mass(context, problem->data, count, x, y));
+  BW_TRY(problem->precondition(context, problem->data, count, y, x));
+  l->base.solves += count;
+  BW_TRY(take_in(l, keep, &count));
+  l->block = keep + count;
+  BW_TRY(rayleigh_ritz(l, l->block, NULL));
+done:
+  return status;
+}
+
+/* ---- memory ---------------------------------------------------------------------------------- */
+
+/* Arrays for a block of `block` columns; the first `keep` columns stay. */
+static bw_status resize(lobpcg *l, int block, int keep) {
+  bw_context *context = l->base.context;
+  int64_t size = l->base.size, width = 3 * (int64_t)block;
+  double bytes = 8.0 * 3 * (double)width * (double)size, available = bw_available_memory();
+  if (bytes > available) {
+    bw_fail(context, BW_MEMORY,
+            "the basis of %d vectors takes %.3g GB of memory, more than the %.3g GB available",
+            3 * block, bytes / 1e9, available / 1e9);
+    bw_detail_number(context, "bytes", bytes);
+    return BW_MEMORY;
+  }
+  double **field[] = {&l->basis, &l->stiff, &l->heavy};
+  double *made[3] = {NULL};
+  double *value = BW_NEW0(context, double, block);
+  double *residual = BW_NEW0(context, double, block);
+  double *best = BW_NEW0(context, double, block);
+  int *rounds = BW_NEW0(context, int, block);
+  bool all = value && residual && best && rounds;
+  for (int k = 0; k < 3 && all; k++) {
+    made[k] = BW_NEW(context, double, width *size);
+    all = made[k];
+  }
+  for (int k = 0; k < 3; k++) {
+    if (all && keep > 0)
+      memcpy(made[k], *field[k], (size_t)keep * (size_t)size * sizeof(double));
+    if (all) {
+      bw_free(*field[k]);
+      *field[k] = made[k];
+    } else
+      bw_free(made[k]);
+  }
+  double **small[] = {&l->base.value, &l->residual, &l->best}, *fresh[] = {value, residual, best};
+  for (int k = 0; k < 3; k++) {
+    if (all && keep > 0)
+      memcpy(fresh[k], *small[k], (size_t)keep * sizeof(double));
+    bw_free(all ? *small[k] : fresh[k]);
+    if (all)
+      *small[k] = fresh[k];
+  }
+  bw_free(all ? l->still : rounds);
+  if (!all)
+    return BW_MEMORY;
+  l->still = rounds;
+  l->width = (int)width;
+  l->base.bytes = bytes;
+  return BW_OK;
+}
+
+static int block_of(const bwi_eigen_problem *problem, int wanted) {
+  int64_t block = (int64_t)wanted + GUARDS;
+  return (int)(block < problem->dimension ? block : problem->dimension);
+}
+
+static bw_status lobpcg_open(bw_context *context, const bwi_eigen_problem *problem,
+                             const bwi_eigen_setup *setup, bwi_eigen_iteration **out) {
+  (void)setup;
+  if (problem->size > INT32_MAX)
+    return bw_fail(context, BW_LIMIT, "%lld numbers in a field are more than BLAS can count",
+                   (long long)problem->size);
+  lobpcg *l = BW_NEW0(context, lobpcg, 1);
+  if (!l)
+    return BW_MEMORY;
+  l->base.most = INT32_MAX - GUARDS;
+  *out = &l->base;
+  return BW_OK;
+}
+
+/* ---- the iteration --------------------------------------------------------------------------- */
+
+/* Residual j of the block, to the columns behind X and P. */
+static bw_status residual_columns(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  lobpcg *l = data;
+  int64_t size = l->base.size;
+  for (int64_t j = begin; j < end; j++) {
+    const double *kx = l->stiff + j * size, *mx = l->heavy + j * size;
+    double *r = l->basis + (l->block + l->directions + j) * size;
+    double theta = l->base.value[j], difference = 0, whole = 0;
+    for (int64_t i = 0; i < size; i++) {
+      double m = theta * mx[i];
+      r[i] = kx[i] - m;
+      difference += r[i] * r[i];
+      whole += m * m;
+    }
+    l->residual[j] = whole > 0 ? sqrt(difference / whole) : 0;
+  }
+  return BW_OK;
+}
+
+/* Residuals K x - theta M x, and which columns are live. A column that has converged, or that
+ * rounding keeps from it, is locked. So are guards that are good enough to widen the gap. */
+static bw_status find_residuals(lobpcg *l, int wanted, double tolerance, bool *live) {
+  bw_status status = bw_parallel(l->base.context, l->block, 1, residual_columns, l);
+  for (int j = 0; j < l->block; j++) {
+    bool another = l->residual[j] > 10 * l->best[j]; /* a pair that came in below moved them up */
+    l->still[j] = another || l->residual[j] < falls * l->best[j] ? 0 : l->still[j] + 1;
+    if (l->still[j] == 0)
+      l->best[j] = l->residual[j];
+    if (l->still[j] >= STILL_ROUNDS && l->residual[j] < close_enough)
+      l->residual[j] = fmin(l->residual[j], tolerance);
+    live[j] = l->residual[j] > (j < wanted ? tolerance : fmax(tolerance, GUARDED));
+  }
+  return status;
+}
+
+/* W = B R of the live columns, behind X and P; *count: how many. */
+static bw_status precondition(lobpcg *l, const bool *live, int *count) {
+  bw_status status = BW_OK;
+  const bwi_eigen_problem *problem = l->base.problem;
+  int64_t size = l->base.size, behind = (l->block + l->directions) * size;
+  *count = 0;
+  for (int j = 0; j < l->block; j++)
+    if (live[j])
+      memcpy(l->stiff + behind + (*count)++ * size, l->basis + behind + j * size,
+             (size_t)size * sizeof(double));
+  BW_TRY(problem->precondition(l->base.context, problem->data, *count, l->stiff + behind,
+                               l->basis + behind));
+  l->base.solves += *count;
+done:
+  return status;
+}
+
+static int lobpcg_converged(const bwi_eigen_iteration *iteration, int wanted, double tolerance) {
+  const lobpcg *l = (const lobpcg *)iteration;
+  int count = 0;
+  while (count < wanted && count < l->block && l->residual[count] <= tolerance)
+    count++;
+  return count;
+}
+
+/* Images of X once more: combinations of combinations lose digits. */
+static bw_status refresh(lobpcg *l) {
+  bw_status status = BW_OK;
+  const bwi_eigen_problem *problem = l->base.problem;
+  bw_context *context = l->base.context;
+  BW_TRY(problem->stiffness(context, problem->data, l->block, l->basis, l->stiff));
+  BW_TRY(problem->mass(context, problem->data, l->block, l->basis, l->heavy));
+done:
+  return status;
+}
+
+static bw_status iterate(lobpcg *l, int wanted, double tolerance, bool *live) {
+  bw_status status = BW_OK;
+  const bwi_eigen_problem *problem = l->base.problem;
+  bw_context *context = l->base.context;
+  bool refreshed = false;
+  for (int j = 0; j < l->block; j++) {
+    l->still[j] = 0;
+    l->best[j] = INFINITY;
+  }
+  for (int round = 0;; round++) {
+    int count;
+    BW_TRY(bw_check_cancel(context));
+    BW_TRY(find_residuals(l, wanted, tolerance, live));
+    int found = lobpcg_converged(&l->base, wanted, tolerance);
+    bw_progress(context, "modes", (double)found / wanted);
+    if (found == wanted && refreshed)
+      break;
+    refreshed = found == wanted;
+    if (refreshed) {
+      BW_TRY(refresh(l));
+      continue;
+    }
+    if (l->block >= problem->dimension)
+      break;
+    if (round >= LIMIT) {
+      status = bwi_eigen_stopped(&l->base, found, wanted, tolerance);
+      goto done;
+    }
+    BW_TRY(precondition(l, live, &count));
+    l->base.iterations++;
+    BW_TRY(take_in(l, l->block + l->directions, &count));
+    if (count == 0)
+      break;
+    BW_TRY(rayleigh_ritz(l, l->block + l->directions + count, live));
+  }
+done:
+  return status;
+}
+
+static bw_status lobpcg_iterate(bwi_eigen_iteration *iteration, int wanted, double tolerance) {
+  bw_status status = BW_OK;
+  lobpcg *l = (lobpcg *)iteration;
+  int block = block_of(iteration->problem, wanted);
+  bool *live = NULL;
+  if (block > l->block) {
+    int keep = l->block;
+    l->directions = 0;
+    if (3 * block > l->width)
+      BW_TRY(resize(l, block, keep));
+    BW_TRY(fill(l, keep, block));
+  }
+  if (wanted > l->block)
+    wanted = l->block;
+  live = BW_NEW0(iteration->context, bool, l->block);
+  if (!live) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  BW_TRY(iterate(l, wanted, tolerance, live));
+done:
+  bw_free(live);
+  return status;
+}
+
+static bw_status lobpcg_deflate(bwi_eigen_iteration *iteration, int keep) {
+  lobpcg *l = (lobpcg *)iteration;
+  int block = l->width / 3;
+  if (block > iteration->problem->dimension)
+    block = (int)iteration->problem->dimension;
+  l->directions = 0;
+  return keep < block ? fill(l, keep, block) : BW_OK;
+}
+
+static bw_status lobpcg_vectors(const bwi_eigen_iteration *iteration, int count, double *x) {
+  const lobpcg *l = (const lobpcg *)iteration;
+  memcpy(x, l->basis, (size_t)count * (size_t)iteration->size * sizeof *x);
+  return BW_OK;
+}
+
+const bwi_eigen_method *bwi_eigen_lobpcg(void) {
+  static const bwi_eigen_method method = {"lobpcg",         lobpcg_open,    lobpcg_iterate,
+                                          lobpcg_converged, lobpcg_deflate, lobpcg_vectors,
+                                          lobpcg_close};
+  return &method;
+}

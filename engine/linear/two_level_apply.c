@@ -1,0 +1,101 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The two-level preconditioner on fields of doubles: packed eight at a time into the order of its
+ * rows, each times a power of two that brings it into the range of floats. */
+#include "linear/two_level_apply.h"
+
+#include <math.h>
+
+enum { SIDES = BWI_SMOOTHER_SIDES, ROWS = BWI_SMOOTHER_ROWS };
+
+void bwi_two_level_workspace_clear(bwi_two_level_workspace *w) {
+  bw_free(w->z);
+  bw_free(w->residual);
+  bw_free(w->floats);
+  bw_free(w->corner);
+  *w = (bwi_two_level_workspace){0};
+}
+
+bw_status bwi_two_level_workspace_open(bw_context *context, const bwi_two_level *l,
+                                       bwi_two_level_workspace *w) {
+  size_t numbers = 3 * (size_t)l->smoother->count * SIDES + BWI_SMOOTHER_SPARE;
+  *w = (bwi_two_level_workspace){0};
+  w->z = BW_NEW0(context, float, numbers);
+  w->residual = BW_NEW0(context, float, numbers);
+  w->floats = BW_NEW0(context, float, numbers);
+  w->corner = BW_NEW(context, double, 3 * (size_t)bwi_coarse_corners(l->coarse) * SIDES);
+  return w->z && w->residual && w->floats && w->corner ? BW_OK : BW_MEMORY;
+}
+
+typedef struct packing {
+  const bwi_two_level *l;
+  int used;
+  int64_t size; /* of a field */
+  const double *f;
+  double *z;
+  double unit[SIDES];
+} packing;
+
+static bw_status pack(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const packing *p = data;
+  const bwi_smoother *s = p->l->smoother;
+  for (int64_t k = begin; k < end; k++)
+    for (int d = 0; d < 3; d++)
+      for (int i = 0; i < SIDES; i++)
+        p->l->floats[(3 * k + d) * SIDES + i] =
+            i < p->used ? (float)(p->unit[i] * p->f[i * p->size + 3 * (int64_t)s->node[k] + d]) : 0;
+  return BW_OK;
+}
+
+static bw_status unpack(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const packing *p = data;
+  const bwi_smoother *s = p->l->smoother;
+  for (int64_t k = begin; k < end; k++)
+    for (int d = 0; d < 3; d++)
+      for (int i = 0; i < p->used; i++)
+        p->z[i * p->size + 3 * (int64_t)s->node[k] + d] =
+            (double)p->l->z[(3 * k + d) * SIDES + i] * (s->unit / p->unit[i]);
+  return BW_OK;
+}
+
+/* The power of two that brings the largest entry between 1/2 and 1. */
+static double unit_of(const double *f, int64_t size) {
+  double largest = 0;
+  int exponent = 0;
+  for (int64_t i = 0; i < size; i++)
+    largest = fmax(largest, fabs(f[i]));
+  frexp(largest, &exponent);
+  return ldexp(1, -exponent);
+}
+
+bw_status bwi_two_level_apply(bw_context *context, bwi_two_level *l,
+                              const bwi_two_level_workspace *w, int64_t count, const double *f,
+                              double *z) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)l->smoother->pattern->node_count;
+  const bwi_two_level_workspace own = {l->z, l->residual, l->floats, l->corner};
+  l->z = w->z;
+  l->residual = w->residual;
+  l->floats = w->floats;
+  l->corner = w->corner;
+  for (int64_t first = 0; first < count; first += SIDES) {
+    packing p = {.l = l,
+                 .used = (int)(count - first < SIDES ? count - first : SIDES),
+                 .size = size,
+                 .f = f + first * size,
+                 .z = z + first * size};
+    for (int i = 0; i < p.used; i++)
+      p.unit[i] = unit_of(p.f + i * size, size);
+    BW_TRY(bw_check_cancel(context));
+    BW_TRY(bw_parallel(context, l->smoother->count, ROWS, pack, &p));
+    BW_TRY(bwi_two_level_precondition(context, l, SIDES, p.used));
+    BW_TRY(bw_parallel(context, l->smoother->count, ROWS, unpack, &p));
+  }
+done:
+  l->z = own.z;
+  l->residual = own.residual;
+  l->floats = own.floats;
+  l->corner = own.corner;
+  return status;
+}
