@@ -8,7 +8,7 @@
 #include "incremental/incremental.h"
 
 bool bwi_incremental_has_two_level(const bw_incremental_system *incremental) {
-  return bwi_coarse_fits(incremental->inner->rest->mesh, incremental->system->dof_map);
+  return bwi_coarse_fits(incremental->inner->rest->mesh);
 }
 
 static bw_status update_two_level(bw_context *context, const bw_incremental_system *incremental) {

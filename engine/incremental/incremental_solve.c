@@ -232,12 +232,8 @@ static bw_status fail_convergence(bw_context *context, int iterations, double to
 static bw_status fail_levels(bw_context *context, const bw_incremental_system *incremental,
                              int iterations, double tolerance) {
   if (!bwi_incremental_has_two_level(incremental))
-    return bw_fail(
-        context, BW_INVALID,
-        "the two-level preconditioner needs quadratic elements, and supports that constrain all "
-        "rigid-body modes: %s",
-        incremental->inner->rest->mesh->order == 2 ? "this one is free to move"
-                                                   : "these are linear");
+    return bw_fail(context, BW_INVALID,
+                   "the two-level preconditioner needs quadratic elements: these are linear");
   bw_fail(context, BW_CONVERGENCE,
           "conjugate gradients over linear elements did not reach a relative residual of %g in %d "
           "iterations: the body is nearly a mechanism, or elements are very flat; solve directly "

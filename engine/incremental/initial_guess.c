@@ -132,7 +132,7 @@ static double norm(const bw_dof_map *dof_map, const double *a, double *work) {
   double sum = 0;
   size_t size = 3 * (size_t)dof_map->mesh->node_count;
   memcpy(work, a, size * sizeof *work);
-  bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN, work);
+  bwi_keep_states(dof_map, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC, work);
   for (size_t i = 0; i < size; i++)
     sum += work[i] * work[i];
   return sqrt(sum);

@@ -6,6 +6,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/dense.h"
+#include "linear/rigid_space.h"
+
 struct bwi_coarse {
   bw_object object;
   const bw_mesh *fine; /* retained: any of its topology */
@@ -15,8 +18,9 @@ struct bwi_coarse {
   bw_mesh *mesh;       /* linear, on the corners, of the shape last followed */
   bw_block_pattern *pattern;
   double *stiffness;
-  bw_dof_map dof_map; /* of the corners: what the factor and its fields read of one */
-  int32_t *unknown;   /* count x 3: 0 where there is one, else -1 */
+  bw_dof_map dof_map;     /* of the corners: what the factor and its fields read of one */
+  int32_t *unknown;       /* count x 3: 0 where there is one, else -1 */
+  bwi_rigid_space *rigid; /* of the corners; NULL where the supports leave no mode free */
   bwi_symbolic *symbolic;
   bwi_elimination_reach *reach; /* the whole of it: refactorised in place */
   bwi_factor *factor;
@@ -30,6 +34,7 @@ static void coarse_destroy(void *object) {
   bw_release(c->factor);
   bw_release(c->reach);
   bw_release(c->symbolic);
+  bw_release(c->rigid);
   bw_free(c->corner);
   bw_free(c->parent);
   bw_free(c->stiffness);
@@ -46,7 +51,7 @@ static size_t coarse_bytes(const void *object) {
   return sizeof *c + (size_t)c->count * (9 * sizeof(double) + 5 * sizeof(int32_t)) +
          2 * (size_t)c->fine->node_count * sizeof(int32_t) + blocks * 9 * sizeof(double) +
          bw_bytes(c->mesh) + bw_bytes(c->pattern) + bw_bytes(c->symbolic) + bw_bytes(c->reach) +
-         bw_bytes(c->factor);
+         bw_bytes(c->factor) + bw_bytes(c->rigid);
 }
 
 static const bw_kind coarse_kind = {"coarse space", coarse_destroy, coarse_bytes};
@@ -94,8 +99,8 @@ done:
   return status;
 }
 
-bool bwi_coarse_fits(const bw_mesh *mesh, const bw_dof_map *dof_map) {
-  return mesh->order == 2 && dof_map->rigid_mode_count == 0;
+bool bwi_coarse_fits(const bw_mesh *mesh) {
+  return mesh->order == 2;
 }
 
 bw_status bwi_coarse_create(bw_context *context, const bw_mesh *mesh, bwi_coarse **out) {
@@ -128,26 +133,44 @@ done:
   return status;
 }
 
-/* Whether two nodes are constrained alike, along the same directions. */
-static bool constrained_alike(const bw_dof_map *dof_map, int64_t a, int64_t b) {
-  bool all = true;
-  for (int k = 0; k < 3; k++) {
-    if (dof_map->state[3 * a + k] != dof_map->state[3 * b + k])
-      return false;
-    all &= dof_map->state[3 * a + k] == dof_map->state[3 * a];
-  }
-  if (all)
-    return true;
-  int32_t f = dof_map->frame_of[a], g = dof_map->frame_of[b];
-  if (f < 0 || g < 0)
-    return f == g;
-  double off = 0;
-  for (int k = 0; k < 9; k++)
-    off = fmax(off, fabs(dof_map->frame[9 * (int64_t)f + k] - dof_map->frame[9 * (int64_t)g + k]));
-  return off < 1e-9;
+/* A direction of a support at a mid-edge node that is this far from those of its corners blocks
+ * them: the sine of the angle. Less is the curvature of a support. */
+#define OBLIQUE 0.3
+
+static void direction_of(const bw_dof_map *dof_map, int64_t node, int k, double direction[3]) {
+  int32_t row = dof_map->frame_of[node];
+  for (int d = 0; d < 3; d++)
+    direction[d] = row < 0 ? k == d : dof_map->frame[9 * (int64_t)row + 3 * k + d];
 }
 
-/* Unknowns and directions of the corners. */
+/* Whether the supports of node a leave free nothing that those of b prescribe. */
+static bool constrained_as(const bw_dof_map *dof_map, int64_t a, int64_t b) {
+  for (int k = 0; k < 3; k++) {
+    double prescribed[3], left = 0;
+    if (dof_map->state[3 * b + k] != BW_DOF_PRESCRIBED)
+      continue;
+    direction_of(dof_map, b, k, prescribed);
+    for (int f = 0; f < 3; f++) {
+      double free[3];
+      direction_of(dof_map, a, f, free);
+      double along = bw_dot(prescribed, free);
+      if (dof_map->state[3 * a + f] != BW_DOF_PRESCRIBED)
+        left += along * along;
+    }
+    if (left > OBLIQUE * OBLIQUE)
+      return false;
+  }
+  return true;
+}
+
+static bool has_modes(const bw_dof_map *dof_map, int64_t node) {
+  const int32_t *start = dof_map->rigid_mode_start + dof_map->mesh->component[node];
+  return start[1] > start[0];
+}
+
+/* Unknowns and directions of the corners. Isostatic constraints are unknowns here. A corner that
+ * would move where a mid-edge node may not is fixed; but not in bodies with rigid-body modes, which
+ * the space has to contain. */
 static void number_corners(bwi_coarse *c, const bw_dof_map *dof_map) {
   const bw_mesh *fine = c->fine;
   for (int64_t k = 0; k < c->count; k++) {
@@ -157,20 +180,40 @@ static void number_corners(bwi_coarse *c, const bw_dof_map *dof_map) {
     if (row >= 0)
       memcpy(c->dof_map.frame + 9 * k, dof_map->frame + 9 * (int64_t)row, 9 * sizeof(double));
     for (int d = 0; d < 3; d++)
-      c->unknown[3 * k + d] = dof_map->state[3 * i + d] == BW_DOF_UNKNOWN ? 0 : -1;
+      c->unknown[3 * k + d] = dof_map->state[3 * i + d] == BW_DOF_PRESCRIBED ? -1 : 0;
   }
   c->dof_map.frame_count = c->count;
-  for (int64_t i = 0; i < fine->node_count; i++) {
-    const uint8_t *state = dof_map->state + 3 * i;
-    if (state[0] == BW_DOF_UNKNOWN && state[1] == BW_DOF_UNKNOWN && state[2] == BW_DOF_UNKNOWN)
-      continue;
-    for (int side = 0; side < 2; side++) {
+  for (int64_t i = 0; i < fine->node_count; i++)
+    for (int side = 0; side < 2 && !has_modes(dof_map, i); side++) {
       int32_t k = c->parent[2 * i + side];
-      if (!constrained_alike(dof_map, i, c->corner[k]))
+      if (!constrained_as(dof_map, c->corner[k], i))
         for (int d = 0; d < 3; d++)
           c->unknown[3 * (int64_t)k + d] = -1;
     }
+}
+
+/* Isostatic constraints where supports leave rigid-body modes free. Where there are none, the
+ * factor will find A singular. */
+static bw_status constrain_modes(bw_context *context, bwi_coarse *c, const bw_dof_map *dof_map) {
+  bw_status status = BW_OK;
+  bwi_rigid_space *former = c->rigid;
+  int32_t *row_of = NULL;
+  c->rigid = NULL;
+  if (dof_map->rigid_mode_count == 0)
+    goto done;
+  row_of = BW_NEW(context, int32_t, c->fine->node_count);
+  if (!row_of) {
+    status = BW_MEMORY;
+    goto done;
   }
+  for (int64_t i = 0; i < c->fine->node_count; i++)
+    row_of[i] = c->parent[2 * i] == c->parent[2 * i + 1] ? c->parent[2 * i] : -1;
+  BW_TRY(bwi_rigid_space_create(context, dof_map, row_of, &c->rigid));
+  bwi_rigid_space_constrain(c->rigid, former, c->unknown);
+done:
+  bw_free(row_of);
+  bw_release(former);
+  return status;
 }
 
 static bw_status update_symbolic(bw_context *context, bwi_coarse *c) {
@@ -200,29 +243,81 @@ done:
 }
 
 bw_status bwi_coarse_count(bw_context *context, bwi_coarse *c, const bw_dof_map *dof_map) {
+  bw_status status = BW_OK;
   number_corners(c, dof_map);
-  return update_symbolic(context, c);
+  BW_TRY(constrain_modes(context, c, dof_map));
+  BW_TRY(update_symbolic(context, c));
+done:
+  return status;
 }
 
-/* In floats, which is as good for a preconditioner, unless they lack the digits for a pivot. */
-static bw_status update_factor(bw_context *context, bwi_coarse *c, const bwi_matrix *matrix) {
-  bw_status status = BW_OK;
-  if (c->factor)
-    status = bwi_factor_update(context, c->factor, matrix, NULL, NULL, NULL);
-  else
-    status = bwi_factor_create_in(context, c->symbolic, matrix, c->reach, &bwi_kernels_single,
-                                  &c->factor, NULL);
-  if (status == BW_SINGULAR && (!c->factor || c->factor->kernels->bits == 32)) {
-    bw_clear_failure(context);
+static bw_status factor_in(bw_context *context, bwi_coarse *c, const bwi_kernels *kernels) {
+  const bwi_matrix matrix = {
+      .pattern = c->pattern, .stiffness = c->stiffness, .dof_map = &c->dof_map};
+  bw_status status;
+  if (c->factor && c->factor->kernels == kernels)
+    status = bwi_factor_update(context, c->factor, &matrix, NULL, NULL, NULL);
+  else {
     bw_release(c->factor);
     c->factor = NULL;
     status =
-        bwi_factor_create_with_updates(context, c->symbolic, matrix, c->reach, &c->factor, NULL);
+        bwi_factor_create_in(context, c->symbolic, &matrix, c->reach, kernels, &c->factor, NULL);
   }
   if (status != BW_OK) {
     bw_release(c->factor);
     c->factor = NULL;
   }
+  return status;
+}
+
+/* Part of a solution that its first refinement may change. */
+#define MAX_CHANGE 0.1
+
+/* Whether the factor has the digits for bodies that can move freely: slender ones lose them, since
+ * isostatic constraints leave little of what keeps a held body in its place. */
+static bw_status is_exact_enough(bw_context *context, bwi_coarse *c, bool *enough) {
+  bw_status status = BW_OK;
+  int64_t size = 3 * (int64_t)c->count;
+  double *x = BW_NEW(context, double, size), *y = BW_NEW(context, double, size);
+  double *b = BW_NEW(context, double, size);
+  bw_random random;
+  bw_random_seed(&random, 1);
+  if (!x || !y || !b) {
+    status = BW_MEMORY;
+    goto done;
+  }
+  for (int64_t i = 0; i < size; i++)
+    x[i] = b[i] = 2 * bw_random_uniform(&random) - 1;
+  BW_TRY(bwi_coarse_solve(context, c, 1, x));
+  BW_TRY(bw_block_multiply(context, c->pattern, c->stiffness, 9, 3, 1, x, y));
+  for (int64_t i = 0; i < size; i++)
+    y[i] = b[i] - y[i];
+  BW_TRY(bwi_coarse_solve(context, c, 1, y));
+  *enough = bwi_dot(size, y, y) <= MAX_CHANGE * MAX_CHANGE * bwi_dot(size, x, x);
+done:
+  bw_free(x);
+  bw_free(y);
+  bw_free(b);
+  return status;
+}
+
+/* In floats, which is as good for a preconditioner, unless they lack the digits. */
+static bw_status update_factor(bw_context *context, bwi_coarse *c) {
+  bw_status status = BW_OK;
+  bool enough = !c->factor || c->factor->kernels->bits == 32;
+  if (enough) {
+    status = factor_in(context, c, &bwi_kernels_single);
+    enough = status == BW_OK;
+    if (status == BW_SINGULAR) {
+      bw_clear_failure(context);
+      status = BW_OK;
+    }
+    if (status == BW_OK && enough && c->rigid)
+      BW_TRY(is_exact_enough(context, c, &enough));
+  }
+  if (status == BW_OK && !enough)
+    status = factor_in(context, c, &bwi_kernels_double);
+done:
   return status;
 }
 
@@ -242,8 +337,7 @@ bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *c, const bw_model *
   c->mesh = moved;
   BW_TRY(bwi_coarse_count(context, c, dof_map));
   BW_TRY(bw_stiffness(context, c->pattern, c->mesh, model->material, c->stiffness));
-  bwi_matrix matrix = {.pattern = c->pattern, .stiffness = c->stiffness, .dof_map = &c->dof_map};
-  status = update_factor(context, c, &matrix);
+  status = update_factor(context, c);
   *usable = status == BW_OK;
   if (status == BW_SINGULAR) {
     bw_clear_failure(context);
@@ -255,7 +349,15 @@ done:
 }
 
 bw_status bwi_coarse_solve(bw_context *context, const bwi_coarse *c, int64_t count, double *x) {
-  return bwi_solve_fields(context, c->factor, &c->dof_map, count, x, x);
+  bw_status status = BW_OK;
+  const bwi_field_layout plain = {3, 1, 3 * (int64_t)c->count};
+  if (c->rigid)
+    BW_TRY(bwi_rigid_space_project(context, c->rigid, &plain, (int)count, x));
+  BW_TRY(bwi_solve_fields(context, c->factor, &c->dof_map, count, x, x));
+  if (c->rigid)
+    BW_TRY(bwi_rigid_space_project(context, c->rigid, &plain, (int)count, x));
+done:
+  return status;
 }
 
 int32_t bwi_coarse_corners(const bwi_coarse *c) {

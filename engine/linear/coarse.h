@@ -4,8 +4,12 @@
  * elements; it has an eighth of the unknowns and is factored in a hundredth of the time.
  *
  * With P from corners to all nodes, A = P^T K P is exact because elements are straight and because
- * a corner takes part only with unknowns that the supports leave to the mid-edge nodes around
- * it. */
+ * a corner moves only in directions that the supports leave to the mid-edge nodes around it. On
+ * curved supports these differ a little, and A approximates.
+ *
+ * Supports may leave rigid-body modes free. They are linear fields, so that A is singular as K is:
+ * A^+ = Q A_c^-1 Q with isostatic constraints of its own in A_c, and Q the projector of
+ * rigid_space.h. Those of K would not let linear fields pass. */
 #ifndef BWI_LINEAR_COARSE_H
 #define BWI_LINEAR_COARSE_H
 
@@ -13,9 +17,8 @@
 
 typedef struct bwi_coarse bwi_coarse;
 
-/* Whether bodies have one: quadratic elements, none free to move (isostatic constraints, which make
- * those definite, would not let linear fields pass). */
-bool bwi_coarse_fits(const bw_mesh *mesh, const bw_dof_map *dof_map);
+/* Whether a body has one: quadratic elements. */
+bool bwi_coarse_fits(const bw_mesh *mesh);
 /* Of a mesh of quadratic elements. Release with bw_release. */
 bw_status bwi_coarse_create(bw_context *context, const bw_mesh *mesh, bwi_coarse **out);
 /* Unknowns, order and size of its factor for these supports; nothing is factored yet. */
@@ -23,7 +26,8 @@ bw_status bwi_coarse_count(bw_context *context, bwi_coarse *coarse, const bw_dof
 /* The space on a shape, factored. *usable is false where its matrix is singular, and before. */
 bw_status bwi_coarse_follow(bw_context *context, bwi_coarse *coarse, const bw_model *model,
                             const bw_dof_map *dof_map, bool *usable);
-/* x = A^-1 x for `count` fields on the corners (count x corners x 3), to the digits of floats. */
+/* x = A^-1 x for `count` fields on the corners (count x corners x 3), to the digits of floats; of
+ * bodies that can move freely x = A^+ x, with the pseudo-inverse. At most BWI_RIGID_FIELDS. */
 bw_status bwi_coarse_solve(bw_context *context, const bwi_coarse *coarse, int64_t count, double *x);
 int32_t bwi_coarse_corners(const bwi_coarse *coarse);
 /* By node x 2: the corners between which it lies; twice itself. */

@@ -53,7 +53,8 @@ typedef struct bwi_smoother {
  * most blocks are symmetric. Release with bw_release. */
 bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
                               const bw_block_pattern *pattern, bool even, bwi_smoother **out);
-/* Take over a stiffness (9 numbers per block) at the unknowns of a DOF map. *usable is false where
+/* Take over a stiffness (9 numbers per block) at the unknowns of a DOF map; isostatic constraints
+ * are unknowns here: K is singular where there are any. *usable is false where
  * a node's own block is not positive definite. */
 bw_status bwi_smoother_follow(bw_context *context, bwi_smoother *smoother, const double *stiffness,
                               const bw_dof_map *dof_map, bool *usable);

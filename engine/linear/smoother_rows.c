@@ -16,7 +16,7 @@ typedef struct taking {
   const bw_dof_map *dof_map;
 } taking;
 
-/* The inverse of a diagonal block on the unknowns of its node, 0 on constrained components: F^T (F
+/* The inverse of a diagonal block on the unknowns of its node, 0 on prescribed components: F^T (F
  * K F^T)^-1 F with the directions of the unknowns for rows of F. */
 static bool invert(const bw_dof_map *dof_map, int64_t node, const double *block,
                    double inverse[9]) {
@@ -26,7 +26,7 @@ static bool invert(const bw_dof_map *dof_map, int64_t node, const double *block,
   int count = 0;
   double f[3][3], a[3][3], b[3][3] = {{0}};
   for (int k = 0; k < 3; k++)
-    if (dof_map->state[3 * node + k] == BW_DOF_UNKNOWN)
+    if (dof_map->state[3 * node + k] != BW_DOF_PRESCRIBED)
       memcpy(f[count++], frame + 3 * k, sizeof f[0]);
   for (int p = 0; p < count; p++)
     for (int q = 0; q < count; q++) {

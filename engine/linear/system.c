@@ -188,13 +188,12 @@ static bw_status check_memory(bw_context *context, const bwi_symbolic *symbolic,
       bwi_factor_peak_bytes(symbolic, bw_threads(context)) * (double)kernels->size / sizeof(double);
   if (wanted <= available)
     return BW_OK;
-  bw_fail(
-      context, BW_MEMORY,
-      "the factor of %d unknowns takes %.3g GB of memory, more than the %.3g GB available. Use "
-      "fewer elements, or a machine with more memory; a static solution on quadratic elements "
-      "whose supports constrain all rigid-body modes needs no factor (the solver pcg), and several "
-      "machines can share one (the solver cholesky with the backend petsc)",
-      (int)symbolic->unknowns, wanted / 1e9, available / 1e9);
+  bw_fail(context, BW_MEMORY,
+          "the factor of %d unknowns takes %.3g GB of memory, more than the %.3g GB available. Use "
+          "fewer elements, or a machine with more memory; a static solution on quadratic elements "
+          "needs no factor (the solver pcg), and several "
+          "machines can share one (the solver cholesky with the backend petsc)",
+          (int)symbolic->unknowns, wanted / 1e9, available / 1e9);
   bw_detail_number(context, "bytes", wanted);
   bw_detail_number(context, "free_bytes", available);
   return BW_MEMORY;

@@ -38,7 +38,7 @@ static const bw_kind two_level_solver_kind = {"two-level solver", two_level_solv
                                               two_level_solver_bytes};
 
 bool bwi_two_level_applies(const bw_system *system) {
-  return bwi_coarse_fits(system->mesh, system->dof_map);
+  return bwi_coarse_fits(system->mesh);
 }
 
 static bwi_cost_prediction predict(const bw_system *system, const bwi_coarse *coarse) {

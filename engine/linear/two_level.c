@@ -27,6 +27,7 @@ static void two_level_destroy(void *object) {
   bw_release(l->coarse);
   bw_release(l->smoother);
   bw_release(l->dof_map);
+  bw_release(l->rigid);
   bw_free(l->child_start);
   bw_free(l->child);
   bw_free(l->parent);
@@ -38,8 +39,8 @@ static size_t two_level_bytes(const void *object) {
   const bwi_two_level *l = object;
   size_t rows = (size_t)l->smoother->count, corners = (size_t)bwi_coarse_corners(l->coarse);
   size_t fields = 5 * sizeof(double) + 3 * sizeof(float);
-  return sizeof *l + bw_bytes(l->coarse) + bw_bytes(l->smoother) + (corners + 1) * sizeof(int64_t) +
-         5 * rows * sizeof(int32_t) +
+  return sizeof *l + bw_bytes(l->coarse) + bw_bytes(l->smoother) + bw_bytes(l->rigid) +
+         (corners + 1) * sizeof(int64_t) + 5 * rows * sizeof(int32_t) +
          3 * (size_t)l->width * (rows * fields + corners * sizeof(double));
 }
 
@@ -117,13 +118,45 @@ static bw_status prolong(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
+void bwi_project_unknowns(const bw_dof_map *dof_map, int64_t node, const double *f, double out[3]) {
+  int32_t row = dof_map->frame_of[node];
+  const uint8_t *state = dof_map->state + 3 * node;
+  if (row < 0) {
+    for (int d = 0; d < 3; d++)
+      out[d] = state[d] == BW_DOF_PRESCRIBED ? 0 : f[d];
+    return;
+  }
+  const double *frame = dof_map->frame + 9 * (int64_t)row, from[3] = {f[0], f[1], f[2]};
+  out[0] = out[1] = out[2] = 0;
+  for (int c = 0; c < 3; c++) {
+    double along = state[c] == BW_DOF_PRESCRIBED ? 0 : bw_dot(frame + 3 * c, from);
+    for (int d = 0; d < 3; d++)
+      out[d] += along * frame[3 * c + d];
+  }
+}
+
+/* Fields of floats at the unknowns alone. */
+static void keep_unknowns(const bwi_two_level *l, int width, float *field) {
+  for (int32_t h = 0; h < l->constrained_count; h++) {
+    float *x = field + 3 * (int64_t)width * l->constrained[h];
+    for (int f = 0; f < width; f++) {
+      double value[3] = {x[f], x[width + f], x[2 * width + f]};
+      bwi_project_unknowns(l->dof_map, l->smoother->node[l->constrained[h]], value, value);
+      for (int d = 0; d < 3; d++)
+        x[d * width + f] = (float)value[d];
+    }
+  }
+}
+
 bw_status bwi_two_level_precondition(bw_context *context, bwi_two_level *l, int width, int used) {
   bw_status status = BW_OK;
   passage m = {l, width, used, bwi_coarse_corners(l->coarse), 1 / l->smoother->unit};
   BW_TRY(bwi_smoother_forward(context, l->smoother, width, l->floats, l->z, l->residual));
+  keep_unknowns(l, width, l->residual);
   BW_TRY(bw_parallel(context, m.corners, ROWS, restrict_residual, &m));
   BW_TRY(bwi_coarse_solve(context, l->coarse, used, l->corner));
   BW_TRY(bw_parallel(context, l->smoother->count, ROWS, prolong, &m));
+  keep_unknowns(l, width, l->z);
   BW_TRY(bwi_smoother_backward(context, l->smoother, width, l->floats, l->z, l->residual));
 done:
   return status;
@@ -170,9 +203,14 @@ bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *l, const bw_m
   l->constrained_count = 0;
   for (int32_t k = 0; k < l->smoother->count; k++) {
     const uint8_t *state = dof_map->state + 3 * (int64_t)l->smoother->node[k];
-    if (state[0] != BW_DOF_UNKNOWN || state[1] != BW_DOF_UNKNOWN || state[2] != BW_DOF_UNKNOWN)
+    if (state[0] == BW_DOF_PRESCRIBED || state[1] == BW_DOF_PRESCRIBED ||
+        state[2] == BW_DOF_PRESCRIBED)
       l->constrained[l->constrained_count++] = k;
   }
+  bw_release(l->rigid);
+  l->rigid = NULL;
+  if (dof_map->rigid_mode_count > 0)
+    BW_TRY(bwi_rigid_space_create(context, dof_map, l->smoother->row_of, &l->rigid));
   BW_TRY(bwi_coarse_follow(context, l->coarse, model, dof_map, usable));
   if (*usable)
     BW_TRY(bwi_smoother_follow(context, l->smoother, stiffness, dof_map, usable));

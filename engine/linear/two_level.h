@@ -1,11 +1,16 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Solving on quadratic elements without a factor of them: conjugate gradients, preconditioned by a
  * sweep forwards over the nodes (smoother.h), the linear elements on the same corners solved
- * directly (coarse.h), and a sweep backwards. */
+ * directly (coarse.h), and a sweep backwards.
+ *
+ * Bodies that can move freely are solved with their singular K: residuals are orthogonal to the
+ * rigid-body modes, directions are made so (rigid_space.h), and the isostatic constraints of the
+ * DOF map do not count. */
 #ifndef BWI_LINEAR_TWO_LEVEL_H
 #define BWI_LINEAR_TWO_LEVEL_H
 
 #include "linear/coarse.h"
+#include "linear/rigid_space.h"
 #include "linear/smoother.h"
 
 typedef struct bwi_two_level {
@@ -17,7 +22,8 @@ typedef struct bwi_two_level {
   int32_t *child;
   int32_t *parent;           /* by row x 2: corners; twice its own */
   bw_dof_map *dof_map;       /* retained: of the shape followed */
-  int32_t constrained_count; /* rows with a component that is not an unknown */
+  bwi_rigid_space *rigid;    /* of the rows; NULL where the supports leave no mode free */
+  int32_t constrained_count; /* rows with a prescribed component */
   int32_t *constrained;
   /* room for `width` fields */
   int width;
@@ -36,6 +42,9 @@ typedef struct bwi_two_level {
  * iteration, where there is no preconditioner yet to count. */
 #define BWI_TWO_LEVEL_SIDES 2.5
 #define BWI_TWO_LEVEL_BEGIN 12.0
+
+/* What of a vector at a node is along its unknowns; the two may be the same. */
+void bwi_project_unknowns(const bw_dof_map *dof_map, int64_t node, const double *f, double out[3]);
 
 /* Of a mesh for which bwi_coarse_fits, with its pattern; even: as in bwi_smoother_create. Release
  * with bw_release. */
@@ -74,7 +83,8 @@ typedef struct bwi_two_level_problem {
   double reached; /* where they did not: the largest residual, relative to the load */
 } bwi_two_level_problem;
 /* K u = f for `count` fields in global directions, those of force taken at the unknowns; u is 0
- * elsewhere. Not converged is no failure. The two may not be the same block. */
+ * elsewhere. Of a body that can move freely forces have to be balanced, and u is one of the
+ * solutions. Not converged is no failure. The two may not be the same block. */
 bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *two_level,
                               bwi_two_level_problem *problem, int64_t count, const double *force,
                               double *displacement);

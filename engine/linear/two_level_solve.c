@@ -62,32 +62,13 @@ done:
   return status;
 }
 
-/* What of a vector at a node is along its unknowns; the two may be the same. */
-static void project_unknowns(const bw_dof_map *dof_map, int64_t node, const double *f,
-                             double out[3]) {
-  int32_t row = dof_map->frame_of[node];
-  const uint8_t *state = dof_map->state + 3 * node;
-  if (row < 0) {
-    for (int d = 0; d < 3; d++)
-      out[d] = state[d] == BW_DOF_UNKNOWN ? f[d] : 0;
-    return;
-  }
-  const double *frame = dof_map->frame + 9 * (int64_t)row, from[3] = {f[0], f[1], f[2]};
-  out[0] = out[1] = out[2] = 0;
-  for (int c = 0; c < 3; c++) {
-    double along = state[c] == BW_DOF_UNKNOWN ? bw_dot(frame + 3 * c, from) : 0;
-    for (int d = 0; d < 3; d++)
-      out[d] += along * frame[3 * c + d];
-  }
-}
-
 /* Fields of doubles at the unknowns alone. */
 static void keep_unknowns(const bwi_two_level *l, int width, double *field) {
   for (int32_t h = 0; h < l->constrained_count; h++) {
     double *x = field + 3 * (int64_t)width * l->constrained[h];
     for (int f = 0; f < width; f++) {
       double value[3] = {x[f], x[width + f], x[2 * width + f]};
-      project_unknowns(l->dof_map, l->smoother->node[l->constrained[h]], value, value);
+      bwi_project_unknowns(l->dof_map, l->smoother->node[l->constrained[h]], value, value);
       for (int d = 0; d < 3; d++)
         x[d * width + f] = value[d];
     }
@@ -136,9 +117,9 @@ static bw_status set_residual(iteration *it, int64_t begin, int64_t end, bool re
         for (int d = 0; d < 3; d++)
           residual[d] = it->column[f].unit * it->force[f * size + 3 * node + d] -
                         l->ku[(3 * k + d) * width + f];
-        project_unknowns(l->dof_map, node, residual, value);
+        bwi_project_unknowns(l->dof_map, node, residual, value);
       } else if (f < it->used)
-        project_unknowns(l->dof_map, node, it->force + f * size + 3 * node, value);
+        bwi_project_unknowns(l->dof_map, node, it->force + f * size + 3 * node, value);
       for (int d = 0; d < 3; d++) {
         l->r[(3 * k + d) * width + f] = value[d];
         l->floats[(3 * k + d) * width + f] = (float)value[d];
@@ -157,6 +138,41 @@ static bw_status initial_residual(void *data, int64_t begin, int64_t end, int wo
 static bw_status true_residual(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   return set_residual(data, begin, end, true);
+}
+
+/* The floats of r, and r . r */
+static bw_status measure(void *data, int64_t begin, int64_t end, int worker) {
+  (void)worker;
+  const iteration *it = data;
+  bwi_two_level *l = it->l;
+  double *sum = it->chunk_sum + 2 * SIDES * (begin / ROWS);
+  int width = it->width;
+  memset(sum, 0, 2 * SIDES * sizeof *sum);
+  for (int64_t i = 3 * begin; i < 3 * end; i++)
+    for (int f = 0; f < width; f++) {
+      double r = l->r[i * width + f];
+      l->floats[i * width + f] = (float)r;
+      sum[f] += r * r;
+    }
+  return BW_OK;
+}
+
+/* Without what there is of rigid-body modes in a field. */
+static bw_status remove_modes(iteration *it, double *field) {
+  const bwi_field_layout packed = {3 * (int64_t)it->width, it->width, 1};
+  return bwi_rigid_space_project(it->context, it->l->rigid, &packed, it->used, field);
+}
+
+/* r with its floats, and r . r, by one of the above. */
+static bw_status find_residual(iteration *it, bw_body *body) {
+  bw_status status = BW_OK;
+  BW_TRY(parallel_sums(it, body));
+  if (it->l->rigid) {
+    BW_TRY(remove_modes(it, it->l->r));
+    BW_TRY(parallel_sums(it, measure));
+  }
+done:
+  return status;
 }
 
 /* r times the units, and the floats; u = 0 */
@@ -237,6 +253,8 @@ static bw_status update_directions(iteration *it) {
   bw_status status = BW_OK;
   BW_TRY(bw_parallel(it->context, it->l->smoother->count, ROWS, update_direction, it));
   keep_unknowns(it->l, it->width, it->l->p);
+  if (it->l->rigid) /* K does not see them, but its rounding does */
+    BW_TRY(remove_modes(it, it->l->p));
 done:
   return status;
 }
@@ -280,7 +298,7 @@ static double allowed(const iteration *it, int f) {
 static bw_status begin(iteration *it) {
   bw_status status = BW_OK;
   const bwi_two_level_problem *problem = it->problem;
-  BW_TRY(parallel_sums(it, initial_residual));
+  BW_TRY(find_residual(it, initial_residual));
   for (int f = 0; f < it->width; f++) {
     column *c = &it->column[f];
     double size = sqrt(it->sum[f]);
@@ -333,7 +351,7 @@ static bw_status check(iteration *it, const bool *ended) {
   if (!any || it->problem->energy_alone)
     return BW_OK;
   BW_TRY(multiply(it, l->u, l->ku));
-  BW_TRY(parallel_sums(it, true_residual)); /* of the others too: they go on with these */
+  BW_TRY(find_residual(it, true_residual)); /* of the others too: they go on with these */
   for (int f = 0; f < it->used; f++) {
     column *c = &it->column[f];
     if (!ended[f])

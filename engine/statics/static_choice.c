@@ -155,16 +155,13 @@ static bw_status choose(statics *s) {
       return BW_OK;
     if (!fit)
       return bw_fail(s->context, BW_INVALID,
-                     "the two-level preconditioner needs quadratic elements, and supports that "
-                     "constrain all rigid-body modes: %s",
-                     system->mesh->order == 2 ? "this one is free to move" : "these are linear");
+                     "the two-level preconditioner needs quadratic elements: these are linear");
   } else {
     s->way = BY_FACTOR;
     if (system->factor)
       say(s, "the equations have a factor already");
     else if (!fit)
-      say(s, "two-level PCG needs quadratic elements and supports that constrain all rigid-body "
-             "modes");
+      say(s, "two-level PCG needs quadratic elements");
     else if (system->dof_map->unknown_count < SMALL)
       say(s, "the factor of fewer than %d unknowns is cheap", (int)SMALL);
     if (!fit || system->factor || system->dof_map->unknown_count < SMALL)

@@ -58,7 +58,7 @@ function solver_module.pcg(options) end
 ---@field max_iterations? integer (count) at most. Range: 1 and more. Default: 2000
 
 ---The two-level preconditioner: a smoother over all nodes, and the linear elements on the same corners solved by a factor. For
----quadratic elements, and supports that prevent all rigid-body motions.
+---quadratic elements.
 ---
 ---Errors: only those that every function may give.
 ---

@@ -17,7 +17,7 @@ typedef enum bw_solver_kind {
   BW_SOLVER_CHOLESKY,  /* a sparse factor K = L L^T */
   BW_SOLVER_PCG,       /* conjugate gradients with a preconditioner */
   BW_SOLVER_TWO_LEVEL, /* preconditioner: a smoother and the linear elements on the same corners.
-                          For quadratic elements and supports that constrain all rigid-body modes */
+                          For quadratic elements */
   BW_SOLVER_AMG,       /* preconditioner: algebraic multigrid, by the external solver */
   BW_SOLVER_JACOBI     /* preconditioner: the inverse of the blocks of the nodes */
 } bw_solver_kind;

@@ -43,7 +43,7 @@ static const row rows[] = {
      "pcg",
      "",
      "two_level",
-     false},
+     true},
     {{.kind = BW_SOLVER_PCG, .tolerance = 1e-11},
      {.kind = BW_SOLVER_JACOBI},
      "pcg (jacobi, tolerance 1e-11, at most 2000 iterations)",
