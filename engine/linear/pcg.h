@@ -3,6 +3,7 @@
 #ifndef BWI_LINEAR_PCG_H
 #define BWI_LINEAR_PCG_H
 
+#include "linear/amg.h"
 #include "linear/internal.h"
 
 typedef struct bwi_pcg {
@@ -39,9 +40,10 @@ bw_status bwi_pcg_solve(bw_context *context, bwi_pcg *problem, int64_t count, co
 /* What a bw_solver says of the preconditioner of a body's equations. */
 typedef struct bwi_preconditioner {
   bw_object object;
-  const bw_solver *solver;   /* retained: BW_SOLVER_JACOBI or BW_SOLVER_CHOLESKY */
+  const bw_solver *solver;   /* retained: BW_SOLVER_JACOBI, _AMG or _CHOLESKY */
   const bw_dof_map *dof_map; /* retained */
   bwi_factor *factor;        /* or NULL */
+  bwi_amg *amg;              /* or NULL */
   double *block;             /* node_count x 9: inverse blocks in global directions, or NULL */
 } bwi_preconditioner;
 /* Release with bw_release. `symbolic`: for BW_SOLVER_CHOLESKY. BW_SINGULAR with *bad_node as

@@ -1,6 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Preconditioners of conjugate gradients that a bw_solver describes: block Jacobi over the nodes,
- * and factors (pcg.h). */
+ * algebraic multigrid, and factors (pcg.h). */
 #include <math.h>
 #include <string.h>
 
@@ -11,6 +11,7 @@ static void preconditioner_destroy(void *object) {
   bw_release(m->solver);
   bw_release(m->dof_map);
   bw_release(m->factor);
+  bw_release(m->amg);
   bw_free(m->block);
   bw_free(m);
 }
@@ -18,7 +19,7 @@ static void preconditioner_destroy(void *object) {
 static size_t preconditioner_bytes(const void *object) {
   const bwi_preconditioner *m = object;
   size_t blocks = m->block ? 9 * (size_t)m->dof_map->mesh->node_count : 0;
-  return sizeof *m + bw_bytes(m->factor) + blocks * sizeof(double);
+  return sizeof *m + bw_bytes(m->factor) + bw_bytes(m->amg) + blocks * sizeof(double);
 }
 
 static const bw_kind preconditioner_kind = {"preconditioner", preconditioner_destroy,
@@ -154,6 +155,8 @@ bw_status bwi_preconditioner_create(bw_context *context, const bw_solver *solver
   m->dof_map = bw_retain(matrix->dof_map);
   if (solver->options.kind == BW_SOLVER_JACOBI)
     BW_TRY(make_blocks(context, matrix, m, bad_node));
+  else if (solver->options.kind == BW_SOLVER_AMG)
+    BW_TRY(bwi_amg_create(context, matrix, &m->amg));
   else
     BW_TRY(bwi_factor_create_in(context, symbolic, matrix, NULL, bwi_kernels_of(solver), &m->factor,
                                 bad_node));
@@ -177,6 +180,8 @@ bw_status bwi_preconditioner_apply(bw_context *context, void *data, int64_t coun
   int64_t nodes = m->dof_map->mesh->node_count;
   if (m->factor)
     return bwi_solve_fields(context, m->factor, m->dof_map, count, r, z);
+  if (m->amg)
+    return bwi_amg_apply(context, m->amg, count, r, z);
   application a = {.m = m, .count = count, .size = 3 * nodes, .r = r, .z = z};
   return bw_parallel(context, nodes, GRAIN, apply_blocks, &a);
 }

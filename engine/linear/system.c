@@ -270,12 +270,19 @@ bw_status bwi_system_precondition(bw_context *context, bw_system *system, const 
   int32_t bad = 0;
   bw_release(system->preconditioner); /* its memory first */
   system->preconditioner = NULL;
+  if (solver->options.kind == BW_SOLVER_AMG && system->dof_map->rigid_mode_count > 0) {
+    status = bw_fail(context, BW_UNSUPPORTED,
+                     "algebraic multigrid of bodies that can move freely is not implemented: give "
+                     "the backend \"petsc\", the preconditioner two_level for quadratic elements, "
+                     "or supports");
+    goto done;
+  }
   if (solver->options.kind == BW_SOLVER_CHOLESKY)
     BW_TRY(analyse(context, system, solver, old, available, &symbolic));
   double start = bw_seconds();
   bw_progress(context, "factorisation", 0);
   status = bwi_preconditioner_create(context, solver, &matrix, symbolic, &made, &bad);
-  if (status == BW_SINGULAR)
+  if (status == BW_SINGULAR && solver->options.kind != BW_SOLVER_AMG)
     status = bwi_fail_singular(context, system->mesh, bad);
   if (status != BW_OK)
     goto done;

@@ -46,12 +46,6 @@ typedef struct statics {
 
 /* ---- what is asked for ----------------------------------------------------------------------- */
 
-static bw_status unsupported_amg(bw_context *context) {
-  return bw_fail(context, BW_UNSUPPORTED,
-                 "algebraic multigrid of the engine's own is not implemented: give the backend "
-                 "\"petsc\", or the preconditioner two_level");
-}
-
 /* The way of a solver that is given, its preconditioner and its limits. */
 static bw_status read_solver(statics *s) {
   const bw_solver *solver = s->opts.solver;
@@ -70,7 +64,7 @@ static bw_status read_solver(statics *s) {
     s->max_iterations = solver->options.max_iterations;
     s->way = m && m->options.kind != BW_SOLVER_TWO_LEVEL ? BY_PCG : BY_TWO_LEVEL;
     s->preconditioner = m;
-    return m && m->options.kind == BW_SOLVER_AMG ? unsupported_amg(s->context) : BW_OK;
+    return BW_OK;
   default:
     return bw_fail(s->context, BW_INVALID,
                    "\"%s\" is a preconditioner and no solver: give it to pcg",

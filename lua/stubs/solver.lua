@@ -76,12 +76,15 @@ function solver_module.two_level(options) end
 ---Options of preconditioners that have none.
 ---@class bw.NoSolverOptions
 
----Algebraic multigrid as a preconditioner. That of PETSc works on all processes that mpirun started (docs/howto_cluster.md). The
----engine's own is not implemented: solutions by it fail with the status "unsupported".
+---Algebraic multigrid by smoothed aggregation as a preconditioner, mainly for linear elements. PETSc's works on all processes
+---that mpirun started (docs/howto_cluster.md). The engine's own needs supports that prevent all rigid-body motions; without
+---them a solution fails with the status "unsupported".
 ---
 ---Errors: only those that every function may give.
+---
+---Source: P. Vanek, J. Mandel, M. Brezina, Algebraic multigrid by smoothed aggregation (1996); docs/theory/preconditioners.md.
 ---```lua
----local preconditioner = bw.solver.amg {backend = "petsc"}
+---local preconditioner = bw.solver.amg()
 ---print(bw.solver.pcg {preconditioner = preconditioner})
 ---```
 ---@param options? bw.AmgOptions who computes it

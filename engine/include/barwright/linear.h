@@ -18,7 +18,9 @@ typedef enum bw_solver_kind {
   BW_SOLVER_PCG,       /* conjugate gradients with a preconditioner */
   BW_SOLVER_TWO_LEVEL, /* preconditioner: a smoother and the linear elements on the same corners.
                           For quadratic elements */
-  BW_SOLVER_AMG,       /* preconditioner: algebraic multigrid, by the external solver */
+  BW_SOLVER_AMG,       /* preconditioner: algebraic multigrid by smoothed aggregation, the engine's
+                          own or of the external solver. The engine's needs supports that constrain
+                          all rigid-body modes */
   BW_SOLVER_JACOBI     /* preconditioner: the inverse of the blocks of the nodes */
 } bw_solver_kind;
 
@@ -47,8 +49,8 @@ typedef struct bw_solver bw_solver;
 /* Which solver, and how it works; zeros mean the defaults. */
 typedef struct bw_solver_options {
   bw_solver_kind kind;  /* default BW_SOLVER_CHOLESKY */
-  bw_backend backend;   /* of a factor; of BW_SOLVER_AMG: BW_BACKEND_PETSC; default
-                           BW_BACKEND_AUTO */
+  bw_backend backend;   /* of a factor; of BW_SOLVER_AMG: BW_BACKEND_AUTO, the engine's own, or
+                           BW_BACKEND_PETSC; default BW_BACKEND_AUTO */
   bw_ordering ordering; /* of a factor; default BW_ORDERING_AUTO */
   int precision; /* of a factor's numbers, 32 or 64 bits; default 0: 64, in systems that follow
                     edits by predicted cost. Solutions are in double precision in any case: a

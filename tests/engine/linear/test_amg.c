@@ -1,0 +1,180 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Algebraic multigrid as preconditioner: solutions as by a factor under every kind of support, of
+ * linear and of quadratic elements; iterations that sizes do not change; a symmetric and positive
+ * operator, in the same bits on any number of threads. */
+#include "linear/amg.h"
+
+#include "base/dense.h"
+#include "incremental_bar.h"
+
+/* Displacements and energy by multigrid and by a factor; returns iterations. */
+static int compare_ways(bw_context *context, const bw_model *model) {
+  bw_static *a = NULL, *b = NULL;
+  bw_solver *amg = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_AMG});
+  bw_solver *pcg = body_solver(
+      context,
+      (bw_solver_options){.kind = BW_SOLVER_PCG, .preconditioner = amg, .tolerance = 1e-11});
+  bw_solver *cholesky = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_CHOLESKY});
+  bw_statics_options options = {.solver = pcg};
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  check_ok(context, bw_statics(context, model, NULL, &options, &a));
+  options.solver = cholesky;
+  check_ok(context, bw_statics(context, model, NULL, &options, &b));
+  check_near(difference(a->displacement, b->displacement, size), 0, 1e-8);
+  check_near(a->energy / b->energy, 1, 1e-8);
+  assert_string_equal(a->report.preconditioner, "amg");
+  assert_null(a->system->factor);
+  assert_true(bw_bytes(a->system->preconditioner) > 0);
+  int iterations = a->report.iterations;
+  bw_release(a);
+  bw_release(b);
+  bw_release(amg);
+  bw_release(pcg);
+  bw_release(cholesky);
+  return iterations;
+}
+
+static void as_a_factor(void **state) {
+  bw_context *context = check_context(state);
+  for (int order = 1; order <= 2; order++)
+    for (int scene = 0; scene < SCENES; scene++) {
+      bar b;
+      bar_make(context, 2, order, &b);
+      load_bar(context, &b, scene);
+      if (scene == 3) { /* free to move */
+        bw_static *result = NULL;
+        bw_solver *amg = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_AMG});
+        bw_solver *pcg =
+            body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG, .preconditioner = amg});
+        const bw_statics_options options = {.solver = pcg, .inertia_relief = true};
+        check_fails(context, BW_UNSUPPORTED, "can move freely",
+                    bw_statics(context, b.model, NULL, &options, &result));
+        bw_release(amg);
+        bw_release(pcg);
+      } else
+        assert_in_range(compare_ways(context, b.model), 2, 120);
+      bar_clear(&b);
+    }
+}
+
+/* A cube of n x n x n cubes of linear elements, or a bar eight times as long, fixed at one end. */
+static bw_model *cube(bw_context *context, int length, int n) {
+  bw_mesh *mesh = body_box(context, length, 1, 1, length * n, n, n, 1);
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  const double pull[3] = {1e6, 2e6, 3e6};
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  bw_selection *root = face(context, mesh, 0, 0), *tip = face(context, mesh, 0, length);
+  check_ok(context, bw_model_fix(context, model, root));
+  check_ok(context, bw_model_force(context, model, tip, pull));
+  bw_release(root);
+  bw_release(tip);
+  bw_release(material);
+  bw_release(mesh);
+  return model;
+}
+
+static void sizes_do_not_matter(void **state) {
+  bw_context *context = check_context(state);
+  const int size[3][2] = {{1, 8}, {1, 20}, {8, 6}};
+  int iterations[3];
+  for (int k = 0; k < 3; k++) {
+    bw_model *model = cube(context, size[k][0], size[k][1]);
+    iterations[k] = compare_ways(context, model);
+    bw_release(model);
+  }
+  assert_in_range(iterations[0], 5, 30);
+  assert_true(iterations[1] <= iterations[0] + 6);
+  assert_true(iterations[2] <= iterations[0] + 10);
+}
+
+static bwi_amg *amg_of(bw_context *context, const bw_system *system) {
+  bwi_amg *amg = NULL;
+  const bwi_matrix matrix = {
+      .pattern = system->pattern, .stiffness = system->stiffness, .dof_map = system->dof_map};
+  check_ok(context, bwi_amg_create(context, &matrix, &amg));
+  return amg;
+}
+
+/* Of several fields at once each is as by itself; x . B y = y . B x, x . B x > 0; and the bits. */
+static void operator_is_symmetric(void **state) {
+  bw_context *context = check_context(state);
+  enum { FIELDS = 11 };
+  bw_model *model = cube(context, 1, 16);
+  bw_static *direct = NULL;
+  check_ok(context, bw_statics(context, model, NULL, NULL, &direct));
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  double *r = numbers(FIELDS * size), *z = numbers(FIELDS * size), *one = numbers(size);
+  double *same = numbers(FIELDS * size);
+  random_field(3, FIELDS * size, r);
+  for (int threads = 1; threads <= 4; threads += 3) {
+    check_ok(context, bw_set_threads(context, threads));
+    bwi_amg *amg = amg_of(context, direct->system);
+    assert_true(amg->level_count >= 3);
+    check_ok(context, bwi_amg_apply(context, amg, FIELDS, r, z));
+    if (threads == 1)
+      memcpy(same, z, (size_t)(FIELDS * size) * sizeof *z);
+    else
+      assert_memory_equal(same, z, (size_t)(FIELDS * size) * sizeof *z);
+    for (int k = 0; k < FIELDS; k += 10) {
+      check_ok(context, bwi_amg_apply(context, amg, 1, r + k * size, one));
+      check_near(difference(one, z + k * size, size), 0, 1e-4);
+    }
+    bw_release(amg);
+  }
+  for (int a = 0; a < FIELDS; a++)
+    for (int b = 0; b <= a; b++) {
+      double there = bwi_dot(size, r + a * size, z + b * size);
+      double back = bwi_dot(size, r + b * size, z + a * size);
+      double scale = sqrt(bwi_dot(size, r + a * size, z + a * size) *
+                          bwi_dot(size, r + b * size, z + b * size));
+      assert_true(scale > 0);
+      check_near(there, back, 1e-4 * scale);
+    }
+  free(r);
+  free(z);
+  free(one);
+  free(same);
+  bw_release(direct);
+  bw_release(model);
+}
+
+static void no_memory(void **state) {
+  bw_context *context = check_context(state);
+  bw_model *model = cube(context, 1, 6);
+  bw_static *direct = NULL;
+  check_ok(context, bw_statics(context, model, NULL, NULL, &direct));
+  const bw_system *system = direct->system;
+  const bwi_matrix matrix = {
+      .pattern = system->pattern, .stiffness = system->stiffness, .dof_map = system->dof_map};
+  int64_t size = 3 * (int64_t)model->mesh->node_count;
+  double *r = numbers(size), *z = numbers(size);
+  random_field(3, size, r);
+  for (int64_t n = 1;; n++) {
+    bwi_amg *amg = NULL;
+    bw_fail_allocation(n, true);
+    bw_status status = bwi_amg_create(context, &matrix, &amg);
+    if (status == BW_OK)
+      status = bwi_amg_apply(context, amg, 1, r, z);
+    bw_fail_allocation(0, false);
+    bw_release(amg);
+    if (status == BW_OK)
+      break;
+    assert_int_equal(status, BW_MEMORY);
+    bw_clear_failure(context);
+  }
+  free(r);
+  free(z);
+  bw_release(direct);
+  bw_release(model);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      check_test(as_a_factor),
+      check_test(sizes_do_not_matter),
+      check_test(operator_is_symmetric),
+      check_test(no_memory),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
