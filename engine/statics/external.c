@@ -271,8 +271,7 @@ bw_status bw_modes_external(bw_context *context, const bw_model *model,
       .solves = found.solves,
       .recovered = found.recovered,
       .counted = found.counted,
-      .report = {
-          .solver = "slepc", .backend = "", .preconditioner = "", .reason = "it was given"}};
+      .report = {.solver = "slepc", .backend = "", .preconditioner = "", .reason = "it was given"}};
   if (status != BW_OK)
     goto done;
   result.residual = BW_NEW(context, double, found.count);

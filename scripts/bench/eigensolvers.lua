@@ -10,8 +10,8 @@ local script = require "barwright.command.script"
 
 local opts = script.read {
   summary = "the eigensolvers beside each other",
-  about = "Prints a Markdown table. A BODY is block:N (free cube of N x N x N cells of six tet10), bar:N (8N x N x "
-    .. "N cells, fixed at one end), or the path of a surface, which is scaled to 100 mm and filled with tet10.",
+  about = "Prints a Markdown table. A BODY is block:N (free cube of N x N x N cells of six tet10), bar:N (8N x N "
+    .. "x N cells, fixed at one end), or the path of a surface, which is scaled to 100 mm and filled with tet10.",
   arguments = {{name = "body", many = true, optional = true,
     what = "what to solve (default block:4 block:8 block:12 block:19)"}},
   options = {

@@ -61,7 +61,8 @@ describe("eigensolvers", function()
 
   it("are chosen by default and by the word auto", function()
     local part = free_part()
-    for _, options in ipairs {{count = 2}, {count = 2, solver = "auto"}, {count = 2, solver = "auto", error = 0.5}} do
+    for _, options in ipairs {{count = 2}, {count = 2, solver = "auto"},
+      {count = 2, solver = "auto", error = 0.5}} do
       assert.equal("lanczos", assert(part:modes(options)).report.solver)
     end
     assert(bw.worst_case(part, {force = 1, pressure = 1e6, modes = 1, regions = 1, eigensolver = "auto"}))
@@ -83,7 +84,8 @@ describe("eigensolvers", function()
   end)
 
   it("say when another takes its place", function()
-    local tetrahedron = bw.mesh.new {nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, elements = {{1, 2, 3, 4}}}
+    local tetrahedron = bw.mesh.new {nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+      elements = {{1, 2, 3, 4}}}
     local part = bw.model {mesh = assert(tetrahedron), material = bw.material.steel}
     local modes = assert(part:modes {solver = bw.eigensolver.arpack {}})
     assert.equal(6, modes.count)
@@ -93,7 +95,7 @@ describe("eigensolvers", function()
 
   it("refuse what they are not", function()
     local part = free_part()
-    check.raises("option 'solver': an eigensolver (bw.eigensolver.lanczos {}) or \"auto\" expected, got string 'arpack'",
+    check.raises("option 'solver': an eigensolver (bw.eigensolver.lanczos {}) or \"auto\" expected, got string",
       part.modes, part, {solver = "arpack"})
     check.raises("option 'solver'", part.modes, part, {solver = part})
     check.raises("option 'eigensolver': an eigensolver or \"auto\" expected, got 3", bw.worst_case, part,

@@ -29,9 +29,9 @@ BW_API void bw_external_options_default(bw_external_options *options);
 
 /* What an external solver did. */
 typedef struct bw_external_report {
-  char method[96];           /* "conjugate gradients, GAMG" */
-  int ranks;                 /* processes */
-  int iterations;            /* of conjugate gradients, in all solves */
+  char method[96];                     /* "conjugate gradients, GAMG" */
+  int ranks;                           /* processes */
+  int iterations;                      /* of conjugate gradients, in all solves */
   double send, assembly, setup, solve; /* (s) mesh to the ranks; matrices; multigrid or factor;
                                           solves */
   double processor; /* (s) of all processes while the system was open, waiting in MPI included */

@@ -64,7 +64,7 @@ local function report(modes, fixed, errors, accuracy, opts, out)
     material = opts.material, counted = modes.counted, solver = modes.report.solver}
   if opts.sure then
     out:say(modes.counted and "A count of the eigenvalues confirms that none below the last is missing."
-      or modes.tested and "No mode below the last was found from random vectors; without a factor nothing counts them."
+      or modes.tested and "No mode below the last was found from random vectors, which is no proof."
       or "The count of the eigenvalues could not confirm that none is missing.")
   end
 end
@@ -86,9 +86,10 @@ return {
         .. "the mesh has ten times the elements; the first mesh has a quarter of them"},
     {name = "order", value = "1|2", type = "integer", default = 2, one_of = {1, 2},
       what = "linear or quadratic elements; linear ones are too stiff, and their frequencies too high"},
-    {name = "solver", value = "NAME", type = "string", default = "auto", one_of = {"auto", "lanczos", "arpack", "lobpcg",
-      "slepc"}, what = "the eigensolver: block Lanczos, ARPACK, LOBPCG without a factor, or SLEPc over the processes of "
-      .. "mpirun"},
+    {name = "solver", value = "NAME", type = "string", default = "auto",
+      one_of = {"auto", "lanczos", "arpack", "lobpcg", "slepc"},
+      what = "the eigensolver: block Lanczos, ARPACK, LOBPCG without a factor, or SLEPc over the processes of "
+        .. "mpirun"},
     {name = "sure", type = "flag", what = "count the eigenvalues, so that none is missing (twice the time)"},
     {name = "vtu", value = "FILE.vtu", type = "file", endings = model.field_endings,
       what = "write the shapes, for ParaView"},

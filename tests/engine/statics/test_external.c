@@ -217,8 +217,7 @@ static void test_misuse(void **state) {
               bw_eigensolver_create(context, &options, &solver));
   options.inner_tolerance = 1e-8;
   options.inner_iterations = 0;
-  check_fails(context, BW_INVALID, "at least 1",
-              bw_eigensolver_create(context, &options, &solver));
+  check_fails(context, BW_INVALID, "at least 1", bw_eigensolver_create(context, &options, &solver));
   assert_int_equal(fake.opened, 0);
   bw_release(model);
   bw_model *free_model = cantilever(context, false);
