@@ -13,16 +13,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/cost.h"
 #include "incremental/lagged_factor.h"
 #include "linear/vectors.h"
 
-/* The model's machine: of the factorisation, operations and passes over the factor (fronts are
- * small, adding them up is memory traffic); of an iteration, reading. */
-#define FLOPS_PER_SECOND 20e9
-#define FACTOR_BYTES_PER_SECOND 4e9
-#define BYTES_PER_SECOND 16e9
-#define UMFPACK_FLOPS_PER_SECOND 1.5e9
-#define BLOCKS_FLOPS_PER_SECOND 8e9
 /* Per node: analysis under a given order, and finding an order. */
 #define ANALYSIS_SECONDS 2e-7
 #define ORDER_SECONDS 3e-7
@@ -148,24 +142,26 @@ static double iteration_seconds(const bw_lagged_factor *lagged, const bw_plane_p
   double matrix = (8 * square + 4) * (double)pattern->block_count;
   double vectors = 12 * 8.0 * (double)pattern->node_count * lagged->components;
   double factor = lagged->symmetric && !old ? 4 * lagged->work.bytes : lagged->work.bytes;
-  return (lagged->symmetric ? 1 : 2) * (factor + matrix + vectors) / BYTES_PER_SECOND;
+  return (lagged->symmetric ? 1 : 2) * (factor + matrix + vectors) /
+         BWI_COST_PLANE_BYTES_PER_SECOND;
 }
 
 /* Copying a Cholesky factor to single precision, before it is first used as an old one. */
 static double copy_seconds(const bw_lagged_factor *lagged) {
   return lagged->symmetric && lagged->solves == 0
-             ? 1.5 * lagged->work.bytes / FACTOR_BYTES_PER_SECOND
+             ? 1.5 * lagged->work.bytes / BWI_COST_PLANE_FACTOR_BYTES_PER_SECOND
              : 0;
 }
 
 /* With the analysis rebuilt where the topology is another than the factor's. */
 static double factor_seconds(const bw_lagged_factor *lagged, const bw_plane_pattern *pattern,
                              bool analysis) {
-  double seconds = lagged->symmetric ? lagged->work.flops / FLOPS_PER_SECOND +
-                                           2 * lagged->work.bytes / FACTOR_BYTES_PER_SECOND
-                   : !lagged->pivoting ? lagged->work.flops / BLOCKS_FLOPS_PER_SECOND
-                                       : lagged->work.flops / UMFPACK_FLOPS_PER_SECOND +
-                                             4 * lagged->work.bytes / FACTOR_BYTES_PER_SECOND;
+  double seconds =
+      lagged->symmetric ? lagged->work.flops / BWI_COST_PLANE_FLOPS_PER_SECOND +
+                              2 * lagged->work.bytes / BWI_COST_PLANE_FACTOR_BYTES_PER_SECOND
+      : !lagged->pivoting ? lagged->work.flops / BWI_COST_BLOCKS_FLOPS_PER_SECOND
+                          : lagged->work.flops / BWI_COST_UMFPACK_FLOPS_PER_SECOND +
+                                4 * lagged->work.bytes / BWI_COST_PLANE_FACTOR_BYTES_PER_SECOND;
   return seconds + (analysis ? ANALYSIS_SECONDS * pattern->node_count : 0);
 }
 

@@ -19,9 +19,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The model's machine. */
-#define FLOPS_PER_SECOND 40e9
-#define BYTES_PER_SECOND 15e9
+#include "base/cost.h"
+
 #define SECONDS_PER_POINT 2.6e-7 /* of a projected tangent */
 
 /* Bytes for each entry of a factor that is made and solved with; of a product for each element; of
@@ -59,7 +58,7 @@ void bwi_choice_begin(bwi_newton_state *state) {
                                                        .nepers = 3 * GUESS_WEIGHT};
   double product = ELEMENT_BYTES * (double)grid->element_count;
   double bytes = PRODUCTS * product + NODE_BYTES * (double)grid->node_count;
-  c->set = PRODUCTS_TO_SET * product / BYTES_PER_SECOND;
+  c->set = PRODUCTS_TO_SET * product / BWI_COST_GRID_BYTES_PER_SECOND;
   for (int k = 0; k < o->coarse_count; k++) {
     const bw_grid *below = o->coarse[k]->grid;
     const bw_material_table *material_table = o->coarse[k]->material_table;
@@ -69,11 +68,11 @@ void bwi_choice_begin(bwi_newton_state *state) {
     if (k + 1 < o->coarse_count)
       bytes += PRODUCTS_BELOW * ELEMENT_BYTES * (double)below->element_count;
     else {
-      c->set += COARSE_FLOPS * nodes * nodes / FLOPS_PER_SECOND;
+      c->set += COARSE_FLOPS * nodes * nodes / BWI_COST_GRID_FLOPS_PER_SECOND;
       bytes += 2 * 8 * COARSE_ENTRIES * nodes;
     }
   }
-  c->iteration = bytes / BYTES_PER_SECOND;
+  c->iteration = bytes / BWI_COST_GRID_BYTES_PER_SECOND;
   c->open = true;
 }
 
@@ -96,7 +95,8 @@ static bw_status consider(bwi_newton_state *state) {
                             state->load_case->constrained));
   state->report->seconds_analysis += bw_seconds() - before;
   bwi_direct_count(state->newton->direct, &flops, &entries);
-  c->factor = flops / FLOPS_PER_SECOND + ENTRY_BYTES * entries / BYTES_PER_SECOND;
+  c->factor = flops / BWI_COST_GRID_FLOPS_PER_SECOND +
+              ENTRY_BYTES * entries / BWI_COST_GRID_BYTES_PER_SECOND;
 done:
   return status;
 }
