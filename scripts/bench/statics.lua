@@ -67,8 +67,8 @@ if opts.here then
 end
 
 local program = io.popen "readlink /proc/$PPID/exe":read "l"
-print("| body | unknowns | solved | seconds | processor seconds | iterations | peak GB | factor or preconditioner, GB "
-  .. "| residual | largest fall, m |")
+print("| body | unknowns | solved | seconds | processor seconds | iterations | peak GB "
+  .. "| factor or preconditioner, GB | residual | largest fall, m |")
 print "|---|---|---|---|---|---|---|---|---|---|"
 for _, text in ipairs(#opts.body > 0 and opts.body or {"block:12", "block:19", "block:26", "block:37:pcg"}) do
   local body, cells, only = parts_of(text)

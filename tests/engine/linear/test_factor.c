@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The factorisation by itself: against CHOLMOD's numeric one, which the engine does not use,
+/* The factorisation by itself, by each backend: against CHOLMOD on entries put together here,
  * inertia against dense eigenvalues and the same bits for any number of threads. */
 #include "bodies.h"
 
@@ -103,14 +103,22 @@ static void from_order(const problem *p, int width, int k, const double *x, doub
       to[p->unknown[i]] = x[(int64_t)p->symbolic->at[i] * width + k];
 }
 
-static void against_cholmod(void **state) {
-  bw_context *context = check_context(state);
+/* One backend, with whole updates of the factor as well. */
+static void compare_backend(bw_context *context, const bwi_kernels *kernels, bw_ordering ordering) {
   const int shape[4][4] = {{7, 6, 5, 1}, {30, 2, 2, 1}, {5, 4, 4, 2}, {1, 1, 1, 1}};
   for (int s = 0; s < 4; s++) {
     problem p;
     open_problem(context, shape[s][0], shape[s][1], shape[s][2], shape[s][3], 0, &p);
     bwi_factor *factor = NULL;
-    check_ok(context, bwi_factor_create(context, p.symbolic, &p.matrix, &factor, NULL));
+    bwi_elimination_reach *reach = NULL;
+    p.order->ordering = ordering;
+    check_ok(context, bwi_elimination_reach_create_whole(context, p.symbolic, &reach));
+    check_ok(context, bwi_factor_create_in(context, p.symbolic, &p.matrix, s % 2 ? reach : NULL,
+                                           kernels, &factor, NULL));
+    if (s % 2)
+      check_ok(context, bwi_factor_update(context, factor, &p.matrix, NULL, NULL, NULL));
+    bw_release(reach);
+    assert_true(bwi_factor_bytes(factor) > 0 && bwi_factor_flops(factor) > 0);
     assert_int_equal(p.symbolic->unknowns, p.count);
     cholmod_common common;
     cholmod_start(&common);
@@ -131,7 +139,7 @@ static void against_cholmod(void **state) {
     for (int width = 1; width <= COUNT; width *= 2) {
       for (int k = 0; k < width; k++)
         to_order(&p, width, k, (double *)b->x + (size_t)k * n, x);
-      check_ok(context, bwi_factor_solve(context, factor, width, x));
+      check_ok(context, kernels->solve(context, factor, width, x));
       for (int k = 0; k < width; k++) {
         from_order(&p, width, k, x, u);
         for (size_t i = 0; i < n; i++)
@@ -149,6 +157,13 @@ static void against_cholmod(void **state) {
     bw_release(factor);
     close_problem(&p);
   }
+}
+
+static void against_cholmod(void **state) {
+  bw_context *context = check_context(state);
+  compare_backend(context, &bwi_kernels_double, BW_ORDERING_METIS);
+  compare_backend(context, &bwi_kernels_cholmod, BW_ORDERING_METIS);
+  compare_backend(context, &bwi_kernels_cholmod, BW_ORDERING_BACKEND);
 }
 
 /* Negative pivots of K - sigma M for sigma between any two eigenvalues: Sylvester. Shifts up to the
