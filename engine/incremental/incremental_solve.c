@@ -64,7 +64,8 @@ static bw_backend backend_of(const bw_solver *solver) {
 
 /* How many iterations, where they are asked for. */
 static int max_iterations(const bw_incremental_options *options) {
-  return options->solver ? options->solver->options.max_iterations : MAX_ITERATIONS;
+  bool given = options->solver && options->solver->options.max_iterations > 0;
+  return given ? options->solver->options.max_iterations : MAX_ITERATIONS;
 }
 
 static bw_status options_of(bw_context *context, const bw_incremental_options *given,

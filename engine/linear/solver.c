@@ -6,9 +6,6 @@
 
 #include "linear/internal.h"
 
-#define TOLERANCE 1e-10
-enum { MAX_ITERATIONS = 2000 };
-
 static const char *const kind_words[] = {"cholesky", "pcg", "two_level", "amg", "jacobi"};
 static const char *const backend_words[] = {"auto", "multifrontal", "cholmod", "petsc"};
 static const char *const ordering_words[] = {"auto", "metis", "amd", "backend"};
@@ -133,10 +130,6 @@ bw_status bw_solver_create(bw_context *context, const bw_solver_options *options
   bw_object_init(made, &solver_kind);
   made->options = *options;
   bw_retain(options->preconditioner);
-  if (options->kind == BW_SOLVER_PCG && options->tolerance == 0)
-    made->options.tolerance = TOLERANCE;
-  if (options->kind == BW_SOLVER_PCG && options->max_iterations == 0)
-    made->options.max_iterations = MAX_ITERATIONS;
   *solver = made;
   return BW_OK;
 }
@@ -167,9 +160,14 @@ static void describe(const bw_solver_options *o, char *text, size_t size) {
     else
       snprintf(inner, sizeof inner, "%s", bw_solver_word(BW_SOLVER_TWO_LEVEL));
     add(list, sizeof list, inner);
-    snprintf(number, sizeof number, "tolerance %g, at most %d iterations", o->tolerance,
-             o->max_iterations);
-    add(list, sizeof list, number);
+    if (o->tolerance > 0) {
+      snprintf(number, sizeof number, "tolerance %g", o->tolerance);
+      add(list, sizeof list, number);
+    }
+    if (o->max_iterations > 0) {
+      snprintf(number, sizeof number, "at most %d iterations", o->max_iterations);
+      add(list, sizeof list, number);
+    }
   }
   bool some = list[0] != 0;
   snprintf(text, size, "%s%s%s%s", bw_solver_word(o->kind), some ? " (" : "", list,

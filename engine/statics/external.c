@@ -139,8 +139,10 @@ static bw_external_options options_of(const bw_solver *solver) {
   bw_external_options_default(&options);
   if (solver->options.kind == BW_SOLVER_PCG) {
     options.method = BW_EXTERNAL_CG;
-    options.rtol = solver->options.tolerance;
-    options.iterations = solver->options.max_iterations;
+    if (solver->options.tolerance > 0)
+      options.rtol = solver->options.tolerance;
+    if (solver->options.max_iterations > 0)
+      options.iterations = solver->options.max_iterations;
   } else
     options.method = BW_EXTERNAL_CHOLESKY;
   return options;

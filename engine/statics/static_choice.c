@@ -60,8 +60,10 @@ static bw_status read_solver(statics *s) {
     s->preconditioner = solver;
     return BW_OK;
   case BW_SOLVER_PCG:
-    s->tolerance = solver->options.tolerance;
-    s->max_iterations = solver->options.max_iterations;
+    if (solver->options.tolerance > 0)
+      s->tolerance = solver->options.tolerance;
+    if (solver->options.max_iterations > 0)
+      s->max_iterations = solver->options.max_iterations;
     s->way = m && m->options.kind != BW_SOLVER_TWO_LEVEL ? BY_PCG : BY_TWO_LEVEL;
     s->preconditioner = m;
     return BW_OK;

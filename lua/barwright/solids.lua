@@ -360,8 +360,8 @@ local solve_rules = {
   choose = {type = "boolean", default = true},
 }
 for key, kind in pairs {tolerance = "number", iterations = "integer", steps = "integer",
-  max_iterations = "integer", min_step = "number", cg_tolerance = "number", cg_iterations = "integer",
-  allow_inverted = "boolean", linear = "string", coarse = "any"} do
+  max_iterations = "integer", min_step = "number", allow_inverted = "boolean", solver = "any",
+  coarse = "any"} do
   solve_rules[key] = {type = kind}
 end
 
@@ -404,12 +404,12 @@ local MAX_LEVELS = 2
 local function own_coarse(self, wanted)
   local level = self.levels
   if level == MAX_LEVELS then
-    if wanted then raise 'solve: linear = "coarse" is not available: this solid was made coarse twice' end
+    if wanted then raise "solve: bw.solver.two_level is not available: this solid was made coarse twice" end
     return nil
   end
   if not (wanted or self.node_count > FEW_NODES) then return nil end
   if self.body.formulation == "b_bar" then -- coarse cells would lock where the fine ones are made not to
-    if wanted then raise 'solve: linear = "coarse" is not available: a material is B-bar' end
+    if wanted then raise "solve: bw.solver.two_level is not available: a material is B-bar" end
     return nil
   end
   if rawget(self, "under") == nil then
@@ -432,6 +432,12 @@ local function own_coarse(self, wanted)
   return rawget(self, "under") or nil
 end
 
+-- Whether a solver preconditions with coarse solids.
+local function has_two_levels(solver)
+  if core.class_name(solver) ~= "solver" or solver.kind ~= "pcg" then return false end
+  return not solver.preconditioner or solver.preconditioner.kind == "two_level"
+end
+
 -- Equilibrium of the solid as it is.
 local function solve_itself(self, opts)
   local parts = opts.path or parts_of(self)
@@ -440,15 +446,17 @@ local function solve_itself(self, opts)
     if key ~= "path" and key ~= "start" and key ~= "choose" then newton[key] = value end
   end
   local under = opts.coarse and coarse_of(opts.coarse)
-  if under == nil and (opts.linear == nil or opts.linear == "coarse") then
+  local given = opts.solver ~= "auto" and opts.solver or nil
+  local two_level = has_two_levels(given)
+  if under == nil and (given == nil or two_level) then
     local message, details
-    under, message, details = own_coarse(self, opts.linear == "coarse")
+    under, message, details = own_coarse(self, two_level)
     if message then return nil, message, details end
   end
   newton.coarse = under
-  if newton.linear == nil then
+  if given == nil then
     newton.by_cost = under and not opts.coarse and self.node_count <= MANY_NODES
-    newton.linear = under and "coarse" or "direct"
+    newton.solver = under and core.solver.pcg() or core.solver.cholesky()
   end
   local start, all = opts.start, {}
   for part = 1, parts do
@@ -469,11 +477,11 @@ end
 
 --- Equilibrium: {tolerance =, iterations = in a load step, max_iterations = in all of them, steps =
 --- load steps to begin with, min_step = where to give up, path = parts of the path
---- (each solved, from the last), linear = "direct" | "jacobi" | "coarse" (the first or the
---- last, whichever costs less by count), coarse = a coarse solid, start = displacements,
---- allow_inverted =, choose = whether the naive coarse solid replaces one of a library where that is
---- estimated to be nearer to the fine one (true)}. Returns the result; or nil, message, details, where
---- details.reached is the last equilibrium on the way.
+--- (each solved, from the last), solver = cholesky, pcg with jacobi or pcg with two_level of
+--- bw.solver (the first or the last, whichever costs less by count), coarse = a coarse solid,
+--- start = displacements, allow_inverted =, choose = whether the naive coarse solid replaces one of a
+--- library where that is estimated to be nearer to the fine one (true)}. Returns the result; or nil,
+--- message, details, where details.reached is the last equilibrium on the way.
 function solid:solve(given)
   check_self("solve", self)
   local opts = options.read("solve", given, solve_rules)

@@ -272,6 +272,10 @@ void lbw_push_report(lua_State *L, const bw_solver_report *report);
 /* The option "solver" of the table at `index`: NULL where it is left out or "auto". It stays with
  * the table. */
 const bw_solver *lbw_solver_option(lua_State *L, int index, const char *function);
+/* The same for Newton's method on solids; what is left out stays as it is. `tolerance` NULL: of
+ * steps in time, which have no two levels. */
+void lbw_newton_solver(lua_State *L, int index, const char *function, bw_newton_linear *linear,
+                       double *tolerance, int *max_iterations);
 /* Whether it works on the processes of barwright.distributed. */
 bool lbw_solver_is_external(const bw_solver *solver);
 

@@ -375,14 +375,11 @@ static int solid_solve(lua_State *L) {
       {"steps", LBW_INT, offsetof(bw_newton_options, steps)},
       {"max_iterations", LBW_INT, offsetof(bw_newton_options, max_iterations)},
       {"min_step", LBW_REAL, offsetof(bw_newton_options, min_step)},
-      {"cg_tolerance", LBW_REAL, offsetof(bw_newton_options, cg_tolerance)},
-      {"cg_iterations", LBW_INT, offsetof(bw_newton_options, cg_iterations)},
       {"by_cost", LBW_BOOLEAN, offsetof(bw_newton_options, by_cost)},
       {"allow_inverted", LBW_BOOLEAN, offsetof(bw_newton_options, allow_inverted)},
-      {"linear", LBW_OTHER, 0},
+      {"solver", LBW_OTHER, 0},
       {"coarse", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
-  static const char *const linears[] = {"direct", "jacobi", "coarse", NULL};
   lua_settop(L, 5);
   const bw_solid *solid = self(L);
   const bw_load_case *load_case = (const bw_load_case *)lbw_check(L, 2, &lbw_load_case_class);
@@ -392,7 +389,7 @@ static int solid_solve(lua_State *L) {
   bw_newton_options options;
   bw_newton_options_default(&options);
   lbw_options(L, 4, "solve", list, &options);
-  options.linear = (bw_newton_linear)lbw_word_option(L, 4, "solve", "linear", linears, 0);
+  lbw_newton_solver(L, 4, "solve", &options.linear, &options.cg_tolerance, &options.cg_iterations);
   options.coarse_count = read_coarse(L, 4, coarsening, coarse);
   options.coarsening = coarsening;
   options.coarse = coarse;

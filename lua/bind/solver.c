@@ -56,13 +56,14 @@ static int solver_pcg(lua_State *L) {
       {"tolerance", LBW_REAL, offsetof(bw_solver_options, tolerance)},
       {"max_iterations", LBW_INT, offsetof(bw_solver_options, max_iterations)},
       {NULL, LBW_OTHER, 0}};
-  bw_solver_options options = {.kind = BW_SOLVER_PCG, .tolerance = 1e-10, .max_iterations = 2000};
+  bw_solver_options options = {.kind = BW_SOLVER_PCG};
   lua_settop(L, 1);
   lbw_options(L, 1, "solver.pcg", list, &options);
-  if (options.max_iterations < 1)
+  if (options.max_iterations < 1 && lbw_option_get(L, 1, "max_iterations") != LUA_TNIL)
     lbw_option_error(L, "solver.pcg", "max_iterations", "an integer of 1 or more");
-  if (!(options.tolerance > 0))
+  if (!(options.tolerance > 0) && lbw_option_get(L, 1, "tolerance") != LUA_TNIL)
     lbw_option_error(L, "solver.pcg", "tolerance", "a number above 0 and below 1");
+  lua_settop(L, 1);
   options.preconditioner = preconditioner_option(L);
   return create(L, &options);
 }
@@ -117,6 +118,35 @@ bool lbw_solver_is_external(const bw_solver *solver) {
   return solver && solver->options.backend == BW_BACKEND_PETSC;
 }
 
+void lbw_newton_solver(lua_State *L, int index, const char *function, bw_newton_linear *linear,
+                       double *tolerance, int *max_iterations) {
+  const bw_solver *solver = lbw_solver_option(L, index, function);
+  const bw_solver *m = NULL;
+  if (!solver)
+    return;
+  const bw_solver_options *o = &solver->options;
+  if (o->kind == BW_SOLVER_CHOLESKY && o->ordering == BW_ORDERING_AUTO && o->precision != 32 &&
+      (o->backend == BW_BACKEND_AUTO || o->backend == BW_BACKEND_MULTIFRONTAL)) {
+    *linear = BW_NEWTON_DIRECT;
+    return;
+  }
+  if (o->kind == BW_SOLVER_PCG) {
+    m = o->preconditioner;
+    bw_solver_kind kind = m ? m->options.kind : BW_SOLVER_TWO_LEVEL;
+    *linear = kind == BW_SOLVER_JACOBI ? BW_NEWTON_JACOBI : BW_NEWTON_COARSE;
+    if (tolerance && o->tolerance > 0)
+      *tolerance = o->tolerance;
+    if (max_iterations && o->max_iterations > 0)
+      *max_iterations = o->max_iterations;
+    if (kind == BW_SOLVER_JACOBI || (kind == BW_SOLVER_TWO_LEVEL && tolerance))
+      return;
+  }
+  lbw_error(L,
+            "%s: option 'solver': Newton's method takes bw.solver.cholesky() of the backend "
+            "multifrontal, and bw.solver.pcg with jacobi%s",
+            function, tolerance ? " or two_level" : "");
+}
+
 /* ---- properties ------------------------------------------------------------------------------ */
 
 static int get_kind(lua_State *L) {
@@ -165,14 +195,14 @@ static int get_preconditioner(lua_State *L) {
 }
 
 static int get_tolerance(lua_State *L) {
-  if (self(L)->options.kind != BW_SOLVER_PCG)
+  if (!(self(L)->options.tolerance > 0))
     return 0;
   lua_pushnumber(L, self(L)->options.tolerance);
   return 1;
 }
 
 static int get_max_iterations(lua_State *L) {
-  if (self(L)->options.kind != BW_SOLVER_PCG)
+  if (self(L)->options.max_iterations == 0)
     return 0;
   lua_pushinteger(L, self(L)->options.max_iterations);
   return 1;

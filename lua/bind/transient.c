@@ -21,10 +21,9 @@ static int transient_create(lua_State *L) {
       {"iterations", LBW_INT, offsetof(bw_transient_options, iterations)},
       {"allow_inverted", LBW_BOOLEAN, offsetof(bw_transient_options, allow_inverted)},
       {"scheme", LBW_OTHER, 0},
-      {"linear", LBW_OTHER, 0},
+      {"solver", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   static const char *const schemes[] = {"implicit_euler", "newmark", NULL};
-  static const char *const linear[] = {"direct", "jacobi", NULL};
   lua_settop(L, 5);
   const bw_solid *solid = (const bw_solid *)lbw_check(L, 1, &lbw_solid_class);
   const bw_load_case *load_case = (const bw_load_case *)lbw_check(L, 2, &lbw_load_case_class);
@@ -32,7 +31,7 @@ static int transient_create(lua_State *L) {
   bw_transient_options_default(&options);
   lbw_options(L, 3, "transient", list, &options);
   options.scheme = (bw_transient_scheme)lbw_word_option(L, 3, "transient", "scheme", schemes, 0);
-  options.linear = (bw_newton_linear)lbw_word_option(L, 3, "transient", "linear", linear, 0);
+  lbw_newton_solver(L, 3, "transient", &options.linear, NULL, NULL);
   const double *u = lbw_read_displacement(L, 4, "displacement", solid->grid);
   const double *v = lbw_read_displacement(L, 5, "velocity", solid->grid);
   lbw_box *box = lbw_box_new(L, &lbw_solid_transient_class);

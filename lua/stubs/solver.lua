@@ -54,8 +54,8 @@ function solver_module.pcg(options) end
 ---How conjugate gradients work.
 ---@class bw.PcgOptions
 ---@field preconditioner? bw.Solver of `two_level`, `amg`, `jacobi` or `cholesky`. Default: `two_level`
----@field tolerance? number (-) relative residual to be reached. Range: above 0, below 1. Default: 1e-10
----@field max_iterations? integer (count) at most. Range: 1 and more. Default: 2000
+---@field tolerance? number (-) relative residual to be reached. Range: above 0, below 1. Default: 1e-10; in Newton's method of solids by Eisenstat and Walker
+---@field max_iterations? integer (count) at most. Range: 1 and more. Default: 2000; in Newton's method of solids 10000
 
 ---The two-level preconditioner: a smoother over all nodes, and the linear elements on the same corners solved by a factor. For
 ---quadratic elements.
@@ -115,7 +115,7 @@ function solver_module.jacobi(options) end
 ---A linear solver or a preconditioner. It never changes; `print` shows it in a line.
 ---```lua
 ---local solver = bw.solver.pcg {tolerance = 1e-8}
----print(solver.kind, solver.tolerance, solver.max_iterations) -- pcg 1e-08 2000
+---print(solver.kind, solver.tolerance, solver.max_iterations) -- pcg 1e-08 nil
 ---```
 ---@class bw.Solver
 ---@field kind "cholesky"|"pcg"|"two_level"|"amg"|"jacobi" what it is
@@ -124,8 +124,8 @@ function solver_module.jacobi(options) end
 ---@field precision integer? (bits) of a factor: as it was given
 ---@field full boolean? of a factor: whether it is computed again as a whole
 ---@field preconditioner bw.Solver? of `pcg`, as it was given
----@field tolerance number? (-) of `pcg`: relative residual
----@field max_iterations integer? (count) of `pcg`
+---@field tolerance number? (-) of `pcg`: relative residual, as it was given
+---@field max_iterations integer? (count) of `pcg`, as it was given
 local Solver = {}
 
 ---What a solver did, and why it was chosen. `print` shows it in a line. Predicted costs are those of one reference machine.

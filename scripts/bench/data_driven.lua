@@ -122,9 +122,9 @@ if wanted "gradients" then
   end
   print "the figure with bones: node blocks (jacobi), factors (direct), a coarse solid (coarse)"
   for level = 0, library.levels do
-    row(level, "jacobi", {linear = "jacobi"})
-    row(level, "direct", {linear = "direct"})
-    if level == 0 then row(level, "coarse", {linear = "coarse", coarse = solids[1]}) end
+    row(level, "jacobi", {solver = bw.solver.pcg {preconditioner = bw.solver.jacobi()}})
+    row(level, "direct", {solver = bw.solver.cholesky()})
+    if level == 0 then row(level, "coarse", {solver = bw.solver.pcg(), coarse = solids[1]}) end
   end
 end
 

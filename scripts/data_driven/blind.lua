@@ -115,7 +115,7 @@ local function solid_of(it)
     local p = it.pull
     return solid:force({side = "max y"}, {force * p[1], force * p[2], force * p[3]})
   end
-  local small = assert(loaded(1e-6):solve {linear = "direct"})
+  local small = assert(loaded(1e-6):solve {solver = bw.solver.cholesky()})
   return loaded(1e-6 * MOVEMENT / compare.movement(small))
 end
 
@@ -131,7 +131,7 @@ end
 for seed = opts.first, opts.first + opts.bodies - 1 do
   local it = body(seed)
   local fine = solid_of(it)
-  local took, reference, message = compare.timed(fine.solve, fine, {linear = "direct"})
+  local took, reference, message = compare.timed(fine.solve, fine, {solver = bw.solver.cholesky()})
   print(("body %d: %s"):format(seed, it.words))
   if not reference then
     print("  no fine solution: " .. message)

@@ -19,9 +19,10 @@ local function released(opts, fine, solution, by)
     free, message, details = free:coarsen(by, 1)
     if not free then return nil, message, details end
   end
+  local jacobi = bw.solver.pcg {preconditioner = bw.solver.jacobi()}
   local moving
   moving, message, details = free:transient {scheme = "implicit_euler", step = opts.step, iterations = 1,
-    displacement = solution.displacement, linear = not by and "jacobi" or nil}
+    displacement = solution.displacement, solver = not by and jacobi or nil}
   return moving, message, details, free
 end
 

@@ -9,12 +9,8 @@
 static inline const bw_solver *solver_by(int method) {
   static const bw_solver factor = {.options = {.kind = BW_SOLVER_CHOLESKY}};
   static const bw_solver full = {.options = {.kind = BW_SOLVER_CHOLESKY, .full = true}};
-  static const bw_solver two_level = {
-      .options = {.kind = BW_SOLVER_PCG, .tolerance = 1e-16, .max_iterations = 2000}};
-  static const bw_solver iterate = {.options = {.kind = BW_SOLVER_PCG,
-                                                .preconditioner = &factor,
-                                                .tolerance = 1e-16,
-                                                .max_iterations = 2000}};
+  static const bw_solver two_level = {.options = {.kind = BW_SOLVER_PCG}};
+  static const bw_solver iterate = {.options = {.kind = BW_SOLVER_PCG, .preconditioner = &factor}};
   const bw_solver *by[] = {[BW_INCREMENTAL_AUTO] = NULL,
                            [BW_INCREMENTAL_REFACTOR] = &factor,
                            [BW_INCREMENTAL_ITERATE] = &iterate,

@@ -280,9 +280,9 @@ describe("a model", function()
       {solver.cholesky {backend = "cholmod", ordering = "backend"}, "cholesky (cholmod, ordering backend)"},
       {solver.cholesky {precision = 32}, "cholesky (32 bits)"},
       {solver.pcg {preconditioner = solver.jacobi(), tolerance = 1e-11},
-        "pcg (jacobi, tolerance 1e-11, at most 2000 iterations)"},
+        "pcg (jacobi, tolerance 1e-11)"},
       {solver.pcg {preconditioner = solver.cholesky {backend = "cholmod"}, max_iterations = 9},
-        "pcg (cholesky (cholmod), tolerance 1e-10, at most 9 iterations)"}} do
+        "pcg (cholesky (cholmod), at most 9 iterations)"}} do
       assert.equal(one[2], tostring(one[1]))
       local static = assert(bw.model {mesh = mesh, material = part.material}
         :fix(mesh.boundary:below(1, 0)):gravity {1, 2, -9.81}:solve {solver = one[1]})
@@ -291,8 +291,8 @@ describe("a model", function()
     end
     local pcg = solver.pcg {preconditioner = solver.jacobi()}
     assert.equal("jacobi", pcg.preconditioner.kind)
-    assert.equal(1e-10, pcg.tolerance)
-    assert.equal(2000, pcg.max_iterations)
+    assert.is_nil(pcg.tolerance)
+    assert.equal(7, solver.pcg {max_iterations = 7}.max_iterations)
     assert.is_nil(pcg.backend)
     assert.equal("metis", solver.cholesky {ordering = "metis"}.ordering)
     check.raises("'cholmodd' is not known: did you mean 'cholmod'?", solver.cholesky, {backend = "cholmodd"})

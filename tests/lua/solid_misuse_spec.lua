@@ -135,10 +135,12 @@ end)
 describe("a solid", function()
   it("is not solved with options that mean nothing", function()
     local solid = standing():force(top, {0, 0, 100})
+    local jacobi, cholmod = bw.solver.jacobi(), bw.solver.cholesky {backend = "cholmod"}
+    local pcg = bw.solver.pcg {preconditioner = cholmod}
     for key, list in pairs {tolerance = {0, -1, nan, inf, 1}, iterations = {0, -1, 1.5}, steps = {0, -1},
       max_iterations = {-1, 1.5, "x"}, min_step = {0, -1, 2},
-      cg_tolerance = {-1, 1, nan}, cg_iterations = {0, -1}, path = {0, -1, 1001},
-      linear = {"x", 5}, start = {5, {}, {{1, 2, 3}}}, coarse = {5, {}, solid}} do
+      path = {0, -1, 1001}, solver = {"x", 5, jacobi, cholmod, pcg},
+      start = {5, {}, {{1, 2, 3}}}, coarse = {5, {}, solid}} do
       for _, bad in ipairs(list) do
         local ok, message = pcall(solid.solve, solid, {[key] = bad})
         assert.is_false(ok, key .. " = " .. tostring(bad))
@@ -227,7 +229,7 @@ end)
 describe("a motion", function()
   it("refuses what no motion has", function()
     for key, list in pairs {step = {0, -1, nan, 1e-300, 1e300}, tolerance = {0, nan}, iterations = {0},
-      mass_damping = {-1, nan}, stiffness_damping = {-1}, scheme = {"x", 1}, linear = {"coarse"},
+      mass_damping = {-1, nan}, stiffness_damping = {-1}, scheme = {"x", 1}, solver = {"coarse", bw.solver.pcg()},
       displacement = {5, {}}, velocity = {{{1, 2, 3}}}} do
       for _, bad in ipairs(list) do
         local solid = standing()

@@ -19,6 +19,9 @@ local function stand(solid)
   return solid:fix({side = "min y"}, {false, 0, false})
 end
 
+local ways = {direct = bw.solver.cholesky(), coarse = bw.solver.pcg(),
+  jacobi = bw.solver.pcg {preconditioner = bw.solver.jacobi()}}
+
 describe("a hyperelastic material", function()
   it("warns of volumetric locking, and has a formulation that cures it", function()
     local function solved(formulation)
@@ -41,7 +44,7 @@ describe("a hyperelastic material", function()
     assert.same({}, bw.warnings())
     assert.is_true(result.energy > 1.2 * standard.energy)
     check.raises("B-bar", cured.coarsen, cured, "naive")
-    check.raises("B-bar", cured.solve, cured, {linear = "coarse"})
+    check.raises("B-bar", cured.solve, cured, {solver = ways.coarse})
   end)
 
   it("has a law with its constants", function()
@@ -185,7 +188,7 @@ describe("a solid", function()
     local pressed, done = {}, {}
     for i, p in ipairs(grid.points:totable()) do pressed[i] = {1e-4 * math.sin(20 * p[3]), 0, -0.3 * p[3]} end
     for i, linear in ipairs {"direct", "jacobi"} do
-      local motion = assert(solid:transient {step = 0.1, iterations = 1, linear = linear,
+      local motion = assert(solid:transient {step = 0.1, iterations = 1, solver = ways[linear],
         displacement = bw.array(pressed)})
       done[i] = assert(motion:step()).displacement
     end
@@ -198,17 +201,17 @@ describe("a solid", function()
     solid:force({side = "max z"}, {2, 0, 20})
     local direct = assert(solid:solve {tolerance = 1e-9})
     for _, linear in ipairs {"coarse", "jacobi"} do
-      local other = assert(solid:solve {linear = linear, tolerance = 1e-9})
+      local other = assert(solid:solve {solver = ways[linear], tolerance = 1e-9})
       assert.is_true(other.report.cg_iterations > 0)
       assert.is_true(other:error(direct) < 1e-8)
     end
     check.raises("made coarse once from this one", function() solid:solve {coarse = solid} end)
-    check.raises("was made coarse twice", function() solid:coarsen("naive", 2):solve {linear = "coarse"} end)
+    check.raises("was made coarse twice", function() solid:coarsen("naive", 2):solve {solver = ways.coarse} end)
     -- a coarse solid too, over one that is coarser still; also after an edit
     local coarse = assert(solid:coarsen "naive")
     coarse = assert(coarse:with(assert(solid.grid:set({max = {0.05, 1, 1}}, 0))))
     local by_factor = assert(coarse:solve {tolerance = 1e-9})
-    local by_gradients = assert(coarse:solve {linear = "coarse", tolerance = 1e-9})
+    local by_gradients = assert(coarse:solve {solver = ways.coarse, tolerance = 1e-9})
     assert.equal(0, by_factor.report.cg_iterations)
     assert.is_true(by_gradients.report.cg_iterations > 0)
     assert.is_true(by_gradients:error(by_factor) < 1e-8)
@@ -217,7 +220,7 @@ describe("a solid", function()
       materials = {rubber()}})
     flat:fix {side = "min z"}
     flat:force({side = "max z"}, {2, 0, 20})
-    assert.is_true(assert(flat:solve {linear = "coarse", tolerance = 1e-9}):error(
+    assert.is_true(assert(flat:solve {solver = ways.coarse, tolerance = 1e-9}):error(
       assert(flat:solve {tolerance = 1e-9})) < 1e-8)
   end)
 
@@ -228,7 +231,7 @@ describe("a solid", function()
       local solid = assert(bw.solid {grid = grid, materials = {rubber()}})
       solid:fix {side = "min z"}
       solid:fix({side = "max z"}, {0, 0, -shortening * height})
-      local result = assert(solid:solve {linear = linear})
+      local result = assert(solid:solve {solver = ways[linear]})
       assert.equal(0, result.report.undecided)
       assert.equal(linear == "coarse", result.report.stability_iterations > 10)
       local max = 0
@@ -271,7 +274,7 @@ describe("a solid", function()
     solid:fix {side = "min z"}
     solid:gravity {3, 0, 0}
     for i, linear in ipairs {"direct", "jacobi"} do
-      local swing = assert(solid:transient {step = 0.01, iterations = 1, linear = linear,
+      local swing = assert(solid:transient {step = 0.01, iterations = 1, solver = ways[linear],
         stiffness_damping = 1e-3})
       swung[i] = assert(swing:step(5)).displacement:column(1):max()
       assert.is_true(math.abs(swing.kinetic + swing.strain + swing.potential + swing.dissipated) < 1e-12)

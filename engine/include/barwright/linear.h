@@ -60,22 +60,22 @@ typedef struct bw_solver_options {
   const bw_solver *preconditioner; /* of BW_SOLVER_PCG, retained: BW_SOLVER_TWO_LEVEL, _AMG,
                                       _JACOBI, or _CHOLESKY (of a former shape, or of 32 bits);
                                       default NULL: two-level */
-  double tolerance;   /* (-) of BW_SOLVER_PCG: relative residual, above 0 and below 1; default 0:
-                         1e-10 */
-  int max_iterations; /* (count) of BW_SOLVER_PCG, 1 or more; default 0: 2000 */
+  double tolerance;   /* (-) of BW_SOLVER_PCG: relative residual, below 1; default 0: 1e-10, in
+                         Newton's method by Eisenstat and Walker */
+  int max_iterations; /* (count) of BW_SOLVER_PCG; default 0: 2000, in Newton's method 10000 */
 } bw_solver_options;
 
 /* A linear solver: a description that never changes, made once and handed to whatever solves. A
  * NULL solver means that it is chosen by counted operations and bytes. */
 struct bw_solver {
   bw_object object;
-  bw_solver_options options; /* without zeros where there is a default by number */
+  bw_solver_options options; /* as they were given */
 };
 /* Makes a *solver. BW_INVALID for numbers outside their ranges, options that the kind does not
  * have, and what its backend does not serve. */
 BW_API bw_status bw_solver_create(bw_context *context, const bw_solver_options *options,
                                   bw_solver **solver);
-/* A *text such as "pcg (two-level preconditioner, tolerance 1e-10)", which the caller releases with
+/* A *text such as "pcg (two_level, tolerance 1e-08)", which the caller releases with
  * bw_free. NULL: "auto". */
 BW_API bw_status bw_solver_describe(bw_context *context, const bw_solver *solver, char **text);
 /* The word of a backend ("cholmod"), of an ordering ("metis"), of a kind ("two_level"). */

@@ -7,6 +7,7 @@ local fuse = require "fuse"
 local kind = {}
 local text_of, uniform = followed_kinds.text_of, followed_kinds.uniform
 local materials
+local solvers = {bw.solver.cholesky(), bw.solver.pcg {preconditioner = bw.solver.jacobi()}, bw.solver.pcg()}
 
 local function rubber(young) return bw.hyperelastic {young = young, poisson = 0.3, density = 1000} end
 
@@ -76,8 +77,7 @@ kind.operations = {
     return true
   end},
   solve = {4, function(subject)
-    local linear = {"direct", "jacobi", "coarse"}
-    local result, message, details = subject.solid:solve {linear = linear[math.random(4)],
+    local result, message, details = subject.solid:solve {solver = solvers[math.random(4)],
       path = math.random(4) < 2 and math.random(3) or nil, max_iterations = 60, iterations = math.random(2, 20)}
     if not result then return nil, message, details end
     subject.result = result

@@ -4,6 +4,7 @@ local bw = require "barwright"
 local followed_kinds = require "followed_kinds"
 
 local kind = {}
+local jacobi = bw.solver.pcg {preconditioner = bw.solver.jacobi()}
 local text_of, uniform = followed_kinds.text_of, followed_kinds.uniform
 
 function kind.make()
@@ -18,7 +19,7 @@ function kind.make()
   local newmark = math.random() < 0.5
   return {transient = assert(solid:transient {scheme = newmark and "newmark" or "implicit_euler",
     step = 10 ^ uniform(-4, -1), stiffness_damping = math.random() < 0.5 and 1e-4 or 0, mass_damping = 0.1,
-    linear = math.random() < 0.5 and "jacobi" or "direct", iterations = math.random(3, 12)})}
+    solver = math.random() < 0.5 and jacobi or nil, iterations = math.random(3, 12)})}
 end
 
 function kind.seen(subject)
