@@ -3,12 +3,14 @@
  * there, so the rows are complete and nothing is sent. */
 #include <string.h>
 
+#include "barwright/job.h"
 #include "distributed/internal.h"
 
 /* ---- how many -------------------------------------------------------------------------------- */
 
-bw_status bwd_count_blocks(bw_context *context, const bwd_local_mesh *local, int32_t *own,
-                           int32_t *other, int32_t *max) {
+/* Blocks of each of the rank's rows whose columns are its own, and those of others. */
+static bw_status count_blocks(bw_context *context, const bwd_local_mesh *local, int32_t *own,
+                              int32_t *other, int32_t *max) {
   bw_status status = BW_OK;
   const struct bwd_local_counts *n = &local->count;
   int width = n->nodes_per_element;
@@ -51,6 +53,74 @@ done:
   bw_free(start);
   bw_free(around);
   bw_free(seen);
+  return status;
+}
+
+/* In blocks of 3 x 3, or by entries with `width` of them for each block in a row. */
+static bw_status create_matrix(bw_context *context, int32_t rows, const int32_t *own,
+                               const int32_t *other, bool blocked, int width, Mat *matrix) {
+  bw_status status = BW_OK;
+  PetscInt local = 3 * rows;
+  PetscInt *diagonal = BW_NEW(context, PetscInt, local);
+  PetscInt *off = BW_NEW(context, PetscInt, local);
+  if (!diagonal || !off)
+    status = BW_MEMORY;
+  else
+    for (PetscInt i = 0; i < (blocked ? rows : local); i++) {
+      diagonal[i] = blocked ? own[i] : width * own[i / 3];
+      off[i] = blocked ? other[i] : width * other[i / 3];
+    }
+  BW_TRY(bwd_agree(context, status));
+  BWD_TRY(MatCreate(PETSC_COMM_WORLD, matrix));
+  BWD_TRY(MatSetSizes(*matrix, local, local, PETSC_DETERMINE, PETSC_DETERMINE));
+  BWD_TRY(MatSetBlockSize(*matrix, 3));
+  BWD_TRY(MatSetType(*matrix, blocked ? MATBAIJ : MATAIJ));
+  /* Each of these does nothing to a matrix of another type. */
+  BWD_TRY(MatSeqAIJSetPreallocation(*matrix, 0, diagonal));
+  BWD_TRY(MatMPIAIJSetPreallocation(*matrix, 0, diagonal, 0, off));
+  BWD_TRY(MatSeqBAIJSetPreallocation(*matrix, 3, 0, diagonal));
+  BWD_TRY(MatMPIBAIJSetPreallocation(*matrix, 3, 0, diagonal, 0, off));
+  BWD_TRY(MatSetOption(*matrix, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_TRUE));
+  BWD_TRY(MatSetOption(*matrix, MAT_SYMMETRIC, PETSC_TRUE));
+done:
+  bw_free(diagonal);
+  bw_free(off);
+  return status;
+}
+
+/* What the matrices take is known before they are created. */
+bw_status bwd_matrices_create(bw_context *context, const bwd_local_mesh *local, bool blocked,
+                              int mass_width, Mat *stiffness, Mat *mass, int32_t *max) {
+  bw_status status = BW_OK;
+  int32_t rows = local->count.owned;
+  int32_t *own = BW_NEW(context, int32_t, rows);
+  int32_t *other = BW_NEW(context, int32_t, rows);
+  int64_t entries = 0;
+  if (!own || !other)
+    status = BW_MEMORY;
+  else
+    status = count_blocks(context, local, own, other, max);
+  for (int32_t i = 0; status == BW_OK && i < rows; i++)
+    entries += 9 * ((int64_t)own[i] + other[i]);
+  double bytes = (double)entries * ((blocked ? 76 / 9.0 : 12) + 12 * mass_width / 9.0);
+  if (entries > INT32_MAX)
+    status = bw_fail(context, BW_LIMIT,
+                     "rank %d would have %lld entries of the matrix; PETSc's 32-bit numbers count "
+                     "to %d. Use more ranks",
+                     bw_world_rank(), (long long)entries, INT32_MAX);
+  else if (bytes > bw_available_memory())
+    status =
+        bw_fail(context, BW_MEMORY,
+                "the matrices of rank %d take %.3g GB, and %.3g GB are free. Use more ranks on "
+                "other machines",
+                bw_world_rank(), bytes / 1e9, bw_available_memory() / 1e9);
+  BW_TRY(bwd_agree(context, status));
+  BW_TRY(create_matrix(context, rows, own, other, blocked, 3, stiffness));
+  if (mass_width)
+    BW_TRY(create_matrix(context, rows, own, other, false, mass_width == 9 ? 3 : 1, mass));
+done:
+  bw_free(own);
+  bw_free(other);
   return status;
 }
 
@@ -118,8 +188,8 @@ static void mass_block(const bwd_piece *piece, int32_t i, const neighbour *n, do
 /* ---- rows ------------------------------------------------------------------------------------ */
 
 typedef struct insertion {
-  bwd_system *system;
-  int32_t max;
+  Mat stiffness, mass;
+  int mass_width;
   neighbour *list;  /* max */
   PetscInt *column; /* max */
   double *value;    /* 9 x max */
@@ -140,16 +210,15 @@ static int32_t row_neighbours(const bwd_piece *piece, int32_t i, neighbour *list
 static bw_status insert_mass(bw_context *context, const insertion *in, const bwd_piece *piece,
                              int32_t node, int32_t count) {
   bw_status status = BW_OK;
-  const bwd_system *system = in->system;
-  PetscInt row = system->mesh.row[node];
+  PetscInt row = piece->local->row[node];
   double block[9];
-  if (system->mass_width == 9) {
+  if (in->mass_width == 9) {
     for (int32_t n = 0; n < count; n++) {
       mass_block(piece, node, &in->list[n], block);
       for (int r = 0; r < 3; r++)
         memcpy(in->value + (int64_t)r * 3 * count + 3 * n, block + 3 * r, 3 * sizeof *block);
     }
-    BWD_TRY(MatSetValuesBlocked(system->M, 1, &row, count, in->column, in->value, INSERT_VALUES));
+    BWD_TRY(MatSetValuesBlocked(in->mass, 1, &row, count, in->column, in->value, INSERT_VALUES));
     return status;
   }
   for (int32_t n = 0; n < count; n++) {
@@ -160,7 +229,7 @@ static bw_status insert_mass(bw_context *context, const insertion *in, const bwd
   }
   for (int c = 0; c < 3; c++) {
     PetscInt one = 3 * row + c;
-    BWD_TRY(MatSetValues(system->M, 1, &one, count, in->column, in->value + (int64_t)c * count,
+    BWD_TRY(MatSetValues(in->mass, 1, &one, count, in->column, in->value + (int64_t)c * count,
                          INSERT_VALUES));
     for (int32_t n = 0; n < count; n++)
       in->column[n]++;
@@ -184,34 +253,37 @@ static bw_status insert(bw_context *context, void *data, const bwd_piece *piece)
         memcpy(in->value + (int64_t)r * 3 * count + 3 * n, block + 3 * r, 3 * sizeof *block);
     }
     BWD_TRY(
-        MatSetValuesBlocked(in->system->K, 1, &row, count, in->column, in->value, INSERT_VALUES));
+        MatSetValuesBlocked(in->stiffness, 1, &row, count, in->column, in->value, INSERT_VALUES));
     if (piece->mass)
       BW_TRY(insert_mass(context, in, piece, node, count));
   }
   in->rows += piece->rows;
-  if (in->system->rank == 0)
+  if (bw_world_rank() == 0)
     bw_progress(context, "assembly", (double)in->rows / local->count.owned);
 done:
   return status;
 }
 
-bw_status bwd_assemble(bw_context *context, bwd_system *system, int32_t max) {
+bw_status bwd_assemble(bw_context *context, const bwd_local_mesh *local, int mass_width,
+                       int32_t max, Mat stiffness, Mat mass) {
   bw_status status = BW_MEMORY;
-  insertion in = {.system = system,
+  insertion in = {.stiffness = stiffness,
+                  .mass = mass,
+                  .mass_width = mass_width,
                   .list = BW_NEW(context, neighbour, max),
                   .column = BW_NEW(context, PetscInt, max),
                   .value = BW_NEW(context, double, 9 * (int64_t)max)};
   if (in.list && in.column && in.value)
-    status = bwd_for_pieces(context, &system->mesh, system->mass_width > 0, insert, &in);
+    status = bwd_for_pieces(context, local, mass_width > 0, insert, &in);
   bw_free(in.list);
   bw_free(in.column);
   bw_free(in.value);
   BW_TRY(bwd_agree(context, status));
-  BWD_TRY(MatAssemblyBegin(system->K, MAT_FINAL_ASSEMBLY));
-  BWD_TRY(MatAssemblyEnd(system->K, MAT_FINAL_ASSEMBLY));
-  if (system->M) {
-    BWD_TRY(MatAssemblyBegin(system->M, MAT_FINAL_ASSEMBLY));
-    BWD_TRY(MatAssemblyEnd(system->M, MAT_FINAL_ASSEMBLY));
+  BWD_TRY(MatAssemblyBegin(stiffness, MAT_FINAL_ASSEMBLY));
+  BWD_TRY(MatAssemblyEnd(stiffness, MAT_FINAL_ASSEMBLY));
+  if (mass_width) {
+    BWD_TRY(MatAssemblyBegin(mass, MAT_FINAL_ASSEMBLY));
+    BWD_TRY(MatAssemblyEnd(mass, MAT_FINAL_ASSEMBLY));
   }
 done:
   return status;

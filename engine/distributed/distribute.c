@@ -5,36 +5,6 @@
 
 #include "distributed/internal.h"
 
-static bw_status create_matrix(bw_context *context, bwd_system *system, const int32_t *own,
-                               const int32_t *other, int width, Mat *matrix) {
-  bw_status status = BW_OK;
-  PetscInt local = 3 * system->local, size = 3 * system->nodes;
-  PetscInt *diagonal = BW_NEW(context, PetscInt, local);
-  PetscInt *off = BW_NEW(context, PetscInt, local);
-  if (!diagonal || !off)
-    status = BW_MEMORY;
-  else
-    for (PetscInt i = 0; i < local; i++) {
-      diagonal[i] = width * own[i / 3];
-      off[i] = width * other[i / 3];
-    }
-  BW_TRY(bwd_agree(context, status));
-  BWD_TRY(MatCreate(PETSC_COMM_WORLD, matrix));
-  BWD_TRY(MatSetSizes(*matrix, local, local, size, size));
-  BWD_TRY(MatSetBlockSize(*matrix, 3));
-  BWD_TRY(MatSetType(*matrix, MATAIJ));
-  if (system->ranks == 1)
-    BWD_TRY(MatSeqAIJSetPreallocation(*matrix, 0, diagonal));
-  else
-    BWD_TRY(MatMPIAIJSetPreallocation(*matrix, 0, diagonal, 0, off));
-  BWD_TRY(MatSetOption(*matrix, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_TRUE));
-  BWD_TRY(MatSetOption(*matrix, MAT_SYMMETRIC, PETSC_TRUE));
-done:
-  bw_free(diagonal);
-  bw_free(off);
-  return status;
-}
-
 /* What every rank must know before its mesh comes. */
 typedef struct plan {
   int32_t nodes, motions;
@@ -143,34 +113,6 @@ done:
   return status;
 }
 
-/* The matrices without entries: what they take is known now, and refused here. */
-static bw_status create_matrices(bw_context *context, bwd_system *system, int32_t *max) {
-  bw_status status = BW_OK;
-  int32_t *own = BW_NEW(context, int32_t, system->local);
-  int32_t *other = BW_NEW(context, int32_t, system->local);
-  int64_t entries = 0;
-  if (!own || !other)
-    status = BW_MEMORY;
-  else
-    status = bwd_count_blocks(context, &system->mesh, own, other, max);
-  for (int32_t i = 0; status == BW_OK && i < system->local; i++)
-    entries += 9 * ((int64_t)own[i] + other[i]);
-  if (entries > INT32_MAX)
-    status = bw_fail(context, BW_LIMIT,
-                     "rank %d would have %lld entries of the matrix; PETSc's 32-bit numbers count "
-                     "to %d. Use more ranks",
-                     system->rank, (long long)entries, INT32_MAX);
-  BW_TRY(bwd_agree(context, status));
-  BW_TRY(create_matrix(context, system, own, other, 3, &system->K));
-  if (system->mass_width)
-    BW_TRY(create_matrix(context, system, own, other, system->mass_width == 9 ? 3 : 1, &system->M));
-  system->entries = entries;
-done:
-  bw_free(own);
-  bw_free(other);
-  return status;
-}
-
 bw_status bwd_distribute(bw_context *context, bwd_system *system) {
   bw_status status = BW_OK;
   int32_t max = 0;
@@ -203,8 +145,12 @@ bw_status bwd_distribute(bw_context *context, bwd_system *system) {
   system->seconds_send = bw_seconds() - begin;
 
   begin = bw_seconds();
-  BW_TRY(create_matrices(context, system, &max));
-  BW_TRY(bwd_assemble(context, system, max));
+  PetscBool other; /* preconditioners that are asked for by name have the whole of K */
+  BWD_TRY(PetscOptionsHasName(NULL, NULL, "-barwright_pc_type", &other));
+  system->two_level = !system->direct && !other && bwd_has_linear_elements(system);
+  BW_TRY(bwd_matrices_create(context, &system->mesh, system->two_level, system->mass_width,
+                             &system->K, &system->M, &max));
+  BW_TRY(bwd_assemble(context, &system->mesh, system->mass_width, max, system->K, system->M));
   BWD_TRY(MatCreateVecs(system->K, &system->displacement, &system->force));
   BWD_TRY(VecDuplicate(system->force, &system->mask));
   BW_TRY(create_ghosted(context, system));

@@ -88,7 +88,10 @@ bw_status bwd_run_modes(bw_context *context, const bw_modes_options *options,
 }
 
 static const char *method_name(const bwd_system *system) {
-  return system->direct ? "Cholesky factor, MUMPS" : "conjugate gradients, GAMG";
+  if (system->direct)
+    return "Cholesky factor, MUMPS";
+  return system->two_level ? "conjugate gradients, linear elements, GAMG"
+                           : "conjugate gradients, GAMG";
 }
 
 void bwd_run_close(bw_context *context, bw_external_report *report) {

@@ -97,6 +97,8 @@ typedef struct bwd_local_mesh {
 bw_status bwd_local_mesh_distribute(bw_context *context, const bw_external_problem *problem,
                                     const bwd_partition *partition, const bwd_material *material,
                                     bwd_local_mesh *local);
+/* The arrays for `local->count`. */
+bw_status bwd_local_mesh_allocate(bw_context *context, bwd_local_mesh *local);
 void bwd_local_mesh_clear(bwd_local_mesh *local);
 /* A node's frame, rows are directions; NULL: the global one. */
 const double *bwd_local_frame(const bwd_local_mesh *local, int32_t node);
@@ -113,9 +115,9 @@ bw_status bwd_material_create(bw_context *context, const bwd_material *constants
 typedef struct bwd_system {
   int rank, ranks;
   int32_t nodes, first, local; /* all; those of this rank */
-  int64_t entries;             /* of K on this rank */
   bw_external_options options;
-  bool direct; /* by a factor */
+  bool direct;    /* by a factor */
+  bool two_level; /* by conjugate gradients over linear elements */
   int motions;
   int mass_width;   /* numbers of M per block: 0, 3 (the block's diagonal), 9 */
   double middle[3]; /* (m) mean of all nodes */
@@ -143,12 +145,15 @@ typedef struct bwd_system {
  */
 bw_status bwd_distribute(bw_context *context, bwd_system *system);
 
-/* assemble.c: blocks of each of the rank's rows whose columns are its own, and those of others;
- * `max` is the largest number in a row. */
-bw_status bwd_count_blocks(bw_context *context, const bwd_local_mesh *local, int32_t *own,
-                           int32_t *other, int32_t *max);
+/* assemble.c: K, and M unless mass_width (as in bwd_system) is 0, without entries; `max` is the
+ * largest number of blocks in a row. `blocked`: K with one index for each block, which takes 76
+ * bytes for 108, and which neither GAMG nor MUMPS accepts. BW_LIMIT for more entries than PETSc
+ * counts, BW_MEMORY where they do not fit. */
+bw_status bwd_matrices_create(bw_context *context, const bwd_local_mesh *local, bool blocked,
+                              int mass_width, Mat *stiffness, Mat *mass, int32_t *max);
 /* The rows of K and M, by the engine's assembly of a piece of the local mesh at a time. */
-bw_status bwd_assemble(bw_context *context, bwd_system *system, int32_t max);
+bw_status bwd_assemble(bw_context *context, const bwd_local_mesh *local, int mass_width,
+                       int32_t max, Mat stiffness, Mat mass);
 /* multiply.c: bw_external.multiply; fields on rank 0, NULL elsewhere. */
 bw_status bwd_multiply(bw_context *context, bwd_system *system, int count, const double *x,
                        double *kx, double *mx, double *magnitude);
@@ -169,6 +174,20 @@ bw_status bwd_for_pieces(bw_context *context, const bwd_local_mesh *local, bool 
                          bw_status (*visit)(bw_context *context, void *data,
                                             const bwd_piece *piece),
                          void *data);
+
+/* linear_elements.c: linear elements on the corners of quadratic ones, for multigrid. */
+typedef struct bwd_linear_elements {
+  Mat K, interpolation;
+  int32_t count, *node; /* the rank's own corners, in the order of their rows: local numbers */
+} bwd_linear_elements;
+/* Whether they serve as the coarse level of this system. The same answer on all ranks. */
+bool bwd_has_linear_elements(const bwd_system *system);
+bw_status bwd_linear_elements_create(bw_context *context, bwd_system *system,
+                                     bwd_linear_elements *linear);
+/* The values of a vector at the corners. */
+bw_status bwd_linear_elements_inject(bw_context *context, const bwd_linear_elements *linear,
+                                     Vec fine, Vec corners);
+void bwd_linear_elements_clear(bwd_linear_elements *linear);
 
 /* fields.c: a field in global directions of rank 0 to a vector, and back. */
 bw_status bwd_scatter(bw_context *context, bwd_system *system, const double *field, Vec vector);

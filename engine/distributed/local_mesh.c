@@ -87,7 +87,7 @@ static void list_blocks(bwd_local_mesh *local, block list[BLOCKS]) {
   memcpy(list, all, sizeof all);
 }
 
-static bw_status allocate(bw_context *context, bwd_local_mesh *local) {
+bw_status bwd_local_mesh_allocate(bw_context *context, bwd_local_mesh *local) {
   block list[BLOCKS];
   list_blocks(local, list);
   for (int k = 0; k < BLOCKS; k++)
@@ -267,7 +267,7 @@ static void forget(maker *m, int rank) {
 
 static bw_status make(bw_context *context, maker *m, int rank, bwd_local_mesh *local) {
   number(m, rank, &local->count);
-  bw_status status = allocate(context, local);
+  bw_status status = bwd_local_mesh_allocate(context, local);
   if (status == BW_OK)
     fill(m, rank, local);
   forget(m, rank);
@@ -308,7 +308,7 @@ static bw_status receive_mesh(bw_context *context, bwd_local_mesh *local) {
     local->count = (struct bwd_local_counts){0};
     return BW_OK;
   }
-  bw_status status = allocate(context, local);
+  bw_status status = bwd_local_mesh_allocate(context, local);
   int ready = status == BW_OK;
   MPI_Send(&ready, 1, MPI_INT, 0, ANSWER_TAG, bwd_comm());
   if (ready)

@@ -7,7 +7,7 @@
 
 #include "distributed/internal.h"
 
-enum { ROWS = 16384 }; /* of a piece: some 40 MB of work memory for tet10 */
+enum { ROWS = 8192 }; /* of a piece: some 20 MB of work memory for tet10 */
 
 typedef struct cut {
   const bwd_local_mesh *local;

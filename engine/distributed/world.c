@@ -19,9 +19,10 @@ enum { COMMAND_TAG = 1, MESSAGE = 1000, MAX_TAG = 1000, SPINS = 20 };
 static struct world {
   pid_t process; /* that joined; a forked child is none of the world */
   int rank, size;
+  int together; /* ranks on this machine */
   MPI_Comm work, talk;
   bool libraries, ended;
-} world = {.size = 1};
+} world = {.size = 1, .together = 1};
 
 static char petsc_text[MESSAGE]; /* of the last error that PETSc raised */
 
@@ -111,6 +112,10 @@ bw_status bw_world_start(bw_context *context, bool together) {
     goto refuse;
   }
   MPI_Comm_rank(MPI_COMM_WORLD, &world.rank);
+  MPI_Comm machine;
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  MPI_Comm_size(machine, &world.together);
+  MPI_Comm_free(&machine);
   MPI_Comm_dup(MPI_COMM_WORLD, &world.work);
   MPI_Comm_dup(MPI_COMM_WORLD, &world.talk);
   world.process = getpid();
@@ -214,6 +219,10 @@ bw_status bwd_command(bw_context *context, bwd_operation operation) {
 
 bw_status bw_world_serve(bw_context *context) {
   bw_status status = need_world(context);
+  if (status == BW_OK && !getenv("BARWRIGHT_THREADS")) {
+    int threads = bw_threads(context) / world.together;
+    status = bw_set_threads(context, threads > 1 ? threads : 1);
+  }
   if (status != BW_OK)
     return status;
   for (;;) {

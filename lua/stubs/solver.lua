@@ -95,7 +95,7 @@ function solver_module.amg(options) end
 
 ---Who computes a multigrid hierarchy.
 ---@class bw.AmgOptions
----@field backend? "auto"|"petsc" PETSc's GAMG. Default: "auto", the engine's own
+---@field backend? "auto"|"petsc" PETSc's GAMG, for quadratic elements below linear ones on their corners. Default: "auto", the engine's own
 
 ---Block Jacobi as a preconditioner: the inverse of the diagonal blocks of the nodes.
 ---

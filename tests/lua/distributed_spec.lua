@@ -28,6 +28,8 @@ end
 local CASES = {"static tet4 cg", "static tet10 cg", "static tet4 cholesky", "static tet10 cholesky",
   "rotated supports tet4 cg", "rotated supports tet10 cg", "rotated supports tet4 cholesky",
   "rotated supports tet10 cholesky", "free tet4 cg", "free tet10 cg", "free tet4 cholesky", "free tet10 cholesky",
+  "orthotropic material", "B-bar elements", "curved elements", "many rows",
+  "few iterations",
   "modes tet4", "modes tet10", "free modes tet4", "free modes tet10", "modes by conjugate gradients",
   "rotated modes", "failures come back, and work goes on", "a body that is nearly a mechanism is refused",
   "misuse", "a forked job has no ranks", "the same numbers again"}

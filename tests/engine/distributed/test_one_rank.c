@@ -67,9 +67,9 @@ static bw_status modes_of(bw_context *context, const bw_model *model, bw_externa
 static void test_memory(void **state) {
   bw_context *context = check_context(state);
   check_ok(context, bw_world_start(context, false));
-  for (int kind = 0; kind < 8; kind++) {
+  for (int kind = 0; kind < 16; kind++) {
     bw_external_method method = kind & 1 ? BW_EXTERNAL_CHOLESKY : BW_EXTERNAL_CG;
-    bw_model *model = body(context, 1, kind & 2);
+    bw_model *model = body(context, kind & 8 ? 2 : 1, kind & 2);
     bw_status status = BW_MEMORY;
     int64_t n = 1;
     for (; status == BW_MEMORY; n++) {
@@ -115,6 +115,47 @@ static void test_cancel(void **state) {
   bw_release(result);
   bw_release(modes);
   bw_release(model);
+}
+
+/* Axes by element, which only a part of the elements has in each piece. */
+static void test_rotated_by_element(void **state) {
+  bw_context *context = check_context(state);
+  check_ok(context, bw_world_start(context, false));
+  enum { GROUPS = 3 };
+  const double rotation[GROUPS][9] = {
+      {0, -1, 0, 1, 0, 0, 0, 0, 1}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, {1, 0, 0, 0, 0, -1, 0, 1, 0}};
+  bw_mesh *mesh = body_box(context, 1, 0.2, 0.1, 4, 2, 1, 2);
+  bw_material *material = NULL;
+  bw_model *model = NULL;
+  bw_selection *left = NULL, *right = NULL;
+  bw_static *own = NULL, *other = NULL;
+  const double low[3] = {-1, -1, -1}, high[3] = {1e-9, 1, 1};
+  const double from[3] = {1 - 1e-9, -1, -1}, to[3] = {2, 1, 1};
+  check_ok(context, bw_material_named(context, "zp150", &material));
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  int32_t *group = BW_NEW(context, int32_t, mesh->element_count);
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    group[e] = e % 5 == 0 ? 2 : e % 2;
+  check_ok(context, bw_model_rotate_material(context, model, GROUPS, group, rotation[0]));
+  bw_free(group);
+  check_ok(context, bw_select_box(context, mesh, low, high, &left));
+  check_ok(context, bw_select_box(context, mesh, from, to, &right));
+  check_ok(context, bw_model_fix(context, model, left));
+  check_ok(context, bw_model_force(context, model, right, (double[3]){100, 20, -9}));
+  check_ok(context, bw_statics(context, model, NULL, NULL, &own));
+  check_ok(context, statics(context, model, BW_EXTERNAL_CHOLESKY, &other));
+  double largest = 0;
+  for (int64_t i = 0; i < 3 * (int64_t)mesh->node_count; i++)
+    largest = fmax(largest, fabs(own->displacement[i]));
+  for (int64_t i = 0; i < 3 * (int64_t)mesh->node_count; i++)
+    check_near(other->displacement[i], own->displacement[i], 1e-9 * largest);
+  bw_release(own);
+  bw_release(other);
+  bw_release(left);
+  bw_release(right);
+  bw_release(model);
+  bw_release(material);
+  bw_release(mesh);
 }
 
 /* A body that falls: inertia balances the load to rounding, and there is nothing to solve. */
@@ -165,6 +206,7 @@ static void test_small(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(test_memory), check_test(test_cancel),
-                                     check_test(test_fall), check_test(test_small)};
+                                     check_test(test_rotated_by_element), check_test(test_fall),
+                                     check_test(test_small)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

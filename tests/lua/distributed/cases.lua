@@ -76,6 +76,58 @@ for _, method in ipairs {"cg", "cholesky"} do
   end
 end
 
+-- What a rank must know beside its nodes and elements.
+local function held(mesh, material, more)
+  local part = bw.model {mesh = mesh, material = material, formulation = more}
+  part:fix(mesh.boundary:below(1, 0))
+  return part:load {on = mesh.boundary:above(1, 1), force = {1e3, 2e3, -500}}
+end
+
+case("orthotropic material", function()
+  local c, s = math.cos(0.4), math.sin(0.4)
+  local material = bw.material.zp150:rotated {{c, -s, 0}, {s, c, 0}, {0, 0, 1}}
+  same_static(held(check.beam({8, 2, 2}, 2), material), {solver = spread.cholesky}, 1e-8)
+end)
+
+case("B-bar elements", function()
+  local material = bw.material.isotropic {young = 1e6, poisson = 0.49, density = 1000}
+  local part = held(check.beam({8, 2, 2}, 2), material, "b_bar")
+  same_static(part, {solver = spread.cholesky}, 1e-8)
+  same_static(part, {solver = spread.cg}, 1e-7)
+end)
+
+case("curved elements", function()
+  local mesh = check.beam({8, 2, 2}, 2)
+  local rows = {}
+  for i = 1, mesh.node_count do
+    local x, y, z = mesh.nodes(i, 1), mesh.nodes(i, 2), mesh.nodes(i, 3)
+    rows[i] = {x, y + 0.3 * x * (1 - x), z * (1 + 0.5 * x * (1 - x))}
+  end
+  for _, method in ipairs {"cg", "cholesky"} do
+    same_static(held(assert(mesh:moved(rows)), steel), {solver = spread[method]}, 1e-8)
+  end
+end)
+
+case("many rows", function() -- on each rank more than are assembled at once
+  local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {26, 26, 26}})
+  local part = held(mesh, steel)
+  local own = assert(part:solve {solver = bw.solver.cholesky {}})
+  local other = assert(part:solve {solver = cg {tolerance = 1e-10}})
+  same_field(own.displacement, other.displacement, 1e-8, "displacements")
+  same_field(own.reaction, other.reaction, 1e-8, "reactions")
+end)
+
+case("few iterations", function() -- linear elements as the coarse level of quadratic ones
+  for _, turned in ipairs {false, true} do
+    local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {8, 8, 8}, order = 2})
+    local part = bw.model {mesh = mesh, material = steel}
+    part:slide(mesh.boundary:below(1, 0), turned and {1, 0.4, 0.2} or {1, 0, 0})
+    part:slide(mesh.boundary:below(2, 0), {0, 1, 0}):load {on = mesh.boundary:above(3, 1), force = {0, 0, 1e3}}
+    local report = assert(part:solve {solver = spread.cg, inertia_relief = true}).report
+    assert(report.iterations <= 30, report.iterations)
+  end
+end)
+
 local function same_modes(part, options)
   local own = assert(part:modes {count = options.count})
   local other = assert(part:modes(options))
