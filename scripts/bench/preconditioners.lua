@@ -1,0 +1,71 @@
+-- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
+-- Conjugate gradients on one mesh with the engine's preconditioners and with those of PETSc and hypre: processor
+-- time, iterations, memory. Each row is a process of its own on one processor.
+local bw = require "barwright"
+local script = require "barwright.command.script"
+
+local engine, petsc = {}, {backend = "petsc"}
+local kinds = { -- name, preconditioner, options of PETSc; for quadratic elements alone
+  {"engine, two-level", function() return bw.solver.two_level {} end, quadratic = true},
+  {"engine, multigrid", function() return bw.solver.amg(engine) end},
+  {"PETSc, linear elements and GAMG", function() return bw.solver.amg(petsc) end, "", quadratic = true},
+  {"PETSc, GAMG", function() return bw.solver.amg(petsc) end, "-barwright_pc_type gamg"},
+  {"hypre, BoomerAMG", function() return bw.solver.amg(petsc) end, "-barwright_pc_type hypre "
+    .. "-barwright_pc_hypre_boomeramg_strong_threshold 0.5 -barwright_pc_hypre_boomeramg_agg_nl 1"},
+}
+
+local opts = script.read {
+  summary = "preconditioners of the engine, of PETSc and of hypre on the same mesh",
+  about = "A cube of steel, fixed below, pulled above, to a residual of 1e-8. Linear elements have the nodes of "
+    .. "the quadratic ones. Processor seconds contain assembly, setup, iterations and the check of the residual. "
+    .. "Prints a Markdown table.",
+  arguments = {{name = "cells", type = "integer", min = 2, many = true, optional = true,
+    what = "cells of quadratic elements along an edge of the cube (default 12)"}},
+  options = {
+    {name = "here", value = "N", type = "integer", min = 1, max = #kinds,
+      what = "solve with this preconditioner in this process, and print its row alone"},
+    {name = "order", value = "N", type = "integer", default = 2, min = 1, max = 2,
+      what = "order of elements, of --here"},
+  },
+}
+
+local function measure(kind, cells, order)
+  local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {cells, cells, cells},
+    order = order})
+  local part = bw.model {mesh = mesh, material = bw.material.steel}
+  part:fix(mesh.boundary:below(3, 0)):load {on = mesh.boundary:above(3, 1), force = {1e3, 0, -1e3}}
+  local name, preconditioner = kind[1], kind[2]
+  local head = ("| %d, tet%d | %s |"):format(mesh.node_count * 3, order == 1 and 4 or 10, name)
+  local made, message = preconditioner()
+  local processor, static = os.clock(), nil
+  if made then
+    static, message = part:solve {solver = bw.solver.pcg {tolerance = 1e-8, preconditioner = made}}
+  end
+  processor = os.clock() - processor
+  if not static then
+    print(head .. " – | – | – | " .. message .. " |")
+    return
+  end
+  local peak = tonumber(io.open "/proc/self/status":read "a":match "VmHWM:%s+(%d+)") / 2 ^ 20
+  print(("%s %.1f | %d | %.2f | %.1e |"):format(head, processor, static.report.iterations, peak, static.residual))
+end
+
+if opts.here then
+  if not opts.cells[1] then script.refuse "--here needs CELLS" end
+  measure(kinds[opts.here], opts.cells[1], opts.order)
+  return
+end
+
+local program = io.popen "readlink /proc/$PPID/exe":read "l"
+print "| unknowns | preconditioner | processor seconds | iterations | GiB | residual |"
+print "|---|---|---|---|---|---|"
+for _, cells in ipairs(#opts.cells > 0 and opts.cells or {12}) do
+  for order = 2, 1, -1 do
+    for n, kind in ipairs(kinds) do
+      local mpi = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 PETSC_OPTIONS='%s' "
+      local command = ("BARWRIGHT_QUIET=1 BARWRIGHT_THREADS=1 %s%s %s --here %d --order %d %d"):format(
+        kind[3] and mpi:format(kind[3]) or "", program, arg[0], n, order, order == 2 and cells or 2 * cells)
+      if order == 2 or not kind.quadratic then os.execute(command) end
+    end
+  end
+end
