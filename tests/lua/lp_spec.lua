@@ -59,8 +59,8 @@ describe("solvers of linear programs", function()
     end
     for name, backend in pairs(backends) do
       local solver = bw.lp[name] {}
-      local bounded = assert(bw.worst_case(part, with({force = 5, pressure = 2e5, modes = 1, regions = 1, targets = 2,
-        certify = 0.3}, solver)))
+      local few = {force = 5, pressure = 2e5, modes = 1, regions = 1, targets = 2, certify = 0.3}
+      local bounded = assert(bw.worst_case(part, with(few, solver)))
       compare("bounded", bounded.max_principal)
       -- Multipliers are not unique: the bounds may differ within the tolerance.
       assert.truthy(bounded.gap >= 0 and bounded.gap <= 0.3)
@@ -80,8 +80,8 @@ describe("solvers of linear programs", function()
   end)
 
   it("are refused where they are something else", function()
-    check.raises("option 'lp': a linear program solver or \"auto\" expected, got string 'simplex'", bw.worst_case, part,
-      with(limits, "simplex"))
+    check.raises("option 'lp': a linear program solver or \"auto\" expected, got string 'simplex'", bw.worst_case,
+      part, with(limits, "simplex"))
     check.raises("option 'glpk'", bw.worst_case, part, {["glpk"] = true})
     local basis, system = assert(bw.pressure_basis(mesh)), assert(part:system())
     check.raises("option 'lp': bw.lp.dual_simplex {}, bw.lp.glpk {} or \"auto\" expected", bw.worst_loads,

@@ -46,7 +46,7 @@ static const row rows[] = {
      true},
     {{.kind = BW_SOLVER_PCG, .tolerance = 1e-11},
      {.kind = BW_SOLVER_AMG},
-     "pcg (amg, tolerance 1e-11, at most 2000 iterations)",
+     "pcg (amg, tolerance 1e-11)",
      "pcg",
      "",
      "amg",
