@@ -125,6 +125,11 @@ makers.WeakRegions = {function(p)
 end, function(p) return bw.single_regions(p.Mesh, {1, 2}) end}
 makers.SparseMatrix = {function() return bw.sparse_matrix.new(2, 2, {1, 2}, {1, 2}, {1, 2}) end}
 makers.LpSolver = {function() return bw.lp.glpk {} end}
+makers.Solver = { -- none of several processes
+  function() return assert(bw.solver.cholesky {}) end,
+  function() return assert(bw.solver.pcg {preconditioner = bw.solver.amg {}}) end,
+  function() return assert(bw.solver.cholesky {backend = "cholmod"}) end,
+}
 makers.PressureBasis = {function(p) return bw.pressure_basis(p.Mesh) end}
 makers.BruteForce = {function(p)
   return assert(bw.brute_force(p:variant("bw.Model", 3), {force = 1, pressure = 1e6, elements = 2}))
