@@ -86,7 +86,7 @@ bw_status bwi_amg_create(bw_context *context, const bwi_matrix *matrix, bwi_amg 
     status = bw_fail(context, BW_SINGULAR, "the block of a node is not positive definite");
     goto done;
   }
-  BW_TRY(bwi_amg_setup(context, g, matrix));
+  BW_TRY(bwi_amg_set_up(context, g, matrix));
 done:
   if (status == BW_OK)
     *out = g;

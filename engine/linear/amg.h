@@ -62,7 +62,7 @@ double bwi_amg_pass_bytes(const bwi_amg *amg);
 
 /* ---- amg_setup.c ----------------------------------------------------------------------------- */
 
-bw_status bwi_amg_setup(bw_context *context, bwi_amg *amg, const bwi_matrix *matrix);
+bw_status bwi_amg_set_up(bw_context *context, bwi_amg *amg, const bwi_matrix *matrix);
 void bwi_amg_blocks_clear(bwi_amg_blocks *blocks);
 
 #endif
