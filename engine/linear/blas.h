@@ -4,12 +4,11 @@
  * barwright makes its own threads: every BLAS call runs on the calling thread (one BLAS thread,
  * between bwi_blas_enter and bwi_blas_leave), and large products are cut into tiles that do not
  * depend on the number of threads. That is what makes results bitwise the same for any thread
- * count. */
+ * count. CHOLMOD's factorisation alone leaves its threads to the BLAS (cholmod.c). */
 #ifndef BWI_LINEAR_BLAS_H
 #define BWI_LINEAR_BLAS_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "barwright/base.h"
 
 #include "base/blas.h"
 
@@ -34,8 +33,9 @@ void dsygv_(const int *, const char *, const char *, const int *, double *, cons
 void dsyev_(const char *, const char *, const int *, double *, const int *, double *, double *,
             const int *, int *);
 
-/* Whether the address space has room for the buffers that OpenBLAS takes, one per thread: under a
- * limit (ulimit -v) it would wait for them for ever. Asked until it has once been answered yes. */
-bool bwi_blas_has_memory(int threads);
+/* BW_MEMORY where the address space has no room for the buffers that OpenBLAS takes, one per
+ * thread: under a limit (ulimit -v) it would wait for them for ever. Checked until it has once
+ * passed. */
+bw_status bwi_blas_check_memory(bw_context *context, int threads);
 
 #endif

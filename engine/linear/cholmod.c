@@ -238,14 +238,7 @@ bw_status bwi_cholmod_factorise(bw_context *context, bwi_cholmod *cholmod,
   int threads = bw_threads(context);
   *bad = -1;
   bwi_blas_enter();
-  if (!bwi_blas_has_memory(threads)) {
-    status =
-        bw_fail(context, BW_MEMORY,
-                "the address space has no room for OpenBLAS, which takes 128 MB for each of %d "
-                "threads: raise the limit (ulimit -v) or use fewer threads",
-                threads);
-    goto done;
-  }
+  BW_TRY(bwi_blas_check_memory(context, threads));
   BW_TRY(bw_check_cancel(context));
   BW_TRY(fill_matrix(context, cholmod, symbolic, matrix));
   bwi_blas_widen(threads);

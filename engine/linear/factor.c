@@ -274,14 +274,7 @@ static bw_status factorise(factorisation *f) {
   const bwi_plan *plan = f->plan;
   int threads = bw_threads(context);
   bwi_blas_enter();
-  if (!bwi_blas_has_memory(threads)) {
-    status =
-        bw_fail(context, BW_MEMORY,
-                "the address space has no room for OpenBLAS, which takes 128 MB for each of %d "
-                "threads: raise the limit (ulimit -v) or use fewer threads",
-                threads);
-    goto done;
-  }
+  BW_TRY(bwi_blas_check_memory(context, threads));
   f->failed = f->weak = INT32_MAX;
   BW_TRY(store_prepare(f));
   BW_TRY(bw_parallel(context, plan->task_count, 1, do_tasks, f));
