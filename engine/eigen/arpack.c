@@ -45,16 +45,18 @@ static void arpack_close(bwi_eigen_iteration *iteration) {
 
 static bw_status arpack_open(bw_context *context, const bwi_eigen_problem *problem,
                              const bwi_eigen_setup *setup, bwi_eigen_iteration **out) {
-  int basis = setup->basis > 0 ? setup->basis : 2 * setup->count + 20;
+  int64_t basis = setup->basis > 0 ? setup->basis : 2 * (int64_t)setup->count + 20;
   if (problem->size > INT32_MAX)
     return bw_fail(context, BW_LIMIT, "ARPACK: %lld numbers in a field are more than it can count",
                    (long long)problem->size);
+  if (basis * (basis + 8) > INT32_MAX)
+    return bw_fail(context, BW_LIMIT, "%d modes: more than ARPACK can compute", setup->count);
   arpack *a = BW_NEW0(context, arpack, 1);
   if (!a)
     return BW_MEMORY;
   a->base.most = INT32_MAX;
-  a->basis = basis;
-  a->base.bytes = 8.0 * (double)problem->size * (basis + 2 * setup->count + 6);
+  a->basis = (int)basis;
+  a->base.bytes = 8.0 * (double)problem->size * (a->basis + 2 * setup->count + 6);
   *out = &a->base;
   return BW_OK;
 }

@@ -134,8 +134,7 @@ done:
   return status;
 }
 
-/* ---- the count --------------------------------------------------------------------------------
- */
+/* ---- the count ------------------------------------------------------------------------------- */
 
 /* The end of the cluster that eigenvalue number `count` (from 1) belongs to, and a shift above it;
  * 0 when the known values do not show a gap. */
@@ -236,8 +235,7 @@ done:
   return status;
 }
 
-/* ---- the driver -------------------------------------------------------------------------------
- */
+/* ---- the driver ------------------------------------------------------------------------------ */
 
 bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *given,
                            const bw_modes_options *options, bwi_eigen_result *result) {

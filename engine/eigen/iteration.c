@@ -11,6 +11,7 @@ bw_status bwi_eigen_random(bwi_eigen_iteration *it, int count, double *x) {
 bw_status bwi_eigen_stopped(const bwi_eigen_iteration *it, int found, int wanted,
                             double tolerance) {
   return bw_fail(it->context, BW_CONVERGENCE,
-                 "%d of %d modes converged to %g in %d triangular solves", found, wanted, tolerance,
-                 it->solves);
+                 "%d of %d modes converged to a relative residual of %g, with %d right-hand sides "
+                 "solved for",
+                 found, wanted, tolerance, it->solves);
 }

@@ -47,8 +47,8 @@ struct bwi_eigen_iteration {
   int known;
   double *value; /* `known` numbers, infinite where nothing is known */
   bw_random random;
-  int solves;     /* right-hand sides solved for */
-  int iterations; /* restarts */
+  int solves;     /* right-hand sides solved for, or preconditioned */
+  int iterations; /* restarts; of LOBPCG iterations */
   double bytes;   /* memory it takes */
 };
 

@@ -263,6 +263,10 @@ static bw_status resize(lobpcg *l, int block, int keep) {
   bw_context *context = l->base.context;
   int64_t size = l->base.size, width = 3 * (int64_t)block;
   double bytes = 8.0 * 3 * (double)width * (double)size, available = bw_available_memory();
+  if (width * width > INT32_MAX)
+    return bw_fail(context, BW_LIMIT,
+                   "a block of %d vectors is more than LOBPCG can compute: ask for fewer modes",
+                   block);
   if (bytes > available) {
     bw_fail(context, BW_MEMORY,
             "the basis of %d vectors takes %.3g GB of memory, more than the %.3g GB available",
@@ -447,7 +451,7 @@ static bw_status lobpcg_iterate(bwi_eigen_iteration *iteration, int wanted, doub
   if (block > l->block) {
     int keep = l->block;
     l->directions = 0;
-    if (3 * block > l->width)
+    if (block > l->width / 3)
       BW_TRY(resize(l, block, keep));
     BW_TRY(fill(l, keep, block));
   }

@@ -278,13 +278,13 @@ done:
   return status;
 }
 
-/* Whether the modes of a system without a factor are better found without one. */
+/* Whether the modes of a system without a factor are better found without one. `kind`: LOBPCG or
+ * automatic. */
 static bw_status needs_no_factor(bw_context *context, bw_system *system, bw_eigensolver_kind kind,
                                  bool *without) {
   bw_status status = BW_OK;
   *without = false;
-  if (system->factor || !bwi_two_level_applies(system) ||
-      (kind != BW_EIGENSOLVER_LOBPCG && kind != BW_EIGENSOLVER_AUTO))
+  if (system->factor || !bwi_two_level_applies(system))
     return BW_OK;
   if (!system->two_level)
     BW_TRY(bwi_two_level_predict(context, system));

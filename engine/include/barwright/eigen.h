@@ -43,7 +43,7 @@ typedef struct bw_eigensolver {
 /* `options` may be NULL. */
 BW_API bw_status bw_eigensolver_create(bw_context *context, const bw_eigensolver_options *options,
                                        bw_eigensolver **solver);
-/* "auto", "lanczos", "arpack" or "slepc": static. NULL is automatic. */
+/* "auto", "lanczos", "arpack", "lobpcg" or "slepc": static. NULL is automatic. */
 BW_API const char *bw_eigensolver_name(const bw_eigensolver *solver);
 
 /* ---- modes --------------------------------------------------------------------------------- */

@@ -367,6 +367,23 @@ static void refused(void **state) {
   }
 }
 
+/* The orders of dense matrices are counted in 32 bits. */
+static void too_many_modes(void **state) {
+  bw_context *context = check_context(state);
+  enum { SIZE = 200000 };
+  double *value = numbers(SIZE);
+  for (int i = 0; i < SIZE; i++)
+    value[i] = 1 + i;
+  for (int k = 0; k < KINDS; k++) {
+    bw_eigensolver *solver = eigensolver(context, kinds[k]);
+    diagonal d = {.size = SIZE, .value = value};
+    bwi_eigen_result result;
+    check_fails(context, BW_LIMIT, "more than", lowest(context, &d, solver, 30000, &result));
+    bw_release(solver);
+  }
+  free(value);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {check_test(simple_spectrum),
                                      check_test(multiplicity_beyond_the_block),
@@ -376,6 +393,7 @@ int main(void) {
                                      check_test(cancelled),
                                      check_test(threads_beside_each_other),
                                      check_test(without_a_factor),
-                                     check_test(refused)};
+                                     check_test(refused),
+                                     check_test(too_many_modes)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

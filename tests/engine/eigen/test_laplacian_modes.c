@@ -94,7 +94,8 @@ static void two_bodies(void **state) {
   const bw_mesh *meshes[2] = {one, mesh};
   for (int k = 0; k < 2; k++)
     check_ok(context, bw_block_pattern_create(context, meshes[k], &pattern[k]));
-  const bw_eigensolver_kind kinds[] = {BW_EIGENSOLVER_LANCZOS, BW_EIGENSOLVER_ARPACK};
+  const bw_eigensolver_kind kinds[] = {BW_EIGENSOLVER_LANCZOS, BW_EIGENSOLVER_ARPACK,
+                                       BW_EIGENSOLVER_LOBPCG};
   for (size_t which = 0; which < sizeof kinds / sizeof *kinds; which++) {
     bw_eigensolver *solver = NULL;
     bw_eigensolver_options how;
