@@ -91,7 +91,7 @@ static bw_status read_entry(bwi_cursor *cursor, const market *m, int32_t *row, i
   *column = (int32_t)(j - 1);
   *value = 1;
   if (!m->pattern)
-    BW_TRY(bwi_read_real(cursor, value, "the value of an entry"));
+    BW_TRY(bwi_read_any_real(cursor, value, "the value of an entry"));
 done:
   return status;
 }

@@ -337,7 +337,7 @@ bw_status bwi_npz_write_matrix(bw_context *context, bw_writer *writer,
   bw_status status = BW_OK;
   size_t rows = (size_t)matrix->rows, count = (size_t)matrix->start[rows];
   int64_t shape[2] = {matrix->rows, matrix->columns};
-  if (8 * rows + 12 * count > UINT32_MAX - 4096)
+  if (4 * rows + 12 * count > UINT32_MAX - 4096)
     return bw_fail(context, BW_LIMIT,
                    "a matrix of %zu entries takes more than 4 GB, which an archive without 64-bit "
                    "sizes cannot hold: write it as .mtx",

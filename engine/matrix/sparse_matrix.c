@@ -192,7 +192,7 @@ bool bw_sparse_matrix_is_symmetric(const bw_sparse_matrix *matrix) {
   for (int32_t i = 0; i < matrix->rows; i++)
     for (int64_t k = matrix->start[i]; k < matrix->start[i + 1]; k++) {
       const double *other = entry_at(matrix, matrix->column[k], i);
-      if (!other || *other != matrix->value[k])
+      if (!other || memcmp(other, &matrix->value[k], sizeof *other) != 0)
         return false;
     }
   return true;

@@ -158,6 +158,22 @@ static void files_are_read_back(void **state) {
     }
   check_fails(context, BW_UNSUPPORTED, ".mtx",
               bw_sparse_matrix_write(context, made[0], in(folder, "k.csv")));
+  /* numbers that are not finite; zeros that differ in sign alone are not symmetric */
+  const int32_t row[] = {0, 0, 1, 1}, column[] = {0, 1, 0, 1};
+  const double special[] = {-INFINITY, 0, -0.0, NAN};
+  bw_sparse_matrix *odd = NULL;
+  check_ok(context, bw_sparse_matrix_create(context, 2, 2, 4, row, column, special, &odd));
+  assert_false(bw_sparse_matrix_is_symmetric(odd));
+  for (int f = 0; f < 2; f++) {
+    const char *path = in(folder, f == 0 ? "o.mtx" : "o.npz");
+    bw_sparse_matrix *back = NULL;
+    check_ok(context, bw_sparse_matrix_write(context, odd, path));
+    check_ok(context, bw_sparse_matrix_read(context, path, &back));
+    assert_true(back->value[0] == -INFINITY && signbit(back->value[2]) && isnan(back->value[3]));
+    assert_false(signbit(back->value[1]));
+    bw_release(back);
+  }
+  bw_release(odd);
   for (int k = 0; k < 2; k++)
     bw_release(made[k]);
   const bw_type types[] = {BW_F64, BW_I32, BW_I64, BW_U8};
