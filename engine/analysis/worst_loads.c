@@ -153,7 +153,7 @@ static bw_status check_balance(bw_context *context, const bw_pressure_basis *bas
   if (!pressure)
     return BW_MEMORY;
   less.force_is_max = true;
-  less.hands = 0; /* the choice of the solver stays */
+  less.hands = 0;
   BW_TRY(bw_worst_loads(context, basis, dof_map, &less, 1, basis->area, pressure, &largest, NULL,
                         NULL));
   if (largest < options->force * (1 - violation_limit)) {

@@ -4,7 +4,8 @@
  * GLPK keeps its state in a thread-local environment and aborts on an error unless a hook takes
  * over. The hook here jumps back into the function that called GLPK; the environment is then only
  * fit to be freed, and with it goes the problem. A host program may use GLPK in the same thread for
- * its own ends, so an environment that was there before is left as it was found.
+ * its own ends, so an environment that was there before is left as it was found, unless the
+ * hook has jumped.
  *
  * Cancelling goes the same way: GLPK asks for its terminal several times a second, and the hook
  * that takes what it would write jumps back. Nothing is written. */

@@ -120,10 +120,11 @@ void bwi_lp_report(const bwi_lp_choice *choice, const bwi_linear_program *progra
                                .iterations = (int)fmin((double)counts->iterations, INT32_MAX),
                                .residual = counts->violation};
   if (counts->by_other > 0)
-    snprintf(report->reason, sizeof report->reason,
-             "%s is predicted to be faster, but %lld of %lld answers failed a check and went to %s",
-             method->name, (long long)counts->by_other, (long long)counts->programs,
-             choice->other->name);
+    snprintf(
+        report->reason, sizeof report->reason,
+        "%s was chosen by predicted cost, but failed on %lld of %lld programs, which went to %s",
+        method->name, (long long)counts->by_other, (long long)counts->programs,
+        choice->other->name);
   else
     memcpy(report->reason, choice->reason, sizeof report->reason);
 }
@@ -201,10 +202,12 @@ bw_status bwi_lp_solve(bw_context *context, bwi_lp_workspace *workspace, const d
                        bwi_solution *solution) {
   bw_status status = BW_OK;
   bool found = false;
+  const char *name = workspace->choice->method->name;
+  const bwi_lp_method *other = workspace->choice->other;
   double start = bw_seconds();
   solution->violation = solution->gap = INFINITY;
   for (int which = 0; which < 2 && !found; which++) {
-    if (which == 1 && !workspace->choice->other)
+    if (which == 1 && !other)
       break;
     BW_TRY(attempt_all(context, workspace, which, cost, solution, &found));
     workspace->counts.by_other += which;
@@ -214,16 +217,18 @@ bw_status bwi_lp_solve(bw_context *context, bwi_lp_workspace *workspace, const d
   if (!found && isinf(solution->violation)) {
     status = bw_fail(
         context, BW_CONVERGENCE,
-        "a linear program of %d rows and %d columns was not solved by %s: it ran into "
+        "a linear program of %d rows and %d columns was not solved by %s%s%s: it ran into "
         "its limit of iterations, out of memory, or into numerical difficulties%s",
-        workspace->program->rows, workspace->program->columns, workspace->choice->method->name,
-        workspace->choice->other ? "" : "; leave the choice of the solver to \"auto\"");
+        workspace->program->rows, workspace->program->columns, name, other ? " or " : "",
+        other ? other->name : "", other ? "" : "; leave the choice of the solver to \"auto\"");
   } else if (!found) {
-    status = bw_fail(context, BW_CONVERGENCE,
-                     "a linear program of %d rows and %d columns was not solved by %s: the last "
-                     "attempt misses its rows by %g and the optimum by %g of its value",
-                     workspace->program->rows, workspace->program->columns,
-                     workspace->choice->method->name, solution->violation, solution->gap);
+    status =
+        bw_fail(context, BW_CONVERGENCE,
+                "a linear program of %d rows and %d columns was not solved by %s%s%s: the "
+                "last attempt misses its rows by %g of the sum of fractions and the optimum "
+                "by %g of its value",
+                workspace->program->rows, workspace->program->columns, name, other ? " or " : "",
+                other ? other->name : "", solution->violation, solution->gap);
   } else {
     workspace->counts.violation = fmax(workspace->counts.violation, solution->violation);
   }

@@ -130,7 +130,7 @@ local Solver = {}
 
 ---What a solver did, and why it was chosen. `print` shows it in a line. Predicted costs are those of one reference machine.
 ---@class bw.SolverReport
----@field solver string the method: "cholesky", "pcg", "dual_simplex", "glpk"; of modes "lanczos", "arpack", "lobpcg" or "slepc"
+---@field solver string the method: "cholesky", "pcg"; of linear programs "dual_simplex", or "simplex" of GLPK; of modes "lanczos", "arpack", "lobpcg" or "slepc"
 ---@field backend string? which program: "multifrontal", "cholmod", "petsc", "barwright", "glpk"
 ---@field preconditioner string? "two_level", "amg", "jacobi" or "cholesky"
 ---@field reason string? why it was chosen

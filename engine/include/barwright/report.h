@@ -12,9 +12,9 @@ extern "C" {
  * operations and bytes, counted, over the rates of one reference machine, so that they are the same
  * everywhere. */
 typedef struct bw_solver_report {
-  const char *solver;  /* "cholesky", "pcg", "lanczos", ...; static */
-  const char *backend; /* "multifrontal", "cholmod", "petsc", "arpack", "glpk", ...; static, ""
-                          where the solver has one only */
+  const char *solver;         /* "cholesky", "pcg", "lanczos", ...; static */
+  const char *backend;        /* "multifrontal", "cholmod", "petsc", "glpk", ...; static, ""
+                                 where the solver has one only */
   const char *preconditioner; /* "two_level", "amg", "jacobi", "cholesky"; static, "" where there is
                                  none */
   char reason[160];           /* why this one was chosen: a sentence */
