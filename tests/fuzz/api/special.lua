@@ -20,14 +20,6 @@ special.arguments["Surface:wrap"] = function(list)
   if type(list[1]) == "table" and not getmetatable(list[1]) then list[1].time_limit = 2 end
 end
 
--- Solvers of several processes start MPI for good, in a forked child too: tests/lua/distributed.
-special.arguments["Model:solve"] = function(list)
-  local given = list[1]
-  local solver = type(given) == "table" and rawget(given, "solver")
-  local external = require("barwright.core").class_name(solver) == "solver" and tostring(solver):find "petsc"
-  if external then list[1] = {} end
-end
-
 -- Error values that are no texts and part of what is documented: Test:require and Test:skip leave the scenario.
 special.raises = {[""] = true}
 
