@@ -116,7 +116,11 @@ static bw_status solve_one(const loads_work *work, int64_t i, loads_scratch *scr
     dual = work->dual + (size_t)i * ((size_t)loads->program->rigid_mode_count + 1);
   BW_TRY(bw_check_cancel(work->context));
   BW_TRY(gains(work, i, scratch->cost, &scale));
-  BW_TRY(bwi_lp_solve(work->context, &scratch->lp, scratch->cost, &solution));
+  status = bwi_lp_solve(work->context, &scratch->lp, scratch->cost, &solution);
+  if (status == BW_CONVERGENCE)
+    bw_detail_number(work->context, "objective", (double)i + 1);
+  if (status != BW_OK)
+    goto done;
   hand_over(work, i, &solution, scale, dual);
   if (loads->hands)
     BW_TRY(bwi_hands_solve(work->context, loads->hands,

@@ -42,6 +42,7 @@ typedef struct lobpcg {
   double *residual;              /* block: |K x - theta M x| / |theta M x| */
   double *best;                  /* block: the smallest residual so far */
   int *still;                    /* block: rounds since it was found */
+  double stuck;                  /* the largest residual of a wanted column that rounding stops */
 } lobpcg;
 
 static void lobpcg_close(bwi_eigen_iteration *iteration) {
@@ -356,13 +357,16 @@ static bw_status residual_columns(void *data, int64_t begin, int64_t end, int wo
  * rounding keeps from it, is locked. So are guards that are good enough to widen the gap. */
 static bw_status find_residuals(lobpcg *l, int wanted, double tolerance, bool *live) {
   bw_status status = bw_parallel(l->base.context, l->block, 1, residual_columns, l);
+  l->stuck = 0;
   for (int j = 0; j < l->block; j++) {
     bool another = l->residual[j] > 10 * l->best[j]; /* a pair that came in below moved them up */
     l->still[j] = another || l->residual[j] < falls * l->best[j] ? 0 : l->still[j] + 1;
     if (l->still[j] == 0)
       l->best[j] = l->residual[j];
-    if (l->still[j] >= STILL_ROUNDS && l->residual[j] < close_enough)
+    if (l->still[j] >= STILL_ROUNDS && l->residual[j] < close_enough) {
+      l->stuck = j < wanted ? fmax(l->stuck, l->residual[j]) : l->stuck;
       l->residual[j] = fmin(l->residual[j], tolerance);
+    }
     live[j] = l->residual[j] > (j < wanted ? tolerance : fmax(tolerance, GUARDED));
   }
   return status;
@@ -439,6 +443,11 @@ static bw_status iterate(lobpcg *l, int wanted, double tolerance, bool *live) {
       break;
     BW_TRY(rayleigh_ritz(l, l->block + l->directions + count, live));
   }
+  if (l->stuck > tolerance)
+    bw_warn(context,
+            "residuals of modes by LOBPCG stopped at up to %.1e, where %.0e was requested: they "
+            "stand still, as rounding makes them",
+            l->stuck, tolerance);
 done:
   return status;
 }

@@ -82,8 +82,9 @@ typedef struct bw_modes {
 } bw_modes;
 /* The lowest elastic modes K u = lambda M u (consistent mass) on the inverse, with the system's own
  * factor; unconstrained rigid-body modes are projected out exactly. Fewer than wanted where the
- * body has fewer. BW_CONVERGENCE where the iteration does not reach the tolerance, BW_LIMIT for too
- * many modes, BW_UNSUPPORTED for SLEPC, which takes a model. `options` may be NULL. */
+ * body has fewer. BW_CONVERGENCE where the iteration does not reach the tolerance; LOBPCG takes a
+ * residual below 1e-4 that no longer falls, with a warning. BW_LIMIT for too many modes,
+ * BW_UNSUPPORTED for SLEPC, which takes a model. `options` may be NULL. */
 BW_API bw_status bw_modes_elastic(bw_context *context, bw_system *system,
                                   const bw_modes_options *options, bw_modes **modes);
 /* The lowest nonconstant modes of the scalar Laplacian on the mesh (free boundary), section 4 of
