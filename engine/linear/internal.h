@@ -19,7 +19,8 @@
 
 typedef struct bwi_order {
   bw_object object;
-  bw_ordering ordering; /* that was asked for: METIS, AMD or BACKEND (the nodes are in METIS's) */
+  bw_ordering ordering; /* that was asked for: METIS, AMD or BACKEND (the nodes are in METIS's);
+                           AUTO: made for edits by subdomains */
   int32_t node_count;   /* of the mesh */
   int32_t size;         /* nodes that take part */
   int32_t *node_at;     /* size: mesh node at each position */
@@ -150,6 +151,13 @@ void bwi_matrix_block(const bwi_matrix *matrix, int components, int64_t index, b
 /* block = F_row block F_column^T for nodes with frames of their own. */
 void bwi_rotate_block(const bw_dof_map *dof_map, int32_t row, int32_t column, double *block);
 
+/* The inverse of a node's diagonal block on its components whose state's bit (1u << bw_dof_state)
+ * is in `states`, 0 on the others: F^T (F K F^T)^-1 F with the directions of these components for
+ * rows of F. Block and inverse are in global directions. False where a pivot is not positive, or
+ * not above `weakest` of its diagonal entry. */
+bool bwi_invert_node_block(const bw_dof_map *dof_map, int64_t node, unsigned states, double weakest,
+                           const double *block, double inverse[9]);
+
 /* The factor of a matrix in single precision is that of `unit` times the matrix, a power of two
  * that brings entries of any units into the range of float; in double precision `unit` is 1. */
 typedef struct bwi_factor {
@@ -178,10 +186,10 @@ bw_status bwi_factor_create_in(bw_context *context, bwi_symbolic *symbolic,
                                const struct bwi_kernels *kernels, bwi_factor **factor,
                                int32_t *bad_node);
 /* Factor again, in place, what entries of the touched subdomains (NULL: all) reach (CHOLMOD: all,
- * where they reach anything): the same bits
- * as a full refactorisation, when only entries of theirs have changed since. *flops (may be NULL):
- * work done. On failure, BW_CANCELLED included, the factor is broken: solves refuse it, an update
- * of all subdomains (NULL) repairs it. *bad_node as above. */
+ * where they reach anything): the same bits as a full refactorisation, when only entries of theirs
+ * have changed since. *flops (may be NULL): work done. On failure, BW_CANCELLED included, the
+ * factor is broken: solves refuse it, an update of all subdomains (NULL) repairs it. *bad_node as
+ * above. */
 bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_matrix *matrix,
                             const uint8_t *touched_subdomain, double *flops, int32_t *bad_node);
 /* Bytes of L; operations of the factorisation. */

@@ -1,9 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Preconditioners of conjugate gradients that a bw_solver describes: block Jacobi over the nodes,
  * algebraic multigrid, and factors (pcg.h). */
-#include <math.h>
-#include <string.h>
-
 #include "linear/pcg.h"
 
 static void preconditioner_destroy(void *object) {
@@ -35,72 +32,27 @@ const bwi_kernels *bwi_kernels_of(const bw_solver *solver) {
 
 /* ---- block Jacobi ---------------------------------------------------------------------------- */
 
+/* A pivot below this fraction of its diagonal entry has no digits left (as in front.c). */
+#define WEAKEST 1e-13
+
 typedef struct blocks {
   const bwi_matrix *matrix;
   double *block;
   int32_t bad; /* the first node whose block is not positive definite, or INT32_MAX */
 } blocks;
 
-/* The inverse of the unknowns' part of a symmetric 3 x 3 block, by Gauss and Jordan; 0 elsewhere.
- * False where that is not positive definite. */
-static bool invert(const uint8_t *state, const double *k, double *inverse) {
-  double a[9];
-  memcpy(a, k, sizeof a);
-  memset(inverse, 0, 9 * sizeof *inverse);
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      if (state[i] != BW_DOF_UNKNOWN || state[j] != BW_DOF_UNKNOWN)
-        a[3 * i + j] = i == j;
-  for (int i = 0; i < 3; i++)
-    inverse[4 * i] = state[i] == BW_DOF_UNKNOWN;
-  for (int p = 0; p < 3; p++) {
-    double pivot = a[4 * p];
-    if (!(pivot > 1e-13 * fabs(k[4 * p])) || !isfinite(pivot))
-      return false;
-    for (int j = 0; j < 3; j++) {
-      a[3 * p + j] /= pivot;
-      inverse[3 * p + j] /= pivot;
-    }
-    for (int i = 0; i < 3; i++) {
-      double factor = a[3 * i + p];
-      for (int j = 0; i != p && j < 3; j++) {
-        a[3 * i + j] -= factor * a[3 * p + j];
-        inverse[3 * i + j] -= factor * inverse[3 * p + j];
-      }
-    }
-  }
-  return true;
-}
-
-/* B = F^T A F: from a node's frame, whose rows are its directions, to global directions. */
-static void to_global(const double *frame, double *a) {
-  double half[9];
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      half[3 * i + j] =
-          a[3 * i] * frame[j] + a[3 * i + 1] * frame[3 + j] + a[3 * i + 2] * frame[6 + j];
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      a[3 * i + j] = frame[i] * half[j] + frame[3 + i] * half[3 + j] + frame[6 + i] * half[6 + j];
-}
-
 static bw_status invert_blocks(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   blocks *b = data;
-  const bw_dof_map *dof_map = b->matrix->dof_map;
   for (int64_t i = begin; i < end; i++) {
-    double k[9], *inverse = b->block + 9 * i;
     int64_t diagonal = b->matrix->pattern->start[i + 1] - 1; /* the last of its row */
-    int32_t row = dof_map->frame_of[i];
-    bwi_matrix_block(b->matrix, 3, diagonal, false, (int32_t)i, (int32_t)i, k);
-    if (!invert(dof_map->state + 3 * i, k, inverse)) {
+    if (!bwi_invert_node_block(b->matrix->dof_map, i, 1u << BW_DOF_UNKNOWN, WEAKEST,
+                               b->matrix->stiffness + 9 * diagonal, b->block + 9 * i)) {
       int32_t old = __atomic_load_n(&b->bad, __ATOMIC_RELAXED);
       while (i < old && !__atomic_compare_exchange_n(&b->bad, &old, (int32_t)i, false,
                                                      __ATOMIC_RELAXED, __ATOMIC_RELAXED))
         ;
     }
-    if (row >= 0)
-      to_global(dof_map->frame + 9 * (int64_t)row, inverse);
   }
   return BW_OK;
 }
@@ -141,7 +93,7 @@ static bw_status apply_blocks(void *data, int64_t begin, int64_t end, int worker
   return BW_OK;
 }
 
-/* ---- either ---------------------------------------------------------------------------------- */
+/* ---- any of them ----------------------------------------------------------------------------- */
 
 bw_status bwi_preconditioner_create(bw_context *context, const bw_solver *solver,
                                     const bwi_matrix *matrix, bwi_symbolic *symbolic,

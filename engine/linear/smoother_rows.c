@@ -16,50 +16,6 @@ typedef struct taking {
   const bw_dof_map *dof_map;
 } taking;
 
-/* The inverse of a diagonal block on the unknowns of its node, 0 on prescribed components: F^T (F
- * K F^T)^-1 F with the directions of the unknowns for rows of F. */
-static bool invert(const bw_dof_map *dof_map, int64_t node, const double *block,
-                   double inverse[9]) {
-  static const double global[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  int32_t row = dof_map->frame_of[node];
-  const double *frame = row < 0 ? global : dof_map->frame + 9 * (int64_t)row;
-  int count = 0;
-  double f[3][3], a[3][3], b[3][3] = {{0}};
-  for (int k = 0; k < 3; k++)
-    if (dof_map->state[3 * node + k] != BW_DOF_PRESCRIBED)
-      memcpy(f[count++], frame + 3 * k, sizeof f[0]);
-  for (int p = 0; p < count; p++)
-    for (int q = 0; q < count; q++) {
-      a[p][q] = 0;
-      for (int i = 0; i < 3; i++)
-        a[p][q] += f[p][i] * bw_dot(block + 3 * i, f[q]);
-      b[p][q] = p == q;
-    }
-  for (int k = 0; k < count; k++) { /* pivots of a positive definite matrix are positive */
-    double pivot = a[k][k];
-    if (!(pivot > 0) || !isfinite(pivot))
-      return false;
-    for (int q = 0; q < count; q++) {
-      a[k][q] /= pivot;
-      b[k][q] /= pivot;
-    }
-    for (int p = 0; p < count; p++) {
-      double factor = p == k ? 0 : a[p][k];
-      for (int q = 0; q < count; q++) {
-        a[p][q] -= factor * a[k][q];
-        b[p][q] -= factor * b[k][q];
-      }
-    }
-  }
-  memset(inverse, 0, 9 * sizeof *inverse);
-  for (int p = 0; p < count; p++)
-    for (int q = 0; q < count; q++)
-      for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-          inverse[3 * i + j] += f[p][i] * b[p][q] * f[q][j];
-  return true;
-}
-
 static const int of_six[6] = {0, 1, 2, 4, 5, 8}; /* of the nine of a block */
 
 /* The blocks on and below the diagonal; an inverse that there is not is NAN. */
@@ -72,7 +28,8 @@ static bw_status take(void *data, int64_t begin, int64_t end, int worker) {
     int64_t i = s->node[k];
     const double *own = t->stiffness + 9 * (s->pattern->start[i + 1] - 1); /* the last of its row */
     double inverse[9];
-    bool sound = invert(t->dof_map, i, own, inverse);
+    bool sound = bwi_invert_node_block(t->dof_map, i, 1u << BW_DOF_UNKNOWN | 1u << BW_DOF_ISOSTATIC,
+                                       0, own, inverse);
     for (int c = 0; c < 9; c++) {
       s->inverse[9 * k + c] = sound ? (float)(inverse[3 * (c % 3) + c / 3] / s->unit) : NAN;
       s->diagonal[9 * k + c] = s->unit * own[3 * (c % 3) + c / 3];

@@ -267,6 +267,39 @@ static void mechanism(void **state) {
   bw_release(linear);
 }
 
+/* A block of elements 1 km long, of which one face is fixed: stiffnesses of 1e14 N/m beside
+ * prescribed components. */
+static void large_elements(void **state) {
+  bw_context *context = check_context(state);
+  bw_mesh *mesh = body_box(context, 4000, 1000, 1000, 4, 1, 1, 1);
+  bw_material *material = body_material(context);
+  bw_model *model = NULL;
+  bw_static *expected = NULL, *result = NULL;
+  bw_selection *fixed = face(context, mesh, 0, 0), *loaded = face(context, mesh, 0, 4000);
+  const double pull[3] = {1e6, 2e6, 3e6};
+  check_ok(context, bw_model_create(context, mesh, material, &model));
+  check_ok(context, bw_model_fix(context, model, fixed));
+  check_ok(context, bw_model_force(context, model, loaded, pull));
+  check_ok(context, bw_statics(context, model, NULL, NULL, &expected));
+  bw_solver *jacobi = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_JACOBI});
+  bw_solver *solver =
+      body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG, .preconditioner = jacobi});
+  const bw_statics_options options = {.solver = solver};
+  check_ok(context, bw_statics(context, model, NULL, &options, &result));
+  check_near(
+      difference(result->displacement, expected->displacement, 3 * (int64_t)mesh->node_count), 0,
+      1e-8);
+  bw_release(result);
+  bw_release(expected);
+  bw_release(solver);
+  bw_release(jacobi);
+  bw_release(fixed);
+  bw_release(loaded);
+  bw_release(model);
+  bw_release(material);
+  bw_release(mesh);
+}
+
 /* Too few iterations are reported with what was reached. */
 static void too_few_iterations(void **state) {
   bw_context *context = check_context(state);
@@ -324,12 +357,10 @@ static void cancelling_and_memory(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(all_solvers),
-                                     check_test(other_backend),
-                                     check_test(descriptions),
-                                     check_test(refusals),
-                                     check_test(mechanism),
-                                     check_test(too_few_iterations),
-                                     check_test(cancelling_and_memory)};
+  const struct CMUnitTest tests[] = {
+      check_test(all_solvers),        check_test(other_backend),
+      check_test(descriptions),       check_test(refusals),
+      check_test(mechanism),          check_test(large_elements),
+      check_test(too_few_iterations), check_test(cancelling_and_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
