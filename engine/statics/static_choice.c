@@ -237,9 +237,8 @@ static bw_status by_two_level(statics *s) {
     status =
         bw_fail(s->context, BW_SINGULAR,
                 "the stiffness of the linear elements is singular, or so nearly that double "
-                "precision cannot tell, although the body cannot move freely: parts touch only "
-                "in a node or an edge, or elements have almost no volume (the solver cholesky "
-                "says where)");
+                "precision cannot tell: parts touch only in a node or an edge, or elements have "
+                "almost no volume (the solver cholesky says where)");
     goto done;
   }
   s->limit = limit_of(s, &system->two_level->prediction);
@@ -375,7 +374,8 @@ static bw_status solve(statics *s) {
               "two-level PCG did not converge in %d iterations; a Cholesky factorisation gives the "
               "solution",
               s->result->report.iterations);
-    say(s, "two-level PCG did not converge");
+    say(s, status == BW_CONVERGENCE ? "two-level PCG did not converge"
+                                    : "the stiffness of the linear elements is singular");
     BW_TRY(by_factor(s));
   } else {
     s->available = 0; /* there is none */
@@ -390,9 +390,12 @@ done:
 
 /* Whether the external solver is asked for. */
 static bool is_external(const bw_solver *solver) {
-  if (solver && solver->options.kind == BW_SOLVER_PCG)
+  bw_solver_kind kind = BW_SOLVER_CHOLESKY;
+  if (solver && solver->options.kind == BW_SOLVER_PCG) {
     solver = solver->options.preconditioner;
-  return solver && solver->options.backend == BW_BACKEND_PETSC;
+    kind = BW_SOLVER_AMG;
+  }
+  return solver && solver->options.kind == kind && solver->options.backend == BW_BACKEND_PETSC;
 }
 
 bw_status bw_statics(bw_context *context, const bw_model *model, bw_system *system,

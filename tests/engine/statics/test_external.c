@@ -208,6 +208,13 @@ static void test_misuse(void **state) {
   check_fails(context, BW_UNSUPPORTED, "barwright.distributed",
               bw_modes_external(context, model, NULL, &modes));
   begin();
+  bw_solver *amg = NULL;
+  const bw_solver_options alone = {.kind = BW_SOLVER_AMG, .backend = BW_BACKEND_PETSC};
+  check_ok(context, bw_solver_create(context, &alone, &amg));
+  const bw_statics_options by_amg = {.solver = amg};
+  check_fails(context, BW_INVALID, "is a preconditioner",
+              bw_statics(context, model, NULL, &by_amg, &result));
+  bw_release(amg);
   bw_eigensolver *solver = NULL;
   bw_eigensolver_options options;
   bw_eigensolver_options_default(&options);
