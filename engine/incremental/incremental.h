@@ -29,6 +29,7 @@ typedef struct bwi_incremental {
   bwi_factor *factor;           /* or NULL */
   int wanted_bits;              /* of its numbers, asked for: 32, 64; 0: as is cheaper */
   bw_backend wanted_backend;    /* asked for; BW_BACKEND_AUTO: that of the factor there is */
+  bw_ordering wanted_ordering;  /* asked for; BW_ORDERING_AUTO: that of the factor there is */
   bool double_only;             /* single precision failed for this body */
   double refinements;           /* iterations with a factor in single precision, when last solved */
   bwi_elimination_reach *reach; /* of the factor's symbolic; or NULL */
@@ -38,7 +39,7 @@ typedef struct bwi_incremental {
   /* iterations with the factor as it is */
   double iteration_ratio; /* iterations needed over predicted, when last iterated */
   uint8_t *iterated_on;   /* subdomain_count: what was touched then */
-  double spent;           /* s of the model's machine on iterations since the last edit */
+  double spent;           /* s of the reference machine on iterations since the last edit */
   /* what solves without the factor; made and followed when first needed at a shape */
   bwi_two_level *two_level;
   bool two_level_known, two_level_usable; /* of the present shape */
@@ -70,7 +71,8 @@ bw_status bwi_incremental_supports(bw_context *context, const bw_incremental_sys
 
 /* ---- incremental_factor.c -------------------------------------------------------------------- */
 
-/* Whether the factor there is (or NULL) is of another backend or precision than asked for. */
+/* Whether the factor there is (or NULL) is of another backend, order or precision than asked
+ * for. */
 bool bwi_incremental_other_factor(const bw_incremental_system *incremental);
 /* Update the factor, all of it where `full`. On failure it is not usable. Where single
  * precision breaks down, it is made in double precision. */
@@ -92,7 +94,7 @@ double bwi_incremental_refinements(const bw_incremental_system *incremental, dou
 /* ---- incremental_predict.c ------------------------------------------------------------------- */
 
 #define BWI_INCREMENTAL_TOLERANCE 1e-10 /* of iterations, where none is given */
-/* What the ways to solve would cost, in seconds of the model's machine. */
+/* What the ways to solve would cost, in seconds of the reference machine. */
 typedef struct bwi_incremental_cost {
   double refactor, iterate; /* for all right-hand sides, and those still to come */
   double one_iteration;     /* of all right-hand sides together, without those to come */

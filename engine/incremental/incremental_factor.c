@@ -19,19 +19,30 @@ bool bwi_incremental_current(const bw_incremental_system *incremental) {
   return true;
 }
 
-bool bwi_incremental_other_factor(const bw_incremental_system *incremental) {
-  const bwi_incremental *inner = incremental->inner;
-  if (!inner->factor)
-    return false;
-  if (inner->wanted_backend != BW_BACKEND_AUTO &&
-      (inner->wanted_backend == BW_BACKEND_CHOLMOD) != (inner->factor->cholmod != NULL))
-    return true;
-  return inner->wanted_bits && !inner->double_only && !inner->factor->cholmod &&
-         inner->factor->kernels->bits != inner->wanted_bits;
+/* Where the backend is open, that of the factor there is, if it has the precision. */
+static bool wants_cholmod(const bwi_incremental *inner) {
+  return inner->wanted_backend == BW_BACKEND_CHOLMOD ||
+         (inner->wanted_backend == BW_BACKEND_AUTO && inner->wanted_bits != 32 && inner->factor &&
+          inner->factor->cholmod);
 }
 
-/* A factor for other unknowns, or in another precision or by another backend, by the old order
- * where that fits. */
+bool bwi_incremental_other_factor(const bw_incremental_system *incremental) {
+  const bwi_incremental *inner = incremental->inner;
+  const bwi_factor *factor = inner->factor;
+  if (!factor)
+    return false;
+  bool cholmod = wants_cholmod(inner);
+  if (cholmod != (factor->cholmod != NULL))
+    return true;
+  if (inner->wanted_ordering != BW_ORDERING_AUTO &&
+      inner->wanted_ordering != factor->symbolic->order->ordering)
+    return true;
+  return inner->wanted_bits && !inner->double_only && !cholmod &&
+         factor->kernels->bits != inner->wanted_bits;
+}
+
+/* A factor for other unknowns, or in another precision, by another backend or in another order, by
+ * the old order where that fits. */
 static bw_status refactor_full(bw_context *context, bw_incremental_system *incremental,
                                const bwi_matrix *matrix, int *bits, bw_reuse *reuse, int32_t *bad) {
   bw_status status = BW_OK;
@@ -41,13 +52,11 @@ static bw_status refactor_full(bw_context *context, bw_incremental_system *incre
   bwi_symbolic *symbolic = NULL;
   bwi_elimination_reach *reach = NULL;
   double start = bw_seconds();
-  bool cholmod =
-      inner->wanted_backend == BW_BACKEND_CHOLMOD ||
-      (inner->wanted_backend == BW_BACKEND_AUTO && inner->factor && inner->factor->cholmod);
+  bool cholmod = wants_cholmod(inner);
   bw_release(inner->factor);
   inner->factor = NULL;
   bw_progress(context, "ordering", 0);
-  BW_TRY(bwi_symbolic_for(context, matrix->pattern, matrix->dof_map, BW_ORDERING_AUTO,
+  BW_TRY(bwi_symbolic_for(context, matrix->pattern, matrix->dof_map, inner->wanted_ordering,
                           inner->subdomain_count, inner->element_subdomain,
                           inner->edits.count ? &inner->edits : NULL, (bwi_symbolic *)old,
                           &symbolic));

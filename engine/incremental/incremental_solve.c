@@ -54,12 +54,18 @@ bw_incremental_method bwi_incremental_way(const bw_solver *solver) {
   return m && m->options.kind == BW_SOLVER_CHOLESKY ? BW_INCREMENTAL_ITERATE : BW_INCREMENTAL_PCG;
 }
 
-/* The backend of the factor that a solver asks for. */
-static bw_backend backend_of(const bw_solver *solver) {
+/* The factor that a solver asks for, alone or as preconditioner; NULL: none. */
+static const bw_solver *factor_of(const bw_solver *solver) {
   if (solver && solver->options.kind == BW_SOLVER_PCG)
     solver = solver->options.preconditioner;
-  return solver && solver->options.kind == BW_SOLVER_CHOLESKY ? solver->options.backend
-                                                              : BW_BACKEND_AUTO;
+  return solver && solver->options.kind == BW_SOLVER_CHOLESKY ? solver : NULL;
+}
+
+static void set_wanted(bwi_incremental *inner, const bw_incremental_options *options) {
+  const bw_solver *factor = factor_of(options->solver);
+  inner->wanted_bits = options->precision;
+  inner->wanted_backend = factor ? factor->options.backend : BW_BACKEND_AUTO;
+  inner->wanted_ordering = factor ? factor->options.ordering : BW_ORDERING_AUTO;
 }
 
 /* How many iterations, where they are asked for. */
@@ -88,8 +94,9 @@ static bw_status options_of(bw_context *context, const bw_incremental_options *g
     return bw_fail(context, BW_INVALID, "the factor's precision is 32 or 64 bits, not %d",
                    options->precision);
   const bw_solver *solver = options->solver;
-  if (solver && solver->options.precision != 0)
-    options->precision = solver->options.precision;
+  const bw_solver *factor = factor_of(solver);
+  if (factor && factor->options.precision != 0)
+    options->precision = factor->options.precision;
   if (solver && solver->options.kind == BW_SOLVER_PCG)
     options->tolerance = fmax(options->tolerance, solver->options.tolerance);
   return check_solver(context, solver);
@@ -330,8 +337,7 @@ bw_status bw_incremental_system_solve(bw_context *context, bw_incremental_system
   bool solved = false;
   bwi_initial_guess left = {.tolerance = 0};
   BW_TRY(options_of(context, given, &options));
-  incremental->inner->wanted_bits = options.precision;
-  incremental->inner->wanted_backend = backend_of(options.solver);
+  set_wanted(incremental->inner, &options);
   if (options.check) { /* the force may be overwritten */
     load = BW_NEW(context, double, size);
     if (!load)

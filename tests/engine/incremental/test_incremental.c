@@ -312,20 +312,27 @@ static void threads_agree(void **state) {
 }
 
 /* A factor by CHOLMOD: computed again as a whole, used to iterate with, replaced by the engine's
- * and back; a shape that only moved needs none. */
-static void by_cholmod(void **state) {
+ * and back, by one in single precision and by one in another order, which the next keeps. */
+static void other_factors(void **state) {
   bw_context *context = check_context(state);
   bw_solver *factor = body_solver(context, (bw_solver_options){.backend = BW_BACKEND_CHOLMOD});
   bw_solver *iterate =
       body_solver(context, (bw_solver_options){.kind = BW_SOLVER_PCG, .preconditioner = factor});
   bw_solver *own = body_solver(context, (bw_solver_options){.backend = BW_BACKEND_MULTIFRONTAL});
+  bw_solver *single = body_solver(context, (bw_solver_options){.precision = 32});
+  bw_solver *amd = body_solver(context, (bw_solver_options){.ordering = BW_ORDERING_AMD});
   const struct {
     const bw_solver *solver;
     const char *backend;
-    double reused; /* negative: a part */
-  } step[] = {{factor, "cholmod", 0},   {iterate, "cholmod", 1},   {factor, "cholmod", 0},
-              {own, "multifrontal", 0}, {own, "multifrontal", -1}, {factor, "cholmod", 0},
-              {NULL, "cholmod", -2}};
+    double reused; /* -1: a part, -2: any */
+    int bits;      /* 0: any */
+    bool amd;      /* the order */
+  } step[] = {{factor, "cholmod", 0, 64, false},   {iterate, "cholmod", 1, 64, false},
+              {factor, "cholmod", 0, 64, false},   {own, "multifrontal", 0, 0, false},
+              {own, "multifrontal", -1, 0, false}, {factor, "cholmod", 0, 64, false},
+              {NULL, "cholmod", -2, 64, false},    {single, "multifrontal", 0, 32, false},
+              {amd, "multifrontal", 0, 0, true},   {amd, "multifrontal", -1, 0, true},
+              {own, "multifrontal", -1, 0, true}};
   for (int scene = 0; scene < SCENES; scene++) {
     bar b;
     bar_make(context, 2, 1, &b);
@@ -352,6 +359,9 @@ static void by_cholmod(void **state) {
         check_near(mine->report.reused, step[k].reused, 0);
       else if (step[k].reused == -1)
         assert_true(mine->report.reused > 0 && mine->report.reused < 1);
+      const bwi_factor *made = incremental->inner->factor;
+      assert_true(step[k].bits == 0 || made->kernels->bits == step[k].bits);
+      assert_true((made->symbolic->order->ordering == BW_ORDERING_AMD) == step[k].amd);
       bw_release(mine);
       bw_release(fresh);
       bw_release(model);
@@ -359,6 +369,8 @@ static void by_cholmod(void **state) {
     bw_release(incremental);
     bar_clear(&b);
   }
+  bw_release(amd);
+  bw_release(single);
   bw_release(own);
   bw_release(iterate);
   bw_release(factor);
@@ -366,12 +378,9 @@ static void by_cholmod(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(by_cholmod),
-      check_test(random_sequences),
-      check_test(reuse_is_said),
-      check_test(failures_and_recovery),
-      check_test(supports_become_others),
-      check_test(no_memory),
+      check_test(other_factors),          check_test(random_sequences),
+      check_test(reuse_is_said),          check_test(failures_and_recovery),
+      check_test(supports_become_others), check_test(no_memory),
       check_test(threads_agree),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
