@@ -161,26 +161,17 @@ bw_status bw_system_right_hand_side(bw_context *context, const bw_system *system
   bw_status status = BW_OK;
   size_t n = 3 * (size_t)system->mesh->node_count;
   double *rest = BW_NEW(context, double, n);
-  double *zero = BW_NEW0(context, double, (size_t)dof_map->unknown_count + 1);
-  double *u = BW_NEW(context, double, n);
-  if (!rest || !zero || !u) {
+  double *u = BW_NEW(context, double, n), *product = BW_NEW(context, double, n);
+  if (!rest || !u || !product) {
     status = BW_MEMORY;
     goto done;
   }
   memcpy(rest, force, n * sizeof *rest);
   if (dof_map->prescribed) {
-    double *reaction = BW_NEW(context, double, n);
-    if (!reaction) {
-      status = BW_MEMORY;
-      goto done;
-    }
-    bw_system_displacement(system, zero, u);
-    status = bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, 1, u, reaction);
-    for (size_t k = 0; k < n && status == BW_OK; k++)
-      rest[k] -= reaction[k];
-    bw_free(reaction);
-    if (status != BW_OK)
-      goto done;
+    bwi_prescribed_field(dof_map, u);
+    BW_TRY(bw_block_multiply(context, system->pattern, system->stiffness, 9, 3, 1, u, product));
+    for (size_t k = 0; k < n; k++)
+      rest[k] -= product[k];
   }
   for (int32_t i = 0; i < system->mesh->node_count; i++)
     for (int k = 0; k < 3; k++) {
@@ -190,7 +181,7 @@ bw_status bw_system_right_hand_side(bw_context *context, const bw_system *system
     }
 done:
   bw_free(rest);
-  bw_free(zero);
   bw_free(u);
+  bw_free(product);
   return status;
 }
