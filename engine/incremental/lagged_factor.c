@@ -38,9 +38,9 @@ struct bw_lagged_factor {
   const bw_plane_topology *topology; /* retained: of the factor; NULL: there is none */
   bwi_lagged_work work;              /* of the last factorisation */
   /* since it: */
-  int solves;                             /* with the factor old */
-  int last;                               /* iterations of the last of them */
-  double spent;                           /* s of the model's machine, the factorisation included */
+  int solves;   /* with the factor old */
+  int last;     /* iterations of the last of them */
+  double spent; /* s of the reference machine, the factorisation included */
   const bw_plane_topology *last_topology; /* of the last solve, retained */
   double first, first_flipped; /* iterations expected of the first of them, and after flips */
   double *workspace;           /* vectors */

@@ -1,6 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* Linear solvers as descriptions (bw_solver). What a kind and a backend serve stands in one table,
- * which the checks and the tests go through. */
+/* Linear solvers as descriptions (bw_solver): the checks of their options, and their words. */
 #include <stdio.h>
 #include <string.h>
 
@@ -38,10 +37,9 @@ static const bw_kind solver_kind = {"solver", solver_destroy, solver_bytes};
 /* ---- checks ---------------------------------------------------------------------------------- */
 
 /* Bits of what each backend of a factor has. */
-enum { HAS_ORDERING = 1, HAS_SINGLE = 2, HAS_PARTIAL = 4 };
-static const unsigned backend_has[] = {[BW_BACKEND_AUTO] = HAS_ORDERING | HAS_SINGLE | HAS_PARTIAL,
-                                       [BW_BACKEND_MULTIFRONTAL] =
-                                           HAS_ORDERING | HAS_SINGLE | HAS_PARTIAL,
+enum { HAS_ORDERING = 1, HAS_SINGLE = 2 };
+static const unsigned backend_has[] = {[BW_BACKEND_AUTO] = HAS_ORDERING | HAS_SINGLE,
+                                       [BW_BACKEND_MULTIFRONTAL] = HAS_ORDERING | HAS_SINGLE,
                                        [BW_BACKEND_CHOLMOD] = HAS_ORDERING,
                                        [BW_BACKEND_PETSC] = 0};
 

@@ -18,7 +18,7 @@
 /* Entries and operations over those powers. Measured: 1.26 to 1.52, 1.08 to 1.46. */
 #define MORE_ENTRIES 1.35
 #define MORE_FLOPS 1.25
-/* Seconds of the model's machine to order a block of nodes. */
+/* Seconds of the reference machine to order a block of nodes. */
 #define ORDER_BLOCK 5e-7
 
 static void two_level_solver_destroy(void *object) {

@@ -1,13 +1,13 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Systems that are solved by two-level PCG (two_level.h) in place of a factor, and how it
  * is predicted which of the two is better. */
-#ifndef BWI_LINEAR_STATIC_PCG_H
-#define BWI_LINEAR_STATIC_PCG_H
+#ifndef BWI_LINEAR_SYSTEM_TWO_LEVEL_H
+#define BWI_LINEAR_SYSTEM_TWO_LEVEL_H
 
 #include "linear/two_level.h"
 
-/* What the two ways cost for one solution from nothing but the equations: s of the model's machine
- * (incremental.h). */
+/* What the two ways cost for one solution from nothing but the equations: s of the reference
+ * machine (base/cost.h). */
 typedef struct bwi_cost_prediction {
   double factor_flops, factor_bytes; /* bytes of L */
   double factor, pcg;
@@ -19,7 +19,7 @@ typedef struct bwi_two_level_solver {
   bwi_two_level *preconditioner; /* or NULL: not made yet */
   bwi_coarse *coarse;            /* what the prediction is from */
   bwi_cost_prediction prediction;
-  double spent; /* s of the model's machine, by all solutions by two-level PCG so far */
+  double spent; /* s of the reference machine, by all solutions by two-level PCG so far */
 } bwi_two_level_solver;
 
 /* Whether a system may be solved so. */

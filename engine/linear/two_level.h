@@ -32,8 +32,8 @@ typedef struct bwi_two_level {
   double *corner; /* SIDES x 3 corners */
 } bwi_two_level;
 
-/* What counting says of a solution, on the model's machine (incremental.h). Iterations do not
- * depend on the shape, but on the mesh; these good ones have: an iteration halves the error. */
+/* What counting says of a solution, on the reference machine (base/cost.h). Iterations do
+ * not depend on the shape, but on the mesh; on a good one an iteration halves the error. */
 #define BWI_TWO_LEVEL_RATE 1.45
 /* Beside reading matrices: sums over fields, rows between chunks, one after the other
  * (measured). */

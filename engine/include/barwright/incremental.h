@@ -28,15 +28,16 @@ typedef struct bw_reuse {
   int32_t subdomains_rotated;   /* written, but unchanged in their own frames */
   int32_t subdomains_changed;   /* changed: evaluated by polynomials or gathered */
   bw_incremental_method method; /* BW_INCREMENTAL_REFACTOR (also where nothing had to be done),
-                           _ITERATE, _SCRATCH     or _PCG */
+                           _ITERATE, _FULL or _PCG */
   double factor_reused;         /* (-) fraction of the factor's work that was not done again */
   int iterations;  /* of conjugate gradients with a factor of a former shape, or by two-level PCG,
                       in all solves since the update */
   int precision;   /* bits of the factor's numbers: 64, or 32 */
   int refinements; /* iterations that made solutions with a factor of 32 bits as exact as
                       asked for, in all solves since the update */
-  double predicted_refactor, predicted_iterate, predicted_pcg; /* (s) of the model's machine; 0 for
-                                                                a method that is not applicable */
+  double predicted_refactor, predicted_iterate,
+      predicted_pcg;       /* (s) of the reference machine; 0 for
+                            a method that is not applicable */
   double seconds_unknowns; /* (s) following the supports and the frames of the unknowns */
   double seconds_stiffness, seconds_factor, seconds_solve; /* (s) of the parts */
   double difference_stiffness, difference_solution; /* (-) with `check`: the largest found, relative
@@ -161,7 +162,7 @@ typedef struct bw_plane_reuse {
   bool solution;                                    /* x: used as the first guess */
   int analyses, factorisations, solves, iterations; /* how many */
   double residual;                                  /* (-) the largest, relative, as reached */
-  double predicted_iterate, predicted_factor;       /* (s) of the model's machine */
+  double predicted_iterate, predicted_factor;       /* (s) of the reference machine */
   double seconds_mesh, seconds_assemble, seconds_factor, seconds_solve; /* (s) of the parts */
 } bw_plane_reuse;
 

@@ -55,7 +55,6 @@ static void remove_modes(bw_context *context, const bw_dof_map *dof_map, const i
     for (int64_t i = 0; i < mesh->node_count; i++) /* to the corners */
       if (parent[2 * i] == parent[2 * i + 1])
         memmove(of + 3 * parent[2 * i], of + 3 * i, 3 * sizeof *of);
-    memset(of + size, 0, (size_t)size * sizeof *of);
     int64_t corners = 0;
     for (int64_t i = 0; i < mesh->node_count; i++)
       corners += parent[2 * i] == parent[2 * i + 1];
