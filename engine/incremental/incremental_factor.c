@@ -162,7 +162,7 @@ bw_status bwi_incremental_factor(bw_context *context, bw_incremental_system *inc
   is_current(incremental);
   incremental->system->times.factor = bw_seconds() - start;
   if (reuse) {
-    bool made = inner->factor->kernels != kernels;
+    bool made = other || inner->factor->kernels != kernels;
     reuse->method = whole || made ? BW_INCREMENTAL_FULL : BW_INCREMENTAL_REFACTOR;
     reuse->factor_reused = kept;
     reuse->seconds_factor += bw_seconds() - start;

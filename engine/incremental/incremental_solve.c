@@ -412,9 +412,10 @@ static bw_status solve_one(bw_context *context, void *data, const double *force,
   return status;
 }
 
-/* What the reuse says, as of any static solution. */
+/* What the reuse says of this solution, as of any static one; `before`: as it was before. */
 static void fill_report(const bw_incremental_system *incremental, const bw_solver *solver,
-                        const bw_reuse *reuse, double seconds, bw_static *result) {
+                        const bw_reuse *before, const bw_reuse *reuse, double seconds,
+                        bw_static *result) {
   const bwi_factor *factor = incremental->inner->factor;
   bw_solver_report *report = &result->report;
   bool pcg = reuse->method == BW_INCREMENTAL_PCG, iterate = reuse->method == BW_INCREMENTAL_ITERATE;
@@ -425,25 +426,28 @@ static void fill_report(const bw_incremental_system *incremental, const bw_solve
     report->preconditioner = bw_solver_word(BW_SOLVER_CHOLESKY);
   if (!pcg && factor)
     report->backend = factor->kernels->backend;
+  bool current = !pcg && !iterate && !(reuse->seconds_factor > before->seconds_factor);
   double cost[3] = {reuse->predicted_refactor, reuse->predicted_iterate, reuse->predicted_pcg};
   int chosen = pcg ? 2 : iterate ? 1 : 0;
-  for (int k = 0; k < 3; k++) {
+  for (int k = 0; !current && k < 3; k++) {
     if (k == chosen)
       report->predicted_cost = cost[k];
     else if (cost[k] > 0 && !(report->rival_cost > 0 && report->rival_cost <= cost[k]))
       report->rival_cost = cost[k];
   }
-  report->flops = factor && !pcg ? (1 - reuse->factor_reused) * bwi_factor_flops(factor) : 0;
+  report->reused = current ? 1 : reuse->factor_reused;
+  report->flops = factor && !pcg ? (1 - report->reused) * bwi_factor_flops(factor) : 0;
   report->bytes = pcg      ? (double)bw_bytes(incremental->inner->two_level)
                   : factor ? (double)bwi_factor_bytes(factor)
                            : 0;
   snprintf(report->reason, sizeof report->reason, "%s",
            solver                       ? "it was given"
+           : current                    ? "the equations have a factor already"
            : report->predicted_cost > 0 ? "it is predicted to cost least"
                                         : "there was nothing to iterate with");
-  report->iterations = reuse->iterations + reuse->refinements;
+  report->iterations =
+      reuse->iterations + reuse->refinements - before->iterations - before->refinements;
   report->residual = result->residual;
-  report->reused = reuse->factor_reused;
   report->seconds = seconds;
 }
 
@@ -464,13 +468,14 @@ bw_status bw_incremental_statics(bw_context *context, bw_incremental_system *inc
   const bw_system *system = incremental->system;
   BW_TRY(bwi_static_begin(context, model, statics, system->dof_map, &result));
   static_data data = {incremental, options, reuse ? reuse : &own};
+  const bw_reuse before = *data.reuse;
   bwi_static_solver solver = {.solve = solve_one,
                               .data = &data,
                               .refine_to = fmax(BWI_REFINE_TO, options.tolerance),
                               .once = options.energy};
   BW_TRY(bwi_static_solve(context, system->dof_map, system->pattern, system->stiffness, &solver,
                           result));
-  fill_report(incremental, options.solver, data.reuse, bw_seconds() - start, result);
+  fill_report(incremental, options.solver, &before, data.reuse, bw_seconds() - start, result);
 done:
   if (status == BW_OK)
     *out = result;

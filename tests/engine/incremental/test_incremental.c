@@ -376,11 +376,49 @@ static void other_factors(void **state) {
   bw_release(factor);
 }
 
+/* Each static solution reports its own work, where several complete one bw_reuse. */
+static void reports_of_several(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 2, 2, &b);
+  load_bar(context, &b, 0);
+  bw_incremental_system *incremental = incremental_of(context, &b);
+  turn_subdomain(&b, 2, 0.02);
+  bw_model *model = posed(context, &b);
+  assert_non_null(model);
+  bw_reuse reuse = {0};
+  check_ok(context, bw_incremental_system_update(context, incremental, model, b.motion, &reuse));
+  const int way[4] = {BW_INCREMENTAL_PCG, BW_INCREMENTAL_PCG, BW_INCREMENTAL_REFACTOR,
+                      BW_INCREMENTAL_AUTO};
+  bw_static *result[4] = {NULL};
+  for (int k = 0; k < 4; k++) {
+    const bw_incremental_options options = {
+        .solver = solver_by(way[k]), .tolerance = 1e-10, .precision = 64};
+    check_ok(context, bw_incremental_statics(context, incremental, model, NULL, &options,
+                                             &result[k], &reuse));
+  }
+  assert_true(result[0]->report.iterations > 0);
+  assert_int_equal(result[1]->report.iterations, result[0]->report.iterations);
+  assert_int_equal(result[2]->report.iterations, 0);
+  assert_true(result[2]->report.reused < 1 && result[2]->report.flops > 0);
+  assert_true(result[3]->report.reused == 1 && result[3]->report.flops == 0);
+  assert_string_equal(result[3]->report.reason, "the equations have a factor already");
+  for (int k = 0; k < 4; k++)
+    bw_release(result[k]);
+  bw_release(model);
+  bw_release(incremental);
+  bar_clear(&b);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      check_test(other_factors),          check_test(random_sequences),
-      check_test(reuse_is_said),          check_test(failures_and_recovery),
-      check_test(supports_become_others), check_test(no_memory),
+      check_test(other_factors),
+      check_test(reports_of_several),
+      check_test(random_sequences),
+      check_test(reuse_is_said),
+      check_test(failures_and_recovery),
+      check_test(supports_become_others),
+      check_test(no_memory),
       check_test(threads_agree),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
