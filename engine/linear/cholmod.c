@@ -67,7 +67,7 @@ typedef struct filling {
   const bwi_symbolic *symbolic;
   const bwi_matrix *matrix;
   SuiteSparse_long *start, *row; /* row NULL: columns are only counted, in start[column + 1] */
-  double *value;
+  double *value;                 /* NULL: rows alone */
 } filling;
 
 /* The block column of the node at position p. Rows of a column are in no order. */
@@ -89,7 +89,7 @@ static void fill_node(const filling *fill, int32_t p) {
       double block[9];
       if (order->position[other] < p)
         continue;
-      if (fill->row)
+      if (fill->value)
         bwi_matrix_block(fill->matrix, components, half ? pattern->upper_block[k] : k, !half, other,
                          node, block);
       for (int j = 0; j < components; j++)
@@ -98,7 +98,8 @@ static void fill_node(const filling *fill, int32_t p) {
             continue;
           if (fill->row) {
             fill->row[cursor[j]] = rows[i];
-            fill->value[cursor[j]] = block[components * i + j];
+            if (fill->value)
+              fill->value[cursor[j]] = block[components * i + j];
           }
           cursor[j]++;
         }
@@ -118,9 +119,9 @@ static bw_status fill_nodes(void *data, int64_t begin, int64_t end, int worker) 
 
 enum { GRAIN = 512 };
 
-/* The lower triangle by unknowns, made on the first call. */
+/* The lower triangle by unknowns, made on the first call; its numbers where asked for. */
 static bw_status fill_matrix(bw_context *context, bwi_cholmod *cholmod,
-                             const bwi_symbolic *symbolic, const bwi_matrix *matrix) {
+                             const bwi_symbolic *symbolic, const bwi_matrix *matrix, bool numbers) {
   bw_status status = BW_OK;
   size_t size = (size_t)symbolic->unknowns;
   int64_t nodes = symbolic->order->size;
@@ -146,7 +147,7 @@ static bw_status fill_matrix(bw_context *context, bwi_cholmod *cholmod,
   }
   fill.start = cholmod->matrix->p;
   fill.row = cholmod->matrix->i;
-  fill.value = cholmod->matrix->x;
+  fill.value = numbers ? cholmod->matrix->x : NULL;
   return bw_parallel(context, nodes, GRAIN, fill_nodes, &fill);
 }
 
@@ -185,7 +186,7 @@ bw_status bwi_cholmod_create(bw_context *context, const bwi_symbolic *symbolic,
   common->method[0].ordering = own ? CHOLMOD_AMD : CHOLMOD_NATURAL;
   common->method[1].ordering = CHOLMOD_METIS;
   BW_TRY(bw_check_cancel(context));
-  BW_TRY(fill_matrix(context, cholmod, symbolic, matrix));
+  BW_TRY(fill_matrix(context, cholmod, symbolic, matrix, false));
   bwi_metis_lock(); /* CHOLMOD calls METIS */
   cholmod->factor = cholmod_l_analyze(cholmod->matrix, common);
   bwi_metis_unlock();
@@ -240,7 +241,7 @@ bw_status bwi_cholmod_factorise(bw_context *context, bwi_cholmod *cholmod,
   bwi_blas_enter();
   BW_TRY(bwi_blas_check_memory(context, threads));
   BW_TRY(bw_check_cancel(context));
-  BW_TRY(fill_matrix(context, cholmod, symbolic, matrix));
+  BW_TRY(fill_matrix(context, cholmod, symbolic, matrix, true));
   bwi_blas_widen(threads);
   cholmod_l_factorize(cholmod->matrix, cholmod->factor, common);
   BW_TRY(bw_check_cancel(context));
