@@ -64,7 +64,8 @@ local function recovered(static)
   return stress + (static.stress - raw)
 end
 
--- A dual problem's solution under forces at nodes, with the supports of the model at zero.
+-- A dual problem's solution under forces at nodes, with the supports of the model at zero. Inertia balances
+-- them on a free body, as it does in the solution by a factor.
 local function under_forces(part, static, force)
   local report = static.report
   if static.reused or report.preconditioner ~= "two_level" then
@@ -83,7 +84,7 @@ local function under_forces(part, static, force)
     end
   end
   dual:load {nodal = force}
-  local solution, message, details = dual:solve {solver = core.solver.pcg {}}
+  local solution, message, details = dual:solve {solver = core.solver.pcg {}, inertia_relief = true}
   if not solution then return nil, message, details end
   return solution.displacement
 end

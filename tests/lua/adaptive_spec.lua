@@ -347,6 +347,24 @@ describe("solve with an error", function()
     assert.near(1, round.value, 0.005)
   end)
 
+  it("is the same by two-level PCG as by a factor, of a free body too", function()
+    local mesh = box({2, 1, 1}, {2, 1, 1})
+    for _, free in ipairs {false, true} do
+      local part = bw.model {mesh = mesh, material = elastic}
+      if not free then part:fix(mesh.boundary:below(1, 0)) end
+      part:load {on = mesh.boundary:above(1, 2), force = {0, 0, -1e-3}}
+      local found = {}
+      for i, solver in ipairs {bw.solver.cholesky(), bw.solver.pcg()} do
+        local _, accuracy = assert(part:solve {error = 0.05, of = "displacement", inertia_relief = free,
+          solver = solver})
+        found[i] = accuracy
+      end
+      assert.equal(#found[1].history, #found[2].history)
+      assert.near(1, found[2].value / found[1].value, 1e-8)
+      assert.near(1, found[2].estimated_error / found[1].estimated_error, 1e-5)
+    end
+  end)
+
   it("raises quadratic elements from linear ones", function()
     local mesh = box({2, 1, 1}, {2, 1, 1}):with_order(1)
     local part = bw.model {mesh = mesh, material = elastic}
