@@ -269,22 +269,21 @@ int lbw_option_refused(lua_State *L, const char *function, const char *key, cons
 /* Pushes a table of what a report says; fields that do not apply are left out. */
 void lbw_push_report(lua_State *L, const bw_solver_report *report);
 
-/* The option "solver" of the table at `index`: NULL where it is left out or "auto". It stays with
- * the table. */
+/* An option that is an object of the class: NULL where it is left out or "auto". It stays with the
+ * table. */
+const void *lbw_object_option(lua_State *L, int index, const char *function, const char *key,
+                              const lbw_class *class, const char *expected);
+/* The option "solver", an eigensolver in the second, and the option "lp", read so. */
 const bw_solver *lbw_solver_option(lua_State *L, int index, const char *function);
-/* The same for Newton's method on solids; what is left out stays as it is. `tolerance` NULL: of
- * steps in time, which have no two levels. */
+const bw_eigensolver *lbw_eigensolver_option(lua_State *L, int index, const char *function);
+const bw_lp_solver *lbw_lp_option(lua_State *L, int index, const char *function);
+/* The option "solver" for Newton's method on solids; what is left out stays as it is. `tolerance`
+ * NULL: of steps in time, which have no two levels, and choose tolerance and iterations. */
 void lbw_newton_solver(lua_State *L, int index, const char *function, bw_newton_linear *linear,
                        double *tolerance, int *max_iterations);
 /* Whether it works on the processes of barwright.distributed. */
 bool lbw_solver_is_external(const bw_solver *solver);
 
-/* The option "lp" of the table at `index`: NULL where it is left out or "auto". */
-const bw_lp_solver *lbw_lp_option(lua_State *L, int index, const char *function);
-
-/* The eigensolver in an option of the table at `index`, which is pushed; NULL: "auto", or none. */
-const bw_eigensolver *lbw_eigensolver_option(lua_State *L, int index, const char *function,
-                                             const char *key);
 /* The candidate that a word may have been meant for; NULL where none resembles it. */
 const char *lbw_nearest(const char *word, const char *const *candidate, size_t count);
 /* The rest of a sentence that says that there is no such name: "did you mean 'steel'?", or which

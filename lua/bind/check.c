@@ -106,6 +106,20 @@ int lbw_option_error(lua_State *L, const char *function, const char *key, const 
   return lbw_error(L, "%s: option '%s': %s", function, key, expected);
 }
 
+const void *lbw_object_option(lua_State *L, int index, const char *function, const char *key,
+                              const lbw_class *class, const char *expected) {
+  int type = lbw_option_get(L, index, key);
+  const void *object = lbw_test(L, -1, class);
+  const lbw_box *box = lbw_any_box(L, -1);
+  if (!object && box && box->class == class)
+    lbw_error(L, "%s: option '%s': this %s is closed", function, key, class->name);
+  bool is_auto = type == LUA_TSTRING && strcmp(lua_tostring(L, -1), "auto") == 0;
+  if (!object && !is_auto && type != LUA_TNIL)
+    lbw_option_refused(L, function, key, expected);
+  lua_pop(L, 1);
+  return object;
+}
+
 int lbw_option_missing(lua_State *L, const char *function, const char *key, const char *why) {
   return lbw_error(L, "%s: option '%s' is missing%s", function, key, why);
 }

@@ -3,7 +3,6 @@
 #include "bind.h"
 
 #include <stdio.h>
-#include <string.h>
 
 static const bw_eigensolver *self(lua_State *L) {
   return (const bw_eigensolver *)lbw_check(L, 1, &lbw_eigensolver_class);
@@ -65,17 +64,10 @@ static int eigensolver_slepc(lua_State *L) {
   return create(L, &options);
 }
 
-const bw_eigensolver *lbw_eigensolver_option(lua_State *L, int index, const char *function,
-                                             const char *key) {
-  int type = lbw_option_get(L, index, key);
-  const bw_eigensolver *solver = (const bw_eigensolver *)lbw_test(L, -1, &lbw_eigensolver_class);
-  const lbw_box *box = lbw_any_box(L, -1);
-  if (!solver && box && box->class == &lbw_eigensolver_class)
-    lbw_error(L, "%s: option '%s': this eigensolver is closed", function, key);
-  bool is_auto = type == LUA_TSTRING && strcmp(lua_tostring(L, -1), "auto") == 0;
-  if (!solver && !is_auto && type != LUA_TNIL)
-    lbw_option_refused(L, function, key, "an eigensolver (bw.eigensolver.lanczos {}) or \"auto\"");
-  return solver;
+const bw_eigensolver *lbw_eigensolver_option(lua_State *L, int index, const char *function) {
+  return (const bw_eigensolver *)lbw_object_option(
+      L, index, function, "solver", &lbw_eigensolver_class,
+      "an eigensolver (bw.eigensolver.lanczos {}) or \"auto\"");
 }
 
 static int solver_tostring(lua_State *L) {

@@ -35,17 +35,9 @@ static int lp_glpk(lua_State *L) {
 }
 
 const bw_lp_solver *lbw_lp_option(lua_State *L, int index, const char *function) {
-  const bw_lp_solver *solver = NULL;
-  if (lua_isnoneornil(L, index))
-    return NULL;
-  int type = lbw_option_get(L, index, "lp");
-  if (type == LUA_TUSERDATA)
-    solver = (const bw_lp_solver *)lbw_test(L, -1, &lbw_lp_solver_class);
-  bool is_auto = type == LUA_TSTRING && strcmp(lua_tostring(L, -1), "auto") == 0;
-  if (!solver && !is_auto && type != LUA_TNIL)
-    lbw_option_refused(L, function, "lp", "bw.lp.dual_simplex {}, bw.lp.glpk {} or \"auto\"");
-  lua_pop(L, 1); /* the table keeps it alive */
-  return solver;
+  return (const bw_lp_solver *)lbw_object_option(
+      L, index, function, "lp", &lbw_lp_solver_class,
+      "bw.lp.dual_simplex {}, bw.lp.glpk {} or \"auto\"");
 }
 
 static int solver_tostring(lua_State *L) {

@@ -375,7 +375,7 @@ static int model_modes(lua_State *L) {
   lua_settop(L, 2);
   bw_modes_options_default(&opts.options);
   lbw_options(L, 2, "modes", list, &opts);
-  const bw_eigensolver *solver = lbw_eigensolver_option(L, 2, "modes", "solver"); /* 3 */
+  const bw_eigensolver *solver = lbw_eigensolver_option(L, 2, "modes");
   bool external = solver && solver->options.kind == BW_EIGENSOLVER_SLEPC;
   if (external && opts.laplacian)
     return lbw_error(L, "modes: eigensolver slepc does not compute modes of the Laplacian: leave "

@@ -521,7 +521,7 @@ static int system_modes(lua_State *L) {
   bw_modes_options_default(&options);
   lua_settop(L, 2);
   lbw_options(L, 2, "modes", list, &options);
-  options.solver = lbw_eigensolver_option(L, 2, "modes", "solver"); /* 3 */
+  options.solver = lbw_eigensolver_option(L, 2, "modes");
   if (options.solver && options.solver->options.kind == BW_EIGENSOLVER_SLEPC)
     return lbw_error(L, "modes: eigensolver slepc takes a model and not its equations: call "
                         "part:modes {solver = ...}");

@@ -3,8 +3,6 @@
  * solves. */
 #include "bind.h"
 
-#include <string.h>
-
 static const bw_solver *self(lua_State *L) {
   return (const bw_solver *)lbw_check(L, 1, &lbw_solver_class);
 }
@@ -101,15 +99,8 @@ static int solver_jacobi(lua_State *L) {
 /* ---- the option ------------------------------------------------------------------------------ */
 
 const bw_solver *lbw_solver_option(lua_State *L, int index, const char *function) {
-  const bw_solver *solver = NULL;
-  int type = lbw_option_get(L, index, "solver");
-  if (type != LUA_TNIL && !(type == LUA_TSTRING && strcmp(lua_tostring(L, -1), "auto") == 0)) {
-    solver = (const bw_solver *)lbw_test(L, -1, &lbw_solver_class);
-    if (!solver)
-      lbw_option_refused(L, function, "solver", "a solver of bw.solver, or \"auto\"");
-  }
-  lua_pop(L, 1);
-  return solver;
+  return (const bw_solver *)lbw_object_option(L, index, function, "solver", &lbw_solver_class,
+                                              "a solver of bw.solver, or \"auto\"");
 }
 
 bool lbw_solver_is_external(const bw_solver *solver) {
@@ -134,6 +125,11 @@ void lbw_newton_solver(lua_State *L, int index, const char *function, bw_newton_
     m = o->preconditioner;
     bw_solver_kind kind = m ? m->options.kind : BW_SOLVER_TWO_LEVEL;
     *linear = kind == BW_SOLVER_JACOBI ? BW_NEWTON_JACOBI : BW_NEWTON_COARSE;
+    if (!tolerance && (o->tolerance > 0 || o->max_iterations > 0))
+      lbw_error(L,
+                "%s: option 'solver': a step in time chooses tolerance and max_iterations of "
+                "bw.solver.pcg: leave them out",
+                function);
     if (tolerance && o->tolerance > 0)
       *tolerance = o->tolerance;
     if (max_iterations && o->max_iterations > 0)
@@ -208,20 +204,17 @@ static int get_max_iterations(lua_State *L) {
   return 1;
 }
 
-static int push_text(lua_State *L) {
-  lua_pushstring(L, (const char *)lua_touserdata(L, 1));
-  return 1;
-}
-
 static int solver_tostring(lua_State *L) {
   const bw_solver *solver = self(L);
   char *text = NULL;
   lbw_leave_or_raise(L, bw_solver_describe(lbw_enter(L), solver, &text));
-  lua_pushcfunction(L, push_text);
-  lua_pushlightuserdata(L, text);
-  int failure = lua_pcall(L, 1, 1, 0);
+  /* A plain copy could raise before the text is released. */
+  luaL_Buffer buffer;
+  luaL_buffinit(L, &buffer);
+  luaL_addstring(&buffer, text);
   bw_free(text);
-  return failure ? lua_error(L) : 1;
+  luaL_pushresult(&buffer);
+  return 1;
 }
 
 static const luaL_Reg methods[] = {{NULL, NULL}};

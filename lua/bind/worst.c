@@ -327,10 +327,12 @@ static int basis_maximise(lua_State *L) {
   bw_solver_report report;
   bw_status status = bw_worst_loads(lbw_enter(L), basis, system->dof_map, &options, 1, objective,
                                     out, &value, NULL, &report);
+  int results = lbw_leave(L, status, 1);
+  if (status != BW_OK)
+    return results;
   lua_pushnumber(L, value);
-  if (status == BW_OK)
-    lbw_push_report(L, &report);
-  return lbw_leave(L, status, 3);
+  lbw_push_report(L, &report);
+  return 3;
 }
 
 static int basis_tostring(lua_State *L) {

@@ -201,11 +201,12 @@ static int worst_loads(lua_State *L) {
   c.context = lbw_enter(L);
   bw_status status = bw_worst_case_run(c.context, system, basis, regions, &opts.options, opts.batch,
                                        collect, &c, &report);
-  if (status == BW_OK) {
-    lbw_push_report(L, &report);
-    lua_setfield(L, k.table, "report");
-  }
-  return lbw_leave(L, status, 1);
+  int results = lbw_leave(L, status, 1);
+  if (status != BW_OK)
+    return results;
+  lbw_push_report(L, &report);
+  lua_setfield(L, k.table, "report");
+  return 1;
 }
 
 /* ---- screening ------------------------------------------------------------------------------- */

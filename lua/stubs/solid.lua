@@ -212,7 +212,7 @@ function Solid:solve(options) end
 ---@field min_step? number (-) a load step of this part of the load that fails ends the solution. Range: above 0 to 1. Default: 1/256
 ---@field path? integer (count) parts of the load path that are solved one after the other; turns go along their arcs from part to part. Range: 1 to 1000. Default: 1; with turns, one for each 30 degrees
 ---@field solver? bw.Solver|"auto" of the linear equations: `bw.solver.cholesky`, a factor by the backend "multifrontal"; `bw.solver.pcg` with `jacobi`, conjugate gradients without a matrix with node blocks, or with `two_level`, with a smoother and a coarse solid. The tolerance of `pcg` is by Eisenstat and Walker where it is left out, its iterations are at most 10000. Default: "auto", the cheaper of a factor and `two_level` by counted costs
----@field coarse? bw.Solid made coarse once from this solid, for "coarse". Default: naive coarse solids
+---@field coarse? bw.Solid made coarse once from this solid, for `two_level`. Default: naive coarse solids
 ---@field allow_inverted? boolean accept an equilibrium with inverted elements. Default: false
 ---@field start? bw.Array|number[][] (m, node_count × 3, per node) initial guess; the loads then act in full from the start. Default: rest
 ---@field choose? boolean compare a solid made coarse by a library with the naive one. Default: true
@@ -246,7 +246,7 @@ function Solid:transient(options) end
 ---@field tolerance? number (-) as of `solve`. Range: above 0, below 1. Default: 1e-6
 ---@field iterations? integer (count) Newton iterations in a time step; 1: linearly implicit. Range: at least 1. Default: 30
 ---@field allow_inverted? boolean accept steps with inverted elements. Default: false
----@field solver? bw.Solver|"auto" of the linear equations: `bw.solver.cholesky`; or, for large solids, `bw.solver.pcg` with `jacobi`. Default: "auto", a factor
+---@field solver? bw.Solver|"auto" of the linear equations: `bw.solver.cholesky`; or, for large solids, `bw.solver.pcg` with `jacobi`, without `tolerance` and `max_iterations`, which follow from the step. Default: "auto", a factor
 ---@field displacement? bw.Array|number[][] (m, node_count × 3, per node) initial displacements. Default: 0
 ---@field velocity? bw.Array|number[][] (m/s, node_count × 3, per node) initial velocities. Default: 0
 
