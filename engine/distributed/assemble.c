@@ -102,18 +102,18 @@ bw_status bwd_matrices_create(bw_context *context, const bwd_local_mesh *local, 
     status = count_blocks(context, local, own, other, max);
   for (int32_t i = 0; status == BW_OK && i < rows; i++)
     entries += 9 * ((int64_t)own[i] + other[i]);
+  double available = bw_available_memory();
   double bytes = (double)entries * ((blocked ? 76 / 9.0 : 12) + 12 * mass_width / 9.0);
   if (entries > INT32_MAX)
     status = bw_fail(context, BW_LIMIT,
                      "rank %d would have %lld entries of the matrix; PETSc's 32-bit numbers count "
                      "to %d. Use more ranks",
                      bw_world_rank(), (long long)entries, INT32_MAX);
-  else if (bytes > bw_available_memory())
-    status =
-        bw_fail(context, BW_MEMORY,
-                "the matrices of rank %d take %.3g GB, and %.3g GB are free. Use more ranks on "
-                "other machines",
-                bw_world_rank(), bytes / 1e9, bw_available_memory() / 1e9);
+  else if (bytes * bwd_ranks_together() > available)
+    status = bw_fail(context, BW_MEMORY,
+                     "the matrices of rank %d take %.3g GB, and %.3g GB are free for the %d ranks "
+                     "on its machine. Use more ranks on other machines",
+                     bw_world_rank(), bytes / 1e9, available / 1e9, bwd_ranks_together());
   BW_TRY(bwd_agree(context, status));
   BW_TRY(create_matrix(context, rows, own, other, blocked, 3, stiffness));
   if (mass_width)

@@ -31,6 +31,8 @@ typedef enum bwd_operation {
 
 /* For commands, matrices and fields; byte strings of the caller's have another one. */
 MPI_Comm bwd_comm(void);
+/* How many ranks share this machine, and so its memory and processors. */
+int bwd_ranks_together(void);
 /* On rank 0: let the others run the operation too. Starts PETSc on first use. */
 bw_status bwd_command(bw_context *context, bwd_operation operation);
 /* PETSc and SLEPc, on all ranks at once. */

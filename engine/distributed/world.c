@@ -207,6 +207,10 @@ bw_status bw_world_versions(bw_context *context, char **text) {
 
 /* ---- commands and agreement ------------------------------------------------------------------ */
 
+int bwd_ranks_together(void) {
+  return world.together;
+}
+
 bw_status bwd_command(bw_context *context, bwd_operation operation) {
   bw_status status = need_world(context);
   if (status != BW_OK)
