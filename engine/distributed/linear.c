@@ -116,7 +116,7 @@ static bw_status decouple_isostatic(bw_context *context, bwd_system *system) {
   bw_status status = BW_OK;
   PetscInt *row = BW_NEW(context, PetscInt, 3 * (int64_t)system->local);
   PetscInt count = 0;
-  const double *mask = NULL, *diagonal = NULL;
+  const double *mask = NULL;
   Vec main = NULL;
   BW_TRY(bwd_agree(context, row ? BW_OK : BW_MEMORY));
   BWD_TRY(VecDuplicate(system->force, &main));
@@ -131,7 +131,6 @@ static bw_status decouple_isostatic(bw_context *context, bwd_system *system) {
   BWD_TRY(MatDuplicate(system->K, MAT_COPY_VALUES, &system->isostatic));
   BWD_TRY(MatZeroRowsColumns(system->isostatic, count, row, size, NULL, NULL));
 done:
-  (void)diagonal;
   VecDestroy(&main);
   bw_free(row);
   return status;
@@ -365,8 +364,8 @@ bw_status bwd_solver_apply(bw_context *context, bwd_system *system, Vec force, V
   } else if (reason == KSP_DIVERGED_ITS) {
     status = bw_fail(context, BW_CONVERGENCE,
                      "conjugate gradients have not converged in %d iterations. Thin parts and poor "
-                     "elements make convergence slow: allow more iterations, give a larger rtol, "
-                     "or method = \"cholesky\"",
+                     "elements make convergence slow: allow more iterations, give a larger "
+                     "tolerance, or a Cholesky factor",
                      (int)iterations);
     bw_detail_number(context, "iterations", (double)iterations);
   } else {
