@@ -69,7 +69,7 @@ function mesh_module.fill(surface, options) end
 ---How a mesh is read.
 ---@class bw.MeshReadOptions
 ---@field unit? string|number (m, per unit of the file) or a name, as in `bw.UnitOptions`. Default: "m"
----@field renumber? boolean|"auto" whether nodes and elements are numbered along a space-filling curve. `"auto"` renumbers a mesh of at least 20000 elements whose elements span four times as many rows as along the curve, and warns. Default: "auto"
+---@field renumber? boolean|"auto" whether nodes and elements are numbered along a space-filling curve. `"auto"` renumbers a mesh of at least 20000 elements where the curve makes the span of node numbers in an element at least four times smaller (geometric mean), and warns. Default: "auto"
 
 ---Reads a mesh from a .vtu, .msh, .mesh (MEDIT), .node or .ele (TetGen), or .inp (CalculiX, Abaqus) file. Elements that are
 ---no tetrahedra are passed over.

@@ -31,7 +31,7 @@ function solver_module.cholesky(options) end
 
 ---How a factor is computed.
 ---@class bw.CholeskyOptions
----@field backend? "auto"|"multifrontal"|"cholmod"|"petsc" who computes it. "multifrontal" is the engine's own: it gives the same bits on any number of threads, and follows edits. "cholmod" is CHOLMOD's supernodal factor: its last bits depend on the number of threads, and it ends before it obeys an interruption. "petsc" is a factor by MUMPS over all processes that mpirun started (docs/howto_cluster.md). Default: "auto", the default of docs/benchmarks.md
+---@field backend? "auto"|"multifrontal"|"cholmod"|"petsc" who computes it. "multifrontal" is the engine's own: it gives the same bits on any number of threads, and follows edits. "cholmod" is CHOLMOD's supernodal factor: its last bits depend on the number of threads, and an interruption takes effect only after it. "petsc" is a factor by MUMPS over all processes that mpirun started (docs/howto_cluster.md). Default: "auto", the factor that the equations already have, or "multifrontal"
 ---@field ordering? "auto"|"metis"|"amd"|"backend" the elimination order: nested dissection or approximate minimum degree of the nodes, or the backend's own of the unknowns. "petsc" has its own only. Default: "auto", nested dissection
 ---@field precision? 32|64 (bits) of the factor's numbers. Solutions are in double precision in any case: a factor of 32 bits is refined by conjugate gradients. "cholmod" and "petsc" have 64 only. Default: 64, in edit sessions by predicted cost
 ---@field full? boolean compute the whole factor again where a part would do, in edit sessions. Default: false

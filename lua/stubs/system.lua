@@ -49,9 +49,10 @@ function System:modes(options) end
 
 ---The stiffness K (N/m) or the mass M (kg) as a sparse matrix. Rows and columns are the unknowns: components x, y, z that no support
 ---prescribes, node by node. At a node that a support constrains along a direction of its own they are components along the
----support's frame. A part that is free to move lacks six more unknowns, which are set to zero: K is positive definite then too.
+---support's frame. Of a part that can move freely, as many further components as it has free rigid-body modes are set to zero and
+---have no row: K is positive definite then too.
 ---
----Errors: invalid (the mass of a system without a factor).
+---Errors: only those that every function may give.
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.1, 0.01, 0.01}, cells = {10, 2, 2}}
 ---local part = bw.model({mesh = mesh, material = bw.material.steel}):fix(mesh.boundary:below("x", 0))
@@ -70,12 +71,12 @@ function System:matrix(part, options) end
 ---@class bw.SystemMatrixOptions
 ---@field whole? boolean all components without supports: row 3 (node - 1) + 1, 2, 3 of node for x, y, z. Default: false
 
----The right-hand side b of the unknowns: K x = b gives `system:displacement(x)`. What prescribed displacements cause is taken off.
+---The right-hand side b of the unknowns: K x = b gives `system:displacement(x)`. The forces that prescribed displacements cause are subtracted.
 ---@param force bw.Array|number[][] (N, node_count × 3, per node) nodal forces, such as `part:force_vector()`
 ---@return bw.Array b (N, unknown_count × 1) in the order of the rows of `system:matrix`
 function System:right_hand_side(force) end
 
----The displacement that unknowns stand for, with prescribed components as they are.
+---The displacement of all nodes from the unknowns; prescribed components have their prescribed values.
 ---@param x bw.Array|number[] (m, unknown_count × 1) the unknowns, in the order of the rows of `system:matrix`
 ---@return bw.Array displacement (m, node_count × 3, per node) in directions x, y, z
 function System:displacement(x) end
