@@ -33,14 +33,13 @@ local function measure(kind, cells, order, ranks)
       preconditioner = bw.solver.amg {backend = "petsc"}}})
   else static = assert(part:solve {solver = bw.solver.cholesky {backend = "petsc"}}) end
   seconds, processor = bw.seconds() - seconds, os.clock() - processor
-  local solver = static and static.report.ranks and static.report or modes and modes.report.ranks and modes.report
+  local report = (static or modes).report
+  local spread = report.ranks and report or {}
   local peak = tonumber(io.open "/proc/self/status":read "a":match "VmHWM:%s+(%d+)") * 1024
   local line = "| %d, tet%d | %s | %s | %.1f | %.1f | %s | %.2f | %.2f |"
-  print(line:format(mesh.node_count * 3,
-    order == 1 and 4 or 10, kind, ranks, seconds, solver and solver.processor_seconds or processor,
-    solver and (solver.iterations or 0) > 0 and solver.iterations or "",
-    (solver and (solver.peak_bytes or solver.bytes) or peak) / 2 ^ 30,
-    (solver and solver.largest_rank_bytes or peak) / 2 ^ 30))
+  print(line:format(mesh.node_count * 3, order == 1 and 4 or 10, kind, ranks, seconds,
+    spread.processor_seconds or processor, spread.iterations or "", (spread.bytes or peak) / 2 ^ 30,
+    (spread.largest_rank_bytes or peak) / 2 ^ 30))
 end
 
 if opts.here then

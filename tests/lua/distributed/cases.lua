@@ -77,7 +77,7 @@ for _, method in ipairs {"cg", "cholesky"} do
 end
 
 -- What a rank must know beside its nodes and elements.
-local function held(mesh, material, more)
+local function clamped(mesh, material, more)
   local part = bw.model {mesh = mesh, material = material, formulation = more}
   part:fix(mesh.boundary:below(1, 0))
   return part:load {on = mesh.boundary:above(1, 1), force = {1e3, 2e3, -500}}
@@ -86,12 +86,12 @@ end
 case("orthotropic material", function()
   local c, s = math.cos(0.4), math.sin(0.4)
   local material = bw.material.zp150:rotated {{c, -s, 0}, {s, c, 0}, {0, 0, 1}}
-  same_static(held(check.beam({8, 2, 2}, 2), material), {solver = spread.cholesky}, 1e-8)
+  same_static(clamped(check.beam({8, 2, 2}, 2), material), {solver = spread.cholesky}, 1e-8)
 end)
 
 case("B-bar elements", function()
   local material = bw.material.isotropic {young = 1e6, poisson = 0.49, density = 1000}
-  local part = held(check.beam({8, 2, 2}, 2), material, "b_bar")
+  local part = clamped(check.beam({8, 2, 2}, 2), material, "b_bar")
   same_static(part, {solver = spread.cholesky}, 1e-8)
   same_static(part, {solver = spread.cg}, 1e-7)
 end)
@@ -104,13 +104,13 @@ case("curved elements", function()
     rows[i] = {x, y + 0.3 * x * (1 - x), z * (1 + 0.5 * x * (1 - x))}
   end
   for _, method in ipairs {"cg", "cholesky"} do
-    same_static(held(assert(mesh:moved(rows)), steel), {solver = spread[method]}, 1e-8)
+    same_static(clamped(assert(mesh:moved(rows)), steel), {solver = spread[method]}, 1e-8)
   end
 end)
 
 case("many rows", function() -- on each rank more than are assembled at once
   local mesh = assert(bw.mesh.box {min = {0, 0, 0}, max = {1, 1, 1}, cells = {26, 26, 26}})
-  local part = held(mesh, steel)
+  local part = clamped(mesh, steel)
   local own = assert(part:solve {solver = bw.solver.cholesky {}})
   local other = assert(part:solve {solver = cg {tolerance = 1e-10}})
   same_field(own.displacement, other.displacement, 1e-8, "displacements")
