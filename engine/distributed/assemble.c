@@ -14,27 +14,15 @@ static bw_status count_blocks(bw_context *context, const bwd_local_mesh *local, 
   bw_status status = BW_OK;
   const struct bwd_local_counts *n = &local->count;
   int width = n->nodes_per_element;
-  int64_t *start = BW_NEW0(context, int64_t, (int64_t)n->owned + 2), entries;
+  int64_t *start = NULL;
   int32_t *around = NULL; /* elements of each own node */
   int32_t *seen = BW_NEW(context, int32_t, n->nodes);
-  if (!start || !seen) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  for (int64_t k = 0; k < (int64_t)n->elements * width; k++)
-    if (local->element[k] < n->owned)
-      start[local->element[k] + 2]++;
-  for (int32_t i = 0; i < n->owned; i++)
-    start[i + 2] += start[i + 1];
-  entries = start[n->owned + 1];
-  around = BW_NEW(context, int32_t, entries);
-  if (!around) {
-    status = BW_MEMORY;
-    goto done;
-  }
-  for (int64_t k = 0; k < (int64_t)n->elements * width; k++)
-    if (local->element[k] < n->owned)
-      around[start[local->element[k] + 1]++] = (int32_t)(k / width);
+  if (!seen)
+    return BW_MEMORY;
+  for (int32_t i = 0; i < n->nodes; i++)
+    seen[i] = i < n->owned ? i : -1;
+  BW_TRY(bwd_group_elements(context, n->elements, width, local->element, seen, n->owned, &start,
+                            &around));
   memset(seen, -1, (size_t)n->nodes * sizeof *seen);
   *max = 0;
   for (int32_t i = 0; i < n->owned; i++) {

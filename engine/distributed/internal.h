@@ -67,6 +67,12 @@ typedef struct bwd_partition {
 bw_status bwd_partition_create(bw_context *context, const bw_mesh *mesh, int ranks, int32_t *start,
                                bwd_partition *partition);
 void bwd_partition_clear(bwd_partition *partition);
+/* Elements by the groups of their nodes, group_of (by node; -1: none). An element is in the list of
+ * each group that one of its nodes has: (*list)[(*first)[g]] to (*list)[(*first)[g + 1] - 1],
+ * ascending. The caller frees both arrays, after a failure too. */
+bw_status bwd_group_elements(bw_context *context, int32_t elements, int width,
+                             const int32_t *element, const int32_t *group_of, int32_t groups,
+                             int64_t **first, int32_t **list);
 
 /* Constants of a material, as they are sent. */
 typedef struct bwd_material {

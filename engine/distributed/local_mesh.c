@@ -136,32 +136,14 @@ static void clear_maker(maker *m) {
   bw_free(m->element);
 }
 
-/* The ranks that own nodes of an element, each once. */
-static int ranks_around(const maker *m, int64_t e, int32_t rank[10]) {
-  const bw_mesh *mesh = m->problem->dof_map->mesh;
-  const int32_t *node = mesh->element + e * mesh->nodes_per_element;
-  int count = 0;
-  for (int a = 0; a < mesh->nodes_per_element; a++) {
-    int32_t owner = m->partition->owner[node[a]];
-    int k = 0;
-    while (k < count && rank[k] != owner)
-      k++;
-    if (k == count)
-      rank[count++] = owner;
-  }
-  return count;
-}
-
 static bw_status make_lists(bw_context *context, int ranks, maker *m) {
   const bw_mesh *mesh = m->problem->dof_map->mesh;
   const bw_material_orientations *turned = m->problem->model->material->orientations;
-  int32_t rank[10];
   m->node_at = BW_NEW(context, int32_t, mesh->node_count);
   m->local_of = BW_NEW(context, int32_t, mesh->node_count);
-  m->first = BW_NEW0(context, int64_t, (int64_t)ranks + 2);
   if (turned)
     m->group_of = BW_NEW(context, int32_t, turned->count);
-  if (!m->node_at || !m->local_of || !m->first || (turned && !m->group_of))
+  if (!m->node_at || !m->local_of || (turned && !m->group_of))
     return BW_MEMORY;
   for (int32_t i = 0; i < mesh->node_count; i++) {
     m->node_at[m->partition->row_of[i]] = i;
@@ -169,19 +151,8 @@ static bw_status make_lists(bw_context *context, int ranks, maker *m) {
   }
   for (int32_t g = 0; turned && g < turned->count; g++)
     m->group_of[g] = -1;
-  /* Counted two places behind: while the lists are written first[r + 1] moves to its end. */
-  for (int64_t e = 0; e < mesh->element_count; e++)
-    for (int k = ranks_around(m, e, rank); k-- > 0;)
-      m->first[rank[k] + 2]++;
-  for (int r = 0; r < ranks; r++)
-    m->first[r + 2] += m->first[r + 1];
-  m->element = BW_NEW(context, int32_t, m->first[ranks + 1]);
-  if (!m->element)
-    return BW_MEMORY;
-  for (int32_t e = 0; e < mesh->element_count; e++)
-    for (int k = ranks_around(m, e, rank); k-- > 0;)
-      m->element[m->first[rank[k] + 1]++] = e;
-  return BW_OK;
+  return bwd_group_elements(context, mesh->element_count, mesh->nodes_per_element, mesh->element,
+                            m->partition->owner, ranks, &m->first, &m->element);
 }
 
 static void take_node(maker *m, int32_t node, struct bwd_local_counts *n) {

@@ -25,45 +25,22 @@ static void clear_cut(cut *c) {
   bw_free(c->group);
 }
 
-/* The pieces that an element belongs to, each once. */
-static int pieces_around(const bwd_local_mesh *local, int64_t e, int32_t piece[10]) {
-  const int32_t *node = local->element + e * local->count.nodes_per_element;
-  int count = 0;
-  for (int a = 0; a < local->count.nodes_per_element; a++) {
-    int32_t p = node[a] / ROWS;
-    int k = 0;
-    while (k < count && piece[k] != p)
-      k++;
-    if (k == count && node[a] < local->count.owned)
-      piece[count++] = p;
-  }
-  return count;
-}
-
 static bw_status make_cut(bw_context *context, const bwd_local_mesh *local, cut *c) {
-  int32_t piece[10];
   *c = (cut){.local = local, .count = (local->count.owned + ROWS - 1) / ROWS};
-  c->first = BW_NEW0(context, int64_t, (int64_t)c->count + 2);
   c->number = BW_NEW(context, int32_t, local->count.nodes);
   if (local->count.groups)
     c->group = BW_NEW(context, int32_t, local->count.groups);
-  if (!c->first || !c->number || (local->count.groups && !c->group))
+  if (!c->number || (local->count.groups && !c->group))
     return BW_MEMORY;
+  for (int32_t i = 0; i < local->count.nodes; i++)
+    c->number[i] = i < local->count.owned ? i / ROWS : -1;
+  bw_status status =
+      bwd_group_elements(context, local->count.elements, local->count.nodes_per_element,
+                         local->element, c->number, c->count, &c->first, &c->element);
   memset(c->number, -1, (size_t)local->count.nodes * sizeof *c->number);
   if (c->group)
     memset(c->group, -1, (size_t)local->count.groups * sizeof *c->group);
-  for (int64_t e = 0; e < local->count.elements; e++)
-    for (int k = pieces_around(local, e, piece); k-- > 0;)
-      c->first[piece[k] + 2]++;
-  for (int32_t p = 0; p < c->count; p++)
-    c->first[p + 2] += c->first[p + 1];
-  c->element = BW_NEW(context, int32_t, c->first[c->count + 1]);
-  if (!c->element)
-    return BW_MEMORY;
-  for (int32_t e = 0; e < local->count.elements; e++)
-    for (int k = pieces_around(local, e, piece); k-- > 0;)
-      c->element[c->first[piece[k] + 1]++] = e;
-  return BW_OK;
+  return status;
 }
 
 /* The material of the piece's elements. */
