@@ -23,7 +23,7 @@ bw_status bwi_static_begin(bw_context *context, const bw_model *model,
                            const bw_statics_options *options, const bw_dof_map *dof_map,
                            bw_static **result);
 /* Displacements, residual, energy, reactions. Pattern and stiffness are NULL where the solver
- * multiplies. */
+ * multiplies; its caller judges the residual then. BW_SINGULAR when a tenth of the load is left. */
 bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
                            const bw_block_pattern *pattern, const double *stiffness,
                            const bwi_static_solver *solver, bw_static *result);

@@ -8,6 +8,9 @@
 
 enum { REFINEMENTS = 3 };
 
+/* A solution that leaves more of the load is none. */
+static const double max_residual = 0.1;
+
 static void static_destroy(void *object) {
   bw_static *result = object;
   bw_release(result->model);
@@ -133,6 +136,25 @@ static bw_status multiply(bw_context *context, const bw_block_pattern *pattern,
   return bw_block_multiply(context, pattern, stiffness, 9, 3, 1, x, product);
 }
 
+/* Where K is nearly singular, every solver may end with displacements whose forces rounding hides.
+ * Of a load that inertia balances to nothing (a body that falls) only rounding is left. */
+static bw_status check_residual(bw_context *context, const bwi_static_solver *solver, double scale,
+                                const bw_static *result) {
+  int64_t size = 3 * (int64_t)result->model->mesh->node_count;
+  if (solver->once || solver->multiply || result->residual <= fmax(max_residual, solver->refine_to))
+    return BW_OK;
+  if (result->residual * scale < 1e-13 * norm(result->force, size))
+    return BW_OK;
+  bw_fail(context, BW_SINGULAR,
+          "the stiffness is so nearly singular that double precision cannot tell: the residual of "
+          "the solution is %.2g of the load. Parts that touch only in a node or an edge rotate "
+          "there, and elements almost without volume have almost no stiffness. Join the parts "
+          "properly, or mesh again",
+          result->residual);
+  bw_detail_number(context, "residual", result->residual);
+  return BW_SINGULAR;
+}
+
 bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
                            const bw_block_pattern *pattern, const double *stiffness,
                            const bwi_static_solver *solver, bw_static *result) {
@@ -189,6 +211,7 @@ bw_status bwi_static_solve(bw_context *context, const bw_dof_map *dof_map,
     if (enough)
       break;
   }
+  BW_TRY(check_residual(context, solver, scale, result));
   if (!taken)
     BW_TRY(multiply(context, pattern, stiffness, solver, u, result->reaction, NULL));
   for (int64_t i = 0; i < size; i++) {

@@ -125,6 +125,9 @@ int lbw_option_missing(lua_State *L, const char *function, const char *key, cons
 }
 
 int lbw_option_refused(lua_State *L, const char *function, const char *key, const char *expected) {
+  const lbw_box *box = lbw_any_box(L, -1);
+  if (box && !box->object)
+    return lbw_error(L, "%s: option '%s': this %s is closed", function, key, box->class->name);
   return lbw_error(L, "%s: option '%s': %s expected, got %s", function, key, expected,
                    lbw_got(L, -1));
 }

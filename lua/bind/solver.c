@@ -58,9 +58,9 @@ static int solver_pcg(lua_State *L) {
   lua_settop(L, 1);
   lbw_options(L, 1, "solver.pcg", list, &options);
   if (options.max_iterations < 1 && lbw_option_get(L, 1, "max_iterations") != LUA_TNIL)
-    lbw_option_error(L, "solver.pcg", "max_iterations", "an integer of 1 or more");
+    lbw_option_refused(L, "solver.pcg", "max_iterations", "an integer of 1 or more");
   if (!(options.tolerance > 0) && lbw_option_get(L, 1, "tolerance") != LUA_TNIL)
-    lbw_option_error(L, "solver.pcg", "tolerance", "a number above 0 and below 1");
+    lbw_option_refused(L, "solver.pcg", "tolerance", "a number above 0 and below 1");
   lua_settop(L, 1);
   options.preconditioner = preconditioner_option(L);
   return create(L, &options);

@@ -173,8 +173,9 @@ function Model:rigid_modes() end
 ---their facets. The loop ends when the estimated error is small enough, or at a limit; `accuracy.reason` says which.
 ---
 ---Errors: unconstrained (a load is not balanced against free rigid-body motions), singular (the matrix is not positive definite although
----supports hold the part), convergence (conjugate gradients did not converge), memory (the factor does not fit), limit (more than
----`max_elements` at the first refinement), unsupported (the backend "petsc" in a build without MPI; the engine's own `bw.solver.amg` for a part that can move freely).
+---supports hold the part, or so nearly that the residual is above a tenth of the load), convergence (conjugate gradients did not
+---converge), memory (the factor does not fit), limit (more than `max_elements` at the first refinement), unsupported (the backend
+---"petsc" in a build without MPI; `bw.solver.amg` of the engine's own on a part that can move freely).
 ---
 ---Source: docs/theory/solving.md; docs/theory/error_control.md.
 ---@param options? bw.ModelSolveOptions solver and error

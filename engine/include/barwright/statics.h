@@ -34,10 +34,10 @@ typedef struct bw_statics_options {
 } bw_statics_options;
 /* The static solution of a model. `options` may be NULL. BW_UNCONSTRAINED names the unconstrained
  * rigid-body modes when the load is not balanced against them; BW_SINGULAR when the stiffness is
- * not positive definite or the solution is not finite; BW_INVALID when no load reaches the body
- * (bw_model_check_absorbed). `system` may be NULL or the system of an earlier solve (reused when
- * mesh, material and supports are the same; it may gain a factor, or lose what it has to solve by
- * two-level PCG).
+ * not positive definite, the solution is not finite, or its residual is above a tenth of the load
+ * and above the tolerance; BW_INVALID when no load reaches the body (bw_model_check_absorbed).
+ * `system` may be NULL or the system of an earlier solve (reused when mesh, material and supports
+ * are the same; it may gain a factor, or lose what it has to solve by two-level PCG).
  *
  * Without a solver, a static solution is by a factor where there is one already, or where that
  * counts as cheap (less than five seconds of the reference machine). So it is where two-level PCG
