@@ -4,13 +4,13 @@
  * METIS cuts the dual graph (an element and its neighbours across faces, which the mesh has), so
  * that the graph takes 20 bytes for each element; a graph of the nodes would take as many as the
  * block sparsity pattern. A node belongs to a rank of one of its elements. Rows follow the elements
- * of a rank along Morton's curve: rows near each other belong to nodes near each other. */
+ * of a rank along a space-filling curve: rows near each other belong to nodes near each other. */
 #include <metis.h>
-#include <stdlib.h>
+#include <string.h>
 
 #include "distributed/internal.h"
 
-enum { RECURSIVE_RANKS = 8, CURVE_BITS = 21 };
+enum { RECURSIVE_RANKS = 8 };
 
 void bwd_partition_clear(bwd_partition *partition) {
   bw_free(partition->rank_of_element);
@@ -116,61 +116,29 @@ done:
 
 /* ---- rows ------------------------------------------------------------------------------------ */
 
-typedef struct place {
-  uint64_t code; /* along the curve */
-  int32_t rank, element;
-} place;
-
-static int by_place(const void *a, const void *b) {
-  const place *p = a, *q = b;
-  if (p->rank != q->rank)
-    return p->rank < q->rank ? -1 : 1;
-  if (p->code != q->code)
-    return p->code < q->code ? -1 : 1;
-  return p->element < q->element ? -1 : p->element > q->element;
-}
-
-/* Bits of three coordinates one after the other (Morton 1966). */
-static uint64_t interleave(const uint32_t at[3]) {
-  uint64_t code = 0;
-  for (int bit = CURVE_BITS - 1; bit >= 0; bit--)
-    for (int c = 0; c < 3; c++)
-      code = code << 1 | (at[c] >> bit & 1);
-  return code;
-}
-
-static bw_status number_rows(bw_context *context, const bw_mesh *mesh, bwd_partition *partition) {
-  double min[3], max[3], size = 0;
-  place *list = BW_NEW(context, place, mesh->element_count);
-  if (!list)
+/* The elements of a rank in turn along the curve, and what of their nodes has no row yet. */
+static bw_status number_rows(bw_context *context, const bw_mesh *mesh, int ranks,
+                             bwd_partition *partition) {
+  bw_status status = BW_OK;
+  int32_t *along = NULL;
+  int32_t *next = BW_NEW(context, int32_t, ranks);
+  if (!next)
     return BW_MEMORY;
-  bw_mesh_box(mesh, min, max);
-  for (int c = 0; c < 3; c++)
-    size = max[c] - min[c] > size ? max[c] - min[c] : size;
-  double scale = (double)((1u << CURVE_BITS) - 1) / (size > 0 ? size : 1);
-  for (int32_t e = 0; e < mesh->element_count; e++) {
-    const int32_t *node = mesh->element + (int64_t)e * mesh->nodes_per_element;
-    uint32_t at[3];
-    for (int c = 0; c < 3; c++) {
-      double mean = 0;
-      for (int a = 0; a < 4; a++)
-        mean += 0.25 * mesh->node[3 * (int64_t)node[a] + c];
-      at[c] = (uint32_t)(scale * (mean - min[c]));
-    }
-    list[e] = (place){.code = interleave(at), .rank = partition->rank_of_element[e], .element = e};
-  }
-  qsort(list, (size_t)mesh->element_count, sizeof *list, by_place);
+  BW_TRY(bw_mesh_curve_order(context, mesh, &along));
+  memcpy(next, partition->start, (size_t)ranks * sizeof *next);
   for (int32_t i = 0; i < mesh->node_count; i++)
     partition->row_of[i] = -1;
-  int32_t next = 0;
   for (int32_t k = 0; k < mesh->element_count; k++) {
-    const int32_t *node = mesh->element + (int64_t)list[k].element * mesh->nodes_per_element;
+    const int32_t *node = mesh->element + (int64_t)along[k] * mesh->nodes_per_element;
+    int32_t rank = partition->rank_of_element[along[k]];
     for (int a = 0; a < mesh->nodes_per_element; a++)
-      if (partition->owner[node[a]] == list[k].rank && partition->row_of[node[a]] < 0)
-        partition->row_of[node[a]] = next++;
+      if (partition->owner[node[a]] == rank && partition->row_of[node[a]] < 0)
+        partition->row_of[node[a]] = next[rank]++;
   }
-  bw_free(list);
-  return BW_OK;
+done:
+  bw_free(along);
+  bw_free(next);
+  return status;
 }
 
 /* ---- elements by groups of nodes ------------------------------------------------------------- */
@@ -240,7 +208,7 @@ bw_status bwd_partition_create(bw_context *context, const bw_mesh *mesh, int ran
       partition->rank_of_element[e] = (int32_t)rank_of[e];
   }
   BW_TRY(share_nodes(context, mesh, ranks, partition));
-  BW_TRY(number_rows(context, mesh, partition));
+  BW_TRY(number_rows(context, mesh, ranks, partition));
 done:
   bw_free(rank_of);
   if (status != BW_OK)

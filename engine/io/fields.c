@@ -1,6 +1,8 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The fields handed to a writer. */
+/* The fields of meshes in files. */
 #include "io/raw.h"
+
+#include <string.h>
 
 bw_status bwi_check_fields(bw_context *context, int64_t points, int64_t elements, int field_count,
                            const bw_field *fields) {
@@ -15,5 +17,19 @@ bw_status bwi_check_fields(bw_context *context, int64_t points, int64_t elements
                      (long long)field->array->columns, (long long)expected,
                      nodes ? "nodes" : "elements");
   }
+  return BW_OK;
+}
+
+bw_status bwi_array_rows(bw_context *context, const bw_array *from, int64_t rows,
+                         const int32_t *row_from, bw_array **out) {
+  bw_status status = bw_array_create(context, from->type, rows, from->columns, out);
+  if (status != BW_OK)
+    return status;
+  size_t size = bw_type_size(from->type);
+  for (int64_t r = 0; r < rows; r++)
+    for (int64_t c = 0; c < from->columns; c++)
+      memcpy((char *)(*out)->data + r * (*out)->row_stride + c * (*out)->column_stride,
+             (const char *)from->data + row_from[r] * from->row_stride + c * from->column_stride,
+             size);
   return BW_OK;
 }

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "barwright/io.h"
+#include "io/raw.h"
 
 /* Meshes of fewer elements fit the cache in any order. Spans that are shorter than this many times
  * those along the curve gain nothing that can be measured (docs/benchmarks.md). */
@@ -29,21 +29,6 @@ static double mean_span(const bw_mesh *mesh) {
     sum += log((double)max - min);
   }
   return exp(sum / (double)mesh->element_count);
-}
-
-/* The rows of `from` in the order of row_from, as a new array. */
-static bw_status reordered(bw_context *context, const bw_array *from, const int32_t *row_from,
-                           bw_array **out) {
-  bw_status status = bw_array_create(context, from->type, from->rows, from->columns, out);
-  if (status != BW_OK)
-    return status;
-  size_t size = bw_type_size(from->type);
-  for (int64_t r = 0; r < from->rows; r++)
-    for (int64_t c = 0; c < from->columns; c++)
-      memcpy((char *)(*out)->data + r * (*out)->row_stride + c * (*out)->column_stride,
-             (const char *)from->data + row_from[r] * from->row_stride + c * from->column_stride,
-             size);
-  return BW_OK;
 }
 
 /* to[old] = new. */
@@ -87,8 +72,9 @@ bw_status bw_mesh_file_renumber(bw_context *context, bw_mesh_file *file, bw_renu
     goto done;
   }
   for (int i = 0; i < file->field_count; i++)
-    BW_TRY(reordered(context, file->field_array[i],
-                     file->field_place[i] == BW_ON_NODES ? node_from : element_from, &array[i]));
+    BW_TRY(bwi_array_rows(context, file->field_array[i], file->field_array[i]->rows,
+                          file->field_place[i] == BW_ON_NODES ? node_from : element_from,
+                          &array[i]));
   /* Nothing fails from here on. */
   invert(mesh->node_count, node_from, new_node);
   invert(mesh->element_count, element_from, new_element);

@@ -326,19 +326,22 @@ void bw_mesh_file_clear(bw_mesh_file *file) {
 
 /* ---- as a surface -------------------------------------------------------------------------- */
 
+bw_status bwi_mesh_file_surface(bw_context *context, bw_mesh_file *file, bw_surface **surface,
+                                bw_read_info *info) {
+  bw_status status = bw_mesh_boundary(context, file->mesh, surface, NULL);
+  if (status == BW_OK && info) {
+    *info = file->info;
+    info->group_count = 1;
+  }
+  bw_mesh_file_clear(file);
+  return status;
+}
+
 static bw_status boundary(bwi_raw *raw, const char *format, bw_surface **surface,
                           bw_read_info *info) {
   bw_mesh_file file;
   bw_status status = bwi_raw_mesh(raw, format, &file);
-  if (status != BW_OK)
-    return status;
-  status = bw_mesh_boundary(raw->context, file.mesh, surface, NULL);
-  if (status == BW_OK && info) {
-    *info = file.info;
-    info->group_count = 1;
-  }
-  bw_mesh_file_clear(&file);
-  return status;
+  return status == BW_OK ? bwi_mesh_file_surface(raw->context, &file, surface, info) : status;
 }
 
 bw_status bwi_raw_surface(bwi_raw *raw, const char *format, bw_surface **surface,

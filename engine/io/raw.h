@@ -56,6 +56,9 @@ bw_status bwi_raw_member(bwi_raw *raw, size_t set, int32_t member);
  * column called "region" becomes the mesh's), or as a surface: the boundary when there are
  * tetrahedra, else the facets. */
 bw_status bwi_raw_mesh(bwi_raw *raw, const char *format, bw_mesh_file *file);
+/* The boundary of a mesh that was read. Clears the file. */
+bw_status bwi_mesh_file_surface(bw_context *context, bw_mesh_file *file, bw_surface **surface,
+                                bw_read_info *info);
 bw_status bwi_raw_surface(bwi_raw *raw, const char *format, bw_surface **surface,
                           bw_read_info *info);
 
@@ -92,5 +95,8 @@ bw_status bwi_msh_write_surface(bw_context *context, const bw_surface *surface, 
 /* Fields whose rows fit the mesh; BW_INVALID names the one that does not. (fields.c) */
 bw_status bwi_check_fields(bw_context *context, int64_t points, int64_t elements, int field_count,
                            const bw_field *fields);
+/* Rows row_from[0], ..., row_from[rows - 1] of an array, as a new one. */
+bw_status bwi_array_rows(bw_context *context, const bw_array *from, int64_t rows,
+                         const int32_t *row_from, bw_array **out);
 
 #endif

@@ -7,6 +7,7 @@
 
 #include "io/formats.h"
 #include "io/raw.h"
+#include "io/vtu.h"
 
 const char *bwi_ending(const char *path) {
   const char *slash = strrchr(path, '/');
@@ -255,7 +256,8 @@ bw_status bw_mesh_read(bw_context *context, const char *path, bw_mesh_file *file
   bw_status status = bw_read_file(context, path, &bytes, &count);
   if (status != BW_OK)
     return status;
-  status = bw_mesh_parse(context, path, bytes, count, file);
+  status = has_ending(path, "pvtu") ? bwi_pvtu_read(context, path, bytes, count, file)
+                                    : bw_mesh_parse(context, path, bytes, count, file);
   bw_free(bytes);
   return status;
 }
@@ -277,6 +279,8 @@ bw_status bw_mesh_write(bw_context *context, const bw_mesh *mesh, const char *pa
                         const bw_field *fields) {
   if (has_ending(path, "vtu"))
     return bwi_vtu_write(context, mesh, path, field_count, fields);
+  if (has_ending(path, "pvtu"))
+    return bwi_pvtu_write(context, mesh, path, field_count, fields);
   if (has_ending(path, "msh"))
     return bwi_msh41_write(context, mesh, path, field_count, fields);
   if (has_ending(path, "mesh"))
@@ -292,8 +296,8 @@ bw_status bw_mesh_write(bw_context *context, const bw_mesh *mesh, const char *pa
   if (has_ending(path, "inp"))
     return write_plain(context, path, bwi_inp_write_mesh, mesh);
   return bw_fail(context, BW_INVALID,
-                 "%s: the ending '%s' names no format that meshes are written in: use .vtu .msh "
-                 ".mesh .node .ele or .inp",
+                 "%s: the ending '%s' names no format that meshes are written in: use .vtu .pvtu "
+                 ".msh .mesh .node .ele or .inp",
                  path, bwi_ending(path));
 }
 
@@ -304,7 +308,13 @@ bw_status bw_surface_read(bw_context *context, const char *path, bw_surface **su
   bw_status status = bw_read_file(context, path, &bytes, &count);
   if (status != BW_OK)
     return status;
-  status = bw_surface_parse(context, path, bytes, count, surface, info);
+  if (has_ending(path, "pvtu")) {
+    bw_mesh_file file;
+    status = bwi_pvtu_read(context, path, bytes, count, &file);
+    if (status == BW_OK)
+      status = bwi_mesh_file_surface(context, &file, surface, info);
+  } else
+    status = bw_surface_parse(context, path, bytes, count, surface, info);
   bw_free(bytes);
   return status;
 }

@@ -19,6 +19,7 @@ typedef struct bwi_tag {
  * *any is false. */
 bw_status bwi_xml_next(bwi_cursor *cursor, bwi_tag *tag, bool *any);
 bwi_word bwi_xml_value(const bwi_tag *tag, const char *key); /* length 0: not there */
+void bwi_xml_decode(char *text);                             /* the five entities, in place */
 
 /* ---- arrays (vtu_data.c) ------------------------------------------------------------------- */
 
@@ -79,5 +80,26 @@ typedef struct bwi_vtu_cells {
   const bw_field *fields;
 } bwi_vtu_cells;
 bw_status bwi_vtu_write_cells(bw_context *context, const bwi_vtu_cells *cells, const char *path);
+/* The value of an attribute, with entities for what XML does not allow. */
+void bwi_vtu_print_text(bw_writer *writer, const char *text);
+/* The attributes of an array: type, name, components. `tensor`: six components with names. */
+void bwi_vtu_print_attributes(bw_writer *writer, const char *type, const char *name,
+                              int64_t columns, bool tensor);
+/* Those of a field. */
+void bwi_vtu_print_field(bw_writer *writer, const bw_field *field);
+
+/* ---- pieces (pvtu_write.c, pvtu_read.c) ------------------------------------------------------ */
+
+/* A mesh and its fields in pieces along a space-filling curve, so that no more than one piece is
+ * packed at a time. Nodes between pieces are in both; their numbers join them. */
+bw_status bwi_pvtu_write(bw_context *context, const bw_mesh *mesh, const char *path,
+                         int field_count, const bw_field *fields);
+/* The pieces that a .pvtu names, put together again: by their numbers of nodes and elements where
+ * all have them, else nodes at equal places are one. Elements that a piece has only a copy of are
+ * left out. Fields are those that all pieces have. */
+bw_status bwi_pvtu_read(bw_context *context, const char *path, const unsigned char *bytes,
+                        size_t count, bw_mesh_file *file);
+#define BWI_PVTU_NODE "GlobalNodeId"
+#define BWI_PVTU_ELEMENT "GlobalElementId"
 
 #endif

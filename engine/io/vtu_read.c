@@ -389,25 +389,6 @@ done:
   return status;
 }
 
-/* The five entities in the names of fields. */
-static void plain_name(char *name) {
-  static const char *const entity[5] = {"&amp;", "&lt;", "&gt;", "&quot;", "&apos;"};
-  char *to = name;
-  for (const char *at = name; *at;) {
-    int found = -1;
-    for (int i = 0; i < 5; i++)
-      if (strncmp(at, entity[i], strlen(entity[i])) == 0)
-        found = i;
-    if (found >= 0) {
-      *to++ = "&<>\"'"[found];
-      at += strlen(entity[found]);
-    } else {
-      *to++ = *at++;
-    }
-  }
-  *to = 0;
-}
-
 bw_status bwi_vtu_read(bwi_cursor *cursor, bwi_raw *raw, const char **format) {
   bw_status status = BW_OK;
   vtu file = {0};
@@ -447,7 +428,7 @@ bw_status bwi_vtu_read(bwi_cursor *cursor, bwi_raw *raw, const char **format) {
     BW_TRY(read_field(cursor, &file, a, points ? NULL : tet_cell,
                       (int64_t)(points ? raw->point_count : raw->tet_count), raw));
     if (raw->field_count > before)
-      plain_name(raw->field[before].name);
+      bwi_xml_decode(raw->field[before].name);
   }
 done:
   bw_free(file.piece);

@@ -123,7 +123,7 @@ done:
   return status;
 }
 
-static void print_name(bw_writer *writer, const char *name) {
+void bwi_vtu_print_text(bw_writer *writer, const char *name) {
   for (; *name; name++) {
     const char *entity = *name == '&'   ? "&amp;"
                          : *name == '<' ? "&lt;"
@@ -137,30 +137,46 @@ static void print_name(bw_writer *writer, const char *name) {
   }
 }
 
-static void print_array(bw_writer *writer, const char *type, const char *name, int64_t columns,
-                        bool tensor, size_t *offset, const packed *data) {
+void bwi_vtu_print_attributes(bw_writer *writer, const char *type, const char *name,
+                              int64_t columns, bool tensor) {
   static const char *const component[6] = {"XX", "YY", "ZZ", "XY", "YZ", "XZ"};
-  bw_writer_print(writer, "<DataArray type=\"%s\" Name=\"", type);
-  print_name(writer, name);
+  bw_writer_print(writer, "type=\"%s\" Name=\"", type);
+  bwi_vtu_print_text(writer, name);
   bw_writer_print(writer, "\" NumberOfComponents=\"%lld\"", (long long)columns);
   for (int i = 0; tensor && i < 6; i++)
     bw_writer_print(writer, " ComponentName%d=\"%s\"", i, component[i]);
+}
+
+static void print_place(bw_writer *writer, size_t *offset, const packed *data) {
   bw_writer_print(writer, " format=\"appended\" offset=\"%zu\"/>\n", *offset);
   *offset += data->count;
+}
+
+static void print_array(bw_writer *writer, const char *type, const char *name, int64_t columns,
+                        size_t *offset, const packed *data) {
+  bw_writer_print(writer, "<DataArray ");
+  bwi_vtu_print_attributes(writer, type, name, columns, false);
+  print_place(writer, offset, data);
 }
 
 static const char *vtk_type(bw_type type) {
   return type == BW_F64 ? "Float64" : type == BW_I32 ? "Int32" : type == BW_I64 ? "Int64" : "UInt8";
 }
 
+void bwi_vtu_print_field(bw_writer *writer, const bw_field *field) {
+  const bw_array *array = field->array;
+  bwi_vtu_print_attributes(writer, vtk_type(array->type), field->name, array->columns,
+                           array->columns == 6 && array->type == BW_F64);
+}
+
 static void print_fields(bw_writer *writer, const bwi_vtu_cells *g, bw_field_place place,
                          const packed *data, size_t *offset) {
-  for (int i = 0; i < g->field_count; i++) {
-    const bw_array *array = g->fields[i].array;
-    if (g->fields[i].place == place)
-      print_array(writer, vtk_type(array->type), g->fields[i].name, array->columns,
-                  array->columns == 6 && array->type == BW_F64, offset, data + i);
-  }
+  for (int i = 0; i < g->field_count; i++)
+    if (g->fields[i].place == place) {
+      bw_writer_print(writer, "<DataArray ");
+      bwi_vtu_print_field(writer, &g->fields[i]);
+      print_place(writer, offset, data + i);
+    }
 }
 
 /* Parts 0 to 4: points, connectivity, offsets, types, tag; then the fields: first all on points,
@@ -177,16 +193,16 @@ static void print_header(bw_writer *writer, const bwi_vtu_cells *g, const packed
                   "<UnstructuredGrid>\n<Piece NumberOfPoints=\"%lld\" NumberOfCells=\"%lld\">\n"
                   "<Points>\n",
                   big ? "BigEndian" : "LittleEndian", (long long)g->points, (long long)g->cells);
-  print_array(writer, "Float64", "Points", 3, false, &offset, part + POINTS);
+  print_array(writer, "Float64", "Points", 3, &offset, part + POINTS);
   bw_writer_print(writer, "</Points>\n<Cells>\n");
-  print_array(writer, "Int32", "connectivity", 1, false, &offset, part + CONNECTIVITY);
-  print_array(writer, "Int64", "offsets", 1, false, &offset, part + OFFSETS);
-  print_array(writer, "UInt8", "types", 1, false, &offset, part + TYPES);
+  print_array(writer, "Int32", "connectivity", 1, &offset, part + CONNECTIVITY);
+  print_array(writer, "Int64", "offsets", 1, &offset, part + OFFSETS);
+  print_array(writer, "UInt8", "types", 1, &offset, part + TYPES);
   bw_writer_print(writer, "</Cells>\n<PointData>\n");
   print_fields(writer, g, BW_ON_NODES, part + FIELDS, &offset);
   bw_writer_print(writer, "</PointData>\n<CellData>\n");
   if (g->tag)
-    print_array(writer, "Int32", g->tag_name, 1, false, &offset, part + TAG);
+    print_array(writer, "Int32", g->tag_name, 1, &offset, part + TAG);
   print_fields(writer, g, BW_ON_ELEMENTS, part + FIELDS, &offset);
   bw_writer_print(writer, "</CellData>\n</Piece>\n</UnstructuredGrid>\n"
                           "<AppendedData encoding=\"raw\">\n_");

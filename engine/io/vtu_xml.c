@@ -96,3 +96,21 @@ bwi_word bwi_xml_value(const bwi_tag *tag, const char *key) {
       return tag->value[i];
   return (bwi_word){tag->name.at, 0};
 }
+
+void bwi_xml_decode(char *text) {
+  static const char *const entity[5] = {"&amp;", "&lt;", "&gt;", "&quot;", "&apos;"};
+  char *to = text;
+  for (const char *at = text; *at;) {
+    int found = -1;
+    for (int i = 0; i < 5; i++)
+      if (strncmp(at, entity[i], strlen(entity[i])) == 0)
+        found = i;
+    if (found >= 0) {
+      *to++ = "&<>\"'"[found];
+      at += strlen(entity[found]);
+    } else {
+      *to++ = *at++;
+    }
+  }
+  *to = 0;
+}

@@ -64,7 +64,12 @@ static bw_status sort_items(bw_context *context, bwi_keyed *list, int32_t count,
     return BW_MEMORY;
   for (int32_t i = 0; i < count; i++)
     (*from)[i] = list[i].item;
-  return bw_check_cancel(context);
+  bw_status status = bw_check_cancel(context);
+  if (status != BW_OK) {
+    bw_free(*from);
+    *from = NULL;
+  }
+  return status;
 }
 
 static void key_nodes(const bw_mesh *mesh, const cube *c, bwi_keyed *list) {
@@ -83,13 +88,34 @@ static void key_elements(const bw_mesh *mesh, const cube *c, bwi_keyed *list) {
   }
 }
 
+static cube cube_around(const bw_mesh *mesh) {
+  cube c;
+  double high[3], size = 0;
+  bw_mesh_box(mesh, c.low, high);
+  for (int k = 0; k < 3; k++)
+    size = fmax(size, high[k] - c.low[k]);
+  c.scale = size > 0 ? ldexp(1, BITS) / size : 0;
+  return c;
+}
+
+bw_status bw_mesh_curve_order(bw_context *context, const bw_mesh *mesh, int32_t **element_from) {
+  cube c = cube_around(mesh);
+  bwi_keyed *list = BW_NEW(context, bwi_keyed, mesh->element_count);
+  if (!list)
+    return BW_MEMORY;
+  key_elements(mesh, &c, list);
+  bw_status status = sort_items(context, list, mesh->element_count, element_from);
+  bw_free(list);
+  return status;
+}
+
 bw_status bw_mesh_renumbered(bw_context *context, const bw_mesh *mesh, int32_t **node_from,
                              int32_t **element_from, bw_mesh **out) {
   bw_status status = BW_OK;
   size_t nodes = (size_t)mesh->node_count, elements = (size_t)mesh->element_count;
   size_t width = (size_t)mesh->nodes_per_element, max = nodes > elements ? nodes : elements;
-  double high[3], size = 0, *node = NULL;
-  cube c;
+  double *node = NULL;
+  cube c = cube_around(mesh);
   int32_t *of_node = NULL, *of_element = NULL, *element = NULL, *region = NULL;
   int32_t *now = BW_NEW(context, int32_t, nodes); /* the new number of an old node */
   bwi_keyed *list = BW_NEW(context, bwi_keyed, max);
@@ -97,10 +123,6 @@ bw_status bw_mesh_renumbered(bw_context *context, const bw_mesh *mesh, int32_t *
     status = BW_MEMORY;
     goto done;
   }
-  bw_mesh_box(mesh, c.low, high);
-  for (int k = 0; k < 3; k++)
-    size = fmax(size, high[k] - c.low[k]);
-  c.scale = size > 0 ? ldexp(1, BITS) / size : 0;
   key_nodes(mesh, &c, list);
   BW_TRY(sort_items(context, list, mesh->node_count, &of_node));
   key_elements(mesh, &c, list);

@@ -1,8 +1,8 @@
 -- Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later.
 -- A body or a drawing where a script is expected is an easy mistake, and no syntax error.
 
-local endings = {stl = true, obj = true, off = true, ply = true, msh = true, vtu = true, mesh = true, inp = true,
-  svg = true, dxf = true}
+local endings = {stl = true, obj = true, off = true, ply = true, msh = true, vtu = true, pvtu = true, mesh = true,
+  inp = true, svg = true, dxf = true}
 
 local script_file = {}
 

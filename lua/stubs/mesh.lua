@@ -71,8 +71,9 @@ function mesh_module.fill(surface, options) end
 ---@field unit? string|number (m, per unit of the file) or a name, as in `bw.UnitOptions`. Default: "m"
 ---@field renumber? boolean|"auto" whether nodes and elements are numbered along a space-filling curve. `"auto"` renumbers a mesh of at least 20000 elements where the curve makes the span of node numbers in an element at least four times smaller (geometric mean), and warns. Default: "auto"
 
----Reads a mesh from a .vtu, .msh, .mesh (MEDIT), .node or .ele (TetGen), or .inp (CalculiX, Abaqus) file. Elements that are
----no tetrahedra are passed over.
+---Reads a mesh from a .vtu, .pvtu, .msh, .mesh (MEDIT), .node or .ele (TetGen), or .inp (CalculiX, Abaqus) file. Elements
+---that are no tetrahedra are passed over. The pieces of a .pvtu file are joined: by their numbers (GlobalNodeId,
+---GlobalElementId) where all pieces have them, else nodes at the same place are one.
 ---
 ---Errors: io (the file cannot be read), format (damaged, or without tetrahedra), unsupported (a feature of the format),
 ---geometry (an element without volume, a node that is not there, a face of three elements), limit (more than 2147483647
@@ -173,8 +174,9 @@ function mesh_module.box(options) end
 ---@field boundary bw.Selection the whole boundary, to select parts of
 local Mesh = {}
 
----Writes the mesh to a file, whose ending decides the format: .vtu, .msh, .mesh, .node or .ele (both files are written), or
----.inp (nodes and elements only).
+---Writes the mesh to a file, whose ending decides the format: .vtu, .pvtu, .msh, .mesh, .node or .ele (both files are
+---written), or .inp (nodes and elements only). A .pvtu file names pieces of at most 100000 elements, which are written
+---beside it (NAME_0.vtu, NAME_1.vtu, ...): less memory for a large mesh, and ParaView reads them in parallel.
 ---
 ---Errors: io (the file cannot be written).
 ---@param path string the file
@@ -186,7 +188,7 @@ function Mesh:write(path, options) end
 
 ---How a mesh is written.
 ---@class bw.MeshWriteOptions
----@field fields? table<string, bw.Array|bw.MeshField> arrays with a row for every node or every element, by name; for .vtu and .msh. Default: none
+---@field fields? table<string, bw.Array|bw.MeshField> arrays with a row for every node or every element, by name; for .vtu, .pvtu and .msh. Default: none
 ---@field unit? string|number (m, per unit of the file) or a name, as in `bw.UnitOptions`. Default: "m"
 ---@field version? "2.2"|"4.1" of the MSH format. Default: "4.1"
 

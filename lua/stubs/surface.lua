@@ -29,7 +29,7 @@ function surface_module.read(path, options) end
 
 ---The unit of a file.
 ---@class bw.UnitOptions
----@field unit? string|number (m, per unit of the file) or one of "um", "mm", "cm", "m", "km", "in", "ft". Default of surfaces: "m" for paths that end in .msh, .vtu, .mesh, .inp, .node or .ele, else "mm"; of meshes: "m"; of skeletons: "mm"
+---@field unit? string|number (m, per unit of the file) or one of "um", "mm", "cm", "m", "km", "in", "ft". Default of surfaces: "m" for paths that end in .msh, .vtu, .pvtu, .mesh, .inp, .node or .ele, else "mm"; of meshes: "m"; of skeletons: "mm"
 
 ---What a surface was read from.
 ---@class bw.SurfaceReadInfo

@@ -123,8 +123,9 @@ typedef enum bw_renumber {
 /* Numbers nodes and elements along a space-filling curve (bw_mesh_renumbered), fields and sets with
  * them. On failure the file is as it was. */
 BW_API bw_status bw_mesh_file_renumber(bw_context *context, bw_mesh_file *file, bw_renumber when);
-/* .vtu (ascii, base64 and appended raw, zlib or not), .msh 2.2 and 4.1 (ascii, binary), .mesh
- * (MEDIT), .node/.ele (either name finds both), .inp (nodes, C3D4, C3D10, NSET, ELSET).
+/* .vtu (ascii, base64 and appended raw, zlib or not), .pvtu (the .vtu files that it names, joined),
+ * .msh 2.2 and 4.1 (ascii, binary), .mesh (MEDIT), .node/.ele (either name finds both), .inp
+ * (nodes, C3D4, C3D10, NSET, ELSET).
  * Nodes are kept in file order except unused ones. Elements that are not tetrahedra are counted in
  * info.skipped; none at all is BW_FORMAT. Statuses as those of bw_surface_read. `file` is written
  * on success only; release what it holds with bw_mesh_file_clear. */
@@ -132,9 +133,10 @@ BW_API bw_status bw_mesh_read(bw_context *context, const char *path, bw_mesh_fil
 /* The same from `count` bytes in memory, under a name as bw_surface_parse. */
 BW_API bw_status bw_mesh_parse(bw_context *context, const char *name, const unsigned char *bytes,
                                size_t count, bw_mesh_file *file);
-/* By the ending: .vtu (appended raw, zlib), .msh (4.1 binary), .mesh, .node or .ele (writes both),
- * .inp (nodes and elements only). Fields go where the format has a place (.vtu, .msh); a field
- * whose rows do not fit the mesh is BW_INVALID, as is another ending. */
+/* By the ending: .vtu (appended raw, zlib), .pvtu (pieces NAME_0.vtu, NAME_1.vtu, ... beside it),
+ * .msh (4.1 binary), .mesh, .node or .ele (writes both), .inp (nodes and elements only). Fields go
+ * where the format has a place (.vtu, .pvtu, .msh); a field whose rows do not fit the mesh is
+ * BW_INVALID, as is another ending. */
 BW_API bw_status bw_mesh_write(bw_context *context, const bw_mesh *mesh, const char *path,
                                int field_count, const bw_field *fields);
 /* The same as .msh 2.2 (ascii), for programs that read no other. */

@@ -273,6 +273,10 @@ BW_API bw_status bw_mesh_with_order(bw_context *context, const bw_mesh *mesh, in
  * element_count), either of which may be NULL, are blocks for the caller to bw_free. */
 BW_API bw_status bw_mesh_renumbered(bw_context *context, const bw_mesh *mesh, int32_t **node_from,
                                     int32_t **element_from, bw_mesh **out);
+/* The elements in the order of that curve, by their middles: element_from (index, element_count), a
+ * block for the caller to bw_free. BW_CANCELLED leaves none. */
+BW_API bw_status bw_mesh_curve_order(bw_context *context, const bw_mesh *mesh,
+                                     int32_t **element_from);
 /* The elements with keep (element_count) not 0 only, unused nodes dropped. BW_EMPTY without any. */
 BW_API bw_status bw_mesh_subset(bw_context *context, const bw_mesh *mesh, const uint8_t *keep,
                                 bw_mesh **subset);

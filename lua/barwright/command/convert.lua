@@ -5,7 +5,7 @@ local model = require "barwright.command.model"
 local output = require "barwright.command.output"
 
 local surface_endings = {stl = true, obj = true, ply = true, off = true}
-local mesh_endings = {msh = true, mesh = true, inp = true, node = true, ele = true}
+local mesh_endings = {msh = true, pvtu = true, mesh = true, inp = true, node = true, ele = true}
 local drawing_endings = {svg = true, dxf = true}
 
 local function list(sets)

@@ -191,7 +191,7 @@ end
 
 -- ---- reading ---------------------------------------------------------------------------------------
 
-local volume_endings = {msh = true, vtu = true, mesh = true, inp = true, node = true, ele = true}
+local volume_endings = {pvtu = true, msh = true, vtu = true, mesh = true, inp = true, node = true, ele = true}
 local both_endings = {msh = true, vtu = true, mesh = true, inp = true}
 local drawing_endings = {svg = true, dxf = true}
 
@@ -375,7 +375,7 @@ local function check_outputs(opts)
 end
 
 --- Endings of the files of bodies with fields.
-model.field_endings = {"vtu", "msh", "mesh", "inp", "node", "ele"}
+model.field_endings = {"vtu", "pvtu", "msh", "mesh", "inp", "node", "ele"}
 
 --- What a part is made of, in words: "pla", "pla with the given strength".
 function model.material_text(opts)
