@@ -10,6 +10,7 @@
 #define BWI_LINEAR_TWO_LEVEL_H
 
 #include "linear/coarse.h"
+#include "linear/pcg_packed.h"
 #include "linear/rigid_space.h"
 #include "linear/smoother.h"
 
@@ -42,9 +43,6 @@ typedef struct bwi_two_level {
  * iteration, where there is no preconditioner yet to count. */
 #define BWI_TWO_LEVEL_SIDES 2.5
 #define BWI_TWO_LEVEL_BEGIN 12.0
-
-/* What of a vector at a node is along its unknowns; the two may be the same. */
-void bwi_project_unknowns(const bw_dof_map *dof_map, int64_t node, const double *f, double out[3]);
 
 /* Of a mesh for which bwi_coarse_fits, with its pattern; even: as in bwi_smoother_create. Release
  * with bw_release. */

@@ -1,0 +1,35 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* The space of conjugate gradients (pcg_space.h) whose vectors are packed in the rows of a smoother
+ * (smoother.h): right-hand sides interleaved number by number, so that one pass serves all. */
+#ifndef BWI_LINEAR_PCG_PACKED_H
+#define BWI_LINEAR_PCG_PACKED_H
+
+#include "linear/pcg_space.h"
+#include "linear/rigid_space.h"
+#include "linear/smoother.h"
+
+/* The equations are taken times a power of two for the matrix (the smoother's) and one for each
+ * right-hand side, so that floats hold what the preconditioner works on. */
+typedef struct bwi_packed {
+  const bwi_smoother *smoother;
+  const bw_dof_map *dof_map;
+  bwi_rigid_space *rigid;     /* of the rows: residuals and directions are free of it; or NULL */
+  const int32_t *constrained; /* rows with a prescribed component */
+  int32_t constrained_count;
+  int width;
+  double *u, *r, *p, *q, *ku;
+  float *floats, *z; /* r, and what becomes of it */
+  /* z of the residuals in `floats`, of which `used` are not 0 */
+  bw_status (*precondition)(bw_context *context, void *data, int width, int used);
+  void *data;
+} bwi_packed;
+
+/* K u = f at the unknowns for task->columns fields in global directions, one after the other; u is
+ * 0 elsewhere. `load` and `energy` of the task are those of the fields. */
+bw_status bwi_packed_solve(bw_context *context, const bwi_packed *packed, bwi_pcg_task *task,
+                           const double *force, double *displacement);
+
+/* What of a vector at a node is along its unknowns; the two may be the same. */
+void bwi_project_unknowns(const bw_dof_map *dof_map, int64_t node, const double *f, double out[3]);
+
+#endif
