@@ -22,6 +22,7 @@ void bw_eigensolver_options_default(bw_eigensolver_options *options) {
 }
 
 static void eigensolver_destroy(void *object) {
+  bw_release(((bw_eigensolver *)object)->options.preconditioner);
   bw_free(object);
 }
 
@@ -49,11 +50,20 @@ bw_status bw_eigensolver_create(bw_context *context, const bw_eigensolver_option
   if (options.inner_iterations < 1)
     return bw_fail(context, BW_INVALID, "%d inner iterations: at least 1 expected",
                    options.inner_iterations);
+  const bw_solver *m = options.preconditioner;
+  bool serves = m && options.kind == BW_EIGENSOLVER_LOBPCG &&
+                m->options.backend == BW_BACKEND_AUTO &&
+                (m->options.kind == BW_SOLVER_TWO_LEVEL || m->options.kind == BW_SOLVER_AMG);
+  if (m && !serves)
+    return bw_fail(context, BW_INVALID,
+                   "LOBPCG takes the preconditioners two_level and amg of the engine, and other "
+                   "eigensolvers take none");
   bw_eigensolver *solver = BW_NEW0(context, bw_eigensolver, 1);
   if (!solver)
     return BW_MEMORY;
   bw_object_init(solver, &eigensolver_kind);
   solver->options = options;
+  bw_retain(m);
   *out = solver;
   return BW_OK;
 }

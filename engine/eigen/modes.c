@@ -11,6 +11,7 @@
 
 #include "barwright/job.h"
 #include "eigen/modes.h"
+#include "linear/pcg.h"
 #include "linear/system_two_level.h"
 #include "linear/two_level_apply.h"
 
@@ -110,6 +111,7 @@ typedef struct elastic {
   bw_system *system;
   bwi_two_level *two_level; /* in place of the factor, or NULL */
   bwi_two_level_workspace workspace;
+  bwi_amg *amg;     /* or this one, or NULL */
   bool constrained; /* some component is prescribed */
   bwi_symbolic *unconstrained;
 } elastic;
@@ -122,6 +124,8 @@ static bw_status elastic_solve(bw_context *context, void *data, int64_t count, c
 static bw_status elastic_precondition(bw_context *context, void *data, int64_t count,
                                       const double *f, double *y) {
   elastic *problem = data;
+  if (problem->amg)
+    return bwi_amg_apply(context, problem->amg, count, f, y);
   return bwi_two_level_apply(context, problem->two_level, &problem->workspace, count, f, y);
 }
 
@@ -240,56 +244,98 @@ done:
 enum { SMALL = 30000 };
 #define LARGE 4e9
 
-static bw_status modes_two_level(bw_context *context, const bw_model *model, bw_system *system,
-                                 const bw_modes_options *given, bool *usable, bw_modes **modes) {
+/* The preconditioner of a system. *usable is false where the equations are singular for it. */
+static bw_status open_preconditioner(bw_context *context, const bw_model *model, elastic *problem,
+                                     const bw_solver *solver, bool *usable) {
+  bw_status status = BW_OK;
+  bw_system *system = problem->system;
+  *usable = true;
+  if (solver->options.kind == BW_SOLVER_AMG) {
+    if (!bwi_preconditioner_serves(system->preconditioner, solver))
+      status = bwi_system_precondition(context, system, solver, NULL, 0);
+    if (status == BW_SINGULAR) {
+      bw_clear_failure(context);
+      *usable = false;
+      return BW_OK;
+    }
+    problem->amg = status == BW_OK ? system->preconditioner->amg : NULL;
+    return status;
+  }
+  if (!system->two_level)
+    BW_TRY(bwi_two_level_predict(context, system));
+  BW_TRY(bwi_two_level_make(context, model, system, usable));
+  if (!*usable)
+    goto done;
+  problem->two_level = system->two_level->preconditioner;
+  BW_TRY(bwi_two_level_workspace_open(context, problem->two_level, &problem->workspace));
+done:
+  return status;
+}
+
+/* By LOBPCG; nothing is found where the preconditioner is not usable. */
+static bw_status modes_without_factor(bw_context *context, const bw_model *model, bw_system *system,
+                                      const bw_modes_options *given, const bw_solver *solver,
+                                      bool *usable, bw_modes **modes) {
   bw_status status = BW_OK;
   bwi_eigen_result result = {0};
   bw_modes_options options;
-  bw_eigensolver *solver = NULL;
+  bw_eigensolver *lobpcg = NULL;
   elastic problem = {.system = system, .constrained = is_constrained(system)};
   bw_eigensolver_options how;
   bw_eigensolver_options_default(&how);
   how.kind = BW_EIGENSOLVER_LOBPCG;
   BW_TRY(bwi_modes_options_check(context, given, &options));
-  BW_TRY(bw_eigensolver_create(context, &how, &solver));
-  BW_TRY(bwi_two_level_make(context, model, system, usable));
+  BW_TRY(bw_eigensolver_create(context, &how, &lobpcg));
+  BW_TRY(open_preconditioner(context, model, &problem, solver, usable));
   if (!*usable)
     goto done;
   BW_TRY(bwi_system_mass(context, system));
-  problem.two_level = system->two_level->preconditioner;
-  BW_TRY(bwi_two_level_workspace_open(context, problem.two_level, &problem.workspace));
   bwi_eigen_problem eigen = elastic_problem(&problem);
   eigen.precondition = elastic_precondition;
-  eigen.preconditioner = "two_level";
+  eigen.preconditioner = bw_solver_word(solver->options.kind);
   bool automatic = !options.solver || options.solver->options.kind == BW_EIGENSOLVER_AUTO;
-  options.solver = solver;
+  options.solver = lobpcg;
   BW_TRY(bwi_eigen_lowest(context, &eigen, &options, &result));
   if (automatic)
     snprintf(result.report.reason, sizeof result.report.reason,
              "a factor would take %.3g GB of memory",
              system->two_level->prediction.factor_bytes / 1e9);
-  result.report.bytes += (double)bw_bytes(system->two_level);
+  result.report.bytes +=
+      problem.amg ? (double)bw_bytes(system->preconditioner) : (double)bw_bytes(system->two_level);
   BW_TRY(bwi_modes_from(context, system->mesh, system->material, system->dof_map->rigid_mode_count,
                         &result, modes));
 done:
   bwi_two_level_workspace_clear(&problem.workspace);
-  bw_release(solver);
+  bw_release(lobpcg);
   bwi_eigen_result_clear(&result);
   return status;
 }
 
-/* Whether the modes of a system without a factor are better found without one. `kind`: LOBPCG or
- * automatic. */
-static bw_status needs_no_factor(bw_context *context, bw_system *system, bw_eigensolver_kind kind,
-                                 bool *without) {
+/* What is better than a factor for the modes of a system: a preconditioner, or NULL. `kind`: LOBPCG
+ * or automatic. */
+static bw_status choose_preconditioner(bw_context *context, bw_system *system,
+                                       const bw_eigensolver *solver, bw_solver **out) {
   bw_status status = BW_OK;
-  *without = false;
-  if (system->factor || !bwi_two_level_applies(system))
+  bool given = solver && solver->options.kind == BW_EIGENSOLVER_LOBPCG;
+  bool quadratic = bwi_two_level_applies(system);
+  bw_solver_options how = {.kind = quadratic ? BW_SOLVER_TWO_LEVEL : BW_SOLVER_AMG};
+  if (given && solver->options.preconditioner) {
+    if (solver->options.preconditioner->options.kind == BW_SOLVER_TWO_LEVEL && !quadratic)
+      return bw_fail(context, BW_INVALID,
+                     "the two-level preconditioner needs quadratic elements: these are linear");
+    *out = bw_retain(solver->options.preconditioner);
     return BW_OK;
-  if (!system->two_level)
-    BW_TRY(bwi_two_level_predict(context, system));
-  double bytes = system->two_level->prediction.factor_bytes;
-  *without = kind == BW_EIGENSOLVER_LOBPCG || bytes > LARGE || bytes > bw_available_memory();
+  }
+  if (system->factor || (!given && !quadratic))
+    return BW_OK;
+  if (!given) {
+    if (!system->two_level)
+      BW_TRY(bwi_two_level_predict(context, system));
+    double bytes = system->two_level->prediction.factor_bytes;
+    if (bytes <= LARGE && bytes <= bw_available_memory())
+      return BW_OK;
+  }
+  BW_TRY(bw_solver_create(context, &how, out));
 done:
   return status;
 }
@@ -302,20 +348,19 @@ bw_status bwi_modes_of_model(bw_context *context, const bw_model *model, bw_syst
   bw_system *own = NULL, *used = NULL;
   const bw_eigensolver *solver = options ? options->solver : NULL;
   bw_eigensolver_kind kind = solver ? solver->options.kind : BW_EIGENSOLVER_AUTO;
+  bw_solver *preconditioner = NULL;
   bool found = false, may = kind == BW_EIGENSOLVER_LOBPCG || kind == BW_EIGENSOLVER_AUTO;
   BW_TRY(bw_dof_map_create(context, model, &dof_map));
-  if (may && model->mesh->order == 2 &&
-      (kind == BW_EIGENSOLVER_LOBPCG || dof_map->unknown_count >= SMALL)) {
-    bool without;
+  if (may && (kind == BW_EIGENSOLVER_LOBPCG || dof_map->unknown_count >= SMALL)) {
     if (given && bwi_system_serves(given, model, dof_map))
       own = bw_retain(given);
     else
       BW_TRY(bwi_system_begin(context, model->mesh, model->material, dof_map,
                               given && bwi_same_topology(given->mesh, model->mesh) ? given : NULL,
                               &own));
-    BW_TRY(needs_no_factor(context, own, kind, &without));
-    if (without)
-      BW_TRY(modes_two_level(context, model, own, options, &found, modes));
+    BW_TRY(choose_preconditioner(context, own, solver, &preconditioner));
+    if (preconditioner)
+      BW_TRY(modes_without_factor(context, model, own, options, preconditioner, &found, modes));
     given = own;
   }
   if (!found) {
@@ -325,6 +370,7 @@ bw_status bwi_modes_of_model(bw_context *context, const bw_model *model, bw_syst
 done:
   if (system)
     *system = bw_retain(used ? used : own);
+  bw_release(preconditioner);
   bw_release(used);
   bw_release(own);
   bw_release(dof_map);

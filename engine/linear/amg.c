@@ -43,6 +43,7 @@ static void amg_destroy(void *object) {
   bw_release(g->dof_map);
   bw_free(g->dense);
   bw_free(g->dense_x);
+  bw_free(g->null);
   bw_free(g);
 }
 
@@ -56,8 +57,8 @@ static size_t blocks_bytes(const bwi_amg_blocks *b) {
 
 static size_t amg_bytes(const void *object) {
   const bwi_amg *g = object;
-  size_t bytes =
-      sizeof *g + bw_bytes(g->smoother) + (size_t)g->size * (size_t)(g->size + 1) * sizeof(double);
+  size_t bytes = sizeof *g + bw_bytes(g->smoother) +
+                 (size_t)g->size * (size_t)(g->size + 1 + g->null_count) * sizeof(double);
   for (int l = 0; l < g->level_count; l++) {
     const bwi_amg_level *v = &g->level[l];
     size_t numbers = (size_t)v->rows * (size_t)v->unknowns;
@@ -259,14 +260,26 @@ static bw_status prolong(void *data, int64_t begin, int64_t end, int worker) {
   return BW_OK;
 }
 
-/* The coarsest level: x = A^-1 b. */
+/* x without its part along the null space of the coarsest level */
+static void remove_null(const bwi_amg *g, double *x) {
+  for (int m = 0; m < g->null_count; m++) {
+    const double *mode = g->null + (int64_t)g->size * m;
+    double part = bwi_dot(g->size, mode, x);
+    for (int i = 0; i < g->size; i++)
+      x[i] -= part * mode[i];
+  }
+}
+
+/* The coarsest level: x = A^-1 b, or by the pseudo-inverse. */
 static void solve_coarsest(cycle *c, const bwi_amg_level *v) {
   bwi_amg *g = c->g;
   for (int f = 0; f < c->width; f++) {
     for (int i = 0; i < g->size; i++)
       g->dense_x[i] = (double)v->b[i * c->width + f];
+    remove_null(g, g->dense_x);
     bwi_lower_solve(g->size, g->dense, g->dense_x);
     bwi_upper_solve(g->size, g->dense, g->dense_x);
+    remove_null(g, g->dense_x);
     for (int i = 0; i < g->size; i++)
       v->x[i * c->width + f] = (float)g->dense_x[i];
   }

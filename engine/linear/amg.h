@@ -6,7 +6,11 @@
  * nodes. The prolongation is smoothed once. On the nodes the smoother is that of smoother.h, on
  * aggregates Chebyshev's polynomial of block Jacobi. The coarsest level is solved directly. Work is
  * in floats, the setup and the coarsest level in doubles. Nothing depends on the number of
- * threads. */
+ * threads.
+ *
+ * Bodies that can move freely have a singular K, whose isostatic constraints do not count here. All
+ * levels then have the rigid-body modes for null space, and the coarsest is solved by its
+ * pseudo-inverse. */
 #ifndef BWI_LINEAR_AMG_H
 #define BWI_LINEAR_AMG_H
 
@@ -47,14 +51,17 @@ typedef struct bwi_amg {
   bwi_amg_level level[BWI_AMG_LEVELS];
   int size; /* of the coarsest level's matrix */
   double *dense, *dense_x;
-  int width; /* there is room for */
+  int null_count; /* rigid-body modes that supports leave free */
+  double *null;   /* null_count x size: on the coarsest level, orthonormal */
+  int width;      /* there is room for */
 } bwi_amg;
 
-/* Of a matrix without mass. BW_SINGULAR where a block or the coarsest level is not positive
- * definite. Release with bw_release. */
+/* Of a matrix without mass. BW_SINGULAR where a block is not positive definite, or the coarsest
+ * level beside the rigid-body modes that are free. Release with bw_release. */
 bw_status bwi_amg_create(bw_context *context, const bwi_matrix *matrix, bwi_amg **amg);
 /* z = B r for `count` fields in global directions (count x node_count x 3), 0 at prescribed
- * components. */
+ * components. In bodies that can move freely r has to be balanced, and z is determined up to
+ * rigid-body motions. The two may be the same. */
 bw_status bwi_amg_apply(bw_context *context, bwi_amg *amg, int64_t count, const double *r,
                         double *z);
 /* Bytes that an application reads for one field. */

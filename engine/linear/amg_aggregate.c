@@ -150,8 +150,10 @@ bw_status bwi_amg_make_tentative(bwi_amg_setup *s) {
   double *next = BW_NEW0(s->context, double, (int64_t)s->count *MODES *MODES);
   int64_t *start = BW_NEW0(s->context, int64_t, s->count + 2);
   int32_t *list = BW_NEW(s->context, int32_t, v->rows);
-  if (!next || !start || !list) {
+  int32_t *body = BW_NEW(s->context, int32_t, s->count);
+  if (!next || !start || !list || !body) {
     bw_free(next);
+    bw_free(body);
     status = BW_MEMORY;
     goto done;
   }
@@ -163,14 +165,18 @@ bw_status bwi_amg_make_tentative(bwi_amg_setup *s) {
   for (int32_t a = 0; a < s->count; a++)
     start[a + 2] += start[a + 1];
   for (int32_t k = 0; k < v->rows; k++)
-    if (s->of[k] >= 0)
+    if (s->of[k] >= 0) {
       list[start[s->of[k] + 1]++] = k;
+      body[s->of[k]] = s->body[k];
+    }
   for (int32_t a = 0; a < s->count; a++) {
     const group g = {s->modes, v->unknowns, list + start[a], start[a + 1] - start[a]};
     orthonormalise(&g, next + (int64_t)MODES * MODES * a);
   }
   s->tentative = s->modes;
   s->modes = next;
+  bw_free(s->body);
+  s->body = body;
 done:
   bw_free(start);
   bw_free(list);

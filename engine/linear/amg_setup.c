@@ -115,22 +115,23 @@ static bw_status nodal_modes(bwi_amg_setup *s) {
   const bwi_smoother *g = s->g->smoother;
   const bw_dof_map *dof_map = s->matrix->dof_map;
   const bw_mesh *mesh = dof_map->mesh;
-  double centre[3] = {0, 0, 0}, size = 0;
   s->modes = BW_NEW0(s->context, double, 18 * (int64_t)g->count);
-  if (!s->modes)
+  s->body = BW_NEW(s->context, int32_t, g->count);
+  if (!s->modes || !s->body)
     return BW_MEMORY;
   for (int64_t k = 0; k < g->count; k++)
     for (int c = 0; c < 3; c++)
-      centre[c] += mesh->node[3 * (int64_t)g->node[k] + c] / g->count;
+      s->centre[c] += mesh->node[3 * (int64_t)g->node[k] + c] / g->count;
   for (int64_t k = 0; k < g->count; k++)
     for (int c = 0; c < 3; c++)
-      size = fmax(size, fabs(mesh->node[3 * (int64_t)g->node[k] + c] - centre[c]));
+      s->size = fmax(s->size, fabs(mesh->node[3 * (int64_t)g->node[k] + c] - s->centre[c]));
   for (int64_t k = 0; k < g->count; k++) {
     int64_t i = g->node[k];
     int32_t row = dof_map->frame_of[i];
-    const double *x = mesh->node + 3 * i;
-    const double y[3] = {(x[0] - centre[0]) / size, (x[1] - centre[1]) / size,
-                         (x[2] - centre[2]) / size};
+    double y[3];
+    s->body[k] = mesh->component[i];
+    for (int c = 0; c < 3; c++)
+      y[c] = (mesh->node[3 * i + c] - s->centre[c]) / s->size;
     for (int m = 0; m < MODES; m++) {
       double u[3] = {0, 0, 0}, axis[3] = {0, 0, 0};
       axis[m % 3] = 1;
@@ -151,32 +152,6 @@ static bw_status nodal_modes(bwi_amg_setup *s) {
     }
   }
   return BW_OK;
-}
-
-static bw_status factor_coarsest(bwi_amg_setup *s) {
-  bwi_amg *g = s->g;
-  const bwi_amg_level *v = &g->level[s->at];
-  int u = v->unknowns, n = s->at > 0 ? v->rows * u : 0; /* 0: nothing is unknown */
-  g->size = n;
-  g->dense = BW_NEW0(s->context, double, (int64_t)n *n);
-  g->dense_x = BW_NEW0(s->context, double, n);
-  if (!g->dense || !g->dense_x)
-    return BW_MEMORY;
-  for (int32_t k = 0; s->at > 0 && k < v->rows; k++)
-    BWI_AMG_FOR_ROW(s, k, {
-      for (int a = 0; a < u; a++)
-        for (int b = 0; b < u; b++)
-          g->dense[(int64_t)n * (u * k + a) + u * j + b] +=
-              bwi_amg_unit(s) * (across ? block[b * u + a] : block[a * u + b]);
-    });
-  for (int64_t i = 0; i < n; i++)
-    if (!(g->dense[(int64_t)n * i + i] > 0))
-      g->dense[(int64_t)n * i + i] = 1;
-  return bwi_cholesky(n, g->dense, 1e-14) ? BW_OK
-                                          : bw_fail(s->context, BW_SINGULAR,
-                                                    "the stiffness is singular, or so nearly that "
-                                                    "multigrid cannot tell: its coarsest "
-                                                    "level is not positive definite");
 }
 
 static void clear_level(bwi_amg_setup *s) {
@@ -258,7 +233,7 @@ bw_status bwi_amg_set_up(bw_context *context, bwi_amg *g, const bwi_matrix *matr
                          "weakly",
                          (int)v->rows);
       else
-        status = factor_coarsest(&s);
+        status = bwi_amg_factor_coarsest(&s);
     }
     if (status == BW_OK && s.at > 0)
       status = bwi_amg_to_floats(context, &v->a);
@@ -269,5 +244,6 @@ bw_status bwi_amg_set_up(bw_context *context, bwi_amg *g, const bwi_matrix *matr
 done:
   clear_level(&s);
   bw_free(s.modes);
+  bw_free(s.body);
   return status;
 }

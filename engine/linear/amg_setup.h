@@ -13,12 +13,14 @@ typedef struct bwi_amg_setup {
   bw_context *context;
   bwi_amg *g;
   const bwi_matrix *matrix;
-  int at;            /* the level in work */
-  double *modes;     /* rows x unknowns x BWI_AMG_MODES: near null space of the level */
-  int32_t *of;       /* rows: aggregate, or -1 */
-  int32_t count;     /* of aggregates */
-  double *tentative; /* rows x unknowns x BWI_AMG_MODES */
-  bwi_amg_blocks ap; /* A P */
+  int at;                 /* the level in work */
+  double *modes;          /* rows x unknowns x BWI_AMG_MODES: near null space of the level */
+  int32_t *body;          /* rows: the body of each */
+  double centre[3], size; /* m: the modes of the nodes are about it, rotations over it */
+  int32_t *of;            /* rows: aggregate, or -1 */
+  int32_t count;          /* of aggregates */
+  double *tentative;      /* rows x unknowns x BWI_AMG_MODES */
+  bwi_amg_blocks ap;      /* A P */
   int workers;
   int32_t *mark;   /* workers x aggregates: place in the row in work, + 1, or 0 */
   double *x, *y;   /* rows x unknowns */
@@ -85,11 +87,17 @@ static inline void bwi_amg_add_product(const double *a, bool across, int u, int 
     }
 }
 
+/* ---- amg_coarsest.c -------------------------------------------------------------------------- */
+
+/* The coarsest level: its null space and its factor. */
+bw_status bwi_amg_factor_coarsest(bwi_amg_setup *s);
+
 /* ---- amg_aggregate.c ------------------------------------------------------------------------- */
 
 /* `of` and `count`: the aggregates of the level. */
 bw_status bwi_amg_aggregate(bwi_amg_setup *s);
-/* `tentative`: Q of the modes by aggregates. `modes` become R, those of the next level. */
+/* `tentative`: Q of the modes by aggregates. `modes` become R, those of the next level, and `body`
+ * of its rows. */
 bw_status bwi_amg_make_tentative(bwi_amg_setup *s);
 
 /* ---- amg_products.c -------------------------------------------------------------------------- */

@@ -284,6 +284,13 @@ extern const bwi_kernels bwi_kernels_cholmod; /* linear/cholmod.h: it serves all
 bw_status bwi_solve_fields(bw_context *context, const bwi_factor *factor, const bw_dof_map *dof_map,
                            int64_t count, const double *force, double *displacement);
 
+/* ---- states (dof_states.c) ----------------------------------------------------------------- */
+
+/* Zero the components of a global field whose state's bit (1u << bw_dof_state) is not in
+ * `states`, in each node's frame. */
+void bwi_keep_states(const bw_dof_map *dof_map, unsigned states, double *field);
+/* The prescribed values as a global field, 0 elsewhere. */
+void bwi_prescribed_field(const bw_dof_map *dof_map, double *field);
 /* ---- systems (system.c) -------------------------------------------------------------------- */
 
 /* Block sparsity pattern and stiffness: no mass, no factor yet. `previous` as in bw_system_create,
@@ -302,11 +309,6 @@ bw_status bwi_system_precondition(bw_context *context, bw_system *system, const 
 /* The mass, where the system has none yet. */
 bw_status bwi_system_mass(bw_context *context, bw_system *system);
 
-/* Zero the components of a global field whose state's bit (1u << bw_dof_state) is not in
- * `states`, in each node's frame. */
-void bwi_keep_states(const bw_dof_map *dof_map, unsigned states, double *field);
-/* The prescribed values as a global field, 0 elsewhere. */
-void bwi_prescribed_field(const bw_dof_map *dof_map, double *field);
 /* Same supports: a system made for one dof_map serves the other. */
 bool bwi_same_supports(const bw_dof_map *a, const bw_dof_map *b);
 /* The system of a model with this DOF map: one on the same mesh, material and supports. */

@@ -270,13 +270,6 @@ bw_status bwi_system_precondition(bw_context *context, bw_system *system, const 
   int32_t bad = 0;
   bw_release(system->preconditioner); /* its memory first */
   system->preconditioner = NULL;
-  if (solver->options.kind == BW_SOLVER_AMG && system->dof_map->rigid_mode_count > 0) {
-    status = bw_fail(context, BW_UNSUPPORTED,
-                     "algebraic multigrid of bodies that can move freely is not implemented: give "
-                     "the backend \"petsc\", the preconditioner two_level for quadratic elements, "
-                     "or supports");
-    goto done;
-  }
   if (solver->options.kind == BW_SOLVER_CHOLESKY)
     BW_TRY(analyse(context, system, solver, old, available, &symbolic));
   double start = bw_seconds();
@@ -396,49 +389,6 @@ bw_status bwi_need_factor(bw_context *context, const bw_system *system) {
   return bw_fail(context, BW_INVALID,
                  "the system follows an edited shape and its factor is lagged: refactorise it "
                  "first (bw_incremental_system_refactor)");
-}
-
-/* What the frame's directions with `keep` see of a vector at a node. */
-static void keep_at_node(const bw_dof_map *dof_map, int64_t node, const bool keep[3],
-                         double *vector) {
-  int32_t row = dof_map->frame_of[node];
-  if (row < 0) {
-    for (int c = 0; c < 3; c++)
-      if (!keep[c])
-        vector[c] = 0;
-    return;
-  }
-  const double *frame = dof_map->frame + 9 * (int64_t)row;
-  double kept[3] = {0, 0, 0};
-  for (int c = 0; c < 3; c++)
-    if (keep[c]) {
-      double part = bw_dot(frame + 3 * c, vector);
-      for (int d = 0; d < 3; d++)
-        kept[d] += part * frame[3 * c + d];
-    }
-  memcpy(vector, kept, sizeof kept);
-}
-
-void bwi_keep_states(const bw_dof_map *dof_map, unsigned states, double *field) {
-  for (int64_t i = 0; i < dof_map->mesh->node_count; i++) {
-    bool keep[3];
-    for (int c = 0; c < 3; c++)
-      keep[c] = states >> dof_map->state[3 * i + c] & 1;
-    if (!keep[0] || !keep[1] || !keep[2])
-      keep_at_node(dof_map, i, keep, field + 3 * i);
-  }
-}
-
-void bwi_prescribed_field(const bw_dof_map *dof_map, double *field) {
-  for (int64_t i = 0; i < dof_map->mesh->node_count; i++) {
-    const double *value = dof_map->value + 3 * i;
-    int32_t row = dof_map->frame_of[i];
-    const double *frame = row < 0 ? NULL : dof_map->frame + 9 * (int64_t)row;
-    for (int c = 0; c < 3; c++)
-      field[3 * i + c] =
-          frame ? frame[c] * value[0] + frame[3 + c] * value[1] + frame[6 + c] * value[2]
-                : value[c];
-  }
 }
 
 bool bwi_same_supports(const bw_dof_map *a, const bw_dof_map *b) {

@@ -13,6 +13,7 @@
 
 #include "barwright/job.h"
 #include "base/cost.h"
+#include "base/dense.h"
 #include "linear/pcg.h"
 #include "linear/system_two_level.h"
 #include "statics/internal.h"
@@ -41,6 +42,7 @@ typedef struct statics {
   bwi_symbolic *old; /* of a former system, or NULL */
   bw_static *result;
   int limit, passes;
+  double load; /* |f| of the first pass */
   way way;
 } statics;
 
@@ -256,6 +258,15 @@ done:
   return status;
 }
 
+/* Of a pass: one that refines has only to remove what the last has left. */
+static double tolerance_of(statics *s, const double *force) {
+  int64_t size = 3 * (int64_t)s->model->mesh->node_count;
+  double load = sqrt(bwi_dot(size, force, force));
+  if (s->passes == 0)
+    s->load = load;
+  return s->passes == 0 ? s->tolerance : fmin(0.1, 0.1 * s->tolerance * s->load / load);
+}
+
 /* With the preconditioner of the system. */
 static bw_status solve_pcg(bw_context *context, void *data, const double *force,
                            double *displacement) {
@@ -267,7 +278,7 @@ static bw_status solve_pcg(bw_context *context, void *data, const double *force,
                      .dof_map = system->dof_map,
                      .precondition = bwi_preconditioner_apply,
                      .data = system->preconditioner,
-                     .tolerance = s->tolerance,
+                     .tolerance = tolerance_of(s, force),
                      .limit = s->max_iterations};
   double start = bw_seconds();
   bw_progress(context, "conjugate gradients", 0);
@@ -287,7 +298,7 @@ static bw_status by_pcg(statics *s) {
   bw_system *system = s->result->system;
   bw_solver_report *report = &s->result->report;
   const bwi_static_solver solver = {.solve = solve_pcg, .data = s, .refine_to = s->tolerance};
-  bool made = system->preconditioner && system->preconditioner->solver == s->preconditioner;
+  bool made = bwi_preconditioner_serves(system->preconditioner, s->preconditioner);
   if (!made)
     BW_TRY(bwi_system_precondition(s->context, system, s->preconditioner, s->old, s->available));
   BW_TRY(run(s, &solver));

@@ -36,14 +36,17 @@ static int eigensolver_arpack(lua_State *L) {
   return on_factor(L, "eigensolver.arpack", BW_EIGENSOLVER_ARPACK);
 }
 
-/* eigensolver.lobpcg{} */
+/* eigensolver.lobpcg{preconditioner} */
 static int eigensolver_lobpcg(lua_State *L) {
-  static const lbw_option list[] = {{NULL, LBW_OTHER, 0}};
+  static const lbw_option list[] = {{"preconditioner", LBW_OTHER, 0}, {NULL, LBW_OTHER, 0}};
   bw_eigensolver_options options;
   bw_eigensolver_options_default(&options);
   options.kind = BW_EIGENSOLVER_LOBPCG;
   lua_settop(L, 1);
   lbw_options(L, 1, "eigensolver.lobpcg", list, &options);
+  options.preconditioner = (const bw_solver *)lbw_object_option(
+      L, 1, "eigensolver.lobpcg", "preconditioner", &lbw_solver_class,
+      "bw.solver.two_level, bw.solver.amg or \"auto\"");
   return create(L, &options);
 }
 
@@ -77,6 +80,9 @@ static int solver_tostring(lua_State *L) {
   if (options->kind == BW_EIGENSOLVER_SLEPC)
     snprintf(text, sizeof text, "eigensolver slepc, inner systems by %s",
              options->inner_pcg ? "conjugate gradients" : "a factor");
+  else if (options->preconditioner)
+    snprintf(text, sizeof text, "eigensolver %s, preconditioner %s", bw_eigensolver_name(solver),
+             bw_solver_word(options->preconditioner->options.kind));
   else if (options->basis > 0)
     snprintf(text, sizeof text, "eigensolver %s, %d basis vectors", bw_eigensolver_name(solver),
              options->basis);

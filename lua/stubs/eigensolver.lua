@@ -58,10 +58,10 @@ function eigensolver_module.arpack(options) end
 ---@class bw.EigensolverArpackOptions
 ---@field basis? integer (count) vectors of the basis, from which it restarts; at least the number of modes and 2. Range: 0 to 100000. Default: 0, twice the number of modes and 20
 
----The locally optimal block preconditioned conjugate gradient method, for bodies whose factor does not fit into memory. On
----quadratic elements it works with the two-level preconditioner and needs no factor. Where the equations have a factor, or no
----two-level preconditioner serves them, the factor is the preconditioner. Without a factor nothing counts the modes: an
----iteration from random vectors looks for missing ones (`modes.tested`).
+---The locally optimal block preconditioned conjugate gradient method, for bodies whose factor does not fit into memory. It
+---needs no factor: on quadratic elements its preconditioner is the two-level one, on linear elements algebraic multigrid. Where
+---the equations have a factor already, that is the preconditioner. Without a factor nothing counts the modes: an iteration from
+---random vectors looks for missing ones (`modes.tested`).
 ---```lua
 ---local mesh = bw.mesh.box {max = {0.3, 0.1, 0.1}, cells = {6, 2, 2}, order = 2}
 ---local part = bw.model({mesh = mesh, material = bw.material.steel}):fix(mesh.boundary:below("x", 0))
@@ -70,12 +70,13 @@ function eigensolver_module.arpack(options) end
 ---```
 ---
 ---Source: docs/theory/solving.md; A. V. Knyazev, SIAM J. Sci. Comput. 23 (2001).
----@param options? bw.EigensolverLobpcgOptions none yet
+---@param options? bw.EigensolverLobpcgOptions its preconditioner
 ---@return bw.Eigensolver solver the description
 function eigensolver_module.lobpcg(options) end
 
----How LOBPCG works; it has no options.
+---How LOBPCG works.
 ---@class bw.EigensolverLobpcgOptions
+---@field preconditioner? bw.Solver of `two_level`, for quadratic elements, or `amg`. Default: a factor where the equations have one, else by the elements
 
 ---The Krylov-Schur method of SLEPc, on all processes that mpirun started (docs/howto_cluster.md). It takes a model, and not
 ---the modes of the Laplacian.

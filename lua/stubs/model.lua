@@ -175,7 +175,7 @@ function Model:rigid_modes() end
 ---Errors: unconstrained (a load is not balanced against free rigid-body motions), singular (the matrix is not positive definite although
 ---supports hold the part, or so nearly that the residual is above a tenth of the load), convergence (conjugate gradients did not
 ---converge), memory (the factor does not fit), limit (more than `max_elements` at the first refinement), unsupported (the backend
----"petsc" in a build without MPI; `bw.solver.amg` of the engine's own on a part that can move freely).
+---"petsc" in a build without MPI).
 ---
 ---Source: docs/theory/solving.md; docs/theory/error_control.md.
 ---@param options? bw.ModelSolveOptions solver and error

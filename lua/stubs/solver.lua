@@ -77,8 +77,7 @@ function solver_module.two_level(options) end
 ---@class bw.NoSolverOptions
 
 ---Algebraic multigrid by smoothed aggregation as a preconditioner, mainly for linear elements. PETSc's works on all processes
----that mpirun started (docs/howto_cluster.md). The engine's own needs supports that prevent all rigid-body motions; without
----them a solution fails with the status "unsupported".
+---that mpirun started (docs/howto_cluster.md). The engine's own also serves parts that can move freely.
 ---
 ---Errors: only those that every function may give.
 ---

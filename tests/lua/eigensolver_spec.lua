@@ -83,6 +83,26 @@ describe("eigensolvers", function()
     assert.is_true(again.counted)
   end)
 
+  it("LOBPCG needs no factor of linear elements, held or free", function()
+    local mesh = check.beam({8, 2, 2}, 1)
+    for _, free in ipairs {false, true} do
+      local part = bw.model {mesh = mesh, material = bw.material.steel}
+      if not free then part:fix(mesh.boundary:below(1, 0)) end
+      local modes = assert(part:modes {count = 5, solver = bw.eigensolver.lobpcg {}})
+      assert.equal("amg", modes.report.preconditioner)
+      local counted = assert(part:modes {count = 5})
+      for i = 1, 5 do check.near(counted.eigenvalues[i], modes.eigenvalues[i], 1e-9) end
+    end
+    local amg = bw.eigensolver.lobpcg {preconditioner = bw.solver.amg()}
+    assert.equal("eigensolver lobpcg, preconditioner amg", tostring(amg))
+    assert.equal("amg", assert(free_part():modes {count = 3, solver = amg}).report.preconditioner)
+    check.raises("quadratic", function()
+      assert(bw.model {mesh = mesh, material = bw.material.steel}:modes {
+        solver = bw.eigensolver.lobpcg {preconditioner = bw.solver.two_level()}})
+    end)
+    check.raises("two_level and amg", bw.eigensolver.lobpcg, {preconditioner = bw.solver.jacobi()})
+  end)
+
   it("say when another takes its place", function()
     local tetrahedron = bw.mesh.new {nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
       elements = {{1, 2, 3, 4}}}

@@ -19,7 +19,8 @@ typedef enum bw_eigensolver_kind {
                              side at a time. Its state is one for the process: a run waits until
                              that of another thread has ended */
   BW_EIGENSOLVER_LOBPCG,  /* locally optimal block preconditioned conjugate gradients: by a factor
-                             where there is one, else by the two-level preconditioner */
+                             where there is one, else by the two-level preconditioner for quadratic
+                             elements and multigrid for linear ones */
   BW_EIGENSOLVER_SLEPC    /* SLEPc on several processes: the registered bw_external */
 } bw_eigensolver_kind;
 /* How an eigensolver works. */
@@ -27,6 +28,8 @@ typedef struct bw_eigensolver_options {
   bw_eigensolver_kind kind; /* default BW_EIGENSOLVER_AUTO */
   int basis; /* vectors of the Krylov space, LANCZOS and ARPACK; default 0: three times the modes
                 and 48, or twice the modes and 20; otherwise at least the modes and 16, or 2 */
+  const bw_solver *preconditioner; /* LOBPCG, retained: BW_SOLVER_TWO_LEVEL, for quadratic elements,
+                                      or BW_SOLVER_AMG, the engine's; default NULL: as said there */
   bool inner_pcg; /* SLEPC: its inner systems by conjugate gradients with algebraic multigrid, where
                      none counts the eigenvalues; default false: by a factor over all processes */
   double inner_tolerance; /* (-) SLEPC: relative residual of inner systems; default 1e-10, above 0
@@ -40,7 +43,8 @@ typedef struct bw_eigensolver {
   bw_object object;
   bw_eigensolver_options options; /* as given, or the default */
 } bw_eigensolver;
-/* `options` may be NULL. */
+/* `options` may be NULL. BW_INVALID for numbers outside their ranges, and another preconditioner.
+ */
 BW_API bw_status bw_eigensolver_create(bw_context *context, const bw_eigensolver_options *options,
                                        bw_eigensolver **solver);
 /* "auto", "lanczos", "arpack", "lobpcg" or "slepc": static. NULL is automatic. */

@@ -19,8 +19,7 @@ typedef enum bw_solver_kind {
   BW_SOLVER_TWO_LEVEL, /* preconditioner: a smoother and the linear elements on the same corners.
                           For quadratic elements */
   BW_SOLVER_AMG,       /* preconditioner: algebraic multigrid by smoothed aggregation, the engine's
-                          own or of the external solver. The engine's needs supports that constrain
-                          all rigid-body modes */
+                          own or of the external solver */
   BW_SOLVER_JACOBI     /* preconditioner: the inverse of the blocks of the nodes */
 } bw_solver_kind;
 

@@ -325,9 +325,9 @@ static void failing_allocations(void **state) {
   bw_release(mesh);
 }
 
-/* A bar of quadratic elements, held at one end, on a plane that is not along the axes. */
-static bw_model *held_bar(bw_context *context, int cells) {
-  bw_mesh *mesh = body_box(context, 3, 1, 0.9, 3 * cells, cells, cells, 2);
+/* A bar, afloat or held at one end and on a plane that is not along the axes. */
+static bw_model *held_bar(bw_context *context, int cells, int order, bool afloat) {
+  bw_mesh *mesh = body_box(context, 3, 1, 0.9, 3 * cells, cells, cells, order);
   bw_material *material = body_material(context);
   bw_model *model = NULL;
   bw_selection *face = NULL, *side = NULL;
@@ -335,9 +335,11 @@ static bw_model *held_bar(bw_context *context, int cells) {
                high[3] = {4, 1e-9, 2}, normal[3] = {0.1, 1, 0.2};
   check_ok(context, bw_model_create(context, mesh, material, &model));
   check_ok(context, bw_select_plane(context, mesh, origin, along, 1e-9, &face));
-  check_ok(context, bw_model_fix(context, model, face));
-  check_ok(context, bw_select_box(context, mesh, low, high, &side));
-  check_ok(context, bw_model_slide(context, model, side, normal));
+  if (!afloat) {
+    check_ok(context, bw_model_fix(context, model, face));
+    check_ok(context, bw_select_box(context, mesh, low, high, &side));
+    check_ok(context, bw_model_slide(context, model, side, normal));
+  }
   bw_release(face);
   bw_release(side);
   bw_release(material);
@@ -345,7 +347,9 @@ static bw_model *held_bar(bw_context *context, int cells) {
   return model;
 }
 
-static bw_status without_factor(bw_context *context, const bw_model *model, bw_system **system,
+/* By LOBPCG with this preconditioner; NULL: with that for the elements. */
+static bw_status without_factor(bw_context *context, const bw_model *model,
+                                const bw_solver *preconditioner, bw_system **system,
                                 bw_modes **modes) {
   bw_modes_options options;
   bw_modes_options_default(&options);
@@ -354,6 +358,7 @@ static bw_status without_factor(bw_context *context, const bw_model *model, bw_s
   bw_eigensolver_options how;
   bw_eigensolver_options_default(&how);
   how.kind = BW_EIGENSOLVER_LOBPCG;
+  how.preconditioner = preconditioner;
   bw_status status = bw_eigensolver_create(context, &how, &solver);
   options.solver = solver;
   if (status == BW_OK)
@@ -362,21 +367,29 @@ static bw_status without_factor(bw_context *context, const bw_model *model, bw_s
   return status;
 }
 
-/* LOBPCG with the two-level preconditioner beside a factor: the same modes, with the same bits on
- * any number of threads. */
-static void two_level(void **state) {
-  bw_context *context = check_context(state);
-  bw_model *model = held_bar(context, 4);
+typedef struct preconditioning {
+  int order;
+  bool afloat, given; /* given: AMG, where the elements would have another */
+  const char *word;
+} preconditioning;
+
+/* The same modes as by a factor, with the same bits on any number of threads. */
+static void compare_with_factor(bw_context *context, const preconditioning *p) {
+  bw_model *model = held_bar(context, 4, p->order, p->afloat);
   bw_system *factored = NULL, *system = NULL;
+  bw_solver *amg = NULL;
+  const bw_solver_options options = {.kind = BW_SOLVER_AMG};
+  if (p->given)
+    check_ok(context, bw_solver_create(context, &options, &amg));
   check_ok(context, bw_system_of_model(context, model, NULL, &factored));
-  bw_modes *own = modes_by(context, factored, BW_EIGENSOLVER_LANCZOS, 6), *modes[3];
-  for (int threads = 1; threads <= 3; threads++) {
+  bw_modes *own = modes_by(context, factored, BW_EIGENSOLVER_LANCZOS, 6), *modes[2];
+  for (int threads = 1; threads <= 2; threads++) {
     check_ok(context, bw_set_threads(context, threads));
     bw_release(system);
-    check_ok(context, without_factor(context, model, &system, &modes[threads - 1]));
+    check_ok(context, without_factor(context, model, amg, &system, &modes[threads - 1]));
     const bw_modes *found = modes[threads - 1];
     assert_null(system->factor);
-    assert_string_equal(found->report.preconditioner, "two_level");
+    assert_string_equal(found->report.preconditioner, p->word);
     assert_true(found->tested && !found->counted);
     for (int i = 0; i < 6; i++) {
       check_near(found->eigenvalue[i], own->eigenvalue[i], 1e-9 * own->eigenvalue[i]);
@@ -385,18 +398,29 @@ static void two_level(void **state) {
     assert_memory_equal(found->shape, modes[0]->shape,
                         (size_t)(6 * 3 * model->mesh->node_count) * sizeof(double));
   }
-  for (int k = 0; k < 3; k++)
-    bw_release(modes[k]);
+  bw_release(modes[0]);
+  bw_release(modes[1]);
   bw_release(own);
   bw_release(system);
   bw_release(factored);
+  bw_release(amg);
   bw_release(model);
 }
 
-/* Allocations that fail one after the other; thinned out, since there are thousands. */
-static void two_level_memory(void **state) {
+static void lobpcg_without_factor(void **state) {
   bw_context *context = check_context(state);
-  bw_model *model = held_bar(context, 1);
+  static const preconditioning cases[] = {{1, false, false, "amg"},
+                                          {1, true, false, "amg"},
+                                          {2, false, false, "two_level"},
+                                          {2, true, true, "amg"},
+                                          {2, true, false, "two_level"}};
+  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+    compare_with_factor(context, &cases[k]);
+}
+
+/* Allocations that fail one after the other; thinned out, since there are thousands. */
+static void check_memory(bw_context *context, int order) {
+  bw_model *model = held_bar(context, 1, order, order == 1);
   check_ok(context, bw_set_threads(context, 1));
   int64_t before = bw_live_blocks();
   bool passed = false;
@@ -404,7 +428,7 @@ static void two_level_memory(void **state) {
     bw_modes *modes = NULL;
     bw_system *system = NULL;
     bw_fail_allocation(n, true);
-    bw_status status = without_factor(context, model, &system, &modes);
+    bw_status status = without_factor(context, model, NULL, &system, &modes);
     bw_fail_allocation(0, false);
     if (status != BW_OK)
       assert_int_equal(status, BW_MEMORY);
@@ -416,6 +440,11 @@ static void two_level_memory(void **state) {
   }
   assert_true(passed);
   bw_release(model);
+}
+
+static void lobpcg_memory(void **state) {
+  check_memory(check_context(state), 1);
+  check_memory(check_context(state), 2);
 }
 
 static void refused_options(void **state) {
@@ -434,6 +463,17 @@ static void refused_options(void **state) {
   check_fails(context, BW_INVALID, "tolerance",
               bw_modes_elastic(context, s.system, &options, &modes));
   close_setup(&s);
+  bw_eigensolver *solver = NULL;
+  bw_solver *jacobi = NULL;
+  bw_eigensolver_options how;
+  bw_eigensolver_options_default(&how);
+  const bw_solver_options kind = {.kind = BW_SOLVER_JACOBI};
+  check_ok(context, bw_solver_create(context, &kind, &jacobi));
+  how.kind = BW_EIGENSOLVER_LOBPCG;
+  how.preconditioner = jacobi;
+  check_fails(context, BW_INVALID, "two_level and amg",
+              bw_eigensolver_create(context, &how, &solver));
+  bw_release(jacobi);
   bw_release(mesh);
 }
 
@@ -446,8 +486,8 @@ int main(void) {
                                      check_test(same_bits),
                                      check_test(one_element),
                                      check_test(failing_allocations),
-                                     check_test(two_level),
-                                     check_test(two_level_memory),
+                                     check_test(lobpcg_without_factor),
+                                     check_test(lobpcg_memory),
                                      check_test(refused_options)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

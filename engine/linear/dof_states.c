@@ -1,0 +1,48 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Fields in global directions, seen through the states of a DOF map. */
+#include <string.h>
+
+#include "linear/internal.h"
+
+/* What the frame's directions with `keep` see of a vector at a node. */
+static void keep_at_node(const bw_dof_map *dof_map, int64_t node, const bool keep[3],
+                         double *vector) {
+  int32_t row = dof_map->frame_of[node];
+  if (row < 0) {
+    for (int c = 0; c < 3; c++)
+      if (!keep[c])
+        vector[c] = 0;
+    return;
+  }
+  const double *frame = dof_map->frame + 9 * (int64_t)row;
+  double kept[3] = {0, 0, 0};
+  for (int c = 0; c < 3; c++)
+    if (keep[c]) {
+      double part = bw_dot(frame + 3 * c, vector);
+      for (int d = 0; d < 3; d++)
+        kept[d] += part * frame[3 * c + d];
+    }
+  memcpy(vector, kept, sizeof kept);
+}
+
+void bwi_keep_states(const bw_dof_map *dof_map, unsigned states, double *field) {
+  for (int64_t i = 0; i < dof_map->mesh->node_count; i++) {
+    bool keep[3];
+    for (int c = 0; c < 3; c++)
+      keep[c] = states >> dof_map->state[3 * i + c] & 1;
+    if (!keep[0] || !keep[1] || !keep[2])
+      keep_at_node(dof_map, i, keep, field + 3 * i);
+  }
+}
+
+void bwi_prescribed_field(const bw_dof_map *dof_map, double *field) {
+  for (int64_t i = 0; i < dof_map->mesh->node_count; i++) {
+    const double *value = dof_map->value + 3 * i;
+    int32_t row = dof_map->frame_of[i];
+    const double *frame = row < 0 ? NULL : dof_map->frame + 9 * (int64_t)row;
+    for (int c = 0; c < 3; c++)
+      field[3 * i + c] =
+          frame ? frame[c] * value[0] + frame[3 + c] * value[1] + frame[6 + c] * value[2]
+                : value[c];
+  }
+}
