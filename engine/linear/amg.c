@@ -142,8 +142,14 @@ static inline void add_transposed(const float *a, int height, int width, int fie
     if ((fields) == 1) {                                                                           \
       enum { F = 1 };                                                                              \
       call;                                                                                        \
+    } else if ((fields) == 4) {                                                                    \
+      enum { F = 4 };                                                                              \
+      call;                                                                                        \
+    } else if ((fields) == 8) {                                                                    \
+      enum { F = 8 };                                                                              \
+      call;                                                                                        \
     } else {                                                                                       \
-      enum { F = SIDES };                                                                          \
+      enum { F = 12 };                                                                             \
       call;                                                                                        \
     }                                                                                              \
   } while (0)
@@ -345,9 +351,9 @@ static bw_status pack(void *data, int64_t begin, int64_t end, int worker) {
   const bwi_smoother *s = p->g->smoother;
   int64_t size = 3 * (int64_t)s->count;
   for (int64_t k = begin; k < end; k++)
-    for (int f = 0; f < p->used; f++) {
-      double x[3];
-      for (int d = 0; d < 3; d++)
+    for (int f = 0; f < p->width; f++) {
+      double x[3] = {0, 0, 0};
+      for (int d = 0; d < 3 && f < p->used; d++)
         x[d] = p->unit[f] * p->r[f * size + 3 * (int64_t)s->node[k] + d];
       project(p->g->dof_map, s->node[k], x);
       for (int d = 0; d < 3; d++)
@@ -400,11 +406,10 @@ bw_status bwi_amg_apply(bw_context *context, bwi_amg *g, int64_t count, const do
                         double *z) {
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)g->smoother->count;
-  int width = count > 1 ? SIDES : 1;
-  if (g->width != width)
-    free_fields(g);
+  int width = bwi_smoother_width(count);
   BW_TRY(reserve(context, g, width));
   for (int64_t first = 0; first < count; first += width) {
+    width = bwi_smoother_width(count - first); /* no more than before */
     int used = (int)(count - first < width ? count - first : width);
     BW_TRY(apply_some(context, g, width, used, r + first * size, z + first * size));
   }

@@ -41,11 +41,23 @@ static bool is_active(const iteration *it) {
   return false;
 }
 
+/* Whether columns end by the r of the recurrence. */
+static bool trusts_recurrence(const bwi_pcg_task *task) {
+  return task->recurrence || isinf(task->residual_tolerance);
+}
+
+static void record_residual(iteration *it, const column *c) {
+  bool computed = c->done && !trusts_recurrence(it->task);
+  double residual = computed ? c->residual : c->size > 0 ? c->size / c->load : c->size;
+  it->task->residual = fmax(it->task->residual, residual);
+}
+
 /* Takes out columns that are done, where the space does. */
 static void retire(iteration *it) {
   for (int k = it->count - 1; it->space->retire && k >= 0; k--)
     if (it->column[k].done) {
       int last = --it->count;
+      record_residual(it, &it->column[k]);
       it->space->retire(it->space->data, k, last);
       it->column[k] = it->column[last];
     }
@@ -73,7 +85,7 @@ static bw_status begin(iteration *it) {
     c->load = task->load ? task->load[k] : c->size;
     c->residual = c->size > 0 ? c->size / c->load : 0;
     c->energy = task->energy ? task->energy[k] : 0;
-    c->done = !(c->size > 0) ||
+    c->done = c->size == 0 ||
               (isinf(task->energy_tolerance) && c->size <= task->residual_tolerance * c->load);
   }
   retire(it);
@@ -92,20 +104,19 @@ done:
 /* Along the directions; false where A or M is not positive definite. */
 static bw_status step(iteration *it, bool *definite) {
   bw_status status = BW_OK;
-  double beta[COLUMNS], alpha[COLUMNS], p_dot_q[COLUMNS], p_dot_r[COLUMNS], r_dot_r[COLUMNS];
+  double beta[COLUMNS], alpha[COLUMNS], p_dot_q[COLUMNS], r_dot_r[COLUMNS];
   for (int k = 0; k < it->count; k++) {
     const column *c = &it->column[k];
     beta[k] = c->done ? 0 : c->beta;
-    p_dot_r[k] = c->r_dot_z;
     *definite &= c->done || (c->r_dot_z > 0 && isfinite(c->r_dot_z));
   }
   if (!*definite)
     return BW_OK;
-  BW_TRY(it->space->multiply(it->context, it->space->data, beta, p_dot_q, p_dot_r));
+  BW_TRY(it->space->multiply(it->context, it->space->data, beta, p_dot_q));
   for (int k = 0; k < it->count; k++) {
     column *c = &it->column[k];
     c->before = c->size;
-    alpha[k] = c->alpha = c->done ? 0 : p_dot_r[k] / p_dot_q[k];
+    alpha[k] = c->alpha = c->done ? 0 : c->r_dot_z / p_dot_q[k];
     *definite &= c->done || (p_dot_q[k] > 0 && isfinite(c->alpha));
   }
   if (!*definite)
@@ -124,13 +135,13 @@ done:
 static bw_status check(iteration *it, const bool *ended) {
   bw_status status = BW_OK;
   double r_dot_r[COLUMNS];
-  bool any = false, alone = isinf(it->task->residual_tolerance);
+  bool any = false, trusted = trusts_recurrence(it->task);
   for (int k = 0; k < it->count; k++) {
     any |= ended[k];
-    if (alone)
+    if (trusted)
       it->column[k].done |= ended[k];
   }
-  if (any && !alone) {
+  if (any && !trusted) {
     BW_TRY(it->space->residual(it->context, it->space->data, ended, r_dot_r));
     for (int k = 0; k < it->count; k++) {
       column *c = &it->column[k];
@@ -282,8 +293,7 @@ bw_status bwi_pcg_run(bw_context *context, const bwi_pcg_space *space, bwi_pcg_t
     BW_TRY(iterate(&it, &more));
   }
   for (int k = 0; k < it.count; k++)
-    if (!it.column[k].done)
-      task->residual = fmax(task->residual, it.column[k].size / it.column[k].load);
+    record_residual(&it, &it.column[k]);
 done:
   return status;
 }

@@ -8,7 +8,7 @@
 #include "linear/pcg.h"
 #include "linear/pcg_space.h"
 
-enum { WIDTH = 8 };
+enum { WIDTH = 12 };
 
 static bw_status project(bw_context *context, void *data, int64_t count, double *x) {
   const bwi_pcg *problem = data;

@@ -56,12 +56,10 @@ done:
   return status;
 }
 
-static bw_status multiply(bw_context *context, void *data, const double *beta, double *p_dot_q,
-                          double *p_dot_r) {
+static bw_status multiply(bw_context *context, void *data, const double *beta, double *p_dot_q) {
   bw_status status = BW_OK;
   const columns *c = data;
   size_t n = c->n;
-  (void)p_dot_r; /* r . z: a column whose r is computed again starts again */
   for (size_t k = 0; k < (size_t)c->count; k++)
     BW_TRY(bwi_add_scaled(context, n, beta[k], c->z + k * n, c->p + k * n));
   BW_TRY(c->f->multiply(context, c->f->multiply_data, c->count, c->p, c->q));

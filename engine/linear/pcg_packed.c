@@ -153,7 +153,7 @@ static bw_status residual(bw_context *context, void *data, const bool *wanted, d
   const bwi_packed *m = s->m;
   s->wanted = wanted;
   if (!s->zero) {
-    BW_TRY(bwi_smoother_product(context, m->smoother, m->width, m->u, m->ku));
+    BW_TRY(bwi_smoother_product(context, m->smoother, m->width, m->u, m->ku, NULL));
     keep_unknowns(m, m->ku);
   }
   BW_TRY(parallel_sums(s, set_residual));
@@ -211,41 +211,22 @@ static bw_status update_direction(void *data, int64_t begin, int64_t end, int wo
   return BW_OK;
 }
 
-/* p . q and p . r */
-static bw_status dot_p(void *data, int64_t begin, int64_t end, int worker) {
-  (void)worker;
-  const packing *s = data;
-  const bwi_packed *m = s->m;
-  double *sum = clear_sum(s, begin);
-  int width = m->width;
-  for (int64_t i = 3 * begin; i < 3 * end; i++)
-    for (int f = 0; f < width; f++) {
-      double p = m->p[i * width + f];
-      sum[f] += p * m->q[i * width + f];
-      sum[SIDES + f] += p * m->r[i * width + f];
-    }
-  return BW_OK;
-}
-
 /* Directions are projected onto the unknowns, since the floats of z leave a remainder along
  * constrained directions, and off the rigid-body modes, which K does not see but its rounding does.
- * p . r in place of r . z: where r was computed again the two are not the same, and only the first
- * lets no step make the error in energy larger. */
-static bw_status multiply(bw_context *context, void *data, const double *beta, double *p_dot_q,
-                          double *p_dot_r) {
+ */
+static bw_status multiply(bw_context *context, void *data, const double *beta, double *p_dot_q) {
   bw_status status = BW_OK;
   packing *s = data;
   const bwi_packed *m = s->m;
+  double energy[SIDES];
   memcpy(s->beta, beta, (size_t)s->used * sizeof *beta);
   BW_TRY(bw_parallel(context, m->smoother->count, ROWS, update_direction, s));
   keep_unknowns(m, m->p);
   if (m->rigid)
     BW_TRY(remove_modes(s, m->p));
-  BW_TRY(bwi_smoother_product(context, m->smoother, m->width, m->p, m->q));
+  BW_TRY(bwi_smoother_product(context, m->smoother, m->width, m->p, m->q, energy));
   keep_unknowns(m, m->q);
-  BW_TRY(parallel_sums(s, dot_p));
-  memcpy(p_dot_q, s->sum, (size_t)s->used * sizeof *p_dot_q);
-  memcpy(p_dot_r, s->sum + SIDES, (size_t)s->used * sizeof *p_dot_r);
+  memcpy(p_dot_q, energy, (size_t)s->used * sizeof *p_dot_q);
 done:
   return status;
 }

@@ -16,10 +16,8 @@ typedef struct bwi_pcg_space {
   bw_status (*residual)(bw_context *context, void *data, const bool *wanted, double *r_dot_r);
   /* z = M^-1 r, r . z, and z . q with the last q where it is asked for (else NULL) */
   bw_status (*precondition)(bw_context *context, void *data, double *r_dot_z, double *z_dot_q);
-  /* p = z + beta p, q = A p, p . q; p . r comes as r . z, and where r was computed again the space
-     may set it right. Where beta is 0, p is not read. */
-  bw_status (*multiply)(bw_context *context, void *data, const double *beta, double *p_dot_q,
-                        double *p_dot_r);
+  /* p = z + beta p, q = A p, p . q. Where beta is 0, p may be anything finite. */
+  bw_status (*multiply)(bw_context *context, void *data, const double *beta, double *p_dot_q);
   /* x += alpha p, r -= alpha q, r . r */
   bw_status (*advance)(bw_context *context, void *data, const double *alpha, double *r_dot_r);
   /* The size of r that rounding leaves of a column; NULL: 0. */
@@ -53,10 +51,11 @@ typedef struct bwi_pcg_task {
   int limit;            /* on iterations */
   double max_remaining; /* give up when more iterations are predicted to be left; 0: never */
   bool progress;        /* report how far it is */
+  bool recurrence; /* r is not computed again: tolerances are far above what rounding adds to it */
   /* out */
   int iterations;
   double predicted_iterations; /* in all, where it was given up */
-  double residual;             /* the largest |r| over the load of what is not done, else 0 */
+  double residual;             /* the largest |r| over the load */
   bool converged;
   bool
       indefinite; /* not converged since p . A p or r . z was not positive; x is as it was before */

@@ -9,7 +9,7 @@
 
 #include "barwright/model.h"
 
-enum { BWI_RIGID_FIELDS = 8 }; /* fields that are projected at once, at most */
+enum { BWI_RIGID_FIELDS = 12 }; /* fields that are projected at once, at most */
 
 /* Where a field's numbers are: component d of row r in field f is at r * row + d * component + f *
  * field. */

@@ -5,18 +5,18 @@
 
 #include <string.h>
 
-enum { SIDES = BWI_SMOOTHER_SIDES };
-
 /* Three numbers of a node, and one that is ignored. */
 typedef float quad __attribute__((vector_size(16), aligned(4), may_alias));
 typedef double quad2 __attribute__((vector_size(32), aligned(8), may_alias));
-/* One number of each of eight fields. */
+/* One number of each of four fields, or of eight. */
+typedef float four __attribute__((vector_size(16), aligned(4), may_alias));
+typedef double four2 __attribute__((vector_size(32), aligned(8), may_alias));
 typedef float eight __attribute__((vector_size(32), aligned(4), may_alias));
 typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
 
-/* What works on single fields and on eight side by side is one text, compiled for floats and for
- * doubles: `three` are the numbers of a node in one register, `all` those of eight fields. */
-#define BLOCKS(suffix, real, three, all)                                                           \
+/* What works on single fields is one text, compiled for floats and for doubles: `three` are the
+ * numbers of a node in one register. */
+#define ONE(suffix, real, three)                                                                   \
   static inline void columns_of_six##suffix(const real *a, three column[3]) {                      \
     three low = *(const three *)a, high = *(const three *)(a + 2);                                 \
     column[0] = low;                                                                               \
@@ -37,19 +37,6 @@ typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
       three product = column[c] * x;                                                               \
       y[c] = product[0] + product[1] + product[2];                                                 \
     }                                                                                              \
-  }                                                                                                \
-  static inline void six_times##suffix(const real *a, const all *x, all y[3]) {                    \
-    y[0] = a[0] * x[0] + a[1] * x[1] + a[2] * x[2];                                                \
-    y[1] = a[1] * x[0] + a[3] * x[1] + a[4] * x[2];                                                \
-    y[2] = a[2] * x[0] + a[4] * x[1] + a[5] * x[2];                                                \
-  }                                                                                                \
-  static inline void nine_times##suffix(const real *a, const all *x, all y[3]) {                   \
-    for (int d = 0; d < 3; d++)                                                                    \
-      y[d] = a[d] * x[0] + a[3 + d] * x[1] + a[6 + d] * x[2];                                      \
-  }                                                                                                \
-  static inline void nine_across##suffix(const real *a, const all *x, all y[3]) {                  \
-    for (int d = 0; d < 3; d++)                                                                    \
-      y[d] = a[3 * d] * x[0] + a[3 * d + 1] * x[1] + a[3 * d + 2] * x[2];                          \
   }                                                                                                \
   /* sum + the entries of row k times x */                                                         \
   static inline three row_times##suffix(const bwi_smoother_part *even, const real *six,            \
@@ -86,40 +73,74 @@ typedef double eight2 __attribute__((vector_size(64), aligned(8), may_alias));
       for (int d = 0; d < 3; d++)                                                                  \
         to[d] += add[d];                                                                           \
     }                                                                                              \
+  }
+
+/* What works on fields side by side: `all` are the numbers of four or of eight of them, and
+ * `stride` all the numbers between one component of a node and the next. */
+#define WIDE(suffix, real, all)                                                                    \
+  static inline all at##suffix(const real *x) {                                                    \
+    return *(const all *)x;                                                                        \
+  }                                                                                                \
+  static inline void put##suffix(real *x, all value) {                                             \
+    *(all *)x = value;                                                                             \
+  }                                                                                                \
+  static inline void six_times##suffix(const real *a, const all *x, all y[3]) {                    \
+    y[0] = a[0] * x[0] + a[1] * x[1] + a[2] * x[2];                                                \
+    y[1] = a[1] * x[0] + a[3] * x[1] + a[4] * x[2];                                                \
+    y[2] = a[2] * x[0] + a[4] * x[1] + a[5] * x[2];                                                \
+  }                                                                                                \
+  static inline void nine_times##suffix(const real *a, const all *x, all y[3]) {                   \
+    for (int d = 0; d < 3; d++)                                                                    \
+      y[d] = a[d] * x[0] + a[3 + d] * x[1] + a[6 + d] * x[2];                                      \
+  }                                                                                                \
+  static inline void nine_across##suffix(const real *a, const all *x, all y[3]) {                  \
+    for (int d = 0; d < 3; d++)                                                                    \
+      y[d] = a[3 * d] * x[0] + a[3 * d + 1] * x[1] + a[3 * d + 2] * x[2];                          \
   }                                                                                                \
   static inline void rows_times##suffix(const bwi_smoother_part *even, const real *six,            \
                                         const bwi_smoother_part *odd, const real *nine, int64_t k, \
-                                        const all *x, all sum[3]) {                                \
-    all add[3];                                                                                    \
+                                        int64_t stride, const real *x, all sum[3]) {               \
     for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {                                \
-      six_times##suffix(six + 6 * e, x + 3 * (int64_t)even->column[e], add);                       \
+      const real *from = x + 3 * stride * even->column[e];                                         \
+      all in[3] = {at##suffix(from), at##suffix(from + stride), at##suffix(from + 2 * stride)};    \
+      all add[3];                                                                                  \
+      six_times##suffix(six + 6 * e, in, add);                                                     \
       for (int d = 0; d < 3; d++)                                                                  \
         sum[d] += add[d];                                                                          \
     }                                                                                              \
     for (int64_t e = odd->start[k]; e < odd->start[k + 1]; e++) {                                  \
-      nine_times##suffix(nine + 9 * e, x + 3 * (int64_t)odd->column[e], add);                      \
+      const real *from = x + 3 * stride * odd->column[e];                                          \
+      all in[3] = {at##suffix(from), at##suffix(from + stride), at##suffix(from + 2 * stride)};    \
+      all add[3];                                                                                  \
+      nine_times##suffix(nine + 9 * e, in, add);                                                   \
       for (int d = 0; d < 3; d++)                                                                  \
         sum[d] += add[d];                                                                          \
     }                                                                                              \
   }                                                                                                \
   static inline void rows_across##suffix(const bwi_smoother_part *even, const real *six,           \
                                          const bwi_smoother_part *odd, const real *nine,           \
-                                         int64_t k, const all x[3], all *y) {                      \
+                                         int64_t k, int64_t stride, const all x[3], real *y) {     \
     all add[3];                                                                                    \
     for (int64_t e = even->start[k]; e < even->start[k + 1]; e++) {                                \
+      real *to = y + 3 * stride * even->column[e];                                                 \
       six_times##suffix(six + 6 * e, x, add);                                                      \
       for (int d = 0; d < 3; d++)                                                                  \
-        y[3 * (int64_t)even->column[e] + d] += add[d];                                             \
+        put##suffix(to + d * stride, at##suffix(to + d * stride) + add[d]);                        \
     }                                                                                              \
     for (int64_t e = odd->start[k]; e < odd->start[k + 1]; e++) {                                  \
+      real *to = y + 3 * stride * odd->column[e];                                                  \
       nine_across##suffix(nine + 9 * e, x, add);                                                   \
       for (int d = 0; d < 3; d++)                                                                  \
-        y[3 * (int64_t)odd->column[e] + d] += add[d];                                              \
+        put##suffix(to + d * stride, at##suffix(to + d * stride) + add[d]);                        \
     }                                                                                              \
   }
 
-BLOCKS(_f, float, quad, eight)
-BLOCKS(_d, double, quad2, eight2)
+ONE(_f, float, quad)
+ONE(_d, double, quad2)
+WIDE(_f4, float, four)
+WIDE(_f8, float, eight)
+WIDE(_d4, double, four2)
+WIDE(_d8, double, eight2)
 
 #define FLOATS(s) &(s)->even, (s)->even.value, &(s)->odd, (s)->odd.value
 #define DOUBLES(s) &(s)->even, (s)->even.exact, &(s)->odd, (s)->odd.exact
@@ -134,37 +155,58 @@ typedef struct sweep {
 } sweep;
 
 /* z of row k so that its equation holds, the rows before it as they are; `residual` of these then
- * loses what it does to them. Backwards, `residual` of the row is what rows behind it did. */
-static inline void satisfy(const sweep *w, int64_t k, bool backwards) {
+ * loses what it does to them. Backwards, `residual` is what rows behind did, and is added to. */
+static inline void satisfy_one(const sweep *w, int64_t k, bool backwards) {
   const bwi_smoother *s = w->s;
-  const float *a = s->inverse + 9 * k;
-  if (w->width == 1) {
-    const float *r = w->r + 3 * k;
-    float *z = w->z + 3 * k, *residual = w->residual + 3 * k;
-    quad sum = row_times_f(FLOATS(s), k, w->z, (quad){0, 0, 0, 0});
-    for (int d = 0; d < 3; d++) {
-      sum[d] = r[d] - sum[d] - (backwards ? residual[d] : 0);
-      residual[d] = 0;
-    }
-    sum = *(const quad *)a * sum[0] + *(const quad *)(a + 3) * sum[1] +
-          *(const quad *)(a + 6) * sum[2];
-    for (int d = 0; d < 3; d++)
-      z[d] = sum[d];
-    row_across_f(FLOATS(s), k, sum, w->residual);
-  } else {
-    const eight *r = (const eight *)w->r + 3 * k;
-    eight *z = (eight *)w->z + 3 * k, *residual = (eight *)w->residual + 3 * k, sum[3];
-    memset(sum, 0, sizeof sum);
-    rows_times_f(FLOATS(s), k, (const eight *)w->z, sum);
-    for (int d = 0; d < 3; d++) {
-      sum[d] = backwards ? r[d] - sum[d] - residual[d] : r[d] - sum[d];
-      residual[d] = (eight){0};
-    }
-    eight own[3];
-    for (int d = 0; d < 3; d++)
-      z[d] = own[d] = a[d] * sum[0] + a[3 + d] * sum[1] + a[6 + d] * sum[2];
-    rows_across_f(FLOATS(s), k, own, (eight *)w->residual);
+  const float *a = s->inverse + 9 * k, *r = w->r + 3 * k;
+  float *z = w->z + 3 * k, *residual = w->residual + 3 * k;
+  quad sum = row_times_f(FLOATS(s), k, w->z, (quad){0, 0, 0, 0});
+  for (int d = 0; d < 3; d++) {
+    sum[d] = r[d] - sum[d] - (backwards ? residual[d] : 0);
+    residual[d] = 0;
   }
+  sum =
+      *(const quad *)a * sum[0] + *(const quad *)(a + 3) * sum[1] + *(const quad *)(a + 6) * sum[2];
+  for (int d = 0; d < 3; d++)
+    z[d] = sum[d];
+  row_across_f(FLOATS(s), k, backwards ? sum : -sum, w->residual);
+}
+
+/* The same for four or eight fields from `first` on. */
+#define SATISFY(suffix, all)                                                                       \
+  static inline void satisfy##suffix(const sweep *w, int64_t k, int first, bool backwards) {       \
+    const bwi_smoother *s = w->s;                                                                  \
+    int64_t stride = w->width;                                                                     \
+    const float *a = s->inverse + 9 * k, *r = w->r + 3 * stride * k + first;                       \
+    float *z = w->z + 3 * stride * k + first, *residual = w->residual + 3 * stride * k + first;    \
+    all sum[3] = {{0}}, own[3];                                                                    \
+    rows_times##suffix(FLOATS(s), k, stride, w->z + first, sum);                                   \
+    for (int d = 0; d < 3; d++) {                                                                  \
+      sum[d] = at##suffix(r + d * stride) - sum[d];                                                \
+      if (backwards)                                                                               \
+        sum[d] -= at##suffix(residual + d * stride);                                               \
+      put##suffix(residual + d * stride, (all){0});                                                \
+    }                                                                                              \
+    nine_times##suffix(a, sum, own);                                                               \
+    for (int d = 0; d < 3; d++) {                                                                  \
+      put##suffix(z + d * stride, own[d]);                                                         \
+      own[d] = backwards ? own[d] : -own[d];                                                       \
+    }                                                                                              \
+    rows_across##suffix(FLOATS(s), k, stride, own, w->residual + first);                           \
+  }
+SATISFY(_f4, four)
+SATISFY(_f8, eight)
+
+static inline void satisfy(const sweep *w, int64_t k, bool backwards) {
+  if (w->width == 1) {
+    satisfy_one(w, k, backwards);
+    return;
+  }
+  int first = 0;
+  for (; first + 8 <= w->width; first += 8)
+    satisfy_f8(w, k, first, backwards);
+  if (first < w->width)
+    satisfy_f4(w, k, first, backwards);
 }
 
 static bw_status chunk_forward(void *data, int64_t begin, int64_t end, int worker) {
@@ -183,15 +225,6 @@ static bw_status chunk_backward(void *data, int64_t begin, int64_t end, int work
   return BW_OK;
 }
 
-/* residual = - residual */
-static bw_status leave(void *data, int64_t begin, int64_t end, int worker) {
-  (void)worker;
-  const sweep *w = data;
-  for (int64_t i = 3 * begin * w->width; i < 3 * end * w->width; i++)
-    w->residual[i] = -w->residual[i];
-  return BW_OK;
-}
-
 bw_status bwi_smoother_forward(bw_context *context, const bwi_smoother *s, int width,
                                const float *r, float *z, float *residual) {
   bw_status status = BW_OK;
@@ -199,7 +232,6 @@ bw_status bwi_smoother_forward(bw_context *context, const bwi_smoother *s, int w
   BW_TRY(bw_parallel(context, s->chunk_count, 1, chunk_forward, &w));
   for (int64_t k = s->chunk_start[s->chunk_count]; k < s->count; k++)
     satisfy(&w, k, false);
-  BW_TRY(bw_parallel(context, s->count, BWI_SMOOTHER_ROWS, leave, &w));
 done:
   return status;
 }
@@ -219,47 +251,82 @@ typedef struct product {
   const bwi_smoother *s;
   int width;
   const double *x;
-  double *y;
+  double *y, *energy; /* energy: BWI_SMOOTHER_SIDES numbers for each chunk and the rows between */
 } product;
 
 /* y of row k, to which only rows behind it have still to add, and what it adds to those before. */
-static inline void multiply(const product *m, int64_t k) {
+static inline void multiply_one(const product *m, int64_t k, double *energy) {
   const bwi_smoother *s = m->s;
-  const double *a = s->diagonal + 9 * k;
-  if (m->width == 1) {
-    const double *x = m->x + 3 * k;
-    quad2 column[3], own = {x[0], x[1], x[2], 0};
-    columns_of_nine_d(a, column);
-    quad2 sum = row_times_d(DOUBLES(s), k, m->x, times_d(column, x));
-    for (int d = 0; d < 3; d++)
-      m->y[3 * k + d] = sum[d];
-    row_across_d(DOUBLES(s), k, own, m->y);
-  } else {
-    const eight2 *x = (const eight2 *)m->x + 3 * k;
-    eight2 *y = (eight2 *)m->y + 3 * k, own[3] = {x[0], x[1], x[2]}, sum[3];
-    nine_times_d(a, own, sum);
-    rows_times_d(DOUBLES(s), k, (const eight2 *)m->x, sum);
-    for (int d = 0; d < 3; d++)
-      y[d] = sum[d];
-    rows_across_d(DOUBLES(s), k, own, (eight2 *)m->y);
+  const double *a = s->diagonal + 9 * k, *x = m->x + 3 * k;
+  quad2 column[3], own = {x[0], x[1], x[2], 0};
+  columns_of_nine_d(a, column);
+  quad2 diagonal = times_d(column, x), sum = row_times_d(DOUBLES(s), k, m->x, (quad2){0});
+  for (int d = 0; d < 3; d++) {
+    m->y[3 * k + d] = diagonal[d] + sum[d];
+    energy[0] += x[d] * (diagonal[d] + 2 * sum[d]);
   }
+  row_across_d(DOUBLES(s), k, own, m->y);
+}
+
+#define MULTIPLY(suffix, all)                                                                      \
+  static inline void multiply##suffix(const product *m, int64_t k, int first, double *energy) {    \
+    const bwi_smoother *s = m->s;                                                                  \
+    int64_t stride = m->width;                                                                     \
+    const double *x = m->x + 3 * stride * k + first;                                               \
+    double *y = m->y + 3 * stride * k + first;                                                     \
+    all own[3] = {at##suffix(x), at##suffix(x + stride), at##suffix(x + 2 * stride)};              \
+    all diagonal[3], sum[3] = {{0}}, part = at##suffix(energy + first);                            \
+    nine_times##suffix(s->diagonal + 9 * k, own, diagonal);                                        \
+    rows_times##suffix(DOUBLES(s), k, stride, m->x + first, sum);                                  \
+    for (int d = 0; d < 3; d++) {                                                                  \
+      put##suffix(y + d * stride, diagonal[d] + sum[d]);                                           \
+      part += own[d] * (diagonal[d] + 2 * sum[d]);                                                 \
+    }                                                                                              \
+    put##suffix(energy + first, part);                                                             \
+    rows_across##suffix(DOUBLES(s), k, stride, own, m->y + first);                                 \
+  }
+MULTIPLY(_d4, four2)
+MULTIPLY(_d8, eight2)
+
+/* The rows from `begin` on; `sums`: their own. */
+static void multiply_rows(const product *m, int64_t begin, int64_t end, double *sums) {
+  double energy[BWI_SMOOTHER_SIDES] = {0};
+  for (int64_t k = begin; k < end; k++) {
+    int first = 0;
+    if (m->width == 1)
+      multiply_one(m, k, energy);
+    else {
+      for (; first + 8 <= m->width; first += 8)
+        multiply_d8(m, k, first, energy);
+      if (first < m->width)
+        multiply_d4(m, k, first, energy);
+    }
+  }
+  memcpy(sums, energy, sizeof energy);
 }
 
 static bw_status chunk_product(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const product *m = data;
-  for (int64_t k = m->s->chunk_start[begin]; k < m->s->chunk_start[end]; k++)
-    multiply(m, k);
+  for (int64_t c = begin; c < end; c++)
+    multiply_rows(m, m->s->chunk_start[c], m->s->chunk_start[c + 1],
+                  m->energy + BWI_SMOOTHER_SIDES * c);
   return BW_OK;
 }
 
 bw_status bwi_smoother_product(bw_context *context, const bwi_smoother *s, int width,
-                               const double *x, double *y) {
+                               const double *x, double *y, double *energy) {
   bw_status status = BW_OK;
-  product m = {s, width, x, y};
-  BW_TRY(bw_parallel(context, s->chunk_count, 1, chunk_product, &m));
-  for (int64_t k = s->chunk_start[s->chunk_count]; k < s->count; k++)
-    multiply(&m, k);
+  double sums[(BWI_SMOOTHER_MAX_CHUNKS + 1) * BWI_SMOOTHER_SIDES];
+  product m = {s, width, x, y, sums};
+  int32_t chunks = s->chunk_count;
+  BW_TRY(bw_parallel(context, chunks, 1, chunk_product, &m));
+  multiply_rows(&m, s->chunk_start[chunks], s->count, sums + BWI_SMOOTHER_SIDES * chunks);
+  for (int f = 0; energy && f < width; f++) {
+    energy[f] = 0;
+    for (int32_t c = 0; c <= chunks; c++)
+      energy[f] += sums[BWI_SMOOTHER_SIDES * c + f];
+  }
 done:
   return status;
 }

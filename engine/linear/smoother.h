@@ -14,14 +14,14 @@
  * that no unit leaves the range of floats, the matrix is taken times one power of two, `unit`, that
  * brings its largest diagonal entry near 1.
  *
- * Fields are packed: in the order of the rows, three numbers a node; `width` of them, 1 or
- * BWI_SMOOTHER_SIDES, interleaved number by number. */
+ * Fields are packed: in the order of the rows, three numbers a node; `width` of them, 1 or a
+ * multiple of 4, interleaved number by number. */
 #ifndef BWI_LINEAR_SMOOTHER_H
 #define BWI_LINEAR_SMOOTHER_H
 
 #include "linear/internal.h"
 
-enum { BWI_SMOOTHER_SIDES = 8, BWI_SMOOTHER_ROWS = 512, BWI_SMOOTHER_MAX_CHUNKS = 16 };
+enum { BWI_SMOOTHER_SIDES = 12, BWI_SMOOTHER_ROWS = 512, BWI_SMOOTHER_MAX_CHUNKS = 16 };
 /* Numbers that a packed field has room for behind its end. */
 enum { BWI_SMOOTHER_SPARE = 8 };
 
@@ -49,6 +49,12 @@ typedef struct bwi_smoother {
   double unit;
 } bwi_smoother;
 
+/* The width for up to BWI_SMOOTHER_SIDES fields at once. */
+static inline int bwi_smoother_width(int64_t count) {
+  return count <= 1                    ? 1
+         : count >= BWI_SMOOTHER_SIDES ? BWI_SMOOTHER_SIDES
+                                       : (int)(count + 3) / 4 * 4;
+}
 /* For matrices on the pattern of a mesh. `even`: of straight elements and one material, so that
  * most blocks are symmetric. Release with bw_release. */
 bw_status bwi_smoother_create(bw_context *context, const bw_mesh *mesh,
@@ -65,9 +71,9 @@ bw_status bwi_smoother_forward(bw_context *context, const bwi_smoother *smoother
 /* z += (D + U)^-1 (r - K z); `work` has room for a field. */
 bw_status bwi_smoother_backward(bw_context *context, const bwi_smoother *smoother, int width,
                                 const float *r, float *z, float *work);
-/* y = K x */
+/* y = K x, and the energies x . K x of the fields (NULL: not wanted) */
 bw_status bwi_smoother_product(bw_context *context, const bwi_smoother *smoother, int width,
-                               const double *x, double *y);
+                               const double *x, double *y, double *energy);
 /* What one product and a sweep forwards and backwards read, about, for `blocks` blocks off the
  * diagonal. */
 double bwi_smoother_bytes(int64_t blocks);

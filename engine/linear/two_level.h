@@ -60,7 +60,7 @@ bw_status bwi_two_level_follow(bw_context *context, bwi_two_level *two_level, co
 double bwi_two_level_bytes(const bwi_two_level *two_level);
 double bwi_two_level_flops(const bwi_two_level *two_level);
 
-/* Room for `width` fields side by side, 1 or BWI_SMOOTHER_SIDES. */
+/* Room for `width` fields side by side (bwi_smoother_width). */
 bw_status bwi_two_level_reserve(bw_context *context, bwi_two_level *two_level, int width);
 /* z of the residuals in `floats`, of which `used` are real: a sweep forwards, the corners, a sweep
  * backwards. */

@@ -1,5 +1,5 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
-/* The two-level preconditioner on fields of doubles: packed eight at a time into the order of its
+/* The two-level preconditioner on fields of doubles: packed several at a time into the order of its
  * rows, each times a power of two that brings it into the range of floats. */
 #include "linear/two_level_apply.h"
 
@@ -28,7 +28,7 @@ bw_status bwi_two_level_workspace_open(bw_context *context, const bwi_two_level 
 
 typedef struct packing {
   const bwi_two_level *l;
-  int used;
+  int width, used;
   int64_t size; /* of a field */
   const double *f;
   double *z;
@@ -41,8 +41,8 @@ static bw_status pack(void *data, int64_t begin, int64_t end, int worker) {
   const bwi_smoother *s = p->l->smoother;
   for (int64_t k = begin; k < end; k++)
     for (int d = 0; d < 3; d++)
-      for (int i = 0; i < SIDES; i++)
-        p->l->floats[(3 * k + d) * SIDES + i] =
+      for (int i = 0; i < p->width; i++)
+        p->l->floats[(3 * k + d) * p->width + i] =
             i < p->used ? (float)(p->unit[i] * p->f[i * p->size + 3 * (int64_t)s->node[k] + d]) : 0;
   return BW_OK;
 }
@@ -55,7 +55,7 @@ static bw_status unpack(void *data, int64_t begin, int64_t end, int worker) {
     for (int d = 0; d < 3; d++)
       for (int i = 0; i < p->used; i++)
         p->z[i * p->size + 3 * (int64_t)s->node[k] + d] =
-            (double)p->l->z[(3 * k + d) * SIDES + i] * (s->unit / p->unit[i]);
+            (double)p->l->z[(3 * k + d) * p->width + i] * (s->unit / p->unit[i]);
   return BW_OK;
 }
 
@@ -81,6 +81,7 @@ bw_status bwi_two_level_apply(bw_context *context, bwi_two_level *l,
   l->corner = w->corner;
   for (int64_t first = 0; first < count; first += SIDES) {
     packing p = {.l = l,
+                 .width = bwi_smoother_width(count - first),
                  .used = (int)(count - first < SIDES ? count - first : SIDES),
                  .size = size,
                  .f = f + first * size,
@@ -89,7 +90,7 @@ bw_status bwi_two_level_apply(bw_context *context, bwi_two_level *l,
       p.unit[i] = unit_of(p.f + i * size, size);
     BW_TRY(bw_check_cancel(context));
     BW_TRY(bw_parallel(context, l->smoother->count, ROWS, pack, &p));
-    BW_TRY(bwi_two_level_precondition(context, l, SIDES, p.used));
+    BW_TRY(bwi_two_level_precondition(context, l, p.width, p.used));
     BW_TRY(bw_parallel(context, l->smoother->count, ROWS, unpack, &p));
   }
 done:

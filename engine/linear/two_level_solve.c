@@ -6,8 +6,6 @@
 
 #include <math.h>
 
-enum { SIDES = BWI_SMOOTHER_SIDES };
-
 /* That smallest eigenvalue: 0.09 on meshes of limbed bodies, more on regular ones. */
 #define SMALLEST 0.09
 
@@ -20,31 +18,32 @@ bw_status bwi_two_level_solve(bw_context *context, bwi_two_level *l, bwi_two_lev
   bw_status status = BW_OK;
   int64_t size = 3 * (int64_t)l->smoother->count;
   bool alone = problem->energy_alone;
-  int width = count > 1 ? SIDES : 1;
+  int width = bwi_smoother_width(count);
   problem->iterations = 0;
   problem->converged = true;
   problem->reached = 0;
   BW_TRY(bwi_two_level_reserve(context, l, width));
-  const bwi_packed packed = {.smoother = l->smoother,
-                             .dof_map = l->dof_map,
-                             .rigid = l->rigid,
-                             .constrained = l->constrained,
-                             .constrained_count = l->constrained_count,
-                             .width = width,
-                             .u = l->u,
-                             .r = l->r,
-                             .p = l->p,
-                             .q = l->q,
-                             .ku = l->ku,
-                             .floats = l->floats,
-                             .z = l->z,
-                             .precondition = precondition,
-                             .data = l};
+  bwi_packed packed = {.smoother = l->smoother,
+                       .dof_map = l->dof_map,
+                       .rigid = l->rigid,
+                       .constrained = l->constrained,
+                       .constrained_count = l->constrained_count,
+                       .width = width,
+                       .u = l->u,
+                       .r = l->r,
+                       .p = l->p,
+                       .q = l->q,
+                       .ku = l->ku,
+                       .floats = l->floats,
+                       .z = l->z,
+                       .precondition = precondition,
+                       .data = l};
   for (int64_t first = 0; first < count && problem->converged; first += width) {
+    packed.width = width = bwi_smoother_width(count - first); /* no more than before */
     /* Where solutions are to be as exact as a direct one, errors must be small beside any part of
        the solution that is seen, and the energy of a load at a support, say, is that of its
        neighbourhood: ten times less. Whoever looks at the residual takes other norms: half. */
-    bwi_pcg_task task = {.columns = (int)(count - first < width ? count - first : width),
+    bwi_pcg_task task = {.columns = count - first < width ? (int)(count - first) : width,
                          .energy_tolerance =
                              sqrt(SMALLEST) * problem->tolerance * (alone ? 1 : 0.1),
                          .residual_tolerance = alone ? INFINITY : 0.5 * problem->tolerance,

@@ -2,7 +2,7 @@
 /* Processor seconds of conjugate gradients by right-hand sides solved at once: a block of N x N x N
  * cubes of six tet10, fixed at one face, under forces around as many points.
  *
- *     bench_pcg [N [THREADS]]        19 1: 41,154 elements, one thread */
+ *     bench_pcg [N [THREADS [two_level|amg]]]        19 1: 41,154 elements, one thread */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -123,8 +123,11 @@ int main(int argc, char **argv) {
          3 * (int)mesh->node_count);
   printf("| preconditioner | right-hand sides | iterations | seconds | over one "
          "|\n|---|---|---|---|---|\n");
-  measure(context, model, BW_SOLVER_TWO_LEVEL, force, displacement);
-  measure(context, model, BW_SOLVER_AMG, force, displacement);
+  for (int k = 0; k < 2; k++) {
+    bw_solver_kind kind = k == 0 ? BW_SOLVER_TWO_LEVEL : BW_SOLVER_AMG;
+    if (argc < 4 || strcmp(argv[3], bw_solver_word(kind)) == 0)
+      measure(context, model, kind, force, displacement);
+  }
   bw_free(force);
   bw_free(displacement);
   bw_release(root);

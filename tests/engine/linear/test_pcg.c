@@ -128,7 +128,7 @@ static void side_by_side(void **state) {
     bwi_pcg_task alone = task;
     check_ok(context, bwi_pcg_fields_run(context, &fields, &task, b, x));
     assert_true(task.converged);
-    assert_true(task.residual == 0);
+    assert_true(task.residual <= (way < 2 ? 1e-11 : 1e-4));
     int most = 0;
     for (int k = 0; k < SIDES; k++) {
       alone.columns = 1;
