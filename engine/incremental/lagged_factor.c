@@ -15,6 +15,7 @@
 
 #include "base/cost.h"
 #include "incremental/lagged_factor.h"
+#include "linear/pcg_space.h"
 #include "linear/vectors.h"
 
 /* Per node: analysis under a given order, and finding an order. */
@@ -245,34 +246,45 @@ static bw_status true_residual(iteration *it, double *r) {
   return status;
 }
 
-/* Conjugate gradients from x, for at most `limit` iterations; ends early on a breakdown. */
+static bw_status multiply_one(bw_context *context, void *data, int64_t count, const double *x,
+                              double *y) {
+  (void)context;
+  (void)count;
+  return multiply(data, x, y);
+}
+
+static bw_status precondition_one(bw_context *context, void *data, int64_t count, const double *r,
+                                  double *z) {
+  const iteration *it = data;
+  (void)count;
+  return bwi_lagged_symmetric_apply(context, it->lagged->cholesky, it->old, r, z);
+}
+
+/* Conjugate gradients from x, for at most `limit` iterations; ends early where the factor is too
+ * old, or the matrix not positive definite. */
 static bw_status conjugate_gradients(iteration *it, int limit) {
   bw_status status = BW_OK;
-  bw_context *context = it->context;
   size_t n = it->lagged->size;
-  double *r = it->lagged->workspace + n, *z = r + n, *p = z + n, *q = p + n;
-  double rho = 0;
-  BW_TRY(true_residual(it, r));
-  for (int i = 0; i < limit && it->residual > it->tolerance; i++) {
-    double next, curvature, square;
-    BW_TRY(bw_check_cancel(context));
-    BW_TRY(bwi_lagged_symmetric_apply(context, it->lagged->cholesky, it->old, r, z));
-    BW_TRY(bwi_blocked_dot(context, n, r, z, &next));
-    BW_TRY(bwi_add_scaled(context, n, i ? next / rho : 0, z, p));
-    rho = next;
-    BW_TRY(multiply(it, p, q));
-    BW_TRY(bwi_blocked_dot(context, n, p, q, &curvature));
-    it->count++;
-    if (!(rho > 0) || !(curvature > 0) || !isfinite(rho / curvature))
-      break; /* the factor is too old, or the matrix not positive definite */
-    BW_TRY(bwi_step(context, n, rho / curvature, p, q, it->x, r, &square));
-    it->residual = sqrt(square) / it->size;
-    if (!isfinite(it->residual))
-      break;
-  }
+  const bwi_pcg_fields fields = {.size = (int64_t)n,
+                                 .multiply = multiply_one,
+                                 .multiply_data = it,
+                                 .precondition = precondition_one,
+                                 .precondition_data = it,
+                                 .symmetric = true,
+                                 .guess = !it->zero,
+                                 .work = it->lagged->workspace + n};
+  bwi_pcg_task task = {.columns = 1,
+                       .energy_tolerance = INFINITY,
+                       .residual_tolerance = it->tolerance,
+                       .load = &it->size,
+                       .limit = limit};
+  BW_TRY(bwi_pcg_fields_run(it->context, &fields, &task, it->rhs, it->x));
+  it->count = task.iterations;
+  it->zero &= task.iterations == 0;
+  it->residual = task.residual;
   /* The recurrence and the truth part slowly: what is reported is the truth. */
-  if (it->count > 0)
-    BW_TRY(true_residual(it, r));
+  if (!task.converged && task.iterations > 0)
+    BW_TRY(true_residual(it, it->lagged->workspace + n));
 done:
   return status;
 }

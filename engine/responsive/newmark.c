@@ -15,7 +15,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "linear/vectors.h"
+#include "linear/pcg_space.h"
 #include "responsive/sheet.h"
 
 void bw_newmark_default(bw_newmark *newmark) {
@@ -110,46 +110,76 @@ done:
   return status;
 }
 
+typedef struct masses {
+  const struct bwi_sheet *inner;
+  const double *zero;
+} masses;
+
+static bw_status keep_free(bw_context *context, void *data, int64_t count, double *x) {
+  const masses *m = data;
+  (void)context;
+  (void)count;
+  for (int64_t i = 0; i < 2 * (int64_t)m->inner->pattern->node_count; i++)
+    if (m->inner->is_prescribed[i])
+      x[i] = 0;
+  return BW_OK;
+}
+
+static bw_status multiply_mass(bw_context *context, void *data, int64_t count, const double *x,
+                               double *y) {
+  const masses *m = data;
+  bw_status status = multiply(context, m->inner, x, m->zero, y);
+  return status == BW_OK ? keep_free(context, data, count, y) : status;
+}
+
+static bw_status by_diagonal(bw_context *context, void *data, int64_t count, const double *r,
+                             double *z) {
+  const masses *m = data;
+  const bw_plane_pattern *pattern = m->inner->pattern;
+  (void)context;
+  (void)count;
+  for (int64_t i = 0; i < 2 * (int64_t)pattern->node_count; i++)
+    z[i] = r[i] / m->inner->mass[pattern->diagonal[i / 2]];
+  return BW_OK;
+}
+
 /* M a = f - C v - K u at free unknowns, by conjugate gradients with the diagonal: a mass matrix is
- * well conditioned whatever the mesh. */
+ * well conditioned whatever the mesh. `acceleration` comes as that of the ground. */
 static bw_status first_acceleration(bw_context *context, bw_sheet *sheet, const bw_newmark *newmark,
                                     const double *velocity, const double *displacement,
                                     double *acceleration) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = sheet->inner;
-  const bw_plane_pattern *pattern = inner->pattern;
-  size_t n = 2 * (size_t)pattern->node_count;
-  double *workspace = BW_NEW(context, double, 5 * n);
-  double *r = workspace, *z = workspace + n, *p = z + n, *q = p + n, *zero = q + n, size = 0;
+  size_t n = 2 * (size_t)inner->pattern->node_count;
+  double *workspace = BW_NEW(context, double, 6 * n);
+  double *rhs = workspace, *zero = workspace + n, *work = zero + n;
   if (!workspace)
     return BW_MEMORY;
   memset(zero, 0, n * sizeof *zero);
   for (size_t i = 0; i < n; i++) {
-    z[i] = newmark->damping_mass * velocity[i] + acceleration[i];
-    q[i] = newmark->damping_stiffness * velocity[i] + displacement[i];
+    work[i] = newmark->damping_mass * velocity[i];
+    work[n + i] = newmark->damping_stiffness * velocity[i] + displacement[i];
   }
-  BW_TRY(multiply(context, inner, z, q, r));
-  for (size_t i = 0; i < n; i++) {
-    r[i] = inner->is_prescribed[i] ? 0 : inner->force[i] - r[i];
-    size += r[i] * r[i];
-  }
-  double rho = 0, square = size;
-  for (int i = 0; i < 500 && square > 1e-24 * size; i++) {
-    double next, curvature;
-    for (size_t k = 0; k < n; k++)
-      z[k] = r[k] / inner->mass[pattern->diagonal[k / 2]];
-    BW_TRY(bwi_blocked_dot(context, n, r, z, &next));
-    BW_TRY(bwi_add_scaled(context, n, i ? next / rho : 0, z, p));
-    rho = next;
-    BW_TRY(multiply(context, inner, p, zero, q));
-    for (size_t k = 0; k < n; k++)
-      if (inner->is_prescribed[k])
-        q[k] = 0;
-    BW_TRY(bwi_blocked_dot(context, n, p, q, &curvature));
-    if (!(curvature > 0))
-      break;
-    BW_TRY(bwi_step(context, n, rho / curvature, p, q, acceleration, r, &square));
-  }
+  BW_TRY(multiply(context, inner, work, work + n, rhs));
+  for (size_t i = 0; i < n; i++)
+    rhs[i] = inner->force[i] - rhs[i];
+  masses m = {inner, zero};
+  const bwi_pcg_fields fields = {.size = (int64_t)n,
+                                 .multiply = multiply_mass,
+                                 .multiply_data = &m,
+                                 .precondition = by_diagonal,
+                                 .precondition_data = &m,
+                                 .project = keep_free,
+                                 .project_data = &m,
+                                 .symmetric = true,
+                                 .guess = true,
+                                 .work = work};
+  bwi_pcg_task task = {.columns = 1,
+                       .energy_tolerance = INFINITY,
+                       .residual_tolerance = 1e-12,
+                       .recurrence = true,
+                       .limit = 500};
+  BW_TRY(bwi_pcg_fields_run(context, &fields, &task, rhs, acceleration));
 done:
   bw_free(workspace);
   return status;
