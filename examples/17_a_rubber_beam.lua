@@ -32,14 +32,14 @@ local panels, last = {}, nil
 for i, force in ipairs {0.5, 2, 6} do
   last = loaded(force)
   print(("%4.1f N: sags %6.1f mm; in proportion it were %6.1f mm; %d iterations"):format(force, sag(last),
-    force * min, last.report.iterations))
+    force * min, last.newton.iterations))
   panels[i] = last:panel(("%g N"):format(force), "von_mises")
 end
 assert(sag(last) < 0.2 / mm) -- a beam cannot sag more than it is long
 
 -- 3. The reaction of the support equals the load.
 print(("reaction %.3f N; smallest volume ratio %.3f"):format(
-  last:total_reaction({side = "min x"})[3], last.report.shape.min_ratio))
+  last:total_reaction({side = "min x"})[3], last.newton.shape.min_ratio))
 
 -- 4. Side by side, with the stress that the materials carry.
 assert(bw.grid.picture(results:path "beam.png", panels, {direction = {0.3, -1, 0.2}, up = {0, 0, 1},

@@ -8,8 +8,8 @@
 /* What every rank must know before its mesh comes. */
 typedef struct plan {
   int32_t nodes, motions;
-  int mass_width, method, iterations;
-  double rtol, middle[3];
+  int mass_width, direct, iterations;
+  double tolerance, middle[3];
   bwd_material material;
 } plan;
 
@@ -42,9 +42,9 @@ static bw_status make_plan(bw_context *context, bwd_system *system, bwd_partitio
   p->nodes = system->nodes;
   p->motions = dof_map->rigid_mode_count;
   p->mass_width = !system->problem->mass ? 0 : dof_map->frame_count > 0 ? 9 : 3;
-  p->method = system->options.method;
-  p->iterations = system->options.iterations;
-  p->rtol = system->options.rtol;
+  p->direct = system->direct;
+  p->iterations = system->max_iterations;
+  p->tolerance = system->tolerance;
   bwd_material_read(system->problem->model->material, &p->material);
 done:
   return status;
@@ -131,9 +131,9 @@ bw_status bwd_distribute(bw_context *context, bwd_system *system) {
   system->motions = p.motions;
   system->mass_width = p.mass_width;
   memcpy(system->middle, p.middle, sizeof p.middle);
-  system->options =
-      (bw_external_options){.method = p.method, .iterations = p.iterations, .rtol = p.rtol};
-  system->direct = p.method == BW_EXTERNAL_CHOLESKY;
+  system->tolerance = p.tolerance;
+  system->max_iterations = p.iterations;
+  system->direct = p.direct;
   system->first = system->start[system->rank];
   system->local = system->start[system->rank + 1] - system->first;
   if (system->rank == 0)

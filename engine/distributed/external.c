@@ -1,7 +1,6 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The solver that the engine sees (bw_external): each operation begins on rank 0 with a command to
  * the others, runs on all, and ends with an agreement. */
-#include <string.h>
 #include <sys/resource.h>
 
 #include "distributed/internal.h"
@@ -46,7 +45,7 @@ static bw_status ended(bw_context *context, bw_status status) {
 }
 
 bw_status bwd_run_open(bw_context *context, const bw_external_problem *problem,
-                       const bw_external_options *options) {
+                       const bw_solver *solver) {
   bw_status status = BW_OK;
   destroy(current);
   current = BW_NEW0(context, bwd_system, 1);
@@ -58,8 +57,12 @@ bw_status bwd_run_open(bw_context *context, const bw_external_problem *problem,
   current->rank = bw_world_rank();
   current->ranks = bw_world_size();
   current->problem = problem;
-  if (options)
-    current->options = *options;
+  if (solver) { /* on rank 0, which tells the others */
+    const bw_solver_options *o = &solver->options;
+    current->direct = o->kind == BW_SOLVER_CHOLESKY;
+    current->tolerance = o->tolerance > 0 ? o->tolerance : BW_EXTERNAL_TOLERANCE;
+    current->max_iterations = o->max_iterations > 0 ? o->max_iterations : BW_EXTERNAL_ITERATIONS;
+  }
   BW_TRY(bwd_distribute(context, current));
 done:
   return ended(context, status);
@@ -74,7 +77,7 @@ bw_status bwd_run_multiply(bw_context *context, int count, const double *x, doub
 bw_status bwd_run_solve(bw_context *context, const double *force, double *displacement) {
   bw_status status = BW_OK;
   if (!current->solver)
-    BW_TRY(bwd_solver_create(context, current, 0.5 * current->options.rtol));
+    BW_TRY(bwd_solver_create(context, current, 0.5 * current->tolerance));
   BW_TRY(bwd_scatter(context, current, force, current->force));
   BW_TRY(bwd_solver_apply(context, current, current->force, current->displacement));
   BW_TRY(bwd_gather(context, current, current->displacement, displacement));
@@ -87,13 +90,6 @@ bw_status bwd_run_modes(bw_context *context, const bw_modes_options *options,
   return ended(context, bwd_modes(context, current, options, modes));
 }
 
-static const char *method_name(const bwd_system *system) {
-  if (system->direct)
-    return "Cholesky factor, MUMPS";
-  return system->two_level ? "conjugate gradients, linear elements, GAMG"
-                           : "conjugate gradients, GAMG";
-}
-
 void bwd_run_close(bw_context *context, bw_external_report *report) {
   (void)context;
   struct rusage usage;
@@ -104,7 +100,7 @@ void bwd_run_close(bw_context *context, bw_external_report *report) {
     own[1] -= current->processor;
   MPI_Reduce(own, sum, 2, MPI_DOUBLE, MPI_SUM, 0, bwd_comm());
   MPI_Reduce(own, &max, 1, MPI_DOUBLE, MPI_MAX, 0, bwd_comm());
-  if (report && current) {
+  if (report && current)
     *report = (bw_external_report){.ranks = current->ranks,
                                    .iterations = current->iterations,
                                    .send = current->seconds_send,
@@ -114,8 +110,6 @@ void bwd_run_close(bw_context *context, bw_external_report *report) {
                                    .processor = sum[1],
                                    .bytes = sum[0],
                                    .largest = max};
-    strncpy(report->method, method_name(current), sizeof report->method - 1);
-  }
   destroy(current);
   current = NULL;
 }
@@ -123,9 +117,9 @@ void bwd_run_close(bw_context *context, bw_external_report *report) {
 /* ---- on rank 0 ------------------------------------------------------------------------------- */
 
 static bw_status external_open(bw_context *context, const bw_external_problem *problem,
-                               const bw_external_options *options) {
+                               const bw_solver *solver) {
   bw_status status = bwd_command(context, BWD_OPEN);
-  return status == BW_OK ? bwd_run_open(context, problem, options) : status;
+  return status == BW_OK ? bwd_run_open(context, problem, solver) : status;
 }
 
 static bw_status external_multiply(bw_context *context, int count, const double *x, double *kx,

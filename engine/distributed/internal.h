@@ -123,7 +123,8 @@ bw_status bwd_material_create(bw_context *context, const bwd_material *constants
 typedef struct bwd_system {
   int rank, ranks;
   int32_t nodes, first, local; /* all; those of this rank */
-  bw_external_options options;
+  double tolerance;            /* (-) of conjugate gradients, */
+  int max_iterations;
   bool direct;    /* by a factor */
   bool two_level; /* by conjugate gradients over linear elements */
   int motions;
@@ -224,7 +225,7 @@ bw_status bwd_modes(bw_context *context, bwd_system *system, const bw_modes_opti
 
 /* external.c: one operation on this rank; arguments on rank 0, NULL elsewhere. */
 bw_status bwd_run_open(bw_context *context, const bw_external_problem *problem,
-                       const bw_external_options *options);
+                       const bw_solver *solver);
 bw_status bwd_run_multiply(bw_context *context, int count, const double *x, double *kx, double *mx,
                            double *magnitude);
 bw_status bwd_run_solve(bw_context *context, const double *force, double *displacement);

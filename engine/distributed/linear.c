@@ -164,7 +164,7 @@ static PetscErrorCode converged(KSP solver, PetscInt iteration, PetscReal norm,
   if (*reason == KSP_CONVERGED_ITERATING && iteration % CANCEL_EVERY == 0 && iteration > 0) {
     if (bwd_cancelled(w->context))
       *reason = KSP_DIVERGED_BREAKDOWN; /* distinguished by the flag */
-    PetscReal wanted = -log(w->system->options.rtol);
+    PetscReal wanted = -log(w->system->tolerance);
     if (w->system->rank == 0 && w->first > 0 && norm > 0 && wanted > 0)
       bw_progress(w->context, "conjugate gradients",
                   fmin(0.99, fmax(0, log(w->first / norm) / wanted)));
@@ -234,7 +234,7 @@ static bw_status with_multigrid(bw_context *context, bwd_system *system, double 
   BWD_TRY(KSPSetOperators(system->solver, system->K, system->K));
   BWD_TRY(KSPSetType(system->solver, KSPCG));
   BWD_TRY(KSPSetNormType(system->solver, KSP_NORM_UNPRECONDITIONED));
-  BWD_TRY(KSPSetTolerances(system->solver, rtol, 0, 1e10, system->options.iterations));
+  BWD_TRY(KSPSetTolerances(system->solver, rtol, 0, 1e10, system->max_iterations));
   BWD_TRY(KSPConvergedDefaultCreate(&w->test));
   BWD_TRY(KSPSetConvergenceTest(system->solver, converged, w, watch_destroy));
   w = NULL;

@@ -58,8 +58,17 @@ bool bwi_incremental_current(const bw_incremental_system *incremental);
 
 /* ---- incremental_solve.c --------------------------------------------------------------------- */
 
-/* How a solver works; BW_INCREMENTAL_AUTO for NULL. */
-bw_incremental_method bwi_incremental_way(const bw_solver *solver);
+/* How a solver works. */
+typedef enum bwi_incremental_way {
+  BWI_AUTO,     /* what costs least, by operations and bytes, counted */
+  BWI_REFACTOR, /* the supernodes that the edits touched, and their ancestors */
+  BWI_ITERATE,  /* conjugate gradients, preconditioned by the factor as it is */
+  BWI_FULL,     /* every supernode again: for checks and baselines */
+  BWI_PCG       /* two-level PCG: needs no factor */
+} bwi_incremental_way;
+bwi_incremental_way bwi_incremental_way_of(const bw_solver *solver);
+/* Writes what solved the equations. */
+void bwi_incremental_note(bwi_incremental_way way, bw_reuse *reuse);
 
 /* ---- incremental_update.c -------------------------------------------------------------------- */
 

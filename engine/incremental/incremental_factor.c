@@ -5,6 +5,15 @@
 
 #include "incremental/incremental.h"
 
+void bwi_incremental_note(bwi_incremental_way way, bw_reuse *reuse) {
+  bool pcg = way == BWI_PCG || way == BWI_ITERATE;
+  reuse->solver = bw_solver_word(pcg ? BW_SOLVER_PCG : BW_SOLVER_CHOLESKY);
+  reuse->preconditioner = way == BWI_PCG       ? bw_solver_word(BW_SOLVER_TWO_LEVEL)
+                          : way == BWI_ITERATE ? bw_solver_word(BW_SOLVER_CHOLESKY)
+                                               : "";
+  reuse->full = way == BWI_FULL;
+}
+
 bool bwi_incremental_usable(const bw_incremental_system *incremental) {
   return incremental->inner->factor && !incremental->inner->factor->broken;
 }
@@ -150,9 +159,8 @@ bw_status bwi_incremental_factor(bw_context *context, bw_incremental_system *inc
   bool whole = full || !bwi_incremental_usable(incremental);
   bool other = bwi_incremental_other_factor(incremental);
   if (bwi_incremental_current(incremental) && !full && !other) {
-    if (reuse &&
-        reuse->method == BW_INCREMENTAL_AUTO) { /* else it says what an earlier solve did */
-      reuse->method = BW_INCREMENTAL_REFACTOR;
+    if (reuse && !reuse->solver) { /* else it says what an earlier solve did */
+      bwi_incremental_note(BWI_REFACTOR, reuse);
       reuse->factor_reused = 1;
     }
     goto done;
@@ -163,7 +171,7 @@ bw_status bwi_incremental_factor(bw_context *context, bw_incremental_system *inc
   incremental->system->times.factor = bw_seconds() - start;
   if (reuse) {
     bool made = other || inner->factor->kernels != kernels;
-    reuse->method = whole || made ? BW_INCREMENTAL_FULL : BW_INCREMENTAL_REFACTOR;
+    bwi_incremental_note(whole || made ? BWI_FULL : BWI_REFACTOR, reuse);
     reuse->factor_reused = kept;
     reuse->seconds_factor += bw_seconds() - start;
   }
@@ -184,7 +192,7 @@ bw_status bwi_incremental_use_double(bw_context *context, bw_incremental_system 
   is_current(incremental);
   incremental->system->times.factor = bw_seconds() - start;
   if (reuse) {
-    reuse->method = BW_INCREMENTAL_FULL;
+    bwi_incremental_note(BWI_FULL, reuse);
     reuse->factor_reused = 0;
     reuse->precision = 64;
     reuse->seconds_factor += bw_seconds() - start;

@@ -18,7 +18,7 @@
 enum { MAX_ITERATIONS = 2000, MAX_REFINEMENTS = 40 };
 
 void bw_incremental_options_default(bw_incremental_options *options) {
-  *options = (bw_incremental_options){.tolerance = BWI_INCREMENTAL_TOLERANCE};
+  *options = (bw_incremental_options){0};
 }
 
 /* A factor, alone or as preconditioner, by a backend on this machine, or two levels. */
@@ -31,8 +31,7 @@ static bw_status check_solver(bw_context *context, const bw_solver *solver) {
     if (!m || m->options.kind == BW_SOLVER_TWO_LEVEL)
       return BW_OK;
   } else if (solver->options.kind != BW_SOLVER_CHOLESKY)
-    return bw_fail(context, BW_INVALID, "\"%s\" is a preconditioner and no solver: give it to pcg",
-                   bw_solver_word(solver->options.kind));
+    return bwi_solver_refused(context, solver);
   if (m->options.kind != BW_SOLVER_CHOLESKY)
     return bw_fail(context, BW_UNSUPPORTED,
                    "systems that follow edits have no preconditioner \"%s\": give two_level or "
@@ -45,13 +44,13 @@ static bw_status check_solver(bw_context *context, const bw_solver *solver) {
   return BW_OK;
 }
 
-bw_incremental_method bwi_incremental_way(const bw_solver *solver) {
+bwi_incremental_way bwi_incremental_way_of(const bw_solver *solver) {
   if (!solver)
-    return BW_INCREMENTAL_AUTO;
+    return BWI_AUTO;
   if (solver->options.kind == BW_SOLVER_CHOLESKY)
-    return solver->options.full ? BW_INCREMENTAL_FULL : BW_INCREMENTAL_REFACTOR;
+    return solver->options.full ? BWI_FULL : BWI_REFACTOR;
   const bw_solver *m = solver->options.preconditioner;
-  return m && m->options.kind == BW_SOLVER_CHOLESKY ? BW_INCREMENTAL_ITERATE : BW_INCREMENTAL_PCG;
+  return m && m->options.kind == BW_SOLVER_CHOLESKY ? BWI_ITERATE : BWI_PCG;
 }
 
 /* The factor that a solver asks for, alone or as preconditioner; NULL: none. */
@@ -79,8 +78,11 @@ static bw_status options_of(bw_context *context, const bw_incremental_options *g
   bw_incremental_options_default(options);
   if (given)
     *options = *given;
+  const bw_solver *solver = options->solver;
+  double own = solver && solver->options.kind == BW_SOLVER_PCG ? solver->options.tolerance : 0;
   if (options->tolerance == 0)
-    options->tolerance = BWI_INCREMENTAL_TOLERANCE;
+    options->tolerance = own > 0 ? own : BWI_INCREMENTAL_TOLERANCE;
+  options->tolerance = fmax(options->tolerance, own);
   if (!(options->tolerance > 0 && options->tolerance < 1))
     return bw_fail(context, BW_INVALID,
                    "the tolerance of the iteration is %g; it must be between 0 and 1",
@@ -93,12 +95,9 @@ static bw_status options_of(bw_context *context, const bw_incremental_options *g
   if (options->precision != 0 && options->precision != 32 && options->precision != 64)
     return bw_fail(context, BW_INVALID, "the factor's precision is 32 or 64 bits, not %d",
                    options->precision);
-  const bw_solver *solver = options->solver;
   const bw_solver *factor = factor_of(solver);
   if (factor && factor->options.precision != 0)
     options->precision = factor->options.precision;
-  if (solver && solver->options.kind == BW_SOLVER_PCG)
-    options->tolerance = fmax(options->tolerance, solver->options.tolerance);
   return check_solver(context, solver);
 }
 
@@ -210,10 +209,10 @@ static int within(double budget, double predicted, double one) {
 static limits break_even_iterations(const bw_incremental_system *incremental,
                                     const bw_incremental_options *options,
                                     const bwi_incremental_cost *cost) {
-  bw_incremental_method method = bwi_incremental_way(options->solver);
-  if (method == BW_INCREMENTAL_ITERATE)
+  bwi_incremental_way method = bwi_incremental_way_of(options->solver);
+  if (method == BWI_ITERATE)
     return (limits){.iterate = max_iterations(options)};
-  if (method != BW_INCREMENTAL_AUTO)
+  if (method != BWI_AUTO)
     return (limits){0};
   double budget = cost->refactor - incremental->inner->spent;
   limits max = {0};
@@ -258,17 +257,17 @@ static bw_status solve_by_iterations(bw_context *context, bw_incremental_system 
                                      bool *solved) {
   bw_status status = BW_OK;
   bwi_incremental *inner = incremental->inner;
-  bw_incremental_method way = bwi_incremental_way(options->solver);
+  bwi_incremental_way way = bwi_incremental_way_of(options->solver);
   bwi_incremental_cost cost = {.pcg = INFINITY};
   limits max = {0};
   int iterations = 0;
   double start = bw_seconds();
   bool usable = bwi_incremental_usable(incremental) && !bwi_incremental_current(incremental);
-  if (way == BW_INCREMENTAL_PCG && !bwi_incremental_has_two_level(incremental))
+  if (way == BWI_PCG && !bwi_incremental_has_two_level(incremental))
     return fail_levels(context, incremental, 0, 0);
-  if (way != BW_INCREMENTAL_PCG && !usable)
+  if (way != BWI_PCG && !usable)
     return BW_OK;
-  if (way == BW_INCREMENTAL_REFACTOR || way == BW_INCREMENTAL_FULL)
+  if (way == BWI_REFACTOR || way == BWI_FULL)
     left->tolerance = options->tolerance;
   else
     BW_TRY(bwi_initial_guess_make(context, incremental, options, count, displacement, left));
@@ -281,19 +280,19 @@ static bw_status solve_by_iterations(bw_context *context, bw_incremental_system 
       reuse->predicted_pcg = isfinite(cost.pcg) ? cost.pcg : 0;
     }
   }
-  if (way == BW_INCREMENTAL_PCG)
+  if (way == BWI_PCG)
     max.pcg = max_iterations(options);
   if (max.iterate > 0) {
     double instead = max.pcg > 0 ? fmin(cost.refactor, cost.pcg) : cost.refactor;
     BW_TRY(iterate(context, incremental, options, max.iterate,
-                   way == BW_INCREMENTAL_AUTO ? instead / cost.one_iteration : 0, &cost, left,
-                   count, displacement, &iterations, solved));
-    if (!*solved && way == BW_INCREMENTAL_ITERATE) {
+                   way == BWI_AUTO ? instead / cost.one_iteration : 0, &cost, left, count,
+                   displacement, &iterations, solved));
+    if (!*solved && way == BWI_ITERATE) {
       status = fail_convergence(context, iterations, options->tolerance);
       goto done;
     }
     if (*solved && reuse)
-      reuse->method = BW_INCREMENTAL_ITERATE;
+      bwi_incremental_note(BWI_ITERATE, reuse);
   }
   if (!*solved && max.pcg > 0) {
     int before = iterations;
@@ -305,12 +304,12 @@ static bw_status solve_by_iterations(bw_context *context, bw_incremental_system 
       double fair = 1 + BWI_TWO_LEVEL_RATE * log(2 / left->tolerance);
       inner->two_level_ratio[cost.near] = fmin(fmax((needed - 1) / (fair - 1), 0.2), 5);
     }
-    if (!*solved && way == BW_INCREMENTAL_PCG) {
+    if (!*solved && way == BWI_PCG) {
       status = fail_levels(context, incremental, iterations, options->tolerance);
       goto done;
     }
     if (*solved && reuse)
-      reuse->method = BW_INCREMENTAL_PCG;
+      bwi_incremental_note(BWI_PCG, reuse);
     if (*solved && isfinite(cost.pcg))
       inner->excess_seconds = fmax(0, inner->excess_seconds + cost.pcg - cost.again);
   }
@@ -350,8 +349,8 @@ bw_status bw_incremental_system_solve(bw_context *context, bw_incremental_system
   BW_TRY(solve_by_iterations(context, incremental, &options, &left, count, displacement, reuse,
                              &solved));
   if (!solved) {
-    BW_TRY(bwi_incremental_factor(
-        context, incremental, bwi_incremental_way(options.solver) == BW_INCREMENTAL_FULL, reuse));
+    BW_TRY(bwi_incremental_factor(context, incremental,
+                                  bwi_incremental_way_of(options.solver) == BWI_FULL, reuse));
     double start = bw_seconds(), factor = reuse ? reuse->seconds_factor : 0;
     BW_TRY(solve_directly(context, incremental, &options, &left, count, displacement, reuse));
     if (reuse)
@@ -418,12 +417,10 @@ static void fill_report(const bw_incremental_system *incremental, const bw_solve
                         bw_static *result) {
   const bwi_factor *factor = incremental->inner->factor;
   bw_solver_report *report = &result->report;
-  bool pcg = reuse->method == BW_INCREMENTAL_PCG, iterate = reuse->method == BW_INCREMENTAL_ITERATE;
-  report->solver = bw_solver_word(pcg || iterate ? BW_SOLVER_PCG : BW_SOLVER_CHOLESKY);
-  if (pcg)
-    report->preconditioner = bw_solver_word(BW_SOLVER_TWO_LEVEL);
-  if (iterate)
-    report->preconditioner = bw_solver_word(BW_SOLVER_CHOLESKY);
+  bool pcg = strcmp(reuse->preconditioner, bw_solver_word(BW_SOLVER_TWO_LEVEL)) == 0;
+  bool iterate = !pcg && *reuse->preconditioner;
+  report->solver = reuse->solver;
+  report->preconditioner = reuse->preconditioner;
   if (!pcg && factor)
     report->backend = factor->kernels->backend;
   bool current = !pcg && !iterate && !(reuse->seconds_factor > before->seconds_factor);
@@ -457,7 +454,7 @@ bw_status bw_incremental_statics(bw_context *context, bw_incremental_system *inc
                                  bw_reuse *reuse) {
   bw_status status = BW_OK;
   bw_static *result = NULL;
-  bw_reuse own = {.method = BW_INCREMENTAL_AUTO};
+  bw_reuse own = {0};
   bw_incremental_options options;
   double start = bw_seconds();
   if (model != incremental->inner->model)
@@ -469,10 +466,8 @@ bw_status bw_incremental_statics(bw_context *context, bw_incremental_system *inc
   BW_TRY(bwi_static_begin(context, model, statics, system->dof_map, &result));
   static_data data = {incremental, options, reuse ? reuse : &own};
   const bw_reuse before = *data.reuse;
-  bwi_static_solver solver = {.solve = solve_one,
-                              .data = &data,
-                              .refine_to = fmax(BWI_REFINE_TO, options.tolerance),
-                              .once = options.energy};
+  bwi_static_solver solver = {
+      .solve = solve_one, .data = &data, .refine_to = options.tolerance, .once = options.energy};
   BW_TRY(bwi_static_solve(context, system->dof_map, system->pattern, system->stiffness, &solver,
                           result));
   fill_report(incremental, options.solver, &before, data.reuse, bw_seconds() - start, result);

@@ -10,7 +10,9 @@
  *
  * A solve that needs much more than predicted stops, refactorises and continues from its present
  * iterate. */
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/cost.h"
@@ -51,10 +53,83 @@ struct bw_lagged_factor {
 /* Iterations on a new factor without pivoting before pivoting is called for. */
 enum { ENOUGH = 15 };
 enum { SYMMETRIC_VECTORS = 5, UNSYMMETRIC_VECTORS = 8 };
+/* Iterations before refactoring. */
+enum { MAX_ITERATIONS = 60 };
 
 void bw_lagged_factor_options_default(bw_lagged_factor_options *options) {
-  *options = (bw_lagged_factor_options){BW_LAGGED_FACTOR_AUTO, 1e-8, 60};
+  *options = (bw_lagged_factor_options){.tolerance = 1e-8, .max_lag = INT_MAX};
 }
+
+/* ---- what is asked for --------------------------------------------------------------------- */
+
+/* What the options come to. */
+typedef struct lag_plan {
+  bool by_cost; /* whichever is predicted to cost less */
+  bool each;    /* factor for each solution, */
+  bool whole;   /* and analyse too */
+  double tolerance;
+  int max_iterations, max_lag;
+} lag_plan;
+
+static bw_status refused(bw_context *context, const bw_lagged_factor *lagged,
+                         const bw_solver *solver) {
+  char text[BW_SOLVER_TEXT];
+  bw_solver_describe(solver, text);
+  return bw_fail(context, BW_INVALID,
+                 "the solver %s does not serve the equations of a plane mesh: give %s", text,
+                 lagged->symmetric
+                     ? "cholesky of the backend multifrontal in double precision, or pcg with that "
+                       "as its preconditioner"
+                     : "lu, or bicgstab with lu as its preconditioner: the matrix of a flow is "
+                       "not symmetric");
+}
+
+/* A factor that is made here. */
+static bool is_own(const bw_lagged_factor *lagged, const bw_solver *solver) {
+  const bw_solver_options *o = &solver->options;
+  return o->kind == (lagged->symmetric ? BW_SOLVER_CHOLESKY : BW_SOLVER_LU) &&
+         (o->backend == BW_BACKEND_AUTO || o->backend == BW_BACKEND_MULTIFRONTAL) &&
+         o->ordering == BW_ORDERING_AUTO && o->precision != 32;
+}
+
+static bw_status make_plan(bw_context *context, const bw_lagged_factor *lagged,
+                           const bw_lagged_factor_options *options, lag_plan *plan) {
+  const bw_solver *solver = options->solver;
+  *plan = (lag_plan){.by_cost = !solver,
+                     .tolerance = options->tolerance,
+                     .max_iterations = MAX_ITERATIONS,
+                     .max_lag = options->max_lag};
+  if (!(options->tolerance > 0) || options->max_lag < 0)
+    return bw_fail(context, BW_INVALID,
+                   "a tolerance of %g and a lag of at most %d solutions: above 0, and 0 or more, "
+                   "expected",
+                   options->tolerance, options->max_lag);
+  if (!solver)
+    return BW_OK;
+  const bw_solver *factor = solver, *m = solver->options.preconditioner;
+  if (solver->options.kind == (lagged->symmetric ? BW_SOLVER_PCG : BW_SOLVER_BICGSTAB)) {
+    if (m ? !is_own(lagged, m) : lagged->symmetric)
+      return refused(context, lagged, solver);
+    factor = m;
+    if (solver->options.tolerance > 0)
+      plan->tolerance = solver->options.tolerance;
+    if (solver->options.max_iterations > 0)
+      plan->max_iterations = solver->options.max_iterations;
+  } else if (!is_own(lagged, solver))
+    return refused(context, lagged, solver);
+  else {
+    plan->each = true;
+    if (options->max_lag != INT_MAX)
+      return bw_fail(context, BW_INVALID,
+                     "max_lag has no effect with the solver %s, which factors for each solution: "
+                     "leave one of them out",
+                     bw_solver_word(solver->options.kind));
+  }
+  plan->whole = factor && factor->options.full;
+  return BW_OK;
+}
+
+/* ---- life ---------------------------------------------------------------------------------- */
 
 bw_status bw_lagged_factor_create(bw_context *context, bool symmetric, int components,
                                   bw_lagged_factor **out) {
@@ -179,12 +254,12 @@ static double expected_iterations(const bw_lagged_factor *lagged, const bw_plane
 /* ---- factoring ----------------------------------------------------------------------------- */
 
 static bw_status factor(bw_context *context, bw_lagged_factor *lagged,
-                        const bw_plane_pattern *pattern, const double *values,
-                        bw_lagged_factor_method method, bw_plane_reuse *reuse) {
+                        const bw_plane_pattern *pattern, const double *values, bool whole,
+                        bw_plane_reuse *reuse) {
   double start = bw_seconds();
   bwi_lagged_work work = {0};
   bw_status status = BW_OK;
-  if (method == BW_LAGGED_FACTOR_FULL)
+  if (whole)
     reset_solvers(lagged);
   forget_factor(lagged);
   if (lagged->symmetric)
@@ -202,6 +277,7 @@ static bw_status factor(bw_context *context, bw_lagged_factor *lagged,
   reuse->factorisations++;
   reuse->factor = false;
   reuse->seconds_factor += bw_seconds() - start;
+  reuse->report.flops += work.flops;
   if (status != BW_OK)
     return status;
   lagged->topology = bw_retain(pattern->topology);
@@ -366,6 +442,107 @@ static bw_status prepare(bw_context *context, bw_lagged_factor *lagged,
   return BW_OK;
 }
 
+/* What the solution with the factor as it is, and with a new one, are predicted to cost. */
+typedef struct prediction {
+  bool flipped;             /* edges were, since the factor */
+  double one, old, rebuilt; /* s: an iteration, the solution, or 0 where there is no choice */
+} prediction;
+
+/* Why the factor is made again, or NULL: it is not. No iterations are allowed than a new factor
+ * would cost. */
+static const char *why_factor(bw_lagged_factor *lagged, const bw_plane_pattern *pattern,
+                              const lag_plan *plan, prediction *cost, int *limit) {
+  if (!lagged->topology || lagged->topology->nodes != pattern->topology->nodes)
+    return "there is no factor of this mesh yet";
+  cost->flipped = lagged->topology != pattern->topology;
+  cost->one = iteration_seconds(lagged, pattern, true);
+  cost->rebuilt =
+      factor_seconds(lagged, pattern, cost->flipped) + iteration_seconds(lagged, pattern, false);
+  cost->old = copy_seconds(lagged) + expected_iterations(lagged, pattern) * cost->one;
+  if (plan->each)
+    return "it was given";
+  if (lagged->solves >= plan->max_lag)
+    return "the factor has served as many solutions as max_lag allows";
+  if (!plan->by_cost)
+    return NULL;
+  double average = lagged->spent / (lagged->solves + 1); /* the first was with the factor new */
+  bool refactorise = cost->old > fmin(average, cost->rebuilt);
+  if (refactorise && lagged->last_topology != pattern->topology)
+    lagged->first_flipped *= DISCOUNT;
+  else if (refactorise && lagged->solves == 0)
+    lagged->first *= DISCOUNT;
+  /* No more than a new factor would have cost. */
+  *limit = (int)fmin(*limit, 2 + cost->rebuilt / cost->one);
+  return refactorise ? "a new factor is predicted to cost least" : NULL;
+}
+
+/* With the factor that is there. */
+static bw_status solve_lagged(iteration *it, int limit, const double *x, const prediction *cost,
+                              bw_plane_reuse *reuse) {
+  bw_lagged_factor *lagged = it->lagged;
+  reuse->factor = true;
+  it->old = true;
+  bw_status status = iterate(it, limit, reuse);
+  it->old = false;
+  if (status != BW_OK)
+    return status;
+  lagged->spent += copy_seconds(lagged) + it->count * cost->one;
+  lagged->solves++;
+  lagged->last = it->count;
+  if (lagged->last_topology != it->pattern->topology)
+    lagged->first_flipped = it->count > 0 ? it->count : 1;
+  else if (lagged->solves == 1)
+    lagged->first = it->count > 0 ? it->count : 1;
+  if (!isfinite(it->residual))
+    memcpy(it->x, x, lagged->size * sizeof *x);
+  return BW_OK;
+}
+
+/* With a new factor; pivoting only where that without does not do. */
+static bw_status solve_factored(iteration *it, const lag_plan *plan, const double *x,
+                                bw_plane_reuse *reuse) {
+  bw_status status = BW_OK;
+  bw_lagged_factor *lagged = it->lagged;
+  BW_TRY(factor(it->context, lagged, it->pattern, it->values, plan->whole, reuse));
+  bool blocks = !lagged->symmetric && !lagged->pivoting;
+  int limit = plan->max_iterations;
+  BW_TRY(iterate(it, blocks && limit > ENOUGH ? ENOUGH : limit, reuse));
+  if (blocks && !(it->residual <= it->tolerance)) {
+    lagged->pivoting = true;
+    if (!isfinite(it->residual))
+      memcpy(it->x, x, lagged->size * sizeof *x);
+    BW_TRY(factor(it->context, lagged, it->pattern, it->values, plan->whole, reuse));
+    BW_TRY(iterate(it, limit, reuse));
+  }
+  lagged->spent += it->count * iteration_seconds(lagged, it->pattern, false);
+done:
+  return status;
+}
+
+static void fill_report(const bw_lagged_factor *lagged, const lag_plan *plan,
+                        const prediction *cost, const char *reason, bool factored, double seconds,
+                        bw_plane_reuse *reuse) {
+  bw_solver_report *report = &reuse->report;
+  const char *factor = bw_solver_word(lagged->symmetric ? BW_SOLVER_CHOLESKY : BW_SOLVER_LU);
+  report->solver = factored            ? factor
+                   : lagged->symmetric ? bw_solver_word(BW_SOLVER_PCG)
+                                       : bw_solver_word(BW_SOLVER_BICGSTAB);
+  report->preconditioner = factored ? "" : factor;
+  report->backend = lagged->symmetric  ? bw_backend_word(BW_BACKEND_MULTIFRONTAL)
+                    : lagged->pivoting ? "umfpack"
+                                       : "barwright";
+  snprintf(report->reason, sizeof report->reason, "%s", reason);
+  if (plan->by_cost && cost->one > 0) {
+    report->predicted_cost += factored ? cost->rebuilt : cost->old;
+    report->rival_cost += factored ? cost->old : cost->rebuilt;
+  }
+  report->bytes = fmax(report->bytes, lagged->work.bytes);
+  report->seconds += seconds;
+  report->iterations = reuse->iterations;
+  report->residual = reuse->residual;
+  report->reused = fmax(0, 1 - (double)reuse->factorisations / reuse->solves);
+}
+
 bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
                                  const bw_plane_pattern *pattern, const double *values,
                                  const double *rhs, double *x,
@@ -373,14 +550,12 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
   bw_status status = BW_OK;
   bw_lagged_factor_options defaults;
   bw_plane_reuse ignored = {0};
-  double square;
+  lag_plan plan;
+  prediction cost = {0};
+  double square, start = bw_seconds();
   bw_lagged_factor_options_default(&defaults);
-  options = options ? options : &defaults;
   reuse = reuse ? reuse : &ignored;
-  if (!(options->tolerance > 0) || options->iterations < 1)
-    return bw_fail(context, BW_INVALID,
-                   "a tolerance of %g and %d iterations: both above 0 expected", options->tolerance,
-                   options->iterations);
+  BW_TRY(make_plan(context, lagged, options ? options : &defaults, &plan));
   BW_TRY(prepare(context, lagged, pattern));
   size_t n = lagged->size;
   iteration it = {.context = context,
@@ -389,7 +564,7 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
                   .values = values,
                   .rhs = rhs,
                   .x = lagged->workspace,
-                  .tolerance = options->tolerance};
+                  .tolerance = plan.tolerance};
   reuse->solves++;
   BW_TRY(bwi_blocked_dot(context, n, rhs, rhs, &square));
   it.size = sqrt(square);
@@ -407,61 +582,21 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
   if (it.zero)
     memset(it.x, 0, n * sizeof *x);
 
-  bool fits = lagged->topology && lagged->topology->nodes == pattern->topology->nodes;
-  bool flipped = fits && lagged->topology != pattern->topology;
-  bool refactorise = !fits || options->method == BW_LAGGED_FACTOR_REFACTOR ||
-                     options->method == BW_LAGGED_FACTOR_FULL;
-  int limit = options->iterations;
-  double one = 0, old = 0, rebuilt = 0;
-  if (fits) {
-    one = iteration_seconds(lagged, pattern, true);
-    rebuilt = factor_seconds(lagged, pattern, flipped) + iteration_seconds(lagged, pattern, false);
-    old = copy_seconds(lagged) + expected_iterations(lagged, pattern) * one;
-    reuse->predicted_iterate += old;
-    reuse->predicted_factor += rebuilt;
+  int limit = plan.max_iterations;
+  const char *reason = why_factor(lagged, pattern, &plan, &cost, &limit);
+  bool factored = reason != NULL;
+  if (!factored) {
+    reason = plan.by_cost ? "iterations on the lagged factor are predicted to cost least"
+                          : "it was given";
+    BW_TRY(solve_lagged(&it, limit, x, &cost, reuse));
+    factored = !(it.residual <= it.tolerance);
+    if (factored)
+      reason = "iterations on the lagged factor did not converge";
   }
-  if (!refactorise && options->method == BW_LAGGED_FACTOR_AUTO) {
-    double average = lagged->spent / (lagged->solves + 1); /* the first was with the factor new */
-    double break_even = average < rebuilt ? average : rebuilt;
-    refactorise = old > break_even;
-    if (refactorise && lagged->last_topology != pattern->topology)
-      lagged->first_flipped *= DISCOUNT;
-    else if (refactorise && lagged->solves == 0)
-      lagged->first *= DISCOUNT;
-    /* No more than a new factor would have cost. */
-    limit = (int)fmin(limit, 2 + rebuilt / one);
-  }
-  if (!refactorise) {
-    reuse->factor = true;
-    it.old = true;
-    BW_TRY(iterate(&it, limit, reuse));
-    it.old = false;
-    lagged->spent += copy_seconds(lagged) + it.count * one;
-    lagged->solves++;
-    lagged->last = it.count;
-    if (lagged->last_topology != pattern->topology)
-      lagged->first_flipped = it.count > 0 ? it.count : 1;
-    else if (lagged->solves == 1)
-      lagged->first = it.count > 0 ? it.count : 1;
-    refactorise = !(it.residual <= it.tolerance);
-    if (refactorise && !isfinite(it.residual))
-      memcpy(it.x, x, n * sizeof *x);
-  }
-  if (refactorise) {
-    if (!fits)
+  if (factored) {
+    if (cost.one == 0)
       lagged->pivoting = false;
-    BW_TRY(factor(context, lagged, pattern, values, options->method, reuse));
-    bool blocks = !lagged->symmetric && !lagged->pivoting;
-    BW_TRY(
-        iterate(&it, blocks && options->iterations > ENOUGH ? ENOUGH : options->iterations, reuse));
-    if (blocks && !(it.residual <= it.tolerance)) {
-      lagged->pivoting = true;
-      if (!isfinite(it.residual))
-        memcpy(it.x, x, n * sizeof *x);
-      BW_TRY(factor(context, lagged, pattern, values, options->method, reuse));
-      BW_TRY(iterate(&it, options->iterations, reuse));
-    }
-    lagged->spent += it.count * iteration_seconds(lagged, pattern, false);
+    BW_TRY(solve_factored(&it, &plan, x, reuse));
   }
   if (!(it.residual <= reuse->residual))
     reuse->residual = it.residual;
@@ -479,6 +614,7 @@ bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
   bw_retain(pattern->topology);
   bw_release(lagged->last_topology);
   lagged->last_topology = pattern->topology;
+  fill_report(lagged, &plan, &cost, reason, factored, bw_seconds() - start, reuse);
 done:
   return status;
 }

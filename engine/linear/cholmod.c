@@ -40,7 +40,15 @@ void bwi_cholmod_destroy(bwi_cholmod *cholmod) {
 }
 
 size_t bwi_cholmod_bytes(const bwi_cholmod *cholmod) {
-  return cholmod->factor->xsize * sizeof(double);
+  const cholmod_sparse *kept = cholmod->matrix;
+  size_t matrix = kept ? kept->nzmax * (sizeof(double) + sizeof(SuiteSparse_long)) +
+                             (kept->ncol + 1) * sizeof(SuiteSparse_long)
+                       : 0;
+  return cholmod->factor->xsize * sizeof(double) + matrix;
+}
+
+size_t bwi_cholmod_entries(const bwi_cholmod *cholmod) {
+  return cholmod->factor->xsize;
 }
 
 double bwi_cholmod_flops(const bwi_cholmod *cholmod) {
@@ -154,10 +162,11 @@ static bw_status fill_matrix(bw_context *context, bwi_cholmod *cholmod,
 /* ---- analysis -------------------------------------------------------------------------------- */
 
 /* The first touch of memory that is not there would end the process. */
-static bw_status check_memory(bw_context *context, const bwi_cholmod *cholmod, int32_t unknowns) {
-  const cholmod_factor *l = cholmod->factor;
-  double bytes = sizeof(double) * ((double)l->xsize + (double)l->maxcsize),
-         available = bw_available_memory();
+static bw_status check_memory(bw_context *context, const bwi_cholmod *cholmod, int32_t unknowns,
+                              double memory) {
+  double bytes = (double)bwi_cholmod_bytes(cholmod) +
+                 sizeof(double) * (double)cholmod->factor->maxcsize,
+         available = memory > 0 ? memory : bw_available_memory();
   if (bytes <= available)
     return BW_OK;
   bw_fail(context, BW_MEMORY,
@@ -200,7 +209,7 @@ bw_status bwi_cholmod_create(bw_context *context, const bwi_symbolic *symbolic,
     goto done;
   }
   cholmod->flops = common->fl;
-  BW_TRY(check_memory(context, cholmod, symbolic->unknowns));
+  BW_TRY(check_memory(context, cholmod, symbolic->unknowns, matrix->memory));
 done:
   if (status == BW_OK)
     *out = cholmod;

@@ -26,6 +26,8 @@ bw_status bwi_cholmod_factorise(bw_context *context, bwi_cholmod *cholmod,
 bw_status bwi_cholmod_solve(bw_context *context, const bwi_factor *factor, int width, void *x);
 /* Bytes of L; operations of its factorisation. */
 size_t bwi_cholmod_bytes(const bwi_cholmod *cholmod);
+/* Of the factor. */
+size_t bwi_cholmod_entries(const bwi_cholmod *cholmod);
 double bwi_cholmod_flops(const bwi_cholmod *cholmod);
 void bwi_cholmod_destroy(bwi_cholmod *cholmod);
 

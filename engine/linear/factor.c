@@ -326,6 +326,12 @@ size_t bwi_factor_bytes(const bwi_factor *factor) {
   return (size_t)symbolic->panel[symbolic->order->super_count] * factor->kernels->size;
 }
 
+int64_t bwi_factor_entries(const bwi_factor *factor) {
+  const bwi_symbolic *symbolic = factor->symbolic;
+  return factor->cholmod ? (int64_t)bwi_cholmod_entries(factor->cholmod)
+                         : symbolic->panel[symbolic->order->super_count];
+}
+
 double bwi_factor_flops(const bwi_factor *factor) {
   return factor->cholmod ? bwi_cholmod_flops(factor->cholmod) : factor->symbolic->flops;
 }

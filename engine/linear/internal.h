@@ -141,6 +141,7 @@ typedef struct bwi_matrix {
   const double *mass;      /* 1 per block, or NULL */
   double shift;
   const bw_dof_map *dof_map; /* for its frames; NULL: global */
+  double memory;             /* bytes that a factor may take; 0: what is free */
 } bwi_matrix;
 
 /* The entries of a block, row by row (entries.c): for `transpose`, the block's column is the row
@@ -194,6 +195,7 @@ bw_status bwi_factor_update(bw_context *context, bwi_factor *factor, const bwi_m
                             const uint8_t *touched_subdomain, double *flops, int32_t *bad_node);
 /* Bytes of L; operations of the factorisation. */
 size_t bwi_factor_bytes(const bwi_factor *factor);
+int64_t bwi_factor_entries(const bwi_factor *factor);
 double bwi_factor_flops(const bwi_factor *factor);
 /* Bytes of the update matrices kept, and of the memory kept to work in. */
 void bwi_factor_update_bytes(const bwi_factor *factor, size_t *updates, size_t *work);

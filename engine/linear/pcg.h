@@ -65,6 +65,8 @@ typedef struct bwi_factor_preconditioner {
 } bwi_factor_preconditioner;
 bw_status bwi_factor_precondition(bw_context *context, void *data, int64_t count, const double *r,
                                   double *z);
+/* BW_INVALID for a solver that solves no symmetric equations: a preconditioner, LU, BiCGSTAB. */
+bw_status bwi_solver_refused(bw_context *context, const bw_solver *solver);
 /* The kernels that a solver of the kind BW_SOLVER_CHOLESKY asks for; NULL: the default's. */
 const bwi_kernels *bwi_kernels_of(const bw_solver *solver);
 

@@ -3,9 +3,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "linear/internal.h"
+#include "linear/pcg.h"
 
-static const char *const kind_words[] = {"cholesky", "pcg", "two_level", "amg", "jacobi"};
+static const char *const kind_words[] = {"cholesky", "pcg", "two_level", "amg",
+                                         "jacobi",   "lu",  "bicgstab"};
 static const char *const backend_words[] = {"auto", "multifrontal", "cholmod", "petsc"};
 static const char *const ordering_words[] = {"auto", "metis", "amd", "backend"};
 
@@ -60,17 +61,25 @@ static bw_status check_factor(bw_context *context, const bw_solver_options *o) {
   return BW_OK;
 }
 
-static bw_status check_pcg(bw_context *context, const bw_solver_options *o) {
+static bool is_iterative(bw_solver_kind kind) {
+  return kind == BW_SOLVER_PCG || kind == BW_SOLVER_BICGSTAB;
+}
+
+static bw_status check_iterative(bw_context *context, const bw_solver_options *o) {
   const bw_solver *m = o->preconditioner;
   if (o->tolerance != 0 && !(o->tolerance > 0 && o->tolerance < 1))
-    return bw_fail(context, BW_INVALID, "the tolerance of pcg is %g; it must lie between 0 and 1",
-                   o->tolerance);
+    return bw_fail(context, BW_INVALID, "the tolerance of %s is %g; it must lie between 0 and 1",
+                   bw_solver_word(o->kind), o->tolerance);
   if (o->max_iterations < 0)
     return bw_fail(context, BW_INVALID, "%d iterations: at least 1 expected", o->max_iterations);
-  if (m && m->options.kind == BW_SOLVER_PCG)
+  if (m && is_iterative(m->options.kind))
     return bw_fail(context, BW_INVALID,
                    "conjugate gradients as preconditioner of conjugate gradients are not "
                    "implemented: they are not linear");
+  if (m && (m->options.kind == BW_SOLVER_LU) != (o->kind == BW_SOLVER_BICGSTAB))
+    return bw_fail(context, BW_INVALID, "%s does not precondition %s: %s",
+                   bw_solver_word(m->options.kind), bw_solver_word(o->kind),
+                   o->kind == BW_SOLVER_PCG ? "it is not symmetric" : "lu does");
   if (m && m->options.kind == BW_SOLVER_CHOLESKY && m->options.backend == BW_BACKEND_PETSC)
     return lacks(context, BW_BACKEND_PETSC, "factor that preconditions");
   return BW_OK;
@@ -79,20 +88,20 @@ static bw_status check_pcg(bw_context *context, const bw_solver_options *o) {
 /* Options of other kinds, which would be without effect. */
 static bw_status check_foreign(bw_context *context, const bw_solver_options *o) {
   const char *key = NULL, *word = bw_solver_word(o->kind);
-  bool factor = o->kind == BW_SOLVER_CHOLESKY, pcg = o->kind == BW_SOLVER_PCG;
+  bool factor = o->kind == BW_SOLVER_CHOLESKY, iterative = is_iterative(o->kind);
   if (!factor && o->kind != BW_SOLVER_AMG && o->backend != BW_BACKEND_AUTO)
     key = "backend";
   else if (!factor && o->ordering != BW_ORDERING_AUTO)
     key = "ordering";
   else if (!factor && o->precision != 0)
     key = "precision";
-  else if (!factor && o->full)
+  else if (!factor && o->kind != BW_SOLVER_LU && o->full)
     key = "full";
-  else if (!pcg && o->preconditioner)
+  else if (!iterative && o->preconditioner)
     key = "preconditioner";
-  else if (!pcg && o->tolerance != 0)
+  else if (!iterative && o->tolerance != 0)
     key = "tolerance";
-  else if (!pcg && o->max_iterations != 0)
+  else if (!iterative && o->max_iterations != 0)
     key = "max_iterations";
   return key ? bw_fail(context, BW_INVALID, "the solver \"%s\" has no option '%s'", word, key)
              : BW_OK;
@@ -100,19 +109,31 @@ static bw_status check_foreign(bw_context *context, const bw_solver_options *o) 
 
 static bw_status check(bw_context *context, const bw_solver_options *o) {
   bw_status status = BW_OK;
-  if ((unsigned)o->kind > BW_SOLVER_JACOBI || (unsigned)o->backend > BW_BACKEND_PETSC ||
+  if ((unsigned)o->kind > BW_SOLVER_BICGSTAB || (unsigned)o->backend > BW_BACKEND_PETSC ||
       (unsigned)o->ordering > BW_ORDERING_BACKEND)
     return bw_fail(context, BW_INVALID, "solver %d, backend %d or ordering %d is not known",
                    (int)o->kind, (int)o->backend, (int)o->ordering);
   BW_TRY(check_foreign(context, o));
   if (o->kind == BW_SOLVER_CHOLESKY)
     BW_TRY(check_factor(context, o));
-  if (o->kind == BW_SOLVER_PCG)
-    BW_TRY(check_pcg(context, o));
+  if (is_iterative(o->kind))
+    BW_TRY(check_iterative(context, o));
   if (o->kind == BW_SOLVER_AMG && o->backend != BW_BACKEND_AUTO && o->backend != BW_BACKEND_PETSC)
     status = lacks(context, o->backend, "algebraic multigrid");
 done:
   return status;
+}
+
+bw_status bwi_solver_refused(bw_context *context, const bw_solver *solver) {
+  bw_solver_kind kind = solver->options.kind;
+  const char *word = bw_solver_word(kind);
+  if (kind == BW_SOLVER_LU || kind == BW_SOLVER_BICGSTAB)
+    return bw_fail(context, BW_INVALID,
+                   "\"%s\" is for the unsymmetric equations of flows, these are symmetric: give "
+                   "cholesky or pcg",
+                   word);
+  return bw_fail(context, BW_INVALID, "\"%s\" is a preconditioner and no solver: give it to pcg",
+                 word);
 }
 
 /* ---- life ------------------------------------------------------------------------------------ */
@@ -152,11 +173,12 @@ static void describe(const bw_solver_options *o, char *text, size_t size) {
   }
   if (o->full)
     add(list, sizeof list, "full refactorisation");
-  if (o->kind == BW_SOLVER_PCG) {
+  if (is_iterative(o->kind)) {
     if (o->preconditioner)
       describe(&o->preconditioner->options, inner, sizeof inner);
     else
-      snprintf(inner, sizeof inner, "%s", bw_solver_word(BW_SOLVER_TWO_LEVEL));
+      snprintf(inner, sizeof inner, "%s",
+               bw_solver_word(o->kind == BW_SOLVER_PCG ? BW_SOLVER_TWO_LEVEL : BW_SOLVER_LU));
     add(list, sizeof list, inner);
     if (o->tolerance > 0) {
       snprintf(number, sizeof number, "tolerance %g", o->tolerance);
@@ -172,13 +194,9 @@ static void describe(const bw_solver_options *o, char *text, size_t size) {
            some ? ")" : "");
 }
 
-bw_status bw_solver_describe(bw_context *context, const bw_solver *solver, char **text) {
-  char line[300] = "auto";
+void bw_solver_describe(const bw_solver *solver, char text[BW_SOLVER_TEXT]) {
   if (solver)
-    describe(&solver->options, line, sizeof line);
-  *text = BW_NEW(context, char, strlen(line) + 1);
-  if (!*text)
-    return BW_MEMORY;
-  memcpy(*text, line, strlen(line) + 1);
-  return BW_OK;
+    describe(&solver->options, text, BW_SOLVER_TEXT);
+  else
+    snprintf(text, BW_SOLVER_TEXT, "auto");
 }

@@ -190,9 +190,9 @@ static bw_status check_memory(bw_context *context, const bwi_symbolic *symbolic,
     return BW_OK;
   bw_fail(context, BW_MEMORY,
           "the factor of %d unknowns takes %.3g GB of memory, more than the %.3g GB available. Use "
-          "fewer elements, or a machine with more memory; a static solution on quadratic elements "
-          "needs no factor (the solver pcg), and several "
-          "machines can share one (the solver cholesky with the backend petsc)",
+          "fewer elements, or a machine with more memory; a static solution needs no factor (the "
+          "solver "
+          "pcg), and several machines can share one (the solver cholesky with the backend petsc)",
           (int)symbolic->unknowns, wanted / 1e9, available / 1e9);
   bw_detail_number(context, "bytes", wanted);
   bw_detail_number(context, "free_bytes", available);
@@ -239,8 +239,10 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_sol
 
   start = bw_seconds();
   bw_progress(context, "factorisation", 0);
-  bwi_matrix matrix = {
-      .pattern = system->pattern, .stiffness = system->stiffness, .dof_map = system->dof_map};
+  bwi_matrix matrix = {.pattern = system->pattern,
+                       .stiffness = system->stiffness,
+                       .dof_map = system->dof_map,
+                       .memory = available};
   int32_t bad = 0;
   status =
       bwi_factor_create_in(context, symbolic, &matrix, NULL, bwi_kernels_of(solver), &factor, &bad);
@@ -250,7 +252,7 @@ bw_status bwi_system_factor(bw_context *context, bw_system *system, const bw_sol
     goto done;
   bw_release(system->factor);
   system->factor = factor;
-  system->times.factor_entries = (int64_t)(bwi_factor_bytes(factor) / factor->kernels->size);
+  system->times.factor_entries = bwi_factor_entries(factor);
   system->times.factor_flops = bwi_factor_flops(factor);
   system->times.factor += bw_seconds() - start;
   bw_release(system->two_level); /* of no more use */
@@ -265,8 +267,10 @@ bw_status bwi_system_precondition(bw_context *context, bw_system *system, const 
   bw_status status = BW_OK;
   bwi_symbolic *symbolic = NULL;
   bwi_preconditioner *made = NULL;
-  bwi_matrix matrix = {
-      .pattern = system->pattern, .stiffness = system->stiffness, .dof_map = system->dof_map};
+  bwi_matrix matrix = {.pattern = system->pattern,
+                       .stiffness = system->stiffness,
+                       .dof_map = system->dof_map,
+                       .memory = available};
   int32_t bad = 0;
   bw_release(system->preconditioner); /* its memory first */
   system->preconditioner = NULL;

@@ -41,7 +41,7 @@ bw_status bw_solid_correct(bw_context *context, const bw_solid *solid,
                             .options = options,
                             .report = &report};
   bool moved = true;
-  if (!options->start || options->linear == BW_NEWTON_DIRECT)
+  if (!options->start || !options->solver || options->solver->options.kind != BW_SOLVER_PCG)
     return bw_fail(context, BW_INVALID,
                    "a correction needs initial displacements and the conjugate gradient solver");
   BW_TRY(bwi_newton_check(context, solid, load_case, options));

@@ -121,10 +121,13 @@ done:
   return status;
 }
 
-void bwi_direct_count(const bwi_direct *direct, double *flops, double *entries) {
+bool bwi_direct_count(const bwi_direct *direct, double *flops, double *entries) {
   const bwi_symbolic *symbolic = direct->symbolic;
+  if (!symbolic)
+    return false;
   *flops = symbolic->flops;
   *entries = (double)symbolic->panel[symbolic->order->super_count];
+  return true;
 }
 
 bw_status bwi_direct_factor(bw_context *context, bwi_direct *direct,

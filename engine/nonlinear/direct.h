@@ -22,7 +22,7 @@ bw_status bwi_direct_analyse(bw_context *context, bwi_direct *direct,
 bool bwi_direct_keeps(const bwi_direct *direct, const bw_block_pattern *pattern,
                       const uint8_t *constrained);
 /* Operations and entries of a factor, of what was analysed. */
-void bwi_direct_count(const bwi_direct *direct, double *flops, double *entries);
+bool bwi_direct_count(const bwi_direct *direct, double *flops, double *entries);
 /* `stiffness`: 9 per block. *definite is false, and there is nothing to solve with, when the matrix
  * is not positive definite; *node (may be NULL) then is where that showed. */
 bw_status bwi_direct_factor(bw_context *context, bwi_direct *direct,

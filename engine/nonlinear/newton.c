@@ -150,8 +150,8 @@ static bw_status find_direction(bwi_newton_state *state, double *slope, int32_t 
     tolerance = fmin(tolerance, 1e-3);
   if (state->contact) /* gaps are to be closed much further than residuals */
     tolerance = fmin(tolerance, 1e-4);
-  if (state->options->cg_tolerance > 0)
-    tolerance = state->options->cg_tolerance;
+  if (state->plan.tolerance > 0)
+    tolerance = state->plan.tolerance;
   for (int64_t i = 0; i < state->size; i++)
     state->work[i] = -state->residual[i];
   BW_TRY(bwi_tangent_solve(state, state->work, tolerance, state->direction, cg));

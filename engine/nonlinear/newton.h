@@ -68,6 +68,19 @@ typedef enum bwi_tangent {
   BWI_SHIFTED    /* by adding to its diagonal, as little as will do */
 } bwi_tangent;
 
+/* How linear equations are solved, as a bw_solver says it. */
+typedef struct bwi_newton_plan {
+  bool iterative, two_level; /* by conjugate gradients; over coarse solids */
+  bool by_cost;              /* only as long as that costs less than factors */
+  double tolerance;          /* of conjugate gradients; 0: by Eisenstat and Walker */
+  int max_iterations;
+} bwi_newton_plan;
+
+/* BW_INVALID for a solver that Newton's method does not take. `nodes` of the solid, `coarse_count`
+ * coarse ones below it. */
+bw_status bwi_newton_plan_make(bw_context *context, const bw_solver *solver, int coarse_count,
+                               int32_t nodes, bwi_newton_plan *plan);
+
 /* What there is to choose from: seconds of a machine by count (newton_choice.c). */
 typedef struct bwi_choice {
   bool open;             /* or there is no choice */
@@ -96,6 +109,7 @@ typedef struct bwi_newton_state {
   const bw_load_case *load_case;
   bw_newton *newton;
   const bw_newton_options *options;
+  bwi_newton_plan plan;     /* of options->solver */
   int64_t size;             /* 3 node_count */
   int64_t free;             /* components that are not constrained */
   double *dead;             /* dead loads at full */
@@ -142,6 +156,8 @@ bw_status bwi_newton_check(bw_context *context, const bw_solid *solid,
 /* Room for a Newton state whose context, solid, case, newton, options and report are set; it begins
  * at rest, at load factor 0. The contact is not made. */
 bw_status bwi_newton_state_create(bwi_newton_state *state);
+/* What solved the linear equations, for the result. */
+void bwi_newton_state_report(const bwi_newton_state *state, bw_solver_report *report);
 void bwi_newton_state_clear(bwi_newton_state *state);
 
 /* The quadratic term's energy at at->u; its gradient is added to at->internal (quadratic.c). */

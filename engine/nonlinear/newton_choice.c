@@ -17,6 +17,7 @@
 #include "nonlinear/newton.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "base/cost.h"
@@ -45,11 +46,84 @@ enum { PRODUCTS = 5, PRODUCTS_BELOW = 4, PRODUCTS_TO_SET = 3 };
 /* Factors of e by which the search's residual falls: half of log(n 30 10^8), n some 10^4. */
 #define SEARCH_NEPERS 16.0
 
+/* Conjugate gradients in an iteration, where it is left open. */
+#define MAX_CG 10000
+/* Beyond so many nodes a factor is not even analysed. */
+#define MANY_NODES 20000
+
+static bw_status refused(bw_context *context, const bw_solver *solver) {
+  char text[BW_SOLVER_TEXT];
+  bw_solver_describe(solver, text);
+  return bw_fail(context, BW_INVALID,
+                 "the solver %s does not serve Newton's method: give cholesky of the backend "
+                 "multifrontal in double precision without further options, or pcg with jacobi or "
+                 "two_level",
+                 text);
+}
+
+bw_status bwi_newton_plan_make(bw_context *context, const bw_solver *solver, int coarse_count,
+                               int32_t nodes, bwi_newton_plan *plan) {
+  *plan = (bwi_newton_plan){.max_iterations = MAX_CG};
+  if (!solver) {
+    plan->iterative = plan->two_level = coarse_count > 0;
+    plan->by_cost = coarse_count > 0 && nodes <= MANY_NODES;
+    return BW_OK;
+  }
+  const bw_solver_options *o = &solver->options;
+  if (o->kind == BW_SOLVER_CHOLESKY)
+    return o->ordering == BW_ORDERING_AUTO && o->precision != 32 && !o->full &&
+                   (o->backend == BW_BACKEND_AUTO || o->backend == BW_BACKEND_MULTIFRONTAL)
+               ? BW_OK
+               : refused(context, solver);
+  bw_solver_kind m = o->preconditioner ? o->preconditioner->options.kind : BW_SOLVER_TWO_LEVEL;
+  if (o->kind != BW_SOLVER_PCG || (m != BW_SOLVER_TWO_LEVEL && m != BW_SOLVER_JACOBI))
+    return refused(context, solver);
+  plan->iterative = true;
+  plan->two_level = m == BW_SOLVER_TWO_LEVEL;
+  plan->tolerance = o->tolerance;
+  if (o->max_iterations > 0)
+    plan->max_iterations = o->max_iterations;
+  return BW_OK;
+}
+
+void bwi_newton_state_report(const bwi_newton_state *state, bw_solver_report *report) {
+  const bw_newton_report *newton = state->report;
+  const bwi_choice *c = &state->choice;
+  const bwi_cg_statistics *cg = &state->newton->cg_statistics;
+  bool pcg = state->iterative, given = state->options->solver != NULL;
+  double flops = 0, entries = 0;
+  *report = (bw_solver_report){
+      .solver = bw_solver_word(pcg ? BW_SOLVER_PCG : BW_SOLVER_CHOLESKY),
+      .backend = pcg ? "" : bw_backend_word(BW_BACKEND_MULTIFRONTAL),
+      .preconditioner =
+          !pcg ? ""
+               : bw_solver_word(state->plan.two_level ? BW_SOLVER_TWO_LEVEL : BW_SOLVER_JACOBI),
+      .bytes = (double)(bw_bytes(state->newton) + bwi_precondition_bytes(state->precondition)),
+      .seconds = newton->seconds,
+      .iterations = (int)fmin(INT32_MAX,
+                              (double)newton->cg_iterations + (double)newton->stability_iterations),
+      .residual = newton->residual};
+  if (!pcg && bwi_direct_count(state->newton->direct, &flops, &entries))
+    report->flops = flops * newton->factorisations;
+  snprintf(report->reason, sizeof report->reason, "%s",
+           given                    ? "it was given"
+           : !state->plan.two_level ? "there are no coarse solids, which iterations would need"
+           : !state->plan.by_cost   ? "a factor of so many nodes is predicted to cost more"
+           : !pcg                   ? "iterations over coarse solids are predicted to cost more"
+           : c->factor > 0          ? "a factor is predicted to cost more"
+                                    : "iterations have cost too little to analyse a factor");
+  if (state->plan.by_cost && c->open && c->factor > 0) {
+    double iterations = c->set + c->iteration * cg->iterations / cg->solutions;
+    report->predicted_cost = pcg ? iterations : c->factor;
+    report->rival_cost = pcg ? c->factor : iterations;
+  }
+}
+
 void bwi_choice_begin(bwi_newton_state *state) {
   const bw_newton_options *o = state->options;
   bwi_choice *c = &state->choice;
   const bw_grid *grid = state->solid->grid;
-  if (!state->iterative || !o->by_cost || state->free == 0)
+  if (!state->iterative || !state->plan.by_cost || state->free == 0)
     return;
   if (state->newton->cg_statistics.elements != grid->element_count)
     state->newton->cg_statistics = (bwi_cg_statistics){.elements = grid->element_count,
@@ -111,7 +185,7 @@ void bwi_choice_learn(bwi_newton_state *state, int32_t iterations, double residu
 
 int32_t bwi_choice_limit(const bwi_newton_state *state) {
   const bwi_choice *c = &state->choice;
-  double max = state->options->cg_iterations;
+  double max = state->plan.max_iterations;
   if (c->factor > 0)
     max = fmin(max, fmax(MIN_ITERATIONS, LIMIT * c->factor / c->iteration));
   else if (c->open)

@@ -69,7 +69,7 @@ static bw_status find_negative(bwi_newton_state *state, const double *plain, boo
     goto done;
   }
   BW_TRY(random_forces(state, r));
-  for (int k = 0; k < state->options->cg_iterations && bwi_newton_left(state, NULL) > 0; k++) {
+  for (int k = 0; k < state->plan.max_iterations && bwi_newton_left(state, NULL) > 0; k++) {
     BW_TRY(bw_check_cancel(context));
     if (state->iterative)
       BW_TRY(bwi_precondition_apply(context, state->precondition, r, z));

@@ -46,7 +46,10 @@ void bwi_newton_state_clear(bwi_newton_state *state) {
 bw_status bwi_newton_state_create(bwi_newton_state *state) {
   bw_status status = BW_OK;
   bw_context *context = state->context;
+  const bw_newton_options *o = state->options;
   int64_t n = state->size = 3 * (int64_t)state->solid->grid->node_count;
+  BW_TRY(bwi_newton_plan_make(context, o->solver, o->coarse_count, state->solid->grid->node_count,
+                              &state->plan));
   for (int64_t i = 0; i < n; i++)
     state->free += !state->load_case->constrained[i];
   state->follows = bwi_load_case_follows(state->load_case);
@@ -61,8 +64,8 @@ bw_status bwi_newton_state_create(bwi_newton_state *state) {
       bwi_energy_forces_create(context, n, state->load_case->contact_plane_count > 0, &state->now));
   BW_TRY(bwi_energy_forces_create(context, n, state->load_case->contact_plane_count > 0,
                                   &state->trial));
-  state->iterative = state->options->linear != BW_NEWTON_DIRECT;
-  if (state->follows && (!state->iterative || state->options->by_cost)) {
+  state->iterative = state->plan.iterative;
+  if (state->follows && (!state->iterative || state->plan.by_cost)) {
     state->follower = BW_NEW(context, double, 9 * state->solid->pattern->block_count);
     if (!state->follower)
       return BW_MEMORY;

@@ -69,7 +69,8 @@ static bw_status precondition(bwi_newton_state *state, double shift) {
   double *shifted = NULL; /* the Newton state's own blocks say how large forces are */
   if (!state->precondition)
     BW_TRY(bwi_precondition_create(state->context, state->solid, state->load_case->constrained,
-                                   state->options, state->contact, &state->precondition));
+                                   state->plan.two_level ? state->options : NULL, state->contact,
+                                   &state->precondition));
   factorisations = bwi_precondition_factorisations(state->precondition);
   if (shift > 0) {
     shifted = BW_NEW(state->context, double, 3 * state->size);

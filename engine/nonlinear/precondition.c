@@ -9,6 +9,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "nonlinear/internal.h"
+
 enum { DEGREE = 2, POWER = 8, POWER_AGAIN = 2 };
 /* The part of the spectrum that the smoother works on: from the largest eigenvalue down to this
  * part of it. What lies below is left to the coarse solid. */
@@ -71,6 +73,20 @@ int bwi_precondition_factorisations(const bwi_precondition *m) {
   return m->factorisations;
 }
 
+/* About: what is as large as a field or larger. */
+size_t bwi_precondition_bytes(const bwi_precondition *m) {
+  size_t numbers = 0, bytes = 0;
+  for (int k = 0; m && k < m->count; k++) {
+    const level *l = &m->level[k];
+    numbers += 10 * (size_t)l->size;
+    if (l->own_linear)
+      numbers += (BWI_ELEMENT_NUMBERS + BWI_ELEMENT_FORCES) * (size_t)l->solid->grid->element_count;
+    numbers += l->stiffness ? 9 * (size_t)l->solid->pattern->block_count : 0;
+    bytes += bwi_direct_bytes(l->direct);
+  }
+  return bytes + numbers * sizeof(double);
+}
+
 static bw_status level_create(bw_context *context, const bw_solid *solid, level *l) {
   int64_t n = l->size = 3 * (int64_t)solid->grid->node_count;
   l->solid = solid;
@@ -122,7 +138,7 @@ bw_status bwi_precondition_create(bw_context *context, const bw_solid *solid,
   bwi_precondition *m = BW_NEW0(context, bwi_precondition, 1);
   if (!m)
     return BW_MEMORY;
-  m->count = options->linear == BW_NEWTON_COARSE ? 1 + options->coarse_count : 1;
+  m->count = options ? 1 + options->coarse_count : 1;
   m->level = BW_NEW0(context, level, m->count);
   if (!m->level) {
     status = BW_MEMORY;

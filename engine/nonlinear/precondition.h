@@ -14,7 +14,7 @@
 
 typedef struct bwi_precondition bwi_precondition;
 
-/* Options name the coarse solids; without any it is node blocks. `constrained`: node_count x 3,
+/* Options name the coarse solids; NULL: node blocks. `constrained`: node_count x 3,
  * read while it lives. */
 bw_status bwi_precondition_create(bw_context *context, const bw_solid *solid,
                                   const uint8_t *constrained, const bw_newton_options *options,
@@ -34,6 +34,7 @@ bw_status bwi_precondition_multiply(bw_context *context, const bwi_precondition 
 /* What is constrained (*size components). */
 const uint8_t *bwi_precondition_constrained(const bwi_precondition *precondition, int64_t *size);
 int bwi_precondition_factorisations(const bwi_precondition *precondition);
+size_t bwi_precondition_bytes(const bwi_precondition *precondition);
 
 /* Conjugate gradients (cg.c) for K x = f on components that are not constrained, K the linear's
  * tangent with contact. *negative: a direction p with p . K p <= 0 came up and x is what was

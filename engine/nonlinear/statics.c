@@ -18,12 +18,8 @@
 #include <string.h>
 
 void bw_newton_options_default(bw_newton_options *options) {
-  *options = (bw_newton_options){.linear = BW_NEWTON_DIRECT,
-                                 .tolerance = 1e-6,
-                                 .iterations = 100,
-                                 .steps = 1,
-                                 .min_step = 1.0 / 256,
-                                 .cg_iterations = 10000};
+  *options =
+      (bw_newton_options){.tolerance = 1e-6, .iterations = 100, .steps = 1, .min_step = 1.0 / 256};
 }
 
 static void destroy_newton(void *object) {
@@ -63,7 +59,7 @@ static void destroy(void *object) {
   bw_release(it->load_case);
   bw_free(it->displacement);
   bw_free(it->reaction);
-  bw_free(it->report.history);
+  bw_free(it->newton.history);
   bw_free(it);
 }
 
@@ -96,22 +92,19 @@ static bw_status check_coarse(bw_context *context, const bw_solid *solid,
 bw_status bwi_newton_check(bw_context *context, const bw_solid *solid,
                            const bw_load_case *load_case, const bw_newton_options *o) {
   bw_status status = BW_OK;
+  bwi_newton_plan plan;
   if (!bwi_grid_same_places(solid->grid, load_case->grid))
     return bw_fail(context, BW_INVALID,
                    "the case is for a grid of %d elements (cells of %g m), not for the solid's, "
                    "which has %d (%g m), or lies elsewhere",
                    (int)load_case->grid->element_count, load_case->grid->spacing[0],
                    (int)solid->grid->element_count, solid->grid->spacing[0]);
-  if (o->linear == BW_NEWTON_COARSE)
+  BW_TRY(bwi_newton_plan_make(context, o->solver, o->coarse_count, solid->grid->node_count, &plan));
+  if (plan.two_level)
     BW_TRY(check_coarse(context, solid, o));
   if (!(o->tolerance > 0 && o->tolerance < 1))
     return bw_fail(context, BW_INVALID, "the tolerance is %g; it must lie between 0 and 1",
                    o->tolerance);
-  if (!(o->cg_tolerance >= 0 && o->cg_tolerance < 1) || o->cg_iterations < 1)
-    return bw_fail(context, BW_INVALID,
-                   "conjugate gradients to a tolerance of %g in %d iterations; it must lie between "
-                   "0 (by itself) and 1, in at least one iteration",
-                   o->cg_tolerance, o->cg_iterations);
   if (o->max_iterations < 0)
     return bw_fail(context, BW_INVALID,
                    "%d iterations over all load steps; at least one, or 0: by itself",
@@ -299,8 +292,8 @@ static void warning_stability(bwi_newton_state *state) {
     bw_warn(state->context,
             "the stability of the solid is unknown at %d of %d load steps: %d iterations of "
             "conjugate gradients found no direction of negative stiffness, and did not exclude "
-            "one. Solve by a factor (\"direct\") or allow more iterations to decide",
-            report->undecided, report->load_steps, state->options->cg_iterations);
+            "one. Solve by a factor (the solver cholesky) or allow more iterations to decide",
+            report->undecided, report->load_steps, state->plan.max_iterations);
 }
 
 /* Reactions and energies of the state that was reached. */
@@ -318,9 +311,9 @@ static bw_status finish(bwi_newton_state *state, double reached, bw_solid_static
                               : contact;
   }
   result->energy = state->now.energy;
-  result->report.load = reached;
-  result->report.shape = state->now.shape;
-  result->report.contacts = state->now.contacts;
+  result->newton.load = reached;
+  result->newton.shape = state->now.shape;
+  result->newton.contacts = state->now.contacts;
   result->complete = reached >= 1;
   if (bw_solid_locking(state->solid))
     bw_warn(state->context, "%s", bw_solid_locking(state->solid));
@@ -364,7 +357,7 @@ bw_status bw_solid_statics(bw_context *context, const bw_solid *solid,
   }
   state.newton = newton;
   state.options = &chosen;
-  state.report = &result->report;
+  state.report = &result->newton;
   BW_TRY(newton_begin(&state));
   memcpy(result->displacement, state.now.u, (size_t)state.size * sizeof(double));
   if (state.contact) {
@@ -376,7 +369,8 @@ bw_status bw_solid_statics(bw_context *context, const bw_solid *solid,
   }
   BW_TRY(follow_path(&state, result->displacement, multiplier, &reached, &failed));
   BW_TRY(finish(&state, reached, result));
-  result->report.seconds = bw_seconds() - before;
+  result->newton.seconds = bw_seconds() - before;
+  bwi_newton_state_report(&state, &result->report);
   if (reached < 1)
     status = fail_equilibrium(&state, reached, &failed);
   *out = result;

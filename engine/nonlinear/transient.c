@@ -23,7 +23,8 @@ static void destroy(void *object) {
     bw_free(inner->workspace[2]);
     bw_free(inner);
   }
-  bw_free(motion->report.history);
+  bw_free(motion->newton.history);
+  bw_release(motion->options.solver);
   bw_free(motion->displacement);
   bw_free(motion->velocity);
   bw_free(motion->acceleration);
@@ -53,6 +54,8 @@ void bw_transient_options_default(bw_transient_options *options) {
 }
 
 bw_status bwi_transient_check(bw_context *context, const bw_transient_options *o) {
+  bw_status status = BW_OK;
+  bwi_newton_plan plan;
   if (o->scheme != BW_IMPLICIT_EULER && o->scheme != BW_NEWMARK)
     return bw_fail(context, BW_INVALID, "time integration scheme %d is not known", (int)o->scheme);
   if (!(o->step > 1e-100 && o->step < 1e100)) /* its square is divided by */
@@ -66,11 +69,13 @@ bw_status bwi_transient_check(bw_context *context, const bw_transient_options *o
   if (!(o->tolerance > 0 && o->tolerance < 1))
     return bw_fail(context, BW_INVALID, "the tolerance is %g; it must lie between 0 and 1",
                    o->tolerance);
-  if (o->linear != BW_NEWTON_DIRECT && o->linear != BW_NEWTON_JACOBI)
+  BW_TRY(bwi_newton_plan_make(context, o->solver, 0, 0, &plan));
+  if (plan.two_level)
     return bw_fail(context, BW_INVALID,
-                   "steps in time are solved for by factors or by conjugate gradients with node "
-                   "blocks; %d is neither",
-                   (int)o->linear);
+                   "steps in time have no two_level: give cholesky, or pcg with jacobi");
+  if (o->solver && (o->solver->options.tolerance > 0 || o->solver->options.max_iterations > 0))
+    return bw_fail(context, BW_INVALID,
+                   "a step in time chooses tolerance and max_iterations of pcg: leave them out");
   if (o->iterations < 1)
     return bw_fail(context, BW_INVALID,
                    "%d iterations in a step; 1 for the linearly implicit integrator, 30 otherwise",
@@ -85,7 +90,12 @@ bw_status bwi_transient_check(bw_context *context, const bw_transient_options *o
                    "Newmark's beta is %g; below gamma / 2 = %g the method is stable for short "
                    "steps only. 1/4 is average acceleration",
                    o->beta, o->gamma / 2);
-  return BW_OK;
+done:
+  return status;
+}
+
+bool bwi_transient_iterates(const bw_transient_options *options) {
+  return options->solver && options->solver->options.kind == BW_SOLVER_PCG;
 }
 
 bwi_transient_rule bwi_transient_rule_of(const bw_transient_options *o) {
@@ -143,7 +153,7 @@ bw_status bwi_transient_tangent(bw_context *context, bw_solid_transient *motion,
   bwi_transient *inner = motion->inner;
   const bw_solid *solid = motion->solid;
   bw_solid_shape shape;
-  if (motion->options.linear == BW_NEWTON_DIRECT) {
+  if (!bwi_transient_iterates(&motion->options)) {
     if (!inner->damping)
       inner->damping = BW_NEW(context, double, 9 * solid->pattern->block_count);
     if (!inner->damping)
@@ -226,6 +236,7 @@ bw_status bw_solid_transient_create(bw_context *context, const bw_solid *solid,
   motion->solid = bw_retain(solid);
   motion->load_case = bw_retain(load_case);
   motion->options = *options;
+  bw_retain(options->solver);
   BW_TRY(reserve(context, motion));
   for (int64_t i = 0; i < size; i++) {
     motion->displacement[i] = load_case->constrained[i] ? load_case->value[i] : u ? u[i] : 0;

@@ -30,6 +30,9 @@ typedef struct bwi_transient_rule {
 } bwi_transient_rule;
 bwi_transient_rule bwi_transient_rule_of(const bw_transient_options *options);
 
+/* By conjugate gradients. */
+bool bwi_transient_iterates(const bw_transient_options *options);
+
 /* BW_INVALID says which option cannot be. */
 bw_status bwi_transient_check(bw_context *context, const bw_transient_options *options);
 double bwi_transient_kinetic(const bw_solid *solid, const double *v);

@@ -182,7 +182,7 @@ bw_status bw_solid_transient_step(bw_context *context, bw_solid_transient *motio
   bwi_newton_state state = {
       .context = context, .solid = motion->solid, .load_case = motion->load_case};
   double start = bw_seconds(), work = 0;
-  bool found = false, stiff = o->stiffness_damping > 0, direct = o->linear == BW_NEWTON_DIRECT;
+  bool found = false, stiff = o->stiffness_damping > 0, direct = !bwi_transient_iterates(o);
   BW_TRY(bwi_transient_check(context, o));
   BW_TRY(bw_check_cancel(context));
   bwi_transient_rule rule = bwi_transient_rule_of(o);
@@ -199,15 +199,15 @@ bw_status bw_solid_transient_step(bw_context *context, bw_solid_transient *motio
   bw_newton_options_default(&newton);
   newton.tolerance = o->tolerance;
   newton.iterations = o->iterations;
-  newton.linear = o->linear;
-  if (o->iterations == 1) /* no other follows that would make up for it */
-    newton.cg_tolerance = o->tolerance;
+  newton.solver = o->solver;
   newton.allow_inverted = o->allow_inverted;
   state.newton = inner->newton;
   newton.max_iterations = INT_MAX; /* a step has one load step */
   state.options = &newton;
   state.report = &report;
   BW_TRY(bwi_newton_state_create(&state));
+  if (o->iterations == 1) /* no other follows that would make up for it */
+    state.plan.tolerance = o->tolerance;
   state.load = 1;
   state.quadratic = &inertia;
   state.contact = inner->contact;
@@ -240,8 +240,9 @@ bw_status bw_solid_transient_step(bw_context *context, bw_solid_transient *motio
   report.load_steps = 1;
   report.residual = state.relative;
   report.seconds = bw_seconds() - start;
-  bw_free(motion->report.history);
-  motion->report = report;
+  bwi_newton_state_report(&state, &motion->report);
+  bw_free(motion->newton.history);
+  motion->newton = report;
   report.history = NULL;
 done:
   if (status != BW_OK && inner->contact && state.contact)
@@ -276,7 +277,7 @@ static bw_status keep(bw_context *context, bw_solid_transient *motion, motion_be
     memcpy(former->multiplier, contact->multiplier, (size_t)contact->count * sizeof(double));
   }
   former->as = *motion;
-  motion->report.history = NULL;
+  motion->newton.history = NULL;
   return BW_OK;
 }
 
@@ -289,9 +290,10 @@ static void put_back(bw_solid_transient *motion, motion_before *former) {
     memcpy(field[k], former->field[k], size * sizeof(double));
   for (int64_t k = 0; contact && k < contact->count; k++)
     contact->multiplier[k] = former->multiplier ? former->multiplier[k] : 0;
-  bw_free(motion->report.history);
+  bw_free(motion->newton.history);
+  motion->newton = former->as.newton;
+  former->as.newton.history = NULL;
   motion->report = former->as.report;
-  former->as.report.history = NULL;
   motion->time = former->as.time;
   motion->steps = former->as.steps;
   motion->kinetic = former->as.kinetic;
@@ -319,7 +321,7 @@ done:
   if (kept && status != BW_OK)
     put_back(motion, &former);
   if (kept)
-    bw_free(former.as.report.history);
+    bw_free(former.as.newton.history);
   for (int k = 0; k < 3; k++)
     bw_free(former.field[k]);
   bw_free(former.multiplier);

@@ -158,10 +158,14 @@ done:
 static bw_status solve_tangent(newton *n, double load, double accuracy, bool keep) {
   bw_status status = BW_OK;
   struct bwi_sheet *inner = n->inner;
+  const bw_solver *given = n->options->linear.solver;
+  bw_solver kept = {.options = {.kind = BW_SOLVER_PCG, .preconditioner = given}};
+  if (given && given->options.kind == BW_SOLVER_PCG)
+    kept.options = given->options;
   bw_lagged_factor_options linear = n->options->linear;
   linear.tolerance = fmax(linear.tolerance, accuracy);
-  if (keep && linear.method != BW_LAGGED_FACTOR_AUTO)
-    linear.method = BW_LAGGED_FACTOR_ITERATE; /* its factor is there */
+  if (keep && given)
+    linear.solver = &kept; /* its factor is there */
   n->bend.u = n->u;
   for (int attempt = keep ? 0 : 1; attempt < 3; attempt++) {
     double start = bw_seconds();
@@ -170,7 +174,7 @@ static bw_status solve_tangent(newton *n, double load, double accuracy, bool kee
       n->step[i] = inner->is_prescribed[i] ? load * inner->prescribed[i] - n->u[i] : 0;
     memcpy(inner->work, inner->rhs, n->size * sizeof(double));
     if (attempt > 0) {
-      linear.method = n->options->linear.method;
+      linear.solver = given;
       n->bend.convex = attempt == 2;
       BW_TRY(bwi_large_deflection_tangent(n->context, &n->bend, inner->pattern, inner->workspace,
                                           inner->matrix));

@@ -90,6 +90,8 @@ struct bwi_plate {
   bool factored;              /* there is a factor of these nodes, of whatever shape */
   double *origin;             /* node_count x 2: where the nodes were then */
   int first_iterations, last; /* iterations with a new factor, and in the last solve */
+  int lag;                    /* solutions since the factor's own */
+  double factor_bytes;
 };
 
 /* A state of a mesh with its matrices and without modes. */

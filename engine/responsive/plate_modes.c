@@ -1,7 +1,9 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* The modes of a plate: rigid-body motions projected out (responsive, appendix A), the last frame's
  * modes as the start, the last frame's factor as the preconditioner. */
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "responsive/plate.h"
@@ -9,7 +11,7 @@
 enum { RIGID = 3, GUARDS = 2, ROUNDS = 400, PAST = 2 };
 
 void bw_plate_options_default(bw_plate_options *options) {
-  *options = (bw_plate_options){.modes = 1, .tolerance = 1e-6};
+  *options = (bw_plate_options){.modes = 1, .tolerance = 1e-6, .max_lag = INT_MAX};
 }
 
 typedef struct problem {
@@ -115,6 +117,9 @@ static bw_status refactor(bw_context *context, const bw_plate *plate, bool full,
   bw_status status =
       bwi_lagged_symmetric_factor(context, in->factor, m->pattern, m->shifted, &work);
   in->factored = status == BW_OK;
+  in->lag = 0;
+  in->factor_bytes = work.bytes;
+  reuse->report.flops += work.flops;
   reuse->analyses += work.analysed;
   reuse->factorisations++;
   reuse->seconds_factor += bw_seconds() - before;
@@ -156,7 +161,13 @@ static bw_status find_modes(bw_context *context, const bw_plate *plate,
   const bw_plate_state *now = in->now;
   int64_t nodes = plate->mesh->topology->nodes->node_count, n = 3 * nodes;
   double *rigid = BW_NEW(context, double, 2 * RIGID * n), *rotation = NULL;
-  bool fresh = options->full || !in->factored || in->last > 2 * in->first_iterations + 6;
+  const char *reason =
+      options->full                 ? "a new factor was asked for"
+      : !in->factored               ? "there is no factor of this mesh yet"
+      : in->lag >= options->max_lag ? "the factor has served as many solutions as max_lag allows"
+      : in->last > 2 * in->first_iterations + 6 ? "iterations on the lagged factor were many"
+                                                : NULL;
+  bool fresh = reason != NULL;
   int iterations = 0;
   if (!rigid)
     return BW_MEMORY;
@@ -196,6 +207,7 @@ static bw_status find_modes(bw_context *context, const bw_plate *plate,
     bw_clear_failure(context);
     BW_TRY(refactor(context, plate, false, reuse));
     fresh = true;
+    reason = "iterations on the lagged factor did not converge";
     data.rotation = NULL;
     reuse->factor = false;
     ritz.limit = ROUNDS;
@@ -205,13 +217,30 @@ static bw_status find_modes(bw_context *context, const bw_plate *plate,
   in->last = iterations;
   if (fresh)
     in->first_iterations = iterations;
+  else
+    in->lag++;
   reuse->iterations += iterations;
   reuse->solves++;
   reuse->seconds_solve += bw_seconds() - before;
+  snprintf(reuse->report.reason, sizeof reuse->report.reason, "%s",
+           reason ? reason : "plates are solved on the lagged factor while iterations are few");
 done:
   bw_free(rigid);
   bw_free(rotation);
   return status;
+}
+
+/* The reason is there already. */
+static void fill_report(const bw_plate *plate, double seconds, bw_plane_reuse *reuse) {
+  bw_solver_report *report = &reuse->report;
+  report->solver = "lobpcg";
+  report->backend = bw_backend_word(BW_BACKEND_MULTIFRONTAL);
+  report->preconditioner = bw_solver_word(BW_SOLVER_CHOLESKY);
+  report->bytes = fmax(report->bytes, plate->inner->factor_bytes);
+  report->seconds += seconds;
+  report->iterations = reuse->iterations;
+  report->residual = reuse->residual;
+  report->reused = fmax(0, 1 - (double)reuse->factorisations / reuse->solves);
 }
 
 bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_options *given,
@@ -224,14 +253,22 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   bw_plate_state *next = NULL;
   int64_t nodes = plate->mesh->topology->nodes->node_count, n = 3 * nodes;
   bw_plane_reuse none = {0};
+  double start = bw_seconds();
   reuse = reuse ? reuse : &none;
   if (options.modes < 1 || options.modes >= n - GUARDS - RIGID)
     return bw_fail(context, BW_INVALID,
                    "%d modes requested of a plate with %lld unknowns: from 1 to %lld expected",
                    options.modes, (long long)n, (long long)(n - GUARDS - RIGID - 1));
-  if (!(options.tolerance > 0))
-    return bw_fail(context, BW_INVALID, "the tolerance is %g: it must be above 0",
-                   options.tolerance);
+  if (!(options.tolerance > 0) || options.max_lag < 0)
+    return bw_fail(context, BW_INVALID,
+                   "a tolerance of %g and a lag of at most %d solutions: above 0, and 0 or more, "
+                   "expected",
+                   options.tolerance, options.max_lag);
+  if (options.solver && options.solver->options.kind != BW_EIGENSOLVER_LOBPCG &&
+      options.solver->options.kind != BW_EIGENSOLVER_AUTO)
+    return bw_fail(context, BW_INVALID,
+                   "the eigensolver %s does not serve plates that follow an outline: give lobpcg",
+                   bw_eigensolver_name(options.solver));
   int block = options.modes + GUARDS;
   double *vector = BW_NEW0(context, double, (block + PAST * options.modes) * n),
          *value = BW_NEW(context, double, block), *frequency = BW_NEW(context, double, block),
@@ -258,6 +295,7 @@ bw_status bw_plate_solve(bw_context *context, bw_plate *plate, const bw_plate_op
   next->known = block + past;
   next->past = past;
   BW_TRY(bwi_plate_commit(context, plate, next));
+  fill_report(plate, bw_seconds() - start, reuse);
 done:
   bw_release(next);
   bw_free(vector);

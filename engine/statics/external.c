@@ -20,25 +20,10 @@ const bw_external *bw_external_registered(void) {
   return registered;
 }
 
-void bw_external_options_default(bw_external_options *options) {
-  *options = (bw_external_options){.method = BW_EXTERNAL_AUTO, .rtol = 1e-10, .iterations = 2000};
-}
-
-static bw_status check_options(bw_context *context, const bw_external_options *given,
-                               bw_external_method otherwise, bw_external_options *options) {
-  bw_external_options_default(options);
-  if (given)
-    *options = *given;
-  if (options->method == BW_EXTERNAL_AUTO)
-    options->method = otherwise;
-  if (!(options->rtol > 0 && options->rtol < 1))
-    return bw_fail(context, BW_INVALID, "rtol is %g; it must lie between 0 and 1", options->rtol);
-  if (options->iterations < 1)
-    return bw_fail(context, BW_INVALID, "%d iterations: at least 1 expected", options->iterations);
-  if (!registered)
-    return bw_fail(context, BW_UNSUPPORTED,
-                   "no external solver is loaded: require \"barwright.distributed\"");
-  return BW_OK;
+static bw_status check_registered(bw_context *context) {
+  return registered ? BW_OK
+                    : bw_fail(context, BW_UNSUPPORTED,
+                              "no external solver is loaded: require \"barwright.distributed\"");
 }
 
 /* A problem while the solver has it. */
@@ -49,9 +34,9 @@ typedef struct equations {
 } equations;
 
 static bw_status open_system(bw_context *context, const bw_model *model, bool mass,
-                             const bw_external_options *options, equations *e) {
+                             const bw_solver *solver, equations *e) {
   e->problem = (bw_external_problem){.model = model, .dof_map = e->dof_map, .mass = mass};
-  bw_status status = registered->open(context, &e->problem, options);
+  bw_status status = registered->open(context, &e->problem, solver);
   e->open = status == BW_OK;
   return status;
 }
@@ -72,6 +57,11 @@ static bw_status multiply(bw_context *context, equations *e, int count, const do
 }
 
 /* ---- statics --------------------------------------------------------------------------------- */
+
+/* (-) relative residual that a solver is to reach. */
+static double tolerance_of(const bw_solver *solver) {
+  return solver->options.tolerance > 0 ? solver->options.tolerance : BW_EXTERNAL_TOLERANCE;
+}
 
 static bw_status solve(bw_context *context, void *data, const double *force, double *displacement) {
   equations *e = data;
@@ -100,7 +90,8 @@ static double norm(const double *a, int64_t size) {
 
 /* The residual is above what was asked for. It stands where rounding alone leaves as much: of K u,
  * or of a load that inertia balances to nothing (a body that falls). */
-static bw_status check(bw_context *context, equations *e, double rtol, const bw_static *result) {
+static bw_status check(bw_context *context, equations *e, const bw_solver *solver,
+                       const bw_static *result) {
   bw_status status = BW_OK;
   double noise = 0;
   int64_t size = 3 * (int64_t)e->dof_map->mesh->node_count;
@@ -121,31 +112,21 @@ static bw_status check(bw_context *context, equations *e, double rtol, const bw_
   bool product_rounding = result->residual < 1e-6 && remaining < 10 * noise;
   bool nothing_to_solve = remaining < 1e-13 * norm(result->force, size);
   if (!product_rounding && !nothing_to_solve) {
-    status = bw_fail(context, BW_CONVERGENCE,
-                     "the residual of the solution is %.2e of the load; %.2e was requested. Give a "
-                     "larger tolerance, or the solver cholesky",
-                     result->residual, rtol);
+    status =
+        bw_fail(context, BW_CONVERGENCE,
+                "the residual of the solution is %.2e of the load; %.2e was requested. %s",
+                result->residual, tolerance_of(solver),
+                solver->options.kind == BW_SOLVER_PCG
+                    ? "Give a larger tolerance, or the solver cholesky"
+                    : "The factor lost these digits: the body is nearly a mechanism, or its "
+                      "elements are very flat. Give pcg with amg of the backend petsc, or mesh "
+                      "again");
     bw_detail_number(context, "residual", result->residual);
   }
 done:
   bw_free(residual);
   bw_free(product);
   return status;
-}
-
-/* What the external solver is told of a bw_solver. */
-static bw_external_options options_of(const bw_solver *solver) {
-  bw_external_options options;
-  bw_external_options_default(&options);
-  if (solver->options.kind == BW_SOLVER_PCG) {
-    options.method = BW_EXTERNAL_CG;
-    if (solver->options.tolerance > 0)
-      options.rtol = solver->options.tolerance;
-    if (solver->options.max_iterations > 0)
-      options.iterations = solver->options.max_iterations;
-  } else
-    options.method = BW_EXTERNAL_CHOLESKY;
-  return options;
 }
 
 static void fill_report(const bw_solver *solver, bw_static *result) {
@@ -164,12 +145,11 @@ static void fill_report(const bw_solver *solver, bw_static *result) {
 bw_status bwi_statics_external(bw_context *context, const bw_model *model,
                                const bw_statics_options *statics, bw_static **out) {
   bw_status status = BW_OK;
-  const bw_external_options given = options_of(statics->solver);
-  bw_external_options options;
+  const double tolerance = tolerance_of(statics->solver);
   equations e = {0};
   bw_static *result = NULL;
   double start = bw_seconds();
-  BW_TRY(check_options(context, &given, BW_EXTERNAL_CG, &options));
+  BW_TRY(check_registered(context));
   BW_TRY(bw_dof_map_create(context, model, &e.dof_map));
   BW_TRY(bwi_static_begin(context, model, statics, e.dof_map, &result));
   result->external = BW_NEW0(context, bw_external_report, 1);
@@ -177,12 +157,12 @@ bw_status bwi_statics_external(bw_context *context, const bw_model *model,
     status = BW_MEMORY;
     goto done;
   }
-  BW_TRY(open_system(context, model, false, &options, &e));
+  BW_TRY(open_system(context, model, false, statics->solver, &e));
   bwi_static_solver solver = {
-      .solve = solve, .multiply = multiply_one, .data = &e, .refine_to = options.rtol};
+      .solve = solve, .multiply = multiply_one, .data = &e, .refine_to = tolerance};
   BW_TRY(bwi_static_solve(context, e.dof_map, NULL, NULL, &solver, result));
-  if (result->residual > options.rtol)
-    BW_TRY(check(context, &e, options.rtol, result));
+  if (result->residual > tolerance)
+    BW_TRY(check(context, &e, statics->solver, result));
 done:
   clear(context, &e, result ? result->external : NULL);
   if (status == BW_OK) {
@@ -232,38 +212,34 @@ done:
   return status;
 }
 
-/* How SLEPc solves its inner systems; NULL: as it does by default. */
-static const bw_external_options *inner_options(const bw_eigensolver *solver,
-                                                bw_external_options *options) {
-  if (!solver)
-    return NULL;
-  *options = (bw_external_options){.method = solver->options.inner_pcg ? BW_EXTERNAL_CG
-                                                                       : BW_EXTERNAL_CHOLESKY,
-                                   .rtol = solver->options.inner_tolerance,
-                                   .iterations = solver->options.inner_iterations};
-  return options;
+/* How SLEPc solves its inner systems. */
+static bw_solver inner_of(const bw_eigensolver *solver) {
+  if (!solver || !solver->options.inner_pcg)
+    return (bw_solver){.options = {.kind = BW_SOLVER_CHOLESKY, .backend = BW_BACKEND_PETSC}};
+  return (bw_solver){.options = {.kind = BW_SOLVER_PCG,
+                                 .tolerance = solver->options.inner_tolerance,
+                                 .max_iterations = solver->options.inner_iterations}};
 }
 
 bw_status bw_modes_external(bw_context *context, const bw_model *model,
                             const bw_modes_options *options, bw_modes **modes) {
   bw_status status = BW_OK;
   bw_modes_options opts;
-  bw_external_options external, given;
+  const bw_solver inner = inner_of(options ? options->solver : NULL);
   equations e = {0};
   bw_external_modes found = {0};
   bwi_eigen_result result = {0};
   bw_external_report *report = NULL;
   double start = bw_seconds();
   BW_TRY(bwi_modes_options_check(context, options, &opts));
-  BW_TRY(check_options(context, options ? inner_options(options->solver, &given) : NULL,
-                       BW_EXTERNAL_CHOLESKY, &external));
+  BW_TRY(check_registered(context));
   report = BW_NEW0(context, bw_external_report, 1);
   if (!report) {
     status = BW_MEMORY;
     goto done;
   }
   BW_TRY(bw_dof_map_create(context, model, &e.dof_map));
-  BW_TRY(open_system(context, model, true, &external, &e));
+  BW_TRY(open_system(context, model, true, &inner, &e));
   status = registered->modes(context, &opts, &found);
   e.open = status == BW_OK;
   result = (bwi_eigen_result){

@@ -70,9 +70,7 @@ static bw_status read_solver(statics *s) {
     s->preconditioner = m;
     return BW_OK;
   default:
-    return bw_fail(s->context, BW_INVALID,
-                   "\"%s\" is a preconditioner and no solver: give it to pcg",
-                   bw_solver_word(solver->options.kind));
+    return bwi_solver_refused(s->context, solver);
   }
 }
 
@@ -303,7 +301,7 @@ static bw_status by_pcg(statics *s) {
     BW_TRY(bwi_system_precondition(s->context, system, s->preconditioner, s->old, s->available));
   BW_TRY(run(s, &solver));
   const bwi_factor *factor = system->preconditioner->factor;
-  bool refined = s->opts.solver->options.kind == BW_SOLVER_CHOLESKY;
+  bool refined = s->preconditioner == s->opts.solver;
   report->solver = bw_solver_word(refined ? BW_SOLVER_CHOLESKY : BW_SOLVER_PCG);
   report->preconditioner = refined ? "" : bw_solver_word(s->preconditioner->options.kind);
   report->backend = factor ? factor->kernels->backend : "";
@@ -326,7 +324,7 @@ static bw_status by_factor(statics *s) {
   bw_system *system = s->result->system;
   bw_solver_report *report = &s->result->report;
   const bwi_factor *before = system->factor;
-  const bwi_static_solver solver = {
+  const bwi_static_solver by_solves = {
       .solve = solve_system, .data = system, .refine_to = BWI_REFINE_TO};
   if (system->two_level && !s->opts.solver) {
     report->predicted_cost = system->two_level->prediction.factor;
@@ -336,9 +334,15 @@ static bw_status by_factor(statics *s) {
     bw_release(system->two_level->preconditioner);
     system->two_level->preconditioner = NULL;
   }
-  BW_TRY(bwi_system_factor(s->context, system, s->way == BY_FACTOR ? s->opts.solver : NULL, s->old,
-                           s->available));
-  BW_TRY(run(s, &solver));
+  const bw_solver *solver = s->way == BY_TWO_LEVEL ? NULL : s->opts.solver;
+  bw_solver wide;
+  if (s->way == BY_PCG) { /* in place of one in single precision */
+    wide = *solver;
+    wide.options.precision = 0;
+    solver = &wide;
+  }
+  BW_TRY(bwi_system_factor(s->context, system, solver, s->old, s->available));
+  BW_TRY(run(s, &by_solves));
   report->solver = bw_solver_word(BW_SOLVER_CHOLESKY);
   report->backend = system->factor->kernels->backend;
   report->reused = system->factor == before;
@@ -359,8 +363,32 @@ static bool other_way(const statics *s, bw_status status) {
   if (s->way == BY_TWO_LEVEL)
     return (status == BW_CONVERGENCE && has_memory(s, &system->two_level->prediction)) ||
            status == BW_SINGULAR;
-  return status == BW_MEMORY && bwi_two_level_applies(system) &&
-         system->dof_map->unknown_count >= SMALL;
+  return status == BW_MEMORY &&
+         (bwi_two_level_applies(system) || system->dof_map->rigid_mode_count == 0);
+}
+
+/* By two-level PCG or, on linear elements, by PCG with multigrid. */
+static bw_status without_factor(statics *s) {
+  bw_status status = BW_OK;
+  bw_system *system = s->result->system;
+  const bwi_preconditioner *kept = system->preconditioner;
+  bw_solver *amg = NULL;
+  s->available = 0; /* there is none */
+  say(s, "there is no memory for a factor");
+  if (bwi_two_level_applies(system)) {
+    if (!system->two_level)
+      BW_TRY(bwi_two_level_predict(s->context, system));
+    return by_two_level(s);
+  }
+  if (kept && kept->solver->options.kind == BW_SOLVER_AMG)
+    amg = bw_retain(kept->solver);
+  else
+    BW_TRY(bw_solver_create(s->context, &(bw_solver_options){.kind = BW_SOLVER_AMG}, &amg));
+  s->preconditioner = amg;
+  status = by_pcg(s);
+done:
+  bw_release(amg);
+  return status;
 }
 
 static bw_status solve(statics *s) {
@@ -389,11 +417,7 @@ static bw_status solve(statics *s) {
                                     : "the stiffness of the linear elements is singular");
     BW_TRY(by_factor(s));
   } else {
-    s->available = 0; /* there is none */
-    if (!s->result->system->two_level)
-      BW_TRY(bwi_two_level_predict(context, s->result->system));
-    say(s, "there is no memory for a factor");
-    BW_TRY(by_two_level(s));
+    BW_TRY(without_factor(s));
   }
 done:
   return status;

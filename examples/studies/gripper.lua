@@ -46,7 +46,7 @@ local study = bw.study {
     local tip = bent.displacement:gather(grid:nodes {side = "max x"})
     assert(grid:picture(trial.folder .. "/finger.png", {displacement = bent.displacement,
       direction = {0.4, -1, 0.3}, up = {0, 0, 1}, width = 360, height = 260}))
-    return {down = -tip:column(3):mean(), min_ratio = bent.report.shape.min_ratio}
+    return {down = -tip:column(3):mean(), min_ratio = bent.newton.shape.min_ratio}
   end,
 }
 

@@ -72,18 +72,20 @@ local reused = setmetatable({}, {__mode = "k"})
 --- Of a result of an edit session: what its solve reused, and what it cost.
 core.classes.static.properties.reused = function(static) return reused[static] end
 
-local methods = {
-  refactor = function(reuse) return shown.percent(reuse.factor_reused) .. " of the factor" end,
-  iterate = function(reuse) return ("the factor as it was, %d iterations"):format(reuse.iterations) end,
-  pcg = function(reuse) return ("two-level PCG in place of a factor, %d iterations"):format(reuse.iterations) end,
-  full = function() return "nothing of the factor" end,
-}
+-- What solved the equations, in words.
+local function way(reuse)
+  if reuse.preconditioner == "two_level" then
+    return ("two-level PCG in place of a factor, %d iterations"):format(reuse.iterations)
+  end
+  if reuse.solver == "pcg" then return ("the factor as it was, %d iterations"):format(reuse.iterations) end
+  return reuse.full and "nothing of the factor" or shown.percent(reuse.factor_reused) .. " of the factor"
+end
 
 function core.tables.reuse:__tostring()
   local function yes(flag) return flag and "yes" or "no" end
   local text = ("pattern %s, ordering %s, %d of %d subdomains, %s"):format(yes(self.pattern),
     yes(self.ordering), self.subdomains - self.subdomains_changed, self.subdomains,
-    (methods[self.method] or methods.refactor)(self))
+    way(self))
   if self.precision == 32 then text = text .. " in single precision" end
   if self.mesh and self.mesh ~= "posed" then text = text .. "; mesh " .. self.mesh end
   return text
@@ -94,7 +96,7 @@ local function complete_new(reuse, subdomains)
   reuse.pattern, reuse.ordering = false, false
   reuse.subdomains, reuse.subdomains_reused, reuse.subdomains_rotated = subdomains, 0, 0
   reuse.subdomains_changed, reuse.factor_reused = subdomains, 0
-  if reuse.method ~= "pcg" then reuse.method = "full" end
+  reuse.full = reuse.solver ~= "pcg"
 end
 
 local solutions = 2 -- of each load case, that are kept to begin iterations with

@@ -16,7 +16,7 @@ local methods, heat_methods = {drag = followed.drag, become = followed.become}, 
 
 local function advance(self, report, step, count)
   local opts = self.opts
-  return self.body:step(report, opts.solver, {step = step, bdf = opts.bdf, ale = opts.ale,
+  return self.body:step(report, followed.linear(self), {step = step, bdf = opts.bdf, ale = opts.ale,
     iterations = opts.iterations, tolerance = opts.tolerance}, count)
 end
 
@@ -172,7 +172,7 @@ end
 -- ---- making --------------------------------------------------------------------------------------
 
 local function with(more)
-  local all = followed.with {
+  local all = followed.with(followed.solved {
     density = {type = "number", default = 1, above = 0},
     viscosity = {type = "number", needed = true, above = 0},
     gravity = {type = "table", default = {0, 0}},
@@ -183,8 +183,7 @@ local function with(more)
     iterations = {type = "integer", default = 0, min = 0},
     tolerance = {type = "number", default = 1e-8, above = 0},
     ale = {type = "boolean", default = false},
-    solver = {type = "table", default = {}},
-  }
+  })
   for key, rule in pairs(more) do all[key] = rule end
   return all
 end

@@ -30,6 +30,17 @@ function followed.with(more)
   return all
 end
 
+--- Rules with those of what solves linear equations on a lagged factor.
+function followed.solved(more)
+  more.solver, more.max_lag = {type = "solver", auto = true}, {type = "integer", min = 0}
+  return more
+end
+
+--- The options of the linear equations, as the engine's body takes them.
+function followed.linear(self)
+  return {solver = self.opts.solver, max_lag = self.opts.max_lag}
+end
+
 --- A mesh has a wanted number of elements or a wanted size of them.
 function followed.one_size(where, opts)
   if opts.size ~= nil and opts.elements ~= nil then
@@ -69,6 +80,7 @@ end
 local properties = {
   outline = function(self) return rawget(self, "body").outline end,
   reused = function(self) return rawget(self, "last") end,
+  report = function(self) return rawget(self, "last").report end,
   element_count = function(self) return (rawget(self, "body"):counts()) end,
   node_count = function(self) return (select(2, rawget(self, "body"):counts())) end,
 }
@@ -93,7 +105,9 @@ function followed.class(what, names, more)
   class.__name = "barwright." .. what
   function class:__tostring()
     local elements, nodes = self.body:counts()
-    return ("%s: %d triangles, %d nodes; %s"):format(what, elements, nodes, tostring(self.last))
+    local report = self.report
+    return ("%s: %d triangles, %d nodes; %s%s"):format(what, elements, nodes, tostring(self.last),
+      report and "; " .. tostring(report) or "")
   end
   return class
 end

@@ -81,12 +81,24 @@ function bw.version()
   return core.version, core.commit
 end
 
+-- __index of a table of functions: a name that it lacks raises, with what it may have been meant for.
+local function named(what, functions)
+  return function(_, name)
+    if type(name) ~= "string" then return nil end
+    local names = {}
+    for known in pairs(functions) do names[#names + 1] = known end
+    raise(("%s has no '%s': %s"):format(what, name, core.suggestion(name, names)))
+  end
+end
+
+-- Modules that are tables of functions; those with a metatable, and classes, see to it by themselves.
+for name, module in pairs(bw) do
+  if type(module) == "table" and not getmetatable(module) and not rawget(module, "__index") then
+    setmetatable(module, {__index = named("bw." .. name, module)})
+  end
+end
+
 return setmetatable(bw, {
   __tostring = function() return "barwright " .. core.version end,
-  __index = function(_, name)
-    local names = {}
-    for known in pairs(bw) do names[#names + 1] = known end
-    raise(("barwright has no '%s': %s"):format(tostring(name),
-      core.suggestion(tostring(name), names)))
-  end,
+  __index = named("barwright", bw),
 })

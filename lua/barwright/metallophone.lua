@@ -19,6 +19,8 @@ local rules = followed.with {
   thickness = {type = "number", needed = true, above = 0},
   modes = {type = "integer", default = 1, min = 1, max = 200},
   tolerance = {type = "number", default = 1e-4, above = 0},
+  solver = {type = "eigensolver", auto = true},
+  max_lag = {type = "integer", min = 0},
 }
 
 local bar = followed.class("metallophone bar", {"frequencies", "thickness"}, {
@@ -34,7 +36,9 @@ bar.drag, bar.become, bar.solve, bar.start = followed.drag, followed.become, fol
   followed.solve
 
 function bar.finish(self, report)
-  return self.body:solve(report, {modes = self.opts.modes, tolerance = self.opts.tolerance})
+  local opts = self.opts
+  return self.body:solve(report, {modes = opts.modes, tolerance = opts.tolerance, solver = opts.solver,
+    max_lag = opts.max_lag})
 end
 
 local describe = bar.__tostring

@@ -70,7 +70,7 @@ local function solve(self, state, part, i, tolerance, further, known)
     tolerance = tolerance, energy = true, guess = known and {known} or guess(self, i),
     further = further, max_iteration_ratio = self.max_iteration_ratio}, record.reuse)
   if not result then return nil, reuse, details end
-  local current = not record.reuse or reuse.method ~= "iterate" and reuse.method ~= "pcg"
+  local current = not record.reuse or reuse.solver ~= "pcg"
   if current and reuse.iterations > 0 then self.max_iteration_ratio = nil end -- in vain
   if not known then remember_displacement(self.near[i], result.displacement) end
   if current then
@@ -79,7 +79,8 @@ local function solve(self, state, part, i, tolerance, further, known)
   end
   self.counts.solves = self.counts.solves + 1
   return {result = result, model = record.model, system = record.system, von_mises = result.von_mises,
-    many = current or reuse.method == "pcg", exact = tolerance <= exact or current and reuse.precision == 64}
+    many = current or reuse.preconditioner == "two_level",
+    exact = tolerance <= exact or current and reuse.precision == 64}
 end
 
 -- The highest stress under any load.

@@ -14,15 +14,14 @@ local fields = {"time", "displacement", "velocity", "acceleration", "stress", "v
   "error_estimate", "mesh"}
 
 local function with(more)
-  local all = followed.with {
+  local all = followed.with(followed.solved {
     material = {type = "any", needed = true},
     thickness = {type = "any", default = 1},
     plane = {type = "string", default = "stress", one_of = {"stress", "strain"}},
     conditions = {type = "table", default = {}},
     gravity = {type = "table", default = {0, 0}},
     order = {type = "integer", default = 1, min = 1, max = 2},
-    solver = {type = "table", default = {}},
-  }
+  })
   for key, rule in pairs(more) do all[key] = rule end
   return all
 end
@@ -79,7 +78,7 @@ local steady = followed.class("steady sheet", fields)
 steady.drag, steady.become = followed.drag, followed.become
 
 function steady.finish(self, report)
-  return self.body:static(report, self.opts.solver)
+  return self.body:static(report, followed.linear(self))
 end
 
 steady.solve, steady.start = followed.solve, followed.solve
@@ -101,7 +100,7 @@ local cantilever = followed.class("large-deflection sheet", fields)
 cantilever.drag, cantilever.become = followed.drag, followed.become
 
 function cantilever.finish(self, report)
-  return self.body:large_deflection(report, self.opts.solver, self.opts.newton)
+  return self.body:large_deflection(report, followed.linear(self), self.opts.newton)
 end
 
 cantilever.solve, cantilever.start = followed.solve, followed.solve
@@ -144,7 +143,7 @@ function vibration:step(count)
   end
   local opts = self.opts
   return followed.step(self, function(report)
-    return self.body:transient(report, opts.solver, {step = opts.step, beta = opts.beta,
+    return self.body:transient(report, followed.linear(self), {step = opts.step, beta = opts.beta,
       gamma = opts.gamma, damping_mass = opts.damping[1], damping_stiffness = opts.damping[2]}, count)
   end)
 end

@@ -31,8 +31,10 @@ local function corrected(result)
   under, message, details = of_solids.own_coarse(fine, true)
   if message then return nil, message, details end
   local moved
-  moved, message, details = fine.body:correct(case, {iterations = STEPS, cg_iterations = CG_ITERATIONS,
-    coarse = under}, result.fine_displacement)
+  local solver = core.solver.pcg {max_iterations = CG_ITERATIONS,
+    preconditioner = not under and core.solver.jacobi() or nil}
+  moved, message, details = fine.body:correct(case, {iterations = STEPS, solver = solver, coarse = under},
+    result.fine_displacement)
   if moved then return moved end
   return nil, message or "the coarse displacements invert elements of the fine grid",
     details or {status = "geometry"}

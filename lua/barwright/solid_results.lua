@@ -4,6 +4,7 @@ local arguments = require "barwright.arguments"
 local core = require "barwright.core"
 local estimate = require "barwright.solid_estimate"
 local members = require "barwright.members"
+local solver_reports = require "barwright.solver_reports"
 
 local result = {}
 
@@ -15,14 +16,14 @@ local function cached(name, make)
   end
 end
 
-local function sum_reports(all)
+local function sum_newton(all)
   local total = {}
   for _, each in ipairs(all) do
-    for key, value in pairs(each.report) do
+    for key, value in pairs(each.newton) do
       if type(value) == "number" then total[key] = (total[key] or 0) + value end
     end
   end
-  local last = all[#all].report
+  local last = all[#all].newton
   total.load, total.residual, total.contacts = last.load, last.residual, last.contacts
   total.shape, total.history = last.shape, last.history
   return total
@@ -34,7 +35,12 @@ local properties = {
   energy = function(self) return rawget(self, "inner").energy end,
   complete = function(self) return rawget(self, "inner").complete end,
   grid = function(self) return rawget(self, "solid").grid end,
-  report = cached("report", function(self) return sum_reports(self.all) end),
+  newton = cached("newton", function(self) return sum_newton(self.all) end),
+  report = cached("report", function(self)
+    local reports = {}
+    for _, each in ipairs(self.all) do solver_reports.add(reports, "linear", each.report) end
+    return reports.linear
+  end),
   stress = cached("stress", function(self)
     return self.solid.body:stress(self.displacement, true)
   end),
@@ -120,10 +126,11 @@ function result:panel(title, values)
 end
 
 function result:__tostring()
-  local r = self.report
+  local r = self.newton
   return ("equilibrium%s: strain energy %s, %d iterations in %d load steps, residual %.1e, smallest det F "
-    .. "%.4g"):format(self.complete and "" or (" at load factor %.4g"):format(r.load),
-    core.quantity(self.energy, "J"), r.iterations, r.load_steps, r.residual, r.shape.min_ratio)
+    .. "%.4g; %s"):format(self.complete and "" or (" at load factor %.4g"):format(r.load),
+    core.quantity(self.energy, "J"), r.iterations, r.load_steps, r.residual, r.shape.min_ratio,
+    tostring(self.report))
 end
 
 arguments.methods("result", result, result, {error = "reference: any", estimate_error = "",

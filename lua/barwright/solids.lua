@@ -389,12 +389,11 @@ local function coarse_of(given)
   return {{given.coarse:coarsening(1), given.body}}
 end
 
--- Up to so many nodes a factor is sure to be cheap; beyond as many as the second number it is not even
--- analysed. Between them the engine counts what it costs and what conjugate gradients over coarse solids
--- do, which need the fewer iterations the better these are: a fine solid may be of sheets and rods a cell
--- thick, of which nothing is left in a coarse one (docs/theory/data_driven.md, "Equilibrium"). The last
--- coarse solid's tangent is factored; it gets few enough nodes for it.
-local FEW_NODES, MANY_NODES = 1500, 20000
+-- Up to so many nodes a factor is sure to be cheap. Beyond, the engine counts what it costs and what conjugate
+-- gradients over coarse solids do, which need the fewer iterations the better these are: a fine solid may be
+-- of sheets and rods a cell thick, of which nothing is left in a coarse one (docs/theory/data_driven.md,
+-- "Equilibrium"). The last coarse solid's tangent is factored; it gets few enough nodes for it.
+local FEW_NODES = 1500
 local MAX_FACTORED = 5000
 local MAX_LEVELS = 2
 
@@ -455,8 +454,7 @@ local function solve_itself(self, opts)
   end
   newton.coarse = under
   if given == nil then
-    newton.by_cost = under and not opts.coarse and self.node_count <= MANY_NODES
-    newton.solver = under and core.solver.pcg() or core.solver.cholesky()
+    newton.solver = opts.coarse and core.solver.pcg() or nil
   end
   local start, all = opts.start, {}
   for part = 1, parts do

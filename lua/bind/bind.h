@@ -277,10 +277,6 @@ const void *lbw_object_option(lua_State *L, int index, const char *function, con
 const bw_solver *lbw_solver_option(lua_State *L, int index, const char *function);
 const bw_eigensolver *lbw_eigensolver_option(lua_State *L, int index, const char *function);
 const bw_lp_solver *lbw_lp_option(lua_State *L, int index, const char *function);
-/* The option "solver" for Newton's method on solids; what is left out stays as it is. `tolerance`
- * NULL: of steps in time, which have no two levels, and choose tolerance and iterations. */
-void lbw_newton_solver(lua_State *L, int index, const char *function, bw_newton_linear *linear,
-                       double *tolerance, int *max_iterations);
 /* Whether it works on the processes of barwright.distributed. */
 bool lbw_solver_is_external(const bw_solver *solver);
 

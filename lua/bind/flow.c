@@ -87,7 +87,7 @@ static int flow_check(lua_State *L) {
   return lbw_followed_check(L, &followed);
 }
 
-/* flow:step(frame, solver options, options, steps): option "step" 0: to the steady state */
+/* flow:step(frame, {solver, max_lag}, options, steps): option "step" 0: to the steady state */
 static int flow_step(lua_State *L) {
   static const lbw_option list[] = {{"step", LBW_REAL, offsetof(bw_flow_options, step)},
                                     {"bdf", LBW_INT, offsetof(bw_flow_options, bdf)},
@@ -102,11 +102,7 @@ static int flow_step(lua_State *L) {
   bw_flow_options options;
   bw_plane_reuse reuse;
   bw_flow_options_default(&options);
-  double tolerance = options.linear.tolerance;
-  lbw_read_lagged_factor(L, 3, &options.linear);
-  if (lbw_option_get(L, 3, "tolerance") == LUA_TNIL)
-    options.linear.tolerance = tolerance;
-  lua_settop(L, 5);
+  lbw_read_lagged_factor(L, 3, "step", &options.linear);
   lbw_options(L, 4, "step", list, &options);
   lua_Integer steps = lbw_integer_or(L, 5, 1);
   lbw_load_plane_reuse(L, 2, &reuse);

@@ -8,7 +8,6 @@
 
 static const char *const level_words[] = {"none", "relocation", "reconnecting", "reconstruction",
                                           NULL};
-static const char *const method_words[] = {"auto", "iterate", "refactor", "full", NULL};
 
 /* ---- reuse statistics ------------------------------------------------------------------------ */
 
@@ -21,8 +20,6 @@ static const char *const method_words[] = {"auto", "iterate", "refactor", "full"
   INTEGER(solves)                                                                                  \
   INTEGER(iterations)                                                                              \
   NUMBER(residual)                                                                                 \
-  NUMBER(predicted_iterate)                                                                        \
-  NUMBER(predicted_factor)                                                                         \
   NUMBER(seconds_mesh)                                                                             \
   NUMBER(seconds_assemble)                                                                         \
   NUMBER(seconds_factor)                                                                           \
@@ -40,6 +37,24 @@ static void store_reuse(lua_State *L, int index, const bw_plane_reuse *reuse) {
 #undef NUMBER
   lua_pushstring(L, level_words[reuse->level]);
   lua_setfield(L, index, "level");
+  if (reuse->report.solver) {
+    lbw_push_report(L, &reuse->report);
+    lua_setfield(L, index, "report");
+  }
+}
+
+/* The figures of a former call's report, which the next solution adds to. */
+static void load_report(lua_State *L, int index, bw_solver_report *report) {
+  double *const figure[] = {&report->predicted_cost, &report->rival_cost, &report->flops,
+                            &report->bytes, &report->seconds};
+  static const char *const key[] = {"predicted_cost", "rival_cost", "flops", "bytes", "seconds"};
+  if (lua_getfield(L, index, "report") == LUA_TTABLE)
+    for (size_t k = 0; k < sizeof key / sizeof *key; k++) {
+      lua_getfield(L, -1, key[k]);
+      *figure[k] = lua_tonumber(L, -1);
+      lua_pop(L, 1);
+    }
+  lua_pop(L, 1);
 }
 
 /* Reads back what a former call of the same frame wrote; the table's level is a word. */
@@ -55,6 +70,7 @@ void lbw_load_plane_reuse(lua_State *L, int index, bw_plane_reuse *reuse) {
 #undef INTEGER
 #undef NUMBER
   reuse->level = (bw_level)lbw_word_option(L, index, "reused", "level", level_words, 0);
+  load_report(L, index, &reuse->report);
 }
 
 int lbw_leave_frame(lua_State *L, const lbw_class *class, bw_status status,
@@ -108,17 +124,14 @@ void lbw_read_follow(lua_State *L, int index, const char *function, bw_follow_op
   follow->force = (bw_level)lbw_word_option(L, index, function, "level", level_words, 0);
 }
 
-static const lbw_option solve_list[] = {
-    {"method", LBW_OTHER, 0},
-    {"tolerance", LBW_REAL, offsetof(bw_lagged_factor_options, tolerance)},
-    {"iterations", LBW_INT, offsetof(bw_lagged_factor_options, iterations)},
-    {NULL, LBW_OTHER, 0}};
-
-void lbw_read_lagged_factor(lua_State *L, int index, bw_lagged_factor_options *options) {
-  bw_lagged_factor_options_default(options);
-  lbw_options(L, index, "solve", solve_list, options);
-  options->method =
-      (bw_lagged_factor_method)lbw_word_option(L, index, "solve", "method", method_words, 0);
+void lbw_read_lagged_factor(lua_State *L, int index, const char *function,
+                            bw_lagged_factor_options *options) {
+  static const lbw_option list[] = {
+      {"solver", LBW_OTHER, 0},
+      {"max_lag", LBW_INT, offsetof(bw_lagged_factor_options, max_lag)},
+      {NULL, LBW_OTHER, 0}};
+  lbw_options(L, index, function, list, options);
+  options->solver = lbw_solver_option(L, index, function);
 }
 
 /* ---- making and following -------------------------------------------------------------------- */

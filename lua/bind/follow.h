@@ -13,7 +13,9 @@ void lbw_read_fill(lua_State *L, int index, const char *function, bw_plane_optio
 /* Raises where the number of elements is given beside what `size` names, which decides it too. */
 void lbw_check_one_size(lua_State *L, int index, const char *function, const char *size);
 void lbw_read_follow(lua_State *L, int index, const char *function, bw_follow_options *follow);
-void lbw_read_lagged_factor(lua_State *L, int index, bw_lagged_factor_options *options);
+/* {solver =, max_lag =} over the defaults that are there. */
+void lbw_read_lagged_factor(lua_State *L, int index, const char *function,
+                            bw_lagged_factor_options *options);
 
 /* What former calls wrote into the frame at `index`. */
 void lbw_load_plane_reuse(lua_State *L, int index, bw_plane_reuse *reuse);

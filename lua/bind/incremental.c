@@ -15,14 +15,13 @@ static int32_t subdomain_count(lua_State *L) {
   return ((const bw_subdomains *)box->extra)->stiffness.count;
 }
 
-static const char *const words[] = {"auto", "refactor", "iterate", "full", "pcg", NULL};
-
 /* ---- what was reused ------------------------------------------------------------------------- */
 
 /* The subdomains of an incremental system are the stiffness subdomains of bw_subdomains. */
 #define KEYS_OF_REUSE(BOOLEAN, INTEGER, NUMBER)                                                    \
   BOOLEAN(pattern, pattern)                                                                        \
   BOOLEAN(ordering, ordering)                                                                      \
+  BOOLEAN(full, full)                                                                              \
   INTEGER(subdomains, subdomains)                                                                  \
   INTEGER(subdomains_reused, subdomains_reused)                                                    \
   INTEGER(subdomains_rotated, subdomains_rotated)                                                  \
@@ -50,8 +49,12 @@ static void store_reuse(lua_State *L, const bw_reuse *reuse) {
 #undef BOOLEAN
 #undef INTEGER
 #undef NUMBER
-  lua_pushstring(L, words[reuse->method]);
-  lua_setfield(L, -2, "method");
+  if (reuse->solver) {
+    lua_pushstring(L, reuse->solver);
+    lua_setfield(L, -2, "solver");
+    lua_pushstring(L, *reuse->preconditioner ? reuse->preconditioner : NULL);
+    lua_setfield(L, -2, "preconditioner");
+  }
 }
 
 /* Reads back what store_reuse wrote, so that a solve completes what an update began. */

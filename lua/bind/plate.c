@@ -86,10 +86,12 @@ static int plate_check(lua_State *L) {
   return lbw_followed_check(L, &followed);
 }
 
-/* plate:solve(frame, {modes, tolerance, full}) */
+/* plate:solve(frame, {modes, tolerance, solver, max_lag, full}) */
 static int plate_solve(lua_State *L) {
   static const lbw_option list[] = {{"modes", LBW_INT, offsetof(bw_plate_options, modes)},
                                     {"tolerance", LBW_REAL, offsetof(bw_plate_options, tolerance)},
+                                    {"solver", LBW_OTHER, 0},
+                                    {"max_lag", LBW_INT, offsetof(bw_plate_options, max_lag)},
                                     {"full", LBW_BOOLEAN, offsetof(bw_plate_options, full)},
                                     {NULL, LBW_OTHER, 0}};
   bw_plate *plate = self(L);
@@ -99,6 +101,7 @@ static int plate_solve(lua_State *L) {
   bw_plane_reuse reuse;
   bw_plate_options_default(&options);
   lbw_options(L, 3, "solve", list, &options);
+  options.solver = lbw_eigensolver_option(L, 3, "solve");
   lbw_load_plane_reuse(L, 2, &reuse);
   bw_status status = bw_plate_solve(lbw_enter(L), plate, &options, &reuse);
   return lbw_leave_frame(L, &lbw_plate_class, status, &reuse);

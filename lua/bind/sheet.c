@@ -108,21 +108,22 @@ static int sheet_check(lua_State *L) {
   return lbw_followed_check(L, &followed);
 }
 
-/* sheet:static(frame, solver options) */
+/* sheet:static(frame, {solver, max_lag}) */
 static int sheet_static(lua_State *L) {
   bw_sheet *sheet = self(L);
   lua_settop(L, 3);
   lbw_check_type(L, 2, LUA_TTABLE);
   bw_lagged_factor_options options;
   bw_plane_reuse reuse;
-  lbw_read_lagged_factor(L, 3, &options);
+  bw_lagged_factor_options_default(&options);
+  lbw_read_lagged_factor(L, 3, "solve", &options);
   lbw_load_plane_reuse(L, 2, &reuse);
   lbw_conditions_begin(L, 1);
   bw_status status = bw_sheet_static(lbw_enter(L), sheet, &options, &reuse);
   return lbw_leave_frame(L, &lbw_sheet_class, status, &reuse);
 }
 
-/* sheet:transient(frame, solver options, newmark, steps) */
+/* sheet:transient(frame, {solver, max_lag}, newmark, steps) */
 static int sheet_transient(lua_State *L) {
   static const lbw_option list[] = {
       {"step", LBW_REAL, offsetof(bw_newmark, step)},
@@ -138,7 +139,8 @@ static int sheet_transient(lua_State *L) {
   bw_lagged_factor_options options;
   bw_newmark newmark;
   bw_plane_reuse reuse;
-  lbw_read_lagged_factor(L, 3, &options);
+  bw_lagged_factor_options_default(&options);
+  lbw_read_lagged_factor(L, 3, "step", &options);
   bw_newmark_default(&newmark);
   lbw_options(L, 4, "step", list, &newmark);
   lua_Integer steps = lbw_integer_or(L, 5, 1);
@@ -159,7 +161,7 @@ done:
   return lbw_leave_frame(L, &lbw_sheet_class, status, &reuse);
 }
 
-/* sheet:large_deflection(frame, solver options, newton) */
+/* sheet:large_deflection(frame, {solver, max_lag}, newton) */
 static int sheet_large_deflection(lua_State *L) {
   static const lbw_option list[] = {
       {"tolerance", LBW_REAL, offsetof(bw_large_deflection_options, tolerance)},
@@ -174,7 +176,7 @@ static int sheet_large_deflection(lua_State *L) {
   bw_plane_reuse reuse;
   bw_large_deflection_options_default(&options);
   lbw_options(L, 4, "solve", list, &options);
-  lbw_read_lagged_factor(L, 3, &options.linear);
+  lbw_read_lagged_factor(L, 3, "solve", &options.linear);
   lbw_load_plane_reuse(L, 2, &reuse);
   lbw_conditions_begin(L, 1);
   bw_status status = bw_sheet_large_deflection(lbw_enter(L), sheet, &options, &report, &reuse);

@@ -375,7 +375,6 @@ static int solid_solve(lua_State *L) {
       {"steps", LBW_INT, offsetof(bw_newton_options, steps)},
       {"max_iterations", LBW_INT, offsetof(bw_newton_options, max_iterations)},
       {"min_step", LBW_REAL, offsetof(bw_newton_options, min_step)},
-      {"by_cost", LBW_BOOLEAN, offsetof(bw_newton_options, by_cost)},
       {"allow_inverted", LBW_BOOLEAN, offsetof(bw_newton_options, allow_inverted)},
       {"solver", LBW_OTHER, 0},
       {"coarse", LBW_OTHER, 0},
@@ -389,7 +388,7 @@ static int solid_solve(lua_State *L) {
   bw_newton_options options;
   bw_newton_options_default(&options);
   lbw_options(L, 4, "solve", list, &options);
-  lbw_newton_solver(L, 4, "solve", &options.linear, &options.cg_tolerance, &options.cg_iterations);
+  options.solver = lbw_solver_option(L, 4, "solve");
   options.coarse_count = read_coarse(L, 4, coarsening, coarse);
   options.coarsening = coarsening;
   options.coarse = coarse;
@@ -412,12 +411,12 @@ static int solid_solve(lua_State *L) {
   return results;
 }
 
-/* solid:correct(case, options, displacement): {iterations, cg_iterations, coarse}; the displacement
+/* solid:correct(case, options, displacement): {iterations, solver, coarse}; the displacement
  * after so many steps, or nil where the energy is not defined */
 static int solid_correct(lua_State *L) {
   static const lbw_option list[] = {
       {"iterations", LBW_INT, offsetof(bw_newton_options, iterations)},
-      {"cg_iterations", LBW_INT, offsetof(bw_newton_options, cg_iterations)},
+      {"solver", LBW_OTHER, 0},
       {"coarse", LBW_OTHER, 0},
       {NULL, LBW_OTHER, 0}};
   lua_settop(L, 4);
@@ -430,7 +429,7 @@ static int solid_correct(lua_State *L) {
   bw_newton_options_default(&options);
   lbw_options(L, 3, "correct", list, &options);
   options.coarse_count = read_coarse(L, 3, coarsening, coarse);
-  options.linear = options.coarse_count > 0 ? BW_NEWTON_COARSE : BW_NEWTON_JACOBI;
+  options.solver = lbw_solver_option(L, 3, "correct");
   options.coarsening = coarsening;
   options.coarse = coarse;
   options.start = lbw_read_displacement(L, 4, "displacement", solid->grid);
@@ -466,14 +465,23 @@ static int static_complete(lua_State *L) {
   return 1;
 }
 
-static int static_report(lua_State *L) {
-  lbw_push_newton_report(L, &self_static(L)->report);
+static int static_newton(lua_State *L) {
+  lbw_push_newton_report(L, &self_static(L)->newton);
   return 1;
 }
 
-static const luaL_Reg static_properties[] = {
-    {"displacement", static_displacement}, {"reaction", static_reaction}, {"energy", static_energy},
-    {"complete", static_complete},         {"report", static_report},     {NULL, NULL}};
+static int static_report(lua_State *L) {
+  lbw_push_report(L, &self_static(L)->report);
+  return 1;
+}
+
+static const luaL_Reg static_properties[] = {{"displacement", static_displacement},
+                                             {"reaction", static_reaction},
+                                             {"energy", static_energy},
+                                             {"complete", static_complete},
+                                             {"report", static_report},
+                                             {"newton", static_newton},
+                                             {NULL, NULL}};
 const lbw_class lbw_solid_static_class = {"large_static", none, static_properties, no_meta, NULL};
 
 void lbw_open_solid(lua_State *L) {

@@ -11,12 +11,12 @@ static const char *const backends[] = {"auto", "multifrontal", "cholmod", "petsc
 static const char *const orderings[] = {"auto", "metis", "amd", "backend", NULL};
 
 /* The option "preconditioner", which stays with the options' table. */
-static const bw_solver *preconditioner_option(lua_State *L) {
+static const bw_solver *preconditioner_option(lua_State *L, const char *function) {
   const bw_solver *preconditioner = NULL;
   if (lbw_option_get(L, 1, "preconditioner") != LUA_TNIL) {
     preconditioner = (const bw_solver *)lbw_test(L, -1, &lbw_solver_class);
     if (!preconditioner)
-      lbw_option_refused(L, "solver.pcg", "preconditioner", "a solver of bw.solver");
+      lbw_option_refused(L, function, "preconditioner", "a solver of bw.solver");
   }
   lua_pop(L, 1);
   return preconditioner;
@@ -47,23 +47,41 @@ static int solver_cholesky(lua_State *L) {
   return create(L, &options);
 }
 
-/* solver.pcg{preconditioner, tolerance, max_iterations} */
-static int solver_pcg(lua_State *L) {
+/* solver.lu{full} */
+static int solver_lu(lua_State *L) {
+  static const lbw_option list[] = {{"full", LBW_BOOLEAN, offsetof(bw_solver_options, full)},
+                                    {NULL, LBW_OTHER, 0}};
+  bw_solver_options options = {.kind = BW_SOLVER_LU};
+  lua_settop(L, 1);
+  lbw_options(L, 1, "solver.lu", list, &options);
+  return create(L, &options);
+}
+
+/* {preconditioner, tolerance, max_iterations} */
+static int iterative(lua_State *L, bw_solver_kind kind, const char *function) {
   static const lbw_option list[] = {
       {"preconditioner", LBW_OTHER, 0},
       {"tolerance", LBW_REAL, offsetof(bw_solver_options, tolerance)},
       {"max_iterations", LBW_INT, offsetof(bw_solver_options, max_iterations)},
       {NULL, LBW_OTHER, 0}};
-  bw_solver_options options = {.kind = BW_SOLVER_PCG};
+  bw_solver_options options = {.kind = kind};
   lua_settop(L, 1);
-  lbw_options(L, 1, "solver.pcg", list, &options);
+  lbw_options(L, 1, function, list, &options);
   if (options.max_iterations < 1 && lbw_option_get(L, 1, "max_iterations") != LUA_TNIL)
-    lbw_option_refused(L, "solver.pcg", "max_iterations", "an integer of 1 or more");
+    lbw_option_refused(L, function, "max_iterations", "an integer of 1 or more");
   if (!(options.tolerance > 0) && lbw_option_get(L, 1, "tolerance") != LUA_TNIL)
-    lbw_option_refused(L, "solver.pcg", "tolerance", "a number above 0 and below 1");
+    lbw_option_refused(L, function, "tolerance", "a number above 0 and below 1");
   lua_settop(L, 1);
-  options.preconditioner = preconditioner_option(L);
+  options.preconditioner = preconditioner_option(L, function);
   return create(L, &options);
+}
+
+static int solver_pcg(lua_State *L) {
+  return iterative(L, BW_SOLVER_PCG, "solver.pcg");
+}
+
+static int solver_bicgstab(lua_State *L) {
+  return iterative(L, BW_SOLVER_BICGSTAB, "solver.bicgstab");
 }
 
 /* solver.two_level{} */
@@ -109,40 +127,6 @@ bool lbw_solver_is_external(const bw_solver *solver) {
   return solver && solver->options.backend == BW_BACKEND_PETSC;
 }
 
-void lbw_newton_solver(lua_State *L, int index, const char *function, bw_newton_linear *linear,
-                       double *tolerance, int *max_iterations) {
-  const bw_solver *solver = lbw_solver_option(L, index, function);
-  const bw_solver *m = NULL;
-  if (!solver)
-    return;
-  const bw_solver_options *o = &solver->options;
-  if (o->kind == BW_SOLVER_CHOLESKY && o->ordering == BW_ORDERING_AUTO && o->precision != 32 &&
-      (o->backend == BW_BACKEND_AUTO || o->backend == BW_BACKEND_MULTIFRONTAL)) {
-    *linear = BW_NEWTON_DIRECT;
-    return;
-  }
-  if (o->kind == BW_SOLVER_PCG) {
-    m = o->preconditioner;
-    bw_solver_kind kind = m ? m->options.kind : BW_SOLVER_TWO_LEVEL;
-    *linear = kind == BW_SOLVER_JACOBI ? BW_NEWTON_JACOBI : BW_NEWTON_COARSE;
-    if (!tolerance && (o->tolerance > 0 || o->max_iterations > 0))
-      lbw_error(L,
-                "%s: option 'solver': a step in time chooses tolerance and max_iterations of "
-                "bw.solver.pcg: leave them out",
-                function);
-    if (tolerance && o->tolerance > 0)
-      *tolerance = o->tolerance;
-    if (max_iterations && o->max_iterations > 0)
-      *max_iterations = o->max_iterations;
-    if (kind == BW_SOLVER_JACOBI || (kind == BW_SOLVER_TWO_LEVEL && tolerance))
-      return;
-  }
-  lbw_error(L,
-            "%s: option 'solver': Newton's method takes bw.solver.cholesky() of the backend "
-            "multifrontal, and bw.solver.pcg with jacobi%s",
-            function, tolerance ? " or two_level" : "");
-}
-
 /* ---- properties ------------------------------------------------------------------------------ */
 
 static int get_kind(lua_State *L) {
@@ -177,7 +161,7 @@ static int get_precision(lua_State *L) {
 }
 
 static int get_full(lua_State *L) {
-  if (!has_factor(self(L)))
+  if (!has_factor(self(L)) && self(L)->options.kind != BW_SOLVER_LU)
     return 0;
   lua_pushboolean(L, self(L)->options.full);
   return 1;
@@ -205,15 +189,9 @@ static int get_max_iterations(lua_State *L) {
 }
 
 static int solver_tostring(lua_State *L) {
-  const bw_solver *solver = self(L);
-  char *text = NULL;
-  lbw_leave_or_raise(L, bw_solver_describe(lbw_enter(L), solver, &text));
-  /* A plain copy could raise before the text is released. */
-  luaL_Buffer buffer;
-  luaL_buffinit(L, &buffer);
-  luaL_addstring(&buffer, text);
-  bw_free(text);
-  luaL_pushresult(&buffer);
+  char text[BW_SOLVER_TEXT];
+  bw_solver_describe(self(L), text);
+  lua_pushstring(L, text);
   return 1;
 }
 
@@ -233,7 +211,8 @@ const lbw_class lbw_solver_class = {"solver", methods, properties, meta, NULL};
 void lbw_open_solver(lua_State *L) {
   static const luaL_Reg functions[] = {{"cholesky", solver_cholesky},   {"pcg", solver_pcg},
                                        {"two_level", solver_two_level}, {"amg", solver_amg},
-                                       {"jacobi", solver_jacobi},       {NULL, NULL}};
+                                       {"jacobi", solver_jacobi},       {"lu", solver_lu},
+                                       {"bicgstab", solver_bicgstab},   {NULL, NULL}};
   lbw_class_register(L, &lbw_solver_class);
   lua_newtable(L);
   luaL_setfuncs(L, functions, 0);

@@ -31,7 +31,7 @@ static int transient_create(lua_State *L) {
   bw_transient_options_default(&options);
   lbw_options(L, 3, "transient", list, &options);
   options.scheme = (bw_transient_scheme)lbw_word_option(L, 3, "transient", "scheme", schemes, 0);
-  lbw_newton_solver(L, 3, "transient", &options.linear, NULL, NULL);
+  options.solver = lbw_solver_option(L, 3, "transient");
   const double *u = lbw_read_displacement(L, 4, "displacement", solid->grid);
   const double *v = lbw_read_displacement(L, 5, "velocity", solid->grid);
   lbw_box *box = lbw_box_new(L, &lbw_solid_transient_class);
@@ -98,8 +98,16 @@ static int motion_steps(lua_State *L) {
   return 1;
 }
 
+static int motion_newton(lua_State *L) {
+  lbw_push_newton_report(L, &self(L)->newton);
+  return 1;
+}
+
+/* Of the last step; nil before the first. */
 static int motion_report(lua_State *L) {
-  lbw_push_newton_report(L, &self(L)->report);
+  if (!self(L)->report.solver)
+    return 0;
+  lbw_push_report(L, &self(L)->report);
   return 1;
 }
 
@@ -110,6 +118,13 @@ static int motion_tostring(lua_State *L) {
            lbw_quantity(m->time, "s").text, (long long)m->steps, lbw_quantity(m->kinetic, "J").text,
            lbw_quantity(m->strain, "J").text);
   lua_pushstring(L, text);
+  if (!m->report.solver)
+    return 1;
+  lua_pushstring(L, "; ");
+  lbw_push_report(L, &m->report);
+  luaL_tolstring(L, -1, NULL);
+  lua_remove(L, -2);
+  lua_concat(L, 3);
   return 1;
 }
 
@@ -123,6 +138,7 @@ static const luaL_Reg properties[] = {{"time", motion_time},
                                       {"strain", motion_strain},
                                       {"potential", motion_potential},
                                       {"dissipated", motion_dissipated},
+                                      {"newton", motion_newton},
                                       {"report", motion_report},
                                       {NULL, NULL}};
 static const luaL_Reg meta[] = {{"__tostring", motion_tostring}, {NULL, NULL}};

@@ -18,6 +18,7 @@
 ---@class bw.Flow
 ---@field outline bw.Outline the current outline
 ---@field reused bw.ReuseStatistics what the last frame reused
+---@field report bw.SolverReport? what solved in the last frame, and why; nil where nothing was solved yet
 ---@field time number (s) the time since the start
 ---@field velocity bw.Array (m/s, node_count × 2, per node) velocity along x and y
 ---@field pressure bw.Array (Pa, node_count × 1, per node) pressure
@@ -135,6 +136,7 @@ function Flow:pressure_drop(from, to) end
 ---@class bw.ThermalFlow
 ---@field outline bw.Outline the current outline
 ---@field reused bw.ReuseStatistics what the last frame reused
+---@field report bw.SolverReport? what solved in the last frame, and why; nil where nothing was solved yet
 ---@field time number (s) the time since the start
 ---@field velocity bw.Array (m/s, node_count × 2, per node) velocity along x and y
 ---@field pressure bw.Array (Pa, node_count × 1, per node) pressure
@@ -284,7 +286,7 @@ function FlowBody:follow(frame, outline) end
 ---Errors: convergence (no steady state was found, or the linear solution stopped early), singular (the equations have no
 ---unique solution), geometry (an element is inverted).
 ---@param frame bw.ReuseStatistics receives what was reused
----@param solver? bw.ResponsiveSolverOptions how linear equations are solved. Default: as stated there
+---@param solver? bw.LaggedFactorOptions how linear equations are solved. Default: as stated there
 ---@param options? bw.FlowBodyStepOptions time step and iterations. Default: as stated there
 ---@param steps? integer (count) steps. Default: 1
 ---@return bw.ReuseStatistics? frame the same table

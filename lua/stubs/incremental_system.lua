@@ -33,7 +33,7 @@ function IncrementalSystem:update(model, motion) end
 ---How equations that follow edits are solved.
 ---@class bw.IncrementalSolveOptions
 ---@field solver? bw.Solver|"auto" `bw.solver.cholesky` updates the factor where edits touched it, with `full` or by CHOLMOD all of it; `bw.solver.pcg` has the two-level preconditioner, for elements of order 2, or a factor: that of the former shape, as it is. Default: "auto", by predicted cost
----@field tolerance? number (-) of iterations, relative residual; the looser of this and of the solver's. Range: above 0, below 1. Default: 1e-10
+---@field tolerance? number (-) of iterations, relative residual; the looser of this and of the solver's. Range: above 0, below 1. Default: the solver's, or 1e-10
 ---@field precision? 32|64 bits of the factor's numbers, where the solver leaves them open; solutions have double precision in any case. Default: by predicted cost
 ---@field check? boolean compare stiffness and solution with those from scratch; a difference is an internal error. Default: false
 ---@field energy? boolean the tolerance is that of the error in energy. Default: false

@@ -19,6 +19,7 @@
 ---@class bw.Metallophone
 ---@field outline bw.Outline the current outline
 ---@field reused bw.ReuseStatistics what the last frame reused
+---@field report bw.SolverReport? what solved in the last frame, and why; nil where nothing was solved yet
 ---@field frequency number (Hz) natural frequency of the lowest elastic mode
 ---@field frequencies bw.Array (Hz, mode_count × 1, per mode) natural frequencies of the elastic modes, ascending
 ---@field note string the nearest note and how far the lowest mode lies above it, such as "C5 +3.2 cents"; A4 is 440 Hz
@@ -250,6 +251,8 @@ function Plate:solve(frame, options) end
 ---@class bw.PlateSolveOptions
 ---@field modes? integer (count) elastic modes, 1 and more. Default: 1
 ---@field tolerance? number (-) relative error of a mode in the energy norm, above 0; that of the frequency is its square. Default: 1e-6
+---@field solver? bw.Eigensolver|"auto" `bw.eigensolver.lobpcg`. Default: "auto", the same
+---@field max_lag? integer (count) solutions that a factor may serve beyond the one that it was computed for, 0 or more. Default: any number
 ---@field full? boolean whether nothing of the last frame is used, with a new analysis and factorisation. Default: false
 
 ---The shape of a mode: the deflection and the two rotations. A plate that was not solved raises.

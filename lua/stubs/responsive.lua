@@ -81,7 +81,8 @@ function responsive_module.steady(options) end
 ---@field plane? "stress"|"strain" plane stress or plane strain. Default: "stress"
 ---@field conditions? bw.SheetConditions|bw.SheetConditions[] supports and loads. Default: none
 ---@field gravity? number[] (m/s2, {x, y}) the acceleration of gravity. Default: {0, 0}
----@field solver? bw.ResponsiveSolverOptions how linear equations are solved. Default: as stated there
+---@field solver? bw.Solver|"auto" of the linear equations. `bw.solver.cholesky`: a new factor for each solution, with `full` a new analysis too; `bw.solver.pcg` with the preconditioner `bw.solver.cholesky`: iterations on the factor of a former frame as long as they converge, to a relative residual of 1e-8 in at most 60 iterations where it leaves them open. Default: "auto", whichever is predicted to cost less
+---@field max_lag? integer (count) linear solutions that a factor may serve beyond the one that it was computed for, 0 or more; not with a solver that computes it for each. Default: any number
 
 ---Supports and loads of a sheet by tag of the edges. "fixed": both displacements are 0.
 ---@alias bw.SheetConditions table<string, "fixed"|bw.SheetCondition>
@@ -103,12 +104,6 @@ function responsive_module.steady(options) end
 ---@field distorted? number (-) element quality below which edges are flipped. Range: 0 to below 1. Default: 0.35
 ---@field rebuild? number (-) element quality below which, after flips, the outline is filled again. Range: 0 to `distorted`. Default: 0.1
 ---@field level? "none"|"relocation"|"reconnecting"|"reconstruction" the level that is taken at least, each time. Default: "none"
-
----How the linear equations of a frame are solved with the factor of a former one.
----@class bw.ResponsiveSolverOptions
----@field method? "auto"|"iterate"|"refactor"|"full" "auto": by predicted cost; "iterate": on the lagged factor as long as it converges; "refactor": a new factor with the former analysis; "full": a new analysis as well. Default: "auto"
----@field tolerance? number (-) relative residual, above 0. Default: 1e-8 for sheets, 1e-6 for flows
----@field iterations? integer (count) iterations before it refactors, 1 and more. Default: 60
 
 ---Statics of a sheet in large deflection (St. Venant-Kirchhoff), brought to equilibrium in every drag by Newton's method.
 ---
@@ -204,7 +199,8 @@ function responsive_module.flow(options) end
 ---@field iterations? integer (count) nonlinear iterations of a step; 0: 1 for a time step, 30 for a steady state. Default: 0
 ---@field tolerance? number (-) relative change of the solution at which nonlinear iterations end, above 0. Default: 1e-8
 ---@field ale? boolean whether nodes that moved since the last step carry a mesh velocity. Default: false
----@field solver? bw.ResponsiveSolverOptions how linear equations are solved. Default: as stated there
+---@field solver? bw.Solver|"auto" of the linear equations. `bw.solver.lu`: a new factor for each solution, with `full` a new analysis too; `bw.solver.bicgstab`: iterations on the factor of a former step as long as they converge, to a relative residual of 1e-6 in at most 60 iterations where it leaves them open. Default: "auto", whichever is predicted to cost less
+---@field max_lag? integer (count) linear solutions that a factor may serve beyond the one that it was computed for, 0 or more; not with a solver that computes it for each. Default: any number
 
 ---Conditions of a flow by tag of the edges. "wall": the velocity is 0.
 ---@alias bw.FlowConditions table<string, "wall"|bw.FlowCondition|bw.HeatCondition>
@@ -279,6 +275,8 @@ function responsive_module.metallophone(options) end
 ---@field thickness number (m) the thickness, above 0
 ---@field modes? integer (count) elastic modes. Range: 1 to 200. Default: 1
 ---@field tolerance? number (-) relative error of a mode in the energy norm, above 0; that of the frequency is its square. Default: 1e-4
+---@field solver? bw.Eigensolver|"auto" `bw.eigensolver.lobpcg`, on the factor of a former frame. Default: "auto", the same
+---@field max_lag? integer (count) solutions that a factor may serve beyond the one that it was computed for, 0 or more. Default: any number, as long as iterations are few
 
 ---What a frame reused and what it cost. The numbers are sums over the linear solutions of the frame. It prints as one line.
 ---Fields that a frame has not computed are nil.
@@ -294,12 +292,11 @@ function responsive_module.metallophone(options) end
 ---@field solves integer (count) linear solutions
 ---@field iterations integer (count) iterations of linear solutions
 ---@field residual number? (-) the largest relative residual that was reached
----@field predicted_iterate number? (s) predicted cost of iterating on the former factor, on the machine of the cost model
----@field predicted_factor number? (s) predicted cost of a new factor, on the machine of the cost model
 ---@field seconds_mesh number? (s) time for the mesh
 ---@field seconds_assemble number? (s) time for the matrices
 ---@field seconds_factor number? (s) time for factors
 ---@field seconds_solve number? (s) time for linear solutions
+---@field report bw.SolverReport? what solved, and why
 ---@field newton_iterations integer? (count) of a sheet in large deflection: iterations of Newton's method
 ---@field load_steps integer? (count) of a sheet in large deflection: load steps
 ---@field energy number? (J) of a sheet in large deflection: total potential energy

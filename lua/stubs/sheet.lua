@@ -19,6 +19,7 @@
 ---@field outline bw.Outline the current outline
 ---@field mesh bw.PlaneMesh the current mesh
 ---@field reused bw.ReuseStatistics what the last frame reused
+---@field report bw.SolverReport? what solved in the last frame, and why; nil where nothing was solved yet
 ---@field displacement bw.Array (m, node_count × 2, per node) displacement along x and y
 ---@field velocity bw.Array? (m/s, node_count × 2, per node) velocity along x and y; nil here
 ---@field acceleration bw.Array? (m/s2, node_count × 2, per node) acceleration along x and y; nil here
@@ -83,6 +84,7 @@ function SteadySheet:stress_norm(p) end
 ---@field outline bw.Outline the current outline
 ---@field mesh bw.PlaneMesh the current mesh
 ---@field reused bw.ReuseStatistics what the last frame reused
+---@field report bw.SolverReport? what solved in the last frame, and why; nil where nothing was solved yet
 ---@field displacement bw.Array (m, node_count × 2, per node) displacement along x and y
 ---@field velocity bw.Array? (m/s, node_count × 2, per node) velocity along x and y; nil here
 ---@field acceleration bw.Array? (m/s2, node_count × 2, per node) acceleration along x and y; nil here
@@ -137,6 +139,7 @@ function LargeDeflectionSheet:solve() end
 ---@field outline bw.Outline the current outline
 ---@field mesh bw.PlaneMesh the current mesh
 ---@field reused bw.ReuseStatistics what the last frame reused
+---@field report bw.SolverReport? what solved in the last frame, and why; nil where nothing was solved yet
 ---@field displacement bw.Array (m, node_count × 2, per node) displacement along x and y
 ---@field velocity bw.Array? (m/s, node_count × 2, per node) velocity along x and y; nil before the first step
 ---@field acceleration bw.Array? (m/s2, node_count × 2, per node) acceleration along x and y; nil before the first step
@@ -213,12 +216,17 @@ local Sheet = {}
 ---@return bw.Details? details
 function Sheet:follow(frame, outline) end
 
+---How linear equations are solved on a lagged factor.
+---@class bw.LaggedFactorOptions
+---@field solver? bw.Solver|"auto" as of the analysis. Default: "auto"
+---@field max_lag? integer (count) as of the analysis. Default: any number
+
 ---Solves linear statics.
 ---
 ---Errors: unconstrained, singular (the conditions leave the sheet free to move), convergence (the linear solution stopped
 ---early).
 ---@param frame bw.ReuseStatistics receives what was reused
----@param solver? bw.ResponsiveSolverOptions how linear equations are solved. Default: as stated there
+---@param solver? bw.LaggedFactorOptions how linear equations are solved. Default: as stated there
 ---@return bw.ReuseStatistics? frame the same table
 ---@return string? message
 ---@return bw.Details? details
@@ -228,7 +236,7 @@ function Sheet:static(frame, solver) end
 ---
 ---Errors: singular, convergence (the linear equations could not be solved).
 ---@param frame bw.ReuseStatistics receives what was reused
----@param solver? bw.ResponsiveSolverOptions how linear equations are solved. Default: as stated there
+---@param solver? bw.LaggedFactorOptions how linear equations are solved. Default: as stated there
 ---@param newmark? bw.NewmarkOptions the time step and the scheme. Default: as stated there
 ---@param steps? integer (count) steps. Default: 1
 ---@return bw.ReuseStatistics? frame the same table
@@ -248,7 +256,7 @@ function Sheet:transient(frame, solver, newmark, steps) end
 ---
 ---Errors: convergence (there is no equilibrium on the way, or an element inverts), singular.
 ---@param frame bw.ReuseStatistics receives what was reused
----@param solver? bw.ResponsiveSolverOptions how linear equations are solved. Default: as stated there
+---@param solver? bw.LaggedFactorOptions how linear equations are solved. Default: as stated there
 ---@param newton? bw.NewtonOptions when Newton's method ends. Default: as stated there
 ---@return bw.ReuseStatistics? frame the same table
 ---@return string? message

@@ -195,7 +195,7 @@ function Solid:contact_plane(options) end
 ---local bar = assert(bw.solid {grid = grid, materials = {bw.hyperelastic {young = 1e6, poisson = 0.45}}})
 ---bar:fix({side = "min x"}):force({side = "max x"}, {0, 0, -2})
 ---local result = assert(bar:solve {steps = 2, solver = bw.solver.cholesky()})
----print(result.report.iterations, result.report.shape.min_ratio)
+---print(result.report, result.newton.shape.min_ratio)
 ---```
 ---@param options? bw.SolidSolveOptions tolerance, load steps and linear solver
 ---@return bw.SolidResult? result the equilibrium
@@ -211,7 +211,7 @@ function Solid:solve(options) end
 ---@field steps? integer (count) load steps to begin with. Range: at least 1. Default: 1
 ---@field min_step? number (-) a load step of this part of the load that fails ends the solution. Range: above 0 to 1. Default: 1/256
 ---@field path? integer (count) parts of the load path that are solved one after the other; turns go along their arcs from part to part. Range: 1 to 1000. Default: 1; with turns, one for each 30 degrees
----@field solver? bw.Solver|"auto" of the linear equations: `bw.solver.cholesky`, a factor by the backend "multifrontal"; `bw.solver.pcg` with `jacobi`, conjugate gradients without a matrix with node blocks, or with `two_level`, with a smoother and a coarse solid. The tolerance of `pcg` is by Eisenstat and Walker where it is left out, its iterations are at most 10000. Default: "auto", the cheaper of a factor and `two_level` by counted costs
+---@field solver? bw.Solver|"auto" of the linear equations: `bw.solver.cholesky`, a factor by the backend "multifrontal" in double precision; `bw.solver.pcg` with `jacobi`, conjugate gradients without a matrix with node blocks, or with `two_level`, with a smoother and a coarse solid. The tolerance of `pcg` is by Eisenstat and Walker where it is left out, its iterations are at most 10000. Default: "auto", the cheaper of a factor and `two_level` by counted costs
 ---@field coarse? bw.Solid made coarse once from this solid, for `two_level`. Default: naive coarse solids
 ---@field allow_inverted? boolean accept an equilibrium with inverted elements. Default: false
 ---@field start? bw.Array|number[][] (m, node_count × 3, per node) initial guess; the loads then act in full from the start. Default: rest
@@ -337,7 +337,8 @@ function Solid:solve_coarse(options) end
 ---@field reaction bw.Array (N, node_count × 3, per node) of supports and contact planes
 ---@field energy number (J) strain energy
 ---@field complete boolean whether the full load was reached
----@field report bw.SolidReport iterations, residual and times, summed over the parts of the load path
+---@field newton bw.NewtonReport iterations, residual and times of Newton's method, summed over the parts of the load path
+---@field report bw.SolverReport how the linear equations were solved, and why; summed likewise
 ---@field stress bw.Array (Pa, node_count × 6, per node) Cauchy stress xx yy zz yz zx xy
 ---@field element_stress bw.Array (Pa, element_count × 6, per element) Cauchy stress, mean over the deformed volume
 ---@field von_mises bw.Array (Pa, node_count × 1, per node) of `stress`
@@ -348,7 +349,7 @@ function Solid:solve_coarse(options) end
 local SolidResult = {}
 
 ---What Newton's method did.
----@class bw.SolidReport
+---@class bw.NewtonReport
 ---@field iterations integer (count) Newton iterations
 ---@field load_steps integer (count) load steps that reached an equilibrium
 ---@field failed_steps integer (count) load steps that failed and were made smaller
@@ -468,7 +469,8 @@ function SolidResult:panel(title, values) end
 ---@field strain number (J) strain energy
 ---@field potential number (J) potential of gravity and of loads that do not follow
 ---@field dissipated number (J) by damping, contact planes and the scheme; the sum of all four changes by the work of followers only
----@field report bw.SolidReport of the last step
+---@field newton bw.NewtonReport of the last step
+---@field report bw.SolverReport? of its linear equations; nil before the first step
 local SolidTransient = {}
 
 ---Advances in time. On failure the motion is as it was before the call.

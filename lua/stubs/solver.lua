@@ -34,7 +34,7 @@ function solver_module.cholesky(options) end
 ---@field backend? "auto"|"multifrontal"|"cholmod"|"petsc" who computes it. "multifrontal" is the engine's own: it gives the same bits on any number of threads, and follows edits. "cholmod" is CHOLMOD's supernodal factor: its last bits depend on the number of threads, and an interruption takes effect only after it. "petsc" is a factor by MUMPS over all processes that mpirun started (docs/howto_cluster.md). Default: "auto", the factor that the equations already have, or "multifrontal"
 ---@field ordering? "auto"|"metis"|"amd"|"backend" the elimination order: nested dissection or approximate minimum degree of the nodes, or the backend's own of the unknowns. "petsc" has its own only. Default: "auto", nested dissection
 ---@field precision? 32|64 (bits) of the factor's numbers. Solutions are in double precision in any case: a factor of 32 bits is refined by conjugate gradients. "cholmod" and "petsc" have 64 only. Default: 64, in edit sessions by predicted cost
----@field full? boolean compute the whole factor again where a part would do, in edit sessions. Default: false
+---@field full? boolean compute the whole factor again where a part or the former analysis would do, in edit sessions and analyses that follow an outline; solids refuse it. Default: false
 
 ---Preconditioned conjugate gradients.
 ---
@@ -54,8 +54,53 @@ function solver_module.pcg(options) end
 ---How conjugate gradients work.
 ---@class bw.PcgOptions
 ---@field preconditioner? bw.Solver of `two_level`, `amg`, `jacobi` or `cholesky`. Default: `two_level`
----@field tolerance? number (-) relative residual to be reached. Range: above 0, below 1. Default: 1e-10; in Newton's method of solids by Eisenstat and Walker
----@field max_iterations? integer (count) at most. Range: 1 and more. Default: 2000; in Newton's method of solids 10000
+---@field tolerance? number (-) relative residual to be reached. Range: above 0, below 1. Default: 1e-10; in Newton's method of solids by Eisenstat and Walker, of sheets 1e-8
+---@field max_iterations? integer (count) at most. Range: 1 and more. Default: 2000; in Newton's method of solids 10000, of sheets 60 before the factor is computed again
+
+---A sparse LU factor, A = L U, for the unsymmetric equations of flows. Its node blocks are factored in single precision,
+---or by UMFPACK with pivoting where that does not suffice.
+---
+---Errors: only those that every function may give.
+---
+---Source: docs/theory/responsive.md; T. A. Davis, ACM Trans. Math. Softw. 30 (2004).
+---```lua
+---local outline = assert(bw.plane.rectangle {max = {0.1, 0.02}}).outline
+---local walls = {left = {x = 0.1, y = 0}, top = "wall", bottom = "wall"}
+---local flow = assert(bw.responsive.flow {outline = outline, viscosity = 1e-3, step = 0.01, conditions = walls,
+---  elements = 300, solver = bw.solver.lu()})
+---print(assert(flow:step()).report)
+---```
+---@param options? bw.LuOptions how it is computed
+---@return bw.Solver? solver the solver
+---@return string? message
+---@return bw.Details? details
+function solver_module.lu(options) end
+
+---How an LU factor is computed.
+---@class bw.LuOptions
+---@field full? boolean with a new symbolic analysis each time. Default: false
+
+---Stabilised biconjugate gradients, for the unsymmetric equations of flows, preconditioned by the LU factor of a former
+---step.
+---
+---Errors: only those that every function may give.
+---
+---Source: Y. Saad, Iterative Methods for Sparse Linear Systems (2003), section 7.4.2.
+---```lua
+---local solver = bw.solver.bicgstab {tolerance = 1e-8}
+---print(solver) -- bicgstab (lu, tolerance 1e-08)
+---```
+---@param options? bw.BicgstabOptions preconditioner and limits
+---@return bw.Solver? solver the solver
+---@return string? message
+---@return bw.Details? details
+function solver_module.bicgstab(options) end
+
+---How stabilised biconjugate gradients work.
+---@class bw.BicgstabOptions
+---@field preconditioner? bw.Solver of `lu`. Default: `lu`
+---@field tolerance? number (-) relative residual to be reached. Range: above 0, below 1. Default: 1e-6
+---@field max_iterations? integer (count) before the factor is computed again. Range: 1 and more. Default: 60
 
 ---The two-level preconditioner: a smoother over all nodes, and the linear elements on the same corners solved by a factor. For
 ---quadratic elements.
@@ -117,21 +162,21 @@ function solver_module.jacobi(options) end
 ---print(solver.kind, solver.tolerance, solver.max_iterations) -- pcg 1e-08 nil
 ---```
 ---@class bw.Solver
----@field kind "cholesky"|"pcg"|"two_level"|"amg"|"jacobi" what it is
+---@field kind "cholesky"|"pcg"|"two_level"|"amg"|"jacobi"|"lu"|"bicgstab" what it is
 ---@field backend string? of a factor and of multigrid: who computes it
 ---@field ordering string? of a factor: the elimination order
 ---@field precision integer? (bits) of a factor: as it was given
 ---@field full boolean? of a factor: whether it is computed again as a whole
----@field preconditioner bw.Solver? of `pcg`, as it was given
----@field tolerance number? (-) of `pcg`: relative residual, as it was given
----@field max_iterations integer? (count) of `pcg`, as it was given
+---@field preconditioner bw.Solver? of `pcg` and `bicgstab`, as it was given
+---@field tolerance number? (-) of `pcg` and `bicgstab`: relative residual, as it was given
+---@field max_iterations integer? (count) of `pcg` and `bicgstab`, as it was given
 local Solver = {}
 
 ---What a solver did, and why it was chosen. `print` shows it in a line. Predicted costs are those of one reference machine.
 ---@class bw.SolverReport
----@field solver string the method: "cholesky", "pcg"; of linear programs "dual_simplex", or "simplex" of GLPK; of modes "lanczos", "arpack", "lobpcg" or "slepc"
----@field backend string? which program: "multifrontal", "cholmod", "petsc", "barwright", "glpk"
----@field preconditioner string? "two_level", "amg", "jacobi" or "cholesky"
+---@field solver string the method: "cholesky", "pcg"; of flows "lu", "bicgstab"; of linear programs "dual_simplex", or "simplex" of GLPK; of modes "lanczos", "arpack", "lobpcg" or "slepc"
+---@field backend string? which program: "multifrontal", "cholmod", "petsc", "umfpack", "barwright", "glpk"
+---@field preconditioner string? "two_level", "amg", "jacobi", "cholesky" or "lu"
 ---@field reason string? why it was chosen
 ---@field predicted_cost number? (s) where it was chosen by cost: predicted
 ---@field rival_cost number? (s) likewise, of the next best solver

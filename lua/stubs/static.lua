@@ -59,7 +59,9 @@ local Static = {}
 ---@field subdomains_reused integer (count) subdomains whose coefficients stayed
 ---@field subdomains_rotated integer (count) subdomains that are unchanged in their own frames
 ---@field subdomains_changed integer (count) subdomains that changed
----@field method "refactor"|"iterate"|"pcg"|"full" how it was solved
+---@field solver "cholesky"|"pcg" how it was solved
+---@field preconditioner? "cholesky"|"two_level" of "pcg": the former factor, or two levels
+---@field full boolean whether every supernode of the factor was computed again
 ---@field factor_reused number (-) fraction of the factor's work that was not done again
 ---@field iterations integer (count) of conjugate gradients
 ---@field precision integer (bits) of the factor's numbers, 32 or 64

@@ -35,7 +35,7 @@ local function sequence(body, random, seen)
       local result = solve(session, random)
       local reused = result.reused
       seen.solves = seen.solves + 1
-      seen.iterated = seen.iterated + (reused.method == "iterate" and 1 or 0)
+      seen.iterated = seen.iterated + (reused.preconditioner == "cholesky" and 1 or 0)
       seen.refilled = seen.refilled + (reused.mesh == "refilled" and 1 or 0)
       seen.stiffness = math.max(seen.stiffness, reused.difference_stiffness)
       seen.solution = math.max(seen.solution, reused.difference_solution)

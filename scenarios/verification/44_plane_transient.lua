@@ -86,7 +86,7 @@ local function energy(t, rounds)
     local plate = t:require(bw.responsive.vibration {outline = assert(bw.outline.rectangle {width = 2, height = 1,
       tags = {left = 4}, holes = {{{0.5, 0.4}, {0.8, 0.4}, {0.7, 0.7}}}}), ground = "left",
       elements = 300, order = order, material = tools.elastic(1e6, 0.3, 1000), step = 2e-3,
-      gravity = gravity, solver = {tolerance = 1e-12}})
+      gravity = gravity, solver = bw.solver.pcg {preconditioner = bw.solver.cholesky(), tolerance = 1e-12}})
     local largest, worst = 0, 0
     for _ = 1, rounds do
       t:require(plate:step(40))

@@ -44,7 +44,7 @@ local function squeezed(cells, depth)
   solid:contact_plane {point = {0, 0, RADIUS}, normal = {0, 0, -1}, move = {0, 0, -depth}, surface = cap}
   local result = assert(solid:solve {tolerance = 1e-6})
   local force = 4 * result:total_reaction({plane = {{0, 0, 0}, {0, 0, 1}}})[3]
-  return force, result.report
+  return force, result.newton
 end
 
 -- Hertz, less what the force of the other plate moves at this one, by Boussinesq's half-space (Tatara).

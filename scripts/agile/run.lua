@@ -56,7 +56,8 @@ end
 local function reused_of(result)
   local reuse = result.reused
   return {words = tostring(reuse), subdomains = reuse.subdomains, subdomains_changed = reuse.subdomains_changed,
-    method = reuse.method, factor_reused = reuse.factor_reused, iterations = reuse.iterations}
+    solver = reuse.solver, preconditioner = reuse.preconditioner, factor_reused = reuse.factor_reused,
+    iterations = reuse.iterations}
 end
 
 -- Solve the session as it is; a row for the list of edits.

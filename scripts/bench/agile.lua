@@ -55,7 +55,8 @@ local function timed(session, edit)
   return {seconds = bw.seconds() - start, seconds_stiffness = reused.seconds_stiffness,
     seconds_factor = reused.seconds_factor, seconds_solve = reused.seconds_solve,
     factor_reused = reused.factor_reused,
-    method = reused.method, iterations = reused.iterations, precision = reused.precision,
+    solver = reused.solver, preconditioner = reused.preconditioner, iterations = reused.iterations,
+    precision = reused.precision,
     refinements = reused.refinements, max = max,
     relaxed = reused.mesh ~= "posed"}
 end

@@ -109,7 +109,7 @@ if wanted "gradients" then
   local function row(level, linear, options)
     local spent, result, message = compare.timed(solids[level].solve, solids[level], compare.as_it_is(options))
     if not result then return print(("  level %d, %-7s %s"):format(level, linear, message)) end
-    local report = result.report
+    local report = result.newton
     if level == 0 and linear == "jacobi" then base = spent.processor end
     out.gradients[#out.gradients + 1] = {level = level, linear = linear, seconds = spent.processor,
       iterations = report.iterations, cg_iterations = report.cg_iterations}

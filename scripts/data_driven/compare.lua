@@ -7,7 +7,7 @@ local bw = require "barwright"
 local compare = {}
 
 local function row_of(method, level, solid, solution, spent)
-  local report = solution.report
+  local report = solution.newton
   local iterations = math.max(1, report.iterations)
   return {method = method, level = level, elements = solid.element_count, nodes = solid.node_count,
     iterations = report.iterations, load_steps = report.load_steps, cg_iterations = report.cg_iterations,

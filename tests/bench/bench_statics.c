@@ -67,9 +67,13 @@ int main(int count, char **word) {
       CHECK(bw_load_case_fix(context, load_case, nodes, node, all, NULL));
   }
   bw_newton_options_default(&options);
-  options.linear = strcmp(way, "direct") == 0   ? BW_NEWTON_DIRECT
-                   : strcmp(way, "jacobi") == 0 ? BW_NEWTON_JACOBI
-                                                : BW_NEWTON_COARSE;
+  const bw_solver direct = {.options = {.kind = BW_SOLVER_CHOLESKY}},
+                  blocks = {.options = {.kind = BW_SOLVER_JACOBI}},
+                  jacobi = {.options = {.kind = BW_SOLVER_PCG, .preconditioner = &blocks}},
+                  two_level = {.options = {.kind = BW_SOLVER_PCG}};
+  options.solver = strcmp(way, "direct") == 0   ? &direct
+                   : strcmp(way, "jacobi") == 0 ? &jacobi
+                                                : &two_level;
   if (count > 5) {
     options.iterations = atoi(word[5]);
     options.min_step = 1;
@@ -86,7 +90,7 @@ int main(int count, char **word) {
     fprintf(stderr, "%s\n", bw_message(context));
   if (!result)
     return 1;
-  const bw_newton_report *r = &result->report;
+  const bw_newton_report *r = &result->newton;
   double per = r->iterations > 0 ? r->iterations : 1, used = processor() - before;
   printf("{\"way\": \"%s\", \"cells\": [%d, %d, %d], \"iterations\": %d, \"cg\": %lld, "
          "\"factorisations\": %d, \"seconds_iteration\": %.4f, \"processor_iteration\": %.4f, "

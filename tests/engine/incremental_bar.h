@@ -281,7 +281,7 @@ static inline double difference(const double *a, const double *b, int64_t count)
 static const bw_statics_options relief = {.inertia_relief = true};
 
 static inline void compare_in(bw_context *context, bw_incremental_system *incremental,
-                              const bw_model *model, bw_incremental_method method, int precision,
+                              const bw_model *model, edit_way method, int precision,
                               bw_reuse *reuse) {
   bw_static *fresh = NULL, *mine = NULL;
   bw_incremental_options options;
@@ -303,7 +303,7 @@ static inline void compare_in(bw_context *context, bw_incremental_system *increm
 }
 
 static inline void compare(bw_context *context, bw_incremental_system *incremental,
-                           const bw_model *model, bw_incremental_method method, bw_reuse *reuse) {
+                           const bw_model *model, edit_way method, bw_reuse *reuse) {
   compare_in(context, incremental, model, method, 0, reuse);
 }
 
@@ -317,8 +317,7 @@ static inline bw_incremental_system *incremental_of(bw_context *context, const b
 
 /* Bring the system to the bar's pose and compare. */
 static inline bw_reuse edit_and_compare(bw_context *context, bar *b,
-                                        bw_incremental_system *incremental,
-                                        bw_incremental_method method) {
+                                        bw_incremental_system *incremental, edit_way method) {
   bw_reuse reuse = {0};
   bw_model *model = posed(context, b);
   assert_non_null(model);

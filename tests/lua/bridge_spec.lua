@@ -41,7 +41,8 @@ describe("a free form", function()
     local outline = assert(form:outline())
     local directions = form:directions()
     local sheet = assert(bw.responsive.steady {outline = outline, material = plastic, size = 0.012,
-      order = 2, conditions = problem.conditions, solver = {tolerance = 1e-12}})
+      order = 2, conditions = problem.conditions,
+      solver = bw.solver.pcg {preconditioner = bw.solver.cholesky(), tolerance = 1e-12}})
     local _, by_points = sheet:stress_norm(12)
     local g = form:pull_back(by_points:totable(), directions)
     local a = form:pull_back(outline.area_gradient:totable(), directions)

@@ -67,11 +67,35 @@ describe("a solve", function()
     assert(session:solve {check = true})
   end)
 
+  it("obeys a tolerance of the solver, and the looser of it and the session's", function()
+    local session, needed = body(), {}
+    for k, tolerance in ipairs {1e-4, 1e-10, 1e-13} do
+      local solver = bw.solver.pcg {tolerance = tolerance}
+      local result = assert(session:solve {solver = solver})
+      needed[k] = result.report.iterations
+      assert.is_true(result.residual <= math.max(tolerance, 1e-9)) -- K u has this rounding error
+      assert(session:bone("trunk"):scale {1, 1 + 1e-3 * k, 1})
+    end
+    assert.is_true(needed[1] < needed[2] and needed[2] < needed[3], table.concat(needed, ", "))
+  end)
+
+  it("describes a solver while it works", function()
+    local session, texts = body(), {}
+    local solver = bw.solver.pcg {tolerance = 1e-8}
+    bw.progress(function() texts[#texts + 1] = tostring(solver) end)
+    local ok, message = session:solve {solver = solver}
+    bw.progress(nil)
+    assert(ok, message)
+    assert.is_true(#texts > 0)
+    assert.equal("pcg (two_level, tolerance 1e-08)", texts[1])
+  end)
+
   it("by two-level PCG says so, from the first solution on", function()
     local session = body()
     for k = 1, 2 do
       local result = assert(session:solve {solver = bw.solver.pcg(), check = true})
-      assert.equal("pcg", result.reused.method)
+      assert.same({"pcg", "two_level", false}, {result.reused.solver, result.reused.preconditioner,
+        result.reused.full})
       assert.truthy(tostring(result.reused):find "two%-level PCG in place of a factor, %d+ iterations")
       assert.is_true(result.reused.iterations > 3 and result.reused.difference_solution < 1e-8)
       assert(session:bone("trunk"):scale {1, 1 + 0.1 * k, 1})

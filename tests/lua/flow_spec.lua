@@ -182,8 +182,9 @@ describe("a flow in time", function()
   end)
 
   it("answers after drags as a solve from scratch on the same mesh does", function()
-    local a = assert(wind {solver = {tolerance = 1e-12}})
-    local b = assert(wind {solver = {tolerance = 1e-12, method = "full"}})
+    local a = assert(wind {solver = bw.solver.bicgstab {tolerance = 1e-12}})
+    local b = assert(wind {max_lag = 0,
+      solver = bw.solver.bicgstab {preconditioner = bw.solver.lu {full = true}, tolerance = 1e-12}})
     for _ = 1, 6 do
       for _, s in ipairs {a, b} do
         assert(s:drag({loop = "body"}, {0.03, 0.01}))
@@ -192,6 +193,35 @@ describe("a flow in time", function()
     end
     local off = (a.velocity - b.velocity):map "abs(a)"
     assert.is_true(off:max() < 1e-6 * a.velocity:max())
+  end)
+
+  it("gives one answer by every solver that serves, and says what it did", function()
+    local function after(more)
+      local s = assert(wind(more))
+      assert(s:step(3))
+      assert(s:drag({loop = "body"}, {0.005, 0}))
+      return assert(s:step())
+    end
+    local auto = after {}
+    assert.is_truthy(auto.report.reason:find("cost least", 1, true))
+    for _, row in ipairs {{bw.solver.bicgstab {tolerance = 1e-9}, "bicgstab", "lu", 0},
+      {bw.solver.lu(), "lu", nil, 1}, {bw.solver.lu {full = true}, "lu", nil, 1}} do
+      local s = after {solver = row[1]}
+      local report = s.report
+      assert.same({row[2], row[3], "barwright", "it was given"},
+        {report.solver, report.preconditioner, report.backend, report.reason})
+      assert.equal(row[4], s.reused.factorisations)
+      assert.is_true(report.bytes > 0 and report.residual <= 1e-6)
+      assert.is_truthy(tostring(s):find(tostring(report), 1, true))
+      assert.is_true((s.velocity - auto.velocity):norm() < 1e-4 * auto.velocity:norm())
+    end
+    for _, bad in ipairs {bw.solver.cholesky(), bw.solver.pcg {preconditioner = bw.solver.cholesky()},
+      bw.solver.pcg(), bw.solver.jacobi()} do
+      local s = assert(wind {solver = bad})
+      check.raises("give lu, or bicgstab", s.step, s)
+    end
+    local both = assert(wind {solver = bw.solver.lu(), max_lag = 2})
+    check.raises("max_lag has no effect", both.step, both)
   end)
 
   it("records signals and finds their frequency", function()

@@ -4,11 +4,12 @@ local bw = require "barwright"
 local check = require "check"
 local pitch = require "barwright.pitch"
 
-local function bar_of(length, width, given)
+local function bar_of(length, width, given, more)
   local outline = assert(bw.outline.rectangle {min = {0, 0}, max = {length, width}})
   for _ = 1, 3 do outline = assert(outline:split(1, 0.5)) end
+  more = more or {}
   return assert(bw.responsive.metallophone {outline = outline, thickness = 0.004,
-    material = bw.material.aluminium, elements = given or 60})
+    material = bw.material.aluminium, elements = given or 60, solver = more.solver, max_lag = more.max_lag})
 end
 
 local function fish(length)
@@ -50,6 +51,25 @@ describe("a metallophone bar", function()
     local direct = assert(bw.responsive.metallophone {outline = bar.outline, thickness = 0.004,
       material = m, elements = 60})
     check.near(1, bar.frequency / direct.frequency, 5e-4)
+  end)
+
+  it("takes LOBPCG alone, and reports it", function()
+    for lag, factorisations in pairs {[0] = 1, [5] = 0} do
+      local bar = bar_of(0.2, 0.03, nil, {solver = bw.eigensolver.lobpcg {}, max_lag = lag})
+      assert.same({"lobpcg", "cholesky", "multifrontal"},
+        {bar.report.solver, bar.report.preconditioner, bar.report.backend})
+      assert.equal("there is no factor of this mesh yet", bar.report.reason)
+      assert(bar:drag({vertex = 1}, {-0.001, 0}))
+      assert.equal(factorisations, bar.reused.factorisations)
+      assert.equal(bar.reused.iterations, bar.report.iterations)
+      assert.is_true(bar.report.bytes > 0 and bar.report.residual <= 1e-4)
+      assert.is_truthy(tostring(bar):find(tostring(bar.report), 1, true))
+    end
+    for _, bad in ipairs {bw.eigensolver.lanczos {}, bw.eigensolver.arpack {}} do
+      check.raises("does not serve plates that follow an outline: give lobpcg", bar_of, 0.2, 0.03, nil,
+        {solver = bad})
+    end
+    check.raises("option 'solver'", bar_of, 0.2, 0.03, nil, {solver = bw.solver.cholesky()})
   end)
 
   it("has a gradient that is that of differences", function()

@@ -265,6 +265,13 @@ describe("a model", function()
     check.raises("these are linear", linear.solve, linear, {solver = bw.solver.pcg {}})
     check.raises("goes with a factor on this machine", part.solve, part,
       {solver = bw.solver.pcg {}, memory_limit = 7})
+    for order, name in ipairs {"amg", "two_level"} do -- a small part without memory for a factor
+      local small = bw.model {mesh = bw.mesh.box {cells = {4, 4, 4}, order = order}, material = part.material}
+      small:fix(small.mesh.boundary:below(1, 0)):gravity {0, 0, -9.81}
+      local done = assert(small:solve {memory_limit = 1e4}).report
+      assert.same({"pcg", name, "there is no memory for a factor"},
+        {done.solver, done.preconditioner, done.reason})
+    end
     check.raises("a solver of bw.solver, or \"auto\"", part.solve, part, {solver = "pcg"})
     check.raises("preconditioner and no solver", part.solve, part, {solver = bw.solver.jacobi {}})
   end)

@@ -63,7 +63,7 @@ describe("a steady sheet", function()
   end)
 
   it("says in one line what it reused", function()
-    local s = assert(steady {solver = {method = "iterate"}})
+    local s = assert(steady {solver = bw.solver.pcg {preconditioner = bw.solver.cholesky()}})
     assert.truthy(tostring(s.reused):find "reused mesh")
     assert(s:drag({loop = "hole"}, {0.001, 0}))
     local reused = s.reused
@@ -124,7 +124,7 @@ describe("a steady sheet", function()
   end)
 
   it("has stresses whose gradient by the outline is that of differences", function()
-    local s = assert(steady {solver = {tolerance = 1e-12}})
+    local s = assert(steady {solver = bw.solver.pcg {preconditioner = bw.solver.cholesky(), tolerance = 1e-12}})
     local norm, by_points = s:stress_norm(6)
     local weights = s.outline:weights {loop = "hole"}
     local slope = 0
@@ -208,6 +208,85 @@ end)
 
 -- Drags of every kind of handle, small and far too large: each is done or refused, and the state is
 -- good after it. All 10,000 with BARWRIGHT_FULL=1.
+describe("solvers", function()
+  local cholesky = bw.solver.cholesky()
+  -- solver, what the report of a drag says: solver, preconditioner, factorisations
+  local rows = {
+    {bw.solver.pcg {preconditioner = cholesky, tolerance = 1e-10}, "pcg", "cholesky", 0},
+    {cholesky, "cholesky", nil, 1},
+    {bw.solver.cholesky {full = true}, "cholesky", nil, 1},
+  }
+  local kinds = {
+    steady = function(options) return bw.responsive.steady(options) end,
+    cantilever = function(options) return bw.responsive.cantilever(options) end,
+    vibration = function(options)
+      options.conditions = {right = {traction = {1e3, 0}}}
+      options.ground, options.step = "left", 0.01
+      return bw.responsive.vibration(options)
+    end,
+  }
+  local function moved(kind, more)
+    local options = {outline = plate(), material = rubber, elements = 300,
+      conditions = {left = "fixed", right = {traction = {1e3, 0}}}}
+    for key, value in pairs(more) do options[key] = value end
+    local s = assert(kinds[kind](options))
+    if kind == "vibration" then assert(s:step(3)) end
+    assert(s:drag({loop = "hole"}, {0.002, 0}))
+    if kind == "vibration" then assert(s:step()) end
+    return s
+  end
+
+  it("give one answer in every kind of sheet, and say what they did", function()
+    for kind in pairs(kinds) do
+      local auto = moved(kind, {})
+      assert.is_truthy(auto.report.reason:find("cost least", 1, true), kind)
+      assert.is_truthy(tostring(auto):find(tostring(auto.report), 1, true))
+      for _, row in ipairs(rows) do
+        local s = moved(kind, {solver = row[1]})
+        local report, what = s.report, kind .. " by " .. tostring(row[1])
+        local off = (s.displacement - auto.displacement):norm()
+        assert.is_true(off < 1e-6 * auto.displacement:norm(), what .. ": " .. off)
+        assert.same({"multifrontal", "it was given"}, {report.backend, report.reason}, what)
+        assert.is_true(report.bytes > 0 and report.seconds > 0, what)
+        assert.equal(s.reused.iterations, report.iterations or 0, what)
+        if kind ~= "cantilever" then -- whose Newton's method keeps a tangent by itself
+          assert.same({row[2], row[3]}, {report.solver, report.preconditioner}, what)
+          assert.equal(row[4], s.reused.factorisations, what)
+          assert.is_true(report.residual < 1e-7, what)
+        end
+      end
+    end
+  end)
+
+  it("keep a factor no longer than max_lag says", function()
+    for lag, factorisations in pairs {[0] = 1, [1] = 0} do
+      local s = moved("steady", {solver = rows[1][1], max_lag = lag})
+      assert.equal(factorisations, s.reused.factorisations)
+    end
+    local s = moved("steady", {max_lag = 0})
+    assert.equal("the factor has served as many solutions as max_lag allows", s.report.reason)
+  end)
+
+  it("that do not serve are refused, with what does", function()
+    local sentence = "does not serve the equations of a plane mesh: give cholesky"
+    for _, bad in ipairs {bw.solver.pcg(), bw.solver.jacobi(), bw.solver.lu(), bw.solver.bicgstab(),
+      bw.solver.cholesky {backend = "cholmod"}, bw.solver.cholesky {precision = 32},
+      bw.solver.cholesky {ordering = "amd"}} do
+      for kind, make in pairs(kinds) do
+        check.raises(sentence, function()
+          local s = make {outline = plate(), material = rubber, elements = 100, solver = bad,
+            conditions = {left = "fixed", right = {traction = {1e3, 0}}}}
+          if kind == "vibration" then s:step() end
+        end)
+      end
+    end
+    check.raises("max_lag has no effect", steady, {solver = cholesky, max_lag = 2})
+    check.raises("option 'max_lag'", steady, {max_lag = -1})
+    check.raises("option 'solver'", steady, {solver = {method = "full"}})
+    check.raises("option 'solver'", steady, {solver = "cholesky"})
+  end)
+end)
+
 describe("random drags", function()
   local count = os.getenv "BARWRIGHT_FULL" and 10000 or 120
   local common = {material = rubber, elements = 200}

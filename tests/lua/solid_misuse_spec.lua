@@ -147,6 +147,14 @@ describe("a solid", function()
         assert.is_string(message)
       end
     end
+    for _, bad in ipairs {jacobi, cholmod, pcg, bw.solver.cholesky {full = true}, bw.solver.lu(),
+      bw.solver.cholesky {precision = 32}, bw.solver.pcg {preconditioner = bw.solver.amg()}} do
+      check.raises("does not serve Newton's method: give cholesky", solid.solve, solid, {solver = bad})
+      check.raises("does not serve Newton's method: give cholesky", solid.transient, solid, {solver = bad})
+    end
+    check.raises("steps in time have no two_level", solid.transient, solid, {solver = bw.solver.pcg()})
+    check.raises("leave them out", solid.transient, solid,
+      {solver = bw.solver.pcg {preconditioner = jacobi, max_iterations = 7}})
     check.raises("rotations of at most 30000 degrees expected", function()
       standing():rotate(top, {axis = {0, 0, 1}, angle = 1e9}):solve()
     end)
@@ -176,7 +184,7 @@ describe("a solid", function()
     -- ten turns; a floor that the body crosses at first; nearly incompressible; auxetic
     local rotated = assert(standing():rotate(top, {axis = {0, 0, 1}, point = {0.05, 0.05, 0},
       angle = 3600}):solve())
-    assert.equal(120, rotated.report.load_steps)
+    assert.equal(120, rotated.newton.load_steps)
     local pushed = assert(standing():contact_plane {point = {0, 0, 0.19}, normal = {0, 0, -1}}:solve())
     assert.is_true(pushed.displacement:gather(pushed.grid:nodes(top)):column(3):max() < -0.01 + 1e-9)
     for _, poisson in ipairs {0.4999, -0.5} do

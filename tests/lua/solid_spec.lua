@@ -92,7 +92,7 @@ describe("a solid", function()
     check.near(0.8801745918 - 1, corner:column(1):max() / 0.1, 1e-6)
     assert.is_true(result.complete)
     assert.is_truthy(tostring(result):find("equilibrium: strain energy", 1, true))
-    assert.equal(#result.report.history, result.report.iterations)
+    assert.equal(#result.newton.history, result.newton.iterations)
     -- stress is even: P over the area that is left
     local von_mises = result.von_mises
     check.near(0.3782801763943185e6 / 0.8801745918 ^ 2, von_mises:max(), 1e-6)
@@ -116,7 +116,7 @@ describe("a solid", function()
     local down = assert(floored:solve())
     local top = down.displacement:gather(floored.grid:nodes {side = "max z"})
     check.near(-0.02, top:column(3):max(), 1e-8)
-    assert.is_true(down.report.contacts > 0)
+    assert.is_true(down.newton.contacts > 0)
   end)
 
   it("goes along the arc of a turn", function()
@@ -131,7 +131,7 @@ describe("a solid", function()
       check.near(1 - y, 1 + x + by[i][1], 1e-9)
       check.near(1 + x, 1 + y + by[i][2], 1e-9)
     end
-    assert.equal(3, result.report.load_steps)
+    assert.equal(3, result.newton.load_steps)
   end)
 
   it("has an error relative to the reference's displacement, however little that is", function()
@@ -202,7 +202,7 @@ describe("a solid", function()
     local direct = assert(solid:solve {tolerance = 1e-9})
     for _, linear in ipairs {"coarse", "jacobi"} do
       local other = assert(solid:solve {solver = ways[linear], tolerance = 1e-9})
-      assert.is_true(other.report.cg_iterations > 0)
+      assert.is_true(other.newton.cg_iterations > 0)
       assert.is_true(other:error(direct) < 1e-8)
     end
     check.raises("made coarse once from this one", function() solid:solve {coarse = solid} end)
@@ -212,8 +212,8 @@ describe("a solid", function()
     coarse = assert(coarse:with(assert(solid.grid:set({max = {0.05, 1, 1}}, 0))))
     local by_factor = assert(coarse:solve {tolerance = 1e-9})
     local by_gradients = assert(coarse:solve {solver = ways.coarse, tolerance = 1e-9})
-    assert.equal(0, by_factor.report.cg_iterations)
-    assert.is_true(by_gradients.report.cg_iterations > 0)
+    assert.equal(0, by_factor.newton.cg_iterations)
+    assert.is_true(by_gradients.newton.cg_iterations > 0)
     assert.is_true(by_gradients:error(by_factor) < 1e-8)
     -- cells need not be cubes
     local flat = assert(bw.solid {grid = assert(bw.grid.box {size = {0.1, 0.1, 0.1}, cells = {4, 4, 8}}),
@@ -224,6 +224,35 @@ describe("a solid", function()
       assert(flat:solve {tolerance = 1e-9})) < 1e-8)
   end)
 
+  it("reports how its equations were solved, in statics and in motion", function()
+    local solid = column(3)
+    solid:fix {side = "min z"}
+    solid:force({side = "max z"}, {2, 0, 20})
+    for linear, words in pairs {direct = {"cholesky", "multifrontal"}, jacobi = {"pcg", nil, "jacobi"},
+      coarse = {"pcg", nil, "two_level"}} do
+      local result = assert(solid:solve {solver = ways[linear]})
+      local report = result.report
+      assert.same(words, {report.solver, report.backend, report.preconditioner})
+      assert.equal("it was given", report.reason)
+      assert.is_true(report.bytes > 0 and report.seconds > 0 and report.residual <= 1e-6)
+      local cg = result.newton.cg_iterations + result.newton.stability_iterations
+      assert.equal(cg, report.iterations or 0)
+      assert.is_truthy(tostring(result):find(tostring(report), 1, true))
+    end
+    local report = assert(solid:solve()).report
+    assert.same({"cholesky", "there are no coarse solids, which iterations would need"},
+      {report.solver, report.reason})
+    for _, linear in ipairs {"direct", "jacobi"} do
+      local motion = assert(solid:transient {step = 0.01, solver = ways[linear]})
+      assert.is_nil(motion.report)
+      assert.is_truthy(tostring(motion):find "after 0 steps")
+      assert(motion:step(2))
+      assert.equal(linear == "direct" and "cholesky" or "pcg", motion.report.solver)
+      assert.equal(motion.newton.cg_iterations, motion.report.iterations or 0)
+      assert.is_truthy(tostring(motion):find(tostring(motion.report), 1, true))
+    end
+  end)
+
   it("leaves a straight column that is not stable, whichever way it solves", function()
     local grid = assert(bw.grid.box {cells = {3, 3, 40}, spacing = 0.01})
     local height = 0.4
@@ -232,8 +261,8 @@ describe("a solid", function()
       solid:fix {side = "min z"}
       solid:fix({side = "max z"}, {0, 0, -shortening * height})
       local result = assert(solid:solve {solver = ways[linear]})
-      assert.equal(0, result.report.undecided)
-      assert.equal(linear == "coarse", result.report.stability_iterations > 10)
+      assert.equal(0, result.newton.undecided)
+      assert.equal(linear == "coarse", result.newton.stability_iterations > 10)
       local max = 0
       for _, u in ipairs(result.displacement:totable()) do
         max = math.max(max, math.abs(u[1]), math.abs(u[2]))

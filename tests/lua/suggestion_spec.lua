@@ -53,6 +53,20 @@ describe("A name that is not known", function()
       return skeleton.boundary_of_all_things
     end)
     check.raises("none of the", function() return bw.zebra end)
+    check.raises("bw.solver has no 'unknown': known are amg, bicgstab, cholesky, jacobi, lu, pcg, two_level",
+      function() return bw.solver.unknown {} end)
+    check.raises("bw.solver has no 'cholesy': did you mean 'cholesky'?", function()
+      return bw.solver.cholesy {}
+    end)
+    check.raises("bw.eigensolver has no 'lanzcos': did you mean 'lanczos'?", function()
+      return bw.eigensolver.lanzcos {}
+    end)
+    check.raises("bw.lp has no 'gplk': did you mean 'glpk'?", function() return bw.lp.gplk {} end)
+    check.raises("bw.mesh has no 'bx': did you mean 'box'?", function() return bw.mesh.bx {} end)
+    check.raises("bw.responsive has no 'stedy': did you mean 'steady'?", function()
+      return bw.responsive.stedy
+    end)
+    assert.is_nil(bw.solver[1])
     check.raises("there is no bone 'q': known is only shank", function() skeleton:bone "q" end)
     check.raises("did you mean 'shank'?", function() skeleton:bone "shnak" end)
     check.raises("there is no loop 'hole 7': known is only outline", function() outline:loop "hole 7" end)

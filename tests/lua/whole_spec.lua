@@ -213,7 +213,7 @@ describe("a motion", function()
     assert(motion:step(2))
     local function said()
       return motion.displacement:tostring "<f8" .. motion.velocity:tostring "<f8"
-        .. ("%a %a %d %a"):format(motion.time, motion.kinetic, motion.steps, motion.report.residual)
+        .. ("%a %a %d %a"):format(motion.time, motion.kinetic, motion.steps, motion.newton.residual)
     end
     local before = said()
     for fraction = 1, 3 do

@@ -13,23 +13,13 @@ extern "C" {
  * engine/distributed, a library of its own over MPI, PETSc and SLEPc, which the engine does not
  * link. Who loads it registers it here. It assembles by itself, with the engine's routines, and
  * multiplies by what it assembles; the check of what comes back is the engine's. */
-/* How an external solver works. */
-typedef enum bw_external_method {
-  BW_EXTERNAL_AUTO, /* statics: CG; modes: CHOLESKY */
-  BW_EXTERNAL_CG,   /* conjugate gradients with algebraic multigrid over the rigid-body motions */
-  BW_EXTERNAL_CHOLESKY /* a factor, spread over the processes */
-} bw_external_method;
-/* How an external solver is to work. */
-typedef struct bw_external_options {
-  bw_external_method method; /* default BW_EXTERNAL_AUTO */
-  double rtol;    /* (-) |K u - f| / |f| to be reached; default 1e-10, above 0 and below 1 */
-  int iterations; /* of conjugate gradients, at most; default 2000, 1 or more */
-} bw_external_options;
-BW_API void bw_external_options_default(bw_external_options *options);
+
+/* (-) Relative residual that an external solver reaches where the bw_solver leaves it open. */
+#define BW_EXTERNAL_TOLERANCE 1e-10
+enum { BW_EXTERNAL_ITERATIONS = 2000 /* of conjugate gradients at most, likewise */ };
 
 /* What an external solver did. */
 typedef struct bw_external_report {
-  char method[96];                     /* "conjugate gradients, GAMG" */
   int ranks;                           /* processes */
   int iterations;                      /* of conjugate gradients, in all solves */
   double send, assembly, setup, solve; /* (s) mesh to the ranks; matrices; multigrid or factor;
@@ -60,9 +50,11 @@ typedef struct bw_external_modes {
 /* An external solver. One system is open at a time. After a failure of any of these the system is
  * closed. */
 typedef struct bw_external {
-  /* Distributes the mesh and assembles. */
+  /* Distributes the mesh and assembles. `solver`, read while this runs, is of the backend
+   * BW_BACKEND_PETSC: BW_SOLVER_CHOLESKY, a factor spread over the processes, or BW_SOLVER_PCG with
+   * algebraic multigrid over the rigid-body motions. Modes solve their inner systems with it. */
   bw_status (*open)(bw_context *context, const bw_external_problem *problem,
-                    const bw_external_options *options);
+                    const bw_solver *solver);
   /* kx = K x and, unless mx is NULL, mx = M x, of `count` fields (any, count x node_count x 3) at
    * all components, prescribed or not, without use of the matrices that it solves with. magnitude
    * (any, count): the Euclidean norm of what the diagonal blocks contribute to K x, each entry's

@@ -11,25 +11,20 @@ extern "C" {
 
 /* ---- a system that follows edits (agile, section 6, and beyond) ------------------------------ */
 
-/* How the equations of an edited shape were solved. */
-typedef enum bw_incremental_method {
-  BW_INCREMENTAL_AUTO,     /* not yet: what costs least, by operations and bytes, counted */
-  BW_INCREMENTAL_REFACTOR, /* the supernodes that the edits touched, and their ancestors */
-  BW_INCREMENTAL_ITERATE,  /* conjugate gradients, preconditioned by the factor as it is */
-  BW_INCREMENTAL_FULL,     /* every supernode again: for checks and baselines */
-  BW_INCREMENTAL_PCG       /* two-level PCG: needs no factor */
-} bw_incremental_method;
-
 /* What an update and a solve reused and what they cost. */
 typedef struct bw_reuse {
-  bool pattern, ordering;       /* kept */
-  int32_t subdomains;           /* in all */
-  int32_t subdomains_reused;    /* no entry of theirs was written */
-  int32_t subdomains_rotated;   /* written, but unchanged in their own frames */
-  int32_t subdomains_changed;   /* changed: evaluated by polynomials or gathered */
-  bw_incremental_method method; /* BW_INCREMENTAL_REFACTOR (also where nothing had to be done),
-                           _ITERATE, _FULL or _PCG */
-  double factor_reused;         /* (-) fraction of the factor's work that was not done again */
+  bool pattern, ordering;     /* kept */
+  int32_t subdomains;         /* in all */
+  int32_t subdomains_reused;  /* no entry of theirs was written */
+  int32_t subdomains_rotated; /* written, but unchanged in their own frames */
+  int32_t subdomains_changed; /* changed: evaluated by polynomials or gathered */
+  const char *solver;         /* "cholesky": the supernodes that edits touched, and their
+                                 ancestors (also where nothing had to be done); or "pcg"; static,
+                                 NULL before a solution */
+  const char *preconditioner; /* of "pcg": "cholesky", the factor as it was, or "two_level"; ""
+                                 otherwise; static */
+  bool full;                  /* every supernode was computed again */
+  double factor_reused;       /* (-) fraction of the factor's work that was not done again */
   int iterations;  /* of conjugate gradients with a factor of a former shape, or by two-level PCG,
                       in all solves since the update */
   int precision;   /* bits of the factor's numbers: 64, or 32 */
@@ -51,8 +46,8 @@ typedef struct bw_incremental_options {
      with a factor (that of a former shape, as it is). Default NULL: by predicted cost, operations
      and bytes counted, never time measured */
   const bw_solver *solver;
-  double tolerance; /* (-) of conjugate gradients, relative residual; default 1e-10, above 0, below
-                       1; the looser of this and of a solver that is given */
+  double tolerance; /* (-) of conjugate gradients, relative residual, below 1; the looser of this
+                       and of a solver that is given; default 0: the solver's, or 1e-10 */
   int precision;    /* of the factor, where the solver leaves it open: 32 or 64 bits; default 0: by
                        predicted cost. Solutions are in
                        double precision in any case: with a factor in single precision, which takes
@@ -138,19 +133,18 @@ BW_API size_t bw_incremental_system_two_level_bytes(const bw_incremental_system 
  * factor for symmetric positive definite matrices, BiCGSTAB on an LU factor for others. The
  * paper uses ILU(k); a complete factor costs little in the plane and remains useful for longer. */
 
-/* How the factor is used. */
-typedef enum bw_lagged_factor_method {
-  BW_LAGGED_FACTOR_AUTO, /* by predicted cost: operations and bytes counted, and the iterations that
-                    recent solves took; never time measured */
-  BW_LAGGED_FACTOR_ITERATE,  /* on the present factor, as long as it converges */
-  BW_LAGGED_FACTOR_REFACTOR, /* refactored each time, analysis reused */
-  BW_LAGGED_FACTOR_FULL      /* analysed and factored each time: for baselines */
-} bw_lagged_factor_method;
 /* How equations are solved. */
 typedef struct bw_lagged_factor_options {
-  bw_lagged_factor_method method; /* default BW_LAGGED_FACTOR_AUTO */
-  double tolerance;               /* (-) relative residual |b - A x| / |b|; default 1e-8, > 0 */
-  int iterations;                 /* before refactoring; default 60, 1 or more */
+  /* Borrowed. BW_SOLVER_CHOLESKY, of flows BW_SOLVER_LU: factored each time, with `full` analysed
+     each time too. BW_SOLVER_PCG with the preconditioner BW_SOLVER_CHOLESKY, of flows
+     BW_SOLVER_BICGSTAB: iterations on the factor that is there as long as they converge within
+     max_iterations, by default 60. Default NULL: whichever of both is predicted to cost less, by
+     operations and bytes, counted, and by the iterations that recent solutions took */
+  const bw_solver *solver;
+  double tolerance; /* (-) relative residual |b - A x| / |b|; default 1e-8, > 0; that of a solver
+                       which has one takes its place */
+  int max_lag; /* solutions that a factor may serve beyond the one that it was computed for, 0 or
+                  more; default INT_MAX */
 } bw_lagged_factor_options;
 BW_API void bw_lagged_factor_options_default(bw_lagged_factor_options *options);
 /* What one solve, or one frame of an application, reused and what it cost. Sums over the solves of
@@ -162,8 +156,9 @@ typedef struct bw_plane_reuse {
   bool solution;                                    /* x: used as the first guess */
   int analyses, factorisations, solves, iterations; /* how many */
   double residual;                                  /* (-) the largest, relative, as reached */
-  double predicted_iterate, predicted_factor;       /* (s) of the reference machine */
   double seconds_mesh, seconds_assemble, seconds_factor, seconds_solve; /* (s) of the parts */
+  bw_solver_report report; /* of the solutions: words of the last one, costs and operations in all,
+                              the largest residual and memory */
 } bw_plane_reuse;
 
 /* A factor of a former matrix. Mutable; one thread at a time. bw_lagged_factor_destroy releases
@@ -177,7 +172,8 @@ BW_API void bw_lagged_factor_destroy(bw_lagged_factor *lagged);
  * components). x (any, node_count x components) is the initial guess on entry, the solution on
  * return. The factor and its elimination order are kept as long as the pattern's nodes are the same
  * object, the analysis as long as its topology is. BW_SINGULAR, or BW_CONVERGENCE with the residual
- * reached; x is then as it was. `options` and `reuse` may be NULL; `reuse` is added to. */
+ * reached; x is then as it was. BW_INVALID for a solver that does not serve these equations.
+ * `options` and `reuse` may be NULL; `reuse` is added to. */
 BW_API bw_status bw_lagged_factor_solve(bw_context *context, bw_lagged_factor *lagged,
                                         const bw_plane_pattern *pattern, const double *values,
                                         const double *rhs, double *x,

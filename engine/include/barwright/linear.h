@@ -20,7 +20,9 @@ typedef enum bw_solver_kind {
                           For quadratic elements */
   BW_SOLVER_AMG,       /* preconditioner: algebraic multigrid by smoothed aggregation, the engine's
                           own or of the external solver */
-  BW_SOLVER_JACOBI     /* preconditioner: the inverse of the blocks of the nodes */
+  BW_SOLVER_JACOBI,    /* preconditioner: the inverse of the blocks of the nodes */
+  BW_SOLVER_LU,        /* a sparse factor A = L U, of the unsymmetric equations of flows */
+  BW_SOLVER_BICGSTAB   /* stabilised biconjugate gradients on such a factor (van der Vorst 1992) */
 } bw_solver_kind;
 
 /* Who computes a factor or a multigrid hierarchy. */
@@ -54,14 +56,17 @@ typedef struct bw_solver_options {
   int precision; /* of a factor's numbers, 32 or 64 bits; default 0: 64, in systems that follow
                     edits by predicted cost. Solutions are in double precision in any case: a
                     factor of 32 bits is refined by conjugate gradients */
-  bool full;     /* of a factor that follows edits: computed again as a whole, where a part
-                    would do; default false */
-  const bw_solver *preconditioner; /* of BW_SOLVER_PCG, retained: BW_SOLVER_TWO_LEVEL, _AMG,
+  bool full;     /* of a factor that follows edits or an outline: computed again as a whole, where
+                    a part or the former analysis would do; default false */
+  const bw_solver *preconditioner; /* retained; of BW_SOLVER_PCG: BW_SOLVER_TWO_LEVEL, _AMG,
                                       _JACOBI, or _CHOLESKY (of a former shape, or of 32 bits);
-                                      default NULL: two-level */
-  double tolerance;   /* (-) of BW_SOLVER_PCG: relative residual, below 1; default 0: 1e-10, in
-                         Newton's method by Eisenstat and Walker */
-  int max_iterations; /* (count) of BW_SOLVER_PCG; default 0: 2000, in Newton's method 10000 */
+                                      default NULL: two-level. Of BW_SOLVER_BICGSTAB:
+                                      BW_SOLVER_LU, as is NULL */
+  double tolerance;   /* (-) of PCG and BiCGSTAB: relative residual, below 1; default 0: 1e-10, in
+                         Newton's method by Eisenstat and Walker, of plane meshes as
+                         bw_lagged_factor_options has it */
+  int max_iterations; /* (count) of PCG and BiCGSTAB; default 0: 2000, in Newton's method 10000, of
+                         plane meshes 60 */
 } bw_solver_options;
 
 /* A linear solver: a description that never changes, made once and handed to whatever solves. A
@@ -74,9 +79,9 @@ struct bw_solver {
  * have, and what its backend does not serve. */
 BW_API bw_status bw_solver_create(bw_context *context, const bw_solver_options *options,
                                   bw_solver **solver);
-/* A *text such as "pcg (two_level, tolerance 1e-08)", which the caller releases with
- * bw_free. NULL: "auto". */
-BW_API bw_status bw_solver_describe(bw_context *context, const bw_solver *solver, char **text);
+enum { BW_SOLVER_TEXT = 320 /* bytes of any solver's description, with the final 0 */ };
+/* Writes text (BW_SOLVER_TEXT) such as "pcg (two_level, tolerance 1e-08)"; of NULL "auto". */
+BW_API void bw_solver_describe(const bw_solver *solver, char text[BW_SOLVER_TEXT]);
 /* The word of a backend ("cholmod"), of an ordering ("metis"), of a kind ("two_level"). */
 BW_API const char *bw_backend_word(bw_backend backend);
 BW_API const char *bw_ordering_word(bw_ordering ordering);

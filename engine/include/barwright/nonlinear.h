@@ -4,6 +4,7 @@
 
 #include "barwright/assemble.h"
 #include "barwright/grid.h"
+#include "barwright/linear.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -266,15 +267,15 @@ BW_API bw_status bw_load_case_contact_plane(bw_context *context, bw_load_case *i
 
 /* ---- statics --------------------------------------------------------------------------------- */
 
-/* How the linear equations of a Newton iteration are solved. */
-typedef enum bw_newton_linear {
-  BW_NEWTON_DIRECT, /* the engine's own factor, order and analysis kept */
-  BW_NEWTON_JACOBI, /* conjugate gradients without a matrix, preconditioned by node blocks */
-  BW_NEWTON_COARSE  /* the same, preconditioned by a smoother and a coarse solid's factor */
-} bw_newton_linear;
 /* How Newton's method proceeds; all pointers are borrowed. */
 typedef struct bw_newton_options {
-  bw_newton_linear linear; /* default BW_NEWTON_DIRECT */
+  /* Of the linear equations of an iteration. BW_SOLVER_CHOLESKY: the engine's own factor in double
+     precision, order and analysis kept. BW_SOLVER_PCG without a matrix: with BW_SOLVER_JACOBI, or
+     with BW_SOLVER_TWO_LEVEL, a smoother and a coarse solid's factor; its tolerance by default by
+     Eisenstat and Walker, its iterations at most 10000. Default NULL: with coarse solids
+     BW_SOLVER_TWO_LEVEL, up to 20000 nodes only as long as that costs less than factors, by counted
+     operations and bytes, and by the iterations that were needed so far; else the factor */
+  const bw_solver *solver;
   double tolerance;    /* (-) |residual| over the norms of applied forces, reactions and pushes of
                           contact planes, added up; default 1e-6, above 0, below 1 */
   int iterations;      /* Newton iterations in a load step; default 100, 1 or more */
@@ -283,20 +284,15 @@ typedef struct bw_newton_options {
                            each load step to begin with beyond the first */
   int steps;           /* to begin with; default 1, 1 or more; made smaller where one fails */
   double min_step;     /* (-) smallest step of the load factor; default 1/256, above 0, to 1 */
-  double cg_tolerance; /* (-) relative; default 0: by Eisenstat and Walker; below 1 */
-  int cg_iterations;   /* of conjugate gradients in an iteration; default 10000, 1 or more */
   bool allow_inverted; /* a solution with inverted elements is a result, not BW_GEOMETRY; default
                           false */
   const double *start; /* (m, node_count x 3) initial guess; NULL: rest. From a guess, loads act in
                           full, and the residual there is reduced with the load factor */
-  /* for BW_NEWTON_COARSE: coarsening[0] is of the solid's grid, coarse[0] a solid on its coarse
+  /* for BW_SOLVER_TWO_LEVEL: coarsening[0] is of the solid's grid, coarse[0] a solid on its coarse
      grid; coarsening[1] of that grid, and on. The last coarse solid's tangent is factored */
   int coarse_count;
   const bw_coarsening *const *coarsening;
   const bw_solid *const *coarse; /* coarse_count of each */
-  bool by_cost; /* BW_NEWTON_COARSE only as long as that costs less than factors, by counted
-                   operations and bytes, and by the iterations that were needed so far; default
-                   false */
 } bw_newton_options;
 BW_API void bw_newton_options_default(bw_newton_options *options);
 
@@ -342,7 +338,8 @@ typedef struct bw_solid_static {
   double *reaction;              /* (N, node_count x 3) of supports and contact planes */
   double energy;                 /* (J) stored */
   bool complete;                 /* load factor 1 was reached within tolerance */
-  bw_newton_report report;       /* how it was found */
+  bw_newton_report newton;       /* how it was found */
+  bw_solver_report report;       /* how the linear equations were solved */
 } bw_solid_static;
 /* The stable equilibrium that the load path from rest leads to: Newton's method on the total
  * potential with line search. Where the tangent is not positive definite, one that is made so
@@ -356,7 +353,8 @@ BW_API bw_status bw_solid_statics(bw_context *context, const bw_solid *solid,
                                   const bw_newton_options *options, bw_solid_static **result);
 
 /* A few Newton steps from options->start, which is needed, at full load: options->iterations of
- * them with options->cg_iterations of conjugate gradients each. They do not reach an equilibrium,
+ * them with as many of conjugate gradients each as options->solver, which is needed too, has in
+ * max_iterations. They do not reach an equilibrium,
  * but show where and about how far away it is; each lowers the potential. *defined false: there is
  * no energy at the start, and displacement (m, node_count x 3) is not written. */
 BW_API bw_status bw_solid_correct(bw_context *context, const bw_solid *solid,
@@ -382,8 +380,10 @@ typedef struct bw_transient_options {
   double tolerance;           /* (-) as in bw_newton_options; default 1e-6, above 0, below 1 */
   int iterations;             /* 1: linearly implicit; default 30, 1 or more */
   bool allow_inverted;        /* as in bw_newton_options; default false */
-  bw_newton_linear linear;    /* BW_NEWTON_DIRECT (default), or _JACOBI: without a matrix, for large
-                                 solids */
+  const bw_solver *solver;    /* retained by the motion. BW_SOLVER_CHOLESKY as in
+                                 bw_newton_options, or for large solids BW_SOLVER_PCG with
+                                 BW_SOLVER_JACOBI, whose tolerance and iterations follow from the
+                                 step; default NULL: the factor */
 } bw_transient_options;
 BW_API void bw_transient_options_default(bw_transient_options *options);
 /* A solid in motion under a constant case, its loads at full. Mutable. */
@@ -401,13 +401,14 @@ typedef struct bw_solid_transient {
   double kinetic, strain, potential; /* (J) potential: of loads that do not follow */
   double dissipated; /* (J) by damping, contact planes and the scheme, so that the sum of the four
                         changes by the work of pressures that follow only */
-  bw_newton_report report; /* of the last step */
+  bw_newton_report newton; /* of the last step */
+  bw_solver_report report; /* of its linear equations */
   struct bwi_transient *inner;
 } bw_solid_transient;
 /* A motion from displacements u (m, node_count x 3) and velocities v (m/s, node_count x 3), which
  * may be NULL: at rest. Prescribed components have their values of the case from the start.
- * BW_INVALID for a solid without density, BW_GEOMETRY where the shape has no energy. `options` may
- * be NULL. */
+ * BW_INVALID for a solid without density and for a solver that does not serve, BW_GEOMETRY where
+ * the shape has no energy. `options` may be NULL. */
 BW_API bw_status bw_solid_transient_create(bw_context *context, const bw_solid *solid,
                                            const bw_load_case *load_case,
                                            const bw_transient_options *options, const double *u,

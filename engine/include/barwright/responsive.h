@@ -3,6 +3,7 @@
 #ifndef BARWRIGHT_RESPONSIVE_H
 #define BARWRIGHT_RESPONSIVE_H
 
+#include "barwright/eigen.h"
 #include "barwright/element.h"
 #include "barwright/incremental.h"
 #include "barwright/material.h"
@@ -196,13 +197,16 @@ BW_API bw_status bw_plate_check(bw_context *context, const bw_plate *plate);
 typedef struct bw_plate_options {
   int modes;        /* default 1, 1 or more, fewer than the unknowns */
   double tolerance; /* (-) of `residual`; the frequency's error is its square; default 1e-6, > 0 */
-  bool full;        /* random start, new factor: for checks and baselines; default false */
+  const bw_eigensolver *solver; /* borrowed: BW_EIGENSOLVER_LOBPCG, or NULL, the default: automatic,
+                                   which is the same */
+  int max_lag;                  /* as in bw_lagged_factor_options: 0 or more; default INT_MAX */
+  bool full; /* random start, new factor: for checks and baselines; default false */
 } bw_plate_options;
 BW_API void bw_plate_options_default(bw_plate_options *options);
-/* Rayleigh-Ritz iteration with the rigid-body motions projected out, from the last frame's modes on
- * the last frame's factor; with a fresh factor at least as fast as inverse iteration.
- * BW_CONVERGENCE where it does not reach the tolerance and BW_SINGULAR where the factor fails leave
- * the plate as it was. `options` and `reuse` may be NULL. */
+/* LOBPCG with the rigid-body motions projected out, from the last frame's modes on the last frame's
+ * factor; with a fresh factor at least as fast as inverse iteration. BW_INVALID for another
+ * eigensolver. BW_CONVERGENCE where it does not reach the tolerance and BW_SINGULAR where the
+ * factor fails leave the plate as it was. `options` and `reuse` may be NULL. */
 BW_API bw_status bw_plate_solve(bw_context *context, bw_plate *plate,
                                 const bw_plate_options *options, bw_plane_reuse *reuse);
 /* d frequency[mode] / d node positions: gradient (Hz/m, node_count x 2). */

@@ -26,13 +26,13 @@ static bw_model *body(bw_context *context, int order, bool fixed) {
   return model;
 }
 
-static bw_status statics(bw_context *context, const bw_model *model, bw_external_method method,
+static bw_status statics(bw_context *context, const bw_model *model, bw_solver_kind method,
                          bw_static **result) {
   bw_solver *amg = NULL, *solver = NULL;
   bw_solver_options options = {.kind = BW_SOLVER_AMG, .backend = BW_BACKEND_PETSC};
   bw_status status = bw_solver_create(context, &options, &amg);
   if (status == BW_OK) {
-    options = method == BW_EXTERNAL_CG
+    options = method == BW_SOLVER_PCG
                   ? (bw_solver_options){.kind = BW_SOLVER_PCG, .preconditioner = amg}
                   : (bw_solver_options){.backend = BW_BACKEND_PETSC};
     status = bw_solver_create(context, &options, &solver);
@@ -46,12 +46,12 @@ static bw_status statics(bw_context *context, const bw_model *model, bw_external
   return status;
 }
 
-static bw_status modes_of(bw_context *context, const bw_model *model, bw_external_method method,
+static bw_status modes_of(bw_context *context, const bw_model *model, bw_solver_kind method,
                           bw_modes **modes) {
   bw_eigensolver_options options;
   bw_eigensolver_options_default(&options);
   options.kind = BW_EIGENSOLVER_SLEPC;
-  options.inner_pcg = method == BW_EXTERNAL_CG;
+  options.inner_pcg = method == BW_SOLVER_PCG;
   bw_eigensolver *solver = NULL;
   bw_status status = bw_eigensolver_create(context, &options, &solver);
   const bw_modes_options opts = {
@@ -68,7 +68,7 @@ static void test_memory(void **state) {
   bw_context *context = check_context(state);
   check_ok(context, bw_world_start(context, false));
   for (int kind = 0; kind < 16; kind++) {
-    bw_external_method method = kind & 1 ? BW_EXTERNAL_CHOLESKY : BW_EXTERNAL_CG;
+    bw_solver_kind method = kind & 1 ? BW_SOLVER_CHOLESKY : BW_SOLVER_PCG;
     bw_model *model = body(context, kind & 8 ? 2 : 1, kind & 2);
     bw_status status = BW_MEMORY;
     int64_t n = 1;
@@ -102,14 +102,14 @@ static void test_cancel(void **state) {
   bw_static *result = NULL;
   bw_modes *modes = NULL;
   bw_set_progress(context, stop, context);
-  check_fails(context, BW_CANCELLED, "cancel", statics(context, model, BW_EXTERNAL_CG, &result));
+  check_fails(context, BW_CANCELLED, "cancel", statics(context, model, BW_SOLVER_PCG, &result));
   bw_clear_cancel(context);
   check_fails(context, BW_CANCELLED, "cancel",
-              modes_of(context, model, BW_EXTERNAL_CHOLESKY, &modes));
+              modes_of(context, model, BW_SOLVER_CHOLESKY, &modes));
   bw_clear_cancel(context);
   bw_set_progress(context, NULL, NULL);
-  check_ok(context, statics(context, model, BW_EXTERNAL_CG, &result));
-  check_ok(context, modes_of(context, model, BW_EXTERNAL_CHOLESKY, &modes));
+  check_ok(context, statics(context, model, BW_SOLVER_PCG, &result));
+  check_ok(context, modes_of(context, model, BW_SOLVER_CHOLESKY, &modes));
   assert_true(modes->counted);
   assert_int_equal(modes->rigid_count, 6);
   bw_release(result);
@@ -143,7 +143,7 @@ static void test_rotated_by_element(void **state) {
   check_ok(context, bw_model_fix(context, model, left));
   check_ok(context, bw_model_force(context, model, right, (double[3]){100, 20, -9}));
   check_ok(context, bw_statics(context, model, NULL, NULL, &own));
-  check_ok(context, statics(context, model, BW_EXTERNAL_CHOLESKY, &other));
+  check_ok(context, statics(context, model, BW_SOLVER_CHOLESKY, &other));
   double largest = 0;
   for (int64_t i = 0; i < 3 * (int64_t)mesh->node_count; i++)
     largest = fmax(largest, fabs(own->displacement[i]));
@@ -166,8 +166,8 @@ static void test_fall(void **state) {
   bw_static *result = NULL;
   bw_model_clear_loads(model);
   check_ok(context, bw_model_gravity(context, model, (double[3]){1, 2, 9.81}));
-  for (int method = BW_EXTERNAL_CG; method <= BW_EXTERNAL_CHOLESKY; method++) {
-    check_ok(context, statics(context, model, (bw_external_method)method, &result));
+  for (int method = BW_SOLVER_CHOLESKY; method <= BW_SOLVER_PCG; method++) {
+    check_ok(context, statics(context, model, (bw_solver_kind)method, &result));
     for (int64_t i = 0; i < 3 * (int64_t)model->mesh->node_count; i++)
       check_near(result->displacement[i], 0, 1e-18);
     bw_release(result);

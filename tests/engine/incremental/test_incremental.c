@@ -3,7 +3,7 @@
  * and says what it reused; what fails leaves it as it was. */
 #include "incremental_bar.h"
 
-static void edit_sequences(bw_context *context, int scene, int order, bw_incremental_method method,
+static void edit_sequences(bw_context *context, int scene, int order, edit_way method,
                            int precision, int sequences, uint64_t seed) {
   bar b;
   bw_random random;
@@ -42,9 +42,9 @@ static void random_sequences(void **state) {
   bw_context *context = check_context(state);
   int many = getenv("BARWRIGHT_FULL") ? 400 : 40; /* 520 in all */
   for (int scene = 0; scene < SCENES; scene++)
-    for (int method = BW_INCREMENTAL_AUTO; method <= BW_INCREMENTAL_ITERATE; method++)
+    for (int method = WAY_AUTO; method <= WAY_ITERATE; method++)
       for (int precision = 64; precision >= 32; precision -= 32)
-        edit_sequences(context, scene, scene == 1 ? 2 : 1, (bw_incremental_method)method, precision,
+        edit_sequences(context, scene, scene == 1 ? 2 : 1, (edit_way)method, precision,
                        (scene == 1 ? many / 2 : many) / 2, (uint64_t)(10 * scene + method + 1));
 }
 
@@ -56,10 +56,10 @@ static void reuse_is_said(void **state) {
     load_bar(context, &b, scene);
     bw_incremental_system *incremental = incremental_of(context, &b);
     turn_subdomain(&b, 0, 0.4); /* everything as one */
-    bw_reuse r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_REFACTOR);
+    bw_reuse r = edit_and_compare(context, &b, incremental, WAY_REFACTOR);
     assert_true(r.pattern && r.ordering);
     assert_int_equal(r.subdomains, SUBDOMAINS);
-    assert_int_equal(r.method, BW_INCREMENTAL_REFACTOR);
+    assert_int_equal(way_of(&r), WAY_REFACTOR);
     assert_int_equal(r.iterations, 0);
     if (scene != 1) { /* there, a support that keeps its direction */
       assert_int_equal(r.subdomains_rotated, SUBDOMAINS);
@@ -70,7 +70,7 @@ static void reuse_is_said(void **state) {
       assert_true(r.factor_reused < 1 && r.factor_reused > 0.1);
     }
     turn_subdomain(&b, 2, 0.2); /* the tip: its joint is blended */
-    r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_REFACTOR);
+    r = edit_and_compare(context, &b, incremental, WAY_REFACTOR);
     if (scene == 0 || scene == 2 || scene == 3) { /* slides at the joint turn too */
       assert_int_equal(r.subdomains_reused, 3);
       assert_int_equal(r.subdomains_rotated, 1);
@@ -78,22 +78,22 @@ static void reuse_is_said(void **state) {
     }
     assert_true(r.factor_reused > 0 && r.factor_reused < 1);
     b.now.shift[0][0] += 0.3; /* a translation touches nothing */
-    r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_AUTO);
+    r = edit_and_compare(context, &b, incremental, WAY_AUTO);
     assert_int_equal(r.subdomains_reused, SUBDOMAINS);
     check_near(r.factor_reused, 1, 0);
-    assert_int_equal(r.method, BW_INCREMENTAL_REFACTOR);
-    r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_FULL);
-    assert_int_equal(r.method, BW_INCREMENTAL_FULL);
+    assert_int_equal(way_of(&r), WAY_REFACTOR);
+    r = edit_and_compare(context, &b, incremental, WAY_FULL);
+    assert_int_equal(way_of(&r), WAY_FULL);
     check_near(r.factor_reused, 0, 0);
     pose before = b.now;
     b.now.scale[2][1] *= 1.05;
-    r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_ITERATE);
-    assert_int_equal(r.method, BW_INCREMENTAL_ITERATE);
+    r = edit_and_compare(context, &b, incremental, WAY_ITERATE);
+    assert_int_equal(way_of(&r), WAY_ITERATE);
     assert_true(r.iterations > 1 && r.iterations < 60);
     check_near(r.factor_reused, 1, 0);
     b.now = before; /* taken back: the factor is that of the shape again */
-    r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_AUTO);
-    assert_int_equal(r.method, BW_INCREMENTAL_REFACTOR);
+    r = edit_and_compare(context, &b, incremental, WAY_AUTO);
+    assert_int_equal(way_of(&r), WAY_REFACTOR);
     assert_int_equal(r.iterations, 0);
     check_near(r.factor_reused, 1, 0);
     size_t factor = 0, updates = 0;
@@ -115,7 +115,7 @@ static void failures_and_recovery(void **state) {
   load_bar(context, &other, 0);
   bw_incremental_system *incremental = incremental_of(context, &b);
   turn_subdomain(&b, 1, 0.1);
-  edit_and_compare(context, &b, incremental, BW_INCREMENTAL_AUTO);
+  edit_and_compare(context, &b, incremental, WAY_AUTO);
   uint64_t revision = incremental->object.revision;
   bw_model *good = posed(context, &b), *model = NULL;
 
@@ -135,7 +135,7 @@ static void failures_and_recovery(void **state) {
   check_fails(context, BW_INVALID, "last followed",
               bw_incremental_statics(context, incremental, good, NULL, NULL, &result, NULL));
   assert_true(incremental->object.revision == revision);
-  bw_incremental_options options = {.solver = solver_by(BW_INCREMENTAL_REFACTOR), .tolerance = 2};
+  bw_incremental_options options = {.solver = solver_by(WAY_REFACTOR), .tolerance = 2};
   double *u = numbers(3 * (int64_t)b.mesh->node_count);
   check_fails(context, BW_INVALID, "between 0 and 1",
               bw_incremental_system_solve(context, incremental, &options, 1, u, u, NULL));
@@ -159,15 +159,15 @@ static void failures_and_recovery(void **state) {
   assert_int_equal(
       bw_incremental_statics(context, incremental, model, NULL, &options, &result, NULL),
       BW_SINGULAR);
-  options.solver = solver_by(BW_INCREMENTAL_ITERATE); /* there is no factor to iterate with */
+  options.solver = solver_by(WAY_ITERATE); /* there is no factor to iterate with */
   assert_int_equal(
       bw_incremental_statics(context, incremental, model, NULL, &options, &result, NULL),
       BW_SINGULAR);
   bw_release(model);
   bw_release(flat);
   b.now = before;
-  bw_reuse r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_AUTO);
-  assert_int_equal(r.method, BW_INCREMENTAL_FULL);
+  bw_reuse r = edit_and_compare(context, &b, incremental, WAY_AUTO);
+  assert_int_equal(way_of(&r), WAY_FULL);
 
   /* stopped by the user in the middle */
   turn_subdomain(&b, 2, 0.1);
@@ -178,12 +178,12 @@ static void failures_and_recovery(void **state) {
                    BW_CANCELLED);
   bw_clear_cancel(context);
   r = (bw_reuse){0};
-  compare(context, incremental, model, BW_INCREMENTAL_AUTO, &r);
+  compare(context, incremental, model, WAY_AUTO, &r);
   bw_release(model);
 
   /* a load that is not balanced, and a check that finds what is wrong */
   options = (bw_incremental_options){
-      .solver = solver_by(BW_INCREMENTAL_REFACTOR), .tolerance = 1e-10, .check = true};
+      .solver = solver_by(WAY_REFACTOR), .tolerance = 1e-10, .check = true};
   incremental->stiffness->values[0] *= 1.001;
   random_field(3, 3 * (int64_t)b.mesh->node_count, u);
   check_fails(context, BW_INTERNAL, "stiffness differs from the reassembled one",
@@ -210,12 +210,12 @@ static void supports_become_others(void **state) {
   check_ok(context, bw_model_fix(context, model, tip));
   bw_reuse reuse;
   check_ok(context, bw_incremental_system_update(context, incremental, model, b.motion, &reuse));
-  compare(context, incremental, model, BW_INCREMENTAL_ITERATE, &reuse);
-  assert_int_equal(reuse.method, BW_INCREMENTAL_FULL);
+  compare(context, incremental, model, WAY_ITERATE, &reuse);
+  assert_int_equal(way_of(&reuse), WAY_FULL);
   assert_true(reuse.pattern && !reuse.ordering); /* nodes left the order */
   bw_release(tip);
   bw_release(model);
-  edit_and_compare(context, &b, incremental, BW_INCREMENTAL_AUTO); /* and back */
+  edit_and_compare(context, &b, incremental, WAY_AUTO); /* and back */
   bw_release(incremental);
   bar_clear(&b);
 }
@@ -251,7 +251,7 @@ static void no_memory(void **state) {
   options.guess = guess;
   options.guess_count = 1;
   for (int run = 0; run < 3; run++) {
-    options.solver = solver_by(run == 0 ? BW_INCREMENTAL_ITERATE : BW_INCREMENTAL_REFACTOR);
+    options.solver = solver_by(run == 0 ? WAY_ITERATE : WAY_REFACTOR);
     options.precision = run < 2 ? 0 : 32;
     bool updated = false;
     for (int64_t n = 1;; n++) {
@@ -270,7 +270,7 @@ static void no_memory(void **state) {
       assert_int_equal(status, BW_MEMORY);
     }
     bw_reuse reuse = {0};
-    compare(context, incremental, model, BW_INCREMENTAL_AUTO, &reuse);
+    compare(context, incremental, model, WAY_AUTO, &reuse);
   }
   free(field);
   bw_release(incremental);
@@ -295,7 +295,7 @@ static void threads_agree(void **state) {
     bw_incremental_system *incremental = incremental_of(context, &b);
     bw_incremental_options options;
     bw_incremental_options_default(&options);
-    options.solver = solver_by(k % 4 < 2 ? BW_INCREMENTAL_REFACTOR : BW_INCREMENTAL_ITERATE);
+    options.solver = solver_by(k % 4 < 2 ? WAY_REFACTOR : WAY_ITERATE);
     options.precision = k < 4 ? 64 : 32;
     check_ok(context, bw_incremental_system_update(context, incremental, model, b.motion, NULL));
     check_ok(context,
@@ -388,8 +388,7 @@ static void reports_of_several(void **state) {
   assert_non_null(model);
   bw_reuse reuse = {0};
   check_ok(context, bw_incremental_system_update(context, incremental, model, b.motion, &reuse));
-  const int way[4] = {BW_INCREMENTAL_PCG, BW_INCREMENTAL_PCG, BW_INCREMENTAL_REFACTOR,
-                      BW_INCREMENTAL_AUTO};
+  const int way[4] = {WAY_PCG, WAY_PCG, WAY_REFACTOR, WAY_AUTO};
   bw_static *result[4] = {NULL};
   for (int k = 0; k < 4; k++) {
     const bw_incremental_options options = {

@@ -13,14 +13,14 @@ static void choice_by_cost(void **state) {
   const double stretch[4] = {1 + 1e-10, 1.2, 1.001, 1 + 1e-6};
   for (int i = 0; i < 4; i++) {
     b.now.scale[1][0] *= stretch[i];
-    bw_reuse r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_AUTO);
+    bw_reuse r = edit_and_compare(context, &b, incremental, WAY_AUTO);
     bool cheaper = r.predicted_iterate <= r.predicted_refactor;
-    if (r.iterations == 0 || r.method == BW_INCREMENTAL_ITERATE)
-      assert_int_equal(r.method == BW_INCREMENTAL_ITERATE, cheaper);
+    if (r.iterations == 0 || way_of(&r) == WAY_ITERATE)
+      assert_int_equal(way_of(&r) == WAY_ITERATE, cheaper);
     if (i == 0)
-      assert_int_equal(r.method, BW_INCREMENTAL_ITERATE);
+      assert_int_equal(way_of(&r), WAY_ITERATE);
     if (i == 1)
-      assert_int_equal(r.method, BW_INCREMENTAL_REFACTOR);
+      assert_int_equal(way_of(&r), WAY_REFACTOR);
   }
   bw_release(incremental);
   bar_clear(&b);
@@ -117,12 +117,12 @@ static void iteration_ratio_too_small(void **state) {
   /* of these subdomains all good is believed, and of no others */
   b.now.scale[1][0] *= 1 + 1e-9;
   turn_subdomain(&b, 2, 1e-9);
-  edit_and_compare(context, &b, incremental, BW_INCREMENTAL_ITERATE);
+  edit_and_compare(context, &b, incremental, WAY_ITERATE);
   b.now.scale[1][0] *= 1.3;
   turn_subdomain(&b, 2, 0.2);
   incremental->inner->iteration_ratio = 1e-3;
-  bw_reuse r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_AUTO);
-  assert_int_equal(r.method, BW_INCREMENTAL_REFACTOR);
+  bw_reuse r = edit_and_compare(context, &b, incremental, WAY_AUTO);
+  assert_int_equal(way_of(&r), WAY_REFACTOR);
   assert_true(r.predicted_iterate < r.predicted_refactor);
   assert_true(r.iterations > 0 && r.iterations < 20);
   assert_true(bwi_incremental_current(incremental));
@@ -162,13 +162,13 @@ static void no_convergence(void **state) {
   check_ok(context, bw_incremental_system_update(context, incremental, model, b.motion, NULL));
   bw_incremental_options options;
   bw_incremental_options_default(&options);
-  options.solver = solver_by(BW_INCREMENTAL_ITERATE);
+  options.solver = solver_by(WAY_ITERATE);
   check_fails(context, BW_CONVERGENCE, "changed too much",
               bw_incremental_statics(context, incremental, model, NULL, &options, &result, NULL));
   bw_reuse reuse = {0};
   check_ok(context,
            bw_incremental_statics(context, incremental, model, NULL, NULL, &result, &reuse));
-  assert_int_equal(reuse.method, BW_INCREMENTAL_REFACTOR);
+  assert_int_equal(way_of(&reuse), WAY_REFACTOR);
   bw_release(result);
   bw_release(model);
   bw_release(mesh);

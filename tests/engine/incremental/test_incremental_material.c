@@ -55,7 +55,7 @@ static void orthotropic(void **state) {
         assert_int_equal(incremental->object.revision, revision);
         rotate_material(context, &b, model);
       }
-      options.solver = solver_by(step == 2 ? BW_INCREMENTAL_ITERATE : BW_INCREMENTAL_REFACTOR);
+      options.solver = solver_by(step == 2 ? WAY_ITERATE : WAY_REFACTOR);
       check_ok(context,
                bw_incremental_system_update(context, incremental, model, b.motion, &reuse));
       check_ok(context, bw_incremental_statics(context, incremental, model, NULL, &options, &result,

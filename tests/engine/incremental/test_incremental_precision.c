@@ -16,9 +16,9 @@ static void precisions(void **state) {
     b.now.scale[1][1] = 1.1 + 0.1 * k;
     bw_model *model = posed(context, &b);
     check_ok(context, bw_incremental_system_update(context, incremental, model, b.motion, &r));
-    compare_in(context, incremental, model, BW_INCREMENTAL_REFACTOR, 32 + 32 * k, &r);
+    compare_in(context, incremental, model, WAY_REFACTOR, 32 + 32 * k, &r);
     assert_int_equal(r.precision, 32 + 32 * k);
-    assert_int_equal(r.method, BW_INCREMENTAL_FULL); /* there was one in the other precision */
+    assert_int_equal(way_of(&r), WAY_FULL); /* there was one in the other precision */
     assert_int_equal(r.iterations, 0);
     assert_int_equal(r.refinements > 0, k == 0);
     assert_true(r.refinements < 10);
@@ -50,7 +50,7 @@ static void too_thin_for_single(void **state) {
     bw_incremental_options options;
     bw_incremental_options_default(&options);
     options.precision = 32;
-    options.solver = solver_by(BW_INCREMENTAL_REFACTOR);
+    options.solver = solver_by(WAY_REFACTOR);
     bw_reuse reuse = {0};
     check_ok(context, bw_incremental_statics(context, incremental, b.model, NULL, &options, &result,
                                              &reuse));
@@ -72,12 +72,12 @@ static void too_thin_for_single(void **state) {
     bw_release(result);
     assert_int_equal(reuse.precision, k == 0 ? 32 : 64);
     if (k == 1) {
-      assert_int_equal(reuse.method, BW_INCREMENTAL_FULL);
+      assert_int_equal(way_of(&reuse), WAY_FULL);
       assert_non_null(strstr(bw_warning_at(context, 0), "double precision from now on"));
       b.now.scale[1][1] = b.now.scale[1][2] = 1;
       bw_model *back = posed(context, &b);
       check_ok(context, bw_incremental_system_update(context, incremental, back, b.motion, &reuse));
-      compare_in(context, incremental, back, BW_INCREMENTAL_AUTO, 32, &reuse);
+      compare_in(context, incremental, back, WAY_AUTO, 32, &reuse);
       assert_int_equal(reuse.precision, 64);
       bw_release(back);
     }

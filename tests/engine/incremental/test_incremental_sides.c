@@ -28,15 +28,14 @@ static void many_sides(void **state) {
     check_ok(context, bw_system_create(context, model->mesh, b.material,
                                        incremental->system->dof_map, NULL, &fresh));
     check_ok(context, bw_system_solve(context, fresh, SIDES, force, v));
-    for (int method = BW_INCREMENTAL_ITERATE; method >= BW_INCREMENTAL_REFACTOR; method--) {
+    for (int method = WAY_ITERATE; method >= WAY_REFACTOR; method--) {
       bw_reuse reuse = {0};
-      options.solver = solver_by((bw_incremental_method)method);
+      options.solver = solver_by((edit_way)method);
       options.check = true;
       check_ok(context, bw_incremental_system_solve(context, incremental, &options, SIDES, force, u,
                                                     &reuse));
-      assert_int_equal(reuse.method, method);
-      assert_int_equal(reuse.refinements > 0,
-                       options.precision == 32 && method == BW_INCREMENTAL_REFACTOR);
+      assert_int_equal(way_of(&reuse), method);
+      assert_int_equal(reuse.refinements > 0, options.precision == 32 && method == WAY_REFACTOR);
       for (int k = 0; k < SIDES; k++)
         check_near(difference(u + k * size, v + k * size, size), 0, 1e-8);
       for (int64_t i = 0; i < size; i++)
@@ -80,13 +79,12 @@ static void energy_alone(void **state) {
     b.now.scale[2][2] = run < 2 ? 1.03 : 1.4;
     bw_model *model = posed(context, &b);
     check_ok(context, bw_incremental_system_update(context, incremental, model, b.motion, NULL));
-    options.solver = solver_by(BW_INCREMENTAL_ITERATE);
+    options.solver = solver_by(WAY_ITERATE);
     options.tolerance = 1e-5;
     options.energy = true;
     check_ok(context,
              bw_incremental_system_solve(context, incremental, &options, SIDES, force, u, NULL));
-    options =
-        (bw_incremental_options){.solver = solver_by(BW_INCREMENTAL_ITERATE), .tolerance = 1e-12};
+    options = (bw_incremental_options){.solver = solver_by(WAY_ITERATE), .tolerance = 1e-12};
     options.precision = run % 2 ? 32 : 64;
     check_ok(context,
              bw_incremental_system_solve(context, incremental, &options, SIDES, force, v, NULL));
@@ -131,7 +129,7 @@ static void guesses(void **state) {
     random_field(5, SIDES * size, force);
     bw_incremental_options options;
     bw_incremental_options_default(&options);
-    options.solver = solver_by(BW_INCREMENTAL_ITERATE);
+    options.solver = solver_by(WAY_ITERATE);
     options.check = true;
     for (int step = 0; step < 2; step++) { /* two shapes; the solutions of the first are fields */
       bw_reuse reuse = {0};
@@ -164,7 +162,7 @@ static void guesses(void **state) {
         check_ok(context, bw_incremental_system_solve(context, incremental, &options, SIDES, force,
                                                       u, &reuse));
         assert_true(reuse.iterations <= 1);
-        options.solver = solver_by(BW_INCREMENTAL_REFACTOR); /* ignores them */
+        options.solver = solver_by(WAY_REFACTOR); /* ignores them */
         options.guess_count = FIELDS;
         check_ok(context, bw_incremental_system_solve(context, incremental, &options, SIDES, force,
                                                       u, NULL));

@@ -2,6 +2,7 @@
 /* Systems solved on factors of former matrices: the solution is that of the present matrix,
  * whatever the factor is of; what is kept is kept and said; what cannot be solved is refused. */
 #include "grids.h"
+#include "solver_by.h"
 
 /* c (components) diffusing fields coupled to each other, on triangles of a unit grid whose
  * coefficient varies from element to element by `roughness`; `wind` makes it unsymmetric. */
@@ -99,7 +100,7 @@ static void follow_changes(bw_context *context, bool symmetric, int components) 
   assert_false(reuse.factor);
 
   /* the values move: the factor is kept and iterated on */
-  options.method = BW_LAGGED_FACTOR_ITERATE;
+  options.solver = lagged_by(symmetric, LAGGED_ITERATE);
   reuse = (bw_plane_reuse){0};
   assemble(&f, 0.1, 0.3);
   check_ok(context, bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x,
@@ -121,7 +122,7 @@ static void follow_changes(bw_context *context, bool symmetric, int components) 
   assert_int_equal(reuse.factorisations, 0);
 
   /* refactorised: the analysis is made for the new topology */
-  options.method = BW_LAGGED_FACTOR_REFACTOR;
+  options.solver = lagged_by(symmetric, LAGGED_REFACTOR);
   reuse = (bw_plane_reuse){0};
   memset(g.x, 0, g.size * sizeof *g.x);
   check_ok(context, bw_lagged_factor_solve(context, lagged, g.pattern, g.values, g.rhs, g.x,
@@ -138,8 +139,9 @@ static void follow_changes(bw_context *context, bool symmetric, int components) 
   assert_int_equal(reuse.factorisations, 1);
 
   /* too far for the iterations allowed: a new factor is made without being asked for */
-  options.method = BW_LAGGED_FACTOR_ITERATE;
-  options.iterations = 2;
+  bw_solver few = *lagged_by(symmetric, LAGGED_ITERATE);
+  few.options.max_iterations = 2;
+  options.solver = &few;
   reuse = (bw_plane_reuse){0};
   assemble(&g, 0.9, 2);
   check_ok(context, bw_lagged_factor_solve(context, lagged, g.pattern, g.values, g.rhs, g.x,
@@ -172,6 +174,91 @@ static void test_follow(void **state) {
     follow_changes(check_context(state), false, components);
   }
   follow_changes(check_context(state), false, 4);
+}
+
+/* Every solver that serves gives one solution and reports itself; max_lag ends a factor. */
+static void every_solver(void **state) {
+  bw_context *context = check_context(state);
+  for (int symmetric = 0; symmetric < 2; symmetric++)
+    for (int way = LAGGED_AUTO; way <= LAGGED_FULL; way++) {
+      fixture f = set_up(context, 24, 2, symmetric ? 0 : 1, 0, NULL);
+      bw_lagged_factor *lagged;
+      bw_lagged_factor_options options;
+      bw_lagged_factor_options_default(&options);
+      options.solver = lagged_by(symmetric, (lagged_way)way);
+      check_ok(context, bw_lagged_factor_create(context, symmetric, 2, &lagged));
+      bool each = way >= LAGGED_REFACTOR;
+      bw_plane_reuse reuse = {0};
+      const bw_solver_report *report = &reuse.report;
+      for (int frame = 0; frame < 3; frame++) {
+        assemble(&f, 0.1, 0.01 * frame);
+        check_ok(context, bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x,
+                                                 &options, &reuse));
+        assert_true(residual(&f) < 1.001e-8);
+      }
+      assert_int_equal(reuse.factorisations, each ? 3 : 1);
+      assert_int_equal(reuse.analyses, way == LAGGED_FULL ? 3 : 1);
+      const char *factor = symmetric ? "cholesky" : "lu";
+      assert_string_equal(report->solver, each ? factor : symmetric ? "pcg" : "bicgstab");
+      assert_string_equal(report->preconditioner, each ? "" : factor);
+      assert_string_equal(report->backend, symmetric ? "multifrontal" : "barwright");
+      assert_true(way == LAGGED_AUTO
+                      ? report->predicted_cost > 0 && report->rival_cost > report->predicted_cost &&
+                            strstr(report->reason, "cost least")
+                      : report->predicted_cost == 0 && report->rival_cost == 0 &&
+                            strcmp(report->reason, "it was given") == 0);
+      assert_true(report->flops > 0 && report->bytes > 0 && report->seconds > 0);
+      assert_int_equal(report->iterations, reuse.iterations);
+      check_near(report->residual, reuse.residual, 0);
+      check_near(report->reused, each ? 0 : 2. / 3, 1e-12);
+      if (!each) {
+        options.max_lag = 2;
+        assemble(&f, 0.1, 0.04);
+        check_ok(context, bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x,
+                                                 &options, &reuse));
+        assert_int_equal(reuse.factorisations, 2);
+        assert_true(strstr(report->reason, "max_lag"));
+      }
+      bw_lagged_factor_destroy(lagged);
+      clear(&f);
+    }
+}
+
+/* What does not serve plane meshes is refused before anything is done. */
+static void refused_solvers(void **state) {
+  bw_context *context = check_context(state);
+  const bw_solver jacobi = {.options = {.kind = BW_SOLVER_JACOBI}},
+                  single = {.options = {.precision = 32}},
+                  cholmod = {.options = {.backend = BW_BACKEND_CHOLMOD}},
+                  ordered = {.options = {.ordering = BW_ORDERING_AMD}},
+                  two_level = {.options = {.kind = BW_SOLVER_PCG}},
+                  by_jacobi = {.options = {.kind = BW_SOLVER_PCG, .preconditioner = &jacobi}};
+  const bw_solver *refused[] = {&jacobi, &single, &cholmod, &ordered, &two_level, &by_jacobi, NULL};
+  for (int symmetric = 0; symmetric < 2; symmetric++) {
+    fixture f = set_up(context, 6, 1, 0, 0, NULL);
+    bw_lagged_factor *lagged;
+    bw_lagged_factor_options options;
+    bw_lagged_factor_options_default(&options);
+    check_ok(context, bw_lagged_factor_create(context, symmetric, 1, &lagged));
+    assemble(&f, 0.2, 0);
+    for (int k = 0; k < 9; k++) {
+      options.solver = k < 6 ? refused[k] : lagged_by(!symmetric, (lagged_way)(k - 5));
+      check_fails(
+          context, BW_INVALID, symmetric ? "give cholesky" : "give lu",
+          bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, &options, NULL));
+    }
+    options.solver = lagged_by(symmetric, LAGGED_REFACTOR);
+    options.max_lag = 3;
+    check_fails(
+        context, BW_INVALID, "max_lag has no effect",
+        bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, &options, NULL));
+    options = (bw_lagged_factor_options){.tolerance = 1e-8, .max_lag = -1};
+    check_fails(
+        context, BW_INVALID, "a lag of at most -1",
+        bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x, &options, NULL));
+    bw_lagged_factor_destroy(lagged);
+    clear(&f);
+  }
 }
 
 /* Small changes are iterated on, large ones factored, and the average over a drag is no worse, by
@@ -284,7 +371,7 @@ static void test_threads(void **state) {
         assemble(&f, 0.3, frame);
         check_ok(context, bw_lagged_factor_solve(context, lagged, f.pattern, f.values, f.rhs, f.x,
                                                  &options, NULL));
-        options.method = BW_LAGGED_FACTOR_ITERATE;
+        options.solver = lagged_by(symmetric, LAGGED_ITERATE);
       }
       bw_lagged_factor_destroy(lagged);
       if (first)
@@ -323,7 +410,8 @@ static void test_memory(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {check_test(test_follow),  check_test(test_choice),
+  const struct CMUnitTest tests[] = {check_test(every_solver), check_test(refused_solvers),
+                                     check_test(test_follow),  check_test(test_choice),
                                      check_test(test_refused), check_test(test_saddle),
                                      check_test(test_threads), check_test(test_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -86,7 +86,7 @@ static void linear_fields_are_solved(void **state) {
     bw_incremental_system *incremental = incremental_of(context, &b);
     turn_subdomain(&b, 1, 0.2);
     b.now.scale[0][1] *= 1.2;
-    edit_and_compare(context, &b, incremental, BW_INCREMENTAL_REFACTOR);
+    edit_and_compare(context, &b, incremental, WAY_REFACTOR);
     const bw_dof_map *dof_map = incremental->system->dof_map;
     const bw_mesh *mesh = incremental->system->mesh;
     size_t size = 3 * (size_t)mesh->node_count;

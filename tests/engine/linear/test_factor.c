@@ -119,6 +119,17 @@ static void compare_backend(bw_context *context, const bwi_kernels *kernels, bw_
       check_ok(context, bwi_factor_update(context, factor, &p.matrix, NULL, NULL, NULL));
     bw_release(reach);
     assert_true(bwi_factor_bytes(factor) > 0 && bwi_factor_flops(factor) > 0);
+    size_t entries = 8 * (size_t)bwi_factor_entries(factor);
+    assert_true(kernels == &bwi_kernels_cholmod && s % 2 ? bwi_factor_bytes(factor) > entries
+                                                         : bwi_factor_bytes(factor) == entries);
+    if (kernels == &bwi_kernels_cholmod) { /* as much as is given, not as is free */
+      bwi_factor *larger = NULL;
+      p.matrix.memory = (double)entries / 2;
+      check_fails(
+          context, BW_MEMORY, "CHOLMOD's factor",
+          bwi_factor_create_in(context, p.symbolic, &p.matrix, NULL, kernels, &larger, NULL));
+      p.matrix.memory = 0;
+    }
     assert_int_equal(p.symbolic->unknowns, p.count);
     cholmod_common common;
     cholmod_start(&common);

@@ -12,12 +12,12 @@ static void as_a_factor(void **state) {
     bar_make(context, 2, 2, &b);
     load_bar(context, &b, scene);
     bw_incremental_system *incremental = incremental_of(context, &b);
-    bw_reuse r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_PCG);
-    assert_int_equal(r.method, BW_INCREMENTAL_PCG);
+    bw_reuse r = edit_and_compare(context, &b, incremental, WAY_PCG);
+    assert_int_equal(way_of(&r), WAY_PCG);
     turn_subdomain(&b, 0, 0.5);
     turn_subdomain(&b, 1, 0.3);
     b.now.scale[2][1] *= 1.3;
-    r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_PCG);
+    r = edit_and_compare(context, &b, incremental, WAY_PCG);
     assert_in_range(r.iterations, 5, 120);
     assert_false(bwi_incremental_current(incremental));
     bw_release(incremental);
@@ -30,7 +30,7 @@ static void linear_elements_are_refused(void **state) {
   bw_context *context = check_context(state);
   bar b;
   bw_static *result = NULL;
-  const bw_incremental_options options = {.solver = solver_by(BW_INCREMENTAL_PCG)};
+  const bw_incremental_options options = {.solver = solver_by(WAY_PCG)};
   bar_make(context, 1, 1, &b);
   load_bar(context, &b, 0);
   bw_incremental_system *incremental = incremental_of(context, &b);
@@ -65,7 +65,7 @@ static int iterations_of(bw_context *context, int cells) {
   bar b;
   bw_incremental_system *incremental = block_of(context, 2 * cells, cells, &b);
   bw_reuse reuse = {0};
-  compare(context, incremental, b.model, BW_INCREMENTAL_PCG, &reuse);
+  compare(context, incremental, b.model, WAY_PCG, &reuse);
   bw_release(incremental);
   bar_clear(&b);
   return reuse.iterations;
@@ -93,10 +93,10 @@ static void many_sides(void **state) {
   random_field(7, SIDES * size, force);
   memset(force + size, 0, 2 * (size_t)size * sizeof *force);
   force[size + size - 2] = 1e6;
-  bw_incremental_options options = {.solver = solver_by(BW_INCREMENTAL_FULL)};
+  bw_incremental_options options = {.solver = solver_by(WAY_FULL)};
   check_ok(context,
            bw_incremental_system_solve(context, incremental, &options, SIDES, force, v, NULL));
-  options = (bw_incremental_options){.solver = solver_by(BW_INCREMENTAL_PCG)};
+  options = (bw_incremental_options){.solver = solver_by(WAY_PCG)};
   bw_reuse reuse = {0};
   check_ok(context,
            bw_incremental_system_solve(context, incremental, &options, SIDES, force, u, &reuse));
@@ -118,8 +118,8 @@ static void many_sides(void **state) {
            bw_incremental_system_solve(context, incremental, &options, 1, force, u, &begun));
   check_near(difference(u, v, size), 0, 1e-8);
   assert_true(begun.iterations < reuse.iterations - 3);
-  options = (bw_incremental_options){
-      .solver = solver_by(BW_INCREMENTAL_PCG), .tolerance = 1e-3, .energy = true};
+  options =
+      (bw_incremental_options){.solver = solver_by(WAY_PCG), .tolerance = 1e-3, .energy = true};
   check_ok(context, bw_incremental_system_solve(context, incremental, &options, 2, force, u, NULL));
   for (int k = 0; k < 2; k++) {
     double error = 0, whole = 0;
@@ -151,7 +151,7 @@ static void same_bits(void **state) {
   int64_t size = 3 * (int64_t)b.mesh->node_count;
   double *force = numbers(2 * size), *u = numbers(2 * size), *v = numbers(2 * size);
   random_field(5, 2 * size, force);
-  const bw_incremental_options options = {.solver = solver_by(BW_INCREMENTAL_PCG)};
+  const bw_incremental_options options = {.solver = solver_by(WAY_PCG)};
   for (int threads = 1; threads <= 4; threads += 3) {
     check_ok(context, bw_set_threads(context, threads));
     bw_incremental_system *incremental = incremental_of(context, &b);
@@ -180,16 +180,16 @@ static void chosen_by_cost(void **state) {
   bar_make(context, 5, 2, &b);
   load_bar(context, &b, 0);
   bw_incremental_system *incremental = incremental_of(context, &b);
-  bw_reuse r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_AUTO);
-  assert_int_equal(r.method, BW_INCREMENTAL_REFACTOR);
+  bw_reuse r = edit_and_compare(context, &b, incremental, WAY_AUTO);
+  assert_int_equal(way_of(&r), WAY_REFACTOR);
   assert_true(r.predicted_pcg == 0);
   for (int k = 0; k < RIGID; k++)
     b.now.scale[k][1] *= 1.3;
-  r = edit_and_compare(context, &b, incremental, BW_INCREMENTAL_AUTO);
+  r = edit_and_compare(context, &b, incremental, WAY_AUTO);
   assert_true(r.predicted_pcg > 0 && r.predicted_refactor > 0);
   bool cheaper = r.predicted_pcg < fmin(r.predicted_refactor, r.predicted_iterate);
   assert_false(cheaper);
-  assert_int_not_equal(r.method, BW_INCREMENTAL_PCG);
+  assert_int_not_equal(way_of(&r), WAY_PCG);
   bw_release(incremental);
   bar_clear(&b);
 }
@@ -216,7 +216,7 @@ static void chosen_for_a_thick_body(void **state) {
   bw_reuse r = {0};
   check_ok(context, bw_incremental_system_update(context, incremental, model, &motion, &r));
   check_ok(context, bw_incremental_statics(context, incremental, model, NULL, NULL, &result, &r));
-  assert_int_equal(r.method, BW_INCREMENTAL_PCG);
+  assert_int_equal(way_of(&r), WAY_PCG);
   assert_true(r.predicted_pcg < r.predicted_refactor && r.predicted_pcg < r.predicted_iterate);
   assert_in_range(r.iterations, 5, 60);
   assert_true(result->residual < 1e-10);
@@ -252,7 +252,7 @@ static void followed_once(void **state) {
       check_ok(context, bw_incremental_system_update(context, incremental, model, b.motion, NULL));
       assert_true(inner->two_level_known == (edit == 2));
       bw_reuse reuse = {0};
-      compare(context, incremental, model, BW_INCREMENTAL_PCG, &reuse);
+      compare(context, incremental, model, WAY_PCG, &reuse);
       assert_true(inner->two_level_known);
       bw_release(model);
     }
@@ -269,8 +269,7 @@ static void no_memory(void **state) {
   int64_t size = 3 * (int64_t)b.mesh->node_count;
   double *force = numbers(2 * size), *u = numbers(2 * size);
   random_field(5, 2 * size, force);
-  const bw_incremental_options options = {.solver = solver_by(BW_INCREMENTAL_PCG),
-                                          .tolerance = 1e-3};
+  const bw_incremental_options options = {.solver = solver_by(WAY_PCG), .tolerance = 1e-3};
   for (int64_t n = 1;; n++) {
     bw_incremental_system *incremental = incremental_of(context, &b);
     bw_fail_allocation(n, true);

@@ -1,6 +1,7 @@
 /* Loads past what a solid carries, equilibria that are not stable, large motions of what is
  * constrained; and that a solution can be stopped and can run out of memory. */
 #include "solid_box.h"
+#include "solver_by.h"
 
 static const double bar_size[3] = {0.2, 0.2, 0.8};
 
@@ -29,9 +30,9 @@ static void test_limit_point(void **state) {
       assert_non_null(strstr(bw_message(context), "load factor"));
       assert_false(result->complete);
       /* the last equilibrium is on the way there, shortly before the limit */
-      check_near(result->report.load, 1 / 1.1, 0.03);
-      assert_true(result->report.load <= 1 / 1.1);
-      check_near(-0.5 * stretch * (stretch * stretch - 1), 1.1 * max * result->report.load, 1e-5);
+      check_near(result->newton.load, 1 / 1.1, 0.03);
+      assert_true(result->newton.load <= 1 / 1.1);
+      check_near(-0.5 * stretch * (stretch * stretch - 1), 1.1 * max * result->newton.load, 1e-5);
     }
     bw_release(result);
     box_free(&b);
@@ -80,7 +81,7 @@ static void test_bounded(void **state) {
       const bw_coarsening *coarsening = coarse->coarsening[0];
       const bw_solid *one = below;
       bw_newton_options_default(&options);
-      options.linear = (bw_newton_linear)linear;
+      options.solver = newton_by(linear);
       options.coarse_count = 1;
       options.coarsening = &coarsening;
       options.coarse = &one;
@@ -94,7 +95,7 @@ static void test_bounded(void **state) {
         assert_int_equal(w.calls, w.stop_at);
         bw_clear_cancel(context);
       } else {
-        const bw_newton_report *r = &result->report;
+        const bw_newton_report *r = &result->newton;
         int64_t max = k ? 40 : 500;
         assert_int_equal(status, BW_CONVERGENCE);
         assert_non_null(strstr(bw_message(context), "load factor"));
@@ -139,7 +140,7 @@ static void test_barrier(void **state) {
   box_force(context, &b, 2, 1, 0, 0, -1 / (3 * sqrt(3)) * 0.04 / 0.47);
   bw_status status = bw_solid_statics(context, b.solid, b.load_case, NULL, NULL, &result);
   assert_true(status == BW_CONVERGENCE || status == BW_GEOMETRY);
-  const bw_newton_report *r = &result->report;
+  const bw_newton_report *r = &result->newton;
   assert_true(r->load <= 0.47 && r->load > 0.47 - 1.0 / 256);
   int at_half = 0;
   for (int i = 0; i < r->history_count; i++)
@@ -163,7 +164,7 @@ static void test_creeping(void **state) {
   box_force(context, &b, 2, 1, 0, 0, -100);
   check_fails(context, BW_CONVERGENCE, "very short steps",
               bw_solid_statics(context, b.solid, b.load_case, NULL, NULL, &result));
-  assert_true(result->report.iterations <= 9 * 8);
+  assert_true(result->newton.iterations <= 9 * 8);
   bw_release(result);
   box_free(&b);
 }
@@ -179,7 +180,7 @@ static void test_buckling(void **state) {
     bw_solid_static *result;
     bw_newton_options options;
     bw_newton_options_default(&options);
-    options.linear = k ? BW_NEWTON_JACOBI : BW_NEWTON_DIRECT;
+    options.solver = newton_by(k ? NEWTON_JACOBI : NEWTON_DIRECT);
     box_make(context, &b, cells, size, BW_COROTATED, 1e6, 0, 0);
     box_hold(context, &b, 2, 0, true, true, true, 0);
     box_hold(context, &b, 2, 1, true, true, true, -0.05);
@@ -224,13 +225,13 @@ static void test_column(void **state) {
       bw_solid_static *result;
       bw_newton_options options;
       bw_newton_options_default(&options);
-      options.linear = (bw_newton_linear)linear;
+      options.solver = newton_by(linear);
       options.coarse_count = 1;
       options.coarsening = &coarsening;
       options.coarse = &one;
       check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
-      assert_int_equal(result->report.undecided, 0);
-      assert_true(linear == BW_NEWTON_DIRECT || result->report.stability_iterations > 10);
+      assert_int_equal(result->newton.undecided, 0);
+      assert_true(linear == NEWTON_DIRECT || result->newton.stability_iterations > 10);
       energy[linear] = result->energy;
       sideways[linear] = 0;
       for (int32_t n = 0; n < b.grid->node_count; n++)
@@ -261,15 +262,16 @@ static void test_undecided(void **state) {
     bw_solid_static *result;
     bw_newton_options options;
     bw_newton_options_default(&options);
-    options.linear = BW_NEWTON_JACOBI;
-    options.cg_iterations = k ? 1000 : 40;
+    bw_solver jacobi = *newton_by(NEWTON_JACOBI);
+    jacobi.options.max_iterations = k ? 1000 : 40;
+    options.solver = &jacobi;
     options.tolerance = 1e-4;
     bw_clear_warnings(context);
     box_make(context, &b, cells, bar_size, BW_NEO_HOOKEAN, 1e5, 0.3, 0);
     box_hold(context, &b, 2, 0, true, true, true, 0);
     box_force(context, &b, 2, 1, 0, 0, 10);
     check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
-    assert_int_equal(result->report.undecided, k ? 0 : 1);
+    assert_int_equal(result->newton.undecided, k ? 0 : 1);
     if (k)
       assert_null(bw_warning_at(context, 0));
     else
@@ -312,7 +314,7 @@ static void test_twist(void **state) {
         check_ok(context, bw_load_case_fix(context, load_case, 1, &n, all, value));
       }
       check_ok(context, bw_solid_statics(context, b.solid, load_case, newton, &options, &result));
-      assert_true(result->complete && result->report.shape.inverted == 0);
+      assert_true(result->complete && result->newton.shape.inverted == 0);
       assert_true(result->energy > 1.5 * energy);
       energy = result->energy;
       /* the middle has turned half as far */
@@ -364,8 +366,8 @@ static void test_crushed(void **state) {
   box_hold(context, &b, 2, 1, true, true, true, -1.2 * 0.8);
   check_fails(context, BW_CONVERGENCE, "load factor",
               bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
-  assert_true(result->report.load < 1 / 1.2 && result->report.load > 0.2);
-  assert_int_equal(result->report.shape.inverted, 0);
+  assert_true(result->newton.load < 1 / 1.2 && result->newton.load > 0.2);
+  assert_int_equal(result->newton.shape.inverted, 0);
   bw_release(result);
   box_free(&b);
 }
@@ -382,8 +384,8 @@ static void test_pressed_flat(void **state) {
   box_hold(context, &b, 2, 0, true, true, true, 0);
   box_hold(context, &b, 2, 1, true, true, true, -0.9 * 0.06);
   check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, NULL, &result));
-  assert_int_equal(result->report.shape.inverted, 0);
-  assert_true(result->report.iterations < 200);
+  assert_int_equal(result->newton.shape.inverted, 0);
+  assert_true(result->newton.iterations < 200);
   bw_release(result);
   box_free(&b);
 }
@@ -439,7 +441,7 @@ static void test_no_memory(void **state) {
     const bw_coarsening *coarsening = coarse->coarsening[0];
     const bw_solid *one = coarse_solid;
     bw_newton_options_default(&options);
-    options.linear = (bw_newton_linear)k;
+    options.solver = newton_by(k);
     options.coarse_count = 1;
     options.coarsening = &coarsening;
     options.coarse = &one;

@@ -1,5 +1,6 @@
 /* Solids and planes: no penetration, no pull, and balance. */
 #include "solid_box.h"
+#include "solver_by.h"
 
 static const int32_t cells[3] = {3, 3, 4};
 static const double size[3] = {0.3, 0.3, 0.4};
@@ -56,7 +57,7 @@ static void test_weight(void **state) {
     bw_solid_static *result = solve(context, &b);
     assert_true(check_contact(&b, result, &b.load_case->contact_plane[0]) > 0);
     check_near(box_sum(&b, result->reaction, 2, 0, 2), 36 * 10, 1e-3);
-    assert_true(result->report.contacts == 16);
+    assert_true(result->newton.contacts == 16);
     bw_release(result);
     box_free(&b);
   }
@@ -132,7 +133,7 @@ static void test_lifted(void **state) {
     bw_newton_options options;
     double point[3] = {0, 0, 0}, normal[3] = {0, 0, 1};
     bw_newton_options_default(&options);
-    options.linear = k ? BW_NEWTON_JACOBI : BW_NEWTON_DIRECT;
+    options.solver = newton_by(k ? NEWTON_JACOBI : NEWTON_DIRECT);
     box_make(context, &b, cells, size, BW_COROTATED, 1e5, 0.3, 1000);
     box_hold(context, &b, 0, 0, true, false, false, 0);
     box_hold(context, &b, 1, 0, false, true, false, 0);

@@ -1,6 +1,7 @@
 /* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
 /* Corrections: a few cheap Newton steps that show how far an equilibrium is away. */
 #include "nonlinear/whole.h"
+#include "solver_by.h"
 
 static double distance(const double *a, const double *b, int64_t n) {
   double sum = 0;
@@ -12,9 +13,11 @@ static double distance(const double *a, const double *b, int64_t n) {
 static bw_newton_options options_from(const double *start) {
   bw_newton_options options;
   bw_newton_options_default(&options);
-  options.linear = BW_NEWTON_JACOBI;
+  static bw_solver few;
+  few = *newton_by(NEWTON_JACOBI);
+  few.options.max_iterations = 30;
+  options.solver = &few;
   options.iterations = 2;
-  options.cg_iterations = 30;
   options.start = start;
   return options;
 }
@@ -78,7 +81,7 @@ static void test_refusals(void **state) {
   assert_int_equal(bw_solid_correct(context, b.solid, load_case, &options, &moved, &defined),
                    BW_INVALID);
   options = options_from(start);
-  options.linear = BW_NEWTON_DIRECT;
+  options.solver = newton_by(NEWTON_DIRECT);
   assert_int_equal(bw_solid_correct(context, b.solid, load_case, &options, &moved, &defined),
                    BW_INVALID);
   bw_free(start);

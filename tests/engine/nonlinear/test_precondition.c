@@ -1,5 +1,6 @@
 /* Solutions without a matrix: the same as direct ones, and how many iterations they take. */
 #include "solid_box.h"
+#include "solver_by.h"
 
 typedef struct block {
   bw_grid *grid;
@@ -70,14 +71,14 @@ static void block_free(block *b) {
   bw_release(b->grid);
 }
 
-static bw_solid_static *solve(bw_context *context, const block *b, bw_newton_linear linear,
+static bw_solid_static *solve(bw_context *context, const block *b, newton_way linear,
                               double tolerance) {
   bw_newton_options options;
   bw_solid_static *result;
   const bw_coarsening *coarsening[1] = {b->coarse ? b->coarse->coarsening[0] : NULL};
   const bw_solid *coarse[1] = {b->coarse_solid[0]};
   bw_newton_options_default(&options);
-  options.linear = linear;
+  options.solver = newton_by(linear);
   options.tolerance = tolerance;
   options.coarse_count = 1;
   options.coarsening = coarsening;
@@ -91,12 +92,25 @@ static void test_the_same(void **state) {
   block b;
   block_make(context, &b, 6, 20, 0.1);
   block_coarsen(context, &b);
-  bw_solid_static *direct = solve(context, &b, BW_NEWTON_DIRECT, 1e-9),
-                  *jacobi = solve(context, &b, BW_NEWTON_JACOBI, 1e-9),
-                  *coarse = solve(context, &b, BW_NEWTON_COARSE, 1e-9);
+  bw_solid_static *direct = solve(context, &b, NEWTON_DIRECT, 1e-9),
+                  *jacobi = solve(context, &b, NEWTON_JACOBI, 1e-9),
+                  *coarse = solve(context, &b, NEWTON_COARSE, 1e-9);
   check_near(bw_grid_difference(b.grid, direct->displacement, jacobi->displacement), 0, 1e-9);
   check_near(bw_grid_difference(b.grid, direct->displacement, coarse->displacement), 0, 1e-9);
-  assert_true(jacobi->report.cg_iterations > 2 * coarse->report.cg_iterations);
+  const bw_solid_static *results[] = {direct, jacobi, coarse};
+  static const char *const words[][2] = {{"cholesky", ""}, {"pcg", "jacobi"}, {"pcg", "two_level"}};
+  for (int k = 0; k < 3; k++) {
+    const bw_solver_report *report = &results[k]->report;
+    assert_string_equal(report->solver, words[k][0]);
+    assert_string_equal(report->preconditioner, words[k][1]);
+    assert_string_equal(report->backend, k ? "" : "multifrontal");
+    assert_string_equal(report->reason, "it was given");
+    assert_true(report->bytes > 0 && report->seconds > 0 && report->residual <= 1e-9);
+    assert_int_equal(report->iterations,
+                     results[k]->newton.cg_iterations + results[k]->newton.stability_iterations);
+    assert_int_equal(report->flops > 0, k == 0);
+  }
+  assert_true(jacobi->newton.cg_iterations > 2 * coarse->newton.cg_iterations);
   bw_release(direct);
   bw_release(jacobi);
   bw_release(coarse);
@@ -123,15 +137,15 @@ static void test_levels(void **state) {
   const bw_coarsening *coarsening[2] = {b.coarse->coarsening[0], second};
   const bw_solid *coarse[2] = {b.coarse_solid[0], b.coarse_solid[1]};
   bw_newton_options_default(&options);
-  options.linear = BW_NEWTON_COARSE;
+  options.solver = newton_by(NEWTON_COARSE);
   options.tolerance = 1e-8;
   options.coarse_count = 2;
   options.coarsening = coarsening;
   options.coarse = coarse;
   check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
-  direct = solve(context, &b, BW_NEWTON_DIRECT, 1e-8);
+  direct = solve(context, &b, NEWTON_DIRECT, 1e-8);
   check_near(bw_grid_difference(b.grid, direct->displacement, result->displacement), 0, 1e-8);
-  assert_true(result->report.cg_iterations < 25 * result->report.iterations);
+  assert_true(result->newton.cg_iterations < 25 * result->newton.iterations);
   options.coarse = coarse + 1;
   check_fails(context, BW_INVALID, "coarse solid 1",
               bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
@@ -144,7 +158,7 @@ static void test_levels(void **state) {
 }
 
 /* Iterations of one linear solution to 1e-8, small strains. */
-static double iterations(bw_context *context, int32_t n, double contrast, bw_newton_linear linear) {
+static double iterations(bw_context *context, int32_t n, double contrast, newton_way linear) {
   block b;
   bw_newton_options options;
   bw_solid_static *result;
@@ -153,19 +167,19 @@ static double iterations(bw_context *context, int32_t n, double contrast, bw_new
   const bw_coarsening *coarsening[1] = {b.coarse->coarsening[0]};
   const bw_solid *coarse[1] = {b.coarse_solid[0]};
   bw_newton_options_default(&options);
-  options.linear = linear;
+  bw_solver exact = *newton_by(linear);
+  exact.options.tolerance = 1e-8;
+  options.solver = &exact;
   options.tolerance = 1e-3;
-  options.cg_tolerance = 1e-8;
   options.coarse_count = 1;
   options.coarsening = coarsening;
   options.coarse = coarse;
   double before = bw_seconds();
   check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
-  double count = (double)result->report.cg_iterations / result->report.iterations;
+  double count = (double)result->newton.cg_iterations / result->newton.iterations;
   if (getenv("BARWRIGHT_FULL"))
     printf("%d^3 cells, contrast %g, %s: %g iterations, %.2f s\n", (int)n, contrast,
-           linear == BW_NEWTON_JACOBI ? "node blocks" : "coarse solid", count,
-           bw_seconds() - before);
+           linear == NEWTON_JACOBI ? "node blocks" : "coarse solid", count, bw_seconds() - before);
   bw_release(result);
   block_free(&b);
   return count;
@@ -176,16 +190,16 @@ static void test_iterations(void **state) {
   double blocks[2], coarse[2];
   int32_t n = getenv("BARWRIGHT_FULL") ? 16 : 8;
   for (int k = 0; k < 2; k++) {
-    blocks[k] = iterations(context, n * (k + 1), 10, BW_NEWTON_JACOBI);
-    coarse[k] = iterations(context, n * (k + 1), 10, BW_NEWTON_COARSE);
+    blocks[k] = iterations(context, n * (k + 1), 10, NEWTON_JACOBI);
+    coarse[k] = iterations(context, n * (k + 1), 10, NEWTON_COARSE);
   }
   assert_true(coarse[1] <= 1.25 * coarse[0]);
   assert_true(blocks[1] >= 1.5 * blocks[0]);
   assert_true(coarse[1] < 0.25 * blocks[1]);
   if (getenv("BARWRIGHT_FULL"))
     for (int k = 1; k <= 4; k *= 2) {
-      iterations(context, 8 * k, 100, BW_NEWTON_JACOBI);
-      iterations(context, 8 * k, 100, BW_NEWTON_COARSE);
+      iterations(context, 8 * k, 100, NEWTON_JACOBI);
+      iterations(context, 8 * k, 100, NEWTON_COARSE);
     }
 }
 
@@ -210,7 +224,7 @@ static void test_contact_plane(void **state) {
                                                     5e3, true));
     check_ok(context,
              bw_load_case_contact_plane(context, b.load_case, point, normal, move, NULL, NULL));
-    result[k] = solve(context, &b, (bw_newton_linear)k, 1e-8);
+    result[k] = solve(context, &b, (newton_way)k, 1e-8);
     block_free(&b);
   }
   for (int k = 1; k < 3; k++)
@@ -230,7 +244,10 @@ static void test_by_cost(void **state) {
     int32_t n;
     double contrast;
     bool again;
-  } kind[] = {{5, 10, true}, {12, 10, true}, {12, 1e5, false}};
+    const char *reason;
+  } kind[] = {{5, 10, true, "iterations have cost too little to analyse a factor"},
+              {12, 10, true, "iterations have cost too little to analyse a factor"},
+              {12, 1e5, false, "iterations over coarse solids are predicted to cost more"}};
   bw_context *context = check_context(state);
   for (int k = 0; k < 3; k++) {
     block b;
@@ -242,8 +259,6 @@ static void test_by_cost(void **state) {
     const bw_coarsening *coarsening = b.coarse->coarsening[0];
     const bw_solid *coarse = b.coarse_solid[0];
     bw_newton_options_default(&options);
-    options.linear = BW_NEWTON_COARSE;
-    options.by_cost = true;
     options.tolerance = 1e-8;
     options.coarse_count = 1;
     options.coarsening = &coarsening;
@@ -252,11 +267,15 @@ static void test_by_cost(void **state) {
     check_ok(context, bw_solid_statics(context, b.solid, b.load_case, newton, &options, &first));
     check_ok(context, bw_solid_statics(context, b.solid, b.load_case, newton, &options, &second));
     check_ok(context, bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &fresh));
-    direct = solve(context, &b, BW_NEWTON_DIRECT, 1e-8);
-    assert_true(first->report.cg_iterations > 0);
-    assert_int_equal(first->report.stability_iterations > 0, kind[k].again);
-    assert_int_equal(second->report.cg_iterations > 0, kind[k].again);
-    assert_int_equal(first->report.undecided + second->report.undecided, 0);
+    direct = solve(context, &b, NEWTON_DIRECT, 1e-8);
+    assert_true(first->newton.cg_iterations > 0);
+    assert_string_equal(first->report.solver, kind[k].again ? "pcg" : "cholesky");
+    assert_string_equal(first->report.reason, kind[k].reason);
+    assert_int_equal(first->report.predicted_cost > 0, first->report.rival_cost > 0);
+    assert_true(first->report.predicted_cost <= first->report.rival_cost);
+    assert_int_equal(first->newton.stability_iterations > 0, kind[k].again);
+    assert_int_equal(second->newton.cg_iterations > 0, kind[k].again);
+    assert_int_equal(first->newton.undecided + second->newton.undecided, 0);
     assert_memory_equal(first->displacement, fresh->displacement,
                         3 * sizeof(double) * (size_t)b.grid->node_count);
     check_near(bw_grid_difference(b.grid, direct->displacement, first->displacement), 0, 1e-7);
@@ -277,9 +296,23 @@ static void test_misuse(void **state) {
   bw_solid_static *result;
   block_make(context, &b, 2, 1, 0.1);
   bw_newton_options_default(&options);
-  options.linear = BW_NEWTON_COARSE;
+  options.solver = newton_by(NEWTON_COARSE);
   check_fails(context, BW_INVALID, "at least one",
               bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
+  const bw_solver amg = {.options = {.kind = BW_SOLVER_AMG}},
+                  lu = {.options = {.kind = BW_SOLVER_LU}},
+                  by_amg = {.options = {.kind = BW_SOLVER_PCG, .preconditioner = &amg}},
+                  by_factor = {.options = {.kind = BW_SOLVER_PCG,
+                                           .preconditioner = newton_by(NEWTON_DIRECT)}},
+                  full = {.options = {.full = true}}, single = {.options = {.precision = 32}},
+                  cholmod = {.options = {.backend = BW_BACKEND_CHOLMOD}},
+                  ordered = {.options = {.ordering = BW_ORDERING_METIS}};
+  const bw_solver *refused[] = {&amg, &lu, &by_amg, &by_factor, &full, &single, &cholmod, &ordered};
+  for (size_t k = 0; k < sizeof refused / sizeof *refused; k++) {
+    options.solver = refused[k];
+    check_fails(context, BW_INVALID, "does not serve Newton's method",
+                bw_solid_statics(context, b.solid, b.load_case, NULL, &options, &result));
+  }
   block_free(&b);
 }
 

@@ -4,6 +4,7 @@
 #include <complex.h>
 
 #include "nonlinear/whole.h"
+#include "solver_by.h"
 
 #define PI 3.14159265358979323846
 
@@ -126,7 +127,7 @@ static void test_used_memory(void **state) {
         bw_free(block[j]);
       steps(context, m, 1);
     }
-    assert_true(m->strain > 1e-3 && m->report.iterations > 0);
+    assert_true(m->strain > 1e-3 && m->newton.iterations > 0);
     last[used] = m->strain;
     bw_release(m);
   }
@@ -764,12 +765,18 @@ static void test_without_matrix(void **state) {
   bw_solid_transient *m[2];
   for (int k = 0; k < 2; k++) {
     bw_transient_options options = options_of(BW_NEWMARK, 4e-3);
-    options.linear = k ? BW_NEWTON_JACOBI : BW_NEWTON_DIRECT;
+    bw_solver *solver = newton_solver(context, k ? NEWTON_JACOBI : NEWTON_DIRECT);
+    options.solver = solver;
     options.mass_damping = 2;
     options.stiffness_damping = 2e-3;
     options.tolerance = 1e-10;
     m[k] = motion_of(context, &b, load_case, &options, NULL, NULL);
+    bw_release(solver); /* the motion keeps it */
+    assert_null(m[k]->report.solver);
     steps(context, m[k], 25);
+    assert_string_equal(m[k]->report.solver, k ? "pcg" : "cholesky");
+    assert_string_equal(m[k]->report.preconditioner, k ? "jacobi" : "");
+    assert_int_equal(m[k]->report.iterations, m[k]->newton.cg_iterations);
   }
   int32_t tip = node_near(b.grid, 0.5, 0, 0);
   check_near(m[0]->displacement[3 * tip + 2], -0.02, 1e-8); /* lies on the floor */
@@ -777,7 +784,7 @@ static void test_without_matrix(void **state) {
     check_near(m[1]->displacement[i], m[0]->displacement[i], 1e-8);
     check_near(m[1]->velocity[i], m[0]->velocity[i], 1e-5);
   }
-  assert_true(m[1]->report.cg_iterations > 0 && m[1]->report.factorisations == 0);
+  assert_true(m[1]->newton.cg_iterations > 0 && m[1]->newton.factorisations == 0);
   bw_release(m[0]);
   bw_release(m[1]);
   bw_release(load_case);
@@ -831,10 +838,11 @@ static void test_memory(void **state) {
   const double point[3] = {0, -1e-3, 0}, up[3] = {0, 1, 0}, stay[3] = {0, 0, 0};
   check_ok(context, bw_load_case_contact_plane(context, load_case, point, up, stay, NULL, NULL));
   for (int way = 0; way < 2; way++) {
-    options.linear = way ? BW_NEWTON_JACOBI : BW_NEWTON_DIRECT;
+    bw_solver *solver = newton_solver(context, way ? NEWTON_JACOBI : NEWTON_DIRECT);
+    options.solver = solver;
     bw_solid_transient *plain = motion_of(context, &b, load_case, &options, NULL, NULL);
     steps(context, plain, 2);
-    assert_true(plain->report.contacts > 0);
+    assert_true(plain->newton.contacts > 0);
     status = BW_MEMORY;
     for (int n = 1; status != BW_OK; n++) {
       bw_solid_transient *m = motion_of(context, &b, load_case, &options, NULL, NULL);
@@ -849,6 +857,7 @@ static void test_memory(void **state) {
       bw_release(m);
     }
     bw_release(plain);
+    bw_release(solver);
   }
   bw_release(load_case);
   body_release(&b);

@@ -9,6 +9,7 @@
 
 #include "outline/shapes.h"
 #include "sheets.h"
+#include "solver_by.h"
 
 typedef enum kind { STEADY, TRANSIENT, LARGE_DEFLECTION, RINGING } kind;
 static const char *const kind_words[] = {"steady", "vibration", "cantilever", "metallophone"};
@@ -105,7 +106,7 @@ static bw_status solve(bw_context *context, kind what, void *body, bool full,
   bw_lagged_factor_options options;
   bw_lagged_factor_options_default(&options);
   if (full)
-    options.method = BW_LAGGED_FACTOR_FULL;
+    options.solver = lagged_by(true, LAGGED_FULL);
   if (what == RINGING) {
     bw_plate_options plate;
     bw_plate_options_default(&plate);

@@ -4,6 +4,7 @@
  * outlines: NAFEMS LE1, Kirsch's hole. */
 #include "outline/shapes.h"
 #include "sheets.h"
+#include "solver_by.h"
 
 enum { DRAGS = 24 };
 
@@ -66,7 +67,7 @@ static bw_sheet *make(bw_context *context, const bw_plane_mesh *mesh, const bw_m
   return sheet;
 }
 
-static void step(bw_context *context, bw_sheet *sheet, kind what, bw_lagged_factor_method method,
+static void step(bw_context *context, bw_sheet *sheet, kind what, lagged_way way,
                  bw_plane_reuse *reuse) {
   bw_lagged_factor_options options;
   bw_large_deflection_options newton;
@@ -75,7 +76,7 @@ static void step(bw_context *context, bw_sheet *sheet, kind what, bw_lagged_fact
   bw_large_deflection_options_default(&newton);
   bw_newmark_default(&newmark);
   newmark.step = 5e-3;
-  options.method = newton.linear.method = method;
+  options.solver = newton.linear.solver = lagged_by(true, way);
   if (what == STATIC)
     check_ok(context, bw_sheet_static(context, sheet, &options, reuse));
   else if (what == TRANSIENT)
@@ -118,7 +119,7 @@ static void drag(bw_context *context, kind what, int order) {
     check_ok(context, bw_sheet_follow(context, reused, motion->mesh, &reuse));
     assert_int_equal(reuse.level, report.level);
     seen[report.level]++;
-    step(context, reused, what, BW_LAGGED_FACTOR_AUTO, &reuse);
+    step(context, reused, what, LAGGED_AUTO, &reuse);
     lagged += reuse.factor;
     if (k > 0)
       assert_true(reuse.pattern == (report.level < BW_LEVEL_RECONNECTING));
@@ -128,7 +129,7 @@ static void drag(bw_context *context, kind what, int order) {
       bw_release(fresh);
       fresh = make(context, motion->mesh, material, what);
     }
-    step(context, fresh, what, BW_LAGGED_FACTOR_FULL, NULL);
+    step(context, fresh, what, LAGGED_FULL, NULL);
     double max = 0, off = 0;
     for (int32_t i = 0; i < 2 * motion->mesh->topology->nodes->node_count; i++) {
       max = fmax(max, fabs(fresh->displacement[i]));
@@ -185,7 +186,7 @@ static void memory(bw_context *context, kind what, int order, double by) {
   check_ok(context, bw_mesh_motion_follow(context, motion, moved, NULL));
   for (int n = 1; status != BW_OK; n += 3) {
     bw_sheet *sheet = make(context, mesh, material, what);
-    step(context, sheet, what, BW_LAGGED_FACTOR_AUTO, NULL);
+    step(context, sheet, what, LAGGED_AUTO, NULL);
     bw_plane_reuse reuse = {0};
     double norm, *gradient = BW_NEW(context, double, 2 * motion->mesh->topology->nodes->node_count);
     bw_fail_allocation(n, true);
@@ -202,7 +203,7 @@ static void memory(bw_context *context, kind what, int order, double by) {
     assert_true(status == BW_OK || status == BW_MEMORY);
     assert_true(n < 3000);
     check_ok(context, bw_sheet_follow(context, sheet, motion->mesh, &reuse));
-    step(context, sheet, what, BW_LAGGED_FACTOR_AUTO, NULL);
+    step(context, sheet, what, LAGGED_AUTO, NULL);
     bw_free(gradient);
     bw_release(sheet);
   }
@@ -248,14 +249,14 @@ static void test_renamed(void **state) {
   for (int i = 0; i < 3; i++)
     check_ok(context, bw_plane_fill(context, of[i], &fill, &mesh[i]));
   bw_sheet *sheet = make(context, mesh[0], material, STATIC);
-  step(context, sheet, STATIC, BW_LAGGED_FACTOR_AUTO, NULL);
+  step(context, sheet, STATIC, LAGGED_AUTO, NULL);
   int32_t corner = node_at(mesh[0], 2, 1);
   double before = sheet->displacement[2 * corner + 1];
   check_fails(context, BW_INVALID, "no tag 'left'", bw_sheet_follow(context, sheet, mesh[2], NULL));
-  step(context, sheet, STATIC, BW_LAGGED_FACTOR_AUTO, NULL);
+  step(context, sheet, STATIC, LAGGED_AUTO, NULL);
   check_near(sheet->displacement[2 * corner + 1], before, 1e-6 * fabs(before));
   check_ok(context, bw_sheet_follow(context, sheet, mesh[1], NULL));
-  step(context, sheet, STATIC, BW_LAGGED_FACTOR_AUTO, NULL);
+  step(context, sheet, STATIC, LAGGED_AUTO, NULL);
   check_near(sheet->displacement[2 * node_at(mesh[1], 2, 1) + 1], before, 1e-6 * fabs(before));
   bw_release(sheet);
   for (int i = 0; i < 3; i++)

@@ -162,17 +162,81 @@ static void other_backend(void **state) {
 
 static void descriptions(void **state) {
   bw_context *context = check_context(state);
-  char *text = NULL;
-  check_ok(context, bw_solver_describe(context, NULL, &text));
+  char text[BW_SOLVER_TEXT];
+  bw_solver_describe(NULL, text);
   assert_string_equal(text, "auto");
-  bw_free(text);
   for (int k = 0; k < ROWS; k++) {
     bw_solver *solver = solver_of(context, &rows[k]);
-    check_ok(context, bw_solver_describe(context, solver, &text));
+    bw_solver_describe(solver, text);
     assert_string_equal(text, rows[k].text);
-    bw_free(text);
     bw_release(solver);
   }
+}
+
+/* Where a factor in single precision lacks digits, the one in its place has the ordering that was
+ * given. */
+static void wide_in_place_of_single(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 2, 2, &b);
+  load_bar(context, &b, 0);
+  b.now.scale[1][1] = b.now.scale[1][2] = 0.01;
+  bw_mesh *mesh = NULL;
+  bw_model *model = NULL;
+  follow(&b);
+  check_ok(context, bw_mesh_moved(context, b.mesh, b.node, &mesh));
+  check_ok(context, bw_model_moved(context, b.model, mesh, &model));
+  for (int k = 0; k < 2; k++) {
+    bw_ordering ordering = k ? BW_ORDERING_AMD : BW_ORDERING_METIS;
+    bw_solver *single =
+        body_solver(context, (bw_solver_options){.precision = 32, .ordering = ordering});
+    const bw_statics_options options = {.solver = single};
+    bw_static *result = NULL;
+    bw_clear_warnings(context);
+    check_ok(context, bw_statics(context, model, NULL, &options, &result));
+    assert_non_null(bw_warning_at(context, 0));
+    assert_non_null(strstr(bw_warning_at(context, 0), "lacks digits"));
+    assert_int_equal(result->system->factor->symbolic->order->ordering, ordering);
+    assert_int_equal(result->system->factor->kernels->bits, 64);
+    bw_release(result);
+    bw_release(single);
+  }
+  bw_clear_warnings(context);
+  bw_release(model);
+  bw_release(mesh);
+  bar_clear(&b);
+}
+
+/* Of unsymmetric equations: nothing else takes them. */
+static void unsymmetric(void **state) {
+  bw_context *context = check_context(state);
+  bar b;
+  bar_make(context, 2, 2, &b);
+  bw_static *result = NULL;
+  bw_solver *lu = body_solver(context, (bw_solver_options){.kind = BW_SOLVER_LU, .full = true}),
+            *wrong = NULL;
+  bw_solver *bicgstab = body_solver(
+      context,
+      (bw_solver_options){.kind = BW_SOLVER_BICGSTAB, .preconditioner = lu, .tolerance = 1e-9});
+  char text[BW_SOLVER_TEXT];
+  bw_solver_describe(bicgstab, text);
+  assert_string_equal(text, "bicgstab (lu (full refactorisation), tolerance 1e-09)");
+  bw_statics_options options = {.solver = lu};
+  check_fails(context, BW_INVALID, "\"lu\" is for the unsymmetric equations",
+              bw_statics(context, b.model, NULL, &options, &result));
+  options.solver = bicgstab;
+  check_fails(context, BW_INVALID, "\"bicgstab\" is for the unsymmetric equations",
+              bw_statics(context, b.model, NULL, &options, &result));
+  const bw_solver_options pcg = {.kind = BW_SOLVER_PCG, .preconditioner = lu},
+                          other = {.kind = BW_SOLVER_BICGSTAB, .preconditioner = bicgstab},
+                          ordered = {.kind = BW_SOLVER_LU, .ordering = BW_ORDERING_AMD};
+  check_fails(context, BW_INVALID, "not symmetric", bw_solver_create(context, &pcg, &wrong));
+  check_fails(context, BW_INVALID, "not linear", bw_solver_create(context, &other, &wrong));
+  check_fails(context, BW_INVALID, "has no option 'ordering'",
+              bw_solver_create(context, &ordered, &wrong));
+  bw_release(lu);
+  bw_release(bicgstab);
+  bar_clear(&b);
 }
 
 static void refusals(void **state) {
@@ -344,7 +408,8 @@ static void cancelling_and_memory(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       check_test(all_solvers),        check_test(other_backend),
-      check_test(descriptions),       check_test(refusals),
+      check_test(descriptions),       check_test(wide_in_place_of_single),
+      check_test(unsymmetric),        check_test(refusals),
       check_test(mechanism),          check_test(large_elements),
       check_test(too_few_iterations), check_test(cancelling_and_memory)};
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -81,8 +81,8 @@ static bw_status solve_local(void *data, bw_context *context, int64_t count, con
 /* One edit followed and solved, and the slopes of two stresses. */
 static bw_status follow_and_solve(bw_context *context, const bw_model *model,
                                   const bw_subdomains *subdomains, const bw_bone_pose *pose,
-                                  shape *s, bw_incremental_method method,
-                                  bw_incremental_system *incremental, double *max) {
+                                  shape *s, edit_way method, bw_incremental_system *incremental,
+                                  double *max) {
   bw_mesh *mesh = NULL;
   bw_model *moved = NULL;
   bw_static *result = NULL;
@@ -145,17 +145,14 @@ static bw_status whole_session(bw_context *context, double *max) {
   for (int b = 0; b < BONES; b++)
     bw_bone_pose_rest(&pose[b]);
   pose[1].scale[1] = 1.2;
-  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, BW_INCREMENTAL_REFACTOR,
-                          incremental, max));
+  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, WAY_REFACTOR, incremental, max));
   const bw_reach_target target = {
       .bone = 1, .along = 1, .at = {0.95, 0.15, 0.1}, .weight = 1, .chain_from = -1};
   BW_TRY(bw_pose_reach(context, skeleton, NULL, 1, &target, 0, pose, &reached));
-  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, BW_INCREMENTAL_ITERATE, incremental,
-                          max));
+  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, WAY_ITERATE, incremental, max));
   for (int b = 0; b < BONES; b++) /* undone */
     bw_bone_pose_rest(&pose[b]);
-  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, BW_INCREMENTAL_AUTO, incremental,
-                          max));
+  BW_TRY(follow_and_solve(context, model, subdomains, pose, &s, WAY_AUTO, incremental, max));
 done:
   shape_clear(&s);
   bw_free(weight);

@@ -68,7 +68,8 @@ local function sheet(more)
       elements = 10 + r:integer(10), order = r:integer(2),
       conditions = {left = "fixed", right = {traction = {0, -1e5}}, top = {pressure = "x"}}, gravity = {0,
         -9.81},
-      follow = {relocation = "springs"}, solver = {method = "iterate", tolerance = 1e-8}}
+      follow = {relocation = "springs"}, max_lag = 3,
+      solver = bw.solver.pcg {preconditioner = bw.solver.cholesky(), tolerance = 1e-8}}
     for key, value in pairs(more) do opts[key] = value end
     return opts
   end

@@ -29,7 +29,7 @@ function kind.seen(subject)
     "potential", "dissipated"} do
     parts[#parts + 1] = text_of(transient[name])
   end
-  parts[#parts + 1] = text_of(transient.report.residual)
+  parts[#parts + 1] = text_of(transient.newton.residual)
   return table.concat(parts, "|")
 end
 
