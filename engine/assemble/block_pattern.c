@@ -264,6 +264,31 @@ done:
   return status;
 }
 
+bw_status bwi_block_pattern_of_rows(bw_context *context, int32_t node_count, int64_t *start,
+                                    int32_t *column, bw_block_pattern **pattern) {
+  bw_status status = BW_OK;
+  bw_block_pattern *g = BW_NEW0(context, bw_block_pattern, 1);
+  if (!g)
+    return BW_MEMORY;
+  bw_object_init(g, &pattern_kind);
+  g->node_count = node_count;
+  g->block_count = start[node_count];
+  g->start = start;
+  g->column = column;
+  g->gather_start = BW_NEW0(context, int64_t, g->block_count + 1);
+  status = g->gather_start ? fill_upper(context, g) : BW_MEMORY;
+  if (status == BW_OK) {
+    assert(is_ordered(g));
+    *pattern = g;
+  } else {
+    g->start = NULL;
+    g->column = NULL;
+    g->block_count = 0;
+    bw_release(g);
+  }
+  return status;
+}
+
 bw_status bw_block_pattern_create(bw_context *context, const bw_mesh *mesh,
                                   bw_block_pattern **pattern) {
   bw_status status = bw_block_pattern_of_elements(context, mesh->node_count, mesh->element_count,

@@ -39,6 +39,8 @@ typedef struct bwi_eigen_result {
   bw_solver_report report;
 } bwi_eigen_result;
 void bwi_eigen_result_clear(bwi_eigen_result *result);
+/* Makes the largest component of a vector positive; of several as large, the first decides. */
+void bwi_fix_sign(double *shape, int64_t size);
 bw_status bwi_eigen_lowest(bw_context *context, const bwi_eigen_problem *problem,
                            const bw_modes_options *options, bwi_eigen_result *result);
 

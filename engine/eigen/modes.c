@@ -54,8 +54,7 @@ bw_status bwi_modes_options_check(bw_context *context, const bw_modes_options *g
   return BW_OK;
 }
 
-/* Each shape's largest component is made positive; of several as large, the first decides. */
-static void fix_sign(double *shape, int64_t size) {
+void bwi_fix_sign(double *shape, int64_t size) {
   double largest = 0;
   for (int64_t i = 0; i < size; i++)
     largest = fmax(largest, fabs(shape[i]));
@@ -100,7 +99,7 @@ bw_status bwi_modes_from(bw_context *context, const bw_mesh *mesh, const bw_mate
   modes->residual = result->residual;
   result->value = result->vector = result->residual = NULL;
   for (int k = 0; k < modes->count; k++)
-    fix_sign(modes->shape + k * size, size);
+    bwi_fix_sign(modes->shape + k * size, size);
   *out = modes;
   return BW_OK;
 }

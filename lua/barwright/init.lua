@@ -26,6 +26,7 @@ local bw = {
   pressure_basis = core.pressure_basis,
   worst_loads = core.worst_loads,
   lp = core.lp,
+  operator = core.operator,
   sparse_matrix = core.sparse_matrix,
   rank_correlation = core.rank_correlation,
   picture = core.picture,

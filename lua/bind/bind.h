@@ -166,7 +166,7 @@ extern const lbw_class lbw_array_class, lbw_surface_class, lbw_mesh_class, lbw_s
     lbw_plane_mesh_class, lbw_mesh_motion_class, lbw_flow_class, lbw_plate_class, lbw_grid_class,
     lbw_embedding_class, lbw_job_class, lbw_canvas_class, lbw_database_class, lbw_lock_class,
     lbw_temporary_class, lbw_solver_class, lbw_lp_solver_class, lbw_eigensolver_class,
-    lbw_sparse_matrix_class;
+    lbw_sparse_matrix_class, lbw_operator_class, lbw_eigenpairs_class;
 
 /* ---- misuse ---------------------------------------------------------------------------------- */
 
@@ -346,6 +346,7 @@ void lbw_open_eigensolver(lua_State *L);
 void lbw_open_model(lua_State *L);
 void lbw_open_solve(lua_State *L);
 void lbw_open_sparse_matrix(lua_State *L);
+void lbw_open_operator(lua_State *L);
 void lbw_open_worst(lua_State *L);
 void lbw_open_worst_loads(lua_State *L);
 void lbw_open_patch_gradient(lua_State *L);

@@ -390,6 +390,7 @@ __attribute__((visibility("default"))) int luaopen_barwright_core(lua_State *L) 
   lbw_open_model(L);
   lbw_open_solve(L);
   lbw_open_sparse_matrix(L);
+  lbw_open_operator(L);
   lbw_open_worst(L);
   lbw_open_patch_gradient(L);
   lbw_open_picture(L);

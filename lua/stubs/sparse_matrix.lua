@@ -70,6 +70,61 @@ function SparseMatrix:write(path) end
 ---@return bw.Array y (any, row_count × 1) the product
 function SparseMatrix:apply(x) end
 
+---Solves A x = b with a symmetric positive definite matrix: by a factor, or by preconditioned conjugate gradients. Matrices of
+---other programs may be symmetric to rounding only.
+---```lua
+---local a = bw.sparse_matrix.new(2, 2, {1, 1, 2, 2}, {1, 2, 1, 2}, {2, -1, -1, 2})
+---local x, report = assert(a:solve({1, 1}, {solver = bw.solver.cholesky {backend = "cholmod"}}))
+---print(x[1], report.backend) -- 1.0 cholmod
+---```
+---
+---Errors: singular (not positive definite; of a factor `details.row`, of conjugate gradients `details.operator`), convergence
+---(`details.iterations`, `details.residual`), unsupported (preconditioners of bodies, PETSc), limit (too many entries of the
+---factor), memory (`details.bytes`, before any is taken). A matrix that is not symmetric raises.
+---
+---Source: docs/theory/solving.md; Y. Saad, Iterative Methods for Sparse Linear Systems (2003), section 9.2.
+---@param b bw.Array|number[] (any, row_count × k) right-hand sides, a column each
+---@param options? bw.LinearSolveOptions solver, preconditioner, guess
+---@return bw.Array? x (any, row_count × k) the solutions
+---@return bw.SolverReport|string report what the solver did, or the message
+---@return bw.Details? details
+function SparseMatrix:solve(b, options) end
+
+---The inverse as an operator, by a factor that is kept: for further right-hand sides, or as a preconditioner of similar matrices
+---and operators. `bw.solver.jacobi()` gives the inverse of the diagonal.
+---```lua
+---local a = bw.sparse_matrix.new(2, 2, {1, 1, 2, 2}, {1, 2, 1, 2}, {2, -1, -1, 2})
+---local inverse = assert(a:inverse())
+---print(inverse:apply({1, 1})[1], inverse.name) -- 1.0 cholesky
+---```
+---
+---Errors: singular (not positive definite; `details.row`), unsupported (preconditioners of bodies, PETSc), limit (too many
+---entries of the factor), memory (`details.bytes`, before any is taken). A matrix that is not symmetric raises.
+---@param solver? bw.Solver `cholesky` or `jacobi`; a factor of 32 bits has its digits. Default: `cholesky`
+---@return bw.Operator? inverse the operator
+---@return string? message
+---@return bw.Details? details
+function SparseMatrix:inverse(solver) end
+
+---The smallest eigenvalues of K x = λ M x and their vectors, K being the matrix.
+---```lua
+---local mesh = bw.mesh.box {max = {0.1, 0.02, 0.01}, cells = {8, 2, 1}, order = 2}
+---local part = bw.model({mesh = mesh, material = bw.material.steel}):fix(mesh.boundary:below("x", 0))
+---local system = assert(part:system())
+---local found = assert(system:matrix "stiffness":eigenpairs {mass = system:matrix "mass", count = 3})
+---print(found, math.sqrt(found.values[1]) / (2 * math.pi))
+---```
+---
+---Errors: singular (K - shift M, or M, is not positive definite), convergence, unsupported (SLEPc), limit (too many pairs, or
+---entries of the factor), memory (`details.bytes`, before any is taken). A matrix or an operator that is not symmetric raises.
+---
+---Source: docs/theory/solving.md; B. N. Parlett, The Symmetric Eigenvalue Problem (1998).
+---@param options? bw.EigenpairsOptions how many, mass, eigensolver
+---@return bw.Eigenpairs? pairs fewer than asked for where there are fewer
+---@return string? message
+---@return bw.Details? details
+function SparseMatrix:eigenpairs(options) end
+
 ---The entries, by rows, columns ascending in each row.
 ---@return bw.Array rows (index from 1, n × 1) the row of each
 ---@return bw.Array columns (index from 1, n × 1) its column

@@ -15,6 +15,7 @@ return {
     {"docs/howto_known_loads.md", "Compute a bracket"},
     {"docs/loads_and_supports.md", "Loads, supports, selections"},
     {"docs/choosing_a_solver.md", "Choose a solver"}, {"docs/import_export.md", "Import and export"},
+    {"docs/howto_operators.md", "Matrices and operators of your own"},
     {"docs/howto_study.md", "Run a design study"}, {"docs/howto_experiments.md", "Publish an experiment"},
     {"docs/howto_cluster.md", "More than one machine"},
     {"docs/howto_scenarios.md", "Test a requirement"},

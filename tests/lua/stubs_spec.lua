@@ -24,7 +24,7 @@ local class_of = {array = "bw.Array", surface = "bw.Surface", mesh = "bw.Mesh",
   grid = "bw.Grid", canvas = "bw.Canvas", embedding = "bw.Embedding", hyperelastic = "bw.Hyperelastic",
   ["material table"] = "bw.MaterialTable", solid_transient = "bw.SolidTransient", library = "bw.Library",
   solver = "bw.Solver", plane_mesh = "bw.PlaneMesh", ["mesh motion"] = "bw.MeshMotion", flow = "bw.FlowBody",
-  state = "bw.BodyState"}
+  state = "bw.BodyState", operator = "bw.Operator", eigenpairs = "bw.Eigenpairs"}
 
 -- Seen from scripts only through objects written in Lua.
 local inner_class = {locator = true, elastic_solid = true, load_case = true, large_static = true,

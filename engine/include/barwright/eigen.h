@@ -98,6 +98,53 @@ BW_API bw_status bw_modes_laplacian(bw_context *context, const bw_mesh *mesh,
                                     const bw_block_pattern *pattern,
                                     const bw_modes_options *options, bw_modes **modes);
 
+/* ---- matrices and operators ------------------------------------------------------------------ */
+
+/* How the eigenpairs of K x = lambda M x are found. Pointers are borrowed. */
+typedef struct bw_eigen_solve_options {
+  int count;                    /* pairs wanted; default 6, 1 or more */
+  double tolerance;             /* (-) relative residual; default 1e-8, above 0 and below 1 */
+  bool test;                    /* look for pairs that are missing; default true */
+  uint64_t seed;                /* of the start vectors; default 1 */
+  double shift;                 /* (any) sigma, below all eigenvalues: K - sigma M must be positive
+                                   definite; default 0 */
+  const bw_eigensolver *solver; /* default NULL: block Lanczos where K - sigma M is a sparse matrix
+                                   that can be factored, else LOBPCG */
+  const bw_operator *preconditioner; /* of LOBPCG: near the inverse of K - sigma M, symmetric and
+                                        positive definite; default NULL: the inverse of the diagonal
+                                        of a matrix, none for an operator */
+} bw_eigen_solve_options;
+BW_API void bw_eigen_solve_options_default(bw_eigen_solve_options *options);
+
+/* The smallest eigenvalues of K x = lambda M x and their vectors. */
+typedef struct bw_eigenpairs {
+  bw_object object;
+  int count;
+  int64_t size;     /* of a vector */
+  double *value;    /* (any, count) ascending */
+  double *vector;   /* (any, count x size) of M-norm 1, M-orthogonal; the largest component is
+                       positive */
+  double *residual; /* (-, count) |K x - lambda M x| / |(lambda - sigma) M x| */
+  double *error;    /* (any, count) an eigenvalue lies within this distance of the value: the
+                       residual in the norm of the inverse of M (Parlett, The Symmetric
+                       Eigenvalue Problem, chapter 15), but for rounding */
+  int recovered;    /* pairs found only after the test showed that they were missing */
+  bool counted;     /* the Sturm count confirmed that none is missing */
+  bool tested;      /* an iteration from random vectors found none below the last */
+  bw_solver_report report; /* how they were found */
+} bw_eigenpairs;
+/* The smallest eigenpairs of symmetric K and M; mass NULL: the identity. LANCZOS and ARPACK work on
+ * the inverse, which needs sparse matrices; LOBPCG needs products alone. Fewer than wanted where
+ * there are fewer. BW_SINGULAR where K - sigma M or M is not positive definite, BW_CONVERGENCE
+ * where the iteration does not reach the tolerance, BW_INVALID for options outside their ranges,
+ * sizes that differ, a matrix or operator that is not symmetric, and one that has to be factored
+ * but is no matrix; BW_UNSUPPORTED for SLEPC, BW_LIMIT for too many pairs or entries of a factor,
+ * BW_MEMORY before any is allocated where it is larger than what is free. Those of the operators'
+ * functions. `options` may be NULL. */
+BW_API bw_status bw_eigen_solve(bw_context *context, const bw_operator *stiffness,
+                                const bw_operator *mass, const bw_eigen_solve_options *options,
+                                bw_eigenpairs **pairs);
+
 #ifdef __cplusplus
 }
 #endif

@@ -168,6 +168,42 @@ BW_API bw_status bw_system_right_hand_side(bw_context *context, const bw_system 
  * components. */
 BW_API void bw_system_displacement(const bw_system *system, const double *x, double *displacement);
 
+/* ---- matrices and operators --------------------------------------------------------------------
+ */
+
+/* How A x = b is solved. Pointers are borrowed. */
+typedef struct bw_linear_solve_options {
+  const bw_solver *solver; /* BW_SOLVER_CHOLESKY, for sparse matrices, or BW_SOLVER_PCG; default
+                              NULL: a factor of a sparse matrix, else PCG, and PCG where a
+                              preconditioner is given */
+  const bw_operator *preconditioner; /* of PCG, of the same size: near the inverse of A, symmetric
+                                        and positive definite; default NULL: what the solver names,
+                                        of the matrix (a factor or BW_SOLVER_JACOBI); where it names
+                                        none BW_SOLVER_JACOBI, and none for an operator */
+  const double *guess;               /* (any, count x size) where PCG begins; default NULL: 0 */
+} bw_linear_solve_options;
+/* Solves A x = b with a symmetric positive definite A for `count` right-hand sides, one after the
+ * other: b (any, count x size), x (any, count x size), another block. `options` and *report may be
+ * NULL. The residual of each is below the solver's tolerance (default 1e-10) relative to its b, or
+ * what rounding leaves of a factor's. BW_SINGULAR for a matrix or operator that is not positive
+ * definite, BW_CONVERGENCE where PCG does not reach the tolerance, with x as far as it came,
+ * BW_INVALID for numbers that are not finite, sizes that differ, a matrix or operator that is not
+ * symmetric (an operator is tried where PCG fails), a preconditioner given twice, a factor of an
+ * operator, and a preconditioner without PCG; BW_UNSUPPORTED for preconditioners of bodies and the
+ * backend PETSc, BW_LIMIT for a factor with too many entries, BW_MEMORY before any is allocated
+ * where it is larger than what is free. Those of the operators' functions. */
+BW_API bw_status bw_linear_solve(bw_context *context, const bw_operator *a,
+                                 const bw_linear_solve_options *options, int64_t count,
+                                 const double *b, double *x, bw_solver_report *report);
+/* The inverse of a symmetric positive definite matrix as an operator: by a factor that `solver`
+ * describes (BW_SOLVER_CHOLESKY; NULL: the default), or of the diagonal alone (BW_SOLVER_JACOBI).
+ * It solves for further right-hand sides, and preconditions similar matrices. It may not be applied
+ * from two threads at once. BW_SINGULAR for a matrix that is not positive definite, BW_UNSUPPORTED
+ * for preconditioners of bodies and the backend PETSc, BW_INVALID for one that is not symmetric and
+ * for BW_SOLVER_PCG, BW_LIMIT and BW_MEMORY as bw_linear_solve. */
+BW_API bw_status bw_operator_inverse(bw_context *context, const bw_sparse_matrix *matrix,
+                                     const bw_solver *solver, bw_operator **result);
+
 /* The edits to be expected, borrowed, by the subdomains that they touch: those of subdomain d are
  * edit[start[d]] to edit[start[d + 1] - 1], numbers from 0 to count - 1 (bones, mostly). */
 typedef struct bw_edits {

@@ -1,4 +1,5 @@
-/* matrix: sparse matrices, and matrices and arrays in files of Matrix Market and NumPy. */
+/* matrix: sparse matrices, operators, and matrices and arrays in files of Matrix Market and NumPy.
+ */
 #ifndef BARWRIGHT_MATRIX_H
 #define BARWRIGHT_MATRIX_H
 
@@ -33,6 +34,38 @@ BW_API bool bw_sparse_matrix_is_symmetric(const bw_sparse_matrix *matrix);
  * rows), another block. */
 BW_API bw_status bw_sparse_matrix_apply(bw_context *context, const bw_sparse_matrix *matrix,
                                         int64_t count, const double *x, double *y);
+
+/* Y = A X for `count` vectors, one after the other: x (any, count x size), y (any, count x size),
+ * another block. Called on the thread that called the solver, and on no other. A status other than
+ * BW_OK ends the solver with it. */
+typedef bw_status bw_operator_function(bw_context *context, void *data, int64_t count,
+                                       const double *x, double *y);
+/* A square matrix that is known by its products alone: the caller's own, or a sparse matrix. It
+ * must be linear, and the same in each call. */
+typedef struct bw_operator {
+  bw_object object;
+  int64_t size;                   /* rows, and columns */
+  bw_operator_function *apply;    /* the product */
+  void *data;                     /* of `apply` */
+  void (*destroy)(void *data);    /* releases `data`; or NULL */
+  const bw_sparse_matrix *matrix; /* retained, where it is one; else NULL */
+  bw_name name;                   /* for messages */
+} bw_operator;
+/* An operator of `size` rows whose products the caller's function computes. `destroy` (may be NULL)
+ * releases `data` with the last reference; on failure the data stay the caller's. `name` (NULL:
+ * "operator") is for messages, and is cut after BW_NAME bytes. BW_INVALID for a negative size or no
+ * function. */
+BW_API bw_status bw_operator_create(bw_context *context, int64_t size, bw_operator_function *apply,
+                                    void *data, void (*destroy)(void *data), const char *name,
+                                    bw_operator **result);
+/* A square sparse matrix, which it retains, as an operator. `name` (NULL: "matrix"). BW_INVALID for
+ * another number of columns than rows. */
+BW_API bw_status bw_operator_of_matrix(bw_context *context, const bw_sparse_matrix *matrix,
+                                       const char *name, bw_operator **result);
+/* Y = A X as bw_operator_function: x (any, count x size), y (any, count x size), another block.
+ * BW_INVALID for a product that is not finite; and the statuses of the caller's function. */
+BW_API bw_status bw_operator_apply(bw_context *context, const bw_operator *a, int64_t count,
+                                   const double *x, double *y);
 
 /* Writes a matrix, by the ending of the path: .mtx is Matrix Market, coordinate format, real, and
  * symmetric (the lower triangle) where the matrix is, else general (Boisvert, Pozo and Remington

@@ -124,6 +124,12 @@ makers.WeakRegions = {function(p)
   return assert(bw.weak_regions(p.Mesh, bw.material.pla, (assert(p:variant("bw.Model", 3):modes {count = 1}))))
 end, function(p) return bw.single_regions(p.Mesh, {1, 2}) end}
 makers.SparseMatrix = {function() return bw.sparse_matrix.new(2, 2, {1, 2}, {1, 2}, {1, 2}) end}
+makers.Operator = {
+  function() return bw.operator {size = 3, apply = function(x) return 2 * x end} end,
+  function(p) return assert(p.SparseMatrix:inverse()) end,
+  function() return bw.operator {size = 2, apply = function() error "not today" end} end,
+}
+makers.Eigenpairs = {function(p) return assert(p.SparseMatrix:eigenpairs {count = 1}) end}
 makers.LpSolver = {function() return bw.lp.glpk {} end}
 makers.Solver = { -- none of several processes
   function() return assert(bw.solver.cholesky {}) end,

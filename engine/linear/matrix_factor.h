@@ -1,0 +1,33 @@
+/* Copyright (C) 2026 the barwright authors. Licence: AGPL-3.0-or-later. */
+/* Sparse matrices as the factor takes them, and their inverses (matrix_factor.c, inverse.c). */
+#ifndef BWI_LINEAR_MATRIX_FACTOR_H
+#define BWI_LINEAR_MATRIX_FACTOR_H
+
+#include "linear/internal.h"
+
+/* Lower triangles of two symmetric matrices on one pattern: a row of theirs is a node with one
+ * component. */
+typedef struct bwi_matrix_pair {
+  bw_block_pattern *pattern;
+  double *k, *m; /* block_count each; m: the identity where no second matrix is given */
+} bwi_matrix_pair;
+/* `m` may be NULL. Clear with bwi_matrix_pair_clear in any case. */
+bw_status bwi_matrix_pair_open(bw_context *context, const bw_sparse_matrix *k,
+                               const bw_sparse_matrix *m, bwi_matrix_pair *pair);
+void bwi_matrix_pair_clear(bwi_matrix_pair *pair);
+/* The factor of K - sigma M as `solver` (NULL: the default) describes it. BW_SINGULAR names the
+ * matrix and the row; BW_MEMORY before any is allocated where it is larger than what is free. */
+bw_status bwi_matrix_pair_factor(bw_context *context, const bwi_matrix_pair *pair, double sigma,
+                                 const bw_solver *solver, const char *name, bwi_factor **factor);
+
+/* BW_INVALID where an operator is not symmetric: a matrix by its entries, or by two random vectors;
+ * another one by these. *norm (may be NULL): |A v| / |v| of the vectors, near the norm of A. */
+bw_status bwi_operator_check_symmetric(bw_context *context, const bw_operator *a, double *norm);
+
+/* The word of an operator of bw_operator_inverse in a report ("cholesky"), "operator" for another
+ * one, "" for NULL. */
+const char *bwi_operator_word(const bw_operator *a);
+/* The factor of an operator of bw_operator_inverse, or NULL. */
+const bwi_factor *bwi_operator_factor(const bw_operator *a);
+
+#endif
