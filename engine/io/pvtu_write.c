@@ -33,10 +33,10 @@ static int64_t begin_of(const pieces *p, int k) {
 
 /* PATH without its ending, _K.vtu; to be released with bw_free. */
 static char *name_of(const pieces *p, int k) {
-  size_t stem = strlen(p->path) - strlen(".pvtu"), room = stem + 24;
-  char *name = BW_NEW(p->context, char, room);
+  size_t stem = strlen(p->path) - strlen(".pvtu"), size = stem + 24;
+  char *name = BW_NEW(p->context, char, size);
   if (name)
-    snprintf(name, room, "%.*s_%d.vtu", (int)stem, p->path, k);
+    snprintf(name, size, "%.*s_%d.vtu", (int)stem, p->path, k);
   return name;
 }
 
