@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/dense.h"
+#include "linear/pcg_packed.h"
 
 enum { SIDES = BWI_SMOOTHER_SIDES, ROWS = 128, DEGREE = 2 };
 
@@ -119,21 +120,46 @@ static bw_status reserve(bw_context *context, bwi_amg *g, int width) {
 
 /* ---- kernels ------------------------------------------------------------------------------- */
 
+/* One number of each of four fields, or of eight. */
+typedef float four __attribute__((vector_size(16), aligned(4), may_alias));
+typedef float eight __attribute__((vector_size(32), aligned(4), may_alias));
+
+/* y += A x of one block for the fields from `first` on that `all` holds, where A's entry of row i
+ * and column j is at a[down i + across j]. */
+#define ADD_BLOCK(name, all)                                                                       \
+  static inline void name(const float *a, int rows, int columns, int down, int across, int fields, \
+                          int first, const float *x, float *y) {                                   \
+    for (int i = 0; i < rows; i++) {                                                               \
+      all sum = *(const all *)(y + i * fields + first);                                            \
+      for (int j = 0; j < columns; j++)                                                            \
+        sum += a[down * i + across * j] * *(const all *)(x + j * fields + first);                  \
+      *(all *)(y + i * fields + first) = sum;                                                      \
+    }                                                                                              \
+  }
+ADD_BLOCK(add_to_one, float)
+ADD_BLOCK(add_to_four, four)
+ADD_BLOCK(add_to_eight, eight)
+
+static inline void add_any(const float *a, int rows, int columns, int down, int across, int fields,
+                           const float *x, float *y) {
+  int first = 0;
+  for (; first + 8 <= fields; first += 8)
+    add_to_eight(a, rows, columns, down, across, fields, first, x, y);
+  for (; first + 4 <= fields; first += 4)
+    add_to_four(a, rows, columns, down, across, fields, first, x, y);
+  for (; first < fields; first++)
+    add_to_one(a, rows, columns, down, across, fields, first, x, y);
+}
+
 /* y += A x of one block, for `fields` interleaved fields; y += A^T x. */
 static inline void add_block(const float *a, int height, int width, int fields, const float *x,
                              float *y) {
-  for (int i = 0; i < height; i++)
-    for (int j = 0; j < width; j++)
-      for (int f = 0; f < fields; f++)
-        y[i * fields + f] += a[i * width + j] * x[j * fields + f];
+  add_any(a, height, width, width, 1, fields, x, y);
 }
 
 static inline void add_transposed(const float *a, int height, int width, int fields, const float *x,
                                   float *y) {
-  for (int i = 0; i < height; i++)
-    for (int j = 0; j < width; j++)
-      for (int f = 0; f < fields; f++)
-        y[j * fields + f] += a[i * width + j] * x[i * fields + f];
+  add_any(a, width, height, 1, width, fields, x, y);
 }
 
 /* Compiled for the sizes that there are. */
@@ -325,26 +351,6 @@ typedef struct packing {
   double unit[SIDES]; /* each field times a power of two, so that floats hold it */
 } packing;
 
-/* What of three numbers at a node is along its unknowns. */
-static void project(const bw_dof_map *dof_map, int64_t node, double x[3]) {
-  const uint8_t *state = dof_map->state + 3 * node;
-  int32_t row = dof_map->frame_of[node];
-  double out[3] = {0, 0, 0};
-  for (int c = 0; c < 3; c++) {
-    const double *frame = row < 0 ? NULL : dof_map->frame + 9 * (int64_t)row + 3 * c;
-    if (state[c] == BW_DOF_PRESCRIBED)
-      continue;
-    if (!frame)
-      out[c] = x[c];
-    else {
-      double along = bw_dot(frame, x);
-      for (int d = 0; d < 3; d++)
-        out[d] += along * frame[d];
-    }
-  }
-  memcpy(x, out, sizeof out);
-}
-
 static bw_status pack(void *data, int64_t begin, int64_t end, int worker) {
   (void)worker;
   const packing *p = data;
@@ -355,7 +361,7 @@ static bw_status pack(void *data, int64_t begin, int64_t end, int worker) {
       double x[3] = {0, 0, 0};
       for (int d = 0; d < 3 && f < p->used; d++)
         x[d] = p->unit[f] * p->r[f * size + 3 * (int64_t)s->node[k] + d];
-      project(p->g->dof_map, s->node[k], x);
+      bwi_project_unknowns(p->g->dof_map, s->node[k], x, x);
       for (int d = 0; d < 3; d++)
         p->g->level[0].b[(3 * k + d) * p->width + f] = (float)x[d];
     }
@@ -372,7 +378,7 @@ static bw_status unpack(void *data, int64_t begin, int64_t end, int worker) {
       double x[3];
       for (int d = 0; d < 3; d++)
         x[d] = (double)p->g->level[0].x[(3 * k + d) * p->width + f] * (s->unit / p->unit[f]);
-      project(p->g->dof_map, s->node[k], x);
+      bwi_project_unknowns(p->g->dof_map, s->node[k], x, x);
       memcpy(p->z + f * size + 3 * (int64_t)s->node[k], x, sizeof x);
     }
   return BW_OK;

@@ -45,7 +45,9 @@ static double *clear_sum(const packing *s, int64_t begin) {
 void bwi_project_unknowns(const bw_dof_map *dof_map, int64_t node, const double *f, double out[3]) {
   int32_t row = dof_map->frame_of[node];
   const uint8_t *state = dof_map->state + 3 * node;
-  if (row < 0) {
+  bool prescribed = state[0] == BW_DOF_PRESCRIBED || state[1] == BW_DOF_PRESCRIBED ||
+                    state[2] == BW_DOF_PRESCRIBED;
+  if (row < 0 || !prescribed) {
     for (int d = 0; d < 3; d++)
       out[d] = state[d] == BW_DOF_PRESCRIBED ? 0 : f[d];
     return;
