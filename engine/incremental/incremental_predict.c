@@ -81,7 +81,7 @@ static double bound(double spread, double digits) {
 #define NEAR 0.6
 
 static void predict_levels(const bw_incremental_system *incremental, double tolerance,
-                           double passes, double later, bool many, bwi_incremental_cost *cost) {
+                           int64_t count, int64_t further, bwi_incremental_cost *cost) {
   const bwi_incremental *inner = incremental->inner;
   const bw_block_pattern *pattern = incremental->system->pattern;
   cost->pcg = INFINITY;
@@ -101,9 +101,9 @@ static void predict_levels(const bw_incremental_system *incremental, double tole
   double seen = inner->two_level_ratio[cost->near];
   double factor = seen > 0 ? seen : cost->near ? NEAR : 1;
   cost->pcg_iterations = 1 + factor * BWI_TWO_LEVEL_RATE * log(2 / tolerance);
-  cost->one_pcg_iteration = one * passes * (many ? BWI_TWO_LEVEL_SIDES : 1);
-  cost->pcg =
-      follow + cost->pcg_iterations * (cost->one_pcg_iteration + later * one * BWI_TWO_LEVEL_SIDES);
+  cost->one_pcg_iteration = one * bwi_two_level_sides(count);
+  cost->pcg = follow +
+              cost->pcg_iterations * (cost->one_pcg_iteration + one * bwi_two_level_sides(further));
 }
 
 static double refactoring(const bwi_incremental *inner, const uint8_t *touched,
@@ -141,7 +141,7 @@ void bwi_incremental_predict(bw_incremental_system *incremental,
   cost->iterations =
       1 + refinements + cost->factor * bound(SPREAD * inner->change, log(2 / tolerance));
   cost->near = tolerance > 2 * options->tolerance;
-  predict_levels(incremental, tolerance, passes, later, count > 1, cost);
+  predict_levels(incremental, tolerance, count, options->further, cost);
   cost->one_iteration = all * pass;
   cost->iterate = cost->iterations * solved * pass;
 }

@@ -218,8 +218,7 @@ static double iteration_seconds(const bw_lagged_factor *lagged, const bw_plane_p
   double matrix = (8 * square + 4) * (double)pattern->block_count;
   double vectors = 12 * 8.0 * (double)pattern->node_count * lagged->components;
   double factor = lagged->symmetric && !old ? 4 * lagged->work.bytes : lagged->work.bytes;
-  return (lagged->symmetric ? 1 : 2) * (factor + matrix + vectors) /
-         BWI_COST_PLANE_BYTES_PER_SECOND;
+  return (lagged->symmetric ? 1 : 2) * (factor + matrix + vectors) / BWI_COST_BYTES_PER_SECOND;
 }
 
 /* Copying a Cholesky factor to single precision, before it is first used as an old one. */

@@ -39,9 +39,16 @@ typedef struct bwi_two_level {
 /* Beside reading matrices: sums over fields, rows between chunks, one after the other
  * (measured). */
 #define BWI_TWO_LEVEL_PASS 2.0
-/* Of eight right-hand sides side by side over one (measured); of following a shape over an
- * iteration, where there is no preconditioner yet to count. */
-#define BWI_TWO_LEVEL_SIDES 2.5
+/* Of each further right-hand side beside one (measured: 8 cost 2.3 to 2.5, 12 cost 3.1 to 3.5). */
+#define BWI_TWO_LEVEL_SIDE 0.2
+/* Of `count` right-hand sides over one, in blocks of as many as go side by side. */
+static inline double bwi_two_level_sides(int64_t count) {
+  int64_t left = count % BWI_SMOOTHER_SIDES;
+  double whole = (double)(count / BWI_SMOOTHER_SIDES);
+  return whole * (1 + BWI_TWO_LEVEL_SIDE * (BWI_SMOOTHER_SIDES - 1)) +
+         (left > 0 ? 1 + BWI_TWO_LEVEL_SIDE * (bwi_smoother_width(left) - 1) : 0);
+}
+/* Of following a shape over an iteration, where there is no preconditioner yet to count. */
 #define BWI_TWO_LEVEL_BEGIN 12.0
 
 /* Of a mesh for which bwi_coarse_fits, with its pattern; even: as in bwi_smoother_create. Release

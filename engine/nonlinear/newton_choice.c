@@ -132,7 +132,7 @@ void bwi_choice_begin(bwi_newton_state *state) {
                                                        .nepers = 3 * GUESS_WEIGHT};
   double product = ELEMENT_BYTES * (double)grid->element_count;
   double bytes = PRODUCTS * product + NODE_BYTES * (double)grid->node_count;
-  c->set = PRODUCTS_TO_SET * product / BWI_COST_GRID_BYTES_PER_SECOND;
+  c->set = PRODUCTS_TO_SET * product / BWI_COST_BYTES_PER_SECOND;
   for (int k = 0; k < o->coarse_count; k++) {
     const bw_grid *below = o->coarse[k]->grid;
     const bw_material_table *material_table = o->coarse[k]->material_table;
@@ -146,7 +146,7 @@ void bwi_choice_begin(bwi_newton_state *state) {
       bytes += 2 * 8 * COARSE_ENTRIES * nodes;
     }
   }
-  c->iteration = bytes / BWI_COST_GRID_BYTES_PER_SECOND;
+  c->iteration = bytes / BWI_COST_BYTES_PER_SECOND;
   c->open = true;
 }
 
@@ -169,8 +169,8 @@ static bw_status consider(bwi_newton_state *state) {
                             state->load_case->constrained));
   state->report->seconds_analysis += bw_seconds() - before;
   bwi_direct_count(state->newton->direct, &flops, &entries);
-  c->factor = flops / BWI_COST_GRID_FLOPS_PER_SECOND +
-              ENTRY_BYTES * entries / BWI_COST_GRID_BYTES_PER_SECOND;
+  c->factor =
+      flops / BWI_COST_GRID_FLOPS_PER_SECOND + ENTRY_BYTES * entries / BWI_COST_BYTES_PER_SECOND;
 done:
   return status;
 }
