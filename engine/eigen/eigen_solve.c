@@ -272,6 +272,11 @@ static bw_status prepare(bw_context *context, pencil *p, bwi_eigen_problem *prob
     return bw_fail(context, BW_UNSUPPORTED,
                    "SLEPc computes elastic modes of a whole model: matrices and operators take "
                    "lanczos, arpack or lobpcg");
+  if (solver && solver->options.preconditioner)
+    return bw_fail(context, BW_UNSUPPORTED,
+                   "\"%s\" works on the elements of a body: give a preconditioner of your own, or "
+                   "the inverse of a similar matrix",
+                   bw_solver_word(solver->options.preconditioner->options.kind));
   bool lobpcg = kind == BW_EIGENSOLVER_LOBPCG;
   if (!lobpcg && p->options.preconditioner)
     return bw_fail(context, BW_INVALID,

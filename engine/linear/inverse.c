@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "linear/pcg.h"
 #include "linear/vectors.h"
 
 typedef struct inverse {
@@ -65,6 +66,8 @@ static bw_status invert_diagonal(bw_context *context, const bw_sparse_matrix *a,
 static bw_status check_solver(bw_context *context, const bw_solver *solver) {
   if (!solver || solver->options.kind == BW_SOLVER_JACOBI)
     return BW_OK;
+  if (solver->options.kind == BW_SOLVER_LU || solver->options.kind == BW_SOLVER_BICGSTAB)
+    return bwi_solver_refused(context, solver);
   if (solver->options.kind == BW_SOLVER_PCG)
     return bw_fail(context, BW_INVALID,
                    "conjugate gradients give no inverse: they are not linear. Give cholesky or "

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "linear/matrix_factor.h"
+#include "linear/pcg.h"
 #include "linear/pcg_space.h"
 #include "linear/vectors.h"
 
@@ -90,9 +91,7 @@ static bw_status prepare(linear_solve *s, const bw_linear_solve_options *options
   if (!solver && s->a->matrix && !options->preconditioner)
     kind = BW_SOLVER_CHOLESKY;
   if (kind != BW_SOLVER_CHOLESKY && kind != BW_SOLVER_PCG)
-    return bw_fail(s->context, BW_INVALID,
-                   "\"%s\" is a preconditioner and no solver: give it to pcg",
-                   bw_solver_word(kind));
+    return bwi_solver_refused(s->context, solver);
   if (kind == BW_SOLVER_PCG)
     return read_preconditioner(s, options->preconditioner);
   if (options->preconditioner)

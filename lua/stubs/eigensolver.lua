@@ -4,7 +4,8 @@
 --
 -- Eigensolvers
 --
--- Methods for the lowest modes, as descriptions that `part:modes`, `bw.worst_case` and `bw.breaking_force` take.
+-- Methods for the lowest modes, as descriptions that `part:modes`, `bw.worst_case` and `bw.breaking_force` take, and `eigenpairs`
+-- of matrices and operators.
 
 ---Descriptions of eigensolvers. Each is made once and used as often as one likes; `print` shows it. All give the same modes
 ---within the tolerance. Without one the default of docs/choosing_a_solver.md is used.

@@ -74,8 +74,8 @@ function Operator:solve(b, options) end
 ---The smallest eigenvalues of K x = λ M x and their vectors, K being the operator. LOBPCG serves operators; it needs a
 ---preconditioner near the inverse of K unless that is well-conditioned.
 ---
----Errors: singular (K - shift M, or M, is not positive definite), convergence, limit (too many pairs). A matrix or an operator
----that is not symmetric raises.
+---Errors: singular (K - shift M, or M, is not positive definite), convergence, unsupported (SLEPc, preconditioners of bodies),
+---limit (too many pairs). A matrix or an operator that is not symmetric raises.
 ---
 ---Source: docs/theory/solving.md; A. V. Knyazev, SIAM J. Sci. Comput. 23 (2001).
 ---@param options? bw.EigenpairsOptions how many, mass, eigensolver

@@ -53,7 +53,7 @@ function solver_module.pcg(options) end
 
 ---How conjugate gradients work.
 ---@class bw.PcgOptions
----@field preconditioner? bw.Solver of `two_level`, `amg`, `jacobi` or `cholesky`. Default: `two_level`
+---@field preconditioner? bw.Solver of `two_level`, `amg`, `jacobi` or `cholesky`. Default: `two_level`; of a sparse matrix `jacobi`
 ---@field tolerance? number (-) relative residual to be reached. Range: above 0, below 1. Default: 1e-10; in Newton's method of solids by Eisenstat and Walker, of sheets 1e-8
 ---@field max_iterations? integer (count) at most. Range: 1 and more. Default: 2000; in Newton's method of solids 10000, of sheets 60 before the factor is computed again
 
@@ -176,7 +176,7 @@ local Solver = {}
 ---@class bw.SolverReport
 ---@field solver string the method: "cholesky", "pcg"; of flows "lu", "bicgstab"; of linear programs "dual_simplex", or "simplex" of GLPK; of modes "lanczos", "arpack", "lobpcg" or "slepc"
 ---@field backend string? which program: "multifrontal", "cholmod", "petsc", "umfpack", "barwright", "glpk"
----@field preconditioner string? "two_level", "amg", "jacobi", "cholesky" or "lu"
+---@field preconditioner string? "two_level", "amg", "jacobi", "cholesky", "lu", or "operator" of the script's own
 ---@field reason string? why it was chosen
 ---@field predicted_cost number? (s) where it was chosen by cost: predicted
 ---@field rival_cost number? (s) likewise, of the next best solver

@@ -115,8 +115,9 @@ function SparseMatrix:inverse(solver) end
 ---print(found, math.sqrt(found.values[1]) / (2 * math.pi))
 ---```
 ---
----Errors: singular (K - shift M, or M, is not positive definite), convergence, unsupported (SLEPc), limit (too many pairs, or
----entries of the factor), memory (`details.bytes`, before any is taken). A matrix or an operator that is not symmetric raises.
+---Errors: singular (K - shift M, or M, is not positive definite), convergence, unsupported (SLEPc, preconditioners of bodies),
+---limit (too many pairs, or entries of the factor), memory (`details.bytes`, before any is taken). A matrix or an operator that
+---is not symmetric raises.
 ---
 ---Source: docs/theory/solving.md; B. N. Parlett, The Symmetric Eigenvalue Problem (1998).
 ---@param options? bw.EigenpairsOptions how many, mass, eigensolver

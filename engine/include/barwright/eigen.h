@@ -138,9 +138,9 @@ typedef struct bw_eigenpairs {
  * there are fewer. BW_SINGULAR where K - sigma M or M is not positive definite, BW_CONVERGENCE
  * where the iteration does not reach the tolerance, BW_INVALID for options outside their ranges,
  * sizes that differ, a matrix or operator that is not symmetric, and one that has to be factored
- * but is no matrix; BW_UNSUPPORTED for SLEPC, BW_LIMIT for too many pairs or entries of a factor,
- * BW_MEMORY before any is allocated where it is larger than what is free. Those of the operators'
- * functions. `options` may be NULL. */
+ * but is no matrix; BW_UNSUPPORTED for SLEPC and preconditioners of bodies, BW_LIMIT for too many
+ * pairs or entries of a factor, BW_MEMORY before any is allocated where it is larger than what is
+ * free. Those of the operators' functions. `options` may be NULL. */
 BW_API bw_status bw_eigen_solve(bw_context *context, const bw_operator *stiffness,
                                 const bw_operator *mass, const bw_eigen_solve_options *options,
                                 bw_eigenpairs **pairs);

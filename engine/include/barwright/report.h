@@ -15,8 +15,8 @@ typedef struct bw_solver_report {
   const char *solver;         /* "cholesky", "pcg", "lanczos", ...; static */
   const char *backend;        /* "multifrontal", "cholmod", "petsc", "glpk", ...; static, ""
                                  where the solver has one only */
-  const char *preconditioner; /* "two_level", "amg", "jacobi", "cholesky"; static, "" where there is
-                                 none */
+  const char *preconditioner; /* "two_level", "amg", "jacobi", "cholesky", "operator" of the
+                                 caller's own; static, "" where there is none */
   char reason[160];           /* why this one was chosen: a sentence */
   double predicted_cost;      /* (s) of the reference machine; 0 where there was no choice */
   double rival_cost;          /* (s) likewise, of the next best solver */

@@ -68,6 +68,21 @@ static double dot(const double *x, const double *y) {
   return sum;
 }
 
+/* |r| in the norm of M^-1, by a factor of M, is the error. */
+static void check_error(bw_context *context, bool mass, const double *r, double error) {
+  double z[N];
+  memcpy(z, r, sizeof z);
+  if (mass) {
+    bw_sparse_matrix *matrix = tridiagonal(context, 4.0 / 6, 1.0 / 6);
+    bw_operator *inverse = NULL;
+    check_ok(context, bw_operator_inverse(context, matrix, NULL, &inverse));
+    check_ok(context, bw_operator_apply(context, inverse, 1, r, z));
+    bw_release(inverse);
+    bw_release(matrix);
+  }
+  check_near(error, sqrt(dot(r, z)), 0.01 * error + 1e-14);
+}
+
 static void check_pairs(bw_context *context, const bw_operator *k, const bw_operator *m,
                         const bw_eigenpairs *pairs, double tolerance) {
   double kx[N], mx[COUNT][N];
@@ -86,10 +101,13 @@ static void check_pairs(bw_context *context, const bw_operator *k, const bw_oper
       memcpy(mx[i], x, sizeof mx[i]);
     for (int j = 0; j <= i; j++)
       check_near(dot(x, mx[j]), i == j, 1e-7);
+    double r[N];
     for (int j = 0; j < N; j++) {
-      left += (kx[j] - pairs->value[i] * mx[i][j]) * (kx[j] - pairs->value[i] * mx[i][j]);
+      r[j] = kx[j] - pairs->value[i] * mx[i][j];
+      left += r[j] * r[j];
       size += value * value * mx[i][j] * mx[i][j];
     }
+    check_error(context, m != NULL, r, pairs->error[i]);
     assert_true(sqrt(left / size) < 1e-7 && pairs->residual[i] < 1e-8);
     /* sines */
     double largest = 0, here = 0;
@@ -311,6 +329,18 @@ static void failures_are_reported(void **state) {
   FAILS(BW_INVALID, "the preconditioner \"K\" is for lobpcg", matrix, NULL, .solver = lanczos,
         .preconditioner = k);
   FAILS(BW_UNSUPPORTED, "SLEPc computes elastic modes", matrix, NULL, .solver = slepc);
+  bw_solver *amg = NULL;
+  bw_eigensolver *of_bodies = NULL;
+  bw_eigensolver_options how;
+  check_ok(context, bw_solver_create(context, &(bw_solver_options){.kind = BW_SOLVER_AMG}, &amg));
+  bw_eigensolver_options_default(&how);
+  how.kind = BW_EIGENSOLVER_LOBPCG;
+  how.preconditioner = amg;
+  check_ok(context, bw_eigensolver_create(context, &how, &of_bodies));
+  FAILS(BW_UNSUPPORTED, "\"amg\" works on the elements of a body", matrix, NULL,
+        .solver = of_bodies);
+  bw_release(of_bodies);
+  bw_release(amg);
   FAILS(BW_INVALID, "-1 eigenpairs were requested", k, m, .count = -1);
   FAILS(BW_INVALID, "the tolerance on eigenpairs is 2", k, m, .tolerance = 2);
   FAILS(BW_INVALID, "the shift is nan", k, m, .shift = NAN);

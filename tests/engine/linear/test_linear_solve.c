@@ -288,6 +288,11 @@ static void failures_are_reported(void **state) {
   FAILS(BW_INVALID, "a factor needs the entries of a sparse matrix, and \"own\" is an operator",
         good, .solver = factor);
   FAILS(BW_INVALID, "\"jacobi\" is a preconditioner and no solver", matrix, .solver = jacobi);
+  bw_solver *lu = solver(context, (bw_solver_options){.kind = BW_SOLVER_LU});
+  FAILS(BW_INVALID, "\"lu\" is for the unsymmetric equations of flows", matrix, .solver = lu);
+  check_fails(context, BW_INVALID, "\"lu\" is for the unsymmetric equations of flows",
+              bw_operator_inverse(context, matrix->matrix, lu, &bad));
+  bw_release(lu);
   FAILS(BW_INVALID, "a preconditioner that the solver makes needs the entries", good,
         .solver = both);
   FAILS(BW_INVALID, "two preconditioners", matrix, .solver = both, .preconditioner = good);
